@@ -20,6 +20,7 @@ macro_rules! say {
 
 mod advise;
 mod explain;
+mod import;
 mod interrupts;
 mod link;
 mod progress;
@@ -98,6 +99,9 @@ enum Command {
         #[arg(value_name = "METRIC|FAULT|LIMIT|KEY|FILE")]
         word: Vec<String>,
     },
+    /// Import measured data: parameters with standard deviations, a report, and a ready scene (docs/import.md).
+    #[command(after_help = EXIT_CODES)]
+    Import(Box<import::ImportArgs>),
     /// Print the JSON Schema of a scene, for editors.
     Schema {
         /// Of a suite of cases and targets instead (docs/suites.md).
@@ -189,6 +193,7 @@ pub fn main() -> ExitCode {
         Some(Command::Check { scene }) => with_scene(&scene, color, |loaded| print(&format!("{}: valid\n", loaded.origin))),
         Some(Command::Explain { word }) => explain::run(&word.join(" ")),
         Some(Command::Advise(args)) => advise::run(&args, color),
+        Some(Command::Import(args)) => import::run(&args, color),
         Some(Command::Validate(args)) => validate::run(&args, color),
         Some(Command::Link(args)) => link::run(&args, color),
         Some(Command::Schema { suite }) => print(&format!("{:#}\n", if suite { suite::schema() } else { schema::schema() })),

@@ -1,12 +1,14 @@
 //! Every command that README and docs print is run, and every scene in them is checked: what a reader copies works.
 //!
 //! Scenes of many runs are shortened to two, so their expectations may be missed (exit code 4); of single runs they may not, unless the page
-//! changes values. Commands of `cargo test` are not run again: their packages, modules and tests have to be there.
+//! changes values. Measured files that the pages name are made of a circuit and of a contact. Commands of `cargo test` are not run again: their packages, modules and tests have to be there.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+
+use import::admittance::circuit::{Branch, Equivalent};
 
 /// Commands that need what a test has not, by how they begin, and why they are not run.
 const NOT_RUN: [(&str, &str); 13] = [
@@ -98,12 +100,57 @@ impl Drop for Folder {
     }
 }
 
+/// The measured files that the pages name, as a reader would have them: name and text.
+fn measured_files() -> Vec<(&'static str, String)> {
+    let branch = Branch { hz: 40e3, q: 120.0, siemens: 0.02 };
+    let circuit = Equivalent { c0_f: 4e-9, loss_tangent: 0.005, branches: vec![branch] };
+    // A little noise, the same in every run.
+    let noise = |n: usize, k: f64| 1e-3 * (n as f64 * k).sin();
+    let lines = |of: &dyn Fn(usize, f64) -> (f64, f64)| -> String {
+        let line = |n: usize| {
+            let hz = 39e3 + 10.0 * n as f64;
+            let (a, b) = of(n, hz);
+            format!("{hz},{:.9e},{:.9e}\n", a * (1.0 + noise(n, 12.9)), b + b.abs().max(1e-3) * noise(n, 78.2))
+        };
+        (0..201).map(line).collect()
+    };
+    let z = |hz: f64| circuit.admittance(hz).inv();
+    let polar = |_: usize, hz: f64| (z(hz).norm_sqr().sqrt(), z(hz).im.atan2(z(hz).re).to_degrees());
+    let reflection = |_: usize, hz: f64| {
+        let y = 50.0 * circuit.admittance(hz);
+        let s = (1.0 - y) / (1.0 + y);
+        (s.re, s.im)
+    };
+    let in_khz = |text: String| -> String {
+        let line =
+            |line: &str| line.split_once(',').map(|(hz, rest)| format!("{},{rest}\n", hz.parse::<f64>().unwrap_or(0.0) / 1e3));
+        text.lines().filter_map(line).collect()
+    };
+    let parts = "f [Hz],R [ohm],X [ohm]\n";
+    let slide = |n: usize| {
+        let friction = if (200..400).contains(&n) { 0.5 } else { 1.5 };
+        format!("{},{:e},{}\n", n as f64 * 0.01, n as f64 * 1e-4, friction * (1.0 + 10.0 * noise(n, 12.9)))
+    };
+    vec![
+        ("transducer.s1p", format!("# Hz S RI R 50\n{}", lines(&reflection).replace(',', " "))),
+        ("table.csv", in_khz(lines(&polar))),
+        ("unitless.csv", format!("Frequency,Z,phase\n{}", lines(&polar))),
+        ("jig.csv", format!("{parts}{}", lines(&|_, hz| (z(hz).re + 10.02, z(hz).im)))),
+        ("jig-open.csv", format!("{parts}{}", lines(&|_, hz| (1.0, -1.0 / (std::f64::consts::TAU * hz * 1e-12))))),
+        ("jig-short.csv", format!("{parts}{}", lines(&|_, _| (0.02, 1e-3)))),
+        ("log.csv", format!("t [s],x [m],F [N]\n{}", (0..600).map(slide).collect::<String>())),
+    ]
+}
+
 #[test]
 fn every_documented_command_works() {
     let folder = Folder::new("documented");
     let blocks = scenes();
     let (_, transducer) = blocks.iter().find(|(_, text)| text.contains("\"my transducer\"")).expect("README's transducer");
     fs::write(folder.0.join("my-transducer.toml"), transducer).expect("a scene");
+    for (name, text) in measured_files() {
+        fs::write(folder.0.join(name), text).expect("a measured file");
+    }
     let mut wrong = Vec::new();
     for (command, page) in commands() {
         if command.starts_with(BENCHES) || NOT_RUN.iter().any(|(start, _)| command.starts_with(start)) {
@@ -111,7 +158,8 @@ fn every_documented_command_works() {
         }
         let mut words = shlex::split(&command).unwrap_or_else(|| panic!("{page}: {command}"));
         // A verb alone, in a sentence, is its name.
-        let named = words.len() == 1 && !["list", "schema"].contains(&words[0].as_str());
+        let named =
+            words.len() == 1 && !["list", "schema"].contains(&words[0].as_str()) || words.len() == 2 && words[0] == "import";
         if named {
             words.push("--help".into());
         }
@@ -210,8 +258,21 @@ fn every_documented_test_is_there() {
         ["firmware", "firmware/update", "hal-mock", "sim-host", "tests", "firmware/boards/common", "firmware/boards/on-target"]
             .into_iter()
             .map(str::to_owned);
-    let crates =
-        ["board", "contact", "cortex-m4", "scene", "plant", "report", "sim", "pil", "link", "proof", "peers", "stm32g474"];
+    let crates = [
+        "board",
+        "contact",
+        "cortex-m4",
+        "import",
+        "scene",
+        "plant",
+        "report",
+        "sim",
+        "pil",
+        "link",
+        "proof",
+        "peers",
+        "stm32g474",
+    ];
     let folders: Vec<_> = folders.chain(crates.map(|name| format!("sim-host/{name}"))).collect();
     let named = |folder: &&String, package: &str| {
         let manifest = fs::read_to_string(root().join(folder).join("Cargo.toml")).expect("a manifest");

@@ -131,6 +131,7 @@ mod tests {
             lm_h: None,
             rm_ohm: None,
             series_resonance_hz: Some(A3.series_resonance_hz()),
+            parallel_resonance_hz: None,
             q: Some(A3.q()),
             coupling: Some(0.25),
             force_factor_n_per_v: 5.566,

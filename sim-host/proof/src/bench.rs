@@ -2,8 +2,8 @@
 
 use crate::evidence::{Error, Evidence, Options, built_in};
 use crate::{
-    board_faults, board_scenes, commission, contacts, crash, faults, features, field_update, friction, fuzz, guard, instructions,
-    precision, thesis, transducers,
+    board_faults, board_scenes, commission, contacts, crash, faults, features, field_update, friction, fuzz, guard, imports,
+    instructions, precision, thesis, transducers,
 };
 use scene::load::LoadError;
 use scene::suite::{self, LoadedSuite};
@@ -25,7 +25,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 18] = [
+pub const BENCHES: [Bench; 19] = [
     Bench {
         name: "tracking",
         about: "every tracking case over many seeds, against targets, Cramer-Rao bounds and the numbers of its faults",
@@ -46,6 +46,13 @@ pub const BENCHES: [Bench; 18] = [
         has_quick: true,
         suite: None,
         run: commission::run,
+    },
+    Bench {
+        name: "import",
+        about: "600 synthetic measurements of admittances in many formats, imported and held against their truth, and 10 000 damaged ones",
+        has_quick: true,
+        suite: None,
+        run: imports::run,
     },
     Bench {
         name: "friction",

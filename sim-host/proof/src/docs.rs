@@ -43,6 +43,11 @@ fn commission_has_these_numbers() {
 }
 
 #[test]
+fn import_has_these_numbers() {
+    assert_eq!(evidence("import", "import.md").missed, [""; 0]);
+}
+
+#[test]
 fn friction_has_these_numbers() {
     let evidence = evidence("friction", "friction.md");
     assert_eq!(evidence.missed, [""; 0]);

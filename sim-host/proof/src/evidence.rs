@@ -16,7 +16,7 @@ use sim::study::suite::{Judged, SuiteResult};
 pub struct Options<'a> {
     /// Fewer runs and cases.
     pub quick: bool,
-    /// How many runs of each kind and place (`faults`), transducers that are commissioned (`commission`), millions of bytes sent (`fuzz`) or of samples driven (`soak`), where it is not the usual number.
+    /// How many runs of each kind and place (`faults`), transducers that are commissioned (`commission`), files that are imported (`import`), millions of bytes sent (`fuzz`) or of samples driven (`soak`), where it is not the usual number.
     pub count: Option<u32>,
     /// One input alone, by its seed (`fuzz`, `soak`).
     pub seed: Option<u64>,

@@ -29,6 +29,7 @@ pub mod field_update;
 mod friction;
 mod fuzz;
 pub mod guard;
+mod imports;
 pub mod instructions;
 pub mod precision;
 mod random;

@@ -48,3 +48,9 @@ pub const EXCLUSIVE: &[Exclusive] = &[
     Exclusive { table: "vary", alternatives: &[all(&["spread"]), all(&["factor"]), all(&["from", "to"])] },
     Exclusive { table: "expect", alternatives: &[any(&["min", "max"]), all(&["value", "tolerance"])] },
 ];
+
+/// Keys that say the same of a circuit: one of a scene takes the place of the other of its base, and so it does of what is complete without it.
+pub(crate) const LAYERED: &[Exclusive] = &[
+    Exclusive { table: "stack.bvd", alternatives: &[all(&["parallel_resonance_hz"]), all(&["coupling"])] },
+    Exclusive { table: "stack.bvd", alternatives: &[all(&["parallel_resonance_hz"]), all(&["cm_f", "lm_h"])] },
+];

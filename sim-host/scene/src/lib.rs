@@ -20,6 +20,7 @@
 #![forbid(unsafe_code)]
 
 pub mod builtin;
+pub mod circuit;
 mod comparison;
 mod contact;
 mod controller;

@@ -180,6 +180,7 @@ fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Re
 
 fn judge(mut root: Node) -> Result<Scene, Vec<Problem>> {
     let walked = walk(&mut root);
+    rules::circuit::complete(&mut root);
     let problems = rules::check(&root, walked).problems;
     if !problems.is_empty() {
         return Err(problems);

@@ -1,7 +1,7 @@
 //! One text laid over another: a scene over its base, and `--set key=value` over a scene.
 
 use super::diagnostic::{Place, Problem};
-use super::exclusive::EXCLUSIVE;
+use super::exclusive::{EXCLUSIVE, LAYERED};
 use super::nearest::short;
 use super::schema::{Schema, is_index, join, without_indices};
 use super::tree::{Entry, Node, Origin, Table, Value};
@@ -150,7 +150,7 @@ fn empty_like(value: &Value) -> Value {
 /// Removes the keys that those of `above` exclude. Of two in the same text, neither gives way: that is for the rules to tell.
 fn give_way(below: &mut Table, above: &Table, path: &str) {
     let path = without_indices(path);
-    for group in EXCLUSIVE.iter().filter(|group| group.table == path) {
+    for group in EXCLUSIVE.iter().chain(LAYERED).filter(|group| group.table == path) {
         for chosen in group.alternatives {
             let Some(source) = chosen.keys.iter().find_map(|key| above.get(*key)).map(|entry| entry.key.source) else { continue };
             let others = group.alternatives.iter().filter(|other| other.keys != chosen.keys).flat_map(|other| other.keys);

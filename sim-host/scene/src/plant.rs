@@ -156,7 +156,7 @@ pub struct Mode {
 }
 
 /// Butterworth-Van Dyke equivalent circuit. Give `c0_f` and either `cm_f`, `lm_h`, `rm_ohm`, or `series_resonance_hz`, `q`,
-/// `coupling`.
+/// `coupling`, or any other complete set: `q` or `rm_ohm`, and two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h`, and `cm_f` or `coupling`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bvd {
@@ -179,6 +179,10 @@ pub struct Bvd {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 100.0, max = 450e3))]
     pub series_resonance_hz: Option<f64>,
+    /// Parallel resonance of the working mode with `c0_f`, Hz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 100.0, max = 1e6))]
+    pub parallel_resonance_hz: Option<f64>,
     /// Quality factor at series resonance.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1.0, max = 1e6))]

@@ -5,6 +5,7 @@
 
 mod belt;
 mod cells;
+pub(crate) mod circuit;
 mod comparison;
 mod contact;
 mod converters;
@@ -43,7 +44,9 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     rules.kind();
     rules.belonging();
     for group in EXCLUSIVE {
-        if !rules.said_by_a_belt(group) {
+        if group.table == "stack.bvd" {
+            rules.circuit(group);
+        } else if !rules.said_by_a_belt(group) {
             rules.tables(group.table).iter().for_each(|path| rules.exclusive(group, path));
         }
     }

@@ -64,6 +64,14 @@ impl Node {
         table.table()?.get(key)
     }
 
+    /// The value of a key of this table, to be changed.
+    pub(super) fn entry_mut(&mut self, key: &str) -> Option<&mut Self> {
+        match &mut self.value {
+            Value::Table(table) => table.get_mut(key).map(|entry| &mut entry.node),
+            _ => None,
+        }
+    }
+
     /// The value at a dotted path.
     pub(super) fn at(&self, path: &str) -> Option<&Self> {
         path.split('.').filter(|name| !name.is_empty()).try_fold(self, |node, name| match &node.value {

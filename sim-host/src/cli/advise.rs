@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::progress::Progress;
 use super::{Color, Format, INVALID_SCENE, LENDER, USAGE, invalid};
+use scene::circuit::Given;
 use scene::load::load;
 use sim::advice::case::{Case, CaseError, Numbers, Wishes};
 use sim::advice::verification::verify;
@@ -21,17 +22,29 @@ pub(super) struct AdviseArgs {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Series resonance of the transducer, Hz.
-    #[arg(long, value_name = "HZ", value_parser = frequency, requires_all = ["q", "c0_f", "lm_h"])]
+    #[arg(long, value_name = "HZ", value_parser = frequency)]
     frequency_hz: Option<f64>,
     /// Its quality factor.
-    #[arg(long, value_name = "Q", value_parser = quality, requires = "frequency_hz")]
+    #[arg(long, value_name = "Q", value_parser = quality)]
     q: Option<f64>,
-    /// Its clamped capacitance, F.
-    #[arg(long, value_name = "F", value_parser = farad, requires = "frequency_hz")]
+    /// Its clamped capacitance, F. Beside it any complete set does: Q or Rm, and two of series and parallel resonance, Lm, and Cm or coupling.
+    #[arg(long, value_name = "F", value_parser = farad)]
     c0_f: Option<f64>,
     /// Its motional inductance, H.
-    #[arg(long, value_name = "H", value_parser = henry, requires = "frequency_hz")]
+    #[arg(long, value_name = "H", value_parser = henry)]
     lm_h: Option<f64>,
+    /// Its parallel resonance, Hz.
+    #[arg(long, value_name = "HZ", value_parser = frequency)]
+    parallel_resonance_hz: Option<f64>,
+    /// Its motional resistance, ohm.
+    #[arg(long, value_name = "OHM", value_parser = ohm)]
+    rm_ohm: Option<f64>,
+    /// Its motional capacitance, F.
+    #[arg(long, value_name = "F", value_parser = motional)]
+    cm_f: Option<f64>,
+    /// Its effective coupling k.
+    #[arg(long, value_name = "K", value_parser = coupling)]
+    coupling: Option<f64>,
     /// Peak drive voltage asked for, V. Default: the scene's.
     #[arg(long, value_name = "V", value_parser = volts)]
     volts: Option<f64>,
@@ -49,9 +62,30 @@ pub(super) struct AdviseArgs {
     format: Format,
 }
 
+/// What a complete set of numbers is.
+const COMPLETE: &str =
+    "beside --c0-f give --q or --rm-ohm, and two of --frequency-hz, --parallel-resonance-hz, --lm-h, and --cm-f or --coupling";
+
+impl AdviseArgs {
+    /// The numbers of a transducer.
+    fn given(&self) -> Given {
+        Given {
+            c0_f: self.c0_f,
+            cm_f: self.cm_f,
+            lm_h: self.lm_h,
+            rm_ohm: self.rm_ohm,
+            series_resonance_hz: self.frequency_hz,
+            parallel_resonance_hz: self.parallel_resonance_hz,
+            q: self.q,
+            coupling: self.coupling,
+        }
+    }
+}
+
 /// Advises, and prints.
 pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<ExitCode> {
-    if args.scene.is_none() && args.frequency_hz.is_none() {
+    let given = args.given();
+    if args.scene.is_none() && given == Given::default() {
         say!(
             "error: which transducer? Name a scene (`sim-host list`), or give its numbers: --frequency-hz 40e3 --q 65 --c0-f 300e-9 --lm-h 0.79e-3"
         );
@@ -61,8 +95,19 @@ pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<ExitCode> {
         Ok(loaded) => loaded,
         Err(error) => return Ok(invalid(&error, color)),
     };
-    let numbers = args.frequency_hz.zip(args.q).zip(args.c0_f.zip(args.lm_h));
-    let numbers = numbers.map(|((frequency_hz, q), (c0_f, lm_h))| Numbers { frequency_hz, q, c0_f, lm_h });
+    let numbers = match (given != Given::default()).then(|| given.resolve()).transpose() {
+        Ok(elements) => elements.map(|circuit| Numbers {
+            // As they were given, where they were: not by way of the elements.
+            frequency_hz: given.series_resonance_hz.unwrap_or_else(|| circuit.series_resonance_hz()),
+            q: given.q.unwrap_or_else(|| circuit.q()),
+            c0_f: circuit.c0_f,
+            lm_h: given.lm_h.unwrap_or(circuit.lm_h),
+        }),
+        Err(error) => {
+            say!("error: {error}; {COMPLETE}");
+            return Ok(ExitCode::from(USAGE));
+        }
+    };
     let wishes = Wishes { volts: args.volts, noise_lsb: args.noise_lsb, block_samples: args.block_samples };
     let (mut advice, advised) =
         match Case::of(&loaded, numbers, &wishes).map_err(AdviceError::from).and_then(|case| advise(&case)) {
@@ -109,6 +154,18 @@ fn farad(text: &str) -> Result<f64, String> {
 
 fn henry(text: &str) -> Result<f64, String> {
     within(text, "a motional inductance in henries, as 0.8e-3,", (1e-9, 1e4))
+}
+
+fn ohm(text: &str) -> Result<f64, String> {
+    within(text, "a motional resistance in ohm", (1e-6, 1e7))
+}
+
+fn motional(text: &str) -> Result<f64, String> {
+    within(text, "a motional capacitance in farads, as 600e-12,", (1e-16, 1e-3))
+}
+
+fn coupling(text: &str) -> Result<f64, String> {
+    within(text, "an effective coupling", (1e-4, 0.99))
 }
 
 fn volts(text: &str) -> Result<f64, String> {

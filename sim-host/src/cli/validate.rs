@@ -33,7 +33,7 @@ pub(super) struct ValidateArgs {
     /// The quick variant, where there is one: fewer runs and cases.
     #[arg(long)]
     quick: bool,
-    /// How many runs of each kind and place (`faults`), transducers to commission (`commission`), millions of bytes to send (`fuzz`), or millions of samples to drive (`soak`), in place of the bench's
+    /// How many runs of each kind and place (`faults`), transducers to commission (`commission`), files to import (`import`), millions of bytes to send (`fuzz`), or millions of samples to drive (`soak`), in place of the bench's
     /// own number.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     count: Option<u32>,
@@ -242,7 +242,9 @@ fn alone(setting: &str) -> anyhow::Result<ExitCode> {
 
 /// The arguments of a process, with `validate` before the name of a bench that stands by itself, as it did until version 0.1.
 pub(super) fn with_verb(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let verb = arguments.iter().skip(1).position(|argument| BENCHES.iter().any(|bench| argument == bench.name));
+    // `import` is a command of its own, and its bench is younger than the change.
+    let is_old = |bench: &Bench, argument: &OsString| argument == bench.name && bench.name != "import";
+    let verb = arguments.iter().skip(1).position(|argument| BENCHES.iter().any(|bench| is_old(bench, argument)));
     // Only what stands first is a command: `--color` may be before it.
     let Some(place) = verb.map(|place| place + 1).filter(|&place| match place {
         1 => true,

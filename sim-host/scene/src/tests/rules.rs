@@ -22,6 +22,41 @@ fn the_drive_is_complete_and_within_its_limits() {
 }
 
 #[test]
+fn any_complete_set_of_circuit_values_is_the_same_stack() {
+    let stack = |lines: &str| {
+        let head = example().find("cm_f").expect("the stack");
+        let tail = example().find("\nforce_factor_n_per_v = 5").expect("its end") + 1;
+        format!("{}{lines}{}", &example()[..head], &example()[tail..])
+    };
+    let bvd = |text: &str| load_text("a.toml", text, &[]).unwrap_or_else(|error| panic!("{error}")).scene.stack.unwrap().bvd;
+    let usual = bvd(&stack("series_resonance_hz = 40e3\nq = 65\ncoupling = 0.25\n"));
+    let (cm, fp) = (300e-9 * 0.0625 / 0.9375, 40e3 / f64::sqrt(0.9375));
+    let rm = 1.0 / (std::f64::consts::TAU * 40e3 * 65.0 * cm);
+    for set in [
+        format!("series_resonance_hz = 40e3\nparallel_resonance_hz = {fp:e}\nq = 65\n"),
+        format!("series_resonance_hz = 40e3\nq = 65\nrm_ohm = {rm:e}\ncm_f = {cm:e}\n"),
+        format!("series_resonance_hz = 40e3\nrm_ohm = {rm:e}\ncoupling = 0.25\n"),
+    ] {
+        let own = bvd(&stack(&set));
+        let near = |a: Option<f64>, b: Option<f64>| a.zip(b).is_some_and(|(a, b)| (a / b - 1.0).abs() < 1e-9);
+        assert!(near(own.series_resonance_hz, usual.series_resonance_hz) && near(own.q, usual.q), "{set}: {own:?}");
+        assert!(
+            near(own.coupling, usual.coupling) && own.parallel_resonance_hz.is_none() && own.rm_ohm.is_none(),
+            "{set}: {own:?}"
+        );
+    }
+    says(&report(&stack("series_resonance_hz = 40e3\nrm_ohm = 3\n"), &[]), &["the circuit is incomplete: two of"]);
+    let contradicting = stack("series_resonance_hz = 40e3\nrm_ohm = 9\nq = 65\ncoupling = 0.25\n");
+    says(&report(&contradicting, &[]), &["the circuit contradicts itself: `q` is 6.5e1, and"]);
+    // Of a base, the value that says the same gives way.
+    let by = |set: &str| {
+        load_text("a.toml", "base = \"lock\"\nexpect = []\n", &[set.to_owned()]).map(|loaded| loaded.scene.stack.unwrap().bvd)
+    };
+    let own = by(&format!("stack.bvd.parallel_resonance_hz={}", 41e3)).unwrap_or_else(|error| panic!("{error}"));
+    assert!(own.coupling.is_some_and(|k| k < 0.24), "{own:?}");
+}
+
+#[test]
 fn time_runs_forward_and_ends() {
     says(&with_line("off_s", "off_s = [5.0, 5.5]"), &["1 beginnings and 2 ends"]);
     says(&with_line("off_s", "off_s = [2.0]"), &["ends at 2 s, but begins at 3 s only"]);

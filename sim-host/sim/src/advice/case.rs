@@ -202,6 +202,7 @@ fn alone(scene: &Scene, driven: Driven<'_>, circuit: Circuit) -> Scene {
         lm_h: None,
         rm_ohm: None,
         series_resonance_hz: Some(circuit.series_resonance_hz()),
+        parallel_resonance_hz: None,
         q: Some(circuit.q()),
         coupling: Some((cm_f / (c0_f + cm_f)).sqrt()),
         force_factor_n_per_v,

@@ -1,0 +1,134 @@
+//! Figures of a fitted admittance: size and phase over frequency, the circle, the residuals.
+
+use num_complex::Complex64;
+
+use super::coordinate::Coordinate;
+use super::result::Admittance;
+use crate::complex::{angle, size};
+use report::{Axis, Figure, Marker, Series, Style};
+
+/// Points of the fitted curve about each resonance.
+const ABOUT: i32 = 240;
+
+/// All figures.
+pub(super) fn figures(found: &Admittance) -> Vec<Figure> {
+    let hz = frequencies(found);
+    let fitted: Vec<Complex64> = hz.iter().map(|hz| found.equivalent.admittance(*hz)).collect();
+    let fit = (hz.as_slice(), fitted.as_slice());
+    vec![
+        over_frequency(found, fit, ("admittance-size", "Admittance: size", "|Y| [S]", "admittance"), "s", true, size),
+        over_frequency(found, fit, ("admittance-phase", "Admittance: phase", "phase [deg]", "phase"), "deg", false, |y| {
+            angle(y).to_degrees()
+        }),
+        circle(found, &fitted),
+        residuals(found),
+    ]
+}
+
+/// Frequencies of the fitted curve: those of the sweep, and more about each resonance, in equal steps of its phase.
+fn frequencies(found: &Admittance) -> Vec<f64> {
+    let measured = &found.measured.hz;
+    let (from, to) = (measured[0], measured[measured.len() - 1]);
+    let mut hz = measured.clone();
+    for branch in &found.equivalent.branches {
+        let about = (-ABOUT / 2..=ABOUT / 2).map(|n| {
+            let phase = std::f64::consts::FRAC_PI_2 * f64::from(n) / (f64::from(ABOUT) / 2.0 + 3.0);
+            branch.hz * (1.0 + libm::tan(phase) / (2.0 * branch.q))
+        });
+        hz.extend(about.filter(|hz| (from..=to).contains(hz)));
+    }
+    hz.sort_by(f64::total_cmp);
+    hz
+}
+
+fn axis(label: &str) -> Axis {
+    Axis { label: label.into(), ..Axis::default() }
+}
+
+fn khz(hz: &[f64]) -> Vec<f64> {
+    hz.iter().map(|hz| 1e-3 * hz).collect()
+}
+
+fn over_frequency(
+    found: &Admittance,
+    (hz, fitted): (&[f64], &[Complex64]),
+    (id, title, label, column): (&str, &str, &str, &str),
+    unit: &str,
+    log: bool,
+    of: impl Fn(Complex64) -> f64,
+) -> Figure {
+    let series = |name: &str, x: Vec<f64>, y: &[Complex64], style| Series {
+        name: name.into(),
+        csv_column: format!("{column}_{name}_{unit}"),
+        x,
+        y: y.iter().map(|y| of(*y)).collect(),
+        style,
+    };
+    Figure {
+        id: id.into(),
+        title: title.into(),
+        caption: "Dots: as measured, with the fixture corrected where it was given. Line: the fitted circuit.".into(),
+        x: axis("frequency [kHz]"),
+        y: Axis { label: label.into(), log, range: None },
+        series: vec![
+            series("measured", khz(&found.measured.hz), &found.measured.admittance, Style::Points),
+            series("fitted", khz(hz), fitted, Style::Line),
+        ],
+        ..Figure::default()
+    }
+}
+
+fn circle(found: &Admittance, fitted: &[Complex64]) -> Figure {
+    let series = |name: &str, y: &[Complex64], style| Series {
+        name: name.into(),
+        csv_column: format!("susceptance_{name}_s"),
+        x: y.iter().map(|y| y.re).collect(),
+        y: y.iter().map(|y| y.im).collect(),
+        style,
+    };
+    let at = |hz: f64, label: &str| {
+        let y = found.equivalent.admittance(hz);
+        Marker { x: y.re, y: y.im, label: label.into() }
+    };
+    let circuit = &found.circuit;
+    Figure {
+        id: "admittance-circle".into(),
+        title: "Admittance circle".into(),
+        caption: "A resonance is a circle whose diameter is 1 / Rm; the clamped capacitance lifts it. A second loop is a second resonance.".into(),
+        x: axis("conductance [S]"),
+        y: axis("susceptance [S]"),
+        series: vec![
+            series("measured", &found.measured.admittance, Style::Points),
+            series("fitted", fitted, Style::Line),
+        ],
+        markers: vec![at(circuit.series_resonance_hz.value, "series resonance")],
+        equal_aspect: true,
+        ..Figure::default()
+    }
+}
+
+fn residuals(found: &Admittance) -> Figure {
+    let names = match found.measured.coordinate {
+        Coordinate::Scattering(..) => ["real part", "imaginary part"],
+        Coordinate::Immittance => ["size", "angle"],
+    };
+    let series = |at: usize, of: fn(&Complex64) -> f64| Series {
+        name: names[at].into(),
+        csv_column: format!("residual_{}_sd", names[at].replace(' ', "_")),
+        x: khz(&found.measured.hz),
+        y: found.residuals.iter().map(of).collect(),
+        style: Style::Points,
+    };
+    Figure {
+        id: "residuals".into(),
+        title: "Residuals of the fit".into(),
+        caption: "Fitted less measured, in standard deviations of the noise: a cloud between -3 and 3 without a shape where the circuit fits. A wave about the \
+                  resonance is what the circuit does not have."
+            .into(),
+        x: axis("frequency [kHz]"),
+        y: axis("residual [standard deviations]"),
+        series: vec![series(0, |e| e.re), series(1, |e| e.im)],
+        hlines: vec![(-2.0, String::new()), (2.0, "2 sd".into())],
+        ..Figure::default()
+    }
+}

@@ -1,0 +1,196 @@
+//! A measured sweep: from the text of a file to admittances over frequency, in the coordinates of the instrument.
+
+use std::path::Path;
+
+use num_complex::Complex64;
+
+use super::coordinate::{Coordinate, Topology};
+use super::fixture::Fixture;
+use super::options::Options;
+use super::sweep;
+use super::topology;
+use crate::complex::polar;
+use crate::delimited;
+use crate::error::ImportError;
+use crate::heading::{Heading, Quantity, heading};
+use crate::text::decode;
+use crate::touchstone::{self, Kind, Touchstone};
+use crate::units::to_si;
+
+/// A sweep of a transducer's admittance over frequency.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// Frequencies, Hz, rising.
+    pub hz: Vec<f64>,
+    /// Admittance of the transducer at each frequency, S.
+    pub admittance: Vec<Complex64>,
+    /// Admittance as it was measured, with what is corrected, S.
+    pub seen: Vec<Complex64>,
+    /// What lies between transducer and instrument at each frequency; empty where nothing was corrected.
+    pub fixture: Vec<Fixture>,
+    /// What the instrument reads.
+    pub coordinate: Coordinate,
+    /// What was found about the file rather than given, a sentence each.
+    pub remarks: Vec<String>,
+}
+
+impl Measured {
+    /// The sweep of a file.
+    ///
+    /// # Errors
+    /// [`ImportError`], with the line or value that shows why.
+    pub fn read(path: &Path, options: &Options) -> Result<Self, ImportError> {
+        let bytes = std::fs::read(path).map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
+        Self::parse(&path.to_string_lossy(), &bytes, options)
+    }
+
+    /// The sweep of a file of this name with this content.
+    ///
+    /// # Errors
+    /// [`ImportError`], as of [`Measured::read`].
+    pub fn parse(name: &str, bytes: &[u8], options: &Options) -> Result<Self, ImportError> {
+        let text = decode(bytes);
+        let small = name.to_lowercase();
+        let ports = ["s1p", "s2p"].iter().position(|end| small.ends_with(&format!(".{end}"))).map(|at| at + 1);
+        if ports.is_some() || touchstone::looks_like(&text) {
+            of_touchstone(&touchstone::read(&text, ports)?, options)
+        } else {
+            of_table(&text, options)
+        }
+    }
+
+    /// The instrument's reading of an admittance of the transducer at a point of the sweep, and how it changes with that.
+    pub(crate) fn reading(&self, at: usize, admittance: Complex64) -> (Complex64, Complex64) {
+        let (seen, slope) = self.fixture.get(at).map_or((admittance, 1.0.into()), |fixture| fixture.seen(admittance));
+        (self.coordinate.of(seen), self.coordinate.slope(seen) * slope)
+    }
+
+    /// A sweep in order of frequency, once its points are known; the readings of an immittance are admittances.
+    fn new(
+        lines: &[usize],
+        hz: Vec<f64>,
+        readings: &[Complex64],
+        coordinate: Coordinate,
+        remarks: Vec<String>,
+    ) -> Result<Self, ImportError> {
+        let mut admittance = Vec::with_capacity(hz.len());
+        for (reading, line) in readings.iter().zip(lines) {
+            let y = if coordinate == Coordinate::Immittance { *reading } else { coordinate.admittance(*reading) };
+            if y == Complex64::ZERO {
+                return Err(ImportError::BadLine { line: *line, what: "an admittance of zero has no angle".into() });
+            }
+            // What is out of all proportion would leave the range of numbers on the way.
+            if !(y.re.abs().max(y.im.abs()) < 1e12) {
+                let what = format!("the value {reading} has no admittance, as of an ideal short or an open");
+                return Err(ImportError::BadLine { line: *line, what });
+            }
+            admittance.push(y);
+        }
+        sweep::ordered(lines, Measured { hz, seen: admittance.clone(), admittance, fixture: Vec::new(), coordinate, remarks })
+    }
+}
+
+fn of_touchstone(file: &Touchstone, options: &Options) -> Result<Measured, ImportError> {
+    let mut remarks = vec![file.found.clone()];
+    let ohm = file.ohm;
+    match file.kind {
+        Kind::S => {
+            let topology = match (options.topology, file.parameters.len()) {
+                (Some(Topology::OnePort) | None, 1) => Topology::OnePort,
+                (Some(given), 1) => {
+                    let why = format!("a file of one port has no S21, which {given:?} needs");
+                    return Err(ImportError::TopologyDoubtful { why });
+                }
+                (Some(given), _) => given,
+                (None, _) => topology::found(&file.parameters, &mut remarks)?,
+            };
+            let readings = &file.parameters[usize::from(topology != Topology::OnePort)];
+            Measured::new(&file.lines, file.hz.clone(), readings, Coordinate::Scattering(topology, ohm), remarks)
+        }
+        Kind::Z => {
+            let readings: Vec<_> = file.parameters[0].iter().map(|z| (ohm * z).inv()).collect();
+            Measured::new(&file.lines, file.hz.clone(), &readings, Coordinate::Immittance, remarks)
+        }
+        Kind::Y => {
+            let readings: Vec<_> = file.parameters[0].iter().map(|y| y / ohm).collect();
+            Measured::new(&file.lines, file.hz.clone(), &readings, Coordinate::Immittance, remarks)
+        }
+    }
+}
+
+fn of_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
+    let table = delimited::read(text, options.columns.as_deref())?;
+    let mut remarks = vec![format!("A table with {}", table.found)];
+    let Some(names) = &table.header else {
+        let seen = format!(
+            "a table of {} columns without a heading; name them with `--columns`, as `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`",
+            table.columns.len()
+        );
+        return Err(ImportError::UnknownForm { seen });
+    };
+    let known: Vec<Option<Heading>> = names.iter().map(|name| heading(name)).collect();
+    let column = |quantity: Quantity| {
+        known.iter().position(|heading| heading.as_ref().is_some_and(|heading| heading.quantity == quantity))
+    };
+    let mut take = |quantity: Quantity| -> Result<Option<Vec<f64>>, ImportError> {
+        let Some(at) = column(quantity) else { return Ok(None) };
+        let mut values = table.columns[at].clone();
+        if let Some(heading) = &known[at] {
+            to_si(heading, &mut values, &options.units, &mut remarks)?;
+        }
+        Ok(Some(values))
+    };
+    let unknown = |what: &str| {
+        let seen = format!(
+            "the columns are `{}`: {what}. Known are f with |Z| and theta, |Y| and theta, R and X, G and B, or S11 as real and imaginary part, as size or dB and \
+             phase; name the columns with `--columns`, as `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`",
+            names.iter().map(|name| crate::text::beginning(name)).collect::<Vec<_>>().join("`, `")
+        );
+        Err(ImportError::UnknownForm { seen })
+    };
+    let has = |quantity| column(quantity).is_some();
+    use Quantity::{
+        Admittance, Angle, Conductance, Frequency, Impedance, Reactance, Resistance, ScatteringDb, ScatteringImaginary,
+        ScatteringReal, ScatteringSize, Susceptance,
+    };
+    let Some(hz) = take(Frequency)? else { return unknown("none is the frequency") };
+    let pair = [
+        (Resistance, Reactance),
+        (Conductance, Susceptance),
+        (ScatteringReal, ScatteringImaginary),
+        (Impedance, Angle),
+        (Admittance, Angle),
+        (ScatteringSize, Angle),
+        (ScatteringDb, Angle),
+    ];
+    let Some((first, second)) = pair.into_iter().find(|(first, second)| has(*first) && has(*second)) else {
+        return unknown("no two of them make a complex number");
+    };
+    let (Some(a), Some(b)) = (take(first)?, take(second)?) else { return unknown("no two of them make a complex number") };
+    let values: Vec<Complex64> = a
+        .iter()
+        .zip(&b)
+        .map(|(&a, &b)| match first {
+            Resistance | Conductance | ScatteringReal => Complex64::new(a, b),
+            ScatteringDb => polar(libm::exp10(a.min(400.0) / 20.0), b),
+            _ => polar(a, b),
+        })
+        .collect();
+    remarks.push(format!("Columns `{}` and `{}`", named(&known, column(first)), named(&known, column(second))));
+    match first {
+        Conductance | Admittance => Measured::new(&table.lines, hz, &values, Coordinate::Immittance, remarks),
+        Resistance | Impedance => {
+            let values: Vec<_> = values.iter().map(|z| z.inv()).collect();
+            Measured::new(&table.lines, hz, &values, Coordinate::Immittance, remarks)
+        }
+        _ => {
+            let topology = options.topology.unwrap_or(Topology::OnePort);
+            Measured::new(&table.lines, hz, &values, Coordinate::Scattering(topology, options.z0_ohm), remarks)
+        }
+    }
+}
+
+/// The heading of a column as it stands in the file.
+fn named(known: &[Option<Heading>], at: Option<usize>) -> &str {
+    at.and_then(|at| known[at].as_ref()).map_or("", |heading| &heading.text)
+}

@@ -1,0 +1,45 @@
+//! A measured admittance as an equivalent circuit: [`import`].
+
+pub(crate) mod bounds;
+pub mod circuit;
+pub mod coordinate;
+mod figures;
+mod fit;
+pub mod fixture;
+pub mod measured;
+pub mod options;
+mod result;
+mod scene_file;
+mod start;
+mod sweep;
+mod table;
+mod topology;
+mod weights;
+
+use std::path::Path;
+
+use crate::error::ImportError;
+pub use fit::MOST_MODES;
+use measured::Measured;
+use options::Options;
+pub use result::{Admittance, Circuit, Mode, Value};
+
+/// The circuit of a measured file.
+///
+/// # Errors
+/// [`ImportError`], with the line or value that shows why.
+pub fn import(path: &Path, options: &Options) -> Result<Admittance, ImportError> {
+    let mut measured = Measured::read(path, options)?;
+    fixture::correct(&mut measured, options)?;
+    let name = path.file_stem().map_or_else(|| "transducer".into(), |stem| stem.to_string_lossy().into_owned());
+    fit(&name, measured, options.modes)
+}
+
+/// The circuit of a sweep, with so many resonances, or as many as the data ask for.
+///
+/// # Errors
+/// [`ImportError`] where the sweep has no resonance, or too few points.
+pub fn fit(name: &str, measured: Measured, modes: Option<usize>) -> Result<Admittance, ImportError> {
+    let fit = fit::Fitter::new(&measured).fit(modes)?;
+    Admittance::of(name, measured, fit)
+}

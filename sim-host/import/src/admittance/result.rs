@@ -1,0 +1,230 @@
+//! The result: the circuit with standard deviations, what was derived from it, and what to be careful about.
+
+use nalgebra::DMatrix;
+use serde::Serialize;
+use serde_json::{Value as Json, json};
+
+use super::circuit::{BRANCH, Branch, CLAMPED, Equivalent};
+use super::coordinate::{Coordinate, Topology};
+use super::fit::Fit;
+use super::measured::Measured;
+use crate::error::ImportError;
+
+/// A number with its standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Value {
+    /// The number.
+    pub value: f64,
+    /// Standard deviation of the number, in its unit.
+    pub sd: f64,
+}
+
+/// The equivalent circuit of the working mode.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Circuit {
+    /// Series resonance, Hz.
+    pub series_resonance_hz: Value,
+    /// Parallel resonance, Hz: of this mode with the clamped capacitance alone.
+    pub parallel_resonance_hz: Value,
+    /// Quality factor at the series resonance.
+    pub q: Value,
+    /// Motional resistance, ohm.
+    pub rm_ohm: Value,
+    /// Motional inductance, H.
+    pub lm_h: Value,
+    /// Motional capacitance, F.
+    pub cm_f: Value,
+    /// Clamped capacitance, F.
+    pub c0_f: Value,
+    /// Effective coupling.
+    pub coupling: Value,
+    /// Dielectric loss tangent of the clamped capacitance.
+    pub loss_tangent: Value,
+}
+
+/// A resonance of the sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Mode {
+    /// Series resonance, Hz.
+    pub series_resonance_hz: Value,
+    /// Quality factor at the series resonance.
+    pub q: Value,
+    /// Motional resistance, ohm.
+    pub rm_ohm: Value,
+    /// Motional inductance, H.
+    pub lm_h: Value,
+    /// Motional capacitance, F.
+    pub cm_f: Value,
+    /// Whether it is the working mode, which has the largest motional capacitance.
+    pub working: bool,
+}
+
+/// A measured admittance and its circuit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Admittance {
+    /// Name of the transducer: that of its file.
+    pub name: String,
+    /// The sweep.
+    pub measured: Measured,
+    /// Circuit of the working mode.
+    pub circuit: Circuit,
+    /// All resonances of the fit, by frequency.
+    pub modes: Vec<Mode>,
+    /// The circuit as it was fitted.
+    pub equivalent: Equivalent,
+    /// The fit's residuals in units of the noise.
+    pub residuals: Vec<num_complex::Complex64>,
+    /// Root mean square of the noise, of real and imaginary part in the coordinate of the instrument.
+    pub noise: [f64; 2],
+    /// Correlation of neighbouring residuals; zero where it is chance.
+    pub correlation: f64,
+    /// Factor by which the standard deviations were enlarged for what whitening has left of it.
+    pub inflation: f64,
+    /// What the reader should be careful about, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Numbers of a branch and of the clamped one, in the order of [`Circuit`].
+pub(super) fn derived(parameters: &[f64], farad: f64, at: usize) -> [f64; 9] {
+    let circuit = Equivalent::of(parameters, farad);
+    let branch = circuit.branches[at];
+    let (c0, cm) = (circuit.c0_f, branch.cm_f());
+    [
+        branch.hz,
+        branch.hz * (1.0 + cm / c0).sqrt(),
+        branch.q,
+        branch.rm_ohm(),
+        branch.lm_h(),
+        cm,
+        c0,
+        (cm / (c0 + cm)).sqrt(),
+        circuit.loss_tangent,
+    ]
+}
+
+/// Values and standard deviations of functions of the parameters, by their slopes.
+pub(super) fn propagated<const N: usize>(
+    parameters: &[f64],
+    covariance: &DMatrix<f64>,
+    of: impl Fn(&[f64]) -> [f64; N],
+) -> [Value; N] {
+    /// Step of a numerical slope, in standard deviations.
+    const STEP: f64 = 1e-3;
+    let n = parameters.len();
+    let slopes: Vec<[f64; N]> = (0..n)
+        .map(|at| {
+            let step = (STEP * covariance[(at, at)].sqrt()).max(1e-9 * parameters[at].abs()).max(1e-12);
+            let moved = |by: f64| {
+                let mut moved = parameters.to_vec();
+                moved[at] += by;
+                of(&moved)
+            };
+            let (up, down) = (moved(step), moved(-step));
+            std::array::from_fn(|k| (up[k] - down[k]) / (2.0 * step))
+        })
+        .collect();
+    let values = of(parameters);
+    std::array::from_fn(|k| {
+        let terms = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let variance: f64 = terms.map(|(i, j)| slopes[i][k] * covariance[(i, j)] * slopes[j][k]).sum();
+        Value { value: values[k], sd: variance.max(0.0).sqrt() }
+    })
+}
+
+impl Admittance {
+    /// The result of a fit.
+    pub(super) fn of(name: &str, measured: Measured, fit: Fit) -> Result<Self, ImportError> {
+        let equivalent = Equivalent::of(&fit.parameters, fit.farad);
+        if !(equivalent.c0_f > 0.0) {
+            let what =
+                format!("the fit gives a clamped capacitance of {:.3e} F; check topology, units and fixture", equivalent.c0_f);
+            return Err(ImportError::NotATransducer(what));
+        }
+        let capacitance = |branch: &Branch| branch.cm_f();
+        let by_capacitance = |(_, a): &(usize, &Branch), (_, b): &(usize, &Branch)| capacitance(a).total_cmp(&capacitance(b));
+        let working = equivalent.branches.iter().enumerate().max_by(by_capacitance).map_or(0, |(at, _)| at);
+        let of = |at: usize| propagated(&fit.parameters, &fit.covariance, |parameters| derived(parameters, fit.farad, at));
+        let [series_resonance_hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, loss_tangent] = of(working);
+        let circuit = Circuit { series_resonance_hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, loss_tangent };
+        let mode = |at: usize| {
+            let [series_resonance_hz, _, q, rm_ohm, lm_h, cm_f, ..] = of(at);
+            Mode { series_resonance_hz, q, rm_ohm, lm_h, cm_f, working: at == working }
+        };
+        let mut modes: Vec<Mode> = (0..(fit.parameters.len() - CLAMPED) / BRANCH).map(mode).collect();
+        modes.sort_by(|a, b| a.series_resonance_hz.value.total_cmp(&b.series_resonance_hz.value));
+        let warnings = warnings(&measured, &circuit, &fit);
+        let Fit { residuals, noise, correlation, inflation, .. } = fit;
+        let name = name.to_owned();
+        Ok(Admittance { name, measured, circuit, modes, equivalent, residuals, noise, correlation, inflation, warnings })
+    }
+
+    /// The result for programs; `scene` is where its scene was written.
+    pub fn json(&self, scene: Option<&str>) -> Json {
+        json!({
+            "circuit": self.circuit, "modes": self.modes, "scene": scene, "points": self.measured.hz.len(),
+            "from_hz": self.measured.hz.first(), "to_hz": self.measured.hz.last(), "noise": self.noise,
+            "residual_correlation": self.correlation, "sd_inflation": self.inflation, "remarks": self.measured.remarks,
+            "warnings": self.warnings,
+        })
+    }
+}
+
+/// What the reader should be careful about.
+fn warnings(measured: &Measured, circuit: &Circuit, fit: &Fit) -> Vec<String> {
+    /// Residuals whose variance is so many times that of noise show what the circuit does not have.
+    const MISFIT: f64 = 4.0;
+    const FEW_POINTS: usize = 5;
+    const UNCERTAIN: f64 = 0.2;
+    let mut warnings = Vec::new();
+    if fit.misfit > MISFIT {
+        warnings.push(format!(
+            "the circuit does not describe the data to their noise: the residuals vary {:.0} times as much (variance) as noise from point to point would; see the \
+             figure of the residuals. A further resonance, a drift while sweeping, a fixture that is not corrected, or too much drive are usual causes",
+            fit.misfit
+        ));
+    }
+    if fit.correlation > 0.0 {
+        warnings.push(format!(
+            "residuals of neighbouring points are correlated ({:.2}): this was taken into account, and the standard deviations are larger for it",
+            fit.correlation
+        ));
+    }
+    let (hz, q) = (circuit.series_resonance_hz.value, circuit.q.value);
+    let band = hz / q;
+    let inside = measured.hz.iter().filter(|point| (*point - hz).abs() < 0.5 * band).count();
+    if inside < FEW_POINTS {
+        warnings.push(format!(
+            "{inside} points lie within the bandwidth of {band:.1} Hz about the resonance; sweep a narrower range, or more points"
+        ));
+    }
+    let ends = [measured.hz.first(), measured.hz.last()];
+    if ends.into_iter().flatten().any(|end| (end - hz).abs() < band) {
+        warnings.push(format!(
+            "the resonance lies within a bandwidth of the end of the sweep; sweep from {:.0} to {:.0} Hz",
+            hz - 5.0 * band,
+            hz + 5.0 * band
+        ));
+    }
+    let uncertain: Vec<&str> = [("Q", circuit.q), ("Rm", circuit.rm_ohm), ("C0", circuit.c0_f), ("coupling", circuit.coupling)]
+        .into_iter()
+        .filter(|(_, value)| value.sd > UNCERTAIN * value.value.abs())
+        .map(|(name, _)| name)
+        .collect();
+    if !uncertain.is_empty() {
+        let hint = match measured.coordinate {
+            Coordinate::Scattering(Topology::OnePort, ohm)
+                if circuit.rm_ohm.value > 20.0 * ohm || circuit.rm_ohm.value < 0.05 * ohm =>
+            {
+                "; one port says little of an impedance so far from its own: measure through two ports (series-through for a high one, shunt-through for a low one)"
+            }
+            _ => "",
+        };
+        warnings.push(format!("the data hardly determine {}{hint}", uncertain.join(", ")));
+    }
+    if circuit.loss_tangent.value < -3.0 * circuit.loss_tangent.sd {
+        warnings.push(
+            "the loss tangent is negative, as an error of angle makes it: correct the fixture, or calibrate again".to_owned(),
+        );
+    }
+    warnings
+}

@@ -1,0 +1,210 @@
+//! Initial values, from the data alone: the next resonance is where it takes most away from the residuals.
+//!
+//! For each candidate of `fs` and `Q` the circuit is linear in what remains: `C0`, `C0 tan d` and the conductance `G` of each branch. So the known branches
+//! and the clamped one are projected out once, and a candidate `h = 1 / (1 + j Q (f / fs - fs / f))` takes `(h' r)^2 / h' h` from the sum of squares, if its `G`
+//! is positive. Frequencies are tried in steps of a fraction of the candidate's bandwidth, qualities in steps of a factor.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+use num_complex::Complex64;
+
+use super::circuit::{Branch, Equivalent};
+
+/// Least and largest quality factor that is tried, and the step between two.
+const QUALITIES: (f64, f64) = (2.0, 1e5);
+const QUALITY_STEP: f64 = 1.8;
+/// Steps of the frequency in a bandwidth.
+const STEPS: f64 = 3.0;
+/// Most points that a search looks at: it leaves some out of more.
+const MOST_POINTS: usize = 1200;
+/// Most frequencies that are tried of one quality.
+const MOST_FREQUENCIES: usize = 600;
+/// A candidate is looked at within so many of its bandwidths where these are few of the sweep's points.
+const WINDOW: f64 = 24.0;
+
+/// What the search looks at: admittances with weights.
+pub(super) struct Points<'a> {
+    /// Frequencies, Hz, rising.
+    pub(super) hz: &'a [f64],
+    /// Measured admittances, S.
+    pub(super) admittance: &'a [Complex64],
+    /// Complex weight of each admittance, 1/S.
+    pub(super) weight: &'a [Complex64],
+}
+
+/// A vector of the search: real and imaginary parts of all points.
+type Vector = Vec<Complex64>;
+
+fn dot(a: &[Complex64], b: &[Complex64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.re * b.re + a.im * b.im).sum()
+}
+
+/// A resonance of conductance one at a frequency.
+fn unit(hz: f64, (own, q): (f64, f64)) -> Complex64 {
+    Complex64::new(1.0, q * (hz / own - own / hz)).inv()
+}
+
+/// The clamped branch alone, by linear least squares.
+pub(super) fn clamped(points: &Points) -> Option<Equivalent> {
+    linear(points, &[])
+}
+
+/// Circuits with one more resonance than `known` has: of each quality the one that explains most, and of these the best few. A single one may lead the
+/// fit astray, where much of a circle is lost in noise. None if none has a positive conductance.
+pub(super) fn next(points: &Points, known: &[Branch]) -> Vec<Equivalent> {
+    const FEW: usize = 5;
+    let shapes: Vec<(f64, f64)> = known.iter().map(|branch| (branch.hz, branch.q)).collect();
+    let mut found = search(points, &shapes).unwrap_or_default();
+    found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    found.into_iter().take(FEW).filter_map(|(_, shape)| linear(points, &[shapes.as_slice(), &[shape]].concat())).collect()
+}
+
+/// The circuit with resonances of these frequencies and qualities.
+fn linear(points: &Points, shapes: &[(f64, f64)]) -> Option<Equivalent> {
+    let mut columns = base(points);
+    columns.extend(shapes.iter().map(|shape| column(points, |hz| unit(hz, *shape))));
+    let target: Vector = points.admittance.iter().zip(points.weight).map(|(y, w)| y * w).collect();
+    let scales: Vec<f64> = columns.iter().map(|column| dot(column, column).sqrt().max(f64::MIN_POSITIVE)).collect();
+    let n = columns.len();
+    let matrix =
+        DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]) / scales[i] / scales[j] + if i == j { 1e-12 } else { 0.0 });
+    let right = DVector::from_fn(n, |i, _| dot(&columns[i], &target) / scales[i]);
+    let found = Cholesky::new(matrix)?.solve(&right);
+    let value = |at: usize| found[at] / scales[at];
+    let c0_f = value(0);
+    // A start has what no fit can do without; how little of it, the fit finds out.
+    let largest = points.admittance.iter().map(|y| y.norm_sqr()).fold(0.0, f64::max).sqrt();
+    let least = 1e-6 * largest;
+    let c0_f = if c0_f > 0.0 { c0_f } else { least / (TAU * points.hz[0]) };
+    let branch = |(at, (hz, q)): (usize, &(f64, f64))| Branch { hz: *hz, q: *q, siemens: value(2 + at).max(least) };
+    let circuit = Equivalent {
+        c0_f,
+        loss_tangent: (value(1) / c0_f).clamp(-1.0, 1.0),
+        branches: shapes.iter().enumerate().map(branch).collect(),
+    };
+    (c0_f.is_finite() && circuit.loss_tangent.is_finite()).then_some(circuit)
+}
+
+fn column(points: &Points, of: impl Fn(f64) -> Complex64) -> Vector {
+    points.hz.iter().zip(points.weight).map(|(hz, w)| of(*hz) * w).collect()
+}
+
+/// Columns of the clamped branch.
+fn base(points: &Points) -> Vec<Vector> {
+    vec![column(points, |hz| Complex64::new(0.0, TAU * hz)), column(points, |hz| Complex64::new(TAU * hz, 0.0))]
+}
+
+/// A candidate: what it takes from the sum of squares, its frequency and quality.
+type Candidate = (f64, (f64, f64));
+
+/// Of each quality the candidate that takes most from the sum of squares.
+fn search(points: &Points, known: &[(f64, f64)]) -> Option<Vec<Candidate>> {
+    let stride = points.hz.len().div_ceil(MOST_POINTS);
+    let all = View::new(points, known)?;
+    let hz: Vec<f64> = points.hz.iter().copied().step_by(stride).collect();
+    let weight: Vec<Complex64> = points.weight.iter().copied().step_by(stride).collect();
+    let admittance: Vec<Complex64> = points.admittance.iter().copied().step_by(stride).collect();
+    let thin_points = Points { hz: &hz, admittance: &admittance, weight: &weight };
+    let thin = View::new(&thin_points, known)?;
+    let (from, to) = (points.hz[0], points.hz[points.hz.len() - 1]);
+    let spacing = (to - from) / (hz.len() - 1).max(1) as f64;
+    let mut found = Vec::new();
+    let mut q = QUALITIES.0;
+    let finest = points.hz.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    while q <= QUALITIES.1 && from / q > 0.25 * finest {
+        let mut best: Option<Candidate> = None;
+        let mut consider = |gain: Option<f64>, shape: (f64, f64)| {
+            if let Some(gain) = gain.filter(|gain| best.is_none_or(|(most, _)| *gain > most)) {
+                best = Some((gain, shape));
+            }
+        };
+        let step = (from.max(to / 4.0) / q / STEPS).min(to - from);
+        let count = ((to - from) / step).ceil() as usize + 1;
+        if count <= MOST_FREQUENCIES && (stride == 1 || from / q > 4.0 * spacing) {
+            for n in 0..count {
+                let shape = ((from + n as f64 * step).min(to), q);
+                consider(thin.gain(shape, None), shape);
+            }
+        } else {
+            for own in all.peaks(q) {
+                for shift in [-0.3, 0.0, 0.3] {
+                    let shape = (own * (1.0 + shift / q), q);
+                    consider(all.gain(shape, Some(WINDOW)), shape);
+                }
+            }
+        }
+        found.extend(best);
+        q *= QUALITY_STEP;
+    }
+    Some(found)
+}
+
+/// Points with the known part projected out.
+struct View<'a> {
+    hz: &'a [f64],
+    weight: &'a [Complex64],
+    /// Orthonormal vectors of the known part.
+    basis: Vec<Vector>,
+    residual: Vector,
+}
+
+impl<'a> View<'a> {
+    fn new(points: &Points<'a>, known: &[(f64, f64)]) -> Option<Self> {
+        let mut basis: Vec<Vector> = Vec::new();
+        let columns = base(points).into_iter().chain(known.iter().map(|shape| column(points, |hz| unit(hz, *shape))));
+        for mut vector in columns {
+            let before = dot(&vector, &vector);
+            for _ in 0..2 {
+                for known in &basis {
+                    let along = dot(known, &vector);
+                    vector.iter_mut().zip(known).for_each(|(v, k)| *v -= along * k);
+                }
+            }
+            let square = dot(&vector, &vector);
+            if square > 1e-20 * before {
+                let length = square.sqrt();
+                basis.push(vector.into_iter().map(|v| v / length).collect());
+            }
+        }
+        let mut residual: Vector = points.admittance.iter().zip(points.weight).map(|(y, w)| y * w).collect();
+        for known in &basis {
+            let along = dot(known, &residual);
+            residual.iter_mut().zip(known).for_each(|(r, k)| *r -= along * k);
+        }
+        dot(&residual, &residual).is_finite().then_some(View { hz: points.hz, weight: points.weight, basis, residual })
+    }
+
+    /// What a candidate takes from the sum of squares; nothing if its conductance is not positive. With a window, only points near it are looked at, where
+    /// the known part does not matter.
+    fn gain(&self, (own, q): (f64, f64), window: Option<f64>) -> Option<f64> {
+        let reach = window.map_or(f64::INFINITY, |window| window * own / q);
+        let range = self.hz.partition_point(|hz| *hz < own - reach)..self.hz.partition_point(|hz| *hz <= own + reach);
+        let shape: Vector = range.clone().map(|at| unit(self.hz[at], (own, q)) * self.weight[at]).collect();
+        let along = dot(&shape, &self.residual[range.clone()]);
+        let mut square = dot(&shape, &shape);
+        if window.is_none() {
+            square -= self.basis.iter().map(|known| dot(known, &shape).powi(2)).sum::<f64>();
+        }
+        (along > 0.0 && square > 0.0).then(|| along * along / square)
+    }
+
+    /// Points at which the residuals are largest within a bandwidth.
+    fn peaks(&self, q: f64) -> Vec<f64> {
+        const MOST: usize = 48;
+        let energy = |at: usize| {
+            let half = 0.5 * self.hz[at] / q;
+            let from = self.hz.partition_point(|hz| *hz < self.hz[at] - half);
+            let to = self.hz.partition_point(|hz| *hz <= self.hz[at] + half);
+            self.residual[from..to].iter().map(Complex64::norm_sqr).sum::<f64>()
+        };
+        let energies: Vec<f64> = (0..self.hz.len()).map(energy).collect();
+        let is_peak = |at: &usize| {
+            let before = at.checked_sub(1).map_or(0.0, |before| energies[before]);
+            energies[*at] >= before && energies[*at] >= energies.get(at + 1).copied().unwrap_or(0.0)
+        };
+        let mut peaks: Vec<usize> = (0..self.hz.len()).filter(is_peak).collect();
+        peaks.sort_by(|a, b| energies[*b].total_cmp(&energies[*a]));
+        peaks.into_iter().take(MOST).map(|at| self.hz[at]).collect()
+    }
+}

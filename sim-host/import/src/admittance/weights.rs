@@ -1,0 +1,125 @@
+//! Weights: how large the noise is in each coordinate of each point, found from residuals.
+//!
+//! A residual `e` is one of the coordinate of the instrument: of a scattering parameter as it is, of an immittance its logarithm, whose real part is an error of
+//! size and whose imaginary part is one of angle. Its variance is
+//!
+//! ```text
+//! scattering    v = a + b |S|^2                          receiver noise, trace noise
+//! immittance    v = a + b / |Y|^2 + c |Y|^2              error of ratio, floor of current, floor of voltage
+//! ```
+//!
+//! with coefficients that are not negative, by maximum likelihood; a term is used only where it pays for itself by Bayes's information criterion.
+
+use num_complex::Complex64;
+
+use super::coordinate::Coordinate;
+use crate::complex::size;
+
+/// Smallest standard deviation that is believed, part of one of a scattering parameter or of an admittance.
+const FLOOR: f64 = 1e-8;
+/// Least variance of a scattering parameter, part of the mean.
+const LEAST_PART: f64 = 0.3;
+
+/// Standard deviations of the real and imaginary part of each point's residual.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Weights(pub(super) Vec<[f64; 2]>);
+
+impl Weights {
+    /// Equal weights of so many points.
+    pub(super) fn equal(points: usize) -> Self {
+        Weights(vec![[1.0; 2]; points])
+    }
+
+    /// Weights from the residuals of a fit; `fitted` are its admittances.
+    pub(super) fn of(coordinate: Coordinate, fitted: &[Complex64], residuals: &[Complex64]) -> Self {
+        let square = |of: &dyn Fn(&Complex64) -> f64| residuals.iter().map(of).map(|e| e * e).collect::<Vec<f64>>();
+        let (re, im) = (square(&|e| e.re), square(&|e| e.im));
+        let (of_re, of_im) = match coordinate {
+            Coordinate::Scattering(..) => {
+                let terms = [fitted.iter().map(|_| 1.0).collect(), fitted.iter().map(|y| coordinate.of(*y).norm_sqr()).collect()];
+                let both: Vec<f64> = re.iter().zip(&im).map(|(re, im)| 0.5 * (re + im)).collect();
+                let mut variance = variances(&terms, &both);
+                // No receiver is without noise where little comes back to it: a few points there must not count for everything.
+                let least = LEAST_PART * variance.iter().sum::<f64>() / variance.len().max(1) as f64;
+                variance.iter_mut().for_each(|v| *v = v.max(least));
+                (variance.clone(), variance)
+            }
+            Coordinate::Immittance => {
+                // In units of the geometric mean, so that no term is out of all proportion.
+                let ln = fitted.iter().map(|y| libm::log(size(*y).max(1e-30))).sum::<f64>() / fitted.len().max(1) as f64;
+                let middle = libm::exp(2.0 * ln);
+                let of = |y: &Complex64| y.norm_sqr().max(1e-60) / middle;
+                let terms = [
+                    fitted.iter().map(|_| 1.0).collect(),
+                    fitted.iter().map(|y| 1.0 / of(y)).collect(),
+                    fitted.iter().map(of).collect(),
+                ];
+                (variances(&terms, &re), variances(&terms, &im))
+            }
+        };
+        Weights(of_re.iter().zip(&of_im).map(|(re, im)| [re, im].map(|v| v.sqrt().max(FLOOR))).collect())
+    }
+}
+
+/// The variances that explain these squares best, as a sum of some of the terms.
+fn variances(terms: &[Vec<f64>], squares: &[f64]) -> Vec<f64> {
+    let floor = FLOOR * FLOOR;
+    let points = squares.len();
+    let sum = |coefficients: &[f64]| -> Vec<f64> {
+        (0..points).map(|t| coefficients.iter().zip(terms).map(|(a, term)| a * term[t]).sum::<f64>().max(floor)).collect()
+    };
+    let mean = (squares.iter().sum::<f64>() / points.max(1) as f64).max(floor);
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for subset in 1_usize..1 << terms.len() {
+        let used: Vec<usize> = (0..terms.len()).filter(|term| subset >> term & 1 == 1).collect();
+        let Some(coefficients) = likely(terms, &used, squares, mean, &sum) else { continue };
+        let variance = sum(&coefficients);
+        let loss: f64 = variance.iter().zip(squares).map(|(v, q)| libm::log(*v) + q / v).sum();
+        let score = loss + used.len() as f64 * libm::log(points as f64);
+        if best.as_ref().is_none_or(|(least, _)| score < *least) {
+            best = Some((score, variance));
+        }
+    }
+    best.map_or_else(|| vec![mean; points], |(_, variance)| variance)
+}
+
+/// Coefficients of the terms used, by scoring; nothing if one becomes negative.
+fn likely(terms: &[Vec<f64>], used: &[usize], squares: &[f64], mean: f64, sum: &dyn Fn(&[f64]) -> Vec<f64>) -> Option<Vec<f64>> {
+    const ROUNDS: usize = 12;
+    let n = used.len();
+    let mut variance = vec![mean; squares.len()];
+    let mut coefficients = vec![0.0; terms.len()];
+    for _ in 0..ROUNDS {
+        let weighted = |a: &dyn Fn(usize) -> f64, b: &dyn Fn(usize) -> f64| {
+            (0..squares.len()).map(|t| a(t) * b(t) / (variance[t] * variance[t])).sum::<f64>()
+        };
+        let matrix = nalgebra::DMatrix::from_fn(n, n, |i, j| weighted(&|t| terms[used[i]][t], &|t| terms[used[j]][t]));
+        let right = nalgebra::DVector::from_fn(n, |i, _| weighted(&|t| terms[used[i]][t], &|t| squares[t]));
+        let found = nalgebra::Cholesky::new(matrix)?.solve(&right);
+        if found.iter().any(|a| !(*a > 0.0 && a.is_finite())) {
+            return None;
+        }
+        used.iter().zip(found.iter()).for_each(|(term, a)| coefficients[*term] = *a);
+        variance = sum(&coefficients);
+    }
+    Some(coefficients)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_term_is_used_where_the_squares_ask_for_it() {
+        let x: Vec<f64> = (0..400).map(|t| 0.01 + f64::from(t) / 40.0).collect();
+        let terms = [vec![1.0; 400], x.clone()];
+        // Squares that are 0.5 and 1.5 times their mean in turn.
+        let of = |mean: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            x.iter().enumerate().map(|(t, x)| mean(*x) * (0.5 + (t % 2) as f64)).collect()
+        };
+        let flat = variances(&terms, &of(&|_| 3.0));
+        assert!(flat.iter().all(|v| (v - 3.0).abs() < 0.02), "{:?}", &flat[..3]);
+        let rising = variances(&terms, &of(&|x| x));
+        assert!(rising.iter().zip(&x).all(|(v, x)| (v / x - 1.0).abs() < 0.2), "{:?} {:?}", &rising[..3], &x[..3]);
+    }
+}

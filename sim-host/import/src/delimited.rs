@@ -1,0 +1,211 @@
+//! Delimited text: where the table of numbers is, what separates its fields, what its decimal sign is, and which line is its heading.
+//!
+//! Nothing of it is asked for: every pair of delimiter and decimal sign is tried, and the one that reads the longest run of lines as numbers, with
+//! the same number of fields, is the file's. What stands before that run is a preamble, whose last line with as many fields is the heading.
+
+use crate::error::ImportError;
+use crate::text::{beginning, number};
+
+/// A table of numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Table {
+    /// Headings of the columns, if there are any.
+    pub(crate) header: Option<Vec<String>>,
+    /// Number of the line of each row, from 1.
+    pub(crate) lines: Vec<usize>,
+    /// Columns of the table.
+    pub(crate) columns: Vec<Vec<f64>>,
+    /// Delimiter and decimal sign that were found, for a reader.
+    pub(crate) found: String,
+}
+
+/// What separates fields.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Delimiter {
+    Sign(char),
+    Blank,
+}
+
+/// Pairs of delimiter and decimal comma, in the order in which they are preferred where they read as much.
+const FORMS: [(Delimiter, bool); 7] = [
+    (Delimiter::Sign(';'), true),
+    (Delimiter::Sign(';'), false),
+    (Delimiter::Sign('\t'), true),
+    (Delimiter::Sign('\t'), false),
+    (Delimiter::Sign(','), false),
+    (Delimiter::Blank, true),
+    (Delimiter::Blank, false),
+];
+/// Signs with which a comment begins.
+const COMMENT: [&str; 4] = ["#", "!", "%", "//"];
+/// Most columns of a table.
+const MOST_COLUMNS: usize = 64;
+
+impl Delimiter {
+    fn split(self, line: &str) -> Vec<&str> {
+        match self {
+            Delimiter::Blank => line.split_whitespace().collect(),
+            Delimiter::Sign(sign) => {
+                // A delimiter behind the last field ends the line.
+                let line = line.trim_end().strip_suffix(sign).unwrap_or(line);
+                line.split(sign).map(str::trim).collect()
+            }
+        }
+    }
+
+    fn called(self) -> &'static str {
+        match self {
+            Delimiter::Sign(';') => "semicolons",
+            Delimiter::Sign('\t') => "tabs",
+            Delimiter::Sign(_) => "commas",
+            Delimiter::Blank => "blanks",
+        }
+    }
+}
+
+/// A line without its comment sign, and whether it had one.
+fn bare(line: &str) -> (&str, bool) {
+    let line = line.trim();
+    let comment = COMMENT.iter().find_map(|sign| line.strip_prefix(sign));
+    (comment.unwrap_or(line), comment.is_some())
+}
+
+/// The numbers of a line, if it has nothing else.
+fn numbers(line: &str, (delimiter, comma): (Delimiter, bool)) -> Option<Vec<f64>> {
+    let fields = delimiter.split(line);
+    (2..=MOST_COLUMNS).contains(&fields.len()).then(|| fields.iter().map(|field| number(field, comma)).collect())?
+}
+
+/// The longest run of lines of numbers with the same number of fields: index of its first line, and of the line behind the last.
+fn longest(lines: &[&str], form: (Delimiter, bool)) -> (usize, usize, usize) {
+    let (mut best, mut start, mut width, mut rows) = ((0, 0, 0), 0, 0, 0);
+    for (at, line) in lines.iter().enumerate() {
+        let (text, comment) = bare(line);
+        if comment || text.is_empty() {
+            continue;
+        }
+        let fields = numbers(line, form).map_or(0, |row| row.len());
+        if fields == 0 || fields != width {
+            (start, width, rows) = (at, fields, 0);
+        }
+        rows += usize::from(fields > 0);
+        if rows > best.2 {
+            best = (start, at + 1, rows);
+        }
+    }
+    best
+}
+
+/// Finds the table of a text. `columns` stands in place of a heading where it is given.
+pub(crate) fn read(text: &str, columns: Option<&str>) -> Result<Table, ImportError> {
+    let lines: Vec<&str> = text.lines().collect();
+    let runs = FORMS.map(|form| (form, longest(&lines, form)));
+    // The first of those that read as much; a comma that separates two columns is not a decimal sign of one.
+    let best = runs.iter().rev().max_by_key(|(_, (.., rows))| *rows).copied();
+    let Some((form, (start, end, rows))) = best.filter(|(_, (.., rows))| *rows > 0) else {
+        let shown = lines.iter().find(|line| !line.trim().is_empty()).map_or("nothing".to_owned(), |line| beginning(line));
+        let seen = format!(
+            "it begins with `{shown}`, and no line has two numbers or more; known are Touchstone (.s1p, .s2p) and tables of numbers, with \
+             commas, semicolons, tabs or blanks between"
+        );
+        return Err(ImportError::UnknownForm { seen });
+    };
+    if rows < 2 {
+        let seen = format!("only line {} is a line of numbers", start + 1);
+        return Err(ImportError::UnknownForm { seen });
+    }
+    let header = match columns {
+        Some(columns) => Some(columns.split(',').map(|name| name.trim().to_owned()).collect::<Vec<_>>()),
+        None => heading(&lines[..start], form.0),
+    };
+    let mut table = Table {
+        header,
+        lines: Vec::with_capacity(rows),
+        columns: Vec::new(),
+        found: format!("{} between the fields, decimal {}", form.0.called(), if form.1 { "comma" } else { "point" }),
+    };
+    for (at, line) in lines.iter().enumerate().take(end).skip(start) {
+        let (text, comment) = bare(line);
+        if comment || text.is_empty() {
+            continue;
+        }
+        let Some(row) = numbers(line, form) else { continue };
+        table.columns.resize(row.len(), Vec::with_capacity(rows));
+        table.lines.push(at + 1);
+        table.columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+    }
+    if let Some(rest) = lines[end..].iter().position(|line| numbers(line, form).is_some()) {
+        return Err(broken(&lines, end, end + rest));
+    }
+    if let Some(before) =
+        lines[..start].iter().position(|line| numbers(line, form).is_some_and(|row| row.len() == table.columns.len()))
+    {
+        return Err(broken(&lines, before + 1, start));
+    }
+    check_width(&table)?;
+    Ok(table)
+}
+
+/// The line that interrupts a table.
+fn broken(lines: &[&str], from: usize, to: usize) -> ImportError {
+    let at = (from..to).find(|&at| !bare(lines[at]).0.is_empty()).unwrap_or(from);
+    let what = format!("`{}` interrupts the table of numbers; mend or remove it, or give one sweep a file", beginning(lines[at]));
+    ImportError::BadLine { line: at + 1, what }
+}
+
+/// The last line of a preamble that names something in every field.
+fn heading(before: &[&str], delimiter: Delimiter) -> Option<Vec<String>> {
+    let line = before.iter().rev().map(|line| bare(line).0).find(|line| !line.trim().is_empty())?;
+    let names = |fields: Vec<&str>| fields.iter().map(|field| field.trim_matches('"').trim().to_owned()).collect::<Vec<_>>();
+    let fields = names(delimiter.split(line));
+    // Headings of a table with blanks between may have a blank within a name.
+    let named = |fields: &[String]| fields.iter().any(|field| field.chars().any(char::is_alphabetic));
+    named(&fields).then_some(fields)
+}
+
+fn check_width(table: &Table) -> Result<(), ImportError> {
+    let Some(header) = &table.header else { return Ok(()) };
+    if header.len() == table.columns.len() {
+        return Ok(());
+    }
+    let line = table.lines.first().copied().unwrap_or(1);
+    let hint = if table.found.starts_with("commas") && table.columns.len() == 2 * header.len() {
+        "; a decimal comma cannot be told from a comma between fields: export with semicolons"
+    } else {
+        "; give the names with `--columns`, as `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`"
+    };
+    let what = format!("{} numbers, but the heading names {} columns{hint}", table.columns.len(), header.len());
+    Err(ImportError::BadLine { line, what })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn delimiter_decimal_sign_and_heading_are_found() {
+        let cases = [
+            ("Date;1.1.\nf [Hz];R [ohm]\n40000,5;1,25\n40001,5;1,5\n", "semicolons between the fields, decimal comma"),
+            ("# f [Hz],R [ohm]\n40000.5,1.25\n# a remark\n\n40001.5,1.5\n", "commas between the fields, decimal point"),
+            ("f[Hz]\tR[ohm]\n40000.5\t1.25\n40001.5\t1.5\n", "tabs between the fields, decimal point"),
+            ("f[Hz] R[ohm]\n 40000,5  1,25\n 40001,5 1,5\n", "blanks between the fields, decimal comma"),
+        ];
+        for (text, found) in cases {
+            let table = read(text, None).unwrap();
+            assert_eq!((table.found.as_str(), &table.columns), (found, &vec![vec![40000.5, 40001.5], vec![1.25, 1.5]]), "{text}");
+            assert_eq!(table.header.map(|header| header.len()), Some(2));
+        }
+    }
+
+    #[test]
+    fn a_decimal_comma_between_commas_is_named() {
+        let error = read("f [Hz],R [ohm]\n40000,5,1,25\n40001,5,1,5\n", None).unwrap_err().to_string();
+        assert!(error.contains("export with semicolons"), "{error}");
+    }
+
+    #[test]
+    fn a_line_that_interrupts_the_table_is_named() {
+        let error = read("f,r\n1,2\n2,3\n3,overload\n4,5\n", None).unwrap_err().to_string();
+        assert!(error.starts_with("line 4: `3,overload`"), "{error}");
+    }
+}

@@ -1,0 +1,222 @@
+//! A friction log: slip and force from sample to sample, the normal force, and when the vibration is ON.
+
+use crate::delimited;
+use crate::error::ImportError;
+use crate::text::beginning;
+
+/// What a file does not say, and the caller may.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Options {
+    /// Names of the columns, in place of the heading.
+    pub columns: Option<String>,
+    /// Normal force, N, where no column has it.
+    pub normal_n: Option<f64>,
+    /// When the vibration is ON, from and to, s, where no column says it.
+    pub on_s: Vec<(f64, f64)>,
+}
+
+/// A friction log.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Log {
+    /// Time of each sample, s; empty where the file has none.
+    pub time_s: Vec<f64>,
+    /// Slip since the sample before, m; zero for the first.
+    pub slip_m: Vec<f64>,
+    /// Slip velocity, m/s.
+    pub velocity_m_per_s: Vec<f64>,
+    /// Friction, N, positive against a positive slip.
+    pub force_n: Vec<f64>,
+    /// Mean normal force, N.
+    pub normal_n: f64,
+    /// Whether the vibration is ON.
+    pub on: Vec<bool>,
+    /// What was found about the file, a sentence each.
+    pub remarks: Vec<String>,
+}
+
+/// What a column of a log holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Quantity {
+    Time,
+    Displacement,
+    Velocity,
+    Force,
+    Normal,
+    On,
+}
+
+/// Least samples of the OFF part.
+const LEAST_SAMPLES: usize = 20;
+
+/// Factor of a unit to the SI's for a quantity.
+fn factor(quantity: Quantity, unit: &str) -> Option<f64> {
+    let unit = unit.trim().to_lowercase();
+    match quantity {
+        Quantity::Time => match unit.as_str() {
+            "s" => Some(1.0),
+            "ms" => Some(1e-3),
+            "us" | "µs" | "μs" => Some(1e-6),
+            _ => None,
+        },
+        Quantity::Displacement | Quantity::Velocity => {
+            let length = match quantity {
+                Quantity::Velocity => unit.strip_suffix("/s").or(unit.strip_suffix("_per_s"))?,
+                _ => unit.as_str(),
+            };
+            match length {
+                "m" => Some(1.0),
+                "mm" => Some(1e-3),
+                "um" | "µm" | "μm" => Some(1e-6),
+                "nm" => Some(1e-9),
+                _ => None,
+            }
+        }
+        Quantity::Force | Quantity::Normal => match unit.as_str() {
+            "n" => Some(1.0),
+            "mn" => Some(1e-3),
+            "kn" => Some(1e3),
+            _ => None,
+        },
+        Quantity::On => None,
+    }
+}
+
+/// The quantity of a name without its unit.
+fn quantity(name: &str) -> Option<Quantity> {
+    let bare: String = name.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
+    Some(match bare.as_str() {
+        "t" | "time" | "zeit" => Quantity::Time,
+        "x" | "s" | "displacement" | "position" | "slip" | "weg" => Quantity::Displacement,
+        "v" | "velocity" | "speed" | "sliding" | "slidingspeed" => Quantity::Velocity,
+        "f" | "ff" | "force" | "friction" | "frictionforce" | "ft" | "tangential" => Quantity::Force,
+        "n" | "fn" | "normal" | "normalforce" | "load" => Quantity::Normal,
+        "on" | "drive" | "vibration" | "ultrasound" => Quantity::On,
+        _ => return None,
+    })
+}
+
+/// Quantity and factor of a heading such as `x [mm]`, `force_n` or `on`.
+fn heading(text: &str) -> Option<(Quantity, Option<f64>)> {
+    let text = text.trim();
+    let brackets = [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
+        let (name, rest) = text.rsplit_once(open)?;
+        Some((name, rest.split(close).next()?))
+    });
+    let underscore = || {
+        let (name, unit) = text.split_once('_')?;
+        Some((name, unit))
+    };
+    let (name, unit) = brackets.or_else(underscore).unwrap_or((text, ""));
+    let quantity = quantity(name).or_else(|| quantity(text))?;
+    Some((quantity, factor(quantity, unit)))
+}
+
+impl Log {
+    /// The log of a text.
+    ///
+    /// # Errors
+    /// [`ImportError`], with the line or column that shows why.
+    pub fn parse(text: &str, options: &Options) -> Result<Self, ImportError> {
+        let table = delimited::read(text, options.columns.as_deref())?;
+        let names = table.header.clone().unwrap_or_default();
+        let seen = |what: &str| {
+            let names = names.iter().map(|name| beginning(name)).collect::<Vec<_>>().join("`, `");
+            let seen = format!(
+                "the columns are `{names}`: {what}. Known are t, x, v, F (friction), N (normal force) and on, as \
+                 `--columns \"t [s], x [mm], F [N]\"`"
+            );
+            ImportError::UnknownForm { seen }
+        };
+        let known: Vec<_> = names.iter().map(|name| heading(name)).collect();
+        let column = |wanted: Quantity| -> Result<Option<Vec<f64>>, ImportError> {
+            let Some(at) = known.iter().position(|known| known.is_some_and(|(quantity, _)| quantity == wanted)) else {
+                return Ok(None);
+            };
+            let factor = match (wanted, known[at].and_then(|(_, factor)| factor)) {
+                (Quantity::On, _) => 1.0,
+                (_, Some(factor)) => factor,
+                (_, None) => {
+                    let help = "write it in the heading or by `--columns`, as `x [mm]`, `v [mm/s]`, `F [N]`".to_owned();
+                    return Err(ImportError::UnitMissing { column: format!("the column `{}`", names[at]), help });
+                }
+            };
+            Ok(Some(table.columns[at].iter().map(|value| value * factor).collect()))
+        };
+        let (time, x, v) = (column(Quantity::Time)?, column(Quantity::Displacement)?, column(Quantity::Velocity)?);
+        let force_n = column(Quantity::Force)?.ok_or_else(|| seen("none is the friction force"))?;
+        let count = force_n.len();
+        if let Some(at) = time.as_ref().and_then(|time| time.windows(2).position(|pair| !(pair[1] > pair[0]))) {
+            let what = "time does not go on here".to_owned();
+            return Err(ImportError::BadLine { line: table.lines[at + 1], what });
+        }
+        let steps = |values: &[f64]| -> Vec<f64> {
+            std::iter::once(0.0).chain(values.windows(2).map(|pair| pair[1] - pair[0])).collect()
+        };
+        let slip_m = match (&x, &v, &time) {
+            (Some(x), ..) => steps(x),
+            (None, Some(v), Some(time)) => {
+                let mean = |at: usize| 0.5 * (v[at] + v[at - 1]) * (time[at] - time[at - 1]);
+                (0..count).map(|at| if at == 0 { 0.0 } else { mean(at) }).collect()
+            }
+            _ => return Err(seen("slip needs a displacement, or time and velocity")),
+        };
+        let velocity_m_per_s = match (v, &time) {
+            (Some(v), _) => v,
+            (None, Some(time)) => {
+                let of = |at: usize| if at == 0 { 0.0 } else { slip_m[at] / (time[at] - time[at - 1]) };
+                (0..count).map(|at| of(at.max(1).min(count - 1))).collect()
+            }
+            (None, None) => return Err(seen("velocity needs a column, or time and displacement")),
+        };
+        let normal = column(Quantity::Normal)?;
+        let mean = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let normal_n = options.normal_n.or(normal.as_ref().map(mean)).filter(|normal| *normal > 0.0);
+        let normal_n = normal_n.ok_or_else(|| {
+            let help = "give it with `--normal-n`, or as a column `N [N]`".to_owned();
+            ImportError::UnitMissing { column: "the normal force".into(), help }
+        })?;
+        let on = match (column(Quantity::On)?, &time) {
+            (Some(on), _) => on.iter().map(|on| *on > 0.5).collect(),
+            (None, Some(time)) => time.iter().map(|t| options.on_s.iter().any(|(from, to)| (*from..*to).contains(t))).collect(),
+            (None, None) => vec![false; count],
+        };
+        let remarks = vec![format!("A table with {}", table.found)];
+        let log = Log { time_s: time.unwrap_or_default(), slip_m, velocity_m_per_s, force_n, normal_n, on, remarks };
+        log.checked()
+    }
+
+    fn checked(self) -> Result<Self, ImportError> {
+        let off = self.on.iter().filter(|on| !**on).count();
+        if off < LEAST_SAMPLES {
+            return Err(ImportError::NoFit(format!("{off} samples without vibration, and a contact needs {LEAST_SAMPLES}")));
+        }
+        if self.slip_m.iter().all(|slip| *slip == 0.0) {
+            return Err(ImportError::NoFit("nothing slides: the displacement stays the same".into()));
+        }
+        Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_and_columns_of_a_log_are_found() {
+        let lines: String = (0..30).map(|n| format!("{n};{},5;2;{}\n", n, n / 20)).collect();
+        let log =
+            Log::parse(&format!("t [ms];x [um];F [mN];on\n{lines}"), &Options { normal_n: Some(2.0), ..Options::default() })
+                .unwrap();
+        assert!((log.slip_m[1] - 1e-6).abs() < 1e-18 && (log.velocity_m_per_s[3] - 1e-3).abs() < 1e-12);
+        assert_eq!((log.on[19], log.on[20], log.force_n[0]), (false, true, 2e-3));
+    }
+
+    #[test]
+    fn a_log_without_unit_or_normal_force_is_refused() {
+        let lines: String = (0..30).map(|n| format!("{n},{n},2\n")).collect();
+        let error = |head: &str| Log::parse(&format!("{head}\n{lines}"), &Options::default()).unwrap_err().to_string();
+        assert!(error("t [s],x,F [N]").starts_with("unit missing: the column `x` has no unit"));
+        assert!(error("t [s],x [m],F [N]").starts_with("unit missing: the normal force"));
+        assert!(error("t [s],x [m],u [V]").contains("none is the friction force"));
+    }
+}

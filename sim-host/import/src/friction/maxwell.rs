@@ -1,0 +1,85 @@
+//! The generalised Maxwell slip model: springs in parallel, each of which slides from its own deflection on.
+//!
+//! The deflections are fixed, in equal steps of their logarithm over those that the log resolves; then the friction is linear in the stiffnesses, which are
+//! least squares without negative ones. V. Lampaert, F. Al-Bender, J. Swevers, Proc. Int. Conf. Physics and Control (2003) 1188.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::log::Log;
+
+/// Springs of the model.
+const SPRINGS: usize = 8;
+
+/// A fitted model.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Maxwell {
+    /// Deflection from which each spring slides, m.
+    pub(super) deflections_m: Vec<f64>,
+    /// Stiffness of each spring, N/m.
+    pub(super) stiffnesses: Vec<f64>,
+    /// Covariance of the stiffnesses that are not zero, for residuals of variance one.
+    pub(super) variances: Vec<f64>,
+    /// Friction at every sample, N.
+    pub(super) force_n: Vec<f64>,
+}
+
+/// Fits the samples that are `used`; nothing if the log resolves no deflection.
+pub(super) fn fit(log: &Log, used: &[bool]) -> Option<Maxwell> {
+    // About a reversal steps are as short as one likes: the median is what the log resolves.
+    let mut steps: Vec<f64> = log.slip_m.iter().map(|slip| slip.abs()).filter(|slip| *slip > 0.0).collect();
+    steps.sort_by(f64::total_cmp);
+    let least = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let mut at = 0.0_f64;
+    let (mut low, mut high) = (0.0_f64, 0.0_f64);
+    for slip in &log.slip_m {
+        at += slip;
+        (low, high) = (low.min(at), high.max(at));
+    }
+    let most = 0.25 * (high - low);
+    if !(least.is_finite() && most > 2.0 * least) {
+        return None;
+    }
+    let deflections_m: Vec<f64> =
+        (0..SPRINGS).map(|n| least * libm::pow(most / least, n as f64 / (SPRINGS - 1) as f64)).collect();
+    let columns: Vec<Vec<f64>> = deflections_m.iter().map(|deflection| stop(log, *deflection)).collect();
+    let picked = |values: &[f64]| -> Vec<f64> { values.iter().zip(used).filter(|(_, used)| **used).map(|(v, _)| *v).collect() };
+    let force = picked(&log.force_n);
+    let rows: Vec<Vec<f64>> = columns.iter().map(|column| picked(column)).collect();
+    let mut active: Vec<usize> = (0..SPRINGS).collect();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let scale: Vec<f64> = rows.iter().map(|row| dot(row, row).sqrt().max(f64::MIN_POSITIVE)).collect();
+    loop {
+        let n = active.len();
+        if n == 0 {
+            return None;
+        }
+        let of = |i: usize, j: usize| dot(&rows[active[i]], &rows[active[j]]) / scale[active[i]] / scale[active[j]];
+        let factor = Cholesky::new(DMatrix::from_fn(n, n, |i, j| of(i, j) + if i == j { 1e-10 } else { 0.0 }))?;
+        let found = factor.solve(&DVector::from_fn(n, |i, _| dot(&rows[active[i]], &force) / scale[active[i]]));
+        // The most negative spring goes first.
+        let worst = (0..n).min_by(|a, b| found[*a].total_cmp(&found[*b])).filter(|worst| found[*worst] <= 0.0);
+        if let Some(worst) = worst {
+            active.remove(worst);
+            continue;
+        }
+        let inverse = factor.inverse();
+        let (mut stiffnesses, mut variances) = (vec![0.0; SPRINGS], vec![0.0; SPRINGS]);
+        for (i, spring) in active.iter().enumerate() {
+            stiffnesses[*spring] = found[i] / scale[*spring];
+            variances[*spring] = inverse[(i, i)] / (scale[*spring] * scale[*spring]);
+        }
+        let sample = |at: usize| stiffnesses.iter().zip(&columns).map(|(k, column)| k * column[at]).sum();
+        let force_n = (0..log.slip_m.len()).map(sample).collect();
+        return Some(Maxwell { deflections_m, stiffnesses, variances, force_n });
+    }
+}
+
+/// Deflection of a spring that slides from a deflection on, at every sample, m.
+fn stop(log: &Log, limit: f64) -> Vec<f64> {
+    let mut deflection = 0.0_f64;
+    let step = |slip: &f64| {
+        deflection = (deflection + slip).max(-limit).min(limit);
+        deflection
+    };
+    log.slip_m.iter().map(step).collect()
+}

@@ -1,0 +1,38 @@
+//! A friction log as the parameters of contact models: [`import`].
+//!
+//! ```text
+//! file -> log (slip, force, normal force, OFF and ON) -> fit of each model to the OFF part -> choice -> contact, friction ratio ON over OFF, scene
+//! ```
+
+mod fit;
+mod log;
+mod maxwell;
+mod models;
+mod result;
+mod view;
+
+use std::path::Path;
+
+use crate::error::ImportError;
+use crate::text::decode;
+pub use log::{Log, Options};
+pub use models::Model;
+pub use result::{Fitted, Friction};
+
+/// The contact of a measured file.
+///
+/// # Errors
+/// [`ImportError`], with the line or value that shows why.
+pub fn import(path: &Path, options: &Options) -> Result<Friction, ImportError> {
+    let bytes = std::fs::read(path).map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
+    let name = path.file_stem().map_or_else(|| "contact".into(), |stem| stem.to_string_lossy().into_owned());
+    fit(&name, Log::parse(&decode(&bytes), options)?)
+}
+
+/// The contact of a log.
+///
+/// # Errors
+/// [`ImportError`] where the log has too few points, or does not slide.
+pub fn fit(name: &str, log: Log) -> Result<Friction, ImportError> {
+    Friction::of(name, log)
+}

@@ -1,0 +1,117 @@
+//! Contact models as functions of a measured slip.
+//!
+//! ```text
+//! Coulomb    F = Fc sgn V
+//! Stribeck   F = sgn V (Fc + (Fs - Fc) exp(-(V / Vs)^2)) + s2 V
+//! Dahl       dF/dz = Kt (1 - F sgn V / Fc)
+//! LuGre      z' = V - |V| z / G(V),  F = Kt z + s2 V,  Kt G(V) = Fc + (Fs - Fc) exp(-(V / Vs)^2)
+//! ```
+//!
+//! Within a sample the slip goes in one direction at one velocity, in which Dahl's and LuGre's equations are solved exactly by an exponential of the slip. The
+//! damping of LuGre's bristles is not among the parameters: it shows only in the acceleration within the presliding, which hardly a log resolves.
+//! Sources: P. Dahl, AIAA J. 14 (1976) 1675; C. Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419.
+
+use super::log::Log;
+
+/// A contact model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Model {
+    /// Coulomb's friction.
+    Coulomb,
+    /// Friction that falls with the velocity, and a viscous part.
+    Stribeck,
+    /// Dahl's model.
+    Dahl,
+    /// The LuGre model, without damping of its bristles.
+    Lugre,
+    /// The generalised Maxwell slip model: springs that slide one after the other.
+    Maxwell,
+}
+
+/// A parameter of a model: its name, and whether it is fitted by its logarithm.
+pub(super) type Parameter = (&'static str, bool);
+
+const FC: Parameter = ("coulomb_n", true);
+const EXCESS: Parameter = ("static_excess_n", true);
+const STRIBECK: Parameter = ("stribeck_m_per_s", true);
+const VISCOUS: Parameter = ("sigma2", true);
+const STIFFNESS: Parameter = ("stiffness_n_per_m", true);
+const START: Parameter = ("initial_force_n", false);
+
+impl Model {
+    /// Models that are fitted by searching.
+    pub(super) const SEARCHED: [Model; 4] = [Model::Coulomb, Model::Stribeck, Model::Dahl, Model::Lugre];
+
+    /// Name of the model, as a scene has it where it has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Model::Coulomb => "coulomb",
+            Model::Stribeck => "stribeck",
+            Model::Dahl => "dahl",
+            Model::Lugre => "lugre",
+            Model::Maxwell => "maxwell",
+        }
+    }
+
+    pub(super) fn parameters(self) -> &'static [Parameter] {
+        match self {
+            Model::Coulomb => &[FC],
+            Model::Stribeck => &[FC, EXCESS, STRIBECK, VISCOUS],
+            Model::Dahl => &[FC, STIFFNESS, START],
+            Model::Lugre => &[FC, EXCESS, STRIBECK, VISCOUS, STIFFNESS, START],
+            Model::Maxwell => &[],
+        }
+    }
+
+    /// Values of the parameters from those of the fit.
+    pub(super) fn values(self, fitted: &[f64]) -> Vec<f64> {
+        self.parameters().iter().zip(fitted).map(|((_, log), p)| if *log { libm::exp(*p) } else { *p }).collect()
+    }
+
+    /// Friction at every sample, N.
+    pub(super) fn force(self, fitted: &[f64], log: &Log) -> Vec<f64> {
+        let p = self.values(fitted);
+        let steady = |fc: f64, excess: f64, vs: f64, v: f64| fc + excess * libm::exp(-(v / vs) * (v / vs));
+        match self {
+            Model::Coulomb => directions(log).into_iter().map(|sign| p[0] * sign).collect(),
+            Model::Stribeck => directions(log)
+                .into_iter()
+                .zip(&log.velocity_m_per_s)
+                .map(|(sign, v)| sign * steady(p[0], p[1], p[2], *v) + p[3] * v)
+                .collect(),
+            Model::Dahl => {
+                let mut force = p[2];
+                let step = |slip: &f64| {
+                    let limit = p[0] * slip.signum();
+                    force = limit + (force - limit) * libm::exp(-p[1] * slip.abs() / p[0]);
+                    force
+                };
+                log.slip_m.iter().map(step).collect()
+            }
+            Model::Lugre => {
+                let mut spring = p[5];
+                let step = |(slip, v): (&f64, &f64)| {
+                    let limit = steady(p[0], p[1], p[2], *v);
+                    let to = limit * slip.signum();
+                    spring = to + (spring - to) * libm::exp(-p[4] * slip.abs() / limit);
+                    spring + p[3] * v
+                };
+                log.slip_m.iter().zip(&log.velocity_m_per_s).map(step).collect()
+            }
+            Model::Maxwell => Vec::new(),
+        }
+    }
+}
+
+/// Which way the contact slides at every sample; where it stands, the way it went.
+fn directions(log: &Log) -> Vec<f64> {
+    let first = log.slip_m.iter().find(|slip| **slip != 0.0).map_or(1.0, |slip| slip.signum());
+    let mut last = first;
+    let of = |slip: &f64| {
+        if *slip != 0.0 {
+            last = slip.signum();
+        }
+        last
+    };
+    log.slip_m.iter().map(of).collect()
+}

@@ -1,0 +1,197 @@
+//! The result: parameters with standard deviations, the model chosen, the friction ratio of ON over OFF, and what to be careful about.
+
+use serde::Serialize;
+use serde_json::{Map, Value as Json, json};
+
+use super::fit::{Searched, criterion, memory, search};
+use super::log::Log;
+use super::maxwell;
+use super::models::Model;
+use crate::admittance::Value;
+use crate::error::ImportError;
+
+/// A model as fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    /// The model.
+    pub model: Model,
+    /// Parameters by name, those of a coefficient of friction first; without a standard deviation where the log does not determine one.
+    pub parameters: Vec<(String, f64, Option<f64>)>,
+    /// Correlations of the parameters of the fit, in the order of [`Fitted::names`].
+    pub correlations: Vec<Vec<f64>>,
+    /// Names of the parameters of the fit.
+    pub names: Vec<&'static str>,
+    /// Root mean square of the residuals, N.
+    pub rms_n: f64,
+    /// Information criterion; the least is the best.
+    pub criterion: f64,
+    /// Friction of the model at every sample, N.
+    pub force_n: Vec<f64>,
+}
+
+/// A friction log and its contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Friction {
+    /// Name of the contact: that of its file.
+    pub name: String,
+    /// The log.
+    pub log: Log,
+    /// All models, the best first.
+    pub models: Vec<Fitted>,
+    /// Friction ON over friction OFF, where the log has both.
+    pub ratio: Option<Value>,
+    /// What the reader should be careful about, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl Friction {
+    pub(super) fn of(name: &str, log: Log) -> Result<Self, ImportError> {
+        let used: Vec<bool> = log.on.iter().map(|on| !on).collect();
+        let searched: Vec<Searched> = Model::SEARCHED.into_iter().filter_map(|model| search(model, &log, &used)).collect();
+        let square = |residuals: &[f64]| residuals.iter().map(|r| r * r).sum::<f64>();
+        let best = searched.iter().min_by(|a, b| square(&a.residuals).total_cmp(&square(&b.residuals)));
+        let best = best.ok_or_else(|| ImportError::NoFit("no contact model leads to a finite friction".into()))?;
+        let memory = memory(&best.residuals);
+        let mut models: Vec<Fitted> = searched.iter().map(|found| fitted(found, &log, memory)).collect();
+        models.extend(of_maxwell(&log, &used, memory));
+        models.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        // A scene has no generalised Maxwell slip: it is shown, and never chosen.
+        models.sort_by_key(|model| model.model == Model::Maxwell);
+        let warnings = warnings(&models);
+        Ok(Friction { name: name.to_owned(), ratio: ratio(&log), log, models, warnings })
+    }
+
+    /// The model chosen.
+    pub fn chosen(&self) -> &Fitted {
+        &self.models[0]
+    }
+
+    /// The result for programs; `scene` is where its scene was written.
+    pub fn json(&self, scene: Option<&str>) -> Json {
+        let of = |fitted: &Fitted| {
+            let mut object = Map::new();
+            object.insert("model".into(), json!(fitted.model.name()));
+            for (name, value, sd) in &fitted.parameters {
+                object.insert(name.clone(), json!({ "value": value, "sd": sd }));
+            }
+            object.insert("rms_n".into(), json!(fitted.rms_n));
+            object.insert("criterion".into(), json!(fitted.criterion));
+            object.insert("correlation".into(), json!({ "names": fitted.names, "matrix": fitted.correlations }));
+            Json::Object(object)
+        };
+        #[derive(Serialize)]
+        struct Ratio {
+            friction_ratio: Value,
+        }
+        json!({
+            "contact": of(self.chosen()), "models": self.models.iter().map(of).collect::<Vec<_>>(), "scene": scene,
+            "normal_n": self.log.normal_n, "samples": self.log.force_n.len(), "on": self.ratio.map(|friction_ratio| Ratio { friction_ratio }),
+            "remarks": self.log.remarks, "warnings": self.warnings,
+        })
+    }
+}
+
+/// The parameters that a scene has, from those of the fit.
+fn fitted(found: &Searched, log: &Log, memory: f64) -> Fitted {
+    let values = found.model.values(&found.fitted);
+    let parameters = found.model.parameters();
+    let normal = log.normal_n;
+    let mut named = Vec::new();
+    for ((&(name, by_log), value), sd) in parameters.iter().zip(&values).zip(&found.deviations) {
+        // The logarithm's deviation is a part of the value.
+        let sd = sd.map(|sd| if by_log { sd * value } else { sd });
+        match name {
+            "coulomb_n" => named.push(("mu".to_owned(), value / normal, sd.map(|sd| sd / normal))),
+            "static_excess_n" => {
+                let sd = sd.map(|sd| sd / normal);
+                named.push(("static_mu".to_owned(), (values[0] + value) / normal, sd));
+            }
+            "initial_force_n" => {}
+            name => named.push((name.to_owned(), *value, sd)),
+        }
+    }
+    let rms_n = (found.residuals.iter().map(|r| r * r).sum::<f64>() / found.residuals.len().max(1) as f64).sqrt();
+    Fitted {
+        model: found.model,
+        parameters: named,
+        correlations: found.correlations.clone(),
+        names: parameters.iter().map(|(name, _)| *name).collect(),
+        rms_n,
+        criterion: criterion(&found.residuals, parameters.len(), memory),
+        force_n: found.model.force(&found.fitted, log),
+    }
+}
+
+fn of_maxwell(log: &Log, used: &[bool], memory: f64) -> Option<Fitted> {
+    let found = maxwell::fit(log, used)?;
+    let residuals: Vec<f64> =
+        found.force_n.iter().zip(&log.force_n).zip(used).filter(|(_, used)| **used).map(|((f, m), _)| f - m).collect();
+    let mean = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;
+    let springs = found.stiffnesses.iter().zip(&found.deflections_m).zip(&found.variances);
+    let mut parameters = Vec::new();
+    let mut names = Vec::new();
+    for (at, ((k, deflection), variance)) in springs.enumerate().filter(|(_, ((k, _), _))| **k > 0.0) {
+        parameters.push((format!("stiffness_{at}_n_per_m"), *k, Some((mean * memory * variance).sqrt())));
+        parameters.push((format!("deflection_{at}_m"), *deflection, None));
+        names.push("stiffness_n_per_m");
+    }
+    let count = names.len();
+    Some(Fitted {
+        model: Model::Maxwell,
+        parameters,
+        correlations: Vec::new(),
+        names,
+        rms_n: mean.sqrt(),
+        criterion: criterion(&residuals, count, memory),
+        force_n: found.force_n,
+    })
+}
+
+/// Mean friction ON over OFF, each along its slip.
+fn ratio(log: &Log) -> Option<Value> {
+    let along = |wanted: bool| -> Vec<f64> {
+        let samples = log.force_n.iter().zip(&log.slip_m).zip(&log.on);
+        samples.filter(|((_, slip), on)| **on == wanted && **slip != 0.0).map(|((f, slip), _)| f * slip.signum()).collect()
+    };
+    let mean_and_variance = |values: &[f64]| {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let rest: Vec<f64> = values.iter().map(|value| value - mean).collect();
+        (mean, rest.iter().map(|r| r * r).sum::<f64>() / (n - 1.0) / n * memory(&rest))
+    };
+    let (on, off) = (along(true), along(false));
+    if on.len() < 3 || off.len() < 3 {
+        return None;
+    }
+    let ((on, of_on), (off, of_off)) = (mean_and_variance(&on), mean_and_variance(&off));
+    let value = on / off;
+    Some(Value { value, sd: value.abs() * (of_on / (on * on) + of_off / (off * off)).sqrt() })
+}
+
+fn warnings(models: &[Fitted]) -> Vec<String> {
+    let chosen = &models[0];
+    let mut warnings = Vec::new();
+    let open: Vec<&str> = chosen.parameters.iter().filter(|(.., sd)| sd.is_none()).map(|(name, ..)| name.as_str()).collect();
+    if !open.is_empty() {
+        warnings.push(format!(
+            "the log does not determine {} of the model `{}`: a stiffness needs samples within the presliding, a Stribeck velocity needs slow and fast sliding",
+            open.join(", "),
+            chosen.model.name()
+        ));
+    }
+    if let Some(next) = models.iter().filter(|model| model.model != Model::Maxwell).nth(1)
+        && next.criterion - chosen.criterion < 6.0
+    {
+        warnings.push(format!("`{}` explains the log nearly as well as `{}`", next.model.name(), chosen.model.name()));
+    }
+    if let Some(maxwell) = models.iter().find(|model| model.model == Model::Maxwell)
+        && maxwell.rms_n < 0.7 * chosen.rms_n
+    {
+        warnings.push(format!(
+            "the presliding has a shape that `{}` does not have: the generalised Maxwell slip leaves {:.2} of its residuals",
+            chosen.model.name(),
+            maxwell.rms_n / chosen.rms_n
+        ));
+    }
+    warnings
+}

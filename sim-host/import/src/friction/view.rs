@@ -1,0 +1,175 @@
+//! The result as tables, figures and a scene.
+
+use std::fmt::Write as _;
+
+use super::models::Model;
+use super::result::Friction;
+use crate::stated::{rounded, stated};
+use report::{Axis, Figure, Report, Series, Style, TableBlock, significant};
+
+/// Drive frequency of the scene, Hz, and its vibration over the sliding.
+const DRIVE_HZ: f64 = 40e3;
+const VIBRATION: f64 = 2.0;
+
+impl Friction {
+    /// Report of the result. `source` is the file it comes from.
+    pub fn report(&self, source: &str) -> Report {
+        Report {
+            title: format!("Measured contact {}", self.name),
+            subtitle: format!("contact models fitted to {source}"),
+            paragraphs: self.warnings.iter().map(|warning| format!("Note: {warning}.")).collect(),
+            tables: vec![self.contact_table(), self.models_table(), self.correlation_table()],
+            figures: self.figures(),
+            ..Report::default()
+        }
+    }
+
+    fn contact_table(&self) -> TableBlock {
+        let mut rows: Vec<Vec<String>> = self.chosen().parameters.iter().map(row).collect();
+        if let Some(ratio) = self.ratio {
+            let (value, sd) = stated(ratio.value, ratio.sd);
+            rows.push(vec!["friction ratio, ON over OFF".into(), value, sd]);
+        }
+        let caption = format!(
+            "Model {}, fitted to the OFF part at a normal force of {} N. Standard deviations are of the noise in the residuals, with its correlation.",
+            self.chosen().model.name(),
+            significant(self.log.normal_n)
+        );
+        TableBlock::new("contact", "Contact", caption, &["", "value", "standard deviation"], rows)
+    }
+
+    fn models_table(&self) -> TableBlock {
+        let least = self.chosen().criterion;
+        let row = |model: &super::Fitted| {
+            vec![model.model.name().to_owned(), significant(model.rms_n), format!("{:.1}", model.criterion - least)]
+        };
+        let caption = "Criterion: Bayes's, `n ln(sum of squares) + p ln n` with n the samples over their memory, less that of the model chosen. The generalised Maxwell slip \
+                       (maxwell) is no model of a scene, and is never chosen.";
+        let header = ["model", "residuals, rms [N]", "criterion"];
+        TableBlock::new("models", "Models", caption, &header, self.models.iter().map(row).collect())
+    }
+
+    fn correlation_table(&self) -> TableBlock {
+        let chosen = self.chosen();
+        let header: Vec<&str> = std::iter::once("").chain(chosen.names.iter().copied()).collect();
+        let row = |(name, row): (&&str, &Vec<f64>)| {
+            std::iter::once((*name).to_owned()).chain(row.iter().map(|c| format!("{c:.2}"))).collect()
+        };
+        let rows = chosen.names.iter().zip(&chosen.correlations).map(row).collect();
+        TableBlock::new(
+            "correlation",
+            "Correlation of the fitted parameters",
+            "Zero of what the log does not determine.",
+            &header,
+            rows,
+        )
+    }
+
+    fn figures(&self) -> Vec<Figure> {
+        let log = &self.log;
+        let mut at = 0.0;
+        let x: Vec<f64> = log
+            .slip_m
+            .iter()
+            .map(|slip| {
+                at += slip;
+                at * 1e6
+            })
+            .collect();
+        let v: Vec<f64> = log.velocity_m_per_s.iter().map(|v| v * 1e3).collect();
+        let force = |name: &str, x: &[f64], y: &[f64], style| Series {
+            name: name.into(),
+            csv_column: format!("friction_{name}_n"),
+            x: x.to_vec(),
+            y: y.to_vec(),
+            style,
+        };
+        let axis = |label: &str| Axis { label: label.into(), ..Axis::default() };
+        let figure = |id: &str, title: &str, label: &str, x: &[f64]| Figure {
+            id: id.into(),
+            title: title.into(),
+            caption: "Dots: as measured, ON and OFF. Line: the model chosen, which is of the OFF part, along the same slip."
+                .into(),
+            x: axis(label),
+            y: axis("friction [N]"),
+            series: vec![
+                force("measured", x, &log.force_n, Style::Points),
+                force("fitted", x, &self.chosen().force_n, Style::Line),
+            ],
+            ..Figure::default()
+        };
+        let numbers: Vec<f64> = if log.time_s.is_empty() { (0..x.len()).map(|n| n as f64).collect() } else { log.time_s.clone() };
+        let residuals: Vec<f64> = self
+            .chosen()
+            .force_n
+            .iter()
+            .zip(&log.force_n)
+            .zip(&log.on)
+            .map(|((fitted, measured), on)| if *on { f64::NAN } else { fitted - measured })
+            .collect();
+        let label = if log.time_s.is_empty() { "sample" } else { "time [s]" };
+        vec![
+            figure("friction-displacement", "Friction against displacement", "displacement [µm]", &x),
+            figure("friction-velocity", "Friction against velocity", "velocity [mm/s]", &v),
+            Figure {
+                id: "residuals".into(),
+                title: "Residuals of the fit".into(),
+                caption: "Fitted less measured, of the OFF part.".into(),
+                x: axis(label),
+                y: axis("residual [N]"),
+                series: vec![Series {
+                    name: "residual".into(),
+                    csv_column: "residual_n".into(),
+                    x: numbers,
+                    y: residuals,
+                    style: Style::Points,
+                }],
+                ..Figure::default()
+            },
+        ]
+    }
+
+    /// A contact study with the contact, as TOML; nothing where the model is none of a scene.
+    pub fn scene(&self, source: &str) -> Option<String> {
+        let log = &self.log;
+        let speeds: Vec<f64> = log.velocity_m_per_s.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
+        let speed = rounded(speeds.iter().sum::<f64>() / speeds.len().max(1) as f64, 4);
+        let value =
+            |name: &str| self.chosen().parameters.iter().find(|(own, ..)| own == name).map(|(_, value, _)| rounded(*value, 6));
+        let quoted = |text: &str| text.replace(['"', '\\'], "'");
+        let mut text = format!(
+            "title = \"Measured contact {}: friction under a {} kHz vibration\"\nsource = \"contact fitted to {} by `sim-host import friction`\"\n\
+             duration_s = {:?}\n\n[excitation]\nwaveform = \"sine\"\nfrequency_hz = {DRIVE_HZ:?}\nsliding_m_per_s = {speed:?}\n",
+            quoted(&self.name),
+            DRIVE_HZ / 1e3,
+            quoted(source),
+            200.0 / DRIVE_HZ
+        );
+        let (name, keys): (&str, &[&str]) = match self.chosen().model {
+            Model::Coulomb => ("coulomb", &["mu"]),
+            Model::Dahl => ("dahl", &["mu", "stiffness_n_per_m"]),
+            Model::Lugre => ("lugre", &["mu", "static_mu", "stiffness_n_per_m", "stribeck_m_per_s", "sigma2"]),
+            Model::Stribeck | Model::Maxwell => return None,
+        };
+        let _ = write!(text, "\n[contact.{name}]\nnormal_n = {:?}\n", rounded(log.normal_n, 6));
+        for key in keys {
+            let _ = writeln!(text, "{key} = {:?}", value(key)?);
+        }
+        let _ = write!(
+            text,
+            "\n[rig.kinematic]\nvibration_m_per_s = {:?}\n\n[integrator]\nwindow_periods = [100, 200]\n",
+            rounded(VIBRATION * speed, 4)
+        );
+        Some(text)
+    }
+}
+
+fn row((name, value, sd): &(String, f64, Option<f64>)) -> Vec<String> {
+    match sd {
+        Some(sd) => {
+            let (value, sd) = stated(*value, *sd);
+            vec![name.clone(), value, sd]
+        }
+        None => vec![name.clone(), significant(*value), "not determined".into()],
+    }
+}

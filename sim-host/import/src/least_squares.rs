@@ -1,0 +1,160 @@
+//! Least squares by Levenberg and Marquardt, on the normal equations of columns that are scaled to unit length.
+//!
+//! ```text
+//! (A + lambda I) d = -g,   A = D J'J D,   g = D J'r,   D = 1 / |column|
+//! ```
+//!
+//! K. Levenberg, Q. Appl. Math. 2 (1944) 164; D. Marquardt, J. SIAM 11 (1963) 431. A problem has a dozen parameters at most, so that a Cholesky factor
+//! of [`nalgebra`] solves it; no product of it goes through kernels that differ between processors, so the result is the same everywhere.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// Residuals at some parameters, and how each parameter changes them.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Linear {
+    /// The residuals.
+    pub(crate) residuals: Vec<f64>,
+    /// For each parameter, the derivatives of all residuals.
+    pub(crate) columns: Vec<Vec<f64>>,
+}
+
+/// The least squares found.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Solution {
+    /// Parameters at the minimum.
+    pub(crate) parameters: Vec<f64>,
+    /// Residuals and derivatives at the minimum.
+    pub(crate) linear: Linear,
+    /// Sum of the squares of the residuals.
+    pub(crate) cost: f64,
+    /// Whether the last step was small against a standard deviation.
+    pub(crate) converged: bool,
+}
+
+/// Steps before a search is given up.
+const MOST_STEPS: usize = 200;
+/// A step of this part of a standard deviation is none.
+const SMALL_STEP: f64 = 1e-5;
+/// Largest damping: no shorter step would change a number.
+const MOST_DAMPING: f64 = 1e14;
+
+impl Linear {
+    fn cost(&self) -> f64 {
+        self.residuals.iter().map(|r| r * r).sum()
+    }
+
+    /// Normal equations: scaled matrix, scaled gradient, scales.
+    fn normal(&self) -> (DMatrix<f64>, DVector<f64>, Vec<f64>) {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let columns = &self.columns;
+        let scale = |column: &Vec<f64>| {
+            let length = dot(column, column).sqrt();
+            if length > 0.0 { 1.0 / length } else { 1.0 }
+        };
+        let scales: Vec<f64> = columns.iter().map(scale).collect();
+        let n = columns.len();
+        let matrix = DMatrix::from_fn(n, n, |i, j| scales[i] * scales[j] * dot(&columns[i.min(j)], &columns[i.max(j)]));
+        let gradient = DVector::from_fn(n, |i, _| scales[i] * dot(&columns[i], &self.residuals));
+        (matrix, gradient, scales)
+    }
+}
+
+impl Solution {
+    /// Covariance of the parameters for residuals of variance one; nothing if the data do not determine them.
+    pub(crate) fn covariance(&self) -> Option<DMatrix<f64>> {
+        let (matrix, _, scales) = self.linear.normal();
+        let inverse = factor(matrix)?.inverse();
+        let n = scales.len();
+        let covariance = DMatrix::from_fn(n, n, |i, j| scales[i] * scales[j] * inverse[(i, j)]);
+        covariance.iter().all(|value| value.is_finite()).then_some(covariance)
+    }
+}
+
+/// The factor of a matrix with ones on its diagonal, unless it is singular to the precision of numbers.
+fn factor(matrix: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+    const LEAST_PIVOT: f64 = 1e-7;
+    let n = matrix.nrows();
+    let factor = Cholesky::new(matrix)?;
+    (0..n).all(|i| factor.l_dirty()[(i, i)] > LEAST_PIVOT).then_some(factor)
+}
+
+/// Minimises the sum of squares from a start; nothing if the start itself has no residuals.
+pub(crate) fn minimise(start: &[f64], evaluate: impl Fn(&[f64]) -> Option<Linear>) -> Option<Solution> {
+    let mut linear = evaluate(start)?;
+    let mut parameters = start.to_vec();
+    let mut cost = linear.cost();
+    let freedom = linear.residuals.len().saturating_sub(start.len()).max(1) as f64;
+    let (mut damping, mut converged) = (1e-3, false);
+    let (mut matrix, mut gradient, mut scales) = linear.normal();
+    for _ in 0..MOST_STEPS {
+        if !cost.is_finite() || cost == 0.0 {
+            converged = cost == 0.0;
+            break;
+        }
+        let n = parameters.len();
+        let damped = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] + if i == j { damping } else { 0.0 });
+        let step = Cholesky::new(damped).map(|factor| -factor.solve(&gradient));
+        let next = step.as_ref().and_then(|step| {
+            let next: Vec<f64> = parameters.iter().zip(step.iter().zip(&scales)).map(|(p, (d, scale))| p + d * scale).collect();
+            let linear = evaluate(&next)?;
+            let new = linear.cost();
+            (new <= cost).then_some((next, linear, new))
+        });
+        let deviations = step.map_or(f64::INFINITY, |step| (step.norm_squared() * freedom / cost).sqrt());
+        match next {
+            Some((next, better, new)) => {
+                (parameters, linear, cost) = (next, better, new);
+                (matrix, gradient, scales) = linear.normal();
+                damping = (damping * 0.1).max(1e-12);
+                if deviations < SMALL_STEP {
+                    converged = true;
+                    break;
+                }
+            }
+            None => {
+                if deviations < SMALL_STEP {
+                    converged = true;
+                    break;
+                }
+                damping *= 8.0;
+                if damping > MOST_DAMPING {
+                    break;
+                }
+            }
+        }
+    }
+    Some(Solution { parameters, linear, cost, converged })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rosenbrock's valley as residuals `10 (y - x^2)`, `1 - x`.
+    #[test]
+    fn a_curved_valley_leads_to_its_end() {
+        let valley = |p: &[f64]| {
+            let (x, y) = (p[0], p[1]);
+            Some(Linear { residuals: vec![10.0 * (y - x * x), 1.0 - x], columns: vec![vec![-20.0 * x, -1.0], vec![10.0, 0.0]] })
+        };
+        let found = minimise(&[-1.2, 1.0], valley).unwrap();
+        assert!((found.parameters[0] - 1.0).abs() < 1e-9 && (found.parameters[1] - 1.0).abs() < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn a_line_has_the_covariance_of_the_textbook() {
+        let x = [0.0, 1.0, 2.0, 3.0];
+        let line = |p: &[f64]| {
+            let residuals = x.iter().map(|x| p[0] + p[1] * x - (1.0 + 2.0 * x)).collect();
+            Some(Linear { residuals, columns: vec![vec![1.0; 4], x.to_vec()] })
+        };
+        let covariance = minimise(&[0.0, 0.0], line).unwrap().covariance().unwrap();
+        assert!((covariance[(0, 0)] - 0.7).abs() < 1e-12 && (covariance[(1, 1)] - 0.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn parameters_that_cannot_be_told_apart_have_no_covariance() {
+        let same = |p: &[f64]| Some(Linear { residuals: vec![p[0] + p[1] - 1.0; 3], columns: vec![vec![1.0; 3], vec![1.0; 3]] });
+        assert!(minimise(&[0.0, 0.0], same).unwrap().covariance().is_none());
+    }
+}

@@ -1,0 +1,34 @@
+//! Measured data as parameters: an admittance becomes an equivalent circuit with standard deviations, a friction log a contact, and either a scene that runs.
+//!
+//! ```text
+//! file -> text -> table or Touchstone -> sweep -> fixture -> fit -> circuit, figures, scene
+//! ```
+//!
+//! # Example
+//!
+//! ```
+//! use sonoglide_import::admittance::{fit, measured::Measured, options::Options};
+//! use sonoglide_import::synthetic::Example;
+//!
+//! let example = Example::draw(1);
+//! let measured = Measured::parse(&example.name, &example.bytes, &example.options)?;
+//! let found = fit("mine", measured, None)?;
+//! let truth = example.truth.branches[0].hz;
+//! let stated = found.circuit.series_resonance_hz;
+//! assert!((stated.value - truth).abs() < 4.0 * stated.sd);
+//! # Ok::<(), sonoglide_import::error::ImportError>(())
+//! ```
+#![forbid(unsafe_code)]
+
+pub mod admittance;
+mod complex;
+mod delimited;
+pub mod error;
+pub mod friction;
+mod heading;
+mod least_squares;
+mod stated;
+pub mod synthetic;
+mod text;
+mod touchstone;
+pub mod units;

@@ -1,0 +1,164 @@
+//! Imports of synthetic and of written-out files: truths are covered, and what is no measurement of a resonance is refused by name.
+
+use sonoglide_import::admittance::measured::Measured;
+use sonoglide_import::admittance::options::Options;
+use sonoglide_import::admittance::{Admittance, Value, fit};
+use sonoglide_import::error::ImportError;
+use sonoglide_import::synthetic::{Example, mutated};
+use sonoglide_import::units::Units;
+
+fn parse(name: &str, text: &str, options: &Options) -> Result<Measured, ImportError> {
+    Measured::parse(name, text.as_bytes(), options)
+}
+
+fn refused(name: &str, text: &str) -> String {
+    match parse(name, text, &Options::default()).and_then(|sweep| fit("refused", sweep, None)) {
+        Ok(found) => panic!("{:?}", found.circuit),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// Admittance of C0 = 1 nF and, with `g`, a branch of 40 kHz and Q 100.
+fn admittance(hz: f64, g: f64) -> num_complex::Complex64 {
+    let own = num_complex::Complex64::new(1.0, 100.0 * (hz / 40e3 - 40e3 / hz));
+    num_complex::Complex64::new(0.0, std::f64::consts::TAU * hz * 1e-9) + g * own.inv()
+}
+
+/// A table of G and B over frequencies.
+fn table(g: f64, hz: impl Iterator<Item = f64>) -> String {
+    let line = |(at, hz): (usize, f64)| {
+        let y = admittance(hz, g);
+        // Noise of a part in a thousand, the same in every run.
+        let noise = |k: f64| 1e-3 * ((at as f64 * k).sin() + (at as f64 * k * 1.7).cos());
+        format!("{hz},{:e},{:e}\n", y.re + y.norm() * noise(12.9), y.im + y.norm() * noise(78.2))
+    };
+    format!("f [Hz],G [S],B [S]\n{}", hz.enumerate().map(line).collect::<String>())
+}
+
+#[test]
+fn stated_deviations_cover_the_truths_of_many_formats() {
+    let within = |value: Value, truth: f64| (value.value - truth).abs() <= 2.0 * value.sd;
+    let (mut covered, mut all) = (0, 0);
+    let few = (1000..).map(|number| (number, Example::draw(number))).filter(|(_, example)| example.hz.len() <= 401);
+    for (number, example) in few.take(40) {
+        let found = example.import().unwrap_or_else(|error| panic!("{number} {:?}: {error}", example.kind));
+        let (c, truth) = (&found.circuit, example.true_values());
+        let values = [c.series_resonance_hz, c.parallel_resonance_hz, c.q, c.rm_ohm, c.lm_h, c.cm_f, c.c0_f, c.coupling];
+        covered += values.iter().zip(truth).filter(|(value, truth)| within(**value, *truth)).count();
+        all += values.len();
+    }
+    // Numbers of a file are correlated: 320 of them are some 130 that are independent.
+    let part = covered as f64 / all as f64;
+    assert!((0.89..=0.995).contains(&part), "{covered} of {all}");
+}
+
+#[test]
+fn damaged_files_are_no_panic() {
+    let small: Vec<Example> = (0..).map(Example::draw).filter(|example| example.hz.len() == 101).take(12).collect();
+    for number in 0..150 {
+        let example = &small[number as usize % small.len()];
+        let bytes = mutated(example, number);
+        let _ = Measured::parse(&example.name, &bytes, &example.options).and_then(|sweep| fit("damaged", sweep, None));
+    }
+}
+
+#[test]
+fn without_noise_the_circuit_comes_back() {
+    let text: String = (0..101)
+        .map(|n| 39e3 + 20.0 * f64::from(n))
+        .map(|hz| {
+            let y = admittance(hz, 2e-3);
+            format!("{hz} {:e} {:e}\n", y.inv().re, y.inv().im)
+        })
+        .collect();
+    let found = parse("exact.txt", &format!("f_hz R_ohm X_ohm\n{text}"), &Options::default())
+        .and_then(|s| fit("exact", s, None))
+        .unwrap();
+    let c = found.circuit;
+    for (value, truth) in [(c.series_resonance_hz, 40e3), (c.q, 100.0), (c.rm_ohm, 500.0), (c.c0_f, 1e-9)] {
+        assert!((value.value / truth - 1.0).abs() < 1e-6, "{c:?}");
+    }
+}
+
+#[test]
+fn every_scene_that_is_written_is_valid() {
+    let few = (2000..).map(|number| (number, Example::draw(number))).filter(|(_, example)| example.hz.len() <= 201);
+    for (number, example) in few.take(12) {
+        let found: Admittance = example.import().unwrap();
+        let text = found.scene("a \"file\".s1p").unwrap();
+        let loaded = scene::load::load_text("imported", &text, &[]);
+        assert!(loaded.is_ok(), "{number}:\n{text}\n{}", loaded.err().map(|error| error.to_string()).unwrap_or_default());
+    }
+}
+
+#[test]
+fn a_second_resonance_is_found_and_the_working_mode_named() {
+    let example = (0..).map(Example::draw).find(|example| example.truth.branches.len() == 2 && example.hz.len() == 401).unwrap();
+    let found = example.import().unwrap();
+    assert_eq!((found.modes.len(), found.modes.iter().filter(|mode| mode.working).count()), (2, 1));
+}
+
+#[test]
+fn a_circuit_that_does_not_fit_is_said_and_its_deviations_grow() {
+    let two = |hz: f64| {
+        let other = num_complex::Complex64::new(1.0, 80.0 * (hz / 40.6e3 - 40.6e3 / hz));
+        admittance(hz, 2e-3) + 4e-4 * other.inv()
+    };
+    let text: String =
+        (0..401).map(|n| 39e3 + 6.0 * f64::from(n)).map(|hz| format!("{hz},{:e},{:e}\n", two(hz).re, two(hz).im)).collect();
+    let sweep = parse("two.csv", &format!("f [Hz],G [S],B [S]\n{text}"), &Options::default()).unwrap();
+    let one = fit("two", sweep.clone(), Some(1)).unwrap();
+    assert!(one.warnings.iter().any(|warning| warning.contains("does not describe the data")), "{:?}", one.warnings);
+    let both = fit("two", sweep, None).unwrap();
+    assert!(both.modes.len() == 2 && both.circuit.q.sd < 1e-3 * one.circuit.q.sd, "{:?} {:?}", both.circuit.q, one.circuit.q);
+}
+
+#[test]
+fn rounded_frequencies_are_refused_with_their_step() {
+    let hz = (0..40).map(|n| (39e3 + 300.0 * f64::from(n)) / 1e3).map(|khz| khz.round() * 1e3);
+    let error = refused("rounded.csv", &table(1e-3, hz));
+    assert!(error.starts_with("neighbouring frequencies are equal: lines 2 and 3 both have 39000 Hz"), "{error}");
+    assert!(error.contains("rounds frequencies to 1 kHz"), "{error}");
+}
+
+#[test]
+fn a_capacitor_has_no_resonance() {
+    let error = refused("capacitor.csv", &table(0.0, (0..201).map(|n| 39e3 + 10.0 * f64::from(n))));
+    assert!(error.starts_with("no resonance in the range from 39000 to 41000 Hz: "), "{error}");
+}
+
+#[test]
+fn too_few_points_are_counted() {
+    let error = refused("few.csv", &table(1e-3, (0..8).map(|n| 39.6e3 + 100.0 * f64::from(n))));
+    assert!(error.starts_with("too few points: 8, and a circuit with 1 resonance(s) has 5 parameters and needs 9"), "{error}");
+}
+
+#[test]
+fn a_file_of_no_known_form_is_described() {
+    let error = refused("letter.csv", "Dear colleague,\nthe transducer is broken.\n");
+    assert!(error.contains("it begins with `Dear colleague,`"), "{error}");
+    let error = refused("plain.csv", "40000 1 2\n40001 1 2\n");
+    assert!(error.contains("3 columns without a heading"), "{error}");
+    let error = refused("time.csv", "t [s],u [V]\n0,1\n1,2\n");
+    assert!(error.contains("the columns are `t [s]`, `u [V]`: none is the frequency"), "{error}");
+}
+
+#[test]
+fn doubtful_angles_and_missing_units_are_refused_until_they_are_given() {
+    let text = "f [Hz],|Z|,phase\n40000,100,-0.3\n40001,101,-0.2\n";
+    let error = refused("z.csv", text);
+    assert!(error.starts_with("unit missing: the column `|Z|` has no unit"), "{error}");
+    let with = |units: &[&str]| {
+        let options = Options { units: Units::parse(units.iter().copied()).unwrap(), ..Options::default() };
+        parse("z.csv", text, &options).map_err(|error| error.to_string())
+    };
+    assert!(with(&["ohm"]).is_err_and(|error| error.starts_with("degrees or radians?")));
+    assert!(with(&["ohm", "deg"]).is_ok());
+}
+
+#[test]
+fn a_two_port_file_that_is_neither_connection_is_refused() {
+    let line = |n: u32| format!("{} 0.1 0.2 0.3 -0.4 0.3 -0.4 0.1 0.2\n", 40_000 + n);
+    let error = refused("x.s2p", &format!("# Hz S RI R 50\n{}", (0..40).map(line).collect::<String>()));
+    assert!(error.starts_with("series-through or shunt-through?"), "{error}");
+}

@@ -1,0 +1,101 @@
+//! Friction logs made from known contacts: the model and its parameters come back.
+
+use sonoglide_import::friction::{Friction, Log, Model, Options, fit};
+
+/// Samples of a run: time, displacement, velocity.
+fn run(points: usize, amplitude_m: f64) -> Vec<(f64, f64, f64)> {
+    let at = |n: usize| {
+        let t = n as f64 / points as f64;
+        // Several amplitudes, so that both presliding and sliding show.
+        let (a, w) = (amplitude_m * (0.15 + t), std::f64::consts::TAU * 6.0);
+        (t, a * (w * t).sin(), a * w * (w * t).cos())
+    };
+    (0..points).map(at).collect()
+}
+
+/// Noise of so many newtons, the same in every run.
+fn noise(n: usize, size: f64) -> f64 {
+    let part = |k: f64| (n as f64 * k + 0.3).sin() * 43_758.545;
+    size * 1.7 * ((part(12.989).fract()) + (part(78.233).fract()))
+}
+
+fn log_of(samples: &[(f64, f64, f64)], force: &[f64], on: impl Fn(f64) -> bool) -> Friction {
+    let line = |((t, x, v), f): (&(f64, f64, f64), &f64)| format!("{t},{x:e},{v:e},{f:e},{}\n", u8::from(on(*t)));
+    let lines: String = samples.iter().zip(force).map(line).collect();
+    let text = format!("t [s],x [m],v [m/s],F [N],on\n{lines}");
+    fit("made", Log::parse(&text, &Options { normal_n: Some(2.0), ..Options::default() }).unwrap()).unwrap()
+}
+
+fn value(found: &Friction, name: &str) -> (f64, f64) {
+    let (_, value, sd) = found.chosen().parameters.iter().find(|(own, ..)| own == name).unwrap();
+    (*value, sd.unwrap_or(f64::INFINITY))
+}
+
+fn dahl(samples: &[(f64, f64, f64)], fc: f64, kt: f64) -> Vec<f64> {
+    let mut force = 0.0;
+    let slips = std::iter::once(0.0).chain(samples.windows(2).map(|pair| pair[1].1 - pair[0].1));
+    let step = |slip: f64| {
+        let limit = fc * slip.signum();
+        force = limit + (force - limit) * (-kt * slip.abs() / fc).exp();
+        force
+    };
+    slips.map(step).collect()
+}
+
+#[test]
+fn a_dahl_contact_comes_back_with_its_stiffness() {
+    let samples = run(1500, 20e-6);
+    let force: Vec<f64> = dahl(&samples, 0.6, 2e5).iter().enumerate().map(|(n, force)| force + noise(n, 0.005)).collect();
+    let found = log_of(&samples, &force, |_| false);
+    assert_eq!(found.chosen().model, Model::Dahl, "{:?}", found.models);
+    for (name, truth) in [("mu", 0.3), ("stiffness_n_per_m", 2e5)] {
+        let (value, sd) = value(&found, name);
+        assert!((value - truth).abs() < 3.5 * sd && sd < 0.02 * truth, "{name}: {value} {sd}");
+    }
+    let text = found.scene("made.csv").unwrap();
+    assert!(scene::load::load_text("contact", &text, &[]).is_ok(), "{text}");
+}
+
+#[test]
+fn friction_that_falls_with_velocity_is_stribeck_and_stiffness_is_not_invented() {
+    // Steps of slip far beyond the presliding.
+    let samples = run(800, 0.05);
+    let steady = |v: f64| v.signum() * (0.4 + 0.2 * (-(v / 0.3).powi(2)).exp()) + 0.02 * v;
+    let force: Vec<f64> = samples.iter().enumerate().map(|(n, (.., v))| steady(*v) + noise(n, 0.004)).collect();
+    let found = log_of(&samples, &force, |_| false);
+    assert!(matches!(found.chosen().model, Model::Stribeck | Model::Lugre), "{:?}", found.chosen());
+    let (mu, sd) = value(&found, "mu");
+    assert!((mu - 0.2).abs() < 4.0 * sd + 0.002, "{mu} {sd}");
+}
+
+#[test]
+fn steady_sliding_is_coulomb_and_on_lowers_it() {
+    let samples: Vec<_> = (0..600).map(|n| (f64::from(n) * 0.01, f64::from(n) * 1e-3, 0.1)).collect();
+    let on = |t: f64| (2.0..4.0).contains(&t);
+    let force: Vec<f64> =
+        samples.iter().enumerate().map(|(n, (t, ..))| if on(*t) { 0.2 } else { 0.5 } + noise(n, 0.01)).collect();
+    let found = log_of(&samples, &force, on);
+    assert_eq!(found.chosen().model, Model::Coulomb, "{:?}", found.models);
+    let ratio = found.ratio.unwrap();
+    assert!((ratio.value - 0.4).abs() < 4.0 * ratio.sd && ratio.sd < 0.01, "{ratio:?}");
+}
+
+#[test]
+fn springs_that_slide_one_after_the_other_are_seen_by_maxwell() {
+    let samples = run(1500, 20e-6);
+    let mut parts = [(0.0, 1e5, 1e-6), (0.0, 3e4, 8e-6)];
+    let slips = std::iter::once(0.0).chain(samples.windows(2).map(|pair| pair[1].1 - pair[0].1));
+    let force: Vec<f64> = slips
+        .enumerate()
+        .map(|(n, slip)| {
+            let part = |(at, k, limit): &mut (f64, f64, f64)| {
+                *at = (*at + slip).clamp(-*limit, *limit);
+                *at * *k
+            };
+            parts.iter_mut().map(part).sum::<f64>() + noise(n, 0.002)
+        })
+        .collect();
+    let found = log_of(&samples, &force, |_| false);
+    let maxwell = found.models.iter().find(|model| model.model == Model::Maxwell).unwrap();
+    assert!(maxwell.rms_n < found.chosen().rms_n, "{} {}", maxwell.rms_n, found.chosen().rms_n);
+}

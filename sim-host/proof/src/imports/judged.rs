@@ -1,0 +1,153 @@
+//! One imported file against its truth, and what a damaged one comes to.
+
+use std::panic::catch_unwind;
+
+use import::admittance::measured::Measured;
+use import::admittance::{Value, fit};
+use import::error::ImportError;
+use import::synthetic::{Example, Kind, NAMES, mutated};
+
+/// Most points of a file that is damaged, so that many of them are tried in little time.
+const FEW_POINTS: usize = 201;
+/// Examples that are damaged in turn.
+const DAMAGED_EXAMPLES: u64 = 300;
+
+/// A number of a file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Number {
+    /// Value less truth, over the stated standard deviation.
+    pub(super) deviations: f64,
+    /// Stated standard deviation over its bound.
+    pub(super) over_bound: f64,
+}
+
+/// An imported file.
+#[derive(Clone, Debug)]
+pub(super) struct Judged {
+    /// Number of the example.
+    pub(super) number: u64,
+    /// What the file is like.
+    pub(super) kind: Kind,
+    /// Points of the sweep.
+    pub(super) points: usize,
+    /// Resonances of the truth, and those that were found.
+    pub(super) modes: (usize, usize),
+    /// Numbers in the order of [`NAMES`]; none where the file was refused.
+    pub(super) numbers: Option<[Number; 8]>,
+    /// Why it was refused.
+    pub(super) refused: Option<String>,
+}
+
+/// Imports an example.
+pub(super) fn judge(number: u64) -> Judged {
+    let example = Example::draw(number);
+    let (kind, points, truths) = (example.kind, example.hz.len(), example.truth.branches.len());
+    let of = |modes: usize, numbers, refused| Judged { number, kind, points, modes: (truths, modes), numbers, refused };
+    let bounds = example.bounds();
+    match (example.import(), bounds) {
+        (Ok(found), Some(bounds)) => {
+            let c = &found.circuit;
+            let values: [Value; 8] =
+                [c.series_resonance_hz, c.parallel_resonance_hz, c.q, c.rm_ohm, c.lm_h, c.cm_f, c.c0_f, c.coupling];
+            let truth = example.true_values();
+            let number = |at: usize| Number {
+                deviations: (values[at].value - truth[at]) / values[at].sd,
+                over_bound: values[at].sd / bounds[at],
+            };
+            of(found.modes.len(), Some(std::array::from_fn(number)), None)
+        }
+        (Ok(_), None) => of(0, None, Some("the example has no bound".into())),
+        (Err(error), _) => of(0, None, Some(error.to_string())),
+    }
+}
+
+/// Coverage and efficiency of a number over many files.
+pub(super) struct Statistics {
+    /// Name of the number.
+    pub(super) name: &'static str,
+    /// Part of the truths within two standard deviations.
+    pub(super) within: f64,
+    /// Median of the stated standard deviations over their bounds.
+    pub(super) median: f64,
+    /// The 95th percentile of the same.
+    pub(super) p95: f64,
+    /// Root mean square of the errors over the stated standard deviations.
+    pub(super) rms: f64,
+    /// Largest error over its stated standard deviation.
+    pub(super) worst: f64,
+}
+
+/// Statistics of each number over the files that were not refused.
+pub(super) fn statistics<'a>(set: impl IntoIterator<Item = &'a Judged> + Clone) -> Vec<Statistics> {
+    let of = |(at, name): (usize, &&'static str)| {
+        let numbers: Vec<Number> =
+            set.clone().into_iter().filter_map(|judged| judged.numbers.map(|numbers| numbers[at])).collect();
+        let count = numbers.len().max(1) as f64;
+        let mut ratios: Vec<f64> = numbers.iter().map(|number| number.over_bound).collect();
+        ratios.sort_by(f64::total_cmp);
+        let part = |part: f64| ratios.get((part * ratios.len() as f64) as usize).copied().unwrap_or(f64::NAN);
+        Statistics {
+            name,
+            within: numbers.iter().filter(|number| number.deviations.abs() <= 2.0).count() as f64 / count,
+            median: part(0.5),
+            p95: part(0.95),
+            rms: (numbers.iter().map(|number| number.deviations.powi(2)).sum::<f64>() / count).sqrt(),
+            worst: numbers.iter().fold(0.0, |worst, number| worst.max(number.deviations.abs())),
+        }
+    };
+    NAMES.iter().enumerate().map(of).collect()
+}
+
+/// What a damaged file comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// A circuit, as where the damage does not matter.
+    Taken,
+    /// A refusal, by this name.
+    Refused(&'static str),
+    /// A panic.
+    Panic,
+}
+
+/// A damaged file.
+pub(super) struct Damaged {
+    /// Number of the damage.
+    pub(super) number: u64,
+    /// What it comes to.
+    pub(super) end: End,
+}
+
+/// Damages an example and imports it.
+pub(super) fn damaged(number: u64) -> Damaged {
+    let first = (number % DAMAGED_EXAMPLES) * 7;
+    let small = (first..).map(Example::draw).find(|example| example.hz.len() <= FEW_POINTS);
+    let Some(example) = small else { return Damaged { number, end: End::Taken } };
+    let bytes = mutated(&example, number);
+    let tried =
+        catch_unwind(|| Measured::parse(&example.name, &bytes, &example.options).and_then(|sweep| fit("damaged", sweep, None)));
+    let end = match tried {
+        Ok(Ok(_)) => End::Taken,
+        Ok(Err(error)) => End::Refused(called(&error)),
+        Err(_) => End::Panic,
+    };
+    Damaged { number, end }
+}
+
+/// The name of a refusal.
+fn called(error: &ImportError) -> &'static str {
+    match error {
+        ImportError::Unreadable { .. } => "cannot be read",
+        ImportError::UnknownForm { .. } => "not a known form",
+        ImportError::BadLine { .. } => "a line cannot be used",
+        ImportError::UnitMissing { .. } => "unit missing",
+        ImportError::AngleDoubtful { .. } => "degrees or radians doubtful",
+        ImportError::FrequenciesEqual { .. } => "neighbouring frequencies equal",
+        ImportError::FrequenciesUnordered { .. } => "frequencies not in order",
+        ImportError::TooFewPoints { .. } => "too few points",
+        ImportError::NoResonance { .. } => "no resonance in the range",
+        ImportError::TopologyDoubtful { .. } => "connection doubtful",
+        ImportError::Fixture(_) => "fixture cannot be corrected",
+        ImportError::NotATransducer(_) => "not a transducer",
+        ImportError::NoFit(_) => "no fit",
+    }
+}

@@ -1,0 +1,222 @@
+//! Circuit values: any complete set of them as the elements of the equivalent circuit. This is the one place that resolves a set.
+//!
+//! ```text
+//! omega_s^2 Lm Cm = 1,   Q = omega_s Lm / Rm,   fp = fs sqrt(1 + Cm / C0),   k^2 = Cm / (C0 + Cm)
+//! ```
+//!
+//! Beside `c0_f` a set is complete with one of `q`, `rm_ohm` and two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h`, `cm_f`, `coupling`, of which `cm_f` and
+//! `coupling` say the same. More than that is taken if it agrees to a per cent, as rounded numbers of an analyser do; what it disagrees in is named.
+
+use std::f64::consts::TAU;
+
+/// Values of a circuit, as far as they are given.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Given {
+    /// Clamped capacitance, F.
+    pub c0_f: Option<f64>,
+    /// Motional capacitance, F.
+    pub cm_f: Option<f64>,
+    /// Motional inductance, H.
+    pub lm_h: Option<f64>,
+    /// Motional resistance, ohm.
+    pub rm_ohm: Option<f64>,
+    /// Series resonance, Hz.
+    pub series_resonance_hz: Option<f64>,
+    /// Parallel resonance, Hz.
+    pub parallel_resonance_hz: Option<f64>,
+    /// Quality factor at the series resonance.
+    pub q: Option<f64>,
+    /// Effective coupling.
+    pub coupling: Option<f64>,
+}
+
+/// Elements of a circuit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elements {
+    /// Clamped capacitance, F.
+    pub c0_f: f64,
+    /// Motional capacitance, F.
+    pub cm_f: f64,
+    /// Motional inductance, H.
+    pub lm_h: f64,
+    /// Motional resistance, ohm.
+    pub rm_ohm: f64,
+}
+
+/// Why a set of values is no circuit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CircuitError {
+    /// Values are missing.
+    #[error("the circuit is incomplete: {0}")]
+    Incomplete(String),
+    /// A value is another one than follows from the rest.
+    #[error("the circuit contradicts itself: `{name}` is {given:e}, and {follows:e} follows from the other values")]
+    Contradicting {
+        /// Name of the value.
+        name: &'static str,
+        /// The value as given.
+        given: f64,
+        /// The value that follows from the others.
+        follows: f64,
+    },
+}
+
+/// Values that agree to this part are rounded.
+const ROUNDED: f64 = 0.01;
+
+impl Elements {
+    /// Series resonance, Hz.
+    pub fn series_resonance_hz(&self) -> f64 {
+        1.0 / (TAU * (self.lm_h * self.cm_f).sqrt())
+    }
+
+    /// Parallel resonance, Hz.
+    pub fn parallel_resonance_hz(&self) -> f64 {
+        self.series_resonance_hz() * (1.0 + self.cm_f / self.c0_f).sqrt()
+    }
+
+    /// Quality factor at the series resonance.
+    pub fn q(&self) -> f64 {
+        (self.lm_h / self.cm_f).sqrt() / self.rm_ohm
+    }
+
+    /// Effective coupling.
+    pub fn coupling(&self) -> f64 {
+        (self.cm_f / (self.c0_f + self.cm_f)).sqrt()
+    }
+}
+
+impl Given {
+    /// The names of the values with what is given, in the order of the fields, without the clamped capacitance.
+    fn named(&self) -> [(&'static str, Option<f64>); 7] {
+        [
+            ("cm_f", self.cm_f),
+            ("lm_h", self.lm_h),
+            ("rm_ohm", self.rm_ohm),
+            ("series_resonance_hz", self.series_resonance_hz),
+            ("parallel_resonance_hz", self.parallel_resonance_hz),
+            ("q", self.q),
+            ("coupling", self.coupling),
+        ]
+    }
+
+    /// The elements that follow from the values.
+    ///
+    /// # Errors
+    /// Says what is missing, or which value contradicts the others.
+    pub fn resolve(&self) -> Result<Elements, CircuitError> {
+        let incomplete = |what: &str| CircuitError::Incomplete(what.to_owned());
+        let c0_f = self.c0_f.ok_or_else(|| incomplete("`c0_f` is missing"))?;
+        let square = |hz: f64| (TAU * hz).powi(2);
+        let by_coupling = || self.coupling.map(|k| c0_f * k * k / (1.0 - k * k));
+        let by_resonances = || {
+            let (fs, fp) = (self.series_resonance_hz?, self.parallel_resonance_hz?);
+            Some(c0_f * ((fp / fs).powi(2) - 1.0))
+        };
+        let by_series = || Some(1.0 / (square(self.series_resonance_hz?) * self.lm_h?));
+        let by_parallel = || Some(1.0 / (square(self.parallel_resonance_hz?) * self.lm_h? - 1.0 / c0_f));
+        let cm_f = self.cm_f.or_else(by_coupling).or_else(by_resonances).or_else(by_series).or_else(by_parallel);
+        let two = "two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h` and `cm_f` or `coupling` are needed";
+        let cm_f = cm_f.ok_or_else(|| incomplete(two))?;
+        if !(cm_f > 0.0 && cm_f.is_finite()) {
+            let given = self.parallel_resonance_hz.unwrap_or_default();
+            let follows = self.series_resonance_hz.or(self.lm_h.map(|lm| 1.0 / (TAU * (lm * c0_f).sqrt()))).unwrap_or_default();
+            return Err(CircuitError::Contradicting { name: "parallel_resonance_hz", given, follows });
+        }
+        let by_parallel = || self.parallel_resonance_hz.map(|fp| (1.0 + cm_f / c0_f) / (square(fp) * cm_f));
+        let by_series = || self.series_resonance_hz.map(|fs| 1.0 / (square(fs) * cm_f));
+        let lm_h = self.lm_h.or_else(by_series).or_else(by_parallel).ok_or_else(|| incomplete(two))?;
+        let by_q = || self.q.map(|q| (lm_h / cm_f).sqrt() / q);
+        let rm_ohm = self.rm_ohm.or_else(by_q).ok_or_else(|| incomplete("`q` or `rm_ohm` is needed"))?;
+        let elements = Elements { c0_f, cm_f, lm_h, rm_ohm };
+        self.agrees(&elements)?;
+        Ok(elements)
+    }
+
+    /// Holds every value against the elements.
+    fn agrees(&self, elements: &Elements) -> Result<(), CircuitError> {
+        let follows = [
+            elements.cm_f,
+            elements.lm_h,
+            elements.rm_ohm,
+            elements.series_resonance_hz(),
+            elements.parallel_resonance_hz(),
+            elements.q(),
+            elements.coupling(),
+        ];
+        for ((name, given), follows) in self.named().into_iter().zip(follows) {
+            if let Some(given) = given
+                && !((given / follows - 1.0).abs() <= ROUNDED)
+            {
+                return Err(CircuitError::Contradicting { name, given, follows });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRUTH: Elements = Elements { c0_f: 4.422e-9, cm_f: 617.7e-12, lm_h: 25.58e-3, rm_ohm: 7.115 };
+
+    fn all() -> Given {
+        Given {
+            c0_f: Some(TRUTH.c0_f),
+            cm_f: Some(TRUTH.cm_f),
+            lm_h: Some(TRUTH.lm_h),
+            rm_ohm: Some(TRUTH.rm_ohm),
+            series_resonance_hz: Some(TRUTH.series_resonance_hz()),
+            parallel_resonance_hz: Some(TRUTH.parallel_resonance_hz()),
+            q: Some(TRUTH.q()),
+            coupling: Some(TRUTH.coupling()),
+        }
+    }
+
+    /// The values of `all` that a mask names, bit by bit in the order of `named`.
+    fn some(mask: u32) -> Given {
+        let all = all();
+        let pick = |bit: u32, value: Option<f64>| value.filter(|_| mask >> bit & 1 == 1);
+        Given {
+            c0_f: all.c0_f,
+            cm_f: pick(0, all.cm_f),
+            lm_h: pick(1, all.lm_h),
+            rm_ohm: pick(2, all.rm_ohm),
+            series_resonance_hz: pick(3, all.series_resonance_hz),
+            parallel_resonance_hz: pick(4, all.parallel_resonance_hz),
+            q: pick(5, all.q),
+            coupling: pick(6, all.coupling),
+        }
+    }
+
+    #[test]
+    fn every_complete_set_gives_the_same_circuit_and_every_other_is_refused() {
+        for mask in 0..128 {
+            let given = some(mask);
+            let resistive = given.rm_ohm.is_some() || given.q.is_some();
+            let strength = given.cm_f.is_some() || given.coupling.is_some();
+            let kinds =
+                [given.lm_h.is_some(), given.series_resonance_hz.is_some(), given.parallel_resonance_hz.is_some(), strength];
+            let complete = resistive && kinds.into_iter().filter(|given| *given).count() >= 2;
+            match given.resolve() {
+                Ok(found) => {
+                    assert!(complete, "{given:?}");
+                    for (found, truth) in [(found.cm_f, TRUTH.cm_f), (found.lm_h, TRUTH.lm_h), (found.rm_ohm, TRUTH.rm_ohm)] {
+                        assert!((found / truth - 1.0).abs() < 1e-9, "{given:?}: {found:?}");
+                    }
+                }
+                Err(error) => assert!(!complete && matches!(error, CircuitError::Incomplete(_)), "{given:?}: {error}"),
+            }
+        }
+    }
+
+    #[test]
+    fn rounded_values_are_taken_and_contradictions_named() {
+        assert!(Given { q: Some(TRUTH.q() * 1.005), ..all() }.resolve().is_ok());
+        let error = Given { q: Some(100.0), ..all() }.resolve().unwrap_err().to_string();
+        assert!(error.starts_with("the circuit contradicts itself: `q` is 1e2, and 9.04"), "{error}");
+        let below = Given { parallel_resonance_hz: Some(39e3), ..some(0b11_1000) };
+        assert!(matches!(below.resolve(), Err(CircuitError::Contradicting { name: "parallel_resonance_hz", .. })));
+    }
+}

@@ -1,0 +1,86 @@
+//! The rule for the values of a circuit: a complete set of them, which does not contradict itself.
+
+use super::Rules;
+use crate::circuit::{CircuitError, Given};
+use crate::diagnostic::Problem;
+use crate::exclusive::Exclusive;
+use crate::schema::join;
+use crate::tree::{Entry, Node, Value};
+
+const TABLE: &str = "stack.bvd";
+/// Keys of a circuit beside its clamped capacitance.
+const KEYS: [&str; 7] = ["cm_f", "lm_h", "rm_ohm", "series_resonance_hz", "parallel_resonance_hz", "q", "coupling"];
+/// Keys by which the rest of the program knows a circuit.
+const FORMS: [[&str; 3]; 2] = [["cm_f", "lm_h", "rm_ohm"], ["series_resonance_hz", "q", "coupling"]];
+
+/// The values that a scene gives.
+fn given(root: &Node) -> Given {
+    let number = |key: &str| root.at(&join(TABLE, key)).and_then(Node::number);
+    Given {
+        c0_f: number("c0_f"),
+        cm_f: number("cm_f"),
+        lm_h: number("lm_h"),
+        rm_ohm: number("rm_ohm"),
+        series_resonance_hz: number("series_resonance_hz"),
+        parallel_resonance_hz: number("parallel_resonance_hz"),
+        q: number("q"),
+        coupling: number("coupling"),
+    }
+}
+
+/// The keys that a scene gives.
+fn keys(root: &Node) -> Vec<&'static str> {
+    KEYS.into_iter().filter(|key| root.at(&join(TABLE, key)).is_some()).collect()
+}
+
+/// Puts series resonance, Q and coupling in the place of any other complete set. A set that is not complete stays as it is, for the rules to say so.
+pub(crate) fn complete(root: &mut Node) {
+    let present = keys(root);
+    if FORMS.iter().any(|form| form[..] == present[..] || present.iter().all(|key| form.contains(key))) {
+        return;
+    }
+    let Ok(elements) = given(root).resolve() else { return };
+    let Some(Value::Table(stack)) = root.entry_mut("stack").map(|node| &mut node.value) else { return };
+    let Some(Value::Table(table)) = stack.get_mut("bvd").map(|entry| &mut entry.node.value) else { return };
+    let Some((key, place)) =
+        present.first().and_then(|key| table.get(*key)).map(|entry| (entry.key.clone(), entry.node.place.clone()))
+    else {
+        return;
+    };
+    let values =
+        [("series_resonance_hz", elements.series_resonance_hz()), ("q", elements.q()), ("coupling", elements.coupling())];
+    KEYS.iter().filter(|key| !FORMS[1].contains(key)).for_each(|key| drop(table.remove(*key)));
+    for (name, value) in values {
+        // What was given stays as it was given.
+        let new = Entry { key: key.clone(), node: Node { place: place.clone(), value: Value::Number(value) } };
+        table.entry(name.to_owned()).or_insert(new);
+    }
+}
+
+impl Rules<'_> {
+    /// Judges a set that is not one of the two usual forms; gives those to the rule for keys that exclude each other.
+    pub(super) fn circuit(&mut self, group: &Exclusive) {
+        let present = keys(self.root);
+        let usual = FORMS.iter().any(|form| present.iter().all(|key| form.contains(key)));
+        let sound = KEYS.iter().chain(&["c0_f"]).all(|key| self.clean(&join(TABLE, key)));
+        let error = given(self.root).resolve().err();
+        match (usual, error) {
+            (false, Some(CircuitError::Incomplete(_))) if present.contains(&"q") && present.contains(&"rm_ohm") => {
+                self.exclusive(group, TABLE);
+            }
+            (false, Some(error)) if sound && self.root.at(TABLE).is_some() => {
+                let first = match &error {
+                    CircuitError::Contradicting { name, .. } => Some(*name),
+                    CircuitError::Incomplete(_) => present.first().copied(),
+                };
+                let key = first.map_or_else(|| TABLE.to_owned(), |key| join(TABLE, key));
+                let problem = Problem::new(self.key(&key), error.to_string(), "of this circuit");
+                let help = "beside `c0_f` give `q` or `rm_ohm`, and two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h`, and `cm_f` or `coupling`";
+                self.findings.problems.push(problem.help(help));
+                present.iter().for_each(|key| self.findings.mark(join(TABLE, key)));
+            }
+            (true, _) => self.exclusive(group, TABLE),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,300 @@
+//! `sim-host import`: measured data as parameters, with a report and a ready scene.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::Context;
+use clap::{Args, Subcommand, ValueEnum};
+use serde_json::{Value, json};
+
+use super::{Color, Format, INVALID_SCENE, USAGE, print};
+use ::import::admittance::coordinate::Topology;
+use ::import::admittance::options::Options;
+use ::import::admittance::{self, Admittance, MOST_MODES};
+use ::import::error::ImportError;
+use ::import::friction::{self, Friction};
+use ::import::units::Units;
+use report::Report;
+use scene::load::load_text;
+use sim::output::Folder;
+
+/// Arguments of the command.
+#[derive(Args)]
+pub(super) struct ImportArgs {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// A measured admittance or impedance over frequency (Touchstone .s1p or .s2p, or a table): the equivalent circuit with standard deviations.
+    Admittance(AdmittanceArgs),
+    /// A friction log (time or displacement, force, velocity; OFF and ON parts): contact models with standard deviations, and the friction ratio.
+    Friction(FrictionArgs),
+}
+
+/// What every import has.
+#[derive(Args)]
+struct Common {
+    /// The measured file.
+    file: PathBuf,
+    /// Names of a table's columns, in place of its heading, as `"f [Hz], |Z| [ohm], theta [deg]"`.
+    #[arg(long, value_name = "NAMES")]
+    columns: Option<String>,
+    /// Folder for report, figures and scene, in place of the result that it holds. Default: `out/` and the name of the file.
+    #[arg(short, long = "output", value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// What to print on standard output.
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    format: Format,
+    /// Write no files.
+    #[arg(long)]
+    no_report: bool,
+    /// Say nothing but the result.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+#[derive(Args)]
+struct AdmittanceArgs {
+    #[command(flatten)]
+    common: Common,
+    /// Unit of a column that names none, as `khz`, `ohm`, `ms`, `deg`. Repeatable.
+    #[arg(long = "unit", value_name = "UNIT")]
+    units: Vec<String>,
+    /// Reference resistance of scattering parameters in a table, ohm; a Touchstone file says its own.
+    #[arg(long, value_name = "OHM", default_value_t = 50.0, value_parser = ohm)]
+    z0: f64,
+    /// How the transducer was connected to a network analyser. Default: of an .s1p one port, of an .s2p what its data show.
+    #[arg(long, value_enum)]
+    topology: Option<Connection>,
+    /// A sweep of the open fixture, in the form of FILE, to be taken away.
+    #[arg(long, value_name = "FILE")]
+    open: Option<PathBuf>,
+    /// A sweep of the shorted fixture, in the form of FILE, to be taken away.
+    #[arg(long, value_name = "FILE")]
+    short: Option<PathBuf>,
+    /// A resistance in series with the transducer that is no part of it, ohm.
+    #[arg(long, value_name = "OHM", default_value_t = 0.0, value_parser = resistance)]
+    series_ohm: f64,
+    /// How many resonances to fit. Default: as many as the data ask for, three at most.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=MOST_MODES as i64))]
+    modes: Option<u8>,
+}
+
+#[derive(Args)]
+struct FrictionArgs {
+    #[command(flatten)]
+    common: Common,
+    /// Normal force, N, where no column has it.
+    #[arg(long, value_name = "N", value_parser = newtons)]
+    normal_n: Option<f64>,
+    /// When the vibration is ON, s, where no column says it. Repeatable.
+    #[arg(long, value_name = "FROM:TO", value_parser = span)]
+    on: Vec<(f64, f64)>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Connection {
+    /// Reflection S11 of one port.
+    OnePort,
+    /// Between two ports: S21.
+    SeriesThrough,
+    /// From the line between two ports to ground: S21.
+    ShuntThrough,
+}
+
+fn ohm(text: &str) -> Result<f64, String> {
+    let ohm = text.parse::<f64>().ok().filter(|ohm| (1e-3..=1e6).contains(ohm));
+    ohm.ok_or_else(|| "give a resistance from 0.001 to 1e6 ohm".to_owned())
+}
+
+fn resistance(text: &str) -> Result<f64, String> {
+    let ohm = text.parse::<f64>().ok().filter(|ohm| (0.0..=1e6).contains(ohm));
+    ohm.ok_or_else(|| "give a resistance from 0 to 1e6 ohm".to_owned())
+}
+
+fn newtons(text: &str) -> Result<f64, String> {
+    let newtons = text.parse::<f64>().ok().filter(|newtons| (1e-9..=1e6).contains(newtons));
+    newtons.ok_or_else(|| "give a force from 1e-9 to 1e6 N".to_owned())
+}
+
+fn span(text: &str) -> Result<(f64, f64), String> {
+    let ends = text.split_once(':').and_then(|(from, to)| Some((from.parse::<f64>().ok()?, to.parse::<f64>().ok()?)));
+    ends.filter(|(from, to)| from < to).ok_or_else(|| "give two rising times in s with a colon between, as 2:4".to_owned())
+}
+
+/// Imports, writes the folder of the result, and prints.
+pub(super) fn run(args: &ImportArgs, color: Color) -> anyhow::Result<ExitCode> {
+    match &args.what {
+        What::Admittance(args) => of_admittance(args, color),
+        What::Friction(args) => of_friction(args, color),
+    }
+}
+
+fn of_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<ExitCode> {
+    let common = &args.common;
+    let units = match Units::parse(args.units.iter().flat_map(|units| units.split(','))) {
+        Ok(units) => units,
+        Err(error) => {
+            say!("error: --unit: {error}");
+            return Ok(ExitCode::from(USAGE));
+        }
+    };
+    let topology = args.topology.map(|connection| match connection {
+        Connection::OnePort => Topology::OnePort,
+        Connection::SeriesThrough => Topology::SeriesThrough,
+        Connection::ShuntThrough => Topology::ShuntThrough,
+    });
+    let options = Options {
+        z0_ohm: args.z0,
+        topology,
+        units,
+        columns: common.columns.clone(),
+        open: args.open.clone(),
+        short: args.short.clone(),
+        series_ohm: args.series_ohm,
+        modes: args.modes.map(usize::from),
+    };
+    match admittance::import(&common.file, &options) {
+        Ok(found) => finish(common, &found, color),
+        Err(error) => Ok(refused(&common.file, &error)),
+    }
+}
+
+fn of_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<ExitCode> {
+    let common = &args.common;
+    let options = friction::Options { columns: common.columns.clone(), normal_n: args.normal_n, on_s: args.on.clone() };
+    match friction::import(&common.file, &options) {
+        Ok(found) => finish(common, &found, color),
+        Err(error) => Ok(refused(&common.file, &error)),
+    }
+}
+
+/// Says why a file is refused.
+fn refused(file: &Path, error: &ImportError) -> ExitCode {
+    match error {
+        ImportError::Unreadable { .. } => say!("error: {error}"),
+        error => say!("error: {}: {error}", file.display()),
+    }
+    ExitCode::from(INVALID_SCENE)
+}
+
+/// What an import has found, as far as its folder and its output need it.
+trait Imported {
+    /// The scene of the result, if it has one.
+    fn scene(&self, source: &str) -> Option<String>;
+    /// The report of the result.
+    fn report(&self, source: &str) -> Report;
+    /// The result for programs.
+    fn json(&self, scene: Option<&str>) -> Value;
+    /// What the reader should be careful about.
+    fn warnings(&self) -> &[String];
+}
+
+impl Imported for Admittance {
+    fn scene(&self, source: &str) -> Option<String> {
+        self.scene(source)
+    }
+
+    fn report(&self, source: &str) -> Report {
+        self.report(source)
+    }
+
+    fn json(&self, scene: Option<&str>) -> Value {
+        self.json(scene)
+    }
+
+    fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+}
+
+impl Imported for Friction {
+    fn scene(&self, source: &str) -> Option<String> {
+        self.scene(source)
+    }
+
+    fn report(&self, source: &str) -> Report {
+        self.report(source)
+    }
+
+    fn json(&self, scene: Option<&str>) -> Value {
+        self.json(scene)
+    }
+
+    fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+}
+
+/// Writes and prints a result.
+fn finish(common: &Common, found: &impl Imported, color: Color) -> anyhow::Result<ExitCode> {
+    let stem = stem(&common.file);
+    let source = common.file.file_name().map_or_else(|| stem.clone(), |name| name.to_string_lossy().into_owned());
+    let dir = (!common.no_report).then(|| common.output.clone().unwrap_or_else(|| Path::new("out").join(&stem)));
+    let folder = match super::open(dir.as_deref())? {
+        Ok(folder) => folder,
+        Err(code) => return Ok(code),
+    };
+    let name = format!("{stem}.toml");
+    let scene = found.scene(&source).filter(|text| is_valid(&name, text));
+    let mut written = None;
+    if let (Some(dir), Some(folder)) = (&dir, &folder) {
+        write(folder, found, &source, scene.as_deref().map(|text| (name.as_str(), text)))?;
+        written = scene.is_some().then(|| dir.join(&name).display().to_string());
+    }
+    match common.format {
+        Format::Json => print(&format!("{:#}\n", found.json(written.as_deref())))?,
+        Format::Human => {
+            let report = found.report(&source);
+            let tables: String = report.tables.iter().map(|table| table.terminal(color.stdout)).collect();
+            let notes: String = found.warnings().iter().map(|warning| format!("note: {warning}\n")).collect();
+            print(&format!("{}\n\n{tables}{notes}", report.title))?
+        }
+    };
+    if let Some(dir) = dir.filter(|_| !common.quiet) {
+        say!("report: {}", dir.join("report.html").display());
+        if let Some(scene) = &written {
+            say!("scene: {scene}, to be run by `sim-host run {scene}`");
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The name of a file without its ending, as that of a scene and of a folder.
+fn stem(file: &Path) -> String {
+    let stem = file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let clean: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' }).collect();
+    let clean = clean.trim_matches('-').to_owned();
+    if clean.is_empty() { "measured".into() } else { clean }
+}
+
+/// Whether a scene is one that can be run; says why where it is not.
+fn is_valid(name: &str, text: &str) -> bool {
+    match load_text(name, text, &[]) {
+        Ok(_) => true,
+        Err(error) => {
+            say!("note: no scene is written: its values are outside of what a scene can have\n{error}");
+            false
+        }
+    }
+}
+
+fn write(folder: &Folder, found: &impl Imported, source: &str, scene: Option<(&str, &str)>) -> anyhow::Result<()> {
+    let dir = folder.unfinished();
+    let report = found.report(source);
+    let footer = vec![("sim-host".to_owned(), sim::VERSION.to_owned()), ("measured file".to_owned(), source.to_owned())];
+    report::write(&Report { footer, ..report }, dir)?;
+    let put = |name: &str, text: &str| {
+        let path = dir.join(name);
+        fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+    };
+    if let Some((name, text)) = scene {
+        put(name, text)?;
+    }
+    put("summary.json", &format!("{:#}\n", found.json(scene.map(|(name, _)| name))))?;
+    let manifest = json!({ "program": "sim-host", "version": sim::VERSION, "imported": source, "complete": true });
+    Ok(folder.finish(manifest)?)
+}
