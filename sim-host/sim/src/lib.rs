@@ -30,6 +30,7 @@
 
 pub mod advice;
 pub mod bounds;
+pub mod columns;
 pub mod cramer_rao;
 pub mod data;
 pub mod edge_meter;

@@ -10,18 +10,9 @@ use crate::record::Record;
 use crate::study::contact::Solved;
 use crate::study::{Outcome, Study};
 use crate::trace::Tracer;
-use scene::Signal;
 
 /// Most rows of the table of a whole run.
 const ROWS: usize = 3000;
-
-/// The name of a signal, as scenes and columns spell it.
-fn name(signal: Signal) -> String {
-    match serde_json::to_value(signal) {
-        Ok(serde_json::Value::String(name)) => name,
-        _ => format!("{signal:?}"),
-    }
-}
 
 /// Writes the trace of a study.
 pub(super) fn write(study: &Study, path: &Path) -> Result<(), csv::Error> {
@@ -40,7 +31,7 @@ pub(super) fn write(study: &Study, path: &Path) -> Result<(), csv::Error> {
 }
 
 fn signals(tracer: &Tracer, file: &mut csv::Writer<std::fs::File>) -> Result<(), csv::Error> {
-    file.write_record(std::iter::once("time_s".to_owned()).chain(tracer.signals().iter().map(|&signal| name(signal))))?;
+    file.write_record(std::iter::once("time_s".to_owned()).chain(tracer.signals().iter().map(|signal| signal.name())))?;
     for row in tracer.rows() {
         file.write_record(row.iter().map(f64::to_string))?;
     }
@@ -60,7 +51,7 @@ fn overview(record: &Record, file: &mut csv::Writer<std::fs::File>) -> Result<()
     file.write_record(OVERVIEW.iter().map(|column| column.name))?;
     let rows = &record.rows;
     for row in rows.iter().step_by(rows.len().div_ceil(ROWS).max(1)) {
-        file.write_record(OVERVIEW.iter().map(|column| (column.value)(row)))?;
+        file.write_record(OVERVIEW.iter().map(|column| (column.value)(row).to_string()))?;
     }
     Ok(())
 }
