@@ -25,6 +25,7 @@ mod interrupts;
 mod link;
 mod progress;
 mod run;
+mod sweep;
 mod validate;
 
 use std::io::{self, IsTerminal, Write};
@@ -72,6 +73,11 @@ enum Command {
     /// Run a scene, judge its expectations, and write its report.
     #[command(after_help = EXIT_CODES)]
     Run(Box<RunArgs>),
+    /// Run a scene at many points, with some keys at many values, in parallel: metrics as Parquet and CSV, Sobol indices, figures and a report.
+    #[command(after_help = EXIT_CODES)]
+    Sweep(Box<sweep::SweepArgs>),
+    /// Join the shards of a sweep that ran in several processes or on several machines.
+    Merge(sweep::MergeArgs),
     /// List the built-in scenes, one line each.
     List,
     /// Show a scene fully resolved, as TOML with units and meanings.
@@ -180,6 +186,8 @@ pub fn main() -> ExitCode {
     let done = match line.command {
         None => run::run(&RunArgs::of_flagship(), color),
         Some(Command::Run(args)) => run::run(&args, color),
+        Some(Command::Sweep(args)) => sweep::run(&args, color),
+        Some(Command::Merge(args)) => sweep::merge(&args, color),
         Some(Command::List) => print(&list()),
         Some(Command::Show { scene }) => with_scene(&scene, color, |loaded| print(&resolved_toml(&loaded.scene))),
         Some(Command::Check { scene }) => with_scene(&scene, color, |loaded| print(&format!("{}: valid\n", loaded.origin))),

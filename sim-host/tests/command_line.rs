@@ -7,6 +7,8 @@ mod link;
 #[cfg(unix)]
 #[path = "command_line/signals.rs"]
 mod signals;
+#[path = "command_line/sweep.rs"]
+mod sweep;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};

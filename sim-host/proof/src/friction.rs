@@ -35,7 +35,7 @@ fn figure(result: &SuiteResult) -> Figure {
             style,
         })
     };
-    let ratio = |label: &str| Axis { label: label.into(), log: false, range: Some((0.0, 1.0)) };
+    let ratio = |label: &str| Axis { label: label.into(), log: false, range: Some((0.0, 1.0)), ..Axis::default() };
     let diagonal = Series {
         name: "set point".into(),
         csv_column: "set_point".into(),

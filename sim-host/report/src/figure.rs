@@ -65,7 +65,7 @@ pub struct Figure {
     pub interactive: bool,
 }
 
-/// Values over a plane as colours, in cells of equal size. Both axes are linear, and end where the map does.
+/// Values over a plane as colours, in cells of equal size on the figure's axes, which end where the map does.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HeatMap {
     /// Outer edges of the first and the last column.
@@ -91,6 +91,8 @@ pub struct Axis {
     pub log: bool,
     /// Interval shown; without it the data decide.
     pub range: Option<(f64, f64)>,
+    /// Names of the places 0, 1, 2, …, which then are the only ticks; for linear axes.
+    pub names: Vec<String>,
 }
 
 /// One curve of a [`Figure`]. A value that is not finite leaves a gap.

@@ -1,5 +1,7 @@
 //! From a name, a file or standard input to a scene, or to a report of everything that is wrong with it.
 
+mod manifest;
+
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -77,6 +79,12 @@ impl Loaded {
         Ok(Self { name: self.name, ..loaded(&self.origin, &self.input, &sets, |_| ())? })
     }
 
+    /// The scene with further changes, and all else that it has.
+    pub fn changed(&self, sets: &[String]) -> Result<Self, LoadError> {
+        let sets = [self.sets.as_slice(), sets].concat();
+        Ok(Self { name: self.name.clone(), ..loaded(&self.origin, &self.input, &sets, |_| ())? })
+    }
+
     /// The scene with further changes, without its grid and comparison: a cell of its grid, or a case of its comparison.
     pub fn cell(&self, sets: &[String]) -> Result<Self, LoadError> {
         let sets = [self.sets.as_slice(), sets].concat();
@@ -113,7 +121,7 @@ fn suggest(nearest: &[&str]) -> String {
     format!("neither a file nor built in; try {}", super::nearest::listed(nearest.iter().copied(), "or"))
 }
 
-/// Loads a built-in scene by name, a TOML file by path, or standard input (`-`), with changes as `key=value`.
+/// Loads a built-in scene by name, a TOML file or the manifest of a run by path, or standard input (`-`), with changes as `key=value`.
 pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
     if source == "-" {
         const STDIN: &str = "<stdin>";
@@ -121,6 +129,13 @@ pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
         return Ok(Loaded { name: "stdin".to_owned(), ..load_text(STDIN, &text, sets)? });
     }
     let text = read_source(source, source)?;
+    if let Some(repeated) = manifest::scene(&text) {
+        let (name, text) = repeated.map_err(|why| {
+            let io = io::Error::new(io::ErrorKind::InvalidData, why);
+            LoadError::Read { path: source.to_owned(), io }
+        })?;
+        return Ok(Loaded { name, ..load_text(source, &text, sets)? });
+    }
     let name = match builtin::text(source) {
         Some(_) => source.to_owned(),
         None => Path::new(source).file_stem().map_or_else(|| source.to_owned(), |stem| stem.to_string_lossy().into_owned()),

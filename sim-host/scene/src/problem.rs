@@ -73,15 +73,15 @@ pub fn sine(study: &Excited, problem: &Problem) -> Problem {
 /// Metrics that are of the whole run, not of its window.
 const WHOLE_RUN: [&str; 4] = ["peak_velocity_m_per_s", "peak_displacement_m", "peak_force_ratio", "reversals"];
 
-/// How the problem is to be solved: for all that a study reports, or for one metric. The energies of a study of many periods are added up
+/// How the problem is to be solved: for all that a study reports, or for some metrics. The energies of a study of many periods are added up
 /// where one of its expectations is about them.
-pub fn numerics(study: &Excited, metric: Option<&str>) -> Numerics {
+pub fn numerics(study: &Excited, metrics: Option<&[&str]>) -> Numerics {
     let integrator = &study.integrator;
     let lugre = matches!(study.model, Model::Lugre(_));
     // The work of Dahl's and Coulomb's friction telescopes between reversals, and costs nothing.
     let is_energy = |metric: &str| ENERGIES.contains(&metric) || (lugre && metric == "power_ratio");
-    let energies = match metric {
-        Some(metric) => is_energy(metric),
+    let energies = match metrics {
+        Some(metrics) => metrics.iter().any(|metric| is_energy(metric)),
         None => {
             let few = study.duration_s * study.excitation.frequency_hz <= ENERGY_PERIODS;
             few || study.expect.iter().any(|expect| is_energy(&expect.metric))
@@ -94,7 +94,7 @@ pub fn numerics(study: &Excited, metric: Option<&str>) -> Numerics {
         order: integrator.order,
         tolerance: integrator.tolerance.unwrap_or(default.tolerance),
         energies,
-        whole_run: metric.is_none_or(|metric| WHOLE_RUN.contains(&metric)),
+        whole_run: metrics.is_none_or(|metrics| metrics.iter().any(|metric| WHOLE_RUN.contains(metric))),
     }
 }
 

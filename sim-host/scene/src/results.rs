@@ -28,7 +28,7 @@ pub struct Grid {
     pub set: Vec<String>,
 }
 
-/// What is recorded besides the standard figures, into `trace.csv`.
+/// What is recorded besides the standard figures, into `trace.csv`, or a file of another `format`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Trace {
@@ -59,6 +59,10 @@ pub enum TraceFormat {
     /// `trace.csv`, a column a signal.
     #[default]
     Csv,
+    /// `trace.npy`, for NumPy: an array of records with a field a signal.
+    Npy,
+    /// `trace.parquet`, a column a signal, compressed.
+    Parquet,
 }
 
 /// A signal that can be recorded at the sample rate.

@@ -197,7 +197,8 @@ pub fn files() -> Vec<DataFile> {
         DataFile {
             name: "trace.csv",
             of: "a driven run with `[trace]`",
-            meaning: "The signals that the scene asks for, one row for every `trace.every` samples from `trace.from_s` to `trace.to_s`",
+            meaning: "The signals that the scene asks for, one row for every `trace.every` samples from `trace.from_s` to `trace.to_s`; by `trace.format` also \
+                      `trace.npy`, an array of records for NumPy, or `trace.parquet`",
             columns: signals(),
         },
         DataFile {

@@ -2,7 +2,9 @@
 
 mod comparison;
 mod folder;
+mod parquet_file;
 mod runs_file;
+pub mod sweep;
 mod trace_file;
 
 use std::fs;
@@ -179,7 +181,7 @@ pub fn write_into(loaded: &Loaded, study: &Study, folder: &Folder) -> Result<(),
     }
     match study.monte_carlo() {
         Some(runs) => runs_file::write(runs, &dir.join("runs.csv")).map_err(OutputError::Runs)?,
-        None => trace_file::write(study, &dir.join("trace.csv"))?,
+        None => trace_file::write(study, dir)?,
     }
     report::write(&tables::report(study), dir)?;
     folder.finish(manifest(loaded, study))

@@ -13,6 +13,7 @@ mod plan;
 pub mod playback;
 mod stopped;
 pub mod suite;
+pub mod sweep;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

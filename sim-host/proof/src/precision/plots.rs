@@ -33,8 +33,8 @@ fn figure(study: &Study, id: &str, title: &str, y: &str, error: fn(&Point) -> f6
         caption: "Table 4.1, 384 N at 60 kHz, velocity ratio 0.5, from rest, periods 100 to 200. Lower and further left is better. \
                   Solid: the methods for a Dahl contact; dashed: Runge-Kutta, midpoint, and the motion without friction's feedback."
             .into(),
-        x: Axis { label: "time for a drive period [ns]".into(), log: true, range: cost_range(study) },
-        y: Axis { label: y.into(), log: true, range: Some((LEAST, 1.0)) },
+        x: Axis { label: "time for a drive period [ns]".into(), log: true, range: cost_range(study), ..Axis::default() },
+        y: Axis { label: y.into(), log: true, range: Some((LEAST, 1.0)), ..Axis::default() },
         series: study.curves.iter().map(|curve| series(curve, error)).collect(),
         ..Figure::default()
     }

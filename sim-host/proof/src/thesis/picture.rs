@@ -28,12 +28,12 @@ pub fn axis(label: &str) -> Axis {
 
 /// A logarithmic axis with a label.
 pub fn log_axis(label: &str) -> Axis {
-    Axis { label: label.into(), log: true, range: None }
+    Axis { label: label.into(), log: true, ..Axis::default() }
 }
 
 /// An axis of an interval.
 pub fn ranged(label: &str, from: f64, to: f64) -> Axis {
-    Axis { label: label.into(), log: false, range: Some((from, to)) }
+    Axis { label: label.into(), range: Some((from, to)), ..Axis::default() }
 }
 
 /// A curve as a solid line.

@@ -29,6 +29,7 @@ pub(super) struct Scale {
     /// Position of its end.
     pub high: f64,
     ticks: usize,
+    names: Vec<String>,
 }
 
 impl Scale {
@@ -40,7 +41,7 @@ impl Scale {
         let asked = axis.range.and_then(|(a, b)| Some((position(log, a)?, position(log, b)?)));
         let (low, high) =
             asked.filter(|(low, high)| high - low > SMALLEST).unwrap_or_else(|| surround(log, values, margins, anchored && !log));
-        Self { log, low, high, ticks: 10 }
+        Self { log, low, high, ticks: 10, names: axis.names.clone() }
     }
 
     /// Labels at most `ticks` places.
@@ -78,6 +79,9 @@ impl Scale {
 
     /// Positions of the labelled ticks.
     pub fn ticks(&self) -> Vec<f64> {
+        if !self.names.is_empty() {
+            return (0..self.names.len()).map(|place| place as f64).filter(|&place| self.shows(place)).collect();
+        }
         if !self.log {
             return round_values(self.low, self.high, self.ticks);
         }
@@ -110,6 +114,9 @@ impl Scale {
 
     /// Text of the tick at `position`.
     pub fn label(&self, position: f64) -> String {
+        if let Some(name) = self.names.get(position.round() as usize) {
+            return name.clone();
+        }
         if self.log && self.extent() >= 0.7 {
             return self.log_label(position);
         }
@@ -225,6 +232,12 @@ mod tests {
         assert_eq!(labels(Axis::default(), &[39_998.0, 40_002.0]).len(), 5);
         assert_eq!(labels(Axis::default(), &[39_998.0, 40_002.0])[2], "40\u{202f}000");
         assert_eq!(labels(Axis::default(), &[0.0, 3e-20])[1], "0.5·10⁻²⁰");
+    }
+
+    #[test]
+    fn named_places_are_the_only_ticks() {
+        let axis = Axis { names: ["mu", "normal_n", "ratio"].map(String::from).into(), ..Axis::default() };
+        assert_eq!(labels(axis, &[0.0, 2.0]), ["mu", "normal_n", "ratio"]);
     }
 
     #[test]

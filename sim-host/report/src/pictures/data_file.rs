@@ -71,14 +71,15 @@ fn write_long<W: Write>(figure: &Figure, out: &mut csv::Writer<W>) -> csv::Resul
 fn write_map<W: Write>(figure: &Figure, map: &HeatMap, out: &mut csv::Writer<W>) -> csv::Result<()> {
     let (columns, rows) = map.size();
     // Six digits: the middles are computed, and their last digits are rounding.
-    let middle = |(from, to): (f64, f64), n: usize, of: usize| {
-        let value = from + (to - from) * (n as f64 + 0.5) / of as f64;
+    let middle = |(from, to): (f64, f64), log: bool, n: usize, of: usize| {
+        let part = (n as f64 + 0.5) / of as f64;
+        let value = if log { from * (to / from).powf(part) } else { from + (to - from) * part };
         cell(format!("{value:.5e}").parse().unwrap_or(value))
     };
-    let headings = (0..rows).map(|row| format!("{}_at_{}", map.csv_column, middle(map.y, row, rows)));
+    let headings = (0..rows).map(|row| format!("{}_at_{}", map.csv_column, middle(map.y, figure.y.log, row, rows)));
     out.write_record(std::iter::once(column_name(&figure.x.label)).chain(headings))?;
     for (index, values) in map.columns.iter().enumerate() {
-        out.write_record(std::iter::once(middle(map.x, index, columns)).chain(values.iter().copied().map(cell)))?;
+        out.write_record(std::iter::once(middle(map.x, figure.x.log, index, columns)).chain(values.iter().copied().map(cell)))?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use crate::figure::{Figure, Style};
 /// Ranges that show everything the figure holds.
 pub(super) fn scales(figure: &Figure) -> (Scale, Scale) {
     if let Some(map) = &figure.map {
-        return map.scales();
+        return map.scales(figure.x.log, figure.y.log);
     }
     let dots = figure.series.iter().any(|s| s.style == Style::Points);
     let mut xs: Vec<f64> = figure.series.iter().flat_map(|s| s.x.iter().copied()).collect();

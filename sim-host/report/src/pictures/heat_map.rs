@@ -29,9 +29,9 @@ impl HeatMap {
     }
 
     /// The axes' scales: exactly the map.
-    pub(super) fn scales(&self) -> (Scale, Scale) {
-        let scale = |range| Scale::fit(&Axis { range: Some(range), ..Axis::default() }, &[], [0.0, 0.0], false);
-        (scale(self.x).with_ticks(10), scale(self.y).with_ticks(8))
+    pub(super) fn scales(&self, x_log: bool, y_log: bool) -> (Scale, Scale) {
+        let scale = |range, log| Scale::fit(&Axis { range: Some(range), log, ..Axis::default() }, &[], [0.0, 0.0], false);
+        (scale(self.x, x_log).with_ticks(10), scale(self.y, y_log).with_ticks(8))
     }
 
     /// How far up the colours a value lies, from 0 to 1.

@@ -59,7 +59,7 @@ fn budget(run: &View) -> Option<Figure> {
             run.record.energy.residual().abs()
         ),
         x: axis("time [s]"),
-        y: Axis { label: "work [J]".into(), log: true, range: None },
+        y: Axis { label: "work [J]".into(), log: true, ..Axis::default() },
         series,
         shaded: shaded(run),
         interactive: true,

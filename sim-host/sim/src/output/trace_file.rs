@@ -1,21 +1,45 @@
-//! `trace.csv`. Units are in the column names.
+//! `trace.csv`, or `trace.npy` or `trace.parquet` where the scene's `[trace]` asks for it. Units are in the column names.
 //!
 //! Of a driven run: what the scene's `[trace]` asked for, at the sample rate; or, without one, a table of the whole run, one row for
 //! every few blocks. Of a contact study: the last periods, step by step.
 
-use std::path::Path;
+mod npy;
 
+use std::path::{Path, PathBuf};
+
+use super::{OutputError, parquet_file};
 use crate::data::{OVERVIEW, PERIODS};
 use crate::record::Record;
 use crate::study::contact::Solved;
 use crate::study::{Outcome, Study};
 use crate::trace::Tracer;
+use scene::TraceFormat;
 
 /// Most rows of the table of a whole run.
 const ROWS: usize = 3000;
 
-/// Writes the trace of a study.
-pub(super) fn write(study: &Study, path: &Path) -> Result<(), csv::Error> {
+/// Writes the trace of a study into its folder.
+pub(super) fn write(study: &Study, dir: &Path) -> Result<(), OutputError> {
+    let traced = study.run().and_then(|run| run.record.trace.as_ref()).zip(study.scene.trace.as_ref());
+    let path = |end: &str| dir.join(format!("trace.{end}"));
+    let written = |path: PathBuf| |io| OutputError::Write { path, io };
+    match traced.map(|(tracer, trace)| (tracer, trace.format)) {
+        Some((tracer, TraceFormat::Npy)) => {
+            npy::write(&columns(tracer), tracer.rows(), &path("npy")).map_err(written(path("npy")))
+        }
+        Some((tracer, TraceFormat::Parquet)) => {
+            parquet_file::write_table(&columns(tracer), tracer.rows(), &path("parquet")).map_err(written(path("parquet")))
+        }
+        _ => Ok(text(study, &path("csv"))?),
+    }
+}
+
+/// Names of the columns: the time, then the signals.
+fn columns(tracer: &Tracer) -> Vec<String> {
+    std::iter::once("time_s".to_owned()).chain(tracer.signals().iter().map(|signal| signal.name())).collect()
+}
+
+fn text(study: &Study, path: &Path) -> Result<(), csv::Error> {
     let mut file = csv::Writer::from_path(path)?;
     match &study.outcome {
         Outcome::Driven(run) => match &run.record.trace {
@@ -31,7 +55,7 @@ pub(super) fn write(study: &Study, path: &Path) -> Result<(), csv::Error> {
 }
 
 fn signals(tracer: &Tracer, file: &mut csv::Writer<std::fs::File>) -> Result<(), csv::Error> {
-    file.write_record(std::iter::once("time_s".to_owned()).chain(tracer.signals().iter().map(|signal| signal.name())))?;
+    file.write_record(columns(tracer))?;
     for row in tracer.rows() {
         file.write_record(row.iter().map(f64::to_string))?;
     }

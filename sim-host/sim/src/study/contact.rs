@@ -48,9 +48,9 @@ pub(super) fn run<'a>(
     Ok((Solved { scene, answer, playback }, metrics))
 }
 
-/// The numbers of a scene that is a cell of a grid, or as many as one metric needs; none of them if it is stopped.
-pub(super) fn cell(scene: &Excited, metric: Option<&str>, stop: &AtomicBool) -> Result<Metrics, StudyError> {
-    let answer = unless_stopped(|| answer(scene, metric, (stop, None), None::<&mut fn(&State)>)).transpose()?;
+/// The numbers of a scene that is a cell of a grid, or as many as some metrics need; none of them if it is stopped.
+pub(super) fn cell(scene: &Excited, wanted: Option<&[&str]>, stop: &AtomicBool) -> Result<Metrics, StudyError> {
+    let answer = unless_stopped(|| answer(scene, wanted, (stop, None), None::<&mut fn(&State)>)).transpose()?;
     Ok(measured(scene, answer.as_ref()))
 }
 
@@ -60,13 +60,13 @@ fn measured(scene: &Excited, answer: Option<&Answer>) -> Metrics {
 
 fn answer<W: FnMut(&State)>(
     scene: &Excited,
-    metric: Option<&str>,
+    wanted: Option<&[&str]>,
     (stop, clock): (&AtomicBool, Option<Clock>),
     watch: Option<&mut W>,
 ) -> Result<Answer, SolveError> {
     // A Hertzian contact has Coulomb's law between its normal force and its friction.
     let problem = problem::problem(scene, problem::law(&scene.model).unwrap_or(Law::Coulomb))?;
-    let (numerics, pause) = (problem::numerics(scene, metric), || leave_if(stop));
+    let (numerics, pause) = (problem::numerics(scene, wanted), || leave_if(stop));
     let (solution, across) = match scene.model {
         Model::Hertz(model) => {
             let (solution, across) = match watch {

@@ -99,6 +99,11 @@ impl<'a> Plan<'a> {
         }
     }
 
+    /// The flag that ends the study.
+    pub(super) fn stop(&self) -> &'a AtomicBool {
+        self.stop
+    }
+
     /// Whether the study is to end.
     pub(super) fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
@@ -113,13 +118,14 @@ impl Made<'_, '_> {
 
     /// Runs the cell for one metric: what only others need may be missing.
     pub(super) fn metric(&self, name: &str) -> Result<Option<f64>, StudyError> {
-        Ok(self.metrics_for(Some(name))?.find(name))
+        Ok(self.metrics_for(Some(&[name]))?.find(name))
     }
 
-    fn metrics_for(&self, metric: Option<&str>) -> Result<Metrics, StudyError> {
+    /// Runs the cell for some metrics, or for all.
+    pub(super) fn metrics_for(&self, wanted: Option<&[&str]>) -> Result<Metrics, StudyError> {
         match self.scene.kind().ok_or(StudyError::Incomplete)? {
             Kind::Driven(scene) => self.recorded(&scene).map(|(_, metrics)| metrics),
-            Kind::Excited(scene) => contact::cell(&scene, metric, self.plan.stop).map_err(|error| self.empty(error)),
+            Kind::Excited(scene) => contact::cell(&scene, wanted, self.plan.stop).map_err(|error| self.empty(error)),
         }
     }
 

@@ -66,7 +66,7 @@ fn waves(run: &View) -> Figure {
              A pure travelling wave has none of the second."
                 .into(),
         x: axis("time [s]"),
-        y: report::Axis { label: "amplitude [um]".into(), log: true, range: Some((5e-4 * top, top)) },
+        y: report::Axis { label: "amplitude [um]".into(), log: true, range: Some((5e-4 * top, top)), ..report::Axis::default() },
         series: vec![
             curve(rows, "forward wave", "forward_wave_um", Style::Line, micrometres(|motor| motor.forward_m)),
             curve(rows, "backward wave", "backward_wave_um", Style::Line, micrometres(|motor| motor.backward_m)),

@@ -1,0 +1,55 @@
+//! The scene of a run, from the manifest that the run left: so that it can be repeated from that file alone.
+
+use serde_json::{Map, Value};
+
+/// Name and text of the scene in a manifest, or why there is none; nothing where the text is no JSON.
+pub(super) fn scene(text: &str) -> Option<Result<(String, String), String>> {
+    let Ok(Value::Object(manifest)) = serde_json::from_str::<Value>(text) else { return None };
+    Some(of(&manifest))
+}
+
+fn of(manifest: &Map<String, Value>) -> Result<(String, String), String> {
+    let scene = manifest.get("resolved_scene").filter(|_| manifest.get("program") == Some(&"sim-host".into()));
+    let scene = scene.ok_or("JSON, but no manifest of a run; a scene is TOML text")?;
+    let name = manifest.get("scene").and_then(Value::as_str).unwrap_or("manifest");
+    let text = toml::to_string(&without_nulls(scene)).map_err(|error| format!("its resolved scene is none: {error}"))?;
+    Ok((name.to_owned(), text))
+}
+
+/// A value without what is not there, which TOML has no word for.
+fn without_nulls(value: &Value) -> Value {
+    match value {
+        Value::Object(map) => {
+            map.iter().filter(|(_, value)| !value.is_null()).map(|(key, value)| (key.clone(), without_nulls(value))).collect()
+        }
+        Value::Array(list) => list.iter().map(without_nulls).collect(),
+        value => value.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{load, load_text};
+    use super::*;
+    use crate::resolved::resolved_json;
+    use serde_json::json;
+
+    /// Every built-in scene comes back from its manifest as it was.
+    #[test]
+    fn a_scene_comes_back_from_its_manifest() {
+        for (name, _) in crate::builtin::all() {
+            let loaded = load(name, &["seed=123456789012345".to_owned()]).expect("built in");
+            let manifest = json!({ "program": "sim-host", "scene": name, "resolved_scene": resolved_json(&loaded.scene) });
+            let (found, text) = scene(&format!("{manifest:#}")).expect("JSON").expect("a manifest");
+            assert_eq!(found, name);
+            let again = load_text(&found, &text, &[]).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert_eq!(again.scene, loaded.scene, "{name}");
+        }
+    }
+
+    #[test]
+    fn other_json_is_refused_and_toml_is_left_alone() {
+        assert!(scene("title = \"a\"").is_none());
+        assert!(scene("{\"a\": 1}").is_some_and(|scene| scene.is_err_and(|why| why.contains("no manifest"))));
+    }
+}

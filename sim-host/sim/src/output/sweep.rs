@@ -1,0 +1,265 @@
+//! The folder of a sweep: its plan, its parts, and when it is complete its rows as Parquet and CSV, with figures and a page.
+//!
+//! ```text
+//! plan.json --> points of this shard that no part has --> chunks (run in parallel) --> part-FIRST-END.parquet
+//!               all parts, in order --> sweep.parquet, sweep.csv, failures.csv --> indices.csv, figures, report.html
+//! ```
+//!
+//! A file is written under another name and renamed when it is whole, so that whatever ends the process costs the chunk that it was at: the same
+//! call again goes on behind it. Rows follow from the plan alone, so that what is joined is the same, byte for byte, however it was divided.
+
+mod figures;
+mod joined;
+mod page;
+mod parts;
+mod plan_file;
+mod rows_file;
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use report::ReportError;
+use scene::{metrics, schema};
+
+pub use self::joined::{Joined, join};
+pub use self::parts::{Part, Shard};
+pub use self::plan_file::PlanFile;
+use self::rows_file::RowsWriter;
+pub use self::rows_file::{Layout, RowsFile};
+use super::parquet_file::GROUP;
+use crate::study::StudyError;
+use crate::study::sweep::Sweep;
+
+/// The plan.
+const PLAN: &str = "plan.json";
+/// Why points have no result.
+const FAILURES: &str = "failures.csv";
+/// All rows.
+const ROWS: &str = "sweep.parquet";
+/// All rows, as text.
+const TABLE: &str = "sweep.csv";
+/// Sobol indices of a sample.
+const INDICES: &str = "indices.csv";
+/// The page.
+const PAGE: &str = "report.html";
+/// What a file that is being written ends in.
+const UNFINISHED: &str = ".tmp";
+/// How long a chunk is to take: what is lost when a process is killed.
+const CHUNK: Duration = Duration::from_secs(10);
+/// Fewest points of a chunk for each thread, so that threads seldom wait for the last of them.
+const PER_THREAD: u64 = 16;
+
+/// What went wrong with the folder of a sweep.
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    /// A file cannot be written.
+    #[error("cannot write `{}`: {io}", path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why.
+        io: io::Error,
+    },
+    /// A file cannot be read.
+    #[error("cannot read `{}`: {why}", path.display())]
+    Read {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
+    /// The folder holds another sweep.
+    #[error("`{}` holds another sweep, {differs}: choose another folder with -o, or remove it", path.display())]
+    Other {
+        /// The folder.
+        path: PathBuf,
+        /// In what it differs.
+        differs: String,
+    },
+    /// The folder has a file of a sweep, and no plan that says of which.
+    #[error("`{}` is there already, and no {PLAN} says of which sweep it is: remove it, or choose another folder with -o", path.display())]
+    Strange {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Another process is at the same shard.
+    #[error("another process is at shard {shard} of the sweep in `{}`: wait for its end", path.display())]
+    Held {
+        /// The folder.
+        path: PathBuf,
+        /// The shard.
+        shard: Shard,
+    },
+    /// There is no sweep in a folder.
+    #[error("there is no sweep in `{}`: it has no {PLAN}", path.display())]
+    None {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// Folders are of different sweeps.
+    #[error("`{}` and `{}` are of different sweeps, {differs}", first.display(), second.display())]
+    Different {
+        /// A folder.
+        first: PathBuf,
+        /// Another folder.
+        second: PathBuf,
+        /// In what they differ.
+        differs: String,
+    },
+    /// Parts are missing.
+    #[error("{missing} of {count} points are missing: {ranges}. Run their shards to the end, and name all their folders")]
+    Missing {
+        /// How many points are missing.
+        missing: u64,
+        /// How many there are.
+        count: u64,
+        /// Which they are.
+        ranges: String,
+    },
+    /// A part is not of this sweep, or has other rows than its name says.
+    #[error("`{}` is no part of this sweep: remove it, and run the sweep again", path.display())]
+    Part {
+        /// Its file.
+        path: PathBuf,
+    },
+    /// The points cannot be run.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// A figure or the page.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+}
+
+/// The folder of a sweep, held for one of its shards.
+pub struct SweepFolder {
+    dir: PathBuf,
+    plan: PlanFile,
+    shard: Shard,
+    lock: PathBuf,
+    _living: File,
+}
+
+impl SweepFolder {
+    /// Makes the folder ready for a shard of a sweep, or takes up what it holds of this sweep.
+    ///
+    /// # Errors
+    /// If the folder holds another sweep, or another process is at this shard.
+    pub fn open(dir: &Path, sweep: &Sweep, shard: Shard) -> Result<Self, FolderError> {
+        let plan = PlanFile::new(sweep);
+        fs::create_dir_all(dir).map_err(write(dir))?;
+        let path = dir.join(PLAN);
+        match PlanFile::find(dir)? {
+            Some(found) => {
+                if let Some(differs) = plan.differs(&found) {
+                    return Err(FolderError::Other { path: dir.to_owned(), differs });
+                }
+            }
+            None => {
+                let own = [FAILURES, ROWS, TABLE, INDICES, PAGE].map(|name| dir.join(name));
+                let parts = parts::of(dir)?.into_iter().map(|part| part.path);
+                if let Some(path) = own.into_iter().filter(|path| path.symlink_metadata().is_ok()).chain(parts).next() {
+                    return Err(FolderError::Strange { path });
+                }
+                put(&path, plan.text().as_bytes())?;
+            }
+        }
+        let lock = dir.join(format!(".shard-{}", shard.to_string().replace('/', "-of-")));
+        let living = File::create(&lock).map_err(write(&lock))?;
+        if living.try_lock().is_err() {
+            return Err(FolderError::Held { path: dir.to_owned(), shard });
+        }
+        Ok(SweepFolder { dir: dir.to_owned(), plan, shard, lock, _living: living })
+    }
+
+    /// How many points of this shard are still to be run.
+    ///
+    /// # Errors
+    /// If a part in the folder cannot be read or is not of this sweep.
+    pub fn left(&self) -> Result<u64, FolderError> {
+        Ok(self.missing()?.iter().map(|range| range.end - range.start).sum())
+    }
+
+    fn missing(&self) -> Result<Vec<std::ops::Range<u64>>, FolderError> {
+        let parts = parts::of(&self.dir)?;
+        parts.iter().try_for_each(|part| self.plan.check(part).map(drop))?;
+        Ok(self.shard.missing(self.plan.count(), &parts))
+    }
+
+    /// Runs what is missing of this shard, chunk by chunk, until it is stopped; whether it is complete. `done` is called after each point.
+    ///
+    /// # Errors
+    /// If the scene cannot be run at all, or a part cannot be written.
+    pub fn run(&self, sweep: &Sweep, stop: &AtomicBool, done: &(dyn Fn() + Sync)) -> Result<bool, FolderError> {
+        let layout = self.plan.layout();
+        let fewest = PER_THREAD * rayon::current_num_threads() as u64;
+        let mut size = fewest;
+        for range in self.missing()? {
+            let mut next = range.start;
+            while next < range.end {
+                let points = next..range.end.min(next + size);
+                let began = Instant::now();
+                let Some(rows) = sweep.rows(points.clone(), stop, done)? else { return Ok(false) };
+                let mut file = RowsWriter::create(&Part::new(&self.dir, points.clone()).path, layout, self.plan.hash(), true)?;
+                file.write(&rows)?;
+                file.finish()?;
+                next = points.end;
+                // Towards the duration of a chunk, at most eight times as many as the last had.
+                let rate = (points.end - points.start) as f64 / began.elapsed().as_secs_f64().max(1e-9);
+                size = ((rate * CHUNK.as_secs_f64()) as u64).min(8 * size).clamp(fewest, GROUP as u64);
+                if stop.load(Ordering::Relaxed) {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// Whether the folder has all points of the sweep, those of other shards as well.
+    ///
+    /// # Errors
+    /// If the folder cannot be read.
+    pub fn is_whole(&self) -> Result<bool, FolderError> {
+        Ok(parts::gaps(0..self.plan.count(), &parts::of(&self.dir)?).is_empty())
+    }
+}
+
+impl Drop for SweepFolder {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.lock);
+    }
+}
+
+/// The unit of a key or metric; `1` of a ratio or a count.
+fn unit(name: &str) -> String {
+    let metric = metrics::metric(name).or_else(|| metrics::of_one_run(name)).map(|metric| metric.unit.to_owned());
+    metric.or_else(|| schema::unit_of(name.rsplit('.').next().unwrap_or(name))).unwrap_or_else(|| "1".to_owned())
+}
+
+/// What a file is called until it is whole: each process has a name of its own.
+fn unfinished(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{name}.{}{UNFINISHED}", std::process::id()))
+}
+
+/// Writes a file as a whole.
+fn put(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
+    let unfinished = unfinished(path);
+    let put = fs::write(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, path));
+    put.map_err(|io| {
+        let _ = fs::remove_file(&unfinished);
+        write(path)(io)
+    })
+}
+
+fn write(path: &Path) -> impl FnOnce(io::Error) -> FolderError + use<> {
+    let path = path.to_owned();
+    |io| FolderError::Write { path, io }
+}
+
+fn read(path: &Path) -> impl FnOnce(io::Error) -> FolderError + use<> {
+    let path = path.to_owned();
+    move |io| FolderError::Read { path, why: io.to_string() }
+}

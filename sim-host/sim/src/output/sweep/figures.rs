@@ -1,0 +1,108 @@
+//! The figures of a sweep, by how many keys it has.
+//!
+//! | points | figure |
+//! |---|---|
+//! | one key | a curve of the metric |
+//! | every combination of two, one of few values | a family of curves |
+//! | every combination of two | a map |
+//! | any other | parallel coordinates; of a sample also the metric over each key |
+//!
+//! Each is of one metric. Metrics that are the same at all points have none.
+
+mod lines;
+mod map;
+mod parallel;
+
+use super::{FolderError, Layout, PlanFile, RowsFile, unit};
+use report::{Axis, Figure};
+
+/// Most metrics that have figures.
+const METRICS: usize = 8;
+/// Most curves of a family.
+const FAMILY: u64 = 7;
+/// Most points of a figure of separate points.
+const DOTS: usize = 2000;
+/// Most keys over which the metric of a sample is drawn.
+const KEYS: usize = 6;
+
+/// Columns of a sweep that are figures of one metric.
+struct Data<'a> {
+    keys: &'a [String],
+    /// For each key its values.
+    values: &'a [Vec<f64>],
+    metric: &'a str,
+    /// The metric at each point; not a number where it is missing.
+    results: Vec<f64>,
+}
+
+/// The figures of a sweep.
+///
+/// # Errors
+/// If its rows cannot be read.
+pub(super) fn of(plan: &PlanFile, layout: &Layout, file: &RowsFile) -> Result<Vec<Figure>, FolderError> {
+    let numbers = |name: &str| -> Result<Vec<f64>, FolderError> {
+        Ok(file.column(name)?.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect())
+    };
+    let values = layout.keys.iter().map(|key| numbers(key)).collect::<Result<Vec<_>, _>>()?;
+    let mut figures = Vec::new();
+    let mut metrics = 0;
+    for metric in &layout.metrics {
+        let results = numbers(metric)?;
+        if metrics == METRICS || !varies(&results) {
+            continue;
+        }
+        metrics += 1;
+        figures.extend(figures_of(plan, &Data { keys: &layout.keys, values: &values, metric, results }));
+    }
+    Ok(figures)
+}
+
+fn figures_of(plan: &PlanFile, data: &Data) -> Vec<Figure> {
+    let axes = plan.axes();
+    let log = axes.as_ref().is_some_and(|axes| axes[0].0);
+    match (data.keys.len(), axes.as_deref()) {
+        (1, _) => vec![lines::curve(data, log)],
+        (2, Some(&[rows, columns])) => {
+            let few = rows.1.min(columns.1) <= FAMILY;
+            let uneven = plan.lists().contains(&true);
+            vec![if few || uneven { lines::family(data, rows, columns) } else { map::of(data, rows, columns) }]
+        }
+        _ => {
+            let mut figures = vec![parallel::of(data)];
+            if plan.is_sample() {
+                figures.extend((0..data.keys.len().min(KEYS)).map(|key| lines::dots(data, key)));
+            }
+            figures
+        }
+    }
+}
+
+/// Whether there is more than one value, beyond round-off.
+fn varies(values: &[f64]) -> bool {
+    let (least, most) = extremes(values);
+    most - least > 1e-12 * least.abs().max(most.abs())
+}
+
+/// The smallest and the largest value, of those that are numbers.
+fn extremes(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &value| (least.min(value), most.max(value)))
+}
+
+/// A name with its unit.
+fn label(name: &str) -> String {
+    match unit(name).as_str() {
+        "1" => name.to_owned(),
+        unit => format!("{name} [{unit}]"),
+    }
+}
+
+fn axis(name: &str, log: bool) -> Axis {
+    Axis { label: label(name), log, ..Axis::default() }
+}
+
+/// A figure of a metric, yet empty.
+fn figure(kind: &str, title: String, caption: &str, data: &Data) -> Figure {
+    let missing = data.results.iter().filter(|value| value.is_nan()).count();
+    let gone = if missing == 0 { String::new() } else { format!(" {missing} points have no value.") };
+    Figure { id: format!("{kind}-{}", data.metric), title, caption: format!("{caption}{gone}"), ..Figure::default() }
+}

@@ -1,0 +1,84 @@
+//! Curves of a metric over a key, alone or as a family, and separate points.
+
+use super::{DOTS, Data, FAMILY, axis, figure, label};
+use crate::numbers::number;
+use report::{Figure, Series, Style};
+
+/// The metric over the only key.
+pub(super) fn curve(data: &Data, log: bool) -> Figure {
+    let key = &data.keys[0];
+    let mut points: Vec<(f64, f64)> = data.values[0].iter().copied().zip(data.results.iter().copied()).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (x, y) = points.into_iter().unzip();
+    let title = format!("{} over {key}", data.metric);
+    Figure {
+        x: axis(key, log),
+        y: axis(data.metric, false),
+        series: vec![series(data.metric, data.metric, x, y, Style::Line)],
+        interactive: true,
+        ..figure("curve", title, "Each point is a run of its own.", data)
+    }
+}
+
+/// The metric over the axis of more values, a curve for each value of the other, or for some of them. An axis is whether it is logarithmic, and how
+/// many values it has; the second changes fastest.
+pub(super) fn family(data: &Data, rows: (bool, u64), columns: (bool, u64)) -> Figure {
+    let along = usize::from(columns.1 >= rows.1);
+    let ((log, long), (_, short)) = if along == 1 { (columns, rows) } else { (rows, columns) };
+    let (key, other) = (&data.keys[along], &data.keys[1 - along]);
+    let place = |line: usize, at: usize| if along == 1 { line * columns.1 as usize + at } else { at * columns.1 as usize + line };
+    let curves = short.min(FAMILY) as usize;
+    let curve = |n: usize| {
+        let line = if curves == 1 { 0 } else { n * (short as usize - 1) / (curves - 1) };
+        let mut points: Vec<usize> = (0..long as usize).map(|at| place(line, at)).collect();
+        points.sort_by(|&a, &b| data.values[along][a].total_cmp(&data.values[along][b]));
+        let of = |column: &[f64]| points.iter().map(|&point| column[point]).collect();
+        let value = number(data.values[1 - along][points[0]]);
+        let name = format!("{} = {value}", last(other));
+        series(&name, &format!("{}_at_{value}", data.metric), of(&data.values[along]), of(&data.results), Style::Line)
+    };
+    Figure {
+        x: axis(key, log),
+        y: axis(data.metric, false),
+        series: (0..curves).map(curve).collect(),
+        interactive: true,
+        ..figure(
+            "family",
+            format!("{} over {key}", data.metric),
+            &format!(
+                "A curve for {} of {short} values of {other}. Each point is a run of its own.",
+                if curves < short as usize { "some" } else { "each" }
+            ),
+            data,
+        )
+    }
+}
+
+/// The metric over one of many keys, all others being at other values at each point.
+pub(super) fn dots(data: &Data, key: usize) -> Figure {
+    let every = data.results.len().div_ceil(DOTS);
+    let of = |column: &[f64]| column.iter().copied().step_by(every).collect();
+    let name = &data.keys[key];
+    let figure = figure(
+        "over",
+        format!("{} over {name}", data.metric),
+        "A point of the sample each, at most 2000 of them; all other keys have other values at each.",
+        data,
+    );
+    Figure {
+        id: format!("{}-{}", figure.id, name.replace('.', "-")),
+        x: axis(name, false),
+        y: axis(data.metric, false),
+        series: vec![series(data.metric, data.metric, of(&data.values[key]), of(&data.results), Style::Points)],
+        ..figure
+    }
+}
+
+fn series(name: &str, csv_column: &str, x: Vec<f64>, y: Vec<f64>, style: Style) -> Series {
+    Series { name: label(name), csv_column: csv_column.to_owned(), x, y, style }
+}
+
+/// The last name of a path.
+pub(super) fn last(path: &str) -> &str {
+    path.rsplit('.').next().unwrap_or(path)
+}

@@ -1,0 +1,77 @@
+//! A metric over two keys, as colours.
+
+use super::{Data, axis, extremes, figure, label};
+use report::{Figure, HeatMap};
+
+/// Most cells of a map along an axis.
+const CELLS: usize = 512;
+
+/// The map of the metric: the second key, which changes fastest, along x. An axis is whether it is logarithmic, and how many values it has.
+pub(super) fn of(data: &Data, rows: (bool, u64), columns: (bool, u64)) -> Figure {
+    let (width, height) = (columns.1 as usize, rows.1 as usize);
+    let (every_x, every_y) = (width.div_ceil(CELLS), height.div_ceil(CELLS));
+    let cell = |x: usize, y: usize| data.results[y * width + x];
+    let column = |x: usize| (0..height).step_by(every_y).map(|y| cell(x, y)).collect();
+    let cells: Vec<Vec<f64>> = (0..width).step_by(every_x).map(column).collect();
+    let range = extremes(&data.results);
+    let thinned = if every_x * every_y > 1 {
+        format!(" Of the values of the keys each {every_x}. and each {every_y}. is drawn.")
+    } else {
+        String::new()
+    };
+    let title = format!("{} over {} and {}", data.metric, data.keys[1], data.keys[0]);
+    let (x, y) = (&data.values[1], &data.values[0]);
+    Figure {
+        x: axis(&data.keys[1], columns.0),
+        y: axis(&data.keys[0], rows.0),
+        map: Some(HeatMap {
+            x: edges((x[0], x[(cells.len() - 1) * every_x]), cells.len(), columns.0),
+            y: edges((y[0], y[(cells[0].len() - 1) * every_y * width]), cells[0].len(), rows.0),
+            columns: cells,
+            range,
+            label: label(data.metric),
+            csv_column: data.metric.to_owned(),
+        }),
+        ..figure(
+            "map",
+            title,
+            &format!("Each cell is a run of its own; a cell without value has the darkest colour.{thinned}"),
+            data,
+        )
+    }
+}
+
+/// Outer edges of cells whose first and last middles these are.
+fn edges((first, last): (f64, f64), count: usize, log: bool) -> (f64, f64) {
+    let parts = 2.0 * (count.max(2) - 1) as f64;
+    if log {
+        let half = (last / first).powf(1.0 / parts);
+        (first / half, last * half)
+    } else {
+        let half = (last - first) / parts;
+        (first - half, last + half)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn middles_of_cells_are_where_the_points_are() {
+        assert_eq!(edges((1.0, 3.0), 3, false), (0.5, 3.5));
+        let (from, to) = edges((1.0, 100.0), 3, true);
+        assert!((from - 10f64.powf(-0.5)).abs() < 1e-12 && (to - 10f64.powf(2.5)).abs() < 1e-9, "{from}, {to}");
+    }
+
+    /// The first key goes up, the second to the right.
+    #[test]
+    fn a_cell_is_at_its_keys() {
+        let keys = ["a".to_owned(), "b".to_owned()];
+        let values = [vec![1.0, 1.0, 1.0, 2.0, 2.0, 2.0], vec![10.0, 20.0, 30.0, 10.0, 20.0, 30.0]];
+        let data = Data { keys: &keys, values: &values, metric: "m", results: (0..6).map(f64::from).collect() };
+        let map = of(&data, (false, 2), (false, 3)).map.expect("a map");
+        assert_eq!(map.columns, [[0.0, 3.0], [1.0, 4.0], [2.0, 5.0]]);
+        assert_eq!((map.x, map.y, map.range), ((5.0, 35.0), (0.5, 2.5), (0.0, 5.0)));
+    }
+}

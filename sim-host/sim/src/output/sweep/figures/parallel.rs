@@ -1,0 +1,50 @@
+//! Parallel coordinates: an upright axis for each key and one for the metric, and a line through them for each point.
+
+use super::lines::last;
+use super::{Data, extremes, figure};
+use report::{Axis, Figure, Series, Style};
+
+/// Most lines of a class.
+const LINES: usize = 60;
+
+/// The points with the largest, middle and smallest values of the metric, each a tenth or at least some.
+pub(super) fn of(data: &Data) -> Figure {
+    let mut order: Vec<usize> = (0..data.results.len()).filter(|&point| !data.results[point].is_nan()).collect();
+    order.sort_by(|&a, &b| data.results[a].total_cmp(&data.results[b]).then(a.cmp(&b)));
+    let tenth = (order.len() / 10).max(1).min(order.len());
+    let middle = (order.len() - tenth) / 2;
+    let columns: Vec<&[f64]> = data.values.iter().map(Vec::as_slice).chain([data.results.as_slice()]).collect();
+    let scales: Vec<(f64, f64)> = columns.iter().map(|column| extremes(column)).collect();
+    let part = |axis: usize, point: usize| {
+        let (least, most) = scales[axis];
+        if most > least { (columns[axis][point] - least) / (most - least) } else { 0.5 }
+    };
+    let class = |name: &str, points: &[usize]| {
+        let (mut x, mut y) = (Vec::new(), Vec::new());
+        for &point in points.iter().step_by(points.len().div_ceil(LINES).max(1)) {
+            x.extend((0..columns.len()).map(|axis| axis as f64));
+            y.extend((0..columns.len()).map(|axis| part(axis, point)));
+            // The pen is lifted between lines.
+            x.push(columns.len() as f64 - 1.0);
+            y.push(f64::NAN);
+        }
+        Series { name: format!("{name} {}", data.metric), csv_column: name.replace(' ', "_"), x, y, style: Style::Line }
+    };
+    let names = data.keys.iter().map(|key| last(key).to_owned()).chain([data.metric.to_owned()]).collect();
+    Figure {
+        x: Axis { names, ..Axis::default() },
+        y: Axis { label: "part of the range of each".into(), range: Some((0.0, 1.0)), ..Axis::default() },
+        series: vec![
+            class("smallest", &order[..tenth]),
+            class("middle", &order[middle..middle + tenth]),
+            class("largest", &order[order.len() - tenth..]),
+        ],
+        ..figure(
+            "parallel",
+            format!("Where {} is smallest and largest", data.metric),
+            "A line for each of at most 60 points with the smallest tenth of its values, the middle and the largest tenth; each axis from the least to \
+             the greatest of its values.",
+            data,
+        )
+    }
+}

@@ -1,0 +1,220 @@
+//! All parts in one: the rows as Parquet and CSV, the points without result, then indices, figures and the page.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use super::parts::{self, Part};
+use super::rows_file::{Layout, RowsFile, RowsWriter};
+use super::{FAILURES, FolderError, INDICES, PLAN, PlanFile, ROWS, TABLE, page, put, unfinished, write};
+use crate::output::parquet_file::GROUP;
+use crate::study::sweep::Rows;
+use crate::study::sweep::sensitivity::{self, Sensitivity};
+use report::TableBlock;
+
+/// How many missing ranges of points are named.
+const NAMED: usize = 4;
+
+/// A sweep whose parts are joined.
+#[derive(Clone, Debug)]
+pub struct Joined {
+    /// How many points there are.
+    pub points: u64,
+    /// How many of them have no result.
+    pub failures: u64,
+    /// Metrics that were asked for by name and that no point has.
+    pub absent: Vec<String>,
+    /// The metrics, and of a sample the indices.
+    pub tables: Vec<TableBlock>,
+    /// The page.
+    pub page: PathBuf,
+}
+
+/// Joins the parts in some folders, and writes the result into `target`.
+///
+/// # Errors
+/// If folders are of different sweeps, parts are missing or cannot be read, or a file cannot be written.
+pub fn join(dirs: &[PathBuf], target: &Path) -> Result<Joined, FolderError> {
+    let plan = common_plan(dirs)?;
+    let mut parts = dirs.iter().map(|dir| parts::of(dir)).collect::<Result<Vec<_>, _>>()?.concat();
+    parts::sort(&mut parts);
+    let missing = parts::gaps(0..plan.count(), &parts);
+    if !missing.is_empty() {
+        let ranges = missing.iter().take(NAMED).map(|range| match range.end - range.start {
+            1 => format!("{}", range.start),
+            _ => format!("{} to {}", range.start, range.end - 1),
+        });
+        let ranges = ranges.collect::<Vec<_>>().join(", ");
+        let more = missing.len().checked_sub(NAMED + 1).map_or_else(String::new, |more| format!(" and {} more ranges", more + 1));
+        let (count, missing) = (plan.count(), missing.iter().map(|range| range.end - range.start).sum());
+        return Err(FolderError::Missing { missing, count, ranges: ranges + &more });
+    }
+    fs::create_dir_all(target).map_err(write(target))?;
+    let (layout, absent) = present(&plan, &parts)?;
+    let failures = rows(&plan, &parts, &layout, target)?;
+    let path = target.join(PLAN);
+    if !path.exists() {
+        put(&path, plan.text().as_bytes())?;
+    }
+    let file = RowsFile::open(&target.join(ROWS))?;
+    let indices = if plan.is_sample() { indices(&layout, &file, target)? } else { Vec::new() };
+    let written = page::write(&plan, &layout, &file, failures, &indices, target)?;
+    Ok(Joined { points: plan.count(), failures, absent, tables: written, page: target.join(super::PAGE) })
+}
+
+/// The plan that all folders have.
+fn common_plan(dirs: &[PathBuf]) -> Result<PlanFile, FolderError> {
+    let mut first: Option<(&PathBuf, PlanFile)> = None;
+    for dir in dirs {
+        let plan = PlanFile::find(dir)?.ok_or_else(|| FolderError::None { path: dir.clone() })?;
+        match &first {
+            None => first = Some((dir, plan)),
+            Some((other, of)) => {
+                if let Some(differs) = of.differs(&plan) {
+                    return Err(FolderError::Different { first: (*other).clone(), second: dir.clone(), differs });
+                }
+            }
+        }
+    }
+    first.map(|(_, plan)| plan).ok_or_else(|| FolderError::None { path: PathBuf::new() })
+}
+
+/// The columns of the result, and the metrics asked for by name that no point has. Of all metrics those are columns that a point has.
+fn present(plan: &PlanFile, parts: &[Part]) -> Result<(Layout, Vec<String>), FolderError> {
+    let mut some = BTreeSet::new();
+    for part in parts {
+        let file = plan.check(part)?;
+        let found = plan.layout().metrics.iter().filter(|metric| !some.contains(*metric) && file.present(metric) > 0);
+        let found: Vec<String> = found.cloned().collect();
+        some.extend(found);
+    }
+    let (metrics, absent): (Vec<String>, Vec<String>) =
+        plan.layout().metrics.iter().cloned().partition(|metric| some.contains(metric));
+    let keys = plan.layout().keys.clone();
+    if plan.is_of_all_metrics() {
+        return Ok((Layout { keys, metrics }, Vec::new()));
+    }
+    Ok((plan.layout().clone(), absent))
+}
+
+/// Writes all rows, and those without result beside them; how many these are.
+fn rows(plan: &PlanFile, parts: &[Part], layout: &Layout, target: &Path) -> Result<u64, FolderError> {
+    let mut file = RowsWriter::create(&target.join(ROWS), layout, plan.hash(), false)?;
+    let heads: Vec<&str> = ["point"].into_iter().chain(layout.keys.iter().map(String::as_str)).collect();
+    let ends = layout.metrics.iter().map(String::as_str).chain(["drive_hash", "fault_code"]);
+    let mut table = Text::create(target.join(TABLE), heads.iter().copied().chain(ends))?;
+    let mut without = Text::create(target.join(FAILURES), heads.iter().copied().chain(["failure"]))?;
+    let places: Vec<usize> =
+        layout.metrics.iter().filter_map(|name| plan.layout().metrics.iter().position(|metric| metric == name)).collect();
+    let mut failures = 0;
+    let mut next = 0;
+    let mut waiting = Rows::new(layout.keys.len(), layout.metrics.len());
+    for part in parts {
+        let opened = plan.check(part)?;
+        for group in 0..opened.groups() {
+            let mut rows = opened.rows(group, plan.layout())?;
+            rows.metrics = places.iter().map(|&place| std::mem::take(&mut rows.metrics[place])).collect();
+            // Parts may overlap: their rows are the same.
+            let first = rows.points.partition_point(|&point| (point as u64) < next);
+            rows.drop_first(first);
+            next += rows.points.len() as u64;
+            failures += text(&rows, &mut table, &mut without)?;
+            waiting.append(rows);
+            while waiting.points.len() >= GROUP {
+                let rest = waiting.split_off(GROUP);
+                file.write(&waiting)?;
+                waiting = rest;
+            }
+        }
+    }
+    file.write(&waiting)?;
+    table.finish()?;
+    without.finish()?;
+    file.finish()?;
+    Ok(failures)
+}
+
+fn text(rows: &Rows, table: &mut Text, without: &mut Text) -> Result<u64, FolderError> {
+    let mut failures = 0;
+    let number = |value: &f64| format!("{value:?}");
+    for row in 0..rows.points.len() {
+        let point = || [rows.points[row].to_string()].into_iter().chain(rows.keys.iter().map(|key| number(&key[row])));
+        let metrics = rows.metrics.iter().map(|metric| metric[row].as_ref().map_or_else(String::new, number));
+        let fault = rows.fault_codes[row].map_or_else(String::new, |code| code.to_string());
+        let ends = [rows.drive_hashes[row].clone().unwrap_or_default(), fault];
+        table.row(point().chain(metrics).chain(ends))?;
+        if let Some(why) = &rows.failures[row] {
+            without.row(point().chain([why.clone()]))?;
+            failures += 1;
+        }
+    }
+    Ok(failures)
+}
+
+/// The Sobol indices of each metric that has some, written as a table.
+fn indices(layout: &Layout, file: &RowsFile, target: &Path) -> Result<Vec<(String, Sensitivity)>, FolderError> {
+    let mut all = Vec::new();
+    for metric in &layout.metrics {
+        let found = sensitivity::of(layout.keys.len(), &file.column(metric)?);
+        all.extend(found.map(|found| (metric.clone(), found)));
+    }
+    let mut table = Text::create(
+        target.join(INDICES),
+        [
+            "metric",
+            "key",
+            "first_order",
+            "first_order_lower",
+            "first_order_upper",
+            "total",
+            "total_lower",
+            "total_upper",
+            "draws",
+        ],
+    )?;
+    for (metric, found) in &all {
+        for (key, indices) in layout.keys.iter().zip(&found.keys) {
+            let estimates = [indices.first, indices.total].map(|of| [of.value, of.interval.0, of.interval.1]).concat();
+            let row = [metric.clone(), key.clone()].into_iter().chain(estimates.iter().map(|value| format!("{value:?}")));
+            table.row(row.chain([found.used.to_string()]))?;
+        }
+    }
+    table.finish()?;
+    Ok(all)
+}
+
+/// A CSV that has its name when it is whole.
+struct Text {
+    path: PathBuf,
+    writer: Option<csv::Writer<BufWriter<File>>>,
+}
+
+impl Text {
+    fn create<'a>(path: PathBuf, head: impl IntoIterator<Item = &'a str>) -> Result<Self, FolderError> {
+        let file = File::create(unfinished(&path)).map_err(write(&path))?;
+        let mut text = Text { path, writer: Some(csv::Writer::from_writer(BufWriter::new(file))) };
+        text.row(head.into_iter().map(str::to_owned))?;
+        Ok(text)
+    }
+
+    fn row(&mut self, cells: impl IntoIterator<Item = String>) -> Result<(), FolderError> {
+        let written = self.writer.as_mut().map_or(Ok(()), |writer| writer.write_record(cells));
+        written.map_err(|error| write(&self.path)(error.into()))
+    }
+
+    fn finish(mut self) -> Result<(), FolderError> {
+        let Some(mut writer) = self.writer.take() else { return Ok(()) };
+        let ended = writer.flush();
+        drop(writer);
+        ended.and_then(|()| fs::rename(unfinished(&self.path), &self.path)).map_err(write(&self.path))
+    }
+}
+
+impl Drop for Text {
+    fn drop(&mut self) {
+        self.writer = None;
+        // What has its name is not there any more.
+        let _ = fs::remove_file(unfinished(&self.path));
+    }
+}

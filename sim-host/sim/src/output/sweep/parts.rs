@@ -1,0 +1,158 @@
+//! The parts of a sweep: each a file with the rows of some points that follow each other, named by them.
+//!
+//! A shard has every n-th of [`BLOCKS`] n blocks of points, so that shards take equally long although neighbouring points are alike; a part
+//! lies within one block. What is missing of a sweep, or of a shard, follows from the names of its parts.
+
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use super::FolderError;
+
+/// Blocks of points of a shard.
+const BLOCKS: u64 = 8;
+
+/// Which part of a sweep a process computes, written as `i/n`, from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    number: u64,
+    of: u64,
+}
+
+impl Shard {
+    /// The whole sweep.
+    pub const WHOLE: Shard = Shard { number: 1, of: 1 };
+
+    /// The ranges of points that it has, of so many.
+    fn ranges(self, count: u64) -> Vec<Range<u64>> {
+        let blocks = (self.of * BLOCKS).min(count);
+        // Points times blocks is beyond 64 bits at no count that a sweep may have.
+        let begin = |block: u64| (u128::from(count) * u128::from(block) / u128::from(blocks)) as u64;
+        let mine = (0..blocks).filter(|block| block % self.of == self.number - 1);
+        if self.of == 1 { vec![0..count] } else { mine.map(|block| begin(block)..begin(block + 1)).collect() }
+    }
+
+    /// The ranges of its points that no part has.
+    pub fn missing(self, count: u64, parts: &[Part]) -> Vec<Range<u64>> {
+        self.ranges(count).into_iter().flat_map(|range| gaps(range, parts)).collect()
+    }
+
+    /// How many points it has, of so many.
+    pub fn count(self, count: u64) -> u64 {
+        self.ranges(count).iter().map(|range| range.end - range.start).sum()
+    }
+}
+
+impl std::fmt::Display for Shard {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}/{}", self.number, self.of)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        /// Most shards of a sweep.
+        const MOST: u64 = 100_000;
+        let (number, of) = text.split_once('/').ok_or("a shard is i/n, as 1/4 to 4/4")?;
+        let whole = |text: &str| text.trim().parse::<u64>().map_err(|_| format!("`{text}` is no whole number"));
+        let (number, of) = (whole(number)?, whole(of)?);
+        if !(1..=MOST).contains(&of) || !(1..=of).contains(&number) {
+            return Err(format!("there is no shard {number} of {of}: they are numbered from 1"));
+        }
+        Ok(Shard { number, of })
+    }
+}
+
+/// A part: its points and its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Its points.
+    pub points: Range<u64>,
+    /// Its file.
+    pub path: PathBuf,
+}
+
+impl Part {
+    /// The part of these points in a folder.
+    pub(super) fn new(dir: &Path, points: Range<u64>) -> Self {
+        let path = dir.join(format!("part-{:09}-{:09}.parquet", points.start, points.end));
+        Part { points, path }
+    }
+
+    fn named(path: PathBuf) -> Option<Self> {
+        let name = path.file_name()?.to_str()?.strip_prefix("part-")?.strip_suffix(".parquet")?;
+        let (start, end) = name.split_once('-')?;
+        let points = start.parse().ok()?..end.parse().ok()?;
+        (points.start < points.end).then_some(Part { points, path })
+    }
+}
+
+/// The parts in a folder, in the order of their points.
+pub(super) fn of(dir: &Path) -> Result<Vec<Part>, FolderError> {
+    let mut parts = Vec::new();
+    for entry in fs::read_dir(dir).map_err(super::read(dir))? {
+        parts.extend(Part::named(entry.map_err(super::read(dir))?.path()));
+    }
+    sort(&mut parts);
+    Ok(parts)
+}
+
+/// Brings parts into the order of their points.
+pub(super) fn sort(parts: &mut [Part]) {
+    parts.sort_by(|a, b| (a.points.start, a.points.end, &a.path).cmp(&(b.points.start, b.points.end, &b.path)));
+}
+
+/// What of a range is in none of these parts, which are in order.
+pub(super) fn gaps(range: Range<u64>, parts: &[Part]) -> Vec<Range<u64>> {
+    let mut gaps = Vec::new();
+    let mut next = range.start;
+    for part in parts.iter().filter(|part| part.points.end > range.start && part.points.start < range.end) {
+        if part.points.start > next {
+            gaps.push(next..part.points.start);
+        }
+        next = next.max(part.points.end);
+    }
+    if next < range.end {
+        gaps.push(next..range.end);
+    }
+    gaps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each point is of exactly one shard, and shards are as large as each other, to a point in a block.
+    #[test]
+    fn shards_share_all_points() {
+        for (count, of) in [(1, 1), (1, 3), (7, 2), (100, 3), (1000, 7), (100_000_000, 64)] {
+            let mut ranges: Vec<Range<u64>> = (1..=of).flat_map(|number| Shard { number, of }.ranges(count)).collect();
+            ranges.sort_by_key(|range| range.start);
+            assert!(ranges.windows(2).all(|pair| pair[0].end == pair[1].start), "{count}, {of}");
+            assert_eq!((ranges[0].start, ranges[ranges.len() - 1].end), (0, count));
+            let counts: Vec<u64> = (1..=of).map(|number| Shard { number, of }.count(count)).collect();
+            assert!(counts.iter().max() <= counts.iter().min().map(|least| least + BLOCKS).as_ref(), "{counts:?}");
+        }
+        assert!(["0/2", "3/2", "1", "a/2", "1/0"].iter().all(|text| text.parse::<Shard>().is_err()));
+        assert_eq!("2/3".parse::<Shard>().map(|shard| shard.to_string()), Ok("2/3".to_owned()));
+    }
+
+    #[test]
+    fn what_no_part_has_is_missing() {
+        let parts: Vec<Part> = [0..3, 5..6, 5..9].map(|points| Part::new(Path::new("d"), points)).into();
+        assert_eq!(gaps(0..12, &parts), [3..5, 9..12]);
+        assert_eq!(gaps(4..8, &parts), [4..5]);
+        assert_eq!(gaps(6..8, &parts), []);
+        assert_eq!(Shard::WHOLE.missing(9, &parts), [3..5]);
+        let named = |name: &str| Part::named(PathBuf::from(name));
+        assert_eq!(named(&Part::new(Path::new("d"), 5..9).path.to_string_lossy()).map(|part| part.points), Some(5..9));
+        assert!(
+            ["part-9-5.parquet", "part-a-5.parquet", "part-1-5.parquet.tmp", "sweep.parquet"]
+                .iter()
+                .all(|name| named(name).is_none())
+        );
+    }
+}

@@ -1,0 +1,52 @@
+//! Rows of numbers as a file of NumPy: an array of records, so that `numpy.load("trace.npy")["friction_n"]` is a column.
+//!
+//! Format version 1.0: a magic number, the length of the header, the header as a Python dictionary padded to a multiple of 64 bytes, then the
+//! records (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// What every such file begins with: a name, and the version.
+const MAGIC: [u8; 8] = *b"\x93NUMPY\x01\x00";
+/// Records begin at a multiple of this.
+const ALIGN: usize = 64;
+
+/// Writes rows of numbers under these names.
+pub(super) fn write(columns: &[String], rows: &[Vec<f64>], path: &Path) -> io::Result<()> {
+    let mut file = BufWriter::new(File::create(path)?);
+    file.write_all(&head(columns, rows.len())?)?;
+    for value in rows.iter().flatten() {
+        file.write_all(&value.to_le_bytes())?;
+    }
+    file.flush()
+}
+
+fn head(columns: &[String], rows: usize) -> io::Result<Vec<u8>> {
+    let fields: String = columns.iter().map(|name| format!("('{name}', '<f8'), ")).collect();
+    let mut header = format!("{{'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},), }}");
+    let begin = MAGIC.len() + 2;
+    let padding = (begin + header.len() + 1).next_multiple_of(ALIGN) - (begin + header.len() + 1);
+    header += &" ".repeat(padding);
+    header.push('\n');
+    let length = u16::try_from(header.len()).map_err(|_| io::Error::other("too many columns for a file of NumPy"))?;
+    Ok([&MAGIC[..], &length.to_le_bytes(), header.as_bytes()].concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_header_is_the_one_that_numpy_reads() {
+        let columns = ["time_s", "v_code"].map(String::from);
+        let head = head(&columns, 3).expect("a header");
+        assert_eq!((&head[..8], head.len() % ALIGN, head.last()), (&MAGIC[..], 0, Some(&b'\n')));
+        assert_eq!(usize::from(u16::from_le_bytes([head[8], head[9]])), head.len() - 10);
+        let text = String::from_utf8_lossy(&head[10..]);
+        assert!(
+            text.starts_with("{'descr': [('time_s', '<f8'), ('v_code', '<f8'), ], 'fortran_order': False, 'shape': (3,), }"),
+            "{text}"
+        );
+    }
+}

@@ -1,0 +1,76 @@
+//! The rows of a sweep: for each point its values, its metrics, and what it played, or why it has no result.
+
+/// The rows of some points, by columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rows {
+    /// The numbers of the points, from zero.
+    pub points: Vec<i64>,
+    /// For each key its values.
+    pub keys: Vec<Vec<f64>>,
+    /// For each metric its values, where a point has it.
+    pub metrics: Vec<Vec<Option<f64>>>,
+    /// Hash of every drive code of a driven run, in hexadecimal digits.
+    pub drive_hashes: Vec<Option<String>>,
+    /// Number of the fault that a driven run ended in; 0 of none.
+    pub fault_codes: Vec<Option<i32>>,
+    /// Why a point has no result.
+    pub failures: Vec<Option<String>>,
+}
+
+/// What came of a point.
+#[derive(Default)]
+pub(super) struct Measured {
+    pub(super) metrics: Vec<Option<f64>>,
+    pub(super) drive_hash: Option<String>,
+    pub(super) fault_code: Option<i32>,
+}
+
+impl Rows {
+    /// No rows, of so many keys and metrics.
+    pub fn new(keys: usize, metrics: usize) -> Self {
+        Rows { keys: vec![Vec::new(); keys], metrics: vec![Vec::new(); metrics], ..Rows::default() }
+    }
+
+    /// Adds the row of a point.
+    pub(super) fn push(&mut self, point: u64, values: &[f64], measured: Result<Measured, String>) {
+        self.points.push(point as i64);
+        self.keys.iter_mut().zip(values).for_each(|(column, &value)| column.push(value));
+        let (measured, failure) = match measured {
+            Ok(measured) => (measured, None),
+            Err(why) => (Measured { metrics: vec![None; self.metrics.len()], ..Measured::default() }, Some(why)),
+        };
+        self.metrics.iter_mut().zip(measured.metrics).for_each(|(column, value)| column.push(value));
+        self.drive_hashes.push(measured.drive_hash);
+        self.fault_codes.push(measured.fault_code);
+        self.failures.push(failure);
+    }
+
+    /// Takes some rows away at the beginning.
+    pub fn drop_first(&mut self, count: usize) {
+        if count > 0 {
+            *self = self.split_off(count);
+        }
+    }
+
+    /// Takes the rows from one on away, and returns them.
+    pub fn split_off(&mut self, from: usize) -> Rows {
+        Rows {
+            points: self.points.split_off(from),
+            keys: self.keys.iter_mut().map(|column| column.split_off(from)).collect(),
+            metrics: self.metrics.iter_mut().map(|column| column.split_off(from)).collect(),
+            drive_hashes: self.drive_hashes.split_off(from),
+            fault_codes: self.fault_codes.split_off(from),
+            failures: self.failures.split_off(from),
+        }
+    }
+
+    /// Adds rows of the same keys and metrics at the end.
+    pub fn append(&mut self, mut rows: Rows) {
+        self.points.append(&mut rows.points);
+        self.keys.iter_mut().zip(&mut rows.keys).for_each(|(all, some)| all.append(some));
+        self.metrics.iter_mut().zip(&mut rows.metrics).for_each(|(all, some)| all.append(some));
+        self.drive_hashes.append(&mut rows.drive_hashes);
+        self.fault_codes.append(&mut rows.fault_codes);
+        self.failures.append(&mut rows.failures);
+    }
+}

@@ -1,0 +1,111 @@
+use super::*;
+use scene::load::load;
+
+fn sweep<'a>(loaded: &'a Loaded, axes: &[&str], metrics: &[&str]) -> Result<Sweep<'a>, SweepError> {
+    let axes = axes.iter().map(|axis| axis.parse()).collect::<Result<Vec<_>, _>>()?;
+    Sweep::new(loaded, Design::product(axes)?, &metrics.iter().map(|&name| name.to_owned()).collect::<Vec<_>>())
+}
+
+fn loaded(scene: &str, sets: &[&str]) -> Loaded {
+    load(scene, &sets.iter().map(|&set| set.to_owned()).collect::<Vec<_>>()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn all(sweep: &Sweep) -> Rows {
+    rows(sweep, 0..sweep.design.count())
+}
+
+fn rows(sweep: &Sweep, points: Range<u64>) -> Rows {
+    sweep.rows(points, &AtomicBool::new(false), &|| ()).expect("a plan").expect("not stopped")
+}
+
+/// A point is what a run of the scene with its keys set is, with a closed form, with steps, and driven.
+#[test]
+fn a_point_is_a_run_of_its_own() {
+    for (scene, axis, metrics) in [
+        ("contact-kinematic", "excitation.velocity_ratio=0.2:1.4:4", &["friction_ratio", "power_ratio"][..]),
+        ("contact-kinematic", "excitation.velocity_ratio=0.2:1.4:4", &["friction_ratio", "reversals", "input_ratio"]),
+        ("lock", "stack.bvd.q=60,70", &["lock_time_20hz_ms", "q"]),
+    ] {
+        let loaded = loaded(scene, &[]);
+        let sweep = sweep(&loaded, &[axis], metrics).unwrap_or_else(|error| panic!("{error}"));
+        let rows = all(&sweep);
+        for point in 0..sweep.design.count() {
+            let cell = loaded.cell(&sweep.sets(point)).expect("a scene");
+            let study = super::super::run(&cell, Options::default()).expect("a study");
+            for (column, name) in rows.metrics.iter().zip(metrics) {
+                let (swept, alone) = (column[point as usize], study.metrics.get(name));
+                let near = swept.zip(alone).is_none_or(|(swept, alone)| (swept - alone).abs() <= 1e-13 * alone.abs());
+                assert!(swept.is_some() == alone.is_some() && near, "{scene}, {point}, {name}: {swept:?}, {alone:?}");
+            }
+            let hash = study.run().map(|run| format!("{:016x}", run.record.drive_hash));
+            assert_eq!(rows.drive_hashes[point as usize], hash, "{scene}");
+        }
+    }
+}
+
+/// However the points are divided, and on however many threads, the rows are the same.
+#[test]
+fn rows_do_not_depend_on_their_division() {
+    let loaded = loaded("contact-kinematic", &[]);
+    let sweep =
+        sweep(&loaded, &["excitation.velocity_ratio=0.05:0.95:7", "contact.dahl.mu=0.1,0.3"], &["friction_ratio"]).unwrap();
+    let whole = all(&sweep);
+    for thread in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(thread).build().unwrap();
+        let mut parts = Rows::new(2, 1);
+        for part in [0..5, 5..6, 6..14] {
+            parts.append(pool.install(|| rows(&sweep, part)));
+        }
+        assert_eq!(parts, whole);
+        let rest = parts.split_off(9);
+        parts.drop_first(2);
+        assert_eq!((&parts.points[..], &rest.metrics[0][..]), (&whole.points[2..9], &whole.metrics[0][9..]));
+    }
+}
+
+/// What cannot be run is a row with its reason; the others are not touched by it.
+#[test]
+fn a_bad_point_is_a_row() {
+    let loaded = loaded("contact-kinematic", &[]);
+    // A window of the periods that the run does not have.
+    let sweep = sweep(&loaded, &["duration_s=0.0005,0.01"], &["friction_ratio"]).unwrap_or_else(|error| panic!("{error}"));
+    let rows = all(&sweep);
+    assert!(rows.failures[0].as_ref().is_some_and(|why| why.contains("window_periods")), "{:?}", rows.failures);
+    assert!(rows.metrics[0][0].is_none() && rows.metrics[0][1].is_some() && rows.failures[1].is_none());
+}
+
+/// A scene of several runs has its statistics at each point.
+#[test]
+fn several_runs_have_statistics_at_each_point() {
+    let loaded = loaded("lock-cold", &["runs=3"]);
+    let metrics = ["lock_time_20hz_ms", "lock_time_20hz_ms_p95", "runs_locked"];
+    let sweep = sweep(&loaded, &["controller.drive.amplitude_v=3,4"], &metrics).unwrap_or_else(|error| panic!("{error}"));
+    let rows = all(&sweep);
+    assert!(rows.metrics[2].iter().all(|locked| *locked == Some(3.0)), "{:?}", rows.failures);
+    assert!((0..2).all(|point| rows.metrics[1][point] >= rows.metrics[0][point] && rows.metrics[0][point].is_some()));
+}
+
+#[test]
+fn what_is_wrong_is_said_before_anything_is_run() {
+    let loaded = loaded("contact-kinematic", &[]);
+    for (axis, metric, why) in [
+        ("contact.dahl.mux=0.1,0.2", "friction_ratio", "did you mean `contact.dahl.mu`"),
+        ("contact.dahl.mu=0.1,-0.2", "friction_ratio", "must be at least"),
+        ("seed=1,2", "friction_ratio", "the same at every point"),
+        ("contact.dahl.mu=0.1,0.2", "friction_rato", "did you mean `friction_ratio`"),
+        ("contact.dahl.mu=0.1,0.2", "friction_ratio_p95", "the scene is run once"),
+        ("title=1,2", "friction_ratio", "no number"),
+    ] {
+        let error = sweep(&loaded, &[axis], &[metric]).expect_err(axis).to_string();
+        assert!(error.contains(why), "{axis}, {metric}: {error}");
+    }
+    let twice = sweep(&loaded, &["contact.dahl.mu=0.1,0.2"], &["friction_ratio", "friction_ratio"]);
+    assert!(twice.expect_err("twice").to_string().contains("twice"));
+}
+
+#[test]
+fn a_sweep_that_is_stopped_has_no_rows() {
+    let loaded = loaded("contact-kinematic", &[]);
+    let sweep = sweep(&loaded, &["contact.dahl.mu=0.1,0.2"], &["friction_ratio"]).unwrap();
+    assert_eq!(sweep.rows(0..2, &AtomicBool::new(true), &|| ()).unwrap(), None);
+}
