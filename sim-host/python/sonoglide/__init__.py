@@ -5,7 +5,7 @@
     >>> result["friction_ratio"]                                  # doctest: +SKIP
 
 A scene is one TOML file, a dictionary, or one of the built-in ones (`scenes()`). `Scene.run()` is what the command `sim-host run` does, by the
-same compiled code: the same metrics, the same signals, the same figures. `explain()` says what a metric, a key or a fault means, with its unit.
+same compiled code, and `Scene.sweep()` what `sim-host sweep` does: the same metrics, signals, figures and files. `explain()` says what a metric, a key or a fault means, with its unit.
 """
 
 from ._link import Answer, Link
@@ -13,6 +13,7 @@ from ._native import VERSION as __version__
 from ._native import LinkError, RunError, SceneError, explain, scenes
 from ._result import Expectation, Figure, Result, Signal, Table
 from ._scene import Scene, metrics
+from ._sweep import Sweep
 
 __all__ = [
     "Answer",
@@ -25,6 +26,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "Signal",
+    "Sweep",
     "Table",
     "__version__",
     "explain",

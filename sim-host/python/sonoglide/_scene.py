@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _native
 from ._changes import Value, changes
 from ._result import Result
+from ._sweep import Sweep, Values, run
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 
 class Metric(NamedTuple):
@@ -85,8 +89,39 @@ class Scene:
         """
         return Result(self._native.run(None if output is None else os.fspath(output)))
 
+    def sweep(
+        self,
+        over: Mapping[str, Values] | None = None,
+        *,
+        metrics: Sequence[str] = (),
+        draws: int | None = None,
+        points: Mapping[str, Sequence[float]] | None = None,
+        output: str | os.PathLike[str] | None = None,
+        jobs: int | None = None,
+        client: Client | None = None,
+    ) -> Sweep:
+        """Runs the scene at many points, in parallel.
+
+        `over` has for each key its values: `[0.1, 0.2]`, an array, or the text of the command line's `--over`, `"0.05:0.95:181"` or `"1e4:1e7:61:log"`; every
+        combination is a point. With `draws` the entries are ranges, `"0.1:0.3"` or `"1e4:1e7:log"`, and that many pairs of draws are laid out for Sobol indices.
+        `points` has the values of each key at each point instead. `metrics` are the metrics to read (all, without names; a few are faster).
+
+        `output` is the folder of the sweep, as `sim-host sweep -o` makes it: a sweep that was interrupted goes on there. Without it the folder goes with the result.
+        `jobs` is the number of threads. With a Dask `client` the points run on its cluster, and the result is the same, byte for byte.
+
+        A point without a result has NaN for its metrics, and its reason is in `failures`. Raises `SceneError` for a key or metric that there is not.
+        """
+        return run(self._native, over or {}, metrics, (draws, points), None if output is None else os.fspath(output), jobs, client)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _from_state, (self._native.state(),)
+
     def __repr__(self) -> str:
         return f"<sonoglide.Scene {self.name!r}: {self.title}>"
+
+
+def _from_state(state: tuple[str, str, str, list[str]]) -> Scene:
+    return Scene(_native.Scene.from_state(state))
 
 
 def _without_none(tree: Any) -> Any:

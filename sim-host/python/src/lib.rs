@@ -1,7 +1,7 @@
 //! The native half of the Python package `sonoglide`: scenes, runs and the link to a board, as the other half wraps them (`sonoglide/`).
 //!
 //! ```text
-//! sonoglide.Scene, Result, Link (Python: dictionaries, NumPy, pictures in a notebook)
+//! sonoglide.Scene, Result, Sweep, Link (Python: dictionaries, NumPy, pictures in a notebook)
 //!     --> sonoglide._native (here: texts and bytes) --> scene, sim, link, as the command line calls them
 //! ```
 //!
@@ -12,6 +12,7 @@ mod interruptible;
 mod link;
 mod result;
 mod scene;
+mod sweep;
 mod vocabulary;
 
 /// The module `sonoglide._native`.
@@ -25,6 +26,8 @@ mod _native {
     use crate::result::Result;
     #[pymodule_export]
     use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::sweep::Sweep;
     #[pymodule_export]
     use crate::vocabulary::{explain, metrics, scenes};
 

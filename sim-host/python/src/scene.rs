@@ -21,6 +21,13 @@ pub struct Scene {
     loaded: Loaded,
 }
 
+impl Scene {
+    /// The scene as it was loaded.
+    pub fn loaded(&self) -> &Loaded {
+        &self.loaded
+    }
+}
+
 #[pymethods]
 impl Scene {
     /// A built-in scene by name, or a TOML file by path, with changes as `key=value`.
@@ -40,6 +47,20 @@ impl Scene {
     fn from_json(text: &str, name: &str, changes: Vec<String>) -> PyResult<Self> {
         let table: toml::Table = serde_json::from_str(text).map_err(|error| SceneError::new_err(error.to_string()))?;
         Self::from_toml(&table.to_string(), name, changes)
+    }
+
+    /// A scene from what `state` gives.
+    #[staticmethod]
+    fn from_state(state: (String, String, String, Vec<String>)) -> PyResult<Self> {
+        let (name, origin, input, changes) = state;
+        let loaded = load_text(&origin, &input, &changes).map_err(|error| of_scene(&error))?;
+        Ok(Scene { loaded: Loaded { name, ..loaded } })
+    }
+
+    /// What makes this scene, and no other: name, origin, text, changes.
+    fn state(&self) -> (String, String, String, Vec<String>) {
+        let Loaded { name, origin, input, sets, .. } = &self.loaded;
+        (name.clone(), origin.clone(), input.clone(), sets.clone())
     }
 
     /// The scene with further changes.
