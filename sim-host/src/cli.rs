@@ -19,6 +19,7 @@ macro_rules! say {
 }
 
 mod advise;
+mod compare;
 mod explain;
 mod import;
 mod interrupts;
@@ -93,6 +94,9 @@ enum Command {
     /// Advise on a transducer, by a scene or by its numbers: settings to paste, and the lock time, jitter and bandwidth to expect.
     #[command(after_help = EXIT_CODES)]
     Advise(advise::AdviseArgs),
+    /// Compare two runs, or a run and a measurement: metrics with tolerances, figures laid over each other.
+    #[command(after_help = EXIT_CODES)]
+    Compare(compare::CompareArgs),
     /// Say what a metric, fault, limit, key or file means: unit, window, sign, columns, remedy. Without a word: all that can be explained.
     Explain {
         /// A metric, the number or name of a fault or limit, a key of a scene, or a file of a run.
@@ -192,6 +196,7 @@ pub fn main() -> ExitCode {
         Some(Command::Show { scene }) => with_scene(&scene, color, |loaded| print(&resolved_toml(&loaded.scene))),
         Some(Command::Check { scene }) => with_scene(&scene, color, |loaded| print(&format!("{}: valid\n", loaded.origin))),
         Some(Command::Explain { word }) => explain::run(&word.join(" ")),
+        Some(Command::Compare(args)) => compare::run(&args, color),
         Some(Command::Advise(args)) => advise::run(&args, color),
         Some(Command::Import(args)) => import::run(&args, color),
         Some(Command::Validate(args)) => validate::run(&args, color),

@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use import::admittance::circuit::{Branch, Equivalent};
 
 /// Commands that need what a test has not, by how they begin, and why they are not run.
-const NOT_RUN: [(&str, &str); 13] = [
+const NOT_RUN: [(&str, &str); 14] = [
     ("link PORT", "a placeholder"),
     ("link file:", "needs the image of `cargo field`; tests of `sonoglide-link` make the file"),
     ("link /dev/", "a board at a serial port"),
@@ -22,6 +22,7 @@ const NOT_RUN: [(&str, &str); 13] = [
         "waits for a debugger; tests of `sonoglide-link` have one",
     ),
     ("link sim:lock script rig.txt", "the reader's own script"),
+    ("compare ", "compares what other commands of the page have left; tests/command_line/compare.rs has both"),
     ("merge mu-1 mu-2", "joins what other commands of the page have left; tests/command_line/sweep.rs joins shards"),
     ("show NAME", "a placeholder"),
     ("run SCENE", "a placeholder"),

@@ -172,7 +172,6 @@ fn line(number: usize, text: &str) -> Result<Option<Line>, Mistake> {
     Ok(Some(Line { number, text: text.trim().to_owned(), fails, step }))
 }
 
-/// Words with their places; quotes keep spaces in a word.
 /// A line without its comment: a `#` between quotes begins none.
 fn before_comment(line: &str) -> &str {
     let mut quoted = false;
@@ -183,6 +182,7 @@ fn before_comment(line: &str) -> &str {
     &line[..comment.unwrap_or(line.len())]
 }
 
+/// Words with their places; quotes keep spaces in a word.
 fn words(text: &str) -> Result<Vec<(String, Range<usize>)>, Mistake> {
     let mut words: Vec<(String, Range<usize>)> = Vec::new();
     let (mut open, mut quoted) = (false, None);

@@ -43,5 +43,5 @@ pub use crash_view::{CrashView, Instant};
 pub use digits::significant;
 pub use figure::{Axis, Figure, HeatMap, Marker, Report, Series, Span, Style};
 #[cfg(feature = "pictures")]
-pub use pictures::{ReportError, write};
+pub use pictures::{ReportError, csv, svg, write};
 pub use table::{TableBlock, markdown, verdict};

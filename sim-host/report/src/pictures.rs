@@ -89,6 +89,27 @@ pub fn write(report: &Report, dir: &Path) -> Result<(), ReportError> {
     fs::write(&path, page).map_err(failure(&path))
 }
 
+/// A figure as an SVG document, as [`write()`] writes it.
+///
+/// # Errors
+/// If the figure is malformed or cannot be drawn.
+pub fn svg(figure: &Figure) -> Result<String, ReportError> {
+    check(std::slice::from_ref(figure))?;
+    draw::svg(figure, true).map_err(undrawn(Path::new(&format!("{}.svg", figure.id))))
+}
+
+/// The data of a figure as CSV, as [`write()`] writes them.
+///
+/// # Errors
+/// If the figure is malformed.
+pub fn csv(figure: &Figure) -> Result<String, ReportError> {
+    check(std::slice::from_ref(figure))?;
+    let path = PathBuf::from(format!("{}.csv", figure.id));
+    let mut bytes = Vec::new();
+    data_file::write(figure, &mut bytes).map_err(io::Error::from).map_err(failure(&path))?;
+    String::from_utf8(bytes).map_err(|error| failure(&path)(io::Error::new(io::ErrorKind::InvalidData, error)))
+}
+
 /// Writes the files of one figure.
 fn write_figure(figure: &Figure, dir: &Path) -> Result<(), ReportError> {
     let file = |extension: &str| dir.join(format!("{}.{extension}", figure.id));

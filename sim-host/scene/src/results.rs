@@ -97,6 +97,16 @@ pub enum Signal {
     FrictionN,
 }
 
+impl Signal {
+    /// Name of the signal, as scenes and columns spell it.
+    pub fn name(self) -> String {
+        match serde_json::to_value(self) {
+            Ok(serde_json::Value::String(name)) => name,
+            _ => format!("{self:?}"),
+        }
+    }
+}
+
 /// What must come out. Give `min` and/or `max`, or `value` and `tolerance`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -4,6 +4,8 @@
 mod figures;
 mod page;
 
+use std::fmt;
+
 use crate::record::Row;
 use scene::metrics::MACHINE;
 use scene::schema::Schema;
@@ -35,45 +37,62 @@ pub struct DataFile {
     pub columns: Vec<Column>,
 }
 
+/// A value of the table of a whole run.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Cell {
+    /// A number.
+    Number(f64),
+    /// A word.
+    Text(String),
+}
+
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Cell::Number(number) => number.fmt(f),
+            Cell::Text(text) => text.fmt(f),
+        }
+    }
+}
+
 /// A column of the table of a whole run: name, unit, meaning, and its value in a row.
 pub(crate) struct RowColumn {
     pub(crate) name: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-    #[cfg_attr(not(feature = "files"), expect(dead_code, reason = "only files are written by it"))]
-    pub(crate) value: fn(&Row) -> String,
+    pub(crate) unit: &'static str,
+    pub(crate) meaning: &'static str,
+    pub(crate) value: fn(&Row) -> Cell,
 }
 
 /// A row of the list below.
-const fn column(name: &'static str, unit: &'static str, meaning: &'static str, value: fn(&Row) -> String) -> RowColumn {
+const fn column(name: &'static str, unit: &'static str, meaning: &'static str, value: fn(&Row) -> Cell) -> RowColumn {
     RowColumn { name, unit, meaning, value }
 }
 
 /// The table of a whole driven run, where its scene asks for no trace.
 pub(crate) const OVERVIEW: &[RowColumn] = &[
-    column("time_s", "s", "End of the block", |row| row.time_s.to_string()),
-    column("mode", "", "Mode of the controller after it had measured this block", |row| format!("{:?}", row.mode)),
-    column("fault_code", "1", "Number of the fault; 0 is none", |row| row.fault.to_string()),
-    column("limit_code", "1", "Number of the limit; 0 is none", |row| row.limit.to_string()),
-    column("frequency_command_hz", "Hz", "Frequency that was played", |row| row.frequency_hz.to_string()),
+    column("time_s", "s", "End of the block", |row| Cell::Number(row.time_s)),
+    column("mode", "", "Mode of the controller after it had measured this block", |row| Cell::Text(format!("{:?}", row.mode))),
+    column("fault_code", "1", "Number of the fault; 0 is none", |row| Cell::Number(row.fault.into())),
+    column("limit_code", "1", "Number of the limit; 0 is none", |row| Cell::Number(row.limit.into())),
+    column("frequency_command_hz", "Hz", "Frequency that was played", |row| Cell::Number(row.frequency_hz)),
     column("resonance_estimate_hz", "Hz", "The controller's estimate of the resonance", |row| {
-        row.resonance_estimate_hz.to_string()
+        Cell::Number(row.resonance_estimate_hz)
     }),
     column("series_resonance_true_hz", "Hz", "Series resonance of the simulated transducer by itself", |row| {
-        row.truth.series_resonance_hz.to_string()
+        Cell::Number(row.truth.series_resonance_hz)
     }),
-    column("drive_v", "V", "Peak drive voltage that was played, times the mean envelope", |row| row.drive_v.to_string()),
-    column("envelope", "1", "Mean envelope that was played, 0 to 1", |row| row.envelope.to_string()),
+    column("drive_v", "V", "Peak drive voltage that was played, times the mean envelope", |row| Cell::Number(row.drive_v)),
+    column("envelope", "1", "Mean envelope that was played, 0 to 1", |row| Cell::Number(row.envelope)),
     column("motional_current_estimate_a", "A", "The controller's estimate of the motional current, amplitude", |row| {
-        row.motional_current_a.to_string()
+        Cell::Number(row.motional_current_a)
     }),
     column("tip_velocity_true_m_per_s", "m/s", "Tip velocity of the simulated stack, amplitude", |row| {
-        row.truth.tip_velocity_m_per_s.to_string()
+        Cell::Number(row.truth.tip_velocity_m_per_s)
     }),
-    column("friction_true_n", "N", "Simulated friction, mean over the block", |row| row.truth.friction_mean_n.to_string()),
-    column("load_cell_n", "N", "Reading of the load cell", |row| row.truth.load_cell_n.to_string()),
+    column("friction_true_n", "N", "Simulated friction, mean over the block", |row| Cell::Number(row.truth.friction_mean_n)),
+    column("load_cell_n", "N", "Reading of the load cell", |row| Cell::Number(row.truth.load_cell_n)),
     column("power_true_w", "W", "Electrical power into the motional branch, mean over the block", |row| {
-        row.truth.power_w.to_string()
+        Cell::Number(row.truth.power_w)
     }),
 ];
 
@@ -96,7 +115,7 @@ fn fields(fields: &[(&str, &str, &str)]) -> Vec<Column> {
 }
 
 /// The signals that a scene's `[trace]` may ask for.
-fn signals() -> Vec<Column> {
+pub(crate) fn signals() -> Vec<Column> {
     let choices = Schema::root().at("trace.signals").and_then(Schema::items).map_or_else(Vec::new, Schema::described_choices);
     let time = fixed(("time_s", "s", "End of the sample"));
     let signal = |(name, meaning): (&str, &str)| {

@@ -30,6 +30,9 @@
 
 pub mod advice;
 pub mod bounds;
+pub mod columns;
+#[cfg(feature = "files")]
+pub mod compare;
 pub mod cramer_rao;
 pub mod data;
 pub mod edge_meter;

@@ -27,7 +27,6 @@ use scene::{metrics, schema};
 pub use self::joined::{Joined, join};
 pub use self::parts::{Part, Shard};
 pub use self::plan_file::PlanFile;
-use self::rows_file::RowsWriter;
 pub use self::rows_file::{Layout, RowsFile};
 use super::parquet_file::GROUP;
 use crate::study::StudyError;
@@ -186,7 +185,11 @@ impl SweepFolder {
         Ok(self.missing()?.iter().map(|range| range.end - range.start).sum())
     }
 
-    fn missing(&self) -> Result<Vec<std::ops::Range<u64>>, FolderError> {
+    /// The points of this shard that are still to be run, in ranges.
+    ///
+    /// # Errors
+    /// If a part in the folder cannot be read or is not of this sweep.
+    pub fn missing(&self) -> Result<Vec<std::ops::Range<u64>>, FolderError> {
         let parts = parts::of(&self.dir)?;
         parts.iter().try_for_each(|part| self.plan.check(part).map(drop))?;
         Ok(self.shard.missing(self.plan.count(), &parts))
@@ -197,7 +200,6 @@ impl SweepFolder {
     /// # Errors
     /// If the scene cannot be run at all, or a part cannot be written.
     pub fn run(&self, sweep: &Sweep, stop: &AtomicBool, done: &(dyn Fn() + Sync)) -> Result<bool, FolderError> {
-        let layout = self.plan.layout();
         let fewest = PER_THREAD * rayon::current_num_threads() as u64;
         let mut size = fewest;
         for range in self.missing()? {
@@ -205,10 +207,9 @@ impl SweepFolder {
             while next < range.end {
                 let points = next..range.end.min(next + size);
                 let began = Instant::now();
-                let Some(rows) = sweep.rows(points.clone(), stop, done)? else { return Ok(false) };
-                let mut file = RowsWriter::create(&Part::new(&self.dir, points.clone()).path, layout, self.plan.hash(), true)?;
-                file.write(&rows)?;
-                file.finish()?;
+                if self.plan.write_part(sweep, points.clone(), &self.dir, (stop, done))?.is_none() {
+                    return Ok(false);
+                }
                 next = points.end;
                 // Towards the duration of a chunk, at most eight times as many as the last had.
                 let rate = (points.end - points.start) as f64 / began.elapsed().as_secs_f64().max(1e-9);

@@ -13,18 +13,10 @@ use crate::record::Record;
 use crate::study::contact::Solved;
 use crate::study::{Outcome, Study};
 use crate::trace::Tracer;
-use scene::{Signal, TraceFormat};
+use scene::TraceFormat;
 
 /// Most rows of the table of a whole run.
 const ROWS: usize = 3000;
-
-/// The name of a signal, as scenes and columns spell it.
-fn name(signal: Signal) -> String {
-    match serde_json::to_value(signal) {
-        Ok(serde_json::Value::String(name)) => name,
-        _ => format!("{signal:?}"),
-    }
-}
 
 /// Writes the trace of a study into its folder.
 pub(super) fn write(study: &Study, dir: &Path) -> Result<(), OutputError> {
@@ -44,7 +36,7 @@ pub(super) fn write(study: &Study, dir: &Path) -> Result<(), OutputError> {
 
 /// Names of the columns: the time, then the signals.
 fn columns(tracer: &Tracer) -> Vec<String> {
-    std::iter::once("time_s".to_owned()).chain(tracer.signals().iter().map(|&signal| name(signal))).collect()
+    std::iter::once("time_s".to_owned()).chain(tracer.signals().iter().map(|signal| signal.name())).collect()
 }
 
 fn text(study: &Study, path: &Path) -> Result<(), csv::Error> {
@@ -83,7 +75,7 @@ fn overview(record: &Record, file: &mut csv::Writer<std::fs::File>) -> Result<()
     file.write_record(OVERVIEW.iter().map(|column| column.name))?;
     let rows = &record.rows;
     for row in rows.iter().step_by(rows.len().div_ceil(ROWS).max(1)) {
-        file.write_record(OVERVIEW.iter().map(|column| (column.value)(row)))?;
+        file.write_record(OVERVIEW.iter().map(|column| (column.value)(row).to_string()))?;
     }
     Ok(())
 }

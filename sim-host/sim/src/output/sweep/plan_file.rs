@@ -2,11 +2,13 @@
 
 use std::fs;
 use std::io::ErrorKind;
+use std::ops::Range;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use serde_json::{Value, json};
 
-use super::rows_file::{Layout, RowsFile};
+use super::rows_file::{Layout, RowsFile, RowsWriter};
 use super::{FolderError, PLAN, Part, unit};
 use crate::record::text_hash;
 use crate::study::sweep::Sweep;
@@ -93,6 +95,25 @@ impl PlanFile {
         let file = RowsFile::open(&part.path)?;
         let fits = file.plan_hash().as_ref() == Some(&self.hash) && file.count() == part.points.end - part.points.start;
         if fits { Ok(file) } else { Err(FolderError::Part { path: part.path.clone() }) }
+    }
+
+    /// Runs some points of the sweep, and writes their part into a folder; none if it is stopped. `done` is called after each point.
+    ///
+    /// # Errors
+    /// If the scene cannot be run at all, or the part cannot be written.
+    pub fn write_part(
+        &self,
+        sweep: &Sweep,
+        points: Range<u64>,
+        dir: &Path,
+        (stop, done): (&AtomicBool, &(dyn Fn() + Sync)),
+    ) -> Result<Option<Part>, FolderError> {
+        let Some(rows) = sweep.rows(points.clone(), stop, done)? else { return Ok(None) };
+        let part = Part::new(dir, points);
+        let mut file = RowsWriter::create(&part.path, &self.layout, &self.hash, true)?;
+        file.write(&rows)?;
+        file.finish()?;
+        Ok(Some(part))
     }
 
     /// Names of the columns.

@@ -1,0 +1,72 @@
+"""Sweeps on a Dask cluster: a task runs some points and returns the bytes of their part; Dask schedules, retries, and survives lost workers."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import _native
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+#: What makes a sweep: state of the scene, axes, draws, points, metrics.
+Plan = tuple[tuple[str, str, str, list[str]], list[str], "int | None", "str | None", list[str]]
+
+#: How long a task is to take, s: long beside what the scheduler takes of it, short beside what is lost with a worker.
+TASK_S = 5.0
+#: Points of the first task, which tells how long one takes.
+FIRST = 16
+#: Most points of a task.
+MOST = 65_536
+#: How often a task is tried again whose worker was lost.
+RETRIES = 5
+
+
+def run_on(client: Client, plan: Plan, sweep: _native.Sweep, folder: str) -> None:
+    """Runs what a folder lacks of a sweep on a cluster; each part is written as soon as it comes."""
+    from distributed import as_completed
+
+    missing = sweep.missing(folder)
+    if not missing:
+        return
+    begin, end = missing[0]
+    first = min(end, begin + FIRST)
+    name, data, seconds = client.submit(_part, plan, begin, first, pure=False, retries=RETRIES).result()
+    _write(Path(folder) / name, data)
+    workers = max(1, sum(client.nthreads().values()))
+    left = sum(end - begin for begin, end in missing) - (first - begin)
+    size = max(1, min(MOST, int(TASK_S * (first - begin) / max(seconds, 1e-9)), -(-left // workers) if left else 1))
+    futures = [
+        client.submit(_part, plan, at, min(end, at + size), pure=False, retries=RETRIES)
+        for begin, end in [(first, end), *missing[1:]]
+        for at in range(begin, end, size)
+    ]
+    try:
+        for future in as_completed(futures):
+            name, data, _ = future.result()
+            _write(Path(folder) / name, data)
+            future.release()
+    except BaseException:
+        client.cancel(futures)
+        raise
+
+
+def _part(plan: Plan, begin: int, end: int) -> tuple[str, bytes, float]:
+    """Runs some points, on a worker: name and bytes of their part, and how long it took, s."""
+    began = time.monotonic()
+    state, axes, draws, points, metrics = plan
+    sweep = _native.Sweep(_native.Scene.from_state(state), axes, draws, points, metrics)
+    with tempfile.TemporaryDirectory(prefix="sonoglide-part-") as scratch:
+        name, data = sweep.part(begin, end, scratch)
+    return name, data, time.monotonic() - began
+
+
+def _write(path: Path, data: bytes) -> None:
+    """A file that is whole or absent."""
+    unfinished = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    unfinished.write_bytes(data)
+    unfinished.replace(path)

@@ -1,0 +1,198 @@
+"""Results of a run."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from . import _native
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """An expectation of the scene, and whether it holds."""
+
+    metric: str
+    #: Value of the metric; `None` where the run does not have it.
+    value: float | None
+    limit: str
+    passed: bool
+    source: str
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A signal of a run."""
+
+    name: str
+    #: Unit of the values; `1` of a ratio or a count, empty of a text.
+    unit: str
+    meaning: str
+    #: Values of the signal, one a row; read-only.
+    values: NDArray[Any] = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of the report."""
+
+    id: str
+    title: str
+    caption: str
+    header: list[str]
+    rows: list[list[str]]
+
+    def _repr_html_(self) -> str:
+        def row(tag: str, cells: list[str]) -> str:
+            return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+
+        body = "".join(row("td", cells) for cells in self.rows)
+        return f"<h4>{html.escape(self.title)}</h4><table>{row('th', self.header)}{body}</table><p>{html.escape(self.caption)}</p>"
+
+
+class Figure:
+    """A figure of a run; a notebook shows it."""
+
+    def __init__(self, native: _native.Result, place: int, id: str, title: str, caption: str) -> None:
+        self._native, self._place = native, place
+        #: Name of the figure, that of its files.
+        self.id = id
+        #: Title of the figure.
+        self.title = title
+        #: What is to be seen in it.
+        self.caption = caption
+
+    @cached_property
+    def svg(self) -> str:
+        """The figure as an SVG document."""
+        return self._native.svg(self._place)
+
+    @property
+    def csv(self) -> str:
+        """The data of the figure as CSV; `sonoglide.explain(id + ".csv")` says what its columns are."""
+        return self._native.csv(self._place)
+
+    @cached_property
+    def data(self) -> dict[str, NDArray[Any]]:
+        """The data of the figure: for each column its values; numbers, with NaN for what is empty, or texts."""
+        rows = list(csv.reader(io.StringIO(self.csv)))
+        columns = zip(*rows[1:]) if len(rows) > 1 else ([] for _ in rows[0])
+        return {name: _numbers(list(column)) for name, column in zip(rows[0], columns)}
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+    def __repr__(self) -> str:
+        return f"<sonoglide.Figure {self.id!r}: {self.title}>"
+
+
+class Result(Mapping[str, float]):
+    """Result of a run. As a mapping it holds the metrics: `result["friction_ratio"]`."""
+
+    def __init__(self, native: _native.Result) -> None:
+        self._native = native
+        #: The summary of the run, as `summary.json` holds it. It is the same on every run of the same scene.
+        self.summary: dict[str, Any] = json.loads(native.summary)
+        #: Metrics by their names, which end with their units. What has no meaning in the scene is absent; a statistic that is infinite is `inf`.
+        self.metrics: dict[str, float] = {
+            name: float("inf") if value is None else value for name, value in self.summary["metrics"].items()
+        }
+
+    def __getitem__(self, metric: str) -> float:
+        try:
+            return self.metrics[metric]
+        except KeyError:
+            raise KeyError(f"this run has no metric {metric!r}; it has {', '.join(self.metrics)}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.metrics)
+
+    def __len__(self) -> int:
+        return len(self.metrics)
+
+    @property
+    def passed(self) -> bool:
+        """Whether every expectation of the scene holds."""
+        return self._native.passed
+
+    @property
+    def expectations(self) -> list[Expectation]:
+        """Expectations of the scene, with their results."""
+        return [
+            Expectation(judged["metric"], judged["value"], judged["limit"], judged["pass"], judged["source"])
+            for judged in self.summary["expect"]
+        ]
+
+    @property
+    def machine(self) -> dict[str, Any]:
+        """Figures of the machine, which differ from run to run: wall time, simulated seconds a second, and so on."""
+        machine: dict[str, Any] = json.loads(self._native.machine)
+        return machine
+
+    @property
+    def title(self) -> str:
+        """Title of the scene."""
+        return self._native.title
+
+    @property
+    def notes(self) -> list[str]:
+        """Remarks on the run, and notes of the scene: a paragraph each."""
+        return self._native.notes
+
+    @cached_property
+    def signals(self) -> dict[str, Signal]:
+        """Signals of the run by their names, one value a row: of a driven run what its `[trace]` asks for or a row a block, of a contact study its last periods.
+
+        `result.signals["time_s"].values` is an array of NumPy.
+        """
+        return {
+            name: Signal(name, unit, meaning, np.frombuffer(values) if isinstance(values, bytes) else np.array(values))
+            for name, unit, meaning, values in self._native.signals()
+        }
+
+    @cached_property
+    def figures(self) -> dict[str, Figure]:
+        """Figures of the run by their names, the most telling first."""
+        return {id: Figure(self._native, place, id, *texts) for place, (id, *texts) in enumerate(self._native.figures)}
+
+    @property
+    def tables(self) -> dict[str, Table]:
+        """Tables of the run by their names."""
+        return {table[0]: Table(*table) for table in self._native.tables}
+
+    def __repr__(self) -> str:
+        headline = ", ".join(f"{label} {value}" for label, value in self._native.headline)
+        return f"<sonoglide.Result of {self.summary['scene']!r}: {headline}>"
+
+    def _repr_html_(self) -> str:
+        tiles = "".join(
+            f"<td style='text-align:left'>{html.escape(label)}<br><b>{html.escape(value)}</b></td>"
+            for label, value in self._native.headline
+        )
+        tables = "".join(table._repr_html_() for table in self.tables.values())
+        first = next(iter(self.figures.values()), None)
+        figure = f"<div style='max-width:800px'>{_scaled(first.svg)}</div><p>{html.escape(first.caption)}</p>" if first else ""
+        return f"<h3>{html.escape(self.title)}</h3><table><tr>{tiles}</tr></table>{figure}{tables}"
+
+
+def _scaled(svg: str) -> str:
+    """A picture that takes the width that there is."""
+    return svg.replace("<svg ", "<svg style='width:100%;height:auto' ", 1)
+
+
+def _numbers(texts: list[str]) -> NDArray[Any]:
+    try:
+        return np.array([float(text) if text else np.nan for text in texts])
+    except ValueError:
+        return np.array(texts)

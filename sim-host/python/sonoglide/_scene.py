@@ -1,0 +1,134 @@
+"""Scenes."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from . import _native
+from ._changes import Value, changes
+from ._result import Result
+from ._sweep import Sweep, Values, run
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+
+class Metric(NamedTuple):
+    """A metric of a run."""
+
+    name: str
+    unit: str
+    meaning: str
+
+
+def metrics() -> list[Metric]:
+    """All metrics that a run can have: name, unit (`1` of a ratio or a count), meaning."""
+    return [Metric(*metric) for metric in _native.metrics()]
+
+
+class Scene:
+    """What is to be run: a drive with its plant, or a contact by itself. It does not change; `with_values` makes another.
+
+    Keys have their unit at their end (`excitation.force_n`, `stack.bvd.series_resonance_hz`); `explain(key)` says what one means.
+    """
+
+    __slots__ = ("_native",)
+
+    def __init__(self, native: _native.Scene) -> None:
+        self._native = native
+
+    @classmethod
+    def load(cls, source: str | os.PathLike[str], values: Mapping[str, Value] | None = None) -> Scene:
+        """A built-in scene by its name, or a TOML file by its path, with some values changed.
+
+        Raises `SceneError` with every mistake, each with its line and the nearest name.
+        """
+        return cls(_native.Scene.load(os.fspath(source), changes(values)))
+
+    @classmethod
+    def from_toml(cls, text: str, values: Mapping[str, Value] | None = None, *, name: str = "scene") -> Scene:
+        """A scene from its text as TOML. A relative `base` is looked for beside `name`."""
+        return cls(_native.Scene.from_toml(text, name, changes(values)))
+
+    @classmethod
+    def from_dict(cls, tree: Mapping[str, Any], *, name: str = "scene") -> Scene:
+        """A scene from nested dictionaries, as `to_dict` gives them; entries that are `None` are left out."""
+        return cls(_native.Scene.from_json(json.dumps(_without_none(tree)), name, []))
+
+    def with_values(self, values: Mapping[str, Value]) -> Scene:
+        """The same scene with some values changed, such as `{"contact.dahl.mu": 0.2}`."""
+        return Scene(self._native.changed(changes(values)))
+
+    @property
+    def name(self) -> str:
+        """Name of the scene."""
+        return self._native.name
+
+    @property
+    def title(self) -> str:
+        """Title of the scene."""
+        return self._native.title
+
+    def to_toml(self) -> str:
+        """The scene with all its defaults as TOML, every key with its unit and meaning."""
+        return self._native.to_toml()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The scene with all its defaults as nested dictionaries."""
+        tree: dict[str, Any] = json.loads(self._native.to_json())
+        return tree
+
+    def run(self, output: str | os.PathLike[str] | None = None) -> Result:
+        """Runs the scene, with its grid and its comparison.
+
+        With `output` it also writes the folder of files that `sim-host run -o` writes: manifest, summary, traces, figures, report. Other Python threads
+        go on meanwhile, and Ctrl-C ends the run. Raises `RunError` if there is no result.
+        """
+        return Result(self._native.run(None if output is None else os.fspath(output)))
+
+    def sweep(
+        self,
+        over: Mapping[str, Values] | None = None,
+        *,
+        metrics: Sequence[str] = (),
+        draws: int | None = None,
+        points: Mapping[str, Sequence[float]] | None = None,
+        output: str | os.PathLike[str] | None = None,
+        jobs: int | None = None,
+        client: Client | None = None,
+    ) -> Sweep:
+        """Runs the scene at many points, in parallel.
+
+        `over` has for each key its values: `[0.1, 0.2]`, an array, or the text of the command line's `--over`, `"0.05:0.95:181"` or `"1e4:1e7:61:log"`; every
+        combination is a point. With `draws` the entries are ranges, `"0.1:0.3"` or `"1e4:1e7:log"`, and that many pairs of draws are laid out for Sobol indices.
+        `points` has the values of each key at each point instead. `metrics` are the metrics to read (all, without names; a few are faster).
+
+        `output` is the folder of the sweep, as `sim-host sweep -o` makes it: a sweep that was interrupted goes on there. Without it the folder goes with the result.
+        `jobs` is the number of threads. With a Dask `client` the points run on its cluster, and the result is the same, byte for byte.
+
+        A point without a result has NaN for its metrics, and its reason is in `failures`. Raises `SceneError` for a key or metric that there is not.
+        """
+        return run(self._native, over or {}, metrics, (draws, points), None if output is None else os.fspath(output), jobs, client)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _from_state, (self._native.state(),)
+
+    def __repr__(self) -> str:
+        return f"<sonoglide.Scene {self.name!r}: {self.title}>"
+
+
+def _from_state(state: tuple[str, str, str, list[str]]) -> Scene:
+    return Scene(_native.Scene.from_state(state))
+
+
+def _without_none(tree: Any) -> Any:
+    if isinstance(tree, Mapping):
+        return {key: _without_none(value) for key, value in tree.items() if value is not None}
+    if hasattr(tree, "tolist"):
+        return tree.tolist()
+    if isinstance(tree, (list, tuple)):
+        return [_without_none(value) for value in tree]
+    return tree

@@ -1,0 +1,31 @@
+//! The errors of this package: the texts of the command line, as exceptions.
+
+use std::error::Error;
+
+use pyo3::create_exception;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use scene::load::LoadError;
+
+create_exception!(
+    sonoglide,
+    SceneError,
+    PyValueError,
+    "A scene or a value of it is wrong; the text names line, column and the nearest name."
+);
+create_exception!(sonoglide, RunError, PyRuntimeError, "A run has no result, or its folder cannot be written.");
+create_exception!(sonoglide, LinkError, PyRuntimeError, "A board does not answer, refuses an order, or was lost.");
+
+/// A scene that cannot be loaded, with the report of everything that is wrong with it.
+pub fn of_scene(error: &LoadError) -> PyErr {
+    SceneError::new_err(match error {
+        LoadError::Invalid(report) => report.render(false),
+        error => error.to_string(),
+    })
+}
+
+/// A run without a result, with every cause.
+pub fn of_run(error: &(dyn Error + 'static)) -> PyErr {
+    let causes = std::iter::successors(Some(error), |&error| error.source());
+    RunError::new_err(causes.map(ToString::to_string).collect::<Vec<_>>().join(": "))
+}

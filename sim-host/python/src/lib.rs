@@ -1,0 +1,37 @@
+//! The native half of the Python package `sonoglide`: scenes, runs and the link to a board, as the other half wraps them (`sonoglide/`).
+//!
+//! ```text
+//! sonoglide.Scene, Result, Sweep, Link (Python: dictionaries, NumPy, pictures in a notebook)
+//!     --> sonoglide._native (here: texts and bytes) --> scene, sim, link, as the command line calls them
+//! ```
+//!
+//! Work runs on a thread of its own without the interpreter's lock, and a signal such as Ctrl-C ends it ([`interruptible`]).
+
+mod errors;
+mod interruptible;
+mod link;
+mod result;
+mod scene;
+mod sweep;
+mod vocabulary;
+
+/// The module `sonoglide._native`.
+#[pyo3::pymodule]
+mod _native {
+    #[pymodule_export]
+    use crate::errors::{LinkError, RunError, SceneError};
+    #[pymodule_export]
+    use crate::link::Link;
+    #[pymodule_export]
+    use crate::result::Result;
+    #[pymodule_export]
+    use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::sweep::Sweep;
+    #[pymodule_export]
+    use crate::vocabulary::{explain, metrics, scenes};
+
+    /// Version of the package.
+    #[pymodule_export]
+    const VERSION: &str = sim::VERSION;
+}

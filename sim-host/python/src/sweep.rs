@@ -1,0 +1,120 @@
+//! A sweep: metrics of a scene at many points, in a folder as the command line makes it.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use scene::load::Loaded;
+use sim::output::sweep::{PlanFile, RowsFile, Shard, SweepFolder, join};
+use sim::study::sweep::design::Design;
+use sim::study::sweep::{self, SweepError};
+
+use crate::errors::{RunError, SceneError, of_run, of_scene};
+use crate::interruptible;
+use crate::scene::Scene;
+
+/// Points of a sweep and what is to be read at each. It does not change, and runs nothing by itself.
+#[pyclass(frozen, module = "sonoglide._native")]
+pub struct Sweep {
+    loaded: Loaded,
+    design: Design,
+    metrics: Vec<String>,
+    done: AtomicU64,
+}
+
+impl Sweep {
+    fn plan(&self) -> PyResult<sweep::Sweep<'_>> {
+        sweep::Sweep::new(&self.loaded, self.design.clone(), &self.metrics).map_err(|error| of_sweep(&error))
+    }
+}
+
+#[pymethods]
+impl Sweep {
+    /// Every combination of some axes, each as the command line writes it; with `draws` a sample of their ranges; or the points of a CSV.
+    #[new]
+    fn new(scene: &Scene, axes: Vec<String>, draws: Option<u64>, points: Option<&str>, metrics: Vec<String>) -> PyResult<Self> {
+        let design = match (points, draws) {
+            (Some(table), _) => Design::read("points", table.as_bytes()),
+            (None, Some(draws)) => {
+                axes.iter().map(|axis| axis.parse()).collect::<Result<_, _>>().and_then(|ranges| Design::sample(ranges, draws))
+            }
+            (None, None) => axes.iter().map(|axis| axis.parse()).collect::<Result<_, _>>().and_then(Design::product),
+        };
+        let design = design.map_err(|error| of_sweep(&error))?;
+        let sweep = Sweep { loaded: scene.loaded().clone(), design, metrics, done: AtomicU64::new(0) };
+        // What is wrong with it is said here, and not where it runs.
+        sweep.plan()?;
+        Ok(sweep)
+    }
+
+    /// How many points there are.
+    #[getter]
+    fn count(&self) -> u64 {
+        self.design.count()
+    }
+
+    /// How many points have been run in this process.
+    #[getter]
+    fn done(&self) -> u64 {
+        self.done.load(Ordering::Relaxed)
+    }
+
+    /// The points that a folder has no part of, in ranges. The folder is made if it is not there.
+    fn missing(&self, folder: PathBuf) -> PyResult<Vec<(u64, u64)>> {
+        let open = SweepFolder::open(&folder, &self.plan()?, Shard::WHOLE).map_err(|error| of_run(&error))?;
+        let missing = open.missing().map_err(|error| of_run(&error))?;
+        Ok(missing.into_iter().map(|range| (range.start, range.end)).collect())
+    }
+
+    /// Runs in this process what a folder lacks, with so many threads or as many as there are processors.
+    fn run(&self, py: Python<'_>, folder: PathBuf, jobs: usize) -> PyResult<()> {
+        let (plan, stop) = (self.plan()?, AtomicBool::new(false));
+        let done = || {
+            self.done.fetch_add(1, Ordering::Relaxed);
+        };
+        interruptible::run(py, &stop, || {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build().map_err(|error| of_run(&error))?;
+            let open = SweepFolder::open(&folder, &plan, Shard::WHOLE).map_err(|error| of_run(&error))?;
+            pool.install(|| open.run(&plan, &stop, &done)).map(drop).map_err(|error| of_run(&error))
+        })?
+    }
+
+    /// Runs some points with one thread: the name of their part's file, and its bytes.
+    fn part<'py>(&self, py: Python<'py>, from: u64, to: u64, scratch: PathBuf) -> PyResult<(String, Bound<'py, PyBytes>)> {
+        let (sweep, stop) = (self.plan()?, AtomicBool::new(false));
+        let written = interruptible::run(py, &stop, || -> PyResult<Option<(PathBuf, Vec<u8>)>> {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|error| of_run(&error))?;
+            let part = pool.install(|| PlanFile::new(&sweep).write_part(&sweep, from..to, &scratch, (&stop, &|| ())));
+            let Some(part) = part.map_err(|error| of_run(&error))? else { return Ok(None) };
+            let bytes = std::fs::read(&part.path).map_err(|error| of_run(&error))?;
+            Ok(Some((part.path, bytes)))
+        })??;
+        let (path, bytes) = written.ok_or_else(|| RunError::new_err("the part was stopped"))?;
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        Ok((name, PyBytes::new(py, &bytes)))
+    }
+
+    /// Joins the parts in a folder, and writes the result beside them: how many points have none.
+    fn join(&self, py: Python<'_>, folder: PathBuf) -> PyResult<u64> {
+        let joined = py.detach(|| join(std::slice::from_ref(&folder), &folder)).map_err(|error| of_run(&error))?;
+        Ok(joined.failures)
+    }
+
+    /// A column of numbers of a folder's result: 64-bit floating-point numbers as bytes in the machine's order, NaN where a point has none.
+    #[staticmethod]
+    fn column<'py>(py: Python<'py>, folder: PathBuf, name: &str) -> PyResult<Bound<'py, PyBytes>> {
+        let values =
+            RowsFile::open(&folder.join("sweep.parquet")).and_then(|file| file.column(name)).map_err(|error| of_run(&error))?;
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.unwrap_or(f64::NAN).to_ne_bytes()).collect();
+        Ok(PyBytes::new(py, &bytes))
+    }
+}
+
+/// A sweep that cannot be made.
+fn of_sweep(error: &SweepError) -> PyErr {
+    match error {
+        SweepError::Scene(error) => of_scene(error),
+        error => SceneError::new_err(error.to_string()),
+    }
+}

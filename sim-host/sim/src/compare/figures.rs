@@ -1,0 +1,82 @@
+//! The figures that two runs have in common, laid over each other: read from the CSV files beside them.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::Side;
+use crate::data::FigureData;
+use report::{Axis, Figure, Series, Style};
+use scene::schema::unit_of;
+
+/// Edges of a band, which are no curves of their own.
+const EDGES: [&str; 2] = ["_lower", "_upper"];
+/// Curves of a figure beyond which a picture of two runs is not readable.
+const MOST_CURVES: usize = 4;
+
+/// The columns of a figure's file by their names: the first and its name, and the others.
+struct Curves {
+    x: Vec<f64>,
+    columns: Vec<(String, Vec<f64>)>,
+}
+
+/// Figures of both, the first as solid lines, the second dashed.
+pub(super) fn overlaid(a: &Side, b: &Side) -> Vec<Figure> {
+    let (Some(one), Some(other)) = (&a.folder, &b.folder) else { return Vec::new() };
+    let (ours, theirs) = (files(one), files(other));
+    ours.iter().filter_map(|(id, file)| figure(id, &curves(file)?, &curves(theirs.get(id)?)?)).collect()
+}
+
+/// The files of a folder that may be a figure's data, by the figures' names.
+fn files(folder: &Path) -> BTreeMap<String, std::path::PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    entries
+        .filter(|path| path.extension().is_some_and(|end| end == "csv"))
+        .filter_map(|path| Some((path.file_stem()?.to_str()?.to_owned(), path)))
+        .filter(|(id, _)| FigureData::of(id).is_some())
+        .collect()
+}
+
+/// The curves of a file that has one x for all; none of a map, or of curves over different x.
+fn curves(file: &Path) -> Option<Curves> {
+    let mut reader = csv::Reader::from_path(file).ok()?;
+    let header: Vec<String> = reader.headers().ok()?.iter().map(str::to_owned).collect();
+    let mut columns = vec![Vec::new(); header.len()];
+    for record in reader.records() {
+        let record = record.ok()?;
+        for (column, cell) in columns.iter_mut().zip(&record) {
+            column.push(if cell.is_empty() { f64::NAN } else { cell.parse().ok()? });
+        }
+    }
+    let mut columns = header.into_iter().zip(columns);
+    let (_, x) = columns.next()?;
+    Some(Curves { x, columns: columns.filter(|(name, _)| !EDGES.iter().any(|edge| name.ends_with(edge))).collect() })
+}
+
+fn figure(id: &str, a: &Curves, b: &Curves) -> Option<Figure> {
+    let data = FigureData::of(id)?;
+    // A figure of many curves, or of a map, tells nothing twice over.
+    if a.columns.len() > MOST_CURVES || !a.columns.iter().chain(&b.columns).all(|(name, _)| data.has(name)) {
+        return None;
+    }
+    let common = |(name, _): &&(String, Vec<f64>)| b.columns.iter().any(|(other, _)| other == name);
+    let unit = a.columns.iter().find(common).and_then(|(name, _)| unit_of(name)).unwrap_or_else(|| "1".into());
+    let series = |side: &str, style: Style, curves: &Curves| -> Vec<Series> {
+        let one = |(name, y): &(String, Vec<f64>)| Series {
+            name: format!("{side}: {}", name.replace('_', " ")),
+            csv_column: format!("{}_{name}", side.to_lowercase()),
+            x: curves.x.clone(),
+            y: y.clone(),
+            style: style.clone(),
+        };
+        curves.columns.iter().map(one).collect()
+    };
+    Some(Figure {
+        id: id.to_owned(),
+        title: id.replace('-', " "),
+        caption: format!("{}; A is solid, B dashed.", data.meaning),
+        x: Axis { label: data.x.to_owned(), ..Axis::default() },
+        y: Axis { label: format!("value [{unit}]"), ..Axis::default() },
+        series: [series("A", Style::Line, a), series("B", Style::Dashed, b)].concat(),
+        ..Figure::default()
+    })
+}

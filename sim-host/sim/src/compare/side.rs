@@ -1,0 +1,139 @@
+//! One of two results: the folder of a run, or a file of measured metrics.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::CompareError;
+use scene::metrics::{METRICS, metric, of_one_run};
+use scene::nearest::{listed, nearest};
+
+/// Columns of a file of measured metrics; the last may be missing.
+const COLUMNS: [&str; 3] = ["metric", "value", "sd"];
+
+/// A value of a metric.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// Name of the metric.
+    pub metric: String,
+    /// Value of the metric.
+    pub value: f64,
+    /// Standard deviation of the value, if it was measured.
+    pub sd: Option<f64>,
+}
+
+/// A result.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Side {
+    /// The result as the user has named it.
+    pub label: String,
+    /// Values of its metrics.
+    pub metrics: Vec<Measured>,
+    /// Hash of what it has played, if it has played anything.
+    pub drive_hash: Option<String>,
+    /// Where it ran, and by which version; none of a measurement.
+    level: Option<(String, String)>,
+    /// Folder of its figures; none of a measurement.
+    pub(super) folder: Option<PathBuf>,
+}
+
+impl Side {
+    /// Reads the folder of a run, or a CSV with the columns `metric`, `value` and, where it is known, `sd`.
+    ///
+    /// # Errors
+    /// If it is neither, or a line of it cannot be read.
+    pub fn read(path: &Path) -> Result<Self, CompareError> {
+        if path.is_dir() { of_folder(path) } else { of_file(path) }
+    }
+
+    /// The value of a metric.
+    pub fn metric(&self, name: &str) -> Option<&Measured> {
+        self.metrics.iter().find(|measured| measured.metric == name)
+    }
+
+    /// The result in words.
+    pub(super) fn description(&self) -> String {
+        match &self.level {
+            Some((level, version)) => format!("{} ({level}; version {version})", self.label),
+            None => format!("{} (a measurement)", self.label),
+        }
+    }
+
+    pub(super) fn json(&self) -> Value {
+        let (level, version) = self.level.clone().unzip();
+        json!({ "path": self.label, "level": level, "version": version, "drive_hash": self.drive_hash })
+    }
+}
+
+fn of_folder(path: &Path) -> Result<Side, CompareError> {
+    let label = path.display().to_string();
+    let no_result = |why: String| CompareError::NoResult { path: label.clone(), why };
+    let read = |name: &str| -> Result<Value, CompareError> {
+        let text = fs::read_to_string(path.join(name)).map_err(|error| no_result(format!("holds no run: {name}: {error}")))?;
+        serde_json::from_str(&text).map_err(|error| no_result(format!("holds no run: {name} cannot be read: {error}")))
+    };
+    let manifest = read("manifest.json")?;
+    if manifest["complete"] != json!(true) {
+        return Err(no_result("holds a run that is not whole: it was interrupted, or is still being written".into()));
+    }
+    let summary = read("summary.json")?;
+    let text = |value: &Value| value.as_str().map(str::to_owned);
+    let metrics = summary["metrics"].as_object().ok_or_else(|| no_result("holds no run: summary.json has no metrics".into()))?;
+    // A statistic that is infinite is null.
+    let measured = |(name, value): (&String, &Value)| Measured {
+        metric: name.clone(),
+        value: value.as_f64().unwrap_or(f64::INFINITY),
+        sd: None,
+    };
+    Ok(Side {
+        metrics: metrics.iter().map(measured).collect(),
+        drive_hash: text(&summary["drive_hash"]),
+        level: text(&manifest["level"]).zip(text(&manifest["version"])),
+        folder: Some(path.to_owned()),
+        label,
+    })
+}
+
+fn of_file(path: &Path) -> Result<Side, CompareError> {
+    let label = path.display().to_string();
+    let no_result = |why: String| CompareError::NoResult { path: label.clone(), why };
+    let file = fs::File::open(path).map_err(|error| no_result(format!("cannot be read: {error}")))?;
+    let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
+    let header: Vec<String> = match reader.headers() {
+        Ok(header) => header.iter().map(str::to_owned).collect(),
+        Err(error) => return Err(no_result(format!("cannot be read: {error}"))),
+    };
+    let known =
+        header.len() >= 2 && header.len() <= COLUMNS.len() && header.iter().zip(COLUMNS).all(|(have, known)| have == known);
+    if !known {
+        let why =
+            format!("is neither the folder of a run nor a file of measured metrics, whose first line is `{}`", COLUMNS.join(","));
+        return Err(no_result(why));
+    }
+    let mut metrics: Vec<Measured> = Vec::new();
+    for record in reader.records() {
+        let at = |line: Option<u64>, why: String| CompareError::Line { file: label.clone(), line: line.unwrap_or(1), why };
+        let record = record.map_err(|error| at(error.position().map(csv::Position::line), error.to_string()))?;
+        let line = record.position().map(csv::Position::line);
+        let name = record.get(0).unwrap_or_default();
+        if metric(name).is_none() && of_one_run(name).is_none() {
+            let near = nearest(name, METRICS.iter().map(|metric| metric.name));
+            let meant = if near.is_empty() { String::new() } else { format!("; did you mean {}?", listed(near, "or")) };
+            return Err(at(line, format!("there is no metric `{name}`{meant}")));
+        }
+        if metrics.iter().any(|measured| measured.metric == name) {
+            return Err(at(line, format!("`{name}` is there twice")));
+        }
+        let number = |cell: &str| match cell.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(number),
+            _ => Err(at(line, format!("`{cell}` is no number"))),
+        };
+        let sd = record.get(2).filter(|cell| !cell.is_empty()).map(number).transpose()?;
+        if let Some(sd) = sd.filter(|sd| *sd < 0.0) {
+            return Err(at(line, format!("a standard deviation of {sd}")));
+        }
+        metrics.push(Measured { metric: name.to_owned(), value: number(record.get(1).unwrap_or_default())?, sd });
+    }
+    Ok(Side { label, metrics, drive_hash: None, level: None, folder: None })
+}

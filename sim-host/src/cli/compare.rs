@@ -1,0 +1,69 @@
+//! `sim-host compare`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use serde_json::json;
+
+use super::{Color, EXPECTATION_MISSED, Format, USAGE};
+use sim::compare::{CompareError, Comparison, Side, Tolerances};
+use sim::output::OutputError;
+
+/// Arguments of the command.
+#[derive(Args)]
+pub(super) struct CompareArgs {
+    /// The folder of a run, or a CSV of measured metrics with the columns metric, value and sd.
+    a: PathBuf,
+    /// The other one.
+    b: PathBuf,
+    /// How far two values may be apart: `1%` or `0.01` for all metrics, `METRIC=0.5` or `METRIC=2%` for one. Repeatable. Default: not at all, or two
+    /// standard deviations of what was measured.
+    #[arg(long = "tolerance", value_name = "[METRIC=]X[%]")]
+    tolerances: Vec<String>,
+    /// Compare these metrics only, and miss them where they are not there.
+    #[arg(long = "metric", value_name = "METRIC,…", value_delimiter = ',')]
+    metrics: Vec<String>,
+    /// Folder for a report, with the figures that both have laid over each other.
+    #[arg(short, long = "output", value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// What to print on standard output.
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    format: Format,
+}
+
+/// Compares, prints, and says by the exit code whether all is within its tolerance.
+pub(super) fn run(args: &CompareArgs, color: Color) -> anyhow::Result<ExitCode> {
+    let compared = match compared(args) {
+        Ok(compared) => compared,
+        Err(error) => {
+            say!("error: {error}");
+            return Ok(ExitCode::from(USAGE));
+        }
+    };
+    if let Some(dir) = &args.output {
+        let folder = match super::open(Some(dir))? {
+            Ok(Some(folder)) => folder,
+            Ok(None) => return Ok(ExitCode::SUCCESS),
+            Err(code) => return Ok(code),
+        };
+        report::write(&compared.report(), folder.unfinished()).map_err(OutputError::from)?;
+        let mut manifest = compared.json();
+        (manifest["program"], manifest["version"]) = (json!("sim-host"), json!(sim::VERSION));
+        (manifest["command"], manifest["complete"]) = (json!("compare"), json!(true));
+        folder.finish(manifest)?;
+    }
+    super::print(&match args.format {
+        Format::Human => compared.table().terminal(color.stdout),
+        Format::Json => format!("{:#}\n", compared.json()),
+    })?;
+    if let Some(dir) = &args.output {
+        say!("report: {}", dir.join("report.html").display());
+    }
+    Ok(if compared.holds() { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })
+}
+
+fn compared(args: &CompareArgs) -> Result<Comparison, CompareError> {
+    let tolerances = Tolerances::parse(&args.tolerances)?;
+    Comparison::new(Side::read(&args.a)?, Side::read(&args.b)?, &tolerances, &args.metrics)
+}
