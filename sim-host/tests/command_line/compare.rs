@@ -20,7 +20,7 @@ fn a_change_beyond_its_tolerance_is_exit_code_4() {
     let json: Value = serde_json::from_str(&stdout(&other)).expect("JSON");
     assert!(code(&other) == 4 && json["pass"] == false, "{json}");
     let page = format!("{}/page", folder.text());
-    let wide = sim_host(&["compare", &a, &c, "--tolerance", "30%", "--metric", "friction_ratio,kappa", "-o", &page]);
+    let wide = sim_host(&["compare", &a, &c, "--tolerance", "30%", "--metric", "friction_ratio,velocity_ratio", "-o", &page]);
     assert_eq!(code(&wide), 0, "{}", stdout(&wide));
     let html = folder.read("page/report.html");
     assert!(html.contains("B dashed") && html.contains("friction_ratio"));
