@@ -2,7 +2,7 @@
 
 /// Number and standard deviation as text, such as `40012.34` and `0.56`.
 pub(crate) fn stated(value: f64, sd: f64) -> (String, String) {
-    if !(sd > 0.0) || !value.is_finite() || !sd.is_finite() {
+    if sd <= 0.0 || !value.is_finite() || !sd.is_finite() {
         return (report::significant(value), if sd == 0.0 { "0".into() } else { "none".into() });
     }
     let exponent = |x: f64| format!("{x:.1e}").rsplit('e').next().and_then(|text| text.parse::<i32>().ok()).unwrap_or(0);

@@ -60,7 +60,7 @@ pub(crate) fn looks_like(text: &str) -> bool {
     let words: Vec<&str> = words.split_whitespace().collect();
     let known = |word: &&str| ["HZ", "KHZ", "MHZ", "GHZ"].contains(word);
     let format = |word: &&str| ["RI", "MA", "DB"].contains(word);
-    (words.iter().any(|word| known(&word)) || words.first() == Some(&"S")) && words.iter().any(|word| format(&word))
+    (words.iter().any(known) || words.first() == Some(&"S")) && words.iter().any(format)
 }
 
 /// Reads a file of so many ports; nothing finds out.
@@ -109,7 +109,7 @@ pub(crate) fn read(text: &str, ports: Option<usize>) -> Result<Touchstone, Impor
 
 /// Cuts the numbers into points.
 fn points(numbers: &[(usize, f64)], width: usize, options: &Options) -> Result<Touchstone, ImportError> {
-    if let Some((line, _)) = numbers.last().filter(|_| numbers.len() % width != 0) {
+    if let Some((line, _)) = numbers.last().filter(|_| !numbers.len().is_multiple_of(width)) {
         let rest = numbers.len() % width;
         let what = format!(
             "the file ends within a point: {rest} of {width} numbers; a line is cut short, or it has another number of ports"

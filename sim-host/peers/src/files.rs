@@ -119,8 +119,8 @@ fn figures(results: &Results) -> Vec<Figure> {
         id: format!("{}-{}", results.kind.stem(), quantity.name()),
         title: format!("{}: cost against error, {}", results.kind.name(), quantity.name()),
         caption: "Each peer's cheapest settings. Further down is cheaper, further left more accurate. Solid: ours.".into(),
-        x: Axis { label: label.into(), log: true, range: None },
-        y: Axis { label: "wall time [ns a period]".into(), log: true, range: None },
+        x: Axis { label: label.into(), log: true, ..Axis::default() },
+        y: Axis { label: "wall time [ns a period]".into(), log: true, ..Axis::default() },
         series: results.entries.iter().map(|entry| series(entry, quantity)).collect(),
         ..Figure::default()
     };

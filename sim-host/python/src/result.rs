@@ -9,6 +9,11 @@ use sim::{columns, output, tables};
 
 use crate::errors::of_run;
 
+/// A table: identifier, title, caption, header, rows.
+type TableParts = (String, String, String, Vec<String>, Vec<Vec<String>>);
+/// A signal: name, unit, meaning, values.
+type SignalParts<'py> = (String, String, String, Bound<'py, PyAny>);
+
 /// Metrics, tables, figures and signals of a run.
 #[pyclass(frozen, module = "sonoglide._native")]
 pub struct Result {
@@ -72,8 +77,7 @@ impl Result {
 
     /// Tables: identifier, title, caption, header, rows.
     #[getter]
-    #[expect(clippy::type_complexity, reason = "plain data on its way to a tuple of Python")]
-    fn tables(&self) -> Vec<(String, String, String, Vec<String>, Vec<Vec<String>>)> {
+    fn tables(&self) -> Vec<TableParts> {
         let table = |table: &report::TableBlock| {
             (table.id.clone(), table.title.clone(), table.caption.clone(), table.header.clone(), table.rows.clone())
         };
@@ -81,7 +85,7 @@ impl Result {
     }
 
     /// The signals of the run: name, unit, meaning, and the values: 64-bit floating-point numbers as bytes in the machine's order, or texts.
-    fn signals<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, String, String, Bound<'py, PyAny>)>> {
+    fn signals<'py>(&self, py: Python<'py>) -> PyResult<Vec<SignalParts<'py>>> {
         let signal = |column: &Column| {
             let values = match &column.values {
                 Values::Numbers(numbers) => {

@@ -145,9 +145,9 @@ impl Given {
             elements.coupling(),
         ];
         for ((name, given), follows) in self.named().into_iter().zip(follows) {
-            if let Some(given) = given
-                && !((given / follows - 1.0).abs() <= ROUNDED)
-            {
+            // What is no number agrees with nothing.
+            let agrees = |given: f64| (given / follows - 1.0).abs() <= ROUNDED;
+            if let Some(given) = given.filter(|&given| !agrees(given)) {
                 return Err(CircuitError::Contradicting { name, given, follows });
             }
         }

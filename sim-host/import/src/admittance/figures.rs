@@ -69,7 +69,7 @@ fn over_frequency(
         title: title.into(),
         caption: "Dots: as measured, with the fixture corrected where it was given. Line: the fitted circuit.".into(),
         x: axis("frequency [kHz]"),
-        y: Axis { label: label.into(), log, range: None },
+        y: Axis { label: label.into(), log, ..Axis::default() },
         series: vec![
             series("measured", khz(&found.measured.hz), &found.measured.admittance, Style::Points),
             series("fitted", khz(hz), fitted, Style::Line),

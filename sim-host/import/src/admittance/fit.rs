@@ -231,7 +231,9 @@ impl<'a> Fitter<'a> {
         let memory = memory(&complex(&more.solution.linear.residuals));
         let n = (2 * self.readings.len()) as f64 / memory.1;
         let gain = n * libm::log(fewer.cost / more.solution.cost.max(f64::MIN_POSITIVE));
-        if !(gain > (BRANCH * further) as f64 * libm::log(n) + MARGIN) {
+        let needed = (BRANCH * further) as f64 * libm::log(n) + MARGIN;
+        // A gain that is no number is none.
+        if gain.is_nan() || gain <= needed {
             return false;
         }
         let (from, to) = (self.measured.hz[0], self.measured.hz[self.measured.hz.len() - 1]);

@@ -80,7 +80,8 @@ impl Measured {
                 return Err(ImportError::BadLine { line: *line, what: "an admittance of zero has no angle".into() });
             }
             // What is out of all proportion would leave the range of numbers on the way.
-            if !(y.re.abs().max(y.im.abs()) < 1e12) {
+            let size = y.re.abs().max(y.im.abs());
+            if size.is_nan() || size >= 1e12 {
                 let what = format!("the value {reading} has no admittance, as of an ideal short or an open");
                 return Err(ImportError::BadLine { line: *line, what });
             }

@@ -135,7 +135,7 @@ impl Admittance {
     /// The result of a fit.
     pub(super) fn of(name: &str, measured: Measured, fit: Fit) -> Result<Self, ImportError> {
         let equivalent = Equivalent::of(&fit.parameters, fit.farad);
-        if !(equivalent.c0_f > 0.0) {
+        if equivalent.c0_f.is_nan() || equivalent.c0_f <= 0.0 {
             let what =
                 format!("the fit gives a clamped capacitance of {:.3e} F; check topology, units and fixture", equivalent.c0_f);
             return Err(ImportError::NotATransducer(what));

@@ -145,7 +145,10 @@ impl Log {
         let (time, x, v) = (column(Quantity::Time)?, column(Quantity::Displacement)?, column(Quantity::Velocity)?);
         let force_n = column(Quantity::Force)?.ok_or_else(|| seen("none is the friction force"))?;
         let count = force_n.len();
-        if let Some(at) = time.as_ref().and_then(|time| time.windows(2).position(|pair| !(pair[1] > pair[0]))) {
+        if let Some(at) = time
+            .as_ref()
+            .and_then(|time| time.windows(2).position(|pair| pair[0].partial_cmp(&pair[1]).is_none_or(|order| order.is_ge())))
+        {
             let what = "time does not go on here".to_owned();
             return Err(ImportError::BadLine { line: table.lines[at + 1], what });
         }

@@ -159,7 +159,7 @@ mod tests {
 
     /// Each cell as a run of its own that is asked for the metric only.
     fn one_by_one_for(loaded: &Loaded, grid: &Grid) -> Vec<Option<f64>> {
-        read(loaded, grid, |made| made.metric(&grid.metric))
+        read(loaded, grid, |made| Ok(made.metrics_for(Some(&[&grid.metric]))?.find(&grid.metric)))
     }
 
     /// A cell without an answer is named, and a grid that is to end has no result.

@@ -139,12 +139,7 @@ impl Made<'_, '_> {
         self.metrics_for(None)
     }
 
-    /// Runs the cell for one metric: what only others need may be missing.
-    pub(super) fn metric(&self, name: &str) -> Result<Option<f64>, StudyError> {
-        Ok(self.metrics_for(Some(&[name]))?.find(name))
-    }
-
-    /// Runs the cell for some metrics, or for all.
+    /// Runs the cell for some metrics, or for all: what only others need may be missing.
     pub(super) fn metrics_for(&self, wanted: Option<&[&str]>) -> Result<Metrics, StudyError> {
         match self.scene.kind().ok_or(StudyError::Incomplete)? {
             Kind::Driven(scene) => self.record(&scene).map(|record| instruments::measure(&scene, &record)),
