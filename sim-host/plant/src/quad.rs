@@ -1,7 +1,7 @@
 //! Four numbers side by side, as a register of 256 bits holds them.
 //!
-//! What is computed with them is computed with each number by itself, bit for bit: nothing is contracted, whatever the processor. [`widest`] does a
-//! [`Work`] in registers of 256 bits where the processor has them (AVX2, asked at run time), and else in what the build has.
+//! What is computed with them is computed with each number by itself, bit for bit: nothing is contracted, whatever the processor. `widest` does a
+//! `Work` in registers of 256 bits where the processor has them (AVX2, asked at run time), and else in what the build has.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

@@ -5,7 +5,7 @@
 //!     --> sonoglide._native (here: texts and bytes) --> scene, sim, link, as the command line calls them
 //! ```
 //!
-//! Work runs on a thread of its own without the interpreter's lock, and a signal such as Ctrl-C ends it ([`interruptible`]).
+//! Work runs on a thread of its own without the interpreter's lock, and a signal such as Ctrl-C ends it (`interruptible`).
 
 mod errors;
 mod interruptible;
