@@ -1,4 +1,4 @@
-//! The native half of the Python package `sonoglide`: scenes, runs and the link to a board, as the other half wraps them (`sonoglide/`).
+//! The native half of the Python package `sonoglide`: scenes, runs and the link to a board, as the other half wraps them (`package/sonoglide/`).
 //!
 //! ```text
 //! sonoglide.Scene, Result, Sweep, Link (Python: dictionaries, NumPy, pictures in a notebook)

@@ -45,7 +45,7 @@ impl Design {
     /// Every combination of some axes.
     pub fn product(axes: Vec<Axis>) -> Result<Self, SweepError> {
         each_once(axes.iter().map(|axis| &axis.key))?;
-        let points = axes.iter().map(|axis| u128::from(axis.count())).product::<u128>();
+        let points = axes.iter().fold(1_u128, |points, axis| points.saturating_mul(axis.count().into()));
         if axes.is_empty() {
             return Err(SweepError::None);
         }
