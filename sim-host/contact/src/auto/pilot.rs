@@ -55,9 +55,11 @@ impl Pilot {
         let own = problem.motion.natural_hz().map_or(0.0, |natural| OWN_PERIODS * hz / natural);
         let most = (problem.duration_s * hz / WORTH).floor();
         let periods = (PART * problem.duration_s * hz).clamp(PERIODS, LONGEST).max(own).ceil().min(most);
-        // A mass that has not come back may do so with reversals that it has not had, and what friction pumps is another motion a few periods later.
+        // A mass that has not come back may do so with reversals that it has not had, and what friction pumps is another motion a few periods later; what
+        // a method that steps in time does to a free vibration may hide in a few periods.
         let short = periods < PERIODS;
-        if periods < FEWEST.max(own) || short && problem.sign == Sign::Literal {
+        let steps_in_time = !matches!(method, Method::Linexp | Method::Frozen | Method::Taylor);
+        if periods < FEWEST.max(own) || short && (steps_in_time || problem.sign == Sign::Literal) {
             return None;
         }
         // Where the record's window begins or ends within a period, so does that of the pilot: half a period has an error that two do not.
