@@ -79,7 +79,6 @@ mod tests {
     fn contacts_that_it_was_wrong_about() {
         let found = [
             (Friction::Lugre, 870, "a fast oscillator without damping under Runge-Kutta, a short record seen at its end"),
-            (Friction::Lugre, 835, "the same near its resonance, with bristles that are damped"),
             (
                 Friction::Dahl,
                 979,
