@@ -66,8 +66,14 @@ fn of_one(name: &'static str) -> &'static str {
 fn every_figure_is_described(study: &Study) {
     for figure in figures::of(study) {
         let data = FigureData::of(&figure.id).unwrap_or_else(|| panic!("{}: no data of `{}`", study.name, figure.id));
-        // Of a contact study time is in periods.
-        assert!(data.x == figure.x.label || data.id == "friction", "{}: {} is over {}", study.name, figure.id, figure.x.label);
+        // Of a contact study time is in periods, and a grid is over its keys.
+        assert!(
+            data.x == figure.x.label || ["friction", "grid-*"].contains(&data.id),
+            "{}: {} is over {}",
+            study.name,
+            figure.id,
+            figure.x.label
+        );
         for series in &figure.series {
             assert!(data.has(&series.csv_column), "{}: {} has {}", study.name, figure.id, series.csv_column);
         }
@@ -78,10 +84,13 @@ fn golden(study: &Study) -> String {
     let golden = study.metrics.iter().filter(|(name, _)| !NOT_GOLDEN.contains(&of_one(name)));
     let mut table: String = golden.map(|(name, value)| format!("{name:28} {}\n", rounded(value))).collect();
     if let Some(result) = &study.grid {
-        table += &format!("\n{}\n", result.grid.metric);
-        for (row, cells) in result.grid.rows.iter().zip(&result.cells) {
-            let cells: String = cells.iter().map(|cell| format!("{:>10}", cell.map_or("-".into(), in_a_grid))).collect();
-            table += &format!("{row:>6}{cells}\n");
+        let across = result.grid.over.last().map_or(1, |over| over.values.len());
+        for (name, metric) in result.metrics.iter().zip(&result.rows.metrics) {
+            table += &format!("\n{name}\n");
+            for (row, cells) in result.rows.keys[0].chunks(across).zip(metric.chunks(across)) {
+                let cells: String = cells.iter().map(|cell| format!("{:>10}", cell.map_or("-".into(), in_a_grid))).collect();
+                table += &format!("{:>6}{cells}\n", row[0]);
+            }
         }
     }
     if let Some(result) = &study.comparison {

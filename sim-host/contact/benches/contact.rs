@@ -1,6 +1,4 @@
 //! Speed of the contact studies: `cargo bench -p sonoglide-contact`.
-//!
-//! The gain of the lanes over the scalar loop is measured on the same points in the same run, and printed at the end.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -8,7 +6,7 @@ use std::time::Instant;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sonoglide_contact::method::{midpoint, rk4, rk4_events};
 use sonoglide_contact::table_4_1::{PERIODS, standard, table_4_1};
-use sonoglide_contact::{Law, Problem, closed, coulomb, lanes, linexp};
+use sonoglide_contact::{Law, Problem, closed, coulomb, linexp};
 
 /// kappa of the thesis's contact (table 4.1).
 const THESIS: f64 = 0.404_517;
@@ -24,46 +22,14 @@ fn scalar(points: &[(f64, f64)]) -> Vec<f64> {
     points.iter().map(|&(xi, kappa)| closed::friction_ratio(xi, kappa)).collect()
 }
 
-fn scalar_power(points: &[(f64, f64)]) -> Vec<f64> {
-    points.iter().map(|&(xi, kappa)| closed::power_ratio(xi, kappa).unwrap_or(f64::NAN)).collect()
-}
-
-/// Best of several, ns a point.
-fn best_ns(points: &[(f64, f64)], of: fn(&[(f64, f64)]) -> Vec<f64>) -> f64 {
-    let run = |_| {
-        let began = Instant::now();
-        black_box(of(black_box(points)));
-        began.elapsed().as_secs_f64() * 1e9 / points.len() as f64
-    };
-    (0..200).map(run).fold(f64::INFINITY, f64::min)
-}
-
 fn closed_form(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("closed form, a point");
     group.throughput(Throughput::Elements(u64::from(POINTS))).sample_size(20);
     for kappa in [THESIS, 1e4] {
         let points = points(kappa);
         group.bench_function(format!("friction, kappa {kappa}"), |bencher| bencher.iter(|| scalar(&points)));
-        group.bench_function(format!("friction in lanes, kappa {kappa}"), |bencher| {
-            bencher.iter(|| lanes::friction_ratios(&points))
-        });
     }
     group.finish();
-    println!("kappa      friction: scalar   lanes  gain      power: scalar   lanes  gain   (ns a point, one core)");
-    for kappa in [0.01, THESIS, 4.0, 40.0, 1e4] {
-        let points = points(kappa);
-        let friction = [best_ns(&points, scalar), best_ns(&points, lanes::friction_ratios)];
-        let power = [best_ns(&points, scalar_power), best_ns(&points, lanes::power_ratios)];
-        println!(
-            "{kappa:8.3}   {:16.0} {:7.0} {:5.2}   {:16.0} {:7.0} {:5.2}",
-            friction[0],
-            friction[1],
-            friction[0] / friction[1],
-            power[0],
-            power[1],
-            power[0] / power[1],
-        );
-    }
 }
 
 /// The thesis's oscillator with Coulomb friction, 200 periods.

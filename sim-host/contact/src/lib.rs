@@ -32,7 +32,6 @@ pub mod empirical;
 pub mod flow;
 mod forcing;
 pub mod hertz;
-pub mod lanes;
 pub mod method;
 pub mod problem;
 pub mod state;

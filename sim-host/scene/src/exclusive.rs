@@ -46,6 +46,7 @@ pub const EXCLUSIVE: &[Exclusive] = &[
     },
     Exclusive { table: "disturbance", alternatives: &[all(&["to"]), all(&["rate_per_s"]), all(&["sine_amplitude", "sine_hz"])] },
     Exclusive { table: "vary", alternatives: &[all(&["spread"]), all(&["factor"]), all(&["from", "to"])] },
+    Exclusive { table: "grid.over", alternatives: &[all(&["values"]), all(&["from", "to", "points"])] },
     Exclusive { table: "expect", alternatives: &[any(&["min", "max"]), all(&["value", "tolerance"])] },
 ];
 

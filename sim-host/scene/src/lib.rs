@@ -72,7 +72,7 @@ pub use firmware::seam::config::{
 pub use integrator::Integrator;
 pub use nearest::shown;
 pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack};
-pub use results::{Expect, Grid, Signal, Trace, TraceFormat};
+pub use results::{Expect, Grid, Over, Signal, Trace, TraceFormat};
 pub use rig::{Belt, Kinematic, Rig, Rotor, Sdof, Slider};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -140,7 +140,7 @@ pub struct Scene {
     /// What differs from run to run, if there are several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub vary: Vec<Vary>,
-    /// A table of one metric over two keys, run after the scene itself.
+    /// Metrics over the values of some keys, run beside the scene itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<Grid>,
     /// Cases beside each other, at equal peak, rms or power; run after the scene itself.

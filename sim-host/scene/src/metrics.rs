@@ -7,6 +7,8 @@ mod table;
 
 use std::sync::LazyLock;
 
+use crate::nearest::{listed, nearest, short};
+
 pub use table::METRICS;
 
 /// A metric of a run, as the tables describe it.
@@ -250,6 +252,24 @@ pub fn renamed(name: &str) -> Option<&'static str> {
 /// Whether an expectation may name this: a metric, of one run or of several, or its former name.
 pub fn is_known(name: &str) -> bool {
     metric(name).or_else(|| of_one_run(name)).is_some() || renamed(name).is_some()
+}
+
+/// The present name of a metric, of one run or of several, that is called by this name.
+///
+/// # Errors
+/// What to say of a name that there is not, with those that are near.
+pub fn known(name: &str) -> Result<&'static str, String> {
+    let of_several = || OF_RUNS.iter().flat_map(|of| [of.p95.as_str(), of.max.as_str()]).find(|known| *known == name);
+    let found = metric(name).map(|metric| metric.name).or_else(of_several).or_else(|| renamed(name));
+    found.ok_or_else(|| {
+        let near = nearest(name, names());
+        let meant = if near.is_empty() {
+            "; `sim-host explain` lists them".to_owned()
+        } else {
+            format!("; did you mean {}?", listed(near.into_iter().take(3), "or"))
+        };
+        format!("there is no metric `{}`{meant}", short(name))
+    })
 }
 
 /// The names of all metrics.

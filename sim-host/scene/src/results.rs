@@ -5,27 +5,46 @@ use serde::{Deserialize, Serialize};
 
 use super::Equal;
 
-/// A table of one metric over two keys; each cell is this scene, run again with two values changed.
+/// Metrics at every combination of the values of some keys; each point is this scene, run again with these values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Grid {
-    /// What the table shows.
+    /// What it shows.
     pub title: String,
-    /// The metric in each cell.
-    pub metric: String,
-    /// Key that changes from row to row.
-    pub row_key: String,
-    /// Values of the row key.
-    #[schemars(length(min = 1, max = 32))]
-    pub rows: Vec<f64>,
-    /// Key that changes from column to column.
-    pub column_key: String,
-    /// Values of the column key.
-    #[schemars(length(min = 1, max = 32))]
-    pub columns: Vec<f64>,
-    /// Further changes for every cell, each as `key=value` (a shorter timeline, say).
+    /// The metrics of each point. Default: all that a point has.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub metrics: Vec<String>,
+    /// The keys that change; the last changes fastest.
+    #[schemars(length(min = 1, max = 16))]
+    pub over: Vec<Over>,
+    /// Further changes for every point, each as `key=value` (a shorter timeline, say).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<String>,
+}
+
+/// A key of a grid with its values. Give `values`, or `from`, `to` and `points`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Over {
+    /// Path of the key: tables and key, with points between.
+    pub key: String,
+    /// Its values, in the unit of the key.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(min = 1, max = 10_000))]
+    pub values: Vec<f64>,
+    /// First value, in the unit of the key.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from: Option<f64>,
+    /// Last value, in the unit of the key.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to: Option<f64>,
+    /// How many values there are from first to last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 2, max = 10_000))]
+    pub points: Option<u32>,
+    /// Whether these are spread by equal ratios, rather than equal distances.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub log: bool,
 }
 
 /// What is recorded besides the standard figures, into `trace.csv`, or a file of another `format`.

@@ -170,7 +170,11 @@ pub fn files() -> Vec<DataFile> {
                     "",
                     "The expectations: `metric`, `value`, `limit`, `pass`, `source`; of a comparison also `case` and `match`",
                 ),
-                ("grid", "", "The grid, if the scene has one: its keys, their values, and `cells`"),
+                (
+                    "grid",
+                    "",
+                    "The grid, if the scene has one: `keys` and `metrics`, each with its value at every point, and `failures`",
+                ),
                 ("comparison", "", "The comparison, if the scene has one: its cases for each of what is equal"),
                 ("drive_hash", "", "As in `manifest.json`; not of a contact study"),
                 (
@@ -216,6 +220,17 @@ pub fn files() -> Vec<DataFile> {
                 ("run", "1", "Number of the run, from 1: `--run` with this number repeats it"),
                 ("seed", "1", "Its seed"),
                 ("locked", "1", "1 if it came to a true lock, else 0"),
+            ]),
+        },
+        DataFile {
+            name: "grid.csv",
+            of: "a scene with `[grid]`",
+            meaning: "One row for each point. Between its number and the hash a column for each key with its value, and one for each metric; empty where the point has none",
+            columns: fields(&[
+                ("point", "1", "Number of the point, from 0; the last key changes fastest"),
+                ("drive_hash", "", "Hash of every DAC code played; not of a contact study"),
+                ("fault_code", "1", "Fault that the run ended in, 0 without; not of a contact study"),
+                ("failure", "", "Why a point has no result"),
             ]),
         },
         DataFile {

@@ -1,6 +1,8 @@
 //! The figures of a study.
 
 use crate::instruments::{DRIVEN, View, sweep};
+use crate::study::grid::GridResult;
+use crate::study::sweep::figures as points;
 use crate::study::{Outcome, Study, contact, monte_carlo};
 use report::Figure;
 
@@ -15,5 +17,12 @@ pub fn of(study: &Study) -> Vec<Figure> {
         Outcome::MonteCarlo(runs) => monte_carlo::figures::of(study.scene, runs),
     };
     let sweeps = study.comparison.iter().flat_map(|comparison| &comparison.sweeps);
-    own.into_iter().chain(sweeps.flat_map(sweep::figures)).collect()
+    own.into_iter().chain(sweeps.flat_map(sweep::figures)).chain(study.grid.iter().flat_map(of_grid)).collect()
+}
+
+/// The figures of a scene's grid.
+fn of_grid(grid: &GridResult) -> Vec<Figure> {
+    let figures = points::of(&grid.design.shape(), &grid.keys(), &grid.metrics, |name| grid.column(name).ok_or(()));
+    let named = |figure: Figure| Figure { id: format!("grid-{}", figure.id), ..figure };
+    figures.into_iter().flatten().map(named).collect()
 }

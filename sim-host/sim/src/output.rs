@@ -2,6 +2,7 @@
 
 mod comparison;
 mod folder;
+mod grid_file;
 mod parquet_file;
 mod runs_file;
 pub mod sweep;
@@ -72,6 +73,9 @@ pub enum OutputError {
     /// The table of several runs.
     #[error("cannot write the table of the runs")]
     Runs(#[source] csv::Error),
+    /// The table of the grid.
+    #[error("cannot write the table of the grid")]
+    Grid(#[source] csv::Error),
 }
 
 /// What `--format json` prints: the summary, with what depends on the machine beside it.
@@ -121,12 +125,7 @@ pub fn summary(study: &Study) -> Value {
             expect
         })
         .collect();
-    let grid = study.grid.as_ref().map(|result| {
-        json!({
-            "title": result.grid.title, "metric": result.grid.metric, "row_key": result.grid.row_key, "rows": result.grid.rows,
-            "column_key": result.grid.column_key, "columns": result.grid.columns, "cells": result.cells,
-        })
-    });
+    let grid = study.grid.as_ref().map(grid_file::json);
     let comparison = study.comparison.as_ref().map(comparison::json);
     let summary = json!({
         "scene": study.name, "seed": study.scene.seed, "metrics": metrics, "expect": expect, "grid": grid,
@@ -182,6 +181,9 @@ pub fn write_into(loaded: &Loaded, study: &Study, folder: &Folder) -> Result<(),
     match study.monte_carlo() {
         Some(runs) => runs_file::write(runs, &dir.join("runs.csv")).map_err(OutputError::Runs)?,
         None => trace_file::write(study, dir)?,
+    }
+    if let Some(grid) = &study.grid {
+        grid_file::write(grid, &dir.join("grid.csv")).map_err(OutputError::Grid)?;
     }
     report::write(&tables::report(study), dir)?;
     folder.finish(manifest(loaded, study))

@@ -1,6 +1,5 @@
 //! A study: a scene, run; its metrics held against what was expected; and its grid and its comparison, if it has them.
 
-mod abreast;
 pub mod across;
 pub mod answer;
 pub mod comparison;
@@ -12,6 +11,7 @@ pub mod monte_carlo;
 mod plan;
 pub mod playback;
 mod points;
+mod steady;
 mod stopped;
 pub mod suite;
 pub mod sweep;
@@ -50,6 +50,9 @@ pub enum StudyError {
     /// The contact study has no answer.
     #[error("the contact study has no answer")]
     Contact(#[from] SolveError),
+    /// The scene's grid has no points.
+    #[error("the scene's grid")]
+    Grid(#[source] sweep::SweepError),
     /// The cases of a suite were stopped from outside.
     #[error("interrupted")]
     Interrupted,

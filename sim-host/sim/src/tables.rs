@@ -2,6 +2,7 @@
 
 mod comparison;
 mod driven;
+mod grid;
 
 use crate::figures;
 use crate::instruments::{Line, View, crash};
@@ -41,7 +42,7 @@ pub fn tables(study: &Study) -> Vec<TableBlock> {
         Outcome::Contact(solved) => tables.extend(contact::table::tables(study, solved)),
         Outcome::MonteCarlo(runs) => tables.extend(monte_carlo::table::tables(study, runs)),
     }
-    tables.extend(grid(study));
+    tables.extend(grid::tables(study));
     tables.retain(|table| !table.rows.is_empty());
     tables
 }
@@ -147,28 +148,6 @@ fn expectations(study: &Study) -> TableBlock {
         })
         .collect();
     TableBlock::new("expectations", "Expected", "", &["", "metric", "value", "expected", "source"], rows)
-}
-
-fn grid(study: &Study) -> Option<TableBlock> {
-    let result = study.grid.as_ref()?;
-    let grid = &result.grid;
-    let header: Vec<String> = std::iter::once(grid.row_key.clone())
-        .chain(grid.columns.iter().map(|value| format!("{} = {value}", grid.column_key.rsplit('.').next().unwrap_or(""))))
-        .collect();
-    let row = |(value, cells): (&f64, &Vec<Option<f64>>)| {
-        let cells = cells.iter().map(|cell| cell.map_or_else(|| "–".to_owned(), in_a_grid));
-        std::iter::once(value.to_string()).chain(cells).collect()
-    };
-    let rows = grid.rows.iter().zip(&result.cells).map(row).collect();
-    let host = if study.run().is_some() { " and the controller on the host (SIL)" } else { "" };
-    let besides = if grid.set.is_empty() { String::new() } else { format!(", besides {}", grid.set.join(", ")) };
-    let caption = format!("{}; each cell is a run of its own, with these two keys set{besides}{host}", grid.metric);
-    Some(TableBlock { id: "grid".into(), title: grid.title.clone(), caption, header, rows })
-}
-
-/// A number beside others of its kind: a ratio with four digits after the point, else two.
-fn in_a_grid(value: f64) -> String {
-    if value.abs() < 2.0 { format!("{value:.4}") } else { format!("{value:.2}") }
 }
 
 /// Every metric of a study.

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::super::table_4_1::table_4_1;
 use super::super::tally::Ratios;
-use super::super::{Law, Motion, Problem, Shape, Sign, Waveform, coulomb, hertz, lanes};
+use super::super::{Law, Motion, Problem, Shape, Sign, Waveform, coulomb, hertz};
 use super::*;
 
 const SLACK: f64 = 3e-15;
@@ -75,13 +75,6 @@ proptest! {
     #[test]
     fn friction_never_exceeds_coulomb(xi in xi(), kappa in kappa(), phase in -3.0..3.0f64) {
         prop_assert!(Steady::new(xi, kappa).force(phase).abs() <= 1.0);
-    }
-
-    #[test]
-    fn lanes_agree(points in prop::collection::vec((xi(), kappa()), 4)) {
-        for ((xi, kappa), ratio) in points.iter().zip(lanes::friction_ratios(&points)) {
-            prop_assert!((ratio - friction_ratio(*xi, *kappa)).abs() < SLACK, "{} {}", xi, kappa);
-        }
     }
 }
 

@@ -1,34 +1,83 @@
-//! The grid: each of its cells must be a valid scene, too.
+//! The grid: each of its points must be a valid scene, too.
 
 use super::Rules;
-use super::cells::Cell;
-use crate::Grid;
+use super::cells::{Cell, NOT_IN_A_CELL};
 use crate::diagnostic::Problem;
 use crate::nearest::{nearest, short};
-use crate::schema::Schema;
-use crate::tree::Node;
+use crate::schema::{Schema, join};
+use crate::tree::{Node, Value};
 use crate::walk::wrong_number;
+use crate::{Grid, Over};
+
+const OVER: &str = "grid.over";
+
+/// Most points of a grid: all of them are held in memory, and none is kept of a run that is stopped.
+const MOST_POINTS: f64 = 1e4;
 
 impl<'a> Rules<'a> {
-    /// The metric, and what rows and columns change.
+    /// The metrics, and what the keys are changed to.
     pub(super) fn axes(&mut self) {
-        self.metric("grid.metric");
-        let (row, column) = (self.text("grid.row_key"), self.text("grid.column_key"));
-        self.axis("grid.row_key", "grid.rows");
-        self.axis("grid.column_key", "grid.columns");
-        if row.is_some() && row == column {
-            let problem =
-                Problem::new(self.place("grid.column_key"), "rows and columns change the same key", "same as `row_key`");
-            self.add("grid.column_key", problem);
+        let names = self.root.at("grid.metrics").map_or(0, |names| names.list().len());
+        let metrics: Vec<String> = (0..names).map(|index| format!("grid.metrics.{index}")).collect();
+        for (index, path) in metrics.iter().enumerate() {
+            self.metric(path);
+            let twice = |earlier: &String| self.text(earlier).is_some() && self.text(earlier) == self.text(path);
+            if metrics[..index].iter().any(twice) {
+                self.add(path, Problem::new(self.place(path), "a metric is asked for twice", "second time"));
+            }
+        }
+        let over = self.tables(OVER);
+        for (index, path) in over.iter().enumerate() {
+            self.axis(path);
+            let key = join(path, "key");
+            let name = self.text(&key);
+            if name.is_some() && over[..index].iter().any(|earlier| self.text(&join(earlier, "key")) == name) {
+                let problem = Problem::new(self.place(&key), "two axes of the grid change the same key", "second time");
+                self.add(&key, problem);
+            }
+        }
+        let counts = over.iter().map(|path| match self.root.at(&join(path, "values")) {
+            Some(values) => values.list().len() as f64,
+            None => self.number(&join(path, "points")).unwrap_or(1.0),
+        });
+        let points: f64 = counts.product();
+        if points > MOST_POINTS {
+            let problem = Problem::new(self.key(OVER), format!("a grid of {points} points"), "at most 10 000 in all");
+            self.add(OVER, problem.help("`sim-host sweep` runs as many as you like, and goes on where it was stopped"));
         }
     }
 
     /// An axis changes a number of the scene, to values which that number may have.
-    fn axis(&mut self, key: &str, values: &str) {
-        let Some((name, schema)) = self.number_named(key) else { return };
-        let list = self.value(values).map_or(&[][..], Node::list);
-        let wrong: Vec<_> = list.iter().filter_map(|number| wrong_number(number, schema, name)).collect();
-        wrong.into_iter().for_each(|problem| self.add(values, problem));
+    fn axis(&mut self, path: &str) {
+        let key = join(path, "key");
+        let Some((name, schema)) = self.number_named(&key) else { return };
+        if name == "seed" || NOT_IN_A_CELL.contains(&name.split('.').next().unwrap_or(name)) {
+            let problem = Problem::new(self.place(&key), format!("`{name}` is the same at every point"), "no point has its own");
+            self.add(&key, problem.help("a grid changes a number of the plant, the contact or the controller"));
+            return;
+        }
+        let (values, from, to) = (join(path, "values"), join(path, "from"), join(path, "to"));
+        let list = self.value(&values).map_or(&[][..], Node::list);
+        let ends = [&from, &to].map(|end| (end, self.value(end)));
+        let given = list.iter().map(|number| (&values, number));
+        let given = given.chain(ends.into_iter().filter_map(|(end, number)| Some((end, number?))));
+        let wrong: Vec<_> = given.filter_map(|(at, number)| Some((at, wrong_number(number, schema, name)?))).collect();
+        wrong.into_iter().for_each(|(at, problem)| self.add(at, problem));
+        self.in_order(path);
+        let log = join(path, "log");
+        if self.value(&log).is_some_and(|log| matches!(log.value, Value::Flag(true))) {
+            match self.number(&from) {
+                Some(first) if first <= 0.0 => {
+                    let problem = Problem::new(self.place(&from), "equal ratios begin above zero", "not above zero");
+                    self.add(&from, problem.help("leave out `log`, or begin with a small number above zero"));
+                }
+                None if self.lacks(&from) => {
+                    let problem = Problem::new(self.key(&log), "`log` is of a range", "there is no `from`");
+                    self.add(&log, problem.help("of `values` each is given"));
+                }
+                _ => {}
+            }
+        }
     }
 
     /// The number of a scene that a key names.
@@ -49,11 +98,11 @@ impl<'a> Rules<'a> {
     pub(super) fn cells(&mut self) {
         let grid = self.root.at("grid").filter(|_| self.findings.problems.is_empty());
         let Some(grid) = grid.and_then(|grid| grid.to_toml().try_into::<Grid>().ok()) else { return };
-        let first = |values: &[f64]| values.first().copied().unwrap_or_default();
-        let axes = [
-            (format!("{}={}", grid.row_key, first(&grid.rows)), self.place("grid.row_key")),
-            (format!("{}={}", grid.column_key, first(&grid.columns)), self.place("grid.column_key")),
-        ];
+        let first = |(index, over): (usize, &Over)| {
+            let value = over.values.first().copied().or(over.from).unwrap_or_default();
+            (format!("{}={value:?}", over.key), self.place(&format!("{OVER}.{index}.key")))
+        };
+        let axes: Vec<_> = grid.over.iter().enumerate().map(first).collect();
         let cell = Cell {
             table: "grid",
             called: "in the cells of the grid".to_owned(),

@@ -50,7 +50,7 @@ impl Rules<'_> {
         self.nothing_beside();
     }
 
-    fn in_order(&mut self, path: &str) {
+    pub(super) fn in_order(&mut self, path: &str) {
         let (from, to) = (join(path, "from"), join(path, "to"));
         if let (Some(low), Some(high)) = (self.number(&from), self.number(&to))
             && low >= high
@@ -61,16 +61,11 @@ impl Rules<'_> {
         }
     }
 
-    /// A grid and a comparison are run beside a scene that is run once.
+    /// A comparison is run beside a scene that is run once.
     fn nothing_beside(&mut self) {
-        if !self.number(RUNS).is_some_and(|runs| runs > 1.0) {
-            return;
-        }
-        for table in ["grid", "comparison"] {
-            if self.given(table) {
-                let problem = Problem::new(self.place(RUNS), format!("a scene of several `runs` has no [{table}]"), "must be 1");
-                self.add(RUNS, problem.help(format!("[{table}] is run beside a scene that is run once")));
-            }
+        if self.number(RUNS).is_some_and(|runs| runs > 1.0) && self.given("comparison") {
+            let problem = Problem::new(self.place(RUNS), "a scene of several `runs` has no [comparison]", "must be 1");
+            self.add(RUNS, problem.help("[comparison] is run beside a scene that is run once"));
         }
     }
 

@@ -54,7 +54,12 @@ fn a_driven_scene_has_no_tables_of_a_contact_study() {
     says(
         &report(
             example(),
-            &["grid.set=[]", "grid.row_key=duration_s", "grid.column_key=seed", "rig.kinematic.vibration_m_per_s=1"],
+            &[
+                "grid.set=[]",
+                "grid.over.0.key=duration_s",
+                "grid.over.1.key=controller.drive.frequency_hz",
+                "rig.kinematic.vibration_m_per_s=1",
+            ],
         ),
         &["[rig.kinematic] has no place in a scene with [controller]", "belongs to [excitation]"],
     );

@@ -15,7 +15,7 @@ fn a_number_that_is_set_makes_the_scene_of_the_text() {
         ),
         (
             "contact-kinematic",
-            &["contact.coulomb.mu=0.1", "contact.coulomb.normal_n=1", "grid.row_key=contact.coulomb.mu"],
+            &["contact.coulomb.mu=0.1", "contact.coulomb.normal_n=1", "grid.over.0.key=contact.coulomb.mu"],
             &["contact.coulomb.mu", "contact.coulomb.normal_n"],
         ),
         ("contact", &[], &["contact.dahl.stiffness_n_per_m", "excitation.velocity_ratio"]),

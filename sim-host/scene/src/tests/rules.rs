@@ -101,12 +101,24 @@ fn what_watches_a_belt_needs_one_and_is_within_its_limits() {
 
 #[test]
 fn the_cells_of_the_grid_are_scenes() {
+    let key = |key: &str| report(example(), &[&format!("grid.over.0.key={key}")]);
+    says(&key("rig.slider.load"), &["is no number of a scene", "did you mean `rig.slider.load_n`?"]);
+    says(&key("controller.drive.shape"), &["is no number of a scene"]);
+    says(&key("seed"), &["`seed` is the same at every point"]);
+    says(&key("rig.slider.speed_m_per_s"), &["two axes of the grid change the same key"]);
     says(
-        &with_line("row_key", "row_key = \"rig.slider.load\""),
-        &["is no number of a scene", "did you mean `rig.slider.load_n`?"],
+        &report(&example().replace("[0.038, 0.068]", "[0.038, 1e9]"), &[]),
+        &["`rig.slider.speed_m_per_s` is out of range", "a.toml:41:58"],
     );
-    says(&with_line("row_key", "row_key = \"controller.drive.shape\""), &["is no number of a scene"]);
-    says(&with_line("columns", "columns = [0.1, 1e9]"), &["`rig.slider.speed_m_per_s` is out of range", "a.toml:42:17"]);
+    let range =
+        |more: &[&str]| report(example(), &[&["grid.over.0.from=1", "grid.over.0.to=9", "grid.over.0.points=3"], more].concat());
+    says(&range(&["grid.over.0.from=10"]), &["nothing is from 10 to 9"]);
+    says(&range(&["grid.over.0.from=0", "grid.over.0.log=true"]), &["equal ratios begin above zero"]);
+    says(&range(&["grid.over.0.to=1e9"]), &["`rig.slider.load_n` is out of range"]);
+    says(&range(&["grid.over.0.points=9999"]), &["a grid of 19998 points", "`sim-host sweep` runs as many as you like"]);
+    says(&report(example(), &["grid.over.0.log=true"]), &["`log` is of a range"]);
+    says(&report(example(), &["grid.over.0.points=3"]), &["`points` needs `from` and `to`, too"]);
+    says(&report(example(), &["grid.metrics=[\"friction_on_n\",\"friction_on_n\"]"]), &["a metric is asked for twice"]);
     says(&with_line("set", "set = [\"duration_s=0.7\"]"), &["in the cells of the grid: `controller.burst.on_s.0` is 3 s"]);
     says(&with_line("set", "set = [\"a\"]"), &["in the cells of the grid: a change is written `key=value`", "a.toml:43:8"]);
 }
@@ -139,7 +151,7 @@ fn one_mistake_does_not_hide_another() {
     reported_beside("", &["expect.0.flavour=1", "expect.0.min=70"], &["nothing is at least 70 and at most 69"]);
     reported_beside("", &["expect.0.min=70", "expect.0.metric=q_percent"], &["nothing is at least 70", "no metric `q_percent`"]);
     reported_beside("", &["fault.0.at_s=9", "fault.0.kind=opn"], &["did you mean `open`?", "`fault.0.at_s` is 9 s"]);
-    reported_beside("", &["grid.flavour=1", "grid.metric=redction_percent"], &["did you mean `reduction_percent`?"]);
+    reported_beside("", &["grid.flavour=1", "grid.metrics=[\"redction_percent\"]"], &["did you mean `reduction_percent`?"]);
     let without_rig: String = example().split_inclusive("\n\n").filter(|part| !part.contains("[rig")).collect();
     says(&report(&format!("colour = \"red\"\n{without_rig}"), &[]), &["[contact] without [rig]", "unknown key `colour`"]);
     says(

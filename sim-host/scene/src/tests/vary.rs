@@ -65,7 +65,10 @@ fn both_ends_must_be_scenes() {
 
 #[test]
 fn a_scene_of_several_runs_has_nothing_run_beside_it() {
-    says(&report(example(), &["runs=2"]), &["a scene of several `runs` has no [grid]", "must be 1", "1 problem in --set"]);
+    let compared =
+        ["runs=2", "comparison.metrics=[\"friction_on_n\"]", "comparison.match=[\"peak\"]", "comparison.case.0.name=a"];
+    says(&report(example(), &compared), &["a scene of several `runs` has no [comparison]", "must be 1"]);
+    assert!(load_text("a.toml", example(), &["runs=2".to_owned()]).is_ok(), "a grid of several runs");
     says(&report(example(), &["runs=0"]), &["`runs` is out of range", "must be from 1 to 100000"]);
 }
 

@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::CompareError;
-use scene::metrics::{METRICS, metric, of_one_run};
-use scene::nearest::{listed, nearest};
+use scene::metrics;
 
 /// Columns of a file of measured metrics; the last may be missing.
 const COLUMNS: [&str; 3] = ["metric", "value", "sd"];
@@ -117,11 +116,7 @@ fn of_file(path: &Path) -> Result<Side, CompareError> {
         let record = record.map_err(|error| at(error.position().map(csv::Position::line), error.to_string()))?;
         let line = record.position().map(csv::Position::line);
         let name = record.get(0).unwrap_or_default();
-        if metric(name).is_none() && of_one_run(name).is_none() {
-            let near = nearest(name, METRICS.iter().map(|metric| metric.name));
-            let meant = if near.is_empty() { String::new() } else { format!("; did you mean {}?", listed(near, "or")) };
-            return Err(at(line, format!("there is no metric `{name}`{meant}")));
-        }
+        let name = metrics::known(name).map_err(|why| at(line, why))?;
         if metrics.iter().any(|measured| measured.metric == name) {
             return Err(at(line, format!("`{name}` is there twice")));
         }

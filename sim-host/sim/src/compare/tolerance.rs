@@ -3,8 +3,7 @@
 use std::str::FromStr;
 
 use super::CompareError;
-use scene::metrics::{METRICS, metric, of_one_run};
-use scene::nearest::{listed, nearest};
+use scene::metrics::known;
 
 /// Standard deviations of a measurement that a value may be off by.
 const DEVIATIONS: f64 = 2.0;
@@ -46,13 +45,7 @@ impl Tolerances {
             let wrong = |why: String| CompareError::Tolerance { text: text.clone(), why };
             match text.split_once('=') {
                 Some((name, tolerance)) => {
-                    let name = name.trim();
-                    if metric(name).is_none() && of_one_run(name).is_none() {
-                        let near = nearest(name, METRICS.iter().map(|metric| metric.name));
-                        let meant =
-                            if near.is_empty() { String::new() } else { format!("; did you mean {}?", listed(near, "or")) };
-                        return Err(wrong(format!("there is no metric `{name}`{meant}")));
-                    }
+                    let name = known(name.trim()).map_err(wrong)?;
                     tolerances.named.push((name.to_owned(), tolerance.parse().map_err(wrong)?));
                 }
                 None => tolerances.others = Some(text.parse().map_err(wrong)?),

@@ -18,7 +18,8 @@ use super::OutputError;
 /// The manifest, which says whose all other files are.
 const MANIFEST: &str = "manifest.json";
 /// Files of a run, beside its figures.
-const NAMES: [&str; 7] = ["summary.json", "machine.json", "trace.csv", "trace.npy", "trace.parquet", "runs.csv", "report.html"];
+const NAMES: [&str; 8] =
+    ["summary.json", "machine.json", "trace.csv", "trace.npy", "trace.parquet", "runs.csv", "grid.csv", "report.html"];
 /// Files of a figure.
 const FIGURE: [&str; 3] = ["svg", "png", "csv"];
 /// How the folder of a run that is being written begins.

@@ -8,7 +8,6 @@
 //! A file is written under another name and renamed when it is whole, so that whatever ends the process costs the chunk that it was at: the same
 //! call again goes on behind it. Rows follow from the plan alone, so that what is joined is the same, byte for byte, however it was divided.
 
-mod figures;
 mod joined;
 mod page;
 mod parts;
@@ -22,7 +21,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use report::ReportError;
-use scene::{metrics, schema};
 
 pub use self::joined::{Joined, join};
 pub use self::parts::{Part, Shard};
@@ -235,12 +233,6 @@ impl Drop for SweepFolder {
     fn drop(&mut self) {
         let _ = fs::remove_file(&self.lock);
     }
-}
-
-/// The unit of a key or metric; `1` of a ratio or a count.
-fn unit(name: &str) -> String {
-    let metric = metrics::metric(name).or_else(|| metrics::of_one_run(name)).map(|metric| metric.unit.to_owned());
-    metric.or_else(|| schema::unit_of(name.rsplit('.').next().unwrap_or(name))).unwrap_or_else(|| "1".to_owned())
 }
 
 /// What a file is called until it is whole: each process has a name of its own.

@@ -1,188 +1,170 @@
-//! A grid: one metric over two keys.
+//! A scene's grid: a small sweep, held in memory, that is run beside the scene itself.
 
 use std::sync::atomic::AtomicBool;
 
-use rayon::prelude::*;
-
 use super::StudyError;
-use super::plan::{Cell, Plan};
-use super::points::{BESIDE, Measured, Points};
+use super::sweep::design::Design;
+use super::sweep::{Rows, Sweep, SweepError};
 use scene::Grid;
 use scene::load::Loaded;
 
-/// A metric over two keys.
+/// Metrics over the values of some keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridResult {
     /// The grid asked for.
     pub grid: Grid,
-    /// For each row, the metric in each column.
-    pub cells: Vec<Vec<Option<f64>>>,
+    /// Its points.
+    pub design: Design,
+    /// The metrics: those that were asked for, or else those that a point has.
+    pub metrics: Vec<String>,
+    /// For each point its values and its metrics, or why it has none.
+    pub rows: Rows,
 }
 
-/// Runs every cell of a grid of a scene, in parallel; nothing if it is stopped. The grid need not be the scene's own, and may have any size.
+/// Runs every point of a grid of a scene, in parallel; nothing if it is stopped. The grid need not be the scene's own, and may have any size.
 ///
 /// # Errors
-/// If a cell is no valid scene, or has no result.
+/// If what is the same at all points makes no scene, a key or metric is not known, or neither the first nor the last point is a scene.
 pub fn run(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result<Option<GridResult>, StudyError> {
-    let plan = Plan::new(loaded, stop)?;
-    let places = places(grid);
-    let Some(&first) = places.first() else { return Ok(None) };
-    // Cells that the firmware drives take long enough to be shared out one by one.
-    let beside = if loaded.scene.controller.is_some() {
-        1
-    } else {
-        places.len().div_ceil(4 * rayon::current_num_threads()).clamp(8, BESIDE)
-    };
-    let metric = [grid.metric.as_str()];
-    let points = Points::new(&plan, cell(grid, first), &[&grid.row_key, &grid.column_key], &metric);
-    let of = |places: &[(f64, f64)]| points.metrics(places, |&(row, column)| [row, column], |&place| cell(grid, place));
-    let metrics: Vec<_> = places.par_chunks(beside).map(of).collect();
-    let Some(metrics) = metrics.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
-    let metric = |measured: Measured| measured.map(|metrics| metrics.into_iter().next().flatten());
-    let metrics = metrics.into_iter().flatten().map(metric).collect::<Result<Vec<Option<f64>>, StudyError>>()?;
-    if plan.is_stopped() {
-        return Ok(None);
+    let changed = loaded.changed(&grid.set).map_err(|error| StudyError::Grid(SweepError::Scene(error)))?;
+    let design = Design::product(grid.over.iter().map(Into::into).collect()).map_err(StudyError::Grid)?;
+    let sweep = Sweep::new(&changed, design, &grid.metrics).map_err(StudyError::Grid)?;
+    let Some(mut rows) = sweep.rows(0..sweep.design.count(), stop, &|| ())? else { return Ok(None) };
+    let has = |place: &usize| !sweep.all || rows.metrics[*place].iter().any(Option::is_some);
+    let present: Vec<usize> = (0..sweep.metrics.len()).filter(has).collect();
+    rows.metrics = present.iter().map(|&place| std::mem::take(&mut rows.metrics[place])).collect();
+    let metrics = present.into_iter().map(|place| sweep.metrics[place].to_owned()).collect();
+    Ok(Some(GridResult { grid: grid.clone(), design: sweep.design, metrics, rows }))
+}
+
+impl GridResult {
+    /// Paths of the keys that change.
+    pub fn keys(&self) -> Vec<String> {
+        self.grid.over.iter().map(|over| over.key.clone()).collect()
     }
-    Ok(Some(GridResult { grid: grid.clone(), cells: metrics.chunks(grid.columns.len()).map(<[_]>::to_vec).collect() }))
-}
 
-/// Row and column of every cell, row by row.
-fn places(grid: &Grid) -> Vec<(f64, f64)> {
-    grid.rows.iter().flat_map(|&row| grid.columns.iter().map(move |&column| (row, column))).collect()
-}
-
-fn cell(grid: &Grid, (row, column): (f64, f64)) -> Cell {
-    let keys = [format!("{}={row}", grid.row_key), format!("{}={column}", grid.column_key)];
-    Cell { label: keys.join(", "), sets: [grid.set.as_slice(), &keys].concat() }
+    /// The values of a key or a metric at all points; not a number where a point has none. None of what the grid does not have.
+    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+        if let Some(place) = self.grid.over.iter().position(|over| over.key == name) {
+            return Some(self.rows.keys[place].clone());
+        }
+        let place = self.metrics.iter().position(|metric| metric == name)?;
+        Some(self.rows.metrics[place].iter().map(|value| value.unwrap_or(f64::NAN)).collect())
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::abreast::{self, Mean};
-    use crate::study::plan::Made;
+    use scene::Over;
     use scene::load::load;
 
-    fn grid(scene: &str, sets: &[&str], grid: &Grid) -> (Loaded, GridResult) {
+    fn loaded(scene: &str, sets: &[&str]) -> Loaded {
         let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
-        let loaded = load(scene, &sets).unwrap_or_else(|error| panic!("{error}"));
-        let result = run(&loaded, grid, &AtomicBool::new(false)).expect("a result").expect("not stopped");
-        (loaded, result)
+        load(scene, &sets).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    fn over(metric: &str, (row_key, rows): (&str, &[f64]), (column_key, columns): (&str, &[f64])) -> Grid {
-        Grid {
-            title: String::new(),
-            metric: metric.to_owned(),
-            row_key: row_key.to_owned(),
-            rows: rows.to_vec(),
-            column_key: column_key.to_owned(),
-            columns: columns.to_vec(),
-            set: vec!["integrator.window_periods=[100, 200]".to_owned()],
-        }
+    fn over(key: &str, values: &[f64]) -> Over {
+        Over { key: key.to_owned(), values: values.to_vec(), from: None, to: None, points: None, log: false }
     }
 
-    /// Each cell of a grid as a run of its own, without lanes.
-    fn one_by_one(loaded: &Loaded, grid: &Grid) -> Vec<Option<f64>> {
-        read(loaded, grid, |made| Ok(made.metrics()?.find(&grid.metric)))
+    fn grid(metrics: &[&str], over: Vec<Over>, set: &[&str]) -> Grid {
+        let owned = |texts: &[&str]| texts.iter().map(|&text| text.to_owned()).collect();
+        Grid { title: String::new(), metrics: owned(metrics), over, set: owned(set) }
     }
 
-    fn read<T: Send>(loaded: &Loaded, grid: &Grid, of: impl Fn(&Made) -> Result<T, StudyError> + Sync) -> Vec<T> {
-        let stop = AtomicBool::new(false);
-        let plan = Plan::new(loaded, &stop).expect("a template");
-        let read = plan.run(places(grid), |place| cell(grid, *place), |_, made| of(made)).expect("valid cells");
-        read.into_iter().flatten().collect()
+    fn result(loaded: &Loaded, grid: &Grid) -> GridResult {
+        run(loaded, grid, &AtomicBool::new(false)).expect("a result").expect("not stopped")
     }
 
-    /// For each cell, whether its steady state alone gives the metric.
-    fn steady(loaded: &Loaded, grid: &Grid) -> Vec<bool> {
-        let is_mean = Mean::named(&grid.metric).is_some();
-        read(loaded, grid, |made| Ok(is_mean && made.scene.excited().is_some_and(|scene| abreast::steady(&scene).is_some())))
+    /// The metrics of each point as those of a scene of its own, which is asked for them only.
+    fn one_by_one(loaded: &Loaded, grid: &Grid, result: &GridResult) -> Vec<Vec<Option<f64>>> {
+        let names: Vec<&str> = result.metrics.iter().map(String::as_str).collect();
+        let point = |point: u64| {
+            let keys = result.keys().into_iter().zip(result.design.values(point));
+            let sets = keys.map(|(key, value)| format!("{key}={value:?}"));
+            let cell = loaded.cell(&grid.set.iter().cloned().chain(sets).collect::<Vec<_>>()).expect("a scene");
+            let scene = cell.scene.excited().expect("a contact study");
+            let metrics = crate::study::contact::cell(&scene, Some(&names), &AtomicBool::new(false)).expect("an answer");
+            names.iter().map(|name| metrics.find(name)).collect::<Vec<_>>()
+        };
+        let rows: Vec<_> = (0..result.design.count()).map(point).collect();
+        (0..names.len()).map(|metric| rows.iter().map(|row| row[metric]).collect()).collect()
     }
 
-    /// Means in lanes are those of the scalar closed form: 5e-16 apart at most here, with and without reversals, and of Coulomb friction.
+    /// Closed forms, with and without reversals and of Coulomb friction, and waveforms and methods that have none.
     #[test]
-    fn lanes_agree_with_runs() {
-        let speeds = ("excitation.sliding_m_per_s", &[0.001, 0.01, 0.02, 0.03, 0.04, 0.053, 0.06][..]);
-        let mu = |law: &str| format!("contact.{law}.mu");
-        let coulomb = ["contact.coulomb.mu=0.1", "contact.coulomb.normal_n=0.2", "grid.row_key=contact.coulomb.mu"];
-        let mut worst = 0.0f64;
-        for (law, sets) in [("dahl", &[][..]), ("coulomb", &coulomb)] {
-            for metric in ["friction_ratio", "reduction_percent", "friction_on_n", "power_ratio"] {
-                let asked = over(metric, (&mu(law), &[0.01, 0.1, 0.3, 0.5]), speeds);
-                let (loaded, result) = grid("contact-kinematic", sets, &asked);
-                assert!(steady(&loaded, &asked).into_iter().all(|steady| steady), "{law}");
-                for (lane, alone) in result.cells.concat().into_iter().zip(one_by_one(&loaded, &asked)) {
-                    let (lane, alone) = (lane.expect("a metric"), alone.expect("a metric"));
-                    let off = (lane - alone).abs() / alone.abs().max(1.0);
-                    assert!(off < 1e-13, "{law}, {metric}: {lane}, {alone}");
-                    worst = worst.max(off);
-                }
-            }
-        }
-        println!("{worst:e}");
-    }
-
-    /// What has no steady sine, or is asked for something else, is run cell by cell.
-    #[test]
-    fn other_cells_are_run() {
-        let few = ("excitation.velocity_ratio", &[0.3, 0.6][..]);
-        for (metric, set) in [
-            ("friction_ratio", "excitation.waveform=square"),
-            ("friction_ratio", "integrator.method=linexp"),
-            ("input_ratio", "excitation.waveform=sine"),
+    fn points_of_given_vibrations_are_their_runs() {
+        let speeds = [0.001, 0.01, 0.02, 0.03, 0.04, 0.053, 0.06];
+        let means = ["friction_ratio", "reduction_percent", "friction_on_n", "power_ratio"];
+        for (law, metrics, sets) in [
+            ("dahl", &means[..], &[][..]),
+            (
+                "coulomb",
+                &means,
+                &["contact.coulomb.mu=0.1", "contact.coulomb.normal_n=0.2", "grid.over.0.key=contact.coulomb.mu"],
+            ),
+            ("dahl", &means[..1], &["excitation.waveform=square"]),
+            ("dahl", &means[..1], &["integrator.method=linexp"]),
+            ("dahl", &["input_ratio", "friction_ratio"], &[]),
         ] {
-            let asked = over(metric, ("contact.dahl.mu", &[0.1]), few);
-            let (loaded, result) = grid("contact-kinematic", &[set], &asked);
-            assert!(!steady(&loaded, &asked).into_iter().any(|steady| steady), "{metric}, {set}");
-            assert_eq!(result.cells.concat(), one_by_one(&loaded, &asked));
+            let loaded = loaded("contact-kinematic", sets);
+            let axes = vec![over(&format!("contact.{law}.mu"), &[0.01, 0.1, 0.5]), over("excitation.sliding_m_per_s", &speeds)];
+            let asked = grid(metrics, axes, &["integrator.window_periods=[100, 200]"]);
+            let result = result(&loaded, &asked);
+            assert!(result.rows.metrics.iter().flatten().all(Option::is_some), "{law}, {sets:?}");
+            assert_eq!(result.rows.metrics, one_by_one(&loaded, &asked, &result), "{law}, {sets:?}");
         }
     }
 
-    /// A thousand points of a map of contacts with a mass: what is solved abreast has the metric of a run of its own, bit for bit, as have the cells that
+    /// A thousand points of a map of contacts with a mass: what is solved abreast has the metric of a run of its own, bit for bit, as have the points that
     /// the rules judge (a velocity ratio of zero) among them.
     #[test]
     fn a_map_of_contacts_is_its_runs() {
-        let stiffness: Vec<f64> = (0..25).map(|row| 1e4 * 1e3f64.powf(f64::from(row) / 24.0)).collect();
+        let loaded = loaded("contact", &["integrator.tolerance=1e-6"]);
         let ratios: Vec<f64> = (0..40).map(|column| 0.03 * f64::from(column)).collect();
-        let mut asked =
-            over("friction_ratio", ("contact.dahl.stiffness_n_per_m", &stiffness), ("excitation.velocity_ratio", &ratios));
-        asked.set = vec!["integrator.window_periods=[40, 80]".to_owned(), "duration_s=0.001334".to_owned()];
-        let (loaded, result) = grid("contact", &["integrator.tolerance=1e-6"], &asked);
-        assert_eq!(result.cells.concat(), one_by_one_for(&loaded, &asked));
-        for metric in ["power_ratio", "kappa", "error_estimate", "input_ratio", "peak_velocity_m_per_s"] {
-            let asked = Grid { metric: metric.to_owned(), rows: stiffness[..2].to_vec(), ..asked.clone() };
-            let result = run(&loaded, &asked, &AtomicBool::new(false)).expect("a result").expect("not stopped");
-            assert_eq!(result.cells.concat(), one_by_one_for(&loaded, &asked), "{metric}");
+        let stiffness = over("contact.dahl.stiffness_n_per_m", &[]);
+        let range = |points| Over { from: Some(1e4), to: Some(1e7), points: Some(points), log: true, ..stiffness.clone() };
+        let set = ["integrator.window_periods=[40, 80]", "duration_s=0.001334"];
+        for (metrics, points) in [
+            (&["friction_ratio"][..], 25),
+            (&["power_ratio", "kappa", "error_estimate"], 2),
+            (&["input_ratio", "peak_velocity_m_per_s"], 2),
+        ] {
+            let asked = grid(metrics, vec![range(points), over("excitation.velocity_ratio", &ratios)], &set);
+            let result = result(&loaded, &asked);
+            assert_eq!(result.rows.metrics, one_by_one(&loaded, &asked, &result), "{metrics:?}");
         }
     }
 
-    /// Each cell as a run of its own that is asked for the metric only.
-    fn one_by_one_for(loaded: &Loaded, grid: &Grid) -> Vec<Option<f64>> {
-        read(loaded, grid, |made| Ok(made.metrics_for(Some(&[&grid.metric]))?.find(&grid.metric)))
+    /// Three keys, with all metrics that a point has; a point that is no scene says why, and a grid that is to end has no result.
+    #[test]
+    fn a_point_that_is_wrong_says_why_and_a_stop_is_heeded() {
+        let loaded = loaded("contact", &[]);
+        let axes = [
+            over("contact.dahl.mu", &[0.1, 0.0]),
+            over("excitation.velocity_ratio", &[0.3, 0.5]),
+            over("rig.sdof.mass_kg", &[1e-3, 2e-3]),
+        ];
+        let asked = grid(&[], axes.to_vec(), &[]);
+        let result = result(&loaded, &asked);
+        assert!(result.metrics.iter().any(|name| name == "friction_ratio") && result.metrics.len() > 8, "{:?}", result.metrics);
+        assert!(result.rows.failures[..4].iter().all(Option::is_none));
+        assert!(result.rows.failures[4..].iter().all(|why| why.as_ref().is_some_and(|why| why.contains("friction"))));
+        assert_eq!(result.column("contact.dahl.mu").map(|column| column[3..5].to_vec()), Some(vec![0.1, 0.0]));
+        assert!(run(&loaded, &asked, &AtomicBool::new(true)).expect("no error").is_none());
     }
 
-    /// A cell without an answer is named, and a grid that is to end has no result.
+    /// Each point of a scene of several runs has the statistics of its runs.
     #[test]
-    fn a_cell_that_is_wrong_is_named_and_a_stop_is_heeded() {
-        let asked = over("friction_ratio", ("contact.dahl.mu", &[0.1, 0.0]), ("excitation.velocity_ratio", &[0.3, 0.5]));
-        let loaded = load("contact", &[]).expect("built in");
-        let error = run(&loaded, &asked, &AtomicBool::new(false)).expect_err("no friction");
-        assert!(matches!(&error, StudyError::Cell(label, _) if label.starts_with("contact.dahl.mu=0,")), "{error}");
-        let stopped = run(&loaded, &Grid { rows: vec![0.1], ..asked }, &AtomicBool::new(true));
-        assert!(stopped.expect("no error").is_none());
-    }
-
-    /// A cell is the scene with its keys set, as if it were read from its file.
-    #[test]
-    fn a_cell_is_a_scene_of_its_own() {
-        for scene in ["contact-kinematic", "experiment-1", "experiment-2", "experiment-2-heavy", "usm-miscalibrated"] {
-            let loaded = load(scene, &[]).expect("built in");
-            let grid = loaded.scene.grid.as_ref().expect("a grid");
-            let made = read(&loaded, grid, |made| Ok(made.scene.clone()));
-            for (made, place) in made.into_iter().zip(places(grid)) {
-                assert_eq!(made, loaded.cell(&cell(grid, place).sets).expect("valid").scene, "{scene}");
-            }
-        }
+    fn a_point_of_several_runs_has_their_statistics() {
+        let loaded = loaded("lock-cold", &["runs=3"]);
+        let asked = grid(&["lock_time_20hz_ms_max", "runs_locked"], vec![over("controller.drive.amplitude_v", &[3.0, 4.0])], &[]);
+        let result = result(&loaded, &asked);
+        let alone = loaded.changed(&["controller.drive.amplitude_v=4".to_owned()]).expect("a scene");
+        let (_, metrics) = super::super::monte_carlo::run(&alone, Default::default(), &AtomicBool::new(false)).expect("runs");
+        let last = |metric: usize| result.rows.metrics[metric][1];
+        assert!(last(0).is_some() && last(0) == metrics.find("lock_time_20hz_ms_max"));
+        assert_eq!((last(1), metrics.find("runs_locked")), (Some(3.0), Some(3.0)));
     }
 }

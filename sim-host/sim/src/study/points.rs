@@ -1,16 +1,16 @@
 //! Some metrics of a contact study at many points, which differ in some of its numbers: what the points have in common is made once.
 //!
 //! ```text
-//! point --> numbers of the scene --> a steady sine       --> closed form in lanes
+//! point --> numbers of the scene --> a steady sine       --> closed form
 //!                                    another problem     --> solved beside the others
 //!           (judged by the rules) --> a scene of its text --> run by itself
 //! ```
 
 use super::StudyError;
-use super::abreast::{self, Mean, Steady};
 use super::answer::Answer;
 use super::contact::metrics;
 use super::plan::{Cell, Plan};
+use super::steady::{self, Mean, Steady};
 use super::stopped::{leave_if, unless_stopped};
 use crate::metrics::Metrics;
 use contact::{self, Numerics, Problem};
@@ -30,14 +30,11 @@ pub(super) struct Points<'p, 'a> {
     /// The same, if all of them are means.
     means: Option<Vec<Mean>>,
     numbers: Option<Numbers>,
-    /// Whether steady states are computed in lanes, which in the last bit depend on what is beside them.
-    lanes: bool,
 }
 
 /// What a point's metrics come of.
 enum Found {
     Metrics(Measured),
-    Steady(Steady),
     Problem(Box<Problem>),
 }
 
@@ -45,12 +42,7 @@ impl<'p, 'a> Points<'p, 'a> {
     /// Points that set these keys, the first of which is this cell.
     pub(super) fn new(plan: &'p Plan<'a>, first: Cell, keys: &[&str], metrics: &'p [&'p str]) -> Self {
         let numbers = plan.make(first).ok().and_then(|made| Numbers::of(made.scene, keys));
-        Points { plan, metrics, means: metrics.iter().map(|metric| Mean::named(metric)).collect(), numbers, lanes: true }
-    }
-
-    /// The same points, whose metrics do not depend on which of them are asked for together.
-    pub(super) fn alone(self) -> Self {
-        Points { lanes: false, ..self }
+        Points { plan, metrics, means: metrics.iter().map(|metric| Mean::named(metric)).collect(), numbers }
     }
 
     /// The metrics of each of some points, as a run of its cell has them; nothing if they are stopped. `values` are those of the keys, in their
@@ -72,21 +64,12 @@ impl<'p, 'a> Points<'p, 'a> {
             let by_numbers = set.and_then(|scene| self.by_numbers(&scene, numerics.get_or_insert_with(|| self.numerics(&scene))));
             found.push(by_numbers.unwrap_or_else(|| Found::Metrics(self.by_text(cell(point)))));
         }
-        let steady: Vec<Steady> = found.iter().filter_map(Found::steady).collect();
-        let beside = if self.lanes { steady.len().max(1) } else { 1 };
-        let of = |mean: &Mean| steady.chunks(beside).flat_map(|steady| mean.of(steady)).collect::<Vec<_>>();
-        let means: Vec<_> = self.means.iter().flatten().map(of).collect();
-        let mut place = 0..;
         let problems: Vec<Problem> = found.iter().filter_map(Found::problem).cloned().collect();
         let solutions =
             numerics.map(|numerics| unless_stopped(|| contact::solve_many(&problems, &numerics, &|| leave_if(self.plan.stop()))));
         let mut solutions = solutions.map_or(Some(Vec::new()), |solved| solved)?.into_iter();
         let mut measured = |(point, found): (&P, Found)| match found {
             Found::Metrics(measured) => measured,
-            Found::Steady(_) => {
-                let place = place.next().unwrap_or_default();
-                Ok(means.iter().map(|mean| mean[place]).collect())
-            }
             Found::Problem(problem) => {
                 let empty = |error| StudyError::EmptyCell(cell(point).label, Box::new(error));
                 let solution = solutions.next().ok_or(StudyError::Incomplete)?.map_err(|error| empty(error.into()))?;
@@ -110,30 +93,26 @@ impl<'p, 'a> Points<'p, 'a> {
     /// What is to be solved; none where that takes the slow way.
     fn by_numbers(&self, scene: &Excited, numerics: &Numerics) -> Option<Found> {
         let problem = problem::problem(scene, problem::law(&scene.model)?).ok()?;
-        Some(match self.means.as_ref().and_then(|_| abreast::of_problem(&problem, numerics)) {
-            Some(steady) => Found::Steady(steady),
-            None => Found::Problem(Box::new(problem)),
-        })
+        let means = self.means.as_ref().and_then(|means| Some(of_steady(means, &steady::of_problem(&problem, numerics)?)));
+        Some(means.map_or_else(|| Found::Problem(Box::new(problem)), Found::Metrics))
     }
 
     /// The metrics of a cell that is a scene of its own.
     fn by_text(&self, cell: Cell) -> Measured {
         let made = self.plan.make(cell)?;
-        match self.means.as_ref().and_then(|means| Some((means, abreast::steady(&made.scene.excited()?)?))) {
-            Some((means, steady)) => Ok(means.iter().map(|mean| mean.of(&[steady]).pop().flatten()).collect()),
+        match self.means.as_ref().and_then(|means| Some(of_steady(means, &steady::of(&made.scene.excited()?)?))) {
+            Some(measured) => measured,
             None => Ok(self.read(&made.metrics_for(Some(self.metrics))?)),
         }
     }
 }
 
-impl Found {
-    fn steady(&self) -> Option<Steady> {
-        match self {
-            Found::Steady(steady) => Some(*steady),
-            _ => None,
-        }
-    }
+/// Means of a steady sine.
+fn of_steady(means: &[Mean], steady: &Steady) -> Measured {
+    Ok(means.iter().map(|mean| mean.of(steady)).collect())
+}
 
+impl Found {
     fn problem(&self) -> Option<&Problem> {
         match self {
             Found::Problem(problem) => Some(problem),

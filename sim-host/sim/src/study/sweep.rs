@@ -10,6 +10,7 @@
 
 pub mod axis;
 pub mod design;
+pub mod figures;
 pub mod rows;
 pub mod sensitivity;
 
@@ -31,9 +32,9 @@ use crate::instruments;
 use crate::metrics::Metrics;
 use crate::run::LANES;
 use scene::load::{LoadError, Loaded};
-use scene::metrics::{self, METRICS, OF_RUNS};
-use scene::nearest::{listed, nearest, short};
-use scene::schema::{Kind, Schema};
+use scene::metrics::{self, OF_RUNS};
+use scene::nearest::{nearest, short};
+use scene::schema::{Kind, Schema, unit_of};
 use scene::shown;
 
 /// The metric that has a column of its own in every row.
@@ -98,13 +99,8 @@ pub enum SweepError {
         why: String,
     },
     /// A metric is not known, or not of such a scene.
-    #[error("`{metric}` {why}")]
-    Metric {
-        /// The metric.
-        metric: String,
-        /// Why not.
-        why: String,
-    },
+    #[error("{0}")]
+    Metric(String),
     /// Neither the first nor the last point makes a scene.
     #[error("neither the first nor the last point is a valid scene")]
     Scene(#[from] LoadError),
@@ -154,7 +150,7 @@ impl<'a> Sweep<'a> {
         let plan = Plan::new(self.loaded, stop)?;
         let points: Vec<u64> = points.collect();
         let (keys, threads) = (self.design.keys(), rayon::current_num_threads());
-        let contacts = |first: u64| Points::new(&plan, self.cell(first), &keys, &self.metrics).alone();
+        let contacts = |first: u64| Points::new(&plan, self.cell(first), &keys, &self.metrics);
         let way = match (self.loaded.scene.runs, self.loaded.scene.controller.is_some(), points.first()) {
             (1, false, Some(&first)) => Way::Contacts(Box::new(contacts(first))),
             (1, ..) => Way::Driven,
@@ -162,7 +158,8 @@ impl<'a> Sweep<'a> {
         };
         let beside = match way {
             Way::Contacts(_) => points.len().div_ceil(4 * threads).clamp(8, BESIDE),
-            Way::Driven => points.len().div_ceil(threads).clamp(1, LANES),
+            // A run waits for those beside it: with few points more is gained by sharing them out one by one.
+            Way::Driven => (points.len() / (4 * threads)).clamp(1, LANES),
             // Its own runs go side by side.
             Way::Runs => 1,
         };
@@ -279,27 +276,27 @@ fn check_key(key: &str, (least, most): (f64, f64), sampled: bool) -> Result<(), 
 
 /// The metrics of these names; all, without names.
 fn wanted(names: &[String], several: bool) -> Result<Vec<&'static str>, SweepError> {
-    let of_runs = OF_RUNS.iter().filter(|_| several).flat_map(|of| [of.p95.as_str(), of.max.as_str()]);
-    let known: Vec<&'static str> = METRICS.iter().map(|metric| metric.name).chain(of_runs).collect();
-    if names.is_empty() {
-        return Ok(known);
-    }
     let mut wanted = Vec::new();
     for name in names {
-        let wrong = |why: String| SweepError::Metric { metric: short(name), why };
-        let present = metrics::renamed(name).filter(|_| metrics::metric(name).is_none()).unwrap_or(name);
-        let Some(&metric) = known.iter().find(|known| **known == present) else {
-            let meant = nearest(name, known.iter().copied());
-            return Err(wrong(match metrics::of_one_run(name) {
-                Some(_) => "is of several runs, and the scene is run once: `--set runs=100`".to_owned(),
-                None if meant.is_empty() => "is no metric; `sim-host explain` lists them".to_owned(),
-                None => format!("is no metric; did you mean {}?", listed(meant.into_iter().take(3), "or")),
-            }));
-        };
+        let wrong = |why: String| SweepError::Metric(why);
+        let metric = metrics::known(name).map_err(wrong)?;
+        if !several && metrics::of_one_run(metric).is_some() {
+            return Err(wrong(format!("`{metric}` is of several runs, and the scene is run once: `--set runs=100`")));
+        }
         if wanted.contains(&metric) {
-            return Err(wrong("is asked for twice".to_owned()));
+            return Err(wrong(format!("`{metric}` is asked for twice")));
         }
         wanted.push(metric);
     }
+    if wanted.is_empty() {
+        let of_runs = OF_RUNS.iter().filter(|_| several).flat_map(|of| [of.p95.as_str(), of.max.as_str()]);
+        wanted.extend(metrics::names().chain(of_runs));
+    }
     Ok(wanted)
+}
+
+/// The unit of a key or metric; `1` of a ratio or a count.
+pub fn unit(name: &str) -> String {
+    let metric = metrics::metric(name).or_else(|| metrics::of_one_run(name)).map(|metric| metric.unit.to_owned());
+    metric.or_else(|| unit_of(name.rsplit('.').next().unwrap_or(name))).unwrap_or_else(|| "1".to_owned())
 }

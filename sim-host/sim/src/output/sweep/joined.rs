@@ -116,8 +116,7 @@ fn present(plan: &PlanFile, parts: &[Part]) -> Result<(Layout, Vec<String>), Fol
 fn rows(plan: &PlanFile, parts: &[Part], layout: &Layout, target: &Path) -> Result<u64, FolderError> {
     let mut file = RowsWriter::create(&target.join(ROWS), layout, plan.hash(), false)?;
     let heads: Vec<&str> = ["point"].into_iter().chain(layout.keys.iter().map(String::as_str)).collect();
-    let ends = layout.metrics.iter().map(String::as_str).chain(["drive_hash", "fault_code"]);
-    let mut table = Text::create(target.join(TABLE), heads.iter().copied().chain(ends))?;
+    let mut table = Text::create(target.join(TABLE), Rows::head(&layout.keys, &layout.metrics))?;
     let mut without = Text::create(target.join(FAILURES), heads.iter().copied().chain(["failure"]))?;
     let places: Vec<usize> =
         layout.metrics.iter().filter_map(|name| plan.layout().metrics.iter().position(|metric| metric == name)).collect();
@@ -151,15 +150,10 @@ fn rows(plan: &PlanFile, parts: &[Part], layout: &Layout, target: &Path) -> Resu
 
 fn text(rows: &Rows, table: &mut Text, without: &mut Text) -> Result<u64, FolderError> {
     let mut failures = 0;
-    let number = |value: &f64| format!("{value:?}");
     for row in 0..rows.points.len() {
-        let point = || [rows.points[row].to_string()].into_iter().chain(rows.keys.iter().map(|key| number(&key[row])));
-        let metrics = rows.metrics.iter().map(|metric| metric[row].as_ref().map_or_else(String::new, number));
-        let fault = rows.fault_codes[row].map_or_else(String::new, |code| code.to_string());
-        let ends = [rows.drive_hashes[row].clone().unwrap_or_default(), fault];
-        table.row(point().chain(metrics).chain(ends))?;
+        table.row(rows.cells(row))?;
         if let Some(why) = &rows.failures[row] {
-            without.row(point().chain([why.clone()]))?;
+            without.row(rows.point_cells(row).chain([why.clone()]))?;
             failures += 1;
         }
     }

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use super::{FolderError, Layout, PlanFile, ROWS, RowsFile, figures, unit};
+use super::{FolderError, Layout, PlanFile, ROWS, RowsFile};
 use crate::numbers::number;
 use crate::study::sweep::sensitivity::{Estimate, Sensitivity};
+use crate::study::sweep::{figures, unit};
 use report::{Report, TableBlock};
 
 /// Most points that are drawn: a figure holds all of its columns.
@@ -30,13 +31,16 @@ pub(super) fn write(
     if !drawn {
         paragraphs.push(format!("No figures: they are of at most {DRAWN} points. The rows are in {ROWS}."));
     }
+    let column = |name: &str| -> Result<Vec<f64>, FolderError> {
+        Ok(file.column(name)?.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect())
+    };
     let report = Report {
         title: format!("Sweep: {title}"),
         subtitle: if source.is_empty() { String::new() } else { format!("Source: {source}") },
         summary: vec![("points".to_owned(), plan.count().to_string()), ("without result".to_owned(), failures.to_string())],
         paragraphs,
         tables: [vec![keys(layout, file)?], tables.clone()].concat(),
-        figures: if drawn { figures::of(plan, layout, file)? } else { Vec::new() },
+        figures: if drawn { figures::of(&plan.shape(), &layout.keys, &layout.metrics, column)? } else { Vec::new() },
         footer: [("scene", plan.scene()), ("plan", plan.hash()), ("sim-host", crate::VERSION)]
             .map(|(label, value)| (label.to_owned(), value.to_owned()))
             .into(),
@@ -52,9 +56,10 @@ fn points(plan: &PlanFile) -> String {
         1 => "a run of its own, with the scene's seed".to_owned(),
         runs => format!("{runs} runs of the scene, of which it has the statistics"),
     };
-    let which = match (plan.axes(), plan.is_sample()) {
-        (Some(axes), _) => {
-            let counts: Vec<String> = axes.iter().map(|axis| axis.1.to_string()).collect();
+    let shape = plan.shape();
+    let which = match (shape.counts, shape.sample) {
+        (Some(counts), _) => {
+            let counts: Vec<String> = counts.iter().map(u64::to_string).collect();
             format!("every combination of {} values of the keys", counts.join(" times "))
         }
         (None, true) => "a sample of the keys by a scrambled Sobol sequence, laid out for Sobol indices".to_owned(),

@@ -9,9 +9,10 @@ use std::sync::atomic::AtomicBool;
 use serde_json::{Value, json};
 
 use super::rows_file::{Layout, RowsFile, RowsWriter};
-use super::{FolderError, PLAN, Part, unit};
+use super::{FolderError, PLAN, Part};
 use crate::record::text_hash;
-use crate::study::sweep::Sweep;
+use crate::study::sweep::design::Shape;
+use crate::study::sweep::{Sweep, unit};
 use scene::resolved::resolved_json;
 
 /// The fields in which two plans may differ, and what a reader calls them.
@@ -157,24 +158,18 @@ impl PlanFile {
         self.json["resolved_scene"]["runs"].as_u64().unwrap_or(1)
     }
 
-    /// The axes, if the points are every combination of some: for each whether it is logarithmic, and how many values it has.
-    pub fn axes(&self) -> Option<Vec<(bool, u64)>> {
-        let axes = self.json["design"]["axes"].as_array()?;
-        axes.iter().map(|axis| Some((axis["log"].as_bool()?, axis["count"].as_u64()?))).collect()
-    }
-
-    /// For each key whether its values are spread by ratios.
-    pub fn logs(&self) -> Vec<bool> {
+    /// How the points lie.
+    pub fn shape(&self) -> Shape {
         let design = &self.json["design"];
-        let spread = design["axes"].as_array().or_else(|| design["ranges"].as_array());
+        let axes = design["axes"].as_array();
+        let spread = axes.or_else(|| design["ranges"].as_array());
         let log = |key: usize| spread.is_some_and(|spread| spread.get(key).is_some_and(|of| of["log"] == true));
-        (0..self.layout.keys.len()).map(log).collect()
-    }
-
-    /// Whether each axis has its values given one by one.
-    pub fn lists(&self) -> Vec<bool> {
-        let axes = self.json["design"]["axes"].as_array().into_iter().flatten();
-        axes.map(|axis| axis["list"] == true).collect()
+        Shape {
+            counts: axes.and_then(|axes| axes.iter().map(|axis| axis["count"].as_u64()).collect()),
+            logs: (0..self.layout.keys.len()).map(log).collect(),
+            uneven: axes.is_some_and(|axes| axes.iter().any(|axis| axis["list"] == true)),
+            sample: self.is_sample(),
+        }
     }
 
     /// Whether the points are a sample with the points that Sobol indices need.

@@ -27,7 +27,7 @@ use parquet::schema::types::{ColumnPath, Type};
 
 use super::FolderError;
 use crate::output::parquet_file::{GROUP, builder, column, io_error, whole};
-use crate::study::sweep::Rows;
+use crate::study::sweep::{Rows, unit};
 
 /// Name of the column that says why a point of a part has no result.
 const FAILURE: &str = "failure";
@@ -125,7 +125,7 @@ fn schema(layout: &Layout, part: bool) -> Result<Type, ParquetError> {
 }
 
 fn properties(layout: &Layout, hash: &str) -> Result<WriterProperties, ParquetError> {
-    let units = layout.keys.iter().chain(&layout.metrics).map(|name| (name.clone(), super::unit(name).into()));
+    let units = layout.keys.iter().chain(&layout.metrics).map(|name| (name.clone(), unit(name).into()));
     let units: serde_json::Map<String, serde_json::Value> = units.collect();
     let entry = |name: &str, value: String| KeyValue::new(format!("sonoglide.{name}"), value);
     let entries = vec![entry("plan_hash", hash.to_owned()), entry("units", serde_json::Value::from(units).to_string())];

@@ -10,6 +10,7 @@
 use std::str::FromStr;
 
 use super::SweepError;
+use scene::Over;
 
 /// A key of a scene with the range that a sample is drawn from, as a user writes it: `key=least:most` or `key=least:most:log`.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +42,17 @@ pub struct Axis {
 enum Values {
     Range { start: f64, stop: f64, count: u64, log: bool },
     List(Vec<f64>),
+}
+
+impl From<&Over> for Axis {
+    /// An axis of a scene's grid.
+    fn from(over: &Over) -> Self {
+        let values = match (over.from, over.to, over.points) {
+            (Some(start), Some(stop), Some(count)) => Values::Range { start, stop, count: count.into(), log: over.log },
+            _ => Values::List(over.values.clone()),
+        };
+        Axis { key: over.key.clone(), values }
+    }
 }
 
 impl Axis {

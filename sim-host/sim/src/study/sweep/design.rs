@@ -41,6 +41,19 @@ pub enum Design {
     },
 }
 
+/// How the points of a sweep lie, for figures of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    /// How many values each key has, if the points are every combination of these.
+    pub counts: Option<Vec<u64>>,
+    /// For each key whether its values are spread by ratios.
+    pub logs: Vec<bool>,
+    /// Whether the values of a key are given one by one, and so may lie anywhere.
+    pub uneven: bool,
+    /// Whether the points are those that Sobol indices need.
+    pub sample: bool,
+}
+
 impl Design {
     /// Every combination of some axes.
     pub fn product(axes: Vec<Axis>) -> Result<Self, SweepError> {
@@ -159,6 +172,21 @@ impl Design {
                 values.reverse();
                 values
             }
+        }
+    }
+
+    /// How the points lie.
+    pub fn shape(&self) -> Shape {
+        let none = Shape { counts: None, logs: Vec::new(), uneven: false, sample: false };
+        match self {
+            Design::Product(axes) => Shape {
+                counts: Some(axes.iter().map(Axis::count).collect()),
+                logs: axes.iter().map(Axis::is_log).collect(),
+                uneven: axes.iter().any(Axis::is_list),
+                ..none
+            },
+            Design::Sample { ranges, .. } => Shape { logs: ranges.iter().map(|range| range.log).collect(), sample: true, ..none },
+            Design::List { keys, .. } => Shape { logs: vec![false; keys.len()], ..none },
         }
     }
 

@@ -45,6 +45,24 @@ impl Rows {
         self.failures.push(failure);
     }
 
+    /// The heads of the columns of a table of such rows: number, keys, metrics, hash, fault.
+    pub fn head<'a>(keys: &'a [String], metrics: &'a [String]) -> impl Iterator<Item = &'a str> {
+        let names = keys.iter().chain(metrics).map(String::as_str);
+        ["point"].into_iter().chain(names).chain(["drive_hash", "fault_code"])
+    }
+
+    /// The number of a row's point and the values of its keys, as text from which the same numbers are read.
+    pub fn point_cells(&self, row: usize) -> impl Iterator<Item = String> {
+        [self.points[row].to_string()].into_iter().chain(self.keys.iter().map(move |key| format!("{:?}", key[row])))
+    }
+
+    /// All cells of a row, in the order of [`Rows::head`].
+    pub fn cells(&self, row: usize) -> impl Iterator<Item = String> {
+        let metrics = self.metrics.iter().map(move |metric| metric[row].map_or_else(String::new, |value| format!("{value:?}")));
+        let fault = self.fault_codes[row].map_or_else(String::new, |code| code.to_string());
+        self.point_cells(row).chain(metrics).chain([self.drive_hashes[row].clone().unwrap_or_default(), fault])
+    }
+
     /// Takes some rows away at the beginning.
     pub fn drop_first(&mut self, count: usize) {
         if count > 0 {

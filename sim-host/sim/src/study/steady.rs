@@ -1,9 +1,9 @@
-//! Contact studies that have a closed form, many at once: the means of a steady sine follow from two numbers, and are computed in SIMD lanes.
+//! Contact studies that have a closed form: the means of a steady sine follow from two numbers.
 
-use contact::{self, Numerics, Problem, closed, lanes};
+use contact::{self, Numerics, Problem, closed};
 use scene::{Excited, problem};
 
-/// A study that is solved beside others.
+/// A study of a steady sine.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steady {
     point: closed::Point,
@@ -31,23 +31,22 @@ impl Mean {
         })
     }
 
-    /// The metric of each study, as [`metrics`](crate::study::contact::metrics) has it; none where a study has no power ratio.
-    pub(super) fn of(self, studies: &[Steady]) -> Vec<Option<f64>> {
-        let points: Vec<(f64, f64)> = studies.iter().map(|study| (study.point.velocity_ratio, study.point.kappa)).collect();
-        let ratios = if self == Mean::PowerRatio { lanes::power_ratios(&points) } else { lanes::friction_ratios(&points) };
-        let metric = |(study, ratio): (&Steady, f64)| match self {
-            Mean::FrictionRatio => Some(ratio),
-            Mean::ReductionPercent => Some(100.0 * (1.0 - ratio)),
-            Mean::FrictionOnN => Some(ratio * study.coulomb_n),
+    /// The metric of a study, as [`metrics`](crate::study::contact::metrics) has it; none where a study has no power ratio.
+    pub(super) fn of(self, study: &Steady) -> Option<f64> {
+        let closed::Point { velocity_ratio, kappa } = study.point;
+        let ratio = || closed::friction_ratio(velocity_ratio, kappa);
+        match self {
+            Mean::FrictionRatio => Some(ratio()),
+            Mean::ReductionPercent => Some(100.0 * (1.0 - ratio())),
+            Mean::FrictionOnN => Some(ratio() * study.coulomb_n),
             // Over Fc Vt, which is negative where the sliding is.
-            Mean::PowerRatio => Some(ratio * study.point.velocity_ratio.signum()).filter(|ratio| !ratio.is_nan()),
-        };
-        studies.iter().zip(ratios).map(metric).collect()
+            Mean::PowerRatio => Some(closed::power_ratio(velocity_ratio, kappa)? * velocity_ratio.signum()),
+        }
     }
 }
 
 /// The study of a scene that has a closed form for a sine and is to be solved by it; none of any other.
-pub(super) fn steady(scene: &Excited) -> Option<Steady> {
+pub(super) fn of(scene: &Excited) -> Option<Steady> {
     let problem = problem::problem(scene, problem::law(&scene.model)?).ok()?;
     of_problem(&problem, &problem::numerics(scene, None))
 }

@@ -20,13 +20,13 @@ pub(super) fn curve(data: &Data) -> Figure {
     }
 }
 
-/// The metric over the axis of more values, a curve for each value of the other, or for some of them. An axis is whether it is logarithmic, and how
-/// many values it has; the second changes fastest.
-pub(super) fn family(data: &Data, rows: (bool, u64), columns: (bool, u64)) -> Figure {
-    let along = usize::from(columns.1 >= rows.1);
-    let ((log, long), (_, short)) = if along == 1 { (columns, rows) } else { (rows, columns) };
+/// The metric over the axis of more values, a curve for each value of the other, or for some of them. `rows` and `columns`
+/// are how many values the keys have; the second changes fastest.
+pub(super) fn family(data: &Data, (rows, columns): (u64, u64)) -> Figure {
+    let along = usize::from(columns >= rows);
+    let (long, short) = (rows.max(columns), rows.min(columns));
     let (key, other) = (&data.keys[along], &data.keys[1 - along]);
-    let place = |line: usize, at: usize| if along == 1 { line * columns.1 as usize + at } else { at * columns.1 as usize + line };
+    let place = |line: usize, at: usize| if along == 1 { line * columns as usize + at } else { at * columns as usize + line };
     let curves = short.min(FAMILY) as usize;
     let curve = |n: usize| {
         let line = if curves == 1 { 0 } else { n * (short as usize - 1) / (curves - 1) };
@@ -38,7 +38,7 @@ pub(super) fn family(data: &Data, rows: (bool, u64), columns: (bool, u64)) -> Fi
         series(&name, &format!("{}_at_{value}", data.metric), of(&data.values[along]), of(&data.results), Style::Line)
     };
     Figure {
-        x: axis(key, log),
+        x: axis(key, data.logs[along]),
         y: axis(data.metric, false),
         series: (0..curves).map(curve).collect(),
         interactive: true,

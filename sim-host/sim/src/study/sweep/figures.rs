@@ -13,7 +13,8 @@ mod lines;
 mod map;
 mod parallel;
 
-use super::{FolderError, Layout, PlanFile, RowsFile, unit};
+use super::design::Shape;
+use super::unit;
 use report::{Axis, Figure};
 
 /// Most metrics that have figures.
@@ -32,45 +33,47 @@ struct Data<'a> {
     values: &'a [Vec<f64>],
     metric: &'a str,
     /// For each key whether its values are spread by ratios.
-    logs: Vec<bool>,
+    logs: &'a [bool],
     /// The metric at each point; not a number where it is missing.
     results: Vec<f64>,
 }
 
-/// The figures of a sweep.
+/// The figures of a sweep of these keys and metrics; `column` has the values of a key or a metric, which are not a number where they are missing.
 ///
 /// # Errors
-/// If its rows cannot be read.
-pub(super) fn of(plan: &PlanFile, layout: &Layout, file: &RowsFile) -> Result<Vec<Figure>, FolderError> {
-    let numbers = |name: &str| -> Result<Vec<f64>, FolderError> {
-        Ok(file.column(name)?.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect())
-    };
-    let values = layout.keys.iter().map(|key| numbers(key)).collect::<Result<Vec<_>, _>>()?;
+/// If a column cannot be read.
+pub fn of<E>(
+    shape: &Shape,
+    keys: &[String],
+    metrics: &[String],
+    column: impl Fn(&str) -> Result<Vec<f64>, E>,
+) -> Result<Vec<Figure>, E> {
+    let values = keys.iter().map(|key| column(key)).collect::<Result<Vec<_>, E>>()?;
     let mut figures = Vec::new();
-    let mut metrics = 0;
-    for metric in &layout.metrics {
-        let results = numbers(metric)?;
-        if metrics == METRICS || !varies(&results) {
-            continue;
+    let mut drawn = 0;
+    for metric in metrics {
+        if drawn == METRICS {
+            break;
         }
-        metrics += 1;
-        figures.extend(figures_of(plan, &Data { keys: &layout.keys, values: &values, metric, logs: plan.logs(), results }));
+        let results = column(metric)?;
+        if varies(&results) {
+            drawn += 1;
+            figures.extend(figures_of(shape, &Data { keys, values: &values, metric, logs: &shape.logs, results }));
+        }
     }
     Ok(figures)
 }
 
-fn figures_of(plan: &PlanFile, data: &Data) -> Vec<Figure> {
-    let axes = plan.axes();
-    match (data.keys.len(), axes.as_deref()) {
+fn figures_of(shape: &Shape, data: &Data) -> Vec<Figure> {
+    match (data.keys.len(), shape.counts.as_deref()) {
         (1, _) => vec![lines::curve(data)],
         (2, Some(&[rows, columns])) => {
-            let few = rows.1.min(columns.1) <= FAMILY;
-            let uneven = plan.lists().contains(&true);
-            vec![if few || uneven { lines::family(data, rows, columns) } else { map::of(data, rows, columns) }]
+            let few = rows.min(columns) <= FAMILY;
+            vec![if few || shape.uneven { lines::family(data, (rows, columns)) } else { map::of(data, (rows, columns)) }]
         }
         _ => {
             let mut figures = vec![parallel::of(data)];
-            if plan.is_sample() {
+            if shape.sample {
                 figures.extend((0..data.keys.len().min(KEYS)).map(|key| lines::dots(data, key)));
             }
             figures

@@ -19,7 +19,7 @@ pub(super) fn of(data: &Data) -> Figure {
         true => values.iter().map(|value| value.ln()).collect(),
         false => values.clone(),
     };
-    let mut columns: Vec<Vec<f64>> = data.values.iter().zip(&data.logs).map(spread).collect();
+    let mut columns: Vec<Vec<f64>> = data.values.iter().zip(data.logs).map(spread).collect();
     columns.push(data.results.clone());
     let scales: Vec<(f64, f64)> = columns.iter().map(|column| extremes(column)).collect();
     let part = |axis: usize, point: usize| {

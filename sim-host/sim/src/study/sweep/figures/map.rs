@@ -6,9 +6,9 @@ use report::{Figure, HeatMap};
 /// Most cells of a map along an axis.
 const CELLS: usize = 512;
 
-/// The map of the metric: the second key, which changes fastest, along x. An axis is whether it is logarithmic, and how many values it has.
-pub(super) fn of(data: &Data, rows: (bool, u64), columns: (bool, u64)) -> Figure {
-    let (width, height) = (columns.1 as usize, rows.1 as usize);
+/// The map of the metric: the second key, which changes fastest, along x. `rows` and `columns` are how many values the keys have.
+pub(super) fn of(data: &Data, (rows, columns): (u64, u64)) -> Figure {
+    let (width, height) = (columns as usize, rows as usize);
     let (every_x, every_y) = (width.div_ceil(CELLS), height.div_ceil(CELLS));
     let cell = |x: usize, y: usize| data.results[y * width + x];
     let column = |x: usize| (0..height).step_by(every_y).map(|y| cell(x, y)).collect();
@@ -22,11 +22,11 @@ pub(super) fn of(data: &Data, rows: (bool, u64), columns: (bool, u64)) -> Figure
     let title = format!("{} over {} and {}", data.metric, data.keys[1], data.keys[0]);
     let (x, y) = (&data.values[1], &data.values[0]);
     Figure {
-        x: axis(&data.keys[1], columns.0),
-        y: axis(&data.keys[0], rows.0),
+        x: axis(&data.keys[1], data.logs[1]),
+        y: axis(&data.keys[0], data.logs[0]),
         map: Some(HeatMap {
-            x: edges((x[0], x[(cells.len() - 1) * every_x]), cells.len(), columns.0),
-            y: edges((y[0], y[(cells[0].len() - 1) * every_y * width]), cells[0].len(), rows.0),
+            x: edges((x[0], x[(cells.len() - 1) * every_x]), cells.len(), data.logs[1]),
+            y: edges((y[0], y[(cells[0].len() - 1) * every_y * width]), cells[0].len(), data.logs[0]),
             columns: cells,
             range,
             label: label(data.metric),
@@ -70,8 +70,8 @@ mod tests {
         let keys = ["a".to_owned(), "b".to_owned()];
         let values = [vec![1.0, 1.0, 1.0, 2.0, 2.0, 2.0], vec![10.0, 20.0, 30.0, 10.0, 20.0, 30.0]];
         let data =
-            Data { keys: &keys, values: &values, metric: "m", logs: vec![false; 2], results: (0..6).map(f64::from).collect() };
-        let map = of(&data, (false, 2), (false, 3)).map.expect("a map");
+            Data { keys: &keys, values: &values, metric: "m", logs: &[false; 2], results: (0..6).map(f64::from).collect() };
+        let map = of(&data, (2, 3)).map.expect("a map");
         assert_eq!(map.columns, [[0.0, 3.0], [1.0, 4.0], [2.0, 5.0]]);
         assert_eq!((map.x, map.y, map.range), ((5.0, 35.0), (0.5, 2.5), (0.0, 5.0)));
     }

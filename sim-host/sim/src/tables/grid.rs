@@ -1,0 +1,97 @@
+//! The tables of a grid: of two keys one a metric, with a key down and the other across; of any other number one of all points.
+
+use crate::numbers::number;
+use crate::study::Study;
+use crate::study::grid::GridResult;
+use report::TableBlock;
+
+/// Most metrics that are shown.
+const METRICS: usize = 8;
+/// Most values of a key that are shown beside each other.
+const ACROSS: u64 = 12;
+/// Most points, or values of a key, that are shown below each other.
+const DOWN: u64 = 64;
+
+/// The tables of a grid; of one that is too large only where its numbers are.
+pub(super) fn tables(study: &Study) -> Vec<TableBlock> {
+    let Some(result) = &study.grid else { return Vec::new() };
+    let host = if study.scene.controller.is_some() { " and the controller on the host (SIL)" } else { "" };
+    let shown = result.metrics.len().min(METRICS);
+    match result.design.shape().counts.as_deref() {
+        Some(&[down, across]) if down <= DOWN && across <= ACROSS => {
+            (0..shown).map(|metric| across_and_down(result, metric, across as usize, host)).collect()
+        }
+        _ => vec![points(result, shown, host)],
+    }
+}
+
+/// A metric over two keys.
+fn across_and_down(result: &GridResult, metric: usize, across: usize, host: &str) -> TableBlock {
+    let [key, columns] = [0, 1].map(|key| result.grid.over[key].key.as_str());
+    let values = &result.rows.keys[1][..across];
+    let header = values.iter().map(|value| format!("{} = {value}", columns.rsplit('.').next().unwrap_or("")));
+    let row = |(row, cells): (usize, &[Option<f64>])| {
+        [result.rows.keys[0][row * across].to_string()].into_iter().chain(cells.iter().copied().map(cell)).collect()
+    };
+    TableBlock {
+        header: [key.to_owned()].into_iter().chain(header).collect(),
+        rows: result.rows.metrics[metric].chunks(across).enumerate().map(row).collect(),
+        ..table(result, metric, &result.metrics[metric], ("these two keys", host))
+    }
+}
+
+/// A row for each point.
+fn points(result: &GridResult, shown: usize, host: &str) -> TableBlock {
+    let (count, drawn) = (result.rows.points.len(), result.rows.points.len().min(DOWN as usize));
+    let row = |row: usize| {
+        let keys = result.rows.keys.iter().map(|key| number(key[row]));
+        keys.chain(result.rows.metrics[..shown].iter().map(|metric| metric[row].map_or_else(none, number))).collect()
+    };
+    let what = match (shown < result.metrics.len(), drawn < count) {
+        (false, false) => result.metrics.join(", "),
+        (true, false) => format!("{shown} of {} metrics; all are in grid.csv", result.metrics.len()),
+        (false, true) => format!("the first {drawn} of {count} points; all are in grid.csv"),
+        (true, true) => {
+            format!("{shown} of {} metrics at the first {drawn} of {count} points; all are in grid.csv", result.metrics.len())
+        }
+    };
+    let keys = if result.grid.over.len() == 1 { "this key" } else { "these keys" };
+    TableBlock {
+        header: [result.keys(), result.metrics[..shown].to_vec()].concat(),
+        rows: (0..drawn).map(row).collect(),
+        ..table(result, 0, &what, (keys, host))
+    }
+}
+
+/// A table of the grid, yet empty.
+fn table(result: &GridResult, place: usize, what: &str, (keys, host): (&str, &str)) -> TableBlock {
+    let besides = if result.grid.set.is_empty() { String::new() } else { format!(", besides {}", result.grid.set.join(", ")) };
+    let mut failures = result.rows.failures.iter().flatten();
+    let failed = match (failures.next(), failures.count()) {
+        (None, _) => String::new(),
+        (Some(why), 0) => format!(". One point has no result: {why}"),
+        (Some(why), more) => format!(". {} points have no result, the first because {why}", more + 1),
+    };
+    TableBlock {
+        id: if place == 0 { "grid".to_owned() } else { format!("grid-{}", place + 1) },
+        title: result.grid.title.clone(),
+        caption: format!("{what}; each is a run of its own, with {keys} set{besides}{host}{failed}"),
+        header: Vec::new(),
+        rows: Vec::new(),
+    }
+}
+
+/// A number beside others of its kind: a ratio with four digits after the point, else two, and what is small by its size.
+fn cell(value: Option<f64>) -> String {
+    match value {
+        None => none(),
+        Some(value) if value != 0.0 && value.abs() < 1e-3 => number(value),
+        Some(value) if value.abs() < 2.0 => format!("{value:.4}"),
+        Some(value) => format!("{value:.2}"),
+    }
+}
+
+/// What a point does not have.
+fn none() -> String {
+    "–".to_owned()
+}
