@@ -20,12 +20,15 @@ macro_rules! say {
 
 mod advise;
 mod compare;
+mod examples;
 mod explain;
 mod import;
 mod interrupts;
+mod junit;
 mod link;
 mod progress;
 mod run;
+mod shell;
 mod sweep;
 mod validate;
 
@@ -35,7 +38,8 @@ use std::process::ExitCode;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
+use clap::{Args, ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 
 use scene::load::{LoadError, Loaded, load};
 use scene::resolved::resolved_toml;
@@ -118,6 +122,17 @@ enum Command {
     /// Run our own benches or a suite of your own, and compare each with its targets: the evidence behind docs/claims.md.
     #[command(after_help = validate::help())]
     Validate(Box<validate::ValidateArgs>),
+    /// Print completions of commands and options for a shell.
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
+    /// Print the manual page.
+    Man {
+        /// Write it into this folder, with a page for each command.
+        #[arg(short, long = "output", value_name = "DIR")]
+        output: Option<PathBuf>,
+    },
 }
 
 #[derive(Args)]
@@ -148,6 +163,9 @@ struct RunArgs {
     /// Write no files.
     #[arg(long)]
     no_report: bool,
+    /// Write the expectations as JUnit test cases, for CI.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
     /// Run the controller as thumb code in QEMU, in lockstep with the same plant.
     #[arg(long)]
     pil: bool,
@@ -185,7 +203,8 @@ enum Format {
 
 /// Parses the arguments of this process, does what they say, and gives the exit code.
 pub fn main() -> ExitCode {
-    let line = CommandLine::parse_from(validate::with_verb(std::env::args_os().collect()));
+    let matches = command().get_matches_from(validate::with_verb(std::env::args_os().collect()));
+    let line = CommandLine::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let color = Color::new(line.color);
     let done = match line.command {
         None => run::run(&RunArgs::of_flagship(), color),
@@ -201,6 +220,8 @@ pub fn main() -> ExitCode {
         Some(Command::Import(args)) => import::run(&args, color),
         Some(Command::Validate(args)) => validate::run(&args, color),
         Some(Command::Link(args)) => link::run(&args, color),
+        Some(Command::Completions { shell }) => shell::completions(shell),
+        Some(Command::Man { output }) => shell::manual(output.as_deref()),
         Some(Command::Schema { suite }) => print(&format!("{:#}\n", if suite { suite::schema() } else { schema::schema() })),
     };
     done.unwrap_or_else(|error| {
@@ -213,6 +234,11 @@ pub fn main() -> ExitCode {
     })
 }
 
+/// The command line, with examples in its help.
+fn command() -> clap::Command {
+    examples::add(CommandLine::command())
+}
+
 impl RunArgs {
     fn of_flagship() -> Self {
         RunArgs {
@@ -222,6 +248,7 @@ impl RunArgs {
             output: None,
             format: Format::Human,
             no_report: false,
+            junit: None,
             pil: false,
             board: None,
             board_speed: None,

@@ -1,9 +1,13 @@
 //! The program as a user meets it: results, files, signals. What it prints word by word: `commands.rs`; what README and docs print: `documented.rs`.
 
+#[path = "command_line/ci.rs"]
+mod ci;
 #[path = "command_line/compare.rs"]
 mod compare;
 #[path = "command_line/folder.rs"]
 mod folder;
+#[path = "command_line/help.rs"]
+mod help;
 #[path = "command_line/link.rs"]
 mod link;
 #[cfg(unix)]

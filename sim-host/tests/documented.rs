@@ -1,4 +1,4 @@
-//! Every command that README and docs print is run, and every scene in them is checked: what a reader copies works.
+//! Every command that README, docs and help print is run, and every scene in them is checked: what a reader copies works.
 //!
 //! Scenes of many runs are shortened to two, so their expectations may be missed (exit code 4); of single runs they may not, unless the page
 //! changes values. Measured files that the pages name are made of a circuit and of a contact. Commands of `cargo test` are not run again: their packages, modules and tests have to be there.
@@ -47,6 +47,23 @@ fn pages() -> Vec<(String, String)> {
     paths.iter().map(|path| (name(path), fs::read_to_string(path).expect("text"))).collect()
 }
 
+/// The examples in the help of each command: `--help` of it, and these lines.
+fn helps() -> Vec<(String, String)> {
+    let help = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_sim-host")).args(arguments).output().expect("sim-host starts");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let examples = |name: &str| {
+        let text = help(&[name, "--help"]);
+        let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("  sim-host ")).collect();
+        assert!(!lines.is_empty(), "the help of `{name}` has no examples");
+        (format!("{name} --help"), lines.join("\n"))
+    };
+    let text = help(&["--help"]);
+    let lines = text.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    lines.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help").map(examples).collect()
+}
+
 /// What stands as code on a page: spans between backticks within a line, indented or fenced lines, and comments that name a command.
 fn code(text: &str) -> Vec<String> {
     let mut found = Vec::new();
@@ -65,7 +82,7 @@ fn code(text: &str) -> Vec<String> {
 /// The arguments of all `sim-host` commands, with the page that they stand on first.
 fn commands() -> BTreeSet<(String, String)> {
     let mut commands = BTreeSet::new();
-    for (page, text) in pages() {
+    for (page, text) in pages().into_iter().chain(helps()) {
         for line in code(&text) {
             let rest = line.strip_prefix("sim-host ").or_else(|| line.strip_prefix("cargo run --release -- "));
             let clean = |rest: &str| rest.split(" # ").next().unwrap_or(rest).trim().to_owned();
@@ -159,8 +176,8 @@ fn every_documented_command_works() {
         }
         let mut words = shlex::split(&command).unwrap_or_else(|| panic!("{page}: {command}"));
         // A verb alone, in a sentence, is its name.
-        let named =
-            words.len() == 1 && !["list", "schema"].contains(&words[0].as_str()) || words.len() == 2 && words[0] == "import";
+        let named = words.len() == 1 && !["list", "schema", "man"].contains(&words[0].as_str())
+            || words.len() == 2 && words[0] == "import";
         if named {
             words.push("--help".into());
         }

@@ -4,9 +4,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
+use anyhow::Context;
+
 use super::progress::Progress;
 use super::{
-    Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, interrupts, invalid,
+    Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, interrupts, invalid, junit,
     with_scene_on,
 };
 use link::modelled_board::record;
@@ -88,6 +90,9 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     };
     if let Some(folder) = &folder {
         output::write_into(loaded, &study, folder)?;
+    }
+    if let Some(path) = &args.junit {
+        junit::write(&study, path).with_context(|| format!("cannot write `{}`", path.display()))?;
     }
     super::print(&match args.format {
         Format::Human => human(&study, args, color),
