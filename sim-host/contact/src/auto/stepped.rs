@@ -26,8 +26,6 @@ const SMOOTH: f64 = 30.0;
 const RINGS: f64 = 0.1;
 /// From this contact spring on, of `m w^2`, it does so faster than it is shaken by far.
 const STIFF: f64 = 30.0;
-/// Friction of this part of the force holds the mass at times.
-const HOLDS: f64 = 0.1;
 /// What estimates are multiplied by then; `sim-host validate contacts` holds them against the truth.
 const UNEVEN: f64 = 3.0;
 const VERY_UNEVEN: f64 = 10.0;
@@ -66,7 +64,7 @@ pub fn chosen<W: FnMut(&State)>(
             let uneven = spring(problem) > RINGS || kappa > SMOOTH || !problem.waveform.is_periodic();
             let tight = match uneven {
                 // Friction that holds the mass is no small change of its motion, as which linexp treats it.
-                _ if spring(problem) > RINGS && holds(problem) => f64::INFINITY,
+                _ if spring(problem) > RINGS && problem.holds() => f64::INFINITY,
                 true => ORDER_FOUR,
                 false => ORDER_SIX,
             };
@@ -167,18 +165,13 @@ fn spring(problem: &Problem) -> f64 {
     }
 }
 
-/// Whether friction is no small part of the force, and holds the mass at times.
-fn holds(problem: &Problem) -> bool {
-    problem.coulomb_n > HOLDS * problem.waveform.amplitude()
-}
-
 /// What an estimate is multiplied by. Where short bristles make the mass ring, `Kt / (m w^2)` no longer small, errors fall unevenly from rung to
 /// rung, as they do where every change of the forcing is another; and more so where the bristles are stiffer than the mass is heavy, or where
 /// friction is no small part of the force.
 fn doubt(problem: &Problem) -> f64 {
     let spring = spring(problem);
     match spring > RINGS {
-        true if holds(problem) || spring > STIFF => VERY_UNEVEN,
+        true if problem.holds() || spring > STIFF => VERY_UNEVEN,
         true if problem.kappa() > SMOOTH => UNEVEN,
         _ if matches!(problem.waveform.shape(), Shape::Random { .. }) => UNEVEN,
         _ => 1.0,
