@@ -9,6 +9,9 @@
 //! | other LuGre | rk4-events, then midpoint | order four, stable from a number of steps on that is known |
 //! | LuGre at tight tolerances, and whatever these have no answer to | taylor | at round-off at any stiffness, and dear |
 //!
+//! A tolerance of the whole record is met by the Taylor series, all of whose settings have the same moments, and by linexp where bristles are too
+//! stiff for a series.
+//!
 //! `frozen` is never chosen: it costs what linexp costs, and leaves out what linexp has. How finely is found by runs on a
 //! `ladder` of settings: `refine` estimates the error of each from how the runs close in on each other. The coarsest that meets the
 //! tolerance has the answer; of a long periodic run the settings are compared on a `pilot` alone. `sim-host validate contacts` holds all of
@@ -32,6 +35,21 @@ pub use ladder::stable_steps;
 pub use many::solve_many;
 use runs::Runs;
 
+/// What a tolerance is of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "schema",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(rename_all = "kebab-case")
+)]
+pub enum ToleranceOf {
+    /// The mean friction ratio over the window.
+    #[default]
+    Mean,
+    /// The whole record, from the start on: friction over the Coulomb force, displacement and velocity over their largest, at every moment that is shown.
+    Record,
+}
+
 /// How a problem is to be solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numerics {
@@ -41,8 +59,10 @@ pub struct Numerics {
     pub steps_per_period: Option<u32>,
     /// Order of the Taylor series, or of linexp; none: the method's own choice.
     pub order: Option<u32>,
-    /// Largest error of the mean friction ratio.
+    /// Largest error of the mean friction ratio, or of the record.
     pub tolerance: f64,
+    /// What the tolerance is of.
+    pub tolerance_of: ToleranceOf,
     /// Whether the energies are added up, too, in a run of their own; without them there are friction and power ratio.
     pub energies: bool,
     /// Whether the run goes on behind the window, for the peaks and reversals that are of all of it.
@@ -51,7 +71,15 @@ pub struct Numerics {
 
 impl Default for Numerics {
     fn default() -> Self {
-        Numerics { method: Method::Auto, steps_per_period: None, order: None, tolerance: 1e-7, energies: true, whole_run: true }
+        Numerics {
+            method: Method::Auto,
+            steps_per_period: None,
+            order: None,
+            tolerance: 1e-7,
+            tolerance_of: ToleranceOf::Mean,
+            energies: true,
+            whole_run: true,
+        }
     }
 }
 
@@ -72,6 +100,8 @@ pub struct Solution {
     pub tally: Option<Tally>,
     /// Estimated error of the friction ratio, by runs in other steps; in closed form what is left of the start.
     pub error_estimate: Option<f64>,
+    /// Estimated error of the record, by the same runs, where the tolerance is of it.
+    pub record_error_estimate: Option<f64>,
     /// Whether the estimated error is within the tolerance.
     pub tolerance_met: bool,
     /// What is wrong with the answer, in words: a tolerance that is not met.
@@ -130,7 +160,7 @@ fn by_method<W: FnMut(&State)>(
     watch: Option<&mut W>,
 ) -> Result<Solution, SolveError> {
     match numerics.method {
-        Method::Auto if is_steady(problem, numerics.tolerance) => {
+        Method::Auto if numerics.tolerance_of == ToleranceOf::Mean && is_steady(problem, numerics.tolerance) => {
             let why = "kinematic, and the window lies in the steady state: closed form".into();
             in_closed_form(problem, numerics, why, watch)
         }
@@ -149,7 +179,7 @@ pub fn closed_point(problem: &Problem, numerics: &Numerics) -> Option<closed::Po
         Method::Auto => has_settled(point.start_left(from), numerics.tolerance),
         method => method == Method::Closed,
     };
-    closed.then_some(point)
+    (closed && numerics.tolerance_of == ToleranceOf::Mean).then_some(point)
 }
 
 /// Whether what is left of the start is nothing beside the tolerance.
@@ -181,6 +211,10 @@ fn in_closed_form<W: FnMut(&State)>(
     why: String,
     watch: Option<&mut W>,
 ) -> Result<Solution, SolveError> {
+    if numerics.tolerance_of == ToleranceOf::Record {
+        let reason = "it has one steady period, and no record from the start on; linexp and taylor have".into();
+        return Err(SolveError::Unsuited { method: Method::Closed.name(), reason });
+    }
     if !of_whole_periods(problem) {
         let reason = "the window is not whole periods under one load; linexp has any window".into();
         return Err(SolveError::Unsuited { method: Method::Closed.name(), reason });
@@ -200,6 +234,7 @@ fn in_closed_form<W: FnMut(&State)>(
         ratios: form.ratios,
         tally: None,
         error_estimate: Some(left.max(ROUND_OFF)),
+        record_error_estimate: None,
         tolerance_met,
         warnings: (!tolerance_met).then_some(early).into_iter().collect(),
         states: 0,

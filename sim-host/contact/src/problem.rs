@@ -10,6 +10,9 @@
 use super::state::State;
 use super::waveform::Waveform;
 
+/// Friction of this part of the force holds the mass at times.
+const HOLDS: f64 = 0.1;
+
 /// Contact problem: motion, friction law, forcing and time span.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
@@ -147,6 +150,17 @@ impl Problem {
                 omega * self.waveform.amplitude() / reactance.hypot(omega * damping_n_s_per_m)
             }
         }
+    }
+
+    /// Whether friction is no small part of the force, and holds the mass at times: the Coulomb force, or what the damping of the bristles makes of
+    /// the vibration, `sigma1 Vv`. Nothing holds a motion that is given.
+    pub fn holds(&self) -> bool {
+        let damping_n_s_per_m = match self.law {
+            Law::Lugre { sigma1, .. } => sigma1,
+            _ => 0.0,
+        };
+        let friction_n = self.coulomb_n.max(damping_n_s_per_m * self.vibration_m_per_s());
+        self.motion != Motion::Kinematic && friction_n > HOLDS * self.waveform.amplitude()
     }
 
     /// `kappa = Kt Vv / (w Fc)`: vibration amplitude in Dahl lengths. Infinite for Coulomb friction.

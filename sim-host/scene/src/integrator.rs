@@ -1,6 +1,6 @@
 //! `[integrator]`: how finely the contact is stepped, and by what.
 
-use contact::Method;
+use contact::{Method, ToleranceOf};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -19,10 +19,13 @@ pub struct Integrator {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 64))]
     pub order: Option<u32>,
-    /// Largest error of the mean friction ratio of a contact study. Default: 1e-7.
+    /// Largest error of a contact study: of its mean friction ratio, or of what `tolerance_of` says. Default: 1e-7.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-13, max = 0.1))]
     pub tolerance: Option<f64>,
+    /// What the tolerance is of. Default: mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance_of: Option<ToleranceOf>,
     /// The means of a contact study are over these periods of the excitation: from, to. Default: the second half of the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 2, max = 2), inner(range(min = 0.0, max = 1e12)))]

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{Body, Excited, Match, Model, Sign, VibrationVelocity, Waveform};
-use contact::{self, Law, Motion, Numerics, Problem, Shape, SolveError, State};
+use contact::{self, Law, Motion, Numerics, Problem, Shape, SolveError, State, ToleranceOf};
 
 /// What a mass weighs unless a scene says what presses on the contact, m/s^2.
 pub const GRAVITY_M_PER_S2: f64 = 9.81;
@@ -88,13 +88,17 @@ pub fn numerics(study: &Excited, metrics: Option<&[&str]>) -> Numerics {
         }
     };
     let default = Numerics::default();
+    let tolerance_of = integrator.tolerance_of.unwrap_or_default();
     Numerics {
         method: integrator.method.unwrap_or_default(),
         steps_per_period: integrator.steps_per_period,
         order: integrator.order,
         tolerance: integrator.tolerance.unwrap_or(default.tolerance),
+        tolerance_of,
         energies,
-        whole_run: metrics.is_none_or(|metrics| metrics.iter().any(|metric| WHOLE_RUN.contains(metric))),
+        // A record is of the whole run.
+        whole_run: tolerance_of == ToleranceOf::Record
+            || metrics.is_none_or(|metrics| metrics.iter().any(|metric| WHOLE_RUN.contains(metric))),
     }
 }
 

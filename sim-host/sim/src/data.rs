@@ -180,7 +180,7 @@ pub fn files() -> Vec<DataFile> {
                 (
                     "solution",
                     "",
-                    "Of a contact study, how it was solved: `method`, `why`, `order`, `steps_per_period`, `error_estimate`, `tolerance_met`, `warnings`",
+                    "Of a contact study, how it was solved: `method`, `why`, `order`, `steps_per_period`, `error_estimate`, `tolerance_met`, `warnings`; and `record_error_estimate`, where the tolerance is of the record",
                 ),
                 ("runs", "1", "Of several runs, how many came to their end"),
                 ("interrupted", "", "Whether the run was stopped before its end"),

@@ -144,12 +144,16 @@ fn with_own(mut of: Value, study: &Study) -> Value {
         }
         Outcome::Contact(solved) => {
             of["solution"] = json!(solved.answer.as_ref().map(|Answer { solution, .. }| {
-                json!({
+                let mut how = json!({
                     "method": solution.method.name(), "why": solution.why, "order": solution.order,
                     "steps_per_period": solution.steps_per_period, "error_estimate": solution.error_estimate,
                     "tolerance_met": solution.tolerance_met,
                     "warnings": solution.warnings,
-                })
+                });
+                if let Some(error) = solution.record_error_estimate {
+                    how["record_error_estimate"] = json!(error);
+                }
+                how
             }));
         }
     }

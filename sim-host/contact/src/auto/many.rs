@@ -17,6 +17,7 @@ use super::{Numerics, Solution, by_method};
 use crate::SolveError;
 use crate::method::{Method, linexp};
 use crate::problem::Problem;
+use crate::record::Record;
 use crate::tally::{State, Tally};
 
 /// Solves problems as [`solve_unwatched`](super::solve_unwatched) solves each of them, bit for bit; `pause` is called every now and then.
@@ -119,6 +120,11 @@ impl Runs for Beside<'_> {
         *self.missing.borrow_mut() = Some(Missing::of(problem, setting));
         // Of all errors this one ends a solution at once, whatever the method.
         Err(SolveError::Unsuited { method: method.name(), reason: String::new() })
+    }
+
+    /// Lanes have no record.
+    fn recorded(&self, problem: &Problem, method: Method, setting: Setting) -> Result<(Tally, Record), SolveError> {
+        self.pause.recorded(problem, method, setting)
     }
 }
 

@@ -51,6 +51,10 @@ impl Pilot {
         if !problem.waveform.is_periodic() || !problem.load_steps.is_empty() || problem.law == Law::Coulomb {
             return None;
         }
+        // A mass that its friction holds at times lets go of what it was off by, and more: that grows with every period, and by no power of the time.
+        if problem.holds() {
+            return None;
+        }
         let hz = problem.waveform.frequency_hz();
         let own = problem.motion.natural_hz().map_or(0.0, |natural| OWN_PERIODS * hz / natural);
         let most = (problem.duration_s * hz / WORTH).floor();

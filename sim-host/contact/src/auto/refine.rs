@@ -11,11 +11,15 @@
 //! e(i) = d(i, c) + e(c)            of any coarser run
 //! ```
 //!
+//! Where the tolerance is of the whole record, the distance is no less than that of the [records](crate::record).
+//!
 //! Of two runs, two rungs apart, all that is known is their distance d: the finer is taken to be off by as much, and has to be better than
 //! the tolerance by more.
 
 use super::ladder::{CONTRACTION, Ladder, Setting};
 use crate::SolveError;
+use crate::problem::Problem;
+use crate::record::Record;
 use crate::tally::Tally;
 
 /// Error of a mean over many steps.
@@ -39,11 +43,17 @@ pub struct Rung {
     pub setting: Setting,
     /// What the run added up.
     pub tally: Tally,
+    /// What it has shown, where the tolerance is of that.
+    pub record: Option<Record>,
 }
+
+/// What a run has left: its sums, and its record where the tolerance is of that.
+pub type Ran = (Tally, Option<Record>);
 
 /// Successive runs of one problem.
 #[derive(Clone, Debug)]
-pub struct Runs {
+pub struct Runs<'a> {
+    problem: &'a Problem,
     /// From coarse to fine.
     runs: Vec<Rung>,
     /// Whether two runs are enough.
@@ -61,19 +71,40 @@ pub struct Found {
     pub tally: Option<Tally>,
     /// Its estimated error.
     pub error: f64,
+    /// The same of its record, where the tolerance is of that.
+    pub record_error: Option<f64>,
     /// How much larger the error of the second half is than that of the first.
     pub growth: f64,
 }
 
-impl Runs {
+impl Found {
+    /// The error of what the tolerance is of.
+    pub fn decisive(&self) -> f64 {
+        self.record_error.unwrap_or(self.error)
+    }
+}
+
+/// How far two runs are apart.
+type Apart<'a> = &'a dyn Fn(&Rung, &Rung) -> f64;
+
+impl<'a> Runs<'a> {
     /// Three runs or more, on successive rungs; their errors may be larger by a factor than they appear.
-    pub fn of_three(doubt: f64) -> Self {
-        Runs { runs: Vec::new(), of_two: false, doubt }
+    pub fn of_three(problem: &'a Problem, doubt: f64) -> Self {
+        Runs { problem, runs: Vec::new(), of_two: false, doubt }
     }
 
     /// Two runs, and more where they do not agree.
-    pub fn of_two(doubt: f64) -> Self {
-        Runs { runs: Vec::new(), of_two: true, doubt }
+    pub fn of_two(problem: &'a Problem, doubt: f64) -> Self {
+        Runs { problem, runs: Vec::new(), of_two: true, doubt }
+    }
+
+    /// How far two runs are apart in what the tolerance is of.
+    fn apart(&self, one: &Rung, other: &Rung) -> f64 {
+        let means = distance(&one.tally, &other.tally).0;
+        match (&one.record, &other.record) {
+            (Some(a), Some(b)) => means.max(a.distance(b, self.problem)),
+            _ => means,
+        }
     }
 
     /// Climbs until a run has the tolerance, from a rung on, or above those that there are.
@@ -82,12 +113,12 @@ impl Runs {
         ladder: &Ladder,
         start: usize,
         tolerance: f64,
-        run: &mut dyn FnMut(Setting) -> Result<Tally, SolveError>,
+        run: &mut dyn FnMut(Setting) -> Result<Ran, SolveError>,
     ) -> Result<Found, SolveError> {
         let mut next = start;
         while let Some(setting) = ladder.setting(next) {
             match run(setting) {
-                Ok(tally) => self.runs.push(Rung { rung: next, setting, tally }),
+                Ok((tally, record)) => self.runs.push(Rung { rung: next, setting, tally, record }),
                 // A step that is too coarse may diverge where a finer one does not.
                 Err(SolveError::Diverged { .. }) if ladder.setting(next + 2).is_some() => {
                     self.runs.clear();
@@ -96,7 +127,7 @@ impl Runs {
                 }
                 Err(error) => return Err(error),
             }
-            let errors = self.errors();
+            let errors = self.errors(&|one, other| self.apart(one, other));
             let Some(&least) = errors.last().filter(|_| self.runs.len() > 2 || self.of_two) else {
                 next += if self.of_two { ladder.apart() } else { 1 };
                 continue;
@@ -106,8 +137,10 @@ impl Runs {
                 break;
             }
             let stride = ladder.stride();
-            let rungs = (least / enough).ln() / (1.0 / self.seen().unwrap_or(stride).clamp(stride, CONTRACTS)).ln();
-            next += rungs.ceil().clamp(1.0, LONGEST_STRIDE) as usize;
+            let seen = self.seen(&|one, other| self.apart(one, other)).unwrap_or(stride).clamp(stride, CONTRACTS);
+            let rungs = (least / enough).ln() / (1.0 / seen).ln();
+            // Of two distances that are infinite nothing is seen, and that is no number.
+            next += (rungs.ceil().min(LONGEST_STRIDE) as usize).max(1);
         }
         self.coarsest(self.margin() * tolerance).ok_or_else(|| SolveError::Refused {
             reason: "no step that can be afforded is stable".into(),
@@ -122,42 +155,47 @@ impl Runs {
     /// Whether the last runs differ by round-off: finer ones have more of it.
     fn is_round_off(&self) -> bool {
         let [.., a, b, c, d] = self.runs.as_slice() else { return false };
-        let [first, .., last] = [(a, b), (b, c), (c, d)].map(|(one, other)| distance(&one.tally, &other.tally).0);
+        let [first, .., last] = [(a, b), (b, c), (c, d)].map(|(one, other)| self.apart(one, other));
         first < SMALL && last > CONTRACTS * first
     }
 
     /// The coarsest run whose error is within the tolerance, or the finest run.
     fn coarsest(&self, tolerance: f64) -> Option<Found> {
-        let errors = self.errors();
+        let errors = self.errors(&|one, other| self.apart(one, other));
         let index = errors.iter().position(|&error| error <= tolerance).unwrap_or(self.runs.len().checked_sub(1)?);
         let (rung, finest) = (&self.runs[index], self.runs.last()?);
         let other = if index + 1 < self.runs.len() { finest } else { self.runs.get(index.wrapping_sub(1)).unwrap_or(rung) };
         let growth = distance(&rung.tally, &other.tally).1;
-        let error = errors.get(index).copied().unwrap_or(f64::INFINITY);
-        Some(Found { setting: rung.setting, tally: Some(rung.tally), error, growth })
+        let error = |errors: &[f64]| errors.get(index).copied().unwrap_or(f64::INFINITY);
+        let found = Found { setting: rung.setting, tally: Some(rung.tally), error: error(&errors), record_error: None, growth };
+        if rung.record.is_none() {
+            return Some(found);
+        }
+        let of_means = self.errors(&|one, other| distance(&one.tally, &other.tally).0);
+        Some(Found { error: error(&of_means), record_error: Some(error(&errors)), ..found })
     }
 
     /// The part of the distance that a rung leaves.
-    fn seen(&self) -> Option<f64> {
+    fn seen(&self, apart: Apart) -> Option<f64> {
         let [.., a, b, c] = self.runs.as_slice() else { return None };
-        let (d1, d2) = (distance(&a.tally, &b.tally).0, distance(&b.tally, &c.tally).0);
+        let (d1, d2) = (apart(a, b), apart(b, c));
         Some((d2.max(ROUND_OFF_OF_SUMS) / d1.max(ROUND_OFF_OF_SUMS)).powf(1.0 / (b.rung - a.rung) as f64))
     }
 
     /// The same where it is to be believed: the runs contract, and no faster than expected.
-    fn contraction(&self) -> Option<f64> {
-        self.seen().filter(|&seen| seen <= CONTRACTS).map(|seen| seen.max(CONTRACTION))
+    fn contraction(&self, apart: Apart) -> Option<f64> {
+        self.seen(apart).filter(|&seen| seen <= CONTRACTS).map(|seen| seen.max(CONTRACTION))
     }
 
     /// The estimated error of each run; nothing is known of one run alone.
-    fn errors(&self) -> Vec<f64> {
+    fn errors(&self, apart: Apart) -> Vec<f64> {
         let least = self.runs.last().map_or(ROUND_OFF_OF_SUMS, |finest| round_off(&finest.tally));
         let last = match self.runs.as_slice() {
             [] | [_] => return Vec::new(),
-            [a, b] => distance(&a.tally, &b.tally).0,
+            [a, b] => apart(a, b),
             [.., a, b, c] => {
-                let (d1, d2) = (distance(&a.tally, &b.tally).0, distance(&b.tally, &c.tally).0);
-                match self.contraction() {
+                let (d1, d2) = (apart(a, b), apart(b, c));
+                match self.contraction(apart) {
                     Some(q) => {
                         let expected = q.powi((b.rung - a.rung) as i32);
                         let left = q.powi((c.rung - b.rung) as i32);
@@ -168,7 +206,7 @@ impl Runs {
             }
         };
         let Some((finest, coarser)) = self.runs.split_last() else { return Vec::new() };
-        let of = |rung: &Rung| (distance(&rung.tally, &finest.tally).0 + last).max(least);
+        let of = |rung: &Rung| (apart(rung, finest) + last).max(least);
         coarser.iter().map(of).chain([last.max(least)]).map(|error| self.doubt * error).collect()
     }
 }
@@ -179,7 +217,7 @@ fn round_off(tally: &Tally) -> f64 {
     ROUND_OFF_OF_SUMS.max(f64::EPSILON * (tally.steps as f64).sqrt()) * mean.max(1.0)
 }
 
-/// How far two runs of a problem are apart, of Fc; and how much more so in the second half of the window than in the first.
+/// How far the means of two runs of a problem are apart, of Fc; and how much more so in the second half of the window than in the first.
 pub fn distance(one: &Tally, other: &Tally) -> (f64, f64) {
     let whole = (one.totals.friction_n_s - other.totals.friction_n_s).abs() / (one.coulomb_n * one.time_s);
     let (a, b) = (one.marks.get(), other.marks.get());

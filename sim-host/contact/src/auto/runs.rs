@@ -4,6 +4,7 @@ use super::ladder::Setting;
 use crate::SolveError;
 use crate::method::Method;
 use crate::problem::Problem;
+use crate::record::Record;
 use crate::tally::{State, Tally};
 
 /// Steps between two pauses.
@@ -13,6 +14,9 @@ const PAUSE: u32 = 1 << 16;
 pub trait Runs {
     /// The run of a problem by a method in a setting; with `accounted`, the energies are added up, too.
     fn run(&self, problem: &Problem, method: Method, setting: Setting, accounted: bool) -> Result<Tally, SolveError>;
+
+    /// The same without energies, and with its record.
+    fn recorded(&self, problem: &Problem, method: Method, setting: Setting) -> Result<(Tally, Record), SolveError>;
 }
 
 /// Every run when it is asked for, with a pause now and then.
@@ -25,5 +29,17 @@ impl Runs for &dyn Fn() {
                 self();
             }
         })
+    }
+
+    fn recorded(&self, problem: &Problem, method: Method, setting: Setting) -> Result<(Tally, Record), SolveError> {
+        let (mut count, mut record) = (0u32, Record::default());
+        let tally = method.run(problem, setting, false, &mut |state: &State| {
+            count = count.wrapping_add(1);
+            if count.is_multiple_of(PAUSE) {
+                self();
+            }
+            record.add(state);
+        })?;
+        Ok((tally, record))
     }
 }

@@ -2,9 +2,9 @@
 
 use super::ladder::{Ladder, Setting, stable_steps};
 use super::pilot::Pilot;
-use super::refine::{self, Found, ROUND_OFF_OF_SUMS};
+use super::refine::{self, Found, ROUND_OFF_OF_SUMS, Ran};
 use super::runs::Runs;
-use super::{Numerics, Solution};
+use super::{Numerics, Solution, ToleranceOf};
 use crate::SolveError;
 use crate::method::Method;
 use crate::problem::{Law, Motion, Problem};
@@ -26,8 +26,6 @@ const SMOOTH: f64 = 30.0;
 const RINGS: f64 = 0.1;
 /// From this contact spring on, of `m w^2`, it does so faster than it is shaken by far.
 const STIFF: f64 = 30.0;
-/// Friction of this part of the force holds the mass at times.
-const HOLDS: f64 = 0.1;
 /// What estimates are multiplied by then; `sim-host validate contacts` holds them against the truth.
 const UNEVEN: f64 = 3.0;
 const VERY_UNEVEN: f64 = 10.0;
@@ -44,6 +42,8 @@ const RIGID: f64 = 1e10;
 /// The energies are added up so many rungs above what the friction needs, and not below this one.
 const FINER: usize = 3;
 const FIRST_ENERGIES: usize = 2;
+/// Friction on the wrong side of a reversal is off by so many times the Coulomb force.
+const REVERSED: f64 = 2.0;
 /// Moments a period at which the Taylor series is shown, which takes few steps.
 const STEPS_OF_CURVES: u32 = 12;
 /// Nor beyond so many times the steps of the first rung.
@@ -65,8 +65,10 @@ pub fn chosen<W: FnMut(&State)>(
             let exact = (Method::Linexp, format!("Dahl friction, kappa {kappa:.3}: exact flow, friction exact in slip"));
             let uneven = spring(problem) > RINGS || kappa > SMOOTH || !problem.waveform.is_periodic();
             let tight = match uneven {
+                // All settings of the series have the same moments.
+                _ if of_record(numerics) => f64::INFINITY,
                 // Friction that holds the mass is no small change of its motion, as which linexp treats it.
-                _ if spring(problem) > RINGS && holds(problem) => f64::INFINITY,
+                _ if spring(problem) > RINGS && problem.holds() => f64::INFINITY,
                 true => ORDER_FOUR,
                 false => ORDER_SIX,
             };
@@ -78,7 +80,7 @@ pub fn chosen<W: FnMut(&State)>(
             let bounded = format!("stiff bristles, kappa {kappa:.0}: friction exact in slip at the midpoint");
             let (located, bounded) = ((Method::Rk4Events, located), (Method::Midpoint, bounded));
             match stable > MANY_STEPS {
-                _ if numerics.tolerance < ORDER_FOUR => vec![series(), located, bounded],
+                _ if numerics.tolerance < ORDER_FOUR || of_record(numerics) => vec![series(), located, bounded],
                 true => vec![bounded, located, series()],
                 false => vec![located, bounded, series()],
             }
@@ -89,11 +91,12 @@ pub fn chosen<W: FnMut(&State)>(
     for (method, why) in choices {
         match find(problem, numerics, method, runs) {
             Ok(found) => {
-                let met = found.error <= numerics.tolerance;
-                if best.as_ref().is_none_or(|(.., best)| found.error < best.error) {
+                // Where the series is at round-off nothing else is nearer to the record.
+                let enough = found.decisive() <= numerics.tolerance || (of_record(numerics) && method == Method::Taylor);
+                if best.as_ref().is_none_or(|(.., best)| found.decisive() < best.decisive()) {
                     best = Some((method, why, found));
                 }
-                if met {
+                if enough {
                     break;
                 }
             }
@@ -134,16 +137,32 @@ fn coulomb_limit<W: FnMut(&State)>(
     solution.warnings =
         vec![format!("the bristles are rigid (kappa {kappa:.1e}): solved with Coulomb friction, off by {lag:.1e} at most")];
     let error = solution.error_estimate.unwrap_or(0.0) + lag;
-    state_error(&mut solution, error, numerics.tolerance);
+    // Within the lag friction is on the other side.
+    let of_record = solution.record_error_estimate.map(|_| REVERSED);
+    state_errors(&mut solution, (error, of_record), numerics.tolerance);
     Ok(solution)
 }
 
-fn state_error(solution: &mut Solution, error: f64, tolerance: f64) {
-    solution.error_estimate = Some(error);
-    solution.tolerance_met = error <= tolerance;
-    if !solution.tolerance_met {
-        solution.warnings.push(format!("the tolerance of {tolerance:e} is not met: the friction ratio is good to {error:.1e}"));
+/// States the error of the mean and that of the record, where the tolerance is of that.
+fn state_errors(solution: &mut Solution, (error, of_record): (f64, Option<f64>), tolerance: f64) {
+    (solution.error_estimate, solution.record_error_estimate) = (Some(error), of_record);
+    solution.tolerance_met = of_record.unwrap_or(error) <= tolerance;
+    if solution.tolerance_met {
+        return;
     }
+    let good = match of_record {
+        Some(error) if error < REVERSED => {
+            format!("the record is good to {error:.1e} (of the Coulomb force, the largest displacement and the largest velocity)")
+        }
+        Some(_) => "of the record only the beginning is known".to_owned(),
+        None => format!("the friction ratio is good to {error:.1e}"),
+    };
+    solution.warnings.push(format!("the tolerance of {tolerance:e} is not met: {good}"));
+}
+
+/// Whether the tolerance is of the whole record.
+fn of_record(numerics: &Numerics) -> bool {
+    numerics.tolerance_of == ToleranceOf::Record
 }
 
 /// The answer of one method.
@@ -167,18 +186,13 @@ fn spring(problem: &Problem) -> f64 {
     }
 }
 
-/// Whether friction is no small part of the force, and holds the mass at times.
-fn holds(problem: &Problem) -> bool {
-    problem.coulomb_n > HOLDS * problem.waveform.amplitude()
-}
-
 /// What an estimate is multiplied by. Where short bristles make the mass ring, `Kt / (m w^2)` no longer small, errors fall unevenly from rung to
 /// rung, as they do where every change of the forcing is another; and more so where the bristles are stiffer than the mass is heavy, or where
 /// friction is no small part of the force.
 fn doubt(problem: &Problem) -> f64 {
     let spring = spring(problem);
     match spring > RINGS {
-        true if holds(problem) || spring > STIFF => VERY_UNEVEN,
+        true if problem.holds() || spring > STIFF => VERY_UNEVEN,
         true if problem.kappa() > SMOOTH => UNEVEN,
         _ if matches!(problem.waveform.shape(), Shape::Random { .. }) => UNEVEN,
         _ => 1.0,
@@ -187,40 +201,54 @@ fn doubt(problem: &Problem) -> f64 {
 
 /// The settings that are asked for, or the cheapest of the method that meet the tolerance, with their run and its error.
 fn find(problem: &Problem, numerics: &Numerics, method: Method, runs: &dyn Runs) -> Result<Found, SolveError> {
-    let problem = &problem.of_window();
+    let of_record = of_record(numerics);
+    let problem = &if of_record && numerics.whole_run { problem.clone() } else { problem.of_window() };
     let ladder = Ladder::of(method, problem, numerics.order);
-    let by = |problem: &Problem, setting| runs.run(problem, method, setting, false);
+    let by = |problem: &Problem, setting: Setting| -> Result<Ran, SolveError> {
+        match of_record {
+            true => runs.recorded(problem, method, setting).map(|(tally, record)| (tally, Some(record))),
+            false => runs.run(problem, method, setting, false).map(|tally| (tally, None)),
+        }
+    };
     let fixed = || method.steps(problem.kappa()).filter(|_| method == Method::Rk4);
     if let Some(steps) = numerics.steps_per_period.or_else(fixed) {
         // What was asked for is what is shown; half the step tells its error.
         let order = numerics.order.or(method.order()).filter(|_| problem.law != Law::Coulomb && method.order().is_some());
-        let (tally, fine) = (by(problem, (steps, order))?, by(problem, (2 * steps, order))?);
-        let off = (Ratios::of(problem, &tally).friction - Ratios::of(problem, &fine).friction).abs();
-        return Ok(Found { setting: (steps, order), tally: Some(tally), error: off.max(ROUND_OFF_OF_SUMS), growth: 1.0 });
+        let ((tally, record), (fine, fine_record)) = (by(problem, (steps, order))?, by(problem, (2 * steps, order))?);
+        let off = (Ratios::of(problem, &tally).friction - Ratios::of(problem, &fine).friction).abs().max(ROUND_OFF_OF_SUMS);
+        let record_error = record.zip(fine_record).map(|(record, fine)| record.distance(&fine, problem).max(off));
+        return Ok(Found { setting: (steps, order), tally: Some(tally), error: off, record_error, growth: 1.0 });
     }
     // Where errors fall unevenly, order two says nothing of the next rung.
     let (doubt, tolerance) = (if method == Method::Taylor { 1.0 } else { doubt(problem) }, numerics.tolerance);
     let first = usize::from(doubt > 1.0);
     let start = ladder.start(tolerance).max(first);
     let mut whole = match method {
-        Method::Linexp | Method::Frozen | Method::Taylor => refine::Runs::of_two(doubt),
+        Method::Linexp | Method::Frozen | Method::Taylor => refine::Runs::of_two(problem, doubt),
         // Two runs of Runge-Kutta were seen to agree on what both are off by, and three where the bristles are long.
-        _ if problem.kappa() < LONG_BRISTLES => refine::Runs::of_three(UNEVEN_IN_TIME),
-        _ => refine::Runs::of_three(1.0),
+        _ if problem.kappa() < LONG_BRISTLES => refine::Runs::of_three(problem, UNEVEN_IN_TIME),
+        _ => refine::Runs::of_three(problem, 1.0),
     };
+    if of_record {
+        // A record that is shown has some moments in every period.
+        let shown = (0..).find(|&rung| ladder.setting(rung).is_none_or(|setting| shown_at(method, setting).0 >= STEPS_OF_CURVES));
+        let found = whole
+            .climb(&ladder, start.max(shown.unwrap_or(0)), tolerance, &mut |setting| by(problem, shown_at(method, setting)))?;
+        return Ok(Found { setting: shown_at(method, found.setting), ..found });
+    }
     let Some(pilot) = Pilot::of(method, problem) else {
         return whole.climb(&ladder, start, tolerance, &mut |setting| by(problem, setting));
     };
     let goal = pilot.goal(tolerance);
     let mut first_periods = if method == Method::Linexp || method == Method::Taylor {
-        refine::Runs::of_two(1.0)
+        refine::Runs::of_two(&pilot.problem, 1.0)
     } else {
-        refine::Runs::of_three(1.0)
+        refine::Runs::of_three(&pilot.problem, 1.0)
     };
     let found = first_periods.climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
     if pilot.stands_for_the_record(found.error, found.growth, tolerance) {
         // A contact that friction pumps may yet become too stiff for a series.
-        let tally = if method == Method::Taylor { Some(by(problem, found.setting)?) } else { None };
+        let tally = if method == Method::Taylor { Some(by(problem, found.setting)?.0) } else { None };
         let doubt = if spring(problem) > RINGS { UNEVEN } else { OF_PILOT };
         return Ok(Found { tally, error: doubt * found.error * pilot.growth, ..found });
     }
@@ -230,10 +258,15 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, runs: &dyn Runs)
     })
 }
 
+/// The setting that shows as many moments as a curve needs: steps of the Taylor series may be shorter at little cost.
+fn shown_at(method: Method, setting: Setting) -> Setting {
+    if method == Method::Taylor { (setting.0.max(STEPS_OF_CURVES), setting.1) } else { setting }
+}
+
 /// The setting of a run that is only to be looked at.
 fn for_curves(problem: &Problem, numerics: &Numerics, method: Method, setting: Setting) -> Setting {
     if method == Method::Taylor && numerics.steps_per_period.is_none() {
-        return (setting.0.max(STEPS_OF_CURVES), setting.1);
+        return shown_at(method, setting);
     }
     let ladder = Ladder::of(method, problem, numerics.order);
     let shown = ladder.setting(FIRST_ENERGIES + FINER).filter(|shown| shown.0 > setting.0);
@@ -305,7 +338,7 @@ fn answer<W: FnMut(&State)>(
         Some(plain) => plain,
         None => shown(problem, numerics, (method, setting, apart), runs, watch)?,
     };
-    let (mut ratios, mut error) = (Ratios::of(problem, &shown), found.error);
+    let (mut ratios, mut error, mut record_error) = (Ratios::of(problem, &shown), found.error, found.record_error);
     if let Some(plain) = plain {
         let plain = Ratios::of(problem, &plain);
         ratios = Ratios { friction: plain.friction, power: plain.power.or(ratios.power), ..ratios };
@@ -317,9 +350,14 @@ fn answer<W: FnMut(&State)>(
         warnings
             .push(format!("what friction does to the motion is left out; with it the friction ratio moves by {left_out:.1e}"));
         error += left_out;
+        if let Some(record_error) = &mut record_error {
+            let recorded = |method| runs.recorded(problem, method, setting);
+            *record_error += recorded(Method::Frozen)?.1.distance(&recorded(Method::Linexp)?.1, problem);
+        }
     }
     if numerics.steps_per_period.is_none() {
         error = error.max(LEAST_STATED * numerics.tolerance);
+        record_error = record_error.map(|error| error.max(LEAST_STATED * numerics.tolerance));
     }
     let mut solution = Solution {
         method,
@@ -329,11 +367,12 @@ fn answer<W: FnMut(&State)>(
         ratios,
         tally: Some(shown),
         error_estimate: None,
+        record_error_estimate: None,
         tolerance_met: true,
         warnings,
         states: method.states(problem),
         ns_per_period: None,
     };
-    state_error(&mut solution, error, numerics.tolerance);
+    state_errors(&mut solution, (error, record_error), numerics.tolerance);
     Ok(solution)
 }

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::table_4_1::table_4_1;
-use crate::{Shape, linexp, taylor};
+use crate::{Shape, Waveform, linexp, taylor};
+
+mod record;
 
 fn with(change: impl Fn(&mut Problem)) -> Problem {
     let mut problem = table_4_1(0.5, 200.0);
@@ -58,7 +60,7 @@ fn energies_are_as_good_as_the_friction() {
 fn a_steady_kinematic_question_costs_no_steps() {
     let problem = with(|problem| {
         let hz = problem.waveform.frequency_hz();
-        problem.waveform = super::super::Waveform::new(Shape::Sine, problem.vibration_m_per_s(), hz, problem.duration_s);
+        problem.waveform = Waveform::new(Shape::Sine, problem.vibration_m_per_s(), hz, problem.duration_s);
         problem.motion = Motion::Kinematic;
     });
     let solution = solve(&problem, &Numerics::default(), &mut |_| ()).unwrap();
@@ -75,7 +77,7 @@ fn a_steady_kinematic_question_costs_no_steps() {
 fn a_closed_form_is_of_whole_steady_periods() {
     let kinematic = with(|problem| {
         let hz = problem.waveform.frequency_hz();
-        problem.waveform = super::super::Waveform::new(Shape::Sine, problem.vibration_m_per_s(), hz, problem.duration_s);
+        problem.waveform = Waveform::new(Shape::Sine, problem.vibration_m_per_s(), hz, problem.duration_s);
         problem.motion = Motion::Kinematic;
     });
     let closed = Numerics { method: Method::Closed, ..Numerics::default() };

@@ -7,11 +7,13 @@ use contact::{linexp, taylor};
 
 const METHOD: &str = "integrator.method";
 const ORDER: &str = "integrator.order";
+const TOLERANCE_OF: &str = "integrator.tolerance_of";
 
 impl Rules<'_> {
     pub(super) fn integrator(&mut self) {
         let Some(method) = (if self.given(METHOD) { self.text(METHOD) } else { Some("auto") }) else { return };
         self.suited(method);
+        self.has_record(method);
         let orders: &[u32] = match method {
             "auto" | "linexp" | "frozen" => &linexp::ORDERS,
             "taylor" => &taylor::ORDERS,
@@ -33,6 +35,26 @@ impl Rules<'_> {
             if orders.is_empty() { format!("{method} has no choice of order") } else { format!("there is no order {order}") };
         let problem = Problem::new(self.place(ORDER), message, label);
         self.add(ORDER, problem.help(help));
+    }
+
+    /// A tolerance of the record needs a record: states from the start of the run on, in steps that can be made shorter.
+    fn has_record(&mut self, method: &str) {
+        if !self.given(TOLERANCE_OF) || self.text(TOLERANCE_OF) != Some("record") {
+            return;
+        }
+        let (reason, help) = match method {
+            _ if self.given("contact.hertz") => (
+                "vibration across a Hertzian contact has a tolerance of its mean only",
+                "leave `integrator.tolerance_of` out: then `error_estimate` is of the mean friction ratio",
+            ),
+            "closed" => (
+                "the closed form is one steady period, not a run from its start on",
+                "leave `integrator.method` out: auto takes a method with steps, whose record it compares",
+            ),
+            _ => return,
+        };
+        let problem = Problem::new(self.place(TOLERANCE_OF), "there is no record to have a tolerance", reason);
+        self.add(TOLERANCE_OF, problem.help(help));
     }
 
     /// A method that is asked for by name must be made for the contact.

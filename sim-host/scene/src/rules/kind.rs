@@ -38,7 +38,7 @@ const DRIVEN_ONLY: &[&str] = &[
 /// Tables that only a contact study has.
 const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.lugre", "contact.hertz"];
 /// Keys of the integrator that only a contact study has.
-const STUDY_KEYS: &[&str] = &["method", "order", "tolerance", "window_periods"];
+const STUDY_KEYS: &[&str] = &["method", "order", "tolerance", "tolerance_of", "window_periods"];
 /// Most steps that a period of the stack is divided into.
 const MOST_DRIVEN_STEPS: f64 = 4096.0;
 

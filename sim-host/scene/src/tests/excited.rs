@@ -177,3 +177,15 @@ fn a_method_is_made_for_the_contact_and_has_its_orders() {
     says(&report(&["contact.coulomb.mu=0.1", "integrator.method=rk4"]), &["rk4 cannot do this", "linexp follows it exactly"]);
     assert!(loaded(&["integrator.method=taylor", "integrator.order=28"]).excited().is_some());
 }
+
+#[test]
+fn a_tolerance_of_the_record_needs_a_record() {
+    let record = "integrator.tolerance_of=record";
+    let study = loaded(&[record]).excited().map(|study| crate::problem::numerics(&study, Some(&["tolerance_met"])));
+    // Also where only means are asked for: a metric is the same in every study of a scene.
+    assert!(study.is_some_and(|numerics| numerics.tolerance_of == contact::ToleranceOf::Record && numerics.whole_run));
+    assert_eq!(loaded(&[]).excited().and_then(|study| study.integrator.tolerance_of), None);
+    says(&report(&["integrator.tolerance_of=trace"]), &["trace", "record", "1 problem"]);
+    let hertz = ["contact.hertz.mu=0.3", "contact.hertz.stiffness_n_per_m15=1e9", "excitation.sliding_m_per_s=0.1", record];
+    says(&report(&hertz), &["there is no record to have a tolerance", "Hertzian", "leave `integrator.tolerance_of` out"]);
+}

@@ -40,6 +40,7 @@ pub fn of(study: &Excited, answer: &Answer) -> Metrics {
     metrics.put("energy_residual", ratios.energy_residual);
     metrics.put("kappa", sine.kappa());
     metrics.put("error_estimate", solution.error_estimate);
+    metrics.put("record_error_estimate", solution.record_error_estimate);
     metrics.put("tolerance_met", f64::from(solution.tolerance_met));
     metrics.put("steps_per_period", solution.steps_per_period.map(f64::from));
     metrics.put("plant_states", solution.states as f64);

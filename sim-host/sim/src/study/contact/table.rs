@@ -129,15 +129,17 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
 
 fn solution(solution: &Solution) -> TableBlock {
     let or_none = |number: Option<u32>| number.map_or_else(|| "–".to_owned(), |number| number.to_string());
-    let error = solution.error_estimate.map_or_else(|| "–".to_owned(), |error| format!("{error:.1e}"));
+    let error = |error: f64| format!("{error:.1e}");
+    let of_mean = solution.error_estimate.map_or_else(|| "–".to_owned(), error);
     let rows = [
-        ("method", solution.method.name().to_owned()),
-        ("why", solution.why.clone()),
-        ("steps a period", or_none(solution.steps_per_period)),
-        ("order", or_none(solution.order)),
-        ("error estimate of the friction ratio", error),
-        ("states", solution.states.to_string()),
+        ("method", Some(solution.method.name().to_owned())),
+        ("why", Some(solution.why.clone())),
+        ("steps a period", Some(or_none(solution.steps_per_period))),
+        ("order", Some(or_none(solution.order))),
+        ("error estimate of the friction ratio", Some(of_mean)),
+        ("error estimate of the record", solution.record_error_estimate.map(error)),
+        ("states", Some(solution.states.to_string())),
     ];
-    let rows = rows.into_iter().map(|(what, value)| vec![what.into(), value]).collect();
+    let rows = rows.into_iter().filter_map(|(what, value)| Some(vec![what.into(), value?])).collect();
     TableBlock::new("solution", "Solution", "", &["", ""], rows)
 }
