@@ -6,6 +6,8 @@ mod compare;
 mod folder;
 #[path = "command_line/link.rs"]
 mod link;
+#[path = "command_line/measured.rs"]
+mod measured;
 #[cfg(unix)]
 #[path = "command_line/signals.rs"]
 mod signals;

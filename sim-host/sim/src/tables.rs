@@ -6,6 +6,7 @@ mod driven;
 use crate::figures;
 use crate::instruments::{Line, View, crash};
 use crate::numbers::{number, precise};
+use crate::overlay;
 use crate::study::{Outcome, Study, contact, monte_carlo};
 use report::{Report, TableBlock};
 use scene::metrics;
@@ -41,6 +42,7 @@ pub fn tables(study: &Study) -> Vec<TableBlock> {
         Outcome::Contact(solved) => tables.extend(contact::table::tables(study, solved)),
         Outcome::MonteCarlo(runs) => tables.extend(monte_carlo::table::tables(study, runs)),
     }
+    tables.push(overlay::table(&figures::residuals(study)));
     tables.extend(grid(study));
     tables.retain(|table| !table.rows.is_empty());
     tables
