@@ -5,7 +5,7 @@
 //! | 0 | done |
 //! | 1 | the run failed |
 //! | 2 | usage |
-//! | 3 | invalid scene |
+//! | 3 | invalid scene, or a measured file that is refused |
 //! | 4 | the run finished, but an expectation was missed |
 //! | 5 | board or link not found or lost |
 //! | 130 | interrupted; the results so far are written, and marked |
@@ -46,11 +46,11 @@ use scene::resolved::resolved_toml;
 use scene::{builtin, schema, suite};
 use sim::output::{Folder, OutputError};
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run failed; 2 usage; 3 invalid scene; 4 the run finished but an expectation was \
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run failed; 2 usage; 3 invalid scene, or a measured file that is refused; 4 the run finished but an expectation was \
 missed; 5 QEMU or board not found or lost; 130 interrupted, with the results so far written and marked.";
 const RUN_FAILED: u8 = 1;
 const USAGE: u8 = 2;
-const INVALID_SCENE: u8 = 3;
+const INVALID_INPUT: u8 = 3;
 const EXPECTATION_MISSED: u8 = 4;
 const LOST: u8 = 5;
 const INTERRUPTED: u8 = 130;
@@ -327,7 +327,7 @@ fn invalid(error: &LoadError, color: Color) -> ExitCode {
         LoadError::Invalid(report) => say!("{}", report.render(color.stderr)),
         error => say!("error: {error}"),
     }
-    ExitCode::from(INVALID_SCENE)
+    ExitCode::from(INVALID_INPUT)
 }
 
 /// The built-in scenes: name and title.

@@ -10,6 +10,8 @@ mod folder;
 mod help;
 #[path = "command_line/link.rs"]
 mod link;
+#[path = "command_line/measured.rs"]
+mod measured;
 #[cfg(unix)]
 #[path = "command_line/signals.rs"]
 mod signals;

@@ -103,6 +103,13 @@ impl Folder {
         Folder(path)
     }
 
+    /// Puts the measured files into the folder.
+    fn measured(&self) {
+        for (name, text) in measured_files() {
+            fs::write(self.0.join(name), text).expect("a measured file");
+        }
+    }
+
     /// Exit code and standard error of a command in this folder.
     fn run(&self, arguments: &[String]) -> (i32, String) {
         let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
@@ -156,6 +163,36 @@ fn measured_files() -> Vec<(&'static str, String)> {
         ("jig.csv", format!("{parts}{}", lines(&|_, hz| (z(hz).re + 10.02, z(hz).im)))),
         ("jig-open.csv", format!("{parts}{}", lines(&|_, hz| (1.0, -1.0 / (std::f64::consts::TAU * hz * 1e-12))))),
         ("jig-short.csv", format!("{parts}{}", lines(&|_, _| (0.02, 1e-3)))),
+        (
+            "speed.csv",
+            format!(
+                "t [ms];v [mm/s];remark\n{}",
+                (0..50).map(|n| format!("{};{},5;1\n", 10 * n, 38 - n % 12)).collect::<String>()
+            ),
+        ),
+        (
+            "load-cell.csv",
+            format!("t [s],F [N]\n{}", (0..32).map(|n| format!("{},1.4\n", 0.01 * f64::from(n))).collect::<String>()),
+        ),
+        (
+            "vibration.csv",
+            format!(
+                "t [us],v [m/s]\n{}",
+                (0..20_000).map(|n| format!("{n},{}\n", 0.05 * (f64::from(n) * 0.25).sin())).collect::<String>()
+            ),
+        ),
+        ("pulse.csv", "time [ms],deceleration [g]\n0,0\n20,14\n60,25\n90,9\n110,0\n".to_owned()),
+        ("traces.txt", {
+            let trace = |name: &str, of: &dyn Fn(f64) -> f64| {
+                let rows: String = (0..201)
+                    .map(|n| 39e3 + 10.0 * f64::from(n))
+                    .map(|hz| format!("{hz:E}\t{:E}\t0.0E+00\n", of(hz) * (1.0 + noise(hz as usize, 12.9))))
+                    .collect();
+                format!("\"TRACE: {name}\"\n\"Frequency\"\t\"Data Trace Real\"\t\"Data Trace Imag\"\n{rows}\n")
+            };
+            let angle = |hz: f64| z(hz).im.atan2(z(hz).re).to_degrees();
+            format!("\"4294A\"\n{}{}", trace("A", &|hz| z(hz).norm_sqr().sqrt()), trace("B", &angle))
+        }),
         ("log.csv", format!("t [s],x [m],F [N]\n{}", (0..600).map(slide).collect::<String>())),
     ]
 }
@@ -163,12 +200,14 @@ fn measured_files() -> Vec<(&'static str, String)> {
 #[test]
 fn every_documented_command_works() {
     let folder = Folder::new("documented");
-    let blocks = scenes();
-    let (_, transducer) = blocks.iter().find(|(_, text)| text.contains("\"my transducer\"")).expect("README's transducer");
-    fs::write(folder.0.join("my-transducer.toml"), transducer).expect("a scene");
-    for (name, text) in measured_files() {
-        fs::write(folder.0.join(name), text).expect("a measured file");
+    // A scene that a page calls "my belt" is run as my-belt.toml.
+    for (_, text) in scenes() {
+        let title = text.lines().find_map(|line| line.strip_prefix("title = \"my "));
+        if let Some(name) = title.and_then(|rest| rest.split('"').next()) {
+            fs::write(folder.0.join(format!("my-{}.toml", name.replace(' ', "-"))), text).expect("a scene");
+        }
     }
+    folder.measured();
     let mut wrong = Vec::new();
     for (command, page) in commands() {
         if command.starts_with(BENCHES) || NOT_RUN.iter().any(|(start, _)| command.starts_with(start)) {
@@ -241,6 +280,7 @@ fn scenes() -> Vec<(String, String)> {
 #[test]
 fn every_documented_scene_is_valid() {
     let folder = Folder::new("scenes");
+    folder.measured();
     assert!(scenes().len() >= 2, "README prints scenes");
     for (at, (page, text)) in scenes().into_iter().enumerate() {
         let file = format!("{at}.toml");
@@ -280,6 +320,7 @@ fn every_documented_test_is_there() {
         "board",
         "contact",
         "cortex-m4",
+        "delimited",
         "import",
         "scene",
         "plant",

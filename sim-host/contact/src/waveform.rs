@@ -11,6 +11,7 @@
 //! | triangle | two a period | rises from `-1` to `+1`, then falls back |
 //! | random | one a hold | uniform in `[-1, 1]`, held |
 //! | chirp | one a cycle | `cos` of a phase whose frequency runs linearly from start to stop over the sweep, and stays |
+//! | measured | one between two samples | a straight line from sample to sample |
 //! | still | one a period | `0` |
 
 use std::f64::consts::TAU;
@@ -48,6 +49,8 @@ pub enum Shape {
         /// From the first to the last, s.
         sweep_s: f64,
     },
+    /// As measured, along straight lines from sample to sample.
+    Measured,
     /// No excitation at all.
     Still,
 }
@@ -58,8 +61,10 @@ pub struct Waveform {
     shape: Shape,
     amplitude: f64,
     frequency_hz: f64,
-    /// Values of a random waveform.
+    /// Values of a random or a measured waveform.
     held: Vec<f64>,
+    /// Times of a measured waveform, s.
+    times_s: Vec<f64>,
 }
 
 /// A piece of a waveform, within which the forcing is smooth.
@@ -88,7 +93,15 @@ impl Waveform {
             }
             _ => Vec::new(),
         };
-        Waveform { shape, amplitude, frequency_hz, held }
+        Waveform { shape, amplitude, frequency_hz, held, times_s: Vec::new() }
+    }
+
+    /// A measured waveform, of samples with time, s, and value, N or m/s, in ascending order and the first at zero. After the last it stays. Periods
+    /// are counted by a frequency, Hz.
+    pub fn measured(samples: impl IntoIterator<Item = (f64, f64)>, frequency_hz: f64) -> Self {
+        let (times_s, held): (Vec<f64>, Vec<f64>) = samples.into_iter().unzip();
+        let amplitude = held.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+        Waveform { shape: Shape::Measured, amplitude, frequency_hz, held, times_s }
     }
 
     /// Shape of the waveform over time.
@@ -101,7 +114,7 @@ impl Waveform {
         self.amplitude
     }
 
-    /// Frequency of the waveform, Hz; of a random waveform or a chirp, the one that periods are counted by.
+    /// Frequency of the waveform, Hz; of a random or measured waveform or a chirp, the one that periods are counted by.
     pub fn frequency_hz(&self) -> f64 {
         self.frequency_hz
     }
@@ -112,6 +125,8 @@ impl Waveform {
             Shape::Sine | Shape::Chirp { .. } => 0.5f64.sqrt(),
             Shape::Square => 1.0,
             Shape::Sawtooth | Shape::Triangle | Shape::Random { .. } => (1.0f64 / 3.0).sqrt(),
+            // Only its samples say.
+            Shape::Measured => f64::NAN,
             Shape::Still => 0.0,
         }
     }
@@ -145,9 +160,28 @@ impl Waveform {
                 let (hz, hz_per_s) = chirp.frequency_at(count);
                 (chirp.at_turns(count), chirp.cycle_s(count), None, Forcing::Cosine { size: a, turns: 0.0, hz, hz_per_s })
             }
+            Shape::Measured => return self.between_samples(index as usize),
             Shape::Still => (count * period_s, period_s, Some(0), Forcing::Line { value: 0.0, slope: 0.0 }),
         };
         Piece { start_s, length_s, template, forcing }
+    }
+
+    /// The straight line from a sample to the next; after the last sample, its value a period long.
+    fn between_samples(&self, index: usize) -> Piece {
+        let sample = |index: usize| Some((*self.times_s.get(index)?, *self.held.get(index)?));
+        match (sample(index), sample(index + 1)) {
+            (Some((start_s, value)), Some((end_s, next))) => {
+                let length_s = end_s - start_s;
+                Piece { start_s, length_s, template: None, forcing: Forcing::Line { value, slope: (next - value) / length_s } }
+            }
+            _ => {
+                let last = self.times_s.len().saturating_sub(1);
+                let (end_s, value) = sample(last).unwrap_or_default();
+                let length_s = 1.0 / self.frequency_hz;
+                let start_s = end_s + (index - last) as f64 * length_s;
+                Piece { start_s, length_s, template: None, forcing: Forcing::Line { value, slope: 0.0 } }
+            }
+        }
     }
 
     /// Whether one period is like the other.
@@ -185,6 +219,16 @@ impl Waveform {
             Shape::Square | Shape::Triangle => (2.0 * self.frequency_hz * time_s).floor(),
             Shape::Sawtooth => (self.frequency_hz * time_s).floor(),
             Shape::Random { hold_s, .. } => (time_s / hold_s).floor(),
+            Shape::Measured => {
+                let after = self.times_s.partition_point(|&sample| sample <= time_s);
+                let last = self.times_s.len().saturating_sub(1);
+                let (end_s, past) = (self.times_s.last().copied().unwrap_or(0.0), last as f64);
+                if after > last {
+                    past + ((time_s - end_s) * self.frequency_hz).floor().max(0.0)
+                } else {
+                    after.saturating_sub(1) as f64
+                }
+            }
         };
         let piece = self.piece(index as u64);
         piece.forcing.value(time_s - piece.start_s)
@@ -277,6 +321,23 @@ mod tests {
                     assert!((direct - by_piece).abs() < 1e-9 || swept_in_it, "{shape:?} {index}: {direct} {by_piece}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_measured_waveform_goes_through_its_samples() {
+        let samples = [(0.0, 1.0), (1e-5, -3.0), (1.4e-5, 2.0)];
+        let waveform = Waveform::measured(samples, 60e3);
+        assert_eq!((waveform.amplitude(), waveform.is_periodic()), (3.0, false));
+        for (time, value) in samples {
+            assert!((waveform.value(time) - value).abs() < 1e-12);
+        }
+        assert!((waveform.value(0.5e-5) + 1.0).abs() < 1e-12 && waveform.value(1.0) == 2.0);
+        for index in 0..9 {
+            let (piece, next) = (waveform.piece(index), waveform.piece(index + 1));
+            assert!((piece.start_s + piece.length_s - next.start_s).abs() < 1e-16, "{index}");
+            let middle = 0.5 * piece.length_s;
+            assert!((waveform.value(piece.start_s + middle) - piece.forcing.value(middle)).abs() < 1e-9, "{index}");
         }
     }
 

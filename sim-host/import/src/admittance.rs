@@ -7,6 +7,7 @@ mod figures;
 mod fit;
 pub mod fixture;
 pub mod measured;
+mod memory;
 pub mod options;
 mod result;
 mod scene_file;

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use delimited::TableError;
+
 /// Why a measured file gives no parameters.
 #[derive(Debug, thiserror::Error)]
 pub enum ImportError {
@@ -107,4 +109,26 @@ pub enum ImportError {
     /// The fit has found no parameters.
     #[error("no fit: {0}")]
     NoFit(String),
+}
+
+impl From<TableError> for ImportError {
+    fn from(error: TableError) -> Self {
+        let what = error.to_string();
+        match error {
+            TableError::NoTable { .. } => ImportError::UnknownForm {
+                seen: format!(
+                    "{what}; known are Touchstone (.s1p, .s2p) and tables of numbers, with commas, semicolons, tabs or blanks between"
+                ),
+            },
+            TableError::OneLine { .. } => ImportError::UnknownForm { seen: what },
+            TableError::Interrupted { line, .. } => {
+                ImportError::BadLine { line, what: format!("{what}; mend or remove it, or give one sweep a file") }
+            }
+            TableError::Width { line, decimal_comma: true, .. } => ImportError::BadLine { line, what },
+            TableError::Width { line, .. } => ImportError::BadLine {
+                line,
+                what: format!("{what}; give the names with `--columns`, as `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`"),
+            },
+        }
+    }
 }

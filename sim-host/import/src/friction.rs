@@ -4,17 +4,17 @@
 //! file -> log (slip, force, normal force, OFF and ON) -> fit of each model to the OFF part -> choice -> contact, friction ratio ON over OFF, scene
 //! ```
 
-mod fit;
+pub(crate) mod fit;
 mod log;
 mod maxwell;
 mod models;
-mod result;
+pub(crate) mod result;
 mod view;
 
 use std::path::Path;
 
 use crate::error::ImportError;
-use crate::text::decode;
+use delimited::decode;
 pub use log::{Log, Options};
 pub use models::Model;
 pub use result::{Fitted, Friction};

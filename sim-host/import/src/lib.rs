@@ -22,13 +22,12 @@
 
 pub mod admittance;
 mod complex;
-mod delimited;
 pub mod error;
 pub mod friction;
 mod heading;
 mod least_squares;
 mod stated;
 pub mod synthetic;
-mod text;
 mod touchstone;
+mod traces;
 pub mod units;

@@ -8,6 +8,7 @@
 
 mod draw;
 mod file;
+mod friction;
 mod mutate;
 mod random;
 
@@ -19,6 +20,7 @@ use crate::admittance::measured::Measured;
 use crate::admittance::options::Options;
 use crate::admittance::{Admittance, bounds, fit, fixture};
 use crate::error::ImportError;
+pub use friction::{Bounded, FrictionExample};
 pub use mutate::mutated;
 
 /// A synthetic measurement.

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 
 use crate::complex::polar;
 use crate::error::ImportError;
-use crate::text::{beginning, number};
+use delimited::{beginning, number};
 
 /// A file of one or two ports.
 #[derive(Clone, Debug, PartialEq)]

@@ -127,6 +127,7 @@ mod tests {
     fn both_forms_of_a_stack_are_the_same_circuit() {
         let bvd = Bvd {
             c0_f: 300e-9,
+            ct_f: None,
             cm_f: None,
             lm_h: None,
             rm_ohm: None,

@@ -1,4 +1,4 @@
-//! Plant values that change on the way: steps, ramps and sines, from a scene's `[[disturbance]]`.
+//! Plant values that change on the way: steps, ramps, sines and measured courses, from a scene's `[[disturbance]]`.
 
 use scene::{Disturbance, DisturbedKey};
 
@@ -38,9 +38,30 @@ impl Change {
             self.done = true;
             return change.to;
         }
+        if let Some(profile) = &change.profile {
+            return Some(profile.at(since));
+        }
         let turns = change.sine_hz.unwrap_or(0.0) * since;
         let sine = change.sine_amplitude.unwrap_or(0.0) * libm::sin(std::f64::consts::TAU * turns);
         let added = change.rate_per_s.unwrap_or(0.0) * since + sine;
         Some(present + added - std::mem::replace(&mut self.added, added))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Change;
+    use scene::load::load;
+
+    #[test]
+    fn a_measured_course_is_followed_from_its_beginning_on() {
+        let profile = "disturbance.0={at_s=0.1, key=\"rig.slider.speed_m_per_s\", profile={from_s=2, time_s=[1,3,5], values=[0.01,0.03,0.02]}}";
+        let loaded = load("belt-stop-slow", &[profile.to_owned()]).unwrap_or_else(|error| panic!("{error}"));
+        let mut change = Change::new(loaded.scene.disturbance[0].clone());
+        assert_eq!(change.next(0.05, 0.038), None);
+        for (time_s, speed) in [(0.1, 0.02), (0.2, 0.021), (1.1, 0.03), (2.1, 0.025)] {
+            let next = change.next(time_s, 0.038).unwrap();
+            assert!((next - speed).abs() < 1e-12 && !change.is_over(), "{time_s}: {next}");
+        }
     }
 }

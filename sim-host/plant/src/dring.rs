@@ -37,7 +37,7 @@ mod tests;
 
 use self::actuator::Actuator;
 use self::capstan::Capstan;
-use self::pulse::Pulse;
+use self::pulse::{Course, Pulse};
 use self::span::Span;
 
 /// Everything about a crash that stays as it is.
@@ -64,7 +64,14 @@ impl Bench {
     pub fn of(scene: &scene::Dring) -> Self {
         Bench {
             torso_kg: scene.torso_mass_kg(),
-            pulse: Pulse { at_s: scene.at_s, peak_m_per_s2: scene.pulse_g * G_M_PER_S2, length_s: 1e-3 * scene.pulse_ms },
+            pulse: Pulse {
+                at_s: scene.at_s,
+                length_s: scene.pulse_s(),
+                course: match &scene.pulse {
+                    Some(profile) => Course::Measured(profile.clone()),
+                    None => Course::HalfSine(scene.pulse_g.unwrap_or(0.0) * G_M_PER_S2),
+                },
+            },
             shoulder: Span {
                 stiffness_n_per_m: scene.belt_stiffness_n_per_m,
                 slack_m: scene.slack_m,

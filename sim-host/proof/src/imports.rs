@@ -6,6 +6,7 @@
 //!                   +-> damaged bytes -> import -> refused by name, or taken; never a panic --------+
 //! ```
 
+mod friction;
 mod judged;
 mod tables;
 
@@ -22,6 +23,8 @@ use sim::study::StudyError;
 const FILES: [u32; 2] = [600, 60];
 /// Damaged files, and those of the quick variant.
 const DAMAGED: [u32; 2] = [10_000, 500];
+/// Friction logs, and those of the quick variant.
+const LOGS: [u32; 2] = [200, 20];
 /// Part of the truths that is to be within two standard deviations, of each number.
 const COVERAGE: (f64, f64) = (0.93, 0.98);
 /// Largest median of a standard deviation over its Cramér-Rao bound.
@@ -35,7 +38,11 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
     let set = each(files, options.stop, |number| judge(number.into()))?;
     (options.progress)(&format!("{broken} damaged files"));
     let ruined = each(broken, options.stop, |number| damaged(number.into()))?;
-    let tables = tables::tables(&set, &ruined);
+    let logs = LOGS[quick];
+    (options.progress)(&format!("{logs} friction logs"));
+    let logs = each(logs, options.stop, |number| friction::judge(number.into()))?;
+    let mut tables = tables::tables(&set, &ruined);
+    tables.push(friction::table(&logs));
     Ok(Evidence {
         report: Report {
             title: "Import: synthetic measurements against their truth".into(),
@@ -45,7 +52,7 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
         },
         files: vec![("imports.csv", tables::csv(&set)?)],
         docs: tables,
-        missed: missed(&set, &ruined),
+        missed: [missed(&set, &ruined), friction::missed(&logs)].concat(),
         ..Evidence::default()
     })
 }

@@ -1,6 +1,7 @@
 //! The errors of this package: the texts of the command line, as exceptions.
 
 use std::error::Error;
+use std::path::Path;
 
 use pyo3::create_exception;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -14,6 +15,12 @@ create_exception!(
     "A scene or a value of it is wrong; the text names line, column and the nearest name."
 );
 create_exception!(sonoglide, RunError, PyRuntimeError, "A run has no result, or its folder cannot be written.");
+create_exception!(
+    sonoglide,
+    MeasurementError,
+    PyValueError,
+    "A measured file is refused; the text says why, with the line or the column."
+);
 create_exception!(sonoglide, LinkError, PyRuntimeError, "A board does not answer, refuses an order, or was lost.");
 
 /// A scene that cannot be loaded, with the report of everything that is wrong with it.
@@ -21,6 +28,14 @@ pub fn of_scene(error: &LoadError) -> PyErr {
     SceneError::new_err(match error {
         LoadError::Invalid(report) => report.render(false),
         error => error.to_string(),
+    })
+}
+
+/// A measured file that is refused, as the command line says it.
+pub fn of_import(path: &Path, error: &import::error::ImportError) -> PyErr {
+    MeasurementError::new_err(match error {
+        import::error::ImportError::Unreadable { .. } => error.to_string(),
+        error => format!("{}: {error}", path.display()),
     })
 }
 

@@ -8,6 +8,7 @@
 //! Work runs on a thread of its own without the interpreter's lock, and a signal such as Ctrl-C ends it (`interruptible`).
 
 mod errors;
+mod imported;
 mod interruptible;
 mod link;
 mod result;
@@ -19,7 +20,9 @@ mod vocabulary;
 #[pyo3::pymodule]
 mod _native {
     #[pymodule_export]
-    use crate::errors::{LinkError, RunError, SceneError};
+    use crate::errors::{LinkError, MeasurementError, RunError, SceneError};
+    #[pymodule_export]
+    use crate::imported::{import_admittance, import_friction};
     #[pymodule_export]
     use crate::link::Link;
     #[pymodule_export]

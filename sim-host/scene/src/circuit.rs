@@ -4,7 +4,9 @@
 //! omega_s^2 Lm Cm = 1,   Q = omega_s Lm / Rm,   fp = fs sqrt(1 + Cm / C0),   k^2 = Cm / (C0 + Cm)
 //! ```
 //!
-//! Beside `c0_f` a set is complete with one of `q`, `rm_ohm` and two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h`, `cm_f`, `coupling`, of which `cm_f` and
+//! In place of C0 the capacitance far below the resonance may be given, `CT = C0 + Cm`, as a bridge at 1 kHz reads it: `k^2 = Cm / CT`, `CT / C0 = (fp / fs)^2`.
+//!
+//! Beside `c0_f` or `ct_f` a set is complete with one of `q`, `rm_ohm` and two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h`, `cm_f`, `coupling`, of which `cm_f` and
 //! `coupling` say the same. More than that is taken if it agrees to a per cent, as rounded numbers of an analyser do; what it disagrees in is named.
 
 use std::f64::consts::TAU;
@@ -14,6 +16,8 @@ use std::f64::consts::TAU;
 pub struct Given {
     /// Clamped capacitance, F.
     pub c0_f: Option<f64>,
+    /// Capacitance far below the resonance, F: clamped and motional together.
+    pub ct_f: Option<f64>,
     /// Motional capacitance, F.
     pub cm_f: Option<f64>,
     /// Motional inductance, H.
@@ -106,8 +110,12 @@ impl Given {
     /// Says what is missing, or which value contradicts the others.
     pub fn resolve(&self) -> Result<Elements, CircuitError> {
         let incomplete = |what: &str| CircuitError::Incomplete(what.to_owned());
-        let c0_f = self.c0_f.ok_or_else(|| incomplete("`c0_f` is missing"))?;
         let square = |hz: f64| (TAU * hz).powi(2);
+        let c0_f = match (self.c0_f, self.ct_f) {
+            (Some(c0_f), _) => c0_f,
+            (None, Some(ct_f)) => self.clamped(ct_f)?,
+            (None, None) => return Err(incomplete("`c0_f` or `ct_f` is missing")),
+        };
         let by_coupling = || self.coupling.map(|k| c0_f * k * k / (1.0 - k * k));
         let by_resonances = || {
             let (fs, fp) = (self.series_resonance_hz?, self.parallel_resonance_hz?);
@@ -133,6 +141,25 @@ impl Given {
         Ok(elements)
     }
 
+    /// The clamped capacitance by that far below the resonance, F.
+    fn clamped(&self, ct_f: f64) -> Result<f64, CircuitError> {
+        let by_coupling = || self.coupling.map(|k| ct_f * k * k);
+        let by_series = || Some(1.0 / ((TAU * self.series_resonance_hz?).powi(2) * self.lm_h?));
+        let by_resonances = || Some(ct_f * (1.0 - (self.series_resonance_hz? / self.parallel_resonance_hz?).powi(2)));
+        let cm_f = self.cm_f.or_else(by_coupling).or_else(by_resonances).or_else(by_series);
+        // With Lm and the parallel resonance alone, Cm and C0 might be exchanged.
+        let cm_f = cm_f.ok_or_else(|| {
+            let needed =
+                "beside `ct_f`, `cm_f`, `coupling`, or `series_resonance_hz` with `parallel_resonance_hz` or `lm_h` is needed";
+            CircuitError::Incomplete(needed.to_owned())
+        })?;
+        if cm_f > 0.0 && cm_f < ct_f {
+            Ok(ct_f - cm_f)
+        } else {
+            Err(CircuitError::Contradicting { name: "ct_f", given: ct_f, follows: cm_f })
+        }
+    }
+
     /// Holds every value against the elements.
     fn agrees(&self, elements: &Elements) -> Result<(), CircuitError> {
         let follows = [
@@ -144,7 +171,8 @@ impl Given {
             elements.q(),
             elements.coupling(),
         ];
-        for ((name, given), follows) in self.named().into_iter().zip(follows) {
+        let total = [(("ct_f", self.ct_f), elements.c0_f + elements.cm_f)];
+        for ((name, given), follows) in self.named().into_iter().zip(follows).chain(total) {
             // What is no number agrees with nothing.
             let agrees = |given: f64| (given / follows - 1.0).abs() <= ROUNDED;
             if let Some(given) = given.filter(|&given| !agrees(given)) {
@@ -164,6 +192,7 @@ mod tests {
     fn all() -> Given {
         Given {
             c0_f: Some(TRUTH.c0_f),
+            ct_f: None,
             cm_f: Some(TRUTH.cm_f),
             lm_h: Some(TRUTH.lm_h),
             rm_ohm: Some(TRUTH.rm_ohm),
@@ -180,6 +209,7 @@ mod tests {
         let pick = |bit: u32, value: Option<f64>| value.filter(|_| mask >> bit & 1 == 1);
         Given {
             c0_f: all.c0_f,
+            ct_f: None,
             cm_f: pick(0, all.cm_f),
             lm_h: pick(1, all.lm_h),
             rm_ohm: pick(2, all.rm_ohm),
@@ -209,6 +239,30 @@ mod tests {
                 Err(error) => assert!(!complete && matches!(error, CircuitError::Incomplete(_)), "{given:?}: {error}"),
             }
         }
+    }
+
+    /// Every complete set with C0 is one with CT, but for Lm and the parallel resonance, by which Cm and C0 could be exchanged.
+    #[test]
+    fn the_capacitance_far_below_stands_for_the_clamped_one() {
+        for mask in 0..128 {
+            let by_clamped = some(mask);
+            let by_total = Given { c0_f: None, ct_f: Some(TRUTH.c0_f + TRUTH.cm_f), ..by_clamped };
+            let tells = by_clamped.cm_f.is_some()
+                || by_clamped.coupling.is_some()
+                || by_clamped.series_resonance_hz.is_some()
+                    && (by_clamped.lm_h.is_some() || by_clamped.parallel_resonance_hz.is_some());
+            match by_total.resolve() {
+                Ok(found) => {
+                    let c0 = (found.c0_f / TRUTH.c0_f - 1.0).abs();
+                    assert!(tells && by_clamped.resolve().is_ok() && c0 < 1e-9, "{by_total:?}: {found:?}");
+                }
+                Err(error) => assert!(!tells || by_clamped.resolve().is_err(), "{by_total:?}: {error}"),
+            }
+        }
+        let small = Given { c0_f: None, ct_f: Some(0.5 * TRUTH.cm_f), ..all() };
+        assert!(matches!(small.resolve(), Err(CircuitError::Contradicting { name: "ct_f", .. })));
+        let both = Given { ct_f: Some(TRUTH.c0_f), ..all() };
+        assert!(matches!(both.resolve(), Err(CircuitError::Contradicting { name: "ct_f", .. })));
     }
 
     #[test]

@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A change of one plant value on the way. Give `to` (a step), or `rate_per_s` (a ramp), or `sine_amplitude` and `sine_hz`.
+use super::Profile;
+
+/// A change of one plant value on the way. Give `to` (a step), or `rate_per_s` (a ramp), or `sine_amplitude` and `sine_hz`, or `profile` (as measured).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Disturbance {
@@ -25,6 +27,9 @@ pub struct Disturbance {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e4))]
     pub sine_hz: Option<f64>,
+    /// Measured course that the value follows from `at_s` on, to the end of the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub profile: Option<Profile>,
 }
 
 /// A plant value that can change on the way.
@@ -72,7 +77,7 @@ pub enum DisturbedKey {
     /// Force that presses the rotor on, N.
     #[serde(rename = "rig.rotor.preload_n")]
     Preload,
-    /// Normal force of a contact study, N; a step only.
+    /// Normal force of a contact study, N; a step, or a measured course, which goes in a step from sample to sample.
     #[serde(rename = "contact.normal_n")]
     Normal,
 }

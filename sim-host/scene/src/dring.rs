@@ -3,7 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A torso in its seat belt, over a D-ring whose friction the drive lowers, in a crash. For scenes with `[stack]`; it has no `[contact]`.
+use super::Profile;
+
+/// A torso in its seat belt, over a D-ring whose friction the drive lowers, in a crash. For scenes with `[stack]`; it has no `[contact]`. Give either
+/// `pulse_g` and `pulse_ms`, or `pulse`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Dring {
@@ -33,11 +36,16 @@ pub struct Dring {
     #[serde(default = "default::seat_reads")]
     pub seat_reads: bool,
     /// Peak of the half-sine pulse, g of 9.81 m/s^2.
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.1, max = 200.0))]
-    pub pulse_g: f64,
+    pub pulse_g: Option<f64>,
     /// Length of the half-sine pulse, ms.
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1.0, max = 1e3))]
-    pub pulse_ms: f64,
+    pub pulse_ms: Option<f64>,
+    /// Measured deceleration of the vehicle, in place of the half sine, m/s^2; zero after its last sample.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pulse: Option<Profile>,
     /// When it begins, s.
     #[serde(default = "default::at_s")]
     #[schemars(range(min = 0.0, max = 1e3))]
@@ -120,6 +128,12 @@ impl Dring {
     /// Mass of the torso, kg.
     pub fn torso_mass_kg(&self) -> f64 {
         self.torso_kg.unwrap_or_else(|| self.occupant.torso_kg())
+    }
+
+    /// Length of the pulse, s.
+    pub fn pulse_s(&self) -> f64 {
+        let measured = self.pulse.as_ref().and_then(|pulse| pulse.played().last());
+        measured.map_or(1e-3 * self.pulse_ms.unwrap_or(0.0), |(time_s, _)| time_s)
     }
 
     /// What the seat says that it is, kg.

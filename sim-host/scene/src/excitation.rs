@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Profile;
+
 /// A contact study (thesis chapter 4): a given force or velocity shakes the contact; there is no controller, converter or stack. Give
 /// exactly one of `velocity_ratio` and `sliding_m_per_s`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -10,11 +12,11 @@ use serde::{Deserialize, Serialize};
 pub struct Excitation {
     /// Waveform of the excitation over time.
     pub waveform: Waveform,
-    /// Peak force F0 on the mass of `rig.sdof`, N.
+    /// Peak force F0 on the mass of `rig.sdof`, N. Of a measured waveform: what ratios are counted by.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e9))]
     pub force_n: Option<f64>,
-    /// Frequency, Hz. Of random and chirp: what periods and the velocity ratio are counted by.
+    /// Frequency, Hz. Of random, chirp and measured: what periods and the velocity ratio are counted by.
     #[schemars(range(min = 1e-3, max = 1e8))]
     pub frequency_hz: f64,
     /// Sliding speed over vibration velocity, Vt / Vv.
@@ -47,6 +49,9 @@ pub struct Excitation {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-9, max = 1e5))]
     pub sweep_s: Option<f64>,
+    /// Course of a measured waveform: the velocity of `rig.kinematic`, m/s, or the force on the mass of `rig.sdof`, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub profile: Option<Profile>,
     /// Displacement at the beginning, m.
     #[serde(default)]
     #[schemars(range(min = -1e3, max = 1e3))]
@@ -77,6 +82,8 @@ pub enum Waveform {
     Random,
     /// Linear chirp from `start_hz` to `stop_hz`.
     Chirp,
+    /// As measured: `profile`.
+    Measured,
     /// No excitation at all.
     Still,
 }

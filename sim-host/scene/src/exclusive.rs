@@ -44,14 +44,26 @@ pub const EXCLUSIVE: &[Exclusive] = &[
         table: "rig",
         alternatives: &[all(&["slider"]), all(&["kinematic"]), all(&["sdof"]), all(&["rotor"]), all(&["belt"]), all(&["dring"])],
     },
-    Exclusive { table: "disturbance", alternatives: &[all(&["to"]), all(&["rate_per_s"]), all(&["sine_amplitude", "sine_hz"])] },
+    Exclusive {
+        table: "disturbance",
+        alternatives: &[all(&["to"]), all(&["rate_per_s"]), all(&["sine_amplitude", "sine_hz"]), all(&["profile"])],
+    },
+    Exclusive { table: "rig.dring", alternatives: &[all(&["pulse_g", "pulse_ms"]), all(&["pulse"])] },
     Exclusive { table: "vary", alternatives: &[all(&["spread"]), all(&["factor"]), all(&["from", "to"])] },
     Exclusive { table: "grid.over", alternatives: &[all(&["values"]), all(&["from", "to", "points"])] },
     Exclusive { table: "expect", alternatives: &[any(&["min", "max"]), all(&["value", "tolerance"])] },
 ];
 
-/// Keys that say the same of a circuit: one of a scene takes the place of the other of its base, and so it does of what is complete without it.
+/// Samples of a profile, or where they are read from.
+const PROFILE: &[Alternative] = &[any(&["file"]), any(&["time_s", "values"])];
+
+/// Keys that say the same of a circuit or a profile: one of a scene takes the place of the other of its base, and so it does of what is complete without it.
 pub(crate) const LAYERED: &[Exclusive] = &[
+    Exclusive { table: "disturbance.profile", alternatives: PROFILE },
+    Exclusive { table: "excitation.profile", alternatives: PROFILE },
+    Exclusive { table: "rig.dring.pulse", alternatives: PROFILE },
+    Exclusive { table: "overlay", alternatives: &[any(&["file"]), any(&["x", "values"])] },
+    Exclusive { table: "stack.bvd", alternatives: &[all(&["c0_f"]), all(&["ct_f"])] },
     Exclusive { table: "stack.bvd", alternatives: &[all(&["parallel_resonance_hz"]), all(&["coupling"])] },
     Exclusive { table: "stack.bvd", alternatives: &[all(&["parallel_resonance_hz"]), all(&["cm_f", "lm_h"])] },
 ];

@@ -29,9 +29,11 @@ pub mod diagnostic;
 mod dring;
 mod excitation;
 mod exclusive;
+pub mod figures;
 mod integrator;
 pub mod keys;
 pub mod load;
+mod measured_curve;
 pub mod metrics;
 pub mod problem;
 pub mod resolved;
@@ -46,6 +48,7 @@ pub mod nearest;
 pub mod numbers;
 mod overlay;
 mod plant;
+mod profile;
 mod stator;
 pub mod suite;
 mod tree;
@@ -70,8 +73,10 @@ pub use firmware::seam::config::{
     Around, ChirpKind, Direction, Edge, FrictionLaw, Prefer, ShapeKind as Shape, Then, TrackingMode,
 };
 pub use integrator::Integrator;
+pub use measured_curve::Overlay;
 pub use nearest::shown;
 pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack};
+pub use profile::Profile;
 pub use results::{Expect, Grid, Over, Signal, Trace, TraceFormat};
 pub use rig::{Belt, Kinematic, Rig, Rotor, Sdof, Slider};
 use schemars::JsonSchema;
@@ -149,6 +154,9 @@ pub struct Scene {
     /// What is recorded besides the standard figures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trace: Option<Trace>,
+    /// Measured curves over the figures.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub overlay: Vec<Overlay>,
     /// What must come out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub expect: Vec<Expect>,

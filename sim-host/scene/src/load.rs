@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use super::diagnostic::{Problem, Report, Source};
 use super::nearest::{nearest, short};
 use super::overlay::{joined, overlay, parse_set, syntax};
+use super::profile::resolve::{Found, resolve};
 use super::schema::BASE;
 use super::tree::{Node, Origin, Value};
 use super::walk::walk;
@@ -36,6 +37,8 @@ pub struct Loaded {
 pub struct Template<'a> {
     loaded: &'a Loaded,
     root: Node,
+    /// What the texts of the scene are called: files are looked for beside them.
+    names: Vec<String>,
 }
 
 impl Template<'_> {
@@ -47,7 +50,9 @@ impl Template<'_> {
         for over in sets.iter().filter_map(|set| parse_set(set, origin).ok()) {
             overlay(&mut root, over, "", &mut problems);
         }
-        match judge(root) {
+        let mut sources: Vec<_> = self.names.iter().map(|name| Source { name: name.clone(), text: String::new() }).collect();
+        let found = resolve(&mut root, &mut sources);
+        match judge(root, found) {
             Ok(scene) if problems.is_empty() => Ok(scene),
             // Only a text that is read again has the places that a report points at.
             _ => self.loaded.cell(sets).map(|cell| cell.scene),
@@ -59,9 +64,14 @@ impl Loaded {
     /// The scene as a template, from which many changed copies are made.
     pub fn template(&self) -> Result<Template<'_>, LoadError> {
         let (sources, read) = read(&self.origin, &self.input, &self.sets);
-        let mut root = read.map_err(|problems| LoadError::Invalid(Report::new(sources, problems)))?;
+        let names = sources.iter().map(|source| source.name.clone()).collect();
+        let (mut root, found) = read.map_err(|problems| LoadError::Invalid(Report::new(sources.clone(), problems)))?;
+        if !found.is_empty() {
+            let problems = found.into_iter().map(|(_, problem)| problem).collect();
+            return Err(LoadError::Invalid(Report::new(sources, problems)));
+        }
         rules::alone(&mut root);
-        Ok(Template { loaded: self, root })
+        Ok(Template { loaded: self, root, names })
     }
 
     /// The scene with values for keys that neither it nor a change gives, as `key=value`; no key of a list.
@@ -69,7 +79,7 @@ impl Loaded {
         let (_, root) = read(&self.origin, &self.input, &self.sets);
         let gives = |set: &&String| {
             let mut keys = set.split('=').next().unwrap_or_default().split('.');
-            root.as_ref().is_ok_and(|root| keys.try_fold(root, |node, key| Some(&node.table()?.get(key)?.node)).is_some())
+            root.as_ref().is_ok_and(|(root, _)| keys.try_fold(root, |node, key| Some(&node.table()?.get(key)?.node)).is_some())
         };
         let missing: Vec<String> = defaults.iter().filter(|set| !gives(set)).cloned().collect();
         if missing.is_empty() {
@@ -148,24 +158,27 @@ pub fn load_text(name: &str, text: &str, sets: &[String]) -> Result<Loaded, Load
     loaded(name, text, sets, |_| ())
 }
 
-/// The texts that a scene is made of, and the tree that they make with its changes.
-fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<Node, Vec<Problem>>) {
+/// The texts that a scene is made of, and the tree that they make with its changes and the samples of its profiles, with what is wrong with these.
+fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<(Node, Vec<Found>), Vec<Problem>>) {
     let (changes, starts) = joined(sets);
     // The newer a text, the earlier in this list.
     let mut sources = vec![Source { name: "--set".to_owned(), text: changes }];
     sources.push(Source { name: name.to_owned(), text: text.to_owned() });
-    let root = layers(&mut sources).and_then(|root| change(root, sets, &starts));
+    let root = layers(&mut sources).and_then(|root| change(root, sets, &starts)).map(|mut root| {
+        let found = resolve(&mut root, &mut sources);
+        (root, found)
+    });
     (sources, root)
 }
 
 fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Result<Loaded, LoadError> {
     let (sources, read) = read(name, text, sets);
-    let mut root = match read {
-        Ok(root) => root,
+    let (mut root, found) = match read {
+        Ok(read) => read,
         Err(problems) => return Err(LoadError::Invalid(Report::new(sources, problems))),
     };
     prepare(&mut root);
-    match judge(root) {
+    match judge(root, found) {
         Ok(scene) => Ok(Loaded {
             name: name.to_owned(),
             origin: name.to_owned(),
@@ -178,8 +191,10 @@ fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Re
     }
 }
 
-fn judge(mut root: Node) -> Result<Scene, Vec<Problem>> {
-    let walked = walk(&mut root);
+fn judge(mut root: Node, found: Vec<Found>) -> Result<Scene, Vec<Problem>> {
+    rules::circuit::clamped(&mut root);
+    let mut walked = walk(&mut root);
+    found.into_iter().for_each(|(path, problem)| walked.add(path, problem));
     rules::circuit::complete(&mut root);
     let problems = rules::check(&root, walked).problems;
     if !problems.is_empty() {
@@ -294,11 +309,20 @@ pub(super) fn read_source(source: &str, asked: &str) -> Result<String, LoadError
 }
 
 fn read_text(file: impl Read) -> io::Result<String> {
+    /// Of a scene that is written by hand.
     const LARGEST: u64 = 1 << 20;
+    /// Of a manifest, which has every sample of measured profiles.
+    const LARGEST_MANIFEST: u64 = 64 << 20;
     let refuse = |reason: String| Err(io::Error::new(io::ErrorKind::InvalidData, reason));
     let mut bytes = Vec::new();
-    file.take(LARGEST + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > LARGEST {
+    let mut file = file.take(LARGEST + 1);
+    file.read_to_end(&mut bytes)?;
+    let is_manifest = bytes.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{');
+    if is_manifest {
+        file.set_limit(LARGEST_MANIFEST);
+        file.read_to_end(&mut bytes)?;
+    }
+    if bytes.len() as u64 > LARGEST && !is_manifest {
         return refuse("larger than 1 MiB, so hardly a scene".to_owned());
     }
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {

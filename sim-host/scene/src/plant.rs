@@ -155,7 +155,7 @@ pub struct Mode {
     pub lm_h: f64,
 }
 
-/// Butterworth-Van Dyke equivalent circuit. Give `c0_f` and either `cm_f`, `lm_h`, `rm_ohm`, or `series_resonance_hz`, `q`,
+/// Butterworth-Van Dyke equivalent circuit. Give `c0_f`, or `ct_f` in its place, and either `cm_f`, `lm_h`, `rm_ohm`, or `series_resonance_hz`, `q`,
 /// `coupling`, or any other complete set: `q` or `rm_ohm`, and two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h`, and `cm_f` or `coupling`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -163,6 +163,10 @@ pub struct Bvd {
     /// Clamped capacitance of the stack, F.
     #[schemars(range(min = 1e-13, max = 1e-3))]
     pub c0_f: f64,
+    /// Capacitance of the stack far below its resonances, F: that of all modes and `c0_f` together, in whose place it may be given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-13, max = 1e-3))]
+    pub ct_f: Option<f64>,
     /// Motional capacitance of the working mode, F.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-16, max = 1e-3))]

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Body, Excited, Match, Model, Sign, VibrationVelocity, Waveform};
+use super::{Body, Disturbance, Excited, Match, Model, Profile, Sign, VibrationVelocity, Waveform};
 use contact::{self, Law, Motion, Numerics, Problem, Shape, SolveError, State, ToleranceOf};
 
 /// What a mass weighs unless a scene says what presses on the contact, m/s^2.
@@ -39,7 +39,7 @@ pub fn law(model: &Model) -> Option<Law> {
 /// The problem of a study with a friction law. Fails where the velocity ratio is of a peak that the motion does not have.
 pub fn problem(study: &Excited, law: Law) -> Result<Problem, SolveError> {
     let mu = study.model.mu();
-    let mut load_steps: Vec<_> = study.disturbance.iter().filter_map(|step| Some((step.at_s, mu * step.to?))).collect();
+    let mut load_steps: Vec<_> = study.disturbance.iter().flat_map(loads).map(|(at_s, normal_n)| (at_s, mu * normal_n)).collect();
     load_steps.sort_by(|a, b| a.0.total_cmp(&b.0));
     let excitation = study.excitation;
     let problem = Problem {
@@ -51,7 +51,10 @@ pub fn problem(study: &Excited, law: Law) -> Result<Problem, SolveError> {
             Sign::Passive => contact::Sign::Passive,
             Sign::Literal => contact::Sign::Literal,
         },
-        waveform: waveform(study, shape(study), matched_peak(study)),
+        waveform: match &excitation.profile {
+            Some(profile) => contact::Waveform::measured(profile.played(), excitation.frequency_hz),
+            None => waveform(study, shape(study), matched_peak(study)),
+        },
         start: State { time_s: 0.0, x_m: excitation.x0_m, v_m_per_s: excitation.v0_m_per_s, force_n: excitation.friction0_n },
         load_steps,
         window_s: window_s(study),
@@ -63,6 +66,16 @@ pub fn problem(study: &Excited, law: Law) -> Result<Problem, SolveError> {
         (None, ratio, VibrationVelocity::Peak) => ratio.unwrap_or(0.0) * peak_without_friction_m_per_s(&problem)?,
     };
     Ok(Problem { sliding_m_per_s, ..problem })
+}
+
+/// Normal forces that a disturbance sets, with their times, s and N. Between two samples of a measured course the force is their mean, which is that of
+/// the straight line.
+fn loads(disturbance: &Disturbance) -> Vec<(f64, f64)> {
+    let step = disturbance.to.map(|to| (disturbance.at_s, to));
+    let samples: Vec<_> = disturbance.profile.iter().flat_map(Profile::played).collect();
+    let means = samples.windows(2).map(|pair| (disturbance.at_s + pair[0].0, 0.5 * (pair[0].1 + pair[1].1)));
+    let last = samples.last().map(|(time_s, value)| (disturbance.at_s + time_s, *value));
+    step.into_iter().chain(means).chain(last).collect()
 }
 
 /// The problem with the sine of the scene's peak and frequency, by which velocity ratio and kappa are counted.
@@ -142,6 +155,7 @@ fn shape(study: &Excited) -> Shape {
             stop_hz: excitation.stop_hz.unwrap_or(excitation.frequency_hz),
             sweep_s: excitation.sweep_s.unwrap_or(study.duration_s),
         },
+        Waveform::Measured => Shape::Measured,
         Waveform::Still => Shape::Still,
     }
 }

@@ -21,6 +21,8 @@ mod integrator;
 mod kind;
 mod lane_fault;
 mod motor;
+mod overlay;
+mod profile;
 mod timeline;
 mod tracking;
 mod vary;
@@ -71,6 +73,8 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     rules.burst();
     rules.friction_switch();
     rules.disturbances();
+    rules.profiles();
+    rules.overlays();
     rules.faults();
     rules.trace();
     rules.expectations();

@@ -9,6 +9,7 @@ mod kinds;
 mod layers;
 mod motor;
 mod numbers;
+mod profile;
 mod rules;
 mod settings_page;
 mod vary;

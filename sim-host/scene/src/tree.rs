@@ -2,6 +2,7 @@
 //! problem still points at the right one.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use toml::Spanned;
 use toml::de::{DeFloat, DeInteger, DeTable, DeValue};
@@ -24,6 +25,8 @@ pub(super) enum Value {
     Text(String),
     Date(String),
     List(Vec<Node>),
+    /// The numbers of a long list, which have no places of their own.
+    Samples(Arc<[f64]>),
     Table(Table),
 }
 
@@ -72,6 +75,15 @@ impl Node {
         }
     }
 
+    /// The value at a dotted path, to be changed.
+    pub(super) fn at_mut(&mut self, path: &str) -> Option<&mut Self> {
+        path.split('.').filter(|name| !name.is_empty()).try_fold(self, |node, name| match &mut node.value {
+            Value::Table(table) => table.get_mut(name).map(|entry| &mut entry.node),
+            Value::List(list) => list.get_mut(name.parse::<usize>().ok()?),
+            _ => None,
+        })
+    }
+
     /// The value at a dotted path.
     pub(super) fn at(&self, path: &str) -> Option<&Self> {
         path.split('.').filter(|name| !name.is_empty()).try_fold(self, |node, name| match &node.value {
@@ -94,6 +106,14 @@ impl Node {
         match &self.value {
             Value::List(list) => list,
             _ => &[],
+        }
+    }
+
+    /// Its samples, if it is a long list of numbers.
+    pub(super) fn samples(&self) -> Option<&Arc<[f64]>> {
+        match &self.value {
+            Value::Samples(samples) => Some(samples),
+            _ => None,
         }
     }
 
@@ -123,12 +143,12 @@ impl Node {
             Value::Text(_) => "a string",
             Value::Date(_) => "a date or time",
             Value::List(list) if !list.is_empty() && list.iter().all(|node| node.table().is_some()) => "a list of tables",
-            Value::List(_) => "a list",
+            Value::List(_) | Value::Samples(_) => "a list",
             Value::Table(_) => "a table",
         }
     }
 
-    /// The value without places.
+    /// The value without places, and without samples: a scene takes these as they are.
     pub(super) fn to_toml(&self) -> toml::Value {
         match &self.value {
             Value::Flag(flag) => toml::Value::Boolean(*flag),
@@ -136,6 +156,7 @@ impl Node {
             Value::Number(number) => toml::Value::Float(*number),
             Value::Text(text) | Value::Date(text) => toml::Value::String(text.clone()),
             Value::List(list) => toml::Value::Array(list.iter().map(Self::to_toml).collect()),
+            Value::Samples(_) => toml::Value::Array(Vec::new()),
             Value::Table(table) => toml::Value::Table(table.iter().map(|(k, entry)| (k.clone(), entry.node.to_toml())).collect()),
         }
     }

@@ -12,6 +12,11 @@ pub(super) struct Unit {
 }
 
 impl Unit {
+    /// A unit by its symbol, how much of a base unit it is, and that base unit.
+    pub(super) fn new(symbol: &str, scale: f64, dimension: &str) -> Self {
+        Unit { symbol: symbol.to_owned(), scale: Some(scale), dimension: dimension.to_owned() }
+    }
+
     /// Factor from this unit to another of the same kind.
     pub(super) fn factor_to(&self, other: &Self) -> Option<f64> {
         (self.dimension == other.dimension).then_some(self.scale? / other.scale?)
@@ -63,6 +68,11 @@ const PREFIXES: &[(&str, f64)] = &[("p", 1e-12), ("n", 1e-9), ("u", 1e-6), ("m",
 pub(super) fn split(key: &str) -> (&str, Option<Unit>) {
     let cuts = key.match_indices('_').filter(|(at, _)| *at > 0);
     cuts.filter_map(|(at, _)| Some((&key[..at], Some(unit(&key[at + 1..])?)))).next().unwrap_or((key, None))
+}
+
+/// The unit of this spelling, as keys end in it: `m_per_s`.
+pub(super) fn named(spelling: &str) -> Option<Unit> {
+    unit(spelling)
 }
 
 fn unit(name: &str) -> Option<Unit> {

@@ -8,8 +8,8 @@ use contact::Method;
 use super::contact::Model;
 use super::tree::Node;
 use super::{
-    Amplifier, Belt, Controller, Dahl, Dring, Empirical, Excitation, FaultKind, Kinematic, Rotor, Scene, Sdof, Sensors, Slider,
-    Stack, Stator,
+    Amplifier, Belt, Controller, Dahl, Dring, Empirical, Excitation, FaultKind, Kinematic, Profile, Rotor, Scene, Sdof, Sensors,
+    Slider, Stack, Stator,
 };
 
 /// Largest error of the mean friction ratio of a contact study that names none.
@@ -155,7 +155,28 @@ impl Scene {
 
     /// The scene that a tree is, with the defaults of its kind.
     pub(super) fn of_tree(root: &Node) -> Result<Self, toml::de::Error> {
-        root.to_toml().try_into().map(Scene::complete)
+        let mut scene: Scene = root.to_toml().try_into()?;
+        for (index, overlay) in scene.overlay.iter_mut().enumerate() {
+            let samples = |key: &str| root.at(&format!("overlay.{index}.{key}"))?.samples().cloned();
+            (overlay.x, overlay.values) = (samples("x").unwrap_or_default(), samples("values").unwrap_or_default());
+        }
+        scene.profiles(|path, profile| {
+            let samples = |key: &str| root.at(path)?.at(key)?.samples().cloned();
+            profile.time_s = samples("time_s").unwrap_or_default();
+            profile.values = samples("values").unwrap_or_default();
+        });
+        Ok(scene.complete())
+    }
+
+    /// Shows each profile, with its path.
+    fn profiles(&mut self, mut show: impl FnMut(&str, &mut Profile)) {
+        for (index, disturbance) in self.disturbance.iter_mut().enumerate() {
+            disturbance.profile.iter_mut().for_each(|profile| show(&format!("disturbance.{index}.profile"), profile));
+        }
+        let excitation = self.excitation.iter_mut().filter_map(|excitation| excitation.profile.as_mut());
+        excitation.for_each(|profile| show("excitation.profile", profile));
+        let dring = self.rig.iter_mut().filter_map(|rig| rig.dring.as_mut()?.pulse.as_mut());
+        dring.for_each(|profile| show("rig.dring.pulse", profile));
     }
 
     /// Writes out the defaults of the tables and keys that this kind of scene has, and no others.

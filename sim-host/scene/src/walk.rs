@@ -97,7 +97,7 @@ fn check(node: &mut Node, schema: Schema, path: &str, findings: &mut Findings) {
                 findings.add(path, Problem::new(node.place.clone(), message, label).help(help));
             }
         }
-        (Kind::Text, Value::Text(_)) | (Kind::Flag, Value::Flag(_)) => {}
+        (Kind::Text, Value::Text(_)) | (Kind::Flag, Value::Flag(_)) | (Kind::List, Value::Samples(_)) => {}
         _ => findings.add(path, wrong_type(node, schema, path)),
     }
 }

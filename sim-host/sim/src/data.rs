@@ -1,7 +1,6 @@
 //! The data that a run leaves: every file, its columns, units and scale. `docs/data.md` is generated from here and from the
 //! [table of metrics](scene::metrics); the files are written from the same columns.
 
-mod figures;
 mod page;
 
 use std::fmt;
@@ -10,8 +9,8 @@ use crate::record::Row;
 use scene::metrics::MACHINE;
 use scene::schema::Schema;
 
-pub use figures::{FIGURES, FigureData};
 pub use page::page;
+pub use scene::figures::{FIGURES, FigureData};
 
 /// A column of a table, or a field of a JSON file.
 #[derive(Clone, Debug, PartialEq, Eq)]

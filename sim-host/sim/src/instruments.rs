@@ -23,6 +23,7 @@ mod view;
 pub use view::View;
 
 use crate::metrics::Metrics;
+use crate::overlay;
 use crate::record::{Record, Window};
 use report::{Figure, TableBlock};
 use scene::Driven;
@@ -96,5 +97,9 @@ pub fn metrics(view: &View) -> Metrics {
         instrument.metrics(view, &mut metrics);
     }
     metrics.put("plant_states", view.record.plant_states as f64);
+    if !view.scene.overlay.is_empty() {
+        let mut figures: Vec<Figure> = DRIVEN.iter().flat_map(|instrument| instrument.figures(view)).collect();
+        overlay::put(&overlay::lay(&mut figures, &view.scene.overlay, None), &mut metrics);
+    }
     metrics
 }

@@ -41,8 +41,9 @@ pub mod figures;
 pub mod instruments;
 pub mod metrics;
 pub mod numbers;
-#[cfg(feature = "files")]
 pub mod output;
+#[cfg(feature = "files")]
+pub mod overlay;
 pub mod processor;
 pub mod record;
 pub mod run;

@@ -7,6 +7,7 @@ mod grid;
 use crate::figures;
 use crate::instruments::{Line, View, crash};
 use crate::numbers::{number, precise};
+use crate::overlay;
 use crate::study::{Outcome, Study, contact, monte_carlo};
 use report::{Report, TableBlock};
 use scene::metrics;
@@ -42,6 +43,7 @@ pub fn tables(study: &Study) -> Vec<TableBlock> {
         Outcome::Contact(solved) => tables.extend(contact::table::tables(study, solved)),
         Outcome::MonteCarlo(runs) => tables.extend(monte_carlo::table::tables(study, runs)),
     }
+    tables.push(overlay::table(&figures::residuals(study)));
     tables.extend(grid::tables(study));
     tables.retain(|table| !table.rows.is_empty());
     tables

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::progress::Progress;
-use super::{Color, Format, INVALID_SCENE, LENDER, USAGE, invalid};
+use super::{Color, Format, INVALID_INPUT, LENDER, USAGE, invalid};
 use scene::circuit::Given;
 use scene::load::load;
 use sim::advice::case::{Case, CaseError, Numbers, Wishes};
@@ -30,6 +30,9 @@ pub(super) struct AdviseArgs {
     /// Its clamped capacitance, F. Beside it any complete set does: Q or Rm, and two of series and parallel resonance, Lm, and Cm or coupling.
     #[arg(long, value_name = "F", value_parser = farad)]
     c0_f: Option<f64>,
+    /// In place of the clamped one, its capacitance far below the resonance, F.
+    #[arg(long, value_name = "F", value_parser = farad, conflicts_with = "c0_f")]
+    ct_f: Option<f64>,
     /// Its motional inductance, H.
     #[arg(long, value_name = "H", value_parser = henry)]
     lm_h: Option<f64>,
@@ -63,14 +66,14 @@ pub(super) struct AdviseArgs {
 }
 
 /// What a complete set of numbers is.
-const COMPLETE: &str =
-    "beside --c0-f give --q or --rm-ohm, and two of --frequency-hz, --parallel-resonance-hz, --lm-h, and --cm-f or --coupling";
+const COMPLETE: &str = "beside --c0-f or --ct-f give --q or --rm-ohm, and two of --frequency-hz, --parallel-resonance-hz, --lm-h, and --cm-f or --coupling";
 
 impl AdviseArgs {
     /// The numbers of a transducer.
     fn given(&self) -> Given {
         Given {
             c0_f: self.c0_f,
+            ct_f: self.ct_f,
             cm_f: self.cm_f,
             lm_h: self.lm_h,
             rm_ohm: self.rm_ohm,
@@ -115,7 +118,7 @@ pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<ExitCode> {
             Err(AdviceError::Case(CaseError::Scene(error))) => return Ok(invalid(&error, color)),
             Err(error) => {
                 say!("error: {error}");
-                return Ok(ExitCode::from(INVALID_SCENE));
+                return Ok(ExitCode::from(INVALID_INPUT));
             }
         };
     if let Some(runs) = args.verify {

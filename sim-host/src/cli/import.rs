@@ -8,12 +8,12 @@ use anyhow::Context;
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
 
-use super::{Color, Format, INVALID_SCENE, USAGE, print};
+use super::{Color, Format, INVALID_INPUT, USAGE, print};
 use ::import::admittance::coordinate::Topology;
 use ::import::admittance::options::Options;
-use ::import::admittance::{self, Admittance, MOST_MODES};
+use ::import::admittance::{self, MOST_MODES};
 use ::import::error::ImportError;
-use ::import::friction::{self, Friction};
+use ::import::friction;
 use ::import::units::Units;
 use report::Report;
 use scene::load::load_text;
@@ -157,19 +157,25 @@ fn of_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<ExitCode
         series_ohm: args.series_ohm,
         modes: args.modes.map(usize::from),
     };
-    match admittance::import(&common.file, &options) {
-        Ok(found) => finish(common, &found, color),
-        Err(error) => Ok(refused(&common.file, &error)),
-    }
+    finish(common, admittance::import(&common.file, &options), color, |found, source| Imported {
+        scene: found.scene(&source),
+        report: found.report(&source),
+        json: found.json(None),
+        warnings: found.warnings,
+        source,
+    })
 }
 
 fn of_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<ExitCode> {
     let common = &args.common;
     let options = friction::Options { columns: common.columns.clone(), normal_n: args.normal_n, on_s: args.on.clone() };
-    match friction::import(&common.file, &options) {
-        Ok(found) => finish(common, &found, color),
-        Err(error) => Ok(refused(&common.file, &error)),
-    }
+    finish(common, friction::import(&common.file, &options), color, |found, source| Imported {
+        scene: found.scene(&source),
+        report: found.report(&source),
+        json: found.json(None),
+        warnings: found.warnings,
+        source,
+    })
 }
 
 /// Says why a file is refused.
@@ -178,80 +184,54 @@ fn refused(file: &Path, error: &ImportError) -> ExitCode {
         ImportError::Unreadable { .. } => say!("error: {error}"),
         error => say!("error: {}: {error}", file.display()),
     }
-    ExitCode::from(INVALID_SCENE)
+    ExitCode::from(INVALID_INPUT)
 }
 
 /// What an import has found, as far as its folder and its output need it.
-trait Imported {
+struct Imported {
+    /// Name of the measured file.
+    source: String,
     /// The scene of the result, if it has one.
-    fn scene(&self, source: &str) -> Option<String>;
+    scene: Option<String>,
     /// The report of the result.
-    fn report(&self, source: &str) -> Report;
-    /// The result for programs.
-    fn json(&self, scene: Option<&str>) -> Value;
+    report: Report,
+    /// The result for programs, which does not say yet where its scene is.
+    json: Value,
     /// What the reader should be careful about.
-    fn warnings(&self) -> &[String];
+    warnings: Vec<String>,
 }
 
-impl Imported for Admittance {
-    fn scene(&self, source: &str) -> Option<String> {
-        self.scene(source)
-    }
-
-    fn report(&self, source: &str) -> Report {
-        self.report(source)
-    }
-
-    fn json(&self, scene: Option<&str>) -> Value {
-        self.json(scene)
-    }
-
-    fn warnings(&self) -> &[String] {
-        &self.warnings
-    }
-}
-
-impl Imported for Friction {
-    fn scene(&self, source: &str) -> Option<String> {
-        self.scene(source)
-    }
-
-    fn report(&self, source: &str) -> Report {
-        self.report(source)
-    }
-
-    fn json(&self, scene: Option<&str>) -> Value {
-        self.json(scene)
-    }
-
-    fn warnings(&self) -> &[String] {
-        &self.warnings
-    }
-}
-
-/// Writes and prints a result.
-fn finish(common: &Common, found: &impl Imported, color: Color) -> anyhow::Result<ExitCode> {
+/// Writes and prints what an import has found, or says why its file is refused.
+fn finish<T>(
+    common: &Common,
+    imported: Result<T, ImportError>,
+    color: Color,
+    shown: impl Fn(T, String) -> Imported,
+) -> anyhow::Result<ExitCode> {
     let stem = stem(&common.file);
     let source = common.file.file_name().map_or_else(|| stem.clone(), |name| name.to_string_lossy().into_owned());
+    let found = match imported {
+        Ok(found) => shown(found, source),
+        Err(error) => return Ok(refused(&common.file, &error)),
+    };
     let dir = (!common.no_report).then(|| common.output.clone().unwrap_or_else(|| Path::new("out").join(&stem)));
     let folder = match super::open(dir.as_deref())? {
         Ok(folder) => folder,
         Err(code) => return Ok(code),
     };
     let name = format!("{stem}.toml");
-    let scene = found.scene(&source).filter(|text| is_valid(&name, text));
+    let scene = found.scene.clone().filter(|text| is_valid(&name, text));
     let mut written = None;
     if let (Some(dir), Some(folder)) = (&dir, &folder) {
-        write(folder, found, &source, scene.as_deref().map(|text| (name.as_str(), text)))?;
+        write(folder, &found, scene.as_deref().map(|text| (name.as_str(), text)))?;
         written = scene.is_some().then(|| dir.join(&name).display().to_string());
     }
     match common.format {
-        Format::Json => print(&format!("{:#}\n", found.json(written.as_deref())))?,
+        Format::Json => print(&format!("{:#}\n", with_scene(&found.json, written.as_deref())))?,
         Format::Human => {
-            let report = found.report(&source);
-            let tables: String = report.tables.iter().map(|table| table.terminal(color.stdout)).collect();
-            let notes: String = found.warnings().iter().map(|warning| format!("note: {warning}\n")).collect();
-            print(&format!("{}\n\n{tables}{notes}", report.title))?
+            let tables: String = found.report.tables.iter().map(|table| table.terminal(color.stdout)).collect();
+            let notes: String = found.warnings.iter().map(|warning| format!("note: {warning}\n")).collect();
+            print(&format!("{}\n\n{tables}{notes}", found.report.title))?
         }
     };
     if let Some(dir) = dir.filter(|_| !common.quiet) {
@@ -282,11 +262,17 @@ fn is_valid(name: &str, text: &str) -> bool {
     }
 }
 
-fn write(folder: &Folder, found: &impl Imported, source: &str, scene: Option<(&str, &str)>) -> anyhow::Result<()> {
+/// The result for programs, with where its scene is.
+fn with_scene(json: &Value, scene: Option<&str>) -> Value {
+    let mut json = json.clone();
+    json["scene"] = json!(scene);
+    json
+}
+
+fn write(folder: &Folder, found: &Imported, scene: Option<(&str, &str)>) -> anyhow::Result<()> {
     let dir = folder.unfinished();
-    let report = found.report(source);
-    let footer = vec![("sim-host".to_owned(), sim::VERSION.to_owned()), ("measured file".to_owned(), source.to_owned())];
-    report::write(&Report { footer, ..report }, dir)?;
+    let footer = vec![("sim-host".to_owned(), sim::VERSION.to_owned()), ("measured file".to_owned(), found.source.clone())];
+    report::write(&Report { footer, ..found.report.clone() }, dir)?;
     let put = |name: &str, text: &str| {
         let path = dir.join(name);
         fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
@@ -294,7 +280,7 @@ fn write(folder: &Folder, found: &impl Imported, source: &str, scene: Option<(&s
     if let Some((name, text)) = scene {
         put(name, text)?;
     }
-    put("summary.json", &format!("{:#}\n", found.json(scene.map(|(name, _)| name))))?;
-    let manifest = json!({ "program": "sim-host", "version": sim::VERSION, "imported": source, "complete": true });
+    put("summary.json", &format!("{:#}\n", with_scene(&found.json, scene.map(|(name, _)| name))))?;
+    let manifest = json!({ "program": "sim-host", "version": sim::VERSION, "imported": found.source, "complete": true });
     Ok(folder.finish(manifest)?)
 }

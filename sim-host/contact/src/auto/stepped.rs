@@ -194,7 +194,7 @@ fn doubt(problem: &Problem) -> f64 {
     match spring > RINGS {
         true if problem.holds() || spring > STIFF => VERY_UNEVEN,
         true if problem.kappa() > SMOOTH => UNEVEN,
-        _ if matches!(problem.waveform.shape(), Shape::Random { .. }) => UNEVEN,
+        _ if matches!(problem.waveform.shape(), Shape::Random { .. } | Shape::Measured) => UNEVEN,
         _ => 1.0,
     }
 }

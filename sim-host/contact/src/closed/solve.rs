@@ -148,7 +148,7 @@ fn suits(problem: &Problem) -> Result<(), SolveError> {
     if matches!(problem.law, Law::Lugre { .. }) {
         return unsuited("LuGre friction has no closed form; Coulomb and Dahl friction have");
     }
-    if matches!(problem.waveform.shape(), Shape::Random { .. } | Shape::Chirp { .. }) {
+    if matches!(problem.waveform.shape(), Shape::Random { .. } | Shape::Chirp { .. } | Shape::Measured) {
         return unsuited("the vibration is not periodic");
     }
     if !problem.load_steps.is_empty() {

@@ -28,7 +28,7 @@ impl Spread {
             Shape::Square => Some(Spread::TwoPlaces),
             Shape::Sawtooth | Shape::Triangle => Some(Spread::Even),
             Shape::Still => Some(Spread::Still),
-            Shape::Random { .. } | Shape::Chirp { .. } => None,
+            Shape::Random { .. } | Shape::Chirp { .. } | Shape::Measured => None,
         }
     }
 

@@ -93,6 +93,18 @@ fn a_contact_a_thousand_times_stiffer_is_for_midpoint() {
     }
 }
 
+/// A sine by its samples is the sine: straight lines between 200 samples a period are off by `(2 pi / 200)^2 / 8`, 1.2e-4, of the amplitude.
+#[test]
+fn a_measured_sine_gives_the_friction_of_the_sine() {
+    let mut problem = Problem { motion: Motion::Kinematic, ..table_4_1(0.5, 40.0) };
+    problem.waveform = Waveform::new(Shape::Sine, 2.0 * problem.sliding_m_per_s, 60e3, problem.duration_s);
+    let ratio = |problem: &Problem| Ratios::of(problem, &rk4_events::run(problem, 400, &mut |_| ()).unwrap()).friction;
+    let truth = ratio(&problem);
+    let samples = (0..=8000).map(|n| f64::from(n) / 200.0 / 60e3).map(|time_s| (time_s, problem.waveform.value(time_s)));
+    problem.waveform = Waveform::measured(samples.collect::<Vec<_>>(), 60e3);
+    assert!((ratio(&problem) / truth - 1.0).abs() < 3e-4, "{} {truth}", ratio(&problem));
+}
+
 #[test]
 fn located_reversals_keep_order_four_on_every_waveform() {
     let shapes = [

@@ -3,9 +3,10 @@
 use num_complex::Complex64;
 
 use super::circuit::Equivalent;
-use super::fit::{Fitter, whitened};
+use super::fit::Fitter;
 use super::fixture::Fixture;
 use super::measured::Measured;
+use super::memory::whitened;
 use super::result::{derived, propagated};
 use super::weights::Weights;
 use crate::least_squares::Solution;
@@ -41,6 +42,6 @@ pub(crate) fn of(
     let parameters = truth.parameters(fitter.farad);
     let linear = whitened(&fitter.linear(&parameters, &weights)?, noise.correlation);
     let covariance = Solution { parameters: parameters.clone(), linear, cost: 0.0, converged: true }.covariance()?;
-    let all = propagated(&parameters, &covariance, |parameters| derived(parameters, fitter.farad, 0));
+    let (all, _) = propagated(&parameters, &covariance, |parameters| derived(parameters, fitter.farad, 0));
     Some(std::array::from_fn(|at| all[at].sd))
 }

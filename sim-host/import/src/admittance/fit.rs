@@ -15,6 +15,7 @@ use num_complex::Complex64;
 
 use super::circuit::{BRANCH, Branch, CLAMPED, Equivalent, admittance};
 use super::measured::Measured;
+use super::memory::{complex, memory, roughness, whitened};
 use super::start::{self, Points};
 use super::weights::Weights;
 use crate::error::ImportError;
@@ -305,54 +306,4 @@ impl<'a> Fitter<'a> {
 
 fn no_fit(what: &str) -> ImportError {
     ImportError::NoFit(what.to_owned())
-}
-
-/// Residuals as complex numbers.
-fn complex(residuals: &[f64]) -> Vec<Complex64> {
-    let (re, im) = residuals.split_at(residuals.len() / 2);
-    re.iter().zip(im).map(|(re, im)| Complex64::new(*re, *im)).collect()
-}
-
-/// Residuals and derivatives less a part of those of the point before, which has the same variance.
-pub(super) fn whitened(linear: &Linear, rho: f64) -> Linear {
-    let half = linear.residuals.len() / 2;
-    let scale = 1.0 / (1.0 - rho * rho).sqrt();
-    let of = |values: &Vec<f64>| {
-        let white = |at: usize| if at.is_multiple_of(half) { values[at] } else { (values[at] - rho * values[at - 1]) * scale };
-        (0..values.len()).map(white).collect()
-    };
-    Linear { residuals: of(&linear.residuals), columns: linear.columns.iter().map(of).collect() }
-}
-
-/// Correlation of neighbours, and the factor of the variance that comes of all correlations that stand out of chance.
-fn memory(residuals: &[Complex64]) -> (f64, f64) {
-    let n = residuals.len();
-    let square: f64 = residuals.iter().map(Complex64::norm_sqr).sum();
-    if square == 0.0 {
-        return (0.0, 1.0);
-    }
-    let chance = 2.0 / (2.0 * n as f64).sqrt();
-    let (mut first, mut factor) = (0.0, 1.0);
-    for lag in 1..n / 4 {
-        let product: f64 = residuals.iter().zip(&residuals[lag..]).map(|(a, b)| a.re * b.re + a.im * b.im).sum();
-        let rho = product / square;
-        if lag == 1 {
-            first = rho;
-        }
-        if rho < chance {
-            break;
-        }
-        factor += 2.0 * rho;
-    }
-    (first, factor)
-}
-
-/// Variance of residuals over that of noise of the same third differences: one where they are noise.
-fn roughness(residuals: &[Complex64]) -> f64 {
-    const SQUARES: f64 = 20.0; // 1 + 9 + 9 + 1
-    let differences = residuals.windows(4).map(|e| (e[0] - 3.0 * e[1] + 3.0 * e[2] - e[3]).norm_sqr() / SQUARES);
-    let count = residuals.len().saturating_sub(3).max(1) as f64;
-    let rough = differences.sum::<f64>() / count;
-    let whole = residuals.iter().map(Complex64::norm_sqr).sum::<f64>() / residuals.len().max(1) as f64;
-    if rough > 0.0 { whole / rough } else { 1.0 }
 }

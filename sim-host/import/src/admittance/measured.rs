@@ -10,12 +10,12 @@ use super::options::Options;
 use super::sweep;
 use super::topology;
 use crate::complex::polar;
-use crate::delimited;
 use crate::error::ImportError;
 use crate::heading::{Heading, Quantity, heading};
-use crate::text::decode;
 use crate::touchstone::{self, Kind, Touchstone};
+use crate::traces;
 use crate::units::to_si;
+use delimited::decode;
 
 /// A sweep of a transducer's admittance over frequency.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,7 +120,11 @@ fn of_touchstone(file: &Touchstone, options: &Options) -> Result<Measured, Impor
 }
 
 fn of_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
-    let table = delimited::read(text, options.columns.as_deref())?;
+    let columns = options.columns.as_deref();
+    let table = match traces::joined(text, columns)? {
+        Some(table) => table,
+        None => delimited::read(text, columns)?,
+    };
     let mut remarks = vec![format!("A table with {}", table.found)];
     let Some(names) = &table.header else {
         let seen = format!(
@@ -145,7 +149,7 @@ fn of_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
         let seen = format!(
             "the columns are `{}`: {what}. Known are f with |Z| and theta, |Y| and theta, R and X, G and B, or S11 as real and imaginary part, as size or dB and \
              phase; name the columns with `--columns`, as `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`",
-            names.iter().map(|name| crate::text::beginning(name)).collect::<Vec<_>>().join("`, `")
+            names.iter().map(|name| delimited::beginning(name)).collect::<Vec<_>>().join("`, `")
         );
         Err(ImportError::UnknownForm { seen })
     };

@@ -42,6 +42,12 @@ pub struct Circuit {
     pub loss_tangent: Value,
 }
 
+impl Circuit {
+    /// Names of its numbers, in their order.
+    pub const NAMES: [&str; 9] =
+        ["series_resonance_hz", "parallel_resonance_hz", "q", "rm_ohm", "lm_h", "cm_f", "c0_f", "coupling", "loss_tangent"];
+}
+
 /// A resonance of the sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Mode {
@@ -68,6 +74,8 @@ pub struct Admittance {
     pub measured: Measured,
     /// Circuit of the working mode.
     pub circuit: Circuit,
+    /// Correlations of the numbers of the circuit, in the order of [`Circuit::NAMES`].
+    pub correlations: Vec<Vec<f64>>,
     /// All resonances of the fit, by frequency.
     pub modes: Vec<Mode>,
     /// The circuit as it was fitted.
@@ -102,12 +110,12 @@ pub(super) fn derived(parameters: &[f64], farad: f64, at: usize) -> [f64; 9] {
     ]
 }
 
-/// Values and standard deviations of functions of the parameters, by their slopes.
+/// Values, standard deviations and correlations of functions of the parameters, by their slopes.
 pub(super) fn propagated<const N: usize>(
     parameters: &[f64],
     covariance: &DMatrix<f64>,
     of: impl Fn(&[f64]) -> [f64; N],
-) -> [Value; N] {
+) -> ([Value; N], [[f64; N]; N]) {
     /// Step of a numerical slope, in standard deviations.
     const STEP: f64 = 1e-3;
     let n = parameters.len();
@@ -124,11 +132,19 @@ pub(super) fn propagated<const N: usize>(
         })
         .collect();
     let values = of(parameters);
-    std::array::from_fn(|k| {
+    let common = |k: usize, l: usize| -> f64 {
         let terms = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        let variance: f64 = terms.map(|(i, j)| slopes[i][k] * covariance[(i, j)] * slopes[j][k]).sum();
-        Value { value: values[k], sd: variance.max(0.0).sqrt() }
-    })
+        terms.map(|(i, j)| slopes[i][k] * covariance[(i, j)] * slopes[j][l]).sum()
+    };
+    let sd: [f64; N] = std::array::from_fn(|k| common(k, k).max(0.0).sqrt());
+    // What has no deviation is correlated with nothing but itself.
+    let correlation = |k: usize, l: usize| match sd[k] * sd[l] {
+        _ if k == l => 1.0,
+        product if product > 0.0 => (common(k, l) / product).clamp(-1.0, 1.0),
+        _ => 0.0,
+    };
+    let correlations = std::array::from_fn(|k| std::array::from_fn(|l| correlation(k, l)));
+    (std::array::from_fn(|k| Value { value: values[k], sd: sd[k] }), correlations)
 }
 
 impl Admittance {
@@ -144,10 +160,11 @@ impl Admittance {
         let by_capacitance = |(_, a): &(usize, &Branch), (_, b): &(usize, &Branch)| capacitance(a).total_cmp(&capacitance(b));
         let working = equivalent.branches.iter().enumerate().max_by(by_capacitance).map_or(0, |(at, _)| at);
         let of = |at: usize| propagated(&fit.parameters, &fit.covariance, |parameters| derived(parameters, fit.farad, at));
-        let [series_resonance_hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, loss_tangent] = of(working);
+        let (values, correlations) = of(working);
+        let [series_resonance_hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, loss_tangent] = values;
         let circuit = Circuit { series_resonance_hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, loss_tangent };
         let mode = |at: usize| {
-            let [series_resonance_hz, _, q, rm_ohm, lm_h, cm_f, ..] = of(at);
+            let [series_resonance_hz, _, q, rm_ohm, lm_h, cm_f, ..] = of(at).0;
             Mode { series_resonance_hz, q, rm_ohm, lm_h, cm_f, working: at == working }
         };
         let mut modes: Vec<Mode> = (0..(fit.parameters.len() - CLAMPED) / BRANCH).map(mode).collect();
@@ -155,13 +172,26 @@ impl Admittance {
         let warnings = warnings(&measured, &circuit, &fit);
         let Fit { residuals, noise, correlation, inflation, .. } = fit;
         let name = name.to_owned();
-        Ok(Admittance { name, measured, circuit, modes, equivalent, residuals, noise, correlation, inflation, warnings })
+        let correlations = correlations.iter().map(|row| row.to_vec()).collect();
+        Ok(Admittance {
+            name,
+            measured,
+            circuit,
+            correlations,
+            modes,
+            equivalent,
+            residuals,
+            noise,
+            correlation,
+            inflation,
+            warnings,
+        })
     }
 
     /// The result for programs; `scene` is where its scene was written.
     pub fn json(&self, scene: Option<&str>) -> Json {
         json!({
-            "circuit": self.circuit, "modes": self.modes, "scene": scene, "points": self.measured.hz.len(),
+            "circuit": self.circuit, "correlation": { "names": Circuit::NAMES, "matrix": self.correlations }, "modes": self.modes, "scene": scene, "points": self.measured.hz.len(),
             "from_hz": self.measured.hz.first(), "to_hz": self.measured.hz.last(), "noise": self.noise,
             "residual_correlation": self.correlation, "sd_inflation": self.inflation, "remarks": self.measured.remarks,
             "warnings": self.warnings,

@@ -11,7 +11,7 @@ use super::models::Model;
 use crate::least_squares::{Linear, Solution, minimise};
 
 /// A fitted model with its residuals.
-pub(super) struct Searched {
+pub(crate) struct Searched {
     /// The model.
     pub(super) model: Model,
     /// Parameters of the fit.
@@ -24,6 +24,10 @@ pub(super) struct Searched {
     pub(super) residuals: Vec<f64>,
 }
 
+/// Starts that are followed to their end in any case, the best first.
+const STARTS: usize = 3;
+/// Stribeck velocities that are tried, as parts of the highest velocity.
+const STRIBECK: [f64; 6] = [0.03, 0.06, 0.12, 0.25, 0.5, 0.9];
 /// Relative standard deviation from which a parameter counts as not determined.
 const UNDETERMINED: f64 = 0.5;
 
@@ -32,27 +36,40 @@ pub(super) fn search(model: Model, log: &Log, used: &[bool]) -> Option<Searched>
     let evaluate = |fitted: &[f64]| residuals(model, fitted, log, used);
     let linear = |fitted: &[f64]| {
         let residuals = evaluate(fitted)?;
-        let column = |at: usize| {
-            const STEP: f64 = 1e-5;
-            let step = if model.parameters()[at].1 { STEP } else { STEP * (1e-3 + fitted[at].abs()) };
-            let moved = |by: f64| {
-                let mut moved = fitted.to_vec();
-                moved[at] += by;
-                evaluate(&moved)
-            };
-            let (up, down) = (moved(step)?, moved(-step)?);
-            Some(up.iter().zip(&down).map(|(up, down)| (up - down) / (2.0 * step)).collect())
-        };
-        let columns: Option<Vec<Vec<f64>>> = (0..fitted.len()).map(column).collect();
-        Some(Linear { residuals, columns: columns? })
+        Some(Linear { residuals, columns: slopes(model, fitted, evaluate)? })
     };
     let cost = |fitted: &Vec<f64>| evaluate(fitted).map_or(f64::INFINITY, |r| r.iter().map(|r| r * r).sum::<f64>());
     let mut starts = starts(model, log, used);
     starts.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-    let ends = starts.iter().take(3).filter_map(|start| minimise(start, linear));
+    let ends = followed(model, &starts).into_iter().filter_map(|start| minimise(start, linear));
     let best = ends.filter(|end| end.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
     let (deviations, correlations) = certainty(&best, model);
     Some(Searched { model, fitted: best.parameters, deviations, correlations, residuals: best.linear.residuals })
+}
+
+/// How each parameter of a model changes something, by differences.
+pub(crate) fn slopes(model: Model, fitted: &[f64], of: impl Fn(&[f64]) -> Option<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
+    const STEP: f64 = 1e-5;
+    let column = |at: usize| {
+        let step = if model.parameters()[at].1 { STEP } else { STEP * (1e-3 + fitted[at].abs()) };
+        let moved = |by: f64| {
+            let mut moved = fitted.to_vec();
+            moved[at] += by;
+            of(&moved)
+        };
+        let (up, down) = (moved(step)?, moved(-step)?);
+        Some(up.iter().zip(&down).map(|(up, down)| (up - down) / (2.0 * step)).collect())
+    };
+    (0..fitted.len()).map(column).collect()
+}
+
+/// Residuals and derivatives less a part of those of the sample before, which has the same variance.
+pub(crate) fn white(linear: &Linear, rho: f64) -> Linear {
+    let scale = 1.0 / (1.0 - rho * rho).sqrt();
+    let of = |values: &Vec<f64>| {
+        (0..values.len()).map(|at| if at == 0 { values[0] } else { (values[at] - rho * values[at - 1]) * scale }).collect()
+    };
+    Linear { residuals: of(&linear.residuals), columns: linear.columns.iter().map(of).collect() }
 }
 
 /// Model less measurement at the used samples, N.
@@ -61,6 +78,13 @@ fn residuals(model: Model, fitted: &[f64], log: &Log, used: &[bool]) -> Option<V
     let error = force.iter().zip(&log.force_n).zip(used).filter(|(_, used)| **used).map(|((f, measured), _)| f - measured);
     let errors: Vec<f64> = error.collect();
     errors.iter().all(|error| error.is_finite()).then_some(errors)
+}
+
+/// The best starts, and the best of each Stribeck velocity: each has a valley of its own, and the deepest need not begin as such.
+fn followed(model: Model, starts: &[Vec<f64>]) -> Vec<&Vec<f64>> {
+    let velocity = model.parameters().iter().position(|(name, _)| *name == "stribeck_m_per_s");
+    let is_new = |at: usize| velocity.is_some_and(|v| starts[..at].iter().all(|earlier| earlier[v] != starts[at][v]));
+    starts.iter().enumerate().filter(|(at, _)| *at < STARTS || is_new(*at)).map(|(_, start)| start).collect()
 }
 
 /// Starts across what the log resolves.
@@ -78,20 +102,42 @@ fn starts(model: Model, log: &Log, used: &[bool]) -> Vec<Vec<f64>> {
     let (finest, coarsest) = (at(&slip, 0.0), 0.1 * range);
     let stiffness = (0..12).map(|n| fc / (finest * libm::pow((coarsest / finest).max(2.0), f64::from(n) / 11.0)));
     let stiffness: Vec<f64> = if matches!(model, Model::Dahl | Model::Lugre) { stiffness.collect() } else { vec![1.0] };
-    let stribeck = if matches!(model, Model::Stribeck | Model::Lugre) { vec![0.05, 0.25, 0.6] } else { vec![0.5] };
+    let fastest = speed.last().copied().unwrap_or(1.0);
+    let falls = matches!(model, Model::Stribeck | Model::Lugre);
+    let stribeck: Vec<[f64; 4]> = if falls {
+        STRIBECK.map(|part| steady(log, used, part * fastest, fc, fastest)).into()
+    } else {
+        vec![[fc, 0.0, fastest, 0.0]]
+    };
     let first = log.force_n.first().copied().unwrap_or(0.0);
-    let one = |kt: f64, part: f64| -> Vec<f64> {
+    let one = |kt: f64, [coulomb, excess, vs, viscous]: [f64; 4]| -> Vec<f64> {
         let value = |name: &str| match name {
-            "coulomb_n" => fc,
-            "static_excess_n" => 0.2 * fc,
-            "stribeck_m_per_s" => at(&speed, part),
-            "sigma2" => 0.01 * fc / at(&speed, 0.9),
+            "coulomb_n" => coulomb,
+            "static_excess_n" => excess,
+            "stribeck_m_per_s" => vs,
+            "sigma2" => viscous,
             "stiffness_n_per_m" => kt,
             _ => first,
         };
         model.parameters().iter().map(|(name, log)| if *log { libm::log(value(name)) } else { value(name) }).collect()
     };
-    stiffness.iter().flat_map(|kt| stribeck.iter().map(|part| one(*kt, *part)).collect::<Vec<_>>()).collect()
+    stiffness.iter().flat_map(|kt| stribeck.iter().map(|values| one(*kt, *values)).collect::<Vec<_>>()).collect()
+}
+
+/// Coulomb force, static excess, Stribeck velocity and viscous friction of a given Stribeck velocity: without springs the rest is linear,
+/// `F sgn V = Fc + dF exp(-(V / Vs)^2) + s2 |V|`. What comes out too small to be a logarithm is a small part of the friction.
+fn steady(log: &Log, used: &[bool], vs: f64, fc: f64, fastest: f64) -> [f64; 4] {
+    let samples = log.force_n.iter().zip(&log.velocity_m_per_s).zip(used);
+    let (mut matrix, mut right) = (nalgebra::Matrix3::zeros(), nalgebra::Vector3::zeros());
+    for ((force, v), _) in samples.filter(|((_, v), used)| **used && **v != 0.0) {
+        // In parts of the highest velocity, so that the columns are of one size.
+        let row = nalgebra::Vector3::new(1.0, libm::exp(-(v / vs) * (v / vs)), v.abs() / fastest);
+        matrix += row * row.transpose();
+        right += row * (force * v.signum());
+    }
+    let found = matrix.lu().solve(&right).unwrap_or_else(|| nalgebra::Vector3::new(fc, 0.2 * fc, 0.01 * fc));
+    let least = |value: f64, least: f64| if value.is_finite() { value.max(least * fc) } else { least * fc };
+    [least(found[0], 0.05), least(found[1], 0.02), vs, least(found[2], 1e-3) / fastest]
 }
 
 /// Standard deviations and correlations of what the log determines. What makes the matrix singular is left out, the weakest first.
@@ -110,11 +156,18 @@ fn certainty(solution: &Solution, model: Model) -> (Vec<Option<f64>>, Vec<Vec<f6
         let part = Solution { parameters, linear, cost: solution.cost, converged: true };
         let covariance: Option<DMatrix<f64>> = part.covariance();
         let sd = |covariance: &DMatrix<f64>, i: usize| (variance * covariance[(i, i)]).sqrt();
-        let is_weak = |i: usize, covariance: &DMatrix<f64>| model.parameters()[kept[i]].1 && sd(covariance, i) > UNDETERMINED;
+        let is_weak = |i: usize, covariance: &DMatrix<f64>| match model.parameters()[kept[i]] {
+            ("sigma2", _) => sd(covariance, i) > UNDETERMINED * solution.parameters[kept[i]].abs(),
+            (_, by_log) => by_log && sd(covariance, i) > UNDETERMINED,
+        };
+        let relative = |covariance: &DMatrix<f64>, i: usize| match model.parameters()[kept[i]] {
+            (_, true) => sd(covariance, i),
+            (_, false) => sd(covariance, i) / solution.parameters[kept[i]].abs(),
+        };
         let weakest = match &covariance {
             Some(covariance) => (0..kept.len())
                 .filter(|i| is_weak(*i, covariance))
-                .max_by(|a, b| sd(covariance, *a).total_cmp(&sd(covariance, *b))),
+                .max_by(|a, b| relative(covariance, *a).total_cmp(&relative(covariance, *b))),
             None => (0..kept.len()).min_by(|a, b| length(kept[*a]).total_cmp(&length(kept[*b]))),
         };
         match (weakest, covariance) {

@@ -1,8 +1,7 @@
 //! A friction log: slip and force from sample to sample, the normal force, and when the vibration is ON.
 
-use crate::delimited;
 use crate::error::ImportError;
-use crate::text::beginning;
+use delimited::beginning;
 
 /// What a file does not say, and the caller may.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -29,18 +29,19 @@ pub enum Model {
 }
 
 /// A parameter of a model: its name, and whether it is fitted by its logarithm.
-pub(super) type Parameter = (&'static str, bool);
+pub(crate) type Parameter = (&'static str, bool);
 
 const FC: Parameter = ("coulomb_n", true);
 const EXCESS: Parameter = ("static_excess_n", true);
 const STRIBECK: Parameter = ("stribeck_m_per_s", true);
-const VISCOUS: Parameter = ("sigma2", true);
+/// Not by its logarithm: on its way to a log with little of it a search would lose it, as what is nearly none changes nothing any more.
+const VISCOUS: Parameter = ("sigma2", false);
 const STIFFNESS: Parameter = ("stiffness_n_per_m", true);
 const START: Parameter = ("initial_force_n", false);
 
 impl Model {
     /// Models that are fitted by searching.
-    pub(super) const SEARCHED: [Model; 4] = [Model::Coulomb, Model::Stribeck, Model::Dahl, Model::Lugre];
+    pub(crate) const SEARCHED: [Model; 4] = [Model::Coulomb, Model::Stribeck, Model::Dahl, Model::Lugre];
 
     /// Name of the model, as a scene has it where it has it.
     pub fn name(self) -> &'static str {
@@ -53,7 +54,7 @@ impl Model {
         }
     }
 
-    pub(super) fn parameters(self) -> &'static [Parameter] {
+    pub(crate) fn parameters(self) -> &'static [Parameter] {
         match self {
             Model::Coulomb => &[FC],
             Model::Stribeck => &[FC, EXCESS, STRIBECK, VISCOUS],
@@ -69,7 +70,7 @@ impl Model {
     }
 
     /// Friction at every sample, N.
-    pub(super) fn force(self, fitted: &[f64], log: &Log) -> Vec<f64> {
+    pub(crate) fn force(self, fitted: &[f64], log: &Log) -> Vec<f64> {
         let p = self.values(fitted);
         let steady = |fc: f64, excess: f64, vs: f64, v: f64| fc + excess * libm::exp(-(v / vs) * (v / vs));
         match self {

@@ -93,23 +93,11 @@ impl Friction {
 
 /// The parameters that a scene has, from those of the fit.
 fn fitted(found: &Searched, log: &Log, memory: f64) -> Fitted {
-    let values = found.model.values(&found.fitted);
     let parameters = found.model.parameters();
-    let normal = log.normal_n;
-    let mut named = Vec::new();
-    for ((&(name, by_log), value), sd) in parameters.iter().zip(&values).zip(&found.deviations) {
-        // The logarithm's deviation is a part of the value.
-        let sd = sd.map(|sd| if by_log { sd * value } else { sd });
-        match name {
-            "coulomb_n" => named.push(("mu".to_owned(), value / normal, sd.map(|sd| sd / normal))),
-            "static_excess_n" => {
-                let sd = sd.map(|sd| sd / normal);
-                named.push(("static_mu".to_owned(), (values[0] + value) / normal, sd));
-            }
-            "initial_force_n" => {}
-            name => named.push((name.to_owned(), *value, sd)),
-        }
-    }
+    let covariance = |i: usize, j: usize| {
+        Some(found.deviations[i]? * found.deviations[j]? * if i == j { 1.0 } else { found.correlations[i][j] })
+    };
+    let named = named(found.model, &found.fitted, &covariance, log.normal_n);
     let rms_n = (found.residuals.iter().map(|r| r * r).sum::<f64>() / found.residuals.len().max(1) as f64).sqrt();
     Fitted {
         model: found.model,
@@ -120,6 +108,39 @@ fn fitted(found: &Searched, log: &Log, memory: f64) -> Fitted {
         criterion: criterion(&found.residuals, parameters.len(), memory),
         force_n: found.model.force(&found.fitted, log),
     }
+}
+
+/// A number of a contact: its name, its value and, where it is determined, its standard deviation.
+type Number = (String, f64, Option<f64>);
+
+/// The numbers that a scene has of a model, from the parameters of the fit and their covariance.
+pub(crate) fn named(
+    model: Model,
+    fitted: &[f64],
+    covariance: &impl Fn(usize, usize) -> Option<f64>,
+    normal_n: f64,
+) -> Vec<Number> {
+    let values = model.values(fitted);
+    // A logarithm's deviation is a part of the value.
+    let slope = |at: usize| if model.parameters()[at].1 { values[at] } else { 1.0 };
+    let common = |i: usize, j: usize| Some(slope(i) * slope(j) * covariance(i, j)?);
+    let sd = |at: usize| Some(common(at, at)?.sqrt());
+    let mut named = Vec::new();
+    for (at, (name, _)) in model.parameters().iter().enumerate() {
+        match *name {
+            "coulomb_n" => named.push(("mu".to_owned(), values[at] / normal_n, sd(at).map(|sd| sd / normal_n))),
+            "static_excess_n" => {
+                // The static friction is a sum of two parameters, which are not independent.
+                let both = || Some((common(0, 0)? + common(at, at)? + 2.0 * common(0, at)?).max(0.0).sqrt() / normal_n);
+                named.push(("static_mu".to_owned(), (values[0] + values[at]) / normal_n, both()));
+            }
+            "initial_force_n" => {}
+            // A contact that pushes is none of a scene.
+            "sigma2" => named.push(("sigma2".to_owned(), values[at].max(0.0), sd(at))),
+            name => named.push((name.to_owned(), values[at], sd(at))),
+        }
+    }
+    named
 }
 
 fn of_maxwell(log: &Log, used: &[bool], memory: f64) -> Option<Fitted> {

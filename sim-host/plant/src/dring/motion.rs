@@ -155,9 +155,9 @@ impl Motion {
 
     /// The next moment that must not lie within a step.
     fn next_cut_s(&self, until_s: f64) -> f64 {
-        let pulse = &self.bench.pulse;
-        let later = |cut: &f64| *cut > self.time_s + 2.0 * SHORTEST_S;
-        [pulse.at_s, pulse.end_s(), self.ramp.end_s()].into_iter().filter(later).fold(until_s, f64::min)
+        let now_s = self.time_s + 2.0 * SHORTEST_S;
+        let cuts = [self.bench.pulse.next_corner_s(now_s), self.ramp.end_s()];
+        cuts.into_iter().filter(|cut| *cut > now_s).fold(until_s, f64::min)
     }
 
     /// A step, or as much of it as this mode lasts, and the mode that follows then.

@@ -1,28 +1,48 @@
-//! The crash pulse: half a sine of deceleration.
+//! The crash pulse: half a sine of deceleration, or one that was measured.
 //!
 //! ```text
 //! a(t) = a0 sin(pi (t - t0) / T)  for t0 <= t <= t0 + T, else 0;    change of speed: 2 a0 T / pi
 //! ```
 //!
-//! 20 g over 110 ms take 13.7 m/s, 49 km/h.
+//! 20 g over 110 ms take 13.7 m/s, 49 km/h. A measured pulse goes along straight lines from sample to sample.
 
 use std::f64::consts::PI;
 
-/// Half-sine pulse of the vehicle's deceleration.
-#[derive(Clone, Copy, Debug, PartialEq)]
+use scene::Profile;
+
+/// Pulse of the vehicle's deceleration.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Pulse {
     /// When it begins, s.
     pub at_s: f64,
-    /// Peak deceleration of the pulse, m/s^2.
-    pub peak_m_per_s2: f64,
     /// Length of the pulse, s.
     pub length_s: f64,
+    /// Its course.
+    pub course: Course,
+}
+
+/// Course of a pulse.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Course {
+    /// Half a sine of this peak, m/s^2.
+    HalfSine(f64),
+    /// As measured, m/s^2.
+    Measured(Profile),
 }
 
 impl Pulse {
+    /// Half a sine of this peak, m/s^2, that begins at `at_s` and is `length_s` long.
+    pub fn half_sine(at_s: f64, peak_m_per_s2: f64, length_s: f64) -> Self {
+        Pulse { at_s, length_s, course: Course::HalfSine(peak_m_per_s2) }
+    }
+
     /// Deceleration of the vehicle, m/s^2. `within` says on which side of an end: a step of integration lies on one.
     pub fn at(&self, time_s: f64, within: bool) -> f64 {
-        if within { self.peak_m_per_s2 * libm::sin(PI * (time_s - self.at_s) / self.length_s) } else { 0.0 }
+        match &self.course {
+            _ if !within => 0.0,
+            Course::HalfSine(peak_m_per_s2) => peak_m_per_s2 * libm::sin(PI * (time_s - self.at_s) / self.length_s),
+            Course::Measured(profile) => profile.at(time_s - self.at_s),
+        }
     }
 
     /// Whether a moment that is no end lies within the pulse.
@@ -33,5 +53,17 @@ impl Pulse {
     /// When it ends, s.
     pub fn end_s(&self) -> f64 {
         self.at_s + self.length_s
+    }
+
+    /// The first moment after `time_s` at which its slope jumps, s: a beginning, an end, or a sample.
+    pub fn next_corner_s(&self, time_s: f64) -> f64 {
+        let corner = match &self.course {
+            Course::Measured(profile) if self.contains(time_s) => {
+                profile.next_sample(time_s - self.at_s).map(|since_s| self.at_s + since_s)
+            }
+            _ => None,
+        };
+        let ends = [self.at_s, self.end_s()].into_iter().chain(corner).filter(|end| *end > time_s);
+        ends.fold(f64::INFINITY, f64::min)
     }
 }

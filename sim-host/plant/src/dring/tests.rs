@@ -18,13 +18,33 @@ const END_S: f64 = 0.2;
 fn light(actuator: Actuator) -> Bench {
     Bench {
         torso_kg: 14.0,
-        pulse: Pulse { at_s: 0.01, peak_m_per_s2: 20.0 * G_M_PER_S2, length_s: 0.11 },
+        pulse: Pulse::half_sine(0.01, 20.0 * G_M_PER_S2, 0.11),
         shoulder: Span { stiffness_n_per_m: 60e3, slack_m: 0.01, pretension_n: 5.0 },
         retractor: Span { stiffness_n_per_m: 200e3, slack_m: 0.0, pretension_n: 5.0 },
         capstan: Capstan { wrap_rad: 150f64.to_radians(), mu_high: 0.3, mu_low: 0.13 },
         limiter_n: 2200.0,
         actuator,
     }
+}
+
+/// A half sine by its samples is the half sine, the better the denser they are: straight lines are off by `(pi dt / T)^2 / 8` of the peak.
+#[test]
+fn a_measured_pulse_is_the_one_that_was_measured() {
+    let bench = light(Actuator::None);
+    let sampled = |count: u32| {
+        let since = |n: u32| bench.pulse.length_s * f64::from(n) / f64::from(count);
+        let samples = (0..=count).map(|n| format!("{:e}", since(n))).collect::<Vec<_>>().join(",");
+        let values = (0..=count).map(|n| format!("{:e}", bench.pulse.at(bench.pulse.at_s + since(n), true)));
+        let pulse = format!("rig.dring.pulse={{time_s=[{samples}], values=[{}]}}", values.collect::<Vec<_>>().join(","));
+        let scene =
+            scene::load::load("dring-crash", &[pulse, "rig.dring.at_s=0.01".into()]).unwrap_or_else(|error| panic!("{error}"));
+        let measured = Bench::of(scene.scene.rig.as_ref().unwrap().dring.as_ref().unwrap()).pulse;
+        crash(&Bench { pulse: measured, ..bench.clone() }, NEVER, 1).extremes().shoulder_n
+    };
+    let truth = extremes(Actuator::None, NEVER).shoulder_n;
+    let [coarse, fine] = [22, 110].map(|count| (sampled(count) / truth - 1.0).abs());
+    println!("{coarse:e} {fine:e}");
+    assert!(coarse < 3e-3 && fine < 2e-4, "{coarse:e} {fine:e}");
 }
 
 /// When the actuator goes ON and OFF again, s after the pulse begins.

@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use super::{plant, scheduled};
 use crate::evidence::Error;
 use plant::dring::motion::Motion;
+use plant::dring::pulse::Course;
 use plant::dring::{Bench, G_M_PER_S2};
 
 /// Moments, ms since the crash began.
@@ -55,7 +56,7 @@ pub fn run(crashes: u32) -> Result<Vec<Estimate>, Error> {
         .map(|_| {
             let mut bench = base.clone();
             bench.torso_kg = between(MASS_KG.0, MASS_KG.1);
-            bench.pulse.peak_m_per_s2 = G_M_PER_S2 * between(PULSE_G.0, PULSE_G.1);
+            bench.pulse.course = Course::HalfSine(G_M_PER_S2 * between(PULSE_G.0, PULSE_G.1));
             bench.shoulder.stiffness_n_per_m = between(STIFFNESS_N_PER_M.0, STIFFNESS_N_PER_M.1);
             bench.shoulder.slack_m = between(SLACK_M.0, SLACK_M.1);
             let reading = bench.torso_kg * (1.0 + between(SEAT_ERROR.0, SEAT_ERROR.1));

@@ -5,6 +5,7 @@ VERSION: str
 class SceneError(ValueError): ...
 class RunError(RuntimeError): ...
 class LinkError(RuntimeError): ...
+class MeasurementError(ValueError): ...
 
 class Scene:
     @staticmethod
@@ -66,6 +67,21 @@ class Link:
     def run(self, line: str) -> tuple[str, str]: ...
     def close(self) -> None: ...
 
+#: JSON of the result, its scene as TOML, and arrays of 64-bit floating-point numbers by name.
+Imported = tuple[str, str | None, list[tuple[str, bytes]]]
+
+def import_admittance(
+    path: str,
+    columns: str | None,
+    units: list[str],
+    z0_ohm: float,
+    topology: str | None,
+    open: str | None,
+    short: str | None,
+    series_ohm: float,
+    modes: int | None,
+) -> Imported: ...
+def import_friction(path: str, columns: str | None, normal_n: float | None, on_s: list[tuple[float, float]]) -> Imported: ...
 def scenes() -> list[str]:
     """Names of the built-in scenes."""
 

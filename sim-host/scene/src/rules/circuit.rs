@@ -1,11 +1,14 @@
 //! The rule for the values of a circuit: a complete set of them, which does not contradict itself.
 
+use std::f64::consts::TAU;
+
 use super::Rules;
 use crate::circuit::{CircuitError, Given};
 use crate::diagnostic::Problem;
 use crate::exclusive::Exclusive;
 use crate::schema::join;
 use crate::tree::{Entry, Node, Value};
+use crate::wording::within;
 
 const TABLE: &str = "stack.bvd";
 /// Keys of a circuit beside its clamped capacitance.
@@ -18,6 +21,7 @@ fn given(root: &Node) -> Given {
     let number = |key: &str| root.at(&join(TABLE, key)).and_then(Node::number);
     Given {
         c0_f: number("c0_f"),
+        ct_f: number("ct_f").map(|ct_f| ct_f - further(root)),
         cm_f: number("cm_f"),
         lm_h: number("lm_h"),
         rm_ohm: number("rm_ohm"),
@@ -26,6 +30,28 @@ fn given(root: &Node) -> Given {
         q: number("q"),
         coupling: number("coupling"),
     }
+}
+
+/// Motional capacitances of the further modes together, F.
+fn further(root: &Node) -> f64 {
+    let modes = root.at("stack.mode").map_or(&[][..], Node::list);
+    let capacitance = |mode: &Node| {
+        let number = |key: &str| mode.at(key).and_then(Node::number);
+        Some(1.0 / ((TAU * number("series_resonance_hz")?).powi(2) * number("lm_h")?))
+    };
+    modes.iter().filter_map(capacitance).sum()
+}
+
+/// Puts the clamped capacitance in the place of that far below the resonance, if the circuit is complete and says no more than that.
+pub(crate) fn clamped(root: &mut Node) {
+    let (Some(ct_f), Ok(elements)) = (root.at("stack.bvd.ct_f").cloned(), given(root).resolve()) else { return };
+    let Some(Value::Table(table)) = root.at_mut(TABLE).map(|node| &mut node.value) else { return };
+    if table.contains_key("c0_f") {
+        return;
+    }
+    table.remove("ct_f");
+    let node = Node { place: ct_f.place.clone(), value: Value::Number(elements.c0_f) };
+    table.insert("c0_f".to_owned(), Entry { key: ct_f.place, node });
 }
 
 /// The keys that a scene gives.
@@ -58,8 +84,25 @@ pub(crate) fn complete(root: &mut Node) {
 }
 
 impl Rules<'_> {
+    /// Judges a capacitance far below the resonance that the clamped one does not follow from, or that stands beside it.
+    fn total(&mut self) {
+        let (path, clamped) = (join(TABLE, "ct_f"), join(TABLE, "c0_f"));
+        if !self.given(&path) || !self.clean(&path) {
+            return;
+        }
+        if let Err(error) = given(self.root).resolve() {
+            let problem = Problem::new(self.key(&path), error.to_string(), "of this circuit");
+            // That there is none is the same mistake.
+            self.findings.problems.retain(|problem| problem.message != format!("`c0_f` is missing {}", within(TABLE)));
+            let help = "`ct_f` takes the place of `c0_f`: it is that of clamped and motional branches together";
+            self.findings.problems.push(problem.help(help));
+            [path, clamped].into_iter().for_each(|key| self.findings.mark(key));
+        }
+    }
+
     /// Judges a set that is not one of the two usual forms; gives those to the rule for keys that exclude each other.
     pub(super) fn circuit(&mut self, group: &Exclusive) {
+        self.total();
         let present = keys(self.root);
         let usual = FORMS.iter().any(|form| present.iter().all(|key| form.contains(key)));
         let sound = KEYS.iter().chain(&["c0_f"]).all(|key| self.clean(&join(TABLE, key)));

@@ -64,14 +64,14 @@ impl Rules<'_> {
         for key in ["rate_per_s", "sine_amplitude"].map(|key| join(path, key)) {
             if self.value(&key).is_some() {
                 let message = format!("`{NORMAL}` changes in steps only");
-                let problem = Problem::new(self.key(&key), message, "give `to` instead");
+                let problem = Problem::new(self.key(&key), message, "give `to` or `profile` instead");
                 self.add(&key, problem);
             }
         }
     }
 
     /// The path of the key that a disturbance changes: the normal force is one of the contact's model.
-    fn changed(&self, target: &str) -> String {
+    pub(super) fn changed(&self, target: &str) -> String {
         match self.model() {
             Some(model) if target == NORMAL => join(&model, "normal_n"),
             _ => target.to_owned(),

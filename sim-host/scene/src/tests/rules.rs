@@ -57,6 +57,25 @@ fn any_complete_set_of_circuit_values_is_the_same_stack() {
 }
 
 #[test]
+fn the_capacitance_far_below_the_resonance_is_of_all_branches() {
+    let by = |sets: &[&str]| loaded(sets).stack.unwrap().bvd;
+    let usual = by(&["stack.bvd.c0_f=4e-9", "stack.bvd.series_resonance_hz=40e3", "stack.bvd.q=90", "stack.bvd.coupling=0.3"]);
+    let total = format!("stack.bvd.ct_f={:e}", 4e-9 / (1.0 - 0.09));
+    let same = by(&[&total, "stack.bvd.series_resonance_hz=40e3", "stack.bvd.q=90", "stack.bvd.coupling=0.3"]);
+    assert!((same.c0_f / usual.c0_f - 1.0).abs() < 1e-12 && same.ct_f.is_none(), "{same:?}");
+    let mode = ["stack.mode.0.series_resonance_hz=50e3", "stack.mode.0.q=100", "stack.mode.0.lm_h=0.1"];
+    let further = 1.0 / ((std::f64::consts::TAU * 50e3).powi(2) * 0.1);
+    let three = by(&[&[&*total, "stack.bvd.cm_f=1e-10", "stack.bvd.lm_h=0.158", "stack.bvd.rm_ohm=40"], &mode[..]].concat());
+    assert!((three.c0_f - (4e-9 / 0.91 - 1e-10 - further)).abs() < 1e-20, "{three:?}");
+    let wrong = ["stack.bvd.ct_f=1e-12", "stack.bvd.cm_f=1e-10", "stack.bvd.lm_h=0.158", "stack.bvd.rm_ohm=40"];
+    says(&report(example(), &wrong), &["the circuit contradicts itself: `ct_f` is 1e-12", "--set:1:11", "1 problem"]);
+    let open = ["stack.bvd.ct_f=1e-9", "stack.bvd.lm_h=0.158", "stack.bvd.parallel_resonance_hz=41e3", "stack.bvd.rm_ohm=40"];
+    says(&report(example(), &open), &["the circuit is incomplete: beside `ct_f`", "1 problem"]);
+    let both = ["stack.bvd.c0_f=4e-9", "stack.bvd.ct_f=9e-9"];
+    says(&report(example(), &both), &["the circuit contradicts itself: `ct_f` is 9e-9"]);
+}
+
+#[test]
 fn time_runs_forward_and_ends() {
     says(&with_line("off_s", "off_s = [5.0, 5.5]"), &["1 beginnings and 2 ends"]);
     says(&with_line("off_s", "off_s = [2.0]"), &["ends at 2 s, but begins at 3 s only"]);

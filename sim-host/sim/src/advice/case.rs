@@ -198,6 +198,7 @@ fn alone(scene: &Scene, driven: Driven<'_>, circuit: Circuit) -> Scene {
     let Circuit { c0_f, cm_f, lm_h, force_factor_n_per_v, .. } = circuit;
     let bvd = Bvd {
         c0_f,
+        ct_f: None,
         cm_f: None,
         lm_h: None,
         rm_ohm: None,

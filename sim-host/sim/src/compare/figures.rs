@@ -55,7 +55,7 @@ fn curves(file: &Path) -> Option<Curves> {
 fn figure(id: &str, a: &Curves, b: &Curves) -> Option<Figure> {
     let data = FigureData::of(id)?;
     // A figure of many curves, or of a map, tells nothing twice over.
-    if a.columns.len() > MOST_CURVES || !a.columns.iter().chain(&b.columns).all(|(name, _)| data.has(name)) {
+    if a.columns.len() > MOST_CURVES || !a.columns.iter().chain(&b.columns).all(|(name, _)| data.may_have(name)) {
         return None;
     }
     let common = |(name, _): &&(String, Vec<f64>)| b.columns.iter().any(|(other, _)| other == name);

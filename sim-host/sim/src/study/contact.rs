@@ -12,6 +12,7 @@ use super::answer::Answer;
 use super::playback::Playback;
 use super::stopped::{leave_if, unless_stopped};
 use crate::metrics::Metrics;
+use crate::overlay;
 use contact::{self, Clock, Law, SolveError, State};
 use scene::{Excited, Model, problem};
 
@@ -44,8 +45,13 @@ pub(super) fn run<'a>(
     };
     let answer = unless_stopped(|| answer(&scene, None, (stop, clock), Some(watch))).transpose()?;
     playback.finish();
-    let metrics = measured(&scene, answer.as_ref());
-    Ok((Solved { scene, answer, playback }, metrics))
+    let mut metrics = measured(&scene, answer.as_ref());
+    let solved = Solved { scene, answer, playback };
+    if !scene.overlay.is_empty() {
+        let hz = Some(scene.excitation.frequency_hz);
+        overlay::put(&overlay::lay(&mut figures::of(&solved), &scene.overlay, hz), &mut metrics);
+    }
+    Ok((solved, metrics))
 }
 
 /// The numbers of a scene that is a cell of a grid, or as many as some metrics need; none of them if it is stopped.

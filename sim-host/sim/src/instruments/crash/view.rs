@@ -30,7 +30,7 @@ pub fn view(run: &View) -> Option<CrashView> {
         .into(),
         torso_kg: playback.torso_kg,
         slack_mm: 1e3 * dring.slack_m,
-        pulse_ms: dring.pulse_ms,
+        pulse_ms: 1e3 * dring.pulse_s(),
         low_ms: playback.low_s.map(|s| 1e3 * s),
         instants: instants.collect(),
     })

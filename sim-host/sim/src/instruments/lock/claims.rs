@@ -175,6 +175,7 @@ mod tests {
             rate_per_s: None,
             sine_amplitude: None,
             sine_hz: None,
+            profile: None,
         };
         let timed = |n: u32| Row { time_s: f64::from(n + 1) * 1e-3, ..blocks(1, 0.0, true, 1.0)[0] };
         assert_eq!(true_q(65.0, &[step], &[timed(0), timed(1), timed(2)], 1e-3), [65.0, 20.0, 20.0]);

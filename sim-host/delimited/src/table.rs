@@ -3,20 +3,20 @@
 //! Nothing of it is asked for: every pair of delimiter and decimal sign is tried, and the one that reads the longest run of lines as numbers, with
 //! the same number of fields, is the file's. What stands before that run is a preamble, whose last line with as many fields is the heading.
 
-use crate::error::ImportError;
+use crate::error::TableError;
 use crate::text::{beginning, number};
 
 /// A table of numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Table {
+pub struct Table {
     /// Headings of the columns, if there are any.
-    pub(crate) header: Option<Vec<String>>,
+    pub header: Option<Vec<String>>,
     /// Number of the line of each row, from 1.
-    pub(crate) lines: Vec<usize>,
+    pub lines: Vec<usize>,
     /// Columns of the table.
-    pub(crate) columns: Vec<Vec<f64>>,
+    pub columns: Vec<Vec<f64>>,
     /// Delimiter and decimal sign that were found, for a reader.
-    pub(crate) found: String,
+    pub found: String,
 }
 
 /// What separates fields.
@@ -96,23 +96,21 @@ fn longest(lines: &[&str], form: (Delimiter, bool)) -> (usize, usize, usize) {
     best
 }
 
-/// Finds the table of a text. `columns` stands in place of a heading where it is given.
-pub(crate) fn read(text: &str, columns: Option<&str>) -> Result<Table, ImportError> {
+/// Finds the table of a text. `columns`, names with commas between, stands in place of a heading where it is given.
+///
+/// # Errors
+/// [`TableError`], with the line that shows why.
+pub fn read(text: &str, columns: Option<&str>) -> Result<Table, TableError> {
     let lines: Vec<&str> = text.lines().collect();
     let runs = FORMS.map(|form| (form, longest(&lines, form)));
     // The first of those that read as much; a comma that separates two columns is not a decimal sign of one.
     let best = runs.iter().rev().max_by_key(|(_, (.., rows))| *rows).copied();
     let Some((form, (start, end, rows))) = best.filter(|(_, (.., rows))| *rows > 0) else {
-        let shown = lines.iter().find(|line| !line.trim().is_empty()).map_or("nothing".to_owned(), |line| beginning(line));
-        let seen = format!(
-            "it begins with `{shown}`, and no line has two numbers or more; known are Touchstone (.s1p, .s2p) and tables of numbers, with \
-             commas, semicolons, tabs or blanks between"
-        );
-        return Err(ImportError::UnknownForm { seen });
+        let begins = lines.iter().find(|line| !line.trim().is_empty()).map_or("nothing".to_owned(), |line| beginning(line));
+        return Err(TableError::NoTable { begins });
     };
     if rows < 2 {
-        let seen = format!("only line {} is a line of numbers", start + 1);
-        return Err(ImportError::UnknownForm { seen });
+        return Err(TableError::OneLine { line: start + 1 });
     }
     let header = match columns {
         Some(columns) => Some(columns.split(',').map(|name| name.trim().to_owned()).collect::<Vec<_>>()),
@@ -147,10 +145,9 @@ pub(crate) fn read(text: &str, columns: Option<&str>) -> Result<Table, ImportErr
 }
 
 /// The line that interrupts a table.
-fn broken(lines: &[&str], from: usize, to: usize) -> ImportError {
+fn broken(lines: &[&str], from: usize, to: usize) -> TableError {
     let at = (from..to).find(|&at| !bare(lines[at]).0.is_empty()).unwrap_or(from);
-    let what = format!("`{}` interrupts the table of numbers; mend or remove it, or give one sweep a file", beginning(lines[at]));
-    ImportError::BadLine { line: at + 1, what }
+    TableError::Interrupted { line: at + 1, begins: beginning(lines[at]) }
 }
 
 /// The last line of a preamble that names something in every field.
@@ -163,19 +160,17 @@ fn heading(before: &[&str], delimiter: Delimiter) -> Option<Vec<String>> {
     named(&fields).then_some(fields)
 }
 
-fn check_width(table: &Table) -> Result<(), ImportError> {
+fn check_width(table: &Table) -> Result<(), TableError> {
     let Some(header) = &table.header else { return Ok(()) };
     if header.len() == table.columns.len() {
         return Ok(());
     }
-    let line = table.lines.first().copied().unwrap_or(1);
-    let hint = if table.found.starts_with("commas") && table.columns.len() == 2 * header.len() {
-        "; a decimal comma cannot be told from a comma between fields: export with semicolons"
-    } else {
-        "; give the names with `--columns`, as `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`"
-    };
-    let what = format!("{} numbers, but the heading names {} columns{hint}", table.columns.len(), header.len());
-    Err(ImportError::BadLine { line, what })
+    Err(TableError::Width {
+        line: table.lines.first().copied().unwrap_or(1),
+        numbers: table.columns.len(),
+        names: header.len(),
+        decimal_comma: table.found.starts_with("commas") && table.columns.len() == 2 * header.len(),
+    })
 }
 
 #[cfg(test)]
@@ -205,7 +200,7 @@ mod tests {
 
     #[test]
     fn a_line_that_interrupts_the_table_is_named() {
-        let error = read("f,r\n1,2\n2,3\n3,overload\n4,5\n", None).unwrap_err().to_string();
-        assert!(error.starts_with("line 4: `3,overload`"), "{error}");
+        let error = read("f,r\n1,2\n2,3\n3,overload\n4,5\n", None).unwrap_err();
+        assert_eq!(error, TableError::Interrupted { line: 4, begins: "3,overload".to_owned() });
     }
 }

@@ -1,7 +1,7 @@
 //! Text of a measured file: decoded whatever the instrument has written it in, and its numbers.
 
 /// The text of a file in UTF-8, UTF-16 with its mark, or Latin-1.
-pub(crate) fn decode(bytes: &[u8]) -> String {
+pub fn decode(bytes: &[u8]) -> String {
     let wide = |bytes: &[u8], of: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| of([pair[0], pair[1]])).collect();
         String::from_utf16_lossy(&units)
@@ -15,7 +15,7 @@ pub(crate) fn decode(bytes: &[u8]) -> String {
 }
 
 /// A number with a decimal point, or with a decimal comma where that is asked for. Infinities and NaN are none.
-pub(crate) fn number(field: &str, comma: bool) -> Option<f64> {
+pub fn number(field: &str, comma: bool) -> Option<f64> {
     let field = field.trim().trim_matches('"').trim();
     let looks = field.starts_with(|first: char| first.is_ascii_digit() || "+-.,".contains(first));
     if !looks || field.len() > 64 {
@@ -30,7 +30,7 @@ pub(crate) fn number(field: &str, comma: bool) -> Option<f64> {
 }
 
 /// The beginning of a text, as a message can show it.
-pub(crate) fn beginning(text: &str) -> String {
+pub fn beginning(text: &str) -> String {
     const LONGEST: usize = 48;
     let clean: String = text.trim().chars().map(|c| if c.is_control() { ' ' } else { c }).take(LONGEST + 1).collect();
     if clean.chars().count() > LONGEST { clean.chars().take(LONGEST).collect::<String>() + " …" } else { clean }

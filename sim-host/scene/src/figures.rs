@@ -13,10 +13,28 @@ pub struct FigureData {
     pub meaning: &'static str,
 }
 
+/// How the column of a measured curve begins, which lies over a figure ([`Overlay`](crate::Overlay)).
+pub const MEASURED: &str = "measured_";
+
 impl FigureData {
+    /// Whether it is of this name.
+    pub fn is(&self, id: &str) -> bool {
+        fits(self.id, id)
+    }
+
+    /// Whether it has curves, rather than a map.
+    pub fn is_of_curves(&self) -> bool {
+        !self.columns.iter().any(|column| column.starts_with("power_db"))
+    }
+
     /// Whether a column may be in this file.
     pub fn has(&self, column: &str) -> bool {
         self.columns.iter().any(|known| fits(known, column))
+    }
+
+    /// Whether a column may be in this file where a measured curve lies over the figure.
+    pub fn may_have(&self, column: &str) -> bool {
+        self.has(column) || column.strip_prefix(MEASURED).is_some_and(|curve| self.has(curve))
     }
 
     /// The data of the figure of this name.

@@ -1,0 +1,219 @@
+"""Measured data as parameters with standard deviations, and as scenes."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from . import _native
+from ._scene import Scene
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: How a transducer is connected to a network analyser.
+Topology = Literal["one-port", "series-through", "shunt-through"]
+
+
+@dataclass(frozen=True)
+class Stated:
+    """A number and its standard deviation, both in the unit of its name."""
+
+    value: float
+    #: Standard deviation; `None` where the data do not determine the number.
+    sd: float | None
+
+    def __float__(self) -> float:
+        return self.value
+
+
+@dataclass(frozen=True)
+class Correlation:
+    """Correlations of fitted numbers."""
+
+    names: list[str]
+    #: A row and a column for each name, from -1 to 1; empty where a model has none.
+    matrix: NDArray[np.float64] = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Admittance:
+    """A measured admittance and its equivalent circuit."""
+
+    #: `series_resonance_hz`, `parallel_resonance_hz`, `q`, `rm_ohm`, `lm_h`, `cm_f`, `c0_f`, `coupling`, `loss_tangent` of the working mode.
+    circuit: dict[str, Stated]
+    #: Correlations of the numbers of `circuit`.
+    correlation: Correlation
+    #: Every resonance, by frequency: the same numbers as far as a branch has them, and whether it is the working one.
+    modes: list[dict[str, Any]]
+    #: Frequencies of the sweep, Hz.
+    frequency_hz: NDArray[np.float64] = field(repr=False)
+    #: Measured admittance without the fixture, S.
+    measured_s: NDArray[np.complex128] = field(repr=False)
+    #: Admittance of the circuit, S.
+    fitted_s: NDArray[np.complex128] = field(repr=False)
+    #: Residuals in the coordinate of the instrument, in standard deviations of the noise; of a noise with memory, whitened.
+    residual: NDArray[np.complex128] = field(repr=False)
+    #: What was found about the file, a sentence each.
+    remarks: list[str] = field(repr=False)
+    #: What to be careful about, a sentence each.
+    warnings: list[str]
+    #: The scene of the transducer as TOML.
+    scene_toml: str | None = field(repr=False)
+
+    def scene(self) -> Scene:
+        """The scene of this transducer. Raises `SceneError` where its values are outside of what a scene can have."""
+        return _scene(self.scene_toml)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A contact model that was fitted to a log."""
+
+    #: `coulomb`, `stribeck`, `dahl`, `lugre` or `maxwell`.
+    model: str
+    #: Parameters by the names of a scene's keys, with their units.
+    parameters: dict[str, Stated]
+    #: Correlations of the fitted numbers.
+    correlation: Correlation
+    #: Root mean square of the residuals, N.
+    rms_n: float
+    #: Bayes's information criterion; the least is the best.
+    criterion: float
+
+
+@dataclass(frozen=True)
+class Friction:
+    """A friction log and its contact."""
+
+    #: The model chosen.
+    contact: Contact
+    #: All models, the best first.
+    models: list[Contact]
+    #: Mean friction with vibration over without; `None` where the log does not have both.
+    friction_ratio: Stated | None
+    #: Mean normal force, N.
+    normal_n: float
+    #: Time of each sample, s; empty where the log has none.
+    time_s: NDArray[np.float64] = field(repr=False)
+    #: Slip velocity of each sample, m/s.
+    velocity_m_per_s: NDArray[np.float64] = field(repr=False)
+    #: Measured friction, N.
+    measured_n: NDArray[np.float64] = field(repr=False)
+    #: Friction of the model chosen, N.
+    fitted_n: NDArray[np.float64] = field(repr=False)
+    #: Whether the vibration is ON; the models are fitted where it is not.
+    on: NDArray[np.bool_] = field(repr=False)
+    #: What was found about the file, a sentence each.
+    remarks: list[str] = field(repr=False)
+    #: What to be careful about, a sentence each.
+    warnings: list[str]
+    #: The contact study as TOML; `None` of a model that a scene does not have.
+    scene_toml: str | None = field(repr=False)
+
+    @property
+    def residual_n(self) -> NDArray[np.float64]:
+        """Model less measurement at every sample, N."""
+        return self.fitted_n - self.measured_n
+
+    def scene(self) -> Scene:
+        """The contact study of this contact. Raises `ValueError` of a model that a scene does not have."""
+        return _scene(self.scene_toml)
+
+
+def import_admittance(
+    path: str | os.PathLike[str],
+    *,
+    columns: str | None = None,
+    units: Sequence[str] = (),
+    z0_ohm: float = 50.0,
+    topology: Topology | None = None,
+    open: str | os.PathLike[str] | None = None,
+    short: str | os.PathLike[str] | None = None,
+    series_ohm: float = 0.0,
+    modes: int | None = None,
+) -> Admittance:
+    """The equivalent circuit of a measured admittance or impedance, as `sim-host import admittance` fits it (docs/import.md).
+
+    `columns` names those of a table, as `"f [Hz], |Z| [ohm], theta [deg]"`; `units` are those of columns that name none; `z0_ohm` is the reference of
+    scattering parameters in a table, ohm; `open` and `short` are sweeps of the fixture, `series_ohm` a resistance in series; `modes` asks for so many resonances.
+
+    Raises `MeasurementError` with the reason, and the line or the column, where the file cannot be used.
+    """
+    text, scene, arrays = _native.import_admittance(
+        os.fspath(path), columns, list(units), z0_ohm, topology, _optional(open), _optional(short), series_ohm, modes
+    )
+    found, part = json.loads(text), {name: _numbers(values) for name, values in arrays}
+    return Admittance(
+        circuit={name: Stated(**number) for name, number in found["circuit"].items()},
+        correlation=_correlation(found["correlation"]),
+        modes=[
+            {name: Stated(**number) if isinstance(number, dict) else number for name, number in mode.items()} for mode in found["modes"]
+        ],
+        frequency_hz=part["frequency_hz"],
+        measured_s=part["measured_re_s"] + 1j * part["measured_im_s"],
+        fitted_s=part["fitted_re_s"] + 1j * part["fitted_im_s"],
+        residual=part["residual_re"] + 1j * part["residual_im"],
+        remarks=found["remarks"],
+        warnings=found["warnings"],
+        scene_toml=scene,
+    )
+
+
+def import_friction(
+    path: str | os.PathLike[str],
+    *,
+    columns: str | None = None,
+    normal_n: float | None = None,
+    on_s: Sequence[tuple[float, float]] = (),
+) -> Friction:
+    """The contact of a friction log, as `sim-host import friction` fits it (docs/import.md).
+
+    `normal_n` is the normal force, N, where no column has it; `on_s` are pairs of times, s, between which the vibration is ON, where no column says it.
+
+    Raises `MeasurementError` with the reason, and the line or the column, where the file cannot be used.
+    """
+    text, scene, arrays = _native.import_friction(os.fspath(path), columns, normal_n, [(float(a), float(b)) for a, b in on_s])
+    found, part = json.loads(text), {name: _numbers(values) for name, values in arrays}
+    return Friction(
+        contact=_contact(found["contact"]),
+        models=[_contact(model) for model in found["models"]],
+        friction_ratio=Stated(**found["on"]["friction_ratio"]) if found["on"] else None,
+        normal_n=found["normal_n"],
+        time_s=part["time_s"],
+        velocity_m_per_s=part["velocity_m_per_s"],
+        measured_n=part["measured_n"],
+        fitted_n=part["fitted_n"],
+        on=part["on"] > 0.5,
+        remarks=found["remarks"],
+        warnings=found["warnings"],
+        scene_toml=scene,
+    )
+
+
+def _optional(path: str | os.PathLike[str] | None) -> str | None:
+    return None if path is None else os.fspath(path)
+
+
+def _numbers(values: bytes) -> NDArray[np.float64]:
+    return np.frombuffer(values, dtype=np.float64)
+
+
+def _correlation(found: dict[str, Any]) -> Correlation:
+    return Correlation(found["names"], np.array(found["matrix"], dtype=np.float64))
+
+
+def _contact(found: dict[str, Any]) -> Contact:
+    numbers = {name: Stated(**number) for name, number in found.items() if isinstance(number, dict) and "value" in number}
+    return Contact(found["model"], numbers, _correlation(found["correlation"]), found["rms_n"], found["criterion"])
+
+
+def _scene(text: str | None) -> Scene:
+    if text is None:
+        raise ValueError("a scene does not have this model of friction")
+    return Scene.from_toml(text, name="imported")

@@ -1,0 +1,111 @@
+//! Measured data: an admittance as a circuit, a friction log as a contact.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use ::import::admittance::coordinate::Topology;
+use ::import::admittance::options::Options;
+use ::import::admittance::{self, MOST_MODES};
+use ::import::friction;
+use ::import::units::Units;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::errors::of_import;
+use crate::interruptible;
+
+/// A result: as JSON, the scene of it as TOML, and arrays by name, 64-bit floating-point numbers as bytes in the machine's order.
+type Parts<'py> = (String, Option<String>, Vec<(&'static str, Bound<'py, PyBytes>)>);
+
+fn bytes<'py>(py: Python<'py>, numbers: impl Iterator<Item = f64>) -> Bound<'py, PyBytes> {
+    PyBytes::new(py, &numbers.flat_map(f64::to_ne_bytes).collect::<Vec<u8>>())
+}
+
+/// Name of a file, as results call their source.
+fn source(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+fn topology(name: Option<&str>) -> PyResult<Option<Topology>> {
+    Ok(Some(match name {
+        None => return Ok(None),
+        Some("one-port") => Topology::OnePort,
+        Some("series-through") => Topology::SeriesThrough,
+        Some("shunt-through") => Topology::ShuntThrough,
+        Some(other) => {
+            let message = format!("topology: `{other}` is none; known are one-port, series-through, shunt-through");
+            return Err(PyValueError::new_err(message));
+        }
+    }))
+}
+
+/// The circuit of a measured admittance.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)] // those of the command line
+pub fn import_admittance<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    columns: Option<String>,
+    units: Vec<String>,
+    z0_ohm: f64,
+    topology: Option<&str>,
+    open: Option<PathBuf>,
+    short: Option<PathBuf>,
+    series_ohm: f64,
+    modes: Option<usize>,
+) -> PyResult<Parts<'py>> {
+    let units =
+        Units::parse(units.iter().map(String::as_str)).map_err(|error| PyValueError::new_err(format!("unit: {error}")))?;
+    if modes.is_some_and(|modes| !(1..=MOST_MODES).contains(&modes)) {
+        return Err(PyValueError::new_err(format!("modes: from 1 to {MOST_MODES}")));
+    }
+    let sound = |ohm: f64, least: f64| (least..=1e6).contains(&ohm);
+    if !sound(z0_ohm, 1e-3) || !sound(series_ohm, 0.0) {
+        return Err(PyValueError::new_err("z0_ohm: from 0.001 to 1e6 ohm; series_ohm: from 0 to 1e6 ohm"));
+    }
+    let options = Options { z0_ohm, topology: self::topology(topology)?, units, columns, open, short, series_ohm, modes };
+    let found = interruptible::run(py, &AtomicBool::new(false), || admittance::import(&path, &options))?;
+    let found = found.map_err(|error| of_import(&path, &error))?;
+    let measured = &found.measured;
+    let fitted = || measured.hz.iter().map(|hz| found.equivalent.admittance(*hz));
+    let arrays = vec![
+        ("frequency_hz", bytes(py, measured.hz.iter().copied())),
+        ("measured_re_s", bytes(py, measured.admittance.iter().map(|y| y.re))),
+        ("measured_im_s", bytes(py, measured.admittance.iter().map(|y| y.im))),
+        ("fitted_re_s", bytes(py, fitted().map(|y| y.re))),
+        ("fitted_im_s", bytes(py, fitted().map(|y| y.im))),
+        ("residual_re", bytes(py, found.residuals.iter().map(|residual| residual.re))),
+        ("residual_im", bytes(py, found.residuals.iter().map(|residual| residual.im))),
+    ];
+    Ok((found.json(None).to_string(), found.scene(&source(&path)), arrays))
+}
+
+/// The contact of a friction log.
+#[pyfunction]
+pub fn import_friction<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    columns: Option<String>,
+    normal_n: Option<f64>,
+    on_s: Vec<(f64, f64)>,
+) -> PyResult<Parts<'py>> {
+    if normal_n.is_some_and(|normal_n| !(1e-9..=1e6).contains(&normal_n)) {
+        return Err(PyValueError::new_err("normal_n: from 1e-9 to 1e6 N"));
+    }
+    if on_s.iter().any(|(from, to)| from.partial_cmp(to).is_none_or(|order| order.is_ge())) {
+        return Err(PyValueError::new_err("on: pairs of rising times in s"));
+    }
+    let options = friction::Options { columns, normal_n, on_s };
+    let found = interruptible::run(py, &AtomicBool::new(false), || friction::import(&path, &options))?;
+    let found = found.map_err(|error| of_import(&path, &error))?;
+    let (log, fitted) = (&found.log, &found.chosen().force_n);
+    let arrays = vec![
+        ("time_s", bytes(py, log.time_s.iter().copied())),
+        ("velocity_m_per_s", bytes(py, log.velocity_m_per_s.iter().copied())),
+        ("measured_n", bytes(py, log.force_n.iter().copied())),
+        ("fitted_n", bytes(py, fitted.iter().copied())),
+        ("on", bytes(py, log.on.iter().map(|on| f64::from(u8::from(*on))))),
+    ];
+    Ok((found.json(None).to_string(), found.scene(&source(&path)), arrays))
+}

@@ -1,0 +1,286 @@
+//! A column of a measured table, with its time or another column to lie over, in the units of a scene.
+
+use std::fs::File;
+use std::io::Read;
+use std::ops::Range;
+use std::path::Path;
+
+use delimited::{Table, beginning, decode};
+
+use super::heading;
+use crate::nearest::{listed, nearest, short};
+use crate::units::Unit;
+
+/// Largest file that is read, bytes.
+const LARGEST: u64 = 64 << 20;
+/// Most rows: a manifest has each of them as text.
+const MOST_ROWS: usize = 200_000;
+
+/// Part of a scene that a refusal is about, or a line of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum About {
+    /// The file as a whole.
+    File,
+    /// Which column it is.
+    Column,
+    /// Unit of the column.
+    Unit,
+    /// Which column the time is.
+    Axis,
+    /// Unit of the time.
+    AxisUnit,
+    /// A line of the file, from 1.
+    Line(usize),
+}
+
+/// Why a column cannot be read.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Refusal {
+    pub(crate) about: About,
+    pub(crate) message: String,
+    pub(crate) label: String,
+    pub(crate) help: Option<String>,
+}
+
+impl Refusal {
+    fn new(about: About, message: impl Into<String>, label: impl Into<String>) -> Self {
+        Refusal { about, message: message.into(), label: label.into(), help: None }
+    }
+
+    fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+/// A table and its text.
+#[derive(Clone, Debug)]
+pub(crate) struct Measured {
+    /// What the user calls the file.
+    pub(crate) name: String,
+    /// Decoded text of the file.
+    pub(crate) text: String,
+    table: Table,
+}
+
+/// A column in the unit that was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Column {
+    /// Heading of the column.
+    pub(crate) heading: String,
+    /// Its values, in the unit that was asked for.
+    pub(crate) values: Vec<f64>,
+    /// Whether the column holds lengths where a velocity was asked for.
+    pub(crate) is_path: bool,
+}
+
+/// The text of a file, decoded whatever it was written in.
+pub(crate) fn text_of(path: &Path, asked: &str) -> Result<String, Refusal> {
+    let mut bytes = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes));
+    if let Err(error) = read {
+        let message = format!("the file `{}` cannot be read", short(asked));
+        let label = match near_file(path) {
+            Some(name) if error.kind() == std::io::ErrorKind::NotFound => format!("did you mean `{}`?", short(&name)),
+            _ => error.to_string(),
+        };
+        return Err(Refusal::new(About::File, message, label).help(format!("it was looked for as `{}`", path.display())));
+    }
+    if bytes.len() as u64 > LARGEST {
+        let message = format!("the file `{}` has more than {} MiB", short(asked), LARGEST >> 20);
+        return Err(Refusal::new(About::File, message, "leave out samples that are not needed"));
+    }
+    Ok(decode(&bytes))
+}
+
+/// A file of a similar name in the same folder.
+fn near_file(path: &Path) -> Option<String> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let names: Vec<String> =
+        std::fs::read_dir(folder).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).take(10_000).collect();
+    let name = path.file_name()?.to_str()?;
+    nearest(name, names.iter().map(String::as_str)).first().map(|name| (*name).to_owned())
+}
+
+impl Measured {
+    /// The table of a text.
+    pub(crate) fn of(name: &str, text: String) -> Result<Self, (Refusal, String)> {
+        match delimited::read(&text, None) {
+            Ok(table) if table.lines.len() > MOST_ROWS => {
+                let message = format!("`{}` has {} rows", short(name), table.lines.len());
+                let label = format!("must have {MOST_ROWS} rows at most");
+                Err((Refusal::new(About::File, message, label), text))
+            }
+            Ok(table) => Ok(Measured { name: name.to_owned(), text, table }),
+            Err(error) => {
+                let about = error.line().map_or(About::File, About::Line);
+                let message = match about {
+                    About::Line(_) => error.to_string(),
+                    _ => format!("`{}` is no table of numbers: {error}", short(name)),
+                };
+                let help = "a table has a heading such as `t [s],v [mm/s]`, and lines of numbers with commas, semicolons, tabs or blanks between";
+                Err((Refusal::new(about, message, "no table of numbers").help(help), text))
+            }
+        }
+    }
+
+    /// Bytes of a line of the text, from 1.
+    pub(crate) fn span(text: &str, line: usize) -> Range<usize> {
+        let starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1));
+        let start = starts.clone().nth(line.saturating_sub(1)).unwrap_or(text.len());
+        start..starts.clone().nth(line).map_or(text.len(), |next| next - 1)
+    }
+
+    /// Number of the line of a row, from 1.
+    pub(crate) fn line(&self, row: usize) -> usize {
+        self.table.lines.get(row).copied().unwrap_or(1)
+    }
+
+    /// The headings, or the numbers of columns that have none.
+    fn names(&self) -> Vec<String> {
+        let numbers = || (1..=self.table.columns.len()).map(|number| number.to_string()).collect();
+        self.table.header.clone().unwrap_or_else(numbers)
+    }
+
+    /// The column of the time, or what else is along the axis that `key` names.
+    pub(crate) fn axis_index(&self, name: Option<&str>, key: &str) -> Result<usize, Refusal> {
+        if let Some(name) = name {
+            return self.index(name, About::Axis, key);
+        }
+        let names = self.names();
+        match &self.table.header {
+            None => Ok(0),
+            Some(_) => names.iter().position(|name| heading::is_time(name)).ok_or_else(|| {
+                let message = format!("`{}` has no column `t` or `time`", short(&self.name));
+                let help =
+                    format!("`{key} = …` names another; the columns are {}", listed(names.iter().map(String::as_str), "and"));
+                Refusal::new(About::File, message, "which column is along the axis?").help(help)
+            }),
+        }
+    }
+
+    /// The column that is meant, which is the only one beside `other` where nothing says.
+    pub(crate) fn value_index(&self, name: Option<&str>, other: usize) -> Result<usize, Refusal> {
+        if let Some(name) = name {
+            return self.index(name, About::Column, "column");
+        }
+        let names = self.names();
+        match names.len() {
+            2 => Ok(1 - other.min(1)),
+            count => {
+                let rest = names.iter().enumerate().filter(|(at, _)| *at != other).map(|(_, name)| name.as_str());
+                let message = format!("`{}` has {} columns beside `{}`", short(&self.name), count - 1, names[other]);
+                let help = format!("`column` names one of {}", listed(rest, "and"));
+                Err(Refusal::new(About::File, message, "which column is it?").help(help))
+            }
+        }
+    }
+
+    /// The column of a heading, with its unit or without, or of a number from 1.
+    fn index(&self, name: &str, about: About, key: &str) -> Result<usize, Refusal> {
+        let (asked, names) = (name.trim(), self.names());
+        let plain = |text: &str| text.trim().to_lowercase();
+        let whole = names.iter().position(|name| plain(name) == plain(asked));
+        let by_name = || {
+            let fits = |name: &&String| plain(heading::split(name).0) == plain(asked);
+            let first = names.iter().position(|name| fits(&name));
+            first.filter(|_| names.iter().filter(fits).count() == 1)
+        };
+        let by_number = || asked.parse::<usize>().ok()?.checked_sub(1).filter(|at| *at < names.len());
+        whole.or_else(by_name).or_else(by_number).ok_or_else(|| {
+            let bare: Vec<&str> = names.iter().map(|name| heading::split(name).0).collect();
+            let near = nearest(asked, names.iter().map(String::as_str)).first().copied();
+            let near = near.or_else(|| nearest(asked, bare.iter().copied()).first().copied());
+            let label = near.map_or(format!("`{key}` is none of them"), |near| format!("did you mean `{}`?", short(near)));
+            let message = format!("`{}` has no column `{}`", short(&self.name), short(asked));
+            Refusal::new(about, message, label).help(format!("it has {}", listed(names.iter().map(String::as_str), "and")))
+        })
+    }
+
+    /// A column as it is, and the unit that it is in.
+    pub(crate) fn as_it_is(&self, index: usize, given: Option<&str>) -> (Column, Option<String>) {
+        let heading = self.names().get(index).cloned().unwrap_or_default();
+        let unit = given.or(heading::split(&heading).1).map(str::to_owned);
+        let values = self.table.columns.get(index).cloned().unwrap_or_default();
+        (Column { heading, values, is_path: false }, unit)
+    }
+
+    /// A column in a unit; `axis` is the key of the unit of an axis. A length where a velocity is asked for is one, too: `is_path` says so.
+    pub(crate) fn column(
+        &self,
+        index: usize,
+        given: Option<&str>,
+        wanted: Option<&Unit>,
+        axis: Option<&str>,
+    ) -> Result<Column, Refusal> {
+        let heading = self.names().get(index).cloned().unwrap_or_default();
+        let (column, unit_key) = axis.map_or((About::Column, "unit"), |key| (About::Axis, key));
+        let about_unit = if axis.is_some() { About::AxisUnit } else { About::Unit };
+        let values = self.table.columns.get(index).map_or(&[][..], Vec::as_slice);
+        let written = given.or(heading::split(&heading).1).map(str::trim).filter(|unit| !unit.is_empty());
+        let shown = short(&beginning(&heading));
+        let about = if given.is_some() { about_unit } else { column };
+        let Some(wanted) = wanted else {
+            // Without a unit there is nothing to convert.
+            return match written.filter(|unit| !["1", "-"].contains(unit)) {
+                Some(unit) => {
+                    let message = format!("`{shown}` is in {}, and a number without a unit is needed", short(unit));
+                    Err(Refusal::new(about, message, "expected no unit").help("`unit = \"1\"` says that there is none"))
+                }
+                None => Ok(Column { heading, values: values.to_vec(), is_path: false }),
+            };
+        };
+        let Some(written) = written else {
+            let message = format!("the column `{shown}` has no unit");
+            let label = format!("needs `{unit_key}`");
+            let help = format!("write it in the heading, as `{shown} [{0}]`, or give `{unit_key} = \"{0}\"`", wanted.symbol);
+            return Err(Refusal::new(column, message, label).help(help));
+        };
+        let Some(unit) = heading::unit(written) else {
+            let message = format!("there is no unit `{}`", short(written));
+            let label = format!("`{shown}` needs one that {} is a multiple of", wanted.symbol);
+            return Err(Refusal::new(about, message, label)
+                .help("known are SI units with prefixes p, n, u, m, c and k, as `mm/s`, `kN` or `ms`"));
+        };
+        let velocity = heading::unit("m/s").filter(|velocity| velocity.measures_like(wanted));
+        let length = heading::unit("m").filter(|length| velocity.is_some() && length.measures_like(&unit));
+        let (factor, is_path) = match (unit.factor_to(wanted), &length) {
+            (Some(factor), _) => (factor, false),
+            (None, Some(metre)) => (unit.factor_to(metre).unwrap_or(1.0), true),
+            (None, None) => {
+                let message = format!("`{shown}` is in {}, and {} is needed", unit.symbol, wanted.symbol);
+                return Err(Refusal::new(about, message, format!("{} is no {}", unit.symbol, wanted.symbol)));
+            }
+        };
+        Ok(Column { heading, values: values.iter().map(|value| value * factor).collect(), is_path })
+    }
+}
+
+/// Speeds of a path, m/s: the slope between two samples, at the middle of these, and at both ends as beside them.
+pub(crate) fn speeds(time_s: &[f64], path_m: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let pairs = time_s.windows(2).zip(path_m.windows(2));
+    let slopes: Vec<(f64, f64)> =
+        pairs.map(|(time, path)| (0.5 * (time[0] + time[1]), (path[1] - path[0]) / (time[1] - time[0]))).collect();
+    let ends = |time: Option<&f64>, slope: Option<&(f64, f64)>| time.copied().zip(slope.map(|slope| slope.1));
+    let first = ends(time_s.first(), slopes.first());
+    let last = ends(time_s.last(), slopes.last());
+    first.into_iter().chain(slopes).chain(last).unzip()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_becomes_its_speeds() {
+        let (time, speed) = speeds(&[0.0, 1.0, 3.0], &[0.0, 2.0, 2.0]);
+        assert_eq!((time, speed), (vec![0.0, 0.5, 2.0, 3.0], vec![2.0, 2.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn lines_are_found_in_a_text() {
+        let text = "a\nbc\n\nd";
+        assert_eq!([1, 2, 4].map(|line| &text[Measured::span(text, line)]), ["a", "bc", "d"]);
+        assert_eq!(Measured::span(text, 9), 7..7);
+    }
+}

@@ -1,0 +1,219 @@
+//! Measured curves over the figures of a run, and how far the simulated ones are from them.
+//!
+//! ```text
+//! r_i = y(x_i) - y_i        rms = sqrt(sum r_i^2 / n),  largest = max |r_i|
+//! ```
+//!
+//! with `y(x)` along straight lines between the points of the simulated curve, and only the measured points within its ends.
+
+use crate::metrics::Metrics;
+use crate::numbers::number;
+use report::{Figure, Series, Style, TableBlock};
+use scene::Overlay;
+use scene::figures::MEASURED;
+use scene::schema::unit_of;
+
+/// A measured curve and the simulated one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Residual {
+    /// Name of the measured curve in the legend.
+    pub name: String,
+    /// The figure that both are in.
+    pub figure: String,
+    /// Column of the simulated curve.
+    pub quantity: String,
+    /// Measured points within the ends of the simulated curve.
+    pub points: usize,
+    /// Root mean square of the differences, in the unit of the quantity.
+    pub rms: f64,
+    /// Largest size of a difference.
+    pub largest: f64,
+}
+
+/// The metrics of a unit: how many of it one of the quantity's unit is, root mean square, largest.
+type OfUnit = (&'static str, f64, &'static str, &'static str);
+
+/// Units that residuals are given in.
+const UNITS: [OfUnit; 14] = [
+    ("N", 1.0, "overlay_rms_n", "overlay_max_n"),
+    ("m/s", 1.0, "overlay_rms_m_per_s", "overlay_max_m_per_s"),
+    ("Hz", 1.0, "overlay_rms_hz", "overlay_max_hz"),
+    ("m", 1.0, "overlay_rms_m", "overlay_max_m"),
+    ("mm", 1e-3, "overlay_rms_m", "overlay_max_m"),
+    ("um", 1e-6, "overlay_rms_m", "overlay_max_m"),
+    ("nm", 1e-9, "overlay_rms_m", "overlay_max_m"),
+    ("W", 1.0, "overlay_rms_w", "overlay_max_w"),
+    ("mW", 1e-3, "overlay_rms_w", "overlay_max_w"),
+    ("V", 1.0, "overlay_rms_v", "overlay_max_v"),
+    ("J", 1.0, "overlay_rms_j", "overlay_max_j"),
+    ("rad/s", 1.0, "overlay_rms_rad_per_s", "overlay_max_rad_per_s"),
+    ("S", 1.0, "overlay_rms_siemens", "overlay_max_siemens"),
+    ("1", 1.0, "overlay_rms", "overlay_max"),
+];
+
+/// Unit of a curve, by the name of its column. A susceptance is in siemens, whose letter is that of the second.
+fn unit(quantity: &str) -> String {
+    if quantity.starts_with("susceptance") { "S".into() } else { unit_of(quantity).unwrap_or_else(|| "1".into()) }
+}
+
+/// Lays the measured curves over the figures that they belong to. `hz` is the frequency by which an axis in periods of the excitation is counted.
+pub fn lay(figures: &mut [Figure], overlays: &[Overlay], hz: Option<f64>) -> Vec<Residual> {
+    overlays.iter().filter_map(|overlay| figures.iter_mut().find_map(|figure| over(figure, overlay, hz))).collect()
+}
+
+fn over(figure: &mut Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Residual> {
+    if figure.map.is_some() || !overlay.lies_over(&figure.id, figure.series.iter().map(|series| series.csv_column.as_str())) {
+        return None;
+    }
+    let label = &figure.x.label;
+    let axis = label.rsplit_once('[').and_then(|(_, rest)| rest.split(']').next());
+    let x: Vec<f64> = match (axis, hz) {
+        (Some("periods of the excitation"), Some(hz)) => {
+            overlay.along(Some("s"))?.into_iter().map(|time_s| hz * time_s).collect()
+        }
+        _ => overlay.along(axis)?,
+    };
+    let mut points: Vec<(f64, f64)> = x.into_iter().zip(overlay.values.iter().copied()).collect();
+    if figure.interactive {
+        // A plot that can be zoomed needs them in order.
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
+    let simulated = figure.series.iter().find(|series| series.csv_column == overlay.quantity)?;
+    let residual = residual(simulated, &x, &y).map(|(points, rms, largest)| Residual {
+        name: overlay.legend(),
+        figure: figure.id.clone(),
+        quantity: overlay.quantity.clone(),
+        points,
+        rms,
+        largest,
+    });
+    // A long record does not make the run a small part of its own figure.
+    let ends = simulated
+        .x
+        .iter()
+        .copied()
+        .filter(|x| x.is_finite())
+        .fold(None, |ends: Option<(f64, f64)>, x| Some(ends.map_or((x, x), |(least, most)| (least.min(x), most.max(x)))));
+    if let Some((least, most)) = ends.filter(|(least, most)| x.iter().any(|x| x < least || x > most)) {
+        figure.x.range.get_or_insert((least, most));
+    }
+    let csv_column = format!("{MEASURED}{}", overlay.quantity);
+    figure.series.push(Series { name: overlay.legend(), csv_column, x, y, style: Style::Points });
+    // A curve that goes back and forth along its axis has no difference at a place, and is drawn all the same.
+    Some(residual.unwrap_or_else(|| Residual {
+        name: overlay.legend(),
+        figure: figure.id.clone(),
+        quantity: overlay.quantity.clone(),
+        points: 0,
+        rms: f64::NAN,
+        largest: f64::NAN,
+    }))
+}
+
+/// Number of points, root mean square and largest difference; none where the curve goes back along its axis, or no point is within its ends.
+fn residual(simulated: &Series, x: &[f64], y: &[f64]) -> Option<(usize, f64, f64)> {
+    let ascends = simulated.x.is_sorted_by(|a, b| a <= b);
+    let value = |place: f64| {
+        let after = simulated.x.partition_point(|&x| x <= place);
+        let (before, after) = (after.checked_sub(1)?, after.min(simulated.x.len().checked_sub(1)?));
+        let [(x0, y0), (x1, y1)] = [before, after].map(|at| (simulated.x[at], simulated.y[at]));
+        // The last place itself is within; what lies beyond it is not.
+        let part = if place == x0 { 0.0 } else { (place - x0) / (x1 - x0) };
+        (0.0..=1.0).contains(&part).then_some(if part == 0.0 { y0 } else { y0 + (y1 - y0) * part })
+    };
+    let differences: Vec<f64> = x
+        .iter()
+        .zip(y)
+        .filter_map(|(&place, measured)| Some(value(place)? - measured))
+        .filter(|difference| difference.is_finite())
+        .collect();
+    if !ascends || differences.is_empty() {
+        return None;
+    }
+    let squares: f64 = differences.iter().map(|difference| difference * difference).sum();
+    let largest = differences.iter().fold(0.0f64, |most, difference| most.max(difference.abs()));
+    Some((differences.len(), (squares / differences.len() as f64).sqrt(), largest))
+}
+
+/// Puts the residuals into the metrics: of several overlays in one unit, the worst.
+pub(crate) fn put(residuals: &[Residual], metrics: &mut Metrics) {
+    let names = |which: fn(&OfUnit) -> &'static str| {
+        let mut names: Vec<&'static str> = UNITS.iter().map(which).collect();
+        names.dedup();
+        names
+    };
+    let worst = |name: &str, value: fn(&Residual) -> f64| {
+        let of = |residual: &Residual| {
+            let unit = unit(&residual.quantity);
+            let (_, factor, ..) = UNITS.iter().find(|(symbol, _, rms, max)| *symbol == unit && [*rms, *max].contains(&name))?;
+            Some(factor * value(residual)).filter(|value| value.is_finite())
+        };
+        residuals.iter().filter_map(of).reduce(f64::max)
+    };
+    for name in names(|unit| unit.2) {
+        metrics.put(name, worst(name, |residual| residual.rms));
+    }
+    for name in names(|unit| unit.3) {
+        metrics.put(name, worst(name, |residual| residual.largest));
+    }
+}
+
+/// The residuals as a table.
+pub fn table(residuals: &[Residual]) -> TableBlock {
+    let rows = residuals.iter().map(|residual| {
+        let unit = unit(&residual.quantity);
+        let shown = |value: f64| if value.is_finite() { format!("{} {unit}", number(value)) } else { "–".to_owned() };
+        let cells = [residual.name.clone(), residual.figure.clone(), residual.quantity.clone(), residual.points.to_string()];
+        cells.into_iter().chain([shown(residual.rms), shown(residual.largest)]).collect()
+    });
+    let caption = "Simulated less measured, at the measured points that lie within the ends of the simulated curve";
+    let header = ["measured curve", "figure", "simulated curve", "points", "rms", "largest"];
+    TableBlock::new("overlays", "Measured and simulated", caption, &header, rows.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(x: &[f64], y: &[f64]) -> Series {
+        Series { name: "friction".into(), csv_column: "friction_n".into(), x: x.into(), y: y.into(), style: Style::Line }
+    }
+
+    #[test]
+    fn differences_are_taken_at_the_measured_points_within_the_curve() {
+        let curve = line(&[0.0, 1.0, 2.0], &[0.0, 2.0, 2.0]);
+        let (points, rms, largest) = residual(&curve, &[-1.0, 0.0, 0.5, 2.0, 2.1], &[9.0, 0.0, 1.5, 1.0, 9.0]).unwrap();
+        assert_eq!((points, largest), (3, 1.0));
+        assert!((rms - (1.25f64 / 3.0).sqrt()).abs() < 1e-15, "{rms}");
+        assert_eq!(residual(&curve, &[3.0], &[0.0]), None);
+        assert_eq!(residual(&line(&[0.0, 1.0, 0.5], &[0.0; 3]), &[0.2], &[0.0]), None);
+    }
+
+    #[test]
+    fn every_unit_has_its_metrics() {
+        for (unit, _, rms, max) in UNITS {
+            for name in [rms, max] {
+                let metric = scene::metrics::metric(name).unwrap_or_else(|| panic!("no metric {name}"));
+                assert!(unit.ends_with(metric.unit) || unit == "1", "{unit} {}", metric.unit);
+            }
+        }
+        assert_eq!((unit("friction_n"), unit("power_mw"), unit("susceptance_true_s")), ("N".into(), "mW".into(), "S".into()));
+    }
+
+    #[test]
+    fn of_two_curves_in_one_unit_the_worse_counts() {
+        let of = |quantity: &str, rms: f64| Residual {
+            name: String::new(),
+            figure: String::new(),
+            quantity: quantity.into(),
+            points: 1,
+            rms,
+            largest: 2.0 * rms,
+        };
+        let mut metrics = Metrics::default();
+        put(&[of("displacement_um", 3.0), of("belt_true_mm", 2.0), of("friction_n", f64::NAN)], &mut metrics);
+        assert_eq!((metrics.get("overlay_rms_m"), metrics.get("overlay_max_m")), (Some(2e-3), Some(4e-3)));
+        assert_eq!(metrics.get("overlay_rms_n"), None);
+    }
+}
