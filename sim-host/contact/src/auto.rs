@@ -35,7 +35,7 @@ pub use ladder::stable_steps;
 pub use many::solve_many;
 use runs::Runs;
 
-/// What a tolerance is of.
+/// What the tolerance of a contact study is of: the mean friction ratio, or the whole record. Default: mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "schema",

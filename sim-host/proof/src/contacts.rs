@@ -3,6 +3,7 @@
 //! ```text
 //! contact (draw) --> Taylor series with located reversals --+--> judged at every tolerance --> tables, contacts.csv
 //!                --> `auto`, as a cell of a grid asks it ---+
+//!                --> `auto` for the whole record, as shown -+
 //! ```
 
 mod cost;
@@ -15,8 +16,9 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use self::draw::{Contact, Friction};
-use self::judged::{Judged, Truth};
+use self::judged::{Judged, RecordTruth, Truth};
 use crate::evidence::{Error, Evidence, Options};
+use contact::Problem;
 use report::Report;
 use sim::study::StudyError;
 
@@ -26,6 +28,8 @@ const SET: [u32; 2] = [1000, 100];
 const TIMED: usize = 7;
 /// The tolerances that are asked.
 const TOLERANCES: [f64; 6] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-12];
+/// And those that are asked of the whole record.
+const RECORD_TOLERANCES: [f64; 4] = [1e-3, 1e-5, 1e-7, 1e-9];
 
 /// A contact, and what `auto` says of it.
 struct Tried {
@@ -33,20 +37,21 @@ struct Tried {
     contact: Contact,
     truth: Option<Truth>,
     answers: Vec<Judged>,
+    records: Vec<Judged>,
 }
 
 /// Judges `auto`.
 pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
     let number = options.count.unwrap_or(SET[usize::from(options.quick)]);
-    let stop = options.stop;
+    let (stop, seed) = (options.stop, options.seed.unwrap_or(0));
     let try_one = |(friction, number): (Friction, u32)| {
         if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
             return Err(StudyError::Interrupted.into());
         }
-        let contact = Contact::draw(number, friction);
-        let truth = Truth::of(&contact.problem).ok();
-        let answers = TOLERANCES.iter().map(|&tolerance| Judged::of(&contact.problem, truth.as_ref(), tolerance)).collect();
-        Ok(Tried { friction, contact, truth, answers })
+        let contact = Contact::draw(number, friction, seed);
+        let (answers, truth) = answers(&contact.problem);
+        let records = records(&contact.problem);
+        Ok(Tried { friction, contact, truth, answers, records })
     };
     let mut set = Vec::new();
     for friction in [Friction::Dahl, Friction::Lugre] {
@@ -68,6 +73,18 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
         missed: tables::missed(&set, &costs),
         ..Evidence::default()
     })
+}
+
+/// The means by `auto` at every tolerance, and the truth.
+fn answers(problem: &Problem) -> (Vec<Judged>, Option<Truth>) {
+    let truth = Truth::of(problem).ok();
+    (TOLERANCES.iter().map(|&tolerance| Judged::of(problem, truth.as_ref(), tolerance)).collect(), truth)
+}
+
+/// The records.
+fn records(problem: &Problem) -> Vec<Judged> {
+    let truth = RecordTruth::of(problem).ok();
+    RECORD_TOLERANCES.iter().map(|&tolerance| Judged::of_record(problem, truth.as_ref(), tolerance)).collect()
 }
 
 #[cfg(test)]
@@ -99,11 +116,29 @@ mod tests {
             (Friction::Dahl, 785, "a given motion of stiff bristles"),
         ];
         for (friction, number, what) in found {
-            let contact = Contact::draw(number, friction);
-            let truth = Truth::of(&contact.problem).ok();
-            for tolerance in TOLERANCES {
-                let judged = Judged::of(&contact.problem, truth.as_ref(), tolerance);
-                assert!(!judged.is_silent() && !judged.is_low_by(10.0), "{number}, {what}, at {tolerance:e}: {judged:?}");
+            let contact = Contact::draw(number, friction, 0);
+            for judged in answers(&contact.problem).0.iter().chain(&records(&contact.problem)) {
+                assert!(!judged.is_silent() && !judged.is_low_by(10.0), "{number}, {what}: {judged:?}");
+            }
+        }
+    }
+
+    /// Contacts whose record grows what it is off by: a tolerance of it is met, or said not to be.
+    #[test]
+    fn records_that_lose_their_way_say_so() {
+        let found = [
+            (Friction::Lugre, 835, "damped bristles that hold a mass near its resonance"),
+            (Friction::Lugre, 164, "damped bristles under a force that jumps"),
+        ];
+        for (friction, number, what) in found {
+            let contact = Contact::draw(number, friction, 0);
+            let records = records(&contact.problem);
+            assert!(
+                records.iter().any(|judged| judged.verdict == judged::Verdict::Unknown || judged.is_flagged()),
+                "{records:?}"
+            );
+            for judged in &records {
+                assert!(!judged.is_silent() && !judged.is_low_by(10.0), "{number}, {what}: {judged:?}");
             }
         }
     }

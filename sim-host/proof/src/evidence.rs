@@ -18,7 +18,7 @@ pub struct Options<'a> {
     pub quick: bool,
     /// How many runs of each kind and place (`faults`), transducers that are commissioned (`commission`), files that are imported (`import`), millions of bytes sent (`fuzz`) or of samples driven (`soak`), where it is not the usual number.
     pub count: Option<u32>,
-    /// One input alone, by its seed (`fuzz`, `soak`).
+    /// One input alone, by its seed (`fuzz`, `soak`); another set (`contacts`).
     pub seed: Option<u64>,
     /// The program to count instructions of, and the options that make it run one method alone (`precision`).
     pub counted: Option<(&'a Path, &'a [&'a str])>,

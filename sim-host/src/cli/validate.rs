@@ -37,8 +37,8 @@ pub(super) struct ValidateArgs {
     /// own number.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     count: Option<u32>,
-    /// One input alone, by the seed that a failure names (`fuzz`, `soak`).
-    #[arg(long, value_name = "SEED", conflicts_with = "count")]
+    /// One input alone, by the seed that a failure names (`fuzz`, `soak`); or another set of as many contacts (`contacts`).
+    #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
     /// Say what there is, or how each case of a suite is run by itself, and run nothing.
     #[arg(long)]
@@ -82,6 +82,12 @@ fn benches() -> String {
 pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
     if let Some(setting) = &args.alone {
         return alone(setting);
+    }
+    if args.seed.is_some() && args.count.is_some() && args.what != ["contacts"] {
+        say!(
+            "error: --seed is one input alone, of which there is no --count; only `contacts` takes both, for another set of contacts"
+        );
+        return Ok(ExitCode::from(USAGE));
     }
     interrupts::set(&STOP)?;
     match args.what.iter().map(String::as_str).collect::<Vec<_>>()[..] {

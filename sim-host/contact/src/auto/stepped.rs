@@ -58,7 +58,8 @@ pub fn chosen<W: FnMut(&State)>(
 ) -> Result<Solution, SolveError> {
     let kappa = problem.kappa();
     // Dear, and at round-off whatever the stiffness.
-    let series = || (Method::Taylor, "tight tolerance or stiff contact: Taylor series with located reversals".to_owned());
+    let reason = if of_record(numerics) { "tolerance of the whole record" } else { "tight tolerance or stiff contact" };
+    let series = || (Method::Taylor, format!("{reason}: Taylor series with located reversals"));
     let choices = match problem.law {
         Law::Coulomb => vec![(Method::Linexp, "Coulomb friction: exact from reversal to reversal".to_owned())],
         Law::Dahl { .. } => {

@@ -9,6 +9,8 @@ use crate::random::Random;
 
 /// Seed of the contact with number 0; the others follow.
 const SEED: u64 = 0x5eed_c0de;
+/// The sets of two seeds are so far apart (the golden ratio, in 64 bits).
+const FAR_APART: u64 = 0x9e37_79b9_7f4a_7c15;
 /// Mass, kg, drive frequency, Hz, and force, N, of every contact: all else is in ratios to them.
 const MASS_KG: f64 = 0.02;
 const DRIVE_HZ: f64 = 60e3;
@@ -40,7 +42,7 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// Draws the contact of a number.
+    /// Draws the contact of a number in the set of a seed; 0 is the usual set.
     ///
     /// | group | range |
     /// |---|---|
@@ -53,8 +55,10 @@ impl Contact {
     /// | natural over drive frequency | 1e-2 to 10 |
     ///
     /// A LuGre contact is drawn again until Runge-Kutta is stable at so many steps a period that a reference takes seconds.
-    pub fn draw(number: u32, friction: Friction) -> Self {
-        let mut random = Random::new(SEED ^ (u64::from(number) << 1) ^ u64::from(friction == Friction::Lugre));
+    pub fn draw(number: u32, friction: Friction, seed: u64) -> Self {
+        // Neighbours among seeds share no contact.
+        let set = SEED ^ seed.wrapping_mul(FAR_APART);
+        let mut random = Random::new(set ^ (u64::from(number) << 1) ^ u64::from(friction == Friction::Lugre));
         loop {
             let problem = draw(&mut random, friction);
             if friction == Friction::Dahl || stable_steps(&problem) <= MOST_STEPS {

@@ -1,10 +1,14 @@
-//! A contact's friction ratio by `auto`, at a tolerance, held against the Taylor series.
+//! A contact's friction ratio and its record by `auto`, at a tolerance, held against the Taylor series.
 
 use contact::tally::Ratios;
-use contact::{Law, Numerics, Problem, SolveError, solve_unwatched, taylor};
+use contact::{Law, Numerics, Problem, Record, Solution, SolveError, ToleranceOf, solve, solve_unwatched, taylor};
 
 /// The two settings of the series, steps a period and order: what they differ by is not known of the truth.
 const SETTINGS: [(u32, u32); 2] = [(6, 28), (4, 24)];
+/// The same of the record: the moments of all runs of the series in `auto`, and half of those of other methods.
+const RECORD_SETTINGS: [(u32, u32); 2] = [(12, 28), (12, 24)];
+/// Round-off of a record.
+const RECORD_ROUND_OFF: f64 = 1e-13;
 /// Where they differ by more than this part of a tolerance nothing is said of it.
 const KNOWN: f64 = 0.1;
 /// Round-off of a mean, of Fc and of the mean itself.
@@ -27,6 +31,27 @@ impl Truth {
         };
         let (fine, other) = (by(SETTINGS[0])?, by(SETTINGS[1])?);
         Ok(Truth { friction: fine, unknown: (fine - other).abs().max(ROUND_OFF * fine.abs().max(1.0)) })
+    }
+}
+
+/// The true record of a contact.
+pub struct RecordTruth<'a> {
+    problem: &'a Problem,
+    record: Record,
+    /// The distance of two settings of the series.
+    unknown: f64,
+}
+
+impl<'a> RecordTruth<'a> {
+    /// The truth of a problem.
+    pub fn of(problem: &'a Problem) -> Result<Self, SolveError> {
+        let by = |(steps, order)| {
+            let mut record = Record::default();
+            taylor::run_plain(problem, steps, order, &mut |state| record.add(state)).map(|_| record)
+        };
+        let (record, other) = (by(RECORD_SETTINGS[0])?, by(RECORD_SETTINGS[1])?);
+        let unknown = record.distance(&other, problem).max(RECORD_ROUND_OFF);
+        Ok(RecordTruth { problem, record, unknown })
     }
 }
 
@@ -67,20 +92,39 @@ impl Judged {
         let numerics = Numerics { tolerance, energies: false, ..Numerics::default() };
         let solution = match solve_unwatched(problem, &numerics, &|| ()) {
             Ok(solution) => solution,
-            Err(error) => {
-                let verdict = if matches!(error, SolveError::Refused { .. }) { Verdict::Refused } else { Verdict::Failed };
-                return Judged { tolerance, how: error.to_string(), verdict };
-            }
+            Err(error) => return Self::refused(tolerance, &error),
         };
+        let off = truth.map(|truth| ((solution.ratios.friction - truth.friction).abs(), truth.unknown));
+        Self::answered(tolerance, &solution, off, solution.error_estimate)
+    }
+
+    /// Asks `auto` for a tolerance of the record, and looks at what it shows.
+    pub fn of_record(problem: &Problem, truth: Option<&RecordTruth>, tolerance: f64) -> Self {
+        let numerics = Numerics { tolerance, tolerance_of: ToleranceOf::Record, energies: false, ..Numerics::default() };
+        let mut record = Record::default();
+        let solution = match solve(problem, &numerics, &mut |state| record.add(state)) {
+            Ok(solution) => solution,
+            Err(error) => return Self::refused(tolerance, &error),
+        };
+        let off = truth.map(|truth| (truth.record.distance(&record, truth.problem), truth.unknown));
+        Self::answered(tolerance, &solution, off, solution.record_error_estimate)
+    }
+
+    fn refused(tolerance: f64, error: &SolveError) -> Self {
+        let verdict = if matches!(error, SolveError::Refused { .. }) { Verdict::Refused } else { Verdict::Failed };
+        Judged { tolerance, how: error.to_string(), verdict }
+    }
+
+    /// An answer that is off by so much from a truth of which so much is not known.
+    fn answered(tolerance: f64, solution: &Solution, off: Option<(f64, f64)>, estimate: Option<f64>) -> Self {
         let order = solution.order.map(|order| format!(" order {order}")).unwrap_or_default();
         let steps = solution.steps_per_period.map(|steps| format!(" {steps} steps")).unwrap_or_default();
         let how = format!("{}{order}{steps}", solution.method.name());
-        let Some(truth) = truth.filter(|truth| truth.unknown <= KNOWN * tolerance) else {
+        let Some((off, unknown)) = off.filter(|(_, unknown)| *unknown <= KNOWN * tolerance) else {
             return Judged { tolerance, how, verdict: Verdict::Unknown };
         };
-        let error = ((solution.ratios.friction - truth.friction).abs() - truth.unknown).max(0.0);
-        let error = if error.is_nan() { f64::INFINITY } else { error };
-        let estimate = solution.error_estimate.unwrap_or(0.0);
+        let error = if off.is_nan() { f64::INFINITY } else { (off - unknown).max(0.0) };
+        let estimate = estimate.unwrap_or(0.0);
         Judged { tolerance, how, verdict: Verdict::Answered { error, estimate, met: solution.tolerance_met } }
     }
 

@@ -3,7 +3,7 @@
 use super::cost::Cost;
 use super::draw::Friction;
 use super::judged::{Judged, Verdict, groups};
-use super::{TOLERANCES, Tried};
+use super::{RECORD_TOLERANCES, TOLERANCES, Tried};
 use crate::evidence::Error;
 use report::TableBlock;
 use sim::study::monte_carlo::statistics::percentile;
@@ -12,6 +12,7 @@ const WORD: &str = "Contact spring, friction, velocity ratio and damping over te
      the tolerance, or it needs more than thousands of parts a step. Silent: off by more than the tolerance, and not said. Flagged: the tolerance is \
      said not to be met, or the question is refused. Low: the stated error times 3, or 10, is less than the true one. High: stated over true error, median, of \
      answers in steps whose error is above 1e-13.";
+const RECORD: &str = "The same of the whole record (`tolerance_of = \"record\"`): the largest error of friction over the Coulomb force, of displacement and of velocity over their largest, at any moment from the start on. The truth is the Taylor series at the same moments.";
 const COST: &str = "Time from the question to the answer, without energies, over that of one run by the cheapest of 54 settings (linexp of order 2, 4, 6, from 4 \
      to 2048 steps a period) that meets the tolerance together with all finer ones of its order. Every seventh Dahl contact.";
 /// Part that may be flagged, and low by 3.
@@ -27,10 +28,42 @@ const NAMED: usize = 20;
 
 /// All tables.
 pub fn tables(set: &[Tried], costs: &[Cost]) -> Vec<TableBlock> {
+    let word = kept("word", "What `auto` says of random contacts", WORD, set, Of::Mean);
+    let record = kept("record", "What `auto` says of whole records", RECORD, set, Of::Record);
+    let header = ["tolerance", "periods", "contacts", "cost, median", "cost, 90 %"];
+    let rows = TOLERANCES.iter().flat_map(|&tolerance| {
+        [(0.0, 100.0), (100.0, 300.0), (300.0, 1e9)].map(|(from, to)| {
+            let ratios = ratios(costs, |cost| cost.tolerance == tolerance && cost.periods >= from && cost.periods < to);
+            let part = |part| at(&ratios, part).map_or("–".into(), |ratio| format!("{ratio:.2}"));
+            let periods = if to < 1e9 { format!("{from:.0} to {to:.0}") } else { format!("from {from:.0}") };
+            vec![format!("{tolerance:.0e}"), periods, ratios.len().to_string(), part(0.5), part(0.9)]
+        })
+    });
+    let cost = TableBlock::new("cost", "What `auto` costs over the cheapest setting", COST, &header, rows.collect());
+    vec![word, record, cost]
+}
+
+/// What is asked of `auto`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Of {
+    /// The mean friction ratio.
+    Mean,
+    /// The whole record.
+    Record,
+}
+
+impl Of {
+    fn answers(self, tried: &Tried) -> &[Judged] {
+        if self == Of::Record { &tried.records } else { &tried.answers }
+    }
+}
+
+/// How `auto` keeps its word.
+fn kept(name: &str, title: &str, caption: &str, set: &[Tried], of: Of) -> TableBlock {
     let header =
         ["law", "tolerance", "contacts", "not known", "silent", "flagged", "refused", "low by 3", "low by 10", "high, median"];
-    let rows = questions().map(|(friction, tolerance)| {
-        let answers = answers(set, friction, tolerance);
+    let rows = questions(of).map(|(friction, tolerance)| {
+        let answers = answers(set, friction, tolerance, of);
         let count = |is: &dyn Fn(&Judged) -> bool| answers.iter().filter(|(_, judged)| is(judged)).count().to_string();
         vec![
             format!("{friction:?}"),
@@ -45,29 +78,25 @@ pub fn tables(set: &[Tried], costs: &[Cost]) -> Vec<TableBlock> {
             high(&answers).map_or("–".into(), |high| format!("{high:.1}")),
         ]
     });
-    let word = TableBlock::new("word", "What `auto` says of random contacts", WORD, &header, rows.collect());
-    let header = ["tolerance", "periods", "contacts", "cost, median", "cost, 90 %"];
-    let rows = TOLERANCES.iter().flat_map(|&tolerance| {
-        [(0.0, 100.0), (100.0, 300.0), (300.0, 1e9)].map(|(from, to)| {
-            let ratios = ratios(costs, |cost| cost.tolerance == tolerance && cost.periods >= from && cost.periods < to);
-            let part = |part| at(&ratios, part).map_or("–".into(), |ratio| format!("{ratio:.2}"));
-            let periods = if to < 1e9 { format!("{from:.0} to {to:.0}") } else { format!("from {from:.0}") };
-            vec![format!("{tolerance:.0e}"), periods, ratios.len().to_string(), part(0.5), part(0.9)]
-        })
-    });
-    vec![word, TableBlock::new("cost", "What `auto` costs over the cheapest setting", COST, &header, rows.collect())]
+    TableBlock::new(name, title, caption, &header, rows.collect())
 }
 
 /// The targets that are missed.
 pub fn missed(set: &[Tried], costs: &[Cost]) -> Vec<String> {
     let mut missed = Vec::new();
     let mut named = Vec::new();
-    for (friction, tolerance) in questions() {
-        let answers = answers(set, friction, tolerance);
+    let questions = [Of::Mean, Of::Record].into_iter().flat_map(|of| questions(of).map(move |question| (of, question)));
+    for (of, (friction, tolerance)) in questions {
+        let answers = answers(set, friction, tolerance, of);
+        let asked = if of == Of::Record {
+            format!("{friction:?}, record, {tolerance:.0e}")
+        } else {
+            format!("{friction:?}, {tolerance:.0e}")
+        };
         let mut many = |what: &str, is: &dyn Fn(&Judged) -> bool, part: f64| {
             let count = answers.iter().filter(|(_, judged)| is(judged)).count();
             if count as f64 > (part * answers.len() as f64).ceil() {
-                missed.push(format!("{friction:?}, {tolerance:.0e}: {count} of {} {what}", answers.len()));
+                missed.push(format!("{asked}: {count} of {} {what}", answers.len()));
             }
         };
         many("silently off", &Judged::is_silent, 0.0);
@@ -76,12 +105,12 @@ pub fn missed(set: &[Tried], costs: &[Cost]) -> Vec<String> {
         many("low by 3", &|judged| judged.is_low_by(3.0), MOST);
         many("low by 10", &|judged| judged.is_low_by(10.0), 0.0);
         if let Some(high) = high(&answers).filter(|high| *high > MOST_HIGH) {
-            missed.push(format!("{friction:?}, {tolerance:.0e}: estimates high by {high:.0}, median"));
+            missed.push(format!("{asked}: estimates high by {high:.0}, median"));
         }
         let bad = |judged: &Judged| judged.is_silent() || judged.is_low_by(10.0) || judged.verdict == Verdict::Failed;
         for (tried, judged) in answers.iter().filter(|(_, judged)| bad(judged)) {
             named.push(format!(
-                "{friction:?} {} at {tolerance:.0e}: {:?}, {}: {}",
+                "{asked}: contact {}: {:?}, {}: {}",
                 tried.contact.number,
                 judged.verdict,
                 judged.how,
@@ -105,14 +134,18 @@ pub fn missed(set: &[Tried], costs: &[Cost]) -> Vec<String> {
     missed
 }
 
-fn questions() -> impl Iterator<Item = (Friction, f64)> {
-    let of = |friction: Friction| TOLERANCES.iter().map(move |&t| (friction, t));
+fn questions(of: Of) -> impl Iterator<Item = (Friction, f64)> {
+    let tolerances: &[f64] = if of == Of::Record { &RECORD_TOLERANCES } else { &TOLERANCES };
+    let of = move |friction: Friction| tolerances.iter().map(move |&t| (friction, t));
     of(Friction::Dahl).chain(of(Friction::Lugre))
 }
 
-fn answers(set: &[Tried], friction: Friction, tolerance: f64) -> Vec<(&Tried, &Judged)> {
-    let of = set.iter().filter(|tried| tried.friction == friction);
-    of.flat_map(|tried| tried.answers.iter().filter(|judged| judged.tolerance == tolerance).map(move |judged| (tried, judged)))
+fn answers(set: &[Tried], friction: Friction, tolerance: f64, of: Of) -> Vec<(&Tried, &Judged)> {
+    let tried = set.iter().filter(|tried| tried.friction == friction);
+    tried
+        .flat_map(move |tried| {
+            of.answers(tried).iter().filter(move |judged| judged.tolerance == tolerance).map(move |judged| (tried, judged))
+        })
         .collect()
 }
 
@@ -143,6 +176,7 @@ pub fn csv(set: &[Tried]) -> Result<String, Error> {
     writer.write_record([
         "law",
         "number",
+        "of",
         "tolerance",
         "verdict",
         "error",
@@ -153,17 +187,19 @@ pub fn csv(set: &[Tried]) -> Result<String, Error> {
         "contact",
     ])?;
     for tried in set {
-        for judged in &tried.answers {
+        let records = tried.records.iter().map(|judged| (Of::Record, judged));
+        for (of, judged) in tried.answers.iter().map(|judged| (Of::Mean, judged)).chain(records) {
             let (verdict, error, estimate, met) = match judged.verdict {
                 Verdict::Answered { error, estimate, met } => ("answered", error, estimate, met),
                 Verdict::Refused => ("refused", f64::NAN, f64::NAN, false),
                 Verdict::Failed => ("failed", f64::NAN, f64::NAN, false),
                 Verdict::Unknown => ("unknown", f64::NAN, f64::NAN, false),
             };
-            let unknown = tried.truth.map_or(f64::NAN, |truth| truth.unknown);
+            let unknown = tried.truth.filter(|_| of == Of::Mean).map_or(f64::NAN, |truth| truth.unknown);
             writer.write_record([
                 format!("{:?}", tried.friction),
                 tried.contact.number.to_string(),
+                format!("{of:?}").to_lowercase(),
                 format!("{:.0e}", judged.tolerance),
                 verdict.into(),
                 format!("{error:.3e}"),
