@@ -158,8 +158,11 @@ pub fn load_text(name: &str, text: &str, sets: &[String]) -> Result<Loaded, Load
     loaded(name, text, sets, |_| ())
 }
 
+/// A tree with the samples of its profiles, and what is wrong with these.
+type Whole = (Node, Vec<Found>);
+
 /// The texts that a scene is made of, and the tree that they make with its changes and the samples of its profiles, with what is wrong with these.
-fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<(Node, Vec<Found>), Vec<Problem>>) {
+fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<Whole, Vec<Problem>>) {
     let (changes, starts) = joined(sets);
     // The newer a text, the earlier in this list.
     let mut sources = vec![Source { name: "--set".to_owned(), text: changes }];

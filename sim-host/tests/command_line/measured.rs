@@ -65,7 +65,7 @@ fn a_curve_lies_over_a_contact_study() {
     let folder = Folder::new("overlay");
     folder.write("loop.csv", "x [um],F [N]\n-0.1,0.1\n0.1,0.15\n");
     folder.write("time.csv", "t [us],F [N]\n3310,0.1\n3320,0.15\n");
-    let head = "base = \"contact-kinematic\"\ntitle = \"over\"\n[grid]\nset = []\n";
+    let head = "base = \"contact\"\ntitle = \"over\"\n";
     let over = "[[overlay]]\nquantity = \"friction_n\"\nfile = ";
     let scene = folder.write(
         "a.toml",

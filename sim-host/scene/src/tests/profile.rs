@@ -97,7 +97,7 @@ fn where_it_begins_is_a_number_like_another() {
 #[test]
 fn what_cannot_be_read_is_named_with_its_place() {
     let v = "profile.column = \"v\"\n";
-    says(&refused("which", LONG, ""), &["has 2 columns beside the time", "a.toml:", "`v [mm/s]` and `load [N]`"]);
+    says(&refused("which", LONG, ""), &["has 2 columns beside `t [ms]`", "a.toml:", "`v [mm/s]` and `load [N]`"]);
     says(
         &refused("name", LONG, "profile.column = \"laod\"\n"),
         &["has no column `laod`", "did you mean `load", "profile.column = \"laod\""],
