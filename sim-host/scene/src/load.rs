@@ -1,5 +1,6 @@
 //! From a name, a file or standard input to a scene, or to a report of everything that is wrong with it.
 
+mod inherited;
 mod manifest;
 
 use std::fs::File;
@@ -14,6 +15,8 @@ use super::tree::{Node, Origin, Value};
 use super::walk::walk;
 use super::{Scene, builtin, rules};
 
+pub use inherited::{Change, Inherited, inputs};
+
 /// A scene and where it comes from.
 #[derive(Clone, Debug)]
 pub struct Loaded {
@@ -27,6 +30,8 @@ pub struct Loaded {
     pub input: String,
     /// The changes asked for, as `key=value`.
     pub sets: Vec<String>,
+    /// How many of the changes, the first of them, are defaults of the program and no user's.
+    pub defaults: usize,
     /// Which of the scene's runs it is, if it is one of several.
     pub run: Option<u32>,
 }
@@ -75,20 +80,21 @@ impl Loaded {
         if missing.is_empty() {
             return Ok(self);
         }
+        let defaults = missing.len();
         let sets = [missing, self.sets].concat();
-        Ok(Self { name: self.name, ..loaded(&self.origin, &self.input, &sets, |_| ())? })
+        Ok(Self { name: self.name, defaults, ..loaded(&self.origin, &self.input, &sets, |_| ())? })
     }
 
     /// The scene with further changes, and all else that it has.
     pub fn changed(&self, sets: &[String]) -> Result<Self, LoadError> {
         let sets = [self.sets.as_slice(), sets].concat();
-        Ok(Self { name: self.name.clone(), ..loaded(&self.origin, &self.input, &sets, |_| ())? })
+        Ok(Self { name: self.name.clone(), defaults: self.defaults, ..loaded(&self.origin, &self.input, &sets, |_| ())? })
     }
 
     /// The scene with further changes, without its grid and comparison: a cell of its grid, or a case of its comparison.
     pub fn cell(&self, sets: &[String]) -> Result<Self, LoadError> {
         let sets = [self.sets.as_slice(), sets].concat();
-        Ok(Self { name: self.name.clone(), ..loaded(&self.origin, &self.input, &sets, rules::alone)? })
+        Ok(Self { name: self.name.clone(), defaults: self.defaults, ..loaded(&self.origin, &self.input, &sets, rules::alone)? })
     }
 }
 
@@ -172,6 +178,7 @@ fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Re
             scene,
             input: text.to_owned(),
             sets: sets.to_vec(),
+            defaults: 0,
             run: None,
         }),
         Err(problems) => Err(LoadError::Invalid(Report::new(sources, problems))),

@@ -44,6 +44,7 @@ pub mod numbers;
 #[cfg(feature = "files")]
 pub mod output;
 pub mod processor;
+pub mod provenance;
 pub mod record;
 pub mod run;
 pub mod schedule;

@@ -285,7 +285,8 @@ fn is_valid(name: &str, text: &str) -> bool {
 fn write(folder: &Folder, found: &impl Imported, source: &str, scene: Option<(&str, &str)>) -> anyhow::Result<()> {
     let dir = folder.unfinished();
     let report = found.report(source);
-    let footer = vec![("sim-host".to_owned(), sim::VERSION.to_owned()), ("measured file".to_owned(), source.to_owned())];
+    let file = vec![("measured file".to_owned(), source.to_owned())];
+    let footer = [file, super::provenance().footer()].concat();
     report::write(&Report { footer, ..report }, dir)?;
     let put = |name: &str, text: &str| {
         let path = dir.join(name);

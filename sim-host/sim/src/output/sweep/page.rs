@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{FolderError, Layout, PlanFile, ROWS, RowsFile, figures, unit};
 use crate::numbers::number;
+use crate::output::Presentation;
 use crate::study::sweep::sensitivity::{Estimate, Sensitivity};
 use report::{Report, TableBlock};
 
@@ -17,7 +18,7 @@ pub(super) fn write(
     file: &RowsFile,
     failures: u64,
     indices: &[(String, Sensitivity)],
-    target: &Path,
+    (target, shown): (&Path, &Presentation),
 ) -> Result<Vec<TableBlock>, FolderError> {
     let (title, source) = plan.title();
     let tables = [vec![metrics(layout, file)?], self::indices(layout, indices)].concat();
@@ -37,12 +38,14 @@ pub(super) fn write(
         paragraphs,
         tables: [vec![keys(layout, file)?], tables.clone()].concat(),
         figures: if drawn { figures::of(plan, layout, file)? } else { Vec::new() },
-        footer: [("scene", plan.scene()), ("plan", plan.hash()), ("sim-host", crate::VERSION)]
+        footer: [("scene", plan.scene()), ("plan", plan.hash())]
             .map(|(label, value)| (label.to_owned(), value.to_owned()))
-            .into(),
+            .into_iter()
+            .chain(shown.provenance.footer())
+            .collect(),
         ..Report::default()
     };
-    report::write(&report, target)?;
+    report::write_drawn(&report, target, &shown.drawing)?;
     Ok(tables)
 }
 
