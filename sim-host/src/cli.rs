@@ -26,6 +26,7 @@ mod interrupts;
 mod link;
 mod progress;
 mod run;
+mod spectrum;
 mod sweep;
 mod validate;
 
@@ -112,6 +113,8 @@ enum Command {
     /// Import measured data: parameters with standard deviations, a report, and a ready scene (docs/import.md).
     #[command(after_help = EXIT_CODES)]
     Import(Box<import::ImportArgs>),
+    /// Show which frequencies a signal has when: short-time spectrum, wavelets or Wigner-Ville distribution of a trace, a capture, or any table (docs/figures.md).
+    Spectrum(Box<spectrum::SpectrumArgs>),
     /// Print the JSON Schema of a scene, for editors.
     Schema {
         /// Of a suite of cases and targets instead (docs/suites.md).
@@ -235,6 +238,7 @@ pub fn main() -> ExitCode {
         Some(Command::Explain { word }) => explain::run(&word.join(" ")),
         Some(Command::Compare(args)) => compare::run(&args, color),
         Some(Command::Advise(args)) => advise::run(&args, color),
+        Some(Command::Spectrum(args)) => spectrum::run(&args, color),
         Some(Command::Import(args)) => import::run(&args, color),
         Some(Command::Validate(args)) => validate::run(&args, color),
         Some(Command::Link(args)) => link::run(&args, color),

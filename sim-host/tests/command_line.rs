@@ -11,6 +11,8 @@ mod report;
 #[cfg(unix)]
 #[path = "command_line/signals.rs"]
 mod signals;
+#[path = "command_line/spectrum.rs"]
+mod spectrum;
 #[path = "command_line/sweep.rs"]
 mod sweep;
 

@@ -139,6 +139,13 @@ fn measured_files() -> Vec<(&'static str, String)> {
         ("jig.csv", format!("{parts}{}", lines(&|_, hz| (z(hz).re + 10.02, z(hz).im)))),
         ("jig-open.csv", format!("{parts}{}", lines(&|_, hz| (1.0, -1.0 / (std::f64::consts::TAU * hz * 1e-12))))),
         ("jig-short.csv", format!("{parts}{}", lines(&|_, _| (0.02, 1e-3)))),
+        (
+            "trace.csv",
+            format!(
+                "time_s,friction_n\n{}",
+                (0..600).map(|n| format!("{:e},{}\n", f64::from(n) * 1e-6, (f64::from(n) * 0.25).sin())).collect::<String>()
+            ),
+        ),
         ("log.csv", format!("t [s],x [m],F [N]\n{}", (0..600).map(slide).collect::<String>())),
     ]
 }
