@@ -29,6 +29,7 @@ mod link;
 mod progress;
 mod run;
 mod shell;
+mod spectrum;
 mod sweep;
 mod validate;
 
@@ -41,13 +42,19 @@ use std::time::{Duration, Instant};
 use clap::{Args, ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
+use report::{Drawing, PictureFormat, PrintSize};
 use scene::load::{LoadError, Loaded, load};
 use scene::resolved::resolved_toml;
 use scene::{builtin, schema, suite};
-use sim::output::{Folder, OutputError};
+use sim::output::{Folder, OutputError, Presentation};
+use sim::provenance::{Provenance, command_line};
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run failed; 2 usage; 3 invalid scene, or a measured file that is refused; 4 the run finished but an expectation was \
 missed; 5 QEMU or board not found or lost; 130 interrupted, with the results so far written and marked.";
+/// Version and, where the program was built in a checkout, its commit.
+const VERSION: &str = env!("SIM_HOST_VERSION");
+/// The commit that the program was built from, with `+` where files had been changed since.
+const COMMIT: Option<&str> = option_env!("SIM_HOST_COMMIT");
 const RUN_FAILED: u8 = 1;
 const USAGE: u8 = 2;
 const INVALID_INPUT: u8 = 3;
@@ -64,7 +71,7 @@ const LENDER: &str = "lock-cold";
 ///
 /// Without a command it runs the flagship scene, prints its table and writes its report.
 #[derive(Parser)]
-#[command(version, arg_required_else_help = false)]
+#[command(name = "sim-host", version = VERSION, arg_required_else_help = false)]
 struct CommandLine {
     #[command(subcommand)]
     command: Option<Command>,
@@ -110,6 +117,8 @@ enum Command {
     /// Import measured data: parameters with standard deviations, a report, and a ready scene (docs/import.md).
     #[command(after_help = EXIT_CODES)]
     Import(Box<import::ImportArgs>),
+    /// Show which frequencies a signal has when: short-time spectrum, wavelets or Wigner-Ville distribution of a trace, a capture, or any table (docs/figures.md).
+    Spectrum(Box<spectrum::SpectrumArgs>),
     /// Print the JSON Schema of a scene, for editors.
     Schema {
         /// Of a suite of cases and targets instead (docs/suites.md).
@@ -144,6 +153,35 @@ struct SceneArgs {
     sets: Vec<String>,
 }
 
+/// How the figures of a report are drawn.
+#[derive(Args, Default)]
+struct DrawingArgs {
+    /// Size of the figures in print: a width, `88mm` of a column or `180mm` of two, or width x height, `120x80mm`; with letters as large as a paper's, and no
+    /// title. Default: 1600 x 900 pixels.
+    #[arg(long, value_name = "SIZE")]
+    figure_size: Option<PrintSize>,
+    /// Formats of the figures: `svg`, `png`, `pdf`, or several with commas between. Default: svg,png.
+    #[arg(long, value_name = "FORMAT,…", value_delimiter = ',')]
+    figure_format: Vec<PictureFormat>,
+}
+
+impl DrawingArgs {
+    fn presentation(&self) -> Presentation {
+        Presentation { drawing: self.drawing(), provenance: provenance() }
+    }
+
+    fn drawing(&self) -> Drawing {
+        let mut formats = Vec::new();
+        for &format in &self.figure_format {
+            if !formats.contains(&format) {
+                formats.push(format);
+            }
+        }
+        let formats = if formats.is_empty() { Drawing::default().formats } else { formats };
+        Drawing { size: self.figure_size, formats }
+    }
+}
+
 #[derive(Args)]
 struct RunArgs {
     #[command(flatten)]
@@ -166,6 +204,8 @@ struct RunArgs {
     /// Write the expectations as JUnit test cases, for CI.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
+    #[command(flatten)]
+    drawing: DrawingArgs,
     /// Run the controller as thumb code in QEMU, in lockstep with the same plant.
     #[arg(long)]
     pil: bool,
@@ -217,6 +257,7 @@ pub fn main() -> ExitCode {
         Some(Command::Explain { word }) => explain::run(&word.join(" ")),
         Some(Command::Compare(args)) => compare::run(&args, color),
         Some(Command::Advise(args)) => advise::run(&args, color),
+        Some(Command::Spectrum(args)) => spectrum::run(&args, color),
         Some(Command::Import(args)) => import::run(&args, color),
         Some(Command::Validate(args)) => validate::run(&args, color),
         Some(Command::Link(args)) => link::run(&args, color),
@@ -249,6 +290,7 @@ impl RunArgs {
             format: Format::Human,
             no_report: false,
             junit: None,
+            drawing: DrawingArgs::default(),
             pil: false,
             board: None,
             board_speed: None,
@@ -286,6 +328,31 @@ fn open(dir: Option<&Path>) -> Result<Result<Option<Folder>, ExitCode>, OutputEr
         }
         folder => folder.map(Ok),
     }
+}
+
+/// Where what this process writes comes from.
+fn provenance() -> Provenance {
+    let arguments: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let words = std::iter::once("sim-host").chain(anywhere(&arguments));
+    // https://reproducible-builds.org/specs/source-date-epoch/
+    let set =
+        std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|seconds| jiff::Timestamp::from_second(seconds.parse().ok()?).ok());
+    let date = set.unwrap_or_else(jiff::Timestamp::now);
+    Provenance { command: Some(command_line(words)), commit: COMMIT.map(str::to_owned), date: Some(format!("{date:.0}")) }
+}
+
+/// Arguments without the folder of the result: they make the same one in any folder.
+fn anywhere(arguments: &[String]) -> Vec<&str> {
+    let mut kept = Vec::new();
+    let mut words = arguments.iter().map(String::as_str);
+    while let Some(word) = words.next() {
+        match word {
+            "-o" | "--output" => drop(words.next()),
+            word if word.starts_with("--output=") || (word.starts_with("-o") && word.len() > 2) => {}
+            word => kept.push(word),
+        }
+    }
+    kept
 }
 
 /// Time since the first call: the clock of what is timed.
@@ -335,4 +402,18 @@ fn list() -> String {
     let width = builtin::all().iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     let title = |name: &str| load(name, &[]).map(|loaded| loaded.scene.title).unwrap_or_default();
     builtin::all().iter().map(|(name, _)| format!("{name:width$}  {}\n", title(name))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::anywhere;
+
+    #[test]
+    fn a_command_is_repeated_without_its_folder() {
+        let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        for text in ["run lock -o out -q", "run lock --output out -q", "run lock --output=out -q", "run lock -oout -q"] {
+            assert_eq!(anywhere(&words(text)), ["run", "lock", "-q"], "{text}");
+        }
+        assert_eq!(anywhere(&words("run lock --set a.o=1")), ["run", "lock", "--set", "a.o=1"]);
+    }
 }

@@ -193,6 +193,13 @@ fn measured_files() -> Vec<(&'static str, String)> {
             let angle = |hz: f64| z(hz).im.atan2(z(hz).re).to_degrees();
             format!("\"4294A\"\n{}{}", trace("A", &|hz| z(hz).norm_sqr().sqrt()), trace("B", &angle))
         }),
+        (
+            "trace.csv",
+            format!(
+                "time_s,friction_n\n{}",
+                (0..600).map(|n| format!("{:e},{}\n", f64::from(n) * 1e-6, (f64::from(n) * 0.25).sin())).collect::<String>()
+            ),
+        ),
         ("log.csv", format!("t [s],x [m],F [N]\n{}", (0..600).map(slide).collect::<String>())),
     ]
 }

@@ -26,6 +26,7 @@ pub mod error;
 pub mod friction;
 mod heading;
 mod least_squares;
+pub mod signal;
 mod stated;
 pub mod synthetic;
 mod touchstone;

@@ -255,7 +255,7 @@ fn run(case: &Case, flashed: &Flashed) -> Result<Ran, Error> {
         format!("{mean_load:.1}"),
         format!("{:016x}", of.record.drive_hash),
         format!("{met} of {}", study.judged.len()),
-        verdict(study.passes()).to_owned(),
+        verdict(study.holds()).to_owned(),
     ];
     let missed: Vec<&str> = study.judged.iter().filter(|judged| !judged.pass).map(|judged| judged.metric.as_str()).collect();
     let over = worst_load(&study) > BUDGET;

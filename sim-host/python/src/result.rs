@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use report::Report;
 use sim::columns::{Column, Values};
+use sim::provenance::Provenance;
 use sim::study::Study;
 use sim::{columns, output, tables};
 
@@ -31,7 +32,7 @@ impl Result {
             summary: output::summary(study).to_string(),
             machine: output::machine(study).to_string(),
             passed: study.passes(),
-            report: tables::report(study),
+            report: tables::report(study, &Provenance::default()),
             columns: columns::of(study),
         }
     }

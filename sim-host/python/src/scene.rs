@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use pyo3::prelude::*;
 use scene::load::{Loaded, load, load_text};
 use scene::resolved::{resolved_json, resolved_toml};
-use sim::output::{self, Folder};
+use sim::output::{self, Folder, Presentation};
 use sim::study::{self, Options};
 
 use crate::errors::{SceneError, of_run, of_scene};
@@ -101,7 +101,7 @@ impl Scene {
             let study = study::run(&self.loaded, options).map_err(|error| of_run(&error))?;
             // What a signal has cut short is not written: nobody sees its result.
             if let Some(folder) = folder.filter(|_| !study.interrupted) {
-                output::write_into(&self.loaded, &study, &folder).map_err(|error| of_run(&error))?;
+                output::write_into(&self.loaded, &study, &folder, &Presentation::default()).map_err(|error| of_run(&error))?;
             }
             Ok(Result::of(&study))
         })?

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use scene::load::Loaded;
+use sim::output::Presentation;
 use sim::output::sweep::{PlanFile, RowsFile, Shard, SweepFolder, join};
 use sim::study::sweep::design::Design;
 use sim::study::sweep::{self, SweepError};
@@ -97,7 +98,9 @@ impl Sweep {
 
     /// Joins the parts in a folder, and writes the result beside them: how many points have none.
     fn join(&self, py: Python<'_>, folder: PathBuf) -> PyResult<u64> {
-        let joined = py.detach(|| join(std::slice::from_ref(&folder), &folder)).map_err(|error| of_run(&error))?;
+        let joined = py
+            .detach(|| join(std::slice::from_ref(&folder), &folder, &Presentation::default()))
+            .map_err(|error| of_run(&error))?;
         Ok(joined.failures)
     }
 

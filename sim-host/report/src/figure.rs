@@ -63,6 +63,36 @@ pub struct Figure {
     ///
     /// Needs x in ascending order; a locus stays static whatever is asked.
     pub interactive: bool,
+    /// Further plots below over the same horizontal axis, each with a vertical axis of its own; none beside a map.
+    pub panels: Vec<Panel>,
+    /// Lines are samples, at even steps, of signals that hold nothing near half the sample rate: they are drawn through the values that such signals have
+    /// between the samples, where joined samples would be a polygon. The CSV has the samples.
+    pub band_limited: bool,
+    /// What runs along each curve of a locus and is on neither axis, such as the frequency: a column of the CSV.
+    pub along: Option<Along>,
+}
+
+/// A plot below another, over the same horizontal axis.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Panel {
+    /// Vertical axis of the panel.
+    pub y: Axis,
+    /// Curves of the panel.
+    pub series: Vec<Series>,
+    /// Its curves are of the same things as those of the uppermost plot, in the same order: coloured alike, and named once. Otherwise they are coloured
+    /// on from those above.
+    pub repeats: bool,
+    /// Horizontal reference lines: y and label.
+    pub hlines: Vec<(f64, String)>,
+}
+
+/// A quantity along the curves of a locus.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Along {
+    /// Name of the column in the CSV, with the unit, such as `frequency_hz`.
+    pub csv_column: String,
+    /// For each series, one value for each of its points.
+    pub values: Vec<Vec<f64>>,
 }
 
 /// Values over a plane as colours, in cells of equal size on the figure's axes, which end where the map does.
@@ -93,6 +123,16 @@ pub struct Axis {
     pub range: Option<(f64, f64)>,
     /// Names of the places 0, 1, 2, …, which then are the only ticks; for linear axes.
     pub names: Vec<String>,
+    /// Values of either sign are drawn by their size, as a logarithmic axis of errors needs; the CSV keeps their signs.
+    pub magnitude: bool,
+}
+
+impl Axis {
+    /// A linear axis of a quantity in a unit, `1` of a ratio.
+    pub fn of(quantity: &str, unit: &str) -> Self {
+        let label = if unit == "1" { quantity.to_owned() } else { format!("{quantity} [{}]", unit.replace("um", "µm")) };
+        Axis { label, ..Axis::default() }
+    }
 }
 
 /// One curve of a [`Figure`]. A value that is not finite leaves a gap.

@@ -2,7 +2,7 @@
 //!
 //! A [`Report`] is plain data. [`write()`] turns it into a directory that can be archived or sent as
 //! it is: for each figure three files with the same stem (a vector picture for papers, a bitmap for
-//! everything else, the numbers for the reader's own tools), and `report.html`, which holds the whole
+//! everything else, the numbers for the reader's own tools; [`write_drawn()`] has other sizes and formats), and `report.html`, which holds the whole
 //! report in one file. The page loads nothing from anywhere, so it opens from a disk, from a mail, or
 //! ten years from now.
 //!
@@ -34,6 +34,7 @@ pub mod time_frequency;
 
 mod crash_view;
 mod digits;
+mod drawing;
 mod figure;
 #[cfg(feature = "pictures")]
 mod pictures;
@@ -41,7 +42,8 @@ mod table;
 
 pub use crash_view::{CrashView, Instant};
 pub use digits::significant;
-pub use figure::{Axis, Figure, HeatMap, Marker, Report, Series, Span, Style};
+pub use drawing::{Drawing, PictureFormat, PrintSize};
+pub use figure::{Along, Axis, Figure, HeatMap, Marker, Panel, Report, Series, Span, Style};
 #[cfg(feature = "pictures")]
-pub use pictures::{ReportError, csv, svg, write};
+pub use pictures::{ReportError, csv, svg, write, write_drawn};
 pub use table::{TableBlock, markdown, verdict};

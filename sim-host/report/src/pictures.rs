@@ -12,11 +12,15 @@ mod draw;
 mod drawn;
 mod extent;
 mod heat_map;
+mod interpolate;
 mod legend;
 mod marks;
 mod number;
 mod page;
+#[cfg(feature = "pdf")]
+mod pdf;
 mod plot_data;
+mod prepare;
 mod sheet;
 mod style;
 
@@ -27,6 +31,8 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+use self::draw::Canvas;
+use crate::drawing::{Drawing, PictureFormat};
 use crate::{Figure, HeatMap, Report};
 
 /// Why a report could not be written.
@@ -47,6 +53,12 @@ pub enum ReportError {
         path: PathBuf,
         /// What the plotting library said.
         reason: String,
+    },
+    /// Pictures of this format are a feature of the crate that this build does not have.
+    #[error("this build draws no {format} files: it lacks the feature `pdf`")]
+    Format {
+        /// Ending of the files.
+        format: &'static str,
     },
     /// A figure's id cannot be the stem of its files.
     #[error("figure id {id:?} is empty, used twice, or has characters other than a-z A-Z 0-9 _ -")]
@@ -72,18 +84,27 @@ pub enum ReportError {
 
 /// Writes `report.html` and, for each figure, `ID.svg`, `ID.png` and `ID.csv`.
 ///
+/// # Errors
+/// As [`write_drawn`].
+pub fn write(report: &Report, dir: &Path) -> Result<(), ReportError> {
+    write_drawn(report, dir, &Drawing::default())
+}
+
+/// Writes `report.html` and, for each figure, its pictures as they are asked for and `ID.csv`.
+///
 /// The directory is created if it does not exist; files of the same name are replaced. The page is
 /// written last, so a page that exists has its figures beside it.
 ///
 /// # Errors
 /// If a figure is malformed, which is found out before anything is written, or if a file cannot be
 /// written.
-pub fn write(report: &Report, dir: &Path) -> Result<(), ReportError> {
+pub fn write_drawn(report: &Report, dir: &Path, drawing: &Drawing) -> Result<(), ReportError> {
     check(&report.figures)?;
+    drawn(drawing)?;
     fs::create_dir_all(dir).map_err(failure(dir))?;
     let path = dir.join("report.html");
-    let figures = || report.figures.par_iter().try_for_each(|figure| write_figure(figure, dir));
-    let (figures, page) = rayon::join(figures, || page::page(report).map_err(undrawn(&path)));
+    let figures = || report.figures.par_iter().try_for_each(|figure| write_figure(figure, dir, drawing));
+    let (figures, page) = rayon::join(figures, || page::page(report, &drawing.formats).map_err(undrawn(&path)));
     figures?;
     let page = page?;
     fs::write(&path, page).map_err(failure(&path))
@@ -95,7 +116,7 @@ pub fn write(report: &Report, dir: &Path) -> Result<(), ReportError> {
 /// If the figure is malformed or cannot be drawn.
 pub fn svg(figure: &Figure) -> Result<String, ReportError> {
     check(std::slice::from_ref(figure))?;
-    draw::svg(figure, true).map_err(undrawn(Path::new(&format!("{}.svg", figure.id))))
+    draw::svg(figure, Canvas::default()).map_err(undrawn(Path::new(&format!("{}.svg", figure.id))))
 }
 
 /// The data of a figure as CSV, as [`write()`] writes them.
@@ -110,19 +131,40 @@ pub fn csv(figure: &Figure) -> Result<String, ReportError> {
     String::from_utf8(bytes).map_err(|error| failure(&path)(io::Error::new(io::ErrorKind::InvalidData, error)))
 }
 
+/// Whether this build can draw so.
+fn drawn(drawing: &Drawing) -> Result<(), ReportError> {
+    let missing = drawing.formats.iter().find(|&&format| format == PictureFormat::Pdf && !cfg!(feature = "pdf"));
+    missing.map_or(Ok(()), |format| Err(ReportError::Format { format: format.ending() }))
+}
+
 /// Writes the files of one figure.
-fn write_figure(figure: &Figure, dir: &Path) -> Result<(), ReportError> {
+fn write_figure(figure: &Figure, dir: &Path, drawing: &Drawing) -> Result<(), ReportError> {
     let file = |extension: &str| dir.join(format!("{}.{extension}", figure.id));
 
     let path = file("csv");
     File::create(&path).and_then(|target| data_file::write(figure, target).map_err(io::Error::from)).map_err(failure(&path))?;
 
-    let path = file("svg");
-    let picture = draw::svg(figure, true).map_err(undrawn(&path))?;
-    fs::write(&path, picture).map_err(failure(&path))?;
+    let canvas = Canvas::file(drawing.size);
+    for format in &drawing.formats {
+        let path = file(format.ending());
+        let picture = match format {
+            PictureFormat::Svg => draw::svg(figure, canvas).map(String::into_bytes),
+            PictureFormat::Png => draw::png(figure, canvas),
+            PictureFormat::Pdf => portable(figure, canvas),
+        };
+        fs::write(&path, picture.map_err(undrawn(&path))?).map_err(failure(&path))?;
+    }
+    Ok(())
+}
 
-    let path = file("png");
-    draw::png(figure, &path).map_err(undrawn(&path))
+#[cfg(feature = "pdf")]
+fn portable(figure: &Figure, canvas: Canvas) -> Result<Vec<u8>, String> {
+    pdf::of(&draw::svg(figure, canvas)?)
+}
+
+#[cfg(not(feature = "pdf"))]
+fn portable(_: &Figure, _: Canvas) -> Result<Vec<u8>, String> {
+    Err("this build lacks the feature `pdf`".to_owned())
 }
 
 fn check(figures: &[Figure]) -> Result<(), ReportError> {
@@ -135,15 +177,22 @@ fn check(figures: &[Figure]) -> Result<(), ReportError> {
         }
         let sound = |map: &HeatMap| {
             let rows = map.size().1;
-            rows > 0 && map.columns.iter().all(|column| column.len() == rows) && figure.series.is_empty()
+            let alone = figure.series.is_empty() && figure.panels.is_empty();
+            rows > 0 && map.columns.iter().all(|column| column.len() == rows) && alone
         };
         if figure.map.as_ref().is_some_and(|map| !sound(map)) {
             return Err(ReportError::Map { figure: figure.id.clone() });
         }
-        for series in &figure.series {
+        for series in figure.all_series() {
             if series.columns().iter().any(|column| column.len() != series.x.len()) {
                 let (figure, series) = (figure.id.clone(), series.name.clone());
                 return Err(ReportError::Length { figure, series });
+            }
+        }
+        if let Some(along) = &figure.along {
+            let fits = |(series, values): (&crate::Series, &Vec<f64>)| series.x.len() == values.len();
+            if along.values.len() != figure.series.len() || !figure.series.iter().zip(&along.values).all(fits) {
+                return Err(ReportError::Length { figure: figure.id.clone(), series: along.csv_column.clone() });
             }
         }
     }

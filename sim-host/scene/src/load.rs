@@ -1,5 +1,6 @@
 //! From a name, a file or standard input to a scene, or to a report of everything that is wrong with it.
 
+mod inherited;
 mod manifest;
 
 use std::fs::File;
@@ -15,6 +16,8 @@ use super::tree::{Node, Origin, Value};
 use super::walk::walk;
 use super::{Scene, builtin, rules};
 
+pub use inherited::{Change, Inherited, inputs};
+
 /// A scene and where it comes from.
 #[derive(Clone, Debug)]
 pub struct Loaded {
@@ -28,6 +31,8 @@ pub struct Loaded {
     pub input: String,
     /// The changes asked for, as `key=value`.
     pub sets: Vec<String>,
+    /// How many of the changes, the first of them, are defaults of the program and no user's.
+    pub defaults: usize,
     /// Which of the scene's runs it is, if it is one of several.
     pub run: Option<u32>,
 }
@@ -65,7 +70,8 @@ impl Loaded {
     pub fn template(&self) -> Result<Template<'_>, LoadError> {
         let (sources, read) = read(&self.origin, &self.input, &self.sets);
         let names = sources.iter().map(|source| source.name.clone()).collect();
-        let (mut root, found) = read.map_err(|problems| LoadError::Invalid(Report::new(sources.clone(), problems)))?;
+        let Whole { mut root, found, .. } =
+            read.map_err(|problems| LoadError::Invalid(Report::new(sources.clone(), problems)))?;
         if !found.is_empty() {
             let problems = found.into_iter().map(|(_, problem)| problem).collect();
             return Err(LoadError::Invalid(Report::new(sources, problems)));
@@ -79,26 +85,27 @@ impl Loaded {
         let (_, root) = read(&self.origin, &self.input, &self.sets);
         let gives = |set: &&String| {
             let mut keys = set.split('=').next().unwrap_or_default().split('.');
-            root.as_ref().is_ok_and(|(root, _)| keys.try_fold(root, |node, key| Some(&node.table()?.get(key)?.node)).is_some())
+            root.as_ref().is_ok_and(|read| keys.try_fold(&read.root, |node, key| Some(&node.table()?.get(key)?.node)).is_some())
         };
         let missing: Vec<String> = defaults.iter().filter(|set| !gives(set)).cloned().collect();
         if missing.is_empty() {
             return Ok(self);
         }
+        let defaults = missing.len();
         let sets = [missing, self.sets].concat();
-        Ok(Self { name: self.name, ..loaded(&self.origin, &self.input, &sets, |_| ())? })
+        Ok(Self { name: self.name, defaults, ..loaded(&self.origin, &self.input, &sets, |_| ())? })
     }
 
     /// The scene with further changes, and all else that it has.
     pub fn changed(&self, sets: &[String]) -> Result<Self, LoadError> {
         let sets = [self.sets.as_slice(), sets].concat();
-        Ok(Self { name: self.name.clone(), ..loaded(&self.origin, &self.input, &sets, |_| ())? })
+        Ok(Self { name: self.name.clone(), defaults: self.defaults, ..loaded(&self.origin, &self.input, &sets, |_| ())? })
     }
 
     /// The scene with further changes, without its grid and comparison: a cell of its grid, or a case of its comparison.
     pub fn cell(&self, sets: &[String]) -> Result<Self, LoadError> {
         let sets = [self.sets.as_slice(), sets].concat();
-        Ok(Self { name: self.name.clone(), ..loaded(&self.origin, &self.input, &sets, rules::alone)? })
+        Ok(Self { name: self.name.clone(), defaults: self.defaults, ..loaded(&self.origin, &self.input, &sets, rules::alone)? })
     }
 }
 
@@ -158,8 +165,14 @@ pub fn load_text(name: &str, text: &str, sets: &[String]) -> Result<Loaded, Load
     loaded(name, text, sets, |_| ())
 }
 
-/// A tree with the samples of its profiles, and what is wrong with these.
-type Whole = (Node, Vec<Found>);
+/// A tree with the samples of its profiles.
+struct Whole {
+    root: Node,
+    /// What is wrong with the profiles.
+    found: Vec<Found>,
+    /// How many of the sources, the first of them, are changes and texts of scenes; after them come files of profiles.
+    texts: usize,
+}
 
 /// The texts that a scene is made of, and the tree that they make with its changes and the samples of its profiles, with what is wrong with these.
 fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<Whole, Vec<Problem>>) {
@@ -168,15 +181,16 @@ fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<Whole, 
     let mut sources = vec![Source { name: "--set".to_owned(), text: changes }];
     sources.push(Source { name: name.to_owned(), text: text.to_owned() });
     let root = layers(&mut sources).and_then(|root| change(root, sets, &starts)).map(|mut root| {
+        let texts = sources.len();
         let found = resolve(&mut root, &mut sources);
-        (root, found)
+        Whole { root, found, texts }
     });
     (sources, root)
 }
 
 fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Result<Loaded, LoadError> {
     let (sources, read) = read(name, text, sets);
-    let (mut root, found) = match read {
+    let Whole { mut root, found, .. } = match read {
         Ok(read) => read,
         Err(problems) => return Err(LoadError::Invalid(Report::new(sources, problems))),
     };
@@ -188,6 +202,7 @@ fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Re
             scene,
             input: text.to_owned(),
             sets: sets.to_vec(),
+            defaults: 0,
             run: None,
         }),
         Err(problems) => Err(LoadError::Invalid(Report::new(sources, problems))),

@@ -202,6 +202,12 @@ pub fn unit_of(name: &str) -> Option<String> {
     super::units::split(name).1.map(|unit| unit.symbol)
 }
 
+/// What a name is of, in words: without the tables before it, and without the unit that it ends in.
+pub fn words_of(name: &str) -> String {
+    let name = name.rsplit('.').next().unwrap_or(name);
+    super::units::split(name).0.replace('_', " ")
+}
+
 /// The dotted path of a key in a table.
 pub(super) fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
@@ -234,6 +240,17 @@ mod tests {
         assert_eq!(root.at("controller.burst.on_s").unwrap().lengths(), (None, Some(8)));
         assert!(root.at("controller.drive.nothing").is_none());
         assert!(root.at("disturbance.to").is_none());
+    }
+
+    #[test]
+    fn names_are_words_and_a_unit() {
+        for (name, words, unit) in [
+            ("contact.dahl.stiffness_n_per_m", "stiffness", Some("N/m")),
+            ("friction_ratio", "friction ratio", None),
+            ("lock_time_20hz_ms", "lock time 20hz", Some("ms")),
+        ] {
+            assert_eq!((words_of(name).as_str(), unit_of(name).as_deref()), (words, unit));
+        }
     }
 
     #[test]

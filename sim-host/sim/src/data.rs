@@ -140,6 +140,11 @@ pub fn files() -> Vec<DataFile> {
             columns: fields(&[
                 ("program", "", "`sim-host`"),
                 ("version", "", "Version of the program"),
+                (
+                    "commit",
+                    "",
+                    "Commit that the program was built from, with `+` where files had been changed; absent where it was built outside of a checkout",
+                ),
                 ("scene", "", "Name of the scene"),
                 ("seed", "1", "Seed of all noise"),
                 ("level", "", "Where the controller ran"),
@@ -167,7 +172,8 @@ pub fn files() -> Vec<DataFile> {
                 (
                     "expect",
                     "",
-                    "The expectations: `metric`, `value`, `limit`, `pass`, `source`; of a comparison also `case` and `match`",
+                    "The expectations: `metric`, `value`, `limit`, `pass`, `source`; of a comparison also `case` and `match`; `counts` is false of one of a \
+                     base scene whose inputs were changed",
                 ),
                 (
                     "grid",
@@ -235,7 +241,8 @@ pub fn files() -> Vec<DataFile> {
         DataFile {
             name: "report.html",
             of: "every run",
-            meaning: "The report: tables, figures and all metrics, in one page that needs no other file",
+            meaning: "The report: tables, figures, all metrics and all inputs, in one page that needs no other file, with version, commit, date and command. Only the \
+                      date differs from run to run; `SOURCE_DATE_EPOCH` sets it",
             columns: Vec::new(),
         },
     ]

@@ -45,6 +45,7 @@ pub mod output;
 #[cfg(feature = "files")]
 pub mod overlay;
 pub mod processor;
+pub mod provenance;
 pub mod record;
 pub mod run;
 pub mod schedule;

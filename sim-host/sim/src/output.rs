@@ -3,6 +3,7 @@
 mod comparison;
 mod folder;
 mod grid_file;
+pub mod npy;
 mod parquet_file;
 mod runs_file;
 pub mod sweep;
@@ -14,11 +15,12 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use crate::provenance::Provenance;
 use crate::record::text_hash;
 use crate::study::answer::Answer;
 use crate::study::{Outcome, Study};
 use crate::tables;
-use report::{self, ReportError};
+use report::{self, Drawing, ReportError};
 use scene::load::Loaded;
 use scene::resolved::resolved_json;
 
@@ -78,6 +80,15 @@ pub enum OutputError {
     Grid(#[source] csv::Error),
 }
 
+/// What a folder's pages show beside the results: how figures are drawn, and where they come from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Presentation {
+    /// Size and formats of the figures.
+    pub drawing: Drawing,
+    /// The command, the commit and the date.
+    pub provenance: Provenance,
+}
+
 /// What `--format json` prints: the summary, with what depends on the machine beside it.
 pub fn printed(study: &Study) -> Value {
     let mut printed = summary(study);
@@ -119,6 +130,9 @@ pub fn summary(study: &Study) -> Value {
                 "metric": judged.metric, "value": judged.value, "limit": judged.limit,
                 "pass": judged.pass, "source": judged.source,
             });
+            if !judged.counts {
+                expect["counts"] = json!(false);
+            }
             if let Some((case, equal)) = &judged.case {
                 (expect["case"], expect["match"]) = (json!(case), json!(equal));
             }
@@ -161,22 +175,25 @@ fn with_own(mut of: Value, study: &Study) -> Value {
 }
 
 /// The manifest: everything that the run depended on.
-fn manifest(loaded: &Loaded, study: &Study) -> Value {
-    let manifest = json!({
+fn manifest(loaded: &Loaded, study: &Study, provenance: &Provenance) -> Value {
+    let mut manifest = json!({
         "program": "sim-host", "version": crate::VERSION, "scene": study.name, "seed": study.scene.seed,
         "level": tables::level(study), "input_hash": format!("{:016x}", text_hash(&loaded.input)), "set": loaded.sets,
         "interrupted": study.interrupted, "complete": !study.interrupted, "resolved_scene": resolved_json(study.scene),
     });
+    if let Some(commit) = &provenance.commit {
+        manifest["commit"] = json!(commit);
+    }
     with_own(manifest, study)
 }
 
 /// Writes everything into `dir`, which is made if it is not there, in place of the run that it holds.
 pub fn write(loaded: &Loaded, study: &Study, dir: &Path) -> Result<(), OutputError> {
-    write_into(loaded, study, &Folder::open(dir)?)
+    write_into(loaded, study, &Folder::open(dir)?, &Presentation::default())
 }
 
-/// Writes everything into a folder, in place of the run that it holds.
-pub fn write_into(loaded: &Loaded, study: &Study, folder: &Folder) -> Result<(), OutputError> {
+/// Writes everything into a folder, in place of the run that it holds, shown as it is asked for.
+pub fn write_into(loaded: &Loaded, study: &Study, folder: &Folder, shown: &Presentation) -> Result<(), OutputError> {
     let dir = folder.unfinished();
     for (name, json) in [("summary.json", summary(study)), ("machine.json", machine(study))] {
         let path = dir.join(name);
@@ -189,6 +206,6 @@ pub fn write_into(loaded: &Loaded, study: &Study, folder: &Folder) -> Result<(),
     if let Some(grid) = &study.grid {
         grid_file::write(grid, &dir.join("grid.csv")).map_err(OutputError::Grid)?;
     }
-    report::write(&tables::report(study), dir)?;
-    folder.finish(manifest(loaded, study))
+    report::write_drawn(&tables::report(study, &shown.provenance), dir, &shown.drawing)?;
+    folder.finish(manifest(loaded, study, &shown.provenance))
 }

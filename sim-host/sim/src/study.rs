@@ -28,7 +28,7 @@ use crate::metrics::Metrics;
 use crate::processor::Processor;
 use crate::run::RunError;
 use ::contact::{Clock, SolveError};
-use scene::load::{LoadError, Loaded};
+use scene::load::{Inherited, LoadError, Loaded};
 use scene::metrics;
 use scene::{Driven, Equal, Expect, Kind, Scene, shown};
 
@@ -77,6 +77,8 @@ pub struct Study<'a> {
     pub metrics: Metrics,
     /// Expectations of the scene with their results.
     pub judged: Vec<Judged>,
+    /// What the scene has of the one that it is laid over; nothing where it lies over none.
+    pub inherited: Option<Inherited>,
     /// Results of the scene's grid.
     pub grid: Option<GridResult>,
     /// Results of the scene's comparison.
@@ -111,13 +113,20 @@ pub struct Judged {
     pub tolerance: Option<f64>,
     /// Whether it holds. A metric that the run does not have holds nothing.
     pub pass: bool,
+    /// Whether it counts: not one of a base scene whose inputs were changed.
+    pub counts: bool,
     /// Where the limit comes from.
     pub source: String,
 }
 
 impl Study<'_> {
-    /// Whether every expectation holds.
+    /// Whether every expectation that counts holds.
     pub fn passes(&self) -> bool {
+        self.judged.iter().all(|judged| judged.pass || !judged.counts)
+    }
+
+    /// Whether every expectation holds, also those of a base scene whose inputs were changed.
+    pub fn holds(&self) -> bool {
         self.judged.iter().all(|judged| judged.pass)
     }
 
@@ -232,12 +241,16 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
     };
     // How many runs come out in some way is nothing that one run has.
     let has = |expect: &&Expect| scene.runs > 1 || !expect.metric.starts_with("runs_");
-    let judged = scene.expect.iter().filter(has).map(|expect| judge(expect, &metrics, comparison.as_ref())).collect();
+    // One of several runs is what its scene says of all of them.
+    let inherited = loaded.inherited().filter(|_| loaded.run.is_none());
+    let counts = !inherited.as_ref().is_some_and(|inherited| inherited.expect);
+    let judged = |expect| Judged { counts, ..judge(expect, &metrics, comparison.as_ref()) };
+    let judged = scene.expect.iter().filter(has).map(judged).collect();
     // Stopped within the grid or the comparison: the scene is whole, and they are missing.
     let interrupted = cut || stop.load(Ordering::Relaxed);
     let (name, origin, changes) = (loaded.name.clone(), loaded.origin.clone(), loaded.sets.clone());
     let run_number = loaded.run;
-    Ok(Study { name, origin, changes, run_number, scene, outcome, metrics, judged, grid, comparison, interrupted })
+    Ok(Study { name, origin, changes, run_number, scene, outcome, metrics, judged, inherited, grid, comparison, interrupted })
 }
 
 /// The results of a scene's grid and of its comparison, as far as it has them.
@@ -264,6 +277,7 @@ fn judge(expect: &Expect, metrics: &Metrics, comparison: Option<&ComparisonResul
         value,
         tolerance: expect.tolerance,
         pass: value.is_some_and(|value| limit.beyond(value) <= 0.0),
+        counts: true,
         limit: limit.text,
         source: expect.source.clone(),
     }

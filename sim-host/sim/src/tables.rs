@@ -3,35 +3,42 @@
 mod comparison;
 mod driven;
 mod grid;
+mod inputs;
 
 use crate::figures;
 use crate::instruments::{Line, View, crash};
 use crate::numbers::{number, precise};
 use crate::overlay;
+use crate::provenance::Provenance;
 use crate::study::{Outcome, Study, contact, monte_carlo};
 use report::{Report, TableBlock};
 use scene::metrics;
 
 /// The report of a study.
-pub fn report(study: &Study) -> Report {
-    let scene = &study.scene;
+pub fn report(study: &Study, provenance: &Provenance) -> Report {
     let preface = match &study.outcome {
         Outcome::Driven(run) => driven::preface(run),
         Outcome::Contact(_) => contact::table::PREFACE.to_owned(),
         Outcome::MonteCarlo(runs) => monte_carlo::table::preface(runs),
     };
     Report {
-        title: scene.title.clone(),
-        subtitle: if scene.source.is_empty() { String::new() } else { format!("Source: {}", scene.source) },
+        title: title(study),
+        subtitle: inputs::source(study),
         summary: headline(study),
-        paragraphs: [remarks(study), scene.notes.clone(), vec![preface]].concat(),
-        tables: tables(study),
+        paragraphs: [remarks(study), inputs::notes(study), vec![preface]].concat(),
+        tables: inputs::changed(study).into_iter().chain(tables(study)).collect(),
         figures: figures::of(study),
         crash: study.run().and_then(|run| crash::view(&View::new(&run.scene, &run.record))),
-        appendix: vec![all_metrics(study)],
-        footer: footer(study),
+        appendix: vec![dictionary(study), inputs::all(study)],
+        footer: footer(study, provenance),
         interrupted: study.interrupted,
     }
+}
+
+/// The title of a study; where it is of other inputs, it says so.
+pub fn title(study: &Study) -> String {
+    let of_base = study.inherited.as_ref().is_some_and(|inherited| inherited.title);
+    if of_base { format!("{} (with changed inputs)", study.scene.title) } else { study.scene.title.clone() }
 }
 
 /// The tables that answer the scene's question: expectations, comparison, what was found, grid.
@@ -56,8 +63,9 @@ pub fn remarks(study: &Study) -> Vec<String> {
     if let Some(number) = study.run_number {
         remarks.push(format!("Run {number} of the scene's runs, by itself, as drawn: {changes}. Notes are those of all runs."));
     } else if !changes.is_empty() {
-        remarks.push(format!("Changed by hand: {changes}. Title, notes and expectations are those of the unchanged scene."));
+        remarks.push(format!("Changed by hand: {changes}."));
     }
+    remarks.extend(inputs::remark(study));
     remarks.extend(renamed(study));
     remarks.extend(match &study.outcome {
         Outcome::Driven(run) => driven::remarks(run),
@@ -123,14 +131,15 @@ pub fn level(study: &Study) -> String {
     }
 }
 
-fn footer(study: &Study) -> Vec<(String, String)> {
+fn footer(study: &Study, provenance: &Provenance) -> Vec<(String, String)> {
     let own = match &study.outcome {
         Outcome::Driven(run) => driven::footer(run),
         Outcome::Contact(solved) => contact::table::footer(solved),
         Outcome::MonteCarlo(runs) => monte_carlo::table::footer(runs),
     };
-    let all = [("scene", study.name.clone()), ("seed", study.scene.seed.to_string()), ("sim-host", crate::VERSION.to_owned())];
-    all.into_iter().chain(own).map(|(label, value)| (label.to_owned(), value)).collect()
+    let all = [("scene", study.name.clone()), ("seed", study.scene.seed.to_string())];
+    let named = all.into_iter().chain(own).map(|(label, value)| (label.to_owned(), value));
+    named.chain(provenance.footer()).collect()
 }
 
 fn expectations(study: &Study) -> TableBlock {
@@ -141,7 +150,12 @@ fn expectations(study: &Study) -> TableBlock {
             let fine = judged.tolerance.zip(judged.value).is_some_and(|(tolerance, value)| tolerance < 1e-4 * value.abs());
             let shown = if fine { precise } else { number };
             let value = judged.value.map_or_else(|| "no such value in this run".to_owned(), shown);
-            let verdict = if judged.pass { "PASS" } else { "MISS" };
+            let verdict = match (judged.counts, judged.pass) {
+                (true, true) => "PASS",
+                (true, false) => "MISS",
+                (false, true) => "holds",
+                (false, false) => "does not hold",
+            };
             let metric = match &judged.case {
                 Some((case, equal)) => format!("{} ({case}, equal {})", judged.metric, equal.name()),
                 None => judged.metric.clone(),
@@ -149,11 +163,35 @@ fn expectations(study: &Study) -> TableBlock {
             vec![verdict.into(), metric, value, judged.limit.clone(), judged.source.clone()]
         })
         .collect();
-    TableBlock::new("expectations", "Expected", "", &["", "metric", "value", "expected", "source"], rows)
+    let base = study.inherited.as_ref().filter(|_| study.judged.iter().any(|judged| !judged.counts));
+    let caption = base.map_or_else(String::new, |inherited| {
+        format!(
+            "Expectations of the base scene `{}`, whose inputs were changed: they do not count. Those that are stated again (`[[expect]]`, or \
+             `expect = []` for none) do.",
+            inherited.base
+        )
+    });
+    TableBlock::new("expectations", "Expected", &caption, &["", "metric", "value", "expected", "source"], rows)
 }
 
 /// Every metric of a study.
 pub fn all_metrics(study: &Study) -> TableBlock {
-    let rows = study.metrics.iter().map(|(name, value)| vec![name.to_owned(), number(value)]).collect();
-    TableBlock::new("metrics", "All metrics", "", &["metric", "value"], rows)
+    let row = |(name, value): (&str, f64)| vec![name.to_owned(), precise(value), described(name).0];
+    TableBlock::new("metrics", "All metrics", "", &["metric", "value", "unit"], study.metrics.iter().map(row).collect())
+}
+
+/// Every metric of a study, with what it means.
+fn dictionary(study: &Study) -> TableBlock {
+    let row = |(name, value): (&str, f64)| {
+        let (unit, meaning) = described(name);
+        vec![name.to_owned(), precise(value), unit, meaning]
+    };
+    let header = ["metric", "value", "unit", "meaning"];
+    TableBlock::new("metrics", "All metrics", "", &header, study.metrics.iter().map(row).collect())
+}
+
+/// Unit and meaning of a metric.
+fn described(name: &str) -> (String, String) {
+    let known = metrics::metric(name).or_else(|| metrics::of_one_run(name));
+    known.map_or_else(Default::default, |metric| (metric.unit.to_owned(), metric.meaning.to_owned()))
 }

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 use serde_json::json;
 
-use super::{Color, EXPECTATION_MISSED, Format, USAGE};
+use super::{Color, DrawingArgs, EXPECTATION_MISSED, Format, USAGE};
+use report::Report;
 use sim::compare::{CompareError, Comparison, Side, Tolerances};
 use sim::output::OutputError;
 
@@ -27,6 +28,8 @@ pub(super) struct CompareArgs {
     /// Folder for a report, with the figures that both have laid over each other.
     #[arg(short, long = "output", value_name = "DIR")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    drawing: DrawingArgs,
     /// What to print on standard output.
     #[arg(long, value_enum, default_value_t = Format::Human)]
     format: Format,
@@ -47,7 +50,10 @@ pub(super) fn run(args: &CompareArgs, color: Color) -> anyhow::Result<ExitCode> 
             Ok(None) => return Ok(ExitCode::SUCCESS),
             Err(code) => return Ok(code),
         };
-        report::write(&compared.report(), folder.unfinished()).map_err(OutputError::from)?;
+        let report = compared.report();
+        let footer = [report.footer, super::provenance().footer()].concat();
+        report::write_drawn(&Report { footer, ..report }, folder.unfinished(), &args.drawing.drawing())
+            .map_err(OutputError::from)?;
         let mut manifest = compared.json();
         (manifest["program"], manifest["version"]) = (json!("sim-host"), json!(sim::VERSION));
         (manifest["command"], manifest["complete"]) = (json!("compare"), json!(true));

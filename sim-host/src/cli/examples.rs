@@ -3,7 +3,7 @@
 use clap::Command;
 
 /// For each command, examples with what they do.
-const EXAMPLES: [(&str, &[(&str, &str)]); 15] = [
+const EXAMPLES: [(&str, &[(&str, &str)]); 16] = [
     (
         "run",
         &[
@@ -37,6 +37,7 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 15] = [
     ("compare", &[("compare out/lock out/lock-pil --tolerance 1%", "two runs of a scene")]),
     ("explain", &[("explain friction_ratio", "a metric"), ("explain fault 21", "a fault"), ("explain trace.csv", "a file")]),
     ("import", &[("import admittance transducer.s1p -o transducer", "a circuit with standard deviations, and a scene")]),
+    ("spectrum", &[("spectrum trace.csv --column friction_n", "which frequencies friction has when")]),
     ("schema", &[("schema", "for an editor that completes and checks TOML")]),
     (
         "link",

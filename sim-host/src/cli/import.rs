@@ -271,7 +271,8 @@ fn with_scene(json: &Value, scene: Option<&str>) -> Value {
 
 fn write(folder: &Folder, found: &Imported, scene: Option<(&str, &str)>) -> anyhow::Result<()> {
     let dir = folder.unfinished();
-    let footer = vec![("sim-host".to_owned(), sim::VERSION.to_owned()), ("measured file".to_owned(), found.source.clone())];
+    let file = vec![("measured file".to_owned(), found.source.clone())];
+    let footer = [file, super::provenance().footer()].concat();
     report::write(&Report { footer, ..found.report.clone() }, dir)?;
     let put = |name: &str, text: &str| {
         let path = dir.join(name);

@@ -89,7 +89,7 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
         }
     };
     if let Some(folder) = &folder {
-        output::write_into(loaded, &study, folder)?;
+        output::write_into(loaded, &study, folder, &args.drawing.presentation())?;
     }
     if let Some(path) = &args.junit {
         junit::write(&study, path).with_context(|| format!("cannot write `{}`", path.display()))?;
@@ -168,7 +168,7 @@ fn image(args: &RunArgs, loaded: &Loaded) -> Result<Option<Image>, (u8, String)>
 }
 
 fn human(study: &Study, args: &RunArgs, color: Color) -> String {
-    let mut text = format!("{}\n\n", study.scene.title);
+    let mut text = format!("{}\n\n", tables::title(study));
     if study.interrupted {
         text += &format!("INTERRUPTED after {}: what follows is of that part only.\n\n", tables::reached(study));
     }

@@ -12,7 +12,7 @@ use clap::Args;
 use serde_json::json;
 
 use self::progress::Progress;
-use super::{Color, Format, INTERRUPTED, RUN_FAILED, SceneArgs, USAGE, interrupts, invalid, with_scene};
+use super::{Color, DrawingArgs, Format, INTERRUPTED, RUN_FAILED, SceneArgs, USAGE, interrupts, invalid, with_scene};
 use scene::load::Loaded;
 use sim::output::sweep::{FolderError, Joined, Shard, SweepFolder, join};
 use sim::study::sweep::design::Design;
@@ -61,6 +61,8 @@ pub(super) struct SweepArgs {
     /// Run only the I-th of N parts of the sweep, counted from 1, into its own folder or a common one; `sim-host merge` joins them.
     #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
     shard: Shard,
+    #[command(flatten)]
+    drawing: DrawingArgs,
     /// What to print on standard output.
     #[arg(long, value_enum, default_value_t = Format::Human)]
     format: Format,
@@ -77,6 +79,8 @@ pub(super) struct MergeArgs {
     /// Where to put the result. Default: the first folder.
     #[arg(short, long = "output", value_name = "DIR")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    drawing: DrawingArgs,
     /// What to print on standard output.
     #[arg(long, value_enum, default_value_t = Format::Human)]
     format: Format,
@@ -161,7 +165,7 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
         if !folder.is_whole()? {
             return Ok(Some(None));
         }
-        join(std::slice::from_ref(&dir), &dir).map(|joined| Some(Some(joined)))
+        join(std::slice::from_ref(&dir), &dir, &args.drawing.presentation()).map(|joined| Some(Some(joined)))
     };
     match run() {
         Ok(None) => Ok(ExitCode::from(INTERRUPTED)),
@@ -179,7 +183,7 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
 /// Joins the shards of a sweep.
 pub(super) fn merge(args: &MergeArgs, color: Color) -> anyhow::Result<ExitCode> {
     let target = args.output.as_ref().unwrap_or(&args.dirs[0]);
-    match join(&args.dirs, target) {
+    match join(&args.dirs, target, &args.drawing.presentation()) {
         Ok(joined) => show(&joined, target, args.format, args.quiet, color),
         Err(error) => Ok(failed(&error)),
     }

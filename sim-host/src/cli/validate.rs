@@ -226,7 +226,7 @@ fn evidence(
 /// Writes tables, figures and further files, in place of the result that the folder holds.
 fn write(evidence: &Evidence, name: &str, quick: bool, folder: &Folder) -> anyhow::Result<()> {
     let dir = folder.unfinished();
-    let footer = [("sim-host".to_owned(), sim::VERSION.to_owned())];
+    let footer = super::provenance().footer();
     let footer = footer.into_iter().chain(evidence.report.footer.clone()).collect();
     report::write(&Report { footer, ..evidence.report.clone() }, dir)?;
     for (file, text) in &evidence.files {

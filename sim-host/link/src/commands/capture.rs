@@ -189,11 +189,12 @@ fn write(captured: &Captured, scale: &Scale, folder: &Folder) -> Result<(), Link
     let figure = |id: &str, title: &str, label: &str, series: Vec<Series>| Figure {
         id: id.into(),
         title: title.into(),
-        x: Axis { label: "time since the trigger [us]".into(), ..Axis::default() },
+        x: Axis { label: "time since the trigger [µs]".into(), ..Axis::default() },
         y: Axis { label: label.into(), ..Axis::default() },
         series,
         shaded: vec![Span { from: 0.0, to: time_us.last().copied().unwrap_or(0.0), label: "after the trigger".into() }],
         interactive: true,
+        band_limited: true,
         ..Figure::default()
     };
     let of = |codes: &[u16], worth: &dyn Fn(u16) -> f64| codes.iter().map(|&code| worth(code)).collect::<Vec<f64>>();

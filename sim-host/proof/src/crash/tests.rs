@@ -78,7 +78,7 @@ fn the_page_has_a_view_that_loads_nothing() {
     let loaded = load(super::SCENE, &[]).unwrap_or_else(|error| panic!("{error}"));
     let study = sim::study::run(&loaded, sim::study::Options::default()).unwrap();
     assert!(study.passes(), "{:#?}", study.judged);
-    let report = sim::tables::report(&study);
+    let report = sim::tables::report(&study, &sim::provenance::Provenance::default());
     let view = report.crash.as_ref().unwrap();
     assert!(view.low_ms.is_some_and(|ms| (20.0..40.0).contains(&ms)) && view.instants.len() > 200, "{:?}", view.low_ms);
     let dir = std::env::var_os("CRASH_PAGE").map_or_else(|| std::env::temp_dir().join("crash-page"), std::path::PathBuf::from);

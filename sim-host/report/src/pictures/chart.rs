@@ -14,8 +14,15 @@ use crate::figure::{Figure, Style};
 pub(super) const TICK_SIZE: f64 = 23.0;
 const AXIS_SIZE: f64 = 25.0;
 
+/// The least part of its size in which an axis is described.
+const SMALLEST_PART: f64 = 0.7;
+
 /// Free space at the edges of the canvas in points.
 const EDGE: f64 = 16.0;
+/// Room below a plot for the labels and the description of its axis, and that edge.
+pub(super) const BELOW: f64 = 92.0 - EDGE;
+/// Room between two plots over one axis.
+pub(super) const PANEL_GAP: f64 = 30.0;
 
 /// Edges of the plot on the canvas, in points.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +37,8 @@ pub(super) struct Layout {
     pub bottom: f64,
     /// Width and height of the canvas.
     pub canvas: (f64, f64),
+    /// Another plot follows below, which has the labels of the horizontal axis.
+    pub open: bool,
 }
 
 /// A plot with its two scales.
@@ -45,6 +54,17 @@ pub(super) struct Plot<'f, 's, DB: DrawingBackend> {
     pub x: Scale,
     /// Scale of the vertical axis.
     pub y: Scale,
+    /// Curves of the plots above.
+    pub before: Before,
+}
+
+/// How many curves the plots above have.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Before {
+    /// All of them.
+    pub curves: usize,
+    /// Those of dots.
+    pub dots: usize,
 }
 
 impl<DB: DrawingBackend> Plot<'_, '_, DB> {
@@ -53,24 +73,33 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
     /// Says how many pixels wide and high its plot is.
     pub fn draw(&self, layout: &Layout, elsewhere: &[&str]) -> Result<(i32, i32), Failure<DB>> {
         let pen = self.sheet.pen;
+        let (width, height) = (layout.right - layout.left, layout.bottom - layout.top);
+        // A description longer than its axis is written smaller.
+        let fits = |label: &str, length: f64| length / self.sheet.text_width(label, AXIS_SIZE).max(1.0);
+        let smaller = fits(&self.figure.x.label, width + 60.0).min(fits(&self.figure.y.label, height + 20.0)).min(1.0);
+        let axis_size = AXIS_SIZE * smaller.max(SMALLEST_PART);
+        // The canvas ends below the plot and its labels.
+        let below = if layout.open { PANEL_GAP } else { BELOW };
+        let label = |position: &f64| if layout.open { String::new() } else { self.x.label(*position) };
         let mut chart = ChartBuilder::on(self.sheet.root)
             .margin_top(pen.px(layout.top))
             .margin_right(pen.px(layout.canvas.0 - layout.right))
-            .margin_bottom(pen.px(EDGE))
+            .margin_bottom(pen.px(layout.canvas.1 - layout.bottom - below))
             .margin_left(pen.px(EDGE))
-            .x_label_area_size(pen.px(layout.canvas.1 - layout.bottom - EDGE))
+            .x_label_area_size(pen.px(below))
             .y_label_area_size(pen.px(layout.left - EDGE))
             .build_cartesian_2d(self.x.clone(), self.y.clone())?;
         self.shades(&chart)?;
         chart
             .configure_mesh()
+            .x_label_formatter(&label)
             .x_desc(self.figure.x.label.as_str())
             .y_desc(self.figure.y.label.as_str())
             .bold_line_style(pen.line(GRID, 1.5))
             .light_line_style(pen.line(FINE_GRID, 1.0))
             .axis_style(pen.line(FRAME, 1.5))
             .label_style(pen.text(TICK_SIZE, MUTED))
-            .axis_desc_style(pen.text(AXIS_SIZE, INK))
+            .axis_desc_style(pen.text(axis_size, INK))
             .y_label_offset(pen.text_drop(TICK_SIZE))
             .set_all_tick_mark_size(pen.px(6.0))
             .draw()?;

@@ -17,16 +17,16 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         let series = &self.figure.series[index];
         let (xs, ys): (Vec<f64>, Vec<f64>) =
             self.points(series).flatten().filter(|&(x, y)| self.x.shows(x) && self.y.shows(y)).unzip();
-        let kind = self.figure.dots_before(index);
+        let kind = self.before.dots + self.figure.dots_before(index);
         for i in decimate::keep(&[&xs, &ys], decimate::LIMIT) {
-            self.sheet.dot(kind, 5.5, series_color(index), chart.backend_coord(&(xs[i], ys[i])))?;
+            self.sheet.dot(kind, 5.5, series_color(self.before.curves + index), chart.backend_coord(&(xs[i], ys[i])))?;
         }
         Ok(())
     }
 
     /// A line with its band, clipped to the plot and thinned.
     pub(super) fn curve(&self, chart: &mut Chart<DB>, index: usize) -> Result<(), Failure<DB>> {
-        let (series, color) = (&self.figure.series[index], series_color(index));
+        let (series, color) = (&self.figure.series[index], series_color(self.before.curves + index));
         if let Style::Band { lower, upper } = &series.style {
             self.band(chart, &series.x, lower, upper, color)?;
         }

@@ -5,7 +5,7 @@
 
 use std::io::Write;
 
-use crate::figure::{Figure, HeatMap, Series, Style};
+use crate::figure::{Figure, HeatMap, Style};
 
 /// Writes the figure's series.
 ///
@@ -16,7 +16,7 @@ pub(super) fn write(figure: &Figure, target: impl Write) -> csv::Result<()> {
     let mut out = csv::Writer::from_writer(target);
     if let Some(map) = &figure.map {
         write_map(figure, map, &mut out)?;
-    } else if let Some(x) = shared_x(&figure.series) {
+    } else if let Some(x) = shared_x(figure) {
         write_wide(figure, x, &mut out)?;
     } else {
         write_long(figure, &mut out)?;
@@ -26,15 +26,16 @@ pub(super) fn write(figure: &Figure, target: impl Write) -> csv::Result<()> {
 }
 
 /// The x that all series share.
-fn shared_x(series: &[Series]) -> Option<&[f64]> {
-    let (first, rest) = series.split_first()?;
-    rest.iter().all(|s| s.x == first.x).then_some(&first.x)
+fn shared_x(figure: &Figure) -> Option<&[f64]> {
+    let mut series = figure.all_series();
+    let first = series.next()?;
+    (figure.along.is_none() && series.all(|s| s.x == first.x)).then_some(&first.x)
 }
 
 fn write_wide<W: Write>(figure: &Figure, x: &[f64], out: &mut csv::Writer<W>) -> csv::Result<()> {
     let mut header = vec![column_name(&figure.x.label)];
     let mut columns = vec![x];
-    for series in &figure.series {
+    for series in figure.all_series() {
         header.push(series.csv_column.clone());
         if let Style::Band { .. } = series.style {
             header.extend(["lower", "upper"].map(|edge| format!("{}_{edge}", series.csv_column)));
@@ -49,17 +50,23 @@ fn write_wide<W: Write>(figure: &Figure, x: &[f64], out: &mut csv::Writer<W>) ->
 }
 
 fn write_long<W: Write>(figure: &Figure, out: &mut csv::Writer<W>) -> csv::Result<()> {
-    let mut header = vec!["series".into(), column_name(&figure.x.label)];
-    header.push(column_name(&figure.y.label));
-    let banded = figure.series.iter().any(|s| matches!(s.style, Style::Band { .. }));
+    let along = figure.along.as_ref();
+    let mut header = vec!["series".into()];
+    header.extend(along.map(|along| along.csv_column.clone()));
+    // Plots below have another quantity in this column, and the series' names say which.
+    let y = if figure.panels.is_empty() { column_name(&figure.y.label) } else { "value".into() };
+    header.extend([column_name(&figure.x.label), y]);
+    let banded = figure.all_series().any(|s| matches!(s.style, Style::Band { .. }));
     if banded {
         header.extend(["lower".into(), "upper".into()]);
     }
     out.write_record(&header)?;
-    for series in &figure.series {
+    for (place, series) in figure.all_series().enumerate() {
         let columns = series.columns();
         for (row, &x) in series.x.iter().enumerate() {
-            let mut record = vec![series.csv_column.clone(), cell(x)];
+            let mut record = vec![series.csv_column.clone()];
+            record.extend(along.map(|along| cell(along.values[place][row])));
+            record.push(cell(x));
             record.extend(columns.iter().map(|column| cell(column[row])));
             record.resize(header.len(), String::new());
             out.write_record(&record)?;
@@ -118,7 +125,7 @@ fn column_name(label: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::Axis;
+    use crate::figure::{Along, Axis, Panel, Series};
 
     fn text(series: Vec<Series>) -> String {
         let figure = Figure {
@@ -170,6 +177,37 @@ mod tests {
             text(vec![series("a", &[0.0], &[1.0]), series("b", &[2.0], &[3.0])]),
             "series,time_ms,force_un\na,0,1\nb,2,3\n"
         );
+    }
+
+    #[test]
+    fn what_runs_along_a_locus_is_a_column() {
+        let figure = Figure {
+            x: Axis { label: "conductance [S]".into(), ..Axis::default() },
+            y: Axis { label: "susceptance [S]".into(), ..Axis::default() },
+            series: vec![series("a", &[0.5], &[1.0]), series("b", &[0.5], &[2.0])],
+            along: Some(Along { csv_column: "frequency_hz".into(), values: vec![vec![40e3], vec![41e3]] }),
+            ..Figure::default()
+        };
+        let mut bytes = Vec::new();
+        write(&figure, &mut bytes).unwrap();
+        assert_eq!(
+            String::from_utf8(bytes).unwrap(),
+            "series,frequency_hz,conductance_s,susceptance_s\na,40000,0.5,1\nb,41000,0.5,2\n"
+        );
+    }
+
+    #[test]
+    fn panels_are_columns_of_the_same_table() {
+        let panels = vec![Panel { series: vec![series("b_n", &[0.0], &[2.0])], ..Panel::default() }];
+        let figure = Figure {
+            x: Axis { label: "time [s]".into(), ..Axis::default() },
+            series: vec![series("a_v", &[0.0], &[1.0])],
+            panels,
+            ..Figure::default()
+        };
+        let mut bytes = Vec::new();
+        write(&figure, &mut bytes).unwrap();
+        assert_eq!(String::from_utf8(bytes).unwrap(), "time_s,a_v,b_n\n0,1,2\n");
     }
 
     #[test]

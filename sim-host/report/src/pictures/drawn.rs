@@ -10,6 +10,11 @@ impl Series {
             Style::Line | Style::Dashed | Style::Points => vec![&self.y],
         }
     }
+
+    /// Whether it has a point at all: a legend need not name what is not there.
+    pub(super) fn shows_something(&self) -> bool {
+        self.x.iter().zip(&self.y).any(|(x, y)| x.is_finite() && y.is_finite())
+    }
 }
 
 impl Figure {
@@ -18,8 +23,18 @@ impl Figure {
         self.equal_aspect && !self.x.log && !self.y.log
     }
 
-    /// How many series of dots come before the one at `index`.
+    /// The curves of all its plots, from the upper one down.
+    pub(super) fn all_series(&self) -> impl Iterator<Item = &Series> {
+        self.series.iter().chain(self.panels.iter().flat_map(|panel| &panel.series))
+    }
+
+    /// The curves that a legend names: those of panels only where they are not the same again.
+    pub(super) fn named_series(&self) -> impl Iterator<Item = &Series> {
+        self.series.iter().chain(self.panels.iter().filter(|panel| !panel.repeats).flat_map(|panel| &panel.series))
+    }
+
+    /// How many series of dots come before the one at `index` of those named.
     pub(super) fn dots_before(&self, index: usize) -> usize {
-        self.series[..index].iter().filter(|series| series.style == Style::Points).count()
+        self.named_series().take(index).filter(|series| series.style == Style::Points).count()
     }
 }

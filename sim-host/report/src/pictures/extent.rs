@@ -9,7 +9,7 @@ pub(super) fn scales(figure: &Figure) -> (Scale, Scale) {
         return map.scales(figure.x.log, figure.y.log);
     }
     let dots = figure.series.iter().any(|s| s.style == Style::Points);
-    let mut xs: Vec<f64> = figure.series.iter().flat_map(|s| s.x.iter().copied()).collect();
+    let mut xs: Vec<f64> = figure.all_series().flat_map(|s| s.x.iter().copied()).collect();
     xs.extend(figure.markers.iter().map(|m| m.x));
     let room = if figure.is_plane() {
         0.08

@@ -35,7 +35,8 @@ impl Swatch {
 /// An entry with its place in points from the top left corner of the legend.
 struct Entry {
     text: String,
-    swatch: Swatch,
+    /// The swatch, or the room that it takes in the first line of the same text.
+    swatch: Result<Swatch, f64>,
     color: RGBColor,
     left: f64,
     row: usize,
@@ -51,7 +52,7 @@ impl Legend {
     ///
     /// A single curve without shading is named well enough by its axis.
     pub fn lay_out<DB: DrawingBackend>(figure: &Figure, shades: &[&str], width: f64, sheet: &Sheet<DB>) -> Self {
-        let curves = figure.series.iter().enumerate().map(|(index, series)| {
+        let curves = figure.named_series().enumerate().filter(|(_, series)| series.shows_something()).map(|(index, series)| {
             let swatch = match series.style {
                 Style::Line => Swatch::Line,
                 Style::Dashed => Swatch::Dashed,
@@ -72,8 +73,14 @@ impl Legend {
             if left > 0.0 && left + length > width {
                 (left, row) = (0.0, row + 1);
             }
-            entries.push(Entry { text: text.to_owned(), swatch, color, left, row });
-            left += length + SPACING;
+            let room = width - swatch.width() - GAP;
+            let lines = wrapped(text, |line| sheet.text_width(line, TEXT_SIZE) <= room);
+            let last = lines.len() - 1;
+            entries.extend(lines.into_iter().enumerate().map(|(n, text)| {
+                let swatch = (n == 0).then_some(swatch).ok_or(swatch.width());
+                Entry { text, swatch, color, left, row: row + n }
+            }));
+            (left, row) = if last > 0 { (width, row + last) } else { (left + length + SPACING, row) };
         }
         Self { entries }
     }
@@ -93,7 +100,11 @@ impl Legend {
             let at = |x: f64, y: f64| (pen.px(left + x), pen.px(middle + y));
             let stroke = |from: f64, to: f64| PathElement::new(vec![at(from, 0.0), at(to, 0.0)], pen.line(entry.color, 4.0));
             let block = [at(0.0, -11.0), at(SWATCH, 11.0)];
-            match entry.swatch {
+            let Ok(swatch) = entry.swatch else {
+                sheet.write(&entry.text, look, at(entry.room(), 0.0))?;
+                continue;
+            };
+            match swatch {
                 Swatch::Line => area.draw(&stroke(0.0, SWATCH))?,
                 Swatch::Dashed => {
                     for from in [0.0, 17.0, 34.0] {
@@ -110,8 +121,39 @@ impl Legend {
                     area.draw(&Rectangle::new(block, pen.line(FRAME, 1.0)))?;
                 }
             }
-            sheet.write(&entry.text, look, at(entry.swatch.width() + GAP, 0.0))?;
+            sheet.write(&entry.text, look, at(entry.room(), 0.0))?;
         }
         Ok(())
+    }
+}
+
+impl Entry {
+    /// Room before the text.
+    fn room(&self) -> f64 {
+        self.swatch.map_or_else(|width| width, Swatch::width) + GAP
+    }
+}
+
+/// The text in as many lines as it takes for each to fit, cut between words; a word that is too long stays whole.
+fn wrapped(text: &str, fits: impl Fn(&str) -> bool) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let Some(line) = lines.last_mut() else { break };
+        let longer = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
+        if line.is_empty() || fits(&longer) { *line = longer } else { lines.push(word.to_owned()) }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::wrapped;
+
+    #[test]
+    fn long_names_are_cut_between_words() {
+        let lines = |text: &str, most: usize| wrapped(text, |line| line.len() <= most);
+        assert_eq!(lines("mean and extremes", 20), ["mean and extremes"]);
+        assert_eq!(lines("mean and extremes", 9), ["mean and", "extremes"]);
+        assert_eq!(lines("mean and extremes", 3), ["mean", "and", "extremes"]);
     }
 }

@@ -7,9 +7,11 @@
 use rayon::prelude::*;
 
 use super::crash_section;
-use super::draw;
+use super::draw::{self, Canvas};
 use super::plot_data::{can_zoom, plot_data};
+use super::prepare::{panel as lower, prepared};
 use crate::TableBlock;
+use crate::drawing::PictureFormat;
 use crate::figure::{Figure, Report};
 
 const STYLE: [&str; 2] = [include_str!("../../assets/uPlot.min.css"), include_str!("../../assets/report.css")];
@@ -24,7 +26,7 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
 const FEW_FIGURES: usize = 6;
 
 /// The page as HTML; fails if a static picture cannot be drawn.
-pub(super) fn page(report: &Report) -> Result<String, String> {
+pub(super) fn page(report: &Report, formats: &[PictureFormat]) -> Result<String, String> {
     let title = escape(&report.title);
     let [library_style, own_style] = STYLE;
     let body: String = [
@@ -34,7 +36,7 @@ pub(super) fn page(report: &Report) -> Result<String, String> {
         report.crash.as_ref().map(crash_section::section).transpose()?.unwrap_or_default(),
         contents(&report.figures),
         report.tables.iter().map(table).collect(),
-        report.figures.par_iter().map(panel).collect::<Result<Vec<_>, _>>()?.concat(),
+        report.figures.par_iter().map(|figure| panel(figure, formats)).collect::<Result<Vec<_>, _>>()?.concat(),
         report.appendix.iter().map(table).collect(),
         footer(&report.footer),
         scripts(&report.figures)?,
@@ -147,23 +149,29 @@ fn is_number(cell: &str) -> bool {
     unsigned.starts_with(|c: char| c.is_ascii_digit()) || matches!(cell, "" | "-" | "–" | "—")
 }
 
-fn panel(figure: &Figure) -> Result<String, String> {
+fn panel(figure: &Figure, formats: &[PictureFormat]) -> Result<String, String> {
     let id = escape(&figure.id);
     let card = if can_zoom(figure) {
+        let below: String =
+            (0..figure.panels.len()).map(|place| format!("<div id=\"plot-{id}-{}\"></div>\n", place + 2)).collect();
         format!(
             "<div class=\"card\">\n<div id=\"plot-{id}\"><noscript>This figure needs scripting; see \
-             {id}.svg.</noscript></div>\n<p class=\"hint\">{}Drag to zoom, double-click to reset; \
+             {id}.svg.</noscript></div>\n{below}<p class=\"hint\">{}Drag to zoom, double-click to reset; \
              click a name to hide its curve.</p>\n</div>\n",
             shading(figure)
         )
     } else {
         let shape = if figure.is_plane() { "card square" } else { "card" };
         let label = escape(&figure.title);
-        let picture = draw::svg(figure, false)?;
+        let picture = draw::svg(figure, Canvas { untitled: true, ..Canvas::default() })?;
         format!("<div class=\"{shape}\" role=\"img\" aria-label=\"{label}\">\n{picture}</div>\n")
     };
-    let files: Vec<String> =
-        ["svg", "png", "csv"].map(|kind| format!("<a href=\"{id}.{kind}\">{}</a>", kind.to_uppercase())).into();
+    let files: Vec<String> = formats
+        .iter()
+        .map(|format| format.ending())
+        .chain(["csv"])
+        .map(|kind| format!("<a href=\"{id}.{kind}\">{}</a>", kind.to_uppercase()))
+        .collect();
     Ok(format!(
         "<figure id=\"{id}\">\n{}{card}<figcaption>\n<p>{}</p>\n\
          <span class=\"files\" title=\"Files beside this page\">{}</span>\n</figcaption>\n</figure>\n",
@@ -183,7 +191,11 @@ fn shading(figure: &Figure) -> String {
 
 /// The plotting library, the data and the script, if any figure needs them.
 fn scripts(figures: &[Figure]) -> Result<String, String> {
-    let data: Vec<_> = figures.iter().filter(|figure| can_zoom(figure)).map(plot_data).collect();
+    let drawn: Vec<Figure> =
+        figures.par_iter().filter(|figure| can_zoom(figure)).map(|figure| prepared(figure).into_owned()).collect();
+    // Each plot of a figure, and how many curves are above it.
+    let plots: Vec<(Figure, usize)> = drawn.into_iter().flat_map(plots).collect();
+    let data: Vec<_> = plots.iter().map(|(figure, first)| plot_data(figure, *first)).collect();
     if data.is_empty() {
         return Ok(String::new());
     }
@@ -193,6 +205,19 @@ fn scripts(figures: &[Figure]) -> Result<String, String> {
          <script id=\"figure-data\" type=\"application/json\">{json}</script>\n\
          <script>\n{SCRIPT}</script>\n"
     ))
+}
+
+/// The plots of a figure as figures, from the upper one down, each with the number of curves above it.
+fn plots(figure: Figure) -> Vec<(Figure, usize)> {
+    let below: Vec<Figure> = (0..figure.panels.len()).map(|place| lower(&figure, place)).collect();
+    let repeats: Vec<bool> = std::iter::once(false).chain(figure.panels.iter().map(|panel| panel.repeats)).collect();
+    let mut first = 0;
+    let counted = |(figure, repeats): (Figure, bool)| {
+        let above = if repeats { 0 } else { first };
+        first = if repeats { first } else { first + figure.series.len() };
+        (figure, above)
+    };
+    std::iter::once(figure).chain(below).zip(repeats).map(counted).collect()
 }
 
 #[cfg(test)]
@@ -231,7 +256,7 @@ mod tests {
             footer: vec![(EVIL.into(), EVIL.into())],
             interrupted: true,
         };
-        let html = page(&report).unwrap();
+        let html = page(&report, &PictureFormat::ALL).unwrap();
         assert!(!html.contains("<b onclick"));
         assert_eq!(html.matches("</script>").count(), 3);
     }
@@ -240,7 +265,7 @@ mod tests {
     fn the_library_comes_only_with_figures_that_need_it() {
         let with = |figure| {
             let report = Report { figures: vec![figure], ..Report::default() };
-            page(&report).unwrap()
+            page(&report, &PictureFormat::ALL).unwrap()
         };
         assert!(with(figure(true)).contains("uPlot="));
         assert!(!with(figure(false)).contains("<script"));

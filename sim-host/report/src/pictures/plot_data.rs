@@ -41,17 +41,17 @@ struct Curve<'a> {
 
 /// Whether the figure is one that can be zoomed: x must never turn back.
 pub(super) fn can_zoom(figure: &Figure) -> bool {
-    figure.interactive && figure.map.is_none() && !figure.is_plane() && figure.series.iter().all(|s| s.x.is_sorted())
+    figure.interactive && figure.map.is_none() && !figure.is_plane() && figure.all_series().all(|s| s.x.is_sorted())
 }
 
-/// The figure's data for the script.
-pub(super) fn plot_data(figure: &Figure) -> PlotData<'_> {
-    let curves = figure.series.iter().enumerate();
+/// The figure's data for the script, as it is drawn; `first` is the number of curves in the plots above it.
+pub(super) fn plot_data(figure: &Figure, first: usize) -> PlotData<'_> {
+    let curves = figure.series.iter().enumerate().filter(|(_, series)| series.shows_something());
     PlotData {
         id: &figure.id,
         x: AxisData { label: &figure.x.label, log: figure.x.log, range: Some(scales(figure).0.ends()) },
         y: AxisData { label: &figure.y.label, log: figure.y.log, range: figure.y.range },
-        series: curves.map(|(index, series)| curve(figure, index, series)).collect(),
+        series: curves.map(|(index, series)| curve(figure, first + index, series)).collect(),
         spans: figure.shaded.iter().map(|s| (s.from, s.to, s.label.as_str())).collect(),
         markers: figure.markers.iter().map(|m| (m.x, m.y, m.label.as_str())).collect(),
         lines: figure.hlines.iter().map(|(y, label)| (*y, label.as_str())).collect(),
@@ -109,7 +109,7 @@ mod tests {
     }
 
     fn json(figure: &Figure) -> serde_json::Value {
-        serde_json::to_value(plot_data(figure)).unwrap()
+        serde_json::to_value(plot_data(figure, 0)).unwrap()
     }
 
     #[test]

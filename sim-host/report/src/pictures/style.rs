@@ -40,7 +40,11 @@ pub(super) const BAND_OPACITY: f64 = 0.25;
 ///
 /// The list after the first name is for readers of the SVG, which carries the name but not the font.
 const FAMILY: &str = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif";
-static FONT: &[u8] = include_bytes!("../../assets/DejaVuSans-subset.ttf");
+/// Name of the embedded font itself.
+#[cfg(feature = "pdf")]
+pub(super) const FONT_NAME: &str = "DejaVu Sans";
+/// The embedded font.
+pub(super) static FONT: &[u8] = include_bytes!("../../assets/DejaVuSans-subset.ttf");
 
 static FONT_IS_READY: LazyLock<bool> = LazyLock::new(|| register_font(FAMILY, FontStyle::Normal, FONT).is_ok());
 

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use super::Side;
 use crate::data::FigureData;
-use report::{Axis, Figure, Series, Style};
-use scene::schema::unit_of;
+use report::{Axis, Figure, Panel, Series, Style};
+use scene::schema::{unit_of, words_of};
 
 /// Edges of a band, which are no curves of their own.
 const EDGES: [&str; 2] = ["_lower", "_upper"];
@@ -59,24 +59,63 @@ fn figure(id: &str, a: &Curves, b: &Curves) -> Option<Figure> {
         return None;
     }
     let common = |(name, _): &&(String, Vec<f64>)| b.columns.iter().any(|(other, _)| other == name);
-    let unit = a.columns.iter().find(common).and_then(|(name, _)| unit_of(name)).unwrap_or_else(|| "1".into());
-    let series = |side: &str, style: Style, curves: &Curves| -> Vec<Series> {
+    let unit = |name: &str| unit_of(name).unwrap_or_else(|| "1".into());
+    let mut units: Vec<String> = Vec::new();
+    for (name, _) in a.columns.iter().filter(common) {
+        if !units.contains(&unit(name)) {
+            units.push(unit(name));
+        }
+    }
+    let series = |side: &str, style: Style, curves: &Curves, of: &str| -> Vec<Series> {
         let one = |(name, y): &(String, Vec<f64>)| Series {
-            name: format!("{side}: {}", name.replace('_', " ")),
+            name: format!("{side}: {}", words_of(name)),
             csv_column: format!("{}_{name}", side.to_lowercase()),
             x: curves.x.clone(),
             y: y.clone(),
             style: style.clone(),
         };
-        curves.columns.iter().map(one).collect()
+        curves.columns.iter().filter(|(name, _)| unit(name) == of).map(one).collect()
     };
+    // A unit has a plot of its own; distances from a truth are drawn by their sizes.
+    let errors = id == "lock-acquisition";
+    let panel = |of: &String| Panel {
+        y: Axis { log: errors, magnitude: errors, ..Axis::of(quantity(of), of) },
+        series: [series("A", Style::Line, a, of), series("B", Style::Dashed, b, of)].concat(),
+        ..Panel::default()
+    };
+    let mut panels: Vec<Panel> = units.iter().map(panel).collect();
+    if panels.is_empty() {
+        return None;
+    }
+    let first = panels.remove(0);
     Some(Figure {
         id: id.to_owned(),
         title: id.replace('-', " "),
         caption: format!("{}; A is solid, B dashed.", data.meaning),
         x: Axis { label: data.x.to_owned(), ..Axis::default() },
-        y: Axis { label: format!("value [{unit}]"), ..Axis::default() },
-        series: [series("A", Style::Line, a), series("B", Style::Dashed, b)].concat(),
+        y: first.y,
+        series: first.series,
+        panels,
         ..Figure::default()
     })
+}
+
+/// The quantity that a unit is of, where curves of several names share an axis.
+fn quantity(unit: &str) -> &'static str {
+    match unit {
+        "m/s" => "velocity",
+        "rad/s" => "angular speed",
+        "m" | "mm" | "um" | "µm" | "nm" => "displacement",
+        "N" => "force",
+        "Hz" => "frequency",
+        "V" => "voltage",
+        "A" => "current",
+        "W" | "mW" => "power",
+        "J" => "work",
+        "S" => "admittance",
+        "s" | "ms" => "time",
+        "degrees" => "phase",
+        "%" => "part",
+        _ => "ratio",
+    }
 }

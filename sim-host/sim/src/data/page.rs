@@ -16,6 +16,8 @@ regenerates it. `sim-host explain` answers from the same tables; [settings.md](s
 
 Numbers are in SI units unless a name says otherwise; the unit is the end of a name. CSV files have a head line, commas, and as many digits as it takes to read the same number back; a value that is
 not finite is an empty cell.
+
+Results of your own runs are yours. Data that the project itself publishes are licensed under CC-BY-4.0 ([LICENSE-DATA](../LICENSE-DATA)).
 ";
 
 /// The page, in Markdown.
@@ -32,7 +34,7 @@ pub fn page() -> String {
             }
         }
     }
-    page += "\n## Figures\n\nEach figure leaves `ID.svg`, `ID.png` and `ID.csv`. Curves over the same x are columns of one table, after x; curves over different x stand below one \
+    page += "\n## Figures\n\nEach figure leaves `ID.svg`, `ID.png` and `ID.csv`, or the formats that `--figure-format` asks for ([figures.md](figures.md)). Curves over the same x are columns of one table, after x; curves over different x stand below one \
              another, with the name of the column in the first one. A band has two columns more, `_lower` and `_upper`. A scene has the figures and columns that mean something in it.\n\n\
              | ID | x | columns | shows |\n|---|---|---|---|\n";
     for figure in FIGURES {

@@ -21,6 +21,6 @@ impl Instrument for Circuit {
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {
-        figure::locus(run).into_iter().collect()
+        figure::Admittance::of(run).map_or_else(Vec::new, |of| vec![figure::locus(run, &of), figure::bode(&of)])
     }
 }

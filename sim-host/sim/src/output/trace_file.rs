@@ -3,11 +3,9 @@
 //! Of a driven run: what the scene's `[trace]` asked for, at the sample rate; or, without one, a table of the whole run, one row for
 //! every few blocks. Of a contact study: the last periods, step by step.
 
-mod npy;
-
 use std::path::{Path, PathBuf};
 
-use super::{OutputError, parquet_file};
+use super::{OutputError, npy, parquet_file};
 use crate::data::{OVERVIEW, PERIODS};
 use crate::record::Record;
 use crate::study::contact::Solved;

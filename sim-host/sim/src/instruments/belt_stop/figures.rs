@@ -6,7 +6,7 @@ use firmware::seam::mode::Mode;
 use crate::instruments::View;
 use crate::instruments::curves::axis;
 use crate::record::Row;
-use report::{Figure, Series, Span, Style};
+use report::{Figure, Panel, Series, Span, Style};
 
 /// What is shown before the drive is muted and after, s.
 const SHOWN_S: (f64, f64) = (0.012, 0.012);
@@ -34,11 +34,11 @@ pub(super) fn of(run: &View) -> Vec<Figure> {
     let motion = Figure {
         id: "belt-motion".into(),
         title: "The belt stops, and the drive with it".into(),
-        caption: "Where the belt is, and where its encoder says it is: a line that ends is broken, and one that goes on lies. Time counts \
+        caption: "Where the belt is, and where its encoder says it is: a line that ends is broken, and one that goes on is of an encoder that counts falsely. Time counts \
                   from the first block without drive."
             .into(),
         x: axis("time from the mute [ms]"),
-        y: axis("belt [mm]"),
+        y: axis("belt position [mm]"),
         series: vec![
             curve("true position", "belt_true_mm", Style::Line, &|row| 1e3 * (row.truth.belt_position_m - first)),
             curve("encoder", "belt_counted_mm", Style::Dashed, &counted),
@@ -47,28 +47,27 @@ pub(super) fn of(run: &View) -> Vec<Figure> {
         interactive: true,
         ..Figure::default()
     };
-    let relative = |name: &str, column: &str, style: Style, value: &dyn Fn(&Row) -> f64| {
-        let before: Vec<f64> = shown.iter().filter(|row| row.time_s <= muted_s).map(|row| value(row).abs()).collect();
-        let scale = before.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        curve(name, column, style, &|row| value(row) / scale)
-    };
-    let mut series = vec![
-        relative("drive", "drive_relative", Style::Line, &|row| row.drive_v),
-        relative("tip velocity", "tip_velocity_relative", Style::Line, &|row| row.truth.tip_velocity_m_per_s),
-        relative("true friction", "friction_relative", Style::Line, &|row| row.truth.friction_mean_n),
-    ];
+    let panel = |label: &str, series: Vec<Series>| Panel { y: axis(label), series, ..Panel::default() };
+    let mut forces = vec![curve("true friction", "friction_n", Style::Line, &|row| row.truth.friction_mean_n)];
     if run.scene.sensors.force_hz.is_some() {
-        series.push(relative("force channel", "force_relative", Style::Dashed, &|row| row.force_n.unwrap_or(f64::NAN)));
+        forces.push(curve("force channel", "force_n", Style::Dashed, &|row| row.force_n.unwrap_or(f64::NAN)));
     }
     let drive = Figure {
         id: "belt-drive".into(),
         title: "Drive, tip and friction over the stop".into(),
-        caption: "Each relative to its largest value before the mute. Under ultrasound the friction of a belt that stands is zero in the \
+        caption: "Amplitudes of drive and tip, and the mean friction. Under ultrasound the friction of a belt that stands is zero in the \
                   mean, which is what the force channel sees; once the tip has rung down, it stays where it is."
             .into(),
         x: axis("time from the mute [ms]"),
-        y: axis("relative to its largest value before"),
-        series,
+        y: axis("drive [V]"),
+        series: vec![curve("drive", "drive_v", Style::Line, &|row| row.drive_v)],
+        panels: vec![
+            panel(
+                "tip velocity [m/s]",
+                vec![curve("tip", "tip_velocity_m_per_s", Style::Line, &|row| row.truth.tip_velocity_m_per_s)],
+            ),
+            panel("force [N]", forces),
+        ],
         shaded: vec![span],
         interactive: true,
         ..Figure::default()

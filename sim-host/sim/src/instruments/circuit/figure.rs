@@ -1,6 +1,6 @@
-//! The admittance loop: what the scan measured, the circle it found, and where the drive works.
+//! The admittance, as a loop and over frequency: what the scan measured, the circle it found, and where the drive works.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use firmware::seam::mode::Mode;
 
@@ -9,10 +9,17 @@ use crate::instruments::curves::axis;
 use crate::record::Row;
 use plant::circuit::Circuit;
 use plant::circuit_of;
-use report::{Figure, Marker, Series, Style};
+use report::{Along, Axis, Figure, Marker, Panel, Series, Style};
 
 /// Blocks over which the working point is averaged.
 const WORKING_BLOCKS: usize = 1000;
+/// Bandwidths, half of them, that a Bode plot shows beside the resonances at least.
+const BANDWIDTHS: f64 = 12.0;
+/// Even steps of its frequency.
+const PLACES: u16 = 400;
+/// What the dots are.
+const DOTS: &str =
+    "Dots: block by block, the scan's last sweep, in which nothing settles: the further off the circle, the higher Q. ";
 
 /// Admittance of a circuit, S, as conductance and susceptance.
 fn admittance(circuit: &Circuit, hz: f64) -> (f64, f64) {
@@ -22,69 +29,148 @@ fn admittance(circuit: &Circuit, hz: f64) -> (f64, f64) {
     (circuit.rm_ohm / square, omega * circuit.c0_f - reactance / square)
 }
 
-fn locus_of(circuit: &Circuit, name: &str, csv_column: &str, style: Style) -> Series {
-    // Equal steps of the motional phase are equal steps along the circle.
-    let half_bandwidth = circuit.series_resonance_hz() / (2.0 * circuit.q());
-    let points = (-199..200).map(|n| {
-        let phase = std::f64::consts::FRAC_PI_2 * f64::from(n) / 205.0;
-        admittance(circuit, circuit.series_resonance_hz() + half_bandwidth * phase.tan())
-    });
-    let (x, y) = points.unzip();
-    Series { name: name.into(), csv_column: csv_column.into(), x, y, style }
+/// Frequencies about a resonance, Hz: equal steps of the motional phase, which are equal steps along the circle.
+fn places(hz: f64, q: f64) -> impl Iterator<Item = f64> {
+    let half_bandwidth = hz / (2.0 * q);
+    (-199..200).map(move |n| hz + half_bandwidth * (FRAC_PI_2 * f64::from(n) / 205.0).tan())
 }
 
-/// The loop. Only for a study that has identified its transducer.
-pub(super) fn locus(run: &View) -> Option<Figure> {
-    let found = run.record.last.transducer?;
-    let identified = Circuit {
-        c0_f: found.c0_f.into(),
-        cm_f: found.cm_f.into(),
-        lm_h: found.lm_h.into(),
-        rm_ohm: found.rm_ohm.into(),
-        force_factor_n_per_v: 1.0,
-    };
-    let truth = circuit_of(&run.scene);
-    let (x, y) = sweep_points(run.rows);
-    let measured = Series {
-        name: "played, last sweep of the scan".into(),
-        csv_column: "susceptance_measured_s".into(),
-        x,
-        y,
-        style: Style::Points,
-    };
+/// The loop of a circuit, and the frequencies along it, Hz.
+fn locus_of(circuit: &Circuit, name: &str, csv_column: &str, style: Style) -> (Series, Vec<f64>) {
+    let frequencies: Vec<f64> = places(circuit.series_resonance_hz(), circuit.q()).collect();
+    let (x, y) = frequencies.iter().map(|&hz| admittance(circuit, hz)).unzip();
+    (Series { name: name.into(), csv_column: csv_column.into(), x, y, style }, frequencies)
+}
+
+/// What the figures of the admittance show.
+pub(super) struct Admittance {
+    truth: Circuit,
+    identified: Circuit,
+    /// Frequency, Hz, and conductance and susceptance, S, of each tone of the scan's last sweep.
+    measured: Vec<(f64, (f64, f64))>,
+}
+
+impl Admittance {
+    /// Only of a run that has identified its transducer.
+    pub(super) fn of(run: &View) -> Option<Self> {
+        let found = run.record.last.transducer?;
+        let identified = Circuit {
+            c0_f: found.c0_f.into(),
+            cm_f: found.cm_f.into(),
+            lm_h: found.lm_h.into(),
+            rm_ohm: found.rm_ohm.into(),
+            force_factor_n_per_v: 1.0,
+        };
+        Some(Admittance { truth: circuit_of(&run.scene), identified, measured: sweep_points(run.rows) })
+    }
+}
+
+/// The loop.
+pub(super) fn locus(run: &View, of: &Admittance) -> Figure {
+    let mut curves = Vec::new();
+    if !of.measured.is_empty() {
+        let (x, y) = of.measured.iter().map(|&(_, y)| y).unzip();
+        let name = "played, last sweep of the scan".into();
+        let dots = Series { name, csv_column: "susceptance_measured_s".into(), x, y, style: Style::Points };
+        curves.push((dots, of.measured.iter().map(|&(hz, _)| hz).collect()));
+    }
+    curves.push(locus_of(&of.truth, "true circuit", "susceptance_true_s", Style::Dashed));
+    curves.push(locus_of(&of.identified, "identified circuit", "susceptance_identified_s", Style::Line));
+    let (series, values) = curves.into_iter().unzip();
+    let dots = if of.measured.is_empty() { "" } else { DOTS };
     let steady: Vec<(f64, f64)> = run.steady().filter_map(|row| row.admittance_s).collect();
     let last = &steady[steady.len().saturating_sub(WORKING_BLOCKS)..];
     let working = (!last.is_empty()).then(|| {
         let (g, b) = last.iter().fold((0.0, 0.0), |sum, y| (sum.0 + y.0, sum.1 + y.1));
         Marker { x: g / last.len() as f64, y: b / last.len() as f64, label: "working point".into() }
     });
-    Some(Figure {
+    Figure {
         id: "admittance".into(),
         title: "Admittance loop".into(),
-        caption:
-            "Dots: block by block, the scan's last sweep, in which nothing settles: the further off the circle, the higher Q. The identified circle includes what the converters' images make \
-                  of the clamped capacitance. The working point is the mean over the last steady blocks; a load and friction move it."
-                .into(),
+        caption: format!(
+            "{dots}The identified circle includes what the converters' images make of the clamped capacitance. The working point is the mean \
+             over the last steady blocks; a load and friction move it."
+        ),
         x: axis("conductance [S]"),
         y: axis("susceptance [S]"),
-        series: vec![
-            measured,
-            locus_of(&truth, "true circuit", "susceptance_true_s", Style::Dashed),
-            locus_of(&identified, "identified circuit", "susceptance_identified_s", Style::Line),
-        ],
+        series,
+        along: Some(Along { csv_column: "frequency_hz".into(), values }),
         markers: working.into_iter().collect(),
         equal_aspect: true,
         ..Figure::default()
-    })
+    }
 }
 
-/// Current over voltage in each block of the scan's last sweep.
-fn sweep_points(rows: &[Row]) -> (Vec<f64>, Vec<f64>) {
+/// Parallel resonance, Hz: where Lm resonates with Cm and C0 in series.
+fn parallel_hz(circuit: &Circuit) -> f64 {
+    circuit.series_resonance_hz() * (1.0 + circuit.cm_f / circuit.c0_f).sqrt()
+}
+
+/// Bode plot: magnitude and phase of the admittance over frequency, about both resonances.
+pub(super) fn bode(of: &Admittance) -> Figure {
+    let (series_hz, anti_hz) = (of.truth.series_resonance_hz(), parallel_hz(&of.truth));
+    let half_bandwidth = series_hz / (2.0 * of.truth.q());
+    let room = (BANDWIDTHS * half_bandwidth).max(0.5 * (anti_hz - series_hz));
+    let (from, to) = (series_hz - room, anti_hz + room);
+    let even = (0..=PLACES).map(|n| from + (to - from) * f64::from(n) / f64::from(PLACES));
+    let both = [&of.truth, &of.identified].into_iter().flat_map(|circuit| {
+        let about = |hz| places(hz, circuit.q());
+        about(circuit.series_resonance_hz()).chain(about(parallel_hz(circuit)))
+    });
+    let measured = of.measured.iter().map(|&(hz, _)| hz);
+    let mut frequencies: Vec<f64> = even.chain(both).chain(measured).filter(|hz| (from..=to).contains(hz)).collect();
+    frequencies.sort_by(f64::total_cmp);
+    frequencies.dedup();
+    let none = (f64::NAN, f64::NAN);
+    let tone = |hz: f64| of.measured.iter().find(|&&(tone, _)| tone == hz).map_or(none, |&(_, y)| y);
+    let (mut magnitudes, mut phases) = (Vec::new(), Vec::new());
+    let mut curve = |name: &str, column: &str, style: Style, values: Vec<(f64, f64)>| {
+        let series = |csv_column: String, y: Vec<f64>, name: &str| Series {
+            name: name.into(),
+            csv_column,
+            x: frequencies.clone(),
+            y,
+            style: style.clone(),
+        };
+        magnitudes.push(series(format!("admittance_{column}_s"), values.iter().map(|(g, b)| g.hypot(*b)).collect(), name));
+        let degrees = values.iter().map(|(g, b)| b.atan2(*g).to_degrees()).collect();
+        phases.push(series(format!("phase_{column}_deg"), degrees, name));
+    };
+    if of.measured.iter().any(|(hz, _)| (from..=to).contains(hz)) {
+        curve("played, last sweep of the scan", "measured", Style::Points, frequencies.iter().map(|&hz| tone(hz)).collect());
+    }
+    for (circuit, name, column, style) in
+        [(&of.truth, "true circuit", "true", Style::Dashed), (&of.identified, "identified circuit", "identified", Style::Line)]
+    {
+        curve(name, column, style, frequencies.iter().map(|&hz| admittance(circuit, hz)).collect());
+    }
+    Figure {
+        id: "admittance-bode".into(),
+        title: "Admittance over frequency (Bode plot)".into(),
+        caption: "Magnitude and phase of the admittance about its series and its parallel resonance. In the loop the same values are drawn against \
+                  each other."
+            .into(),
+        x: axis("frequency [Hz]"),
+        y: Axis { log: true, ..axis("magnitude [S]") },
+        series: magnitudes,
+        panels: vec![Panel {
+            y: Axis { range: Some((-100.0, 100.0)), ..axis("phase [°]") },
+            series: phases,
+            repeats: true,
+            hlines: vec![(0.0, String::new())],
+        }],
+        interactive: true,
+        ..Figure::default()
+    }
+}
+
+/// Frequency, Hz, and current over voltage, S, in each block of the scan's last sweep.
+fn sweep_points(rows: &[Row]) -> Vec<(f64, (f64, f64))> {
     let scanned: Vec<&Row> = rows.iter().filter(|row| row.mode == Mode::Scan && row.admittance_s.is_some()).collect();
     // A sweep runs upwards, and the next begins below where it ended; so does the ring-down, which has one frequency only.
     let passes = scanned.chunk_by(|before, after| after.frequency_hz >= before.frequency_hz);
     let moves = |pass: &[&Row]| pass.last().zip(pass.first()).is_some_and(|(last, first)| last.frequency_hz > first.frequency_hz);
     let last_pass = passes.rev().find(|pass| moves(pass)).unwrap_or(&[]);
     let tones = last_pass.chunk_by(|before, after| after.frequency_hz == before.frequency_hz);
-    tones.filter_map(|tone| tone.last()?.admittance_s).unzip()
+    tones.filter_map(|tone| tone.last().and_then(|row| Some((row.frequency_hz, row.admittance_s?)))).collect()
 }

@@ -6,7 +6,8 @@ use super::windows::{OFF, ON};
 use crate::instruments::View;
 use crate::instruments::curves::axis;
 use crate::record::Window;
-use report::{Figure, Series, Span, Style};
+use plant::truth::Sample;
+use report::{Figure, Panel, Series, Span, Style};
 
 /// One figure for each edge that was recorded and played: an ON window may begin before there is a lock.
 pub(super) fn of(run: &View) -> Vec<Figure> {
@@ -20,23 +21,28 @@ fn edge(run: &View, window: &Window) -> Figure {
     let sample_s = run.record.sample_s;
     let time: Vec<f64> =
         (0..window.samples.len()).map(|n| 1e3 * (window.start_s + n as f64 * sample_s - window.edge_s)).collect();
-    let largest = |value: &dyn Fn(usize) -> f64| (0..time.len()).map(value).fold(f64::MIN_POSITIVE, |a, b| a.max(b.abs()));
-    let friction = |n: usize| window.samples[n].friction_n;
-    let velocity = |n: usize| window.samples[n].tip_velocity_m_per_s;
-    let relative = |name: &str, column: &str, value: &dyn Fn(usize) -> f64| {
-        let scale = largest(value);
-        let y = (0..time.len()).map(|n| value(n) / scale).collect();
-        Series { name: name.into(), csv_column: column.into(), x: time.clone(), y, style: Style::Line }
+    let values = |value: &dyn Fn(&Sample) -> f64| window.samples.iter().map(value).collect::<Vec<f64>>();
+    let curve = |name: &str, column: &str, value: &dyn Fn(&Sample) -> f64| Series {
+        name: name.into(),
+        csv_column: column.into(),
+        x: time.clone(),
+        y: values(value),
+        style: Style::Line,
     };
-    let what_moves = if run.scene.stator().is_some() { "crest velocity" } else { "tip velocity" };
-    let mut series = vec![relative(what_moves, "tip_velocity_relative", &velocity)];
-    series.push(relative("its envelope", "tip_envelope_relative", &|n| window.samples[n].tip_envelope_m_per_s));
+    let panel = |label: &str, curve: Series| Panel { y: axis(label), series: vec![curve], ..Panel::default() };
+    let (what_moves, velocity) =
+        if run.scene.stator().is_some() { ("crest", "crest velocity [m/s]") } else { ("tip", "tip velocity [m/s]") };
+    let moving = vec![
+        curve(what_moves, "tip_velocity_m_per_s", &|sample| sample.tip_velocity_m_per_s),
+        curve("its envelope", "tip_envelope_m_per_s", &|sample| sample.tip_envelope_m_per_s),
+    ];
+    let mut panels = Vec::new();
     if run.scene.sliding().is_some() {
-        series.push(relative("friction", "friction_relative", &friction));
+        panels.push(panel("friction [N]", curve("friction", "friction_n", &|sample| sample.friction_n)));
     }
     if run.scene.rotor().is_some() {
-        let speed = |n: usize| window.samples[n].motor.map_or(0.0, |motor| motor.rotor_rad_per_s);
-        series.push(relative("rotor speed", "rotor_speed_relative", &speed));
+        let speed = |sample: &Sample| sample.motor.map_or(0.0, |motor| motor.rotor_rad_per_s);
+        panels.push(panel("rotor speed [rad/s]", curve("rotor", "rotor_speed_rad_per_s", &speed)));
     }
     let on = window.title == ON;
     let what = match (on, run.scene.sliding().is_some(), run.scene.rotor().is_some()) {
@@ -53,12 +59,13 @@ fn edge(run: &View, window: &Window) -> Figure {
         id: format!("burst-{}", window.title),
         title: format!("Burst edge: {what}"),
         caption:
-            "Sample by sample, each relative to its largest value in this window. Time counts from the first DAC sample of the \
-                  edge; what resonates rings with its own time constant."
+            "Sample by sample. Time counts from the first DAC sample of the edge; what resonates rings with its own time constant."
                 .into(),
         x: axis("time from the edge [ms]"),
-        y: axis("relative to its largest value"),
-        series,
+        y: axis(velocity),
+        series: moving,
+        panels,
+        band_limited: true,
         shaded: vec![Span { from, to, label: "ON".into() }],
         interactive: true,
         ..Figure::default()

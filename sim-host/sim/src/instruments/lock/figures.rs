@@ -5,7 +5,12 @@ use firmware::seam::mode::Mode;
 use crate::instruments::View;
 use crate::instruments::curves::{axis, curve, shaded};
 use crate::record::Row;
-use report::{Figure, Series, Style};
+use report::{Axis, Figure, Series, Style};
+
+/// Bounds of the lock times, Hz.
+const BOUNDS_HZ: [f64; 3] = [100.0, 20.0, 4.0];
+/// The least distance shown, Hz: where the two cross, it is zero for a moment.
+const LEAST_HZ: f64 = 0.01;
 
 fn series(name: &str, csv_column: &str, x: Vec<f64>, y: Vec<f64>, style: Style) -> Series {
     Series { name: name.into(), csv_column: csv_column.into(), x, y, style }
@@ -49,19 +54,21 @@ pub(super) fn lock_acquisition(run: &View) -> Option<Figure> {
     let locked = run.plays_from(Mode::Run).unwrap_or(from + 0.01);
     let (x, rows) = between(run, from, locked + (locked - from).max(0.005));
     let off = |value: fn(&Row) -> f64| rows.iter().map(|row| value(row) - row.truth.series_resonance_hz).collect::<Vec<f64>>();
+    let (played, estimate) = (off(|row| row.frequency_hz), off(|row| row.resonance_estimate_hz));
+    let farthest = played.iter().chain(&estimate).map(|hz| hz.abs()).filter(|hz| hz.is_finite()).fold(BOUNDS_HZ[0], f64::max);
     Some(Figure {
         id: "lock-acquisition".into(),
         title: "Lock acquisition".into(),
-        caption: "Distance from the true series resonance. The scan ends when what its sweep has left \
+        caption: "Distance from the true series resonance, without its sign, which the data file has. The scan ends when what its sweep has left \
                   no longer turns the phase. A contact adds its own stiffness to the stack: under load the lock lies a little above the unloaded truth."
             .into(),
         x: axis("time from the first sample of the lock stage [ms]"),
-        y: axis("off the true resonance [Hz]"),
+        y: Axis { log: true, magnitude: true, range: Some((LEAST_HZ, 1.5 * farthest)), ..axis("distance from the true resonance [Hz]") },
         series: vec![
-            series("played", "frequency_off_hz", x.clone(), off(|row| row.frequency_hz), Style::Line),
-            series("controller's estimate", "estimate_off_hz", x, off(|row| row.resonance_estimate_hz), Style::Dashed),
+            series("played", "frequency_off_hz", x.clone(), played, Style::Line),
+            series("controller's estimate", "estimate_off_hz", x, estimate, Style::Dashed),
         ],
-        hlines: vec![(0.0, "truth".into())],
+        hlines: BOUNDS_HZ.map(|hz| (hz, format!("{hz} Hz"))).to_vec(),
         interactive: true,
         ..Figure::default()
     })

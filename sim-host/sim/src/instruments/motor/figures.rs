@@ -66,7 +66,7 @@ fn waves(run: &View) -> Figure {
              A pure travelling wave has none of the second."
                 .into(),
         x: axis("time [s]"),
-        y: report::Axis { label: "amplitude [um]".into(), log: true, range: Some((5e-4 * top, top)), ..report::Axis::default() },
+        y: report::Axis { label: "amplitude [µm]".into(), log: true, range: Some((5e-4 * top, top)), ..report::Axis::default() },
         series: vec![
             curve(rows, "forward wave", "forward_wave_um", Style::Line, micrometres(|motor| motor.forward_m)),
             curve(rows, "backward wave", "backward_wave_um", Style::Line, micrometres(|motor| motor.backward_m)),
@@ -108,13 +108,14 @@ fn ellipse(run: &View, window: &Window) -> Figure {
              thesis equation B.14 with half axes a and z k a (dashed, z k = {slope:.3}); a backward wave makes it thinner or thicker \
              from place to place, and tilts it."
         ),
-        x: axis("along the ring [nm]"),
-        y: axis("across [nm]"),
+        x: axis("displacement along the ring [nm]"),
+        y: axis("displacement across [nm]"),
         series: vec![
             series("surface", "across_nm", x, y, Style::Line),
             series("pure wave of the same height", "across_pure_nm", ideal_x, ideal_y, Style::Dashed),
         ],
         equal_aspect: true,
+        band_limited: true,
         ..Figure::default()
     }
 }
@@ -135,9 +136,10 @@ fn lanes(run: &View, window: &Window) -> Figure {
         caption:
             "Voltages at the electrode tabs behind amplifiers with their errors, over the last periods before the drive ends."
                 .into(),
-        x: axis("time [us]"),
+        x: axis("time [µs]"),
         y: axis("voltage [V]"),
         series: series.collect(),
+        band_limited: true,
         interactive: true,
         ..Figure::default()
     }

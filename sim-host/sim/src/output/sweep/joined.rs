@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use super::parts::{self, Part};
 use super::rows_file::{Layout, RowsFile, RowsWriter};
 use super::{FAILURES, FolderError, INDICES, PLAN, PlanFile, ROWS, TABLE, UNFINISHED, page, put, unfinished, write};
+use crate::output::Presentation;
 use crate::output::parquet_file::GROUP;
 use crate::study::sweep::Rows;
 use crate::study::sweep::sensitivity::{self, Sensitivity};
@@ -31,11 +32,11 @@ pub struct Joined {
     pub page: PathBuf,
 }
 
-/// Joins the parts in some folders, and writes the result into `target`.
+/// Joins the parts in some folders, and writes the result into `target`, shown as it is asked for.
 ///
 /// # Errors
 /// If folders are of different sweeps, parts are missing or cannot be read, or a file cannot be written.
-pub fn join(dirs: &[PathBuf], target: &Path) -> Result<Joined, FolderError> {
+pub fn join(dirs: &[PathBuf], target: &Path, shown: &Presentation) -> Result<Joined, FolderError> {
     let plan = common_plan(dirs)?;
     let mut parts = dirs.iter().map(|dir| parts::of(dir)).collect::<Result<Vec<_>, _>>()?.concat();
     parts::sort(&mut parts);
@@ -62,7 +63,7 @@ pub fn join(dirs: &[PathBuf], target: &Path) -> Result<Joined, FolderError> {
     }
     let file = RowsFile::open(&target.join(ROWS))?;
     let indices = if plan.is_sample() { indices(&layout, &file, target)? } else { Vec::new() };
-    let written = page::write(&plan, &layout, &file, failures, &indices, target)?;
+    let written = page::write(&plan, &layout, &file, failures, &indices, (target, shown))?;
     Ok(Joined { points: plan.count(), failures, absent, tables: written, page: target.join(super::PAGE) })
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{FolderError, Layout, PlanFile, ROWS, RowsFile};
 use crate::numbers::number;
+use crate::output::Presentation;
 use crate::study::sweep::sensitivity::{Estimate, Sensitivity};
 use crate::study::sweep::{figures, unit};
 use report::{Report, TableBlock};
@@ -18,7 +19,7 @@ pub(super) fn write(
     file: &RowsFile,
     failures: u64,
     indices: &[(String, Sensitivity)],
-    target: &Path,
+    (target, shown): (&Path, &Presentation),
 ) -> Result<Vec<TableBlock>, FolderError> {
     let (title, source) = plan.title();
     let tables = [vec![metrics(layout, file)?], self::indices(layout, indices)].concat();
@@ -41,12 +42,14 @@ pub(super) fn write(
         paragraphs,
         tables: [vec![keys(layout, file)?], tables.clone()].concat(),
         figures: if drawn { figures::of(&plan.shape(), &layout.keys, &layout.metrics, column)? } else { Vec::new() },
-        footer: [("scene", plan.scene()), ("plan", plan.hash()), ("sim-host", crate::VERSION)]
+        footer: [("scene", plan.scene()), ("plan", plan.hash())]
             .map(|(label, value)| (label.to_owned(), value.to_owned()))
-            .into(),
+            .into_iter()
+            .chain(shown.provenance.footer())
+            .collect(),
         ..Report::default()
     };
-    report::write(&report, target)?;
+    report::write_drawn(&report, target, &shown.drawing)?;
     Ok(tables)
 }
 

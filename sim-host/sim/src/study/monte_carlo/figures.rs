@@ -105,7 +105,7 @@ fn error(runs: &MonteCarlo, limits: Vec<Series>) -> Option<Figure> {
                   unbiased estimate, and as late as it can be played."
             .into(),
         x: Axis { log: true, ..axis("time from the first sample of the lock stage [ms]") },
-        y: Axis { log: true, ..axis("off the true resonance [Hz]") },
+        y: Axis { log: true, ..axis("distance from the true resonance [Hz]") },
         series: [series, rms].into_iter().chain(limits).collect(),
         hlines: BOUNDS_HZ.map(|hz| (hz, format!("{hz} Hz"))).to_vec(),
         ..Figure::default()

@@ -16,6 +16,7 @@ mod parallel;
 use super::design::Shape;
 use super::unit;
 use report::{Axis, Figure};
+use scene::schema::words_of;
 
 /// Most metrics that have figures.
 const METRICS: usize = 8;
@@ -92,16 +93,18 @@ fn extremes(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &value| (least.min(value), most.max(value)))
 }
 
-/// A name with its unit.
+/// A quantity in words, with its unit.
 fn label(name: &str) -> String {
-    match unit(name).as_str() {
-        "1" => name.to_owned(),
-        unit => format!("{name} [{unit}]"),
-    }
+    axis(name, false).label
 }
 
 fn axis(name: &str, log: bool) -> Axis {
-    Axis { label: label(name), log, ..Axis::default() }
+    // Of several runs a metric has the name of one, and what of them it is.
+    let unit = unit(name);
+    let words = words_of(name);
+    let words = words.strip_suffix(&format!(" {}", unit.to_lowercase())).unwrap_or(&words);
+    let words = if unit == "%" { words.trim_end_matches(" percent") } else { words };
+    Axis { log, ..Axis::of(words, &unit) }
 }
 
 /// A figure of a metric, yet empty.

@@ -1,4 +1,4 @@
-//! Rows of numbers as a file of NumPy: an array of records, so that `numpy.load("trace.npy")["friction_n"]` is a column.
+//! Numbers as files of NumPy: a plain array, or rows as an array of records, so that `numpy.load("trace.npy")["friction_n"]` is a column.
 //!
 //! Format version 1.0: a magic number, the length of the header, the header as a Python dictionary padded to a multiple of 64 bytes, then the
 //! records (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
@@ -22,9 +22,23 @@ pub(super) fn write(columns: &[String], rows: &[Vec<f64>], path: &Path) -> io::R
     file.flush()
 }
 
+/// Writes numbers as an array of this shape, the last dimension fastest.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn write_array(shape: &[usize], values: &[f64], file: &mut impl Write) -> io::Result<()> {
+    let shape: String = shape.iter().map(|length| format!("{length}, ")).collect();
+    file.write_all(&padded(format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}), }}", shape.trim_end()))?)?;
+    values.iter().try_for_each(|value| file.write_all(&value.to_le_bytes()))
+}
+
 fn head(columns: &[String], rows: usize) -> io::Result<Vec<u8>> {
     let fields: String = columns.iter().map(|name| format!("('{name}', '<f8'), ")).collect();
-    let mut header = format!("{{'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},), }}");
+    padded(format!("{{'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},), }}"))
+}
+
+/// A header with what stands before it and fills it up.
+fn padded(mut header: String) -> io::Result<Vec<u8>> {
     let begin = MAGIC.len() + 2;
     let padding = (begin + header.len() + 1).next_multiple_of(ALIGN) - (begin + header.len() + 1);
     header += &" ".repeat(padding);
@@ -36,6 +50,18 @@ fn head(columns: &[String], rows: usize) -> io::Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_array_has_its_shape() {
+        let mut bytes = Vec::new();
+        write_array(&[2, 1], &[1.0, 2.0], &mut bytes).expect("written");
+        assert_eq!(
+            (bytes.len() % ALIGN, &bytes[bytes.len() - 16..]),
+            (16, &[1f64.to_le_bytes(), 2f64.to_le_bytes()].concat()[..])
+        );
+        let text = String::from_utf8_lossy(&bytes[10..]);
+        assert!(text.starts_with("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 1,), }"), "{text}");
+    }
 
     #[test]
     fn the_header_is_the_one_that_numpy_reads() {

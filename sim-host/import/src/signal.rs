@@ -1,0 +1,314 @@
+//! A signal out of a file: one column of a trace, a capture or a stranger's table, at an even sample rate.
+//!
+//! ```text
+//! CSV or other delimited text, NPY, Parquet -> columns by name -> samples and sample time, or why there are none -> time and frequency
+//! ```
+
+mod npy;
+mod parquet_file;
+pub mod spectrogram;
+mod table;
+mod text_file;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+pub use table::Columns;
+
+/// Least number of samples that has times and frequencies.
+pub const LEAST: usize = 64;
+/// How far a step may be from the mean one, as a part of it.
+const UNEVEN: f64 = 0.01;
+
+/// Why a file has no such signal.
+#[derive(Debug, thiserror::Error)]
+pub enum SignalError {
+    /// The file cannot be read.
+    #[error("{} cannot be read: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Reason given by the system.
+        source: std::io::Error,
+    },
+    /// The file is of no form that is known.
+    #[error("{}: {why}", path.display())]
+    Form {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// No column of the file has this name.
+    #[error("{} has no column `{name}`: {known}", path.display())]
+    Column {
+        /// The file.
+        path: PathBuf,
+        /// What was asked for.
+        name: String,
+        /// The nearest name, and those there are.
+        known: String,
+    },
+    /// A cell is no number.
+    #[error("{}, {place}: `{name}` is {what}, and a signal has a number in every row", path.display())]
+    Cell {
+        /// The file.
+        path: PathBuf,
+        /// The line or row.
+        place: String,
+        /// The column.
+        name: String,
+        /// What stands there.
+        what: String,
+    },
+    /// Nothing says when the samples were taken.
+    #[error("{} does not say when its samples were taken: name the column of times with --time, or give the sample rate with --sample-hz ({columns})", path.display())]
+    Time {
+        /// The file.
+        path: PathBuf,
+        /// The columns there are.
+        columns: String,
+    },
+    /// The samples are not evenly spaced.
+    #[error(
+        "uneven sampling: {}, {place}: a step of {step_s:e} s, where the mean step is {mean_s:e} s; resample the signal evenly, or give the rate with --sample-hz if the times are wrong",
+        path.display()
+    )]
+    Uneven {
+        /// The file.
+        path: PathBuf,
+        /// The line or row.
+        place: String,
+        /// The step there, s.
+        step_s: f64,
+        /// The mean step, s.
+        mean_s: f64,
+    },
+    /// There are too few samples.
+    #[error("too few samples: {count}{part}, and it takes {LEAST} at least to tell one frequency from another")]
+    TooFew {
+        /// How many there are.
+        count: usize,
+        /// Of which part of the file, if not of all.
+        part: String,
+    },
+    /// An option asks for what the signal does not have.
+    #[error("{0}")]
+    Option(String),
+}
+
+/// Which signal of a file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Choice {
+    /// Name of the column, or its number from 1.
+    pub column: Option<String>,
+    /// Name of the column of times, or its number; without it the one that is called so.
+    pub time: Option<String>,
+    /// Sample rate, Hz, in place of a column of times.
+    pub sample_hz: Option<f64>,
+    /// First moment that counts, s.
+    pub from_s: Option<f64>,
+    /// Last moment that counts, s.
+    pub to_s: Option<f64>,
+}
+
+/// A signal: samples at even steps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// Name of the column.
+    pub name: String,
+    /// Time of the first sample, s.
+    pub start_s: f64,
+    /// Time from sample to sample, s.
+    pub sample_s: f64,
+    /// The samples.
+    pub samples: Vec<f64>,
+}
+
+impl Signal {
+    /// Reads a signal from a file.
+    ///
+    /// # Errors
+    /// If the file has no such signal: each case by name, with the line.
+    pub fn read(path: &Path, choice: &Choice) -> Result<Self, SignalError> {
+        let bytes = fs::read(path).map_err(|source| SignalError::Unreadable { path: path.to_owned(), source })?;
+        let columns = Columns::parse(path, &bytes)?;
+        Self::of(path, &columns, choice)
+    }
+
+    /// The signal of a table.
+    ///
+    /// # Errors
+    /// As [`Signal::read`].
+    pub fn of(path: &Path, columns: &Columns, choice: &Choice) -> Result<Self, SignalError> {
+        if let Some(hz) = choice.sample_hz.filter(|hz| !(*hz > 0.0 && hz.is_finite())) {
+            return Err(SignalError::Option(format!("--sample-hz {hz} is no sample rate: it must be above zero")));
+        }
+        let time = match (&choice.time, choice.sample_hz) {
+            (_, Some(_)) => None,
+            (Some(name), None) => Some((columns.place(path, name)?, 1.0)),
+            (None, None) => columns.time(),
+        };
+        let place = match &choice.column {
+            Some(name) => columns.place(path, name)?,
+            None => columns.only(path, time.map(|(place, _)| place))?,
+        };
+        let samples = columns.numbers(path, place)?;
+        let (start_s, sample_s) = match (choice.sample_hz, time) {
+            (Some(hz), _) => (0.0, 1.0 / hz),
+            (None, Some((time, scale))) => {
+                let scale = if choice.time.is_some() { table::time_scale(columns.name(time)).unwrap_or(1.0) } else { scale };
+                even(path, columns, &columns.numbers(path, time)?, scale)?
+            }
+            (None, None) => return Err(SignalError::Time { path: path.to_owned(), columns: columns.listed() }),
+        };
+        let whole = Signal { name: columns.name(place).to_owned(), start_s, sample_s, samples };
+        whole.part(choice)
+    }
+
+    /// What is between the moments that count.
+    fn part(self, choice: &Choice) -> Result<Self, SignalError> {
+        let last_s = self.start_s + self.sample_s * self.samples.len().saturating_sub(1) as f64;
+        let (from_s, to_s) = (choice.from_s.unwrap_or(self.start_s), choice.to_s.unwrap_or(last_s));
+        if from_s >= to_s || from_s > last_s || to_s < self.start_s {
+            let asked = format!("from {from_s} s to {to_s} s");
+            return Err(SignalError::Option(format!(
+                "there is nothing {asked}: the samples are from {} s to {last_s} s",
+                self.start_s
+            )));
+        }
+        let number = |s: f64| ((s - self.start_s) / self.sample_s).max(0.0);
+        let first = (number(from_s) - 1e-6).ceil().max(0.0) as usize;
+        let end = ((number(to_s) + 1e-6).floor() as usize + 1).min(self.samples.len());
+        let samples = self.samples.get(first..end).unwrap_or_default().to_vec();
+        if samples.len() < LEAST {
+            let part = if samples.len() < self.samples.len() { format!(" from {from_s} s to {to_s} s") } else { String::new() };
+            return Err(SignalError::TooFew { count: samples.len(), part });
+        }
+        Ok(Signal { start_s: self.start_s + first as f64 * self.sample_s, samples, ..self })
+    }
+
+    /// Sample rate, Hz.
+    pub fn sample_hz(&self) -> f64 {
+        1.0 / self.sample_s
+    }
+
+    /// Duration, s.
+    pub fn duration_s(&self) -> f64 {
+        self.sample_s * self.samples.len() as f64
+    }
+}
+
+/// The first of some times and their step, s, if they are evenly spaced.
+fn even(path: &Path, columns: &Columns, times: &[f64], scale: f64) -> Result<(f64, f64), SignalError> {
+    let (Some(first), Some(last)) = (times.first(), times.last()) else {
+        return Err(SignalError::TooFew { count: 0, part: String::new() });
+    };
+    if times.len() < 2 {
+        return Err(SignalError::TooFew { count: times.len(), part: String::new() });
+    }
+    let mean = (last - first) / (times.len() - 1) as f64;
+    // A time that is written with few digits is rounded: from place to place that does not add up.
+    let off = |n: usize| (times[n] - first - mean * n as f64).abs();
+    let uneven = (1..times.len()).find(|&n| {
+        let step = times[n] - times[n - 1];
+        !((step - mean).abs() <= UNEVEN * mean.abs())
+            && !(step > 0.0 && off(n) <= 0.5 * mean && off(n - 1) <= 0.5 * mean && rounded(times, mean))
+    });
+    if let Some(n) = uneven.or((mean <= 0.0).then_some(1)) {
+        let step_s = scale * (times[n] - times[n - 1]);
+        return Err(SignalError::Uneven { path: path.to_owned(), place: columns.at(n), step_s, mean_s: scale * mean });
+    }
+    Ok((scale * first, scale * mean))
+}
+
+/// Whether no time is further from even steps than a digit that is a fiftieth of a step or coarser could round it: half a step at most, and each step is
+/// one of two neighbouring multiples of that digit.
+fn rounded(times: &[f64], mean: f64) -> bool {
+    let digit = 10f64.powf(mean.log10().floor());
+    [digit, 0.1 * digit].into_iter().any(|digit| {
+        let whole = |time: f64| (time / digit - (time / digit).round()).abs() < 1e-6;
+        let steps = times.windows(2).map(|pair| ((pair[1] - pair[0]) / digit).round());
+        let (least, most) =
+            steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), step| (least.min(step), most.max(step)));
+        times.iter().all(|&time| whole(time)) && most - least <= 1.0
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn columns(text: &str) -> Columns {
+        Columns::parse(Path::new("a.csv"), text.as_bytes()).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn table(step: impl Fn(usize) -> f64, rows: usize) -> String {
+        let rows: String = (0..rows).map(|n| format!("{},{},Run\n", step(n), n * n)).collect();
+        format!("time_ms,force_n,mode\n{rows}")
+    }
+
+    fn signal(text: &str, choice: &Choice) -> Result<Signal, SignalError> {
+        Signal::of(Path::new("a.csv"), &columns(text), choice)
+    }
+
+    fn force() -> Choice {
+        Choice { column: Some("force_n".into()), ..Choice::default() }
+    }
+
+    #[test]
+    fn a_column_is_read_with_its_times() {
+        let signal = signal(&table(|n| 2.0 + 0.5 * n as f64, 100), &force()).unwrap();
+        assert_eq!((signal.name.as_str(), signal.samples.len(), signal.samples[3]), ("force_n", 100, 9.0));
+        assert!((signal.start_s - 2e-3).abs() < 1e-15 && (signal.sample_s - 0.5e-3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_part_is_cut_out() {
+        let choice = Choice { from_s: Some(10e-3), to_s: Some(80e-3), ..force() };
+        let signal = signal(&table(|n| n as f64, 100), &choice).unwrap();
+        assert_eq!((signal.samples.len(), signal.samples[0]), (71, 100.0));
+        assert!((signal.start_s - 10e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn times_that_are_rounded_are_even() {
+        // 781.25 ns written with nine digits after the point.
+        let text = |n: usize| (n as f64 * 0.78125e-3 * 1e6).round() / 1e6;
+        let signal = signal(&table(text, 2000), &force()).unwrap();
+        assert!((signal.sample_hz() - 1.28e6).abs() < 10.0, "{}", signal.sample_hz());
+    }
+
+    #[test]
+    fn each_refusal_says_what_and_where() {
+        let refused = |text: &str, choice: &Choice| signal(text, choice).unwrap_err().to_string();
+        let even = table(|n| n as f64, 100);
+        let named = |name: &str| Choice { column: Some(name.into()), ..Choice::default() };
+        assert_eq!(
+            refused(&even, &named("forc_n")),
+            "a.csv has no column `forc_n`: do you mean `force_n`? It has time_ms, force_n, mode"
+        );
+        assert_eq!(refused(&even, &named("mode")), "a.csv, line 2: `mode` is `Run`, and a signal has a number in every row");
+        let jump = table(|n| n as f64 + if n > 50 { 0.5 } else { 0.0 }, 100);
+        assert!(
+            refused(&jump, &force()).starts_with("uneven sampling: a.csv, line 53: a step of 1.5e-3 s"),
+            "{}",
+            refused(&jump, &force())
+        );
+        let back = table(|n| if n == 10 { 8.0 } else { n as f64 }, 100);
+        assert!(refused(&back, &force()).starts_with("uneven sampling: a.csv, line 12"), "{}", refused(&back, &force()));
+        assert!(refused(&table(|n| n as f64, 63), &force()).starts_with("too few samples: 63, and it takes 64"));
+        let late = Choice { from_s: Some(1.0), ..force() };
+        assert_eq!(refused(&even, &late), "there is nothing from 1 s to 0.099 s: the samples are from 0 s to 0.099 s");
+        assert!(refused("a,b\n1,2\n2,3\n", &named("b")).contains("--sample-hz (a, b)"));
+        let hole = even.replace("20,400,Run", "20,,Run");
+        assert_eq!(refused(&hole, &force()), "a.csv, line 22: `force_n` is empty, and a signal has a number in every row");
+    }
+
+    #[test]
+    fn a_rate_stands_in_for_times() {
+        let text: String = (0..100).map(|n| format!("{n}\n")).collect();
+        let signal = signal(&text, &Choice { sample_hz: Some(1e3), ..Choice::default() }).unwrap();
+        assert_eq!((signal.sample_s, signal.samples[7]), (1e-3, 7.0));
+    }
+}

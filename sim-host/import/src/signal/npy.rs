@@ -1,0 +1,158 @@
+//! Arrays of NumPy: records with named fields, as the program's own traces are, or numbers in one or two dimensions.
+//!
+//! A magic number, version, length of the header, the header as a Python dictionary, then the values
+//! (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
+
+use super::table::{Cells, Columns};
+
+/// How a number is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Double,
+    Single,
+    Signed(usize),
+    Unsigned(usize),
+}
+
+impl Kind {
+    /// Of a description like `<f8`; only of the order of bytes that all present processors have.
+    fn of(text: &str) -> Result<Self, String> {
+        let unknown = || format!("values of the kind `{text}`; known are <f8, <f4, and whole numbers as <i4 or |u1");
+        let (order, kind) = text.split_at_checked(1).ok_or_else(unknown)?;
+        match (order, kind) {
+            ("<" | "|" | "=", "f8") => Ok(Kind::Double),
+            ("<" | "|" | "=", "f4") => Ok(Kind::Single),
+            ("<" | "|" | "=", "i1" | "i2" | "i4" | "i8") => Ok(Kind::Signed(usize::from(kind.as_bytes()[1] - b'0'))),
+            ("<" | "|" | "=", "u1" | "u2" | "u4" | "u8") => Ok(Kind::Unsigned(usize::from(kind.as_bytes()[1] - b'0'))),
+            _ => Err(unknown()),
+        }
+    }
+
+    fn bytes(self) -> usize {
+        match self {
+            Kind::Double => 8,
+            Kind::Single => 4,
+            Kind::Signed(bytes) | Kind::Unsigned(bytes) => bytes,
+        }
+    }
+
+    fn value(self, bytes: &[u8]) -> f64 {
+        let mut wide = [0; 8];
+        wide[..bytes.len()].copy_from_slice(bytes);
+        match self {
+            Kind::Double => f64::from_le_bytes(wide),
+            Kind::Single => f32::from_le_bytes([wide[0], wide[1], wide[2], wide[3]]).into(),
+            Kind::Unsigned(_) => u64::from_le_bytes(wide) as f64,
+            Kind::Signed(count) => {
+                let unused = 64 - 8 * count as u32;
+                ((i64::from_le_bytes(wide) << unused) >> unused) as f64
+            }
+        }
+    }
+}
+
+/// The columns of an array.
+pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
+    let short = || "a file of NumPy that ends within its header".to_owned();
+    let length = |at: usize, count: usize| {
+        bytes.get(at..at + count).map(|bytes| bytes.iter().rev().fold(0, |sum, &byte| 256 * sum + usize::from(byte)))
+    };
+    let (begin, length) = match bytes.get(6).copied().ok_or_else(short)? {
+        1 => (10, length(8, 2)),
+        _ => (12, length(8, 4)),
+    };
+    let end = begin + length.ok_or_else(short)?;
+    let header = std::str::from_utf8(bytes.get(begin..end).ok_or_else(short)?).map_err(|_| short())?;
+    let values = &bytes[end..];
+    let shape: Vec<usize> = between(header, "'shape':", '(', ')')
+        .ok_or("a file of NumPy without a shape")?
+        .split(',')
+        .filter_map(|part| part.trim().parse().ok())
+        .collect();
+    if header.contains("'fortran_order': True") && shape.len() > 1 {
+        return Err("an array of NumPy in the order of Fortran: save it by `numpy.ascontiguousarray`".to_owned());
+    }
+    let fields: Vec<(String, Kind)> = match between(header, "'descr':", '[', ']') {
+        Some(list) => fields(list)?,
+        None => {
+            let kind = header
+                .split("'descr':")
+                .nth(1)
+                .and_then(|rest| rest.split('\'').nth(1))
+                .ok_or("a file of NumPy without its kind")?;
+            let kind = Kind::of(kind)?;
+            let width = match shape[..] {
+                [_] => 1,
+                [_, width] => width,
+                _ => return Err(format!("an array of {} dimensions; a signal is a column of one or two", shape.len())),
+            };
+            (1..=width).map(|place| (format!("column {place}"), kind)).collect()
+        }
+    };
+    let width: usize = fields.iter().map(|(_, kind)| kind.bytes()).sum();
+    let rows = shape.first().copied().unwrap_or(0);
+    if width == 0 || rows.checked_mul(width).is_none_or(|needed| values.len() < needed) {
+        return Err(format!(
+            "a file of NumPy with {rows} rows of {width} bytes by its header, and {} bytes behind it",
+            values.len()
+        ));
+    }
+    let mut at = 0;
+    let mut cells = Vec::new();
+    for (_, kind) in &fields {
+        let column = (0..rows).map(|row| kind.value(&values[row * width + at..row * width + at + kind.bytes()]));
+        cells.push(Cells::Numbers(column.collect()));
+        at += kind.bytes();
+    }
+    Ok(Columns { names: fields.into_iter().map(|(name, _)| name).collect(), cells, lines: None })
+}
+
+/// The text between two brackets, the first behind a key; nothing where another value stands there.
+fn between<'a>(header: &'a str, key: &str, open: char, close: char) -> Option<&'a str> {
+    let rest = header.split(key).nth(1)?.trim_start().strip_prefix(open)?;
+    Some(&rest[..rest.find(close)?])
+}
+
+/// Names and kinds of `('time_s', '<f8'), …`.
+fn fields(list: &str) -> Result<Vec<(String, Kind)>, String> {
+    let quoted: Vec<&str> = list.split('\'').skip(1).step_by(2).collect();
+    if quoted.len() % 2 == 1 || quoted.is_empty() {
+        return Err("a file of NumPy whose fields are no pairs of name and kind".to_owned());
+    }
+    quoted.chunks(2).map(|pair| Ok((pair[0].to_owned(), Kind::of(pair[1])?))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(header: &str, values: &[u8]) -> Vec<u8> {
+        let length = (header.len() as u16).to_le_bytes();
+        [&b"\x93NUMPY\x01\x00"[..], &length, header.as_bytes(), values].concat()
+    }
+
+    fn doubles(values: &[f64]) -> Vec<u8> {
+        values.iter().flat_map(|value| value.to_le_bytes()).collect()
+    }
+
+    #[test]
+    fn records_and_plain_arrays_are_read() {
+        let records = "{'descr': [('time_s', '<f8'), ('force_n', '<f4')], 'fortran_order': False, 'shape': (1,), }\n";
+        let columns = read(&file(records, &[&doubles(&[0.5])[..], &2.5f32.to_le_bytes()].concat())).unwrap();
+        assert_eq!(columns.names, ["time_s", "force_n"]);
+        assert_eq!(columns.cells, [Cells::Numbers(vec![0.5]), Cells::Numbers(vec![2.5])]);
+        let plain = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2), }";
+        let columns = read(&file(plain, &doubles(&[1.0, 2.0, 3.0, 4.0]))).unwrap();
+        assert_eq!(columns.cells, [Cells::Numbers(vec![1.0, 3.0]), Cells::Numbers(vec![2.0, 4.0])]);
+        let whole = "{'descr': '<i2', 'fortran_order': False, 'shape': (2,), }";
+        assert_eq!(read(&file(whole, &[0xff, 0xff, 5, 0])).unwrap().cells, [Cells::Numbers(vec![-1.0, 5.0])]);
+    }
+
+    #[test]
+    fn what_is_cut_short_or_unknown_is_refused() {
+        let plain = "{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }";
+        assert!(read(&file(plain, &doubles(&[1.0]))).unwrap_err().contains("8 bytes behind it"));
+        assert!(read(&file(&plain.replace("<f8", "<c16"), &[0; 32])).unwrap_err().contains("`<c16`"));
+        assert!(read(&file(plain, &[])[..9]).unwrap_err().contains("within its header"));
+    }
+}

@@ -1,0 +1,65 @@
+//! Files of Parquet with columns of numbers.
+
+use parquet::column::reader::ColumnReader;
+use parquet::data_type::DataType;
+use parquet::errors::ParquetError;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+
+use super::table::{Cells, Columns};
+
+/// The columns of a file, all of them in memory.
+pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
+    of(bytes.to_vec()).map_err(|error| format!("a file of Parquet that cannot be read: {error}"))
+}
+
+fn of(bytes: Vec<u8>) -> Result<Columns, ParquetError> {
+    let file = SerializedFileReader::new(bytes::Bytes::from(bytes))?;
+    let schema = file.metadata().file_metadata().schema_descr_ptr();
+    let names = (0..schema.num_columns()).map(|place| schema.column(place).name().to_owned()).collect();
+    let mut cells = Vec::new();
+    for place in 0..schema.num_columns() {
+        let optional = schema.column(place).max_def_level() > 0;
+        let mut values: Vec<f64> = Vec::new();
+        let mut other = None;
+        for group in 0..file.num_row_groups() {
+            let group = file.get_row_group(group)?;
+            let rows = group.metadata().num_rows().max(0) as usize;
+            let read = match group.get_column_reader(place)? {
+                ColumnReader::DoubleColumnReader(reader) => Some(column(reader, rows, optional, |value| value)?),
+                ColumnReader::FloatColumnReader(reader) => Some(column(reader, rows, optional, f64::from)?),
+                ColumnReader::Int32ColumnReader(reader) => Some(column(reader, rows, optional, f64::from)?),
+                ColumnReader::Int64ColumnReader(reader) => Some(column(reader, rows, optional, |value| value as f64)?),
+                _ => None,
+            };
+            match read {
+                Some(read) => values.extend(read),
+                None => other = other.or(Some(Cells::Other { row: 0, what: "no number".to_owned() })),
+            }
+        }
+        cells.push(other.unwrap_or(Cells::Numbers(values)));
+    }
+    Ok(Columns { names, cells, lines: None })
+}
+
+/// The values of a column in one group of rows; a row without one is not a number.
+fn column<T: DataType>(
+    mut reader: parquet::column::reader::ColumnReaderImpl<T>,
+    rows: usize,
+    optional: bool,
+    number: impl Fn(T::T) -> f64,
+) -> Result<Vec<f64>, ParquetError> {
+    let (mut values, mut levels) = (Vec::new(), Vec::new());
+    let mut done = 0;
+    while done < rows {
+        let read = reader.read_records(rows - done, optional.then_some(&mut levels), None, &mut values)?.0;
+        if read == 0 {
+            break;
+        }
+        done += read;
+    }
+    let mut values = values.into_iter().map(number);
+    if !optional {
+        return Ok(values.collect());
+    }
+    Ok(levels.into_iter().map(|level| if level > 0 { values.next().unwrap_or(f64::NAN) } else { f64::NAN }).collect())
+}

@@ -1,0 +1,148 @@
+//! The columns of a file, whatever its form: names, and cells that may be numbers.
+
+use std::path::Path;
+
+use super::{SignalError, npy, parquet_file, text_file};
+
+/// Most names that a message lists.
+const LISTED: usize = 16;
+/// How alike a name must be to be offered.
+const ALIKE: f64 = 0.75;
+
+/// The columns of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Columns {
+    pub(super) names: Vec<String>,
+    pub(super) cells: Vec<Cells>,
+    /// Number of the line of each row; without it rows are counted.
+    pub(super) lines: Option<Vec<usize>>,
+}
+
+/// The cells of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Cells {
+    /// Numbers; what is not finite is no number.
+    Numbers(Vec<f64>),
+    /// A column with something else in it: numbers where there are any, and the first that is none.
+    Other { row: usize, what: String },
+}
+
+impl Columns {
+    /// Reads a file by its contents.
+    ///
+    /// # Errors
+    /// If it is of no form that is known.
+    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, SignalError> {
+        let read = match bytes {
+            [b'P', b'A', b'R', b'1', ..] => parquet_file::read(bytes),
+            [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::read(bytes),
+            _ => text_file::read(bytes),
+        };
+        read.map_err(|why| SignalError::Form { path: path.to_owned(), why })
+    }
+
+    /// Name of a column.
+    pub(super) fn name(&self, place: usize) -> &str {
+        &self.names[place]
+    }
+
+    /// The names, as a message can list them.
+    pub(super) fn listed(&self) -> String {
+        let mut text = self.names.iter().take(LISTED).cloned().collect::<Vec<_>>().join(", ");
+        if self.names.len() > LISTED {
+            text += &format!(" and {} more", self.names.len() - LISTED);
+        }
+        text
+    }
+
+    /// Where a row stands in the file.
+    pub(super) fn at(&self, row: usize) -> String {
+        match self.lines.as_ref().and_then(|lines| lines.get(row)) {
+            Some(line) => format!("line {line}"),
+            None => format!("row {}", row + 1),
+        }
+    }
+
+    /// The column of this name, or of this number from 1.
+    pub(super) fn place(&self, path: &Path, name: &str) -> Result<usize, SignalError> {
+        let exact = self.names.iter().position(|known| known == name);
+        let number =
+            || name.parse::<usize>().ok().filter(|number| (1..=self.names.len()).contains(number)).map(|number| number - 1);
+        exact.or_else(number).ok_or_else(|| {
+            let alike = |known: &&String| strsim::jaro_winkler(&known.to_lowercase(), &name.to_lowercase());
+            let nearest = self.names.iter().max_by(|a, b| alike(a).total_cmp(&alike(b))).filter(|known| alike(known) > ALIKE);
+            let mean = nearest.map_or_else(String::new, |known| format!("do you mean `{known}`? "));
+            let known = format!("{mean}It has {}", self.listed());
+            let known = if mean.is_empty() { format!("it has {}", self.listed()) } else { known };
+            SignalError::Column { path: path.to_owned(), name: name.to_owned(), known }
+        })
+    }
+
+    /// The only column besides that of times.
+    pub(super) fn only(&self, path: &Path, time: Option<usize>) -> Result<usize, SignalError> {
+        let others: Vec<usize> = (0..self.names.len()).filter(|&place| Some(place) != time).collect();
+        match others[..] {
+            [only] => Ok(only),
+            _ => Err(SignalError::Option(format!("{}: which column? Name one with --column: {}", path.display(), self.listed()))),
+        }
+    }
+
+    /// The column of times, and how many seconds one of its units is: the first that is called so.
+    pub(super) fn time(&self) -> Option<(usize, f64)> {
+        self.names.iter().enumerate().find_map(|(place, name)| Some((place, time_scale(name)?)))
+    }
+
+    /// The numbers of a column.
+    pub(super) fn numbers(&self, path: &Path, place: usize) -> Result<Vec<f64>, SignalError> {
+        let cell = |row: usize, what: String| {
+            let (path, name) = (path.to_owned(), self.names[place].clone());
+            SignalError::Cell { path, place: self.at(row), name, what }
+        };
+        match &self.cells[place] {
+            Cells::Other { row, what } => Err(cell(*row, what.clone())),
+            Cells::Numbers(numbers) => match numbers.iter().position(|number| !number.is_finite()) {
+                Some(row) => Err(cell(row, "no finite number".to_owned())),
+                None => Ok(numbers.clone()),
+            },
+        }
+    }
+}
+
+/// Seconds in the unit of a column of times, by its name: `time_s`, `time [ms]`, `t (us)`, `Time`; none of another column.
+pub(super) fn time_scale(name: &str) -> Option<f64> {
+    let words: Vec<String> = name
+        .split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | 'μ'))
+        .filter(|word| !word.is_empty())
+        .map(str::to_lowercase)
+        .collect();
+    let (first, rest) = words.split_first()?;
+    if !matches!(first.as_str(), "time" | "t" | "zeit" | "seconds" | "timestamp") {
+        return None;
+    }
+    match rest.last().map(String::as_str) {
+        None | Some("s" | "sec" | "second" | "seconds") => Some(1.0),
+        Some("ms") => Some(1e-3),
+        Some("us" | "µs" | "μs") => Some(1e-6),
+        Some("ns") => Some(1e-9),
+        Some("min") => Some(60.0),
+        Some("periods" | "excitation") => None,
+        Some(_) => Some(1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_known_by_their_names() {
+        for (name, scale) in
+            [("time_s", 1.0), ("Time [ms]", 1e-3), ("t (µs)", 1e-6), ("time", 1.0), ("time_from_the_edge_ms", 1e-3), ("t", 1.0)]
+        {
+            assert_eq!(time_scale(name), Some(scale), "{name}");
+        }
+        for name in ["force_n", "tip_velocity_m_per_s", "temperature", "time_periods_of_the_excitation", ""] {
+            assert_eq!(time_scale(name), None, "{name}");
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! `sim-host spectrum`.
+
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+use serde_json::json;
+
+use super::{Color, DrawingArgs, Format, USAGE, print};
+use import::signal::spectrogram::{Asked, Method, Spectrogram};
+use import::signal::{Choice, Signal};
+use report::Report;
+use sim::output::npy;
+
+/// Arguments of the command.
+#[derive(Args)]
+pub(super) struct SpectrumArgs {
+    /// A trace, a link capture, or any table: CSV or other delimited text, NPY, Parquet.
+    file: PathBuf,
+    /// The column to analyse, by its name or its number from 1. Default: the only one besides the times.
+    #[arg(short, long, value_name = "NAME")]
+    column: Option<String>,
+    /// How times and frequencies are told apart.
+    #[arg(short, long, value_enum, default_value_t = Methods::Stft)]
+    method: Methods,
+    /// The column of times. Default: the first that is called so, as `time_s` or `t [ms]`; its unit is in its name, or else it is in s.
+    #[arg(long, value_name = "NAME", conflicts_with = "sample_hz")]
+    time: Option<String>,
+    /// Sample rate, for a file without times, Hz.
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    sample_hz: Option<f64>,
+    /// Begin here, s.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    from_s: Option<f64>,
+    /// End here, s.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    to_s: Option<f64>,
+    /// Show these frequencies only, Hz.
+    #[arg(long, value_name = "LOW:HIGH", value_parser = band)]
+    band: Option<(f64, f64)>,
+    /// Length of a window, s, of the short-time transform. Default: one that suits the number of samples.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    window_s: Option<f64>,
+    /// Cycles of a wavelet. Default: 0.95 (Morlet's wavelet with the angular centre frequency 6).
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    cycles: Option<f64>,
+    /// Length of the window of times of the Wigner-Ville distribution, s; 0 leaves the terms between components in. Default: one that suits the number of
+    /// samples.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    smooth_s: Option<f64>,
+    /// Folder for report, figure, CSV and NPY. Default: `out/FILE-METHOD`.
+    #[arg(short, long = "output", value_name = "DIR")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    drawing: DrawingArgs,
+    /// What to print on standard output.
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    format: Format,
+    /// Write no files.
+    #[arg(long)]
+    no_report: bool,
+    /// Say nothing but the result.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Methods {
+    /// Short-time Fourier transform: windows of one length.
+    Stft,
+    /// Morlet's wavelets: as many cycles at each frequency.
+    Wavelet,
+    /// Smoothed pseudo Wigner-Ville distribution: sharpest, with terms between components.
+    WignerVille,
+}
+
+impl Methods {
+    fn method(self) -> Method {
+        match self {
+            Methods::Stft => Method::Stft,
+            Methods::Wavelet => Method::Wavelet,
+            Methods::WignerVille => Method::WignerVille,
+        }
+    }
+}
+
+/// Two frequencies, each in Hz or with a `k` or `M` behind it.
+fn band(text: &str) -> Result<(f64, f64), String> {
+    let hertz = |text: &str| {
+        let text = text.trim();
+        let (digits, factor) = match text.chars().last() {
+            Some('k') => (&text[..text.len() - 1], 1e3),
+            Some('M') => (&text[..text.len() - 1], 1e6),
+            _ => (text, 1.0),
+        };
+        digits.parse::<f64>().ok().filter(|value| value.is_finite()).map(|value| factor * value)
+    };
+    let ends = text.split_once(':').and_then(|(low, high)| hertz(low).zip(hertz(high)));
+    ends.ok_or_else(|| "must be two frequencies in Hz, as 20e3:60e3 or 20k:60k".to_owned())
+}
+
+/// Reads, analyses, prints and writes.
+pub(super) fn run(args: &SpectrumArgs, color: Color) -> anyhow::Result<ExitCode> {
+    let choice = Choice {
+        column: args.column.clone(),
+        time: args.time.clone(),
+        sample_hz: args.sample_hz,
+        from_s: args.from_s,
+        to_s: args.to_s,
+    };
+    let asked = Asked {
+        method: args.method.method(),
+        window_s: args.window_s,
+        cycles: args.cycles,
+        smooth_s: args.smooth_s,
+        band_hz: args.band,
+    };
+    let found = match Signal::read(&args.file, &choice).and_then(|signal| Spectrogram::new(signal, &asked)) {
+        Ok(found) => found,
+        Err(error) => {
+            say!("error: {error}");
+            return Ok(ExitCode::from(USAGE));
+        }
+    };
+    let source = args.file.display().to_string();
+    let stem = args.file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let dir = (!args.no_report)
+        .then(|| args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{stem}-{}", found.method))));
+    let folder = match super::open(dir.as_deref())? {
+        Ok(folder) => folder,
+        Err(code) => return Ok(code),
+    };
+    if let Some(folder) = folder {
+        write(&found, &source, folder.unfinished(), args)?;
+        folder.finish(json!({
+            "program": "sim-host", "version": sim::VERSION, "command": "spectrum", "spectrum": found.json(&source), "complete": true,
+        }))?;
+    }
+    match args.format {
+        Format::Human => print(&found.table(&source).terminal(color.stdout))?,
+        Format::Json => print(&format!("{:#}\n", found.json(&source)))?,
+    };
+    if let Some(dir) = dir.filter(|_| !args.quiet) {
+        say!("report: {}", dir.join("report.html").display());
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn write(found: &Spectrogram, source: &str, dir: &Path, args: &SpectrumArgs) -> anyhow::Result<()> {
+    let footer = super::provenance().footer();
+    report::write_drawn(&Report { footer, ..found.report(source) }, dir, &args.drawing.drawing())?;
+    let path = dir.join("summary.json");
+    fs::write(&path, format!("{:#}\n", found.json(source))).with_context(|| format!("cannot write {}", path.display()))?;
+    let power: Vec<f64> = found.power.iter().flatten().copied().collect();
+    let shape = [found.times_s.len(), found.hz.len()];
+    for (name, shape, values) in [
+        ("power.npy", &shape[..], &power),
+        ("time_s.npy", &shape[..1], &found.times_s),
+        ("frequency_hz.npy", &shape[1..], &found.hz),
+    ] {
+        let path = dir.join(name);
+        let written = File::create(&path).map(BufWriter::new).and_then(|mut file| {
+            npy::write_array(shape, values, &mut file)?;
+            file.flush()
+        });
+        written.with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::band;
+
+    #[test]
+    fn a_band_is_two_frequencies() {
+        assert_eq!(band("20k:0.06M"), Ok((20e3, 60e3)));
+        assert_eq!(band("20e3:60e3"), Ok((20e3, 60e3)));
+        for text in ["20k", ":", "a:b", "1:inf", "1:2:3"] {
+            assert!(band(text).is_err(), "{text}");
+        }
+    }
+}
