@@ -170,8 +170,8 @@ fn by_method<W: FnMut(&State)>(
     }
 }
 
-/// The point of a problem that [`solve`] solves in closed form and whose vibration is a sine: many of these are solved at once in
-/// [`lanes`](super::lanes). None of any other problem.
+/// The point of a problem that [`solve`] solves in closed form and whose vibration is a sine: its means follow from this alone. None
+/// of any other problem.
 pub fn closed_point(problem: &Problem, numerics: &Numerics) -> Option<closed::Point> {
     let point = closed::Point::of(problem).filter(|_| of_whole_periods(problem))?;
     let from = problem.window_s.0 * problem.waveform.frequency_hz();

@@ -212,8 +212,9 @@ fn even(path: &Path, columns: &Columns, times: &[f64], scale: f64) -> Result<(f6
     let off = |n: usize| (times[n] - first - mean * n as f64).abs();
     let uneven = (1..times.len()).find(|&n| {
         let step = times[n] - times[n - 1];
-        !((step - mean).abs() <= UNEVEN * mean.abs())
-            && !(step > 0.0 && off(n) <= 0.5 * mean && off(n - 1) <= 0.5 * mean && rounded(times, mean))
+        let is_even = (step - mean).abs() <= UNEVEN * mean.abs();
+        let is_rounded = || step > 0.0 && off(n) <= 0.5 * mean && off(n - 1) <= 0.5 * mean && rounded(times, mean);
+        !is_even && !is_rounded()
     });
     if let Some(n) = uneven.or((mean <= 0.0).then_some(1)) {
         let step_s = scale * (times[n] - times[n - 1]);

@@ -42,7 +42,7 @@ fn topology(name: Option<&str>) -> PyResult<Option<Topology>> {
 
 /// The circuit of a measured admittance.
 #[pyfunction]
-#[allow(clippy::too_many_arguments)] // those of the command line
+#[expect(clippy::too_many_arguments, reason = "those of the command line")]
 pub fn import_admittance<'py>(
     py: Python<'py>,
     path: PathBuf,
