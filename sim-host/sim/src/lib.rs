@@ -41,8 +41,8 @@ pub mod figures;
 pub mod instruments;
 pub mod metrics;
 pub mod numbers;
-pub mod output;
 #[cfg(feature = "files")]
+pub mod output;
 pub mod overlay;
 pub mod processor;
 pub mod provenance;
