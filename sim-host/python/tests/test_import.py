@@ -23,7 +23,7 @@ def test_an_admittance_is_a_circuit_with_deviations_and_a_scene(tmp_path):
     matrix = found.correlation.matrix
     assert found.correlation.names == list(found.circuit) and matrix.shape == (9, 9)
     assert np.allclose(matrix, matrix.T) and np.allclose(np.diag(matrix), 1) and np.all(np.linalg.eigvalsh(matrix) > -1e-6)
-    assert found.modes[0]["working"] and found.scene().to_dict()["stack"]["bvd"]["q"] == pytest.approx(q.value, rel=1e-3)
+    assert found.modes[0]["working"] and found.scene().to_dict()["stack"]["bvd"]["rm_ohm"] == pytest.approx(rm.value, rel=1e-3)
 
 
 def test_a_friction_log_is_a_contact(tmp_path):

@@ -150,7 +150,7 @@ def import_admittance(
     )
     found, part = json.loads(text), {name: _numbers(values) for name, values in arrays}
     return Admittance(
-        circuit={name: Stated(**number) for name, number in found["circuit"].items()},
+        circuit={name: Stated(**found["circuit"][name]) for name in found["correlation"]["names"]},
         correlation=_correlation(found["correlation"]),
         modes=[
             {name: Stated(**number) if isinstance(number, dict) else number for name, number in mode.items()} for mode in found["modes"]
