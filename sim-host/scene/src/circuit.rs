@@ -7,7 +7,7 @@
 //! In place of C0 the capacitance far below the resonance may be given, `CT = C0 + Cm`, as a bridge at 1 kHz reads it: `k^2 = Cm / CT`, `CT / C0 = (fp / fs)^2`.
 //!
 //! Beside `c0_f` or `ct_f` a set is complete with one of `q`, `rm_ohm` and two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h`, `cm_f`, `coupling`, of which `cm_f` and
-//! `coupling` say the same. More than that is taken if it agrees to a per cent, as rounded numbers of an analyser do; what it disagrees in is named.
+//! `coupling` say the same; or with `q` and `rm_ohm` and one of these, since `Q Rm = sqrt(Lm / Cm)`. More than that is taken if it agrees to a per cent, as rounded numbers of an analyser do; what it disagrees in is named.
 
 use std::f64::consts::TAU;
 
@@ -123,8 +123,15 @@ impl Given {
         };
         let by_series = || Some(1.0 / (square(self.series_resonance_hz?) * self.lm_h?));
         let by_parallel = || Some(1.0 / (square(self.parallel_resonance_hz?) * self.lm_h? - 1.0 / c0_f));
+        let by_impedance = || self.by_impedance();
+        // With Lm = (Q Rm)^2 Cm the parallel resonance is (wp Q Rm Cm)^2 = 1 + Cm / C0, which has one root above zero.
+        let by_parallel_and_impedance = || {
+            let a = square(self.parallel_resonance_hz?) * self.impedance()?.powi(2);
+            Some((1.0 / c0_f + (1.0 / (c0_f * c0_f) + 4.0 * a).sqrt()) / (2.0 * a))
+        };
         let cm_f = self.cm_f.or_else(by_coupling).or_else(by_resonances).or_else(by_series).or_else(by_parallel);
-        let two = "two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h` and `cm_f` or `coupling` are needed";
+        let cm_f = cm_f.or_else(by_impedance).or_else(by_parallel_and_impedance);
+        let two = "two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h` and `cm_f` or `coupling` are needed, or one of them with both `q` and `rm_ohm`";
         let cm_f = cm_f.ok_or_else(|| incomplete(two))?;
         if !(cm_f > 0.0 && cm_f.is_finite()) {
             let given = self.parallel_resonance_hz.unwrap_or_default();
@@ -133,7 +140,8 @@ impl Given {
         }
         let by_parallel = || self.parallel_resonance_hz.map(|fp| (1.0 + cm_f / c0_f) / (square(fp) * cm_f));
         let by_series = || self.series_resonance_hz.map(|fs| 1.0 / (square(fs) * cm_f));
-        let lm_h = self.lm_h.or_else(by_series).or_else(by_parallel).ok_or_else(|| incomplete(two))?;
+        let by_both = || Some(self.impedance()?.powi(2) * cm_f);
+        let lm_h = self.lm_h.or_else(by_series).or_else(by_parallel).or_else(by_both).ok_or_else(|| incomplete(two))?;
         let by_q = || self.q.map(|q| (lm_h / cm_f).sqrt() / q);
         let rm_ohm = self.rm_ohm.or_else(by_q).ok_or_else(|| incomplete("`q` or `rm_ohm` is needed"))?;
         let elements = Elements { c0_f, cm_f, lm_h, rm_ohm };
@@ -141,16 +149,28 @@ impl Given {
         Ok(elements)
     }
 
+    /// `Q Rm = sqrt(Lm / Cm)`, ohm.
+    fn impedance(&self) -> Option<f64> {
+        Some(self.q? * self.rm_ohm?)
+    }
+
+    /// The motional capacitance by Q, Rm and series resonance or inductance, F.
+    fn by_impedance(&self) -> Option<f64> {
+        let impedance = self.impedance()?;
+        let by_series = || Some(1.0 / (TAU * self.series_resonance_hz? * impedance));
+        by_series().or_else(|| Some(self.lm_h? / (impedance * impedance)))
+    }
+
     /// The clamped capacitance by that far below the resonance, F.
     fn clamped(&self, ct_f: f64) -> Result<f64, CircuitError> {
         let by_coupling = || self.coupling.map(|k| ct_f * k * k);
         let by_series = || Some(1.0 / ((TAU * self.series_resonance_hz?).powi(2) * self.lm_h?));
         let by_resonances = || Some(ct_f * (1.0 - (self.series_resonance_hz? / self.parallel_resonance_hz?).powi(2)));
-        let cm_f = self.cm_f.or_else(by_coupling).or_else(by_resonances).or_else(by_series);
+        let cm_f = self.cm_f.or_else(by_coupling).or_else(by_resonances).or_else(by_series).or_else(|| self.by_impedance());
         // With Lm and the parallel resonance alone, Cm and C0 might be exchanged.
         let cm_f = cm_f.ok_or_else(|| {
             let needed =
-                "beside `ct_f`, `cm_f`, `coupling`, or `series_resonance_hz` with `parallel_resonance_hz` or `lm_h` is needed";
+                "beside `ct_f`, `cm_f`, `coupling`, `series_resonance_hz` with `parallel_resonance_hz` or `lm_h`, or one of `series_resonance_hz` and `lm_h` with `q` and `rm_ohm` is needed";
             CircuitError::Incomplete(needed.to_owned())
         })?;
         if cm_f > 0.0 && cm_f < ct_f {
@@ -228,7 +248,8 @@ mod tests {
             let strength = given.cm_f.is_some() || given.coupling.is_some();
             let kinds =
                 [given.lm_h.is_some(), given.series_resonance_hz.is_some(), given.parallel_resonance_hz.is_some(), strength];
-            let complete = resistive && kinds.into_iter().filter(|given| *given).count() >= 2;
+            let both = given.rm_ohm.is_some() && given.q.is_some();
+            let complete = resistive && kinds.into_iter().filter(|given| *given).count() >= if both { 1 } else { 2 };
             match given.resolve() {
                 Ok(found) => {
                     assert!(complete, "{given:?}");
@@ -250,7 +271,8 @@ mod tests {
             let tells = by_clamped.cm_f.is_some()
                 || by_clamped.coupling.is_some()
                 || by_clamped.series_resonance_hz.is_some()
-                    && (by_clamped.lm_h.is_some() || by_clamped.parallel_resonance_hz.is_some());
+                    && (by_clamped.lm_h.is_some() || by_clamped.parallel_resonance_hz.is_some())
+                || by_clamped.impedance().is_some() && (by_clamped.series_resonance_hz.is_some() || by_clamped.lm_h.is_some());
             match by_total.resolve() {
                 Ok(found) => {
                     let c0 = (found.c0_f / TRUTH.c0_f - 1.0).abs();

@@ -22,9 +22,9 @@ impl FigureData {
         fits(self.id, id)
     }
 
-    /// Whether it has curves, rather than a map.
+    /// Whether it has curves of a run, rather than a map, or points of a grid.
     pub fn is_of_curves(&self) -> bool {
-        !self.columns.iter().any(|column| column.starts_with("power_db"))
+        !self.columns.iter().any(|column| column.starts_with("power_db") || *column == "*")
     }
 
     /// Whether a column may be in this file.

@@ -35,6 +35,8 @@ pub struct Loaded {
     pub defaults: usize,
     /// Which of the scene's runs it is, if it is one of several.
     pub run: Option<u32>,
+    /// What the run that is repeated had of another scene.
+    pub repeats: Option<Inherited>,
 }
 
 /// A scene without its grid and comparison, from which copies with some values changed are made; its text is read only once.
@@ -147,11 +149,11 @@ pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
     }
     let text = read_source(source, source)?;
     if let Some(repeated) = manifest::scene(&text) {
-        let (name, text) = repeated.map_err(|why| {
+        let (name, text, repeats) = repeated.map_err(|why| {
             let io = io::Error::new(io::ErrorKind::InvalidData, why);
             LoadError::Read { path: source.to_owned(), io }
         })?;
-        return Ok(Loaded { name, ..load_text(source, &text, sets)? });
+        return Ok(Loaded { name, repeats, ..load_text(source, &text, sets)? });
     }
     let name = match builtin::text(source) {
         Some(_) => source.to_owned(),
@@ -204,6 +206,7 @@ fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Re
             sets: sets.to_vec(),
             defaults: 0,
             run: None,
+            repeats: None,
         }),
         Err(problems) => Err(LoadError::Invalid(Report::new(sources, problems))),
     }

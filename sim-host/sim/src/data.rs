@@ -151,6 +151,11 @@ pub fn files() -> Vec<DataFile> {
                 ("input_hash", "", "Hash of the scene's text (CRC-64/XZ)"),
                 ("set", "", "What was changed by `--set`"),
                 ("resolved_scene", "", "The scene with all its defaults"),
+                (
+                    "inherited",
+                    "",
+                    "Of a scene that lies over another: its name in `base`, the values changed, and whether title, source, notes and expectations are still its own",
+                ),
                 ("drive_hash", "", "Hash of every DAC code played; of several runs, of their hashes"),
                 ("interrupted", "", "Whether the run was stopped before its end"),
                 ("complete", "", "Whether the run is whole"),

@@ -184,6 +184,9 @@ fn manifest(loaded: &Loaded, study: &Study, provenance: &Provenance) -> Value {
     if let Some(commit) = &provenance.commit {
         manifest["commit"] = json!(commit);
     }
+    if let Some(inherited) = &study.inherited {
+        manifest["inherited"] = json!(inherited);
+    }
     with_own(manifest, study)
 }
 

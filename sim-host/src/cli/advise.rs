@@ -66,7 +66,7 @@ pub(super) struct AdviseArgs {
 }
 
 /// What a complete set of numbers is.
-const COMPLETE: &str = "beside --c0-f or --ct-f give --q or --rm-ohm, and two of --frequency-hz, --parallel-resonance-hz, --lm-h, and --cm-f or --coupling";
+const COMPLETE: &str = "beside --c0-f or --ct-f give --q or --rm-ohm, and two of --frequency-hz, --parallel-resonance-hz, --lm-h, and --cm-f or --coupling; or both --q and --rm-ohm, and one of these";
 
 impl AdviseArgs {
     /// The numbers of a transducer.

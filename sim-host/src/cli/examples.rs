@@ -12,15 +12,15 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 16] = [
                 "run contact --set excitation.velocity_ratio=0.2",
                 "how much friction is left at a fifth of the vibration velocity?",
             ),
-            ("run lock-cold --set runs=20 --format json --no-report", "twenty cold starts, as JSON"),
-            ("run burst --no-report --junit burst.xml", "expectations as test cases, for CI"),
+            ("run lock-cold --set runs=20 --format json", "twenty cold starts, as JSON"),
+            ("run burst --junit burst.xml", "expectations as test cases, for CI"),
         ],
     ),
     (
         "sweep",
         &[
             (
-                "sweep contact-kinematic --over excitation.velocity_ratio=0.1:0.9:9 --metric friction_ratio",
+                "sweep contact-kinematic --over excitation.velocity_ratio=0.1:0.9:9 --metric friction_ratio -o curve",
                 "a curve of nine points",
             ),
             ("sweep plan lock --over stack.bvd.q=20:200:1000:log", "what a thousand locks would take"),

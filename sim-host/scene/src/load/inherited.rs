@@ -6,6 +6,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use super::super::resolved::resolved_json;
 use super::super::tree::{Node, Value};
 use super::{Loaded, Whole, builtin, load_text, read};
@@ -14,7 +16,7 @@ use super::{Loaded, Whole, builtin, load_text, read};
 const NO_INPUTS: [&str; 9] = ["title", "source", "notes", "expect", "seed", "trace", "overlay", "grid", "comparison"];
 
 /// What a scene inherits, and how it differs from the scene that it has it of.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Inherited {
     /// Name or file of the scene that the changes are of.
     pub base: String,
@@ -31,7 +33,7 @@ pub struct Inherited {
 }
 
 /// A value that differs from the base.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Change {
     /// Path of the key.
     pub key: String,
@@ -44,6 +46,9 @@ pub struct Change {
 impl Loaded {
     /// What the scene has of the one that it is laid over; nothing where it lies over none.
     pub fn inherited(&self) -> Option<Inherited> {
+        if self.repeats.is_some() {
+            return self.repeats.clone();
+        }
         let (sources, read_whole) = read(&self.origin, &self.input, &self.sets);
         let Whole { root, texts, .. } = read_whole.ok()?;
         let built_in = builtin::text(&self.origin).is_some();

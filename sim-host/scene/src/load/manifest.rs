@@ -1,19 +1,26 @@
 //! The scene of a run, from the manifest that the run left: so that it can be repeated from that file alone.
 
+use serde::Deserialize;
 use serde_json::{Map, Value};
 
-/// Name and text of the scene in a manifest, or why there is none; nothing where the text is no JSON.
-pub(super) fn scene(text: &str) -> Option<Result<(String, String), String>> {
+use super::Inherited;
+
+/// Name and text of a scene, and what it has of another one.
+type Repeated = (String, String, Option<Inherited>);
+
+/// The scene in a manifest, or why there is none; nothing where the text is no JSON.
+pub(super) fn scene(text: &str) -> Option<Result<Repeated, String>> {
     let Ok(Value::Object(manifest)) = serde_json::from_str::<Value>(text) else { return None };
     Some(of(&manifest))
 }
 
-fn of(manifest: &Map<String, Value>) -> Result<(String, String), String> {
+fn of(manifest: &Map<String, Value>) -> Result<Repeated, String> {
     let scene = manifest.get("resolved_scene").filter(|_| manifest.get("program") == Some(&"sim-host".into()));
     let scene = scene.ok_or("JSON, but no manifest of a run; a scene is TOML text")?;
     let name = manifest.get("scene").and_then(Value::as_str).unwrap_or("manifest");
     let text = toml::to_string(&without_nulls(scene)).map_err(|error| format!("its resolved scene is none: {error}"))?;
-    Ok((name.to_owned(), text))
+    let inherited = manifest.get("inherited").and_then(|inherited| Inherited::deserialize(inherited).ok());
+    Ok((name.to_owned(), text, inherited))
 }
 
 /// A value without what is not there, which TOML has no word for.
@@ -42,7 +49,7 @@ mod tests {
             // Some have more to say on their duration.
             let loaded = load(name, &sets).or_else(|_| load(name, &sets[..1])).expect("built in");
             let manifest = json!({ "program": "sim-host", "scene": name, "resolved_scene": resolved_json(&loaded.scene) });
-            let (found, text) = scene(&format!("{manifest:#}")).expect("JSON").expect("a manifest");
+            let (found, text, _) = scene(&format!("{manifest:#}")).expect("JSON").expect("a manifest");
             assert_eq!(found, *name);
             let again = load_text(&found, &text, &[]).unwrap_or_else(|error| panic!("{name}: {error}"));
             assert_eq!(again.scene, loaded.scene, "{name}");
