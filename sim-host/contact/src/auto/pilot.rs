@@ -15,10 +15,10 @@ use std::f64::consts::TAU;
 
 use super::refine::ROUND_OFF_OF_SUMS;
 use crate::method::Method;
-use crate::problem::{Law, Motion, Problem, Sign};
+use crate::problem::{Law, Motion, Problem};
 
-/// Fewest periods of a pilot; as many as it has where the record is long enough, and part of the record that it is in a longer one.
-const FEWEST: f64 = 6.0;
+/// Fewest periods of a pilot, and the part of the record that it is in a longer one. A shorter pilot costs as much as it saves: two runs of so short
+/// a record are cheaper than the finer setting that its error, grown by the third power of the time, would ask for.
 const PERIODS: f64 = 15.0;
 const PART: f64 = 1.0 / 16.0;
 /// Longest pilot, in periods.
@@ -59,11 +59,8 @@ impl Pilot {
         let own = problem.motion.natural_hz().map_or(0.0, |natural| OWN_PERIODS * hz / natural);
         let most = (problem.duration_s * hz / WORTH).floor();
         let periods = (PART * problem.duration_s * hz).clamp(PERIODS, LONGEST).max(own).ceil().min(most);
-        // A mass that has not come back may do so with reversals that it has not had, and what friction pumps is another motion a few periods later; what
-        // a method that steps in time does to a free vibration may hide in a few periods.
-        let short = periods < PERIODS;
-        let steps_in_time = !matches!(method, Method::Linexp | Method::Frozen | Method::Taylor);
-        if periods < FEWEST.max(own) || short && (steps_in_time || problem.sign == Sign::Literal) {
+        // A mass that has not come back may do so with reversals that it has not had, and what friction pumps is another motion a few periods later.
+        if periods < PERIODS.max(own) {
             return None;
         }
         // Where the record's window begins or ends within a period, so does that of the pilot: half a period has an error that two do not.
@@ -78,7 +75,7 @@ impl Pilot {
         let longer = problem.duration_s / duration_s;
         let growth = match problem.motion {
             // What is off with bristles that remember, and with the motion under them, grows by powers of the time.
-            _ if !forgets || short => longer.powi(3),
+            _ if !forgets => longer.powi(3),
             // The same truncation in every period is no random walk.
             _ if method == Method::Taylor => longer.powi(2),
             Motion::Kinematic => 1.0,

@@ -14,7 +14,7 @@ const WORD: &str = "Contact spring, friction, velocity ratio and damping over te
      answers in steps whose error is above 1e-13.";
 const RECORD: &str = "The same of the whole record (`tolerance_of = \"record\"`): the largest error of friction over the Coulomb force, of displacement and of velocity over their largest, at any moment from the start on. The truth is the Taylor series at the same moments.";
 const COST: &str = "Time from the question to the answer, without energies, over that of one run by the cheapest of 54 settings (linexp of order 2, 4, 6, from 4 \
-     to 2048 steps a period) that meets the tolerance together with all finer ones of its order. Every seventh Dahl contact.";
+     to 2048 steps a period) that meets the tolerance together with all finer ones of its order. Every seventh of the first thousand Dahl contacts.";
 /// Part that may be flagged, and low by 3.
 const MOST: f64 = 0.01;
 /// The stated error over the true one, median.
