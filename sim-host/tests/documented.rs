@@ -80,14 +80,15 @@ fn code(text: &str) -> Vec<String> {
     found
 }
 
-/// The arguments of all `sim-host` commands, with the page that they stand on first.
-fn commands() -> BTreeSet<(String, String)> {
-    let mut commands = BTreeSet::new();
+/// The arguments of all `sim-host` commands, each once, with the page that it stands on first; in the order of the pages, as a reader types them.
+fn commands() -> Vec<(String, String)> {
+    let mut commands = Vec::new();
+    let mut known = BTreeSet::new();
     for (page, text) in pages().into_iter().chain(helps()) {
         for line in code(&text) {
             let rest = line.strip_prefix("sim-host ").or_else(|| line.strip_prefix("cargo run --release -- "));
             let clean = |rest: &str| rest.split(" # ").next().unwrap_or(rest).trim().to_owned();
-            commands.extend(rest.map(|rest| (clean(rest), page.clone())));
+            commands.extend(rest.map(clean).filter(|command| known.insert(command.clone())).map(|command| (command, page.clone())));
         }
     }
     commands
@@ -289,6 +290,11 @@ fn scenes() -> Vec<(String, String)> {
 fn every_documented_scene_is_valid() {
     let folder = Folder::new("scenes");
     folder.measured();
+    // A scene of a page may lie over the twin that a command before it has left.
+    for (command, page) in commands().iter().filter(|(command, _)| command.starts_with("link sim:") && command.contains(" commission ")) {
+        let (code, errors) = folder.run(&shlex::split(command).unwrap_or_default());
+        assert_eq!(code, 0, "{page}: {command}\n{errors}");
+    }
     assert!(scenes().len() >= 2, "README prints scenes");
     for (at, (page, text)) in scenes().into_iter().enumerate() {
         let file = format!("{at}.toml");
