@@ -3,6 +3,12 @@
 /// Why a text is no table of numbers.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TableError {
+    /// There is no line but comments.
+    #[error("it is empty")]
+    Empty,
+    /// No column has numbers.
+    #[error("no table of numbers")]
+    NoNumbers,
     /// No line has two numbers or more.
     #[error("it begins with `{begins}`, and no line has two numbers or more")]
     NoTable {
@@ -41,7 +47,7 @@ impl TableError {
     /// Number of the line that shows it, from 1.
     pub fn line(&self) -> Option<usize> {
         match self {
-            TableError::NoTable { .. } => None,
+            TableError::Empty | TableError::NoNumbers | TableError::NoTable { .. } => None,
             TableError::OneLine { line } | TableError::Interrupted { line, .. } | TableError::Width { line, .. } => Some(*line),
         }
     }

@@ -1,4 +1,5 @@
-//! Tables of numbers in delimited text: encoding, delimiter, decimal sign, comments, preamble and heading are found from the text alone.
+//! Tables in delimited text: encoding, delimiter, decimal sign, comments, preamble and heading are found from the text alone. [`read`] takes a table of
+//! numbers and nothing else, and names the line that is none; [`read_mixed`] takes columns of words beside those of numbers.
 //!
 //! # Example
 //!
@@ -14,9 +15,12 @@
 #![forbid(unsafe_code)]
 
 mod error;
+mod form;
+mod mixed;
 mod table;
 mod text;
 
 pub use error::TableError;
+pub use mixed::{Cells, MixedTable, read_mixed};
 pub use table::{Table, read};
 pub use text::{beginning, decode, number};

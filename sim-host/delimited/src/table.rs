@@ -4,6 +4,7 @@
 //! the same number of fields, is the file's. What stands before that run is a preamble, whose last line with as many fields is the heading.
 
 use crate::error::TableError;
+use crate::form::{Delimiter, bare, heading};
 use crate::text::{beginning, number};
 
 /// A table of numbers.
@@ -19,13 +20,6 @@ pub struct Table {
     pub found: String,
 }
 
-/// What separates fields.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Delimiter {
-    Sign(char),
-    Blank,
-}
-
 /// Pairs of delimiter and decimal comma, in the order in which they are preferred where they read as much.
 const FORMS: [(Delimiter, bool); 7] = [
     (Delimiter::Sign(';'), true),
@@ -36,39 +30,8 @@ const FORMS: [(Delimiter, bool); 7] = [
     (Delimiter::Blank, true),
     (Delimiter::Blank, false),
 ];
-/// Signs with which a comment begins.
-const COMMENT: [&str; 4] = ["#", "!", "%", "//"];
 /// Most columns of a table.
 const MOST_COLUMNS: usize = 64;
-
-impl Delimiter {
-    fn split(self, line: &str) -> Vec<&str> {
-        match self {
-            Delimiter::Blank => line.split_whitespace().collect(),
-            Delimiter::Sign(sign) => {
-                // A delimiter behind the last field ends the line.
-                let line = line.trim_end().strip_suffix(sign).unwrap_or(line);
-                line.split(sign).map(str::trim).collect()
-            }
-        }
-    }
-
-    fn called(self) -> &'static str {
-        match self {
-            Delimiter::Sign(';') => "semicolons",
-            Delimiter::Sign('\t') => "tabs",
-            Delimiter::Sign(_) => "commas",
-            Delimiter::Blank => "blanks",
-        }
-    }
-}
-
-/// A line without its comment sign, and whether it had one.
-fn bare(line: &str) -> (&str, bool) {
-    let line = line.trim();
-    let comment = COMMENT.iter().find_map(|sign| line.strip_prefix(sign));
-    (comment.unwrap_or(line), comment.is_some())
-}
 
 /// The numbers of a line, if it has nothing else.
 fn numbers(line: &str, (delimiter, comma): (Delimiter, bool)) -> Option<Vec<f64>> {
@@ -148,16 +111,6 @@ pub fn read(text: &str, columns: Option<&str>) -> Result<Table, TableError> {
 fn broken(lines: &[&str], from: usize, to: usize) -> TableError {
     let at = (from..to).find(|&at| !bare(lines[at]).0.is_empty()).unwrap_or(from);
     TableError::Interrupted { line: at + 1, begins: beginning(lines[at]) }
-}
-
-/// The last line of a preamble that names something in every field.
-fn heading(before: &[&str], delimiter: Delimiter) -> Option<Vec<String>> {
-    let line = before.iter().rev().map(|line| bare(line).0).find(|line| !line.trim().is_empty())?;
-    let names = |fields: Vec<&str>| fields.iter().map(|field| field.trim_matches('"').trim().to_owned()).collect::<Vec<_>>();
-    let fields = names(delimiter.split(line));
-    // Headings of a table with blanks between may have a blank within a name.
-    let named = |fields: &[String]| fields.iter().any(|field| field.chars().any(char::is_alphabetic));
-    named(&fields).then_some(fields)
 }
 
 fn check_width(table: &Table) -> Result<(), TableError> {

@@ -120,7 +120,7 @@ impl From<TableError> for ImportError {
                     "{what}; known are Touchstone (.s1p, .s2p) and tables of numbers, with commas, semicolons, tabs or blanks between"
                 ),
             },
-            TableError::OneLine { .. } => ImportError::UnknownForm { seen: what },
+            TableError::OneLine { .. } | TableError::Empty | TableError::NoNumbers => ImportError::UnknownForm { seen: what },
             TableError::Interrupted { line, .. } => {
                 ImportError::BadLine { line, what: format!("{what}; mend or remove it, or give one sweep a file") }
             }

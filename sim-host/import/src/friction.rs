@@ -4,11 +4,13 @@
 //! file -> log (slip, force, normal force, OFF and ON) -> fit of each model to the OFF part -> choice -> contact, friction ratio ON over OFF, scene
 //! ```
 
+pub(crate) mod certainty;
 pub(crate) mod fit;
 mod log;
 mod maxwell;
 mod models;
 pub(crate) mod result;
+mod start;
 mod view;
 
 use std::path::Path;

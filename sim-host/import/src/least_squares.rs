@@ -44,7 +44,7 @@ impl Linear {
     }
 
     /// Normal equations: scaled matrix, scaled gradient, scales.
-    fn normal(&self) -> (DMatrix<f64>, DVector<f64>, Vec<f64>) {
+    pub(crate) fn normal(&self) -> (DMatrix<f64>, DVector<f64>, Vec<f64>) {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let columns = &self.columns;
         let scale = |column: &Vec<f64>| {

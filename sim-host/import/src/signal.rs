@@ -8,7 +8,6 @@ mod npy;
 mod parquet_file;
 pub mod spectrogram;
 mod table;
-mod text_file;
 
 use std::fs;
 use std::path::{Path, PathBuf};

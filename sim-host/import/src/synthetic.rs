@@ -10,7 +10,7 @@ mod draw;
 mod file;
 mod friction;
 mod mutate;
-mod random;
+pub(crate) mod random;
 
 use num_complex::Complex64;
 

@@ -49,7 +49,7 @@ pub const BENCHES: [Bench; 19] = [
     },
     Bench {
         name: "import",
-        about: "600 synthetic measurements of admittances in many formats and 200 friction logs, imported and held against their truth, and 10 000 damaged ones",
+        about: "600 synthetic measurements of admittances in many formats and 500 friction logs, imported and held against their truth, and 10 000 damaged ones",
         has_quick: true,
         suite: None,
         run: imports::run,

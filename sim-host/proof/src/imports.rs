@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! seed -> example (import::synthetic) -> import -> values and deviations against truth and bound --+
-//!                   |                                                                               +--> tables, imports.csv
+//!                   |                                                                               +--> tables, imports.csv, friction.csv
 //!                   +-> damaged bytes -> import -> refused by name, or taken; never a panic --------+
 //! ```
 
@@ -24,7 +24,7 @@ const FILES: [u32; 2] = [600, 60];
 /// Damaged files, and those of the quick variant.
 const DAMAGED: [u32; 2] = [10_000, 500];
 /// Friction logs, and those of the quick variant.
-const LOGS: [u32; 2] = [200, 20];
+const LOGS: [u32; 2] = [500, 40];
 /// Part of the truths that is to be within two standard deviations, of each number.
 const COVERAGE: (f64, f64) = (0.93, 0.98);
 /// Largest median of a standard deviation over its Cramér-Rao bound.
@@ -50,7 +50,7 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
             tables: tables.clone(),
             ..Report::default()
         },
-        files: vec![("imports.csv", tables::csv(&set)?)],
+        files: vec![("imports.csv", tables::csv(&set)?), ("friction.csv", friction::csv(&logs)?)],
         docs: tables,
         missed: [missed(&set, &ruined), friction::missed(&logs)].concat(),
         ..Evidence::default()

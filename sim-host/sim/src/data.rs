@@ -156,6 +156,7 @@ pub fn files() -> Vec<DataFile> {
                     "",
                     "Of a scene that lies over another: its name in `base`, the values changed, and whether title, source, notes and expectations are still its own",
                 ),
+                ("overlays_not_drawn", "", "As in `summary.json`"),
                 ("drive_hash", "", "Hash of every DAC code played; of several runs, of their hashes"),
                 ("interrupted", "", "Whether the run was stopped before its end"),
                 ("complete", "", "Whether the run is whole"),
@@ -186,6 +187,11 @@ pub fn files() -> Vec<DataFile> {
                     "The grid, if the scene has one: `keys` and `metrics`, each with its value at every point, and `failures`",
                 ),
                 ("comparison", "", "The comparison, if the scene has one: its cases for each of what is equal"),
+                (
+                    "overlays_not_drawn",
+                    "",
+                    "Measured curves of the scene that lie over no figure of the run, and why, if there are such",
+                ),
                 ("drive_hash", "", "As in `manifest.json`; not of a contact study"),
                 (
                     "solution",

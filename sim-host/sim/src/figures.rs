@@ -1,27 +1,14 @@
 //! The figures of a study.
 
-use crate::instruments::{DRIVEN, View, sweep};
-use crate::overlay::{Residual, lay};
+use crate::instruments::{self, View, sweep};
 use crate::study::grid::GridResult;
 use crate::study::sweep::figures as points;
 use crate::study::{Outcome, Study, contact, monte_carlo};
 use report::Figure;
-use scene::Scene;
-
-/// The measured curves of a study's scene against its simulated ones.
-pub fn residuals(study: &Study) -> Vec<Residual> {
-    if study.scene.overlay.is_empty() { Vec::new() } else { lay(&mut own(study), &study.scene.overlay, hz(study.scene)) }
-}
-
-/// Frequency by which periods of the excitation are counted.
-fn hz(scene: &Scene) -> Option<f64> {
-    scene.excitation.as_ref().map(|excitation| excitation.frequency_hz)
-}
 
 /// The figures of a study, the most telling first.
 pub fn of(study: &Study) -> Vec<Figure> {
-    let mut own = own(study);
-    lay(&mut own, &study.scene.overlay, hz(study.scene));
+    let own = study.overlaid.as_ref().map_or_else(|| own(study), |overlaid| overlaid.figures.clone());
     let sweeps = study.comparison.iter().flat_map(|comparison| &comparison.sweeps);
     own.into_iter().chain(sweeps.flat_map(sweep::figures)).chain(study.grid.iter().flat_map(of_grid)).collect()
 }
@@ -29,10 +16,7 @@ pub fn of(study: &Study) -> Vec<Figure> {
 /// The figures of the scene's own runs, without what was measured.
 fn own(study: &Study) -> Vec<Figure> {
     match &study.outcome {
-        Outcome::Driven(run) => {
-            let view = View::new(&run.scene, &run.record);
-            DRIVEN.iter().flat_map(|instrument| instrument.figures(&view)).collect()
-        }
+        Outcome::Driven(run) => instruments::figures(&View::new(&run.scene, &run.record)),
         Outcome::Contact(solved) => contact::figures::of(solved),
         Outcome::MonteCarlo(runs) => monte_carlo::figures::of(study.scene, runs),
     }

@@ -23,7 +23,7 @@ mod view;
 pub use view::View;
 
 use crate::metrics::Metrics;
-use crate::overlay;
+use crate::overlay::{self, Overlaid};
 use crate::record::{Record, Window};
 use report::{Figure, TableBlock};
 use scene::Driven;
@@ -90,16 +90,29 @@ pub fn measure(scene: &Driven, record: &Record) -> Metrics {
     metrics(&View::new(scene, record))
 }
 
+/// The windows that a run needs for its metrics alone: those of its figures where these are held against a measurement.
+pub fn windows_of_metrics(scene: &Driven) -> Vec<Window> {
+    if scene.overlay.is_empty() { Vec::new() } else { windows(scene) }
+}
+
 /// The metrics of a driven run that is looked at already.
 pub fn metrics(view: &View) -> Metrics {
+    overlaid(view).0
+}
+
+/// The metrics of a driven run, and its figures with the measured curves over them where the scene has such.
+pub fn overlaid(view: &View) -> (Metrics, Option<Overlaid>) {
     let mut metrics = Metrics::default();
     for instrument in DRIVEN {
         instrument.metrics(view, &mut metrics);
     }
     metrics.put("plant_states", view.record.plant_states as f64);
-    if !view.scene.overlay.is_empty() {
-        let mut figures: Vec<Figure> = DRIVEN.iter().flat_map(|instrument| instrument.figures(view)).collect();
-        overlay::put(&overlay::lay(&mut figures, &view.scene.overlay, None), &mut metrics);
-    }
-    metrics
+    let overlaid = (!view.scene.overlay.is_empty()).then(|| overlay::lay(figures(view), &view.scene.overlay, None));
+    overlay::put(overlaid.iter().flat_map(|laid| &laid.residuals), &mut metrics);
+    (metrics, overlaid)
+}
+
+/// The figures of a driven run, the most telling first.
+pub fn figures(view: &View) -> Vec<Figure> {
+    DRIVEN.iter().flat_map(|instrument| instrument.figures(view)).collect()
 }

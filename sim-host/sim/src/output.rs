@@ -145,7 +145,16 @@ pub fn summary(study: &Study) -> Value {
         "scene": study.name, "seed": study.scene.seed, "metrics": metrics, "expect": expect, "grid": grid,
         "comparison": comparison, "interrupted": study.interrupted,
     });
-    with_own(summary, study)
+    with_own(with_not_drawn(summary, study), study)
+}
+
+/// Adds which measured curves are not shown, if there are such.
+fn with_not_drawn(mut of: Value, study: &Study) -> Value {
+    let not_drawn = tables::not_drawn(study);
+    if !not_drawn.is_empty() {
+        of["overlays_not_drawn"] = json!(not_drawn);
+    }
+    of
 }
 
 /// Adds what only this kind of study has: the hash of what was played, or how the answer was come by.
@@ -187,7 +196,7 @@ fn manifest(loaded: &Loaded, study: &Study, provenance: &Provenance) -> Value {
     if let Some(inherited) = &study.inherited {
         manifest["inherited"] = json!(inherited);
     }
-    with_own(manifest, study)
+    with_own(with_not_drawn(manifest, study), study)
 }
 
 /// Writes everything into `dir`, which is made if it is not there, in place of the run that it holds.

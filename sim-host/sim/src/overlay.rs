@@ -11,6 +11,7 @@ use crate::numbers::number;
 use report::{Figure, Series, Style, TableBlock};
 use scene::Overlay;
 use scene::figures::MEASURED;
+use scene::metrics;
 use scene::schema::unit_of;
 
 /// A measured curve and the simulated one.
@@ -56,9 +57,49 @@ fn unit(quantity: &str) -> String {
     if quantity.starts_with("susceptance") { "S".into() } else { unit_of(quantity).unwrap_or_else(|| "1".into()) }
 }
 
+/// Figures of a run with the measured curves over them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overlaid {
+    /// The figures.
+    pub figures: Vec<Figure>,
+    /// Each measured curve that lies over one, against the simulated curve.
+    pub residuals: Vec<Residual>,
+    /// Which measured curves lie over none, and why: a sentence each.
+    pub not_drawn: Vec<String>,
+}
+
 /// Lays the measured curves over the figures that they belong to. `hz` is the frequency by which an axis in periods of the excitation is counted.
-pub fn lay(figures: &mut [Figure], overlays: &[Overlay], hz: Option<f64>) -> Vec<Residual> {
-    overlays.iter().filter_map(|overlay| figures.iter_mut().find_map(|figure| over(figure, overlay, hz))).collect()
+pub fn lay(mut figures: Vec<Figure>, overlays: &[Overlay], hz: Option<f64>) -> Overlaid {
+    let (mut residuals, mut not_drawn) = (Vec::new(), Vec::new());
+    for overlay in overlays {
+        match figures.iter_mut().find_map(|figure| over(figure, overlay, hz)) {
+            Some(residual) => residuals.push(residual),
+            None => not_drawn.push(not_drawn_because(&figures, overlay)),
+        }
+    }
+    Overlaid { figures, residuals, not_drawn }
+}
+
+/// Why a measured curve lies over none of these figures.
+fn not_drawn_because(figures: &[Figure], overlay: &Overlay) -> String {
+    let has = |figure: &&Figure| figure.series.iter().any(|series| series.csv_column == overlay.quantity);
+    let named = overlay.figure.as_ref().filter(|id| figures.iter().all(|figure| figure.id != **id));
+    let why = match (named, figures.iter().find(has)) {
+        (Some(id), _) => format!("this run has no figure `{id}`"),
+        (None, None) => format!("no figure of this run has the curve `{}`", overlay.quantity),
+        (None, Some(figure)) if figure.map.is_some() => format!("the figure `{}` is a map", figure.id),
+        (None, Some(figure)) => {
+            let axis = &figure.x.label;
+            format!(
+                "the figure `{}` is along {axis}, and the points along {}",
+                figure.id,
+                overlay.x_unit.as_deref().unwrap_or("a number")
+            )
+        }
+    };
+    let ids: Vec<String> = figures.iter().map(|figure| format!("`{}`", figure.id)).collect();
+    let ids = if ids.is_empty() { "none".to_owned() } else { ids.join(", ") };
+    format!("The curve `{}` is not drawn and not compared: {why}. Figures of this run: {ids}.", overlay.legend())
 }
 
 fn over(figure: &mut Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Residual> {
@@ -136,15 +177,25 @@ fn residual(simulated: &Series, x: &[f64], y: &[f64]) -> Option<(usize, f64, f64
     Some((differences.len(), (squares / differences.len() as f64).sqrt(), largest))
 }
 
+/// Whether a metric holds a measured curve against a simulated one.
+pub(crate) fn is_metric(name: &str) -> bool {
+    let name = metrics::of_one_run(name).map_or(name, |metric| metric.name);
+    UNITS.iter().any(|(.., rms, max)| [*rms, *max].contains(&name))
+}
+
 /// Puts the residuals into the metrics: of several overlays in one unit, the worst.
-pub(crate) fn put(residuals: &[Residual], metrics: &mut Metrics) {
+pub(crate) fn put<'a>(residuals: impl IntoIterator<Item = &'a Residual>, metrics: &mut Metrics) {
+    let residuals: Vec<&Residual> = residuals.into_iter().collect();
+    if residuals.is_empty() {
+        return;
+    }
     let names = |which: fn(&OfUnit) -> &'static str| {
         let mut names: Vec<&'static str> = UNITS.iter().map(which).collect();
         names.dedup();
         names
     };
     let worst = |name: &str, value: fn(&Residual) -> f64| {
-        let of = |residual: &Residual| {
+        let of = |residual: &&Residual| {
             let unit = unit(&residual.quantity);
             let (_, factor, ..) = UNITS.iter().find(|(symbol, _, rms, max)| *symbol == unit && [*rms, *max].contains(&name))?;
             Some(factor * value(residual)).filter(|value| value.is_finite())
@@ -191,10 +242,40 @@ mod tests {
     }
 
     #[test]
+    fn a_curve_that_no_figure_has_is_named_with_the_reason() {
+        let figure = Figure {
+            id: "friction".into(),
+            x: report::Axis { label: "time [s]".into(), ..report::Axis::default() },
+            series: vec![line(&[0.0, 1.0], &[0.0, 2.0])],
+            ..Figure::default()
+        };
+        let overlay = |quantity: &str, figure: Option<&str>, unit: &str| {
+            let read = serde_json::json!({ "quantity": quantity, "figure": figure, "x_unit": unit, "x": [0.5], "values": [1.0] });
+            serde_json::from_value::<Overlay>(read).expect("an overlay")
+        };
+        let overlays = [
+            overlay("friction_n", None, "s"),
+            overlay("friction_n", Some("hysteresis"), "s"),
+            overlay("load_cell_n", None, "s"),
+            overlay("friction_n", None, "m"),
+        ];
+        let laid = lay(vec![figure], &overlays, None);
+        assert_eq!((laid.residuals.len(), laid.figures[0].series.len(), laid.not_drawn.len()), (1, 2, 3));
+        let why = [
+            "no figure `hysteresis`",
+            "no figure of this run has the curve `load_cell_n`",
+            "is along time [s], and the points along m",
+        ];
+        for (said, why) in laid.not_drawn.iter().zip(why) {
+            assert!(said.contains(why) && said.ends_with("Figures of this run: `friction`."), "{said}");
+        }
+    }
+
+    #[test]
     fn every_unit_has_its_metrics() {
         for (unit, _, rms, max) in UNITS {
             for name in [rms, max] {
-                let metric = scene::metrics::metric(name).unwrap_or_else(|| panic!("no metric {name}"));
+                let metric = metrics::metric(name).unwrap_or_else(|| panic!("no metric {name}"));
                 assert!(unit.ends_with(metric.unit) || unit == "1", "{unit} {}", metric.unit);
             }
         }

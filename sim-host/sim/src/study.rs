@@ -25,6 +25,7 @@ use self::driven::Run;
 use self::grid::GridResult;
 use self::monte_carlo::MonteCarlo;
 use crate::metrics::Metrics;
+use crate::overlay::{self, Overlaid};
 use crate::processor::Processor;
 use crate::run::RunError;
 use ::contact::{Clock, SolveError};
@@ -83,6 +84,8 @@ pub struct Study<'a> {
     pub grid: Option<GridResult>,
     /// Results of the scene's comparison.
     pub comparison: Option<ComparisonResult>,
+    /// The figures of the scene's run with the measured curves over them, where the scene has such.
+    pub overlaid: Option<Overlaid>,
     /// Whether it was stopped before its end.
     pub interrupted: bool,
 }
@@ -212,26 +215,28 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
     let scene = &loaded.scene;
     let never = AtomicBool::new(false);
     let stop = options.stop.unwrap_or(&never);
-    let (outcome, metrics, cut, cells) = match scene.kind().ok_or(StudyError::Incomplete)? {
+    let (outcome, metrics, overlaid, cut, cells) = match scene.kind().ok_or(StudyError::Incomplete)? {
         _ if scene.runs > 1 => {
             let (runs, metrics) = monte_carlo::run(loaded, options, stop)?;
             let cut = runs.runs.len() < scene.runs as usize;
-            (Outcome::MonteCarlo(Box::new(runs)), metrics, cut, None)
+            let figures = || monte_carlo::figures::of(scene, &runs);
+            let overlaid = (!scene.overlay.is_empty()).then(|| overlay::lay(figures(), &scene.overlay, None));
+            (Outcome::MonteCarlo(Box::new(runs)), metrics, overlaid, cut, None)
         }
         Kind::Driven(scene) => {
             // One run is one thread: the cells of grid and comparison have the others meanwhile.
             let Options { start, progress, clock, .. } = options;
             let run = || driven::run(scene, (start, clock), stop, progress.map(|progress| progress as &mut dyn FnMut(f64)));
             let (run, cells) = rayon::join(run, || cells(loaded, stop));
-            let (run, metrics) = run?;
+            let (run, metrics, overlaid) = run?;
             let cut = run.record.interrupted;
-            (Outcome::Driven(Box::new(run)), metrics, cut, Some(cells?))
+            (Outcome::Driven(Box::new(run)), metrics, overlaid, cut, Some(cells?))
         }
         Kind::Excited(scene) => {
             let progress = options.progress.as_mut().map(|progress| progress as &mut dyn FnMut(f64));
-            let (solved, metrics) = contact::run(scene, options.clock, stop, progress)?;
+            let (solved, metrics, overlaid) = contact::run(scene, options.clock, stop, progress)?;
             let cut = solved.answer.is_none();
-            (Outcome::Contact(Box::new(solved)), metrics, cut, None)
+            (Outcome::Contact(Box::new(solved)), metrics, overlaid, cut, None)
         }
     };
     let (grid, comparison) = match cells {
@@ -250,7 +255,21 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
     let interrupted = cut || stop.load(Ordering::Relaxed);
     let (name, origin, changes) = (loaded.name.clone(), loaded.origin.clone(), loaded.sets.clone());
     let run_number = loaded.run;
-    Ok(Study { name, origin, changes, run_number, scene, outcome, metrics, judged, inherited, grid, comparison, interrupted })
+    Ok(Study {
+        name,
+        origin,
+        changes,
+        run_number,
+        scene,
+        outcome,
+        metrics,
+        judged,
+        inherited,
+        grid,
+        comparison,
+        overlaid,
+        interrupted,
+    })
 }
 
 /// The results of a scene's grid and of its comparison, as far as it has them.

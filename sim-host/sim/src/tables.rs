@@ -50,7 +50,7 @@ pub fn tables(study: &Study) -> Vec<TableBlock> {
         Outcome::Contact(solved) => tables.extend(contact::table::tables(study, solved)),
         Outcome::MonteCarlo(runs) => tables.extend(monte_carlo::table::tables(study, runs)),
     }
-    tables.push(overlay::table(&figures::residuals(study)));
+    tables.extend(study.overlaid.iter().map(|overlaid| overlay::table(&overlaid.residuals)));
     tables.extend(grid::tables(study));
     tables.retain(|table| !table.rows.is_empty());
     tables
@@ -72,7 +72,15 @@ pub fn remarks(study: &Study) -> Vec<String> {
         Outcome::Contact(solved) => contact::table::remarks(solved),
         Outcome::MonteCarlo(runs) => monte_carlo::table::remarks(study, runs),
     });
+    remarks.extend(not_drawn(study));
     remarks
+}
+
+/// Measured curves that the scene has and its run does not show, and why: a sentence each.
+pub fn not_drawn(study: &Study) -> Vec<String> {
+    let several = "Figures of several runs are of all of them; the metrics `overlay_…` are of each run.";
+    let more = study.monte_carlo().map_or_else(String::new, |_| format!(" {several}"));
+    study.overlaid.iter().flat_map(|overlaid| &overlaid.not_drawn).map(|said| format!("{said}{more}")).collect()
 }
 
 /// Expectations that name a metric by its former name.

@@ -3,12 +3,18 @@
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
 
-use super::fit::{Searched, criterion, memory, search};
+use super::certainty::{memory, of_mean};
+use super::fit::{Searched, criterion, search};
 use super::log::Log;
 use super::maxwell;
 use super::models::Model;
 use crate::admittance::Value;
 use crate::error::ImportError;
+
+/// Part of its value up to which the standard deviation of a number that is determined goes.
+const UNDETERMINED: f64 = 0.5;
+/// Standard deviations from which a number of another fit is another one.
+const APART: f64 = 2.0;
 
 /// A model as fitted.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +27,8 @@ pub struct Fitted {
     pub correlations: Vec<Vec<f64>>,
     /// Names of the parameters of the fit.
     pub names: Vec<&'static str>,
+    /// Parameters that have another value in a fit that explains the log nearly as well; their standard deviations reach to it.
+    pub ambiguous: Vec<String>,
     /// Root mean square of the residuals, N.
     pub rms_n: f64,
     /// Information criterion; the least is the best.
@@ -94,45 +102,60 @@ impl Friction {
 /// The parameters that a scene has, from those of the fit.
 fn fitted(found: &Searched, log: &Log, memory: f64) -> Fitted {
     let parameters = found.model.parameters();
-    let covariance = |i: usize, j: usize| {
-        Some(found.deviations[i]? * found.deviations[j]? * if i == j { 1.0 } else { found.correlations[i][j] })
+    let variance = |i: usize, j: usize| found.covariance[(i, j)];
+    let of = |fitted: &[f64]| named(found.model, fitted, &variance, log.normal_n);
+    let rivals: Vec<Vec<Number>> = found.rivals.iter().map(|rival| of(rival)).collect();
+    let mut ambiguous = Vec::new();
+    let number = |(at, (name, value, sd)): (usize, Number)| {
+        let apart = rivals.iter().map(|rival| (rival[at].1 - value).abs()).fold(0.0, f64::max);
+        if apart > APART * sd {
+            ambiguous.push(name.clone());
+        }
+        let sd = if apart > APART * sd { apart } else { sd };
+        let is_determined = sd.is_finite() && sd <= UNDETERMINED * value.abs();
+        (name, value, is_determined.then_some(sd))
     };
-    let named = named(found.model, &found.fitted, &covariance, log.normal_n);
+    let named = of(&found.fitted).into_iter().enumerate().map(number).collect();
+    // A logarithm is determined to a part of the value, anything else to a part of itself.
+    let is_determined = |at: usize| {
+        let size = if parameters[at].1 { 1.0 } else { found.fitted[at].abs() };
+        variance(at, at).sqrt() <= UNDETERMINED * size
+    };
+    let correlation = |i: usize, j: usize| {
+        if is_determined(i) && is_determined(j) { variance(i, j) / (variance(i, i) * variance(j, j)).sqrt() } else { 0.0 }
+    };
+    let all = 0..parameters.len();
     let rms_n = (found.residuals.iter().map(|r| r * r).sum::<f64>() / found.residuals.len().max(1) as f64).sqrt();
     Fitted {
         model: found.model,
         parameters: named,
-        correlations: found.correlations.clone(),
+        correlations: all.clone().map(|i| all.clone().map(|j| correlation(i, j)).collect()).collect(),
         names: parameters.iter().map(|(name, _)| *name).collect(),
+        ambiguous,
         rms_n,
         criterion: criterion(&found.residuals, parameters.len(), memory),
         force_n: found.model.force(&found.fitted, log),
     }
 }
 
-/// A number of a contact: its name, its value and, where it is determined, its standard deviation.
-type Number = (String, f64, Option<f64>);
+/// A number of a contact: its name, its value and its standard deviation.
+type Number = (String, f64, f64);
 
 /// The numbers that a scene has of a model, from the parameters of the fit and their covariance.
-pub(crate) fn named(
-    model: Model,
-    fitted: &[f64],
-    covariance: &impl Fn(usize, usize) -> Option<f64>,
-    normal_n: f64,
-) -> Vec<Number> {
+pub(crate) fn named(model: Model, fitted: &[f64], covariance: &impl Fn(usize, usize) -> f64, normal_n: f64) -> Vec<Number> {
     let values = model.values(fitted);
     // A logarithm's deviation is a part of the value.
     let slope = |at: usize| if model.parameters()[at].1 { values[at] } else { 1.0 };
-    let common = |i: usize, j: usize| Some(slope(i) * slope(j) * covariance(i, j)?);
-    let sd = |at: usize| Some(common(at, at)?.sqrt());
+    let common = |i: usize, j: usize| slope(i) * slope(j) * covariance(i, j);
+    let sd = |at: usize| common(at, at).sqrt();
     let mut named = Vec::new();
     for (at, (name, _)) in model.parameters().iter().enumerate() {
         match *name {
-            "coulomb_n" => named.push(("mu".to_owned(), values[at] / normal_n, sd(at).map(|sd| sd / normal_n))),
+            "coulomb_n" => named.push(("mu".to_owned(), values[at] / normal_n, sd(at) / normal_n)),
             "static_excess_n" => {
                 // The static friction is a sum of two parameters, which are not independent.
-                let both = || Some((common(0, 0)? + common(at, at)? + 2.0 * common(0, at)?).max(0.0).sqrt() / normal_n);
-                named.push(("static_mu".to_owned(), (values[0] + values[at]) / normal_n, both()));
+                let both = (common(0, 0) + common(at, at) + 2.0 * common(0, at)).max(0.0).sqrt();
+                named.push(("static_mu".to_owned(), (values[0] + values[at]) / normal_n, both / normal_n));
             }
             "initial_force_n" => {}
             // A contact that pushes is none of a scene.
@@ -162,6 +185,7 @@ fn of_maxwell(log: &Log, used: &[bool], memory: f64) -> Option<Fitted> {
         parameters,
         correlations: Vec::new(),
         names,
+        ambiguous: Vec::new(),
         rms_n: mean.sqrt(),
         criterion: criterion(&residuals, count, memory),
         force_n: found.force_n,
@@ -170,21 +194,15 @@ fn of_maxwell(log: &Log, used: &[bool], memory: f64) -> Option<Fitted> {
 
 /// Mean friction ON over OFF, each along its slip.
 fn ratio(log: &Log) -> Option<Value> {
-    let along = |wanted: bool| -> Vec<f64> {
-        let samples = log.force_n.iter().zip(&log.slip_m).zip(&log.on);
-        samples.filter(|((_, slip), on)| **on == wanted && **slip != 0.0).map(|((f, slip), _)| f * slip.signum()).collect()
+    let mean_and_variance = |wanted: bool| {
+        let is_part = |at: &usize| log.on[*at] == wanted && log.slip_m[*at] != 0.0;
+        let places: Vec<usize> = (0..log.on.len()).filter(is_part).collect();
+        let values: Vec<f64> = places.iter().map(|at| log.force_n[*at] * log.slip_m[*at].signum()).collect();
+        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let sd = of_mean(values.iter().map(|value| mean - value).collect(), &places)?;
+        (values.len() >= 3).then_some((mean, sd * sd))
     };
-    let mean_and_variance = |values: &[f64]| {
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let rest: Vec<f64> = values.iter().map(|value| value - mean).collect();
-        (mean, rest.iter().map(|r| r * r).sum::<f64>() / (n - 1.0) / n * memory(&rest))
-    };
-    let (on, off) = (along(true), along(false));
-    if on.len() < 3 || off.len() < 3 {
-        return None;
-    }
-    let ((on, of_on), (off, of_off)) = (mean_and_variance(&on), mean_and_variance(&off));
+    let ((on, of_on), (off, of_off)) = (mean_and_variance(true)?, mean_and_variance(false)?);
     let value = on / off;
     Some(Value { value, sd: value.abs() * (of_on / (on * on) + of_off / (off * off)).sqrt() })
 }
@@ -198,6 +216,13 @@ fn warnings(models: &[Fitted]) -> Vec<String> {
             "the log does not determine {} of the model `{}`: a stiffness needs samples within the presliding, a Stribeck velocity needs slow and fast sliding",
             open.join(", "),
             chosen.model.name()
+        ));
+    }
+    if !chosen.ambiguous.is_empty() {
+        warnings.push(format!(
+            "`{}` explains the log nearly as well with another {}: the standard deviation reaches to it",
+            chosen.model.name(),
+            chosen.ambiguous.join(" and another ")
         ));
     }
     if let Some(next) = models.iter().filter(|model| model.model != Model::Maxwell).nth(1)

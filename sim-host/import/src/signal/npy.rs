@@ -3,7 +3,8 @@
 //! A magic number, version, length of the header, the header as a Python dictionary, then the values
 //! (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
 
-use super::table::{Cells, Columns};
+use super::table::Columns;
+use delimited::Cells;
 
 /// How a number is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

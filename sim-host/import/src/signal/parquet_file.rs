@@ -5,7 +5,8 @@ use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
-use super::table::{Cells, Columns};
+use super::table::Columns;
+use delimited::Cells;
 
 /// The columns of a file, all of them in memory.
 pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::{SignalError, npy, parquet_file, text_file};
+use delimited::{Cells, TableError, decode, read_mixed};
+
+use super::{SignalError, npy, parquet_file};
 
 /// Most names that a message lists.
 const LISTED: usize = 16;
@@ -18,15 +20,6 @@ pub struct Columns {
     pub(super) lines: Option<Vec<usize>>,
 }
 
-/// The cells of a column.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Cells {
-    /// Numbers; what is not finite is no number.
-    Numbers(Vec<f64>),
-    /// A column with something else in it: numbers where there are any, and the first that is none.
-    Other { row: usize, what: String },
-}
-
 impl Columns {
     /// Reads a file by its contents.
     ///
@@ -36,7 +29,7 @@ impl Columns {
         let read = match bytes {
             [b'P', b'A', b'R', b'1', ..] => parquet_file::read(bytes),
             [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::read(bytes),
-            _ => text_file::read(bytes),
+            _ => text(bytes),
         };
         read.map_err(|why| SignalError::Form { path: path.to_owned(), why })
     }
@@ -108,6 +101,20 @@ impl Columns {
     }
 }
 
+/// The columns of delimited text.
+fn text(bytes: &[u8]) -> Result<Columns, String> {
+    const KNOWN: &str = "known are CSV and other delimited text, NPY and Parquet";
+    let is_wide = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
+    if bytes.contains(&0) && !is_wide {
+        return Err(format!("a binary file of no known form; {KNOWN}"));
+    }
+    let table = read_mixed(&decode(bytes)).map_err(|error| match error {
+        TableError::Empty => error.to_string(),
+        _ => format!("{error}; {KNOWN}"),
+    })?;
+    Ok(Columns { names: table.names(), cells: table.columns, lines: Some(table.lines) })
+}
+
 /// Seconds in the unit of a column of times, by its name: `time_s`, `time [ms]`, `t (us)`, `Time`; none of another column.
 pub(super) fn time_scale(name: &str) -> Option<f64> {
     let words: Vec<String> = name
@@ -133,6 +140,13 @@ pub(super) fn time_scale(name: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_no_table_is_refused() {
+        assert_eq!(text(b"").unwrap_err(), "it is empty");
+        assert!(text(b"base = \"contact\"\nmu = high\n").unwrap_err().starts_with("no table of numbers; known are CSV"));
+        assert!(text(&[1, 0, 2, 0]).unwrap_err().starts_with("a binary file of no known form"));
+    }
 
     #[test]
     fn times_are_known_by_their_names() {

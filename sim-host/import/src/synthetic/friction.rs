@@ -5,7 +5,8 @@
 
 use super::random::Random;
 use crate::error::ImportError;
-use crate::friction::fit::{slopes, white};
+use crate::friction::certainty::{links, whitened};
+use crate::friction::fit::slopes;
 use crate::friction::result::named;
 use crate::friction::{Friction, Log, Model, fit};
 use crate::least_squares::{Linear, Solution};
@@ -116,7 +117,8 @@ impl FrictionExample {
             force.iter().all(|force| force.is_finite()).then(|| force.iter().map(|force| force / self.noise_n).collect())
         })?;
         let residuals = vec![0.0; columns.first()?.len()];
-        let linear = white(&Linear { residuals, columns }, self.correlation);
+        let places: Vec<usize> = (0..residuals.len()).collect();
+        let linear = whitened(&Linear { residuals, columns }, &links(self.correlation, &places));
         Solution { parameters: self.truth.clone(), linear, cost: 0.0, converged: true }.covariance()
     }
 
@@ -131,7 +133,7 @@ impl FrictionExample {
     /// The numbers of the contact with their bounds; nothing where the log does not determine them.
     pub fn bounds(&self) -> Option<Vec<Bounded>> {
         let covariance = self.covariance()?;
-        let all = named(self.model, &self.truth, &|i, j| Some(covariance[(i, j)]), self.log.normal_n);
-        all.into_iter().map(|(name, value, sd)| Some(Bounded { name, value, bound: sd? })).collect()
+        let all = named(self.model, &self.truth, &|i, j| covariance[(i, j)], self.log.normal_n);
+        Some(all.into_iter().map(|(name, value, bound)| Bounded { name, value, bound }).collect())
     }
 }

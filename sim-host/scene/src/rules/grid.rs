@@ -27,9 +27,14 @@ impl<'a> Rules<'a> {
             }
         }
         let over = self.tables(OVER);
+        let named = |path: &String| self.text(&join(path, "key")).map(str::to_owned);
+        let names: Vec<String> = over.iter().filter_map(named).collect();
         for (index, path) in over.iter().enumerate() {
-            self.axis(path);
             let key = join(path, "key");
+            if self.follows_from_the_beginning(&key, &names) {
+                continue;
+            }
+            self.axis(path);
             let name = self.text(&key);
             if name.is_some() && over[..index].iter().any(|earlier| self.text(&join(earlier, "key")) == name) {
                 let problem = Problem::new(self.place(&key), "two axes of the grid change the same key", "second time");

@@ -14,12 +14,26 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
+/// The example without the speeds of its grid.
+fn of_one_speed() -> String {
+    let speeds = "    { key = \"rig.slider.speed_m_per_s\", values = [0.038, 0.068] },\n";
+    assert!(example().contains(speeds));
+    example().replace(speeds, "")
+}
+
+/// The example without its grid.
+fn plain() -> String {
+    let (before, rest) = example().split_once("[grid]").unwrap();
+    let (_, after) = rest.split_once("[[expect]]").unwrap();
+    format!("{before}[[expect]]{after}")
+}
+
 /// The example with a disturbance that follows `speed.csv` of this text, in a folder of its own.
 fn with(name: &str, csv: &str, more: &str) -> Result<Scene, LoadError> {
     let folder = folder(name);
     fs::write(folder.join("speed.csv"), csv).unwrap();
     let course = "[[disturbance]]\nat_s = 0\nkey = \"rig.slider.speed_m_per_s\"\nprofile.file = \"speed.csv\"\n";
-    let text = format!("{}\n{course}{more}", example());
+    let text = format!("{}\n{course}{more}", of_one_speed());
     let loaded = load_text(&folder.join("a.toml").to_string_lossy(), &text, &[]).map(|loaded| loaded.scene);
     fs::remove_dir_all(folder).unwrap();
     loaded
@@ -62,7 +76,7 @@ fn a_file_is_looked_for_beside_the_text_that_names_it() {
     fs::create_dir_all(folder.join("rig")).unwrap();
     fs::write(
         folder.join("rig/base.toml"),
-        format!("{}\n[[disturbance]]\nat_s = 0\nkey = \"rig.slider.load_n\"\nprofile.file = \"load.csv\"\n", example()),
+        format!("{}\n[[disturbance]]\nat_s = 0\nkey = \"rig.slider.load_n\"\nprofile.file = \"load.csv\"\n", plain()),
     )
     .unwrap();
     fs::write(folder.join("rig/load.csv"), "t [s],F [N]\n0,1\n9,2\n").unwrap();
@@ -81,7 +95,7 @@ fn where_it_begins_is_a_number_like_another() {
     fs::write(folder.join("speed.csv"), LONG).unwrap();
     let text = format!(
         "{}\n[[disturbance]]\nat_s = 0\nkey = \"rig.slider.speed_m_per_s\"\nprofile = {{ file = \"speed.csv\", column = \"v\" }}\n",
-        example()
+        of_one_speed()
     );
     let loaded = load_text(&folder.join("a.toml").to_string_lossy(), &text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let template = loaded.template().unwrap_or_else(|error| panic!("{error}"));
@@ -191,4 +205,25 @@ fn a_normal_force_goes_from_sample_to_sample_in_steps() {
     let problem = crate::problem::problem(&study, crate::problem::law(&study.model).unwrap()).unwrap();
     let steps: Vec<f64> = problem.load_steps.iter().map(|(_, force)| force / study.model.mu()).collect();
     assert!((problem.load_steps[1].0 - 2e-3).abs() < 1e-12 && (steps[0] - 0.3).abs() < 1e-12 && steps.len() == 3, "{steps:?}");
+}
+
+#[test]
+fn what_a_course_sets_from_the_beginning_on_is_not_varied() {
+    let with = |at_s: &str, more: &[&str]| {
+        let at_s = format!("disturbance.0.at_s={at_s}");
+        let course = ["disturbance.0.key=rig.slider.speed_m_per_s", "disturbance.0.profile={time_s=[0,9], values=[0.03,0.04]}"];
+        let changes = sets(&[&[at_s.as_str()], &course[..], more].concat());
+        load_text("a.toml", &of_one_speed(), &changes).map(|loaded| loaded.scene).map_err(|error| error.to_string())
+    };
+    let grid = ["grid.over.1.key=rig.slider.speed_m_per_s", "grid.over.1.values=[0.01,0.02]"];
+    let drawn = ["vary.0.key=rig.slider.speed_m_per_s", "vary.0.spread=0.1"];
+    let follows = "`rig.slider.speed_m_per_s` follows the measured `disturbance.0.profile` from the beginning of the run on";
+    let refused = |more: &[&str]| with("0", more).expect_err("a key that changes nothing");
+    says(&refused(&grid), &[follows, "other values change nothing", "`disturbance.0.profile.from_s`", "1 problem"]);
+    says(&refused(&drawn), &[follows, "1 problem"]);
+    // Later on, or where its beginning varies, too, there is something left of it.
+    let begins = ["grid.over.2.key=disturbance.0.at_s", "grid.over.2.values=[0,0.1]"];
+    for (at_s, more) in [("0.1", &grid[..]), ("0.1", &drawn), ("0", &[grid, begins].concat())] {
+        with(at_s, more).unwrap_or_else(|error| panic!("{error}"));
+    }
 }

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::recorder::Watched;
 use super::session::Session;
 use super::{LOOK_EVERY, RunError};
+use crate::instruments::windows_of_metrics;
 use crate::processor::{Here, Processor};
 use crate::record::Record;
 use plant::Plant;
@@ -39,7 +40,7 @@ pub fn run_abreast(scenes: &[Driven], stop: Option<&AtomicBool>) -> Vec<Result<R
 impl Lane {
     fn new(scene: &Driven) -> Result<Self, RunError> {
         let processor = Here::new(&settings::config(scene))?;
-        let session = Session::new(scene, Vec::new(), &processor.silence());
+        let session = Session::new(scene, windows_of_metrics(scene), &processor.silence());
         Ok(Lane { processor, session })
     }
 }

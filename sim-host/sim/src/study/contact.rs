@@ -12,8 +12,8 @@ use super::answer::Answer;
 use super::playback::Playback;
 use super::stopped::{leave_if, unless_stopped};
 use crate::metrics::Metrics;
-use crate::overlay;
-use contact::{self, Clock, Law, SolveError, State};
+use crate::overlay::{self, Overlaid};
+use contact::{self, Clock, Law, Method, SolveError, State};
 use scene::{Excited, Model, problem};
 
 /// A contact study, solved.
@@ -33,7 +33,7 @@ pub(super) fn run<'a>(
     clock: Option<Clock>,
     stop: &AtomicBool,
     mut progress: Option<&mut dyn FnMut(f64)>,
-) -> Result<(Solved<'a>, Metrics), StudyError> {
+) -> Result<(Solved<'a>, Metrics, Option<Overlaid>), StudyError> {
     let mut playback = Playback::new(scene.duration_s, scene.excitation.frequency_hz);
     let watch = &mut |state: &State| {
         if playback.see(state) {
@@ -47,15 +47,32 @@ pub(super) fn run<'a>(
     playback.finish();
     let mut metrics = measured(&scene, answer.as_ref());
     let solved = Solved { scene, answer, playback };
-    if !scene.overlay.is_empty() {
-        let hz = Some(scene.excitation.frequency_hz);
-        overlay::put(&overlay::lay(&mut figures::of(&solved), &scene.overlay, hz), &mut metrics);
+    let overlaid = (!scene.overlay.is_empty()).then(|| overlaid(&solved));
+    overlay::put(overlaid.iter().flat_map(|laid| &laid.residuals), &mut metrics);
+    Ok((solved, metrics, overlaid))
+}
+
+/// The figures of a study with the measured curves of its scene over them.
+fn overlaid(solved: &Solved) -> Overlaid {
+    let scene = &solved.scene;
+    let mut laid = overlay::lay(figures::of(solved), &scene.overlay, Some(scene.excitation.frequency_hz));
+    if solved.answer.as_ref().is_some_and(|answer| answer.solution.method == Method::Closed) {
+        let why = " A closed form has no moments: `--set integrator.method=linexp` goes through them.";
+        laid.not_drawn.iter_mut().for_each(|said| *said += why);
     }
-    Ok((solved, metrics))
+    laid
+}
+
+/// Whether the metrics of a scene are held against a measurement, and so need all of its run: those that are wanted, or all.
+pub(super) fn needs_figures(scene: &Excited, wanted: Option<&[&str]>) -> bool {
+    !scene.overlay.is_empty() && wanted.is_none_or(|wanted| wanted.iter().any(|metric| overlay::is_metric(metric)))
 }
 
 /// The numbers of a scene that is a cell of a grid, or as many as some metrics need; none of them if it is stopped.
 pub(super) fn cell(scene: &Excited, wanted: Option<&[&str]>, stop: &AtomicBool) -> Result<Metrics, StudyError> {
+    if needs_figures(scene, wanted) {
+        return run(*scene, None, stop, None).map(|(_, metrics, _)| metrics);
+    }
     let answer = unless_stopped(|| answer(scene, wanted, (stop, None), None::<&mut fn(&State)>)).transpose()?;
     Ok(measured(scene, answer.as_ref()))
 }

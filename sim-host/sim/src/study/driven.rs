@@ -3,9 +3,10 @@
 use std::sync::atomic::AtomicBool;
 
 use super::{Start, StudyError};
-use crate::instruments;
 use crate::instruments::sweep::record::{self, SweepRecord};
+use crate::instruments::{self, View};
 use crate::metrics::Metrics;
+use crate::overlay::Overlaid;
 use crate::record::Record;
 use crate::run::{self, RunError, Watch};
 use contact::Clock;
@@ -58,11 +59,11 @@ pub(super) fn run<'a, 'w>(
     (start, clock): (Option<Start>, Option<Clock>),
     stop: &'w AtomicBool,
     progress: Option<&'w mut dyn FnMut(f64)>,
-) -> Result<(Run<'a>, Metrics), StudyError> {
+) -> Result<(Run<'a>, Metrics, Option<Overlaid>), StudyError> {
     let watch = Watch { windows: instruments::windows(&scene), stop: Some(stop), progress, clock };
     let record = run_where(&scene, start, watch)?;
-    let metrics = instruments::measure(&scene, &record);
-    Ok((Run { scene, level: Level::of(start), record }, metrics))
+    let (metrics, overlaid) = instruments::overlaid(&View::new(&scene, &record));
+    Ok((Run { scene, level: Level::of(start), record }, metrics, overlaid))
 }
 
 /// Runs a scene with the controller on a processor that `start` starts, or in this process.
@@ -78,9 +79,10 @@ fn run_where(scene: &Driven, start: Option<Start>, watch: Watch) -> Result<Recor
     }
 }
 
-/// Runs a scene for its metrics: without what its figures need.
+/// Runs a scene for its metrics: without what only its figures need.
 pub(super) fn record(scene: &Driven, start: Option<Start>, stop: &AtomicBool) -> Result<Record, StudyError> {
-    Ok(run_where(scene, start, Watch { stop: Some(stop), ..Watch::default() })?)
+    let windows = instruments::windows_of_metrics(scene);
+    Ok(run_where(scene, start, Watch { windows, stop: Some(stop), ..Watch::default() })?)
 }
 
 /// The sweep of a scene that is a cell, sample by sample.

@@ -8,7 +8,7 @@
 
 use super::StudyError;
 use super::answer::Answer;
-use super::contact::metrics;
+use super::contact::{metrics, needs_figures};
 use super::plan::{Cell, Plan};
 use super::steady::{self, Mean, Steady};
 use super::stopped::{leave_if, unless_stopped};
@@ -41,7 +41,10 @@ enum Found {
 impl<'p, 'a> Points<'p, 'a> {
     /// Points that set these keys, the first of which is this cell.
     pub(super) fn new(plan: &'p Plan<'a>, first: Cell, keys: &[&str], metrics: &'p [&'p str]) -> Self {
-        let numbers = plan.make(first).ok().and_then(|made| Numbers::of(made.scene, keys));
+        let made = plan.make(first).ok();
+        // What is held against a measurement needs the moments of a whole run.
+        let whole = made.as_ref().and_then(|made| Some(needs_figures(&made.scene.excited()?, Some(metrics)))).unwrap_or(false);
+        let numbers = made.filter(|_| !whole).and_then(|made| Numbers::of(made.scene, keys));
         Points { plan, metrics, means: metrics.iter().map(|metric| Mean::named(metric)).collect(), numbers }
     }
 

@@ -30,12 +30,13 @@ use super::points::{BESIDE, Points};
 use super::{Options, StudyError, monte_carlo};
 use crate::instruments;
 use crate::metrics::Metrics;
+use crate::overlay::is_metric as is_of_overlays;
 use crate::run::LANES;
 use scene::load::{LoadError, Loaded};
 use scene::metrics::{self, OF_RUNS};
 use scene::nearest::{nearest, short};
 use scene::schema::{Kind, Schema, unit_of};
-use scene::shown;
+use scene::{Scene, shown};
 
 /// The metric that has a column of its own in every row.
 const FAULT_CODE: &str = "fault_code";
@@ -127,11 +128,15 @@ impl<'a> Sweep<'a> {
     pub fn new(loaded: &'a Loaded, design: Design, names: &[String]) -> Result<Self, SweepError> {
         for (place, key) in design.keys().into_iter().enumerate() {
             check_key(key, design.ends(place), matches!(design, Design::Sample { .. }))?;
+            check_effect(key, &loaded.scene, &design.keys())?;
         }
         if design.count() == 0 || design.count() > MOST_POINTS {
             return Err(SweepError::Points(design.count().into()));
         }
         let mut metrics = wanted(names, loaded.scene.runs > 1)?;
+        if let Some(metric) = metrics.iter().find(|metric| !names.is_empty() && is_of_overlays(metric)) {
+            check_overlays(metric, &loaded.scene)?;
+        }
         metrics.retain(|&metric| metric != FAULT_CODE);
         let sweep = Sweep { loaded, metrics, all: names.is_empty(), design };
         let point = |point| sweep.loaded.cell(&sweep.sets(point)).map(drop);
@@ -270,6 +275,26 @@ fn check_key(key: &str, (least, most): (f64, f64), sampled: bool) -> Result<(), 
     }
     if schema.kind() == Kind::Integer && (least.fract() != 0.0 || most.fract() != 0.0) {
         return wrong("is a whole number".to_owned());
+    }
+    Ok(())
+}
+
+/// A key that follows a measured course from the beginning of a run on has no value of a point's own.
+fn check_effect(key: &str, scene: &Scene, keys: &[&str]) -> Result<(), SweepError> {
+    let moves = |number: usize| keys.contains(&format!("disturbance.{number}.at_s").as_str());
+    let replaced = scene.disturbance.iter().enumerate().find(|(number, change)| change.replaces(key) && !moves(*number));
+    let Some((number, _)) = replaced else { return Ok(()) };
+    let profile = format!("disturbance.{number}.profile");
+    let why = format!(
+        "follows the measured `{profile}` from the beginning of the run on, and other values change nothing: sweep `{profile}.from_s`, or another key"
+    );
+    Err(SweepError::Key { key: key.to_owned(), why })
+}
+
+/// A metric of measured curves needs such a curve.
+fn check_overlays(metric: &str, scene: &Scene) -> Result<(), SweepError> {
+    if scene.overlay.is_empty() {
+        return Err(SweepError::Metric(format!("`{metric}` is of a scene with [[overlay]], and this one has none")));
     }
     Ok(())
 }

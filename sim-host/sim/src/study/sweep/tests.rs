@@ -95,12 +95,46 @@ fn what_is_wrong_is_said_before_anything_is_run() {
         ("contact.dahl.mu=0.1,0.2", "friction_rato", "did you mean `friction_ratio`"),
         ("contact.dahl.mu=0.1,0.2", "friction_ratio_p95", "the scene is run once"),
         ("title=1,2", "friction_ratio", "no number"),
+        ("contact.dahl.mu=0.1,0.2", "overlay_rms_n", "of a scene with [[overlay]]"),
     ] {
         let error = sweep(&loaded, &[axis], &[metric]).expect_err(axis).to_string();
         assert!(error.contains(why), "{axis}, {metric}: {error}");
     }
     let twice = sweep(&loaded, &["contact.dahl.mu=0.1,0.2"], &["friction_ratio", "friction_ratio"]);
     assert!(twice.expect_err("twice").to_string().contains("twice"));
+}
+
+/// Of a speed that a measurement gives from the beginning on, nothing is left to sweep.
+#[test]
+fn a_key_that_follows_a_measured_course_is_refused() {
+    let course = |at_s: &str| {
+        let profile = "disturbance.0.profile={time_s=[0,1], values=[0.03,0.03]}";
+        loaded("lock", &[&format!("disturbance.0.at_s={at_s}"), "disturbance.0.key=stack.bvd.q", &profile.replace("0.03", "50")])
+    };
+    let axis = "stack.bvd.q=60,70";
+    let error = sweep(&course("0"), &[axis], &["q"]).expect_err("nothing to sweep").to_string();
+    assert!(error.contains("`stack.bvd.q` follows the measured `disturbance.0.profile`"), "{error}");
+    assert!(sweep(&course("1e-3"), &[axis], &["q"]).is_ok() && sweep(&course("0"), &["sensors.noise_lsb=1,2"], &["q"]).is_ok());
+    assert!(sweep(&course("0"), &[axis, "disturbance.0.at_s=0,1e-3"], &["q"]).is_ok());
+}
+
+/// What is measured over a figure is held against each point as against a run of its own.
+#[test]
+fn points_of_a_contact_are_held_against_a_measurement() {
+    let measured = ["overlay.0={quantity=\"friction_n\", x=[3.31e-3, 3.32e-3], values=[0.1, 0.15], x_unit=\"s\"}"];
+    let loaded = loaded("contact", &measured);
+    let metrics = ["overlay_rms_n", "overlay_max_n", "friction_ratio"];
+    let sweep = sweep(&loaded, &["contact.dahl.mu=0.2,0.3"], &metrics).unwrap_or_else(|error| panic!("{error}"));
+    let rows = all(&sweep);
+    for point in 0..2 {
+        let cell = loaded.cell(&sweep.sets(point)).expect("a scene");
+        let study = super::super::run(&cell, Options::default()).expect("a study");
+        for (column, name) in rows.metrics.iter().zip(metrics) {
+            let alone = study.metrics.get(name);
+            assert!(alone.is_some() && column[point as usize] == alone, "{name}: {column:?}, {alone:?}");
+        }
+    }
+    assert_ne!(rows.metrics[0][0], rows.metrics[0][1]);
 }
 
 #[test]

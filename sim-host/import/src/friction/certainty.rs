@@ -1,0 +1,190 @@
+//! Covariance of fitted parameters where the noise of neighbouring samples is alike.
+//!
+//! ```text
+//! C = m s^2 A^-1 B A^-1,   A = X'X,   B = X'RX,   R(i, j) = rho^|i - j|,   s^2 = r'r / (n - tr A^-1 B)
+//! ```
+//!
+//! `X` are the derivatives and `r` the residuals of ordinary least squares, which stay close to the measurement even where a model does not fit. The
+//! correlation `rho` of neighbours has the greatest restricted likelihood (D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320): that of the residuals themselves is
+//! too small by what the parameters have taken out of them. `m` is the memory that is left in whitened residuals.
+//!
+//! No parameter is taken for known because the log does not determine it: what others lose by it is in their deviations.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use crate::least_squares::Linear;
+
+/// Added to the diagonal of matrices whose columns have unit length: a direction that nothing determines has a huge deviation and not none.
+const RIDGE: f64 = 1e-12;
+/// Correlations of neighbours that are tried: up to a largest, in coarse steps and then in fine ones about the best.
+const LARGEST: f64 = 0.98;
+const STEPS: [f64; 2] = [0.05, 0.005];
+
+/// Covariance of the parameters; `places` are the numbers of the samples among all of the log, in order.
+pub(super) fn covariance(linear: &Linear, places: &[usize]) -> Option<DMatrix<f64>> {
+    let links = links(correlation(linear, places), places);
+    let (matrix, _, scales) = linear.normal();
+    let n = scales.len();
+    let spread = correlated(&linear.columns, &links);
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let ridge = |i: usize, j: usize| if i == j { RIDGE } else { 0.0 };
+    let inverse = Cholesky::new(DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] + ridge(i, j)))?.inverse();
+    let middle = |i: usize, j: usize| scales[i] * scales[j] * dot(&linear.columns[i.min(j)], &spread[i.max(j)]) + ridge(i, j);
+    let product = |a: &DMatrix<f64>, b: &dyn Fn(usize, usize) -> f64| {
+        DMatrix::from_fn(n, n, |i, j| (0..n).map(|k| a[(i, k)] * b(k, j)).sum::<f64>())
+    };
+    let half = product(&inverse, &middle);
+    let whole = product(&half, &|i, j| inverse[(i, j)]);
+    let count = linear.residuals.len() as f64;
+    // A long memory leaves few samples of their own; a tenth of them is taken for the least.
+    let free = (count - half.trace()).max(0.1 * count).max(1.0);
+    let white = whitened(linear, &links);
+    let variance = dot(&linear.residuals, &linear.residuals) / free * memory(&white.residuals);
+    let covariance = DMatrix::from_fn(n, n, |i, j| variance * scales[i] * scales[j] * 0.5 * (whole[(i, j)] + whole[(j, i)]));
+    covariance.iter().all(|value| value.is_finite()).then_some(covariance)
+}
+
+/// Standard deviation of a mean of residuals about it.
+pub(super) fn of_mean(residuals: Vec<f64>, places: &[usize]) -> Option<f64> {
+    let columns = vec![vec![1.0; residuals.len()]];
+    Some(covariance(&Linear { residuals, columns }, places)?[(0, 0)].max(0.0).sqrt())
+}
+
+/// Correlation of each sample with the one before it; none of the first.
+pub(crate) fn links(rho: f64, places: &[usize]) -> Vec<f64> {
+    let link = |at: usize| match at.checked_sub(1) {
+        Some(before) => libm::pow(rho, places[at].saturating_sub(places[before]) as f64),
+        None => 0.0,
+    };
+    (0..places.len()).map(link).collect()
+}
+
+/// Residuals and derivatives less a part of those of the sample before, which has the same variance.
+pub(crate) fn whitened(linear: &Linear, links: &[f64]) -> Linear {
+    let of = |values: &Vec<f64>| {
+        let white = |at: usize| match links[at] {
+            0.0 => values[at],
+            link => (values[at] - link * values[at - 1]) / (1.0 - link * link).sqrt(),
+        };
+        (0..values.len()).map(white).collect()
+    };
+    Linear { residuals: of(&linear.residuals), columns: linear.columns.iter().map(of).collect() }
+}
+
+/// Columns times the matrix of correlations, by a pass forwards and one backwards.
+fn correlated(columns: &[Vec<f64>], links: &[f64]) -> Vec<Vec<f64>> {
+    let of = |column: &Vec<f64>| {
+        let n = column.len();
+        let mut sums = vec![0.0; n];
+        let mut before = 0.0;
+        for at in 0..n {
+            before = links[at] * before + column[at];
+            sums[at] = before;
+        }
+        let mut behind = 0.0;
+        for at in (0..n).rev() {
+            sums[at] += behind;
+            behind = links[at] * (behind + column[at]);
+        }
+        sums
+    };
+    columns.iter().map(of).collect()
+}
+
+/// The correlation of neighbours that has the greatest restricted likelihood.
+fn correlation(linear: &Linear, places: &[usize]) -> f64 {
+    let mut best = (f64::INFINITY, 0.0);
+    for step in STEPS {
+        let (coarse, middle) = (step == STEPS[0], best.1);
+        let (from, to) = if coarse { (0.0, LARGEST) } else { (middle - STEPS[0], middle + STEPS[0]) };
+        for n in 0..=((to - from) / step) as usize {
+            let rho = from + step * n as f64;
+            let deviance = if (0.0..=LARGEST).contains(&rho) { deviance(linear, &links(rho, places)) } else { None };
+            if let Some(deviance) = deviance.filter(|deviance| *deviance < best.0) {
+                best = (deviance, rho);
+            }
+        }
+    }
+    best.1
+}
+
+/// Minus twice the logarithm of the restricted likelihood, `ln|R| + ln|X'R^-1 X| + (n - p) ln(r'Pr)`, less what does not depend on the correlation.
+fn deviance(linear: &Linear, links: &[f64]) -> Option<f64> {
+    let white = whitened(linear, links);
+    let (matrix, gradient, scales) = white.normal();
+    let (n, p) = (white.residuals.len(), scales.len());
+    let factor: Cholesky<f64, Dyn> =
+        Cholesky::new(DMatrix::from_fn(p, p, |i, j| matrix[(i, j)] + if i == j { RIDGE } else { 0.0 }))?;
+    let step: DVector<f64> = factor.solve(&gradient);
+    let square = white.residuals.iter().map(|r| r * r).sum::<f64>() - gradient.dot(&step);
+    let of_noise: f64 = links.iter().map(|link| libm::log(1.0 - link * link)).sum();
+    let of_columns: f64 = (0..p).map(|i| 2.0 * libm::log(factor.l_dirty()[(i, i)] / scales[i])).sum();
+    let free = n.saturating_sub(p).max(1) as f64;
+    Some(of_noise + of_columns + free * libm::log(square.max(f64::MIN_POSITIVE)))
+}
+
+/// Factor of the variance that comes of the correlation of residuals.
+pub(super) fn memory(residuals: &[f64]) -> f64 {
+    let n = residuals.len();
+    let square: f64 = residuals.iter().map(|r| r * r).sum();
+    let chance = 2.0 / (n as f64).sqrt();
+    let mut factor = 1.0;
+    for lag in 1..n / 4 {
+        let rho = residuals.iter().zip(&residuals[lag..]).map(|(a, b)| a * b).sum::<f64>() / square.max(f64::MIN_POSITIVE);
+        if rho < chance {
+            break;
+        }
+        factor += 2.0 * rho;
+    }
+    factor
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::random::Random;
+
+    /// Noise with a memory about a line through the origin, and the slope of that line by least squares with its stated deviation.
+    fn slope(random: &mut Random, rho: f64) -> (f64, f64) {
+        let mut last = random.normal();
+        let x: Vec<f64> = (0..300).map(|n| libm::sin(f64::from(n) * 0.05)).collect();
+        let noise = |_: &f64| {
+            let now = last;
+            last = rho * last + (1.0 - rho * rho).sqrt() * random.normal();
+            now
+        };
+        let y: Vec<f64> = x.iter().map(noise).collect();
+        let square: f64 = x.iter().map(|x| x * x).sum();
+        let slope = x.iter().zip(&y).map(|(x, y)| x * y).sum::<f64>() / square;
+        let residuals = x.iter().zip(&y).map(|(x, y)| slope * x - y).collect();
+        let places: Vec<usize> = (0..300).collect();
+        (slope, covariance(&Linear { residuals, columns: vec![x] }, &places).unwrap()[(0, 0)].sqrt())
+    }
+
+    #[test]
+    fn deviations_are_those_of_many_noises() {
+        for rho in [0.0, 0.5, 0.9] {
+            let mut random = Random::new(7);
+            let drawn: Vec<(f64, f64)> = (0..400).map(|_| slope(&mut random, rho)).collect();
+            let within = drawn.iter().filter(|(error, sd)| error.abs() <= 2.0 * sd).count() as f64 / 400.0;
+            assert!((0.93..=0.98).contains(&within), "{rho}: {within}");
+        }
+    }
+
+    #[test]
+    fn what_two_parameters_share_determines_neither() {
+        let residuals: Vec<f64> = (0..50).map(|n| f64::from(n % 2) - 0.5).collect();
+        let columns = vec![vec![1.0; 50], vec![2.0; 50], (0..50).map(f64::from).collect()];
+        let places: Vec<usize> = (0..50).collect();
+        let covariance = covariance(&Linear { residuals, columns }, &places).unwrap();
+        assert!(covariance[(0, 0)] > 1e6 && covariance[(1, 1)] > 1e6 && covariance[(2, 2)] < 1e-3, "{covariance}");
+    }
+
+    #[test]
+    fn a_gap_in_the_samples_has_less_correlation() {
+        assert_eq!(links(0.5, &[3, 4, 7]), [0.0, 0.5, 0.125]);
+        let columns = [vec![1.0, 2.0, 4.0]];
+        // R = [1 .5 .0625; .5 1 .125; .0625 .125 1].
+        assert_eq!(correlated(&columns, &links(0.5, &[3, 4, 7]))[0], [2.25, 3.0, 4.3125]);
+    }
+}
