@@ -11,6 +11,7 @@ mod edges;
 mod flashed_image;
 mod friction;
 mod friction_switch;
+mod heat;
 mod link;
 mod motor;
 mod observer;

@@ -140,6 +140,10 @@ mod tests {
             temperature_hz_per_k: 0.0,
             temperature_c0_per_k: 0.0,
             duffing_hz_per_a2: 0.0,
+            temperature_rm_per_k: 0.0,
+            temperature_force_factor_per_k: 0.0,
+            amplitude_rm_per_a2: 0.0,
+            amplitude_rm_most: None,
         };
         let circuit = Circuit::of(&bvd);
         assert!((circuit.cm_f / A3.cm_f - 1.0).abs() < 1e-12);

@@ -6,7 +6,8 @@
 //!
 //! A horn on a belt has no contact along its vibration: the belt ([`Webbing`]) damps it, and is pulled once a block.
 //!
-//! Plant states: five of amplifier and stack and two of each further mode, one of the contact or of the belt, two of the load cell; a rigid slider costs none. The
+//! Plant states: five of amplifier and stack and two of each further mode, one of the contact or of the belt, two of the load cell, one of a stack that heats
+//! itself; a rigid slider costs none. The
 //! friction at the tip comes back into the stack's motional branch. A sample is one step or several, as the contact needs: the
 //! linear part by its exact flow with the friction held at its last value, the contact exactly in the slip that results, and then
 //! the stack is corrected by what the mean friction over the step was instead. Second order in the coupling, exact without it.
@@ -137,7 +138,8 @@ impl DrivenStack {
 
     /// States that are integrated in time.
     pub fn states(&self) -> usize {
-        self.stack.states() + 2 + usize::from(self.sliding.is_some() || self.webbing.is_some())
+        let one = |is: bool| usize::from(is);
+        self.stack.states() + 2 + one(self.sliding.is_some() || self.webbing.is_some()) + one(self.elements.heats())
     }
 
     /// Keeps the next blocks sample by sample, or stops doing so.
@@ -210,6 +212,14 @@ impl DrivenStack {
         self.energy.supplied_j += supplied + step_s * sums.further_supplied;
         let lost = step_s * circuit.rm_ohm * sums.lost;
         self.energy.lost_j += lost + step_s * sums.further_lost;
+        if let Some(square) = sums.voltage_square {
+            let further_w = sums.further_lost / steps;
+            self.elements.heat(
+                circuit.rm_ohm * sums.lost / steps + further_w,
+                self.stack.parts().leak_s * square / steps,
+                &self.stack,
+            );
+        }
         self.energy.friction_on_tip_j += sums.friction_on_tip;
         self.energy.stored_j = self.stack.stored_j();
 
@@ -242,6 +252,7 @@ impl DrivenStack {
                 peak_m_per_s: sums.current_peak / circuit.force_factor_n_per_v,
             }),
             horn: self.webbing.as_ref().map(Webbing::truth),
+            heat: self.elements.heat_truth(),
         };
         self.time_s += block_s;
     }
@@ -257,7 +268,7 @@ impl DrivenStack {
         if let Some(samples) = &mut self.samples {
             samples.clear();
         }
-        Sums::new()
+        Sums { voltage_square: self.elements.heats().then_some(0.0), ..Sums::new() }
     }
 
     /// Plays one code, and returns the codes of voltage and current that were sampled meanwhile.

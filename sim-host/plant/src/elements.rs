@@ -1,5 +1,5 @@
 //! The elements of a stack on their way through a run: what the scene's disturbances say, what breaks, and what temperature and
-//! amplitude make of it.
+//! amplitude make of it. A stack that heats itself has a temperature of its own, others have that of their surroundings.
 
 use crate::breakage::{Breakage, Scheduled};
 use crate::circuit::Branch;
@@ -7,6 +7,8 @@ use crate::circuit::Circuit;
 use crate::parts::Parts;
 use crate::shift::Shift;
 use crate::stack::Stack;
+use crate::thermal::{Body, Losses};
+use crate::truth::HeatTruth;
 use crate::webbing::{damped, with_damping};
 use scene::{DisturbedKey, Driven, FaultKind};
 
@@ -16,7 +18,10 @@ pub struct Elements {
     /// The working mode at rest and at ambient temperature.
     rest: Circuit,
     shift: Option<Shift>,
-    temperature_k: f64,
+    /// Temperature of the surroundings over ambient, K.
+    surroundings_k: f64,
+    /// The stack's own temperature, of one that heats itself.
+    body: Option<Body>,
     breaks: Vec<Scheduled>,
     /// What the disturbances of a block have made of the further modes and the leak.
     disturbed: Option<Parts>,
@@ -42,7 +47,8 @@ impl Elements {
         let elements = Elements {
             rest,
             shift,
-            temperature_k: stack.temperature_k,
+            surroundings_k: stack.temperature_k,
+            body: stack.thermal.map(|thermal| Body::new(thermal, stack.temperature_k, block_s)),
             breaks: breaks.collect(),
             disturbed: None,
             disturbed_j: 0.0,
@@ -54,7 +60,10 @@ impl Elements {
     /// for all of it.
     pub fn begin(&mut self, block: u64, stack: &mut Stack) {
         let due = self.breaks.extract_if(.., |scheduled| scheduled.at_block <= block).map(|scheduled| scheduled.breakage);
-        let due: Vec<Breakage> = due.collect();
+        let mut due: Vec<Breakage> = due.collect();
+        if self.body.as_mut().is_some_and(Body::loses_its_polarisation) {
+            due.push(Breakage::Depoled);
+        }
         if self.disturbed.is_none() && due.is_empty() && self.shift.is_none() {
             return;
         }
@@ -63,11 +72,35 @@ impl Elements {
             parts = breakage.of(Parts { circuit: self.rest, ..parts });
             self.rest = parts.circuit;
         }
-        let shifted = |shift: Shift| shift.apply(&self.rest, self.temperature_k, stack.oscillation_a());
+        let shifted = |shift: Shift| shift.apply(&self.rest, self.temperature_k(), stack.oscillation_a());
         let circuit = self.shift.map_or(self.rest, shifted);
         let stored = stack.stored_j();
         stack.set(Parts { circuit, ..parts });
         self.disturbed_j += stack.stored_j() - stored;
+    }
+
+    /// Temperature over ambient, K.
+    fn temperature_k(&self) -> f64 {
+        self.body.as_ref().map_or(self.surroundings_k, Body::temperature_k)
+    }
+
+    /// Whether the losses heat the stack.
+    pub fn heats(&self) -> bool {
+        self.body.is_some()
+    }
+
+    /// Ends a block of a stack that heats itself, with the losses in its motional branches and in the conductance beside C0, W.
+    pub fn heat(&mut self, motional_w: f64, dielectric_w: f64, stack: &Stack) {
+        if let Some(body) = &mut self.body {
+            let slope = |shift: Shift| shift.rm_per_k(stack.circuit(), body.temperature_k());
+            let per_k = self.shift.map_or(0.0, slope);
+            body.heat(&Losses { motional_w, dielectric_w, per_k }, self.surroundings_k);
+        }
+    }
+
+    /// How the stack heated itself in the last block, if it does.
+    pub fn heat_truth(&self) -> Option<HeatTruth> {
+        self.body.as_ref().map(Body::truth)
     }
 
     /// The present value of a key, if it is one of a stack.
@@ -76,7 +109,7 @@ impl Elements {
             DisturbedKey::SeriesResonance => Some(self.rest.series_resonance_hz()),
             DisturbedKey::Q => Some(self.rest.q()),
             DisturbedKey::ClampedCapacitance => Some(self.rest.c0_f),
-            DisturbedKey::Temperature => Some(self.temperature_k),
+            DisturbedKey::Temperature => Some(self.surroundings_k),
             _ => self.disturbed.as_ref().unwrap_or(stack.parts()).further.get(further(key)?).map(Branch::series_resonance_hz),
         }
     }
@@ -94,7 +127,7 @@ impl Elements {
             DisturbedKey::SeriesResonance => self.rest = self.rest.with_series_resonance(value),
             DisturbedKey::Q => self.rest = self.rest.with_q(value),
             DisturbedKey::ClampedCapacitance => self.rest.c0_f = value,
-            DisturbedKey::Temperature => self.temperature_k = value,
+            DisturbedKey::Temperature => self.surroundings_k = value,
             _ => {
                 if let Some(branch) = further(key).and_then(|k| parts.further.get_mut(k)) {
                     *branch = branch.with_series_resonance(value);

@@ -52,6 +52,7 @@ pub mod stack;
 pub mod step_flow;
 pub mod stream;
 mod sums;
+pub mod thermal;
 pub mod timing;
 pub mod truth;
 pub mod webbing;

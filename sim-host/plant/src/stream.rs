@@ -97,9 +97,15 @@ mod tests {
 
     #[test]
     fn samples_are_those_of_blocks() {
-        for (name, lanes) in
-            [("lock", 1), ("friction-ratio", 1), ("lock-drift", 1), ("belt-stop", 1), ("dring-crash", 1), ("usm", 4)]
-        {
+        for (name, lanes) in [
+            ("lock", 1),
+            ("friction-ratio", 1),
+            ("lock-drift", 1),
+            ("self-heating", 1),
+            ("belt-stop", 1),
+            ("dring-crash", 1),
+            ("usm", 4),
+        ] {
             let loaded = load(name, &[]).unwrap();
             let mut blocks = Plant::new(&loaded.scene.driven().unwrap());
             let mut stream = Stream::new(blocks.clone(), lanes, 32);

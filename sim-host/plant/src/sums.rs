@@ -17,6 +17,8 @@ pub(super) struct Sums {
     pub(super) friction_on_tip: f64,
     pub(super) friction_min: f64,
     pub(super) friction_max: f64,
+    /// Of the square of the voltage, where the losses heat the stack.
+    pub(super) voltage_square: Option<f64>,
 }
 
 /// What friction was in a step.
@@ -75,6 +77,7 @@ impl Sums {
             friction_on_tip: 0.0,
             friction_min: f64::INFINITY,
             friction_max: f64::NEG_INFINITY,
+            voltage_square: None,
         }
     }
 
@@ -93,6 +96,9 @@ impl Sums {
         self.quadrature += v * step.motional_voltage;
         self.lost += i * i;
         self.current_peak = if i.abs() > self.current_peak { i.abs() } else { self.current_peak };
+        if let Some(square) = &mut self.voltage_square {
+            *square += v * v;
+        }
         if let Some((current, lost)) = step.further {
             self.further_supplied += v * current;
             self.further_lost += lost;

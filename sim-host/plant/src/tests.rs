@@ -4,6 +4,7 @@ mod abreast;
 mod delay;
 mod faults;
 mod further;
+mod power;
 mod rest;
 mod shift;
 

@@ -34,6 +34,8 @@ pub struct Truth {
     pub tip: Option<TipMotion>,
     /// What only a horn on a belt has.
     pub horn: Option<HornTruth>,
+    /// What only a stack that heats itself has.
+    pub heat: Option<HeatTruth>,
 }
 
 /// How the tip of a stack moved within a block, whatever the waveform.
@@ -43,6 +45,22 @@ pub struct TipMotion {
     pub square_m2_per_s2: f64,
     /// Largest velocity to either side, at the steps, m/s.
     pub peak_m_per_s: f64,
+}
+
+/// How a stack heated itself in a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HeatTruth {
+    /// Temperature over ambient at the block's end, K.
+    pub temperature_k: f64,
+    /// Losses that heat it, mean over the block, W.
+    pub heating_w: f64,
+    /// By how much the loss grows with a kelvin at the same motional current, over what leaves with that kelvin. From one on nothing is
+    /// steady: thermal runaway.
+    pub gain: f64,
+    /// Temperature over ambient to which it would come at the motional current of this block, K; not a number where there is none.
+    pub lasting_k: f64,
+    /// Whether it has been at its Curie point, and has no polarisation any more.
+    pub depoled: bool,
 }
 
 /// How the horn on a belt vibrated at the end of a block, and what that would do if it lasted.

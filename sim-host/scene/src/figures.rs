@@ -83,6 +83,7 @@ pub const FIGURES: &[FigureData] = &[
     FigureData { id: "relock-times", x: "time from the last step [ms]", columns: &["relock_time_100hz_ms_percent", "relock_time_20hz_ms_percent", "relock_time_4hz_ms_percent"], meaning: "The same after the last step disturbance" },
     FigureData { id: "rotor-speed", x: "time [s]", columns: &["rotor_rad_per_s", "crests_rad_per_s"], meaning: "Speed of the rotor, and of the crests that carry it" },
     FigureData { id: "slip-loop", x: "slip velocity V [m/s]", columns: &["friction_against_slip_n"], meaning: "Friction against slip velocity over the last periods of a contact study" },
+    FigureData { id: "stack-temperature", x: "time [s]", columns: &["stack_temperature_k"], meaning: "Temperature over ambient of a stack that heats itself" },
     FigureData { id: "stft-*", x: "time from the sweep's beginning [ms]", columns: &["power_db*"], meaning: "Short-time spectrum of a sweep, in dB of the strongest cell: a line for each time, a column for each frequency, whose middle stands in its name in kHz" },
     FigureData { id: "surface", x: "displacement along the ring [nm]", columns: &["across_nm", "across_pure_nm"], meaning: "Path of a point of the stator, and of a pure travelling wave" },
     FigureData { id: "tip-velocity", x: "time [s]", columns: &["tip_velocity_command_m_per_s", "tip_velocity_estimate_m_per_s", "tip_velocity_true_m_per_s"], meaning: "Amplitude of the tip velocity: command, estimate, truth" },

@@ -128,16 +128,59 @@ fn is_zero(value: &f64) -> bool {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stack {
-    /// Temperature over ambient, K.
+    /// Temperature over ambient, K; of a stack that heats itself (`[stack.thermal]`), that of its surroundings, at which it begins.
     #[serde(default)]
     #[schemars(range(min = -300.0, max = 1000.0))]
     pub temperature_k: f64,
+    /// How the stack heats itself. Absent: it has the temperature of its surroundings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thermal: Option<Thermal>,
     /// Butterworth-Van Dyke equivalent circuit.
     pub bvd: Bvd,
     /// Further modes, which disturb the working mode.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 3))]
     pub mode: Vec<Mode>,
+}
+
+/// The stack as one body that its own losses heat: `C dT/dt = P - (T - surroundings) / R`. The losses are those of all motional branches and of
+/// `bvd.loss_tangent`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Thermal {
+    /// Heat capacity of what becomes hot, J/K.
+    #[schemars(range(min = 1e-6, max = 1e6))]
+    pub heat_capacity_j_per_k: f64,
+    /// Thermal resistance to the surroundings, K/W.
+    #[schemars(range(min = 1e-6, max = 1e6))]
+    pub resistance_k_per_w: f64,
+    /// Part of the motional loss that heats the stack; the rest is lost elsewhere, in a horn or a load.
+    #[serde(default = "default::heating_fraction")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub heating_fraction: f64,
+    /// Ambient temperature, degrees Celsius: that at which `stack.temperature_k` is 0.
+    #[serde(default = "default::ambient_c")]
+    #[schemars(range(min = -273.0, max = 500.0))]
+    pub ambient_c: f64,
+    /// Curie point of the ceramic, degrees Celsius. A stack that comes there has lost its polarisation from then on, as by the fault `depoled`.
+    #[schemars(range(min = 50.0, max = 1500.0))]
+    pub curie_c: f64,
+    /// Hottest that the ceramic can be used, degrees Celsius: beyond, it slowly loses its polarisation, which is not simulated but said. Absent: half of `curie_c`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = -100.0, max = 1500.0))]
+    pub depoling_c: Option<f64>,
+}
+
+impl Thermal {
+    /// Hottest that the ceramic can be used, degrees Celsius.
+    pub fn hottest_c(&self) -> f64 {
+        self.depoling_c.unwrap_or(0.5 * self.curie_c)
+    }
+
+    /// Time constant, s.
+    pub fn time_constant_s(&self) -> f64 {
+        self.heat_capacity_j_per_k * self.resistance_k_per_w
+    }
 }
 
 /// A further mode: a series branch in parallel with that of the working mode. It does not move the tip in the direction of friction.
@@ -204,11 +247,11 @@ pub struct Bvd {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub loss_tangent: f64,
-    /// What a kelvin of `stack.temperature_k` adds to the series resonance, Hz/K. Temperature and amplitude together move it by 20 % at most.
+    /// What a kelvin of the stack's temperature adds to the series resonance, Hz/K. Temperature and amplitude together move it by 20 % at most.
     #[serde(default)]
     #[schemars(range(min = -1e4, max = 1e4))]
     pub temperature_hz_per_k: f64,
-    /// By which part a kelvin of `stack.temperature_k` changes `c0_f`, 1/K.
+    /// By which part a kelvin of the stack's temperature changes `c0_f`, 1/K.
     #[serde(default)]
     #[schemars(range(min = -0.1, max = 0.1))]
     pub temperature_c0_per_k: f64,
@@ -216,11 +259,35 @@ pub struct Bvd {
     #[serde(default)]
     #[schemars(range(min = -1e12, max = 1e12))]
     pub duffing_hz_per_a2: f64,
+    /// By which part a kelvin of the stack's temperature changes the motional resistance, 1/K.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(range(min = -0.1, max = 0.1))]
+    pub temperature_rm_per_k: f64,
+    /// By which part a kelvin of the stack's temperature changes the force factor, 1/K; the mechanical resonance and its damping stay.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(range(min = -0.1, max = 0.1))]
+    pub temperature_force_factor_per_k: f64,
+    /// By which part the square of the motional current's amplitude raises the motional resistance, 1/A^2.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(range(min = -1e12, max = 1e12))]
+    pub amplitude_rm_per_a2: f64,
+    /// What the amplitude multiplies the motional resistance by at most: Q falls to a lowest value. Absent: no end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1.001, max = 1e3))]
+    pub amplitude_rm_most: Option<f64>,
 }
 
 /// Defaults that serde needs as functions.
 mod default {
     pub(super) fn force_factor() -> f64 {
         1.0
+    }
+
+    pub(super) fn heating_fraction() -> f64 {
+        1.0
+    }
+
+    pub(super) fn ambient_c() -> f64 {
+        25.0
     }
 }

@@ -17,6 +17,7 @@ mod exclusive;
 mod firmware;
 mod friction;
 mod grid;
+mod heat;
 mod integrator;
 mod kind;
 mod lane_fault;
@@ -73,6 +74,7 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     rules.burst();
     rules.friction_switch();
     rules.disturbances();
+    rules.heat();
     rules.profiles();
     rules.overlays();
     rules.faults();

@@ -4,6 +4,7 @@ mod belt;
 mod comparison;
 mod dring;
 mod excited;
+mod heat;
 mod keys;
 mod kinds;
 mod layers;

@@ -14,6 +14,7 @@ mod energy;
 mod friction;
 pub mod friction_switch;
 mod guard;
+mod heat;
 pub mod lock;
 mod motor;
 mod processor;
@@ -63,7 +64,7 @@ pub trait Instrument: Sync {
 }
 
 /// All instruments of a driven run, in the order of a report.
-pub static DRIVEN: [&dyn Instrument; 14] = [
+pub static DRIVEN: [&dyn Instrument; 15] = [
     &guard::Guard,
     &crash::Crash,
     &motor::Motor,
@@ -76,6 +77,7 @@ pub static DRIVEN: [&dyn Instrument; 14] = [
     &circuit::Circuit,
     &sweep::Sweep,
     &drive::Drive,
+    &heat::Heat,
     &energy::EnergyBudget,
     &processor::ProcessorLoad,
 ];

@@ -2,7 +2,7 @@
 //!
 //! What a lane computes is what [`DrivenStack::exchange`](hal_mock::analog::Analog::exchange) computes, bit for bit, in the same order; alone, a stack
 //! waits for the result of one operation before the next begins. A stack goes abreast for a block where it has neither contact nor further modes nor
-//! a late drive, is not recorded sample by sample, and is driven at all; else, and from the sample on after which it rests, it goes alone.
+//! a late drive, does not heat itself, is not recorded sample by sample, and is driven at all; else, and from the sample on after which it rests, it goes alone.
 
 use firmware::seam::block::{DriveBlock, MAX_BLOCK_SAMPLES, SenseBlock};
 
@@ -71,8 +71,9 @@ impl Voice<'_> {
 
     /// Whether it goes abreast with others of the same division of samples.
     fn fits(&self, samples: usize, conversions: u32) -> bool {
-        let DrivenStack { timing, stack, sliding, delay, samples: recorded, .. } = &*self.plant;
-        let simple = sliding.is_none() && delay.is_none() && recorded.is_none() && stack.parts().further.is_empty();
+        let DrivenStack { timing, stack, elements, sliding, delay, samples: recorded, .. } = &*self.plant;
+        let alone = sliding.is_some() || delay.is_some() || recorded.is_some() || elements.heats();
+        let simple = !alone && stack.parts().further.is_empty();
         let codes = self.codes();
         let driven = codes.iter().any(|code| *code != codes[0]);
         simple && driven && codes.len() == samples && (timing.steps, timing.conversions) == (1, conversions)

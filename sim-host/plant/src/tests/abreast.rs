@@ -93,4 +93,6 @@ fn a_stack_that_does_not_fit_goes_alone_beside_the_others() {
     compare(plants.clone(), 2000, drive);
     let [_, one, ..] = plants;
     compare([one.clone(), Some(stack("experiment-1", &[])), one, None], 2000, drive);
+    let lock = Some(stack("lock", &[]));
+    compare([lock.clone(), Some(stack("self-heating", &[])), lock, Some(stack("derating", &["seed=2"]))], 2000, drive);
 }

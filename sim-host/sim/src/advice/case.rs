@@ -211,6 +211,10 @@ fn alone(scene: &Scene, driven: Driven<'_>, circuit: Circuit) -> Scene {
         temperature_hz_per_k: 0.0,
         temperature_c0_per_k: 0.0,
         duffing_hz_per_a2: 0.0,
+        temperature_rm_per_k: 0.0,
+        temperature_force_factor_per_k: 0.0,
+        amplitude_rm_per_a2: 0.0,
+        amplitude_rm_most: None,
     };
     let mut controller = driven.controller.clone();
     let drive = &mut controller.drive;
@@ -233,7 +237,7 @@ fn alone(scene: &Scene, driven: Driven<'_>, circuit: Circuit) -> Scene {
         notes: Vec::new(),
         runs: 1,
         controller: Some(controller),
-        stack: Some(Stack { temperature_k: 0.0, bvd, mode: Vec::new() }),
+        stack: Some(Stack { temperature_k: 0.0, thermal: None, bvd, mode: Vec::new() }),
         contact: None,
         rig: None,
         disturbance: Vec::new(),

@@ -1,0 +1,119 @@
+//! A stack at power, through the whole chain: what heats it, what follows its heat, and what ends it.
+
+use scene::load::load;
+use scene::{Bvd, Thermal};
+use sim::instruments::{DRIVEN, View, measure};
+use sim::metrics::Metrics;
+use sim::record::Record;
+use sim::run::{Watch, run};
+
+/// What came of a scene: its metrics, its record, and what is remarked of it.
+struct Outcome {
+    metrics: Metrics,
+    record: Record,
+    remarks: String,
+}
+
+fn outcome(name: &str, changes: &[&str]) -> Outcome {
+    let sets: Vec<String> = changes.iter().map(|&set| set.to_owned()).collect();
+    let loaded = load(name, &sets).unwrap_or_else(|error| panic!("{error}"));
+    let scene = loaded.scene.driven().unwrap();
+    let record = run(&scene, Watch::default()).unwrap();
+    let metrics = measure(&scene, &record);
+    let view = View::new(&scene, &record);
+    let remarks: Vec<String> = DRIVEN.iter().flat_map(|instrument| instrument.remarks(&view)).collect();
+    Outcome { metrics, record, remarks: remarks.join("\n") }
+}
+
+fn metric(outcome: &Outcome, name: &str) -> f64 {
+    outcome.metrics.get(name).unwrap_or_else(|| panic!("no {name}"))
+}
+
+/// Where a stack of constant motional current comes to, K, by itself: `T = R (Rm(T) I^2 + G (Rm(T) I)^2) / 2`, iterated; none if it leaves for good.
+fn fixed_point(bvd: &Bvd, thermal: &Thermal, current_a: f64) -> Option<f64> {
+    let (lm_h, cm_f, rm_ohm) = (bvd.lm_h.unwrap(), bvd.cm_f.unwrap(), bvd.rm_ohm.unwrap());
+    let omega = 1.0 / (lm_h * cm_f).sqrt();
+    let hz = omega / std::f64::consts::TAU;
+    let leak_s = bvd.loss_tangent * omega * bvd.c0_f;
+    let square = current_a * current_a;
+    let mut kelvin = 0.0f64;
+    for _ in 0..500 {
+        let stretched = 1.0 + (bvd.temperature_hz_per_k * kelvin + bvd.duffing_hz_per_a2 * square) / hz;
+        let raised = (1.0 + bvd.amplitude_rm_per_a2 * square) * (1.0 + bvd.temperature_rm_per_k * kelvin);
+        let rm = rm_ohm * stretched * raised / (1.0 + bvd.temperature_force_factor_per_k * kelvin).powi(2);
+        kelvin = 0.5 * thermal.resistance_k_per_w * (rm * square + leak_s * rm * rm * square);
+        if kelvin > 1e4 {
+            return None;
+        }
+    }
+    Some(kelvin)
+}
+
+/// The scene comes to the fixed point of its own numbers, and says so from early on.
+#[test]
+fn a_held_velocity_comes_to_the_fixed_point() {
+    let long =
+        ["controller.burst.on_s=[0.1]", "controller.burst.off_s=[4]", "duration_s=4", "stack.thermal.heat_capacity_j_per_k=0.01"];
+    let loaded = load("self-heating", &[]).unwrap_or_else(|error| panic!("{error}"));
+    let stack = loaded.scene.stack.as_ref().unwrap();
+    let expected = fixed_point(&stack.bvd, &stack.thermal.unwrap(), 0.175 * 5.566).unwrap();
+    let found = outcome("self-heating", &long);
+    let (end, lasting) = (metric(&found, "stack_temperature_k"), metric(&found, "lasting_stack_temperature_k"));
+    println!("{end:.3} K, {lasting:.3} K, by its numbers {expected:.3} K");
+    // The controller holds the amplitude of the measured current to a part in a thousand.
+    assert!((end / expected - 1.0).abs() < 0.01 && (lasting / expected - 1.0).abs() < 0.01, "{end} {lasting} {expected}");
+    assert!(found.remarks.is_empty(), "{}", found.remarks);
+}
+
+/// With two and a half times the thermal resistance there is no fixed point: named, with the limit that the ceramic passes.
+#[test]
+fn a_thermal_runaway_is_named() {
+    let hot = ["controller.limits.temperature_c=500", "stack.thermal.resistance_k_per_w=50"];
+    let loaded = load("derating", &hot.map(str::to_owned)).unwrap_or_else(|error| panic!("{error}"));
+    let stack = loaded.scene.stack.as_ref().unwrap();
+    assert_eq!(fixed_point(&stack.bvd, &stack.thermal.unwrap(), 0.25 * 5.566), None);
+    let found = outcome("derating", &hot);
+    for part in ["Thermal runaway from ", "above 162.5 °C, half its Curie point"] {
+        assert!(found.remarks.contains(part), "{part}: {}", found.remarks);
+    }
+    // The resonance leaves the tracker's window: the controller does not go on as if there were one.
+    assert!(metric(&found, "fault_code") != 0.0, "{}", found.remarks);
+    assert!(metric(&found, "depoling_time_ms") > 0.0);
+}
+
+/// Without the guard the same stack comes to more than half of its Curie point, and with it to what the derating line and the losses agree on.
+#[test]
+fn the_guard_holds_the_stack_below_its_limit() {
+    let guarded = outcome("derating", &[]);
+    let alone = outcome("derating", &["controller.limits.temperature_c=500"]);
+    let [below, above] = [&guarded, &alone].map(|outcome| metric(outcome, "peak_stack_temperature_k"));
+    println!("{below:.2} K guarded, {above:.2} K alone");
+    assert!(below < 45.0 && above > 100.0, "{below} {above}");
+    assert!(alone.remarks.contains("slowly loses its polarisation"), "{}", alone.remarks);
+    let loaded = load("derating", &[]).unwrap_or_else(|error| panic!("{error}"));
+    let stack = loaded.scene.stack.as_ref().unwrap();
+    // The temperature at which what is left of the amplitude holds it: 0.1 to 1 over the last 20 of 45 K.
+    let left = |kelvin: f64| (0.1 + 0.9 / 20.0 * (45.0 - kelvin)).clamp(0.1, 1.0);
+    let (mut low, mut high) = (25.0, 45.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        let holds = fixed_point(&stack.bvd, &stack.thermal.unwrap(), 0.25 * 5.566 * left(middle));
+        if holds.is_none_or(|kelvin| kelvin > middle) { low = middle } else { high = middle }
+    }
+    let end = metric(&guarded, "stack_temperature_k");
+    println!("{end:.2} K of {low:.2} K");
+    // The thermometer begins at the first lock, which has warmed the stack by some kelvin, and bends with the amplitude.
+    assert!((end - low).abs() < 1.0, "{end} {low}");
+}
+
+/// Surroundings that no derating helps against: fault 44 within a few kelvin of the limit.
+#[test]
+fn hot_surroundings_end_the_drive() {
+    let hot = ["disturbance.0.at_s=1", "disturbance.0.key=stack.temperature_k", "disturbance.0.to=100"];
+    let found = outcome("derating", &hot);
+    assert_eq!(metric(&found, "fault_code"), 44.0, "{}", found.remarks);
+    let faulted = found.record.rows.iter().find(|row| row.fault == 44).unwrap();
+    let kelvin = faulted.truth.heat.unwrap().temperature_k;
+    println!("fault 44 at {:.3} s and {kelvin:.2} K", faulted.time_s);
+    assert!((43.0..49.0).contains(&kelvin), "{kelvin}");
+}
