@@ -61,7 +61,7 @@ pub fn read_mixed(text: &str) -> Result<MixedTable, TableError> {
     let is_number = |field: &&str| number(field, false).or_else(|| number(field, true)).is_some();
     let names = |line: &str| {
         let fields = delimiter.fields(line, ends);
-        fields.len() == width && !fields.iter().any(|field| is_number(field)) && fields.iter().any(|field| !field.is_empty())
+        fields.len() == width && !fields.iter().any(is_number) && fields.iter().any(|field| !field.is_empty())
     };
     // A row of the table has a number; what stands above the first one is the heading, and above that a preamble.
     let above = rows.iter().take_while(|(_, line)| names(line)).count();
