@@ -20,6 +20,7 @@ macro_rules! say {
 
 mod advise;
 mod compare;
+mod drawing;
 mod examples;
 mod explain;
 mod import;
@@ -27,6 +28,8 @@ mod interrupts;
 mod junit;
 mod link;
 mod progress;
+mod provenance;
+mod result_args;
 mod run;
 mod shell;
 mod spectrum;
@@ -39,22 +42,22 @@ use std::process::ExitCode;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use clap::{Args, ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use clap::{Args, ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 
-use report::{Drawing, PictureFormat, PrintSize};
+use self::drawing::DrawingArgs;
+use self::provenance::provenance;
+use self::result_args::{Format, ReportArgs, ResultArgs};
+use self::run::RunArgs;
 use scene::load::{LoadError, Loaded, load};
 use scene::resolved::resolved_toml;
 use scene::{builtin, schema, suite};
-use sim::output::{Folder, OutputError, Presentation};
-use sim::provenance::{Provenance, command_line};
+use sim::output::{Folder, OutputError};
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run failed; 2 usage; 3 invalid scene, or a measured file that is refused; 4 the run finished but an expectation was \
 missed; 5 QEMU or board not found or lost; 130 interrupted, with the results so far written and marked.";
 /// Version and, where the program was built in a checkout, its commit.
 const VERSION: &str = env!("SIM_HOST_VERSION");
-/// The commit that the program was built from, with `+` where files had been changed since.
-const COMMIT: Option<&str> = option_env!("SIM_HOST_COMMIT");
 const RUN_FAILED: u8 = 1;
 const USAGE: u8 = 2;
 const INVALID_INPUT: u8 = 3;
@@ -62,8 +65,6 @@ const EXPECTATION_MISSED: u8 = 4;
 const LOST: u8 = 5;
 const INTERRUPTED: u8 = 130;
 
-/// The scene that runs if none is named.
-const FLAGSHIP: &str = "experiment-1";
 /// The scene that lends sensors, amplifier and limits to a transducer that is given by its numbers.
 const LENDER: &str = "lock-cold";
 
@@ -144,101 +145,13 @@ enum Command {
     },
 }
 
-#[derive(Args)]
+#[derive(Args, Default)]
 struct SceneArgs {
     /// A built-in scene's name, a TOML file, or `-` for standard input.
     scene: String,
     /// Change one value, as `a.b=v`. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-}
-
-/// How the figures of a report are drawn.
-#[derive(Args, Default)]
-struct DrawingArgs {
-    /// Size of the figures in print: a width, `88mm` of a column or `180mm` of two, or width x height, `120x80mm`; with letters as large as a paper's, and no
-    /// title. Default: 1600 x 900 pixels.
-    #[arg(long, value_name = "SIZE")]
-    figure_size: Option<PrintSize>,
-    /// Formats of the figures: `svg`, `png`, `pdf`, or several with commas between. Default: svg,png.
-    #[arg(long, value_name = "FORMAT,…", value_delimiter = ',')]
-    figure_format: Vec<PictureFormat>,
-}
-
-impl DrawingArgs {
-    fn presentation(&self) -> Presentation {
-        Presentation { drawing: self.drawing(), provenance: provenance() }
-    }
-
-    fn drawing(&self) -> Drawing {
-        let mut formats = Vec::new();
-        for &format in &self.figure_format {
-            if !formats.contains(&format) {
-                formats.push(format);
-            }
-        }
-        let formats = if formats.is_empty() { Drawing::default().formats } else { formats };
-        Drawing { size: self.figure_size, formats }
-    }
-}
-
-#[derive(Args)]
-struct RunArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
-    /// Seed of all noise; the same as `--set seed=N`.
-    #[arg(long, value_name = "N")]
-    seed: Option<u64>,
-    /// Of a scene with several `runs`: only this one of them, from 1, with its full report.
-    #[arg(long, value_name = "R")]
-    run: Option<u32>,
-    /// Folder for manifest, summary, trace, report and figures, in place of the run that it holds; other files in it stay. Default: `out/SCENE`, with `-run-R`, `-pil` or `-board` behind.
-    #[arg(short, long = "output", value_name = "DIR")]
-    output: Option<PathBuf>,
-    /// What to print on standard output.
-    #[arg(long, value_enum, default_value_t = Format::Human)]
-    format: Format,
-    /// Write no files.
-    #[arg(long)]
-    no_report: bool,
-    /// Write the expectations as JUnit test cases, for CI.
-    #[arg(long, value_name = "FILE")]
-    junit: Option<PathBuf>,
-    #[command(flatten)]
-    drawing: DrawingArgs,
-    /// Run the controller as thumb code in QEMU, in lockstep with the same plant.
-    #[arg(long)]
-    pil: bool,
-    /// Run the image that is flashed, on a model of its part, and replay what its controller saw. Without a file the image is built from the present
-    /// source.
-    #[arg(long, value_name = "ELF", num_args = 0..=1, require_equals = true, conflicts_with = "pil")]
-    board: Option<Option<PathBuf>>,
-    /// With --board: let the block interrupt take a part of its time only, as if the processor were so many times as fast there.
-    #[arg(long, value_name = "X", requires = "board", value_parser = times)]
-    board_speed: Option<f64>,
-    /// With --board: what each function takes of the block interrupt.
-    #[arg(long, requires = "board")]
-    profile: bool,
-    /// Say nothing but the result.
-    #[arg(short, long)]
-    quiet: bool,
-    /// Say more: all metrics, and the modes that the controller goes through.
-    #[arg(short, long)]
-    verbose: bool,
-}
-
-/// How many times as fast a processor is.
-fn times(text: &str) -> Result<f64, String> {
-    let times = text.parse::<f64>().ok().filter(|times| (0.01..=100.0).contains(times));
-    times.ok_or_else(|| "must be from 0.01 to 100".to_owned())
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// Tables for a reader.
-    Human,
-    /// The summary, as JSON.
-    Json,
 }
 
 /// Parses the arguments of this process, does what they say, and gives the exit code.
@@ -280,27 +193,6 @@ fn command() -> clap::Command {
     examples::add(CommandLine::command())
 }
 
-impl RunArgs {
-    fn of_flagship() -> Self {
-        RunArgs {
-            scene: SceneArgs { scene: FLAGSHIP.into(), sets: Vec::new() },
-            seed: None,
-            run: None,
-            output: None,
-            format: Format::Human,
-            no_report: false,
-            junit: None,
-            drawing: DrawingArgs::default(),
-            pil: false,
-            board: None,
-            board_speed: None,
-            profile: false,
-            quiet: false,
-            verbose: false,
-        }
-    }
-}
-
 /// Whether each stream gets colour: asked for, or a terminal with no `NO_COLOR`.
 #[derive(Clone, Copy)]
 struct Color {
@@ -328,31 +220,6 @@ fn open(dir: Option<&Path>) -> Result<Result<Option<Folder>, ExitCode>, OutputEr
         }
         folder => folder.map(Ok),
     }
-}
-
-/// Where what this process writes comes from.
-fn provenance() -> Provenance {
-    let arguments: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
-    let words = std::iter::once("sim-host").chain(anywhere(&arguments));
-    // https://reproducible-builds.org/specs/source-date-epoch/
-    let set =
-        std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|seconds| jiff::Timestamp::from_second(seconds.parse().ok()?).ok());
-    let date = set.unwrap_or_else(jiff::Timestamp::now);
-    Provenance { command: Some(command_line(words)), commit: COMMIT.map(str::to_owned), date: Some(format!("{date:.0}")) }
-}
-
-/// Arguments without the folder of the result: they make the same one in any folder.
-fn anywhere(arguments: &[String]) -> Vec<&str> {
-    let mut kept = Vec::new();
-    let mut words = arguments.iter().map(String::as_str);
-    while let Some(word) = words.next() {
-        match word {
-            "-o" | "--output" => drop(words.next()),
-            word if word.starts_with("--output=") || (word.starts_with("-o") && word.len() > 2) => {}
-            word => kept.push(word),
-        }
-    }
-    kept
 }
 
 /// Time since the first call: the clock of what is timed.
@@ -402,18 +269,4 @@ fn list() -> String {
     let width = builtin::all().iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     let title = |name: &str| load(name, &[]).map(|loaded| loaded.scene.title).unwrap_or_default();
     builtin::all().iter().map(|(name, _)| format!("{name:width$}  {}\n", title(name))).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::anywhere;
-
-    #[test]
-    fn a_command_is_repeated_without_its_folder() {
-        let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
-        for text in ["run lock -o out -q", "run lock --output out -q", "run lock --output=out -q", "run lock -oout -q"] {
-            assert_eq!(anywhere(&words(text)), ["run", "lock", "-q"], "{text}");
-        }
-        assert_eq!(anywhere(&words("run lock --set a.o=1")), ["run", "lock", "--set", "a.o=1"]);
-    }
 }

@@ -88,7 +88,8 @@ fn commands() -> Vec<(String, String)> {
         for line in code(&text) {
             let rest = line.strip_prefix("sim-host ").or_else(|| line.strip_prefix("cargo run --release -- "));
             let clean = |rest: &str| rest.split(" # ").next().unwrap_or(rest).trim().to_owned();
-            commands.extend(rest.map(clean).filter(|command| known.insert(command.clone())).map(|command| (command, page.clone())));
+            commands
+                .extend(rest.map(clean).filter(|command| known.insert(command.clone())).map(|command| (command, page.clone())));
         }
     }
     commands
@@ -291,7 +292,9 @@ fn every_documented_scene_is_valid() {
     let folder = Folder::new("scenes");
     folder.measured();
     // A scene of a page may lie over the twin that a command before it has left.
-    for (command, page) in commands().iter().filter(|(command, _)| command.starts_with("link sim:") && command.contains(" commission ")) {
+    for (command, page) in
+        commands().iter().filter(|(command, _)| command.starts_with("link sim:") && command.contains(" commission "))
+    {
         let (code, errors) = folder.run(&shlex::split(command).unwrap_or_default());
         assert_eq!(code, 0, "{page}: {command}\n{errors}");
     }

@@ -22,6 +22,7 @@ use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::terminal_plot::TerminalPlot;
 use report::{self, Axis, Figure, Marker, Report, Series, Style};
+use sim::provenance::Provenance;
 
 /// Points of a drawn loop.
 const PLACES: usize = 400;
@@ -97,7 +98,7 @@ impl Loop {
     }
 
     /// Writes the loop as SVG, PNG and CSV.
-    pub fn write(&self, dir: &Path) -> Result<(), LinkError> {
+    pub fn write(&self, dir: &Path, provenance: &Provenance) -> Result<(), LinkError> {
         let places = self.places();
         let of = |y: &[Complex64], name: &str, column: &str, style: Style| Series {
             name: name.into(),
@@ -150,7 +151,7 @@ impl Loop {
                 ..Figure::default()
             },
         ];
-        let footer = vec![("sim-host".into(), sim::VERSION.to_owned())];
+        let footer = provenance.footer();
         Ok(report::write(&Report { title: "Scan".into(), figures, footer, ..Report::default() }, dir)?)
     }
 }

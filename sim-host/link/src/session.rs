@@ -14,6 +14,7 @@ use crate::link_error::LinkError;
 use crate::parameter::{parameter, report};
 use crate::scale::Scale;
 use crate::words;
+use sim::provenance::Provenance;
 
 /// How often a message keeps the board from missing its host while that waits, s; at least, and at most.
 const KEEP_ALIVE: (f64, f64) = (2e-3, 0.2);
@@ -52,6 +53,8 @@ pub struct Session {
     pub last: Answer,
     /// What watches the session while it waits.
     pub live: Live,
+    /// Where the reports of this session come from.
+    pub provenance: Provenance,
     /// The scale of the board's codes, once it has been read.
     pub(super) scale: Option<Scale>,
 }
@@ -70,6 +73,7 @@ impl Session {
             streams: false,
             last: Answer::default(),
             live: Live::default(),
+            provenance: Provenance::default(),
             scale: None,
         };
         session.agree_on_host_timeout()?;

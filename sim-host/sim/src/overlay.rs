@@ -74,14 +74,14 @@ pub fn lay(mut figures: Vec<Figure>, overlays: &[Overlay], hz: Option<f64>) -> O
     for overlay in overlays {
         match figures.iter_mut().find_map(|figure| over(figure, overlay, hz)) {
             Some(residual) => residuals.push(residual),
-            None => not_drawn.push(not_drawn_because(&figures, overlay)),
+            None => not_drawn.push(not_drawn_because(&figures, overlay, hz)),
         }
     }
     Overlaid { figures, residuals, not_drawn }
 }
 
 /// Why a measured curve lies over none of these figures.
-fn not_drawn_because(figures: &[Figure], overlay: &Overlay) -> String {
+fn not_drawn_because(figures: &[Figure], overlay: &Overlay, hz: Option<f64>) -> String {
     let has = |figure: &&Figure| figure.series.iter().any(|series| series.csv_column == overlay.quantity);
     let named = overlay.figure.as_ref().filter(|id| figures.iter().all(|figure| figure.id != **id));
     let why = match (named, figures.iter().find(has)) {
@@ -89,12 +89,20 @@ fn not_drawn_because(figures: &[Figure], overlay: &Overlay) -> String {
         (None, None) => format!("no figure of this run has the curve `{}`", overlay.quantity),
         (None, Some(figure)) if figure.map.is_some() => format!("the figure `{}` is a map", figure.id),
         (None, Some(figure)) => {
-            let axis = &figure.x.label;
-            format!(
-                "the figure `{}` is along {axis}, and the points along {}",
-                figure.id,
-                overlay.x_unit.as_deref().unwrap_or("a number")
-            )
+            let (id, axis) = (&figure.id, &figure.x.label);
+            let simulated = figure.series.iter().find(|series| series.csv_column == overlay.quantity);
+            match (places(figure, overlay, hz).and_then(|x| ends(&x)), simulated.and_then(|series| ends(&series.x))) {
+                (Some((from, to)), Some((least, most))) => {
+                    let [from, to, least, most] = [from, to, least, most].map(number);
+                    format!(
+                        "its points are from {from} to {to}, and the curve of the figure `{id}` is from {least} to {most}, {axis}"
+                    )
+                }
+                _ => format!(
+                    "the figure `{id}` is along {axis}, and the points along {}",
+                    overlay.x_unit.as_deref().unwrap_or("a number")
+                ),
+            }
         }
     };
     let ids: Vec<String> = figures.iter().map(|figure| format!("`{}`", figure.id)).collect();
@@ -106,14 +114,7 @@ fn over(figure: &mut Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Resid
     if figure.map.is_some() || !overlay.lies_over(&figure.id, figure.series.iter().map(|series| series.csv_column.as_str())) {
         return None;
     }
-    let label = &figure.x.label;
-    let axis = label.rsplit_once('[').and_then(|(_, rest)| rest.split(']').next());
-    let x: Vec<f64> = match (axis, hz) {
-        (Some("periods of the excitation"), Some(hz)) => {
-            overlay.along(Some("s"))?.into_iter().map(|time_s| hz * time_s).collect()
-        }
-        _ => overlay.along(axis)?,
-    };
+    let x = places(figure, overlay, hz)?;
     let mut points: Vec<(f64, f64)> = x.into_iter().zip(overlay.values.iter().copied()).collect();
     if figure.interactive {
         // A plot that can be zoomed needs them in order.
@@ -121,6 +122,8 @@ fn over(figure: &mut Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Resid
     }
     let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
     let simulated = figure.series.iter().find(|series| series.csv_column == overlay.quantity)?;
+    let within = ends(&simulated.x).filter(|(least, most)| x.iter().any(|x| (least..=most).contains(&x)));
+    let (least, most) = within?;
     let residual = residual(simulated, &x, &y).map(|(points, rms, largest)| Residual {
         name: overlay.legend(),
         figure: figure.id.clone(),
@@ -130,13 +133,7 @@ fn over(figure: &mut Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Resid
         largest,
     });
     // A long record does not make the run a small part of its own figure.
-    let ends = simulated
-        .x
-        .iter()
-        .copied()
-        .filter(|x| x.is_finite())
-        .fold(None, |ends: Option<(f64, f64)>, x| Some(ends.map_or((x, x), |(least, most)| (least.min(x), most.max(x)))));
-    if let Some((least, most)) = ends.filter(|(least, most)| x.iter().any(|x| x < least || x > most)) {
+    if x.iter().any(|x| *x < least || *x > most) {
         figure.x.range.get_or_insert((least, most));
     }
     let csv_column = format!("{MEASURED}{}", overlay.quantity);
@@ -150,6 +147,23 @@ fn over(figure: &mut Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Resid
         rms: f64::NAN,
         largest: f64::NAN,
     }))
+}
+
+/// The measured points along the axis of a figure; none where they are along another quantity.
+fn places(figure: &Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Vec<f64>> {
+    let axis = figure.x.label.rsplit_once('[').and_then(|(_, rest)| rest.split(']').next());
+    match (axis, hz) {
+        (Some("periods of the excitation"), Some(hz)) => {
+            Some(overlay.along(Some("s"))?.into_iter().map(|time_s| hz * time_s).collect())
+        }
+        _ => overlay.along(axis),
+    }
+}
+
+/// The least and the largest place, if there are any.
+fn ends(places: &[f64]) -> Option<(f64, f64)> {
+    let finite = places.iter().copied().filter(|x| x.is_finite());
+    finite.fold(None, |ends: Option<(f64, f64)>, x| Some(ends.map_or((x, x), |(least, most)| (least.min(x), most.max(x)))))
 }
 
 /// Number of points, root mean square and largest difference; none where the curve goes back along its axis, or no point is within its ends.

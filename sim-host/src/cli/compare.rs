@@ -6,13 +6,14 @@ use std::process::ExitCode;
 use clap::Args;
 use serde_json::json;
 
-use super::{Color, DrawingArgs, EXPECTATION_MISSED, Format, USAGE};
+use super::{Color, DrawingArgs, EXPECTATION_MISSED, Format, ResultArgs, USAGE};
 use report::Report;
 use sim::compare::{CompareError, Comparison, Side, Tolerances};
 use sim::output::OutputError;
 
 /// Arguments of the command.
 #[derive(Args)]
+#[command(mut_arg("output", |arg| arg.help("Folder for a report, with the figures that both have laid over each other")))]
 pub(super) struct CompareArgs {
     /// The folder of a run, or a CSV of measured metrics with the columns metric, value and sd.
     a: PathBuf,
@@ -25,14 +26,10 @@ pub(super) struct CompareArgs {
     /// Compare these metrics only, and miss them where they are not there.
     #[arg(long = "metric", value_name = "METRIC,…", value_delimiter = ',')]
     metrics: Vec<String>,
-    /// Folder for a report, with the figures that both have laid over each other.
-    #[arg(short, long = "output", value_name = "DIR")]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    result: ResultArgs,
     #[command(flatten)]
     drawing: DrawingArgs,
-    /// What to print on standard output.
-    #[arg(long, value_enum, default_value_t = Format::Human)]
-    format: Format,
 }
 
 /// Compares, prints, and says by the exit code whether all is within its tolerance.
@@ -44,7 +41,7 @@ pub(super) fn run(args: &CompareArgs, color: Color) -> anyhow::Result<ExitCode> 
             return Ok(ExitCode::from(USAGE));
         }
     };
-    if let Some(dir) = &args.output {
+    if let Some(dir) = &args.result.output {
         let folder = match super::open(Some(dir))? {
             Ok(Some(folder)) => folder,
             Ok(None) => return Ok(ExitCode::SUCCESS),
@@ -59,11 +56,11 @@ pub(super) fn run(args: &CompareArgs, color: Color) -> anyhow::Result<ExitCode> 
         (manifest["command"], manifest["complete"]) = (json!("compare"), json!(true));
         folder.finish(manifest)?;
     }
-    super::print(&match args.format {
+    super::print(&match args.result.format {
         Format::Human => compared.table().terminal(color.stdout),
         Format::Json => format!("{:#}\n", compared.json()),
     })?;
-    if let Some(dir) = &args.output {
+    if let Some(dir) = args.result.output.as_ref().filter(|_| !args.result.quiet) {
         say!("report: {}", dir.join("report.html").display());
     }
     Ok(if compared.holds() { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })

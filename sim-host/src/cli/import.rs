@@ -8,7 +8,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
 
-use super::{Color, Format, INVALID_INPUT, USAGE, print};
+use super::{Color, Format, INVALID_INPUT, ReportArgs, USAGE, print};
 use ::import::admittance::coordinate::Topology;
 use ::import::admittance::options::Options;
 use ::import::admittance::{self, MOST_MODES};
@@ -36,24 +36,15 @@ enum What {
 
 /// What every import has.
 #[derive(Args)]
+#[command(mut_arg("output", |arg| arg.help("Folder for report, figures and scene, in place of the result that it holds. Default: `out/` and the name of the file")))]
 struct Common {
     /// The measured file.
     file: PathBuf,
     /// Names of a table's columns, in place of its heading, as `"f [Hz], |Z| [ohm], theta [deg]"`.
     #[arg(long, value_name = "NAMES")]
     columns: Option<String>,
-    /// Folder for report, figures and scene, in place of the result that it holds. Default: `out/` and the name of the file.
-    #[arg(short, long = "output", value_name = "DIR")]
-    output: Option<PathBuf>,
-    /// What to print on standard output.
-    #[arg(long, value_enum, default_value_t = Format::Human)]
-    format: Format,
-    /// Write no files.
-    #[arg(long)]
-    no_report: bool,
-    /// Say nothing but the result.
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    report: ReportArgs,
 }
 
 #[derive(Args)]
@@ -214,7 +205,7 @@ fn finish<T>(
         Ok(found) => shown(found, source),
         Err(error) => return Ok(refused(&common.file, &error)),
     };
-    let dir = (!common.no_report).then(|| common.output.clone().unwrap_or_else(|| Path::new("out").join(&stem)));
+    let dir = common.report.dir(|| Path::new("out").join(&stem));
     let folder = match super::open(dir.as_deref())? {
         Ok(folder) => folder,
         Err(code) => return Ok(code),
@@ -226,7 +217,7 @@ fn finish<T>(
         write(folder, &found, scene.as_deref().map(|text| (name.as_str(), text)))?;
         written = scene.is_some().then(|| dir.join(&name).display().to_string());
     }
-    match common.format {
+    match common.report.result.format {
         Format::Json => print(&format!("{:#}\n", with_scene(&found.json, written.as_deref())))?,
         Format::Human => {
             let tables: String = found.report.tables.iter().map(|table| table.terminal(color.stdout)).collect();
@@ -234,7 +225,7 @@ fn finish<T>(
             print(&format!("{}\n\n{tables}{notes}", found.report.title))?
         }
     };
-    if let Some(dir) = dir.filter(|_| !common.quiet) {
+    if let Some(dir) = dir.filter(|_| !common.report.result.quiet) {
         say!("report: {}", dir.join("report.html").display());
         if let Some(scene) = &written {
             say!("scene: {scene}, to be run by `sim-host run {scene}`");

@@ -14,7 +14,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::{Args, Subcommand};
 use serde_json::Value;
 
-use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, interrupts, with_scene_on};
+use super::run::times;
+use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, interrupts, provenance, with_scene_on};
 use link::answer::{Answer, failure};
 use link::client::Client;
 use link::commands::{Order, amount, monitor, seconds, update};
@@ -56,7 +57,7 @@ pub(super) struct LinkArgs {
     #[arg(long, value_name = "ELF", global = true)]
     image: Option<PathBuf>,
     /// Of board:SCENE: let the block interrupt take a part of its time only, as if the processor were so many times as fast there.
-    #[arg(long, value_name = "X", global = true, value_parser = super::times)]
+    #[arg(long, value_name = "X", global = true, value_parser = times)]
     board_speed: Option<f64>,
     /// Of board:SCENE: the board has a first stage, and the image runs in the slot behind it, so that it can be updated.
     #[arg(long, global = true)]
@@ -185,6 +186,7 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>) -> Result<(), LinkError> {
     let client = Client::new(port, &STOP, note);
     let mut session = Session::begin(client, SessionOptions { host_timeout_s: args.host_timeout, stay: args.stay })?;
     session.live = live(args.format);
+    session.provenance = provenance();
     let done = match (&args.order, script) {
         (LinkOrder::Order(order), _) => one(order, args, &mut session),
         (LinkOrder::Wait { time }, _) => {

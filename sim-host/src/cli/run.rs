@@ -5,11 +5,12 @@ use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context;
+use clap::Args;
 
 use super::progress::Progress;
 use super::{
-    Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, interrupts, invalid, junit,
-    with_scene_on,
+    Color, DrawingArgs, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, ReportArgs, SceneArgs, USAGE, interrupts,
+    invalid, junit, with_scene_on,
 };
 use link::modelled_board::record;
 use pil::{self, PilError, Qemu};
@@ -24,6 +25,61 @@ use sim::{output, tables};
 
 /// Set by Ctrl-C, and by any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
+
+/// The scene that runs if none is named.
+const FLAGSHIP: &str = "experiment-1";
+/// What the folder of a run holds.
+const FOLDER: &str = "Folder for manifest, summary, trace, report and figures, in place of the run that it holds; other files in it stay. Default: `out/SCENE`, with `-run-R`, `-pil` or `-board` behind";
+
+/// Arguments of the command.
+#[derive(Args, Default)]
+#[command(mut_arg("output", |arg| arg.help(FOLDER)))]
+pub(super) struct RunArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Seed of all noise; the same as `--set seed=N`.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Of a scene with several `runs`: only this one of them, from 1, with its full report.
+    #[arg(long, value_name = "R")]
+    run: Option<u32>,
+    #[command(flatten)]
+    report: ReportArgs,
+    /// Write the expectations as JUnit test cases, for CI.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    #[command(flatten)]
+    drawing: DrawingArgs,
+    /// Run the controller as thumb code in QEMU, in lockstep with the same plant.
+    #[arg(long)]
+    pil: bool,
+    /// Run the image that is flashed, on a model of its part, and replay what its controller saw. Without a file the image is built from the present
+    /// source.
+    #[arg(long, value_name = "ELF", num_args = 0..=1, require_equals = true, conflicts_with = "pil")]
+    board: Option<Option<PathBuf>>,
+    /// With --board: let the block interrupt take a part of its time only, as if the processor were so many times as fast there.
+    #[arg(long, value_name = "X", requires = "board", value_parser = times)]
+    board_speed: Option<f64>,
+    /// With --board: what each function takes of the block interrupt.
+    #[arg(long, requires = "board")]
+    profile: bool,
+    /// Say more: all metrics, and the modes that the controller goes through.
+    #[arg(short, long)]
+    verbose: bool,
+}
+
+/// How many times as fast a processor is.
+pub(super) fn times(text: &str) -> Result<f64, String> {
+    let times = text.parse::<f64>().ok().filter(|times| (0.01..=100.0).contains(times));
+    times.ok_or_else(|| "must be from 0.01 to 100".to_owned())
+}
+
+impl RunArgs {
+    /// Those of a program that is started without any.
+    pub(super) fn of_flagship() -> Self {
+        RunArgs { scene: SceneArgs { scene: FLAGSHIP.into(), sets: Vec::new() }, ..Self::default() }
+    }
+}
 
 /// Runs a scene and says how it went.
 pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<ExitCode> {
@@ -64,7 +120,7 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     };
     let run = args.run.map_or_else(String::new, |number| format!("-run-{number}"));
     let default_dir = || PathBuf::from("out").join(format!("{}{run}{}", loaded.name, image.as_ref().map_or("", Image::ending)));
-    let dir = (!args.no_report).then(|| args.output.clone().unwrap_or_else(default_dir));
+    let dir = args.report.dir(default_dir);
     // Before a run that may take long.
     let folder = match super::open(dir.as_deref())? {
         Ok(folder) => folder,
@@ -72,7 +128,7 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     };
     let start = image.as_ref().map(|image| move |scene: &Driven| image.start(scene));
     let start = start.as_ref().zip(image.as_ref()).map(|(start, image)| Start { level: image.level(), processor: start });
-    let mut progress = Progress::new(loaded.scene.duration_s, loaded.scene.runs, args.quiet);
+    let mut progress = Progress::new(loaded.scene.duration_s, loaded.scene.runs, args.report.result.quiet);
     let report = &mut |reached| progress.at(reached);
     let options = Options { start, stop: Some(&STOP), progress: Some(report), clock: Some(super::clock) };
     let study = study::run(loaded, options);
@@ -94,11 +150,14 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     if let Some(path) = &args.junit {
         junit::write(&study, path).with_context(|| format!("cannot write `{}`", path.display()))?;
     }
-    super::print(&match args.format {
+    if matches!(args.report.result.format, Format::Json) {
+        tables::not_drawn(&study).iter().for_each(|said| say!("warning: {said}"));
+    }
+    super::print(&match args.report.result.format {
         Format::Human => human(&study, args, color),
         Format::Json => format!("{:#}\n", output::printed(&study)),
     })?;
-    if let Some(dir) = dir.filter(|_| !args.quiet) {
+    if let Some(dir) = dir.filter(|_| !args.report.result.quiet) {
         say!("report: {}", dir.join("report.html").display());
     }
     Ok(if study.interrupted {

@@ -9,7 +9,7 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use super::{Color, DrawingArgs, Format, USAGE, print};
+use super::{Color, DrawingArgs, Format, ReportArgs, USAGE, print};
 use import::signal::spectrogram::{Asked, Method, Spectrogram};
 use import::signal::{Choice, Signal};
 use report::Report;
@@ -17,6 +17,7 @@ use sim::output::npy;
 
 /// Arguments of the command.
 #[derive(Args)]
+#[command(mut_arg("output", |arg| arg.help("Folder for report, figure, CSV and NPY. Default: `out/FILE-METHOD`")))]
 pub(super) struct SpectrumArgs {
     /// A trace, a link capture, or any table: CSV or other delimited text, NPY, Parquet.
     file: PathBuf,
@@ -51,20 +52,10 @@ pub(super) struct SpectrumArgs {
     /// samples.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     smooth_s: Option<f64>,
-    /// Folder for report, figure, CSV and NPY. Default: `out/FILE-METHOD`.
-    #[arg(short, long = "output", value_name = "DIR")]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    report: ReportArgs,
     #[command(flatten)]
     drawing: DrawingArgs,
-    /// What to print on standard output.
-    #[arg(long, value_enum, default_value_t = Format::Human)]
-    format: Format,
-    /// Write no files.
-    #[arg(long)]
-    no_report: bool,
-    /// Say nothing but the result.
-    #[arg(short, long)]
-    quiet: bool,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -127,8 +118,7 @@ pub(super) fn run(args: &SpectrumArgs, color: Color) -> anyhow::Result<ExitCode>
     };
     let source = args.file.display().to_string();
     let stem = args.file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let dir = (!args.no_report)
-        .then(|| args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{stem}-{}", found.method))));
+    let dir = args.report.dir(|| PathBuf::from("out").join(format!("{stem}-{}", found.method)));
     let folder = match super::open(dir.as_deref())? {
         Ok(folder) => folder,
         Err(code) => return Ok(code),
@@ -139,11 +129,11 @@ pub(super) fn run(args: &SpectrumArgs, color: Color) -> anyhow::Result<ExitCode>
             "program": "sim-host", "version": sim::VERSION, "command": "spectrum", "spectrum": found.json(&source), "complete": true,
         }))?;
     }
-    match args.format {
+    match args.report.result.format {
         Format::Human => print(&found.table(&source).terminal(color.stdout))?,
         Format::Json => print(&format!("{:#}\n", found.json(&source)))?,
     };
-    if let Some(dir) = dir.filter(|_| !args.quiet) {
+    if let Some(dir) = dir.filter(|_| !args.report.result.quiet) {
         say!("report: {}", dir.join("report.html").display());
     }
     Ok(ExitCode::SUCCESS)

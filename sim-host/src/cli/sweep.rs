@@ -12,7 +12,7 @@ use clap::Args;
 use serde_json::json;
 
 use self::progress::Progress;
-use super::{Color, DrawingArgs, Format, INTERRUPTED, RUN_FAILED, SceneArgs, USAGE, interrupts, invalid, with_scene};
+use super::{Color, DrawingArgs, Format, INTERRUPTED, RUN_FAILED, ResultArgs, SceneArgs, USAGE, interrupts, invalid, with_scene};
 use scene::load::Loaded;
 use sim::output::sweep::{FolderError, Joined, Shard, SweepFolder, join};
 use sim::study::sweep::design::Design;
@@ -29,7 +29,8 @@ const ALL: &str = "all";
 #[derive(Args)]
 #[command(override_usage = "sim-host sweep [plan] <SCENE> --over <KEY=START:STOP:N[:log]>… [OPTIONS]\n       \
                             sim-host sweep [plan] <SCENE> --sample sobol:<N> --over <KEY=LEAST:MOST[:log]>… [OPTIONS]\n       \
-                            sim-host sweep [plan] <SCENE> --points <FILE> [OPTIONS]")]
+                            sim-host sweep [plan] <SCENE> --points <FILE> [OPTIONS]",
+          mut_arg("output", |arg| arg.help("Folder of the sweep. The same command again goes on where the sweep in it was left. Default: `out/SCENE-sweep`")))]
 pub(super) struct SweepArgs {
     /// A built-in scene's name, a TOML file, or `-` for standard input. With `plan` before it nothing is written: only how many points there are, and
     /// what they take.
@@ -52,9 +53,8 @@ pub(super) struct SweepArgs {
     /// The metrics of each point, or `all` that it has (`sim-host explain` lists them).
     #[arg(long, value_name = "A,B|all", value_delimiter = ',', default_value = ALL)]
     metric: Vec<String>,
-    /// Folder of the sweep. The same command again goes on where the sweep in it was left. Default: `out/SCENE-sweep`.
-    #[arg(short, long = "output", value_name = "DIR")]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    result: ResultArgs,
     /// How many points to run at the same time. Default: as many as there are processors.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
@@ -63,30 +63,18 @@ pub(super) struct SweepArgs {
     shard: Shard,
     #[command(flatten)]
     drawing: DrawingArgs,
-    /// What to print on standard output.
-    #[arg(long, value_enum, default_value_t = Format::Human)]
-    format: Format,
-    /// Say nothing but the result.
-    #[arg(short, long)]
-    quiet: bool,
 }
 
 #[derive(Args)]
+#[command(mut_arg("output", |arg| arg.help("Where to put the result. Default: the first folder")))]
 pub(super) struct MergeArgs {
     /// The folders of all shards of a sweep.
     #[arg(value_name = "DIR", required = true)]
     dirs: Vec<PathBuf>,
-    /// Where to put the result. Default: the first folder.
-    #[arg(short, long = "output", value_name = "DIR")]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    result: ResultArgs,
     #[command(flatten)]
     drawing: DrawingArgs,
-    /// What to print on standard output.
-    #[arg(long, value_enum, default_value_t = Format::Human)]
-    format: Format,
-    /// Say nothing but the result.
-    #[arg(short, long)]
-    quiet: bool,
 }
 
 /// Runs a sweep, or goes on with it.
@@ -103,7 +91,7 @@ pub(super) fn run(args: &SweepArgs, color: Color) -> anyhow::Result<ExitCode> {
     with_scene(&SceneArgs { scene: scene.clone(), sets: args.sets.clone() }, color, |loaded| {
         let made = design(args).and_then(|design| Sweep::new(loaded, design, &metrics(args)));
         match made {
-            Ok(sweep) if plan => estimate::run(&sweep, args.shard, args.format),
+            Ok(sweep) if plan => estimate::run(&sweep, args.shard, args.result.format),
             Ok(sweep) => {
                 // Not before the scene is read, which may come from a pipe that never ends.
                 interrupts::set(&STOP)?;
@@ -144,14 +132,14 @@ fn metrics(args: &SweepArgs) -> Vec<String> {
 }
 
 fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) -> anyhow::Result<ExitCode> {
-    let dir = args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{}-sweep", loaded.name)));
+    let dir = args.result.output.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{}-sweep", loaded.name)));
     let run = || -> Result<Option<Option<Joined>>, FolderError> {
         let folder = SweepFolder::open(&dir, sweep, args.shard)?;
         let (whole, left) = (args.shard.count(sweep.design.count()), folder.left()?);
-        if left < whole && !args.quiet {
+        if left < whole && !args.result.quiet {
             say!("{}: {} of {whole} points are there already", dir.display(), whole - left);
         }
-        let progress = Progress::new(left, args.quiet);
+        let progress = Progress::new(left, args.result.quiet);
         let complete = folder.run(sweep, &STOP, &|| progress.point())?;
         drop(progress);
         if !complete {
@@ -170,28 +158,28 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
     match run() {
         Ok(None) => Ok(ExitCode::from(INTERRUPTED)),
         Ok(Some(None)) => {
-            if !args.quiet {
+            if !args.result.quiet {
                 say!("shard {} is complete; when all are, `sim-host merge` joins their folders", args.shard);
             }
             Ok(ExitCode::SUCCESS)
         }
-        Ok(Some(Some(joined))) => show(&joined, &dir, args.format, args.quiet, color),
+        Ok(Some(Some(joined))) => show(&joined, &dir, &args.result, color),
         Err(error) => Ok(failed(&error)),
     }
 }
 
 /// Joins the shards of a sweep.
 pub(super) fn merge(args: &MergeArgs, color: Color) -> anyhow::Result<ExitCode> {
-    let target = args.output.as_ref().unwrap_or(&args.dirs[0]);
+    let target = args.result.output.as_ref().unwrap_or(&args.dirs[0]);
     match join(&args.dirs, target, &args.drawing.presentation()) {
-        Ok(joined) => show(&joined, target, args.format, args.quiet, color),
+        Ok(joined) => show(&joined, target, &args.result, color),
         Err(error) => Ok(failed(&error)),
     }
 }
 
 /// Prints the result of a whole sweep.
-fn show(joined: &Joined, dir: &Path, format: Format, quiet: bool, color: Color) -> anyhow::Result<ExitCode> {
-    super::print(&match format {
+fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow::Result<ExitCode> {
+    super::print(&match shown.format {
         Format::Human => joined.tables.iter().map(|table| table.terminal(color.stdout)).collect(),
         Format::Json => {
             let json = json!({ "points": joined.points, "failures": joined.failures, "absent": joined.absent, "dir": dir, "complete": true });
@@ -204,7 +192,7 @@ fn show(joined: &Joined, dir: &Path, format: Format, quiet: bool, color: Color) 
     if !joined.absent.is_empty() {
         say!("no point has {}: it has no meaning in such a scene", joined.absent.join(", "));
     }
-    if !quiet {
+    if !shown.quiet {
         say!("report: {}", joined.page.display());
     }
     Ok(if joined.failures == joined.points { ExitCode::from(RUN_FAILED) } else { ExitCode::SUCCESS })

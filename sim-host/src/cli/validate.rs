@@ -9,7 +9,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::Context;
 use clap::Args;
 
-use super::{Color, EXIT_CODES, EXPECTATION_MISSED, Format, INTERRUPTED, RUN_FAILED, USAGE, interrupts, invalid, print};
+use super::{
+    Color, EXIT_CODES, EXPECTATION_MISSED, Format, INTERRUPTED, RUN_FAILED, ReportArgs, USAGE, interrupts, invalid, print,
+};
 use proof::bench::{BENCHES, Bench, named};
 use proof::evidence::{Error, Evidence, Options, run_suite};
 use proof::precision::instructions::run_alone;
@@ -26,6 +28,7 @@ static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Arguments of the command.
 #[derive(Args)]
+#[command(mut_arg("output", |arg| arg.help("Folder for tables and figures; of all benches, for a folder of each. Default: `out/BENCH`")))]
 pub(super) struct ValidateArgs {
     /// A bench, or a suite of your own as TOML file; `show BENCH` prints a built-in suite, to be copied. Without any, all benches run.
     #[arg(value_name = "BENCH|FILE")]
@@ -46,18 +49,8 @@ pub(super) struct ValidateArgs {
     /// Print the tables as Markdown, as the documentation has them.
     #[arg(long)]
     markdown: bool,
-    /// Folder for tables and figures; of all benches, for a folder of each. Default: `out/BENCH`.
-    #[arg(short, long = "output", value_name = "DIR")]
-    output: Option<PathBuf>,
-    /// What to print on standard output.
-    #[arg(long, value_enum, default_value_t = Format::Human)]
-    format: Format,
-    /// Write no files.
-    #[arg(long)]
-    no_report: bool,
-    /// Say nothing but the result.
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    report: ReportArgs,
     /// Do not count the instructions of the methods (`precision`), even if valgrind is there.
     #[arg(long)]
     no_count: bool,
@@ -102,7 +95,7 @@ pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode>
             Err(error) => Ok(invalid(&error, color)),
         },
         [name] => match named(name) {
-            Some(bench) => one(bench, args.output.clone(), args, color),
+            Some(bench) => one(bench, args.report.result.output.clone(), args, color),
             None => Ok(unknown(name, "neither a bench nor a TOML file", BENCHES.iter())),
         },
         _ => {
@@ -124,7 +117,7 @@ fn all(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
     let mut failed = None;
     for bench in &BENCHES {
         say!("validate {}", bench.name);
-        let dir = args.output.as_ref().map(|dir| dir.join(bench.name));
+        let dir = args.report.result.output.as_ref().map(|dir| dir.join(bench.name));
         let code = one(bench, dir, args, color)?;
         failed = failed.or((code != ExitCode::SUCCESS).then_some(code));
         if STOP.load(Ordering::Relaxed) {
@@ -151,7 +144,7 @@ fn suite(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Res
     if args.list {
         return print(&cases(loaded));
     }
-    let what = What { name: &loaded.name, dir: args.output.clone(), is_suite: true, counted: None };
+    let what = What { name: &loaded.name, dir: args.report.result.output.clone(), is_suite: true, counted: None };
     evidence(&what, args, color, |options| run_suite(loaded, options, |_, _| Ok(())))
 }
 
@@ -175,7 +168,7 @@ fn evidence(
     color: Color,
     run: impl FnOnce(&mut Options) -> Result<Evidence, Error>,
 ) -> anyhow::Result<ExitCode> {
-    let dir = (!args.no_report).then(|| what.dir.clone().unwrap_or_else(|| Path::new("out").join(what.name)));
+    let dir = (!args.report.no_report).then(|| what.dir.clone().unwrap_or_else(|| Path::new("out").join(what.name)));
     let folder = match super::open(dir.as_deref())? {
         Ok(folder) => folder,
         Err(code) => return Ok(code),
@@ -185,7 +178,7 @@ fn evidence(
         if !what.is_suite && STOP.load(Ordering::Relaxed) {
             std::process::exit(INTERRUPTED.into());
         }
-        if !args.quiet {
+        if !args.report.result.quiet {
             say!("{next}");
         }
     };
@@ -207,12 +200,12 @@ fn evidence(
     };
     if let (Some(dir), Some(folder)) = (dir, folder) {
         write(&evidence, what.name, args.quick, &folder)?;
-        if !args.quiet {
+        if !args.report.result.quiet {
             say!("report: {}", dir.join("report.html").display());
         }
     }
     let tables = evidence.printed.as_ref().unwrap_or(&evidence.report.tables);
-    print(&match args.format {
+    print(&match args.report.result.format {
         Format::Json => format!("{:#}\n", evidence.json()),
         Format::Human if args.markdown => report::markdown(&evidence.docs),
         Format::Human => tables.iter().map(|table| table.terminal(color.stdout)).collect(),

@@ -96,3 +96,30 @@ fn a_curve_lies_over_a_contact_study() {
     let refused = sim_host(&["check", &axis]);
     assert!(code(&refused) == 3 && stderr(&refused).contains("the points are along um"), "{}", stderr(&refused));
 }
+
+#[test]
+fn a_curve_that_a_run_cannot_show_is_named() {
+    let folder = Folder::new("overlay-missing");
+    folder.write("time.csv", "t [us],F [N]\n3310,0.1\n3320,0.15\n");
+    let over = "[[overlay]]\nquantity = \"friction_n\"\nfile = \"time.csv\"\nname = \"the rig\"\n";
+    let scene = folder.write("a.toml", &format!("base = \"contact-kinematic\"\ntitle = \"closed\"\n\n{over}"));
+    let out = format!("{}/out", folder.text());
+    let run = sim_host(&["run", &scene, "-o", &out, "--format", "json"]);
+    let why = "The curve `the rig` is not drawn and not compared: no figure of this run has the curve `friction_n`.";
+    assert!(code(&run) == 0 && stderr(&run).contains(&format!("warning: {why}")), "{}", stderr(&run));
+    assert!(stderr(&run).contains("`--set integrator.method=linexp`"), "{}", stderr(&run));
+    for file in ["summary.json", "manifest.json"] {
+        let json: Value = serde_json::from_str(&folder.read(&format!("out/{file}"))).expect("JSON");
+        assert!(json["overlays_not_drawn"][0].as_str().is_some_and(|said| said.starts_with(why)), "{json}");
+    }
+    assert!(folder.read("out/report.html").contains("is not drawn and not compared"));
+    // In steps it goes through the moments, and the remark is none.
+    let steps = sim_host(&["run", &scene, "--no-report", "--format", "json", "--set", "integrator.method=linexp"]);
+    let json: Value = serde_json::from_str(&stdout(&steps)).unwrap_or_else(|_| panic!("{}", stderr(&steps)));
+    assert!(json["metrics"]["overlay_rms_n"].is_number() && json["overlays_not_drawn"].is_null(), "{json}");
+    // Figures of several runs are over no moments of one of them.
+    let many = ["integrator.method=linexp", "runs=2", "vary.0.key=contact.dahl.mu", "vary.0.spread=0.1", "expect=[]"];
+    let many: Vec<&str> = many.into_iter().flat_map(|set| ["--set", set]).collect();
+    let many = sim_host(&[&["run", &scene, "--no-report"], &many[..]].concat());
+    assert!(stdout(&many).contains("Figures of several runs are of all of them"), "{}{}", stdout(&many), stderr(&many));
+}

@@ -77,7 +77,8 @@ pub fn chosen<W: FnMut(&State)>(
         }
         Law::Lugre { .. } => {
             let stable = stable_steps(problem);
-            let located = format!("LuGre friction, stable from {:.0} steps on: Runge-Kutta with located reversals", stable.ceil().max(1.0));
+            let located =
+                format!("LuGre friction, stable from {:.0} steps on: Runge-Kutta with located reversals", stable.ceil().max(1.0));
             let bounded = format!("stiff bristles, kappa {kappa:.0}: friction exact in slip at the midpoint");
             let (located, bounded) = ((Method::Rk4Events, located), (Method::Midpoint, bounded));
             match stable > MANY_STEPS {

@@ -16,6 +16,7 @@ use crate::scale::Scale;
 use crate::session::Session;
 use report::{self, Axis, Figure, Report, Series, Span};
 use sim::output::Folder;
+use sim::provenance::Provenance;
 
 /// Arguments of the command.
 #[derive(Args, Clone, Debug)]
@@ -117,7 +118,8 @@ pub fn run(args: &CaptureArgs, session: &mut Session) -> Result<Answer, LinkErro
         .field("peak_current_a", amperes)
         .field("peak_drive_v", drive);
     if let (Some(dir), Some(folder)) = (&args.output, &folder) {
-        session.meanwhile(|| write(&captured, &scale, folder))??;
+        let provenance = session.provenance.clone();
+        session.meanwhile(|| write(&captured, &scale, folder, &provenance))??;
         answer = answer
             .line(format!("written: {}", dir.join("capture.csv").display()))
             .field("csv", dir.join("capture.csv").to_string_lossy());
@@ -166,7 +168,7 @@ pub fn fetch(within: Duration, session: &mut Session) -> Result<Captured, LinkEr
 }
 
 /// Writes codes and SI units, and draws them.
-fn write(captured: &Captured, scale: &Scale, folder: &Folder) -> Result<(), LinkError> {
+fn write(captured: &Captured, scale: &Scale, folder: &Folder, provenance: &Provenance) -> Result<(), LinkError> {
     let dir = folder.unfinished();
     let path = dir.join("capture.csv");
     let time_s: Vec<f64> =
@@ -215,7 +217,7 @@ fn write(captured: &Captured, scale: &Scale, folder: &Folder) -> Result<(), Link
             figure("capture_voltage", "Voltage and drive", "voltage [V]", voltages),
             figure("capture_current", "Current", "current [A]", currents),
         ],
-        footer: vec![("sim-host".into(), sim::VERSION.to_owned())],
+        footer: provenance.footer(),
         ..Report::default()
     };
     report::write(&page, dir)?;

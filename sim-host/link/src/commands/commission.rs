@@ -122,7 +122,7 @@ pub fn run(args: &CommissionArgs, session: &mut Session) -> Result<Answer, LinkE
     let done = commission(args, &mut board, session);
     let done = done.and_then(|found| {
         if let (Some(dir), Some(folder)) = (&args.output, &folder) {
-            output::write(&found, folder, dir)?;
+            output::write(&found, folder, dir, &session.provenance)?;
         }
         if args.yes {
             board.finish(&found.proposal.settings(), session)?;

@@ -58,7 +58,7 @@ pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> 
     let answer = drawn.compared(answer);
     let answer = match (&args.output, &folder) {
         (Some(dir), Some(folder)) => {
-            drawn.write(folder.unfinished())?;
+            drawn.write(folder.unfinished(), &session.provenance)?;
             folder.finish(manifest("scan"))?;
             answer.line(format!("written: {}", dir.join("admittance.svg").display()))
         }

@@ -12,6 +12,7 @@ use crate::parameter::{parameter, shown};
 use report::{self, Axis, Figure, Marker, Report, Series, Style, TableBlock};
 use sim::advice::table::tables;
 use sim::output::Folder;
+use sim::provenance::Provenance;
 
 /// Each proposed setting, its value, and what it is worth.
 pub fn worth(found: &Commissioned) -> Vec<[String; 3]> {
@@ -58,13 +59,13 @@ fn settings(found: &Commissioned) -> String {
 }
 
 /// Writes all files into the folder.
-pub fn write(found: &Commissioned, folder: &Folder, dir: &Path) -> Result<(), LinkError> {
+pub fn write(found: &Commissioned, folder: &Folder, dir: &Path, provenance: &Provenance) -> Result<(), LinkError> {
     let at = folder.unfinished();
     let file =
         |name: &str, text: &str| fs::write(at.join(name), text).map_err(|io| LinkError::Write { path: dir.join(name), io });
     file("settings.txt", &settings(found))?;
     file("twin.toml", &found.twin)?;
-    report::write(&page(found), at)?;
+    report::write(&Report { footer: provenance.footer(), ..page(found) }, at)?;
     folder.finish(manifest("commission"))?;
     Ok(())
 }
@@ -136,7 +137,6 @@ fn page(found: &Commissioned) -> Report {
         subtitle: format!("Band {:.0} to {:.0} Hz", found.band.low_hz, found.band.high_hz),
         tables: [vec![modes, proposed, tested], tables(&found.advice)].concat(),
         figures: vec![figure],
-        footer: vec![("sim-host".into(), sim::VERSION.to_owned())],
         ..Report::default()
     }
 }

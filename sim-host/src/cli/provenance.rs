@@ -1,0 +1,45 @@
+//! Where what this process writes comes from: the command, the commit, the date.
+
+use sim::provenance::{Provenance, command_line};
+
+/// The commit that the program was built from, with `+` where files had been changed since.
+const COMMIT: Option<&str> = option_env!("SIM_HOST_COMMIT");
+
+/// Where what this process writes comes from.
+pub(super) fn provenance() -> Provenance {
+    let arguments: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let words = std::iter::once("sim-host").chain(anywhere(&arguments));
+    // https://reproducible-builds.org/specs/source-date-epoch/
+    let set =
+        std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|seconds| jiff::Timestamp::from_second(seconds.parse().ok()?).ok());
+    let date = set.unwrap_or_else(jiff::Timestamp::now);
+    Provenance { command: Some(command_line(words)), commit: COMMIT.map(str::to_owned), date: Some(format!("{date:.0}")) }
+}
+
+/// Arguments without the folder of the result: they make the same one in any folder.
+fn anywhere(arguments: &[String]) -> Vec<&str> {
+    let mut kept = Vec::new();
+    let mut words = arguments.iter().map(String::as_str);
+    while let Some(word) = words.next() {
+        match word {
+            "-o" | "--output" => drop(words.next()),
+            word if word.starts_with("--output=") || (word.starts_with("-o") && word.len() > 2) => {}
+            word => kept.push(word),
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::anywhere;
+
+    #[test]
+    fn a_command_is_repeated_without_its_folder() {
+        let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        for text in ["run lock -o out -q", "run lock --output out -q", "run lock --output=out -q", "run lock -oout -q"] {
+            assert_eq!(anywhere(&words(text)), ["run", "lock", "-q"], "{text}");
+        }
+        assert_eq!(anywhere(&words("run lock --set a.o=1")), ["run", "lock", "--set", "a.o=1"]);
+    }
+}
