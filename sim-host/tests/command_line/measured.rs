@@ -105,7 +105,7 @@ fn a_curve_that_a_run_cannot_show_is_named() {
     let scene = folder.write("a.toml", &format!("base = \"contact-kinematic\"\ntitle = \"closed\"\n\n{over}"));
     let out = format!("{}/out", folder.text());
     let run = sim_host(&["run", &scene, "-o", &out, "--format", "json"]);
-    let why = "The curve `the rig` is not drawn and not compared: no figure of this run has the curve `friction_n`.";
+    let why = "The curve `the rig` is not drawn and not compared: its points are from 198.6 to 199.2, and the curve of the figure `friction` is from 0 to 1, time [periods of the excitation].";
     assert!(code(&run) == 0 && stderr(&run).contains(&format!("warning: {why}")), "{}", stderr(&run));
     assert!(stderr(&run).contains("`--set integrator.method=linexp`"), "{}", stderr(&run));
     for file in ["summary.json", "manifest.json"] {
