@@ -18,6 +18,8 @@ pub mod on_time;
 pub(crate) mod supervisor;
 pub mod weld;
 
+pub use heat::DERATE_K;
+
 use crate::guard::electrical::Electrical;
 use crate::guard::heat::{Heat, Thermometers};
 use crate::guard::on_time::OnTime;

@@ -15,7 +15,7 @@ use crate::seam::config::Config;
 use crate::seam::fault::Fault;
 
 /// Derating begins so far below the limit, K.
-pub(crate) const DERATE_K: f32 = 20.0;
+pub const DERATE_K: f32 = 20.0;
 /// What is left of the amplitude at the limit: enough to follow the resonance by.
 const LEAST: f32 = 0.1;
 /// Memory of the mean power, s.

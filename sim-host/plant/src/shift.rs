@@ -17,17 +17,14 @@
 //! mass, spring and damper to the terminals: `Lm`, `1/Cm` and `Rm` go with `1/phi^2`, and neither resonance nor Q feel it.
 //!
 //! The amplitude is that of the block's beginning, at any frequency; within a block it moves by the block's part of the ring-up time. A sum
-//! beyond [`FARTHEST`] of the resonance is held there, and what multiplies Rm, C0 and phi within [`LEAST`] to [`MOST`]: the laws are first terms
+//! beyond [`FARTHEST`] of the resonance is held there, and what multiplies Rm, C0 and phi within [`LAW_FACTORS`]: the laws are first terms
 //! of series.
 
 use crate::circuit::Circuit;
+use scene::LAW_FACTORS;
 
 /// Farthest that temperature and amplitude together move the resonance, relative to where it is without them.
 pub const FARTHEST: f64 = 0.2;
-/// Least of Rm, C0 and the force factor, relative to what they are without temperature and amplitude.
-pub const LEAST: f64 = 0.1;
-/// Most of them.
-pub const MOST: f64 = 10.0;
 
 /// How temperature and amplitude move the elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,7 +47,7 @@ pub struct Shift {
 
 /// What multiplies a quantity, held where the law ends.
 fn held(factor: f64) -> f64 {
-    factor.clamp(LEAST, MOST)
+    factor.clamp(LAW_FACTORS.0, LAW_FACTORS.1)
 }
 
 impl Shift {
@@ -72,7 +69,8 @@ impl Shift {
     pub fn apply(&self, rest: &Circuit, temperature_k: f64, amplitude_a: f64) -> Circuit {
         let hz = rest.series_resonance_hz();
         let by = self.temperature_hz_per_k * temperature_k + self.duffing_hz_per_a2 * amplitude_a * amplitude_a;
-        let c0_f = rest.c0_f * (1.0 + (self.temperature_c0_per_k * temperature_k).clamp(LEAST - 1.0, MOST - 1.0));
+        let c0_f =
+            rest.c0_f * (1.0 + (self.temperature_c0_per_k * temperature_k).clamp(LAW_FACTORS.0 - 1.0, LAW_FACTORS.1 - 1.0));
         let moved = Circuit { c0_f, ..rest.with_series_resonance(hz + by.clamp(-FARTHEST * hz, FARTHEST * hz)) };
         let rm = self.by_amplitude(amplitude_a) * held(1.0 + self.temperature_rm_per_k * temperature_k);
         let coupling = held(1.0 + self.temperature_force_factor_per_k * temperature_k);

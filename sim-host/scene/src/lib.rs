@@ -75,7 +75,7 @@ pub use firmware::seam::config::{
 pub use integrator::Integrator;
 pub use measured_curve::Overlay;
 pub use nearest::shown;
-pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack, Thermal};
+pub use plant::{Amplifier, Bvd, LAW_FACTORS, Mode, Sensors, Stack, Thermal};
 pub use profile::Profile;
 pub use results::{Expect, Grid, Over, Signal, Trace, TraceFormat};
 pub use rig::{Belt, Kinematic, Rig, Rotor, Sdof, Slider};

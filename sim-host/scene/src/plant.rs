@@ -3,6 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Least and most that the laws of temperature and amplitude multiply Rm, C0 and the force factor of a stack by: they are first terms of series.
+pub const LAW_FACTORS: (f64, f64) = (0.1, 10.0);
+
 /// The power amplifier: second-order Butterworth low-pass and a source resistance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]

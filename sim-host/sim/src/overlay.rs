@@ -122,8 +122,7 @@ fn over(figure: &mut Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Resid
     }
     let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
     let simulated = figure.series.iter().find(|series| series.csv_column == overlay.quantity)?;
-    let within = ends(&simulated.x).filter(|(least, most)| x.iter().any(|x| (least..=most).contains(&x)));
-    let (least, most) = within?;
+    let (least, most) = ends(&simulated.x).filter(|(least, most)| x.iter().any(|x| (least..=most).contains(&x)))?;
     let residual = residual(simulated, &x, &y).map(|(points, rms, largest)| Residual {
         name: overlay.legend(),
         figure: figure.id.clone(),
@@ -267,18 +266,21 @@ mod tests {
             let read = serde_json::json!({ "quantity": quantity, "figure": figure, "x_unit": unit, "x": [0.5], "values": [1.0] });
             serde_json::from_value::<Overlay>(read).expect("an overlay")
         };
+        let beyond = Overlay { x: [2.5].into(), ..overlay("friction_n", None, "s") };
         let overlays = [
             overlay("friction_n", None, "s"),
             overlay("friction_n", Some("hysteresis"), "s"),
             overlay("load_cell_n", None, "s"),
             overlay("friction_n", None, "m"),
+            beyond,
         ];
         let laid = lay(vec![figure], &overlays, None);
-        assert_eq!((laid.residuals.len(), laid.figures[0].series.len(), laid.not_drawn.len()), (1, 2, 3));
+        assert_eq!((laid.residuals.len(), laid.figures[0].series.len(), laid.not_drawn.len()), (1, 2, 4));
         let why = [
             "no figure `hysteresis`",
             "no figure of this run has the curve `load_cell_n`",
             "is along time [s], and the points along m",
+            "its points are from 2.5 to 2.5, and the curve of the figure `friction` is from 0 to 1, time [s]",
         ];
         for (said, why) in laid.not_drawn.iter().zip(why) {
             assert!(said.contains(why) && said.ends_with("Figures of this run: `friction`."), "{said}");

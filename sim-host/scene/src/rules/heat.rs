@@ -3,6 +3,7 @@
 use super::kind::BELT;
 use super::{Rules, shown};
 use crate::diagnostic::Problem;
+use crate::plant::LAW_FACTORS as FACTORS;
 use crate::schema::join;
 use crate::wording::{bound, quantity};
 
@@ -17,9 +18,6 @@ const BY_TEMPERATURE: [(&str, &str); 2] =
     [("stack.bvd.temperature_rm_per_k", "motional resistance"), ("stack.bvd.temperature_force_factor_per_k", "force factor")];
 const CURRENT_LIMIT: &str = "controller.limits.current_a";
 const CURRENT_RANGE: &str = "sensors.i_full_scale_a";
-/// What a law may multiply by: `plant::shift` holds it there.
-const FACTORS: (f64, f64) = (0.1, 10.0);
-
 impl Rules<'_> {
     pub(super) fn heat(&mut self) {
         if !self.given("stack") {
@@ -100,12 +98,8 @@ impl Rules<'_> {
             let end = bound(end, way, |x| way * (x - end) >= 0.0);
             let label = format!("must be at {word} {} 1/K for a factor from {} to {}", shown(end), FACTORS.0, FACTORS.1);
             let problem = Problem::new(self.place(key), message, label);
-            let help = if self.given(THERMAL) {
-                "a stack that heats itself may come to the hottest that its ceramic can be used at"
-            } else {
-                ""
-            };
-            self.add(key, if help.is_empty() { problem } else { problem.help(help) });
+            let help = "a stack that heats itself may come to the hottest that its ceramic can be used at";
+            self.add(key, if self.given(THERMAL) { problem.help(help) } else { problem });
         }
     }
 

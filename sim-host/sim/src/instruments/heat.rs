@@ -4,6 +4,7 @@ use super::curves::{axis, curve, shaded};
 use super::view::mean;
 use super::{Instrument, Line, View};
 use crate::metrics::Metrics;
+use firmware::guard::DERATE_K;
 use plant::truth::HeatTruth;
 use report::{Figure, Style};
 use scene::Thermal;
@@ -81,7 +82,7 @@ fn temperature(run: &View) -> Option<Figure> {
     let limits = &run.scene.controller.limits;
     let highest = all(run).map(|(_, heat)| heat.temperature_k).fold(0.0, f64::max);
     let lines = [
-        (limits.temperature_c - DERATES_K, "derated from here on"),
+        (limits.temperature_c - f64::from(DERATE_K), "derated from here on"),
         (limits.temperature_c, "the controller's limit"),
         (thermal.hottest_c(), "the ceramic's limit"),
     ];
@@ -103,6 +104,3 @@ fn temperature(run: &View) -> Option<Figure> {
         ..Figure::default()
     })
 }
-
-/// The controller derates from so far below its limit on, K (`firmware/src/guard/heat.rs`).
-const DERATES_K: f64 = 20.0;
