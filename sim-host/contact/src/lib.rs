@@ -28,6 +28,7 @@
 
 pub mod auto;
 pub mod closed;
+pub mod compliant;
 pub mod empirical;
 pub mod flow;
 mod forcing;

@@ -1,0 +1,67 @@
+//! The same contact in steps of time, by return mapping: the reference that the arcs are held against.
+//!
+//! ```text
+//! f = min(f + kx v dt, mu N)       elastic predictor, frictional corrector (J. C. Simo, T. J. R. Hughes, *Computational Inelasticity*, 1998, ch. 1)
+//! ```
+//!
+//! Nothing is located and nothing known of arcs: where the contact sticks comes of the steps. Of second order in the step, but irregularly so, as the
+//! contact begins to stick and to slip anywhere in a step: how far apart runs of three numbers of steps without a common grid are says how well a mean is known.
+//! The mean place under a held load is found by halving, on the steps' own mean force.
+
+use std::f64::consts::TAU;
+
+use super::{CompliantProblem, Press};
+
+/// A steady period by steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SteppedMeans {
+    /// Mean friction over mu times the mean normal force.
+    pub coefficient_ratio: f64,
+    /// Mean friction, N.
+    pub friction_n: f64,
+    /// Part of the period in which the contact sticks, to one step.
+    pub stick_share: f64,
+    /// How far apart `coefficient_ratio` is between runs of other steps.
+    pub unknown: f64,
+}
+
+/// Steps through a period from the deepest indentation on, begun in slip there, and means over the next one: with `steps`, 4/3 and twice as many.
+pub fn solve(problem: &CompliantProblem, steps: u32) -> SteppedMeans {
+    let [coarse, middle, fine] = [steps, steps + steps / 3, 2 * steps].map(|steps| run(problem, steps));
+    let ratios = [coarse.0, middle.0, fine.0];
+    let unknown = ratios.into_iter().fold(f64::MIN, f64::max) - ratios.into_iter().fold(f64::MAX, f64::min);
+    SteppedMeans { coefficient_ratio: fine.0, friction_n: fine.1, stick_share: fine.2, unknown }
+}
+
+fn run(problem: &CompliantProblem, steps: u32) -> (f64, f64, f64) {
+    let cosine = |step: u32| (TAU * f64::from(step) / f64::from(steps)).cos();
+    let force = |place_m: f64, step: u32| problem.normal_n_per_m * (place_m + problem.amplitude_m * cosine(step)).max(0.0);
+    let mean = |place_m: f64| (0..steps).map(|step| force(place_m, step)).sum::<f64>() / f64::from(steps);
+    let place_m = match problem.press {
+        Press::Indentation(indentation_m) => indentation_m,
+        Press::Load(normal_n) => {
+            let top_m = normal_n / problem.normal_n_per_m;
+            let (mut low, mut high) = (-problem.amplitude_m, top_m);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if mean(middle) < normal_n { low = middle } else { high = middle }
+            }
+            high
+        }
+    };
+    let loaded_n = problem.tangential_n_per_m * problem.sliding_m_per_s / (problem.frequency_hz * f64::from(steps));
+    let mut friction_n = problem.mu * force(place_m, 0);
+    let (mut sum_n, mut stuck) = (0.0, 0);
+    for period in 0..2 {
+        for step in 0..steps {
+            let (predicted_n, limit_n) = (friction_n + loaded_n, problem.mu * force(place_m, step + 1));
+            friction_n = predicted_n.min(limit_n);
+            if period == 1 {
+                sum_n += friction_n;
+                stuck += u32::from(predicted_n < limit_n);
+            }
+        }
+    }
+    let friction_n = sum_n / f64::from(steps);
+    (friction_n / (problem.mu * mean(place_m)), friction_n, f64::from(stuck) / f64::from(steps))
+}
