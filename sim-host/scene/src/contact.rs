@@ -1,9 +1,13 @@
 //! `[contact]`: the friction contact.
 
+mod compliant;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use contact::empirical::EmpiricalLaw;
+
+pub use compliant::{Compliant, Held};
 
 /// The friction contact. Give exactly one model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,6 +25,9 @@ pub struct Contact {
     /// Hertz's contact under vibration across the surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hertz: Option<Hertz>,
+    /// A contact with constant stiffness in both directions, under vibration across the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compliant: Option<Compliant>,
     /// A fitted law of a seat belt under vibration across it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub empirical: Option<Empirical>,
@@ -211,6 +218,8 @@ pub enum Model<'a> {
     Lugre(&'a Lugre),
     /// Hertz's contact under vibration across the surface.
     Hertz(&'a Hertz),
+    /// Constant stiffness in both directions, under vibration across the surface.
+    Compliant(&'a Compliant),
 }
 
 impl Contact {
@@ -220,7 +229,8 @@ impl Contact {
         let dahl = self.dahl.as_ref().map(Model::Dahl);
         let lugre = self.lugre.as_ref().map(Model::Lugre);
         let hertz = self.hertz.as_ref().map(Model::Hertz);
-        coulomb.or(dahl).or(lugre).or(hertz)
+        let compliant = self.compliant.as_ref().map(Model::Compliant);
+        coulomb.or(dahl).or(lugre).or(hertz).or(compliant)
     }
 
     /// Makes the sign explicit, where a model has one.
@@ -242,6 +252,7 @@ impl Model<'_> {
             Model::Dahl(model) => model.mu,
             Model::Lugre(model) => model.mu,
             Model::Hertz(model) => model.mu,
+            Model::Compliant(model) => model.mu,
         }
     }
 
@@ -252,6 +263,7 @@ impl Model<'_> {
             Model::Dahl(model) => model.normal_n,
             Model::Lugre(model) => model.normal_n,
             Model::Hertz(model) => model.normal_n,
+            Model::Compliant(model) => model.normal_n,
         }
     }
 
@@ -261,7 +273,7 @@ impl Model<'_> {
             Model::Coulomb(model) => model.sign,
             Model::Dahl(model) => model.sign,
             Model::Lugre(model) => model.sign,
-            Model::Hertz(_) => None,
+            Model::Hertz(_) | Model::Compliant(_) => None,
         };
         given.unwrap_or_default()
     }

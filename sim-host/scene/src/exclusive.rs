@@ -38,7 +38,7 @@ pub const EXCLUSIVE: &[Exclusive] = &[
     },
     Exclusive {
         table: "contact",
-        alternatives: &[all(&["coulomb"]), all(&["dahl"]), all(&["lugre"]), all(&["hertz"]), all(&["empirical"])],
+        alternatives: &[all(&["coulomb"]), all(&["dahl"]), all(&["lugre"]), all(&["hertz"]), all(&["compliant"]), all(&["empirical"])],
     },
     Exclusive {
         table: "rig",

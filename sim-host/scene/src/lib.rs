@@ -63,7 +63,7 @@ mod wording;
 mod tests;
 
 pub use comparison::{Case, Comparison, Equal};
-pub use contact::{Contact, Coulomb, Dahl, Empirical, Hertz, Lugre, Model, Sign};
+pub use contact::{Compliant, Contact, Coulomb, Dahl, Empirical, Held, Hertz, Lugre, Model, Sign};
 pub use controller::Controller;
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
 pub use dring::{ActuatorKind, Dring, Occupant};

@@ -43,7 +43,7 @@ impl Numbers {
     /// those that can be set so.
     pub fn of(mut scene: Scene, keys: &[&str]) -> Option<Self> {
         let one_load = scene.disturbance.is_empty() && scene.fault.is_empty();
-        scene.excited().filter(|scene| one_load && !matches!(scene.model, Model::Hertz(_)))?;
+        scene.excited().filter(|scene| one_load && !matches!(scene.model, Model::Hertz(_) | Model::Compliant(_)))?;
         let mut places = Vec::with_capacity(keys.len());
         for key in keys {
             let (_, place) = PLACES.iter().find(|(name, _)| name == key)?;

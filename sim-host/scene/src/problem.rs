@@ -20,7 +20,7 @@ const ENERGIES: [&str; 5] = ["input_ratio", "stored_ratio", "damper_ratio", "pow
 /// Most periods of a study that has the energies whether or not anything is expected of them.
 const ENERGY_PERIODS: f64 = 4096.0;
 
-/// The law of a contact whose vibration is along the motion; none of a Hertzian contact.
+/// The law of a contact whose vibration is along the motion; none of one whose vibration is across it.
 pub fn law(model: &Model) -> Option<Law> {
     match *model {
         Model::Coulomb(_) => Some(Law::Coulomb),
@@ -32,7 +32,7 @@ pub fn law(model: &Model) -> Option<Law> {
             sigma1: lugre.sigma1,
             sigma2: lugre.sigma2,
         }),
-        Model::Hertz(_) => None,
+        Model::Hertz(_) | Model::Compliant(_) => None,
     }
 }
 

@@ -80,7 +80,7 @@ mod default {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Kinematic {
-    /// Peak vibration velocity Vv, m/s; across the surface under a Hertzian contact, else along the motion. Of a measured waveform: what ratios
+    /// Peak vibration velocity Vv, m/s; across the surface under a Hertzian or a compliant contact, else along the motion. Of a measured waveform: what ratios
     /// are counted by.
     #[schemars(range(min = 0.0, max = 1e4))]
     pub vibration_m_per_s: f64,

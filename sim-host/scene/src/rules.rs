@@ -7,6 +7,7 @@ mod belt;
 mod cells;
 pub(crate) mod circuit;
 mod comparison;
+mod compliant;
 mod contact;
 mod converters;
 mod disturbance;

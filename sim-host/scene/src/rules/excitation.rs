@@ -21,6 +21,7 @@ impl Rules<'_> {
         self.force();
         self.waveform();
         self.hertz();
+        self.compliant();
         self.velocity_ratio();
         self.window();
     }

@@ -47,6 +47,10 @@ impl Rules<'_> {
                 "vibration across a Hertzian contact has a tolerance of its mean only",
                 "leave `integrator.tolerance_of` out: then `error_estimate` is of the mean friction ratio",
             ),
+            _ if self.given("contact.compliant") => (
+                "a compliant contact under vibration across it has one steady period, not a run from its start on",
+                "leave `integrator.tolerance_of` out: then `error_estimate` is of the mean friction ratio",
+            ),
             "closed" => (
                 "the closed form is one steady period, not a run from its start on",
                 "leave `integrator.method` out: auto takes a method with steps, whose record it compares",
@@ -72,6 +76,9 @@ impl Rules<'_> {
             }
             other if has("contact.hertz") && !has("rig.sdof") && !["auto", "closed"].contains(&other) => {
                 "a Hertzian contact has its closed form only"
+            }
+            other if has("contact.compliant") && !has("rig.sdof") && !["auto", "closed"].contains(&other) => {
+                "a compliant contact under vibration across it is solved by its arcs, without steps"
             }
             _ => return,
         };

@@ -189,3 +189,29 @@ fn a_tolerance_of_the_record_needs_a_record() {
     let hertz = ["contact.hertz.mu=0.3", "contact.hertz.stiffness_n_per_m15=1e9", "excitation.sliding_m_per_s=0.1", record];
     says(&report(&hertz), &["there is no record to have a tolerance", "Hertzian", "leave `integrator.tolerance_of` out"]);
 }
+
+#[test]
+fn a_compliant_contact_vibrates_across_under_a_given_sine() {
+    let compliant = "[contact.compliant]\nmu = 0.3\nnormal_n = 10\nnormal_stiffness_n_per_m = 1e7\nstiffness_n_per_m = 8e6\n";
+    let text = kinematic(compliant);
+    let scene = load_text("a.toml", &text, &[]).unwrap_or_else(|error| panic!("{error}")).scene;
+    let again = load_text("resolved", &resolved_toml(&scene), &[]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(again.scene, scene);
+    let refused = |changes: &[&str], parts: &[&str]| says(&super::report(&text, changes), parts);
+    refused(&["excitation.waveform=square"], &["studied under a sine only", "[contact.compliant]"]);
+    refused(&["contact.compliant.stiffness_n_per_m=0"], &["`contact.compliant.stiffness_n_per_m` is out of range"]);
+    refused(&["contact.compliant.normal_stiffness_n_per_m=-1"], &["`contact.compliant.normal_stiffness_n_per_m` is out of range"]);
+    refused(&["contact.compliant.normal_n=0"], &["`contact.compliant.normal_n` is out of range"]);
+    refused(&["contact.compliant.mu=0"], &["`contact.compliant.mu` is 0"]);
+    refused(&["contact.compliant.held=gap"], &["gap", "load", "indentation"]);
+    refused(&["integrator.method=linexp"], &["linexp cannot do this", "by its arcs"]);
+    refused(&["integrator.tolerance_of=record"], &["there is no record to have a tolerance", "compliant"]);
+    let step = ["disturbance.0.at_s=1e-4", "disturbance.0.key=contact.normal_n", "disturbance.0.to=2"];
+    refused(&step, &["studied under one load only", "[contact.compliant]"]);
+    let weightless = text.replacen("normal_n = 10\n", "", 1);
+    says(&super::report(&weightless, &[]), &["`normal_n` is missing in [contact.compliant]"]);
+    let on_a_mass = ["mu=0.3", "normal_n=10", "normal_stiffness_n_per_m=1e7", "stiffness_n_per_m=8e6"];
+    let on_a_mass: Vec<String> = on_a_mass.iter().map(|key| format!("contact.compliant.{key}")).collect();
+    let on_a_mass: Vec<&str> = on_a_mass.iter().map(String::as_str).collect();
+    says(&report(&on_a_mass), &["the vibration of a compliant contact is given", "must be [rig.kinematic]", "[contact.hertz]"]);
+}

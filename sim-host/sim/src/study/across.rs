@@ -1,6 +1,8 @@
 //! A contact study whose vibration is across the surface, on a Hertzian contact: the vibration is given (`rig.kinematic`), or a force shakes a
 //! mass that lies on the contact (`rig.sdof`), until it bounces if the force is large.
 
+mod compliant;
+
 use std::f64::consts::TAU;
 
 use contact::hertz::vibration::{self, DrivenContact, DrivenMotion, Moment};
@@ -8,6 +10,9 @@ use contact::hertz::{self, HertzProblem};
 use contact::tally::Ratios;
 use contact::{Clock, Method, Motion, Numerics, Problem, Solution, SolveError, State};
 use scene::Hertz;
+
+pub use compliant::Compliance;
+pub(super) use compliant::solve as solve_compliant;
 
 /// Largest step, in radians of the contact's own resonance, to begin with.
 const STEP_RAD: f64 = 0.2;
@@ -27,6 +32,8 @@ pub struct Across {
     pub mean_normal_n: f64,
     /// Largest normal force, N.
     pub peak_normal_n: f64,
+    /// What is known of a compliant contact only.
+    pub compliant: Option<Compliance>,
 }
 
 /// Solves the problem; `pause` is called now and then in the runs without a watch.
@@ -94,6 +101,7 @@ fn given(
         mean_indentation_m: found.friction_ratio * found.static_deflection_m,
         mean_normal_n: across.normal_n,
         peak_normal_n,
+        compliant: None,
     };
     Ok((solution, across))
 }
@@ -213,6 +221,7 @@ impl<'a> Shaken<'a> {
             mean_indentation_m: motion.friction_ratio * self.static_m,
             mean_normal_n: motion.force_balance * self.load_n,
             peak_normal_n: self.load_n * motion.reach.0.max(0.0).powf(1.5),
+            compliant: None,
         };
         Ok((solution, across))
     }

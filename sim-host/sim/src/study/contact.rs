@@ -87,7 +87,7 @@ fn answer<W: FnMut(&State)>(
     (stop, clock): (&AtomicBool, Option<Clock>),
     watch: Option<&mut W>,
 ) -> Result<Answer, SolveError> {
-    // A Hertzian contact has Coulomb's law between its normal force and its friction.
+    // A contact that vibrates across has Coulomb's law between its normal force and its friction.
     let problem = problem::problem(scene, problem::law(&scene.model).unwrap_or(Law::Coulomb))?;
     let (numerics, pause) = (problem::numerics(scene, wanted), || leave_if(stop));
     let (solution, across) = match scene.model {
@@ -95,6 +95,13 @@ fn answer<W: FnMut(&State)>(
             let (solution, across) = match watch {
                 Some(watch) => across::solve(&problem, model, &numerics, (&pause, clock), watch)?,
                 None => across::solve(&problem, model, &numerics, (&pause, clock), &mut |_: &State| leave_if(stop))?,
+            };
+            (solution, Some(across))
+        }
+        Model::Compliant(model) => {
+            let (solution, across) = match watch {
+                Some(watch) => across::solve_compliant(&problem, model, &numerics, clock, watch)?,
+                None => across::solve_compliant(&problem, model, &numerics, clock, &mut |_: &State| leave_if(stop))?,
             };
             (solution, Some(across))
         }

@@ -5,6 +5,7 @@ mod whole_run;
 
 use self::between::{coulomb_n, filled};
 use crate::instruments::curves::axis;
+use crate::study::across::Compliance;
 use crate::study::answer::Answer;
 use crate::study::contact::Solved;
 use contact::{Problem, State};
@@ -19,7 +20,9 @@ pub fn of(solved: &Solved) -> Vec<Figure> {
         && solved.playback.last_periods().len() > 1
     {
         let last = Last::new(answer, solved.playback.last_periods());
-        figures.extend([last.friction(), last.against_displacement()]);
+        figures.push(last.friction());
+        figures.extend(answer.across.and_then(|across| across.compliant).map(|compliant| last.normal(&compliant)));
+        figures.push(last.against_displacement());
         figures.extend(last.along.then(|| last.against_slip()));
         figures.extend([last.motion(), last.velocity(), last.power()]);
     }
@@ -80,6 +83,22 @@ impl<'a> Last<'a> {
         if self.states.iter().any(|state| state.force_n < 0.0) {
             figure.hlines.push((-coulomb_n, "-mu N".into()));
         }
+        figure
+    }
+
+    /// Where friction is below its limit the contact sticks.
+    fn normal(&self, contact: &Compliance) -> Figure {
+        let texts = (
+            "normal-force",
+            "Normal force and friction over the last periods",
+            "Where friction is below mu times the normal force the contact sticks, and its spring is loaded by the sliding; without a normal force it is relaxed.",
+        );
+        let normal = self.series("normal force N", "normal_n", |state| contact.normal_n(state.x_m));
+        let mut figure = self.over_time(texts, "force [N]", normal);
+        let limit = self.series("mu N", "friction_limit_n", |state| contact.mu * contact.normal_n(state.x_m));
+        figure.series.push(Series { style: Style::Dashed, ..limit });
+        figure.series.push(self.series("friction", "spring_n", |state| state.force_n));
+        figure.hlines = vec![(0.0, String::new())];
         figure
     }
 

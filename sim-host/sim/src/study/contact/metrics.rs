@@ -24,6 +24,11 @@ pub fn of(study: &Excited, answer: &Answer) -> Metrics {
         metrics.put("mean_indentation_m", across.mean_indentation_m);
         metrics.put("mean_normal_n", across.mean_normal_n);
         metrics.put("peak_normal_n", across.peak_normal_n);
+        if let Some(compliant) = across.compliant {
+            metrics.put("stick_time_percent", 100.0 * compliant.stick_share);
+            metrics.put("critical_speed_m_per_s", compliant.critical_m_per_s);
+            metrics.put("coefficient_ratio", compliant.coefficient_ratio);
+        }
     }
     metrics.put("peak_velocity_m_per_s", tally.map(|tally| tally.peak_velocity_m_per_s));
     metrics.put("peak_displacement_m", tally.map(|tally| tally.peak_displacement_m));

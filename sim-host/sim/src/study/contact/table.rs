@@ -120,6 +120,9 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
         ("mean indentation [m]", own("mean_indentation_m"), "nothing while the bodies are apart"),
         ("mean normal force [N]", own("mean_normal_n"), "the load, where nothing else carries it"),
         ("largest normal force [N]", own("peak_normal_n"), ""),
+        ("sticking [% of the time]", own("stick_time_percent"), "friction below mu times the normal force"),
+        ("critical speed [m/s]", own("critical_speed_m_per_s"), "from there on the contact never sticks"),
+        ("coefficient ratio", own("coefficient_ratio"), "mean friction / (mu times the mean normal force)"),
     ];
     let rows =
         rows.into_iter().chain(across).filter_map(|(what, value, is)| Some(vec![what.into(), value?, is.into()])).collect();
