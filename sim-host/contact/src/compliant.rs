@@ -123,8 +123,7 @@ pub fn popov_ratio(indentations: f64, speed_ratio: f64) -> Option<f64> {
 /// Friction ratio of an amplitude of A mean indentations at a sliding speed s, with the mean load or the mean indentation held: the law in its two
 /// numbers alone.
 pub fn friction_ratio(indentations: f64, speed_ratio: f64, load_is_held: bool) -> f64 {
-    let indentation =
-        if load_is_held { Indentation::under(indentations.recip()) } else { Indentation::at(indentations.recip()) };
+    let indentation = if load_is_held { Indentation::under(indentations.recip()) } else { Indentation::at(indentations.recip()) };
     Arcs::of(indentation, speed_ratio).mean_friction() * indentations
 }
 
@@ -206,7 +205,10 @@ impl Unit {
         }
         if held + problem.amplitude_m <= 0.0 {
             let gap_m = -held;
-            return unsuited(format!("the bodies never touch: a mean gap of {gap_m:e} m, and an amplitude of {:e} m", problem.amplitude_m));
+            return unsuited(format!(
+                "the bodies never touch: a mean gap of {gap_m:e} m, and an amplitude of {:e} m",
+                problem.amplitude_m
+            ));
         }
         let depth = held / problem.amplitude_m;
         if !depth.is_finite() {

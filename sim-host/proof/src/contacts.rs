@@ -5,7 +5,10 @@
 //!                --> `auto`, as a cell of a grid asks it ---+
 //!                --> `auto` for the whole record, as shown -+
 //! ```
+//!
+//! Compliant contacts under vibration across them are a law of their own, with arcs instead of methods and a reference of their own (`compliant`).
 
+mod compliant;
 mod cost;
 mod draw;
 mod judged;
@@ -62,16 +65,22 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
     }
     (options.progress)("cost beside the cheapest setting");
     let costs = cost::of(set.iter().filter(|tried| tried.friction == Friction::Dahl).take(TIMED_OF).step_by(TIMED));
-    let tables = tables::tables(&set, &costs);
+    (options.progress)(&format!("{number} contacts, compliant across"));
+    let across = compliant::compare(number, seed)?;
+    let tables = [tables::tables(&set, &costs), vec![compliant::table(&across)], compliant::model::tables()].concat();
     Ok(Evidence {
         report: Report {
             title: "Random contacts: does `auto` keep its word?".into(),
             tables: tables.clone(),
             ..Report::default()
         },
-        files: vec![("contacts.csv", tables::csv(&set)?), ("costs.csv", tables::costs_csv(&costs)?)],
+        files: vec![
+            ("contacts.csv", tables::csv(&set)?),
+            ("costs.csv", tables::costs_csv(&costs)?),
+            ("compliant.csv", compliant::csv(&across)?),
+        ],
         docs: tables,
-        missed: tables::missed(&set, &costs),
+        missed: [tables::missed(&set, &costs), compliant::missed(&across)].concat(),
         ..Evidence::default()
     })
 }
@@ -144,13 +153,19 @@ mod tests {
         }
     }
 
+    #[test]
+    fn docs_of_normal_vibration_have_these_numbers() {
+        let command = "cargo test -p sonoglide-proof normal_vibration";
+        report::docs::block("normal-vibration.md", command, &report::markdown(&compliant::model::tables()));
+    }
+
     /// None of the quick variant is silently off, low by ten, or without a reason. How many are flagged, how high estimates are and what they
     /// cost stands in docs/precision.md.
     #[test]
     fn auto_keeps_its_word() {
         let mut options = Options { quick: true, count: None, seed: None, counted: None, stop: None, progress: &mut |_| () };
         let evidence = run(&mut options).unwrap_or_else(|error| panic!("{error}"));
-        let word = ["silently off", "without advice", "low by 10"];
+        let word = ["silently off", "without advice", "low by 10", "compliant"];
         let missed: Vec<_> = evidence.missed.iter().filter(|missed| word.iter().any(|word| missed.contains(word))).collect();
         assert!(missed.is_empty(), "{missed:#?}");
     }

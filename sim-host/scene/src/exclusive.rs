@@ -38,7 +38,14 @@ pub const EXCLUSIVE: &[Exclusive] = &[
     },
     Exclusive {
         table: "contact",
-        alternatives: &[all(&["coulomb"]), all(&["dahl"]), all(&["lugre"]), all(&["hertz"]), all(&["compliant"]), all(&["empirical"])],
+        alternatives: &[
+            all(&["coulomb"]),
+            all(&["dahl"]),
+            all(&["lugre"]),
+            all(&["hertz"]),
+            all(&["compliant"]),
+            all(&["empirical"]),
+        ],
     },
     Exclusive {
         table: "rig",

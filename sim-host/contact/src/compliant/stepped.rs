@@ -34,9 +34,9 @@ pub fn solve(problem: &CompliantProblem, steps: u32) -> SteppedMeans {
 }
 
 fn run(problem: &CompliantProblem, steps: u32) -> (f64, f64, f64) {
-    let cosine = |step: u32| (TAU * f64::from(step) / f64::from(steps)).cos();
-    let force = |place_m: f64, step: u32| problem.normal_n_per_m * (place_m + problem.amplitude_m * cosine(step)).max(0.0);
-    let mean = |place_m: f64| (0..steps).map(|step| force(place_m, step)).sum::<f64>() / f64::from(steps);
+    let cosines: Vec<f64> = (0..steps).map(|step| (TAU * f64::from(step) / f64::from(steps)).cos()).collect();
+    let force = |place_m: f64, cosine: f64| problem.normal_n_per_m * (place_m + problem.amplitude_m * cosine).max(0.0);
+    let mean = |place_m: f64| cosines.iter().map(|&cosine| force(place_m, cosine)).sum::<f64>() / f64::from(steps);
     let place_m = match problem.press {
         Press::Indentation(indentation_m) => indentation_m,
         Press::Load(normal_n) => {
@@ -50,11 +50,11 @@ fn run(problem: &CompliantProblem, steps: u32) -> (f64, f64, f64) {
         }
     };
     let loaded_n = problem.tangential_n_per_m * problem.sliding_m_per_s / (problem.frequency_hz * f64::from(steps));
-    let mut friction_n = problem.mu * force(place_m, 0);
+    let mut friction_n = problem.mu * force(place_m, 1.0);
     let (mut sum_n, mut stuck) = (0.0, 0);
     for period in 0..2 {
-        for step in 0..steps {
-            let (predicted_n, limit_n) = (friction_n + loaded_n, problem.mu * force(place_m, step + 1));
+        for &cosine in cosines.iter().skip(1).chain(cosines.first()) {
+            let (predicted_n, limit_n) = (friction_n + loaded_n, problem.mu * force(place_m, cosine));
             friction_n = predicted_n.min(limit_n);
             if period == 1 {
                 sum_n += friction_n;

@@ -220,7 +220,10 @@ fn the_period_is_the_solution_s() {
         let problem = contact(indentations, speed, load_is_held);
         let (solution, points) = (solved(&problem), period(&problem).unwrap());
         let area = |value: fn(&super::CompliantPoint) -> f64| -> f64 {
-            points.windows(2).map(|pair| 0.5 * (pair[1].phase_turns - pair[0].phase_turns) * (value(&pair[0]) + value(&pair[1]))).sum()
+            points
+                .windows(2)
+                .map(|pair| 0.5 * (pair[1].phase_turns - pair[0].phase_turns) * (value(&pair[0]) + value(&pair[1])))
+                .sum()
         };
         assert!((area(|point| point.friction_n) / solution.friction_n - 1.0).abs() < 1e-3);
         assert!((area(|point| point.normal_n) / solution.mean_normal_n - 1.0).abs() < 1e-3);

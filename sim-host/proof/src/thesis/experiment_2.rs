@@ -11,6 +11,7 @@
 
 mod alternatives;
 mod claims;
+pub(crate) mod compliant;
 mod normal;
 mod pictures;
 mod table_3_2;
@@ -81,7 +82,7 @@ impl Runs {
     }
 }
 
-/// Table 3.2, the law with its constants and residuals, other laws, and Hertz's contact.
+/// Table 3.2, the law with its constants and residuals, other laws, Hertz's contact, and a compliant one.
 pub fn tables() -> Vec<TableBlock> {
     let law = EmpiricalLaw::FITTED;
     vec![
@@ -90,6 +91,8 @@ pub fn tables() -> Vec<TableBlock> {
         belt_law::residuals(law, LAG_S),
         alternatives::table(),
         normal::table(),
+        compliant::belt(),
+        compliant::speeds(),
     ]
 }
 

@@ -36,7 +36,8 @@ const DRIVEN_ONLY: &[&str] = &[
     "contact.empirical",
 ];
 /// Tables that only a contact study has.
-const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.lugre", "contact.hertz", "contact.compliant"];
+const EXCITED_ONLY: &[&str] =
+    &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.lugre", "contact.hertz", "contact.compliant"];
 /// Keys of the integrator that only a contact study has.
 const STUDY_KEYS: &[&str] = &["method", "order", "tolerance", "tolerance_of", "window_periods"];
 /// Most steps that a period of the stack is divided into.

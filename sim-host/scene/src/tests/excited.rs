@@ -200,7 +200,10 @@ fn a_compliant_contact_vibrates_across_under_a_given_sine() {
     let refused = |changes: &[&str], parts: &[&str]| says(&super::report(&text, changes), parts);
     refused(&["excitation.waveform=square"], &["studied under a sine only", "[contact.compliant]"]);
     refused(&["contact.compliant.stiffness_n_per_m=0"], &["`contact.compliant.stiffness_n_per_m` is out of range"]);
-    refused(&["contact.compliant.normal_stiffness_n_per_m=-1"], &["`contact.compliant.normal_stiffness_n_per_m` is out of range"]);
+    refused(
+        &["contact.compliant.normal_stiffness_n_per_m=-1"],
+        &["`contact.compliant.normal_stiffness_n_per_m` is out of range"],
+    );
     refused(&["contact.compliant.normal_n=0"], &["`contact.compliant.normal_n` is out of range"]);
     refused(&["contact.compliant.mu=0"], &["`contact.compliant.mu` is 0"]);
     refused(&["contact.compliant.held=gap"], &["gap", "load", "indentation"]);

@@ -1,5 +1,6 @@
 //! Other laws that meet the same two numbers: what the thesis says does not tell them apart.
 
+use super::compliant::Belt;
 use super::normal::Hertz;
 use super::{AMPLITUDES, FULL_M, LAG_S, LOADS_N, SPEED_M_PER_S};
 use contact::empirical::{EmpiricalLaw, reached};
@@ -28,7 +29,7 @@ pub fn all() -> Vec<Curve> {
     let lag = |lag_s: f64| refitted(format!("lag {lag_s} s"), lag_s, q, s);
     let amplitude = |q: f64, s: f64| refitted(format!("q {q}, s {s}"), LAG_S, q, s);
     let hertz = Hertz::through(0.01 * POINTS[0].percent / reached(1.0, 2.0, LAG_S));
-    vec![
+    let laws = vec![
         Curve::fitted(),
         lag(0.35),
         lag(0.55),
@@ -47,7 +48,8 @@ pub fn all() -> Vec<Curve> {
             lasting: Box::new(move |load, _, amplitude| hertz.reduction(load, amplitude * FULL_M)),
             lag_s: LAG_S,
         },
-    ]
+    ];
+    laws.into_iter().chain(Belt::measured().map(Belt::curve)).collect()
 }
 
 /// Lags, s, with which the statement about ON times is met: from, to, in steps of a millisecond.
@@ -119,6 +121,7 @@ mod tests {
         let falls = |name: &str| all.iter().find(|curve| curve.name == name).unwrap().falls_between();
         assert!(falls("q 0.07, s 2.4") && !falls("as used"));
         assert_eq!(met("Hertz's contact, its stiffness through 58 %"), [true, true, true, false]);
+        assert_eq!(met("compliant contact, its stiffnesses through both"), [true, false, true, false]);
     }
 
     /// By hand: 1 - exp(-1 / lag) = 0.95 at 0.3338 s; the other end from exp(-2 / lag) - exp(-2.5 / lag).

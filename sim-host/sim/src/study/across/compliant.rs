@@ -61,7 +61,8 @@ pub(in crate::study) fn solve(
         });
     }
     let from = problem.window_s.0 * hz;
-    let early = format!("the window begins at period {from:.0}, and the steady state, which this is, at {:.0}", found.settle_periods);
+    let early =
+        format!("the window begins at period {from:.0}, and the steady state, which this is, at {:.0}", found.settle_periods);
     let rounded = format!("the tolerance of {:e} is not met: round-off is {:.0e}", numerics.tolerance, found.error_estimate);
     let is_early = from + 1e-9 * from < found.settle_periods;
     let is_rounded = found.error_estimate > numerics.tolerance;
