@@ -123,6 +123,9 @@ pub fn popov_ratio(indentations: f64, speed_ratio: f64) -> Option<f64> {
 /// Friction ratio of an amplitude of A mean indentations at a sliding speed s, with the mean load or the mean indentation held: the law in its two
 /// numbers alone.
 pub fn friction_ratio(indentations: f64, speed_ratio: f64, load_is_held: bool) -> f64 {
+    if indentations == 0.0 {
+        return 1.0;
+    }
     let indentation = if load_is_held { Indentation::under(indentations.recip()) } else { Indentation::at(indentations.recip()) };
     Arcs::of(indentation, speed_ratio).mean_friction() * indentations
 }

@@ -4,8 +4,8 @@
 //! f = min(f + kx v dt, mu N)       elastic predictor, frictional corrector (J. C. Simo, T. J. R. Hughes, *Computational Inelasticity*, 1998, ch. 1)
 //! ```
 //!
-//! Nothing is located and nothing known of arcs: where the contact sticks comes of the steps. Of second order in the step, but irregularly so, as the
-//! contact begins to stick and to slip anywhere in a step: how far apart runs of three numbers of steps without a common grid are says how well a mean is known.
+//! Nothing is located and nothing known of arcs: where the contact sticks comes of the steps. Of first order in the step where contact is made and
+//! sticks at once, else of second, and irregularly so, as that happens anywhere in a step: how far apart runs of three numbers of steps without a common grid are says how well a mean is known.
 //! The mean place under a held load is found by halving, on the steps' own mean force.
 
 use std::f64::consts::TAU;

@@ -46,6 +46,9 @@ const FIFTY_DIGITS: &[(f64, f64, bool, f64, f64)] = &[
     (1.0, 0.999_999_999_9, true, 1.0, 6.752_372_650_626_473e-6),
 ];
 
+/// What 2^18 additions of the reference may round.
+const SUMMED: f64 = (1 << 18) as f64 * f64::EPSILON;
+
 #[test]
 fn agrees_with_fifty_digits() {
     for &(indentations, speed, load_is_held, ratio, stick) in FIFTY_DIGITS {
@@ -70,12 +73,12 @@ fn agrees_with_steps_of_time() {
         for speed in [1e-6, 0.05, 0.3, 0.6, 0.95, 0.999, 1.0, 1.001, 30.0] {
             for load_is_held in [false, true] {
                 let problem = contact(indentations, speed, load_is_held);
-                let (got, steps) = (solved(&problem), stepped::solve(&problem, 1 << 14));
+                let (got, steps) = (solved(&problem), stepped::solve(&problem, 1 << 17));
                 let off = (got.coefficient_ratio - steps.coefficient_ratio).abs();
                 let case = format!("A {indentations} s {speed} {load_is_held}: off {off:.1e}, {got:?} {steps:?}");
-                assert!(off < 1e-6 && off <= steps.unknown + 1e-12, "{case}");
+                assert!(steps.unknown < 1e-5 && off <= steps.unknown + SUMMED, "{case}");
                 assert!((got.stick_share - steps.stick_share).abs() < 1e-3, "{case}");
-                assert!((got.friction_n - steps.friction_n).abs() < 1e-6 * problem.mu * got.mean_normal_n, "{case}");
+                assert!((got.friction_n - steps.friction_n).abs() < 1e-5 * problem.mu * got.mean_normal_n, "{case}");
             }
         }
     }
@@ -189,6 +192,8 @@ fn without_vibration_nothing_is_lost() {
         assert_eq!((still.friction_ratio, still.friction_n, still.stick_share), (Some(1.0), 3.0, 0.0));
         assert_eq!((still.critical_m_per_s, still.contact_share, still.mean_place_m), (0.0, 1.0, 1e-6));
     }
+    assert_eq!(friction_ratio(0.0, 0.3, true), 1.0);
+    assert!((friction_ratio(1e-300, 0.3, false) - 1.0).abs() < 1e-15);
     let held = CompliantProblem { sliding_m_per_s: 0.0, ..contact(0.25, 0.0, true) };
     let (held, moving) = (solved(&held), solved(&CompliantProblem { sliding_m_per_s: 1e-12, ..held }));
     assert!((held.friction_ratio.unwrap() - 0.75).abs() < 1e-15 && held.settle_periods.is_infinite(), "{held:?}");
