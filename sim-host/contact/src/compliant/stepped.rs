@@ -4,8 +4,8 @@
 //! f = min(f + kx v dt, mu N)       elastic predictor, frictional corrector (J. C. Simo, T. J. R. Hughes, *Computational Inelasticity*, 1998, ch. 1)
 //! ```
 //!
-//! Nothing is located and nothing known of arcs: where the contact sticks comes of the steps. Of first order in the step where contact is made and
-//! sticks at once, else of second, and irregularly so, as that happens anywhere in a step: how far apart runs of three numbers of steps without a common grid are says how well a mean is known.
+//! Nothing is located and nothing known of arcs: where the contact sticks comes of the steps. Of second order in the step, and irregularly so, as the
+//! contact begins to stick and to slip anywhere in a step: how far apart runs of three numbers of steps without a common grid are says how well a mean is known.
 //! The mean place under a held load is found by halving, on the steps' own mean force.
 
 use std::f64::consts::TAU;
@@ -50,11 +50,16 @@ fn run(problem: &CompliantProblem, steps: u32) -> (f64, f64, f64) {
         }
     };
     let loaded_n = problem.tangential_n_per_m * problem.sliding_m_per_s / (problem.frequency_hz * f64::from(steps));
+    let mut before_m = place_m + problem.amplitude_m;
     let mut friction_n = problem.mu * force(place_m, 1.0);
     let (mut sum_n, mut stuck) = (0.0, 0);
     for period in 0..2 {
         for &cosine in cosines.iter().skip(1).chain(cosines.first()) {
-            let (predicted_n, limit_n) = (friction_n + loaded_n, problem.mu * force(place_m, cosine));
+            let now_m = place_m + problem.amplitude_m * cosine;
+            // Contact that is made within a step loads the spring for its part.
+            let part = if before_m < 0.0 && now_m > 0.0 { now_m / (now_m - before_m) } else { 1.0 };
+            let (predicted_n, limit_n) = (friction_n + loaded_n * part, problem.mu * force(place_m, cosine));
+            before_m = now_m;
             friction_n = predicted_n.min(limit_n);
             if period == 1 {
                 sum_n += friction_n;
