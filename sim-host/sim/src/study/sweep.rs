@@ -159,7 +159,7 @@ impl<'a> Sweep<'a> {
         for point in some {
             let Ok(cell) = self.loaded.cell(&self.sets(point)) else { continue };
             let laid = cell.scene.excited().and_then(|scene| laid_in_closed_form(&scene));
-            let Some((metrics, laid)) = laid.filter(|(metrics, _)| metrics.find(metric).is_none()) else { return Ok(()) };
+            let Some((_, laid)) = laid.filter(|(metrics, _)| metrics.find(metric).is_none()) else { return Ok(()) };
             why.get_or_insert_with(|| laid.not_drawn.join(" "));
         }
         let Some(why) = why else { return Ok(()) };
