@@ -152,7 +152,10 @@ impl Result {
 /// 64-bit floating-point numbers as bytes in the machine's order.
 pub fn bytes_of<'py>(py: Python<'py>, numbers: &[f64]) -> PyResult<Bound<'py, PyBytes>> {
     PyBytes::new_with(py, size_of_val(numbers), |bytes| {
-        bytes.chunks_exact_mut(size_of::<f64>()).zip(numbers).for_each(|(bytes, number)| bytes.copy_from_slice(&number.to_ne_bytes()));
+        bytes
+            .chunks_exact_mut(size_of::<f64>())
+            .zip(numbers)
+            .for_each(|(bytes, number)| bytes.copy_from_slice(&number.to_ne_bytes()));
         Ok(())
     })
 }

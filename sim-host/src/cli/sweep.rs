@@ -189,7 +189,8 @@ fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow
     if joined.failures > 0 {
         say!("{} of {} points have no result: {}", joined.failures, joined.points, dir.join("failures.csv").display());
     }
-    let (held, other): (Vec<&str>, Vec<&str>) = joined.absent.iter().map(String::as_str).partition(|metric| is_of_overlays(metric));
+    let (held, other): (Vec<&str>, Vec<&str>) =
+        joined.absent.iter().map(String::as_str).partition(|metric| is_of_overlays(metric));
     if !other.is_empty() {
         say!("no point has {}: it has no meaning in such a scene", other.join(", "));
     }

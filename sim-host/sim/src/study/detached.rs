@@ -41,20 +41,48 @@ enum DetachedOutcome {
 impl Study<'_> {
     /// The study without its scene. Nothing is copied.
     pub fn detached(self) -> Detached {
-        let Study { name, origin, changes, run_number, metrics, judged, inherited, grid, comparison, overlaid, interrupted, .. } = self;
+        let Study {
+            name, origin, changes, run_number, metrics, judged, inherited, grid, comparison, overlaid, interrupted, ..
+        } = self;
         let outcome = match self.outcome {
             Outcome::Driven(run) => DetachedOutcome::Driven(run.level, Box::new(run.record)),
             Outcome::Contact(solved) => DetachedOutcome::Contact(Box::new((solved.answer, solved.playback))),
             Outcome::MonteCarlo(runs) => DetachedOutcome::MonteCarlo(runs),
         };
-        Detached { name, origin, changes, run_number, outcome, metrics, judged, inherited, grid, comparison, overlaid, interrupted }
+        Detached {
+            name,
+            origin,
+            changes,
+            run_number,
+            outcome,
+            metrics,
+            judged,
+            inherited,
+            grid,
+            comparison,
+            overlaid,
+            interrupted,
+        }
     }
 }
 
 impl Detached {
     /// The study again, of the scene that it was run from. Nothing is copied. None where the scene is of another kind.
     pub fn of(self, scene: &Scene) -> Option<Study<'_>> {
-        let Detached { name, origin, changes, run_number, metrics, judged, inherited, grid, comparison, overlaid, interrupted, .. } = self;
+        let Detached {
+            name,
+            origin,
+            changes,
+            run_number,
+            metrics,
+            judged,
+            inherited,
+            grid,
+            comparison,
+            overlaid,
+            interrupted,
+            ..
+        } = self;
         let outcome = match self.outcome {
             DetachedOutcome::Driven(level, record) => {
                 Outcome::Driven(Box::new(Run { scene: scene.driven()?, level, record: *record }))

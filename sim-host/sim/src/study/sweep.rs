@@ -163,7 +163,11 @@ impl<'a> Sweep<'a> {
             why.get_or_insert_with(|| laid.not_drawn.join(" "));
         }
         let Some(why) = why else { return Ok(()) };
-        let why = if why.is_empty() { "the measured curves are of other units, or of none of its curves over time.".to_owned() } else { why };
+        let why = if why.is_empty() {
+            "the measured curves are of other units, or of none of its curves over time.".to_owned()
+        } else {
+            why
+        };
         Err(SweepError::Metric(format!("no point has `{metric}`: {why}")))
     }
 

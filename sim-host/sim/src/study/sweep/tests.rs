@@ -160,7 +160,9 @@ fn a_measurement_beside_the_period_of_a_closed_form_is_refused() {
     assert_eq!(over("contact.dahl.mu=0.2,0.3", "friction_ratio"), Ok(()));
     // Within the longer of two periods.
     let loaded = self::loaded("contact-kinematic", &[&measured_at("[11e-6, 12e-6]")]);
-    let rows = all(&sweep(&loaded, &["excitation.frequency_hz=120000,60000"], &["overlay_rms_n"]).unwrap_or_else(|error| panic!("{error}")));
+    let rows =
+        all(&sweep(&loaded, &["excitation.frequency_hz=120000,60000"], &["overlay_rms_n"])
+            .unwrap_or_else(|error| panic!("{error}")));
     assert!(rows.metrics[0][0].is_none() && rows.metrics[0][1].is_some(), "{:?} {:?}", rows.metrics, rows.failures);
 }
 
