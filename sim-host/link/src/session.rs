@@ -126,6 +126,7 @@ impl Session {
     /// What becomes of a drive that a command leaves on.
     pub fn what_becomes_of_it(&self) -> &'static str {
         match (self.ends_with_command, self.options.stay) {
+            (_, true) if self.client.stands_still() => "it ends with this program, which the board is a part of, or by `stop`",
             (_, true) => "it goes on when this program ends (--stay); `stop` ends it",
             (true, false) => {
                 "it falls silent now, with the end of this command; `--stay` leaves it on, and at the prompt or in a script it goes on"

@@ -139,6 +139,10 @@ fn edited(editor: &mut Editor, session: &mut Session, args: &LinkArgs) -> Result
         if renewed.elapsed() >= RENEW {
             renewed = Instant::now();
             let line = monitor::line(&session.status()?);
+            // Once a line is complete, nothing above it is renewed.
+            if let Some(input) = editor.answer()? {
+                return Ok(input);
+            }
             if line != shown {
                 editor.renew(&line);
                 shown = line;

@@ -176,6 +176,9 @@ impl Terminal {
 impl Drop for Terminal {
     fn drop(&mut self) {
         if let Some(before) = &self.before {
+            // Nor does it go on to bracket what is pasted.
+            print!("\x1b[?2004l");
+            let _ = std::io::Write::flush(&mut std::io::stdout());
             let _ = rustix::termios::tcsetattr(std::io::stdin(), rustix::termios::OptionalActions::Now, before);
         }
     }
