@@ -61,11 +61,7 @@ pub(super) fn talk(args: &LinkArgs, session: &mut Session, color: Color) -> Resu
 fn from_lines(args: &LinkArgs, session: &mut Session, color: Color) -> Result<(), LinkError> {
     let lines = lines();
     let (mut count, mut failures) = (0, 0);
-    loop {
-        let line = match next(&lines, session)? {
-            Input::Line(line) => line,
-            Input::Silence | Input::End => break,
-        };
+    while let Input::Line(line) = next(&lines, session)? {
         count += 1;
         match act(&line, args, session, color)? {
             Outcome::Done => {}
