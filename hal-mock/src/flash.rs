@@ -113,6 +113,17 @@ impl Flash {
         }
     }
 
+    /// A flash that holds these bytes, whole pages of them. A word that is all ones counts as erased.
+    ///
+    /// # Panics
+    /// If the bytes are not whole pages.
+    pub fn holding(bytes: Vec<u8>, seed: u64) -> Self {
+        assert!(bytes.len().is_multiple_of(PAGE_BYTES), "{} bytes are not whole pages of {PAGE_BYTES}", bytes.len());
+        let written = bytes.chunks_exact(WORD_BYTES).map(|word| word.iter().any(|&byte| byte != ERASED)).collect();
+        let pages = bytes.len() / PAGE_BYTES;
+        Flash { bytes, written, ..Flash::new(pages, seed) }
+    }
+
     /// How often a page has been erased: its wear.
     pub fn erases(&self, page: usize) -> u32 {
         self.erases.get(page).copied().unwrap_or(0)

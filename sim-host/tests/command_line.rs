@@ -12,6 +12,9 @@ mod help;
 mod link;
 #[path = "command_line/measured.rs"]
 mod measured;
+#[cfg(unix)]
+#[path = "command_line/prompt.rs"]
+mod prompt;
 #[path = "command_line/report.rs"]
 mod report;
 #[cfg(unix)]

@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use import::admittance::circuit::{Branch, Equivalent};
 
 /// Commands that need what a test has not, by how they begin, and why they are not run.
-const NOT_RUN: [(&str, &str); 15] = [
+const NOT_RUN: [(&str, &str); 16] = [
     ("run \"$scene\"", "a line of a script; tests/command_line/ci.rs runs it"),
     ("link PORT", "a placeholder"),
     ("link file:", "needs the image of `cargo field`; tests of `sonoglide-link` make the file"),
@@ -25,6 +25,10 @@ const NOT_RUN: [(&str, &str); 15] = [
     ("link sim:lock script rig.txt", "the reader's own script"),
     ("compare ", "compares what other commands of the page have left; tests/command_line/compare.rs has both"),
     ("merge mu-1 mu-2", "joins what other commands of the page have left; tests/command_line/sweep.rs joins shards"),
+    (
+        "sweep lock-cold --set runs=100 --over controller.drive.amplitude_v=2:4:80",
+        "half a minute each; tests/command_line/sweep.rs has shards",
+    ),
     ("show NAME", "a placeholder"),
     ("run SCENE", "a placeholder"),
     ("run my-scene.toml", "the reader's own scene; the scenes of the page are checked"),

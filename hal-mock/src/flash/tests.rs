@@ -147,3 +147,13 @@ fn turned_bits_are_read_and_an_erase_sets_them() {
     flash.erase(0, PAGE).unwrap();
     assert_eq!(read(&mut flash, 3), [0xFF]);
 }
+
+#[test]
+fn a_flash_that_holds_bytes_is_the_one_they_are_of() {
+    let mut first = Flash::new(2, 1);
+    first.write(PAGE, &[0x11; 8]).unwrap();
+    let mut second = Flash::holding(first.bytes().to_vec(), 1);
+    assert_eq!(second.bytes(), first.bytes());
+    assert_eq!(second.write(PAGE, &[0; 8]), Err(FlashError::NotErased));
+    second.write(PAGE + 8, &[0; 8]).unwrap();
+}

@@ -160,11 +160,11 @@ fn by_method<W: FnMut(&State)>(
     watch: Option<&mut W>,
 ) -> Result<Solution, SolveError> {
     match numerics.method {
-        Method::Auto if numerics.tolerance_of == ToleranceOf::Mean && is_steady(problem, numerics.tolerance) => {
+        Method::Closed => in_closed_form(problem, numerics, "asked for".into(), watch),
+        Method::Auto if is_closed(problem, numerics) => {
             let why = "kinematic, and the window lies in the steady state: closed form".into();
             in_closed_form(problem, numerics, why, watch)
         }
-        Method::Closed => in_closed_form(problem, numerics, "asked for".into(), watch),
         Method::Auto => stepped::chosen(problem, numerics, runs, watch),
         method => stepped::solve(problem, numerics, (method, "asked for".to_owned()), runs, watch),
     }
@@ -180,6 +180,14 @@ pub fn closed_point(problem: &Problem, numerics: &Numerics) -> Option<closed::Po
         method => method == Method::Closed,
     };
     (closed && numerics.tolerance_of == ToleranceOf::Mean).then_some(point)
+}
+
+/// Whether [`solve`] solves a problem in closed form: what it then sees of it is one steady period.
+pub fn is_closed(problem: &Problem, numerics: &Numerics) -> bool {
+    match numerics.method {
+        Method::Auto => numerics.tolerance_of == ToleranceOf::Mean && is_steady(problem, numerics.tolerance),
+        method => method == Method::Closed,
+    }
 }
 
 /// Whether what is left of the start is nothing beside the tolerance.

@@ -43,7 +43,7 @@ pub mod timeline;
 mod turn;
 pub mod waveform;
 
-pub use auto::{Clock, Numerics, Solution, ToleranceOf, closed_point, solve, solve_many, solve_unwatched, solve_with};
+pub use auto::{Clock, Numerics, Solution, ToleranceOf, closed_point, is_closed, solve, solve_many, solve_unwatched, solve_with};
 pub use forcing::Forcing;
 pub use method::{Method, coulomb, linexp, midpoint, rk4, rk4_events, rk4_tabulated, taylor};
 pub use problem::{Law, Motion, Problem, Sign};

@@ -270,6 +270,11 @@ impl Client {
         static NEVER: AtomicBool = AtomicBool::new(false);
         self.line.stop = &NEVER;
     }
+
+    /// From now on this is looked at in place of what was.
+    pub fn heed(&mut self, stop: &'static AtomicBool) {
+        self.line.stop = stop;
+    }
 }
 
 /// Whether obeying this twice is not the same as obeying it once.

@@ -44,6 +44,7 @@ pub mod link_error;
 pub mod modelled_board;
 pub mod parameter;
 pub mod port;
+pub mod prompt;
 pub mod raw_frame;
 pub mod refusal;
 pub mod scale;

@@ -51,6 +51,11 @@ enum Step {
     Expect(Expect),
 }
 
+/// The words of a line, as clap has them.
+pub(crate) fn grammar() -> clap::Command {
+    <Words as clap::CommandFactory>::command().name("link")
+}
+
 #[derive(Parser)]
 #[command(no_binary_name = true, disable_help_flag = true, disable_help_subcommand = true)]
 struct Words {
@@ -92,6 +97,11 @@ impl Script {
             return Ok(Script { name: name.to_owned(), lines });
         }
         Err(LinkError::Script(Report::new(vec![Source { name: name.to_owned(), text: text.to_owned() }], problems)))
+    }
+
+    /// Whether no line does anything.
+    pub fn is_empty(&self) -> bool {
+        self.lines.is_empty()
     }
 
     /// Runs the script, and calls `report` with each line and its result. Ends with the first line that fails.

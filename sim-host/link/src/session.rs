@@ -49,6 +49,8 @@ pub struct Session {
     driving: bool,
     /// The board sends telemetry by itself.
     streams: bool,
+    /// No further command comes: what drives then is left as the options say.
+    pub ends_with_command: bool,
     /// The last command's answer.
     pub last: Answer,
     /// What watches the session while it waits.
@@ -71,6 +73,7 @@ impl Session {
             keep_alive: Duration::from_secs_f64(KEEP_ALIVE.1),
             driving: false,
             streams: false,
+            ends_with_command: false,
             last: Answer::default(),
             live: Live::default(),
             provenance: Provenance::default(),
@@ -118,6 +121,18 @@ impl Session {
     /// The drive is silent.
     pub fn is_silent(&mut self) {
         self.driving = false;
+    }
+
+    /// What becomes of a drive that a command leaves on.
+    pub fn what_becomes_of_it(&self) -> &'static str {
+        match (self.ends_with_command, self.options.stay) {
+            (_, true) if self.client.stands_still() => "it ends with this program, which the board is a part of, or by `stop`",
+            (_, true) => "it goes on when this program ends (--stay); `stop` ends it",
+            (true, false) => {
+                "it falls silent now, with the end of this command; `--stay` leaves it on, and at the prompt or in a script it goes on"
+            }
+            (false, false) => "`stop` ends it",
+        }
     }
 
     /// Whether the user has ordered the drive on.

@@ -60,7 +60,12 @@ pub struct SimulatedBoard {
 impl SimulatedBoard {
     /// The board that a scene describes, just powered. The last `keep` blocks at the converters are recorded.
     pub fn new(scene: &Driven, keep: usize) -> Result<Self, firmware::seam::error::Error> {
-        let setup = Setup { config: settings::config(scene), to_host: FIFO, ..Setup::default() };
+        Self::with_flash(scene, keep, Setup::default().flash)
+    }
+
+    /// The same board with what an earlier one has left in its flash.
+    pub fn with_flash(scene: &Driven, keep: usize, flash: Flash) -> Result<Self, firmware::seam::error::Error> {
+        let setup = Setup { config: settings::config(scene), to_host: FIFO, flash, ..Setup::default() };
         let rig = Rc::new(RefCell::new(Tracer::new(breakable_plant(scene), keep)));
         let bench = Some(powered(&setup, &rig)?);
         let (to_board, to_host) = Default::default();
@@ -70,6 +75,11 @@ impl SimulatedBoard {
     /// Configuration of the board's controller.
     pub fn config(&self) -> &Config {
         &self.setup.config
+    }
+
+    /// Turns the board off: what is left is its flash.
+    pub fn power_off(&mut self) -> Flash {
+        self.bench.take().map_or_else(|| self.setup.flash.clone(), Bench::power_off)
     }
 
     /// Time since the power came.

@@ -1,40 +1,63 @@
-//! What a run has come to, apart from the run itself: texts, and columns of numbers as bytes.
+//! What a run has come to, apart from the run itself: texts, and columns of numbers as bytes. What takes time is made when it is asked for.
 
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::Duration;
+
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use report::Report;
-use sim::columns::{Column, Values};
+use report::{Figure, Report};
+use scene::load::Loaded;
+use sim::columns::{self, Values};
 use sim::provenance::Provenance;
-use sim::study::Study;
-use sim::{columns, output, tables};
+use sim::study::{Detached, Study};
+use sim::{output, tables};
 
-use crate::errors::of_run;
+use crate::errors::{RunError, of_run};
 
 /// A table: identifier, title, caption, header, rows.
 type TableParts = (String, String, String, Vec<String>, Vec<Vec<String>>);
-/// A signal: name, unit, meaning, values.
-type SignalParts<'py> = (String, String, String, Bound<'py, PyAny>);
 
 /// Metrics, tables, figures and signals of a run.
 #[pyclass(frozen, module = "sonoglide._native")]
 pub struct Result {
-    summary: String,
-    machine: String,
+    loaded: Arc<Loaded>,
+    /// The study; none only while somebody looks at it, who holds the lock, and after a panic there.
+    study: Mutex<Option<Detached>>,
+    report: OnceLock<Report>,
     passed: bool,
-    report: Report,
-    columns: Vec<Column>,
+    took: Duration,
 }
 
 impl Result {
-    /// All that Python is shown of a study.
-    pub fn of(study: &Study) -> Self {
-        Result {
-            summary: output::summary(study).to_string(),
-            machine: output::machine(study).to_string(),
-            passed: study.passes(),
-            report: tables::report(study, &Provenance::default()),
-            columns: columns::of(study),
+    /// A study of a scene, and the wall time that its run took.
+    pub fn new(loaded: Arc<Loaded>, study: Detached, passed: bool, took: Duration) -> Self {
+        Result { loaded, study: Mutex::new(Some(study)), report: OnceLock::new(), passed, took }
+    }
+
+    /// Looks at the study, without the interpreter's lock.
+    fn of_study<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&Study) -> T + Send) -> PyResult<T> {
+        py.detach(|| {
+            let mut kept = self.study.lock().unwrap_or_else(PoisonError::into_inner);
+            let study = kept.take().and_then(|study| study.of(&self.loaded.scene))?;
+            let seen = look(&study);
+            *kept = Some(study.detached());
+            Some(seen)
+        })
+        .ok_or_else(|| RunError::new_err("an earlier error has taken the result of this run away"))
+    }
+
+    /// The report, with the data of its figures; made once.
+    fn report(&self, py: Python<'_>) -> PyResult<&Report> {
+        if let Some(report) = self.report.get() {
+            return Ok(report);
         }
+        let made = self.of_study(py, |study| tables::report(study, &Provenance::default()))?;
+        Ok(self.report.get_or_init(|| made))
+    }
+
+    fn figure(&self, py: Python<'_>, place: usize) -> PyResult<&Figure> {
+        self.report(py)?.figures.get(place).ok_or_else(|| PyIndexError::new_err(format!("there is no figure {place}")))
     }
 }
 
@@ -42,14 +65,14 @@ impl Result {
 impl Result {
     /// The summary as JSON, as `summary.json` has it.
     #[getter]
-    fn summary(&self) -> &str {
-        &self.summary
+    fn summary(&self, py: Python<'_>) -> PyResult<String> {
+        self.of_study(py, |study| output::summary(study).to_string())
     }
 
     /// Figures of the machine as JSON, as `machine.json` has them.
     #[getter]
-    fn machine(&self) -> &str {
-        &self.machine
+    fn machine(&self, py: Python<'_>) -> PyResult<String> {
+        self.of_study(py, |study| output::machine(study).to_string())
     }
 
     /// Whether every expectation of the scene holds.
@@ -58,61 +81,81 @@ impl Result {
         self.passed
     }
 
+    /// Wall time of the run itself, s: without what is made of its result.
+    #[getter]
+    fn run_s(&self) -> f64 {
+        self.took.as_secs_f64()
+    }
+
     /// Title of the report.
     #[getter]
-    fn title(&self) -> &str {
-        &self.report.title
+    fn title(&self, py: Python<'_>) -> PyResult<String> {
+        self.of_study(py, tables::title)
     }
 
     /// The numbers that come first: label, and value with its unit.
     #[getter]
-    fn headline(&self) -> Vec<(String, String)> {
-        self.report.summary.clone()
+    fn headline(&self, py: Python<'_>) -> PyResult<Vec<(String, String)>> {
+        self.of_study(py, tables::headline)
     }
 
     /// Remarks on the run and notes of the scene.
     #[getter]
-    fn notes(&self) -> Vec<String> {
-        self.report.paragraphs.clone()
+    fn notes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        Ok(self.report(py)?.paragraphs.clone())
     }
 
     /// Tables: identifier, title, caption, header, rows.
     #[getter]
-    fn tables(&self) -> Vec<TableParts> {
+    fn tables(&self, py: Python<'_>) -> PyResult<Vec<TableParts>> {
         let table = |table: &report::TableBlock| {
             (table.id.clone(), table.title.clone(), table.caption.clone(), table.header.clone(), table.rows.clone())
         };
-        self.report.tables.iter().map(table).collect()
+        Ok(self.report(py)?.tables.iter().map(table).collect())
     }
 
-    /// The signals of the run: name, unit, meaning, and the values: 64-bit floating-point numbers as bytes in the machine's order, or texts.
-    fn signals<'py>(&self, py: Python<'py>) -> PyResult<Vec<SignalParts<'py>>> {
-        let signal = |column: &Column| {
-            let values = match &column.values {
-                Values::Numbers(numbers) => {
-                    let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_ne_bytes()).collect();
-                    PyBytes::new(py, &bytes).into_any()
-                }
-                Values::Texts(texts) => texts.clone().into_pyobject(py)?.into_any(),
-            };
-            Ok((column.name.clone(), column.unit.clone(), column.meaning.clone(), values))
-        };
-        self.columns.iter().map(signal).collect()
+    /// The signals of the run: name, unit, meaning.
+    #[getter]
+    fn signals(&self, py: Python<'_>) -> PyResult<Vec<(String, String, String)>> {
+        let heads = self.of_study(py, columns::heads)?;
+        Ok(heads.into_iter().map(|head| (head.name, head.unit, head.meaning)).collect())
+    }
+
+    /// The values of a signal, by its place: 64-bit floating-point numbers as bytes in the machine's order, or texts.
+    fn signal<'py>(&self, py: Python<'py>, place: usize) -> PyResult<Bound<'py, PyAny>> {
+        let values = self.of_study(py, |study| columns::values(study, place))?;
+        match values.ok_or_else(|| PyIndexError::new_err(format!("there is no signal {place}")))? {
+            Values::Numbers(numbers) => bytes_of(py, &numbers).map(Bound::into_any),
+            Values::Texts(texts) => Ok(texts.into_pyobject(py)?.into_any()),
+        }
     }
 
     /// The figures: identifier, title, caption.
     #[getter]
-    fn figures(&self) -> Vec<(String, String, String)> {
-        self.report.figures.iter().map(|figure| (figure.id.clone(), figure.title.clone(), figure.caption.clone())).collect()
+    fn figures(&self, py: Python<'_>) -> PyResult<Vec<(String, String, String)>> {
+        let texts = |figure: &Figure| (figure.id.clone(), figure.title.clone(), figure.caption.clone());
+        Ok(self.report(py)?.figures.iter().map(texts).collect())
     }
 
     /// A figure as SVG, by its place.
-    fn svg(&self, place: usize) -> PyResult<String> {
-        report::svg(&self.report.figures[place]).map_err(|error| of_run(&error))
+    fn svg(&self, py: Python<'_>, place: usize) -> PyResult<String> {
+        let figure = self.figure(py, place)?;
+        py.detach(|| report::svg(figure)).map_err(|error| of_run(&error))
     }
 
     /// The data of a figure as CSV, by its place.
-    fn csv(&self, place: usize) -> PyResult<String> {
-        report::csv(&self.report.figures[place]).map_err(|error| of_run(&error))
+    fn csv(&self, py: Python<'_>, place: usize) -> PyResult<String> {
+        report::csv(self.figure(py, place)?).map_err(|error| of_run(&error))
     }
+}
+
+/// 64-bit floating-point numbers as bytes in the machine's order.
+pub fn bytes_of<'py>(py: Python<'py>, numbers: &[f64]) -> PyResult<Bound<'py, PyBytes>> {
+    PyBytes::new_with(py, size_of_val(numbers), |bytes| {
+        bytes
+            .chunks_exact_mut(size_of::<f64>())
+            .zip(numbers)
+            .for_each(|(bytes, number)| bytes.copy_from_slice(&number.to_ne_bytes()));
+        Ok(())
+    })
 }

@@ -1,8 +1,8 @@
 //! A scene: what is to be run.
 
 use std::path::PathBuf;
-use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
@@ -18,7 +18,8 @@ use crate::result::Result;
 /// A scene that is valid as a whole. It does not change: `changed` makes another.
 #[pyclass(frozen, module = "sonoglide._native")]
 pub struct Scene {
-    loaded: Loaded,
+    /// Shared with the results of its runs.
+    loaded: Arc<Loaded>,
 }
 
 impl Scene {
@@ -28,18 +29,24 @@ impl Scene {
     }
 }
 
+impl From<Loaded> for Scene {
+    fn from(loaded: Loaded) -> Self {
+        Scene { loaded: Arc::new(loaded) }
+    }
+}
+
 #[pymethods]
 impl Scene {
     /// A built-in scene by name, or a TOML file by path, with changes as `key=value`.
     #[staticmethod]
     fn load(source: &str, changes: Vec<String>) -> PyResult<Self> {
-        load(source, &changes).map(|loaded| Scene { loaded }).map_err(|error| of_scene(&error))
+        load(source, &changes).map(Scene::from).map_err(|error| of_scene(&error))
     }
 
     /// A scene from its text as TOML; `name` is what messages and results call it.
     #[staticmethod]
     fn from_toml(text: &str, name: &str, changes: Vec<String>) -> PyResult<Self> {
-        load_text(name, text, &changes).map(|loaded| Scene { loaded }).map_err(|error| of_scene(&error))
+        load_text(name, text, &changes).map(Scene::from).map_err(|error| of_scene(&error))
     }
 
     /// A scene from a dictionary, as JSON.
@@ -54,20 +61,20 @@ impl Scene {
     fn from_state(state: (String, String, String, Vec<String>)) -> PyResult<Self> {
         let (name, origin, input, changes) = state;
         let loaded = load_text(&origin, &input, &changes).map_err(|error| of_scene(&error))?;
-        Ok(Scene { loaded: Loaded { name, ..loaded } })
+        Ok(Loaded { name, ..loaded }.into())
     }
 
     /// What makes this scene, and no other: name, origin, text, changes.
     fn state(&self) -> (String, String, String, Vec<String>) {
-        let Loaded { name, origin, input, sets, .. } = &self.loaded;
+        let Loaded { name, origin, input, sets, .. } = &*self.loaded;
         (name.clone(), origin.clone(), input.clone(), sets.clone())
     }
 
     /// The scene with further changes.
     fn changed(&self, changes: Vec<String>) -> PyResult<Self> {
-        let Loaded { name, origin, input, sets, .. } = &self.loaded;
+        let Loaded { name, origin, input, sets, .. } = &*self.loaded;
         let loaded = load_text(origin, input, &[sets.clone(), changes].concat()).map_err(|error| of_scene(&error))?;
-        Ok(Scene { loaded: Loaded { name: name.clone(), ..loaded } })
+        Ok(Loaded { name: name.clone(), ..loaded }.into())
     }
 
     /// Name of the scene.
@@ -98,12 +105,15 @@ impl Scene {
         interruptible::run(py, &stop, || {
             let folder = output.map(|dir| Folder::open(&dir)).transpose().map_err(|error| of_run(&error))?;
             let options = Options { stop: Some(&stop), clock: Some(clock), ..Options::default() };
+            let began = clock();
             let study = study::run(&self.loaded, options).map_err(|error| of_run(&error))?;
+            let took = clock() - began;
             // What a signal has cut short is not written: nobody sees its result.
             if let Some(folder) = folder.filter(|_| !study.interrupted) {
                 output::write_into(&self.loaded, &study, &folder, &Presentation::default()).map_err(|error| of_run(&error))?;
             }
-            Ok(Result::of(&study))
+            let passed = study.passes();
+            Ok(Result::new(Arc::clone(&self.loaded), study.detached(), passed, took))
         })?
     }
 }

@@ -13,6 +13,7 @@ use sim::study::sweep::{self, SweepError};
 
 use crate::errors::{RunError, SceneError, of_run, of_scene};
 use crate::interruptible;
+use crate::result::bytes_of;
 use crate::scene::Scene;
 
 /// Points of a sweep and what is to be read at each. It does not change, and runs nothing by itself.
@@ -109,8 +110,7 @@ impl Sweep {
     fn column<'py>(py: Python<'py>, folder: PathBuf, name: &str) -> PyResult<Bound<'py, PyBytes>> {
         let values =
             RowsFile::open(&folder.join("sweep.parquet")).and_then(|file| file.column(name)).map_err(|error| of_run(&error))?;
-        let bytes: Vec<u8> = values.iter().flat_map(|value| value.unwrap_or(f64::NAN).to_ne_bytes()).collect();
-        Ok(PyBytes::new(py, &bytes))
+        bytes_of(py, &values.iter().map(|value| value.unwrap_or(f64::NAN)).collect::<Vec<_>>())
     }
 }
 

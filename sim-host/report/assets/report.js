@@ -67,7 +67,7 @@
     if (v == null) return "–";
     const own = v === 0 ? 0 : Math.floor(Math.log10(Math.abs(v)));
     const exponent = own < -4 || own > 8 ? own : 0;
-    const step = scale.distr === 3 ? 10 ** (own - 4) : (scale.max - scale.min) / 1e4;
+    const step = 10 ** (scale.distr === 3 ? own - 4 : Math.floor(Math.log10((scale.max - scale.min) / 1e4)));
     const digits = plain(v / 10 ** exponent, decimalsOf(step / 10 ** exponent));
     return exponent ? power(digits, exponent) : digits;
   }
@@ -268,7 +268,8 @@
         y: { distr: figure.y.log ? 3 : 1, range: yRange(figure) },
       },
       axes: [axis(figure.x, false), axis(figure.y, true)],
-      cursor: { drag: { x: true, y: false }, points: { size: 7 } },
+      // The plots of one figure have one axis, and are read and zoomed together.
+      cursor: { drag: { x: true, y: false }, points: { size: 7 }, sync: { key: place.closest("figure").id } },
       legend: { live: true, markers: { width: 0, fill: (u, i) => marker(u.series[i]) } },
       hooks: {
         drawClear: [(u) => drawSpans(u, figure)],

@@ -1,23 +1,11 @@
 //! The signals of a study as columns: names, units, meanings and values, for a program that has no use for a file.
 
-use crate::data::{Cell, OVERVIEW, PERIODS, signals};
+use crate::data::{Cell, Column, OVERVIEW, PERIODS, RowColumn, fixed, signals};
 use crate::record::Record;
 use crate::study::contact::Solved;
 use crate::study::{Outcome, Study};
 use crate::trace::Tracer;
-
-/// A column.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Column {
-    /// Name of the column, with its unit.
-    pub name: String,
-    /// Unit of the column; `1` of a ratio or a count, empty of a text.
-    pub unit: String,
-    /// Meaning of the column.
-    pub meaning: String,
-    /// Values of the column.
-    pub values: Values,
-}
+use contact::State;
 
 /// The values of a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,60 +16,65 @@ pub enum Values {
     Texts(Vec<String>),
 }
 
-/// The signals of a study, each as long as the others: of a driven run what its `[trace]` asks for, or a row for every block that was recorded; of a
-/// contact study the last periods, a row a step. None of several runs.
-pub fn of(study: &Study) -> Vec<Column> {
+/// What the signals of a study are: of a driven run what its `[trace]` asks for, or those of every block that was recorded; of a contact study those of
+/// its last periods. None of several runs.
+pub fn heads(study: &Study) -> Vec<Column> {
     match &study.outcome {
         Outcome::Driven(run) => match &run.record.trace {
-            Some(tracer) => of_signals(tracer),
-            None => of_record(&run.record),
+            Some(tracer) => of_trace(tracer),
+            None => OVERVIEW.iter().map(|column| fixed((column.name, column.unit, column.meaning))).collect(),
         },
-        Outcome::Contact(solved) => of_last_periods(solved),
+        Outcome::Contact(_) => PERIODS.into_iter().map(fixed).collect(),
         Outcome::MonteCarlo(_) => Vec::new(),
     }
 }
 
-fn of_signals(tracer: &Tracer) -> Vec<Column> {
+/// The values of a signal, by its place among [`heads`]; each signal of a study is as long as the others. None where there is no such signal.
+pub fn values(study: &Study, place: usize) -> Option<Values> {
+    match &study.outcome {
+        Outcome::Driven(run) => match &run.record.trace {
+            Some(tracer) => traced(tracer, place),
+            None => OVERVIEW.get(place).map(|column| recorded(&run.record, column)),
+        },
+        Outcome::Contact(solved) => last_periods(solved, place),
+        Outcome::MonteCarlo(_) => None,
+    }
+}
+
+fn of_trace(tracer: &Tracer) -> Vec<Column> {
     let described = signals();
     let names = std::iter::once("time_s".to_owned()).chain(tracer.signals().iter().map(|signal| signal.name()));
-    let column = |(place, name): (usize, String)| {
+    let column = |name: String| {
         let known = described.iter().find(|column| column.name == name);
         let (unit, meaning) = known.map_or_else(Default::default, |column| (column.unit.clone(), column.meaning.clone()));
-        Column { name, unit, meaning, values: Values::Numbers(tracer.rows().iter().map(|row| row[place]).collect()) }
+        Column { name, unit, meaning }
     };
-    names.enumerate().map(column).collect()
+    names.map(column).collect()
 }
 
-fn of_record(record: &Record) -> Vec<Column> {
-    let column = |column: &crate::data::RowColumn| {
-        let cells = || record.rows.iter().map(column.value);
-        let text = |cell: Cell| if let Cell::Text(text) = cell { Some(text) } else { None };
-        let number = |cell: Cell| if let Cell::Number(number) = cell { number } else { f64::NAN };
-        // A column that has a unit is one of numbers.
-        let values = match column.unit {
-            "" => Values::Texts(cells().filter_map(text).collect()),
-            _ => Values::Numbers(cells().map(number).collect()),
-        };
-        Column { name: column.name.into(), unit: column.unit.into(), meaning: column.meaning.into(), values }
-    };
-    OVERVIEW.iter().map(column).collect()
+fn traced(tracer: &Tracer, place: usize) -> Option<Values> {
+    (place <= tracer.signals().len()).then(|| Values::Numbers(tracer.rows().iter().map(|row| row[place]).collect()))
 }
 
-fn of_last_periods(solved: &Solved) -> Vec<Column> {
-    let states = solved.playback.last_periods();
-    let columns: [Vec<f64>; 4] = [
-        states.iter().map(|state| state.time_s).collect(),
-        states.iter().map(|state| state.x_m).collect(),
-        states.iter().map(|state| state.v_m_per_s).collect(),
-        states.iter().map(|state| state.force_n).collect(),
-    ];
-    let column = |((name, unit, meaning), values): ((&str, &str, &str), Vec<f64>)| Column {
-        name: name.into(),
-        unit: unit.into(),
-        meaning: meaning.into(),
-        values: Values::Numbers(values),
+fn recorded(record: &Record, column: &RowColumn) -> Values {
+    let cells = || record.rows.iter().map(column.value);
+    let text = |cell: Cell| if let Cell::Text(text) = cell { Some(text) } else { None };
+    let number = |cell: Cell| if let Cell::Number(number) = cell { number } else { f64::NAN };
+    // A column that has a unit is one of numbers.
+    match column.unit {
+        "" => Values::Texts(cells().filter_map(text).collect()),
+        _ => Values::Numbers(cells().map(number).collect()),
+    }
+}
+
+fn last_periods(solved: &Solved, place: usize) -> Option<Values> {
+    let value: fn(&State) -> f64 = match PERIODS.get(place)?.0 {
+        "time_s" => |state| state.time_s,
+        "displacement_m" => |state| state.x_m,
+        "velocity_m_per_s" => |state| state.v_m_per_s,
+        _ => |state| state.force_n,
     };
-    PERIODS.into_iter().zip(columns).map(column).collect()
+    Some(Values::Numbers(solved.playback.last_periods().iter().map(value).collect()))
 }
 
 #[cfg(test)]
@@ -102,12 +95,13 @@ mod tests {
             let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
             let loaded = load(scene, &sets).unwrap_or_else(|error| panic!("{error}"));
             let study = study::run(&loaded, Options::default()).expect("a study");
-            let columns = of(&study);
-            let length = |column: &Column| match &column.values {
+            let columns = heads(&study);
+            let length = |place: usize| match values(&study, place).unwrap_or_else(|| panic!("{scene}: no column {place}")) {
                 Values::Numbers(numbers) => numbers.iter().filter(|number| !number.is_nan()).count(),
                 Values::Texts(texts) => texts.len(),
             };
-            assert!(length(&columns[0]) > 100 && columns.iter().all(|column| length(column) == length(&columns[0])), "{scene}");
+            assert!(length(0) > 100 && (0..columns.len()).all(|place| length(place) == length(0)), "{scene}");
+            assert_eq!(values(&study, columns.len()), None, "{scene}");
             for name in names {
                 assert!(columns.iter().any(|column| column.name == name), "{scene}: {name}");
             }

@@ -104,7 +104,7 @@ pub(crate) const PERIODS: [(&str, &str, &str); 4] = [
 ];
 
 /// A column of fixed texts.
-fn fixed((name, unit, meaning): (&str, &str, &str)) -> Column {
+pub(crate) fn fixed((name, unit, meaning): (&str, &str, &str)) -> Column {
     Column { name: name.into(), unit: unit.into(), meaning: meaning.into() }
 }
 

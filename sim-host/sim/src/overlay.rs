@@ -191,7 +191,7 @@ fn residual(simulated: &Series, x: &[f64], y: &[f64]) -> Option<(usize, f64, f64
 }
 
 /// Whether a metric holds a measured curve against a simulated one.
-pub(crate) fn is_metric(name: &str) -> bool {
+pub fn is_metric(name: &str) -> bool {
     let name = metrics::of_one_run(name).map_or(name, |metric| metric.name);
     UNITS.iter().any(|(.., rms, max)| [*rms, *max].contains(&name))
 }

@@ -4,6 +4,7 @@ pub mod across;
 pub mod answer;
 pub mod comparison;
 pub mod contact;
+mod detached;
 pub mod driven;
 pub mod grid;
 pub mod matching;
@@ -20,6 +21,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use self::comparison::ComparisonResult;
 use self::contact::Solved;
+pub use self::detached::Detached;
 pub use self::driven::Level;
 use self::driven::Run;
 use self::grid::GridResult;

@@ -14,10 +14,20 @@ const SAME: Duration = Duration::from_secs(1);
 
 /// Sets `stop` at the first request to end.
 pub(super) fn set(stop: &'static AtomicBool) -> std::io::Result<()> {
-    let mut first = None;
-    listen(move || {
-        let first = *first.get_or_insert_with(Instant::now);
-        if stop.swap(true, Ordering::Relaxed) && first.elapsed() >= SAME {
+    set_apart(stop, stop)
+}
+
+/// The same, with `end` set as well where the request is not Ctrl-C, which may end no more than what is under way. Whoever goes on takes `stop` back.
+pub(super) fn set_apart(stop: &'static AtomicBool, end: &'static AtomicBool) -> std::io::Result<()> {
+    let mut first = Instant::now();
+    listen(move |is_ctrl_c| {
+        let again = stop.swap(true, Ordering::Relaxed);
+        if !is_ctrl_c {
+            end.store(true, Ordering::Relaxed);
+        }
+        if !again {
+            first = Instant::now();
+        } else if first.elapsed() >= SAME {
             std::process::exit(INTERRUPTED.into())
         }
     })
@@ -25,7 +35,7 @@ pub(super) fn set(stop: &'static AtomicBool) -> std::io::Result<()> {
 }
 
 #[cfg(unix)]
-fn listen(mut request: impl FnMut() + Send + 'static) -> std::io::Result<()> {
+fn listen(mut request: impl FnMut(bool) + Send + 'static) -> std::io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
 
@@ -34,12 +44,15 @@ fn listen(mut request: impl FnMut() + Send + 'static) -> std::io::Result<()> {
     if !ignores_hang_up() {
         signals.add_signal(SIGHUP)?;
     }
-    std::thread::Builder::new().name("interrupts".into()).spawn(move || signals.forever().for_each(|_| request())).map(drop)
+    std::thread::Builder::new()
+        .name("interrupts".into())
+        .spawn(move || signals.forever().for_each(|signal| request(signal == SIGINT)))
+        .map(drop)
 }
 
 #[cfg(not(unix))]
-fn listen(request: impl FnMut() + Send + 'static) -> Result<(), ctrlc::Error> {
-    ctrlc::set_handler(request)
+fn listen(mut request: impl FnMut(bool) + Send + 'static) -> Result<(), ctrlc::Error> {
+    ctrlc::set_handler(move || request(true))
 }
 
 /// Whether this program was started with the hang-up signal ignored, as far as the system says so.

@@ -1,6 +1,8 @@
 //! `sim-host link`.
 
+mod flash_file;
 mod modelled_board;
+mod prompt;
 
 use std::cell::RefCell;
 use std::fs;
@@ -25,10 +27,13 @@ use link::script::Script;
 use link::serve::serve;
 use link::session::{Live, Session, SessionOptions};
 use link::simulated_board::SimulatedBoard;
+use scene::Driven;
 use sim::output::OutputError;
 
 /// Set by Ctrl-C, and by any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
+/// Set by such a request as ends a prompt, too: any but Ctrl-C.
+static END: AtomicBool = AtomicBool::new(false);
 /// The reader of standard output has closed it: the command under way ends as by Ctrl-C, and nothing more is printed.
 static CLOSED: AtomicBool = AtomicBool::new(false);
 
@@ -45,14 +50,18 @@ pub(super) struct LinkArgs {
     /// A serial device (/dev/ttyACM0, COM3), `tcp:HOST:PORT`, `sim:SCENE`: a simulated board in this process, or `board:SCENE`: the image that is
     /// flashed, on a model of its part. For `update` also `file:OUT`: makes the file of an update of an ELF file.
     port: String,
+    /// What to do there; without it commands are read from a prompt, or line by line from standard input.
     #[command(subcommand)]
-    order: LinkOrder,
+    order: Option<LinkOrder>,
     /// Of a simulated board: change one value of its scene, as `a.b=v`. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE", global = true)]
     sets: Vec<String>,
     /// Of a simulated board: seed of all noise.
     #[arg(long, value_name = "N", global = true)]
     seed: Option<u64>,
+    /// Of sim:SCENE: the file of the board's flash, so that it keeps its settings; made where it is not there yet.
+    #[arg(long, value_name = "FILE", global = true)]
+    flash: Option<PathBuf>,
     /// Of board:SCENE: the image, an ELF file, in place of the one that is built from the present source.
     #[arg(long, value_name = "ELF", global = true)]
     image: Option<PathBuf>,
@@ -111,8 +120,12 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
         let usage = "--image, --board-speed, --slot and --gdb are of the modelled part, board:SCENE";
         return Ok(failed(&LinkError::Usage(usage.into()), color));
     }
+    if args.flash.is_some() && !args.port.starts_with(SIMULATED) {
+        let usage = "--flash is of a simulated board, sim:SCENE; any other has a flash of its own";
+        return Ok(failed(&LinkError::Usage(usage.into()), color));
+    }
     if let Some(out) = args.port.strip_prefix(FILE) {
-        let LinkOrder::Order(order @ Order::Update(update)) = &args.order else {
+        let Some(LinkOrder::Order(order @ Order::Update(update))) = &args.order else {
             return Ok(failed(
                 &LinkError::Usage("`file:OUT` is no board: `update ELF` makes the file of an update there".into()),
                 color,
@@ -126,7 +139,7 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
             let usage = "--set, --seed and --real-time are of a board in this process, sim:SCENE or board:SCENE";
             return Ok(failed(&LinkError::Usage(usage.into()), color));
         }
-        return done(open(&args.port).and_then(|port| with_port(args, port)), color);
+        return done(open(&args.port).and_then(|port| with_port(args, port, color)), color);
     };
     let mut sets = args.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
@@ -137,11 +150,9 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
             return Ok(failed(&LinkError::Usage(usage), color));
         };
         if modelled.is_some() {
-            return done(modelled_board::talk(args, &driven), color);
+            return done(modelled_board::talk(args, &driven, color), color);
         }
-        let board =
-            SimulatedBoard::new(&driven, 0).map_err(|why| LinkError::Usage(format!("the firmware refuses this scene: {why}")));
-        done(board.and_then(|board| with_board(args, board)), color)
+        done(simulated(args, &driven, color), color)
     })
 }
 
@@ -152,44 +163,60 @@ fn open(port: &str) -> Result<Box<dyn Port>, LinkError> {
     })
 }
 
-fn with_board(args: &LinkArgs, mut board: impl InProcess + 'static) -> Result<(), LinkError> {
-    if let LinkOrder::Serve { listen } = &args.order {
+/// Talks to a simulated board, and stores its flash where it has a file.
+fn simulated(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkError> {
+    let flash = args.flash.as_deref().map(flash_file::read).transpose()?.flatten();
+    let board = match flash {
+        Some(flash) => SimulatedBoard::with_flash(scene, 0, flash),
+        None => SimulatedBoard::new(scene, 0),
+    };
+    let board = board.map_err(|why| LinkError::Usage(format!("the firmware refuses this scene: {why}")))?;
+    let board = Rc::new(RefCell::new(board));
+    let done = with_board(args, Rc::clone(&board), color);
+    let stored = args.flash.as_deref().map_or(Ok(()), |file| flash_file::write(file, &board.borrow_mut().power_off()));
+    done.and(stored)
+}
+
+fn with_board(args: &LinkArgs, board: Rc<RefCell<impl InProcess + 'static>>, color: Color) -> Result<(), LinkError> {
+    if let Some(LinkOrder::Serve { listen }) = &args.order {
         let listener = TcpListener::bind(listen)
             .map_err(|error| LinkError::Open { port: format!("tcp:{listen}"), why: error.to_string() })?;
         interrupts::set(&STOP)?;
         println!("tcp:{}", listener.local_addr()?);
         io::stdout().flush()?;
-        serve(&mut board, &listener, &STOP, note)?;
+        serve(&mut *board.borrow_mut(), &listener, &STOP, note)?;
         return Err(LinkError::Interrupted);
     }
     // What has no end of its own is watched, and who watches has a clock.
     let endless = match &args.order {
-        LinkOrder::Order(Order::Monitor(order)) => order.is_endless(),
-        LinkOrder::Order(Order::Drive(order)) => order.goes_on() && !args.stay,
+        Some(LinkOrder::Order(Order::Monitor(order))) => order.is_endless(),
+        Some(LinkOrder::Order(Order::Drive(order))) => order.goes_on() && !args.stay,
+        None => prompt::is_watched(),
         _ => false,
     };
-    let port = Simulated::new(&args.port, Rc::new(RefCell::new(board)), args.real_time || endless);
-    with_port(args, Box::new(port))
+    let port = Simulated::new(&args.port, board, args.real_time || endless);
+    with_port(args, Box::new(port), color)
 }
 
-fn with_port(args: &LinkArgs, port: Box<dyn Port>) -> Result<(), LinkError> {
+fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), LinkError> {
     // A script that cannot be read needs no board.
     let script = match &args.order {
-        LinkOrder::Script { file } => Some(read(file)?),
-        LinkOrder::Serve { .. } => {
+        Some(LinkOrder::Script { file }) => Some(read(file)?),
+        Some(LinkOrder::Serve { .. }) => {
             return Err(LinkError::Usage("serve is of a board in this process: `sim-host link sim:SCENE serve`".into()));
         }
         _ => None,
     };
     // Not before the script is read, which may come from a pipe that never ends; before anything is asked of the board.
-    interrupts::set(&STOP)?;
+    if args.order.is_none() { interrupts::set_apart(&STOP, &END) } else { interrupts::set(&STOP) }?;
     let client = Client::new(port, &STOP, note);
     let mut session = Session::begin(client, SessionOptions { host_timeout_s: args.host_timeout, stay: args.stay })?;
     session.live = live(args.format);
     session.provenance = provenance();
     let done = match (&args.order, script) {
-        (LinkOrder::Order(order), _) => one(order, args, &mut session),
-        (LinkOrder::Wait { time }, _) => {
+        (None, _) => prompt::talk(args, &mut session, color),
+        (Some(LinkOrder::Order(order)), _) => one(order, args, &mut session),
+        (Some(LinkOrder::Wait { time }), _) => {
             let waited = session.wait(std::time::Duration::from_secs_f64(*time)).map(|()| Answer::to("wait").field("s", *time));
             tell("", "wait", &waited, args.format).and(waited.map(drop))
         }
@@ -220,6 +247,7 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>) -> Result<(), LinkError> {
 
 /// One command; a drive that goes on is watched until Ctrl-C.
 fn one(order: &Order, args: &LinkArgs, session: &mut Session) -> Result<(), LinkError> {
+    session.ends_with_command = true;
     let done = order.run(session);
     if args.format == Format::Json || done.is_ok() {
         tell("", order.name(), &done, args.format)?;

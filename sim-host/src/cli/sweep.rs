@@ -16,7 +16,7 @@ use super::{Color, DrawingArgs, Format, INTERRUPTED, RUN_FAILED, ResultArgs, Sce
 use scene::load::Loaded;
 use sim::output::sweep::{FolderError, Joined, Shard, SweepFolder, join};
 use sim::study::sweep::design::Design;
-use sim::study::sweep::{Sweep, SweepError};
+use sim::study::sweep::{Sweep, SweepError, is_of_overlays};
 
 /// Set by Ctrl-C, and by any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -189,8 +189,16 @@ fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow
     if joined.failures > 0 {
         say!("{} of {} points have no result: {}", joined.failures, joined.points, dir.join("failures.csv").display());
     }
-    if !joined.absent.is_empty() {
-        say!("no point has {}: it has no meaning in such a scene", joined.absent.join(", "));
+    let (held, other): (Vec<&str>, Vec<&str>) =
+        joined.absent.iter().map(String::as_str).partition(|metric| is_of_overlays(metric));
+    if !other.is_empty() {
+        say!("no point has {}: it has no meaning in such a scene", other.join(", "));
+    }
+    if !held.is_empty() {
+        say!(
+            "no point has {}: the measured curves lie over no curve of such a run with this unit, as `sim-host run` of the scene says",
+            held.join(", ")
+        );
     }
     if !shown.quiet {
         say!("report: {}", joined.page.display());

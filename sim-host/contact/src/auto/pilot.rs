@@ -63,6 +63,11 @@ impl Pilot {
         if periods < PERIODS.max(own) {
             return None;
         }
+        // Beside its resonance the mass beats; of what adds up in a beat its first part has nothing.
+        let beat_hz = problem.motion.natural_hz().map_or(f64::INFINITY, |natural| (natural - hz).abs());
+        if beat_hz * periods < hz {
+            return None;
+        }
         // Where the record's window begins or ends within a period, so does that of the pilot: half a period has an error that two do not.
         let (from, to) = (problem.window_s.0 * hz, problem.window_s.1 * hz);
         let duration_s = (periods + part(to)) / hz;

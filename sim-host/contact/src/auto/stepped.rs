@@ -16,6 +16,8 @@ const LONG: f64 = 2.0;
 /// Below this tolerance methods of order four take more time than the Taylor series, and linexp where errors fall unevenly, or where no period is like
 /// another.
 const ORDER_FOUR: f64 = 1e-6;
+/// And where short bristles make the mass ring: there two runs of linexp were seen to agree on what both are off by.
+const ORDER_FOUR_RINGING: f64 = 1e-4;
 /// Below this one linexp does, whatever the contact.
 const ORDER_SIX: f64 = 1e-10;
 /// Steps a period that stability may ask of Runge-Kutta before midpoint is tried first.
@@ -70,6 +72,7 @@ pub fn chosen<W: FnMut(&State)>(
                 _ if of_record(numerics) => f64::INFINITY,
                 // Friction that holds the mass is no small change of its motion, as which linexp treats it.
                 _ if spring(problem) > RINGS && problem.holds() => f64::INFINITY,
+                _ if spring(problem) > RINGS && kappa > SMOOTH => ORDER_FOUR_RINGING,
                 true => ORDER_FOUR,
                 false => ORDER_SIX,
             };
@@ -188,6 +191,11 @@ fn spring(problem: &Problem) -> f64 {
     }
 }
 
+/// Whether friction has a Stribeck peak.
+fn has_peak(problem: &Problem) -> bool {
+    matches!(problem.law, Law::Lugre { static_ratio, .. } if static_ratio != 1.0)
+}
+
 /// What an estimate is multiplied by. Where short bristles make the mass ring, `Kt / (m w^2)` no longer small, errors fall unevenly from rung to
 /// rung, as they do where every change of the forcing is another; and more so where the bristles are stiffer than the mass is heavy, or where
 /// friction is no small part of the force.
@@ -221,14 +229,16 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, runs: &dyn Runs)
         let record_error = record.zip(fine_record).map(|(record, fine)| record.distance(&fine, problem).max(off));
         return Ok(Found { setting: (steps, order), tally: Some(tally), error: off, record_error, growth: 1.0 });
     }
-    // Where errors fall unevenly, order two says nothing of the next rung.
+    // Where errors fall unevenly, or a step of order two is many bristles long, it says nothing of the next rung.
     let (doubt, tolerance) = (if method == Method::Taylor { 1.0 } else { doubt(problem) }, numerics.tolerance);
-    let first = usize::from(doubt > 1.0);
+    let first = usize::from(method != Method::Taylor && (doubt > 1.0 || problem.kappa() > SMOOTH));
     let start = ladder.start(tolerance).max(first);
     let mut whole = match method {
         Method::Linexp | Method::Frozen | Method::Taylor => refine::Runs::of_two(problem, doubt),
         // Two runs of Runge-Kutta were seen to agree on what both are off by, and three where the bristles are long.
         _ if problem.kappa() < LONG_BRISTLES => refine::Runs::of_three(problem, UNEVEN_IN_TIME),
+        // A narrow peak lies between the steps, now here, now there.
+        _ if has_peak(problem) => refine::Runs::of_three(problem, UNEVEN),
         _ => refine::Runs::of_three(problem, 1.0),
     };
     if of_record {

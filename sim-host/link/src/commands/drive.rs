@@ -67,6 +67,8 @@ pub fn run(args: &DriveArgs, session: &mut Session) -> Result<Answer, LinkError>
             session.is_silent();
             answer.line(format!("drove for {time} s; the drive is silent")).field("for_s", time)
         }
-        None => answer.line("the drive is on; `stop` ends it"),
+        // What goes on is watched until Ctrl-C, or left on.
+        None if session.ends_with_command => answer.line("the drive is on"),
+        None => answer.line(format!("the drive is on; {}", session.what_becomes_of_it())),
     })
 }

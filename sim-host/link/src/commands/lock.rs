@@ -68,7 +68,7 @@ pub fn run(args: &LockArgs, session: &mut Session) -> Result<Answer, LinkError> 
         .field("resonance_hz", short(report.resonance.0))
         .field("lock_time_ms", time_ms)
         .field("lock_time_gap_ms", gap_ms);
-    Ok(answer.line("it drives by the configured schedule and amplitude; `stop` ends it"))
+    Ok(answer.line(format!("it drives by the configured schedule and amplitude; {}", session.what_becomes_of_it())))
 }
 
 /// Orders a run and waits until it is one.

@@ -7,7 +7,7 @@ import html
 import io
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -31,16 +31,26 @@ class Expectation:
     source: str
 
 
-@dataclass(frozen=True)
 class Signal:
     """A signal of a run."""
 
-    name: str
-    #: Unit of the values; `1` of a ratio or a count, empty of a text.
-    unit: str
-    meaning: str
-    #: Values of the signal, one a row; read-only.
-    values: NDArray[Any] = field(repr=False)
+    def __init__(self, native: _native.Result, place: int, name: str, unit: str, meaning: str) -> None:
+        self._native, self._place = native, place
+        #: Name of the signal, with its unit.
+        self.name = name
+        #: Unit of the values; `1` of a ratio or a count, empty of a text.
+        self.unit = unit
+        #: What it is.
+        self.meaning = meaning
+
+    @cached_property
+    def values(self) -> NDArray[Any]:
+        """Values of the signal, one a row; numbers are read-only."""
+        values = self._native.signal(self._place)
+        return np.frombuffer(values) if isinstance(values, bytes) else np.array(values)
+
+    def __repr__(self) -> str:
+        return f"<sonoglide.Signal {self.name!r} [{self.unit}]: {self.meaning}>"
 
 
 @dataclass(frozen=True)
@@ -102,12 +112,17 @@ class Result(Mapping[str, float]):
 
     def __init__(self, native: _native.Result) -> None:
         self._native = native
-        #: The summary of the run, as `summary.json` holds it. It is the same on every run of the same scene.
-        self.summary: dict[str, Any] = json.loads(native.summary)
-        #: Metrics by their names, which end with their units. What has no meaning in the scene is absent; a statistic that is infinite is `inf`.
-        self.metrics: dict[str, float] = {
-            name: float("inf") if value is None else value for name, value in self.summary["metrics"].items()
-        }
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """The summary of the run, as `summary.json` holds it. It is the same on every run of the same scene."""
+        summary: dict[str, Any] = json.loads(self._native.summary)
+        return summary
+
+    @cached_property
+    def metrics(self) -> dict[str, float]:
+        """Metrics by their names, which end with their units. What has no meaning in the scene is absent; a statistic that is infinite is `inf`."""
+        return {name: float("inf") if value is None else value for name, value in self.summary["metrics"].items()}
 
     def __getitem__(self, metric: str) -> float:
         try:
@@ -141,6 +156,11 @@ class Result(Mapping[str, float]):
         return machine
 
     @property
+    def run_s(self) -> float:
+        """Wall time of the run itself, s: without what Python adds, and without what is made of its result."""
+        return self._native.run_s
+
+    @property
     def title(self) -> str:
         """Title of the scene."""
         return self._native.title
@@ -156,17 +176,14 @@ class Result(Mapping[str, float]):
 
         `result.signals["time_s"].values` is an array of NumPy.
         """
-        return {
-            name: Signal(name, unit, meaning, np.frombuffer(values) if isinstance(values, bytes) else np.array(values))
-            for name, unit, meaning, values in self._native.signals()
-        }
+        return {name: Signal(self._native, place, name, *texts) for place, (name, *texts) in enumerate(self._native.signals)}
 
     @cached_property
     def figures(self) -> dict[str, Figure]:
         """Figures of the run by their names, the most telling first."""
         return {id: Figure(self._native, place, id, *texts) for place, (id, *texts) in enumerate(self._native.figures)}
 
-    @property
+    @cached_property
     def tables(self) -> dict[str, Table]:
         """Tables of the run by their names."""
         return {table[0]: Table(*table) for table in self._native.tables}

@@ -63,6 +63,15 @@ fn overlaid(solved: &Solved) -> Overlaid {
     laid
 }
 
+/// The metrics of a scene that is solved in closed form, and what of its measured curves lies over its one period. None of a scene without such curves,
+/// and of one that takes steps.
+pub(super) fn laid_in_closed_form(scene: &Excited) -> Option<(Metrics, Overlaid)> {
+    let problem = problem::problem(scene, problem::law(&scene.model)?).ok()?;
+    let closed = !scene.overlay.is_empty() && contact::is_closed(&problem, &problem::numerics(scene, None));
+    let (_, metrics, overlaid) = closed.then(|| run(*scene, None, &AtomicBool::new(false), None))?.ok()?;
+    Some((metrics, overlaid?))
+}
+
 /// Whether the metrics of a scene are held against a measurement, and so need all of its run: those that are wanted, or all.
 pub(super) fn needs_figures(scene: &Excited, wanted: Option<&[&str]>) -> bool {
     !scene.overlay.is_empty() && wanted.is_none_or(|wanted| wanted.iter().any(|metric| overlay::is_metric(metric)))

@@ -25,12 +25,13 @@ use rayon::prelude::*;
 use self::design::{Design, MOST_DRAWS, MOST_POINTS};
 use self::rows::Measured;
 pub use self::rows::Rows;
+use super::contact::laid_in_closed_form;
 use super::plan::{Cell, Made, Plan};
 use super::points::{BESIDE, Points};
 use super::{Options, StudyError, monte_carlo};
 use crate::instruments;
 use crate::metrics::Metrics;
-use crate::overlay::is_metric as is_of_overlays;
+pub use crate::overlay::is_metric as is_of_overlays;
 use crate::run::LANES;
 use scene::load::{LoadError, Loaded};
 use scene::metrics::{self, OF_RUNS};
@@ -40,6 +41,8 @@ use scene::{Scene, shown};
 
 /// The metric that has a column of its own in every row.
 const FAULT_CODE: &str = "fault_code";
+/// Points, less one, that stand for all where what they show is asked before any work.
+const LOOKED_AT: u64 = 15;
 /// What is no number of a cell.
 const NOT_OF_A_POINT: [&str; 6] = ["seed", "runs", "vary", "grid", "comparison", "expect"];
 
@@ -134,14 +137,38 @@ impl<'a> Sweep<'a> {
             return Err(SweepError::Points(design.count().into()));
         }
         let mut metrics = wanted(names, loaded.scene.runs > 1)?;
-        if let Some(metric) = metrics.iter().find(|metric| !names.is_empty() && is_of_overlays(metric)) {
+        let held = metrics.iter().copied().find(|metric| !names.is_empty() && is_of_overlays(metric));
+        if let Some(metric) = held {
             check_overlays(metric, &loaded.scene)?;
         }
         metrics.retain(|&metric| metric != FAULT_CODE);
         let sweep = Sweep { loaded, metrics, all: names.is_empty(), design };
         let point = |point| sweep.loaded.cell(&sweep.sets(point)).map(drop);
         point(0).or_else(|error| point(sweep.design.count() - 1).map_err(|_| error))?;
+        // Each of several runs draws numbers of its own.
+        held.filter(|_| loaded.scene.runs == 1).map_or(Ok(()), |metric| sweep.check_closed(metric))?;
         Ok(sweep)
+    }
+
+    /// A measured curve that no point in closed form shows is refused before any work: it is beside their one period, or none of their curves. Some points
+    /// stand for all of them; where one of these takes steps, or has the metric, nothing is refused.
+    fn check_closed(&self, metric: &str) -> Result<(), SweepError> {
+        let last = self.design.count() - 1;
+        let some = (0..=LOOKED_AT).map(|place| (u128::from(last) * u128::from(place) / u128::from(LOOKED_AT)) as u64);
+        let mut why = None;
+        for point in some {
+            let Ok(cell) = self.loaded.cell(&self.sets(point)) else { continue };
+            let laid = cell.scene.excited().and_then(|scene| laid_in_closed_form(&scene));
+            let Some((_, laid)) = laid.filter(|(metrics, _)| metrics.find(metric).is_none()) else { return Ok(()) };
+            why.get_or_insert_with(|| laid.not_drawn.join(" "));
+        }
+        let Some(why) = why else { return Ok(()) };
+        let why = if why.is_empty() {
+            "the measured curves are of other units, or of none of its curves over time.".to_owned()
+        } else {
+            why
+        };
+        Err(SweepError::Metric(format!("no point has `{metric}`: {why}")))
     }
 
     /// What a point changes, as `key=value`. A number is written so that it is read back exactly.

@@ -1,9 +1,11 @@
 //! `board:SCENE`: the image that is flashed, on a model of its part, with a port for a debugger where one is asked for.
 
+use std::cell::RefCell;
 use std::fs;
 use std::io;
 use std::net::TcpListener;
 use std::path::Path;
+use std::rc::Rc;
 
 use board::Board;
 use board::debugger::Debugged;
@@ -13,17 +15,17 @@ use link::modelled_board::DebuggedBoard;
 use scene::Driven;
 use update::key::DEVELOPMENT_SEED;
 
-use super::{LinkArgs, STOP, note, with_board};
+use super::{Color, LinkArgs, STOP, note, with_board};
 
 /// Talks to the flashed image on a model of its part, with a port for a debugger where one is asked for.
-pub(super) fn talk(args: &LinkArgs, scene: &Driven) -> Result<(), LinkError> {
+pub(super) fn talk(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkError> {
     // Before the image is built.
     let listener = args.gdb.as_deref().map(debugger_port).transpose()?;
     let board = started(args, scene)?;
-    let Some(listener) = listener else { return with_board(args, board) };
+    let Some(listener) = listener else { return with_board(args, Rc::new(RefCell::new(board)), color) };
     let debugged = Debugged::new(board, listener, note)?;
     note(&format!("a debugger finds the board by: target remote {}", debugged.address()?));
-    with_board(args, DebuggedBoard::new(debugged, &STOP))
+    with_board(args, Rc::new(RefCell::new(DebuggedBoard::new(debugged, &STOP))), color)
 }
 
 fn debugger_port(address: &str) -> Result<TcpListener, LinkError> {

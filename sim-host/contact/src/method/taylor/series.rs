@@ -20,6 +20,8 @@ const LARGEST_LAST_TERM: [(usize, f64); 7] =
 /// Largest change of the slip in a step, of the slip itself and of the Stribeck velocity: a series about a moment far from a narrow
 /// Stribeck peak does not see it.
 const LARGEST_CHANGE: (f64, f64) = (0.5, 0.5);
+/// A step that begins so many Stribeck velocities further out than where the peak is as large as the last terms may be ends there.
+const FURTHER_OUT: f64 = 1.0;
 /// Beyond so many Stribeck velocities the peak is less than round-off: exp(-42). A series that stays there has none, if it begins so far out, with a
 /// slip that rises or falls.
 const GONE: f64 = 6.5;
@@ -31,6 +33,8 @@ pub struct Series<const N: usize> {
     pub unit_s: f64,
     /// Whether it is beyond the Stribeck peak, of which it has nothing.
     beyond: bool,
+    /// What bristle damping makes of a slip velocity, of Fc, s/m.
+    damping: f64,
     pub u: [f64; N],
     pub x: [f64; N],
     pub v: [f64; N],
@@ -57,7 +61,7 @@ impl<const N: usize> Series<N> {
     /// A series of nothing.
     pub fn new() -> Self {
         let zero = [0.0; N];
-        Series { unit_s: 0.0, beyond: false, u: zero, x: zero, v: zero, slip: zero, bristle: zero, f: zero }
+        Series { unit_s: 0.0, beyond: false, damping: 0.0, u: zero, x: zero, v: zero, slip: zero, bristle: zero, f: zero }
     }
 
     /// Makes it the series that begins so under a forcing's, which is in units of `unit_s`.
@@ -103,6 +107,7 @@ impl<const N: usize> Series<N> {
         let Law::Lugre { stiffness_n_per_m, static_ratio, stribeck_m_per_s, sigma1, sigma2 } = problem.law else { return };
         let per_force = self.unit_s * stiffness_n_per_m / begin.coulomb_n;
         let (damping, viscous) = (sigma1 / begin.coulomb_n, sigma2 / begin.coulomb_n);
+        self.damping = damping;
         let per_square = 1.0 / (stribeck_m_per_s * stribeck_m_per_s);
         let motion = Recurrence::of(problem, begin.coulomb_n, self.unit_s);
         // (V / Vs)^2 times its index, exp of minus that, what it adds to the level, b over the level, and V times that.
@@ -215,6 +220,17 @@ impl<const N: usize> Series<N> {
         here > if rises { RISES } else { FALLS } * stribeck_m_per_s
     }
 
+    /// The slip velocity at which the peak makes as much of the friction as the last terms may be. From far outside of it the peak's last terms
+    /// are nothing, and the peak grows behind them:
+    ///
+    /// ```text
+    /// exp(-(x - d)^2) = exp(-x^2) (1 + 2 x d + ... (2 x d)^n / n! ...)      largest term at n = 2 x d
+    /// ```
+    fn edge_of_the_peak(&self, static_ratio: f64, stribeck_m_per_s: f64) -> f64 {
+        let size = (static_ratio - 1.0) * (1.0 + self.damping * self.slip[0].abs());
+        (size / Self::largest_last_term()).ln().max(0.0).sqrt() * stribeck_m_per_s
+    }
+
     /// The part of the step in which the slip comes no closer to a Stribeck peak than the series can see, or than where nothing is seen of it.
     fn before_the_peak(&self, law: &Law, mut part: f64) -> f64 {
         let Law::Lugre { static_ratio, stribeck_m_per_s, .. } = *law else { return part };
@@ -235,6 +251,8 @@ impl<const N: usize> Series<N> {
             return part;
         }
         let most = LARGEST_CHANGE.0 * here + LARGEST_CHANGE.1 * stribeck_m_per_s;
+        let unseen = here - self.edge_of_the_peak(static_ratio, stribeck_m_per_s);
+        let most = if unseen > FURTHER_OUT * stribeck_m_per_s { most.min(unseen) } else { most };
         while sum(part, &|c| c.abs()) > most {
             part *= 0.7;
         }

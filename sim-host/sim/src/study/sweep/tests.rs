@@ -118,13 +118,22 @@ fn a_key_that_follows_a_measured_course_is_refused() {
     assert!(sweep(&course("0"), &[axis, "disturbance.0.at_s=0,1e-3"], &["q"]).is_ok());
 }
 
-/// What is measured over a figure is held against each point as against a run of its own.
+/// A measured friction at two moments.
+fn measured_at(times_s: &str) -> String {
+    format!("overlay.0={{quantity=\"friction_n\", x={times_s}, values=[0.1, 0.15], x_unit=\"s\"}}")
+}
+
+/// What is measured over a figure is held against each point as against a run of its own: with steps, and over the period of a closed form.
 #[test]
 fn points_of_a_contact_are_held_against_a_measurement() {
-    let measured = ["overlay.0={quantity=\"friction_n\", x=[3.31e-3, 3.32e-3], values=[0.1, 0.15], x_unit=\"s\"}"];
-    let loaded = loaded("contact", &measured);
+    for (scene, times_s) in [("contact", "[3.31e-3, 3.32e-3]"), ("contact-kinematic", "[2e-6, 9e-6]")] {
+        held_against_a_measurement(&loaded(scene, &[&measured_at(times_s)]));
+    }
+}
+
+fn held_against_a_measurement(loaded: &Loaded) {
     let metrics = ["overlay_rms_n", "overlay_max_n", "friction_ratio"];
-    let sweep = sweep(&loaded, &["contact.dahl.mu=0.2,0.3"], &metrics).unwrap_or_else(|error| panic!("{error}"));
+    let sweep = sweep(loaded, &["contact.dahl.mu=0.2,0.3"], &metrics).unwrap_or_else(|error| panic!("{error}"));
     let rows = all(&sweep);
     for point in 0..2 {
         let cell = loaded.cell(&sweep.sets(point)).expect("a scene");
@@ -135,6 +144,26 @@ fn points_of_a_contact_are_held_against_a_measurement() {
         }
     }
     assert_ne!(rows.metrics[0][0], rows.metrics[0][1]);
+}
+
+/// A closed form has one period: what is measured beside it is refused before anything is run, where no point takes steps.
+#[test]
+fn a_measurement_beside_the_period_of_a_closed_form_is_refused() {
+    let loaded = loaded("contact-kinematic", &[&measured_at("[3.1e-3, 3.2e-3]")]);
+    let over = |axis: &str, metric: &str| sweep(&loaded, &[axis], &[metric]).map_err(|error| error.to_string()).map(|_| ());
+    let refused = over("contact.dahl.mu=0.2,0.3", "overlay_rms_n").expect_err("one period");
+    for part in ["no point has `overlay_rms_n`", "its points are from 186 to 192", "is from 0 to 1", "integrator.method=linexp"] {
+        assert!(refused.contains(part), "{part}: {refused}");
+    }
+    let unit = over("contact.dahl.mu=0.2,0.3", "overlay_rms_hz").expect_err("another unit");
+    assert!(unit.contains("no point has `overlay_rms_hz`"), "{unit}");
+    assert_eq!(over("contact.dahl.mu=0.2,0.3", "friction_ratio"), Ok(()));
+    // Within the longer of two periods.
+    let loaded = self::loaded("contact-kinematic", &[&measured_at("[11e-6, 12e-6]")]);
+    let rows =
+        all(&sweep(&loaded, &["excitation.frequency_hz=120000,60000"], &["overlay_rms_n"])
+            .unwrap_or_else(|error| panic!("{error}")));
+    assert!(rows.metrics[0][0].is_none() && rows.metrics[0][1].is_some(), "{:?} {:?}", rows.metrics, rows.failures);
 }
 
 #[test]

@@ -1,0 +1,33 @@
+//! The flash of a simulated board in a file, so that the board keeps over its runs what a real one keeps over power-off.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
+
+use hal_mock::bench::Setup;
+use hal_mock::flash::Flash;
+use link::link_error::LinkError;
+
+/// The flash in a file; none where there is no such file yet.
+pub(super) fn read(file: &Path) -> Result<Option<Flash>, LinkError> {
+    let fresh = Setup::default().flash;
+    let refused = |why: String| LinkError::Usage(format!("the flash `{}` {why}", file.display()));
+    match fs::read(file) {
+        Ok(bytes) if bytes.len() == fresh.bytes().len() => Ok(Some(Flash::holding(bytes, 1))),
+        Ok(bytes) => Err(refused(format!(
+            "is not of a simulated board: it has {} bytes, and such a board has {}",
+            bytes.len(),
+            fresh.bytes().len()
+        ))),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(refused(format!("cannot be read: {error}"))),
+    }
+}
+
+/// Writes a flash into its file, whole or not at all.
+pub(super) fn write(file: &Path, flash: &Flash) -> Result<(), LinkError> {
+    let mut unfinished = file.as_os_str().to_owned();
+    unfinished.push(".unfinished");
+    let written = fs::write(&unfinished, flash.bytes()).and_then(|()| fs::rename(&unfinished, file));
+    written.map_err(|error| LinkError::Failed(format!("the flash `{}` cannot be written: {error}", file.display())))
+}
