@@ -1,6 +1,7 @@
 //! A study: a scene, run; its metrics held against what was expected; and its grid and its comparison, if it has them.
 
 pub mod across;
+pub mod in_plane;
 pub mod answer;
 pub mod comparison;
 pub mod contact;

@@ -74,7 +74,7 @@ mod tests {
             let edges = edges(&stretch(forcing), -0.6, |_| 1e-6);
             assert!(edges.windows(2).all(|pair| pair[1] > pair[0]) && edges[0] == 0.0 && edges[edges.len() - 1] == 1.0);
             let nearest = edges.iter().filter(|&&edge| (forcing.value(edge) + 0.6).abs() < 1e-12).count();
-            assert!(nearest >= 1 && edges.len() < 120, "{nearest} {}", edges.len());
+            assert!(nearest >= 1 && edges.len() < 150, "{nearest} {}", edges.len());
             let shortest = edges.windows(2).map(|pair| pair[1] - pair[0]).fold(1.0, f64::min);
             assert!((shortest - 1e-6).abs() < 1e-10, "{shortest}");
         }

@@ -6,8 +6,8 @@
 //! f(t) = f(0) (1 - lost(t)) + gained(t)       lost' = q (1 - lost),   gained' = p - q gained,   both zero at the start
 //! ```
 //!
-//! So force, mean, power and mean square after any time are polynomials in the force at its start: a [`Passage`]. Two that follow each other are one.
-//! `lost` is kept, and not what is left, so that of soft bristles nothing is rounded against one.
+//! So force, mean, power and mean square after any time are polynomials in the force at its start: a [`Passage`], which grows panel by panel: where
+//! bristles are stiff, what is lost is all and what is gained turns with the slip, smoothly, but for the beginning. `lost` is kept, and not what is left, so that of soft bristles nothing is rounded against one.
 
 use super::super::forcing::Forcing;
 use super::super::problem::Law;
@@ -77,9 +77,11 @@ pub(super) struct Passage {
     time_s: f64,
     /// Integral of the vibration velocity, m.
     pub(super) travel_m: f64,
+    /// Integral of q: a difference in force fades by its exponential.
+    pub(super) fading: f64,
     lost: f64,
     gained: [f64; 2],
-    /// Integral of F: its factor of f, s, and the rest.
+    /// Integral of f: its factor of f at the start, s, and the rest.
     mean: (f64, [f64; 2]),
     /// Integral of F w: its factors of f, and the rest, m.
     power: ([f64; 2], f64),
@@ -92,8 +94,8 @@ pub(super) struct Passage {
 pub(super) struct Sums {
     /// Length of the time, s.
     pub(super) time_s: f64,
-    /// Integral of F / Fc, s.
-    pub(super) friction: [f64; 2],
+    /// Integral of F / Fc along the sliding, s.
+    pub(super) friction: f64,
     /// Integral of F w / Fc, m.
     pub(super) power: f64,
     /// Integral of (F_y / Fc)^2, s.
@@ -101,27 +103,34 @@ pub(super) struct Sums {
 }
 
 impl Passage {
-    /// The passage of one panel, from the polynomial of collocation; none if the numbers are too large.
-    pub(super) fn of_panel(bristles: &Bristles, forcing: &Forcing, (from_s, to_s): (f64, f64)) -> Option<Self> {
+    /// This passage, and then one panel, s from the beginning of the forcing, by the polynomial of collocation; none if the numbers are too large.
+    pub(super) fn and_panel(&self, bristles: &Bristles, forcing: &Forcing, (from_s, to_s): (f64, f64)) -> Option<Self> {
         let (rule, length_s) = (rule(), to_s - from_s);
         let velocity = rule.at.map(|at| forcing.value(from_s + at * length_s));
         let rates = velocity.map(|u| bristles.rates(u));
+        let left = 1.0 - self.lost;
+        // What each of the three adds to its value at the panel's start.
         let (mut matrix, mut sides) = (rule.slope, [[0.0; 3]; STAGES]);
         for (node, Rates { slip, loss, gain, .. }) in rates.iter().enumerate() {
             matrix[node][node] += length_s * loss;
-            sides[node] = [length_s * loss, length_s * gain * slip[0], length_s * gain * slip[1]];
+            let gains = [0, 1].map(|axis| length_s * (gain * slip[axis] - loss * self.gained[axis]));
+            sides[node] = [length_s * loss * left, gains[0], gains[1]];
         }
         let found = solve(matrix, sides)?;
-        let [lost, along, across] = found[STAGES - 1];
-        let mut passage = Passage { time_s: length_s, lost, gained: [along, across], ..Passage::default() };
+        let mut passage = *self;
+        passage.time_s += length_s;
+        passage.lost += found[STAGES - 1][0];
+        passage.gained = [0, 1].map(|axis| self.gained[axis] + found[STAGES - 1][1 + axis]);
         for (((rates, [lost, along, across]), weight), u) in rates.iter().zip(found).zip(rule.weight).zip(velocity) {
             let time_s = weight * length_s;
-            let factor = rates.elastic * (1.0 - lost);
-            let rest = bristles.friction(rates, [along, across]);
+            let factor = rates.elastic * (left - lost);
+            let rest = bristles.friction(rates, [self.gained[0] + along, self.gained[1] + across]);
             passage.travel_m += time_s * u;
-            passage.mean.0 += time_s * factor;
+            passage.fading += time_s * rates.loss;
+            passage.mean.0 += time_s * (left - lost);
+            passage.mean.1[0] += time_s * (self.gained[0] + along);
+            passage.mean.1[1] += time_s * (self.gained[1] + across);
             for axis in [0, 1] {
-                passage.mean.1[axis] += time_s * rest[axis];
                 passage.power.0[axis] += time_s * factor * rates.slip[axis];
                 passage.power.1 += time_s * rest[axis] * rates.slip[axis];
             }
@@ -132,53 +141,34 @@ impl Passage {
         Some(passage)
     }
 
-    /// This passage, and then another.
-    pub(super) fn then(&self, next: &Passage) -> Passage {
-        let left = 1.0 - self.lost;
-        let [along, across] = self.gained;
-        let ((mean, rest), (power, work), [s2, s1, s0]) = (next.mean, next.power, next.square);
-        Passage {
-            time_s: self.time_s + next.time_s,
-            travel_m: self.travel_m + next.travel_m,
-            lost: self.lost + next.lost * left,
-            gained: [0, 1].map(|axis| self.gained[axis] - next.lost * self.gained[axis] + next.gained[axis]),
-            mean: (
-                self.mean.0 + left * mean,
-                [0, 1].map(|axis| self.mean.1[axis] + mean * self.gained[axis] + rest[axis]),
-            ),
-            power: (
-                [0, 1].map(|axis| self.power.0[axis] + left * power[axis]),
-                self.power.1 + power[0] * along + power[1] * across + work,
-            ),
-            square: [
-                self.square[0] + s2 * left * left,
-                self.square[1] + left * (2.0 * s2 * across + s1),
-                self.square[2] + (s2 * across + s1) * across + s0,
-            ],
-        }
-    }
-
     /// The force at the end, from that at the start.
     pub(super) fn end(&self, start: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| start[axis] + (self.gained[axis] - self.lost * start[axis]))
     }
 
     /// What is added up from a start.
-    pub(super) fn sums(&self, start: [f64; 2]) -> Sums {
+    pub(super) fn sums(&self, bristles: &Bristles, start: [f64; 2]) -> Sums {
+        // The mean of dB/dt is what the force has become.
+        let (damping_s, viscous) = match bristles.law {
+            Law::Lugre { stiffness_n_per_m, sigma1, sigma2, .. } => (sigma1 / stiffness_n_per_m, sigma2 / bristles.coulomb_n),
+            Law::Coulomb | Law::Dahl { .. } => (0.0, 0.0),
+        };
+        let slip_m = bristles.sliding_m_per_s * self.time_s + bristles.direction.along * self.travel_m;
+        let turned = self.end(start)[0] - start[0];
         Sums {
             time_s: self.time_s,
-            friction: [0, 1].map(|axis| self.mean.0 * start[axis] + self.mean.1[axis]),
+            friction: self.mean.0 * start[0] + self.mean.1[0] + damping_s * turned + viscous * slip_m,
             power: self.power.0[0] * start[0] + self.power.0[1] * start[1] + self.power.1,
             square: (self.square[0] * start[1] + self.square[1]) * start[1] + self.square[2],
         }
     }
 
-    /// By how much two passages over the same time differ, in the force at its end and in the mean over a unit of time, for forces up to one.
-    pub(super) fn distance(&self, other: &Passage, unit_s: f64) -> f64 {
+    /// By how much two passages over the same time differ: in the force at its end, and in the mean over a unit of time, for forces up to one.
+    pub(super) fn distance(&self, other: &Passage, unit_s: f64) -> (f64, f64) {
         let end = |axis: usize| (self.gained[axis] - other.gained[axis]).abs();
         let mean = |axis: usize| (self.mean.1[axis] - other.mean.1[axis]).abs();
         let of_end = (self.lost - other.lost).abs().max(end(0)).max(end(1));
         let of_mean = (self.mean.0 - other.mean.0).abs().max(mean(0)).max(mean(1)) / unit_s;
-        of_end.max(of_mean)
+        (of_end, of_mean)
     }
 }

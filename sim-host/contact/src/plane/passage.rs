@@ -1,17 +1,21 @@
 //! The passage of a stretch: panels that are halved until the halves agree with the whole.
 
+use super::super::problem::Law;
 use super::super::timeline::Stretch;
 use super::super::{Method, SolveError};
 use super::marks::edges;
 use super::panel::{Bristles, Passage};
-use super::super::problem::Law;
 
 /// A panel and its halves may differ by so much; the halves, which are taken, are off by much less.
 const AGREE: f64 = 1e-14;
+/// Below this a difference that does not become less is of round-off.
+const NOISE: f64 = 1e-12;
+/// From so many panels of a stretch on none is halved any more: the error estimate then says what that leaves.
+const MOST_PANELS: u32 = 1 << 14;
 /// Most halvings of a panel, beyond which it is as short as round-off.
 const HALVINGS: u32 = 48;
-/// Round-off of a mean.
-const ROUND_OFF: f64 = 1e-15;
+/// Round-off that a panel adds to a mean.
+const ROUND_OFF: f64 = 1e-17;
 
 /// A passage, what it is off by at most, and in how many panels.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,45 +25,64 @@ pub(super) struct Found {
     pub(super) panels: u32,
 }
 
-/// A part of a stretch, s from its beginning; differences count over a unit of time.
-pub(super) fn of_part(
+/// A stretch; differences count over a unit of time. `seen` is called at some moments in it, s from its beginning and in ascending order, with what
+/// the time up to there does.
+pub(super) fn of_stretch(
     bristles: &Bristles,
     stretch: &Stretch,
-    (from_s, to_s): (f64, f64),
     unit_s: f64,
+    (moments, seen): (&[f64], &mut dyn FnMut(f64, &Passage)),
 ) -> Result<Found, SolveError> {
     let diverged = || SolveError::Diverged { method: Method::Collocation.name(), time_s: stretch.start_s };
-    let panel = |from_s: f64, to_s: f64| Passage::of_panel(bristles, &stretch.forcing, (from_s, to_s)).ok_or_else(diverged);
-    let edges = edges(stretch, nearest(bristles), |steepest| shortest_s(bristles, steepest));
+    let mut edges = edges(stretch, nearest(bristles), |steepest| shortest_s(bristles, steepest));
+    edges.extend_from_slice(moments);
+    edges.sort_by(f64::total_cmp);
+    edges.dedup();
+    let mut waiting = moments.iter().copied().peekable();
     let mut found = Found::default();
-    let mut left: Vec<(f64, f64, Passage, u32)> = Vec::new();
-    for pair in edges.windows(2) {
-        let (from, to) = (pair[0].max(from_s), pair[1].min(to_s));
-        if to <= from {
-            continue;
+    let (mut left, mut off): (Vec<Part>, f64) = (Vec::new(), 0.0);
+    for pair in [0.0].iter().chain(&edges).copied().collect::<Vec<_>>().windows(2) {
+        if pair[1] > pair[0] {
+            left.push(Part { from_s: pair[0], to_s: pair[1], halvings: 0, apart: f64::INFINITY });
         }
-        left.push((from, to, panel(from, to)?, 0));
-        while let Some((from, to, whole, halvings)) = left.pop() {
-            let middle = 0.5 * (from + to);
-            let halves = (panel(from, middle)?, panel(middle, to)?);
-            let both = halves.0.then(&halves.1);
-            let apart = whole.distance(&both, unit_s);
-            if apart > AGREE && halvings < HALVINGS {
-                left.push((middle, to, halves.1, halvings + 1));
-                left.push((from, middle, halves.0, halvings + 1));
+        while let Some(Part { from_s, to_s, halvings, apart }) = left.pop() {
+            let panel = |passage: &Passage, from_s: f64, to_s: f64| {
+                passage.and_panel(bristles, &stretch.forcing, (from_s, to_s)).ok_or_else(diverged)
+            };
+            let middle_s = 0.5 * (from_s + to_s);
+            let whole = panel(&found.passage, from_s, to_s)?;
+            let halves = panel(&panel(&found.passage, from_s, middle_s)?, middle_s, to_s)?;
+            let before = apart;
+            let (of_end, of_mean) = whole.distance(&halves, unit_s);
+            let apart = of_end.max(of_mean);
+            let rounded = (apart < NOISE && apart > 0.5 * before) || found.panels > MOST_PANELS;
+            if apart > AGREE && halvings < HALVINGS && !rounded {
+                left.push(Part { from_s: middle_s, to_s, halvings: halvings + 1, apart });
+                left.push(Part { from_s, to_s: middle_s, halvings: halvings + 1, apart });
                 continue;
             }
-            found.passage = found.passage.then(&both);
-            found.error += apart.max(ROUND_OFF);
+            // What the force is off by fades; the mean is off by what it is meanwhile.
+            off *= (found.passage.fading - halves.fading).exp();
+            off += of_end;
+            found.error += of_mean + off * (to_s - from_s) / unit_s + ROUND_OFF;
+            found.passage = halves;
             found.panels += 2;
         }
+        while let Some(at_s) = waiting.next_if(|&at_s| at_s <= pair[1]) {
+            seen(at_s, &found.passage);
+        }
     }
+    found.error += off;
     Ok(found)
 }
 
-/// A whole stretch.
-pub(super) fn of_stretch(bristles: &Bristles, stretch: &Stretch, unit_s: f64) -> Result<Found, SolveError> {
-    of_part(bristles, stretch, (0.0, stretch.length_s), unit_s)
+/// A part of a stretch that is to be a panel.
+struct Part {
+    from_s: f64,
+    to_s: f64,
+    halvings: u32,
+    /// By how much the panel that it is a half of differed from its halves.
+    apart: f64,
 }
 
 /// Vibration velocity at which the slip is smallest, m/s: `-V cos a`.

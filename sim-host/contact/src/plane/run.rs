@@ -3,8 +3,8 @@
 use super::super::SolveError;
 use super::super::problem::Problem;
 use super::super::timeline::{Stretch, Timeline};
-use super::panel::{Bristles, Sums};
-use super::passage::{Found, of_part, of_stretch};
+use super::panel::{Bristles, Passage, Sums};
+use super::passage::{Found, of_stretch};
 use super::{Direction, Moment};
 
 /// Stretches between two pauses.
@@ -73,32 +73,36 @@ impl<'a> Run<'a> {
         let found = match again {
             Some(found) => found,
             None => {
-                let found = of_stretch(&self.bristles, stretch, self.period_s)?;
+                let found = of_stretch(&self.bristles, stretch, self.period_s, (&[], &mut |_, _| ()))?;
                 self.panels += found.panels;
                 self.known.extend(stretch.template.map(|template| (template, coulomb_n, found)));
                 found
             }
         };
-        Ok((self.go(&found), found.error))
+        Ok((self.go(&found.passage), found.error))
     }
 
-    fn go(&mut self, found: &Found) -> Sums {
-        let coulomb_n = self.bristles.coulomb_n;
-        let start = self.force_n.map(|force_n| force_n / coulomb_n);
-        self.force_n = found.passage.end(start).map(|force| force * coulomb_n);
-        self.displacement_m += found.passage.travel_m;
-        found.passage.sums(start)
+    /// Force of the bristles over the Coulomb force.
+    fn force(&self) -> [f64; 2] {
+        self.force_n.map(|force_n| force_n / self.bristles.coulomb_n)
     }
 
-    /// The moment so far into a stretch.
-    fn moment(&self, stretch: &Stretch, at_s: f64) -> Moment {
+    fn go(&mut self, passage: &Passage) -> Sums {
+        let start = self.force();
+        self.force_n = passage.end(start).map(|force| force * self.bristles.coulomb_n);
+        self.displacement_m += passage.travel_m;
+        passage.sums(&self.bristles, start)
+    }
+
+    /// The moment so far into a stretch, at whose beginning the run is.
+    fn moment(&self, stretch: &Stretch, (at_s, passage): (f64, &Passage)) -> Moment {
         let coulomb_n = self.bristles.coulomb_n;
         let u = stretch.forcing.value(at_s);
         let rates = self.bristles.rates(u);
-        let friction = self.bristles.friction(&rates, self.force_n.map(|force_n| force_n / coulomb_n));
+        let friction = self.bristles.friction(&rates, passage.end(self.force()));
         Moment {
             time_s: stretch.start_s + at_s,
-            displacement_m: self.displacement_m,
+            displacement_m: self.displacement_m + passage.travel_m,
             vibration_m_per_s: u,
             slip_m_per_s: rates.slip,
             friction_n: friction.map(|part| part * coulomb_n),
@@ -111,7 +115,7 @@ pub(super) fn means(problem: &Problem, direction: Direction, pause: &dyn Fn()) -
     let mut run = Run::new(problem, direction);
     let (mut open, mut error, mut done) = (false, 0.0f64, 0u32);
     // Integrals over the window: of time, of F along, of F w, and of the square of F across.
-    let (mut time_s, mut along, mut work, mut square) = (0.0, 0.0, 0.0, 0.0);
+    let mut sums = [Sum::default(); 4];
     for stretch in Timeline::new(&problem.of_window()) {
         if done.is_multiple_of(PAUSE) {
             pause();
@@ -122,16 +126,16 @@ pub(super) fn means(problem: &Problem, direction: Direction, pause: &dyn Fn()) -
         }
         open |= stretch.opens;
         run.begin(&stretch);
-        let (sums, off) = run.pass(&stretch)?;
+        let (added, off) = run.pass(&stretch)?;
         error = error.max(off);
         if open {
             let coulomb_n = run.bristles.coulomb_n;
-            time_s += sums.time_s;
-            along += coulomb_n * sums.friction[0];
-            work += coulomb_n * sums.power;
-            square += coulomb_n * coulomb_n * sums.square;
+            let square = coulomb_n * coulomb_n * added.square;
+            let parts = [added.time_s, coulomb_n * added.friction, coulomb_n * added.power, square];
+            sums.iter_mut().zip(parts).for_each(|(sum, part)| sum.add(part));
         }
     }
+    let [time_s, along, work, square] = sums.map(Sum::total);
     let coulomb_n = run.bristles.coulomb_n;
     let sliding_j = coulomb_n * problem.sliding_m_per_s * time_s;
     Ok(Means {
@@ -142,6 +146,26 @@ pub(super) fn means(problem: &Problem, direction: Direction, pause: &dyn Fn()) -
         panels: run.panels,
         coulomb_n,
     })
+}
+
+/// A sum of very many parts, with what its last place has lost (Neumaier 1974).
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    value: f64,
+    lost: f64,
+}
+
+impl Sum {
+    fn add(&mut self, part: f64) {
+        let next = self.value + part;
+        let (large, small) = if self.value.abs() >= part.abs() { (self.value, part) } else { (part, self.value) };
+        self.lost += (large - next) + small;
+        self.value = next;
+    }
+
+    fn total(self) -> f64 {
+        self.value + self.lost
+    }
 }
 
 /// Round-off of the means of a run.
@@ -172,32 +196,22 @@ pub(super) fn last_period(
             run.pass(&stretch)?;
             continue;
         }
-        let mut at_s = 0.0;
-        let mut go_to = |run: &mut Run, to_s: f64| -> Result<(), SolveError> {
-            if to_s > at_s {
-                let found = of_part(&run.bristles, &stretch, (at_s, to_s), run.period_s)?;
-                run.go(&found);
-                at_s = to_s;
-            }
-            Ok(())
-        };
-        for part in 0..=parts {
-            let into_s = from_s + f64::from(part) * part_s - stretch.start_s;
-            if into_s < -same_s || into_s > stretch.length_s + same_s {
-                continue;
-            }
-            let into_s = into_s.clamp(0.0, stretch.length_s);
-            go_to(&mut run, into_s)?;
-            let moment = run.moment(&stretch, into_s);
+        let into = (0..=parts).map(|part| from_s + f64::from(part) * part_s - stretch.start_s);
+        let into = into.filter(|into_s| (-same_s..=stretch.length_s + same_s).contains(into_s));
+        let wanted: Vec<f64> = into.map(|into_s| into_s.clamp(0.0, stretch.length_s)).collect();
+        let mut seen = |at_s: f64, passage: &Passage| {
+            let moment = run.moment(&stretch, (at_s, passage));
             // Where two stretches meet a moment is the end of the one, but where friction or forcing jumps.
             let again = moments.last().is_some_and(|last| {
-                (last.time_s - moment.time_s).abs() < same_s && last.vibration_m_per_s == moment.vibration_m_per_s
+                let same = (last.vibration_m_per_s - moment.vibration_m_per_s).abs() < 1e-9 * problem.waveform.amplitude();
+                (last.time_s - moment.time_s).abs() < same_s && same
             });
             if !again {
                 moments.push(moment);
             }
-        }
-        go_to(&mut run, stretch.length_s)?;
+        };
+        let found = of_stretch(&run.bristles, &stretch, run.period_s, (&wanted, &mut seen))?;
+        run.go(&found.passage);
     }
     Ok(moments)
 }
