@@ -118,8 +118,8 @@ fn draw(random: &mut Random, friction: Friction) -> Problem {
     problem.sliding_m_per_s = vibration * random.log(1e-7, 1e3);
     let kt = MASS_KG * omega * omega * random.log(1e-8, 1e2);
     problem.law = match friction {
-        Friction::Dahl => Law::Dahl { stiffness_n_per_m: kt },
-        Friction::Lugre => Law::Lugre {
+        Friction::Dahl | Friction::PlaneDahl => Law::Dahl { stiffness_n_per_m: kt },
+        Friction::Lugre | Friction::PlaneLugre => Law::Lugre {
             stiffness_n_per_m: kt,
             static_ratio: random.log(1.0, 3.0),
             stribeck_m_per_s: vibration * random.log(LEAST_STRIBECK, 1e2),
