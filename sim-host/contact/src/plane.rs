@@ -184,8 +184,7 @@ fn by_collocation(
     let Means { friction, power, transverse_square, error, panels, coulomb_n } = run::means(problem, direction, pause)?;
     let last_period = if moments { run::last_period(problem, direction, MOMENTS, pause)? } else { Vec::new() };
     let tolerance_met = error <= numerics.tolerance;
-    let missed =
-        format!("the tolerance of {:e} is not met: the friction ratio is good to {error:.1e}", numerics.tolerance);
+    let missed = format!("the tolerance of {:e} is not met: the friction ratio is good to {error:.1e}", numerics.tolerance);
     let ratios = Ratios { friction, power, input: input(problem, power, friction), ..Ratios::default() };
     let solution = Solution {
         method: Method::Collocation,

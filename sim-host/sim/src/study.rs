@@ -1,12 +1,12 @@
 //! A study: a scene, run; its metrics held against what was expected; and its grid and its comparison, if it has them.
 
 pub mod across;
-pub mod in_plane;
 pub mod answer;
 pub mod comparison;
 pub mod contact;
 pub mod driven;
 pub mod grid;
+pub mod in_plane;
 pub mod matching;
 pub mod monte_carlo;
 mod plan;

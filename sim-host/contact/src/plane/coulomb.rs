@@ -25,9 +25,9 @@
 use std::f64::consts::{FRAC_2_PI, TAU};
 
 use super::super::closed::{coulomb_friction_ratio, coulomb_power_ratio, gauss};
+use super::super::hertz::elliptic;
 use super::super::problem::Problem;
 use super::super::waveform::Shape;
-use super::super::hertz::elliptic;
 use super::{Direction, Moment};
 
 /// Velocity ratio above which the square across is by quadrature where its closed form would cancel.
@@ -192,10 +192,7 @@ pub(super) fn period(problem: &Problem, direction: Direction, moments: u32) -> V
             Moment { time_s, displacement_m, vibration_m_per_s: u, slip_m_per_s: slip, friction_n }
         })
         .map(|moment| match problem.waveform.shape() {
-            Shape::Sine => Moment {
-                displacement_m: moment_of_sine(problem, moment.time_s),
-                ..moment
-            },
+            Shape::Sine => Moment { displacement_m: moment_of_sine(problem, moment.time_s), ..moment },
             _ => moment,
         })
         .collect()

@@ -88,9 +88,7 @@ fn coulomb_friction_of_a_sine_is_exact_at_any_angle() {
 /// The law of Littmann, Storck and Wallaschek to four digits, as it is quoted.
 #[test]
 fn the_transverse_law_at_some_velocity_ratios() {
-    for (z, r) in
-        [(0.05, 0.1394), (0.1, 0.2344), (0.217, 0.3995), (0.389, 0.5655), (0.5, 0.6426), (1.0, 0.8346), (2.0, 0.9450)]
-    {
+    for (z, r) in [(0.05, 0.1394), (0.1, 0.2344), (0.217, 0.3995), (0.389, 0.5655), (0.5, 0.6426), (1.0, 0.8346), (2.0, 0.9450)] {
         assert!((coulomb::friction_ratio(z, 90.0) - r).abs() < 5.1e-5, "{z}");
     }
     assert_eq!(coulomb::friction_ratio(0.3, 0.0), closed::coulomb_friction_ratio(0.3));
@@ -117,7 +115,10 @@ fn coulomb_friction_of_every_shape_agrees_with_sums() {
                 }
                 let means = coulomb::means(shape, z, direction).unwrap();
                 let off = (means.friction - friction).abs().max((means.transverse_square - square).abs());
-                assert!(off < 1e-5 && (means.power.unwrap() / slip - 1.0).abs() < 1e-9, "{shape:?} {z} {angle}: {means:?} {off:e}");
+                assert!(
+                    off < 1e-5 && (means.power.unwrap() / slip - 1.0).abs() < 1e-9,
+                    "{shape:?} {z} {angle}: {means:?} {off:e}"
+                );
             }
         }
     }
@@ -148,7 +149,10 @@ fn along_the_sliding_it_is_dahl_s_law_in_closed_form() {
             assert!(start_left < 1e-9);
             let off = solution.ratios.friction - closed::friction_ratio(z, kappa);
             let power = solution.ratios.power.unwrap() / closed::power_ratio(z, kappa).unwrap() - 1.0;
-            assert!(off.abs() < 1e-13 + start_left && power.abs() < 1e-12 + 2.0 * start_left / z, "{kappa} {z}: {off:e} {power:e}");
+            assert!(
+                off.abs() < 1e-13 + start_left && power.abs() < 1e-12 + 2.0 * start_left / z,
+                "{kappa} {z}: {off:e} {power:e}"
+            );
             assert!(solution.error_estimate.unwrap() < 1e-11, "{kappa} {z}: {solution:?}");
         }
     }
@@ -316,7 +320,10 @@ fn the_last_period_is_that_of_the_means() {
         let solved = solve(&problem, direction, &Numerics::default(), (&|| (), None), true).unwrap();
         let period = &solved.last_period;
         assert_eq!(period.len(), 257);
-        assert!((period[256].time_s - problem.duration_s).abs() < 1e-15 && (period[256].time_s - period[0].time_s - 1.0 / HZ).abs() < 1e-15);
+        assert!(
+            (period[256].time_s - problem.duration_s).abs() < 1e-15
+                && (period[256].time_s - period[0].time_s - 1.0 / HZ).abs() < 1e-15
+        );
         let mean = |of: &dyn Fn(&Moment) -> f64| period[1..].iter().map(of).sum::<f64>() / 256.0;
         let friction = mean(&|moment| moment.friction_n[0]) / problem.coulomb_n;
         let across = mean(&|moment| moment.friction_n[1].powi(2)).sqrt();

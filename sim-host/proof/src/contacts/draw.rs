@@ -150,7 +150,8 @@ fn in_plane(random: &mut Random, friction: Friction) -> (Problem, Direction) {
     };
     let periods = random.log(PERIODS.0, PERIODS.1).round();
     let duration_s = periods / DRIVE_HZ;
-    let shape = [Shape::Sine, Shape::Sine, Shape::Sine, Shape::Square, Shape::Sawtooth, Shape::Triangle][random.whole(0, 5) as usize];
+    let shape =
+        [Shape::Sine, Shape::Sine, Shape::Sine, Shape::Square, Shape::Sawtooth, Shape::Triangle][random.whole(0, 5) as usize];
     let (vibration, velocity_ratio) = (1.0, random.log(1e-7, 1e3));
     let coulomb_n = FORCE_N * random.log(1e-10, 1.0);
     let kappa = random.log(1e-8, MOST_SLIP / velocity_ratio.max(1.0));

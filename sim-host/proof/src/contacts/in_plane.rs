@@ -75,7 +75,9 @@ fn course<const N: usize>(problem: &Problem, direction: Direction, stretch: &Str
     let sign = problem.sign.factor();
     let (stiffness, peak, stribeck) = match problem.law {
         Law::Dahl { stiffness_n_per_m } => (stiffness_n_per_m, 0.0, f64::INFINITY),
-        Law::Lugre { stiffness_n_per_m, static_ratio, stribeck_m_per_s, .. } => (stiffness_n_per_m, static_ratio - 1.0, stribeck_m_per_s),
+        Law::Lugre { stiffness_n_per_m, static_ratio, stribeck_m_per_s, .. } => {
+            (stiffness_n_per_m, static_ratio - 1.0, stribeck_m_per_s)
+        }
         Law::Coulomb => return None,
     };
     let gain = stiffness / problem.coulomb_n;

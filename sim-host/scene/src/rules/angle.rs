@@ -29,7 +29,9 @@ impl Rules<'_> {
 
     fn of_a_given_vibration(&mut self) {
         let help = match () {
-            () if self.given("rig.sdof") => "only `rig.kinematic`, whose vibration is given, takes an angle; leave `angle_deg` out with [rig.sdof]",
+            () if self.given("rig.sdof") => {
+                "only `rig.kinematic`, whose vibration is given, takes an angle; leave `angle_deg` out with [rig.sdof]"
+            }
             () if self.given("contact.hertz") => {
                 "a Hertzian contact vibrates across the surface; in its plane vibrate [contact.coulomb], [contact.dahl] and [contact.lugre]"
             }

@@ -32,14 +32,20 @@ fn an_angle_has_its_own_method() {
         says(&of_bristles(&format!("integrator.method={method}")), &[&format!("{method} cannot do this"), "collocation"]);
     }
     says(&said(&["integrator.method=collocation"]), &["collocation cannot do this", "closed form only"]);
-    says(&said(&["excitation.angle_deg=0", "integrator.method=collocation"]), &["collocation cannot do this", "`excitation.angle_deg`"]);
+    says(
+        &said(&["excitation.angle_deg=0", "integrator.method=collocation"]),
+        &["collocation cannot do this", "`excitation.angle_deg`"],
+    );
     says(&of_bristles("integrator.steps_per_period=100"), &["no steps a period", "leave it out"]);
     says(&of_bristles("integrator.tolerance_of=record"), &["no record to have a tolerance", "its mean only"]);
 }
 
 #[test]
 fn the_closed_form_is_of_one_period_under_one_load() {
-    says(&said(&["excitation.waveform=random", "excitation.hold_time_s=1e-5"]), &["a random vibration at an angle", "must be periodic"]);
+    says(
+        &said(&["excitation.waveform=random", "excitation.hold_time_s=1e-5"]),
+        &["a random vibration at an angle", "must be periodic"],
+    );
     let load = ["disturbance.0.at_s=1e-3", "disturbance.0.key=contact.normal_n", "disturbance.0.to=1"];
     says(&said(&load), &["that of one load", "not with [contact.coulomb]"]);
     let text = builtin::text("contact-transverse").unwrap_or_default();
