@@ -77,13 +77,13 @@ struct Ends {
 }
 
 impl Ends {
-    fn of(z: f64, Direction { along: c, across: s }: Direction) -> Self {
+    /// At a velocity ratio, and with the sine of the angle.
+    fn of(z: f64, s: f64) -> Self {
         let inner = (1.0 - z) * (1.0 + z);
         let product = inner.hypot(2.0 * z * s);
         // A B - (1 - z^2)
         let excess = if inner > 0.0 { 4.0 * z * z * s * s / (product + inner) } else { product - inner };
         let sum = (2.0 * (1.0 + z * z + product)).sqrt();
-        debug_assert!(c.is_finite());
         Ends { sum, product, beyond: 2.0 * excess, open: 2.0 * excess + 4.0 * s * s }
     }
 }
@@ -97,7 +97,7 @@ fn sine(z: f64, direction: Direction) -> CoulombMeans {
     if z == 0.0 {
         return CoulombMeans { friction: 0.0, power: None, transverse_square: s * s };
     }
-    let ends = Ends::of(z, direction);
+    let ends = Ends::of(z, direction.across);
     let four = 4.0 * ends.product;
     let (p, complement) = (ends.sum * ends.sum / four, ends.beyond / four);
     let kc = complement.sqrt();
@@ -150,7 +150,7 @@ fn even(z: f64, direction: Direction) -> CoulombMeans {
     if z == 0.0 {
         return CoulombMeans { friction: 0.0, power: None, transverse_square: s * s };
     }
-    let ends = Ends::of(z, direction);
+    let ends = Ends::of(z, direction.across);
     let outside = ends.beyond / (ends.sum + 2.0);
     let rod = if s == 0.0 { 0.0 } else { (4.0 / outside).ln_1p() };
     let friction = 2.0 * z * c * c / ends.sum + 0.5 * z * s * s * rod;
@@ -192,14 +192,14 @@ pub(super) fn period(problem: &Problem, direction: Direction, moments: u32) -> V
             Moment { time_s, displacement_m, vibration_m_per_s: u, slip_m_per_s: slip, friction_n }
         })
         .map(|moment| match problem.waveform.shape() {
-            Shape::Sine => Moment { displacement_m: moment_of_sine(problem, moment.time_s), ..moment },
+            Shape::Sine => Moment { displacement_m: displacement_of_sine(problem, moment.time_s), ..moment },
             _ => moment,
         })
         .collect()
 }
 
 /// Displacement of the sine, m.
-fn moment_of_sine(problem: &Problem, time_s: f64) -> f64 {
+fn displacement_of_sine(problem: &Problem, time_s: f64) -> f64 {
     let hz = problem.waveform.frequency_hz();
     problem.sign.factor() * problem.waveform.amplitude() / (TAU * hz) * (TAU * (hz * time_s).fract()).sin()
 }
