@@ -25,13 +25,16 @@ pub(super) struct Found {
     pub(super) panels: u32,
 }
 
+/// Called at a moment of a stretch with what the time up to there does.
+type Seen<'a> = &'a mut dyn FnMut(f64, &Passage);
+
 /// A stretch; differences count over a unit of time. `seen` is called at some moments in it, s from its beginning and in ascending order, with what
 /// the time up to there does.
 pub(super) fn of_stretch(
     bristles: &Bristles,
     stretch: &Stretch,
     unit_s: f64,
-    (moments, seen): (&[f64], &mut dyn FnMut(f64, &Passage)),
+    (moments, seen): (&[f64], Seen),
 ) -> Result<Found, SolveError> {
     let diverged = || SolveError::Diverged { method: Method::Collocation.name(), time_s: stretch.start_s };
     let mut edges = edges(stretch, nearest(bristles), |steepest| shortest_s(bristles, steepest));

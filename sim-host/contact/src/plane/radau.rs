@@ -101,9 +101,10 @@ pub(super) fn solve(mut matrix: [[f64; STAGES]; STAGES], mut sides: [[f64; 3]; S
         }
     }
     for row in (0..STAGES).rev() {
-        for which in 0..3 {
-            let known: f64 = (row + 1..STAGES).map(|k| matrix[row][k] * sides[k][which]).sum();
-            sides[row][which] = (sides[row][which] - known) / matrix[row][row];
+        let (upper, known) = sides.split_at_mut(row + 1);
+        for (which, side) in upper[row].iter_mut().enumerate() {
+            let sum: f64 = known.iter().zip(&matrix[row][row + 1..]).map(|(known, factor)| factor * known[which]).sum();
+            *side = (*side - sum) / matrix[row][row];
         }
     }
     sides.iter().flatten().all(|value| value.is_finite()).then_some(sides)
