@@ -165,6 +165,10 @@ fn by_method<W: FnMut(&State)>(
             let why = "kinematic, and the window lies in the steady state: closed form".into();
             in_closed_form(problem, numerics, why, watch)
         }
+        Method::Collocation => {
+            let reason = "it is for a vibration at an angle to the sliding".into();
+            Err(SolveError::Unsuited { method: Method::Collocation.name(), reason })
+        }
         Method::Auto => stepped::chosen(problem, numerics, runs, watch),
         method => stepped::solve(problem, numerics, (method, "asked for".to_owned()), runs, watch),
     }
@@ -208,7 +212,7 @@ fn is_steady(problem: &Problem, tolerance: f64) -> bool {
 }
 
 /// Whether the means of a window are those of a period: it is whole periods, all under one load.
-fn of_whole_periods(problem: &Problem) -> bool {
+pub(crate) fn of_whole_periods(problem: &Problem) -> bool {
     let (from, to) = (problem.window_s.0 * problem.waveform.frequency_hz(), problem.window_s.1 * problem.waveform.frequency_hz());
     (to - from - (to - from).round()).abs() < 1e-9 * to && problem.load_steps.is_empty()
 }

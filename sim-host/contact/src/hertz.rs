@@ -23,7 +23,7 @@
 //! the contact (Hess and Soom 1991; Grudzinski and Kostek 2005) is in [`vibration`]; this file holds when the contact's resonance
 //! lies far above the drive.
 
-mod elliptic;
+pub(crate) mod elliptic;
 mod mean;
 pub mod vibration;
 

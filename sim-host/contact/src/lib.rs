@@ -34,6 +34,7 @@ pub mod flow;
 mod forcing;
 pub mod hertz;
 pub mod method;
+pub mod plane;
 pub mod problem;
 pub mod record;
 pub mod state;

@@ -51,6 +51,8 @@ pub enum Method {
     Rk4Events,
     /// Exponential midpoint, friction exact in slip, for stiff LuGre contacts.
     Midpoint,
+    /// Collocation of high order of a vibration at an angle to the sliding (`excitation.angle_deg`): a period is solved once.
+    Collocation,
 }
 
 impl Method {
@@ -65,6 +67,7 @@ impl Method {
             Method::Rk4 => "rk4",
             Method::Rk4Events => "rk4-events",
             Method::Midpoint => "midpoint",
+            Method::Collocation => "collocation",
         }
     }
 
@@ -79,7 +82,7 @@ impl Method {
             _ => 8 * least,
         };
         match self {
-            Method::Auto | Method::Closed => None,
+            Method::Auto | Method::Closed | Method::Collocation => None,
             Method::Frozen | Method::Linexp => Some(by_stiffness(4)),
             // A step that is too long for the series is several of it.
             Method::Taylor => Some(6),
@@ -122,7 +125,7 @@ impl Method {
             Method::Rk4Events if accounted => rk4_events::run(problem, steps, watch),
             Method::Rk4Events => rk4_events::run_plain(problem, steps, watch),
             Method::Midpoint => midpoint::run(problem, steps, watch),
-            Method::Auto | Method::Closed => {
+            Method::Auto | Method::Closed | Method::Collocation => {
                 let reason = "it has no steps".into();
                 Err(SolveError::Unsuited { method: self.name(), reason })
             }

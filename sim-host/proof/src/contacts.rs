@@ -11,6 +11,7 @@
 mod compliant;
 mod cost;
 mod draw;
+mod in_plane;
 mod judged;
 mod tables;
 
@@ -53,12 +54,12 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
             return Err(StudyError::Interrupted.into());
         }
         let contact = Contact::draw(number, friction, seed);
-        let (answers, truth) = answers(&contact.problem);
-        let records = records(&contact.problem);
+        let (answers, truth) = answers(&contact);
+        let records = if Friction::RECORDED.contains(&friction) { records(&contact.problem) } else { Vec::new() };
         Ok(Tried { friction, contact, truth, answers, records })
     };
     let mut set = Vec::new();
-    for friction in [Friction::Dahl, Friction::Lugre] {
+    for friction in Friction::ALL {
         (options.progress)(&format!("{number} contacts, {friction:?}"));
         let tried = (0..number).into_par_iter().map(|number| try_one((friction, number)));
         set.extend(tried.collect::<Result<Vec<Tried>, Error>>()?);
@@ -86,7 +87,13 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
 }
 
 /// The means by `auto` at every tolerance, and the truth.
-fn answers(problem: &Problem) -> (Vec<Judged>, Option<Truth>) {
+fn answers(contact: &Contact) -> (Vec<Judged>, Option<Truth>) {
+    let problem = &contact.problem;
+    if let Some(direction) = contact.direction {
+        let truth = in_plane::truth(problem, direction).map(|(friction, unknown)| Truth { friction, unknown });
+        let judged = |&tolerance: &f64| Judged::of_plane(problem, direction, truth.as_ref(), tolerance);
+        return (TOLERANCES.iter().map(judged).collect(), truth);
+    }
     let truth = Truth::of(problem).ok();
     (TOLERANCES.iter().map(|&tolerance| Judged::of(problem, truth.as_ref(), tolerance)).collect(), truth)
 }
@@ -145,7 +152,7 @@ mod tests {
         ];
         for (friction, number, what) in found {
             let contact = Contact::draw(number, friction, 0);
-            for judged in answers(&contact.problem).0.iter().chain(&records(&contact.problem)) {
+            for judged in answers(&contact).0.iter().chain(&records(&contact.problem)) {
                 assert!(!judged.is_silent() && !judged.is_low_by(10.0), "{number}, {what}: {judged:?}");
             }
         }

@@ -52,6 +52,10 @@ pub struct Excitation {
     /// Course of a measured waveform: the velocity of `rig.kinematic`, m/s, or the force on the mass of `rig.sdof`, N.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<Profile>,
+    /// Angle of the vibration of `rig.kinematic` to the sliding, in the plane of the contact: 0 along the sliding, 90 across it.
+    #[serde(default, skip_serializing_if = "is_along")]
+    #[schemars(range(min = 0.0, max = 90.0))]
+    pub angle_deg: f64,
     /// Displacement at the beginning, m.
     #[serde(default)]
     #[schemars(range(min = -1e3, max = 1e3))]
@@ -64,6 +68,10 @@ pub struct Excitation {
     #[serde(default)]
     #[schemars(range(min = -1e9, max = 1e9))]
     pub friction0_n: f64,
+}
+
+fn is_along(angle_deg: &f64) -> bool {
+    *angle_deg == 0.0
 }
 
 /// Waveforms of an excitation over time.

@@ -6,7 +6,7 @@
 
 use super::problem::resonates;
 use super::schema::Schema;
-use super::{Excitation, Model, Scene};
+use super::{Excitation, Excited, Model, Scene};
 
 /// A number of a scene.
 type Place = fn(&mut Scene) -> Option<&mut f64>;
@@ -39,11 +39,12 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// The numbers of these keys in a valid scene that gives them; none if the scene is no contact study under one load, or a key is not one of
+    /// The numbers of these keys in a valid scene that gives them; none if the scene is no contact study under one load whose vibration is along the sliding, or a key is not one of
     /// those that can be set so.
     pub fn of(mut scene: Scene, keys: &[&str]) -> Option<Self> {
         let one_load = scene.disturbance.is_empty() && scene.fault.is_empty();
-        scene.excited().filter(|scene| one_load && !matches!(scene.model, Model::Hertz(_) | Model::Compliant(_)))?;
+        let along = |scene: &Excited| scene.excitation.angle_deg == 0.0 && !matches!(scene.model, Model::Hertz(_) | Model::Compliant(_));
+        scene.excited().filter(|scene| one_load && along(scene))?;
         let mut places = Vec::with_capacity(keys.len());
         for key in keys {
             let (_, place) = PLACES.iter().find(|(name, _)| name == key)?;

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{Body, Disturbance, Excited, Match, Model, Profile, Sign, VibrationVelocity, Waveform};
+use contact::plane::Direction;
 use contact::{self, Law, Motion, Numerics, Problem, Shape, SolveError, State, ToleranceOf};
 
 /// What a mass weighs unless a scene says what presses on the contact, m/s^2.
@@ -34,6 +35,12 @@ pub fn law(model: &Model) -> Option<Law> {
         }),
         Model::Hertz(_) | Model::Compliant(_) => None,
     }
+}
+
+/// The direction of a vibration at an angle to the sliding; none of one along it.
+pub fn direction(study: &Excited) -> Option<Direction> {
+    let angle_deg = study.excitation.angle_deg;
+    (angle_deg != 0.0).then(|| Direction::from_degrees(angle_deg))
 }
 
 /// The problem of a study with a friction law. Fails where the velocity ratio is of a peak that the motion does not have.

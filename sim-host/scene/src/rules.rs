@@ -3,6 +3,7 @@
 //! A rule reads the keys it looks at, and is silent if one of them is itself wrong, so that one mistake neither raises a second
 //! complaint nor hides another one.
 
+mod angle;
 mod belt;
 mod cells;
 pub(crate) mod circuit;
@@ -65,6 +66,7 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
         Some(Kind::Excited) => {
             rules.excited();
             rules.integrator();
+            rules.angle();
         }
         None => {}
     }

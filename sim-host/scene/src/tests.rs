@@ -1,5 +1,6 @@
 //! Scenes that are wrong in every way, and what a user reads about them.
 
+mod angle;
 mod belt;
 mod comparison;
 mod dring;

@@ -7,6 +7,7 @@ pub mod contact;
 mod detached;
 pub mod driven;
 pub mod grid;
+pub mod in_plane;
 pub mod matching;
 pub mod monte_carlo;
 mod plan;

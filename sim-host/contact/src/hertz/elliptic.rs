@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 /// K(m) and E(m) of the parameter 0 <= m <= 1, given `1 - m`, which must not be rounded; K(1) is infinite.
-pub(super) fn complete(complement: f64) -> (f64, f64) {
+pub(crate) fn complete(complement: f64) -> (f64, f64) {
     if complement == 0.0 {
         return (f64::INFINITY, 1.0);
     }
@@ -19,6 +19,30 @@ pub(super) fn complete(complement: f64) -> (f64, f64) {
     }
     let k = FRAC_PI_2 / a;
     (k, k * (1.0 - sum))
+}
+
+/// The general complete integral of Bulirsch (1969, *Numerical calculation of elliptic integrals and elliptic functions III*), of
+/// `(a cos^2 + b sin^2) / ((cos^2 + p sin^2) sqrt(cos^2 + kc^2 sin^2))` over 0 to pi/2, for kc > 0, p > 0; of positive a and b nothing cancels.
+pub(crate) fn general(kc: f64, p: f64, a: f64, b: f64) -> f64 {
+    /// The means agree to the square of this when the last step begins.
+    const NEAR: f64 = 1e-8;
+    let mut p = p.sqrt();
+    let (mut a, mut b) = (a, b / p);
+    let (mut qc, mut e, mut em) = (kc, kc, 1.0);
+    loop {
+        let f = a;
+        a += b / p;
+        let g = e / p;
+        b = 2.0 * (b + f * g);
+        p += g;
+        let before = em;
+        em += qc;
+        if (before - qc).abs() <= before * NEAR {
+            return FRAC_PI_2 * (b + a * em) / (em * (em + p));
+        }
+        qc = 2.0 * e.sqrt();
+        e = qc * em;
+    }
 }
 
 #[cfg(test)]

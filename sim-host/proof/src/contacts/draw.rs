@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use contact::auto::stable_steps;
+use contact::plane::Direction;
 use contact::{Law, Motion, Problem, Shape, Sign, State, Waveform};
 
 use crate::random::Random;
@@ -30,6 +31,17 @@ pub enum Friction {
     Dahl,
     /// LuGre's.
     Lugre,
+    /// Dahl's, of a given vibration at an angle to the sliding.
+    PlaneDahl,
+    /// LuGre's, of a given vibration at an angle to the sliding.
+    PlaneLugre,
+}
+
+impl Friction {
+    /// All laws.
+    pub const ALL: [Friction; 4] = [Friction::Dahl, Friction::Lugre, Friction::PlaneDahl, Friction::PlaneLugre];
+    /// Those with a record from the start on.
+    pub const RECORDED: [Friction; 2] = [Friction::Dahl, Friction::Lugre];
 }
 
 /// A contact drawn by its number.
@@ -39,6 +51,8 @@ pub struct Contact {
     pub number: u32,
     /// The contact as a problem.
     pub problem: Problem,
+    /// Direction of a vibration at an angle to the sliding.
+    pub direction: Option<Direction>,
 }
 
 impl Contact {
@@ -58,11 +72,17 @@ impl Contact {
     pub fn draw(number: u32, friction: Friction, seed: u64) -> Self {
         // Neighbours among seeds share no contact.
         let set = SEED ^ seed.wrapping_mul(FAR_APART);
+        if friction == Friction::PlaneDahl || friction == Friction::PlaneLugre {
+            let lugre = u64::from(friction == Friction::PlaneLugre);
+            let mut random = Random::new(set.rotate_left(17) ^ (u64::from(number) << 1) ^ lugre);
+            let (problem, direction) = in_plane(&mut random, friction);
+            return Contact { number, problem, direction: Some(direction) };
+        }
         let mut random = Random::new(set ^ (u64::from(number) << 1) ^ u64::from(friction == Friction::Lugre));
         loop {
             let problem = draw(&mut random, friction);
             if friction == Friction::Dahl || stable_steps(&problem) <= MOST_STEPS {
-                return Contact { number, problem };
+                return Contact { number, problem, direction: None };
             }
         }
     }
@@ -98,8 +118,8 @@ fn draw(random: &mut Random, friction: Friction) -> Problem {
     problem.sliding_m_per_s = vibration * random.log(1e-7, 1e3);
     let kt = MASS_KG * omega * omega * random.log(1e-8, 1e2);
     problem.law = match friction {
-        Friction::Dahl => Law::Dahl { stiffness_n_per_m: kt },
-        Friction::Lugre => Law::Lugre {
+        Friction::Dahl | Friction::PlaneDahl => Law::Dahl { stiffness_n_per_m: kt },
+        Friction::Lugre | Friction::PlaneLugre => Law::Lugre {
             stiffness_n_per_m: kt,
             static_ratio: random.log(1.0, 3.0),
             stribeck_m_per_s: vibration * random.log(LEAST_STRIBECK, 1e2),
@@ -108,6 +128,57 @@ fn draw(random: &mut Random, friction: Friction) -> Problem {
         },
     };
     problem
+}
+
+/// Slip of the bristles in their lengths in a period, at the most: the reference takes steps in proportion.
+const MOST_SLIP: f64 = 1e4;
+
+/// A given vibration at any angle.
+///
+/// | group | range |
+/// |---|---|
+/// | angle, degrees | 0 to 90, evenly; in half of them as far as 1e-6 to 45 from either end |
+/// | vibration in bristle lengths, kappa | 1e-8 to 1e4, less where the sliding is faster than the vibration |
+/// | velocity ratio | 1e-7 to 1e3 |
+/// | Stribeck velocity over that of the vibration | 1e-2 to 1e2 |
+/// | bristle damping, `sigma1 Vv / Fc` | none, or 1e-8 to 1e2 |
+fn in_plane(random: &mut Random, friction: Friction) -> (Problem, Direction) {
+    let angle_deg = match random.whole(0, 3) {
+        0 => random.log(1e-6, 45.0),
+        1 => 90.0 - random.log(1e-6, 45.0),
+        _ => 90.0 * random.part(),
+    };
+    let periods = random.log(PERIODS.0, PERIODS.1).round();
+    let duration_s = periods / DRIVE_HZ;
+    let shape =
+        [Shape::Sine, Shape::Sine, Shape::Sine, Shape::Square, Shape::Sawtooth, Shape::Triangle][random.whole(0, 5) as usize];
+    let (vibration, velocity_ratio) = (1.0, random.log(1e-7, 1e3));
+    let coulomb_n = FORCE_N * random.log(1e-10, 1.0);
+    let kappa = random.log(1e-8, MOST_SLIP / velocity_ratio.max(1.0));
+    let stiffness_n_per_m = kappa * TAU * DRIVE_HZ * coulomb_n / vibration;
+    let law = match friction {
+        Friction::PlaneDahl => Law::Dahl { stiffness_n_per_m },
+        _ => Law::Lugre {
+            stiffness_n_per_m,
+            static_ratio: random.log(1.0, 3.0),
+            stribeck_m_per_s: vibration * random.log(LEAST_STRIBECK, 1e2),
+            sigma1: if random.toss() { 0.0 } else { coulomb_n / vibration * random.log(1e-8, 1e2) },
+            sigma2: 0.0,
+        },
+    };
+    let problem = Problem {
+        motion: Motion::Kinematic,
+        law,
+        coulomb_n,
+        sliding_m_per_s: vibration * velocity_ratio,
+        sign: if random.part() < 0.1 { Sign::Literal } else { Sign::Passive },
+        waveform: Waveform::new(shape, vibration, DRIVE_HZ, duration_s),
+        start: State::default(),
+        load_steps: Vec::new(),
+        window_s: (duration_s * [0.0, 0.5, 0.9][random.whole(0, 2) as usize], duration_s),
+        duration_s,
+    };
+    (problem, Direction::from_degrees(angle_deg))
 }
 
 /// A sine in two of three contacts.

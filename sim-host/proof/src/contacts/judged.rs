@@ -1,5 +1,6 @@
 //! A contact's friction ratio and its record by `auto`, at a tolerance, held against the Taylor series.
 
+use contact::plane::{self, Direction, PlaneSolution};
 use contact::tally::Ratios;
 use contact::{Law, Numerics, Problem, Record, Solution, SolveError, ToleranceOf, solve, solve_unwatched, taylor};
 
@@ -98,6 +99,18 @@ impl Judged {
         Self::answered(tolerance, &solution, off, solution.error_estimate)
     }
 
+    /// Asks `auto` for a tolerance of a vibration at an angle to the sliding.
+    pub fn of_plane(problem: &Problem, direction: Direction, truth: Option<&Truth>, tolerance: f64) -> Self {
+        let numerics = Numerics { tolerance, energies: false, ..Numerics::default() };
+        match plane::solve(problem, direction, &numerics, (&|| (), None), false) {
+            Ok(PlaneSolution { solution, .. }) => {
+                let off = truth.map(|truth| ((solution.ratios.friction - truth.friction).abs(), truth.unknown));
+                Self::answered(tolerance, &solution, off, solution.error_estimate)
+            }
+            Err(error) => Self::refused(tolerance, &error),
+        }
+    }
+
     /// Asks `auto` for a tolerance of the record, and looks at what it shows.
     pub fn of_record(problem: &Problem, truth: Option<&RecordTruth>, tolerance: f64) -> Self {
         let numerics = Numerics { tolerance, tolerance_of: ToleranceOf::Record, energies: false, ..Numerics::default() };
@@ -145,7 +158,8 @@ impl Judged {
 }
 
 /// The groups of a contact, in words.
-pub fn groups(problem: &Problem) -> String {
+pub fn groups(problem: &Problem, direction: Option<Direction>) -> String {
+    let angle = direction.map(|direction| format!(", {:.3e} degrees", direction.across.atan2(direction.along).to_degrees()));
     let omega = std::f64::consts::TAU * problem.waveform.frequency_hz();
     let (kt, lugre) = match problem.law {
         Law::Coulomb => (0.0, String::new()),
@@ -164,7 +178,7 @@ pub fn groups(problem: &Problem) -> String {
         }
     };
     format!(
-        "{motion}, kappa {:.2e}, Fc/F0 {:.1e}, xi {:.1e}, {:?}, {:?}, {:.0} periods, window from {:.0} %{lugre}",
+        "{motion}, kappa {:.2e}, Fc/F0 {:.1e}, xi {:.1e}, {:?}, {:?}, {:.0} periods, window from {:.0} %{lugre}{}",
         problem.kappa(),
         problem.coulomb_n / problem.waveform.amplitude(),
         problem.sliding_m_per_s / problem.vibration_m_per_s(),
@@ -172,5 +186,6 @@ pub fn groups(problem: &Problem) -> String {
         problem.sign,
         problem.duration_s * problem.waveform.frequency_hz(),
         100.0 * problem.window_s.0 / problem.duration_s,
+        angle.unwrap_or_default(),
     )
 }

@@ -114,7 +114,7 @@ pub fn missed(set: &[Tried], costs: &[Cost]) -> Vec<String> {
                 tried.contact.number,
                 judged.verdict,
                 judged.how,
-                groups(&tried.contact.problem)
+                groups(&tried.contact.problem, tried.contact.direction)
             ));
         }
     }
@@ -136,8 +136,8 @@ pub fn missed(set: &[Tried], costs: &[Cost]) -> Vec<String> {
 
 fn questions(of: Of) -> impl Iterator<Item = (Friction, f64)> {
     let tolerances: &[f64] = if of == Of::Record { &RECORD_TOLERANCES } else { &TOLERANCES };
-    let of = move |friction: Friction| tolerances.iter().map(move |&t| (friction, t));
-    of(Friction::Dahl).chain(of(Friction::Lugre))
+    let laws: &[Friction] = if of == Of::Record { &Friction::RECORDED } else { &Friction::ALL };
+    laws.iter().flat_map(move |&friction| tolerances.iter().map(move |&tolerance| (friction, tolerance)))
 }
 
 fn answers(set: &[Tried], friction: Friction, tolerance: f64, of: Of) -> Vec<(&Tried, &Judged)> {
@@ -207,7 +207,7 @@ pub fn csv(set: &[Tried]) -> Result<String, Error> {
                 met.to_string(),
                 format!("{unknown:.1e}"),
                 judged.how.clone(),
-                groups(&tried.contact.problem),
+                groups(&tried.contact.problem, tried.contact.direction),
             ])?;
         }
     }

@@ -26,6 +26,7 @@ pub const METRICS: &[Metric] = &[
     row("kappa_estimate", "1", Magnitude, SetPoint, "`kappa` as the controller has measured it in its survey"),
     row("kappa_deviation", "1", Magnitude, SetPoint, "Standard deviation that the controller states of `kappa_estimate`, relative"),
     row("survey_time_ms", "ms", Magnitude, Event, "From the first sample of the run to the end of the controller's survey of the contact"),
+    row("transverse_friction_n", "N", Magnitude, On, "Root mean square of the friction across the sliding, in the plane of the contact; of a contact study whose vibration is at an angle to the sliding (`excitation.angle_deg`)"),
     row("reduction_percent", "%", Signed, On, "Friction reduction: `100 (1 - friction_ratio)`"),
     row("load_cell_off_n", "N", Signed, LoadCell, "`friction_off_n` by the load cell's reading"),
     row("load_cell_on_n", "N", Signed, LoadCell, "`friction_on_n` by the load cell's reading"),

@@ -63,6 +63,10 @@ impl Rules<'_> {
 
     /// A method that is asked for by name must be made for the contact.
     fn suited(&mut self, method: &str) {
+        // A vibration at an angle to the sliding has methods of its own, and a rule for them.
+        if self.number("excitation.angle_deg").is_some_and(|angle| angle != 0.0) {
+            return;
+        }
         let has = |path: &str| self.given(path);
         let reason = match method {
             "linexp" | "frozen" | "closed" if has("contact.lugre") => "LuGre friction is for taylor, rk4-events and midpoint",

@@ -1,6 +1,7 @@
 //! The answer of a contact study.
 
 use super::across::Across;
+use super::in_plane::InPlane;
 use contact::{Problem, Solution};
 
 /// A problem and its solution.
@@ -12,4 +13,6 @@ pub struct Answer {
     pub solution: Solution,
     /// The normal direction, if the vibration is across the surface.
     pub across: Option<Across>,
+    /// The direction across the sliding, if the vibration is at an angle to it.
+    pub in_plane: Option<InPlane>,
 }

@@ -9,6 +9,7 @@ use std::sync::atomic::AtomicBool;
 use super::StudyError;
 use super::across;
 use super::answer::Answer;
+use super::in_plane;
 use super::playback::Playback;
 use super::stopped::{leave_if, unless_stopped};
 use crate::metrics::Metrics;
@@ -99,6 +100,10 @@ fn answer<W: FnMut(&State)>(
     // A contact that vibrates across has Coulomb's law between its normal force and its friction.
     let problem = problem::problem(scene, problem::law(&scene.model).unwrap_or(Law::Coulomb))?;
     let (numerics, pause) = (problem::numerics(scene, wanted), || leave_if(stop));
+    if let Some(direction) = problem::direction(scene) {
+        let (solution, in_plane) = in_plane::solve(&problem, direction, &numerics, (&pause, clock), watch)?;
+        return Ok(Answer { problem, solution, across: None, in_plane: Some(in_plane) });
+    }
     let (solution, across) = match scene.model {
         Model::Hertz(model) => {
             let (solution, across) = match watch {
@@ -119,5 +124,5 @@ fn answer<W: FnMut(&State)>(
             None => (contact::solve_unwatched(&problem, &numerics, &pause)?, None),
         },
     };
-    Ok(Answer { problem, solution, across })
+    Ok(Answer { problem, solution, across, in_plane: None })
 }

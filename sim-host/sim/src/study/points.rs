@@ -76,7 +76,7 @@ impl<'p, 'a> Points<'p, 'a> {
             Found::Problem(problem) => {
                 let empty = |error| StudyError::EmptyCell(cell(point).label, Box::new(error));
                 let solution = solutions.next().ok_or(StudyError::Incomplete)?.map_err(|error| empty(error.into()))?;
-                let answer = Answer { problem: *problem, solution, across: None };
+                let answer = Answer { problem: *problem, solution, across: None, in_plane: None };
                 let set = numbers.as_mut().and_then(|numbers| numbers.set(values(point).as_ref())?.excited());
                 let scene = set.ok_or(StudyError::Incomplete)?;
                 Ok(self.read(&metrics::of(&scene, &answer)))

@@ -47,6 +47,9 @@ impl Mean {
 
 /// The study of a scene that has a closed form for a sine and is to be solved by it; none of any other.
 pub(super) fn of(scene: &Excited) -> Option<Steady> {
+    if problem::direction(scene).is_some() {
+        return None;
+    }
     let problem = problem::problem(scene, problem::law(&scene.model)?).ok()?;
     of_problem(&problem, &problem::numerics(scene, None))
 }

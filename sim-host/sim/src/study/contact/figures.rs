@@ -1,6 +1,7 @@
 //! The figures of a contact study: the last periods in full, and the whole run by its extremes.
 
 mod between;
+mod in_plane;
 mod whole_run;
 
 use self::between::{coulomb_n, filled};
@@ -17,6 +18,10 @@ const TIME: &str = "time [periods of the excitation]";
 pub fn of(solved: &Solved) -> Vec<Figure> {
     let mut figures = Vec::new();
     if let Some(answer) = &solved.answer
+        && let Some(in_plane) = &answer.in_plane
+    {
+        figures.extend(in_plane::of(&answer.problem, in_plane));
+    } else if let Some(answer) = &solved.answer
         && solved.playback.last_periods().len() > 1
     {
         let last = Last::new(answer, solved.playback.last_periods());

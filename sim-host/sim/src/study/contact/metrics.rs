@@ -7,7 +7,7 @@ use scene::{Excited, problem};
 
 /// The numbers of a solved study.
 pub fn of(study: &Excited, answer: &Answer) -> Metrics {
-    let Answer { problem, solution, across } = answer;
+    let Answer { problem, solution, across, in_plane } = answer;
     let mut metrics = Metrics::default();
     let (ratios, tally) = (&solution.ratios, solution.tally.as_ref());
     let coulomb_n = tally.map_or(problem.coulomb_n, |tally| tally.coulomb_n);
@@ -15,6 +15,7 @@ pub fn of(study: &Excited, answer: &Answer) -> Metrics {
     metrics.put("friction_off_n", coulomb_n);
     metrics.put("friction_on_n", ratios.friction * coulomb_n);
     metrics.put("friction_ratio", ratios.friction);
+    metrics.put("transverse_friction_n", in_plane.as_ref().map(|in_plane| in_plane.transverse_rms_n));
     metrics.put("reduction_percent", 100.0 * (1.0 - ratios.friction));
     // A mass on its contact has no vibration by itself.
     let shaken_across = across.is_some() && problem.motion != Motion::Kinematic;

@@ -104,6 +104,7 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
     };
     let rows = [
         ("friction ratio", Some(with_error(solution)), "mean friction / Fc (4.17)"),
+        ("friction across [N]", own("transverse_friction_n"), "root mean square of the friction across the sliding"),
         ("power ratio", own("power_ratio"), "mean F V / (Fc Vt) (4.18)"),
         ("input ratio", own("input_ratio"), "power that the excitation brings in / (Fc Vt) (4.31)"),
         ("stored ratio", own("stored_ratio"), "energy gained by mass and spring / (Fc Vt T)"),

@@ -1,0 +1,153 @@
+//! Collocation at the right Radau points: nodes, derivatives and weights on a panel from 0 to 1, computed once.
+//!
+//! The polynomial of degree s through the start and the nodes fulfils the equation at the nodes, the last of which is the end: Radau IIA, of order
+//! 2 s - 1, L-stable (Hairer and Wanner 1996, *Solving ordinary differential equations II*, IV.5). Nodes are the zeros of `P_s - P_(s-1)` on [-1, 1].
+
+use std::sync::LazyLock;
+
+/// Nodes of a panel, s.
+pub(super) const STAGES: usize = 12;
+/// Brackets in which zeros are looked for, evenly spaced in the angle; the closest two zeros are a sixtieth of it apart.
+const BRACKETS: usize = 4000;
+
+/// The rule.
+#[derive(Debug)]
+pub(super) struct Rule {
+    /// Places of the nodes, 0 to 1.
+    pub(super) at: [f64; STAGES],
+    /// Weights of the integral from 0 to 1.
+    pub(super) weight: [f64; STAGES],
+    /// Derivative at each node, of the value at each.
+    pub(super) slope: [[f64; STAGES]; STAGES],
+}
+
+/// The rule.
+pub(super) fn rule() -> &'static Rule {
+    static RULE: LazyLock<Rule> = LazyLock::new(Rule::new);
+    &RULE
+}
+
+/// Legendre polynomials of degree s and s - 1.
+fn legendre(x: f64) -> (f64, f64) {
+    let (mut before, mut now) = (1.0, x);
+    for k in 2..=STAGES {
+        let k = k as f64;
+        (before, now) = (now, ((2.0 * k - 1.0) * x * now - (k - 1.0) * before) / k);
+    }
+    (now, before)
+}
+
+impl Rule {
+    fn new() -> Self {
+        let off = |x: f64| legendre(x).0 - legendre(x).1;
+        let place = |bracket: usize| -(std::f64::consts::PI * bracket as f64 / BRACKETS as f64).cos();
+        // The end is a zero, too, and the last.
+        let (mut zeros, mut found) = ([1.0; STAGES], 0);
+        for bracket in 0..BRACKETS - 1 {
+            let (mut low, mut high) = (place(bracket), place(bracket + 1));
+            if found + 1 < STAGES && off(low) * off(high) <= 0.0 {
+                let rises = off(high) > off(low);
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    if (off(middle) > 0.0) == rises {
+                        high = middle;
+                    } else {
+                        low = middle;
+                    }
+                }
+                zeros[found] = 0.5 * (low + high);
+                found += 1;
+            }
+        }
+        let at = zeros.map(|x| 0.5 * (1.0 + x));
+        let square = (STAGES * STAGES) as f64;
+        let weight = zeros.map(|x| if x == 1.0 { 1.0 / square } else { 0.5 * (1.0 + x) / (square * legendre(x).1.powi(2)) });
+        // Barycentric weights of the nodes and the start.
+        let others = |own: usize| at.iter().enumerate().filter(move |(other, _)| *other != own);
+        let barycentric: [f64; STAGES] =
+            std::array::from_fn(|own| others(own).map(|(_, other)| at[own] - other).product::<f64>().recip() / at[own]);
+        let mut slope = [[0.0; STAGES]; STAGES];
+        for (row, slopes) in slope.iter_mut().enumerate() {
+            for (column, slope) in slopes.iter_mut().enumerate() {
+                *slope = if row == column {
+                    at[row].recip() + others(row).map(|(_, other)| (at[row] - other).recip()).sum::<f64>()
+                } else {
+                    barycentric[column] / barycentric[row] / (at[row] - at[column])
+                };
+            }
+        }
+        Rule { at, weight, slope }
+    }
+}
+
+/// Solves the equations of a panel for three right sides; none if they have no solution.
+pub(super) fn solve(mut matrix: [[f64; STAGES]; STAGES], mut sides: [[f64; 3]; STAGES]) -> Option<[[f64; 3]; STAGES]> {
+    for column in 0..STAGES {
+        let size = |row: &usize| matrix[*row][column].abs();
+        let pivot = (column..STAGES).max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        matrix.swap(column, pivot);
+        sides.swap(column, pivot);
+        let (upper, lower) = matrix.split_at_mut(column + 1);
+        let (done, left) = sides.split_at_mut(column + 1);
+        let (pivot, side) = (&upper[column], done[column]);
+        for (row, own) in lower.iter_mut().zip(left) {
+            let factor = row[column] / pivot[column];
+            for k in column + 1..STAGES {
+                row[k] -= factor * pivot[k];
+            }
+            for (own, side) in own.iter_mut().zip(side) {
+                *own -= factor * side;
+            }
+        }
+    }
+    for row in (0..STAGES).rev() {
+        let (upper, known) = sides.split_at_mut(row + 1);
+        for (which, side) in upper[row].iter_mut().enumerate() {
+            let sum: f64 = known.iter().zip(&matrix[row][row + 1..]).map(|(known, factor)| factor * known[which]).sum();
+            *side = (*side - sum) / matrix[row][row];
+        }
+    }
+    sides.iter().flatten().all(|value| value.is_finite()).then_some(sides)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integrates_and_derives_polynomials() {
+        let rule = rule();
+        assert!(rule.at.windows(2).all(|pair| pair[0] < pair[1]) && rule.at[STAGES - 1] == 1.0);
+        for degree in 0..2 * STAGES as i32 - 1 {
+            let integral: f64 = rule.at.iter().zip(rule.weight).map(|(at, weight)| weight * at.powi(degree)).sum();
+            assert!((integral * f64::from(degree + 1) - 1.0).abs() < 1e-13, "{degree}: {integral}");
+        }
+        // Polynomials that are zero at the start.
+        for degree in 1..=STAGES as i32 {
+            for (row, at) in rule.slope.iter().zip(rule.at) {
+                let slope: f64 = row.iter().zip(rule.at).map(|(slope, at)| slope * at.powi(degree)).sum();
+                let exact = f64::from(degree) * at.powi(degree - 1);
+                assert!((slope - exact).abs() < 1e-11 * exact.abs().max(1.0), "{degree} {at}: {slope} {exact}");
+            }
+        }
+    }
+
+    /// `y' = L (sin t - y)`, whose steady solution is in phase only where L is large.
+    #[test]
+    fn a_stiff_equation_is_followed() {
+        let rule = rule();
+        for rate in [1e-3, 1.0, 1e3, 1e9] {
+            let mut matrix = rule.slope;
+            let mut sides = [[0.0; 3]; STAGES];
+            for (node, at) in rule.at.iter().enumerate() {
+                matrix[node][node] += rate;
+                // y - start, of y = (L^2 sin t - L cos t) / (1 + L^2)
+                let start = -rate / (1.0 + rate * rate);
+                sides[node] = [rate * (at.sin() - start); 3];
+            }
+            let end = solve(matrix, sides).unwrap()[STAGES - 1][0] - rate / (1.0 + rate * rate);
+            let exact = (rate * rate * 1f64.sin() - rate * 1f64.cos()) / (1.0 + rate * rate);
+            assert!((end - exact).abs() < 1e-14 * exact.abs().max(0.1), "{rate}: {end} {exact}");
+        }
+    }
+}
