@@ -1,4 +1,5 @@
-//! The blocks of the documentation that `sim-host validate` writes are what it prints. `UPDATE_DOCS=1 cargo test docs` regenerates them.
+//! The blocks of the documentation that `sim-host validate` writes are what it prints. `UPDATE_DOCS=1 cargo test docs -- --include-ignored`
+//! regenerates them. Those that take minutes are ignored: `cargo test --lib -- --ignored` runs them.
 
 use crate::bench::named;
 use crate::evidence::{Evidence, Options};
@@ -16,6 +17,7 @@ fn evidence(name: &str, page: &str) -> Evidence {
 
 /// What is missed stands in the page, under "What falls short".
 #[test]
+#[ignore = "takes minutes"]
 fn tracking_has_these_numbers() {
     const KNOWN: [&str; 4] = ["open, while running", "depoled, while running", "cracked, while running", "cracked, at power-on"];
     let missed = evidence("tracking", "tracking.md").missed;
@@ -25,6 +27,7 @@ fn tracking_has_these_numbers() {
 
 /// What falls short is in the baseline; a count that is worse is missed.
 #[test]
+#[ignore = "takes minutes"]
 fn transducers_have_these_numbers() {
     let evidence = evidence("transducers", "transducers.md");
     if is_update() {
@@ -36,6 +39,7 @@ fn transducers_have_these_numbers() {
 
 /// How many are right stands in the page, under "What falls short".
 #[test]
+#[ignore = "takes minutes"]
 fn commission_has_these_numbers() {
     let missed = evidence("commission", "transducers.md").missed;
     let other: Vec<_> = missed.iter().filter(|missed| !missed.contains("right and in time")).collect();
@@ -43,11 +47,13 @@ fn commission_has_these_numbers() {
 }
 
 #[test]
+#[ignore = "takes minutes"]
 fn import_has_these_numbers() {
     assert_eq!(evidence("import", "import.md").missed, [""; 0]);
 }
 
 #[test]
+#[ignore = "takes minutes"]
 fn friction_has_these_numbers() {
     let evidence = evidence("friction", "friction.md");
     assert_eq!(evidence.missed, [""; 0]);
@@ -59,11 +65,13 @@ fn friction_has_these_numbers() {
 }
 
 #[test]
+#[ignore = "takes minutes"]
 fn crash_has_these_numbers() {
     assert_eq!(evidence("crash", "crash.md").missed, [""; 0]);
 }
 
 #[test]
+#[ignore = "takes minutes"]
 fn guard_has_these_numbers() {
     assert_eq!(evidence("guard", "guard.md").missed, [""; 0]);
 }
@@ -82,6 +90,7 @@ fn features_have_these_levels() {
 }
 
 #[test]
+#[ignore = "takes minutes"]
 fn thesis_has_these_numbers() {
     block("thesis-errata.md", "sim-host validate thesis", &markdown(&thesis::table::in_short(&thesis::tests::FINDINGS)));
 }

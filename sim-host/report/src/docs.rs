@@ -6,7 +6,7 @@
 //! <!-- end -->
 //! ```
 //!
-//! and a test with `docs` in its name holds it against what the command prints. `UPDATE_DOCS=1 cargo test docs` regenerates all of them.
+//! and a test with `docs` in its name holds it against what the command prints. `UPDATE_DOCS=1 cargo test docs -- --include-ignored` regenerates all of them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ fn compare(page: &str, found: &str, expected: &str) {
     let differ = found.lines().zip(expected.lines()).find(|(found, expected)| found != expected);
     let (found, expected) = differ.unwrap_or(("an end", "another end"));
     panic!(
-        "docs/{page} differs from its command: it has\n  {found}\nin place of\n  {expected}\nrun `UPDATE_DOCS=1 cargo test docs`"
+        "docs/{page} differs from its command: it has\n  {found}\nin place of\n  {expected}\nrun `UPDATE_DOCS=1 cargo test docs -- --include-ignored`"
     );
 }
 

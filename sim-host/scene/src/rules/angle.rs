@@ -13,8 +13,7 @@ const PERIODIC: [&str; 5] = ["sine", "square", "sawtooth", "triangle", "still"];
 
 impl Rules<'_> {
     pub(super) fn angle(&mut self) {
-        let Some(angle) = self.number(ANGLE) else { return };
-        if angle == 0.0 {
+        if self.number(ANGLE).unwrap_or_default() == 0.0 {
             if self.text(METHOD) == Some("collocation") {
                 let reason = "it is for a vibration at an angle to the sliding, `excitation.angle_deg`";
                 let problem = Problem::new(self.place(METHOD), "collocation cannot do this", reason);
@@ -28,20 +27,20 @@ impl Rules<'_> {
     }
 
     fn of_a_given_vibration(&mut self) {
-        let help = match () {
-            () if self.given("rig.sdof") => {
+        const IN_THE_PLANE: &str = "in the plane of the contact vibrate [contact.coulomb], [contact.dahl] and [contact.lugre]";
+        let others = [
+            (
+                "rig.sdof",
                 "only `rig.kinematic`, whose vibration is given, takes an angle; leave `angle_deg` out with [rig.sdof]"
-            }
-            () if self.given("contact.hertz") => {
-                "a Hertzian contact vibrates across the surface; in its plane vibrate [contact.coulomb], [contact.dahl] and [contact.lugre]"
-            }
-            () => return,
-        };
+                    .to_owned(),
+            ),
+            ("contact.hertz", format!("a Hertzian contact vibrates across the surface; {IN_THE_PLANE}")),
+            ("contact.compliant", format!("a compliant contact vibrates across the surface; {IN_THE_PLANE}")),
+        ];
+        let Some((other, help)) = others.into_iter().find(|(other, _)| self.given(other)) else { return };
         let angle = shown(self.number(ANGLE).unwrap_or_default());
         let message = format!("a vibration at an angle of {angle} degrees to the sliding");
-        let rig = if self.given("rig.sdof") { "[rig.sdof]" } else { "[contact.hertz]" };
-        let problem = Problem::new(self.place(ANGLE), message, format!("not with {rig}"));
-        self.add(ANGLE, problem.help(help));
+        self.add(ANGLE, Problem::new(self.place(ANGLE), message, format!("not with [{other}]")).help(help));
     }
 
     fn by_what(&mut self) {

@@ -24,6 +24,8 @@ fn an_angle_is_of_a_given_vibration() {
     says(&said(&mass), &["at an angle of 90 degrees", "not with [rig.sdof]", "only `rig.kinematic`"]);
     let hertz = ["contact.hertz.mu=0.1", "contact.hertz.normal_n=1", "contact.hertz.stiffness_n_per_m15=1e10"];
     says(&said(&hertz), &["at an angle of 90 degrees", "not with [contact.hertz]"]);
+    let compliant = report(builtin::text("contact-compliant").unwrap_or_default(), &["excitation.angle_deg=10"]);
+    says(&compliant, &["at an angle of 10 degrees", "not with [contact.compliant]"]);
 }
 
 #[test]

@@ -11,7 +11,7 @@ const HEAD: &str = "\
 # Data of a run
 
 What a run leaves in its folder (`sim-host run SCENE -o DIR`), and what each number in it means. This page is generated from the tables that the program itself reads:
-metrics from `sim-host/scene/src/metrics/table.rs`, files from `sim-host/sim/src/data.rs`, faults and limits from `firmware/src/seam/fault.rs`. `UPDATE_DOCS=1 cargo test docs`
+metrics from `sim-host/scene/src/metrics/table.rs`, files from `sim-host/sim/src/data.rs`, faults and limits from `firmware/src/seam/fault.rs`. `UPDATE_DOCS=1 cargo test docs -- --include-ignored`
 regenerates it. `sim-host explain` answers from the same tables; [settings.md](settings.md) lists the keys of the controller.
 
 Numbers are in SI units unless a name says otherwise; the unit is the end of a name. CSV files have a head line, commas, and as many digits as it takes to read the same number back; a value that is
@@ -92,7 +92,7 @@ fn metrics(page: &mut String) {
 
 #[cfg(test)]
 mod tests {
-    /// `UPDATE_DOCS=1 cargo test docs` regenerates the page.
+    /// `UPDATE_DOCS=1 cargo test docs -- --include-ignored` regenerates the page.
     #[test]
     fn docs_of_the_data_are_generated_from_its_tables() {
         report::docs::page("data.md", &super::page());
