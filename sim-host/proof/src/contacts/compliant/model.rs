@@ -58,7 +58,7 @@ pub fn tables() -> Vec<TableBlock> {
     let held = TableBlock::new(
         "compliant-held",
         "What is held, beyond the loss of contact",
-        "A is the amplitude over the indentation without vibration, s the sliding speed over mu kz w a / kx. The friction ratio is by the normal force without vibration; with the indentation held the mean normal force rises, and the          ratio of the coefficients is by it. The critical speed with the load held is in the same unit as s; with the indentation held it is 1.",
+        "A is the amplitude over the indentation without vibration, s the sliding speed over mu kz w a / kx. The friction ratio is by the normal force without vibration; with the indentation held the mean normal force rises, and the ratio of the coefficients is by it. The critical speed with the load held is in the same unit as s; with the indentation held it is 1.",
         &[
             "A",
             "s",
