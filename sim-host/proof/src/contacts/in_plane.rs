@@ -114,6 +114,7 @@ fn course<const N: usize>(problem: &Problem, direction: Direction, stretch: &Str
             unit_s *= (2.0 * step).max(1e-3);
             continue;
         }
+        let step = step.min(to_the_least_slip(&square));
         let step_s = (step * unit_s).min(4.0 * unit_s).max(least_s).min(left_s);
         let part = step_s / unit_s;
         let integral = |series: &[f64; N]| {
@@ -128,6 +129,12 @@ fn course<const N: usize>(problem: &Problem, direction: Direction, stretch: &Str
         unit_s = step_s;
     }
     None
+}
+
+/// Half of the way to where the slip is least, in steps of the series; no bound where it grows. Far from a narrow minimum the size of the slip,
+/// `sqrt((d - t)^2 + e^2)`, is a straight line but for terms of e^2: a series leaps over the minimum, and goes on with `d - t` below zero.
+fn to_the_least_slip<const N: usize>(square: &[f64; N]) -> f64 {
+    if square[1] < 0.0 { -square[0] / square[1] } else { f64::INFINITY }
 }
 
 fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
