@@ -1,4 +1,5 @@
 //! The arcs against fifty digits, against steps of time, and in every limit.
+#![expect(clippy::excessive_precision, reason = "as the arithmetic of fifty digits printed them")]
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

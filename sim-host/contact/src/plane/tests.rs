@@ -1,3 +1,5 @@
+#![expect(clippy::excessive_precision, reason = "as the arithmetic of forty digits printed them")]
+
 use super::*;
 use crate::closed;
 use crate::problem::Sign;
@@ -211,7 +213,7 @@ fn by_runge_kutta(problem: &Problem, angle_deg: f64, steps: u32) -> [f64; 3] {
             }
         }
         time_s = end_s;
-        load = problem.load_steps.iter().filter(|step| step.0 <= time_s).next_back().map_or(problem.coulomb_n, |step| step.1);
+        load = problem.load_steps.iter().rfind(|step| step.0 <= time_s).map_or(problem.coulomb_n, |step| step.1);
     }
     let length_s = problem.window_s.1 - problem.window_s.0;
     [sums[0] / (load * length_s), sums[1] / (load * problem.sliding_m_per_s * length_s), (sums[2] / length_s).sqrt()]
