@@ -81,6 +81,8 @@ struct AtTerminal {
     child: Child,
     keys: File,
     seen: Arc<Mutex<String>>,
+    /// Bytes of it up to what was waited for last.
+    read: usize,
 }
 
 impl AtTerminal {
@@ -111,17 +113,18 @@ impl AtTerminal {
                 shown.lock().expect("the text").push_str(&String::from_utf8_lossy(&bytes[..count]));
             }
         });
-        AtTerminal { child, keys, seen }
+        AtTerminal { child, keys, seen, read: 0 }
     }
 
-    /// Types, and waits until this stands on the screen after it.
+    /// Types, and waits until this stands on the screen after it; without keys, after what was waited for last.
     fn types(&mut self, keys: &str, until: &str) {
-        let before = self.seen.lock().expect("the text").len();
+        let before = if keys.is_empty() { self.read } else { self.seen.lock().expect("the text").len() };
         self.keys.write_all(keys.as_bytes()).expect("typed");
         let began = Instant::now();
         loop {
             let seen = self.seen.lock().expect("the text").clone();
-            if seen[before..].contains(until) {
+            if let Some(at) = seen[before..].find(until) {
+                self.read = before + at + until.len();
                 return;
             }
             assert!(began.elapsed() < Duration::from_secs(60), "{keys:?}: no {until:?} in\n{seen}");
