@@ -145,7 +145,7 @@ pub fn solve(problem: &CompliantProblem) -> Result<CompliantSolution, SolveError
 /// The errors of [`solve`].
 pub fn period(problem: &CompliantProblem) -> Result<Vec<CompliantPoint>, SolveError> {
     let unit = Unit::of(problem)?;
-    let solution = solve(problem)?;
+    let solution = unit.as_ref().map_or_else(|| without_vibration(problem), |unit| unit.solution(problem));
     let (kz, mu) = (problem.normal_n_per_m, problem.mu);
     let point = |phase_turns: f64| match &unit {
         Some(unit) => {

@@ -60,7 +60,7 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
     };
     let mut set = Vec::new();
     for friction in Friction::ALL {
-        (options.progress)(&format!("{number} contacts, {friction:?}"));
+        (options.progress)(&format!("{number} contacts, {}", friction.name()));
         let tried = (0..number).into_par_iter().map(|number| try_one((friction, number)));
         set.extend(tried.collect::<Result<Vec<Tried>, Error>>()?);
     }

@@ -42,6 +42,16 @@ impl Friction {
     pub const ALL: [Friction; 4] = [Friction::Dahl, Friction::Lugre, Friction::PlaneDahl, Friction::PlaneLugre];
     /// Those with a record from the start on.
     pub const RECORDED: [Friction; 2] = [Friction::Dahl, Friction::Lugre];
+
+    /// Name of the law.
+    pub fn name(self) -> &'static str {
+        match self {
+            Friction::Dahl => "Dahl",
+            Friction::Lugre => "LuGre",
+            Friction::PlaneDahl => "Dahl at an angle",
+            Friction::PlaneLugre => "LuGre at an angle",
+        }
+    }
 }
 
 /// A contact drawn by its number.

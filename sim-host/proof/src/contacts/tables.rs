@@ -66,7 +66,7 @@ fn kept(name: &str, title: &str, caption: &str, set: &[Tried], of: Of) -> TableB
         let answers = answers(set, friction, tolerance, of);
         let count = |is: &dyn Fn(&Judged) -> bool| answers.iter().filter(|(_, judged)| is(judged)).count().to_string();
         vec![
-            format!("{friction:?}"),
+            friction.name().to_owned(),
             format!("{tolerance:.0e}"),
             answers.len().to_string(),
             count(&|judged| judged.verdict == Verdict::Unknown),
@@ -89,9 +89,9 @@ pub fn missed(set: &[Tried], costs: &[Cost]) -> Vec<String> {
     for (of, (friction, tolerance)) in questions {
         let answers = answers(set, friction, tolerance, of);
         let asked = if of == Of::Record {
-            format!("{friction:?}, record, {tolerance:.0e}")
+            format!("{}, record, {tolerance:.0e}", friction.name())
         } else {
-            format!("{friction:?}, {tolerance:.0e}")
+            format!("{}, {tolerance:.0e}", friction.name())
         };
         let mut many = |what: &str, is: &dyn Fn(&Judged) -> bool, part: f64| {
             let count = answers.iter().filter(|(_, judged)| is(judged)).count();
@@ -197,7 +197,7 @@ pub fn csv(set: &[Tried]) -> Result<String, Error> {
             };
             let unknown = tried.truth.filter(|_| of == Of::Mean).map_or(f64::NAN, |truth| truth.unknown);
             writer.write_record([
-                format!("{:?}", tried.friction),
+                tried.friction.name().to_owned(),
                 tried.contact.number.to_string(),
                 format!("{of:?}").to_lowercase(),
                 format!("{:.0e}", judged.tolerance),

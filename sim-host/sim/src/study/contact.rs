@@ -113,10 +113,7 @@ fn answer<W: FnMut(&State)>(
             (solution, Some(across))
         }
         Model::Compliant(model) => {
-            let (solution, across) = match watch {
-                Some(watch) => across::solve_compliant(&problem, model, &numerics, clock, watch)?,
-                None => across::solve_compliant(&problem, model, &numerics, clock, &mut |_: &State| leave_if(stop))?,
-            };
+            let (solution, across) = across::solve_compliant(&problem, model, &numerics, clock, watch)?;
             (solution, Some(across))
         }
         _ => match watch {

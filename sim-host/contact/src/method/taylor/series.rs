@@ -251,8 +251,9 @@ impl<const N: usize> Series<N> {
             return part;
         }
         let most = LARGEST_CHANGE.0 * here + LARGEST_CHANGE.1 * stribeck_m_per_s;
-        let unseen = here - self.edge_of_the_peak(static_ratio, stribeck_m_per_s);
-        let most = if unseen > FURTHER_OUT * stribeck_m_per_s { most.min(unseen) } else { most };
+        let further_out = FURTHER_OUT * stribeck_m_per_s;
+        let unseen = if here > further_out { here - self.edge_of_the_peak(static_ratio, stribeck_m_per_s) } else { 0.0 };
+        let most = if unseen > further_out { most.min(unseen) } else { most };
         while sum(part, &|c| c.abs()) > most {
             part *= 0.7;
         }

@@ -32,12 +32,12 @@ impl Compliance {
 }
 
 /// Solves the problem by its arcs; `watch` sees one steady period.
-pub(in crate::study) fn solve(
+pub(in crate::study) fn solve<W: FnMut(&State)>(
     problem: &Problem,
     model: &Compliant,
     numerics: &Numerics,
     clock: Option<Clock>,
-    watch: &mut impl FnMut(&State),
+    watch: Option<&mut W>,
 ) -> Result<(Solution, Across), SolveError> {
     let hz = problem.waveform.frequency_hz();
     let normal_n = problem.coulomb_n / model.mu;
@@ -52,17 +52,25 @@ pub(in crate::study) fn solve(
     };
     let (found, ns) = timed(clock, || compliant::solve(&contact));
     let found = found?;
-    for point in compliant::period(&contact)? {
-        watch(&State {
-            time_s: point.phase_turns / hz,
-            x_m: point.indentation_m - found.mean_place_m,
-            v_m_per_s: -problem.vibration_m_per_s() * (TAU * point.phase_turns).sin(),
-            force_n: point.friction_n,
-        });
+    if let Some(watch) = watch {
+        for point in compliant::period(&contact)? {
+            watch(&State {
+                time_s: point.phase_turns / hz,
+                x_m: point.indentation_m - found.mean_place_m,
+                v_m_per_s: -problem.vibration_m_per_s() * (TAU * point.phase_turns).sin(),
+                force_n: point.friction_n,
+            });
+        }
     }
     let from = problem.window_s.0 * hz;
-    let early =
-        format!("the window begins at period {from:.0}, and the steady state, which this is, at {:.0}", found.settle_periods);
+    let early = if found.settle_periods.is_finite() {
+        format!(
+            "the window begins at period {from:.0}, before the steady state, which this is: it is reached at {:.0}",
+            found.settle_periods
+        )
+    } else {
+        "without sliding a spring that is relaxed at the start is never loaded: this is the limit of slow sliding".to_owned()
+    };
     let rounded = format!("the tolerance of {:e} is not met: round-off is {:.0e}", numerics.tolerance, found.error_estimate);
     let is_early = from + 1e-9 * from < found.settle_periods;
     let is_rounded = found.error_estimate > numerics.tolerance;
