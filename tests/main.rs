@@ -2,6 +2,7 @@
 
 mod amplitude;
 mod app;
+mod applications;
 mod belt;
 mod board;
 mod clamped;

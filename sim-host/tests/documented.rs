@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use import::admittance::circuit::{Branch, Equivalent};
 
 /// Commands that need what a test has not, by how they begin, and why they are not run.
-const NOT_RUN: [(&str, &str); 16] = [
+const NOT_RUN: [(&str, &str); 19] = [
     ("run \"$scene\"", "a line of a script; tests/command_line/ci.rs runs it"),
     ("link PORT", "a placeholder"),
     ("link file:", "needs the image of `cargo field`; tests of `sonoglide-link` make the file"),
@@ -31,6 +31,9 @@ const NOT_RUN: [(&str, &str); 16] = [
     ),
     ("show NAME", "a placeholder"),
     ("run SCENE", "a placeholder"),
+    ("run NAME", "a placeholder"),
+    ("explain KEY", "a placeholder"),
+    ("COMMAND --help", "a placeholder"),
     ("run my-scene.toml", "the reader's own scene; the scenes of the page are checked"),
     ("check my-scene.toml", "the reader's own scene"),
     ("advise --frequency-hz F", "placeholders"),

@@ -26,7 +26,9 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod air_film;
 pub mod auto;
+pub mod belt_heating;
 pub mod closed;
 pub mod compliant;
 pub mod empirical;
@@ -43,6 +45,7 @@ pub mod tally;
 pub mod timeline;
 mod turn;
 pub mod waveform;
+pub mod wrap;
 
 pub use auto::{Clock, Numerics, Solution, ToleranceOf, closed_point, is_closed, solve, solve_many, solve_unwatched, solve_with};
 pub use forcing::Forcing;

@@ -7,7 +7,7 @@
 //! A horn on a belt has no contact along its vibration: the belt ([`Webbing`]) damps it, and is pulled once a block.
 //!
 //! Plant states: five of amplifier and stack and two of each further mode, one of the contact or of the belt, two of the load cell, one of a stack that heats
-//! itself; a rigid slider costs none. The
+//! itself, three of a [`Carriage`] (place, speed, end of its spring); a rigid slider costs none. The
 //! friction at the tip comes back into the stack's motional branch. A sample is one step or several, as the contact needs: the
 //! linear part by its exact flow with the friction held at its last value, the contact exactly in the slip that results, and then
 //! the stack is corrected by what the mean friction over the step was instead. Second order in the coupling, exact without it.
@@ -20,6 +20,7 @@ use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
 
 use crate::belt_motion::BeltMotion;
+use crate::carriage::Carriage;
 use crate::circuit::Circuit;
 use crate::converter::{Adc, Dac};
 use crate::delay::Delay;
@@ -81,7 +82,7 @@ impl DrivenStack {
         };
         // Streams far from those of the converters.
         let [ripple_seed, force_seed] = [1, 3].map(|stream| scene.seed ^ (stream << 61));
-        let sliding = sliding.map(|(contact, slider)| Sliding::new(contact, slider, ripple_seed));
+        let sliding = Sliding::of(scene, sliding, ripple_seed);
         let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
         let delay = Delay::of(scene.amplifier.delay_s * sensors.sample_hz);
         let late_s = delay.as_ref().map_or(0.0, Delay::fraction) / sensors.sample_hz;
@@ -139,7 +140,8 @@ impl DrivenStack {
     /// States that are integrated in time.
     pub fn states(&self) -> usize {
         let one = |is: bool| usize::from(is);
-        self.stack.states() + 2 + one(self.sliding.is_some() || self.webbing.is_some()) + one(self.elements.heats())
+        let carriage = 3 * one(self.carriage().is_some());
+        self.stack.states() + 2 + one(self.sliding.is_some() || self.webbing.is_some()) + carriage + one(self.elements.heats())
     }
 
     /// Keeps the next blocks sample by sample, or stops doing so.
@@ -177,7 +179,7 @@ impl DrivenStack {
 
     /// Whether nothing has moved in the last step, and friction is what it was: so it goes on while nothing is changed from outside.
     fn is_still(&self) -> bool {
-        self.last.friction.is_none_or(|friction| !friction.changed) && self.stack.is_still()
+        self.last.friction.is_none_or(|friction| !friction.changed) && self.stack.is_still() && self.carriage().is_none()
     }
 
     #[cfg(test)]
@@ -188,7 +190,12 @@ impl DrivenStack {
     /// What moves: the slider, or the belt under a horn.
     fn belt(&mut self) -> Option<&mut BeltMotion> {
         let belt = self.webbing.as_mut().map(|webbing| &mut webbing.belt);
-        belt.or(self.sliding.as_mut().map(|sliding| &mut sliding.belt))
+        belt.or(self.sliding.as_mut().and_then(Sliding::slider_mut).map(|slider| &mut slider.belt))
+    }
+
+    /// The carriage on the tip.
+    fn carriage(&self) -> Option<&Carriage> {
+        self.sliding.as_ref().and_then(Sliding::carriage)
     }
 
     /// The slow sensors at the end of a block.
@@ -231,7 +238,10 @@ impl DrivenStack {
             }
             None => (sums.friction / steps, (sums.friction_min, sums.friction_max)),
         };
-        let (speed, position_m) = self.belt().map_or((0.0, 0.0), |belt| (belt.speed_m_per_s(), belt.position_m()));
+        let (speed, position_m) = match self.carriage() {
+            Some(carriage) => (carriage.speed_m_per_s(), carriage.position_m()),
+            None => self.belt().map_or((0.0, 0.0), |belt| (belt.speed_m_per_s(), belt.position_m())),
+        };
         self.truth = Truth {
             friction_mean_n: mean,
             friction_min_n: extremes.0.min(mean),
@@ -252,6 +262,7 @@ impl DrivenStack {
                 peak_m_per_s: sums.current_peak / circuit.force_factor_n_per_v,
             }),
             horn: self.webbing.as_ref().map(Webbing::truth),
+            carriage: self.carriage().map(Carriage::truth),
             heat: self.elements.heat_truth(),
         };
         self.time_s += block_s;

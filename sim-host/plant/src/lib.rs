@@ -1,6 +1,6 @@
 //! The plant: what is behind the converters.
 //!
-//! A stack with what its tip rubs on ([`driven_stack`]; [`webbing`] for a belt under a horn), the stator of a travelling-wave motor with its
+//! A stack with what its tip rubs on ([`driven_stack`]; [`webbing`] for a belt under a horn, [`carriage`] for what slides as forces say), the stator of a travelling-wave motor with its
 //! rotor ([`motor`]), or a stack and the seat belt whose friction it lowers ([`dring`]); a scene pays for the one it names.
 //!
 //! The truth ([`Truth`]) never passes through [`Analog`]: the controller sees codes.
@@ -28,6 +28,7 @@
 
 pub mod belt_motion;
 pub mod breakage;
+pub mod carriage;
 pub mod circuit;
 pub mod converter;
 pub mod dahl;
@@ -51,6 +52,7 @@ pub mod sliding;
 pub mod stack;
 pub mod step_flow;
 pub mod stream;
+pub mod stribeck;
 mod sums;
 pub mod thermal;
 pub mod timing;

@@ -1,13 +1,65 @@
-//! The contact on its slider: who presses, who moves, and how many steps that needs.
+//! The contact on its slider or carriage: who presses, who moves, and how many steps that needs.
 
 use crate::belt_motion::BeltMotion;
+use crate::carriage::Carriage;
 use crate::circuit::Circuit;
 use crate::dahl::Dahl;
 use scene::{self, Driven, Slider};
 
+/// What a driven tip slides on.
+#[derive(Clone, Debug)]
+pub enum Sliding {
+    /// A slider of given speed.
+    Slider(OnSlider),
+    /// A carriage that moves as forces say.
+    Carriage(Box<Carriage>),
+}
+
+impl Sliding {
+    /// What the tip of a scene's stack slides on, at rest; none if it slides on nothing. The seed is of a speed's ripple.
+    pub fn of(scene: &Driven, slider: Option<(&scene::Dahl, &Slider)>, seed: u64) -> Option<Self> {
+        let carriage = || scene.carriage().map(|(contact, carriage)| Carriage::new(contact, carriage));
+        let slider = slider.map(|(contact, slider)| OnSlider::new(contact, slider, seed));
+        slider.map(Sliding::Slider).or_else(|| carriage().map(Box::new).map(Sliding::Carriage))
+    }
+
+    /// Friction at present, N; of a carriage, of the bristles alone.
+    #[inline(always)]
+    pub fn force(&self) -> f64 {
+        match self {
+            Sliding::Slider(slider) => slider.force(),
+            Sliding::Carriage(carriage) => carriage.force(),
+        }
+    }
+
+    /// Slides for `step_s` seconds, in which the tip moves by `moved` metres, from velocity `v0` to `v1`. Returns the mean friction, N.
+    #[inline(always)]
+    pub fn slide(&mut self, v0: f64, v1: f64, moved: f64, step_s: f64) -> f64 {
+        match self {
+            Sliding::Slider(slider) => slider.slide(v0, v1, moved, step_s),
+            Sliding::Carriage(carriage) => carriage.slide(v0, v1, moved, step_s),
+        }
+    }
+
+    /// The slider of given speed, if it is one.
+    pub fn slider(&self) -> Option<&OnSlider> {
+        if let Sliding::Slider(slider) = self { Some(slider) } else { None }
+    }
+
+    /// The slider of given speed, if it is one.
+    pub fn slider_mut(&mut self) -> Option<&mut OnSlider> {
+        if let Sliding::Slider(slider) = self { Some(slider) } else { None }
+    }
+
+    /// The carriage, if it is one.
+    pub fn carriage(&self) -> Option<&Carriage> {
+        if let Sliding::Carriage(carriage) = self { Some(carriage) } else { None }
+    }
+}
+
 /// A contact and what moves it: `V = speed + tip velocity`, `N = load + own weight`.
 #[derive(Clone, Debug)]
-pub struct Sliding {
+pub struct OnSlider {
     dahl: Dahl,
     mu: f64,
     self_weight_n: f64,
@@ -16,10 +68,10 @@ pub struct Sliding {
     pub belt: BeltMotion,
 }
 
-impl Sliding {
+impl OnSlider {
     /// The contact of a scene, relaxed. The seed is of the speed's ripple.
     pub fn new(contact: &scene::Dahl, slider: &Slider, seed: u64) -> Self {
-        let mut sliding = Sliding {
+        let mut sliding = OnSlider {
             dahl: Dahl::new(contact.stiffness_n_per_m, 0.0),
             mu: contact.mu,
             self_weight_n: slider.self_weight_n,
@@ -59,12 +111,14 @@ impl Sliding {
 /// The measure is `kappa = Kt Vv / (omega Fc)`, the vibration amplitude in Dahl lengths: 16 steps a period are enough below 1, 32
 /// below 10, 64 below 100, 128 above. A scene may ask for more, or for fewer.
 pub fn steps_per_sample(scene: &Driven, sliding: Option<(&scene::Dahl, &Slider)>, circuit: &Circuit) -> u32 {
-    let Some((contact, slider)) = sliding else { return 1 };
+    let slider =
+        sliding.map(|(contact, slider)| (contact.stiffness_n_per_m, contact.mu * (slider.load_n + slider.self_weight_n)));
+    let carriage = || scene.carriage().map(|(contact, carriage)| (contact.stiffness_n_per_m, contact.mu * carriage.normal_n));
+    let Some((stiffness_n_per_m, coulomb)) = slider.or_else(carriage) else { return 1 };
     let drive = &scene.controller.drive;
     let by_voltage = drive.amplitude_v.unwrap_or(0.0) / circuit.rm_ohm / circuit.force_factor_n_per_v;
     let displacement = drive.velocity_m_per_s.unwrap_or(by_voltage) / circuit.omega();
-    let coulomb = contact.mu * (slider.load_n + slider.self_weight_n);
-    let kappa = contact.stiffness_n_per_m * displacement / coulomb;
+    let kappa = stiffness_n_per_m * displacement / coulomb;
     let by_stiffness = match kappa {
         k if k < 1.0 => 16,
         k if k < 10.0 => 32,

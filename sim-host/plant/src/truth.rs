@@ -1,5 +1,7 @@
 //! The truth: what the plant did, which the controller never sees.
 
+use crate::carriage::CarriageTruth;
+
 /// The truth about one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Truth {
@@ -34,6 +36,8 @@ pub struct Truth {
     pub tip: Option<TipMotion>,
     /// What only a horn on a belt has.
     pub horn: Option<HornTruth>,
+    /// What only a carriage has.
+    pub carriage: Option<CarriageTruth>,
     /// What only a stack that heats itself has.
     pub heat: Option<HeatTruth>,
 }

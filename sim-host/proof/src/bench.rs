@@ -3,7 +3,7 @@
 use crate::evidence::{Error, Evidence, Options, built_in};
 use crate::{
     board_faults, board_scenes, commission, contacts, crash, faults, features, field_update, friction, fuzz, guard, imports,
-    instructions, precision, thesis, transducers,
+    instructions, measurements, precision, thesis, transducers,
 };
 use scene::load::LoadError;
 use scene::suite::{self, LoadedSuite};
@@ -25,7 +25,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 19] = [
+pub const BENCHES: [Bench; 20] = [
     Bench {
         name: "tracking",
         about: "every tracking case over many seeds, against targets, Cramer-Rao bounds and the numbers of its faults",
@@ -158,6 +158,13 @@ pub const BENCHES: [Bench; 19] = [
         has_quick: false,
         suite: None,
         run: thesis::evidence,
+    },
+    Bench {
+        name: "measurements",
+        about: "published measurements and laws, each beside what the models predict of it: agrees, MISS, open, or not comparable",
+        has_quick: false,
+        suite: None,
+        run: measurements::evidence,
     },
 ];
 

@@ -4,6 +4,7 @@
 //! crash.toml   single crashes, and a thousand of each class     --+
 //! scheduled    the switch is thrown at stated moments           --+--> tables: docs/crash.md, report
 //! mass         mass from force and payout, by least squares     --+
+//! wrap         the D-ring along its wrap, by the direction of its vibration -----> tables: docs/dring.md, by its test
 //! ```
 //!
 //! All of it is simulated (SIL), of assumed people in an assumed belt.
@@ -14,6 +15,8 @@ mod table;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod wrap;
 
 use crate::evidence::{Error, Evidence, Options, built_in};
 use plant::dring::Bench;

@@ -75,6 +75,9 @@ pub enum Error {
     /// A simulated board has not answered.
     #[error("a simulated board has failed: {0}")]
     Board(String),
+    /// The published data do not fit what is held against them.
+    #[error("the published data: {0}")]
+    Data(String),
     /// A table of numbers cannot be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),

@@ -31,6 +31,7 @@ mod fuzz;
 pub mod guard;
 mod imports;
 pub mod instructions;
+mod measurements;
 pub mod precision;
 mod random;
 pub mod thesis;

@@ -14,10 +14,10 @@ pub mod claim;
 mod comparison;
 mod contact_stiffness;
 mod control_force;
-mod driven;
+pub(crate) mod driven;
 pub mod errata;
-mod experiment_1;
-mod experiment_2;
+pub(crate) mod experiment_1;
+pub(crate) mod experiment_2;
 mod frequencies;
 mod friction_coefficient;
 mod json;
@@ -30,12 +30,12 @@ mod motor;
 mod oscillator_claims;
 mod oscillator_waveforms;
 mod parametric;
-mod picture;
+pub(crate) mod picture;
 mod power_claims;
 mod self_excitation;
 mod spectrum;
 mod steady;
-mod sweep;
+pub(crate) mod sweep;
 mod system_stiffness;
 pub mod table;
 mod trace;
@@ -54,10 +54,12 @@ use report::{Figure, Report, TableBlock};
 use crate::evidence::{Error, Evidence, Options};
 pub use claim::{Claim, Verdict};
 pub use errata::{Choice, Erratum};
+#[cfg(test)]
+pub(crate) use experiment_2::compliant::Belt;
 pub use json::summary;
 
 /// What a study of one figure, or of a few, found.
-struct Part {
+pub(crate) struct Part {
     figures: Vec<Figure>,
     claims: Vec<Claim>,
 }

@@ -1,8 +1,7 @@
 // Draws the crash view of a report from the data in the page. Nothing moves by itself.
 "use strict";
 (() => {
-  const data = JSON.parse(document.getElementById("crash-data").textContent);
-  const stage = document.getElementById("crash-stage");
+function draw(data, stage) {
   const frames = data.instants, last = frames.length - 1;
   if (last < 1) return;
   stage.hidden = false;
@@ -205,4 +204,10 @@
   // The end says most to who only looks; a fragment such as #crash-ms=40 shows that moment.
   const asked = /crash-ms=(\d+)/.exec(location.hash);
   show(asked ? first((f) => f.ms >= Number(asked[1])) : first((f) => f.newton[0] >= 0.999 * top(0)));
+}
+
+const source = document.getElementById("crash-data");
+if (source) draw(JSON.parse(source.textContent), document.getElementById("crash-stage"));
+// A page whose crash comes later draws it by itself.
+globalThis.sonoglideCrash = draw;
 })();

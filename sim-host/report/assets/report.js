@@ -252,8 +252,8 @@
   // The colour that stands for a curve in the legend.
   const marker = (series) => series.tint ?? series.stroke();
 
-  function mount(figure) {
-    const place = document.getElementById("plot-" + figure.id);
+  // Draws one plot into a place within its figure.
+  function mount(figure, place) {
     const { series, bands, data } = columns(figure);
     const xs = data[0];
     const whole = xs.length ? [xs[0], xs[xs.length - 1]] : [0, 1];
@@ -278,8 +278,11 @@
     };
     const plot = new uPlot(options, data, place);
     new ResizeObserver(() => plot.setSize(size())).observe(place);
+    return plot;
   }
 
   const source = document.getElementById("figure-data");
-  if (source) JSON.parse(source.textContent).forEach(mount);
+  if (source) JSON.parse(source.textContent).forEach((figure) => mount(figure, document.getElementById("plot-" + figure.id)));
+  // A page whose figures come later draws them by itself.
+  globalThis.sonoglidePlot = mount;
 })();

@@ -4,17 +4,22 @@ use std::fmt;
 use std::str::FromStr;
 
 /// How the figures of a report are drawn. By default as SVG and PNG of 1600 by 900 points, for screens.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Drawing {
     /// Size in print; without it a size for screens.
     pub size: Option<PrintSize>,
     /// Formats of the files, each once.
     pub formats: Vec<PictureFormat>,
+    /// What makes PDF of SVG, where that is to be had. A program that never names it is linked without it, which is megabytes.
+    pub pdf: Option<ToPdf>,
 }
+
+/// Makes a PDF document of an SVG document, or says why not.
+pub type ToPdf = fn(&str) -> Result<Vec<u8>, String>;
 
 impl Default for Drawing {
     fn default() -> Self {
-        Drawing { size: None, formats: vec![PictureFormat::Svg, PictureFormat::Png] }
+        Drawing { size: None, formats: vec![PictureFormat::Svg, PictureFormat::Png], pdf: None }
     }
 }
 

@@ -27,6 +27,9 @@
 //! ```
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "data")]
+mod data;
+pub mod decimate;
 #[cfg(feature = "docs")]
 pub mod docs;
 pub mod spectrum;
@@ -41,9 +44,13 @@ mod pictures;
 mod table;
 
 pub use crash_view::{CrashView, Instant};
+#[cfg(feature = "data")]
+pub use data::{ReportError, csv};
 pub use digits::significant;
-pub use drawing::{Drawing, PictureFormat, PrintSize};
+pub use drawing::{Drawing, PictureFormat, PrintSize, ToPdf};
 pub use figure::{Along, Axis, Figure, HeatMap, Marker, Panel, Report, Series, Span, Style};
+#[cfg(feature = "pdf")]
+pub use pictures::pdf;
 #[cfg(feature = "pictures")]
-pub use pictures::{ReportError, csv, svg, write, write_drawn};
+pub use pictures::{svg, write, write_drawn};
 pub use table::{TableBlock, markdown, verdict};

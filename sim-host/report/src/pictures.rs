@@ -6,8 +6,6 @@ mod clip;
 mod colour_map;
 mod crash_section;
 mod curve;
-mod data_file;
-mod decimate;
 mod draw;
 mod drawn;
 mod extent;
@@ -24,63 +22,18 @@ mod prepare;
 mod sheet;
 mod style;
 
-use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rayon::prelude::*;
 
 use self::draw::Canvas;
+#[cfg(feature = "pdf")]
+pub use self::pdf::pdf;
+use crate::data::{ReportError, check, data_file, failure};
 use crate::drawing::{Drawing, PictureFormat};
-use crate::{Figure, HeatMap, Report};
-
-/// Why a report could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum ReportError {
-    /// The directory or a file cannot be written.
-    #[error("cannot write {}", path.display())]
-    Write {
-        /// The directory or file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// A picture cannot be drawn.
-    #[error("cannot draw {}: {reason}", path.display())]
-    Draw {
-        /// The picture's file.
-        path: PathBuf,
-        /// What the plotting library said.
-        reason: String,
-    },
-    /// Pictures of this format are a feature of the crate that this build does not have.
-    #[error("this build draws no {format} files: it lacks the feature `pdf`")]
-    Format {
-        /// Ending of the files.
-        format: &'static str,
-    },
-    /// A figure's id cannot be the stem of its files.
-    #[error("figure id {id:?} is empty, used twice, or has characters other than a-z A-Z 0-9 _ -")]
-    Id {
-        /// The id.
-        id: String,
-    },
-    /// A map has no cells, or columns of different lengths, or curves above it that its table has no room for.
-    #[error("figure {figure}: the columns of the map differ in length, or there are none, or curves above them")]
-    Map {
-        /// The figure's id.
-        figure: String,
-    },
-    /// A series has more samples in one column than in another.
-    #[error("figure {figure}: the columns of series {series:?} differ in length")]
-    Length {
-        /// The figure's id.
-        figure: String,
-        /// The series' name.
-        series: String,
-    },
-}
+use crate::{Figure, Report};
 
 /// Writes `report.html` and, for each figure, `ID.svg`, `ID.png` and `ID.csv`.
 ///
@@ -119,21 +72,9 @@ pub fn svg(figure: &Figure) -> Result<String, ReportError> {
     draw::svg(figure, Canvas::default()).map_err(undrawn(Path::new(&format!("{}.svg", figure.id))))
 }
 
-/// The data of a figure as CSV, as [`write()`] writes them.
-///
-/// # Errors
-/// If the figure is malformed.
-pub fn csv(figure: &Figure) -> Result<String, ReportError> {
-    check(std::slice::from_ref(figure))?;
-    let path = PathBuf::from(format!("{}.csv", figure.id));
-    let mut bytes = Vec::new();
-    data_file::write(figure, &mut bytes).map_err(io::Error::from).map_err(failure(&path))?;
-    String::from_utf8(bytes).map_err(|error| failure(&path)(io::Error::new(io::ErrorKind::InvalidData, error)))
-}
-
-/// Whether this build can draw so.
+/// Whether all that this takes is there.
 fn drawn(drawing: &Drawing) -> Result<(), ReportError> {
-    let missing = drawing.formats.iter().find(|&&format| format == PictureFormat::Pdf && !cfg!(feature = "pdf"));
+    let missing = drawing.formats.iter().find(|&&format| format == PictureFormat::Pdf && drawing.pdf.is_none());
     missing.map_or(Ok(()), |format| Err(ReportError::Format { format: format.ending() }))
 }
 
@@ -145,62 +86,17 @@ fn write_figure(figure: &Figure, dir: &Path, drawing: &Drawing) -> Result<(), Re
     File::create(&path).and_then(|target| data_file::write(figure, target).map_err(io::Error::from)).map_err(failure(&path))?;
 
     let canvas = Canvas::file(drawing.size);
+    let to_pdf = drawing.pdf.unwrap_or(|_| Err("no PDF writer".to_owned()));
     for format in &drawing.formats {
         let path = file(format.ending());
         let picture = match format {
             PictureFormat::Svg => draw::svg(figure, canvas).map(String::into_bytes),
             PictureFormat::Png => draw::png(figure, canvas),
-            PictureFormat::Pdf => portable(figure, canvas),
+            PictureFormat::Pdf => draw::svg(figure, canvas).and_then(|svg| to_pdf(&svg)),
         };
         fs::write(&path, picture.map_err(undrawn(&path))?).map_err(failure(&path))?;
     }
     Ok(())
-}
-
-#[cfg(feature = "pdf")]
-fn portable(figure: &Figure, canvas: Canvas) -> Result<Vec<u8>, String> {
-    pdf::of(&draw::svg(figure, canvas)?)
-}
-
-#[cfg(not(feature = "pdf"))]
-fn portable(_: &Figure, _: Canvas) -> Result<Vec<u8>, String> {
-    Err("this build lacks the feature `pdf`".to_owned())
-}
-
-fn check(figures: &[Figure]) -> Result<(), ReportError> {
-    let mut ids = HashSet::new();
-    for figure in figures {
-        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-        let usable = !figure.id.is_empty() && figure.id.chars().all(plain);
-        if !usable || !ids.insert(figure.id.as_str()) {
-            return Err(ReportError::Id { id: figure.id.clone() });
-        }
-        let sound = |map: &HeatMap| {
-            let rows = map.size().1;
-            let alone = figure.series.is_empty() && figure.panels.is_empty();
-            rows > 0 && map.columns.iter().all(|column| column.len() == rows) && alone
-        };
-        if figure.map.as_ref().is_some_and(|map| !sound(map)) {
-            return Err(ReportError::Map { figure: figure.id.clone() });
-        }
-        for series in figure.all_series() {
-            if series.columns().iter().any(|column| column.len() != series.x.len()) {
-                let (figure, series) = (figure.id.clone(), series.name.clone());
-                return Err(ReportError::Length { figure, series });
-            }
-        }
-        if let Some(along) = &figure.along {
-            let fits = |(series, values): (&crate::Series, &Vec<f64>)| series.x.len() == values.len();
-            if along.values.len() != figure.series.len() || !figure.series.iter().zip(&along.values).all(fits) {
-                return Err(ReportError::Length { figure: figure.id.clone(), series: along.csv_column.clone() });
-            }
-        }
-    }
-    Ok(())
-}
-
-fn failure(path: &Path) -> impl FnOnce(io::Error) -> ReportError {
-    |source| ReportError::Write { path: path.to_owned(), source }
 }
 
 fn undrawn(path: &Path) -> impl FnOnce(String) -> ReportError {
@@ -210,7 +106,15 @@ fn undrawn(path: &Path) -> impl FnOnce(String) -> ReportError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Series;
+    use crate::{HeatMap, Series};
+
+    #[test]
+    fn without_what_makes_pdf_it_is_refused_before_anything_is_written() {
+        let dir = std::env::temp_dir().join("report-without-pdf-that-must-not-exist");
+        let drawing = Drawing { formats: vec![PictureFormat::Svg, PictureFormat::Pdf], ..Drawing::default() };
+        let refused = write_drawn(&Report::default(), &dir, &drawing);
+        assert!(matches!(refused, Err(ReportError::Format { format: "pdf" })) && !dir.exists(), "{refused:?}");
+    }
 
     #[test]
     fn malformed_figures_are_refused_before_anything_is_written() {

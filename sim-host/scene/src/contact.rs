@@ -72,7 +72,7 @@ pub struct Dahl {
 }
 
 /// The LuGre model: `z' = V - |V| z / G(V)`, `F = Kt z + sigma1 z' + sigma2 V`,
-/// `Kt G(V) = N (mu + (static_mu - mu) exp(-(V / Vs)^2))`. For contact studies.
+/// `Kt G(V) = N (mu + (static_mu - mu) exp(-(V / Vs)^2))`. For contact studies, and under `rig.carriage`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Lugre {

@@ -5,6 +5,11 @@ use serde::{Deserialize, Serialize};
 
 use super::Profile;
 
+/// Frequency of a ring's vibration where none is given, Hz: that of experiment 2.
+pub(crate) const RING_HZ: f64 = 20e3;
+/// Radius of the ring where none is given, m: ASSUMED.
+const RING_RADIUS_M: f64 = 8e-3;
+
 /// A torso in its seat belt, over a D-ring whose friction the drive lowers, in a crash. For scenes with `[stack]`; it has no `[contact]`. Give either
 /// `pulse_g` and `pulse_ms`, or `pulse`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -75,6 +80,26 @@ pub struct Dring {
     #[serde(default = "default::power")]
     #[schemars(range(min = 1e-3, max = 1e6))]
     pub power_w: f64,
+    /// Direction in which the whole D-ring vibrates, for the actuators `ring` and `stack`: in the plane of the wrap, degrees from the outward normal at the
+    /// middle of the wrap towards the shoulder. 0 is radial at the middle, 90 along the webbing there; the law then follows the angle of wrap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = -180.0, max = 180.0))]
+    pub ring_angle_deg: Option<f64>,
+    /// How far that direction is out of the plane of the wrap, towards the axis of the D-ring, degrees: 0 in the plane, 90 along the axis. Default: 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 90.0))]
+    pub ring_axis_deg: Option<f64>,
+    /// What the part of the ring's vibration across the webbing is granted; the truth lies between. Default: `none`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ring_normal_part: Option<NormalPartKind>,
+    /// Frequency of the ring's vibration, which says its amplitude, Hz; with `ring_normal_part = "fitted"`. Default: 20 kHz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 5e3, max = 2e5))]
+    pub ring_hz: Option<f64>,
+    /// Radius of the ring that the webbing bends around, m; with `ring_normal_part = "fitted"`. Default: 8 mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-3, max = 0.1))]
+    pub ring_radius_m: Option<f64>,
     /// How long an actuator other than `stack` takes from OFF to ON and back, ms.
     #[serde(default = "default::edge")]
     #[schemars(range(min = 0.01, max = 1e3))]
@@ -118,13 +143,47 @@ pub enum ActuatorKind {
     TangentialDahl,
     /// A tip along the webbing that is limited by its power.
     Power,
-    /// The simulated stack, along the webbing.
+    /// The simulated stack: along the webbing, or with `ring_angle_deg` the whole D-ring in that direction.
     Stack,
+    /// The whole D-ring vibrates in one direction, `ring_angle_deg`, with the peak velocity `tip_m_per_s`, by Coulomb's law at each place of the wrap.
+    Ring,
     /// A vibration across the webbing, by a law that is fitted to slow belts and extrapolated.
     Normal,
 }
 
+/// What the part of a ring's vibration across the webbing does to friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum NormalPartKind {
+    /// Nothing: exact of a contact that is stiff along the webbing and never lost.
+    None,
+    /// It multiplies the friction ratio by the law that is fitted to the belt of experiment 2, extrapolated.
+    Fitted,
+}
+
+/// What a D-ring that vibrates as a whole is, of a scene that has `ring_angle_deg`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RingVibration {
+    /// Direction in the plane of the wrap, degrees.
+    pub angle_deg: f64,
+    /// Direction out of it, degrees.
+    pub axis_deg: f64,
+    /// Frequency, Hz, and radius of the ring, m, if the part across the webbing is granted the fitted law.
+    pub fitted: Option<(f64, f64)>,
+}
+
 impl Dring {
+    /// The direction in which the whole D-ring vibrates, if it does.
+    pub fn ring_vibration(&self) -> Option<RingVibration> {
+        let fitted = self.ring_normal_part == Some(NormalPartKind::Fitted);
+        let numbers = (self.ring_hz.unwrap_or(RING_HZ), self.ring_radius_m.unwrap_or(RING_RADIUS_M));
+        self.ring_angle_deg.map(|angle_deg| RingVibration {
+            angle_deg,
+            axis_deg: self.ring_axis_deg.unwrap_or(0.0),
+            fitted: fitted.then_some(numbers),
+        })
+    }
+
     /// Mass of the torso, kg.
     pub fn torso_mass_kg(&self) -> f64 {
         self.torso_kg.unwrap_or_else(|| self.occupant.torso_kg())

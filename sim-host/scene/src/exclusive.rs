@@ -49,7 +49,15 @@ pub const EXCLUSIVE: &[Exclusive] = &[
     },
     Exclusive {
         table: "rig",
-        alternatives: &[all(&["slider"]), all(&["kinematic"]), all(&["sdof"]), all(&["rotor"]), all(&["belt"]), all(&["dring"])],
+        alternatives: &[
+            all(&["slider"]),
+            all(&["kinematic"]),
+            all(&["sdof"]),
+            all(&["rotor"]),
+            all(&["belt"]),
+            all(&["dring"]),
+            all(&["carriage"]),
+        ],
     },
     Exclusive {
         table: "disturbance",

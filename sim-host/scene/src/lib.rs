@@ -20,6 +20,7 @@
 #![forbid(unsafe_code)]
 
 pub mod builtin;
+mod carriage;
 pub mod circuit;
 mod comparison;
 mod contact;
@@ -32,6 +33,7 @@ mod exclusive;
 pub mod figures;
 mod integrator;
 pub mod keys;
+pub mod keys_page;
 pub mod load;
 mod measured_curve;
 pub mod metrics;
@@ -62,11 +64,12 @@ mod wording;
 #[cfg(test)]
 mod tests;
 
+pub use carriage::Carriage;
 pub use comparison::{Case, Comparison, Equal};
 pub use contact::{Compliant, Contact, Coulomb, Dahl, Empirical, Held, Hertz, Lugre, Model, Sign};
 pub use controller::Controller;
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
-pub use dring::{ActuatorKind, Dring, Occupant};
+pub use dring::{ActuatorKind, Dring, NormalPartKind, Occupant, RingVibration};
 pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
 pub use firmware::seam::config::scene::{Burst, Drive, Friction, Limits, Phasing, Restraint, Sweep, Thermometer, Tracking};
 pub use firmware::seam::config::{

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::carriage::Carriage;
 use super::dring::Dring;
 
 /// What presses on the contact and moves it. Give exactly one.
@@ -27,6 +28,9 @@ pub struct Rig {
     /// A torso in its seat belt, over a D-ring, in a crash.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dring: Option<Dring>,
+    /// A carriage that slides as the forces on it say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub carriage: Option<Carriage>,
 }
 
 /// A slider at constant speed; the tip of a driven stack vibrates along the motion. For scenes with `[controller]`.

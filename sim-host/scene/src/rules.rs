@@ -5,6 +5,7 @@
 
 mod angle;
 mod belt;
+mod carriage;
 mod cells;
 pub(crate) mod circuit;
 mod comparison;
@@ -57,6 +58,7 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     }
     rules.contact();
     rules.webbing();
+    rules.carriage();
     match rules.kind {
         Some(Kind::Driven) => {
             rules.driven();

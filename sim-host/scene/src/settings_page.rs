@@ -83,8 +83,9 @@ pub(super) fn range(schema: Schema) -> String {
         Kind::Choice => schema.choices().iter().map(|choice| format!("`{choice}`")).collect::<Vec<_>>().join(" "),
         Kind::Flag => "`true` `false`".to_owned(),
         Kind::List => {
-            let each = schema.items().map(range).unwrap_or_default();
-            schema.lengths().1.map_or_else(|| format!("each {each}"), |most| format!("up to {most}, each {each}"))
+            let most = schema.lengths().1.map(|most| format!("up to {most}"));
+            let each = schema.items().map(range).filter(|range| !range.is_empty()).map(|range| format!("each {range}"));
+            most.into_iter().chain(each).collect::<Vec<_>>().join(", ")
         }
         _ => written_range(schema.range().0, schema.range().1),
     }
@@ -101,6 +102,7 @@ fn written_range(least: Option<f64>, most: Option<f64>) -> String {
 pub(super) fn default(schema: Schema, required: bool) -> String {
     match schema.default() {
         Some(Value::Number(number)) => number.as_f64().map(shown).unwrap_or_default(),
+        Some(Value::String(text)) if text.is_empty() => "empty".to_owned(),
         Some(Value::String(text)) => format!("`{text}`"),
         Some(Value::Bool(flag)) => format!("`{flag}`"),
         _ if required => "must be given".to_owned(),

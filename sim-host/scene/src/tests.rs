@@ -2,6 +2,7 @@
 
 mod angle;
 mod belt;
+mod carriage;
 mod comparison;
 mod dring;
 mod excited;

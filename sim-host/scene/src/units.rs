@@ -48,6 +48,7 @@ const UNITS: &[(&str, &str, &str, f64)] = &[
     ("m15", "m^1.5", "m^1.5", 1.0),
     ("kg", "kg", "kg", 1.0),
     ("nm", "N m", "N m", 1.0),
+    ("n_s", "N s", "N s", 1.0),
     ("kg_m2", "kg m^2", "kg m^2", 1.0),
     ("f", "F", "F", 1.0),
     ("h", "H", "H", 1.0),
@@ -152,5 +153,6 @@ mod tests {
         }
         assert_eq!(split("rate_per_s").0, "rate");
         assert_eq!(split("rate_per_s").1.unwrap().symbol, "1/s");
+        assert_eq!(split("damping_n_s_per_m").1.unwrap().symbol, "N s/m");
     }
 }

@@ -8,8 +8,8 @@ use contact::Method;
 use super::contact::Model;
 use super::tree::Node;
 use super::{
-    Amplifier, Belt, Controller, Dahl, Dring, Empirical, Excitation, FaultKind, Kinematic, Profile, Rotor, Scene, Sdof, Sensors,
-    Slider, Stack, Stator,
+    Amplifier, Belt, Carriage, Controller, Dahl, Dring, Empirical, Excitation, FaultKind, Kinematic, Lugre, Profile, Rotor,
+    Scene, Sdof, Sensors, Slider, Stack, Stator,
 };
 
 /// Largest error of the mean friction ratio of a contact study that names none.
@@ -66,6 +66,12 @@ impl<'a> Driven<'a> {
     pub fn belt(&self) -> Option<(&'a Empirical, &'a Belt)> {
         let contact = self.scene.contact.as_ref()?.empirical.as_ref()?;
         Some((contact, self.scene.rig.as_ref()?.belt.as_ref()?))
+    }
+
+    /// The carriage on a stack's tip, and how it rubs.
+    pub fn carriage(&self) -> Option<(&'a Lugre, &'a Carriage)> {
+        let contact = self.scene.contact.as_ref()?.lugre.as_ref()?;
+        Some((contact, self.scene.rig.as_ref()?.carriage.as_ref()?))
     }
 
     /// The peak tip velocity that is ordered, m/s: by itself, or as an amplitude at the nominal frequency.

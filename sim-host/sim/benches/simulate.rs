@@ -50,6 +50,21 @@ fn cold_starts(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// A crash, whole, with one coefficient for the wrap, and by the place along it: with the table that each run makes for its ring.
+fn crashes(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("crash");
+    group.sample_size(20);
+    for (name, sets) in [("dring-crash", &[][..]), ("dring-wrap", &[]), ("dring-wrap", &["rig.dring.ring_normal_part=fitted"])] {
+        let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+        let loaded = load(name, &sets).unwrap_or_else(|error| panic!("{error}"));
+        let name = [name, if sets.is_empty() { "" } else { " fitted" }].concat();
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| study::run(&loaded, Options::default()).map(|study| study.metrics));
+        });
+    }
+    group.finish();
+}
+
 /// Blocks replayed in one iteration.
 const BLOCKS: usize = 500;
 
@@ -121,5 +136,5 @@ fn halves(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, experiment_1, cold_starts, halves);
+criterion_group!(benches, experiment_1, cold_starts, crashes, halves);
 criterion_main!(benches);

@@ -5,6 +5,7 @@
 
 pub mod belt;
 mod belt_stop;
+mod carriage;
 mod circuit;
 pub mod crash;
 pub(crate) mod curves;
@@ -64,13 +65,14 @@ pub trait Instrument: Sync {
 }
 
 /// All instruments of a driven run, in the order of a report.
-pub static DRIVEN: [&dyn Instrument; 15] = [
+pub static DRIVEN: [&dyn Instrument; 16] = [
     &guard::Guard,
     &crash::Crash,
     &motor::Motor,
     &friction_switch::FrictionSwitch,
     &belt_stop::BeltStop,
     &belt::Belt,
+    &carriage::Carriage,
     &friction::Friction,
     &edges::Edges,
     &lock::Lock,

@@ -50,9 +50,11 @@ pub mod record;
 pub mod run;
 pub mod schedule;
 pub mod study;
+pub mod summary;
 pub mod swing;
 pub mod tables;
 pub mod trace;
+pub mod trace_table;
 
 /// Version of this program.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -33,6 +33,6 @@ impl DrawingArgs {
             }
         }
         let formats = if formats.is_empty() { Drawing::default().formats } else { formats };
-        Drawing { size: self.figure_size, formats }
+        Drawing { size: self.figure_size, formats, pdf: Some(report::pdf) }
     }
 }

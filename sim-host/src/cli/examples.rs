@@ -46,7 +46,14 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 16] = [
             ("link /dev/ttyACM0 lock", "find and hold the resonance of a transducer"),
         ],
     ),
-    ("validate", &[("validate --list", "all benches"), ("validate thesis --quick", "one of them")]),
+    (
+        "validate",
+        &[
+            ("validate --list", "all benches"),
+            ("validate thesis --quick", "one of them"),
+            ("validate measurements --markdown", "published measurements against predictions"),
+        ],
+    ),
     ("completions", &[("completions bash", "source them, or put them where the shell looks")]),
     ("man", &[("man", "the manual page"), ("man -o pages", "with one of each command")]),
 ];

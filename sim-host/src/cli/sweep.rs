@@ -164,7 +164,7 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
             Ok(ExitCode::SUCCESS)
         }
         Ok(Some(Some(joined))) => show(&joined, &dir, &args.result, color),
-        Err(error) => Ok(failed(&error)),
+        Err(error) => Ok(failed(error)),
     }
 }
 
@@ -173,7 +173,7 @@ pub(super) fn merge(args: &MergeArgs, color: Color) -> anyhow::Result<ExitCode> 
     let target = args.result.output.as_ref().unwrap_or(&args.dirs[0]);
     match join(&args.dirs, target, &args.drawing.presentation()) {
         Ok(joined) => show(&joined, target, &args.result, color),
-        Err(error) => Ok(failed(&error)),
+        Err(error) => Ok(failed(error)),
     }
 }
 
@@ -207,12 +207,11 @@ fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow
 }
 
 /// Says what went wrong with a folder, and gives its exit code.
-fn failed(error: &FolderError) -> ExitCode {
-    say!("error: {error}");
-    match error {
-        FolderError::Write { .. } | FolderError::Read { .. } | FolderError::Study(_) | FolderError::Report(_) => {
-            ExitCode::from(RUN_FAILED)
-        }
-        _ => ExitCode::from(USAGE),
-    }
+fn failed(error: FolderError) -> ExitCode {
+    let code = match error {
+        FolderError::Write { .. } | FolderError::Read { .. } | FolderError::Study(_) | FolderError::Report(_) => RUN_FAILED,
+        _ => USAGE,
+    };
+    say!("error: {:#}", anyhow::Error::from(error));
+    ExitCode::from(code)
 }

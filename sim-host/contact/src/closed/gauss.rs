@@ -45,7 +45,7 @@ pub(crate) fn whole() -> &'static [Node] {
 }
 
 /// Zero number `i` of the Legendre polynomial of degree `n`, from +1 down, and its weight.
-fn node(n: usize, i: usize) -> (f64, f64) {
+pub(crate) fn node(n: usize, i: usize) -> (f64, f64) {
     let degree = n as f64;
     let mut x = (PI * (i as f64 + 0.75) / (degree + 0.5)).cos();
     let mut slope = 1.0;

@@ -21,19 +21,35 @@ pub struct SteppedMeans {
     pub friction_n: f64,
     /// Part of the period in which the contact sticks, to one step.
     pub stick_share: f64,
-    /// How far apart `coefficient_ratio` is between runs of other steps.
+    /// How far apart `coefficient_ratio` is between runs of other steps, or what the second order leaves of the steps in contact, if that is more.
     pub unknown: f64,
 }
 
 /// Steps through a period from the deepest indentation on, begun in slip there, and means over the next one: with `steps`, 4/3 and twice as many.
 pub fn solve(problem: &CompliantProblem, steps: u32) -> SteppedMeans {
     let [coarse, middle, fine] = [steps, steps + steps / 3, 2 * steps].map(|steps| run(problem, steps));
-    let ratios = [coarse.0, middle.0, fine.0];
-    let unknown = ratios.into_iter().fold(f64::MIN, f64::max) - ratios.into_iter().fold(f64::MAX, f64::min);
-    SteppedMeans { coefficient_ratio: fine.0, friction_n: fine.1, stick_share: fine.2, unknown }
+    let ratios = [&coarse, &middle, &fine].map(|run| run.coefficient_ratio);
+    let spread = ratios.into_iter().fold(f64::MIN, f64::max) - ratios.into_iter().fold(f64::MAX, f64::min);
+    // Three runs may agree by chance, the more so where contact is short.
+    let unknown = spread.max(f64::from(fine.touching).powi(-2));
+    SteppedMeans {
+        coefficient_ratio: fine.coefficient_ratio,
+        friction_n: fine.friction_n,
+        stick_share: fine.stick_share,
+        unknown,
+    }
 }
 
-fn run(problem: &CompliantProblem, steps: u32) -> (f64, f64, f64) {
+/// A run.
+struct Run {
+    coefficient_ratio: f64,
+    friction_n: f64,
+    stick_share: f64,
+    /// Steps in contact.
+    touching: u32,
+}
+
+fn run(problem: &CompliantProblem, steps: u32) -> Run {
     let cosines: Vec<f64> = (0..steps).map(|step| (TAU * f64::from(step) / f64::from(steps)).cos()).collect();
     let force = |place_m: f64, cosine: f64| problem.normal_n_per_m * (place_m + problem.amplitude_m * cosine).max(0.0);
     let mean = |place_m: f64| cosines.iter().map(|&cosine| force(place_m, cosine)).sum::<f64>() / f64::from(steps);
@@ -52,7 +68,7 @@ fn run(problem: &CompliantProblem, steps: u32) -> (f64, f64, f64) {
     let loaded_n = problem.tangential_n_per_m * problem.sliding_m_per_s / (problem.frequency_hz * f64::from(steps));
     let mut before_m = place_m + problem.amplitude_m;
     let mut friction_n = problem.mu * force(place_m, 1.0);
-    let (mut sum_n, mut stuck) = (0.0, 0);
+    let (mut sum_n, mut stuck, mut touching) = (0.0, 0, 0u32);
     for period in 0..2 {
         for &cosine in cosines.iter().skip(1).chain(cosines.first()) {
             let now_m = place_m + problem.amplitude_m * cosine;
@@ -64,9 +80,15 @@ fn run(problem: &CompliantProblem, steps: u32) -> (f64, f64, f64) {
             if period == 1 {
                 sum_n += friction_n;
                 stuck += u32::from(predicted_n < limit_n);
+                touching += u32::from(now_m > 0.0);
             }
         }
     }
     let friction_n = sum_n / f64::from(steps);
-    (friction_n / (problem.mu * mean(place_m)), friction_n, f64::from(stuck) / f64::from(steps))
+    Run {
+        coefficient_ratio: friction_n / (problem.mu * mean(place_m)),
+        friction_n,
+        stick_share: f64::from(stuck) / f64::from(steps),
+        touching,
+    }
 }

@@ -64,6 +64,16 @@ pub fn friction_ratio(velocity_ratio: f64, angle_deg: f64) -> f64 {
     means(Shape::Sine, velocity_ratio, Direction::from_degrees(angle_deg)).map_or(f64::NAN, |means| means.friction)
 }
 
+/// The friction ratio of a sine alone, at a velocity ratio of zero or more; without vibration, which is a ratio of infinity, it is one.
+pub fn sine_friction(velocity_ratio: f64, direction: Direction) -> f64 {
+    match velocity_ratio {
+        z if z == f64::INFINITY => 1.0,
+        0.0 => 0.0,
+        z if direction.across == 0.0 => coulomb_friction_ratio(z),
+        z => Ends::of(z, direction.across).friction(z),
+    }
+}
+
 /// The ends of the vibration: |w| there, and what is taken without cancelling.
 struct Ends {
     /// A + B.
@@ -86,6 +96,14 @@ impl Ends {
         let sum = (2.0 * (1.0 + z * z + product)).sqrt();
         Ends { sum, product, beyond: 2.0 * excess, open: 2.0 * excess + 4.0 * s * s }
     }
+
+    /// The friction ratio of a sine at these ends.
+    fn friction(&self, z: f64) -> f64 {
+        let four = 4.0 * self.product;
+        // z - c al = z ((A + B)^2 - 4 c^2) / (A + B)^2
+        let integral = elliptic::general((self.beyond / four).sqrt(), self.sum * self.sum / four, z, z * self.open / four);
+        FRAC_2_PI * (integral / self.product.sqrt())
+    }
 }
 
 fn sine(z: f64, direction: Direction) -> CoulombMeans {
@@ -102,15 +120,10 @@ fn sine(z: f64, direction: Direction) -> CoulombMeans {
     let (p, complement) = (ends.sum * ends.sum / four, ends.beyond / four);
     let kc = complement.sqrt();
     let alpha = 4.0 * z * c / (ends.sum * ends.sum);
-    // z - c al = z ((A + B)^2 - 4 c^2) / (A + B)^2
-    let friction = elliptic::general(kc, p, z, z * ends.open / four) / ends.product.sqrt();
+    let friction = ends.friction(z);
     let (_, e) = elliptic::complete(complement);
     let slip = ends.product.sqrt() * (e + alpha * alpha * p * elliptic::general(kc, p, 1.0, 0.0));
-    CoulombMeans {
-        friction: FRAC_2_PI * friction,
-        power: Some(FRAC_2_PI * slip / z),
-        transverse_square: sine_square(z, direction),
-    }
+    CoulombMeans { friction, power: Some(FRAC_2_PI * slip / z), transverse_square: sine_square(z, direction) }
 }
 
 /// `-s Im[e^(ia) d]`.

@@ -10,6 +10,7 @@
 //! | tangential, Dahl | `r = (pi / 2) xi / (xi asin xi + sqrt(1 - xi^2))`, `xi = Vs / a Vt` | the limit of Dahl's law for a soft contact, docs/plant.md |
 //! | power | `r = (2 / pi) atan(2 Fc Vs / (pi a P))` | the tangential law with the tip velocity that `P` watts keep up |
 //! | stack | tangential, with the tip velocity of the simulated stack | the 40 kHz stack; its tip is granted its free motion |
+//! | ring | at each place of the wrap by the direction of the ring's vibration there, with this tip velocity | `contact::wrap` |
 //! | normal | `1 - r = a 0.587 (1 + 25 / 38.3) / (1 + Vs / 38.3 mm/s) (N / 270 N)^-0.0584` | fitted to measurements at 20 to 87 mm/s, **extrapolated** |
 //!
 //! `a`, from 0 to 1, is how far its amplitude has risen.
@@ -17,9 +18,14 @@
 //! The power of a tangential sine against Coulomb's friction is `P = (2 / pi) Fc Vt sqrt(1 - xi^2)`; with `xi = sin(pi r / 2)` that is the law by
 //! power. The normal law is that of the belt experiments at 70 % amplitude without their rise over half a second, so better than measured.
 
-use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, TAU};
+use std::sync::Arc;
 
 use super::capstan::Capstan;
+use super::state::Way;
+use contact::wrap::normal::Normal;
+use contact::wrap::table::{Table, Tensioned};
+use contact::wrap::{Pull, Ring};
 use scene::{self, ActuatorKind};
 
 /// Speed at which normal vibration has lost half its effect, m/s.
@@ -35,7 +41,7 @@ const LEAST_AMPLITUDE: f64 = 0.01;
 const BELOW_ONE: f64 = 1e-6;
 
 /// What lowers the friction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Actuator {
     /// The belt has no actuator.
     None,
@@ -51,6 +57,8 @@ pub enum Actuator {
     Stack,
     /// A vibration across the webbing.
     Normal,
+    /// The whole ring vibrates in one direction with this peak velocity, m/s, by the law along the wrap.
+    Ring(f64, Arc<Table>),
 }
 
 /// What an actuator does at a moment.
@@ -70,40 +78,57 @@ impl Actuator {
             ActuatorKind::Tangential => Actuator::Tangential(dring.tip_m_per_s),
             ActuatorKind::TangentialDahl => Actuator::TangentialDahl(dring.tip_m_per_s),
             ActuatorKind::Power => Actuator::Power(dring.power_w),
-            ActuatorKind::Stack => Actuator::Stack,
+            // A scene has a direction where its actuator is a ring.
+            ActuatorKind::Ring => Self::along_the_wrap(dring, dring.tip_m_per_s).unwrap_or(Actuator::None),
+            ActuatorKind::Stack => Self::along_the_wrap(dring, 0.0).unwrap_or(Actuator::Stack),
             ActuatorKind::Normal => Actuator::Normal,
         }
     }
 
+    /// The ring of a scene that vibrates as a whole in one direction, with this tip velocity, m/s.
+    fn along_the_wrap(dring: &scene::Dring, tip_m_per_s: f64) -> Option<Self> {
+        let vibration = dring.ring_vibration()?;
+        let floor = dring.mu_low.min(dring.mu_high) / dring.mu_high;
+        let ring = Ring::new(dring.wrap_deg, dring.mu_high, floor, (vibration.angle_deg, vibration.axis_deg)).ok()?;
+        let normal = vibration.fitted.map(|(hz, radius_m)| Normal { amplitude_m: tip_m_per_s / (TAU * hz), radius_m });
+        Some(Actuator::Ring(tip_m_per_s, Arc::new(Table::new(ring, normal))))
+    }
+
     /// The actuator as it is while a stack's tip has this velocity, m/s.
-    pub fn with_tip(self, tip_m_per_s: f64) -> Self {
-        if self == Actuator::Stack { Actuator::Tangential(tip_m_per_s) } else { self }
+    pub fn with_tip(&self, tip_m_per_s: f64) -> Self {
+        match self {
+            Actuator::Ring(_, table) => Actuator::Ring(tip_m_per_s, Arc::clone(table)),
+            _ => Actuator::Tangential(tip_m_per_s),
+        }
     }
 
     /// Between which ratios of friction it can be at an amplitude from 0 to 1.
-    pub fn effect(self, capstan: &Capstan, amplitude: f64) -> Effect {
-        match self {
+    pub fn effect(&self, capstan: &Capstan, amplitude: f64) -> Effect {
+        match *self {
             Actuator::Ideal => {
                 let ratio = 1.0 - (1.0 - capstan.floor()) * amplitude;
                 Effect { floor: ratio, full: ratio }
             }
             Actuator::None | Actuator::Stack => Effect { floor: 1.0, full: 1.0 },
-            Actuator::Tangential(tip) | Actuator::TangentialDahl(tip) if tip <= 0.0 => Effect { floor: 1.0, full: 1.0 },
+            Actuator::Tangential(tip) | Actuator::TangentialDahl(tip) | Actuator::Ring(tip, _) if tip <= 0.0 => {
+                Effect { floor: 1.0, full: 1.0 }
+            }
             _ if amplitude == 0.0 => Effect { floor: 1.0, full: 1.0 },
             _ => Effect { floor: capstan.floor(), full: 1.0 },
         }
     }
 
     /// How both ends of what it can do change with its amplitude, where they are one.
-    pub fn slope(self, capstan: &Capstan) -> f64 {
-        if self == Actuator::Ideal { capstan.floor() - 1.0 } else { 0.0 }
+    pub fn slope(&self, capstan: &Capstan) -> f64 {
+        if *self == Actuator::Ideal { capstan.floor() - 1.0 } else { 0.0 }
     }
 
-    /// How fast webbing slides at a ratio of friction, m/s, with `difference_n` between its tensions; infinite where any speed will do.
-    pub fn speed(self, capstan: &Capstan, amplitude: f64, ratio: f64, difference_n: f64) -> f64 {
+    /// How fast webbing slides this way at a ratio of friction, m/s, with these tensions, the higher one first; infinite where any speed will do.
+    pub fn speed(&self, capstan: &Capstan, amplitude: f64, ratio: f64, (way, high_n, low_n): (Way, f64, f64)) -> f64 {
         let amplitude = amplitude.max(LEAST_AMPLITUDE);
         let ratio = ratio.clamp(0.0, 1.0);
-        match self {
+        let difference_n = high_n - low_n;
+        match *self {
             Actuator::None | Actuator::Ideal | Actuator::Stack => f64::INFINITY,
             Actuator::Tangential(tip) => amplitude * tip * libm::sin(FRAC_PI_2 * ratio),
             Actuator::TangentialDahl(tip) => amplitude * tip * dahl_velocity_ratio(ratio),
@@ -117,12 +142,17 @@ impl Actuator {
                 let effect = amplitude * at_rest * libm::pow(normal_n / NORMAL_AT_N, NORMAL_EXPONENT);
                 (NORMAL_HALF_M_PER_S * (effect / (1.0 - ratio).max(BELOW_ONE) - 1.0)).max(0.0)
             }
+            Actuator::Ring(tip, ref table) => {
+                let pull = if way == Way::Out { Pull::Shoulder } else { Pull::Retractor };
+                let needed = Tensioned { ratio: ratio.min(1.0 - BELOW_ONE), low_n, pull };
+                amplitude * tip * table.velocity_ratio(&needed, tip, amplitude)
+            }
         }
     }
 
     /// Power that it gives to the contact, W, at a ratio of friction; nothing of one whose law knows no power.
-    pub fn power_w(self, amplitude: f64, ratio: f64, difference_n: f64) -> Option<f64> {
-        match self {
+    pub fn power_w(&self, amplitude: f64, ratio: f64, difference_n: f64) -> Option<f64> {
+        match *self {
             Actuator::Tangential(tip) => {
                 let coulomb_n = difference_n / ratio.max(BELOW_ONE);
                 Some(FRAC_2_PI * coulomb_n * amplitude * tip * libm::cos(FRAC_PI_2 * ratio.min(1.0)))
@@ -163,7 +193,7 @@ mod tests {
     const D_RING: Capstan = Capstan { wrap_rad: 2.618, mu_high: 0.3, mu_low: 0.13 };
 
     fn speed(actuator: Actuator, ratio: f64, difference_n: f64) -> f64 {
-        actuator.speed(&D_RING, 1.0, ratio, difference_n)
+        actuator.speed(&D_RING, 1.0, ratio, (Way::Out, difference_n, 0.0))
     }
 
     #[test]

@@ -23,6 +23,8 @@ use crate::energy::Energy;
 use crate::force_channel::ForceChannel;
 use crate::sums::Sums;
 use crate::truth::{Sample, Truth};
+use contact::wrap::Ring;
+use contact::wrap::normal::Normal;
 use scene::{self, ActuatorKind, Driven};
 
 /// The drive is ON where it swings by more than this part of what was asked for.
@@ -64,6 +66,23 @@ pub struct Frame {
     pub passive: Belt,
 }
 
+/// A D-ring that vibrates as a whole, at the moment at which webbing slides out over it the fastest while its amplitude is whole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RingMoment {
+    /// The ring, and the direction of its vibration.
+    pub ring: Ring,
+    /// What its normal part acts on, if it is granted anything.
+    pub normal: Option<Normal>,
+    /// Peak velocity of the vibration, m/s.
+    pub tip_m_per_s: f64,
+    /// Sliding speed, m/s.
+    pub speed_m_per_s: f64,
+    /// Force at the shoulder, N.
+    pub shoulder_n: f64,
+    /// Force at the retractor, N.
+    pub retractor_n: f64,
+}
+
 /// What a crash comes to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Playback {
@@ -77,6 +96,8 @@ pub struct Playback {
     pub passive: Extremes,
     /// When the drive went ON, s since the pulse began.
     pub low_s: Option<f64>,
+    /// Of a D-ring that vibrates as a whole, the moment of the fastest sliding.
+    pub ring: Option<RingMoment>,
     /// Part of the pulse's work that cannot be accounted for.
     pub energy_residual: f64,
     /// How far peak force and excursion are from those of half the step, relative, the larger one.
@@ -194,12 +215,30 @@ impl Crash {
             switched: belt(&self.switched),
             passive: belt(&self.passive),
         });
+        self.keep_ring();
         (self.playback.switched, self.playback.passive) = (self.switched.extremes(), self.passive.extremes());
         self.playback.energy_residual = self.switched.energy_residual();
         let finer = self.finer.extremes();
         let off = |own: f64, finer: f64| if finer == 0.0 { 0.0 } else { (own / finer - 1.0).abs() };
         let (force, way) = (self.playback.switched.shoulder_n, self.playback.switched.excursion_m);
         self.playback.error_estimate = off(force, finer.shoulder_n).max(off(way, finer.excursion_m));
+    }
+
+    /// Keeps this moment of a ring if no earlier one has faster sliding.
+    fn keep_ring(&mut self) {
+        let Some((tip_m_per_s, table)) = self.switched.ring() else { return };
+        let moving = belt(&self.switched);
+        let fastest = self.playback.ring.map_or(0.0, |ring| ring.speed_m_per_s);
+        if tip_m_per_s > 0.0 && self.switched.amplitude() >= 1.0 && moving.payout_m_per_s > fastest {
+            self.playback.ring = Some(RingMoment {
+                ring: *table.ring(),
+                normal: table.normal().copied(),
+                tip_m_per_s,
+                speed_m_per_s: moving.payout_m_per_s,
+                shoulder_n: moving.shoulder_n,
+                retractor_n: moving.retractor_n,
+            });
+        }
     }
 }
 

@@ -95,7 +95,7 @@ impl Phase<'_> {
     /// Speed of sliding by the actuator's law at a ratio, m/s.
     fn speed(&self, state: &State, way: Way, ratio: f64, time_s: f64) -> f64 {
         let (high, low) = self.tensions(state).along(way);
-        self.bench.actuator.speed(&self.bench.capstan, self.ramp.amplitude(time_s), ratio, high - low)
+        self.bench.actuator.speed(&self.bench.capstan, self.ramp.amplitude(time_s), ratio, (way, high, low))
     }
 
     /// Speed of the payout, m/s.

@@ -11,6 +11,7 @@ use super::actuator::Actuator;
 use super::mode::{Mode, Phase, Slide, Spool};
 use super::span::Part;
 use super::state::{Ramp, State, Tensions, Way};
+use contact::wrap::table::Table;
 
 /// Longest step, s.
 const STEP_S: f64 = 32e-6;
@@ -102,6 +103,11 @@ impl Motion {
         self.ramp.amplitude(self.time_s)
     }
 
+    /// Peak velocity and law of a D-ring that vibrates as a whole.
+    pub fn ring(&self) -> Option<(f64, &Table)> {
+        if let Actuator::Ring(tip_m_per_s, table) = &self.bench.actuator { Some((*tip_m_per_s, table)) } else { None }
+    }
+
     /// Part of the pulse's work that cannot be accounted for.
     pub fn energy_residual(&self) -> f64 {
         let accounted = self.phase().stored_j(&self.state) + self.state.friction_j + self.state.spool_j;
@@ -111,7 +117,7 @@ impl Motion {
 
     /// Lets the tip of a stack vibrate at this velocity, m/s.
     pub fn shake(&mut self, tip_m_per_s: f64) {
-        self.bench.actuator = Actuator::Stack.with_tip(tip_m_per_s);
+        self.bench.actuator = self.bench.actuator.with_tip(tip_m_per_s);
         self.ramp = Ramp { at: 1.0, rate_per_s: 0.0, from_s: self.time_s };
         self.mode = self.phase().reconsidered(&self.state, self.time_s);
     }

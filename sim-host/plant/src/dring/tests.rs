@@ -9,6 +9,10 @@ use super::motion::{Extremes, Motion};
 use super::pulse::Pulse;
 use super::span::Span;
 use super::{Bench, G_M_PER_S2};
+use contact::wrap::Ring;
+use contact::wrap::normal::Normal;
+use contact::wrap::table::Table;
+use std::sync::Arc;
 
 /// Block of the controller, s.
 const BLOCK_S: f64 = 32e-6;
@@ -68,17 +72,33 @@ fn crash(bench: &Bench, times: Times, finer: u32) -> Motion {
 }
 
 fn extremes(actuator: Actuator, times: Times) -> Extremes {
-    crash(&light(actuator), times, 1).extremes()
+    crash(&light(actuator.clone()), times, 1).extremes()
 }
 
-const ALL: [Actuator; 6] = [
-    Actuator::None,
-    Actuator::Ideal,
-    Actuator::Tangential(5.0),
-    Actuator::TangentialDahl(5.0),
-    Actuator::Power(2500.0),
-    Actuator::Normal,
-];
+/// Every actuator, with rings that vibrate towards the middle of the wrap, towards the shoulder, and between all three axes with the fitted normal part.
+fn all() -> Vec<Actuator> {
+    let mut all = vec![
+        Actuator::None,
+        Actuator::Ideal,
+        Actuator::Tangential(5.0),
+        Actuator::TangentialDahl(5.0),
+        Actuator::Power(2500.0),
+        Actuator::Normal,
+    ];
+    all.extend(
+        [((0.0, 0.0), None), ((165.0, 0.0), None), ((30.0, 40.0), Some(FITTED))].map(|(direction, part)| ring(direction, part)),
+    );
+    all
+}
+
+const FITTED: Normal = Normal { amplitude_m: 40e-6, radius_m: 8e-3 };
+
+/// A ring around which [`light`] has its webbing, of 5 m/s in this direction.
+fn ring(direction: (f64, f64), normal: Option<Normal>) -> Actuator {
+    let Capstan { mu_high, mu_low, .. } = light(Actuator::None).capstan;
+    let ring = Ring::new(150.0, mu_high, mu_low / mu_high, direction).unwrap();
+    Actuator::Ring(5.0, Arc::new(Table::new(ring, normal)))
+}
 
 /// What slides at the limiter's force pulls with `Flim exp(mu theta)`, whatever the crash.
 #[test]
@@ -97,7 +117,7 @@ fn the_numbers_are_those_of_the_study() {
     for (actuator, percent, millimetres) in
         [(Actuator::Ideal, -35.9, 57.0), (Actuator::Tangential(5.0), -35.9, 57.0), (Actuator::TangentialDahl(5.0), -25.1, 33.0)]
     {
-        let found = extremes(actuator, IN_TIME);
+        let found = extremes(actuator.clone(), IN_TIME);
         let (force, way) =
             (100.0 * (found.shoulder_n / passive.shoulder_n - 1.0), 1e3 * (found.excursion_m - passive.excursion_m));
         assert!((force - percent).abs() < 0.15 && (way - millimetres).abs() < 0.5, "{actuator:?}: {force} %, {way} mm");
@@ -144,8 +164,8 @@ fn a_belt_that_does_not_slide_is_a_spring() {
 /// Backward differences with everything else solved by bisection, at 10 and 5 us, and carried on to none. Measured: force 3e-5, excursion 7e-5.
 #[test]
 fn another_method_says_the_same() {
-    for actuator in ALL {
-        let bench = light(actuator);
+    for actuator in all() {
+        let bench = light(actuator.clone());
         let found = crash(&bench, IN_TIME, 1).extremes();
         let at = |step_s: f64| Implicit::crash(&bench, IN_TIME, step_s);
         let (coarse, fine) = (at(10e-6), at(5e-6));
@@ -159,9 +179,9 @@ fn another_method_says_the_same() {
 /// Measured: 6e-10 at most.
 #[test]
 fn energy_is_accounted_for() {
-    for actuator in ALL {
+    for actuator in all() {
         for times in [NEVER, IN_TIME, (Some(-0.01), None), (Some(0.06), None), (Some(0.035), Some(0.06))] {
-            let motion = crash(&light(actuator), times, 1);
+            let motion = crash(&light(actuator.clone()), times, 1);
             let residual = motion.energy_residual();
             assert!(residual.abs() < 1e-9, "{actuator:?} {times:?}: {residual:.1e}");
         }
@@ -171,9 +191,43 @@ fn energy_is_accounted_for() {
 /// Measured: 2e-8 at most.
 #[test]
 fn half_the_step_changes_nothing() {
-    for actuator in ALL {
-        let [whole, half] = [1, 2].map(|finer| crash(&light(actuator), IN_TIME, finer).extremes());
+    for actuator in all() {
+        let [whole, half] = [1, 2].map(|finer| crash(&light(actuator.clone()), IN_TIME, finer).extremes());
         let (force, way) = (half.shoulder_n / whole.shoulder_n - 1.0, half.excursion_m / whole.excursion_m - 1.0);
         assert!(force.abs() < 1e-7 && way.abs() < 1e-7, "{actuator:?}: {force:.1e} {way:.1e}");
     }
+}
+
+/// A ring that is never ON, and a stack whose tip stands, leave the passive belt to the last bit.
+#[test]
+fn a_ring_without_vibration_is_the_passive_belt() {
+    let passive = crash(&light(Actuator::None), NEVER, 1);
+    let ring = ring((30.0, 40.0), Some(FITTED));
+    let off = crash(&light(ring.clone()), NEVER, 1);
+    assert_eq!((off.extremes(), off.state()), (passive.extremes(), passive.state()));
+    let mut shaken = Motion::new(light(ring), 1);
+    for block in 0..(END_S / BLOCK_S) as u64 {
+        shaken.shake(0.0);
+        shaken.advance_to((block + 1) as f64 * BLOCK_S);
+    }
+    let extremes = Extremes { actuator_w: None, ..shaken.extremes() };
+    assert_eq!((extremes, shaken.state()), (passive.extremes(), passive.state()));
+}
+
+/// A wrap so short that every place has the direction of its middle: the crash of a tip along the webbing.
+#[test]
+fn a_short_wrap_along_the_webbing_is_a_tangential_tip() {
+    let short = |actuator: Actuator| {
+        let mut bench = light(actuator);
+        bench.capstan.wrap_rad = 1f64.to_radians();
+        // As much friction as on 150 degrees.
+        bench.capstan.mu_high *= 150.0;
+        bench.capstan.mu_low *= 150.0;
+        crash(&bench, IN_TIME, 1).extremes()
+    };
+    let along = Ring::new(1.0, 0.3, 0.13 / 0.3, (90.0, 0.0)).unwrap();
+    let found = short(Actuator::Ring(5.0, Arc::new(Table::new(along, None))));
+    let tip = short(Actuator::Tangential(5.0));
+    let (force, way) = (found.shoulder_n / tip.shoulder_n - 1.0, found.excursion_m / tip.excursion_m - 1.0);
+    assert!(force.abs() < 1e-5 && way.abs() < 1e-5, "{force:e} {way:e}");
 }

@@ -1,6 +1,7 @@
 //! What a scene's disturbances change of a stack and of what its tip rubs on.
 
 use super::DrivenStack;
+use crate::sliding::Sliding;
 use scene::DisturbedKey;
 
 impl DrivenStack {
@@ -26,7 +27,7 @@ impl DrivenStack {
                 _ => {}
             }
         }
-        match (key, &self.sliding) {
+        match (key, self.sliding.as_ref().and_then(Sliding::slider)) {
             (DisturbedKey::Load, Some(sliding)) => sliding.load_n(),
             (DisturbedKey::Speed, Some(sliding)) => sliding.belt.nominal_m_per_s(),
             // Keys of a motor and of contact studies are nothing here.
@@ -42,7 +43,7 @@ impl DrivenStack {
                 _ => {}
             }
         }
-        match (key, &mut self.sliding) {
+        match (key, self.sliding.as_mut().and_then(Sliding::slider_mut)) {
             (DisturbedKey::Load, Some(sliding)) => sliding.set_load(value),
             (DisturbedKey::Speed, Some(sliding)) => sliding.belt.set_nominal(value),
             _ => self.elements.set(key, value, &self.stack),

@@ -44,6 +44,7 @@ impl Motor {
             belt_speed_m_per_s: 0.0,
             tip: None,
             horn: None,
+            carriage: None,
             heat: None,
         };
         self.motor_truth = self.truth_of_motor(drive, &waves, mean, block.normal / steps);

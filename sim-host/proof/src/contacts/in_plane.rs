@@ -40,7 +40,7 @@ struct Course {
 fn mean<const N: usize>(problem: &Problem, direction: Direction) -> Option<f64> {
     let mut known: Vec<(usize, Course)> = Vec::new();
     let (mut force, mut open) = (problem.start.force_n / problem.coulomb_n, false);
-    let (mut integral, mut slip_m, mut time_s, mut first) = (0.0, 0.0, 0.0, force);
+    let (mut integral, mut slip_m, mut time_s, mut first) = (Sum::default(), Sum::default(), Sum::default(), force);
     for stretch in Timeline::new(problem) {
         if stretch.closes {
             break;
@@ -58,9 +58,9 @@ fn mean<const N: usize>(problem: &Problem, direction: Direction) -> Option<f64> 
             }
         };
         if open {
-            integral += course.of_start * force + course.of_rest;
-            slip_m += course.slip_m;
-            time_s += stretch.length_s;
+            integral.add(course.of_start * force + course.of_rest);
+            slip_m.add(course.slip_m);
+            time_s.add(stretch.length_s);
         }
         force += course.gained - course.lost * force;
     }
@@ -68,7 +68,27 @@ fn mean<const N: usize>(problem: &Problem, direction: Direction) -> Option<f64> 
         Law::Lugre { stiffness_n_per_m, sigma1, sigma2, .. } => (sigma1 / stiffness_n_per_m, sigma2 / problem.coulomb_n),
         _ => (0.0, 0.0),
     };
-    Some((integral + damping_s * (force - first) + viscous * slip_m) / time_s)
+    Some((integral.total() + damping_s * (force - first) + viscous * slip_m.total()) / time_s.total())
+}
+
+/// A sum with the error of each addition kept beside it (Knuth 1998, *Seminumerical Algorithms*, 4.2.2, theorem B): thousands of like stretches round alike.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    value: f64,
+    error: f64,
+}
+
+impl Sum {
+    fn add(&mut self, part: f64) {
+        let next = self.value + part;
+        let taken = next - self.value;
+        self.error += (self.value - (next - taken)) + (part - taken);
+        self.value = next;
+    }
+
+    fn total(self) -> f64 {
+        self.value + self.error
+    }
 }
 
 fn course<const N: usize>(problem: &Problem, direction: Direction, stretch: &Stretch) -> Option<Course> {
@@ -83,6 +103,8 @@ fn course<const N: usize>(problem: &Problem, direction: Direction, stretch: &Str
     let gain = stiffness / problem.coulomb_n;
     let (mut course, mut at_s, mut unit_s) = (Course::default(), 0.0, 1e-2 * stretch.length_s);
     let least_s = 1e-16 * stretch.length_s;
+    // Within such a step of a growing slip no least one follows.
+    let most_s = 1.0 / (16.0 * stretch.fastest_hz);
     for _ in 0..MOST_STEPS {
         let left_s = stretch.length_s - at_s;
         if left_s <= 0.0 {
@@ -115,7 +137,7 @@ fn course<const N: usize>(problem: &Problem, direction: Direction, stretch: &Str
             continue;
         }
         let step = step.min(to_the_least_slip(&square));
-        let step_s = (step * unit_s).min(4.0 * unit_s).max(least_s).min(left_s);
+        let step_s = (step * unit_s).min(4.0 * unit_s).min(most_s).max(least_s).min(left_s);
         let part = step_s / unit_s;
         let integral = |series: &[f64; N]| {
             series.iter().enumerate().rev().fold(0.0, |sum, (k, value)| sum * part + value / (k + 1) as f64) * step_s

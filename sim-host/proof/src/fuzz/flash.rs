@@ -152,7 +152,10 @@ fn read(flash: &Flash, may_be: Option<&[Record]>, chance: &mut Chance, seen: &mu
     let found = store.record();
     seen.outcome(&format!("{:?}", found.1));
     // What passes the checks is what was stored once, number for number.
-    let bytes = |record: &Record| postcard::to_allocvec(record).map_err(|error| error.to_string());
+    let bytes = |record: &Record| {
+        let mut bytes = [0; LONGEST];
+        postcard::to_slice(record, &mut bytes).map(|bytes| bytes.to_vec()).map_err(|error| error.to_string())
+    };
     if let Some(may_be) = may_be {
         let read = bytes(&found.0)?;
         let known = may_be.iter().map(bytes).collect::<Result<Vec<_>, _>>()?;

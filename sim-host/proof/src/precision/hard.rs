@@ -2,6 +2,7 @@
 //!
 //! The same list is run by the command and by the test below: a check that fails is a failing test.
 
+pub mod directions;
 mod limit;
 mod load;
 mod long;
@@ -11,6 +12,7 @@ mod resonance;
 mod reversals;
 mod stiff;
 mod waveforms;
+mod wrap;
 
 use contact::tally::Ratios;
 use contact::{Problem, SolveError, State, Tally, linexp, rk4};
@@ -108,7 +110,7 @@ impl std::fmt::Display for Check {
 }
 
 /// All hard cases of the bench.
-pub static CASES: [Case; 29] = [
+pub static CASES: [Case; 36] = [
     Case { name: "Kt x 1e3", run: |_| stiff::contact(1e3) },
     Case { name: "Kt x 3e3", run: |_| stiff::contact(3e3) },
     Case { name: "Kt x 1e4", run: |_| stiff::contact(1e4) },
@@ -138,6 +140,13 @@ pub static CASES: [Case; 29] = [
     Case { name: "f32, ten thousand periods", run: |_| narrow::single(10_000) },
     Case { name: "stiff LuGre", run: |_| lugre::stiff() },
     Case { name: "LuGre, sigma1 1e7", run: |_| lugre::damped() },
+    Case { name: "across the sliding, kappa 1e10", run: |_| directions::in_plane(90.0, 0.5) },
+    Case { name: "a degree off the line, xi 1.0", run: |_| directions::in_plane(1.0, 1.0) },
+    Case { name: "compliant, A 1e3", run: |_| directions::parted() },
+    Case { name: "compliant, near critical speed", run: |_| directions::near_critical() },
+    Case { name: "radial ring, barely sliding", run: |_| wrap::barely_sliding(1e-6) },
+    Case { name: "ring half a degree out of plane", run: |_| wrap::barely_out_of_plane() },
+    Case { name: "ring, fitted normal part", run: |_| wrap::fitted() },
 ];
 
 /// Steps a period of the thesis.
@@ -192,6 +201,7 @@ mod tests {
             .par_iter()
             .flat_map_iter(|case| match (case.run)(Scale::Quick) {
                 Ok(found) => {
+                    println!("{}: {} | {}", case.name, found.naive, found.chosen);
                     let failed: Vec<&Check> = found.checks.iter().filter(|check| !check.holds()).collect();
                     failed.into_iter().map(|check| format!("{}: {check}", case.name)).collect::<Vec<_>>()
                 }

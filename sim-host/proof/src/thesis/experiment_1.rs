@@ -10,6 +10,7 @@
 mod claims;
 pub(super) mod table_3_1;
 
+pub(crate) use claims::reductions;
 pub use table_3_1::table;
 
 use super::Part;

@@ -12,7 +12,7 @@
 mod alternatives;
 mod claims;
 pub(crate) mod compliant;
-mod normal;
+pub(crate) mod normal;
 mod pictures;
 mod table_3_2;
 

@@ -6,9 +6,9 @@ use plotters::style::{Color, RGBColor};
 
 use super::chart::{Chart, Plot};
 use super::clip::{self, Window};
-use super::decimate;
 use super::sheet::Failure;
 use super::style::{series_color, tint};
+use crate::decimate;
 use crate::figure::{Series, Style};
 
 impl<DB: DrawingBackend> Plot<'_, '_, DB> {

@@ -3,14 +3,6 @@
 use crate::figure::{Figure, Series, Style};
 
 impl Series {
-    /// The vectors that run beside `x`: y, then the edges of a band.
-    pub(super) fn columns(&self) -> Vec<&[f64]> {
-        match &self.style {
-            Style::Band { lower, upper } => vec![&self.y, lower, upper],
-            Style::Line | Style::Dashed | Style::Points => vec![&self.y],
-        }
-    }
-
     /// Whether it has a point at all: a legend need not name what is not there.
     pub(super) fn shows_something(&self) -> bool {
         self.x.iter().zip(&self.y).any(|(x, y)| x.is_finite() && y.is_finite())
@@ -21,11 +13,6 @@ impl Figure {
     /// Whether both axes have the same unit of length.
     pub(super) fn is_plane(&self) -> bool {
         self.equal_aspect && !self.x.log && !self.y.log
-    }
-
-    /// The curves of all its plots, from the upper one down.
-    pub(super) fn all_series(&self) -> impl Iterator<Item = &Series> {
-        self.series.iter().chain(self.panels.iter().flat_map(|panel| &panel.series))
     }
 
     /// The curves that a legend names: those of panels only where they are not the same again.

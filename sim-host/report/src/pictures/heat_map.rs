@@ -23,11 +23,6 @@ const BAR_WIDTH: f64 = 26.0;
 const BAR_STEPS: u32 = 128;
 
 impl HeatMap {
-    /// Columns and rows.
-    pub(super) fn size(&self) -> (usize, usize) {
-        (self.columns.len(), self.columns.first().map_or(0, Vec::len))
-    }
-
     /// The axes' scales: exactly the map.
     pub(super) fn scales(&self, x_log: bool, y_log: bool) -> (Scale, Scale) {
         let scale = |range, log| Scale::fit(&Axis { range: Some(range), log, ..Axis::default() }, &[], [0.0, 0.0], false);

@@ -18,8 +18,11 @@ static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
 /// Pixels of the SVG in an inch.
 const DOTS_PER_INCH: f32 = 96.0;
 
-/// An SVG document as PDF.
-pub(super) fn of(svg: &str) -> Result<Vec<u8>, String> {
+/// An SVG document, as [`super::svg`] draws it, as PDF, with this crate's font in it.
+///
+/// # Errors
+/// If it is no SVG document, or one that cannot be a PDF.
+pub fn pdf(svg: &str) -> Result<Vec<u8>, String> {
     let options = Options { fontdb: FONTS.clone(), font_family: FONT_NAME.to_owned(), dpi: DOTS_PER_INCH, ..Options::default() };
     let tree = Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
     let page = PageOptions { dpi: DOTS_PER_INCH };
@@ -42,7 +45,7 @@ mod tests {
         let series = vec![Series { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Series::default() }];
         let figure = Figure { x: Axis { label: "time [s]".into(), ..Axis::default() }, series, ..Figure::default() };
         let canvas = Canvas::file("88x60mm".parse().ok());
-        let bytes = of(&svg(&figure, canvas).unwrap()).unwrap();
+        let bytes = pdf(&svg(&figure, canvas).unwrap()).unwrap();
         assert!(bytes.starts_with(b"%PDF-"));
         assert_eq!((count(&bytes, "DejaVuSans") > 0, count(&bytes, "/ToUnicode") > 0), (true, true));
         // 88 mm are 249.4 points of 1/72 inch.
@@ -53,7 +56,7 @@ mod tests {
     fn a_map_is_a_bitmap_in_it() {
         let map =
             HeatMap { x: (0.0, 1.0), y: (0.0, 1.0), columns: vec![vec![0.0, 1.0]; 3], range: (0.0, 1.0), ..HeatMap::default() };
-        let bytes = of(&svg(&Figure { map: Some(map), ..Figure::default() }, Canvas::default()).unwrap()).unwrap();
+        let bytes = pdf(&svg(&Figure { map: Some(map), ..Figure::default() }, Canvas::default()).unwrap()).unwrap();
         assert!(count(&bytes, "/Image") > 0);
     }
 }

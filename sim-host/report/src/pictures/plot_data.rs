@@ -4,9 +4,9 @@
 
 use serde::Serialize;
 
-use super::decimate;
 use super::extent::scales;
 use super::style::{css, series_color};
+use crate::decimate;
 use crate::figure::{Figure, Series, Style};
 
 /// A figure, as the script reads it.

@@ -7,7 +7,7 @@ use crate::schema::join;
 const ENCODER: &str = "sensors.encoder_counts_per_mm";
 const FORCE: &str = "sensors.force_hz";
 /// Rigs in which something moves past the tip.
-const MOVING: [&str; 3] = ["rig.slider", "rig.belt", "rig.dring"];
+const MOVING: [&str; 4] = ["rig.slider", "rig.belt", "rig.dring", "rig.carriage"];
 
 impl Rules<'_> {
     pub(super) fn belt(&mut self) {

@@ -1,5 +1,7 @@
 //! A D-ring: it has its own contact, and the restraint that decides on it measures the belt's force.
 
+use std::f64::consts::TAU;
+
 use super::{Rules, shown};
 use crate::diagnostic::Problem;
 use crate::wording::header;
@@ -7,6 +9,12 @@ use crate::wording::header;
 const DRING: &str = "rig.dring";
 const RESTRAINT: &str = "controller.restraint";
 const FORCE: &str = "sensors.force_hz";
+const ACTUATOR: &str = "rig.dring.actuator";
+const ANGLE: &str = "rig.dring.ring_angle_deg";
+const NORMAL: &str = "rig.dring.ring_normal_part";
+/// Keys that say nothing without a direction, and keys that say nothing without the fitted law.
+const OF_A_DIRECTION: [&str; 2] = ["rig.dring.ring_axis_deg", NORMAL];
+const OF_THE_FIT: [&str; 2] = ["rig.dring.ring_hz", "rig.dring.ring_radius_m"];
 
 impl Rules<'_> {
     pub(super) fn dring(&mut self) {
@@ -27,9 +35,65 @@ impl Rules<'_> {
             let problem = Problem::new(self.place(at), message, "`mu_low` must be at most `mu_high`");
             self.add(at, problem);
         }
+        self.ring();
         let at_s = "rig.dring.at_s";
         if let Some(time) = self.number(at_s) {
             self.within_the_run(at_s, time);
+        }
+    }
+
+    /// The direction in which a whole ring vibrates, and what belongs to it.
+    fn ring(&mut self) {
+        let Some(actuator) = self.text(ACTUATOR) else { return };
+        if self.given(ANGLE) && !["ring", "stack"].contains(&actuator) {
+            let message = format!("`ring_angle_deg` with the actuator `{actuator}`");
+            let problem = Problem::new(self.key(ANGLE), message, "for `ring` and `stack`");
+            self.add(ANGLE, problem.help("the other actuators act along the whole wrap alike; leave `ring_angle_deg` out, or take `actuator = \"ring\"`"));
+        }
+        if actuator == "ring" && self.lacks(ANGLE) {
+            let problem = Problem::new(self.place(ACTUATOR), "a ring that vibrates in no direction", "needs `ring_angle_deg`");
+            self.add(ANGLE, problem.help("0 is radial at the middle of the wrap, 90 along the webbing there; `ring_axis_deg = 90` is along the ring's axis"));
+        }
+        self.without(&OF_A_DIRECTION, ANGLE, self.lacks(ANGLE) && actuator != "ring");
+        let fitted = self.text(NORMAL) == Some("fitted");
+        self.without(&OF_THE_FIT, "ring_normal_part = \"fitted\"", !fitted && self.clean(NORMAL));
+        if fitted && actuator == "stack" {
+            let problem = Problem::new(self.place(NORMAL), "the fitted normal part with the actuator `stack`", "for `ring`");
+            self.add(
+                NORMAL,
+                problem.help("the law is fitted to amplitudes of 42 um and more; a stack of 40 kHz has less than one"),
+            );
+        }
+        if fitted && actuator == "ring" {
+            self.fitted_amplitude();
+        }
+    }
+
+    /// Keys that say nothing without another.
+    fn without(&mut self, keys: &[&'static str], other: &str, says_nothing: bool) {
+        let given: Vec<_> = keys.iter().copied().filter(|key| says_nothing && self.given(key)).collect();
+        for key in given {
+            let short = |path: &str| path.rsplit_once("dring.").map_or(path.to_owned(), |(_, key)| key.to_owned());
+            let problem =
+                Problem::new(self.key(key), format!("`{}` says nothing without `{}`", short(key), short(other)), "leave it out");
+            self.add(key, problem);
+        }
+    }
+
+    /// The fitted law ends at the full amplitude of the horn that it is fitted to.
+    fn fitted_amplitude(&mut self) {
+        const TIP: &str = "rig.dring.tip_m_per_s";
+        const HZ: &str = "rig.dring.ring_hz";
+        let hz = if self.given(HZ) { self.number(HZ) } else { Some(crate::dring::RING_HZ) };
+        let (Some(tip), Some(hz)) = (self.number(TIP), hz) else { return };
+        let amplitude_um = 1e6 * tip / (TAU * hz);
+        let full_um = 1e6 * contact::wrap::normal::FULL_M;
+        if amplitude_um > full_um {
+            let at = self.newer(TIP, HZ);
+            let message =
+                format!("{} m/s at {} Hz are an amplitude of {} um", shown(tip), shown(hz), shown(amplitude_um.round()));
+            let problem = Problem::new(self.place(at), message, format!("at most {} um", shown(full_um)));
+            self.add(at, problem.help("the fitted normal part is known up to the full amplitude of its experiment; `ring_normal_part = \"none\"` has no amplitude"));
         }
     }
 

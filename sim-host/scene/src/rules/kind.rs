@@ -33,11 +33,11 @@ const DRIVEN_ONLY: &[&str] = &[
     "rig.rotor",
     "rig.belt",
     "rig.dring",
+    "rig.carriage",
     "contact.empirical",
 ];
 /// Tables that only a contact study has.
-const EXCITED_ONLY: &[&str] =
-    &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.lugre", "contact.hertz", "contact.compliant"];
+const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.hertz", "contact.compliant"];
 /// Keys of the integrator that only a contact study has.
 const STUDY_KEYS: &[&str] = &["method", "order", "tolerance", "tolerance_of", "window_periods"];
 /// Most steps that a period of the stack is divided into.
@@ -136,9 +136,12 @@ impl Rules<'_> {
                 "this law is of a belt under a driven horn, [rig.belt]; across a contact that is studied by itself it is [contact.hertz]"
             }
             "rig.dring" => "the firmware decides on the friction of a D-ring",
+            "rig.carriage" => "a carriage slides on the tip of a stack that the firmware drives",
             "rig.rotor" => "a rotor turns on a [stator], which the firmware drives",
             "rig.kinematic" | "rig.sdof" => "the stack vibrates along the motion of [rig.slider]",
-            _ if table.starts_with("contact.") => "the contact at a stack's tip is Dahl's: [contact.dahl]",
+            _ if table.starts_with("contact.") => {
+                "the contact at a stack's tip is Dahl's, [contact.dahl], or under [rig.carriage] LuGre's, [contact.lugre]"
+            }
             _ => "[excitation] shakes the contact itself: no controller, converter or stack is simulated",
         };
         let message = format!("{} has no place in {scene}", header(table));
@@ -161,16 +164,22 @@ impl Rules<'_> {
             let problem = Problem::new(self.place(steps), format!("`{steps}` is out of range"), label);
             self.add(steps, problem);
         }
-        if self.value("contact.dahl.normal_n").is_some() {
-            let message = "`normal_n` has no place in a scene with [controller]";
-            let problem = Problem::new(self.key("contact.dahl.normal_n"), message, "the rig presses on this contact");
-            let help = "the normal force is `rig.slider.load_n` plus `rig.slider.self_weight_n`";
-            self.add("contact.dahl.normal_n", problem.help(help));
+        for (normal, help) in [
+            ("contact.dahl.normal_n", "the normal force is `rig.slider.load_n` plus `rig.slider.self_weight_n`"),
+            ("contact.lugre.normal_n", "the normal force is `rig.carriage.normal_n`"),
+        ] {
+            if self.value(normal).is_some() {
+                let message = "`normal_n` has no place in a scene with [controller]";
+                let problem = Problem::new(self.key(normal), message, "the rig presses on this contact");
+                self.add(normal, problem.help(help));
+            }
         }
-        if self.text("contact.dahl.sign") == Some("literal") {
-            let message = "friction that pumps a stack is not simulated";
-            let problem = Problem::new(self.place("contact.dahl.sign"), message, "must be `passive` with [controller]");
-            self.add("contact.dahl.sign", problem.help("the literal sign is for contact studies, with [excitation]"));
+        for sign in ["contact.dahl.sign", "contact.lugre.sign"] {
+            if self.text(sign) == Some("literal") {
+                let message = "friction that pumps a stack is not simulated";
+                let problem = Problem::new(self.place(sign), message, "must be `passive` with [controller]");
+                self.add(sign, problem.help("the literal sign is for contact studies, with [excitation]"));
+            }
         }
     }
 }

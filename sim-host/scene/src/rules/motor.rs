@@ -22,7 +22,7 @@ impl Rules<'_> {
             return;
         }
         if self.given(STATOR) {
-            for table in ["contact", "rig.slider", "rig.belt", "rig.dring"]
+            for table in ["contact", "rig.slider", "rig.belt", "rig.dring", "rig.carriage"]
                 .into_iter()
                 .filter(|table| self.given(table))
                 .collect::<Vec<_>>()

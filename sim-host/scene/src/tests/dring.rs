@@ -55,3 +55,55 @@ fn it_reads_back_as_the_same_scene() {
     let text = crate::resolved::resolved_toml(&scene);
     assert_eq!(load_text("crash", &text, &[]).unwrap().scene, scene);
 }
+
+#[test]
+fn a_ring_vibrates_in_a_direction() {
+    let ring = ["rig.dring.actuator=ring"];
+    says(&problems_of(CRASH, &ring), &["a ring that vibrates in no direction", "needs `ring_angle_deg`", "1 problem"]);
+    says(
+        &problems_of(CRASH, &["rig.dring.ring_angle_deg=0"]),
+        &["`ring_angle_deg` with the actuator `ideal`", "for `ring` and `stack`", "1 problem"],
+    );
+    says(
+        &problems_of(CRASH, &["rig.dring.ring_axis_deg=90"]),
+        &["`ring_axis_deg` says nothing without `ring_angle_deg`", "leave it out", "1 problem"],
+    );
+    says(
+        &problems_of(CRASH, &["rig.dring.actuator=ring", "rig.dring.ring_angle_deg=181"]),
+        &["`rig.dring.ring_angle_deg`", "180"],
+    );
+    says(
+        &problems_of(CRASH, &["rig.dring.actuator=ring", "rig.dring.ring_angle_deg=0", "rig.dring.ring_hz=40e3"]),
+        &["`ring_hz` says nothing without `ring_normal_part = \"fitted\"`", "1 problem"],
+    );
+}
+
+#[test]
+fn the_fitted_normal_part_ends_where_it_was_fitted() {
+    let fitted = |more: &str| {
+        let changes = ["rig.dring.actuator=ring", "rig.dring.ring_angle_deg=0", "rig.dring.ring_normal_part=fitted", more];
+        problems_of(CRASH, &changes)
+    };
+    says(&fitted("rig.dring.tip_m_per_s=12"), &["12 m/s at 20000 Hz are an amplitude of 95 um", "at most 85 um", "1 problem"]);
+    says(&fitted("rig.dring.ring_hz=5e3"), &["5 m/s at 5000 Hz are an amplitude of 159 um", "at most 85 um", "1 problem"]);
+    says(
+        &problems_of(CRASH, &["rig.dring.actuator=stack", "rig.dring.ring_angle_deg=0", "rig.dring.ring_normal_part=fitted"]),
+        &["the fitted normal part with the actuator `stack`", "for `ring`", "1 problem"],
+    );
+}
+
+#[test]
+fn a_ring_reads_back_as_the_same_scene() {
+    let changes = [
+        "rig.dring.actuator=ring",
+        "rig.dring.ring_angle_deg=-30",
+        "rig.dring.ring_axis_deg=40",
+        "rig.dring.ring_normal_part=fitted",
+    ];
+    let scene = load_text("crash", CRASH, &sets(&changes)).unwrap_or_else(|error| panic!("{error}")).scene;
+    let text = crate::resolved::resolved_toml(&scene);
+    assert_eq!(load_text("crash", &text, &[]).unwrap_or_else(|error| panic!("{error}")).scene, scene);
+    let vibration = scene.driven().and_then(|scene| scene.dring()).and_then(|dring| dring.ring_vibration());
+    let expected = crate::RingVibration { angle_deg: -30.0, axis_deg: 40.0, fitted: Some((20e3, 8e-3)) };
+    assert_eq!(vibration, Some(expected));
+}

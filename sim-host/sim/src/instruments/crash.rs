@@ -2,6 +2,7 @@
 
 mod figures;
 mod metrics;
+mod ring;
 mod table;
 mod view;
 
@@ -43,7 +44,9 @@ impl Instrument for Crash {
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {
-        playback(run).map_or_else(Vec::new, figures::of)
+        playback(run).map_or_else(Vec::new, |playback| {
+            figures::of(playback).into_iter().chain(playback.ring.as_ref().map(ring::figure)).collect()
+        })
     }
 }
 

@@ -49,6 +49,9 @@ const CHUNK: Duration = Duration::from_secs(10);
 /// Fewest points of a chunk for each thread, so that threads seldom wait for the last of them.
 const PER_THREAD: u64 = 16;
 
+/// Bytes of a megabyte.
+const MB: f64 = 1e6;
+
 /// What went wrong with the folder of a sweep.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
@@ -81,6 +84,18 @@ pub enum FolderError {
     Strange {
         /// The file.
         path: PathBuf,
+    },
+    /// The result has no room.
+    #[error("{points} points take at least {:.1} MB, and `{}` has room for {:.1} MB: choose another folder with -o, or fewer points or metrics", *least as f64 / MB, path.display(), *room as f64 / MB)]
+    Room {
+        /// The folder.
+        path: PathBuf,
+        /// How many points are still to be run.
+        points: u64,
+        /// Bytes that they take at the least.
+        least: u64,
+        /// Bytes that are free.
+        room: u64,
     },
     /// Another process is at the same shard.
     #[error("another process is at shard {shard} of the sweep in `{}`: wait for its end", path.display())]
@@ -148,12 +163,16 @@ impl SweepFolder {
         let plan = PlanFile::new(sweep);
         fs::create_dir_all(dir).map_err(write(dir))?;
         let path = dir.join(PLAN);
-        match PlanFile::find(dir)? {
-            Some(found) => {
-                if let Some(differs) = plan.differs(&found) {
-                    return Err(FolderError::Other { path: dir.to_owned(), differs });
-                }
-            }
+        let found = PlanFile::find(dir)?;
+        if let Some(differs) = found.as_ref().and_then(|found| plan.differs(found)) {
+            return Err(FolderError::Other { path: dir.to_owned(), differs });
+        }
+        let left = shard.missing(plan.count(), &parts::of(dir)?).iter().map(|range| range.end - range.start).sum();
+        // Of all metrics a scene has one at the least.
+        let metrics = if sweep.all { 1 } else { plan.layout().metrics.len() };
+        has_room(dir, left, plan.layout().keys.len() + metrics)?;
+        match found {
+            Some(_) => {}
             None => {
                 let own = [FAILURES, ROWS, TABLE, INDICES, PAGE].map(|name| dir.join(name));
                 let parts = parts::of(dir)?.into_iter().map(|part| part.path);
@@ -235,6 +254,16 @@ impl Drop for SweepFolder {
     }
 }
 
+/// Whether so many points of so many numbers have room in a folder, by the least that these take: 8 bytes each, in one of the three files that they go to.
+fn has_room(dir: &Path, points: u64, columns: usize) -> Result<(), FolderError> {
+    let least = points.saturating_mul(columns as u64).saturating_mul(size_of::<f64>() as u64);
+    let room = fs4::available_space(dir).map_err(|io| read(dir)(io))?;
+    if room < least {
+        return Err(FolderError::Room { path: dir.to_owned(), points, least, room });
+    }
+    Ok(())
+}
+
 /// What a file is called until it is whole: each process has a name of its own.
 fn unfinished(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -259,4 +288,19 @@ fn write(path: &Path) -> impl FnOnce(io::Error) -> FolderError + use<> {
 fn read(path: &Path) -> impl FnOnce(io::Error) -> FolderError + use<> {
     let path = path.to_owned();
     move |io| FolderError::Read { path, why: io.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_no_room_is_refused() {
+        let dir = std::env::temp_dir();
+        assert!(has_room(&dir, 1000, 2).is_ok());
+        // A hundred thousand petabytes.
+        let refused = has_room(&dir, 6_250_000_000_000_000_000, 2).map_err(|error| error.to_string());
+        let begins = "6250000000000000000 points take at least 18446744073709.6 MB, and `";
+        assert!(refused.is_err_and(|error| error.starts_with(begins)));
+    }
 }

@@ -10,6 +10,10 @@
 //! The lanes do the operations of the scalar run in the same order, so what comes out is the same bits whatever the instruction set, which
 //! is chosen at run time. Contacts side by side cost as many exact steps as the one with most, and one wherever any of them reverses: so
 //! neighbours of a map, which reverse at nearly the same time, gain most.
+#![cfg_attr(
+    not(any(target_arch = "x86_64", target_arch = "aarch64")),
+    expect(dead_code, unused_variables, reason = "without instructions of that kind nothing runs side by side")
+)]
 
 mod decay;
 mod exact_step;

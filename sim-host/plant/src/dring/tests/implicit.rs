@@ -6,6 +6,7 @@ use super::super::actuator::Actuator;
 use super::super::motion::Extremes;
 use super::{END_S, Times, rate};
 use crate::dring::Bench;
+use contact::wrap::Pull;
 
 pub(super) struct Implicit;
 
@@ -58,6 +59,10 @@ fn friction(bench: &Bench, amplitude: f64, speed: f64, ts: f64, tr: f64) -> f64 
     let used = amplitude.max(0.01);
     let by_velocity = |tip: f64| (speed / (used * tip)).min(1.0);
     let ratio = match bench.actuator {
+        Actuator::Ring(tip, ref table) => {
+            let pull = if ts > tr { Pull::Shoulder } else { Pull::Retractor };
+            table.ratio(speed / (used * tip), (tip, used), (low, pull))
+        }
         Actuator::None | Actuator::Stack => 1.0,
         Actuator::Ideal => return 1.0 - (1.0 - floor) * amplitude,
         _ if amplitude == 0.0 => 1.0,

@@ -17,7 +17,7 @@ const LEAST_POINTS: f64 = 1.0;
 const SHORT: [&str; 3] = ["duration_s=0.7", "controller.burst.on_s=[0.4]", "controller.burst.off_s=[0.6]"];
 
 /// Reductions over load of a scene with changes, %.
-fn reductions(scene: &str, more: &[&str]) -> Result<Vec<f64>, SolveError> {
+pub(crate) fn reductions(scene: &str, more: &[&str]) -> Result<Vec<f64>, SolveError> {
     let all = |load: Vec<String>| [load, SHORT.iter().chain(more).map(|&set| set.to_owned()).collect()].concat();
     let changes: Vec<Vec<String>> = loads().into_iter().map(all).collect();
     driven::each(scene, &changes)?.iter().map(|ran| ran.metric("reduction_percent")).collect()

@@ -19,6 +19,14 @@ pub(super) fn add(playback: &Playback, metrics: &mut Metrics) {
     metrics.put("switched", if playback.low_s.is_some() { 1.0 } else { 0.0 });
     metrics.put("switch_time_ms", playback.low_s.map(|s| 1e3 * s));
     metrics.put("actuator_power_w", switched.actuator_w);
+    if let Some(moment) = &playback.ring {
+        let (ring, on) = (&moment.ring, moment.shoulder_n / moment.retractor_n);
+        let off = (ring.mu * ring.wrap_rad).exp();
+        metrics.put("ring_tension_ratio", on);
+        metrics.put("passive_ring_tension_ratio", off);
+        metrics.put("ring_tension_lost_percent", 100.0 * (off - on) / (off - 1.0));
+        metrics.put("ring_mean_friction_coefficient", on.ln() / ring.wrap_rad);
+    }
     metrics.put("energy_residual", playback.energy_residual);
     metrics.put("error_estimate", playback.error_estimate);
 }

@@ -12,7 +12,7 @@ use crate::figure::{Figure, HeatMap, Style};
 /// Series over the same x share one table: x first, then a column for each. Series over different x
 /// are written one below the other, with the name of the series in the first column. A map is a table of a line for each of its
 /// columns: the middle in x, then the values, whose headings say the middle in y.
-pub(super) fn write(figure: &Figure, target: impl Write) -> csv::Result<()> {
+pub(crate) fn write(figure: &Figure, target: impl Write) -> csv::Result<()> {
     let mut out = csv::Writer::from_writer(target);
     if let Some(map) = &figure.map {
         write_map(figure, map, &mut out)?;

@@ -6,14 +6,14 @@
 //! result looks the same as the whole.
 
 /// Points a drawn curve may have before it is thinned.
-pub(super) const LIMIT: usize = 4000;
+pub const LIMIT: usize = 4000;
 
 /// Indices worth drawing, ascending, about `limit` of them.
 ///
 /// Every column keeps its extremes in each run. Passing x as a column keeps the ends of each run of
 /// a trace in time, and the leftmost and rightmost points of a locus. A run that holds a value that
 /// is not finite keeps one such sample, so that gaps survive.
-pub(super) fn keep(columns: &[&[f64]], limit: usize) -> Vec<usize> {
+pub fn keep(columns: &[&[f64]], limit: usize) -> Vec<usize> {
     let length = columns.iter().map(|c| c.len()).min().unwrap_or(0);
     if length <= limit {
         return (0..length).collect();

@@ -1,0 +1,108 @@
+//! What the normal part of a ring's vibration does to friction at a place, where it is granted anything.
+//!
+//! | normal part | law | what is known |
+//! |---|---|---|
+//! | none | one | exact of a contact that is stiff along the surface, as long as contact is not lost |
+//! | fitted | `1 - R0 g(v) (W / W0)^-p min(1, a / a50)` | fitted to a belt at 20 to 87 mm/s and 270 to 670 N ([`empirical`](crate::empirical)); **extrapolated** beyond |
+//! | compliant | mean of Popov's contact under the load W ([`crate::compliant`]) | needs two stiffnesses; those that fit the belt are implausible, others contradict it |
+//!
+//! `W = T L / R` is the load on as much webbing as the horn of the belt experiment pressed on: its face is ASSUMED to be L = 10 mm long (470 mm^2, 47 mm wide). `a` is
+//! the amplitude of the normal part, `a50` the smallest amplitude that was tested, 50 % of 85 um; that the effect does not rise above it, and falls in
+//! proportion below, is ASSUMED. The fitted constants `q` and `s` of the empirical law, which are chosen, play no part.
+
+use super::super::compliant;
+use super::super::empirical::EmpiricalLaw;
+
+/// Length of the horn's face along the webbing, m: ASSUMED.
+pub const FACE_M: f64 = 0.010;
+/// Full amplitude of the horn, m (thesis, Table 3.2).
+pub const FULL_M: f64 = 85e-6;
+
+/// What the normal part does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NormalPart {
+    /// It changes nothing.
+    None,
+    /// It lowers friction by the law that is fitted to the belt.
+    Fitted(Normal),
+    /// It lowers friction as a compliant contact of these stiffnesses does.
+    Compliant(Normal, Stiffnesses),
+}
+
+/// The normal part of a vibration on a ring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Normal {
+    /// Amplitude of the whole vibration, m.
+    pub amplitude_m: f64,
+    /// Radius of the ring that the webbing bends around, m.
+    pub radius_m: f64,
+}
+
+/// Stiffnesses of the webbing under the face of the horn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stiffnesses {
+    /// Normal stiffness, N/m.
+    pub normal_n_per_m: f64,
+    /// Tangential stiffness, N/m.
+    pub tangential_n_per_m: f64,
+}
+
+impl Normal {
+    /// Load on a face of the horn at a tension, N.
+    pub fn load_n(&self, tension_n: f64) -> f64 {
+        tension_n * FACE_M / self.radius_m
+    }
+
+    /// How much of the fitted effect is there where the vibration has this part across the surface.
+    pub(super) fn share(&self, normal: f64) -> f64 {
+        (normal / self.saturated()).min(1.0)
+    }
+
+    /// The part across the surface from which on the fitted effect does not rise.
+    pub(super) fn saturated(&self) -> f64 {
+        EmpiricalLaw::FITTED.lowest_amplitude_fraction * FULL_M / self.amplitude_m
+    }
+}
+
+/// The fitted effect at a speed, m/s, and a load of one face, W0.
+pub(super) fn fitted_effect(speed_m_per_s: f64) -> f64 {
+    let law = EmpiricalLaw::FITTED;
+    let creeping = |speed: f64| 1.0 + speed / law.speed_scale_m_per_s;
+    law.reduction * creeping(law.speed_m_per_s) / creeping(speed_m_per_s)
+}
+
+/// The slope of the fitted effect over the speed, over the effect, per m/s.
+pub(super) fn fitted_effect_fall(speed_m_per_s: f64) -> f64 {
+    -1.0 / (EmpiricalLaw::FITTED.speed_scale_m_per_s + speed_m_per_s)
+}
+
+impl NormalPart {
+    /// Friction ratio of the normal part alone, where the vibration has this part across the surface, at a tension and a sliding speed; `mu` without vibration.
+    pub fn ratio(&self, normal: f64, tension_n: f64, speed_m_per_s: f64, mu: f64, hz: f64) -> f64 {
+        match self {
+            NormalPart::None => 1.0,
+            NormalPart::Fitted(part) => {
+                let law = EmpiricalLaw::FITTED;
+                let load = (part.load_n(tension_n) / law.load_n).powf(-law.load_exponent);
+                1.0 - fitted_effect(speed_m_per_s) * load * part.share(normal)
+            }
+            NormalPart::Compliant(part, stiff) => {
+                let amplitude_m = part.amplitude_m * normal;
+                let deepest = amplitude_m * stiff.normal_n_per_m;
+                if deepest == 0.0 {
+                    return 1.0;
+                }
+                let critical = mu * deepest * std::f64::consts::TAU * hz / stiff.tangential_n_per_m;
+                compliant::friction_ratio(deepest / part.load_n(tension_n), speed_m_per_s / critical, true)
+            }
+        }
+    }
+
+    /// Parts across the surface at which the law has a kink.
+    pub(super) fn kinks(&self) -> Vec<f64> {
+        match self {
+            NormalPart::Fitted(part) => vec![part.saturated()],
+            _ => Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! A carriage: a mass that slides past the tip as the forces on it say.
+//!
+//! ```text
+//! m v' = P + k (y - x) + c (y' - v) - F,    x' = v,    y' = pull from `pull_at_s` on, before that 0
+//! ```
+//!
+//! `F` is the friction at the tip, positive against a positive `v`. What turns is a carriage too: at the radius `r` of the contact `m = J / r^2` and `P = M / r`. The friction changes with
+//! the vibration, so the carriage goes in the steps of the contact, some twenty or more in a period: first the way with the speed that it has, then the
+//! speed with the mean friction of that step and the spring as it is then (symplectic Euler, whose energy does not drift). Its error is of the order of the step times the carriage's
+//! own `sqrt(k / m)`. Units: kg, m, s, N.
+
+use crate::stribeck::Stribeck;
+
+/// A carriage with its contact.
+#[derive(Clone, Debug)]
+pub struct Carriage {
+    scene: scene::Carriage,
+    contact: Stribeck,
+    time_s: f64,
+    position_m: f64,
+    speed_m_per_s: f64,
+    /// Way of the spring's end, m, and its speed in the last step, m/s.
+    end_m: f64,
+    end_m_per_s: f64,
+}
+
+/// What moved a carriage, at the end of a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CarriageTruth {
+    /// Force that moves it: constant force, spring and damper, N.
+    pub pull_n: f64,
+    /// Way of the spring's end, m.
+    pub end_m: f64,
+}
+
+impl Carriage {
+    /// The carriage of a scene, at rest on a relaxed contact.
+    pub fn new(contact: &scene::Lugre, carriage: &scene::Carriage) -> Self {
+        Carriage {
+            scene: carriage.clone(),
+            contact: Stribeck::new(contact, carriage.normal_n),
+            time_s: 0.0,
+            position_m: 0.0,
+            speed_m_per_s: 0.0,
+            end_m: 0.0,
+            end_m_per_s: 0.0,
+        }
+    }
+
+    /// Force of the contact's bristles at present, N.
+    pub fn force(&self) -> f64 {
+        self.contact.force()
+    }
+
+    /// How far it has come, m.
+    pub fn position_m(&self) -> f64 {
+        self.position_m
+    }
+
+    /// Its speed, m/s.
+    pub fn speed_m_per_s(&self) -> f64 {
+        self.speed_m_per_s
+    }
+
+    /// What moves it at present.
+    pub fn truth(&self) -> CarriageTruth {
+        CarriageTruth { pull_n: self.pull_n(), end_m: self.end_m }
+    }
+
+    fn pull_n(&self) -> f64 {
+        let spring_n = self.scene.stiffness_n_per_m * (self.end_m - self.position_m);
+        self.scene.force_n + spring_n + self.scene.damping_n_s_per_m * (self.end_m_per_s - self.speed_m_per_s)
+    }
+
+    /// Slides for `step_s` seconds, in which the tip moves by `moved` metres, from velocity `v0` to `v1`. Returns the mean friction, N.
+    #[inline(never)]
+    pub fn slide(&mut self, v0: f64, v1: f64, moved: f64, step_s: f64) -> f64 {
+        let speed = self.speed_m_per_s;
+        let friction_n = self.contact.slip(speed + v0, speed + v1, speed * step_s + moved, step_s);
+        self.position_m += speed * step_s;
+        self.end_m_per_s = if self.time_s >= self.scene.pull_at_s { self.scene.pull_m_per_s } else { 0.0 };
+        self.end_m += self.end_m_per_s * step_s;
+        self.time_s += step_s;
+        self.speed_m_per_s += (self.pull_n() - friction_n) / self.scene.mass_kg * step_s;
+        friction_n
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,104 @@
+//! The result of a study as JSON: what `--format json` prints, `summary.json` and `machine.json`.
+
+mod comparison;
+mod grid;
+
+use serde_json::{Value, json};
+
+use crate::study::answer::Answer;
+use crate::study::{Outcome, Study};
+use crate::tables;
+
+/// What `--format json` prints: the summary, with what depends on the machine beside it.
+pub fn printed(study: &Study) -> Value {
+    let mut printed = summary(study);
+    printed["machine"] = machine(study);
+    printed
+}
+
+/// The figures of the machine, as `machine.json` holds them: all that differs from run to run.
+pub fn machine(study: &Study) -> Value {
+    let (wall_s, speed, ns) = match &study.outcome {
+        Outcome::Driven(run) => (run.record.wall_s, run.record.simulated_s_per_wall_s(), None),
+        Outcome::Contact(solved) => (None, None, solved.answer.as_ref().and_then(|answer| answer.solution.ns_per_period)),
+        Outcome::MonteCarlo(runs) => {
+            let speed = runs.wall_s.map(|wall_s| runs.runs.len() as f64 * study.scene.duration_s / wall_s);
+            (runs.wall_s, speed, None)
+        }
+    };
+    let processors = std::thread::available_parallelism().map(std::num::NonZero::get).ok();
+    let figures = [
+        ("wall_s", wall_s.map(Value::from)),
+        ("simulated_s_per_wall_s", speed.map(Value::from)),
+        ("ns_per_period", ns.map(Value::from)),
+        ("processors", processors.map(Value::from)),
+        ("system", Some(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH).into())),
+    ];
+    figures.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect::<serde_json::Map<_, _>>().into()
+}
+
+/// The summary, as `summary.json` holds it. It is the same, byte for byte, of every run of the same scene.
+pub fn summary(study: &Study) -> Value {
+    let endless = study.monte_carlo().into_iter().flat_map(|runs| &runs.endless).map(|&name| (name.to_owned(), Value::Null));
+    let metrics: serde_json::Map<String, Value> =
+        study.metrics.iter().map(|(name, value)| (name.to_owned(), json!(value))).chain(endless).collect();
+    let expect: Vec<Value> = study
+        .judged
+        .iter()
+        .map(|judged| {
+            let mut expect = json!({
+                "metric": judged.metric, "value": judged.value, "limit": judged.limit,
+                "pass": judged.pass, "source": judged.source,
+            });
+            if !judged.counts {
+                expect["counts"] = json!(false);
+            }
+            if let Some((case, equal)) = &judged.case {
+                (expect["case"], expect["match"]) = (json!(case), json!(equal));
+            }
+            expect
+        })
+        .collect();
+    let grid = study.grid.as_ref().map(grid::json);
+    let comparison = study.comparison.as_ref().map(comparison::json);
+    let summary = json!({
+        "scene": study.name, "seed": study.scene.seed, "metrics": metrics, "expect": expect, "grid": grid,
+        "comparison": comparison, "interrupted": study.interrupted,
+    });
+    with_own(with_not_drawn(summary, study), study)
+}
+
+/// Adds which measured curves are not shown, if there are such.
+pub(crate) fn with_not_drawn(mut of: Value, study: &Study) -> Value {
+    let not_drawn = tables::not_drawn(study);
+    if !not_drawn.is_empty() {
+        of["overlays_not_drawn"] = json!(not_drawn);
+    }
+    of
+}
+
+/// Adds what only this kind of study has: the hash of what was played, or how the answer was come by.
+pub(crate) fn with_own(mut of: Value, study: &Study) -> Value {
+    match &study.outcome {
+        Outcome::Driven(run) => of["drive_hash"] = json!(format!("{:016x}", run.record.drive_hash)),
+        Outcome::MonteCarlo(runs) => {
+            of["runs"] = json!(runs.runs.len());
+            of["drive_hash"] = json!(runs.drive_hash().map(|hash| format!("{hash:016x}")));
+        }
+        Outcome::Contact(solved) => {
+            of["solution"] = json!(solved.answer.as_ref().map(|Answer { solution, .. }| {
+                let mut how = json!({
+                    "method": solution.method.name(), "why": solution.why, "order": solution.order,
+                    "steps_per_period": solution.steps_per_period, "error_estimate": solution.error_estimate,
+                    "tolerance_met": solution.tolerance_met,
+                    "warnings": solution.warnings,
+                });
+                if let Some(error) = solution.record_error_estimate {
+                    how["record_error_estimate"] = json!(error);
+                }
+                how
+            }));
+        }
+    }
+    of
+}

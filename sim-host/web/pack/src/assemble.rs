@@ -1,0 +1,107 @@
+//! One HTML file out of the parts.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+
+use crate::compile::Core;
+
+/// What the page is made of.
+pub struct Parts<'a> {
+    /// Folder of the package `sonoglide-web`.
+    pub web: &'a Path,
+    /// The simulator.
+    pub core: &'a Core,
+}
+
+/// The modules of the page, each after those that it imports.
+const MODULES: [&str; 13] = [
+    "format.js",
+    "dom.js",
+    "core.js",
+    "request.js",
+    "controls.js",
+    "path.js",
+    "scope.js",
+    "live.js",
+    "figures.js",
+    "motor.js",
+    "crash.js",
+    "files.js",
+    "main.js",
+];
+const STYLES: [&str; 4] = ["../../report/assets/uPlot.min.css", "../../report/assets/crash.css", "page.css", "result.css"];
+
+/// Compressed as a server would send it.
+pub fn gzip(bytes: &[u8]) -> Result<Vec<u8>> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(bytes)?;
+    Ok(encoder.finish()?)
+}
+
+/// The page with everything in it.
+pub fn page(parts: &Parts) -> Result<String> {
+    let read = |name: &str| {
+        let path = parts.web.join("page").join(name);
+        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))
+    };
+    let styles = STYLES.iter().map(|name| read(name)).collect::<Result<Vec<_>>>()?.concat();
+    let modules = MODULES.iter().map(|name| Ok(module(&read(name)?))).collect::<Result<Vec<_>>>()?.concat();
+    let library =
+        format!("/*\n{}*/\n{}", read("../../report/assets/uPlot.LICENSE")?, read("../../report/assets/uPlot.iife.min.js")?);
+    let plots = [library, read("../../report/assets/report.js")?, read("../../report/assets/crash.js")?].join("\n");
+    let worker = [parts.core.glue.clone(), read("worker.js")?].join("\n");
+    let mut page = read("index.html")?;
+    for (mark, text) in [
+        ("/* style */", &styles),
+        ("/* plots */", &script(&plots)),
+        ("/* worker */", &script(&worker)),
+        ("/* hosts */", &script(parts.core.hosts.trim())),
+        ("/* wasm */", &STANDARD.encode(gzip(&parts.core.wasm)?)),
+        ("/* page */", &script(&modules)),
+        ("/* commit */", &commit()),
+    ] {
+        ensure!(page.matches(mark).count() == 1, "index.html has no place, or more than one, for `{mark}`");
+        page = page.replacen(mark, text, 1);
+    }
+    Ok(page)
+}
+
+/// A module within the one script of the page: names that modules give each other are names of the script.
+fn module(text: &str) -> String {
+    let kept = text.lines().filter(|line| !line.starts_with("import "));
+    kept.map(|line| line.strip_prefix("export ").unwrap_or(line)).flat_map(|line| [line, "\n"]).collect()
+}
+
+/// A text that does not end the element that it stands in.
+fn script(text: &str) -> String {
+    text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
+}
+
+/// The commit that the page is packed from, with `+` where files had been changed; nothing outside of a checkout.
+fn commit() -> String {
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").arg("-C").arg(env!("CARGO_MANIFEST_DIR")).args(arguments).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    let changed = git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|changes| !changes.is_empty());
+    git(&["rev-parse", "--short=12", "HEAD"]).map(|commit| if changed { commit + "+" } else { commit }).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modules_become_one_script() {
+        assert_eq!(module("import { a } from \"./a.js\";\nexport const b = a;\n"), "const b = a;\n");
+        assert_eq!(script("x = \"</script><!--\""), "x = \"<\\/script><\\!--\"");
+    }
+}

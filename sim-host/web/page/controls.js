@@ -1,0 +1,64 @@
+// Sliders and choices of a scene. Each is a key of the scene, and is shown with what it means.
+import { make } from "./dom.js";
+import { plain, quantity } from "./format.js";
+
+const STEPS = 400;
+
+/** A value as the scene has it, which may be a list of one, and back. */
+const written = ({ list }, value) => (list ? `[${plain(value)}]` : plain(value));
+const read = (text) => Number(text.replace(/^\[|\]$/g, ""));
+
+/** Where a value stands on its slider, and back. */
+const place = ({ min, max, log }, value) => STEPS * (log ? Math.log(value / min) / Math.log(max / min) : (value - min) / (max - min));
+function valueAt({ min, max, log, whole }, step) {
+  const part = step / STEPS;
+  const value = log ? min * (max / min) ** part : min + (max - min) * part;
+  return whole ? Math.round(value) : Number(value.toPrecision(Math.abs(max - min) < 0.1 * Math.abs(max) ? 7 : 3));
+}
+
+function slider(given, ask, changed) {
+  const id = `slider-${given.key}`;
+  const present = ask.moved.has(given.key) ? read(ask.moved.get(given.key).value) : given.value;
+  const output = make("output", { for: id });
+  const input = make("input", {
+    type: "range", id, min: 0, max: STEPS, step: 1, value: place(given, present), title: given.meaning, "aria-describedby": `${id}-key`,
+  });
+  const show = (value) => {
+    const text = quantity(value, given.unit);
+    output.textContent = text;
+    input.setAttribute("aria-valuetext", text);
+  };
+  show(present);
+  input.addEventListener("input", () => {
+    const value = valueAt(given, Number(input.value));
+    show(value);
+    ask.moved.set(given.key, { value: written(given, value), also: given.with });
+    // A slider of a burst is newer than a switch thrown in the run.
+    if (given.list) ask.bursts = null;
+    changed();
+  });
+  return make("div", { class: "control" },
+    make("label", { for: id }, given.label), output, input, make("small", { id: `${id}-key` }, make("code", {}, given.key)));
+}
+
+function choice(given, ask, changed) {
+  const id = `choice-${given.key}`;
+  const present = ask.moved.has(given.key) ? JSON.parse(ask.moved.get(given.key).value) : given.value;
+  const options = given.choices.map(([name, meaning]) => make("option", { value: name, title: meaning, selected: name === present }, name.replaceAll("_", " ")));
+  const select = make("select", { id, title: given.meaning, "aria-describedby": `${id}-key` }, ...options);
+  select.addEventListener("change", () => {
+    ask.moved.set(given.key, { value: `"${select.value}"`, also: [] });
+    changed();
+  });
+  return make("div", { class: "control" }, make("label", { for: id }, given.label), select, make("small", { id: `${id}-key` }, make("code", {}, given.key)));
+}
+
+/** Shows the controls of an opened scene. What has the focus keeps it. */
+export function showControls(where, opened, ask, changed) {
+  const focused = document.activeElement?.id;
+  where.replaceChildren(
+    ...opened.sliders.map((given) => slider(given, ask, changed)),
+    ...opened.choices.map((given) => choice(given, ask, changed)),
+  );
+  if (focused && where.querySelector(`[id="${focused}"]`)) document.getElementById(focused).focus({ preventScroll: true });
+}

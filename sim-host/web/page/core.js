@@ -1,0 +1,67 @@
+// The simulator, in a worker of its own. A run that is stopped ends with its worker, and the next question begins another.
+
+/** A mistake in a scene, or a run without a result, in the words of the command line. */
+export class Said extends Error {}
+
+export class Core {
+  #module = null;
+  #worker = null;
+  #waiting = new Map();
+  #count = 0;
+
+  /** The module is compressed text in the page. */
+  constructor(packed, script) {
+    this.script = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
+    this.#module = Core.#compile(packed);
+    this.onprogress = () => {};
+  }
+
+  static async #compile(packed) {
+    const bytes = Uint8Array.from(atob(packed.trim()), (letter) => letter.charCodeAt(0));
+    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    return WebAssembly.compile(await new Response(unpacked).arrayBuffer());
+  }
+
+  async #start() {
+    const module = await this.#module;
+    if (this.#worker) return this.#worker;
+    const worker = new Worker(this.script);
+    worker.onmessage = ({ data }) => this.#heard(data);
+    worker.onerror = (event) => this.#lost(event.message);
+    worker.postMessage({ module });
+    this.#worker = worker;
+    return worker;
+  }
+
+  #heard({ id, answer, progress, panic, lost }) {
+    if (progress !== undefined) return this.onprogress(progress);
+    if (panic !== undefined || lost !== undefined) return this.#lost(panic ?? lost);
+    const { resolve, reject } = this.#waiting.get(id);
+    this.#waiting.delete(id);
+    const { value, error } = JSON.parse(answer);
+    return error === undefined ? resolve(value) : reject(new Said(error));
+  }
+
+  #lost(said) {
+    this.stop(new Said(`error: the simulator has stopped: ${said}`));
+  }
+
+  /** Ends whatever runs. */
+  stop(reason = null) {
+    this.#worker?.terminate();
+    this.#worker = null;
+    for (const { reject } of this.#waiting.values()) reject(reason ?? new DOMException("stopped", "AbortError"));
+    this.#waiting.clear();
+  }
+
+  /** Asks the simulator, and answers with its value. */
+  async ask(question, argument) {
+    const worker = await this.#start();
+    const id = (this.#count += 1);
+    const text = typeof argument === "string" ? argument : JSON.stringify(argument ?? {});
+    return new Promise((resolve, reject) => {
+      this.#waiting.set(id, { resolve, reject });
+      worker.postMessage({ id, ask: question, argument: text });
+    });
+  }
+}

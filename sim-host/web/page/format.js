@@ -1,0 +1,32 @@
+// Numbers as a reader wants them: four digits, thin spaces, a prefix of the unit.
+const PREFIXES = [[1e-9, "n"], [1e-6, "µ"], [1e-3, "m"], [1, ""], [1e3, "k"], [1e6, "M"]];
+const PREFIXED = new Set(["s", "m", "m/s", "N", "V", "A", "W", "N/m", "Nm"]);
+
+/** Digits with thin spaces between thousands. */
+export function grouped(text) {
+  const [whole, part] = text.split(".");
+  const spaced = whole.replace(/^-?\d{5,}$/, (digits) => digits.replace(/\B(?=(\d{3})+$)/g, "\u202f"));
+  return (part === undefined ? spaced : `${spaced}.${part}`).replace("-", "\u2212");
+}
+
+/** A number to so many digits; integers of more digits as they are. */
+export function digits(value, count = 4) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.floor(Math.log10(Math.abs(value)));
+  if (size < -4 || size > 8) return value.toExponential(count - 1).replace("-", "\u2212");
+  const text = value.toFixed(Math.max(0, Math.min(8, count - 1 - size)));
+  return grouped(text.includes(".") ? text.replace(/\.?0+$/, "") : text);
+}
+
+/** A number with its unit, in the multiple that reads best. */
+export function quantity(value, unit, count = 4) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  if (unit === "Hz" || !PREFIXED.has(unit) || value === 0) return `${digits(value, unit === "Hz" ? 8 : count)} ${unit}`.trim();
+  const size = Math.abs(value);
+  const [factor, prefix] = PREFIXES.findLast(([factor]) => size >= 0.9999 * factor) ?? PREFIXES[0];
+  return `${digits(value / factor, count)} ${prefix}${unit}`;
+}
+
+/** A number as a scene's text has it. */
+export const plain = (value) => String(Number(value.toPrecision(9)));

@@ -1,0 +1,272 @@
+// The page: which scene, when it is run, and where its result is shown.
+import { Core, Said } from "./core.js";
+import { showControls } from "./controls.js";
+import { showCrash } from "./crash.js";
+import { byId, make } from "./dom.js";
+import { showLoop, showReport } from "./figures.js";
+import { copies, showFiles } from "./files.js";
+import { digits, plain, quantity } from "./format.js";
+import { Live, switched } from "./live.js";
+import { MotorView } from "./motor.js";
+import { Ask, fromFragment, toFragment } from "./request.js";
+import { Scope } from "./scope.js";
+
+/** A change of a slider waits so long for the next one, ms. */
+const CALM_MS = 180;
+/** What takes longer than this, s, is run when the reader says so. */
+const QUICK_S = 4;
+
+const core = new Core(byId("wasm").textContent, byId("worker-text").textContent);
+const hosts = JSON.parse(byId("hosts").textContent);
+const scope = new Scope(byId("scope"));
+const live = new Live(scope);
+const motor = new MotorView(byId("ring"));
+live.listen((moment) => motor.goto(moment));
+live.listen(() => showSwitch());
+
+let scenes = [];
+let ask = null;
+let opened = null;
+let running = false;
+let again = null;
+let lastWall = 0;
+let calm = 0;
+let first = true;
+
+const say = (words) => { byId("status").textContent = words; };
+const entryOf = (name) => scenes.find((entry) => entry.name === name);
+
+function complain(error) {
+  if (error instanceof DOMException && error.name === "AbortError") return say("Stopped.");
+  if (!(error instanceof Said)) console.error(error);
+  byId("error").textContent = error.message;
+  byId("error").hidden = false;
+  say("There is a mistake; see below.");
+  document.body.dataset.state = "error";
+}
+
+function noComplaint() {
+  byId("error").hidden = true;
+  byId("error").textContent = "";
+}
+
+/** Opens a scene, and runs it. */
+async function openScene(given) {
+  live.pause();
+  core.stop();
+  document.body.dataset.state = "busy";
+  const next = new Ask(given);
+  next.whole = Boolean(given.whole);
+  noComplaint();
+  try {
+    opened = await core.ask("open", next.request);
+  } catch (error) {
+    return complain(error);
+  }
+  ask = next;
+  ask.faultCount = opened.fault_count;
+  byId("scene").value = ask.text === null ? ask.name : "";
+  byId("scene-title").textContent = opened.title;
+  byId("toml").value = opened.toml;
+  byId("resolved").textContent = opened.resolved;
+  byId("whole").checked = ask.whole;
+  byId("whole").closest("label").hidden = !opened.has_cells;
+  byId("fault").replaceChildren(...opened.faults.map((fault) => make("option", { value: fault.fault, title: fault.meaning }, fault.label)));
+  byId("fault").closest(".faults").hidden = opened.faults.length === 0;
+  byId("switch").hidden = !opened.burst;
+  byId("acts").hidden = opened.faults.length === 0 && !opened.burst;
+  controls();
+  lastWall = 0;
+  return run();
+}
+
+function controls() {
+  showControls(byId("sliders"), opened, ask, () => {
+    chips();
+    clearTimeout(calm);
+    if (lastWall > QUICK_S) return say(`Changed. The last run took ${digits(lastWall, 2)} s: press Run for the next.`);
+    calm = setTimeout(() => run({ keep: true }), CALM_MS);
+    return undefined;
+  });
+  chips();
+}
+
+/** The changes, each with a button that takes it back. */
+function chips() {
+  const chip = (words, back, reopen) => make("li", {}, make("code", {}, words),
+    make("button", { type: "button", "aria-label": `take back: ${words}`, onclick: () => { back(); if (reopen) openScene({ name: ask.name, text: ask.text, sets: ask.base, whole: ask.whole }); else { controls(); run({ keep: true }); } } }, "×"));
+  byId("changes").replaceChildren(
+    ...ask.base.map((set) => chip(set, () => { ask.base = ask.base.filter((other) => other !== set); }, true)),
+    ...[...ask.moved].map(([key, { value }]) => chip(`${key}=${value}`, () => ask.moved.delete(key))),
+    ...(ask.bursts ? [chip(`ON at ${ask.bursts.on_s.map(plain).join(", ")} s, OFF at ${ask.bursts.off_s.map(plain).join(", ")} s`, () => { ask.bursts = null; })] : []),
+    ...ask.faults.map((fault) => chip(`${fault.label} at ${quantity(fault.at_s, "s", 5)}`, () => { ask.faults = ask.faults.filter((other) => other !== fault); })),
+  );
+  byId("reset").disabled = !ask.changed;
+}
+
+/** Runs the scene as it is now; a run on its way ends first. */
+async function run({ from = null, keep = false } = {}) {
+  clearTimeout(calm);
+  if (running) { again = { from, keep }; return; }
+  running = true;
+  byId("stop").disabled = false;
+  document.body.dataset.state = "busy";
+  noComplaint();
+  say(`Running ${ask.name} …`);
+  const end = opened.kind === "runs" ? Number(ask.moved.get("runs")?.value ?? opened.sliders.find(({ key }) => key === "runs")?.value ?? 1) : opened.duration_s;
+  core.onprogress = (reached) => { byId("bar").style.width = `${Math.min(100, (100 * reached) / end)}%`; };
+  const asked = ask, began = performance.now();
+  try {
+    const result = await core.ask("run", asked.request);
+    lastWall = (performance.now() - began) / 1e3;
+    if (asked === ask && again === null) await show(result, from, keep);
+  } catch (error) {
+    if (asked === ask) complain(error);
+  } finally {
+    running = false;
+    byId("stop").disabled = true;
+    byId("bar").style.width = "0";
+  }
+  if (again) {
+    const next = again;
+    again = null;
+    run(next);
+  }
+}
+
+async function show(result, from, keep) {
+  byId("shown").hidden = false;
+  const before = scope.data && keep && scope.moment < scope.ends[1] ? scope.moment : null;
+  const playing = live.isPlaying;
+  byId("live").hidden = !result.scope;
+  if (result.scope) {
+    legend(result.scope);
+    live.show(result.scope, from ?? before);
+  } else {
+    live.pause();
+  }
+  motor.show(result.motor);
+  showCrash(result.crash);
+  showLoop(result);
+  showReport(result, core);
+  showFiles(ask, result, core);
+  hashes(result);
+  byId("command").value = ask.command;
+  const fragment = await toFragment(ask);
+  history.replaceState(null, "", fragment);
+  byId("link").value = location.href;
+  const headline = result.headline.slice(0, 3).map(([label, value]) => `${label} ${value}`).join(", ");
+  const missed = result.passes ? "" : " An expectation is missed.";
+  say(`Done in ${digits(lastWall, 2)} s${headline ? `: ${headline}` : ""}.${missed} ${byId("hash-verdict").textContent}`);
+  const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  if (result.scope) {
+    motor.goto(scope.moment);
+    if (from !== null || playing) live.play();
+    else if (first && !still) { live.goto(scope.ends[0]); live.play(); }
+  }
+  first = false;
+  document.body.dataset.state = "done";
+  document.body.dataset.hash = result.drive_hash ?? "";
+  document.body.dataset.wall = String(lastWall);
+}
+
+function legend({ lanes, on_s }) {
+  const roles = [["command", "command"], ["estimate", "controller's estimate"], ["sensor", "load cell"], ["truth", "truth: the simulated plant"]];
+  const present = roles.filter(([role]) => lanes.some(({ signals }) => signals.some((signal) => signal.role === role)));
+  byId("legend").replaceChildren(...present.map(([role, words]) => make("span", {}, make("i", { class: role }), words)),
+    on_s.length ? make("span", {}, make("i", { class: "shade" }), "drive ON") : "");
+}
+
+function hashes(result) {
+  const { drive_hash } = result;
+  byId("same").hidden = !drive_hash;
+  const entry = ask.text === null ? entryOf(ask.name) : null;
+  const sets = JSON.stringify(ask.sets);
+  const host = entry && hosts[ask.name] && (sets === "[]" ? hosts[ask.name].whole : sets === JSON.stringify(entry.sets) ? hosts[ask.name].opened : null);
+  byId("hash-here").textContent = drive_hash ?? "";
+  byId("hash-host").textContent = host ?? "not known of a changed scene: the command below prints it";
+  const verdict = host && drive_hash ? (host === drive_hash ? "Equal to the host's, bit for bit." : "NOT equal to the host's.") : "";
+  byId("hash-verdict").textContent = verdict;
+  byId("hash-verdict").className = host === drive_hash ? "pass" : "miss";
+}
+
+/** The button says what it does at this moment. */
+function showSwitch() {
+  if (!opened?.burst) return;
+  const { isOn } = switched(ask.burst(opened.burst), scope.moment, opened.duration_s);
+  byId("switch").textContent = isOn ? "Switch OFF here" : "Switch ON here";
+  byId("switch").dataset.on = isOn;
+}
+
+function fill({ scenes: list, version }) {
+  scenes = list;
+  byId("version").textContent = `Version ${version}`;
+  const groups = new Map();
+  for (const entry of scenes) groups.set(entry.group, [...(groups.get(entry.group) ?? []), entry]);
+  byId("scene").replaceChildren(
+    ...[...groups].map(([group, entries]) => make("optgroup", { label: group }, ...entries.map((entry) => make("option", { value: entry.name, title: entry.title }, entry.name)))),
+    make("option", { value: "" }, "a text of my own"),
+  );
+}
+
+function ownText() {
+  byId("editor").open = true;
+  byId("toml").focus();
+}
+
+byId("scene").addEventListener("change", () => {
+  const entry = entryOf(byId("scene").value);
+  return entry ? openScene({ name: entry.name, sets: entry.sets }) : ownText();
+});
+byId("run").addEventListener("click", () => run({ keep: true }));
+byId("stop").addEventListener("click", () => { again = null; core.stop(); });
+byId("reset").addEventListener("click", () => openScene({ name: ask.name, text: ask.text, sets: ask.text === null ? (entryOf(ask.name)?.sets ?? []) : [] }));
+byId("whole").addEventListener("change", () => { ask.whole = byId("whole").checked; run({ keep: true }); });
+byId("apply").addEventListener("click", () => {
+  const text = byId("toml").value;
+  const same = scenes.find((entry) => entry.text === text);
+  return same ? openScene({ name: same.name, sets: same.sets }) : openScene({ name: "my-scene.toml", text });
+});
+byId("open").addEventListener("change", async () => {
+  const file = byId("open").files[0];
+  if (file) openScene({ name: file.name, text: await file.text() });
+});
+byId("switch").addEventListener("click", () => {
+  const { on_s, off_s } = switched(ask.burst(opened.burst), scope.moment, opened.duration_s);
+  ask.bursts = { on_s, off_s };
+  act();
+});
+byId("break").addEventListener("click", () => {
+  const { fault, label } = opened.faults.find((one) => one.fault === byId("fault").value);
+  ask.faults.push({ fault, label, at_s: scope.moment });
+  act();
+});
+/** The past stays as it was, bit for bit; from the moment on the run is another. */
+function act() {
+  chips();
+  run({ from: scope.moment });
+}
+document.addEventListener("keydown", (event) => {
+  if (event.key === "Enter" && (event.ctrlKey || event.metaKey)) byId(event.target === byId("toml") ? "apply" : "run").click();
+});
+window.addEventListener("hashchange", async () => {
+  const given = await fromFragment(location.hash);
+  if (given) openScene(given);
+});
+copies("copy", "command");
+copies("copy-link", "link");
+
+async function begin() {
+  // Where there is little room, the result comes before the numbers.
+  byId("numbers").open = !matchMedia("(max-width: 60rem)").matches;
+  try {
+    const catalogue = await core.ask("catalogue");
+    fill(catalogue);
+    const given = await fromFragment(location.hash);
+    const entry = entryOf(catalogue.first);
+    await openScene(given ?? { name: entry.name, sets: entry.sets });
+  } catch (error) {
+    complain(error);
+  }
+}
+begin();

@@ -1,0 +1,87 @@
+// What is to be run: a scene and its changes, as the page, the command line and a link say it.
+import { plain } from "./format.js";
+
+const encoder = new TextEncoder();
+
+/** A scene and what the reader has changed of it. */
+export class Ask {
+  /** A built-in scene by its entry, or a text of the reader's own. */
+  constructor({ name, text = null, sets = [] }) {
+    Object.assign(this, { name, text, base: [...sets], moved: new Map(), bursts: null, faults: [], whole: false, faultCount: 0 });
+  }
+
+  /** The changes, as `key=value`. */
+  get sets() {
+    const given = new Map();
+    for (const [key, { value, also }] of this.moved) {
+      given.set(key, value);
+      for (const [other, number] of also) if (!this.moved.has(other)) given.set(other, plain(number));
+    }
+    // A switch thrown in the run is newer than a slider of its bursts.
+    const switched = (key) => this.bursts && /^controller\.burst\.o(n|ff)_s$/.test(key);
+    const own = [...given].filter(([key]) => !switched(key)).map(([key, value]) => `${key}=${value}`);
+    const list = (times) => `[${times.map(plain).join(", ")}]`;
+    const bursts = this.bursts ? [`controller.burst.on_s=${list(this.bursts.on_s)}`, `controller.burst.off_s=${list(this.bursts.off_s)}`] : [];
+    const faults = this.faults.map(({ at_s, fault }, place) => `fault.${this.faultCount + place}={at_s=${plain(at_s)}, ${fault}}`);
+    const newer = new Set([...own, ...bursts].map((set) => set.split("=")[0]));
+    return [...this.base.filter((set) => !newer.has(set.split("=")[0])), ...own, ...bursts, ...faults];
+  }
+
+  /** When the drive is ON: as the scene has it, as sliders have moved it, or as the switch was thrown. */
+  burst(scene) {
+    const moved = (key) => JSON.parse(this.moved.get(`controller.burst.${key}`)?.value ?? "null") ?? scene[key];
+    return this.bursts ?? { ...scene, on_s: moved("on_s"), off_s: moved("off_s") };
+  }
+
+  /** As the simulator is asked. */
+  get request() {
+    return { name: this.name, text: this.text, sets: this.sets, whole: this.whole };
+  }
+
+  /** Whether anything differs from how the page opens it. */
+  get changed() {
+    return this.moved.size > 0 || this.bursts !== null || this.faults.length > 0;
+  }
+
+  /** Takes all changes back, those that the page opens it with as well. */
+  reset() {
+    Object.assign(this, { base: [], moved: new Map(), bursts: null, faults: [] });
+  }
+
+  /** The same on the command line. */
+  get command() {
+    const quoted = (text) => (/^[\w.=+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+    return ["sim-host run", quoted(this.text === null ? this.name : this.name), ...this.sets.map((set) => `--set ${quoted(set)}`)].join(" ");
+  }
+}
+
+async function through(bytes, transform) {
+  return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(transform)).arrayBuffer());
+}
+
+/** A fragment that carries the scene and its changes: readable where a built-in scene has none, else compressed. */
+export async function toFragment(ask) {
+  if (ask.text === null && ask.sets.length === 0 && !ask.whole) return `#scene=${ask.name}`;
+  const state = JSON.stringify({ n: ask.name, t: ask.text, s: ask.sets, w: ask.whole || undefined });
+  const packed = await through(encoder.encode(state), new CompressionStream("deflate-raw"));
+  let letters = "";
+  for (const byte of packed) letters += String.fromCharCode(byte);
+  return `#z=${btoa(letters).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "")}`;
+}
+
+/** The scene of a fragment; nothing if it carries none. */
+export async function fromFragment(fragment) {
+  const named = /^#scene=([\w-]+)$/.exec(fragment);
+  if (named) return { name: named[1], text: null, sets: [], whole: false };
+  const packed = /^#z=([\w-]+)$/.exec(fragment);
+  if (!packed) return null;
+  try {
+    const letters = atob(packed[1].replaceAll("-", "+").replaceAll("_", "/"));
+    const bytes = await through(Uint8Array.from(letters, (letter) => letter.charCodeAt(0)), new DecompressionStream("deflate-raw"));
+    const { n, t, s, w } = JSON.parse(new TextDecoder().decode(bytes));
+    if (typeof n !== "string" || !(t === null || typeof t === "string") || !Array.isArray(s) || !s.every((set) => typeof set === "string")) return null;
+    return { name: n, text: t, sets: s, whole: Boolean(w) };
+  } catch {
+    return null;
+  }
+}

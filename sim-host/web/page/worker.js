@@ -1,0 +1,19 @@
+// The simulator in its worker: the module comes with the first message, then questions come one at a time.
+"use strict";
+self.sonoglideProgress = (reached) => self.postMessage({ progress: reached });
+self.sonoglidePanic = (said) => self.postMessage({ panic: said });
+
+let ready = null;
+self.onmessage = async ({ data }) => {
+  if (data.module) {
+    ready = wasm_bindgen({ module_or_path: data.module });
+    return;
+  }
+  const { id, ask, argument } = data;
+  try {
+    await ready;
+    self.postMessage({ id, answer: wasm_bindgen[ask](argument) });
+  } catch (error) {
+    self.postMessage({ id, lost: String(error) });
+  }
+};

@@ -1,0 +1,237 @@
+// The page in a headless Chromium. `sim-host/web/check` packs it and runs this.
+import assert from "node:assert/strict";
+import { readFile, mkdir } from "node:fs/promises";
+import { join, resolve } from "node:path";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+import { gzipSync } from "node:zlib";
+
+import { Browser } from "./browser.mjs";
+
+const folder = resolve(process.env.SONOGLIDE_PAGE ?? "target/web");
+const file = join(folder, "sonoglide.html");
+const address = pathToFileURL(file).href;
+const done = "document.body.dataset.state === 'done'";
+const state = (name) => `document.body.dataset.${name}`;
+
+let browser;
+before(async () => {
+  await mkdir(join(folder, "pictures"), { recursive: true });
+  browser = await Browser.start(process.env.CHROMIUM ?? "chromium");
+});
+after(() => browser.stop());
+
+/** An opened page; afterwards it must not have complained, nor asked a network. */
+async function opened(options, look, fragment = "") {
+  const page = await browser.page(address + fragment, options);
+  try {
+    await look(page);
+    assert.deepEqual(page.complaints, []);
+    assert.deepEqual(page.requests, []);
+  } finally {
+    await page.close();
+  }
+}
+
+const choose = (page, scene) => page.value(`(() => { document.body.dataset.state = ''; const s = document.getElementById('scene'); s.value = '${scene}'; s.dispatchEvent(new Event('change')); })()`);
+const press = (page, id) => page.value(`(() => { document.body.dataset.state = ''; document.getElementById('${id}').click(); })()`);
+const text = (page, id) => page.value(`document.getElementById('${id}').textContent`);
+
+test("the page is at most 1.5 MB gzipped", async () => {
+  const packed = gzipSync(await readFile(file), { level: 9 }).length;
+  console.log(`${packed} bytes gzipped`);
+  assert.ok(packed <= 1.5e6, `${packed} bytes`);
+});
+
+test("the first result is there within two seconds, and friction falls", () => opened({}, async (page) => {
+  await page.until(done);
+  const wall = Number(await page.value(state("wall")));
+  const since = await page.value("performance.now()");
+  console.log(`first run ${wall.toFixed(2)} s, shown ${(since / 1e3).toFixed(2)} s after the page was asked for`);
+  assert.ok(wall < 2, `${wall} s`);
+  assert.match(await text(page, "headline"), /friction reduction6\d\.\d+ %/);
+  assert.equal(await text(page, "hash-verdict"), "Equal to the host's, bit for bit.");
+}));
+
+test("every scene with a controller plays the host's codes, bit for bit", { timeout: 900000 }, () => opened({}, async (page) => {
+  await page.until(done);
+  const hosts = JSON.parse(await text(page, "hosts"));
+  const names = Object.keys(hosts);
+  assert.ok(names.length >= 30, names.join());
+  const different = [];
+  let total = 0;
+  for (const name of names) {
+    await choose(page, name);
+    await page.until(`${done} || ${state("state")} === 'error'`, 300000);
+    const hash = await page.value(state("hash"));
+    if (hash !== hosts[name].opened) different.push(`${name}: ${hash} and ${hosts[name].opened}`);
+    total += Number(await page.value(state("wall")));
+  }
+  assert.deepEqual(different, []);
+  console.log(`${names.length} scenes equal, ${total.toFixed(1)} s of runs`);
+}));
+
+test("scenes of contacts are solved", () => opened({}, async (page) => {
+  await page.until(done);
+  for (const name of ["contact", "contact-kinematic", "contact-normal"]) {
+    await choose(page, name);
+    await page.until(done);
+    assert.equal(await page.value("document.getElementById('same').hidden"), true);
+    assert.ok(await page.value("document.querySelectorAll('#figures figure').length") > 0);
+  }
+}));
+
+test("the switch and a fault change what comes after the moment, and nothing before it", () => opened({}, async (page) => {
+  await page.until(done);
+  const at = (part) => page.value(`(() => { const t = document.getElementById('time'); t.value = ${part * 1000}; t.dispatchEvent(new Event('input')); })()`);
+  const friction = () => page.value("[...document.querySelectorAll('#now tbody tr')].find((row) => row.cells[0].textContent === 'friction').cells[3].textContent");
+  await at(0.3);
+  const before = await friction();
+  await at(0.7);
+  assert.equal(await text(page, "switch"), "Switch OFF here");
+  await press(page, "switch");
+  await page.until(done);
+  assert.match(await text(page, "changes"), /ON at 0\.4 s, OFF at 0\.49 s/);
+  await at(0.95);
+  assert.equal(await text(page, "switch"), "Switch ON here");
+  await at(0.3);
+  assert.equal(await friction(), before);
+  await at(0.65);
+  await page.value("document.getElementById('fault').value = [...document.getElementById('fault').options].find((option) => option.text === 'short').value");
+  await press(page, "break");
+  await page.until(done);
+  assert.match(await text(page, "event-list"), /fault \d+:/);
+  assert.match(await page.value("document.getElementById('command').value"), /--set 'fault\.0=\{at_s=0\.455, kind="short"\}'/);
+}));
+
+test("a slider changes its key, and taking it back gives the first result again", () => opened({}, async (page) => {
+  await page.until(done);
+  const first = await page.value(state("hash"));
+  await page.value("(() => { document.body.dataset.state = ''; const s = document.getElementById('slider-rig.slider.load_n'); s.value = 200; s.dispatchEvent(new Event('input')); })()");
+  await page.until(done);
+  assert.notEqual(await page.value(state("hash")), first);
+  assert.match(await page.value("document.getElementById('command').value"), /--set rig\.slider\.load_n=10/);
+  await page.value("(() => { document.body.dataset.state = ''; const s = document.getElementById('slider-controller.burst.off_s'); s.value = 150; s.dispatchEvent(new Event('input')); })()");
+  await page.until(done);
+  assert.match(await page.value("document.getElementById('command').value"), /--set 'controller\.burst\.off_s=\[\d+\.\d+\]'/);
+  await press(page, "reset");
+  await page.until(done);
+  assert.equal(await page.value(state("hash")), first);
+}));
+
+test("a link carries the scene and its changes", () => opened({}, async (page) => {
+  await page.until(done);
+  await page.value("(() => { document.body.dataset.state = ''; const s = document.getElementById('slider-contact.dahl.mu'); s.value = 150; s.dispatchEvent(new Event('input')); })()");
+  await page.until(done);
+  const hash = await page.value(state("hash")), fragment = await page.value("location.hash");
+  assert.match(fragment, /^#z=/);
+  await opened({}, async (other) => {
+    await other.until(done);
+    assert.equal(await other.value(state("hash")), hash);
+  }, fragment);
+  await opened({}, async (other) => {
+    await other.until(done);
+    assert.equal(await text(other, "hash-verdict"), "Equal to the host's, bit for bit.");
+    assert.equal(await other.value("document.getElementById('scene').value"), "burst");
+  }, "#scene=burst");
+}));
+
+test("mistakes of a scene have the words and the caret of the command line", () => opened({}, async (page) => {
+  await page.until(done);
+  const mistaken = (scene) => page.value(`(() => { document.body.dataset.state = ''; document.getElementById('toml').value = ${JSON.stringify(scene)}; document.getElementById('apply').click(); })()`);
+  await mistaken('base = "lock"\n\n[controller.drive]\namplitud_v = 3\n');
+  await page.until(`${state("state")} === 'error'`);
+  const said = await text(page, "error");
+  assert.match(said, /--> my-scene\.toml:4:1/);
+  assert.match(said, /\^{5,}/);
+  assert.match(said, /amplitude_v/);
+  await mistaken('base = "lock"\ntitle = "mine"\nduration_s = 0.31\n');
+  await page.until(done);
+  assert.equal(await page.value("document.getElementById('error').hidden"), true);
+  assert.match(await text(page, "title"), /^mine/);
+}));
+
+test("a motor and a crash have their views, and files are there", () => opened({}, async (page) => {
+  await page.until(done);
+  await choose(page, "usm");
+  await page.until(done);
+  assert.match(await text(page, "motor-now"), /turned by [\d.]+°/);
+  await page.picture(join(folder, "pictures", "usm.png"));
+  await choose(page, "dring-crash");
+  await page.until(done);
+  assert.match(await page.value("document.querySelector('.crash-story').textContent"), /ms: /);
+  await page.picture(join(folder, "pictures", "crash.png"));
+  const files = await page.value("[...document.querySelectorAll('[data-file]')].map((button) => button.dataset.file)");
+  assert.deepEqual(files, ["summary.json", "trace.csv", "scene.toml"]);
+  const saved = await page.value(`new Promise((resolve) => {
+    const address = URL.createObjectURL;
+    URL.createObjectURL = (blob) => { URL.createObjectURL = address; blob.text().then(resolve); return address.call(URL, blob); };
+    document.querySelector('[data-file="summary.json"]').click();
+  })`);
+  assert.equal(JSON.parse(saved).drive_hash, await page.value(state("hash")));
+}));
+
+test("everything is reached by the keyboard, and what has the focus is seen", () => opened({}, async (page) => {
+  await page.until(done);
+  await page.value("document.body.focus()");
+  const reached = [];
+  const focus = `(() => { const e = document.activeElement; const s = getComputedStyle(e); return { id: e.id || e.dataset.file || e.className || e.tagName, name: e.ariaLabel || e.labels?.[0]?.textContent || e.textContent || '', seen: e.closest('label.file') !== null || parseFloat(s.outlineWidth) >= 2 }; })()`;
+  for (let n = 0; n < 250; n += 1) {
+    await page.key("Tab");
+    const now = await page.value(focus);
+    if (now.id === "BODY" && reached.length) break;
+    reached.push(now);
+  }
+  const ids = reached.map(({ id }) => id);
+  for (const id of ["skip", "scene", "run", "slider-rig.slider.load_n", "slider-stack.bvd.q", "play", "time", "speed", "switch", "fault", "break", "copy", "link", "summary.json"]) assert.ok(ids.includes(id), `${id} is not reached: ${ids.join(" ")}`);
+  assert.deepEqual(reached.filter(({ seen, name }) => !seen || !name.trim()), []);
+  // A slider by its arrows, and the scene again by its keys.
+  const first = await page.value(state("hash"));
+  await page.value("document.body.dataset.state = ''; document.getElementById('slider-rig.slider.speed_m_per_s').focus()");
+  await page.key("ArrowRight");
+  await page.until(done);
+  assert.notEqual(await page.value(state("hash")), first);
+  await page.value("document.body.dataset.state = ''; document.getElementById('run').focus()");
+  await page.key(" ");
+  await page.until(done);
+  assert.match(await text(page, "status"), /^Done in/);
+}));
+
+test("axe finds nothing, light and dark, wide and narrow", async (context) => {
+  const source = await readFile(process.env.AXE ?? "", "utf8").catch(() => null);
+  if (source === null) return context.skip("axe-core could not be installed");
+  for (const options of [{}, { dark: true }, { width: 360, height: 740 }]) {
+    await opened(options, async (page) => {
+      for (const scene of ["experiment-1", "dring-crash", "usm"]) {
+        await page.until(done);
+        await choose(page, scene);
+        await page.until(done);
+        await page.value("document.querySelectorAll('details').forEach((one) => { one.open = true; })");
+        await page.value(source);
+        const found = await page.value("axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'] }).then(({ violations }) => violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.slice(0, 4).map((node) => node.target + ' ' + (node.any[0]?.message ?? '')).join(', ')}`))");
+        assert.deepEqual(found, [], `${scene} ${JSON.stringify(options)}`);
+      }
+    });
+  }
+});
+
+test("a phone shows it without scrolling to the side", () => opened({ width: 360, height: 740 }, async (page) => {
+  await page.until(done);
+  for (const scene of ["experiment-1", "usm", "dring-crash", "contact"]) {
+    await choose(page, scene);
+    await page.until(done);
+    assert.equal(await page.value("document.documentElement.scrollWidth"), 360, scene);
+  }
+  await choose(page, "experiment-1");
+  await page.until(done);
+  await page.picture(join(folder, "pictures", "phone.png"));
+}));
+
+test("pictures to look at", async () => {
+  for (const [name, options] of [["light", {}], ["dark", { dark: true }], ["tablet", { width: 800 }]]) {
+    await opened(options, async (page) => {
+      await page.until(done);
+      await page.picture(join(folder, "pictures", `${name}.png`));
+    });
+  }
+});

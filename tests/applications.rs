@@ -1,0 +1,195 @@
+//! Applications beyond the belt, through the whole chain: what their scenes come to over amplitude and load, beside closed forms.
+//!
+//! `UPDATE_DOCS=1 cargo test docs -- --include-ignored` writes the tables of docs/applications.md.
+
+use contact::closed::friction_ratio;
+use report::TableBlock;
+use scene::load::load;
+use sim::instruments::{DRIVEN, View, measure};
+use sim::metrics::Metrics;
+use sim::run::{Watch, run};
+
+/// What came of a scene: its metrics, and its stretches with the drive ON and OFF.
+struct Outcome {
+    metrics: Metrics,
+    stretches: TableBlock,
+}
+
+impl Outcome {
+    fn of(name: &str, changes: &[String]) -> Self {
+        let loaded = load(name, changes).unwrap_or_else(|error| panic!("{error}"));
+        let scene = loaded.scene.driven().unwrap();
+        let record = run(&scene, Watch::default()).unwrap();
+        let metrics = measure(&scene, &record);
+        assert_eq!(metrics.get("fault_code"), Some(0.0), "{name}, {changes:?}");
+        let view = View::new(&scene, &record);
+        let mut tables = DRIVEN.iter().flat_map(|instrument| instrument.tables(&view, &metrics));
+        let stretches = tables.find(|table| table.id == "carriage").expect("a carriage");
+        Outcome { metrics, stretches }
+    }
+
+    fn get(&self, name: &str) -> f64 {
+        self.metrics.get(name).unwrap_or_else(|| panic!("no {name}"))
+    }
+}
+
+/// So many significant digits.
+fn digits(value: f64, digits: usize) -> String {
+    let decimals = digits as i32 - 1 - if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+    format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
+}
+
+/// The stretches of a run, without the columns in which it has nothing.
+fn stretches(title: &str, mut table: TableBlock) -> TableBlock {
+    let has: Vec<bool> = (0..table.header.len()).map(|at| table.rows.iter().any(|row| row[at] != "–")).collect();
+    for cells in table.rows.iter_mut().chain([&mut table.header]) {
+        let mut keep = has.iter();
+        cells.retain(|_| keep.next() == Some(&true));
+    }
+    for cell in table.rows.iter_mut().flatten() {
+        if let Ok(value) = cell.parse::<f64>() {
+            *cell = if cell.contains(['.', 'e']) { digits(value, 3) } else { cell.clone() };
+        }
+    }
+    TableBlock { title: title.into(), ..table }
+}
+
+#[test]
+fn docs_of_a_seat_rail() {
+    // The numbers of the scene.
+    let (mass, normal, mu, stiffness, pull) = (20.0, 200.0, 0.25, 1e6, 1e-4);
+    let mut rows = Vec::new();
+    let mut own = None;
+    for tip in [0.025, 0.05, 0.1, 0.175] {
+        let outcome = Outcome::of("seat-rail", &[format!("controller.drive.velocity_m_per_s={tip}")]);
+        // A slow carriage on a vibrating contact of soft bristles is damped by `pi mu N / (2 Vv)`, beside the 2000 N s/m of its drive train.
+        let damper = std::f64::consts::FRAC_PI_2 * mu * normal / tip;
+        let omega = f64::sqrt(stiffness / mass);
+        let zeta = (damper + 2000.0) / (2.0 * mass * omega);
+        let overshoot = if zeta < 1.0 { f64::exp(-std::f64::consts::PI * zeta / (1.0 - zeta * zeta).sqrt()) } else { 0.0 };
+        let steady = damper * pull;
+        assert!(outcome.get("breakaway_on_n") < 0.012 * outcome.get("breakaway_off_n"), "{tip}");
+        assert!(outcome.get("speed_ripple_on") < 0.1 && outcome.get("speed_ripple_off") > 2.0, "{tip}");
+        let gone = outcome.get("release_overshoot_m") * stiffness / outcome.get("breakaway_off_n");
+        assert!(gone < overshoot + 0.02, "{tip}: {gone} of the force, {overshoot} of a linear damper");
+        rows.push(vec![
+            tip.to_string(),
+            digits(outcome.get("breakaway_off_n"), 4),
+            digits(outcome.get("breakaway_on_n"), 3),
+            digits(steady, 3),
+            digits(1e6 * outcome.get("slip_jump_off_m"), 3),
+            digits(1e6 * outcome.get("slip_jump_on_m"), 2),
+            digits(outcome.get("stick_slip_hz"), 3),
+            digits(outcome.get("speed_ripple_off"), 3),
+            digits(outcome.get("speed_ripple_on"), 2),
+            digits(1e6 * outcome.get("release_overshoot_m"), 3),
+            digits(outcome.get("drive_power_w"), 3),
+        ]);
+        if tip == 0.05 {
+            own = Some(outcome.stretches);
+        }
+    }
+    let header = [
+        "tip velocity [m/s]",
+        "breaks away at, OFF [N]",
+        "ON [N]",
+        "damper, ON [N]",
+        "jump, OFF [um]",
+        "ON [um]",
+        "stick-slip, OFF [Hz]",
+        "rms of the speed over its mean, OFF",
+        "ON",
+        "past the spring's end [um]",
+        "drive [W]",
+    ];
+    let caption = "The largest pull with the drive OFF, and with it ON from rest; the mean of the latter as a damper `pi mu N / (2 Vv)` at 0.1 mm/s has it; the jump of a slip; how far the carriage goes past the end of its \
+                   spring where the drive comes ON while that is wound; electrical power while ON.";
+    let own = own.map(|table| stretches("The scene `seat-rail`, drive ON and OFF", table));
+    let over = TableBlock::new("rail", "Over the tip velocity", caption, &header, rows);
+    report::docs::block(
+        "applications.md",
+        "cargo test -p scenarios applications::docs_of_a_seat_rail",
+        &report::markdown(&[own.unwrap(), over]),
+    );
+}
+
+#[test]
+fn docs_of_a_seat_recliner() {
+    let (mass, coulomb, stiffness, omega) = (50.0, 60.0, 10e6, 1.0 / f64::sqrt(0.7916e-3 * 20e-9));
+    let mut rows = Vec::new();
+    let mut own = None;
+    for (force, tip) in [(10.0, 0.1), (20.0, 0.1), (30.0, 0.1), (40.0, 0.1), (50.0, 0.1), (40.0, 0.05), (40.0, 0.175)] {
+        let changes = [format!("rig.carriage.force_n={force}"), format!("controller.drive.velocity_m_per_s={tip}")];
+        let outcome = Outcome::of("seat-recliner", &changes);
+        let speed = released_speed(force / coulomb, tip, stiffness * tip / (omega * coulomb));
+        let (got, stops) = (outcome.get("release_speed_m_per_s"), outcome.get("hold_time_ms"));
+        let expected_ms = 1e3 * got * mass / (coulomb - force);
+        assert!((got / speed - 1.0).abs() < 0.007, "{force} N, {tip} m/s: {got} for {speed}");
+        // The tip rings down within three time constants of 0.5 ms, and the friction returns meanwhile.
+        assert!((stops - expected_ms).abs() < 0.01 * expected_ms + 1.0, "{force} N, {tip} m/s: {stops} for {expected_ms}");
+        let (energy, estimate) = (outcome.get("release_energy_j"), outcome.get("release_energy_estimate_j"));
+        assert!((estimate / energy - 1.0).abs() < 0.007, "{force} N, {tip} m/s: {estimate} for {energy}");
+        rows.push(vec![
+            force.to_string(),
+            tip.to_string(),
+            digits(outcome.get("holding_margin"), 3),
+            digits(1e3 * outcome.get("creep_m"), 2),
+            digits(outcome.get("release_time_ms"), 3),
+            digits(1e3 * got, 4),
+            digits(1e3 * speed, 4),
+            digits(energy, 3),
+            digits(estimate, 3),
+            digits(stops, 4),
+            digits(expected_ms, 4),
+            digits(1e3 * outcome.get("hold_way_m"), 3),
+        ]);
+        if (force, tip) == (40.0, 0.1) {
+            own = Some(outcome.stretches);
+        }
+    }
+    let header = [
+        "load [N]",
+        "tip velocity [m/s]",
+        "holding margin",
+        "creep until ON [mm]",
+        "released after [ms]",
+        "speed [mm/s]",
+        "closed form",
+        "energy [J]",
+        "by the controller",
+        "stands after [ms]",
+        "closed form",
+        "way till then [mm]",
+    ];
+    let caption = "Of a release of 0.6 s. The speed is where Dahl's steady mean friction is the load; the time until it stands again is `m V / (mu N - P)`. The creep is from power-up to the release, and comes from self-test, scan and lock.";
+    let own = own.map(|table| stretches("The scene `seat-recliner`, drive ON and OFF", table));
+    let over = TableBlock::new("recliner", "Over load and tip velocity", caption, &header, rows);
+    let text = report::markdown(&[own.unwrap(), over]);
+    report::docs::block("applications.md", "cargo test -p scenarios applications::docs_of_a_seat_recliner", &text);
+}
+
+/// The speed at which Dahl's steady mean friction is this part of Coulomb's, m/s.
+fn released_speed(ratio: f64, tip: f64, kappa: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if friction_ratio(middle, kappa) < ratio { low = middle } else { high = middle }
+    }
+    low * tip
+}
+
+/// A drive over a load that its friction would not stop again is not what the scene holds: the backrest runs away at power-up, and the metric says so.
+#[test]
+fn a_load_above_the_kinetic_friction_is_not_held_again() {
+    let outcome = Outcome::of(
+        "seat-recliner",
+        &[
+            "rig.carriage.force_n=65".to_owned(),
+            "duration_s=0.5".to_owned(),
+            "controller.burst.on_s=[0.3]".to_owned(),
+            "controller.burst.off_s=[0.4]".to_owned(),
+        ],
+    );
+    assert!(outcome.get("holding_margin") < 1.0);
+    assert!(outcome.get("creep_m") > 5e-3, "{}", outcome.get("creep_m"));
+}
