@@ -131,6 +131,11 @@ impl AtTerminal {
             thread::sleep(Duration::from_millis(10));
         }
     }
+
+    /// Waits for the next prompt: keys that are typed before it are the terminal's, and Ctrl-D among them is lost.
+    fn is_there(&mut self) {
+        self.types("", "sim:lock> ");
+    }
 }
 
 impl Drop for AtTerminal {
@@ -144,22 +149,26 @@ impl Drop for AtTerminal {
 fn at_a_terminal_words_are_completed_and_ctrl_c_silences_and_stays() {
     let folder = Folder::new("link-prompt");
     let mut prompt = AtTerminal::new(&["link", "sim:lock"], folder.text());
-    prompt.types("", "sim:lock> ");
+    prompt.is_there();
     // A word and its unit.
     prompt.types("settings set limits.vol\t", "limits.voltage_v <V>");
     prompt.types("3\r", "limits.voltage_v = 3");
+    prompt.is_there();
     prompt.types("lo\t\r", "`stop` ends it");
     // The line above the prompt is renewed while nothing is typed.
     prompt.types("", "\x1b[1A");
     prompt.types("\x03", "the drive is silent");
     prompt.types("", "idle ");
+    prompt.is_there();
     prompt.types("scna\r", "here");
+    prompt.is_there();
     // While a command runs Ctrl-C is a signal; the second prompt afterwards is that of a session which goes on.
     prompt.types("monitor\r", "Hz");
     prompt.types("\x03", "the drive is silent");
-    prompt.types("", "sim:lock> ");
+    prompt.is_there();
     // The line before last, from the history.
     prompt.types("\x1b[A\x1b[A\r", "'scna'");
+    prompt.is_there();
     prompt.types("\x04", "\x1b[?2004l");
     assert_eq!(prompt.child.wait().expect("its end").code(), Some(0), "{}", prompt.seen.lock().expect("the text"));
     assert!(folder.read("sonoglide/link-history").contains("monitor"));
@@ -170,7 +179,7 @@ fn a_request_to_end_leaves_the_prompt_and_silences_the_drive() {
     let folder = Folder::new("link-prompt-ends");
     let mut prompt = AtTerminal::new(&["link", "sim:lock"], folder.text());
     prompt.types("lock\r", "`stop` ends it");
-    prompt.types("", "sim:lock> ");
+    prompt.is_there();
     let id = prompt.child.id().to_string();
     assert!(Command::new("kill").args(["-TERM", &id]).status().is_ok_and(|status| status.success()));
     prompt.types("", "the drive is silent now");
