@@ -11,7 +11,8 @@ const NARROW: f64 = 1e-9;
 
 /// First part in (0, 1] at which the polynomial becomes negative. Its first `zeros` coefficients count as zero: it begins there, going up.
 pub(super) fn first(series: &[f64], zeros: usize) -> Option<f64> {
-    // Divided by the powers that are known, its zero at the beginning is gone. What is zero throughout never becomes negative, and has no part that is not to be split.
+    // Divided by the powers that are known, its zero at the beginning is gone. What is zero throughout would be
+    // split without end, and never becomes negative.
     let known = zeros + series.get(zeros..)?.iter().position(|&c| c != 0.0)?;
     let polynomial = series.get(known..)?;
     if *polynomial.first()? < 0.0 {
@@ -115,7 +116,7 @@ mod tests {
         assert!((first(&[0.0, 0.0, 0.5, -1.0], 1).unwrap() - 0.5).abs() < 1e-15);
     }
 
-    /// A slip that stays zero, as under a square wave as fast as the sliding: without an end of its own it was split into 2^30 intervals.
+    /// A slip that stays zero, as under a square wave that is as fast to round-off: without an end of its own it was split into 2^30 intervals.
     #[test]
     fn what_is_zero_throughout_is_not_searched() {
         assert_eq!(first(&[2.8e-17, 0.0, -0.0, 0.0], 1), None);
