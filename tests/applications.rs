@@ -168,6 +168,86 @@ fn docs_of_a_seat_recliner() {
     report::docs::block("applications.md", "cargo test -p scenarios applications::docs_of_a_seat_recliner", &text);
 }
 
+/// Distance of two detents of the scene, m, and the course of their friction ratio, 0.3 to 1, over the angle of one.
+const PITCH_M: f64 = 3.927e-3;
+fn course(angle: f64) -> f64 {
+    let away = 2.0 * (angle / std::f64::consts::TAU - (angle / std::f64::consts::TAU).round()).abs();
+    1.0 - 0.7 * away * away * (3.0 - 2.0 * away)
+}
+
+/// Depth of the course where the friction ratio cannot be less than `floor`, over its whole depth: by the fundamentals.
+fn depth_above(floor: f64) -> f64 {
+    let fundamental = |of: &dyn Fn(f64) -> f64| {
+        (0..10_000).map(|n| f64::from(n) * 2e-4 * std::f64::consts::PI).map(|x| of(x) * x.cos()).sum::<f64>()
+    };
+    fundamental(&|x| course(x).max(floor)) / fundamental(&course)
+}
+
+#[test]
+fn docs_of_a_haptic_knob() {
+    // The numbers of the scene.
+    let (coulomb, stiffness, tip, radius_m, omega) = (3.0, 6e6, 0.175, 0.015, 1.0 / f64::sqrt(0.7916e-3 * 20e-9));
+    let mut rows = Vec::new();
+    for (turns, hand) in [(0.125, 1.0), (0.25, 1.0), (0.5, 1.0), (0.75, 1.0), (1.0, 1.0), (0.5, 2.0), (0.5, 0.5), (0.125, 0.5)] {
+        let speed = turns * std::f64::consts::TAU * radius_m;
+        let (spring, damper) = (4500.0 * hand, 40.0 * f64::sqrt(hand));
+        // A third of a second to get going, and as many detents as in the scene.
+        let outcome = Outcome::of(
+            "haptic-knob",
+            &[
+                format!("rig.carriage.pull_m_per_s={speed}"),
+                format!("rig.carriage.stiffness_n_per_m={spring}"),
+                format!("rig.carriage.damping_n_s_per_m={damper}"),
+                format!("duration_s={}", 0.3 + 10.0 * PITCH_M / speed),
+            ],
+        );
+        let floor = friction_ratio(speed / tip, stiffness * tip / (omega * coulomb));
+        let (within, depth, lag) = (depth_above(floor), outcome.get("detent_depth"), outcome.get("detent_lag_ms"));
+        let estimate = outcome.get("detent_depth_estimate");
+        if hand >= 1.0 {
+            // A hand that is not much stiffer than the friction is steep lets the speed swing, and with it what the drive makes of it.
+            let swing = outcome.get("speed_ripple_on");
+            assert!(depth > within - 0.7 * swing - 0.1 && depth < within + 0.1, "{turns}, {hand}: {depth} of {within}");
+            assert!((estimate - depth).abs() < 0.08, "{turns}, {hand}: {estimate} for {depth}");
+            assert!((0.0..4.0).contains(&lag), "{turns}, {hand}: {lag} ms");
+        }
+        rows.push(vec![
+            turns.to_string(),
+            digits(spring * radius_m * radius_m, 2),
+            digits(24.0 * turns, 2),
+            digits(floor, 2),
+            digits(within, 3),
+            digits(depth, 3),
+            digits(estimate, 3),
+            digits(lag, 2),
+            digits(outcome.get("speed_ripple_on"), 2),
+            digits(1e3 * outcome.get("breakaway_on_n") * radius_m, 3),
+            digits(outcome.get("drive_power_w"), 2),
+        ]);
+    }
+    let header = [
+        "turns a second",
+        "hand [N m/rad]",
+        "detents a second",
+        "least ratio",
+        "depth that leaves",
+        "depth",
+        "by the controller",
+        "late [ms]",
+        "rms of the speed over its mean",
+        "largest torque [mN m]",
+        "drive [W]",
+    ];
+    let caption = "The least ratio is that of the largest tip velocity, 0.175 m/s, by the closed form of Dahl's steady mean friction at the mean speed; of the depth that was asked for it leaves so much. \
+                   Depths are magnitudes of the fundamental over that of the command. The torque is the hand's.";
+    let over = TableBlock::new("knob", "Over the speed, and the hand", caption, &header, rows);
+    report::docs::block(
+        "applications.md",
+        "cargo test -p scenarios applications::docs_of_a_haptic_knob",
+        &report::markdown(&[over]),
+    );
+}
+
 /// The speed at which Dahl's steady mean friction is this part of Coulomb's, m/s.
 fn released_speed(ratio: f64, tip: f64, kappa: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);

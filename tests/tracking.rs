@@ -1,7 +1,7 @@
 //! Scan and lock, with the plant behind the converters: what the motional phase can do that the V-I phase cannot.
 
 use firmware::controller::Controller;
-use firmware::seam::block::{Gate, Orders, Request};
+use firmware::seam::block::{Amplitude, Gate, Orders, Request};
 use firmware::seam::fault::{Fault, Limit};
 use firmware::seam::mode::Mode;
 use firmware::seam::telemetry::Telemetry;
@@ -69,6 +69,39 @@ fn a_run_can_follow_a_run_at_once() {
         assert_eq!(rig.blocks(1).mode, Mode::SelfTest);
         let scanned = rig.until(Mode::Idle);
         assert!(scanned.fault.is_none() && scanned.transducer.is_some(), "{name}: {scanned:?}");
+    }
+}
+
+/// An amplitude that is ordered anew in each block, to nothing and back, is there again as it was: no fault, no silence.
+#[test]
+fn a_current_may_fade_to_nothing_and_back() {
+    let courses = [
+        ("observer", 500, 2000),
+        ("observer", 5000, 2000),
+        ("observer", 40, 2000),
+        ("observer", 500, 0),
+        ("phase_lock", 500, 2000),
+    ];
+    for (mode, fade, pause) in courses {
+        let mut rig = Rig::new("lock", &[&format!("controller.tracking.mode={mode}")]);
+        rig.order(Request::Run);
+        assert_eq!(rig.until(Mode::Run).fault, None);
+        let mut order = |amperes: f32, blocks: u32| {
+            rig.orders.amplitude = Some(Amplitude::MotionalCurrent(amperes));
+            rig.blocks(blocks)
+        };
+        order(0.8, 2000);
+        for twice in 0..2 {
+            (0..fade).for_each(|n| _ = order(0.8 * (1.0 - n as f32 / fade as f32), 1));
+            if pause > 0 {
+                order(0.0, pause);
+            }
+            (1..fade).for_each(|n| _ = order(0.8 * n as f32 / fade as f32, 1));
+            let back = order(0.8, 1000);
+            let amperes = back.motional_current.norm();
+            assert_eq!((back.mode, back.fault), (Mode::Run, None), "{mode}, {fade}, {pause}, {twice}");
+            assert!((amperes / 0.8 - 1.0).abs() < 0.02, "{mode}, {fade}, {pause}, {twice}: {amperes} A");
+        }
     }
 }
 

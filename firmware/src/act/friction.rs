@@ -11,10 +11,13 @@
 //!                 survey <- force, motional current, belt speed
 //! ```
 //!
+//! A knob has [detents]: its set point follows its position.
+//!
 //! What is calculated is spread over blocks. A ratio that is not to be had is refused by number, and the nearest that can be is driven.
 
 mod average;
 pub mod dahl;
+pub(crate) mod detents;
 pub(crate) mod fit;
 pub mod inverse;
 pub(crate) mod regime;
@@ -27,6 +30,7 @@ pub use terms::{Sensed, SetPoint};
 
 use crate::act::friction::average::LowPass;
 use crate::act::friction::dahl::Evaluation;
+use crate::act::friction::detents::Detents;
 use crate::act::friction::fit::Contact;
 use crate::act::friction::inverse::{Inverse, Solution};
 use crate::act::friction::regime::{Choice, Regime, Short};
@@ -63,6 +67,7 @@ pub struct FrictionSwitch {
     _enabled: features::Friction,
     law: FrictionLaw,
     target: Target,
+    detents: Option<Detents>,
     omega: f32,
     force_factor: f32,
     /// Largest motional current, A.
@@ -116,6 +121,7 @@ impl FrictionSwitch {
             _enabled: enabled,
             law: friction.law,
             target: friction.target,
+            detents: Detents::build(config, friction, block_s)?,
             omega: core::f32::consts::TAU * config.drive.frequency_hz,
             force_factor: friction.force_factor_n_per_v,
             most_amperes,
@@ -171,7 +177,11 @@ impl FrictionSwitch {
             self.ordered = self.surveyed();
             return self.ordered;
         }
-        self.asked = self.ratio_of(ordered.unwrap_or(self.target));
+        let between = self.ratio_of(ordered.unwrap_or(self.target));
+        self.asked = match (&self.detents, sensed.counts) {
+            (Some(detents), Some(counts)) => detents.ratio(counts, sensed.belt_m_per_s.unwrap_or(0.0), between),
+            _ => between,
+        };
         self.ordered = match self.choice.regime() {
             Regime::Silent => SetPoint::Silence,
             Regime::Amplitude(xi) => self.current(self.contact().scale * self.speed.value / xi),
@@ -183,6 +193,11 @@ impl FrictionSwitch {
     /// Set point of the drive, from the last step.
     pub fn set_point(&self) -> SetPoint {
         self.ordered
+    }
+
+    /// Whether its set point moves with a knob, and with it the drive.
+    pub(crate) fn moves(&self) -> bool {
+        self.detents.is_some()
     }
 
     /// Why the friction misses its set point, if it does.

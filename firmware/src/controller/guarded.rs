@@ -58,7 +58,7 @@ impl Chain {
         // Of another lane there are no phasors, but the last ones of lane 0.
         let here = self.lanes.are_at_home() && self.generator.sweep.holds();
         if !(here && judged && played.pure && played.is_full()) {
-            self.continuity.rest(false);
+            self.continuity.rings();
             return None;
         }
         let Sensed { v, i } = *sensed;

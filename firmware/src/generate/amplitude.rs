@@ -24,6 +24,8 @@ const BANDWIDTH_HZ: f32 = 60.0;
 const LISTEN_ABOVE: f32 = 0.8;
 /// Less than so many codes of the drive converter is none: a dither shows no less, and what is a multiple of the drive stays finite.
 const LEAST_CODES: f32 = 1.0 / 64.0;
+/// A new amplitude begins with at least this part of the voltage that it takes without load.
+const LEAST_PART: f32 = 0.25;
 /// Settled: within this part of what is asked for, for so many blocks.
 const SETTLED: (f32, u32) = (0.01, 32);
 
@@ -52,8 +54,8 @@ pub(crate) struct AmplitudeLoop {
     rises_from_a: f32,
     /// Blocks in which the amplitude was what is asked for.
     within: u32,
-    /// What was asked for last, A.
-    asked: Option<f32>,
+    /// What was asked for last, A; zero before anything was.
+    asked: f32,
 }
 
 /// The largest amplitude that the voltage limit and the converters leave to a drive with trimmed lanes, V.
@@ -91,7 +93,7 @@ impl AmplitudeLoop {
             risen: 0.0,
             rises_from_a: 0.0,
             within: 0,
-            asked: None,
+            asked: 0.0,
         })
     }
 
@@ -117,13 +119,13 @@ impl AmplitudeLoop {
         self.fold_back.begin(transducer.lm_h, self.block_s, self.lag);
         self.integral_volts = self.start_volts;
         self.within = 0;
-        self.asked = None;
+        self.asked = 0.0;
     }
 
     /// The next measured block had been rung up by a boost: there is nothing to wait for.
     pub(crate) fn has_rung_up(&mut self) {
-        if let Some(asked) = self.asked {
-            self.expected = asked;
+        if self.asked > 0.0 {
+            self.expected = self.asked;
         }
     }
 
@@ -215,14 +217,16 @@ impl AmplitudeLoop {
     }
 
     /// As much more is asked for, as much more voltage it takes: the loop corrects only what that is wrong by.
+    // Not inlined: the fast memory of a board has no room for what few blocks have.
+    #[cold]
+    #[inline(never)]
     fn follow(&mut self, asked: f32) {
-        if let Some(before) = self.asked.filter(|&before| before != asked && before > 0.0) {
-            self.integral_volts = up_to(self.limits.voltage_v, self.integral_volts * (asked / before));
+        if self.asked > 0.0 {
+            // Of an amplitude within the noise the loop may have left nothing, from which nothing could be scaled.
+            let (scaled, least) = (self.integral_volts * (asked / self.asked), LEAST_PART * self.ohm * asked);
+            self.integral_volts = up_to(self.limits.voltage_v, larger(scaled, least));
         }
-        // Nothing can be scaled from nothing.
-        if asked > 0.0 {
-            self.asked = Some(asked);
-        }
+        self.asked = asked;
     }
 
     fn hold(&mut self, amperes: f32, envelope: f32, motional_current: Phasor) -> f32 {
@@ -231,8 +235,15 @@ impl AmplitudeLoop {
             return 0.0;
         }
         let ceiling = up_to(self.limits.current_a, amperes);
-        self.follow(ceiling);
         self.expected += self.lag * (envelope * ceiling - self.expected);
+        if ceiling == 0.0 {
+            // What is known of the load is for the next amplitude.
+            self.within = SETTLED.1;
+            return 0.0;
+        }
+        if self.asked != ceiling {
+            self.follow(ceiling);
+        }
         if envelope != 1.0 || self.expected < LISTEN_ABOVE * ceiling {
             return self.integral_volts;
         }

@@ -167,6 +167,13 @@ impl Continuity {
         (self.broken, self.steady, self.torn) = (0, 0, false);
     }
 
+    /// The block was of a drive that is too faint, or otherwise not fit, to be judged: a pause before it says nothing of what rings by now.
+    #[inline]
+    pub(crate) fn rings(&mut self) {
+        self.rest(false);
+        self.pause = 0;
+    }
+
     /// Where nothing is tracked, the frequency is an order, and with another one, however far away, everything is new.
     #[inline]
     pub(crate) fn follow_order(&mut self, offset_hz: f32) {

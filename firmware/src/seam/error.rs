@@ -35,6 +35,8 @@ pub enum Error {
     TrimOrder,
     /// The friction switch sets a tip velocity, so that the drive's amplitude must be a motional current.
     FrictionWithoutCurrent,
+    /// The detents of a knob follow its position, which an encoder has to tell.
+    DetentsWithoutEncoder,
     /// A boost is planned from the resonance, which must be tracked.
     BoostWithoutTracking,
     /// A boost is by half cycles of a sine.
@@ -73,6 +75,7 @@ impl fmt::Display for Error {
             Error::FrictionWithoutCurrent => {
                 f.write_str("friction is switched by tip velocity: drive.amplitude must be a motional current")
             }
+            Error::DetentsWithoutEncoder => f.write_str("friction.detent_pitch_m needs an encoder, front_end.metre_per_count"),
             Error::EnergyWithoutBelt => f.write_str("limits.energy_j_per_m needs a belt encoder, front_end.metre_per_count"),
             Error::LeftOut { parameter, feature } => {
                 write!(f, "{parameter} asks for what this image leaves out: build it with the feature `{feature}`")

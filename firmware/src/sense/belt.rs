@@ -103,6 +103,11 @@ impl Belt {
         self.fresh
     }
 
+    /// Where it is, counts since power-up; none without an encoder.
+    pub(crate) fn counts(&self) -> Option<i32> {
+        self.counter.map(|counter| counter.last)
+    }
+
     /// Blocks since there was new ground, or since power-on.
     pub(crate) fn still_blocks(&self) -> u32 {
         self.still

@@ -64,6 +64,7 @@ pub const FIGURES: &[FigureData] = &[
     FigureData { id: "crash-excursion", x: "time since the crash began [ms]", columns: &["switched_excursion_mm", "passive_excursion_mm"], meaning: "Excursion of the torso, with the switched and the passive belt" },
     FigureData { id: "crash-force", x: "time since the crash began [ms]", columns: &["switched_shoulder_n", "passive_shoulder_n"], meaning: "Force at the shoulder" },
     FigureData { id: "crash-payout", x: "time since the crash began [ms]", columns: &["switched_payout_m_per_s", "passive_payout_m_per_s"], meaning: "Sliding speed of the webbing over the D-ring" },
+    FigureData { id: "detents", x: "way of the knob [mm]", columns: &["friction_ratio_true", "friction_ratio_estimate", "friction_ratio_wanted"], meaning: "The friction ratio of a knob over its last detents: truth, estimate, set point" },
     FigureData { id: "displacement", x: "time [periods of the excitation]", columns: &["displacement_um"], meaning: "Displacement over the last periods of a contact study" },
     FigureData { id: "displacement-run", x: "time [periods of the excitation]", columns: &["displacement_middle_um"], meaning: "Displacement over the whole contact study; with the extremes in `_lower` and `_upper`" },
     FigureData { id: "energy", x: "time [s]", columns: &["supplied_j", "lost_j", "friction_on_wave_j", "friction_on_rotor_j", "friction_on_slider_j", "friction_on_tip_j"], meaning: "Work since the beginning; empty up to 1 nJ" },

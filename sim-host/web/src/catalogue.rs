@@ -41,12 +41,13 @@ pub fn scenes() -> Vec<Entry> {
 }
 
 /// Headings, and how the names of the scenes under them begin.
-const GROUPS: [(&str, &[&str]); 8] = [
+const GROUPS: [(&str, &[&str]); 9] = [
     ("Friction, switched", &["experiment", "friction"]),
     ("Find and hold a resonance", &["lock", "burst", "waveforms", "dummy", "self-heating", "derating"]),
     ("A belt stops", &["belt-stop"]),
     ("A crash", &["dring"]),
     ("A seat", &["seat"]),
+    ("A knob", &["haptic"]),
     ("A motor", &["usm"]),
     ("Measured transducers", &["transducer"]),
     ("A contact by itself, without a controller", &["contact"]),

@@ -21,6 +21,8 @@ pub enum SetPoint {
 pub struct Sensed {
     /// Belt speed, m/s; none without a sensor.
     pub(crate) belt_m_per_s: Option<f32>,
+    /// Where the belt is, counts since power-up; none without a sensor.
+    pub(crate) counts: Option<i32>,
     /// Friction, N; none without a sensor.
     pub(crate) force_n: Option<f32>,
     /// Motional current of a block that was ON throughout, and had rung up before it where a boost has done that, A peak.

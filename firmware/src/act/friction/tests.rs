@@ -37,6 +37,8 @@ fn config(schedule: Schedule) -> Config {
             speed_m_per_s: 0.038,
             dahl_length_m: 0.5e-6,
             average_s: 0.01,
+            detent_pitch_m: 0.0,
+            detent_ratio: 1.0,
         }),
     }
 }
@@ -50,12 +52,14 @@ struct Bench {
     sensor: f32,
     set_point: SetPoint,
     tip: f32,
+    /// Where the knob is.
+    counts: Option<i32>,
 }
 
 impl Bench {
     fn new(config: &Config, length: f32, sensor: f32) -> Self {
         let switch = FrictionSwitch::build(config, 32e-6).unwrap().unwrap();
-        Bench { switch, speed: 0.038, length, coulomb_n: 0.144, sensor, set_point: SetPoint::Silence, tip: 0.0 }
+        Bench { switch, speed: 0.038, length, coulomb_n: 0.144, sensor, set_point: SetPoint::Silence, tip: 0.0, counts: None }
     }
 
     /// The true ratio of what is played, over whole bursts.
@@ -80,6 +84,7 @@ impl Bench {
         self.tip += (amperes.unwrap_or(0.0) - self.tip) / 16.0;
         let sensed = Sensed {
             belt_m_per_s: Some(self.speed * self.sensor),
+            counts: self.counts,
             force_n: Some(self.coulomb_n * self.ratio()),
             motional_a: amperes.map(|_| self.tip),
         };
@@ -115,6 +120,41 @@ fn the_ratio_comes_to_the_set_point() {
             }
         }
     }
+}
+
+/// Detents 2 mm apart, slowly turned over at 10 um a count; and what they are refused for.
+#[test]
+fn the_ratio_follows_the_detents() {
+    let knob = |pitch_m: f32, metre_per_count: Option<f32>| {
+        let mut config = config(Schedule::Continuous);
+        config.front_end.metre_per_count = metre_per_count;
+        config.friction = config.friction.map(|friction| Friction { detent_pitch_m: pitch_m, detent_ratio: 0.8, ..friction });
+        config
+    };
+    let mut bench = Bench::new(&knob(2e-3, Some(1e-5)), 0.5e-6, 1.0);
+    bench.run(8000, None);
+    for counts in -300..=300 {
+        bench.counts = Some(counts);
+        // 38 mm/s are 11 counts in 90 blocks.
+        let ahead = (counts as f32 + 0.038 / 1e-5 * 90.0 * 32e-6) / 200.0;
+        let from_detent = 2.0 * (ahead - libm::roundf(ahead)).abs();
+        let wanted = 0.4 + 0.4 * (1.0 - from_detent * from_detent * (3.0 - 2.0 * from_detent));
+        let got = bench.run(300, Some(Target::Ratio(0.4)));
+        assert!((got - wanted).abs() < 2e-3, "{counts}: {got} for {wanted}");
+    }
+    // Where the knob is is unknown: no detents.
+    bench.counts = None;
+    assert!((bench.run(300, Some(Target::Ratio(0.4))) - 0.4).abs() < 2e-3);
+
+    let refused =
+        |pitch_m: f32, metre_per_count: Option<f32>| FrictionSwitch::build(&knob(pitch_m, metre_per_count), 32e-6).err();
+    assert_eq!(refused(0.0, None), None);
+    assert_eq!(refused(2e-3, None), Some(Error::DetentsWithoutEncoder));
+    for pitch_m in [79e-6, -1.0, f32::NAN] {
+        let error = refused(pitch_m, Some(1e-5));
+        assert!(matches!(error, Some(Error::OutOfRange { parameter: "friction.detent_pitch_m", .. })), "{pitch_m}: {error:?}");
+    }
+    assert_eq!(refused(81e-6, Some(1e-5)), None);
 }
 
 #[test]
@@ -206,6 +246,7 @@ fn no_sensor_can_make_it_play_nonsense() {
                         belt_m_per_s: Some(if odd { belt } else { 0.038 }),
                         force_n: Some(if odd { force } else { 0.1 }),
                         motional_a: Some(if odd { motional } else { 0.9 }),
+                        ..Sensed::default()
                     };
                     switch.work();
                     match switch.step(None, &sensed) {

@@ -149,6 +149,8 @@ fn longest_config() -> Config {
             speed_m_per_s: 1.0,
             dahl_length_m: 1.0,
             average_s: 1.0,
+            detent_pitch_m: 1.0,
+            detent_ratio: 0.5,
         }),
         restraint: Some(Restraint::default()),
         link: Link { patience_s: 1.5 },

@@ -119,7 +119,7 @@ fn keys_and_names_are_told_apart_and_zero_is_no_key() {
         assert!(parameter.key != 0 && PARAMETERS[..place].iter().all(|other| other.name != parameter.name), "{}", parameter.name);
     }
     assert!(PARAMETERS.len() <= MOST_PARAMETERS);
-    assert_eq!([0, 32, 65, 96, 255].map(place_of), [Err(Refusal::NoSuchKey); 5]);
+    assert_eq!([0, 32, 65, 98, 255].map(place_of), [Err(Refusal::NoSuchKey); 5]);
 }
 
 #[test]
@@ -351,6 +351,8 @@ fn what_could_not_act_is_refused_until_it_can() {
         ((73, 1.0), (68, 0.01)),
         ((75, 0.5), (74, 1.0)),
         ((82, 0.1), (74, 1.0)),
+        ((96, 2e-3), (74, 1.0)),
+        ((97, 0.8), (74, 1.0)),
         ((84, 500.0), (83, 1.0)),
         ((90, 50.0), (83, 1.0)),
     ];

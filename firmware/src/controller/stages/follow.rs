@@ -202,7 +202,8 @@ impl Follow {
         let alone = chain.supervisor.mode() == Mode::Run
             && matches!(generator.shape, Shape::Sine)
             && generator.sweep.holds()
-            && orders.detune.0 == 0.0;
+            && orders.detune.0 == 0.0
+            && !self.friction.as_ref().is_some_and(FrictionSwitch::moves);
         let level = alone && played.flat && played.envelope == 1.0;
         if !track.online.listens(level, track.tracker.has_been_surprised()) {
             return;

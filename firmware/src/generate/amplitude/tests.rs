@@ -34,7 +34,7 @@ fn amplitude_loop(amperes: f32) -> AmplitudeLoop {
         risen: 0.0,
         rises_from_a: 0.0,
         within: 0,
-        asked: None,
+        asked: 0.0,
     }
 }
 
@@ -70,6 +70,31 @@ fn a_new_amplitude_takes_as_long_as_the_ring() {
             hold.update(Amplitude::MotionalCurrent(asked), 1.0, current.into());
         }
         assert!((current / asked - 1.0).abs() < 0.01, "{asked}: {current}");
+    }
+}
+
+/// Silence, by an order of no current or of one that fades into the noise, is over with the next order: what was known of the load is still known.
+#[test]
+fn an_amplitude_that_was_nothing_comes_back() {
+    let lag = 32e-6 * core::f32::consts::PI * 40e3 / 65.0;
+    let none = |_: usize| 0.0;
+    let fading = |n: usize| libm::powf(0.5, n as f32 / 20.0);
+    let (nothing, faded): (&dyn Fn(usize) -> f32, &dyn Fn(usize) -> f32) = (&none, &fading);
+    // After an order of none it is there as soon as the stack has rung to it; what has faded into the noise has to be found again.
+    for (course, blocks) in [(nothing, 80), (faded, 600)] {
+        let mut hold = amplitude_loop(1.0);
+        hold.seed(&transducer(65.0, 3.0), 0.0);
+        let mut current = 0.0;
+        for n in 0..4000 + blocks {
+            let asked = if (2000..4000).contains(&n) { course(n - 2000) } else { 1.0 };
+            current += lag * (hold.volts() / 3.6 - current);
+            // What is silent has no envelope, and a current that is less than its noise is that.
+            let noise = 1e-3;
+            let envelope = if hold.volts() > 0.0 { 1.0 } else { 0.0 };
+            hold.update(Amplitude::MotionalCurrent(asked), envelope, larger(current, noise).into());
+            assert!(n < 3990 || n >= 4000 || hold.volts() == 0.0, "{n}: {}", hold.volts());
+        }
+        assert!((current - 1.0).abs() < 0.01, "{current}");
     }
 }
 

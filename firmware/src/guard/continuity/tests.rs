@@ -381,6 +381,18 @@ fn a_pause_counts_from_seven_time_constants_of_silence_on() {
     assert!((0..64).all(|_| !rings.is_broken(&block(one(), one(), 1.0), || LOAD)));
 }
 
+/// A drive that fades in after a pause is too faint to be judged at first, and the stack has rung up by the time that it is.
+#[test]
+fn a_drive_that_fades_in_is_no_failure() {
+    for faint in [0, 1, 20] {
+        let mut watch = watch();
+        (0..200).for_each(|_| watch.rest(true));
+        (0..faint).for_each(|_| watch.rings());
+        let found = (0..64).position(|_| watch.is_broken(&block(one(), one(), 1.0), || LOAD));
+        assert_eq!(found, (faint == 0).then_some(1), "{faint}");
+    }
+}
+
 #[test]
 fn a_burst_begins_as_the_one_before() {
     let second = |turn: f32, gain: f32, clamped: f32| {

@@ -47,6 +47,13 @@ pub struct Friction {
     /// For how long the force is averaged at each place of the survey, s.
     #[setting(default = 0.05, min = 1e-3, max = 100.0, key = 82)]
     pub average_s: f32,
+    /// Distance of two detents of a knob, m: towards each the friction rises from its set point to `detent_ratio`, and falls again. Zero: there are
+    /// none. Needs `sensors.encoder_counts_per_mm`, by which the knob's position counts from power-up.
+    #[setting(default = 0.0, min = 0.0, max = 10.0, key = 96)]
+    pub detent_pitch_m: f32,
+    /// Friction at a detent, as a part of that without vibration.
+    #[setting(default = 1.0, min = 0.0, max = 1.0, key = 97)]
+    pub detent_ratio: f32,
 }
 
 impl Friction {
@@ -112,6 +119,8 @@ impl Optional for Friction {
         speed_m_per_s: 0.038,
         dahl_length_m: 0.5e-6,
         average_s: 0.05,
+        detent_pitch_m: 0.0,
+        detent_ratio: 1.0,
     };
 
     fn of(config: &Config) -> Option<&Self> {

@@ -29,6 +29,8 @@ pub mod keys {
     pub const SWEEP_TIME: u8 = 68;
     /// `friction.enabled`.
     pub const FRICTION_ENABLED: u8 = 74;
+    /// `friction.detent_pitch_m`.
+    pub const DETENT_PITCH: u8 = 96;
     /// `restraint.enabled`.
     pub const RESTRAINT_ENABLED: u8 = 83;
 }

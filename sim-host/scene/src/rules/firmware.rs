@@ -43,6 +43,11 @@ const PARAMETERS: &[(&str, &str, &str)] = &[
     ("front_end.drive_lanes", "amplifier.lanes", ""),
     ("drive.noise_low_hz", "controller.drive.noise_low_hz", "the band must lie within what `sensors.sample_hz` carries"),
     (
+        "friction.detent_pitch_m",
+        "controller.friction.detent_pitch_m",
+        "a detent has eight counts of the encoder at least, of `sensors.encoder_counts_per_mm`",
+    ),
+    (
         "drive.noise_high_hz",
         "controller.drive.noise_high_hz",
         "above `noise_low_hz`, and within what `sensors.sample_hz` carries",
@@ -100,6 +105,12 @@ impl Rules<'_> {
             }
             Error::BoostOfShape => self.contradicts(EDGE, &error, "needs `controller.drive.shape = \"sine\"`"),
             Error::BoostWithSweep => self.contradicts(EDGE, &error, "needs a scene without [controller.sweep]"),
+            Error::DetentsWithoutEncoder => {
+                const PITCH: &str = "controller.friction.detent_pitch_m";
+                let message = "the detents of a knob follow its position, which an encoder has to tell";
+                let problem = Problem::new(self.place(PITCH), message, "needs `sensors.encoder_counts_per_mm`");
+                self.add(PITCH, problem);
+            }
             Error::EnergyWithoutBelt => {
                 const ENERGY: &str = "controller.limits.energy_j_per_m";
                 let message = "energy for each metre of belt is known only where the belt has an encoder";

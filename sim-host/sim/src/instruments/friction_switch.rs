@@ -1,11 +1,14 @@
 //! The friction switch: set point, estimate and truth of the friction ratio.
 
+mod detents;
 mod figure;
 mod metrics;
+mod set_point;
 
 pub use metrics::Step;
 
-use super::{Instrument, View};
+use self::detents::Detents;
+use super::{Instrument, Line, View};
 use crate::metrics::Metrics;
 use report::Figure;
 
@@ -15,9 +18,20 @@ pub(super) struct FrictionSwitch;
 impl Instrument for FrictionSwitch {
     fn metrics(&self, run: &View, metrics: &mut Metrics) {
         run.switch(metrics);
+        if let Some(detents) = Detents::of(run) {
+            detents.metrics(metrics);
+        }
+    }
+
+    fn headline(&self) -> &'static [Line] {
+        &[
+            ("depth of the detents over that asked for", "detent_depth", ""),
+            ("friction behind the knob's position", "detent_lag_ms", "ms"),
+        ]
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {
-        figure::ratio(run).into_iter().collect()
+        let detents = Detents::of(run).map(|detents| detents.figure());
+        detents.into_iter().chain(figure::ratio(run)).collect()
     }
 }

@@ -21,6 +21,7 @@ impl Follow {
         let on = played.is_full() && (!boosts || self.edges.block_info(chain.block, boosts).rung_up);
         let sensed = Sensed {
             belt_m_per_s: chain.belt.speed_m_per_s(),
+            counts: chain.belt.counts(),
             force_n: sense.slow.force,
             motional_a: on.then(|| magnitude(motional)),
         };

@@ -2,7 +2,7 @@
 
 use firmware::seam::telemetry::FrictionEstimate;
 
-use super::metrics::configured;
+use super::set_point::SetPoint;
 use crate::instruments::View;
 use crate::instruments::curves::{axis, curve};
 use crate::record::Row;
@@ -15,11 +15,7 @@ pub(super) fn ratio(run: &View) -> Option<Figure> {
     let begins_s = rows.iter().find(|row| row.friction.is_some())?.time_s;
     let coulomb_n = run.silent_friction_n()?;
     let held = &rows[rows.partition_point(|row| row.time_s < begins_s)..];
-    let first = configured(friction, coulomb_n).unwrap_or(1.0);
-    let set_point = |row: &Row| {
-        let step = friction.step_s.iter().zip(&friction.step_ratio).rfind(|(at_s, _)| **at_s <= row.time_s);
-        step.map_or(first, |(_, ratio)| *ratio)
-    };
+    let set_point = SetPoint::new(friction, coulomb_n);
     let estimate =
         |of: fn(&FrictionEstimate) -> f32| move |row: &Row| row.friction.as_ref().map_or(1.0, |estimate| f64::from(of(estimate)));
     Some(Figure {
@@ -34,7 +30,7 @@ pub(super) fn ratio(run: &View) -> Option<Figure> {
         series: vec![
             curve(held, "truth", "friction_ratio_true", Style::Line, |row| row.truth.friction_mean_n / coulomb_n),
             curve(held, "controller's estimate", "friction_ratio_estimate", Style::Line, estimate(|estimate| estimate.ratio)),
-            curve(held, "command", "friction_ratio_wanted", Style::Dashed, set_point),
+            curve(held, "command", "friction_ratio_wanted", Style::Dashed, |row| set_point.at(row)),
             curve(held, "floor, estimated", "friction_floor_estimate", Style::Dashed, estimate(|estimate| estimate.floor)),
         ],
         interactive: true,

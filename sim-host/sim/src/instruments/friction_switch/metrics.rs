@@ -3,6 +3,7 @@
 use firmware::seam::fault::Limit;
 use firmware::seam::mode::Mode;
 
+use super::set_point::at_place;
 use crate::instruments::View;
 use crate::instruments::view::mean;
 use crate::metrics::Metrics;
@@ -16,7 +17,7 @@ const HOLD_S: f64 = 0.05;
 /// One set point of the friction ratio, with its estimate and truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// Set point of the ratio.
+    /// Set point of the ratio; over detents their mean.
     pub set_point: f64,
     /// Ratio as the controller estimates it.
     pub estimate: Option<f64>,
@@ -43,8 +44,11 @@ impl Step {
 }
 
 impl<'a> View<'a> {
-    /// Friction without vibration, N.
+    /// Friction without vibration, N: of a carriage, which may stand, what it has when it slides.
     pub fn silent_friction_n(&self) -> Option<f64> {
+        if let Some((contact, carriage)) = self.scene.carriage() {
+            return Some(contact.mu * carriage.normal_n);
+        }
         mean(self.settled(0.0, self.settle_s).map(|row| row.truth.friction_mean_n))
     }
 
@@ -85,8 +89,10 @@ impl<'a> View<'a> {
         let ordered = friction.step_s.iter().copied().zip(friction.step_ratio.iter().copied());
         let all: Vec<_> = first.into_iter().chain(ordered).collect();
         let ends = all.iter().skip(1).map(|step| step.0).chain([f64::INFINITY]);
-        let step = |(&(from_s, set_point), to_s): (&(f64, f64), f64)| {
+        let step = |(&(from_s, ordered), to_s): (&(f64, f64), f64)| {
             let rows = self.whole_bursts(from_s.max(surveyed_s), to_s);
+            let over_detents = || mean(rows.iter().map(|row| at_place(friction, ordered, row)));
+            let set_point = if friction.detent_pitch_m == 0.0 { ordered } else { over_detents()? };
             let estimates = || rows.iter().filter_map(|row| row.friction);
             Some(Step {
                 set_point,
