@@ -11,7 +11,7 @@
 //!                 survey <- force, motional current, belt speed
 //! ```
 //!
-//! A knob has [detents]: its set point follows its position.
+//! A knob has detents (`detents.rs`): its set point follows its position.
 //!
 //! What is calculated is spread over blocks. A ratio that is not to be had is refused by number, and the nearest that can be is driven.
 
