@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use import::admittance::circuit::{Branch, Equivalent};
+use rayon::prelude::*;
 
 /// Commands that need what a test has not, by how they begin, and why they are not run.
 const NOT_RUN: [(&str, &str); 19] = [
@@ -214,9 +215,26 @@ fn measured_files() -> Vec<(&'static str, String)> {
     ]
 }
 
+/// Page by page, each in a folder of its own.
 #[test]
 fn every_documented_command_works() {
-    let folder = Folder::new("documented");
+    let mut pages: Vec<(String, Vec<String>)> = Vec::new();
+    for (command, page) in commands() {
+        if command.starts_with(BENCHES) || NOT_RUN.iter().any(|(start, _)| command.starts_with(start)) {
+            continue;
+        }
+        match pages.last_mut().filter(|(last, _)| *last == page) {
+            Some((_, commands)) => commands.push(command),
+            None => pages.push((page, vec![command])),
+        }
+    }
+    let wrong: Vec<String> = pages.par_iter().enumerate().flat_map_iter(|(at, page)| wrong_of(at, page)).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The commands of a page that do not end as they should, run in their order.
+fn wrong_of(at: usize, (page, commands): &(String, Vec<String>)) -> Vec<String> {
+    let folder = Folder::new(&format!("documented-{at}"));
     // A scene that a page calls "my belt" is run as my-belt.toml.
     for (_, text) in scenes() {
         let title = text.lines().find_map(|line| line.strip_prefix("title = \"my "));
@@ -226,11 +244,8 @@ fn every_documented_command_works() {
     }
     folder.measured();
     let mut wrong = Vec::new();
-    for (command, page) in commands() {
-        if command.starts_with(BENCHES) || NOT_RUN.iter().any(|(start, _)| command.starts_with(start)) {
-            continue;
-        }
-        let mut words = shlex::split(&command).unwrap_or_else(|| panic!("{page}: {command}"));
+    for command in commands {
+        let mut words = shlex::split(command).unwrap_or_else(|| panic!("{page}: {command}"));
         // A verb alone, in a sentence, is its name.
         let named = words.len() == 1 && !["list", "schema", "man"].contains(&words[0].as_str())
             || words.len() == 2 && words[0] == "import";
@@ -248,7 +263,7 @@ fn every_documented_command_works() {
             wrong.push(format!("{page}: `sim-host {command}` ends with {code}\n{errors}"));
         }
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    wrong
 }
 
 /// Makes a scene of many runs one of two, a verified advice one of two draws, and keeps pictures out; whether anything was shortened.

@@ -12,7 +12,7 @@ use super::flash::{Area, PAGE, Part, Torn};
 use crate::check::{Depth, Target};
 use crate::first_stage::{Decision, decide};
 use crate::identity::{Identity, board};
-use crate::key::{DEVELOPMENT_SEED, public};
+use crate::key::{DEVELOPMENT, DEVELOPMENT_SEED};
 use crate::manifest::{MANIFEST, Manifest};
 use crate::receive::Receiver;
 
@@ -26,7 +26,7 @@ const LENGTH: usize = SLOT * PAGE - MANIFEST - 77;
 /// What a board starts.
 pub fn target() -> Target {
     let room = (SLOT * PAGE - MANIFEST) as u32;
-    Target { board: board("test-board"), origin: ORIGIN, room, key: public(&DEVELOPMENT_SEED) }
+    Target { board: board("test-board"), origin: ORIGIN, room, key: DEVELOPMENT }
 }
 
 /// The manifest of an image of this version, not signed, and the image.

@@ -2,6 +2,7 @@
 //! starts, with the old image or the new one, and its amplifier stays off. All operations are cut on simulated flash, by the tests of `sonoglide-update`;
 //! here it is a sample of them, by the images on the part.
 
+use std::thread;
 use std::time::Duration;
 
 use board::Board;
@@ -58,20 +59,27 @@ fn version_after(mut board: Board, at: u64, label: &str) -> u16 {
 
 /// Cuts `count` of the operations, spread over them, at their beginning, within, or after them in turns; returns how often the old and the new image answered.
 fn cut(board: &Board, operations: &[FlashOperation], count: usize, label: &str) -> [u32; 2] {
-    let mut versions = [0; 2];
     let mut running = board.clone();
-    for n in 0..count {
-        let operation = operations[n * (operations.len() - 1) / (count - 1)];
-        let at = [operation.first + 40, (operation.first + operation.last) / 2, operation.last + 40][n % 3];
-        // The way there is taken once.
-        let before = operation.first.saturating_sub(2000);
-        if running.machine().cycle() < before {
-            running.machine_mut().run_until(before).expect("no finding");
-        }
-        let version = version_after(running.clone(), at.max(running.machine().cycle() + 10), label);
-        assert!((1..=2).contains(&version));
-        versions[usize::from(version) - 1] += 1;
-    }
+    // The way there is taken once, and the starts after the cuts side by side.
+    let answered: Vec<u16> = thread::scope(|scope| {
+        let starts: Vec<_> = (0..count)
+            .map(|n| {
+                let operation = operations[n * (operations.len() - 1) / (count - 1)];
+                let at = [operation.first + 40, (operation.first + operation.last) / 2, operation.last + 40][n % 3];
+                let before = operation.first.saturating_sub(2000);
+                if running.machine().cycle() < before {
+                    running.machine_mut().run_until(before).expect("no finding");
+                }
+                let board = running.clone();
+                let at = at.max(board.machine().cycle() + 10);
+                scope.spawn(move || version_after(board, at, label))
+            })
+            .collect();
+        starts.into_iter().map(|start| start.join().expect("a version")).collect()
+    });
+    let of = |version: u16| answered.iter().filter(|&&answer| answer == version).count() as u32;
+    let versions = [of(1), of(2)];
+    assert_eq!(versions[0] + versions[1], count as u32, "{label}: {answered:?}");
     println!("{label}: {} operations, {count} cut: old image {}, new image {}", operations.len(), versions[0], versions[1]);
     versions
 }
