@@ -16,6 +16,9 @@ use report::{Figure, Series, Style};
 const SHOWN: f64 = 3.0;
 const POINTS: usize = 240;
 
+/// What rises and falls by less than this has no depth.
+const FLAT: f64 = 1e-6;
+
 /// Blocks of a knob that is turned over detents, all of the same way.
 pub(super) struct Detents<'a> {
     rows: &'a [Row],
@@ -59,6 +62,9 @@ impl<'a> Detents<'a> {
     pub(super) fn metrics(&self, metrics: &mut Metrics) {
         // Less than zero where the friction is lowest at a detent.
         let command = self.fundamental(|row| Some(self.set_point.at(row))).0;
+        if command.abs() < FLAT {
+            return;
+        }
         let estimate = self.fundamental(|row| row.friction.map(|estimate| f64::from(estimate.ratio)));
         let (re, im) = self.fundamental(|row| Some(self.truth(row)));
         metrics.put("detent_depth", re.hypot(im) / command.abs());
