@@ -205,11 +205,11 @@ fn docs_of_a_haptic_knob() {
         let (within, depth, lag) = (depth_above(floor), outcome.get("detent_depth"), outcome.get("detent_lag_ms"));
         let estimate = outcome.get("detent_depth_estimate");
         if hand >= 1.0 {
-            // A hand that is not much stiffer than the friction is steep lets the speed swing, and with it what the drive makes of it.
-            let swing = outcome.get("speed_ripple_on");
-            assert!(depth > within - 0.7 * swing - 0.1 && depth < within + 0.1, "{turns}, {hand}: {depth} of {within}");
-            assert!((estimate - depth).abs() < 0.08, "{turns}, {hand}: {estimate} for {depth}");
-            assert!((0.0..4.0).contains(&lag), "{turns}, {hand}: {lag} ms");
+            // The speed swings with the hand, and beyond the authority the drive comes late: from 0.136 less to 0.077 more.
+            assert!(depth > within - 0.14 && depth < within + 0.08, "{turns}, {hand}: {depth} of {within}");
+            // Measured: 0.064; 1.4 to 3.1 ms.
+            assert!((estimate - depth).abs() < 0.07, "{turns}, {hand}: {estimate} for {depth}");
+            assert!((1.3..3.2).contains(&lag), "{turns}, {hand}: {lag} ms");
         }
         rows.push(vec![
             turns.to_string(),

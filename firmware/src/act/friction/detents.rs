@@ -17,7 +17,7 @@ use crate::seam::error::Error;
 const LEAST_COUNTS: f32 = 8.0;
 /// 2^32 as a number: parts of the distance of two detents.
 const PARTS: f32 = 4_294_967_296.0;
-/// T: seven or eight evaluations of the law find the drive in some 45 blocks, it is played for as long, and the tip rings to it in some 20.
+/// T: a drive is found anew every 65 blocks or so, as the steps of the estimate show, and the tip rings to it in some 20.
 const LATE_BLOCKS: f32 = 90.0;
 
 /// The detents of a knob.
