@@ -162,7 +162,7 @@ impl DrivenStack {
         let friction = match sliding {
             None => {
                 stack.advance(drive, 0.0);
-                None
+                Rubbing::default()
             }
             Some(sliding) => {
                 let held = sliding.force();
@@ -171,15 +171,15 @@ impl DrivenStack {
                 let moved = stack.tip_displacement() - position;
                 let mean = sliding.slide(v0, stack.tip_velocity(), moved, step_s);
                 stack.correct_force(mean - held);
-                Some(Rubbing { mean_n: mean, work_j: mean * moved, changed: sliding.force() != held })
+                Rubbing { mean_n: mean, work_j: mean * moved, changed: sliding.force() != held }
             }
         };
-        Step::of(stack, friction)
+        Step::from_stack(stack, friction)
     }
 
     /// Whether nothing has moved in the last step, and friction is what it was: so it goes on while nothing is changed from outside.
     fn is_still(&self) -> bool {
-        self.last.friction.is_none_or(|friction| !friction.changed) && self.stack.is_still() && self.carriage().is_none()
+        !self.last.friction.changed && self.stack.is_still() && self.carriage().is_none()
     }
 
     #[cfg(test)]
@@ -219,11 +219,11 @@ impl DrivenStack {
         self.energy.supplied_j += supplied + step_s * sums.further_supplied;
         let lost = step_s * circuit.rm_ohm * sums.lost;
         self.energy.lost_j += lost + step_s * sums.further_lost;
-        if let Some(square) = sums.voltage_square {
+        if self.elements.heats() {
             let further_w = sums.further_lost / steps;
             self.elements.heat(
                 circuit.rm_ohm * sums.lost / steps + further_w,
-                self.stack.parts().leak_s * square / steps,
+                self.stack.parts().leak_s * sums.voltage_square / steps,
                 &self.stack,
             );
         }
@@ -279,7 +279,7 @@ impl DrivenStack {
         if let Some(samples) = &mut self.samples {
             samples.clear();
         }
-        Sums { voltage_square: self.elements.heats().then_some(0.0), ..Sums::new() }
+        Sums::new()
     }
 
     /// Plays one code, and returns the codes of voltage and current that were sampled meanwhile.
@@ -305,7 +305,7 @@ impl DrivenStack {
                 v += voltage;
                 i += current;
             }
-            friction += steps as f64 * self.last.friction_n();
+            friction += steps as f64 * self.last.friction.mean_n;
         } else {
             let mut drive = self.stack.held(volts);
             self.seen.clear();
@@ -315,7 +315,7 @@ impl DrivenStack {
                 }
                 self.last = Self::step(&mut self.stack, self.sliding.as_mut(), &drive, step_s);
                 sums.add(&self.last);
-                let force = self.last.friction_n();
+                let force = self.last.friction.mean_n;
                 friction += force;
                 let (adc, seen) = (&mut self.adc, &mut self.seen);
                 self.stack.sample(four, step, &drive, force, |both, conversions| {

@@ -310,14 +310,11 @@ impl Stack {
         further.fold(first, |sum, (branch, [i, vc])| sum + 0.5 * (branch.lm_h * i * i + branch.cm_f * vc * vc))
     }
 
-    /// Currents of the further modes, A, and the power that is lost in them, W; none without such modes.
+    /// Returns the sum of the currents of the further modes, A, and the power lost in them, W; zeros without such modes.
     #[inline]
-    pub fn further(&self) -> Option<(f64, f64)> {
-        if self.further.is_empty() {
-            return None;
-        }
+    pub fn further(&self) -> (f64, f64) {
         let modes = self.parts.further.iter().zip(&self.further);
-        Some(modes.fold((0.0, 0.0), |(sum, lost), (branch, [i, _])| (sum + i, lost + branch.rm_ohm * i * i)))
+        modes.fold((0.0, 0.0), |(sum, lost), (branch, [i, _])| (sum + i, lost + branch.rm_ohm * i * i))
     }
 
     /// Hands voltage and current at the conversions within step `step` of a sample to `convert`, those of two conversions at a time, and how

@@ -17,38 +17,40 @@ pub(super) struct Sums {
     pub(super) friction_on_tip: f64,
     pub(super) friction_min: f64,
     pub(super) friction_max: f64,
-    /// Of the square of the voltage, where the losses heat the stack.
-    pub(super) voltage_square: Option<f64>,
+    /// Sum of the squares of the voltage, V^2.
+    pub(super) voltage_square: f64,
 }
 
-/// What friction was in a step.
-#[derive(Clone, Copy, Debug)]
+/// Friction in one step.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Rubbing {
-    /// Its mean, N.
+    /// Mean friction, N.
     pub(super) mean_n: f64,
-    /// Its work on the tip, J.
+    /// Work on the tip, J.
     pub(super) work_j: f64,
-    /// Whether it is another at the end than at the beginning.
+    /// `true` if the friction at the end differs from that at the beginning.
     pub(super) changed: bool,
 }
 
-/// What a step came to.
+/// Result of one step.
+///
+/// Absent parts are zero, not an `Option`: the compiler multiplies the payload before it tests the flag, and an unset payload is often a subnormal number, which costs 150 cycles.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Step {
-    /// Friction; none without a contact.
-    pub(super) friction: Option<Rubbing>,
+    /// Friction; zero without a contact.
+    pub(super) friction: Rubbing,
     /// Voltage at the stack, V, current of its working mode, A, and voltage of that one's capacitor, V, at the end.
     pub(super) voltage: f64,
     pub(super) current: f64,
     pub(super) motional_voltage: f64,
-    /// Currents of the further modes, A, and the power that is lost in them, W.
-    pub(super) further: Option<(f64, f64)>,
+    /// Sum of the currents of the further modes, A, and power lost in them, W; zero without such modes.
+    pub(super) further: (f64, f64),
 }
 
 impl Step {
-    /// A step that a stack has just made.
+    /// Reads the state of a stack after a step.
     #[inline(always)]
-    pub(super) fn of(stack: &Stack, friction: Option<Rubbing>) -> Self {
+    pub(super) fn from_stack(stack: &Stack, friction: Rubbing) -> Self {
         Step {
             friction,
             voltage: stack.voltage(),
@@ -56,11 +58,6 @@ impl Step {
             motional_voltage: stack.motional_voltage(),
             further: stack.further(),
         }
-    }
-
-    /// Mean friction, N.
-    pub(super) fn friction_n(&self) -> f64 {
-        self.friction.map_or(0.0, |friction| friction.mean_n)
     }
 }
 
@@ -77,32 +74,27 @@ impl Sums {
             friction_on_tip: 0.0,
             friction_min: f64::INFINITY,
             friction_max: f64::NEG_INFINITY,
-            voltage_square: None,
+            voltage_square: 0.0,
         }
     }
 
     /// Adds a step.
     #[inline(always)]
     pub(super) fn add(&mut self, step: &Step) {
-        if let Some(Rubbing { mean_n: mean, work_j: work, .. }) = step.friction {
-            self.friction += mean;
-            self.friction_on_tip += work;
-            // Not f64::min, which minds not-a-number and costs three times as much.
-            self.friction_min = if mean < self.friction_min { mean } else { self.friction_min };
-            self.friction_max = if mean > self.friction_max { mean } else { self.friction_max };
-        }
-        let Step { voltage: v, current: i, .. } = *step;
+        let Step { friction: Rubbing { mean_n: mean, work_j, .. }, voltage: v, current: i, further: (further, further_lost), .. } =
+            *step;
+        self.friction += mean;
+        self.friction_on_tip += work_j;
+        // Not f64::min, which handles not-a-number and costs three times as much.
+        self.friction_min = if mean < self.friction_min { mean } else { self.friction_min };
+        self.friction_max = if mean > self.friction_max { mean } else { self.friction_max };
         self.in_phase += v * i;
         self.quadrature += v * step.motional_voltage;
         self.lost += i * i;
         self.current_peak = if i.abs() > self.current_peak { i.abs() } else { self.current_peak };
-        if let Some(square) = &mut self.voltage_square {
-            *square += v * v;
-        }
-        if let Some((current, lost)) = step.further {
-            self.further_supplied += v * current;
-            self.further_lost += lost;
-        }
+        self.voltage_square += v * v;
+        self.further_supplied += v * further;
+        self.further_lost += further_lost;
     }
 }
 

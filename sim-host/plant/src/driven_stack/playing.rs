@@ -43,7 +43,7 @@ impl DrivenStack {
         stack.sample(Portable, 0, &stack.held(*held_v), 0.0, |both, conversions| {
             seen.push((adc.scaled(both).quad(), conversions))
         });
-        self.last = Step::of(stack, None);
+        self.last = Step::from_stack(stack, Rubbing::default());
         self.at_rest = true;
     }
 }
