@@ -1,11 +1,8 @@
-//! The board package on the host: what of it needs no board, what it is configured with, and how large its image is.
+//! The host part of the board package: configuration, pins, storage.
 
-mod branches;
 mod config;
 mod dummy_load;
 mod hardware;
 mod option_bytes;
-mod panics;
 mod sensors;
-mod size;
 mod storage;

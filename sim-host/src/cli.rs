@@ -19,6 +19,11 @@ macro_rules! say {
 }
 
 mod advise;
+#[cfg(feature = "board-model")]
+mod board_model;
+#[cfg(not(feature = "board-model"))]
+#[path = "cli/board_model/absent.rs"]
+mod board_model;
 mod compare;
 mod drawing;
 mod examples;
@@ -129,8 +134,8 @@ enum Command {
     /// Talk to a driver board, or to a simulated one.
     #[command(after_help = EXIT_CODES)]
     Link(Box<link::LinkArgs>),
-    /// Run our own benches or a suite of your own, and compare each with its targets: the evidence behind docs/claims.md.
-    #[command(after_help = validate::help())]
+    /// Run a suite of your own, and compare each case with its targets (docs/suites.md).
+    #[command(after_help = EXIT_CODES)]
     Validate(Box<validate::ValidateArgs>),
     /// Print completions of commands and options for a shell.
     Completions {
@@ -156,7 +161,7 @@ struct SceneArgs {
 
 /// Parses the arguments of this process, does what they say, and gives the exit code.
 pub fn main() -> ExitCode {
-    let matches = command().get_matches_from(validate::with_verb(std::env::args_os().collect()));
+    let matches = command().get_matches();
     let line = CommandLine::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let color = Color::new(line.color);
     let done = match line.command {
@@ -220,6 +225,14 @@ fn open(dir: Option<&Path>) -> Result<Result<Option<Folder>, ExitCode>, OutputEr
         }
         folder => folder.map(Ok),
     }
+}
+
+/// Says that this build lacks a part, and how to get a build that has it.
+fn without(part: &str) -> String {
+    format!(
+        "this build has no {part}; a build with `--features full` has: `cargo run --release --features full -- …` in a checkout, or \
+         `cargo install --path sim-host --features full`"
+    )
 }
 
 /// Time since the first call: the clock of what is timed.

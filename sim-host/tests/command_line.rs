@@ -167,14 +167,33 @@ fn many_runs_leave_a_table_and_any_of_them_runs_by_itself() {
 }
 
 #[test]
-fn a_bench_is_found_by_its_old_name_with_a_note() {
-    let (old, new) = (sim_host(&["tracking", "--list"]), sim_host(&["validate", "tracking", "--list"]));
-    assert_eq!((code(&old), code(&new)), (0, 0), "{}{}", stderr(&old), stderr(&new));
-    assert_eq!(stdout(&old), stdout(&new));
-    assert!(stderr(&old).contains("`sim-host validate tracking`") && stderr(&new).is_empty(), "{}", stderr(&old));
-    // Only a command is one: a scene may have such a name.
-    let scene = sim_host(&["check", "tracking"]);
-    assert!(code(&scene) == 3 && !stderr(&scene).contains("validate"), "{}", stderr(&scene));
+fn a_bench_that_moved_is_answered_with_its_new_command() {
+    let benches = include_str!("../evidence/src/bench.rs");
+    let names: Vec<&str> = benches.split("name: \"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    assert!(names.len() >= 20, "{names:?}");
+    for name in names {
+        let moved = sim_host(&["validate", name, "--quick"]);
+        let command = format!("`cargo run --release -p sonoglide-evidence -- {name}`");
+        assert!(code(&moved) == 2 && stderr(&moved).contains(&command), "{}", stderr(&moved));
+    }
+    let shown = sim_host(&["validate", "show", "crash"]);
+    assert!(code(&shown) == 2 && stderr(&shown).contains("-- show crash`"), "{}", stderr(&shown));
+}
+
+#[test]
+fn a_part_that_this_build_lacks_is_named_with_the_build_that_has_it() {
+    let (board, pdf) = (cfg!(feature = "board-model"), cfg!(feature = "pdf"));
+    for (command, has) in [
+        (&["run", "dummy-load", "--board", "--no-report"][..], board),
+        (&["link", "board:dummy-load", "status"], board),
+        (&["run", "contact-kinematic", "--figure-format", "pdf", "--no-report"], pdf),
+    ] {
+        if !has {
+            let refused = sim_host(command);
+            let named = stderr(&refused).contains("cargo run --release --features full --");
+            assert!(code(&refused) == 2 && named, "{}", stderr(&refused));
+        }
+    }
 }
 
 /// The example of docs/suites.md, with less runs.
@@ -201,16 +220,6 @@ fn a_suite_of_a_user_is_run_and_judged() {
     let wrong = folder.write("wrong.toml", &text.replace("noise_lsb", "noise_lbs"));
     let output = sim_host(&["validate", &wrong]);
     assert!(code(&output) == 3 && stderr(&output).contains("did you mean `noise_lsb`?"), "{}", stderr(&output));
-}
-
-#[test]
-fn a_built_in_suite_can_be_copied() {
-    let folder = Folder::new("copied-suite");
-    let copy = folder.write("mine.toml", &stdout(&sim_host(&["validate", "show", "crash"])));
-    let [own, built_in] = [&copy, "crash"].map(|name| stdout(&sim_host(&["validate", name, "--list"])));
-    assert!(own.contains("\nmany crashes, heavy: ") && own == built_in, "{own}");
-    let output = sim_host(&["validate", "show", "trackin"]);
-    assert!(code(&output) == 2 && stderr(&output).contains("`tracking`"), "{}", stderr(&output));
 }
 
 #[test]

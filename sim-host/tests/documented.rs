@@ -12,7 +12,7 @@ use import::admittance::circuit::{Branch, Equivalent};
 use rayon::prelude::*;
 
 /// Commands that need what a test has not, by how they begin, and why they are not run.
-const NOT_RUN: [(&str, &str); 19] = [
+const NOT_RUN: [(&str, &str); 20] = [
     ("run \"$scene\"", "a line of a script; tests/command_line/ci.rs runs it"),
     ("link PORT", "a placeholder"),
     ("link file:", "needs the image of `cargo field`; tests of `sonoglide-link` make the file"),
@@ -38,21 +38,24 @@ const NOT_RUN: [(&str, &str); 19] = [
     ("run my-scene.toml", "the reader's own scene; the scenes of the page are checked"),
     ("check my-scene.toml", "the reader's own scene"),
     ("advise --frequency-hz F", "placeholders"),
+    ("validate ", "the reader's own suite; tests/command_line.rs has one"),
 ];
-/// The benches: minutes each; the tests of `sonoglide-proof` run them, and compare their tables with the pages.
-const BENCHES: &str = "validate ";
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// README and the pages of docs: name and text.
+/// README and the pages of docs: path from `docs`, and text.
 fn pages() -> Vec<(String, String)> {
-    let docs = fs::read_dir(root().join("docs")).expect("docs").map(|entry| entry.expect("a page").path());
+    let entries = ["docs", "docs/evidence"].map(|folder| fs::read_dir(root().join(folder)).expect("docs"));
+    let docs = entries.into_iter().flatten().map(|entry| entry.expect("a page").path());
     let mut paths: Vec<_> = docs.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
     paths.push(root().join("README.md"));
     paths.sort();
-    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let name = |path: &Path| {
+        let page = path.strip_prefix(root().join("docs")).ok().or(path.file_name().map(Path::new)).unwrap_or(path);
+        page.to_string_lossy().into_owned()
+    };
     paths.iter().map(|path| (name(path), fs::read_to_string(path).expect("text"))).collect()
 }
 
@@ -220,7 +223,7 @@ fn measured_files() -> Vec<(&'static str, String)> {
 fn every_documented_command_works() {
     let mut pages: Vec<(String, Vec<String>)> = Vec::new();
     for (command, page) in commands() {
-        if command.starts_with(BENCHES) || NOT_RUN.iter().any(|(start, _)| command.starts_with(start)) {
+        if NOT_RUN.iter().any(|(start, _)| command.starts_with(start)) {
             continue;
         }
         match pages.last_mut().filter(|(last, _)| *last == page) {
@@ -259,11 +262,21 @@ fn wrong_of(at: usize, (page, commands): &(String, Vec<String>)) -> Vec<String> 
             code == 5 && words.iter().any(|word| word == "--pil") || errors.contains(" is not installed; install it with ");
         if missing_tool {
             println!("SKIPPED `sim-host {command}`: {errors}");
+        } else if lacks(&words) {
+            if code != 2 || !errors.contains("--features full") {
+                wrong.push(format!("{page}: `sim-host {command}` does not name the build that has it\n{errors}"));
+            }
         } else if !(code == 0 || code == 4 && (shortened || changed)) {
             wrong.push(format!("{page}: `sim-host {command}` ends with {code}\n{errors}"));
         }
     }
     wrong
+}
+
+/// Returns `true` if this build lacks a part that the command needs.
+fn lacks(words: &[String]) -> bool {
+    let needs = |part: &str| words.iter().any(|word| word.starts_with(part) || word.split(',').any(|format| format == part));
+    !cfg!(feature = "board-model") && (needs("--board") || needs("board:")) || !cfg!(feature = "pdf") && needs("pdf")
 }
 
 /// Makes a scene of many runs one of two, a verified advice one of two draws, and keeps pictures out; whether anything was shortened.
@@ -329,6 +342,23 @@ fn every_documented_scene_is_valid() {
     }
 }
 
+/// Programs of the workspace that are run by `-p`: the package is a member, and the bench is one of its own.
+#[test]
+fn every_documented_program_is_there() {
+    let benches = include_str!("../evidence/src/bench.rs");
+    let mut checked = 0;
+    for (page, text) in pages() {
+        for line in code(&text).iter().filter_map(|line| line.strip_prefix("cargo run --release -p sonoglide-evidence -- ")) {
+            let mut words = line.split_whitespace().filter(|word| *word != "show");
+            let name = words.next().filter(|name| !name.starts_with("--"));
+            let is_there = |name: &str| name == "NAME" || benches.contains(&format!("name: \"{name}\""));
+            assert!(name.is_none_or(is_there), "{page}: there is no bench {name:?}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 20, "{checked} commands");
+}
+
 #[test]
 fn nothing_is_left_out_that_is_not_documented() {
     for (start, why) in NOT_RUN {
@@ -351,27 +381,9 @@ fn sources(folder: &Path, into: &mut String) {
 
 #[test]
 fn every_documented_test_is_there() {
-    let folders =
-        ["firmware", "firmware/update", "hal-mock", "sim-host", "tests", "firmware/boards/common", "firmware/boards/on-target"]
-            .into_iter()
-            .map(str::to_owned);
-    let crates = [
-        "board",
-        "contact",
-        "cortex-m4",
-        "delimited",
-        "import",
-        "scene",
-        "plant",
-        "report",
-        "sim",
-        "pil",
-        "link",
-        "proof",
-        "peers",
-        "stm32g474",
-    ];
-    let folders: Vec<_> = folders.chain(crates.map(|name| format!("sim-host/{name}"))).collect();
+    let manifest = fs::read_to_string(root().join("Cargo.toml")).expect("a manifest");
+    let members = manifest.lines().find(|line| line.starts_with("members = ")).expect("the members");
+    let folders: Vec<String> = members.split('"').skip(1).step_by(2).map(str::to_owned).collect();
     let named = |folder: &&String, package: &str| {
         let manifest = fs::read_to_string(root().join(folder).join("Cargo.toml")).expect("a manifest");
         manifest.contains(&format!("name = \"{package}\""))
@@ -405,7 +417,8 @@ fn every_documented_test_is_there() {
 #[test]
 fn every_documented_file_is_there() {
     for (page, text) in pages() {
-        let folder = if page == "README.md" { root() } else { root().join("docs") };
+        let path = if page == "README.md" { root().join(&page) } else { root().join("docs").join(&page) };
+        let folder = path.parent().expect("a folder");
         let links = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
         for link in links.filter(|link| !link.is_empty() && !link.contains(':') && !link.contains(' ')) {
             assert!(folder.join(link).exists(), "{page}: there is no {link}");

@@ -16,7 +16,7 @@ use link::port::{Port, Tcp};
 use link::serve::serve;
 use link::session::{Session, SessionOptions};
 
-use super::dialogue::{Folder, answer, hold, judge_scan};
+use super::held::{Folder, answer, hold, judge_scan};
 use super::{board, client, port, session};
 
 /// A port on which acknowledgements get lost, or bits flip.

@@ -17,7 +17,7 @@ use link::simulated_board::SimulatedBoard;
 use scene::load::load;
 use sim::run::breakable_plant;
 
-use super::dialogue::Folder;
+use super::held::Folder;
 use super::{board, client, port, run, session};
 
 /// A board whose nominal values are none of the transducer's: 300 nF as the Nucleo's image has, and a frequency far off.
@@ -56,7 +56,7 @@ fn an_unknown_transducer_is_found_tested_and_left_as_before() {
     assert!((field(&answer, "series_resonance_hz") - 40_520.0).abs() < 1.0, "{answer:?}");
     assert!((field(&answer, "locked_hz") - 40_520.0).abs() < 1.0, "{answer:?}");
     assert!((field(&answer, "q") / 64.6 - 1.0).abs() < 0.01, "{answer:?}");
-    // The images of the DAC take a part of it (docs/transducers.md).
+    // The images of the DAC take a part of it (docs/evidence/transducers.md).
     assert!((field(&answer, "c0_f") / 300e-9 - 1.0).abs() < 0.02, "{answer:?}");
     assert!(field(&answer, "board_s") < 3.0, "{answer:?}");
 }

@@ -107,7 +107,7 @@ impl Restraint {
     /// Takes one block's readings, and puts the gate of the orders where the decision wants it.
     ///
     /// `force` is that of the belt, N, and `fresh` how many counts of webbing have come out in this block, both where there is a sensor.
-    // Not inlined: a block takes fewer instructions so, which `docs/instructions.md` counts.
+    // Not inlined: a block takes fewer instructions so, which `docs/evidence/instructions.md` counts.
     #[inline(never)]
     pub(crate) fn decide(&mut self, orders: &Orders, force: Option<f32>, fresh: Option<u32>, mode: Mode) -> Orders {
         if let State::Waiting { felt, counts } = self.state {

@@ -118,7 +118,7 @@ impl Calibrate {
     }
 
     /// Takes the phasors of the measured block and returns the next step. Clears the trims when it begins, and sets them.
-    // Not inlined: a block takes fewer instructions so, which `docs/instructions.md` counts.
+    // Not inlined: a block takes fewer instructions so, which `docs/evidence/instructions.md` counts.
     #[inline(never)]
     pub(crate) fn listen(&mut self, phasing: &mut Phasing, sensed: &Sensed) -> Step {
         if self.before.is_none() {

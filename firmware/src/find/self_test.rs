@@ -134,7 +134,7 @@ impl SelfTest {
     }
 
     /// Takes a block, in which `played` volts were, and says what to do next. Moves the zero of both channels when the silence is over.
-    // Not inlined: a block takes fewer instructions so, which `docs/instructions.md` counts.
+    // Not inlined: a block takes fewer instructions so, which `docs/evidence/instructions.md` counts.
     #[inline(never)]
     pub(crate) fn listen(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed, played: f32) -> Step {
         const TONE_ENDS: u32 = SILENT_BLOCKS + TONE_BLOCKS;

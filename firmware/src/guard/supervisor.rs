@@ -76,7 +76,7 @@ impl Supervisor {
     }
 
     /// Takes this block's order and what the guard has found. Returns whether a new attempt begins.
-    // Not inlined: a block takes fewer instructions so, which `docs/instructions.md` counts.
+    // Not inlined: a block takes fewer instructions so, which `docs/evidence/instructions.md` counts.
     #[inline(never)]
     pub(crate) fn judge(&mut self, orders: &Orders, found: Option<Fault>) -> bool {
         let cleared = orders.clear_fault && orders.sequence != self.obeyed;

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Thesis 3.2.3.1: where the belt ceases to move, the energy suffices to weld it. A layer of 100 um of nylon melts within 7.3 ms of 2.5 kW
-//! (`sim-host validate guard`), so that the drive must be OFF within 5 ms. The damping of the resonance does not show it: what a stop changes of it is less
+//! (`evidence guard`), so that the drive must be OFF within 5 ms. The damping of the resonance does not show it: what a stop changes of it is less
 //! than what it is known to (docs/guard.md).
 
 pub mod belt_motion;

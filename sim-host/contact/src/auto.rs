@@ -3,7 +3,7 @@
 //! | problem | method | because |
 //! |---|---|---|
 //! | kinematic, Coulomb or Dahl, window in the steady state | closed | nothing is cheaper than no steps |
-//! | Dahl, Coulomb | linexp | cheapest at every tolerance from 1e-3 to 1e-12 (`sim-host validate precision`) |
+//! | Dahl, Coulomb | linexp | cheapest at every tolerance from 1e-3 to 1e-12 (`evidence precision`) |
 //! | Dahl, bristles shorter than round-off | linexp of Coulomb's law | its limit, with a note |
 //! | LuGre, bristles too short for the steps of Runge-Kutta | midpoint, then rk4-events | bounded at any stiffness |
 //! | other LuGre | rk4-events, then midpoint | order four, stable from a number of steps on that is known |
@@ -14,7 +14,7 @@
 //!
 //! `frozen` is never chosen: it costs what linexp costs, and leaves out what linexp has. How finely is found by runs on a
 //! `ladder` of settings: `refine` estimates the error of each from how the runs close in on each other. The coarsest that meets the
-//! tolerance has the answer; of a long periodic run the settings are compared on a `pilot` alone. `sim-host validate contacts` holds all of
+//! tolerance has the answer; of a long periodic run the settings are compared on a `pilot` alone. `evidence contacts` holds all of
 //! it against random contacts.
 
 use std::time::Duration;

@@ -13,6 +13,8 @@ use super::machine::PROGRAM;
 pub const IMAGE_VARIABLE: &str = "SONOGLIDE_PIL_IMAGE";
 
 const TARGET: &str = "thumbv7em-none-eabihf";
+/// Package of the emulated images.
+const QEMU: &str = "sonoglide-qemu-m4";
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 /// Environment variables that the caller sets for host code; they are meant neither for the image nor for its directory.
@@ -64,14 +66,14 @@ pub fn image() -> Result<PathBuf, PilError> {
             false => Err(PilError::Missing(format!("{IMAGE_VARIABLE} names {}, which is not there", ready.display()))),
         };
     }
-    build("qemu-m4")
+    build(QEMU, "qemu-m4")
 }
 
 /// The image that counts the instructions of kernels, built from the present source.
 pub fn counting_image() -> Result<PathBuf, PilError> {
     match missing() {
         Some(reason) => Err(PilError::Missing(reason)),
-        None => build("counts"),
+        None => build("sonoglide-counts", "counts"),
     }
 }
 
@@ -79,7 +81,7 @@ pub fn counting_image() -> Result<PathBuf, PilError> {
 pub fn link_image() -> Result<PathBuf, PilError> {
     match missing() {
         Some(reason) => Err(PilError::Missing(reason)),
-        None => build("link"),
+        None => build(QEMU, "link"),
     }
 }
 
@@ -119,9 +121,9 @@ pub fn field_images() -> Result<[PathBuf; 2], PilError> {
     Ok([build("first-stage", "first-stage")?, build("nucleo-g474re", "field")?])
 }
 
-/// Builds one image of the package `qemu-m4`.
-fn build(image: &str) -> Result<PathBuf, PilError> {
-    let (folder, _) = cargo("pil", &["-p", "sonoglide-qemu-m4", "--bin", image])?;
+/// Builds one image of a package.
+fn build(package: &str, image: &str) -> Result<PathBuf, PilError> {
+    let (folder, _) = cargo("pil", &["-p", package, "--bin", image])?;
     Ok(folder.join(TARGET).join("pil").join(image))
 }
 

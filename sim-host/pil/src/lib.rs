@@ -31,7 +31,6 @@ pub mod cpu_affinity;
 #[cfg(target_os = "linux")]
 pub mod emulator;
 mod image;
-mod interpreter;
 pub mod machine;
 #[cfg(target_os = "linux")]
 pub mod pipes;
@@ -40,13 +39,11 @@ mod qemu;
 #[cfg(not(target_os = "linux"))]
 #[path = "unsupported.rs"]
 mod qemu;
-mod semihosting;
-mod size;
+pub mod size;
 
 pub use image::{
     IMAGE_VARIABLE, board_image, counting_image, field_images, image, link_image, missing, missing_to_build, test_image,
 };
-pub use interpreter::Interpreter;
 pub use qemu::Qemu;
 
 /// Why there is no processor in the loop.

@@ -81,8 +81,9 @@ impl Sums {
     /// Adds a step.
     #[inline(always)]
     pub(super) fn add(&mut self, step: &Step) {
-        let Step { friction: Rubbing { mean_n: mean, work_j, .. }, voltage: v, current: i, further: (further, further_lost), .. } =
-            *step;
+        let Step {
+            friction: Rubbing { mean_n: mean, work_j, .. }, voltage: v, current: i, further: (further, further_lost), ..
+        } = *step;
         self.friction += mean;
         self.friction_on_tip += work_j;
         // Not f64::min, which handles not-a-number and costs three times as much.

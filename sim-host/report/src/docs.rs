@@ -1,7 +1,7 @@
 //! Blocks of the documentation that commands write: each stands in its page between two marks that name the command,
 //!
 //! ```text
-//! <!-- begin: sim-host validate tracking -->
+//! <!-- begin: evidence tracking -->
 //! ...
 //! <!-- end -->
 //! ```

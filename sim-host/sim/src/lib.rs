@@ -36,6 +36,7 @@ pub mod compare;
 pub mod cramer_rao;
 pub mod data;
 pub mod edge_meter;
+pub mod evidence;
 pub mod explain;
 pub mod figures;
 pub mod instruments;

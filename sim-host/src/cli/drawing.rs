@@ -6,6 +6,20 @@ use super::provenance::provenance;
 use report::{Drawing, PictureFormat, PrintSize};
 use sim::output::Presentation;
 
+/// Writer of PDF figures, if this build has one.
+#[cfg(feature = "pdf")]
+const PDF: Option<report::ToPdf> = Some(report::pdf);
+#[cfg(not(feature = "pdf"))]
+const PDF: Option<report::ToPdf> = None;
+
+/// Reads a format, and refuses one that this build cannot write before anything is run.
+fn format(text: &str) -> Result<PictureFormat, String> {
+    match text.parse()? {
+        PictureFormat::Pdf if PDF.is_none() => Err(super::without("writer of PDF figures")),
+        format => Ok(format),
+    }
+}
+
 /// How the figures of a report are drawn.
 #[derive(Args, Default)]
 pub(super) struct DrawingArgs {
@@ -14,7 +28,7 @@ pub(super) struct DrawingArgs {
     #[arg(long, value_name = "SIZE")]
     figure_size: Option<PrintSize>,
     /// Formats of the figures: `svg`, `png`, `pdf`, or several with commas between. Default: svg,png.
-    #[arg(long, value_name = "FORMAT,…", value_delimiter = ',')]
+    #[arg(long, value_name = "FORMAT,…", value_delimiter = ',', value_parser = format)]
     figure_format: Vec<PictureFormat>,
 }
 
@@ -33,6 +47,6 @@ impl DrawingArgs {
             }
         }
         let formats = if formats.is_empty() { Drawing::default().formats } else { formats };
-        Drawing { size: self.figure_size, formats, pdf: Some(report::pdf) }
+        Drawing { size: self.figure_size, formats, pdf: PDF }
     }
 }

@@ -49,9 +49,8 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 16] = [
     (
         "validate",
         &[
-            ("validate --list", "all benches"),
-            ("validate thesis --quick", "one of them"),
-            ("validate measurements --markdown", "published measurements against predictions"),
+            ("validate my-suite.toml", "each case against its targets"),
+            ("validate my-suite.toml --list", "the command of each case"),
         ],
     ),
     ("completions", &[("completions bash", "source them, or put them where the shell looks")]),

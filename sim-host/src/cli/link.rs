@@ -1,7 +1,6 @@
 //! `sim-host link`.
 
 mod flash_file;
-mod modelled_board;
 mod prompt;
 
 use std::cell::RefCell;
@@ -17,7 +16,7 @@ use clap::{Args, Subcommand};
 use serde_json::Value;
 
 use super::run::times;
-use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, interrupts, provenance, with_scene_on};
+use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, board_model, interrupts, provenance, with_scene_on};
 use link::answer::{Answer, failure};
 use link::client::Client;
 use link::commands::{Order, amount, monitor, seconds, update};
@@ -31,7 +30,7 @@ use scene::Driven;
 use sim::output::OutputError;
 
 /// Set by Ctrl-C, and by any other request to end.
-static STOP: AtomicBool = AtomicBool::new(false);
+pub(super) static STOP: AtomicBool = AtomicBool::new(false);
 /// Set by such a request as ends a prompt, too: any but Ctrl-C.
 static END: AtomicBool = AtomicBool::new(false);
 /// The reader of standard output has closed it: the command under way ends as by Ctrl-C, and nothing more is printed.
@@ -64,16 +63,16 @@ pub(super) struct LinkArgs {
     flash: Option<PathBuf>,
     /// Of board:SCENE: the image, an ELF file, in place of the one that is built from the present source.
     #[arg(long, value_name = "ELF", global = true)]
-    image: Option<PathBuf>,
+    pub(super) image: Option<PathBuf>,
     /// Of board:SCENE: let the block interrupt take a part of its time only, as if the processor were so many times as fast there.
     #[arg(long, value_name = "X", global = true, value_parser = times)]
-    board_speed: Option<f64>,
+    pub(super) board_speed: Option<f64>,
     /// Of board:SCENE: the board has a first stage, and the image runs in the slot behind it, so that it can be updated.
     #[arg(long, global = true)]
-    slot: bool,
+    pub(super) slot: bool,
     /// Of board:SCENE: a port for GDB, as HOST:PORT; port 0 takes a free one. Standard error names it.
     #[arg(long, value_name = "ADDRESS", global = true)]
-    gdb: Option<String>,
+    pub(super) gdb: Option<String>,
     /// A simulated board is not faster than a real one.
     #[arg(long, global = true)]
     real_time: bool,
@@ -143,14 +142,14 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
     };
     let mut sets = args.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
-    let defaults = if modelled.is_some() { board::configure::defaults().to_vec() } else { Vec::new() };
+    let defaults = if modelled.is_some() { board_model::defaults() } else { Vec::new() };
     with_scene_on(&SceneArgs { scene: scene.to_owned(), sets }, &defaults, color, |loaded| {
         let Some(driven) = loaded.scene.driven() else {
             let usage = format!("`{}` has no [controller]: there is nothing to talk to", loaded.name);
             return Ok(failed(&LinkError::Usage(usage), color));
         };
         if modelled.is_some() {
-            return done(modelled_board::talk(args, &driven, color), color);
+            return done(board_model::talk(args, &driven, color), color);
         }
         done(simulated(args, &driven, color), color)
     })
@@ -177,7 +176,7 @@ fn simulated(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkEr
     done.and(stored)
 }
 
-fn with_board(args: &LinkArgs, board: Rc<RefCell<impl InProcess + 'static>>, color: Color) -> Result<(), LinkError> {
+pub(super) fn with_board(args: &LinkArgs, board: Rc<RefCell<impl InProcess + 'static>>, color: Color) -> Result<(), LinkError> {
     if let Some(LinkOrder::Serve { listen }) = &args.order {
         let listener = TcpListener::bind(listen)
             .map_err(|error| LinkError::Open { port: format!("tcp:{listen}"), why: error.to_string() })?;
@@ -307,7 +306,7 @@ fn say(text: &str) {
 }
 
 /// Says something on standard error, if anybody is there.
-fn note(line: &str) {
+pub(super) fn note(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 

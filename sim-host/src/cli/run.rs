@@ -7,13 +7,13 @@ use std::sync::atomic::AtomicBool;
 use anyhow::Context;
 use clap::Args;
 
+use super::board_model::{self, Flashed};
 use super::progress::Progress;
 use super::{
     Color, DrawingArgs, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, ReportArgs, SceneArgs, USAGE, interrupts,
     invalid, junit, with_scene_on,
 };
-use link::modelled_board::record;
-use pil::{self, PilError, Qemu};
+use pil::Qemu;
 use scene::Driven;
 use scene::load::{LoadError, Loaded};
 use scene::settings::config;
@@ -85,7 +85,7 @@ impl RunArgs {
 pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<ExitCode> {
     let mut sets = args.scene.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
-    let defaults = if args.board.is_some() { board::configure::defaults().to_vec() } else { Vec::new() };
+    let defaults = if args.board.is_some() { board_model::defaults() } else { Vec::new() };
     with_scene_on(&SceneArgs { scene: args.scene.scene.clone(), sets }, &defaults, color, |loaded| match args.run {
         None => run_loaded(args, loaded, color),
         Some(number) if loaded.scene.runs == 1 || !(1..=loaded.scene.runs).contains(&number) => {
@@ -173,8 +173,8 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
 enum Image {
     /// The controller under QEMU.
     Emulated(PathBuf),
-    /// The flashed image, its bytes, on a model of its part.
-    Flashed { elf: Vec<u8>, options: board::Options },
+    /// The flashed image on the model of its microcontroller.
+    Flashed(Flashed),
 }
 
 impl Image {
@@ -182,24 +182,21 @@ impl Image {
     fn ending(&self) -> &'static str {
         match self {
             Image::Emulated(_) => "-pil",
-            Image::Flashed { .. } => "-board",
+            Image::Flashed(_) => "-board",
         }
     }
 
     fn level(&self) -> Level {
         match self {
             Image::Emulated(_) => Level::Pil,
-            Image::Flashed { .. } => Level::Board,
+            Image::Flashed(_) => Level::Board,
         }
     }
 
     fn start(&self, scene: &Driven) -> Result<Box<dyn Processor>, RunError> {
         match self {
             Image::Emulated(image) => Ok(Box::new(Qemu::start(image, &config(scene))?)),
-            Image::Flashed { elf, options } => {
-                let replay = record(elf, scene, *options, &STOP).map_err(|error| RunError::NoProcessor(error.into()))?;
-                Ok(Box::new(replay))
-            }
+            Image::Flashed(image) => image.start(scene, &STOP),
         }
     }
 }
@@ -213,15 +210,11 @@ fn image(args: &RunArgs, loaded: &Loaded) -> Result<Option<Image>, (u8, String)>
     let Some(scene) = loaded.scene.driven() else {
         return Err((USAGE, format!("{option} runs the controller as thumb code, and `{}` has no [controller]", loaded.name)));
     };
-    let lost = |error: PilError| (LOST, error.to_string());
     match &args.board {
-        None => pil::image().map(|image| Some(Image::Emulated(image))).map_err(lost),
+        None => pil::image().map(|image| Some(Image::Emulated(image))).map_err(|error| (LOST, error.to_string())),
         Some(file) => {
-            board::configure::stored(&scene).map_err(|error| (USAGE, error.to_string()))?;
-            let file = file.clone().map_or_else(|| pil::board_image().map_err(lost), Ok)?;
-            let elf = std::fs::read(&file).map_err(|error| (USAGE, format!("{} cannot be read: {error}", file.display())))?;
-            let rate = args.board_speed.map(|times| 1.0 / times);
-            Ok(Some(Image::Flashed { elf, options: board::Options { rate, profile: args.profile, ..board::Options::default() } }))
+            let image = Flashed::new(file.as_deref(), &scene, args.board_speed, args.profile)?;
+            Ok(Some(Image::Flashed(image)))
         }
     }
 }

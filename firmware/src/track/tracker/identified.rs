@@ -8,7 +8,7 @@ const TAU: f32 = core::f32::consts::TAU;
 
 /// What the clamped capacitance is known to apart from noise, relative: images of the drive's converter flow through it as well, and are read at the drive's
 /// frequency. Behind an amplifier of 200 kHz they let it seem up to 3.2 % smaller, the less so the more of them the source's resistance keeps (column `c0_error_f` of the file that
-/// `sim-host validate transducers` writes); a faster amplifier lets more of them through.
+/// `evidence transducers` writes); a faster amplifier lets more of them through.
 const IMAGES: f32 = 0.018;
 
 /// What the motional phase at the lock point is known to apart from noise, rad: the axis of the sensing chain, and the clamped branch that is taken away.

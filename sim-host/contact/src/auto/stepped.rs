@@ -28,7 +28,7 @@ const SMOOTH: f64 = 30.0;
 const RINGS: f64 = 0.1;
 /// From this contact spring on, of `m w^2`, it does so faster than it is shaken by far.
 const STIFF: f64 = 30.0;
-/// What estimates are multiplied by then; `sim-host validate contacts` holds them against the truth.
+/// What estimates are multiplied by then; `evidence contacts` holds them against the truth.
 const UNEVEN: f64 = 3.0;
 const VERY_UNEVEN: f64 = 10.0;
 /// And what the error of a pilot is multiplied by otherwise.

@@ -4,7 +4,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use board::update_file::pack;
 use clap::Args;
 use firmware::board::command::{Command, Reply};
 use firmware::board::update::{CHUNK, Standing, UpdateDefect, UpdateReport, UpdateState, UpdateVerb};
@@ -16,6 +15,7 @@ use crate::answer::Answer;
 use crate::client::unexpected;
 use crate::link_error::LinkError;
 use crate::session::Session;
+use crate::update_file::pack;
 
 /// How long the board may check what it has received, and how long the first stage may take to install it.
 const CHECKED_WITHIN: Duration = Duration::from_secs(20);

@@ -4,7 +4,7 @@ use firmware::seam::block::{DriveBlock, SenseBlock};
 
 use super::DrivenStack;
 use crate::quad::{Four, Portable, Work, widest};
-use crate::sums::{Step, Sums};
+use crate::sums::{Rubbing, Step, Sums};
 
 impl DrivenStack {
     /// Plays what of a block has not been played yet.

@@ -1,0 +1,102 @@
+//! The flashed image on the model of its microcontroller: as the board of `link board:SCENE`, and as the processor of `run --board`.
+
+use std::cell::RefCell;
+use std::fs;
+use std::io;
+use std::net::TcpListener;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::atomic::AtomicBool;
+
+use board::debugger::Debugged;
+use board::linked::{DebuggedBoard, record};
+use board::{Board, configure};
+use link::link_error::LinkError;
+use link::update_file::pack;
+use pil::{PilError, board_image};
+use scene::Driven;
+use sim::processor::Processor;
+use sim::run::RunError;
+use update::key::DEVELOPMENT_SEED;
+
+use super::link::{LinkArgs, STOP, note, with_board};
+use super::{Color, LOST, USAGE};
+
+/// Returns the values that a scene takes on the board if it does not give them.
+pub(super) fn defaults() -> Vec<String> {
+    configure::defaults().to_vec()
+}
+
+/// The flashed image as the processor of a run.
+pub(super) struct Flashed {
+    elf: Vec<u8>,
+    options: board::Options,
+}
+
+impl Flashed {
+    /// Reads the image, or builds it from the present source if no file is named. Fails with an exit code and the reason.
+    pub(super) fn new(file: Option<&Path>, scene: &Driven, speed: Option<f64>, profile: bool) -> Result<Self, (u8, String)> {
+        configure::stored(scene).map_err(|error| (USAGE, error.to_string()))?;
+        let built = || board_image().map_err(|error: PilError| (LOST, error.to_string()));
+        let file = file.map_or_else(built, |file| Ok(file.to_owned()))?;
+        let elf = fs::read(&file).map_err(|error| (USAGE, format!("{} cannot be read: {error}", file.display())))?;
+        Ok(Flashed { elf, options: board::Options { profile, ..options(speed) } })
+    }
+
+    /// Runs the scene on the image, and returns the replay.
+    pub(super) fn start(&self, scene: &Driven, stop: &'static AtomicBool) -> Result<Box<dyn Processor>, RunError> {
+        let replay = record(&self.elf, scene, self.options, stop).map_err(|error| RunError::NoProcessor(error.into()))?;
+        Ok(Box::new(replay))
+    }
+}
+
+/// Talks to the flashed image on a model of its part, with a port for a debugger where one is asked for.
+pub(super) fn talk(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkError> {
+    // Before the image is built.
+    let listener = args.gdb.as_deref().map(debugger_port).transpose()?;
+    let board = started(args, scene)?;
+    let Some(listener) = listener else { return with_board(args, Rc::new(RefCell::new(board)), color) };
+    let debugged = Debugged::new(board, listener, note)?;
+    note(&format!("a debugger finds the board by: target remote {}", debugged.address()?));
+    with_board(args, Rc::new(RefCell::new(DebuggedBoard::new(debugged, &STOP))), color)
+}
+
+fn debugger_port(address: &str) -> Result<TcpListener, LinkError> {
+    TcpListener::bind(address).map_err(|error| {
+        let why = match error.kind() {
+            io::ErrorKind::AddrInUse => "another program listens there; port 0 takes a free one".into(),
+            io::ErrorKind::InvalidInput => format!("this is no HOST:PORT: {error}"),
+            _ => error.to_string(),
+        };
+        LinkError::Open { port: format!("the port for GDB, {address}"), why }
+    })
+}
+
+/// The flashed image on a model of its part, with a scene's plant at its pins.
+fn started(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
+    if args.slot {
+        return in_slot(args, scene);
+    }
+    let image = match &args.image {
+        Some(file) => file.clone(),
+        None => board_image().map_err(|error| LinkError::Usage(error.to_string()))?,
+    };
+    Board::start(&read(&image)?, scene, options(args.board_speed)).map_err(|error| LinkError::Usage(error.to_string()))
+}
+
+/// The same behind the first stage, signed by the development key.
+fn in_slot(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
+    let usage = |error: &dyn std::fmt::Display| LinkError::Usage(error.to_string());
+    let [first_stage, image] = pil::field_images().map_err(|error| usage(&error))?;
+    let elf = read(args.image.as_ref().unwrap_or(&image))?;
+    let slot = pack(&elf, Some(&DEVELOPMENT_SEED)).map_err(|error| usage(&error))?;
+    Board::start_in_slot(&read(&first_stage)?, &slot, &elf, scene, options(args.board_speed)).map_err(|error| usage(&error))
+}
+
+fn read(file: &Path) -> Result<Vec<u8>, LinkError> {
+    fs::read(file).map_err(|error| LinkError::Usage(format!("{} cannot be read: {error}", file.display())))
+}
+
+fn options(speed: Option<f64>) -> board::Options {
+    board::Options { rate: speed.map(|times| 1.0 / times), ..board::Options::default() }
+}

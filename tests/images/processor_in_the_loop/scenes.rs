@@ -1,0 +1,97 @@
+//! Every built-in scene that has a controller, host against thumb code: the hash of every code played, and the last report.
+//!
+//! `UPDATE_DOCS=1 cargo test docs -- --include-ignored` writes the table of docs/evidence/processor-in-the-loop.md.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use pil::Qemu;
+use scene::load::load;
+use scene::{Driven, builtin, settings};
+use sim::processor::Processor;
+use sim::study::monte_carlo::MonteCarlo;
+use sim::study::{self, Level, Options, Outcome, Start};
+
+use super::{bits, image};
+
+/// Of a scene with many runs, so many are run.
+const RUNS: u32 = 8;
+
+/// Figures of a scene that are compared and reported.
+struct Played {
+    hash: u64,
+    /// The last report of a single run, bit for bit; the metrics of several.
+    end: Vec<u8>,
+    blocks: u64,
+    metrics: Vec<Option<f64>>,
+}
+
+const METRICS: [&str; 3] = ["mean_block_instructions", "worst_block_instructions", "stack_blocks_bytes"];
+
+/// Runs a scene, here or on an image; nothing if it has no controller.
+fn played(name: &str, image: Option<&Path>) -> Option<Played> {
+    let mut loaded = load(name, &[]).unwrap_or_else(|error| panic!("{error}"));
+    loaded.scene.driven()?;
+    if loaded.scene.runs > 1 {
+        loaded = load(name, &[format!("runs={RUNS}")]).unwrap_or_else(|error| panic!("{error}"));
+    }
+    // What stands beside the scene's own runs is run on the host in either case.
+    (loaded.scene.grid, loaded.scene.comparison) = (None, None);
+    let start = image
+        .map(|image| move |scene: &Driven| Ok(Box::new(Qemu::start(image, &settings::config(scene))?) as Box<dyn Processor>));
+    let start = start.as_ref().map(|start| Start { level: Level::Pil, processor: start });
+    let study = study::run(&loaded, Options { start, ..Options::default() }).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let metrics = METRICS.iter().map(|metric| study.metrics.get(metric)).collect();
+    Some(match &study.outcome {
+        Outcome::Driven(run) => {
+            Played { hash: run.record.drive_hash, end: bits(&run.record.last), blocks: run.record.rows.len() as u64, metrics }
+        }
+        Outcome::MonteCarlo(runs) => Played { hash: runs.drive_hash()?, end: ends(runs), blocks: 0, metrics },
+        Outcome::Contact(_) => return None,
+    })
+}
+
+/// What the runs of a campaign came to, but for what a processor of its own adds.
+fn ends(runs: &MonteCarlo) -> Vec<u8> {
+    let common = |name: &&str| !["instructions", "stack_", "image_"].iter().any(|part| name.contains(part));
+    let metrics = runs.runs.iter().flat_map(|run| run.metrics.iter().filter(|(name, _)| common(name)));
+    metrics.flat_map(|(_, value)| value.to_le_bytes()).collect()
+}
+
+const HEADER: &str =
+    "| scene | blocks | hash, host and QEMU | instructions, mean | worst block | stack [bytes] |\n|---|---|---|---|---|---|\n";
+
+/// Compares the scenes, and makes a table of them.
+fn compare(image: &Path) -> (usize, String) {
+    let (mut compared, mut table) = (0, HEADER.to_owned());
+    for (name, _) in builtin::all() {
+        let Some(here) = played(name, None) else { continue };
+        let there = played(name, Some(image)).expect("the same scene");
+        assert_eq!(here.hash, there.hash, "{name}: hashes of all drive codes played");
+        assert!(here.end == there.end, "{name}: played alike, reported otherwise");
+        compared += 1;
+        let blocks = if there.blocks > 0 { there.blocks.to_string() } else { format!("{RUNS} runs") };
+        let cell = |value: &Option<f64>| value.map_or_else(|| "–".into(), |value| format!("{value:.0}"));
+        let cells: Vec<String> = there.metrics.iter().map(cell).collect();
+        let _ = writeln!(table, "| `{name}` | {blocks} | `{:016x}` | {} |", there.hash, cells.join(" | "));
+    }
+    (compared, table)
+}
+
+/// The scenes with a controller: all but the contact studies.
+fn with_a_controller() -> usize {
+    builtin::all().iter().filter(|(name, _)| load(name, &[]).is_ok_and(|loaded| loaded.scene.driven().is_some())).count()
+}
+
+/// Every scene to its end: alike on host and processor, and with the instructions that the documentation states.
+#[test]
+fn every_scene_is_played_alike_and_the_docs_have_its_counts() {
+    let Some(image) = image() else { return };
+    let (compared, table) = compare(&image);
+    assert_eq!(compared, with_a_controller());
+    report::docs::block(
+        "evidence/processor-in-the-loop.md",
+        "cargo test -p image-scenarios processor_in_the_loop::scenes",
+        &table,
+    );
+}
