@@ -46,11 +46,14 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// README and the pages of docs: name and text.
+/// Pages that readers find at the top of the repository.
+const AT_THE_TOP: [&str; 2] = ["CONTRIBUTING.md", "README.md"];
+
+/// Returns name and text of the pages at the top and of docs.
 fn pages() -> Vec<(String, String)> {
     let docs = fs::read_dir(root().join("docs")).expect("docs").map(|entry| entry.expect("a page").path());
     let mut paths: Vec<_> = docs.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
-    paths.push(root().join("README.md"));
+    paths.extend(AT_THE_TOP.map(|name| root().join(name)));
     paths.sort();
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     paths.iter().map(|path| (name(path), fs::read_to_string(path).expect("text"))).collect()
@@ -405,7 +408,7 @@ fn every_documented_test_is_there() {
 #[test]
 fn every_documented_file_is_there() {
     for (page, text) in pages() {
-        let folder = if page == "README.md" { root() } else { root().join("docs") };
+        let folder = if AT_THE_TOP.contains(&page.as_str()) { root() } else { root().join("docs") };
         let links = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
         for link in links.filter(|link| !link.is_empty() && !link.contains(':') && !link.contains(' ')) {
             assert!(folder.join(link).exists(), "{page}: there is no {link}");
