@@ -45,12 +45,15 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// README and the pages of docs: path from `docs`, and text.
+/// Pages that readers find at the top of the repository.
+const AT_THE_TOP: [&str; 2] = ["CONTRIBUTING.md", "README.md"];
+
+/// Returns name and text of the pages at the top and of docs; the name is the path from `docs`.
 fn pages() -> Vec<(String, String)> {
     let entries = ["docs", "docs/evidence"].map(|folder| fs::read_dir(root().join(folder)).expect("docs"));
     let docs = entries.into_iter().flatten().map(|entry| entry.expect("a page").path());
     let mut paths: Vec<_> = docs.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
-    paths.push(root().join("README.md"));
+    paths.extend(AT_THE_TOP.map(|name| root().join(name)));
     paths.sort();
     let name = |path: &Path| {
         let page = path.strip_prefix(root().join("docs")).ok().or(path.file_name().map(Path::new)).unwrap_or(path);
@@ -417,7 +420,8 @@ fn every_documented_test_is_there() {
 #[test]
 fn every_documented_file_is_there() {
     for (page, text) in pages() {
-        let path = if page == "README.md" { root().join(&page) } else { root().join("docs").join(&page) };
+        let docs = if AT_THE_TOP.contains(&page.as_str()) { root() } else { root().join("docs") };
+        let path = docs.join(&page);
         let folder = path.parent().expect("a folder");
         let links = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
         for link in links.filter(|link| !link.is_empty() && !link.contains(':') && !link.contains(' ')) {
@@ -430,4 +434,65 @@ fn every_documented_file_is_there() {
             assert!(root().join(path).exists(), "{page}: there is no {path}");
         }
     }
+}
+
+/// Returns the generated blocks of a page, or all of its text if it has none.
+fn generated(text: &str) -> String {
+    let blocks = text.split("<!-- begin: ").skip(1).map(|rest| rest.split("<!-- end -->").next().unwrap_or(rest));
+    let blocks = blocks.collect::<Vec<_>>().join("\n");
+    if blocks.is_empty() { text.to_owned() } else { blocks }
+}
+
+/// Reads the numbers of a text without signs, each with half a unit of its last digit. Joins thousands; skips names such as `C0`.
+fn numbers(text: &str) -> Vec<(f64, f64)> {
+    let text: Vec<char> = text.chars().collect();
+    let is_digit = |at: usize| text.get(at).is_some_and(char::is_ascii_digit);
+    let is_joint = |at: usize| {
+        text[at].is_whitespace() && at > 0 && is_digit(at - 1) && (1..=3).all(|n| is_digit(at + n)) && !is_digit(at + 4)
+    };
+    let joined: String = (0..text.len()).filter(|&at| !is_joint(at)).map(|at| text[at]).collect();
+    let number = |word: &str| {
+        let word = word.trim_matches(['.', '-']);
+        let (mantissa, exponent) = word.split_once('e').unwrap_or((word, "0"));
+        let decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        let half = 0.5 * 10f64.powi(exponent.parse::<i32>().ok()? - decimals as i32);
+        let value = word.parse::<f64>().ok()?;
+        word.starts_with(|first: char| first.is_ascii_digit()).then_some((value, half))
+    };
+    joined.split(|c: char| !(c.is_alphanumeric() || "_.-".contains(c))).filter_map(number).collect()
+}
+
+#[test]
+fn numbers_are_read_with_their_rounding() {
+    let read = numbers("27 of 61 200, C0 2.5 at Q 65.");
+    assert_eq!(read, [(27.0, 0.5), (61_200.0, 0.5), (2.5, 0.05), (65.0, 0.5)]);
+}
+
+/// Checks numbers in prose between `<!-- from: PAGE: TEXT -->` and `<!-- /from -->`: each occurs, rounded, in a line of the page's generated
+/// blocks that contains TEXT when the bars between its cells are left out.
+#[test]
+fn marked_numbers_are_those_of_their_page() {
+    let pages = pages();
+    let mut checked = 0;
+    for (page, text) in &pages {
+        for marked in text.split("<!-- from: ").skip(1) {
+            let parts = marked.split_once(" -->").and_then(|(from, rest)| {
+                let (source, row) = from.split_once(": ")?;
+                Some((source, row, rest.split_once("<!-- /from -->")?.0))
+            });
+            let (source, row, claim) = parts.unwrap_or_else(|| panic!("{page}: incomplete mark `{marked:.60}`"));
+            let table = pages.iter().find(|(name, _)| name == source).map(|(_, text)| generated(text));
+            let table = table.unwrap_or_else(|| panic!("{page}: there is no page {source}"));
+            let cells = |line: &str| line.replace('|', " ").split_whitespace().collect::<Vec<_>>().join(" ");
+            let found: Vec<_> = table.lines().filter(|line| cells(line).contains(row)).flat_map(numbers).collect();
+            let claimed = numbers(claim);
+            assert!(!claimed.is_empty(), "{page}: `{claim}` has no number");
+            for (value, half) in claimed {
+                let there = found.iter().any(|(found, _)| (found - value).abs() <= half * (1.0 + 1e-9));
+                assert!(there, "{page}: `{claim}` differs from {source}: no line with `{row}` contains {value}");
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 50, "{checked} numbers");
 }
