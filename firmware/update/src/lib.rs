@@ -16,11 +16,13 @@
 extern crate std;
 
 pub mod check;
+#[cfg(feature = "flash")]
 pub mod first_stage;
 pub mod identity;
 pub mod key;
 pub mod manifest;
+#[cfg(feature = "flash")]
 pub mod receive;
 
-#[cfg(test)]
+#[cfg(all(test, feature = "flash"))]
 mod tests;

@@ -69,9 +69,7 @@ pub(super) struct Before {
 
 impl<DB: DrawingBackend> Plot<'_, '_, DB> {
     /// Draws the chart into its place on the canvas; the labels in `elsewhere` stand in the legend.
-    ///
-    /// Says how many pixels wide and high its plot is.
-    pub fn draw(&self, layout: &Layout, elsewhere: &[&str]) -> Result<(i32, i32), Failure<DB>> {
+    pub fn draw(&self, layout: &Layout, elsewhere: &[&str]) -> Result<(), Failure<DB>> {
         let pen = self.sheet.pen;
         let (width, height) = (layout.right - layout.left, layout.bottom - layout.top);
         // A description longer than its axis is written smaller.
@@ -115,9 +113,7 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
             }
         }
         self.shade_labels(&chart, elsewhere)?;
-        self.markers(&chart)?;
-        let (columns, rows) = chart.plotting_area().get_pixel_range();
-        Ok((columns.end - columns.start, rows.end - rows.start))
+        self.markers(&chart)
     }
 
     /// Where a point lies; nothing if it has no place on the axes.

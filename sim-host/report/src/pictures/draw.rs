@@ -101,12 +101,12 @@ pub(super) fn svg(figure: &Figure, canvas: Canvas) -> Result<String, String> {
     let size = canvas.size(figure);
     let fine = (size.0 * SVG_ZOOM, size.1 * SVG_ZOOM);
     let mut document = String::new();
-    let plot = {
+    {
         let root = SVGBackend::with_string(&mut document, fine).into_drawing_area();
-        paint(&root, figure, Pen::vector(SVG_ZOOM), size, canvas).map_err(|e| e.to_string())?
-    };
+        paint(&root, figure, Pen::vector(SVG_ZOOM), size, canvas).map_err(|e| e.to_string())?;
+    }
     if let Some(map) = &figure.map {
-        document = heat_map::stretched(document, map, plot);
+        document = heat_map::embedded(&document, map)?;
     }
     let fine = format!("width=\"{}\" height=\"{}\"", fine.0, fine.1);
     Ok(document.replacen(&fine, &canvas.extent(size), 1))
@@ -125,15 +125,19 @@ pub(super) fn png(figure: &Figure, canvas: Canvas) -> Result<Vec<u8>, String> {
         paint(&root, figure, Pen::bitmap(pixels * zoom), size, canvas).map_err(|e| e.to_string())?;
     }
     let coarse = average(&surface, fine.0 as usize, zoom as usize);
+    let per_metre = canvas.print.map(|_| (1e3 * POINTS_PER_MM * f64::from(pixels)).round() as u32);
+    encoded(&coarse, (size.0 * pixels, size.1 * pixels), per_metre)
+}
+
+/// Encodes RGB pixels as a PNG file, with its resolution in pixels per metre if there is one.
+pub(super) fn encoded(pixels: &[u8], (width, height): (u32, u32), per_metre: Option<u32>) -> Result<Vec<u8>, String> {
     let mut file = Cursor::new(Vec::new());
-    let mut encoder = png::Encoder::new(&mut file, size.0 * pixels, size.1 * pixels);
+    let mut encoder = png::Encoder::new(&mut file, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    if canvas.print.is_some() {
-        let per_metre = (1e3 * POINTS_PER_MM * f64::from(pixels)).round() as u32;
-        encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }));
-    }
-    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&coarse));
+    let unit = png::Unit::Meter;
+    encoder.set_pixel_dims(per_metre.map(|per| png::PixelDimensions { xppu: per, yppu: per, unit }));
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(pixels));
     written.map_err(|error| error.to_string())?;
     Ok(file.into_inner())
 }
@@ -157,14 +161,14 @@ fn average(fine: &[u8], fine_width: usize, zoom: usize) -> Vec<u8> {
     coarse
 }
 
-/// Paints title, legend and plots from top to bottom. Says how many pixels wide and high the upper plot is.
+/// Paints title, legend and plots from top to bottom.
 fn paint<DB: DrawingBackend>(
     root: &DrawingArea<DB, Shift>,
     figure: &Figure,
     pen: Pen,
     size: (u32, u32),
     canvas: Canvas,
-) -> Result<(i32, i32), Failure<DB>> {
+) -> Result<(), Failure<DB>> {
     root.fill(&WHITE)?;
     let (width, height) = (f64::from(size.0), f64::from(size.1));
     let sheet = Sheet { root, pen };
@@ -197,7 +201,6 @@ fn paint<DB: DrawingBackend>(
     let gaps = PANEL_GAP * panels.len() as f64;
     let each = (bottom - top - gaps) / (1 + panels.len()) as f64;
     let mut before = Before::default();
-    let mut shown = None;
     let whole = figure;
     for (place, (plot, y)) in std::iter::once(whole).chain(&panels).zip(ys).enumerate() {
         let top = top + place as f64 * (each + PANEL_GAP);
@@ -211,15 +214,13 @@ fn paint<DB: DrawingBackend>(
         let figure = upper.as_ref().unwrap_or(plot);
         let repeats = place > 0 && whole.panels[place - 1].repeats;
         let above = if repeats { Before::default() } else { before };
-        let size = Plot { figure, sheet: &sheet, x, y, before: above }.draw(&layout, &hidden)?;
-        shown = shown.or(Some(size));
+        Plot { figure, sheet: &sheet, x, y, before: above }.draw(&layout, &hidden)?;
         if !repeats {
             before.curves += plot.series.len();
             before.dots += plot.series.iter().filter(|series| series.style == Style::Points).count();
         }
     }
-    root.present()?;
-    Ok(shown.unwrap_or_default())
+    Ok(root.present()?)
 }
 
 /// The scale with as many labelled ticks, of ten, as have room side by side.

@@ -1,11 +1,13 @@
 //! Heat maps: values over a plane as colours, and the bar that tells which.
 //!
 //! The cells are drawn as one bitmap, a pixel each, and not as rectangles: of a map of 400 by 200 cells those make 7 MB of SVG. A vector
-//! surface stretches the bitmap ([`stretched`]); a bitmap has its pixels repeated.
+//! surface holds the place, where [`embedded`] puts the bitmap; a bitmap has its pixels repeated.
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use plotters::element::{BitMapElement, PathElement, Rectangle};
 use plotters::prelude::DrawingBackend;
-use plotters::style::Color;
+use plotters::style::{Color, RGBColor};
 use plotters::style::text_anchor::HPos;
 
 use super::axis::Scale;
@@ -15,6 +17,8 @@ use super::sheet::{Failure, Lettering};
 use super::style::{FRAME, INK, MUTED};
 use crate::figure::{Axis, HeatMap};
 
+/// Colour of the place of a map in an SVG, which nothing else in a figure has.
+const PLACE: RGBColor = RGBColor(1, 2, 3);
 /// Room beside the plot for the bar with its numbers, in points.
 pub(super) const BAR_ROOM: f64 = 150.0;
 const BAR_GAP: f64 = 26.0;
@@ -50,11 +54,14 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
     /// The map, over the whole plot.
     pub(super) fn heat(&self, chart: &Chart<DB>, map: &HeatMap) -> Result<(), Failure<DB>> {
         let (columns, rows) = chart.plotting_area().get_pixel_range();
-        let whole = ((columns.end - columns.start).max(1) as usize, (rows.end - rows.start).max(1) as usize);
-        let size = if self.sheet.pen.whole_paths { map.size() } else { whole };
         if map.size().0 == 0 || map.size().1 == 0 {
             return Ok(());
         }
+        if self.sheet.pen.whole_paths {
+            let corners = [(columns.start, rows.start), (columns.end, rows.end)];
+            return self.sheet.root.draw(&Rectangle::new(corners, PLACE.filled()));
+        }
+        let size = ((columns.end - columns.start).max(1) as usize, (rows.end - rows.start).max(1) as usize);
         let picture =
             BitMapElement::with_owned_buffer((columns.start, rows.start), (size.0 as u32, size.1 as u32), map.pixels(size));
         picture.map_or(Ok(()), |picture| self.sheet.root.draw(&picture))
@@ -85,13 +92,18 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
     }
 }
 
-/// An SVG whose bitmap, of a pixel a cell, covers `plot` instead; and its address in the form that strict readers ask for.
-pub(super) fn stretched(document: String, map: &HeatMap, plot: (i32, i32)) -> String {
+/// Puts the bitmap of a map, of a pixel a cell, into its place in an SVG.
+pub(super) fn embedded(document: &str, map: &HeatMap) -> Result<String, String> {
+    let fill = format!("fill=\"#{:02X}{:02X}{:02X}\"", PLACE.0, PLACE.1, PLACE.2);
+    let Some(at) = document.find(&fill) else { return Ok(document.to_owned()) };
+    let begin = document[..at].rfind("<rect ").ok_or("the place of the map is not a rectangle")?;
+    let end = at + document[at..].find("/>").ok_or("the place of the map has no end")?;
     let (columns, rows) = map.size();
-    let own = format!("width=\"{columns}\" height=\"{rows}\" href=\"data:png;");
-    let whole = format!(
-        "width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"data:image/png;",
-        plot.0, plot.1
-    );
-    document.replacen(&own, &whole, 1)
+    let picture = STANDARD.encode(super::draw::encoded(&map.pixels((columns, rows)), (columns as u32, rows as u32), None)?);
+    let sizes = document[begin..at].trim_start_matches("<rect ").split(" opacity").next().unwrap_or_default();
+    Ok(format!(
+        "{}<image {sizes} preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{picture}\"{}",
+        &document[..begin],
+        &document[end..]
+    ))
 }
