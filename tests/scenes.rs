@@ -12,6 +12,7 @@ use sim::data::FigureData;
 use sim::figures;
 use sim::study::comparison::Standing;
 use sim::study::{self, Options, Study};
+use sim::tables;
 
 /// What is round-off only.
 const NOT_GOLDEN: [&str; 2] = ["energy_residual", "error_estimate"];
@@ -116,6 +117,19 @@ fn golden(study: &Study) -> String {
     table
 }
 
+/// Rows of README's table of the flagship.
+const README_ROWS: [&str; 4] = ["series resonance [Hz]", "Q", "Rm [ohm]", "tip velocity, steady [m/s]"];
+
+/// Compares README's table with what the flagship prints.
+fn check_readme(study: &Study) {
+    let table = tables::tables(study).into_iter().find(|table| table.id == "three-ways").expect("the table");
+    let row = |name: &&str| table.rows.iter().find(|row| row[0] == *name).expect("a row").clone();
+    let rows = std::iter::once(&table.header).cloned().chain(README_ROWS.iter().map(row));
+    let mut lines: Vec<String> = rows.map(|cells| format!("| {} |", cells.join(" | "))).collect();
+    lines.insert(1, "|---|---|---|---|---|".into());
+    report::docs::block("../README.md", "sim-host run experiment-1", &lines.join("\n"));
+}
+
 #[test]
 fn every_built_in_scene_meets_its_expectations_and_its_golden_table() {
     let mut hashes = String::new();
@@ -131,6 +145,9 @@ fn every_built_in_scene_meets_its_expectations_and_its_golden_table() {
         insta::assert_snapshot!(*name, golden(&study));
         measured.extend(study.metrics.iter().map(|(name, _)| of_one(name)));
         every_figure_is_described(&study);
+        if *name == "experiment-1" {
+            check_readme(&study);
+        }
         let hash = study.run().map(|run| run.record.drive_hash);
         if let Some(hash) = hash.or_else(|| study.monte_carlo()?.drive_hash()) {
             hashes += &format!("{name:28} {hash:016x}\n");

@@ -7,8 +7,8 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use plotters::element::{BitMapElement, PathElement, Rectangle};
 use plotters::prelude::DrawingBackend;
-use plotters::style::{Color, RGBColor};
 use plotters::style::text_anchor::HPos;
+use plotters::style::{Color, RGBColor};
 
 use super::axis::Scale;
 use super::chart::{Chart, Layout, Plot, TICK_SIZE};
