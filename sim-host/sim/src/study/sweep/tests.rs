@@ -118,6 +118,33 @@ fn a_key_that_follows_a_measured_course_is_refused() {
     assert!(sweep(&course("0"), &[axis, "disturbance.0.at_s=0,1e-3"], &["q"]).is_ok());
 }
 
+/// Nothing is left to sweep of a number that each run draws, or that a step replaces at once.
+#[test]
+fn a_key_that_is_drawn_or_set_at_once_is_refused() {
+    let drawn = loaded(
+        "contact-kinematic",
+        &["grid.over=[{key=\"duration_s\",values=[3e-3]}]", "runs=2", "vary.0={key=\"contact.dahl.mu\", from=0.1, to=0.2}"],
+    );
+    let step = |at_s: &str| loaded("lock", &[&format!("disturbance.0={{at_s={at_s}, key=\"stack.bvd.q\", to=50}}")]);
+    let over = |loaded: &Loaded, axis: &str| sweep(loaded, &[axis], &[]).map(drop).map_err(|error| error.to_string());
+    let refused = over(&drawn, "contact.dahl.mu=0.05,0.5").expect_err("drawn");
+    assert!(refused.contains("`contact.dahl.mu` is drawn in each run") && refused.contains("`vary = []`"), "{refused}");
+    let refused = over(&step("0"), "stack.bvd.q=60,70").expect_err("set at once");
+    assert!(refused.contains("has the value of `disturbance.0.to` from the beginning of the run on"), "{refused}");
+    assert_eq!(over(&step("1e-3"), "stack.bvd.q=60,70"), Ok(()));
+    assert_eq!(over(&step("0"), "disturbance.0.to=60,70"), Ok(()));
+    // The ratio that is drawn takes the place of a speed.
+    let ratio = loaded(
+        "contact-kinematic",
+        &[
+            "runs=2",
+            "vary.0={key=\"excitation.velocity_ratio\", from=0.4, to=0.6}",
+            "grid.over=[{key=\"duration_s\",values=[3e-3]}]",
+        ],
+    );
+    assert!(over(&ratio, "excitation.sliding_m_per_s=0.01,0.02").is_err());
+}
+
 /// A measured friction at two moments.
 fn measured_at(times_s: &str) -> String {
     format!("overlay.0={{quantity=\"friction_n\", x={times_s}, values=[0.1, 0.15], x_unit=\"s\"}}")
