@@ -2,7 +2,8 @@
 
 use std::convert::Infallible;
 
-use rand_core::TryRng;
+use rand_core::{Rng, SeedableRng, TryRng};
+use rand_xoshiro::SplitMix64;
 
 /// The state of a xoshiro256++ generator, as in `rand_xoshiro`, which keeps it to itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,13 +12,8 @@ pub(super) struct Generator(pub(super) [u64; 4]);
 impl Generator {
     /// Seeded by splitmix64 (Steele, Lea and Flood 2014), as that library does it.
     pub(super) fn of(seed: u64) -> Self {
-        let word = |n: u64| {
-            let z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15u64.wrapping_mul(n + 1));
-            let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            z ^ (z >> 31)
-        };
-        Generator([0, 1, 2, 3].map(word))
+        let mut words = SplitMix64::seed_from_u64(seed);
+        Generator(std::array::from_fn(|_| words.next_u64()))
     }
 
     /// The next 64 bits, and the state after them.
