@@ -12,8 +12,7 @@
 //! metric; how many were, the report's table says.
 
 use crate::metrics::Metrics;
-use report::statistics::ascending;
-pub use report::statistics::{median, percentile};
+use report::statistics::{ascending, median, percentile};
 use scene::metrics::{OF_RUNS, Sign, metric};
 
 /// How the names of times end.
