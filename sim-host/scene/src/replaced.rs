@@ -26,7 +26,7 @@ impl Scene {
             by: format!("vary.{number}.to"),
             why: format!("is drawn in each run, from `vary.{number}.from` to `vary.{number}.to`"),
             help:
-                "remove its entry of [[vary]] (`vary = []` removes all), or let it vary about this value, by `spread` or `factor`"
+                "remove this axis or value, or the entry of [[vary]] (`vary = []` removes all); `spread` and `factor` draw about this value"
                     .to_owned(),
         })
     }
