@@ -33,6 +33,7 @@ pub mod decimate;
 #[cfg(feature = "docs")]
 pub mod docs;
 pub mod spectrum;
+pub mod statistics;
 pub mod time_frequency;
 
 mod crash_view;

@@ -83,19 +83,19 @@ pub enum DisturbedKey {
 }
 
 impl Disturbance {
-    /// Whether nothing is left of a scene's own value of the key: it follows a measured course from the beginning of the run on. A series resonance or C0
-    /// also says what the inductance is, and a first normal force what ratios are counted by: these are left.
+    /// `true` if nothing is left of a scene's own value of the key: from the beginning of the run on it is that of a step or of a measured course. A series
+    /// resonance or C0 also says what the inductance is, and a first normal force what ratios are counted by: these are left.
     pub fn replaces(&self, key: &str) -> bool {
         let own = serde_json::to_value(self.key).ok();
         self.at_s <= 0.0
-            && self.profile.is_some()
+            && (self.profile.is_some() || self.to.is_some())
             && own.as_ref().and_then(|own| own.as_str()) == Some(key)
             && REPLACED.contains(&key)
     }
 }
 
 /// Keys whose value means nothing but where they begin.
-pub(crate) const REPLACED: [&str; 8] = [
+const REPLACED: [&str; 8] = [
     "stack.bvd.q",
     "stack.temperature_k",
     "rig.slider.load_n",

@@ -51,6 +51,7 @@ pub mod numbers;
 mod overlay;
 mod plant;
 mod profile;
+pub mod replaced;
 mod stator;
 pub mod suite;
 mod tree;

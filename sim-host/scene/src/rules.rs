@@ -27,6 +27,7 @@ mod lane_fault;
 mod motor;
 mod overlay;
 mod profile;
+mod replaced;
 mod timeline;
 mod tracking;
 mod vary;
@@ -88,7 +89,8 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     rules.axes();
     rules.comparison();
     rules.variations();
-    // The last four judge a scene in which nothing else is wrong: first this one, then what is made of it.
+    // The last five judge a scene in which nothing else is wrong: first this one, then what is made of it.
+    rules.replaced();
     rules.firmware();
     rules.cells();
     rules.cases();

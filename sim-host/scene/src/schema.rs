@@ -202,9 +202,22 @@ pub fn unit_of(name: &str) -> Option<String> {
     super::units::split(name).1.map(|unit| unit.symbol)
 }
 
-/// What a name is of, in words: without the tables before it, and without the unit that it ends in.
+/// Returns the last name of a path; of an entry of a list, that of the list.
+pub fn last_name(path: &str) -> &str {
+    path.rsplit('.').find(|name| !is_index(name)).unwrap_or(path)
+}
+
+/// Returns the end of a path, from a name on, that no other of these paths has.
+pub fn tail<'a>(path: &'a str, paths: &[String]) -> &'a str {
+    let ends_so =
+        |path: &String, tail: &str| path.strip_suffix(tail).is_some_and(|tables| tables.is_empty() || tables.ends_with('.'));
+    let tails = path.rmatch_indices('.').map(|(at, _)| &path[at + 1..]);
+    let mut of_a_name = tails.filter(|tail| !tail.starts_with(|c: char| c.is_ascii_digit()));
+    of_a_name.find(|tail| paths.iter().filter(|path| ends_so(path, tail)).count() <= 1).unwrap_or(path)
+}
+
+/// What a name is of, in words: without the unit that it ends in.
 pub fn words_of(name: &str) -> String {
-    let name = name.rsplit('.').next().unwrap_or(name);
     super::units::split(name).0.replace('_', " ")
 }
 
@@ -245,12 +258,21 @@ mod tests {
     #[test]
     fn names_are_words_and_a_unit() {
         for (name, words, unit) in [
-            ("contact.dahl.stiffness_n_per_m", "stiffness", Some("N/m")),
+            ("stiffness_n_per_m", "stiffness", Some("N/m")),
+            ("reduction_percent_at_0.038", "reduction percent at 0.038", None),
             ("friction_ratio", "friction ratio", None),
             ("lock_time_20hz_ms", "lock time 20hz", Some("ms")),
         ] {
             assert_eq!((words_of(name).as_str(), unit_of(name).as_deref()), (words, unit));
         }
+    }
+
+    #[test]
+    fn the_end_of_a_path_tells_it_from_others() {
+        let paths = ["stack.bvd.q", "stack.mode.0.q", "stack.mode.1.q", "rig.slider.load_n", "burst.on_s.1"].map(str::to_owned);
+        let tails = paths.each_ref().map(|path| tail(path, &paths));
+        assert_eq!(tails, ["bvd.q", "mode.0.q", "mode.1.q", "load_n", "on_s.1"]);
+        assert_eq!(paths.each_ref().map(|path| last_name(path)), ["q", "q", "q", "load_n", "on_s"]);
     }
 
     #[test]

@@ -1,10 +1,9 @@
 //! How messages call the places of a scene.
 
 use super::nearest::{short, shown};
-use super::schema::{Kind, Schema, is_index, without_indices};
+use super::schema::{Kind, Schema, last_name, unit_of, without_indices};
 use super::suite::file;
 use super::tree::Entry;
-use super::units;
 
 /// A table as its header would be written.
 pub(super) fn header(path: &str) -> String {
@@ -31,8 +30,7 @@ pub(super) fn named(name: &str, entry: &Entry) -> String {
 
 /// The unit in which a key is given.
 pub(super) fn unit(path: &str) -> Option<String> {
-    let key = path.rsplit('.').find(|name| !is_index(name))?;
-    units::split(key).1.map(|unit| unit.symbol)
+    unit_of(last_name(path))
 }
 
 /// A number with the unit of its key.

@@ -1,5 +1,7 @@
 //! Numbers as tables show them.
 
+use std::collections::BTreeSet;
+
 /// A number with four significant digits.
 pub fn number(value: f64) -> String {
     digits(value, 4)
@@ -8,6 +10,14 @@ pub fn number(value: f64) -> String {
 /// A number with seven significant digits, to be compared with others.
 pub(crate) fn precise(value: f64) -> String {
     digits(value, 7)
+}
+
+/// Numbers with as few significant digits as tell them apart, but at least four.
+pub(crate) fn distinct(values: &[f64]) -> Vec<String> {
+    let wanted = values.iter().map(|value| value.to_bits()).collect::<BTreeSet<_>>().len();
+    let texts = |count: usize| values.iter().map(|&value| digits(value, count)).collect::<Vec<_>>();
+    let enough = |texts: &Vec<String>| texts.iter().collect::<BTreeSet<_>>().len() == wanted;
+    (4..17).map(texts).find(enough).unwrap_or_else(|| texts(17))
 }
 
 fn digits(value: f64, digits: usize) -> String {
@@ -37,5 +47,7 @@ mod tests {
         assert_eq!(number(-5.2), "-5.2");
         assert_eq!(precise(39_999.290_1), "39999.29");
         assert_eq!(number(8.0), "8");
+        assert_eq!(distinct(&[0.038, 0.068, 0.038]), ["0.038", "0.068", "0.038"]);
+        assert_eq!(distinct(&[0.05, 0.050_001]), ["0.05", "0.050001"]);
     }
 }

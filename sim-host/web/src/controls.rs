@@ -2,7 +2,7 @@
 
 use plant::circuit_of;
 use scene::Scene;
-use scene::schema::{Schema, unit_of};
+use scene::schema::{Schema, last_name, unit_of};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -123,7 +123,7 @@ pub fn sliders(scene: &Scene, resolved: &Value) -> Vec<Slider> {
             Some(Slider {
                 key,
                 label,
-                unit: unit_of(key.rsplit('.').next().unwrap_or(key)).unwrap_or_default(),
+                unit: unit_of(last_name(key)).unwrap_or_default(),
                 meaning: schema.description().unwrap_or_default(),
                 min: min.max(least.unwrap_or(f64::NEG_INFINITY)),
                 max: max.min(most.unwrap_or(f64::INFINITY)),

@@ -6,7 +6,7 @@ use super::judged::{Judged, Verdict, groups};
 use super::{RECORD_TOLERANCES, TOLERANCES, Tried};
 use crate::evidence::Error;
 use report::TableBlock;
-use sim::study::monte_carlo::statistics::percentile;
+use report::statistics::{ascending, percentile};
 
 const WORD: &str = "Contact spring, friction, velocity ratio and damping over ten decades, the natural frequency over three. Not known: two settings of the Taylor series differ by more than a tenth of \
      the tolerance, or it needs more than thousands of parts a step. Silent: off by more than the tolerance, and not said. Flagged: the tolerance is \
@@ -155,15 +155,11 @@ fn high(answers: &[(&Tried, &Judged)]) -> Option<f64> {
         Verdict::Answered { error, estimate, .. } if error > ROUND_OFF => Some(estimate / error),
         _ => None,
     };
-    let mut values: Vec<f64> = answers.iter().filter_map(over).collect();
-    values.sort_by(f64::total_cmp);
-    at(&values, 0.5)
+    at(&ascending(answers.iter().filter_map(over)), 0.5)
 }
 
 fn ratios(costs: &[Cost], of: impl Fn(&Cost) -> bool) -> Vec<f64> {
-    let mut ratios: Vec<f64> = costs.iter().filter(|cost| of(cost)).map(|cost| cost.ratio).collect();
-    ratios.sort_by(f64::total_cmp);
-    ratios
+    ascending(costs.iter().filter(|cost| of(cost)).map(|cost| cost.ratio))
 }
 
 fn at(sorted: &[f64], part: f64) -> Option<f64> {

@@ -8,13 +8,11 @@
 //! The function is fitted to the very crashes that it is judged by, so that no function of this form does better. Drawn: mass 14 to 29 kg, and
 //! pulse, stiffness and slack as in the suite.
 
-use rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardUniform};
-use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
 use super::{plant, scheduled};
 use crate::evidence::Error;
+use crate::random::Random;
 use plant::dring::motion::Motion;
 use plant::dring::pulse::Course;
 use plant::dring::{Bench, G_M_PER_S2};
@@ -47,11 +45,8 @@ pub struct Estimate {
 /// Draws and runs so many crashes.
 pub fn run(crashes: u32) -> Result<Vec<Estimate>, Error> {
     let base = plant(&[])?.0.passive();
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
-    let mut between = |from: f64, to: f64| {
-        let part: f64 = StandardUniform.sample(&mut random);
-        from + (to - from) * part
-    };
+    let mut random = Random::new(1);
+    let mut between = |from: f64, to: f64| random.between(from, to);
     let drawn: Vec<(Bench, f64)> = (0..crashes)
         .map(|_| {
             let mut bench = base.clone();

@@ -1,8 +1,6 @@
 //! What one run is built like, and the numbers by which runs differ.
 
-use rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardUniform};
-use rand_xoshiro::Xoshiro256PlusPlus;
+use crate::random::Random;
 
 /// What one run is built like.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +27,5 @@ pub struct Build {
 
 /// A number in 0 to 1 that belongs to a seed.
 pub fn part(seed: u64, salt: u64) -> f64 {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed ^ (salt << 32));
-    StandardUniform.sample(&mut random)
+    Random::new(seed ^ (salt << 32)).part()
 }

@@ -8,6 +8,7 @@ use import::synthetic::FrictionExample;
 use super::judged::Number;
 use super::{COVERAGE, EFFICIENCY};
 use crate::evidence::Error;
+use report::statistics::{ascending, quantile};
 use report::{TableBlock, verdict};
 
 /// Stated standard deviations that a number may be off without a warning.
@@ -92,9 +93,8 @@ fn rows(set: &[JudgedLog]) -> Vec<Row> {
     }
     let row = |(name, all): (&str, Vec<&Named>)| {
         let numbers: Vec<Number> = all.iter().filter_map(|named| named.number).collect();
-        let mut ratios: Vec<f64> = numbers.iter().map(|number| number.over_bound).collect();
-        ratios.sort_by(f64::total_cmp);
-        let part = |part: f64| ratios.get((part * ratios.len() as f64) as usize).copied().unwrap_or(f64::NAN);
+        let ratios = ascending(numbers.iter().map(|number| number.over_bound));
+        let part = |part: f64| quantile(&ratios, part).unwrap_or(f64::NAN);
         let within = numbers.iter().filter(|number| number.deviations.abs() <= 2.0).count() as f64 / numbers.len() as f64;
         let worst = numbers.iter().fold(0.0f64, |worst, number| worst.max(number.deviations.abs()));
         let (count, open) = (numbers.len(), all.len() - numbers.len());

@@ -6,6 +6,7 @@ use import::admittance::measured::Measured;
 use import::admittance::{Value, fit};
 use import::error::ImportError;
 use import::synthetic::{Example, Kind, NAMES, mutated};
+use report::statistics::{ascending, quantile};
 
 /// Most points of a file that is damaged, so that many of them are tried in little time.
 const FEW_POINTS: usize = 201;
@@ -83,9 +84,8 @@ pub(super) fn statistics<'a>(set: impl IntoIterator<Item = &'a Judged> + Clone) 
         let numbers: Vec<Number> =
             set.clone().into_iter().filter_map(|judged| judged.numbers.map(|numbers| numbers[at])).collect();
         let count = numbers.len().max(1) as f64;
-        let mut ratios: Vec<f64> = numbers.iter().map(|number| number.over_bound).collect();
-        ratios.sort_by(f64::total_cmp);
-        let part = |part: f64| ratios.get((part * ratios.len() as f64) as usize).copied().unwrap_or(f64::NAN);
+        let ratios = ascending(numbers.iter().map(|number| number.over_bound));
+        let part = |part: f64| quantile(&ratios, part).unwrap_or(f64::NAN);
         Statistics {
             name,
             within: numbers.iter().filter(|number| number.deviations.abs() <= 2.0).count() as f64 / count,

@@ -5,6 +5,7 @@ use num_complex::Complex64;
 use super::coordinate::Coordinate;
 use super::result::Admittance;
 use crate::complex::{angle, size};
+use report::statistics::ascending;
 use report::{Axis, Figure, Marker, Series, Style};
 
 /// Points of the fitted curve about each resonance.
@@ -37,8 +38,7 @@ fn frequencies(found: &Admittance) -> Vec<f64> {
         });
         hz.extend(about.filter(|hz| (from..=to).contains(hz)));
     }
-    hz.sort_by(f64::total_cmp);
-    hz
+    ascending(hz)
 }
 
 fn axis(label: &str) -> Axis {

@@ -21,6 +21,7 @@ use super::weights::Weights;
 use crate::error::ImportError;
 use crate::least_squares::{Linear, Solution, minimise};
 use crate::stated::rounded;
+use report::statistics::{ascending, quantile};
 
 /// Most resonances that a circuit has.
 pub const MOST_MODES: usize = 3;
@@ -77,14 +78,9 @@ struct Stage {
 impl<'a> Fitter<'a> {
     pub(super) fn new(measured: &'a Measured) -> Self {
         let readings = measured.seen.iter().map(|y| measured.coordinate.of(*y)).collect();
-        let mut sizes: Vec<f64> = measured
-            .admittance
-            .iter()
-            .zip(&measured.hz)
-            .map(|(y, hz)| y.norm_sqr().sqrt() / (std::f64::consts::TAU * hz))
-            .collect();
-        sizes.sort_by(f64::total_cmp);
-        let farad = sizes.get(sizes.len() / 2).copied().filter(|c| *c > 0.0).unwrap_or(1e-9);
+        let farad = |(y, hz): (&Complex64, &f64)| y.norm_sqr().sqrt() / (std::f64::consts::TAU * hz);
+        let sizes = ascending(measured.admittance.iter().zip(&measured.hz).map(farad));
+        let farad = quantile(&sizes, 0.5).filter(|c| *c > 0.0).unwrap_or(1e-9);
         Fitter { measured, readings, farad }
     }
 

@@ -6,6 +6,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::log::Log;
+use report::statistics::{ascending, quantile};
 
 /// Springs of the model.
 const SPRINGS: usize = 8;
@@ -26,9 +27,8 @@ pub(super) struct Maxwell {
 /// Fits the samples that are `used`; nothing if the log resolves no deflection.
 pub(super) fn fit(log: &Log, used: &[bool]) -> Option<Maxwell> {
     // About a reversal steps are as short as one likes: the median is what the log resolves.
-    let mut steps: Vec<f64> = log.slip_m.iter().map(|slip| slip.abs()).filter(|slip| *slip > 0.0).collect();
-    steps.sort_by(f64::total_cmp);
-    let least = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let steps = ascending(log.slip_m.iter().map(|slip| slip.abs()).filter(|slip| *slip > 0.0));
+    let least = quantile(&steps, 0.5).unwrap_or(f64::INFINITY);
     let mut at = 0.0_f64;
     let (mut low, mut high) = (0.0_f64, 0.0_f64);
     for slip in &log.slip_m {

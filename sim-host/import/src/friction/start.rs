@@ -2,6 +2,7 @@
 
 use super::log::Log;
 use super::models::Model;
+use report::statistics::{ascending, quantile};
 
 /// Starts that are followed to their end in any case, the best first.
 const BEST: usize = 3;
@@ -28,13 +29,9 @@ pub(super) fn followed(model: Model, log: &Log, used: &[bool], cost: impl Fn(&Ve
 
 /// Starts across what the log resolves.
 fn all(model: Model, log: &Log, used: &[bool]) -> Vec<Vec<f64>> {
-    let of_used = |values: &[f64]| {
-        let mut sizes: Vec<f64> =
-            values.iter().zip(used).filter(|(_, used)| **used).map(|(v, _)| v.abs()).filter(|v| *v > 0.0).collect();
-        sizes.sort_by(f64::total_cmp);
-        sizes
-    };
-    let at = |sorted: &[f64], part: f64| sorted.get((part * sorted.len() as f64) as usize).copied().unwrap_or(1.0);
+    let of_used =
+        |values: &[f64]| ascending(values.iter().zip(used).filter(|(_, used)| **used).map(|(v, _)| v.abs()).filter(|v| *v > 0.0));
+    let at = |sorted: &[f64], part: f64| quantile(sorted, part).unwrap_or(1.0);
     let (force, speed, slip) = (of_used(&log.force_n), of_used(&log.velocity_m_per_s), of_used(&log.slip_m));
     let fc = at(&force, 0.5);
     let range: f64 = slip.iter().sum();

@@ -5,6 +5,7 @@ use super::drive::AMPLITUDE;
 use super::kind::Kind;
 use super::{Rules, join, listed, nearest, short};
 use crate::diagnostic::Problem;
+use crate::schema::last_name;
 use crate::tree::{Node, Value};
 
 const KEY: &str = "comparison.amplitude_key";
@@ -103,7 +104,7 @@ impl Rules<'_> {
             }
         };
         if self.clean(missing) {
-            let (given_key, key) = (short_key(given), short_key(missing));
+            let (given_key, key) = (last_name(given), last_name(missing));
             let problem = Problem::new(self.key(given), format!("`{given_key}` needs `{key}`, too"), format!("without `{key}`"));
             self.add(given, problem.help("a case is run at equal peak, rms or power: say which"));
         }
@@ -159,9 +160,4 @@ impl Rules<'_> {
             self.add(path, problem.help("time-frequency pictures are of a [controller.sweep] that is not about the resonance"));
         }
     }
-}
-
-/// The last name of a path.
-fn short_key(path: &str) -> &str {
-    path.rsplit('.').next().unwrap_or(path)
 }

@@ -27,13 +27,8 @@ impl<'a> Rules<'a> {
             }
         }
         let over = self.tables(OVER);
-        let named = |path: &String| self.text(&join(path, "key")).map(str::to_owned);
-        let names: Vec<String> = over.iter().filter_map(named).collect();
         for (index, path) in over.iter().enumerate() {
             let key = join(path, "key");
-            if self.follows_from_the_beginning(&key, &names) {
-                continue;
-            }
             self.axis(path);
             let name = self.text(&key);
             if name.is_some() && over[..index].iter().any(|earlier| self.text(&join(earlier, "key")) == name) {

@@ -1,7 +1,6 @@
 //! Measured courses: their samples are in order, last as long as they are played, and stay in the range of what they move.
 
 use super::{Rules, shown};
-use crate::course::REPLACED;
 use crate::diagnostic::Problem;
 use crate::profile::resolve::{falls, paths};
 use crate::schema::{Schema, join};
@@ -60,30 +59,6 @@ impl Rules<'_> {
                 self.add(&profile, problem);
             }
         }
-    }
-
-    /// Refuses a key that something varies and that follows a measured course from the beginning of the run on; `others` are the keys that vary with it.
-    /// Returns whether it did.
-    pub(super) fn follows_from_the_beginning(&mut self, key: &str, others: &[String]) -> bool {
-        let Some(name) = self.text(key).filter(|name| REPLACED.contains(name)) else { return false };
-        let replaces = |path: &String| {
-            let at_s = join(path, "at_s");
-            self.text(&join(path, "key")) == Some(name)
-                && self.given(&join(path, "profile"))
-                && self.number(&at_s) == Some(0.0)
-                && !others.contains(&at_s)
-        };
-        let Some(path) = self.tables("disturbance").into_iter().find(replaces) else { return false };
-        let profile = join(&path, "profile");
-        let message = format!("`{name}` follows the measured `{profile}` from the beginning of the run on");
-        let problem = Problem::new(self.place(key), message, "other values change nothing");
-        self.add(
-            key,
-            problem.help(format!(
-                "what can vary is `{profile}.from_s`, or another key; a list in a scene takes the place of its base's"
-            )),
-        );
-        true
     }
 
     fn samples(&mut self, path: &str) {

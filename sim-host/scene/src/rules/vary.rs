@@ -14,8 +14,6 @@ const SEED: &str = "seed";
 impl Rules<'_> {
     pub(super) fn variations(&mut self) {
         let tables = self.tables(TABLE);
-        let named = |path: &String| self.text(&join(path, "key")).map(str::to_owned);
-        let names: Vec<String> = tables.iter().filter_map(named).collect();
         for (index, path) in tables.iter().enumerate() {
             let key = join(path, "key");
             let Some((name, _)) = self.number_named(&key) else { continue };
@@ -28,9 +26,6 @@ impl Rules<'_> {
             if name == SEED || NOT_IN_A_CELL.contains(&table) {
                 let help = "what varies is a number of the plant, or a nominal value of the controller";
                 wrong(format!("`{name}` cannot be varied"), "no run has a value of its own here", help);
-                continue;
-            }
-            if self.follows_from_the_beginning(&key, &names) {
                 continue;
             }
             let earlier = |earlier: &String| self.root.at(&join(earlier, "key")).and_then(|node| node.text()) == Some(name);

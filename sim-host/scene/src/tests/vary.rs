@@ -89,3 +89,23 @@ fn percentiles_are_metrics() {
     assert!(load_text("a.toml", &expect("lock_time_20hz_ms_p95"), &[]).is_ok());
     says(&report(&expect("lock_time_20hz_ms_p96"), &[]), &["there is no metric", "did you mean `lock_time_20hz_ms`?", "`_p95`"]);
 }
+
+/// A value is refused if each run draws another one: on an axis of a grid, in `grid.set`, by `--set`, and over a base.
+#[test]
+fn a_value_that_is_drawn_over_is_refused() {
+    let mu = "contact.dahl.mu";
+    let text = format!("{}\n[[vary]]\nkey = \"{mu}\"\nfrom = 0.1\nto = 0.2\n", example());
+    let with = |sets_: &[&str]| load_text("a.toml", &text, &sets(sets_)).map(drop).map_err(|error| error.to_string());
+    let axis = ["runs=2", "grid.over.1.key=contact.dahl.mu", "grid.over.1.values=[0.05, 0.5]"];
+    let refused = [&axis[..], &["runs=2", "grid.set=[\"contact.dahl.mu=0.3\"]"], &["runs=2", "contact.dahl.mu=0.3"]];
+    for sets in refused {
+        let report = with(sets).expect_err("a value that changes nothing");
+        let drawn = format!("`{mu}` is drawn in each run, from `vary.0.from` to `vary.0.to`");
+        says(&report, &[&drawn, "--> --set:", "^ other values change nothing", "`vary = []`", "`spread`", "1 problem"]);
+    }
+    let about = ["runs=2", "vary.0.spread=0.1", "contact.dahl.mu=0.3"];
+    let apart = ["runs=2", "grid.set=[\"runs=1\"]", axis[1], axis[2]];
+    for sets in [&["runs=2"][..], &["contact.dahl.mu=0.3"], &axis[1..], &about, &apart] {
+        assert_eq!(with(sets), Ok(()), "{sets:?}");
+    }
+}

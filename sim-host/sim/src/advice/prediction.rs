@@ -26,6 +26,7 @@ use super::response::bandwidth_hz;
 use super::rig::Rig;
 use crate::cramer_rao::{DEVIATIONS_95, Knowledge, PriorKnowledge, Setting, ramp, ramp_with_slope, steady, time_to};
 use plant::circuit::Circuit;
+use report::statistics::{ascending, percentile};
 
 /// Cold starts of a prediction.
 pub const DRAWS: u64 = 400;
@@ -163,17 +164,12 @@ pub fn lock_times(rig: &Rig, draws: u64) -> [Vec<f64>; 3] {
         })
     };
     let all: Vec<[f64; 3]> = (1..=draws).into_par_iter().map(one).collect();
-    [0, 1, 2].map(|n| {
-        let mut times: Vec<f64> = all.iter().map(|times| times[n]).collect();
-        times.sort_by(f64::total_cmp);
-        times
-    })
+    [0, 1, 2].map(|n| ascending(all.iter().map(|times| times[n])))
 }
 
 /// The smallest value that at least this part does not exceed, ms; nothing if it is infinite.
 pub fn percentile_ms(rising: &[f64], part: f64) -> Option<f64> {
-    let place = ((part * rising.len() as f64).ceil() as usize).max(1) - 1;
-    rising.get(place).filter(|s| s.is_finite()).map(|s| 1e3 * s)
+    Some(1e3 * percentile(rising, part)).filter(|ms| ms.is_finite())
 }
 
 /// Standard deviation of the frequency played, and what the observer says of its own, Hz.

@@ -1,10 +1,10 @@
 //! Friction of a sliding contact, switched by the vibration of its tip: the true force and the reading of a slow load cell.
 
 use super::curves::{axis, binned, curve, shaded};
-use super::view::mean;
 use super::{Instrument, Line, View};
 use crate::metrics::Metrics;
 use crate::record::Row;
+use report::statistics::mean;
 use report::{Figure, Series, Style};
 use scene::Slider;
 

@@ -1,11 +1,11 @@
 //! A stack that heats itself: its temperature, its losses, whether that comes to an end, and what the ceramic bears.
 
 use super::curves::{axis, curve, shaded};
-use super::view::mean;
 use super::{Instrument, Line, View};
 use crate::metrics::Metrics;
 use firmware::guard::DERATE_K;
 use plant::truth::HeatTruth;
+use report::statistics::mean;
 use report::{Figure, Style};
 use scene::Thermal;
 

@@ -146,9 +146,3 @@ pub(super) fn crossing(before: &Row, after: &Row, there: &dyn Fn(f64) -> bool, t
     }
     before.time_s + high * (after.time_s - before.time_s)
 }
-
-/// The mean of these values; none of no value.
-pub(super) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
-    (count > 0).then(|| sum / count as f64)
-}

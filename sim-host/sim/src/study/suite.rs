@@ -13,6 +13,7 @@ use crate::instruments::View;
 use crate::instruments::friction_switch::Step;
 use crate::metrics::Metrics;
 use contact::closed;
+use report::statistics::ascending;
 use scene::suite::{LoadedSuite, ReadyCase, Target};
 use scene::{Scene, metrics, shown};
 
@@ -114,9 +115,7 @@ impl<'a> CaseResult<'a> {
 
     /// The values of a metric over the runs, in order.
     pub fn sorted(&self, metric: &str) -> Vec<f64> {
-        let mut values: Vec<f64> = self.each.iter().filter_map(|run| run.get(metric)).collect();
-        values.sort_by(f64::total_cmp);
-        values
+        ascending(self.each.iter().filter_map(|run| run.get(metric)))
     }
 }
 

@@ -35,7 +35,8 @@ pub use crate::overlay::is_metric as is_of_overlays;
 use scene::load::{LoadError, Loaded};
 use scene::metrics::{self, OF_RUNS};
 use scene::nearest::{nearest, short};
-use scene::schema::{Kind, Schema, unit_of};
+use scene::replaced::Replaced;
+use scene::schema::{Kind, Schema, last_name, unit_of};
 use scene::{Scene, shown};
 
 /// The metric that has a column of its own in every row.
@@ -142,7 +143,8 @@ impl<'a> Sweep<'a> {
         }
         metrics.retain(|&metric| metric != FAULT_CODE);
         let sweep = Sweep { loaded, metrics, all: names.is_empty(), design };
-        let point = |point| sweep.loaded.cell(&sweep.sets(point)).map(drop);
+        let made = if loaded.scene.runs > 1 { Loaded::changed } else { Loaded::cell };
+        let point = |point| made(loaded, &sweep.sets(point)).map(drop);
         point(0).or_else(|error| point(sweep.design.count() - 1).map_err(|_| error))?;
         // Each of several runs draws numbers of its own.
         held.filter(|_| loaded.scene.runs == 1).map_or(Ok(()), |metric| sweep.check_closed(metric))?;
@@ -298,16 +300,10 @@ fn check_key(key: &str, (least, most): (f64, f64), sampled: bool) -> Result<(), 
     Ok(())
 }
 
-/// A key that follows a measured course from the beginning of a run on has no value of a point's own.
+/// Refuses a key that another part of the scene replaces before it has an effect.
 fn check_effect(key: &str, scene: &Scene, keys: &[&str]) -> Result<(), SweepError> {
-    let moves = |number: usize| keys.contains(&format!("disturbance.{number}.at_s").as_str());
-    let replaced = scene.disturbance.iter().enumerate().find(|(number, change)| change.replaces(key) && !moves(*number));
-    let Some((number, _)) = replaced else { return Ok(()) };
-    let profile = format!("disturbance.{number}.profile");
-    let why = format!(
-        "follows the measured `{profile}` from the beginning of the run on, and other values change nothing: sweep `{profile}.from_s`, or another key"
-    );
-    Err(SweepError::Key { key: key.to_owned(), why })
+    let Some(Replaced { why, help, .. }) = scene.replaced(key, keys) else { return Ok(()) };
+    Err(SweepError::Key { key: key.to_owned(), why: format!("{why}, and other values change nothing: {help}") })
 }
 
 /// A metric of measured curves needs such a curve.
@@ -342,5 +338,5 @@ fn wanted(names: &[String], several: bool) -> Result<Vec<&'static str>, SweepErr
 /// The unit of a key or metric; `1` of a ratio or a count.
 pub fn unit(name: &str) -> String {
     let metric = metrics::metric(name).or_else(|| metrics::of_one_run(name)).map(|metric| metric.unit.to_owned());
-    metric.or_else(|| unit_of(name.rsplit('.').next().unwrap_or(name))).unwrap_or_else(|| "1".to_owned())
+    metric.or_else(|| unit_of(last_name(name))).unwrap_or_else(|| "1".to_owned())
 }

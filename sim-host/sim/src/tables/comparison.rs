@@ -5,6 +5,7 @@ use crate::study::Study;
 use crate::study::comparison::{CaseResult, ComparisonResult, Matched, Standing};
 use report::TableBlock;
 use scene::Equal;
+use scene::schema::last_name;
 
 /// The tables.
 pub(super) fn tables(study: &Study) -> Vec<TableBlock> {
@@ -15,7 +16,7 @@ pub(super) fn tables(study: &Study) -> Vec<TableBlock> {
 
 fn table(result: &ComparisonResult, matched: &Matched, host: &str) -> TableBlock {
     let comparison = &result.comparison;
-    let header = ["case", last(&comparison.amplitude_key)].into_iter().chain(comparison.metrics.iter().map(String::as_str));
+    let header = ["case", last_name(&comparison.amplitude_key)].into_iter().chain(comparison.metrics.iter().map(String::as_str));
     let row = |case: &CaseResult| {
         let cells = comparison.metrics.iter().map(|name| case.metric(name).map_or_else(|| "–".to_owned(), number));
         [case.name.clone(), amplitude(case)].into_iter().chain(cells).collect()
@@ -53,9 +54,4 @@ fn equality(matched: &Matched) -> String {
     };
     let worst = matched.cases.iter().filter_map(off).fold(0.0, f64::max);
     format!("{metric} is {} as in the first case, to {worst:.1e} of it", number(target))
-}
-
-/// The last name of a path.
-fn last(path: &str) -> &str {
-    path.rsplit('.').next().unwrap_or(path)
 }

@@ -1,9 +1,10 @@
 //! The tables of a grid: of two keys one a metric, with a key down and the other across; of any other number one of all points.
 
-use crate::numbers::number;
+use crate::numbers::{distinct, number};
 use crate::study::Study;
 use crate::study::grid::GridResult;
 use report::TableBlock;
+use scene::schema::tail;
 
 /// Most metrics that are shown.
 const METRICS: usize = 8;
@@ -27,14 +28,15 @@ pub(super) fn tables(study: &Study) -> Vec<TableBlock> {
 
 /// A metric over two keys.
 fn across_and_down(result: &GridResult, metric: usize, across: usize, host: &str) -> TableBlock {
-    let [key, columns] = [0, 1].map(|key| result.grid.over[key].key.as_str());
+    let keys = result.keys();
+    let columns = tail(&keys[1], &keys);
     let values = &result.rows.keys[1][..across];
-    let header = values.iter().map(|value| format!("{} = {value}", columns.rsplit('.').next().unwrap_or("")));
+    let header = values.iter().map(|value| format!("{columns} = {value}"));
     let row = |(row, cells): (usize, &[Option<f64>])| {
         [result.rows.keys[0][row * across].to_string()].into_iter().chain(cells.iter().copied().map(cell)).collect()
     };
     TableBlock {
-        header: [key.to_owned()].into_iter().chain(header).collect(),
+        header: [keys[0].clone()].into_iter().chain(header).collect(),
         rows: result.rows.metrics[metric].chunks(across).enumerate().map(row).collect(),
         ..table(result, metric, &result.metrics[metric], ("these two keys", host))
     }
@@ -43,9 +45,12 @@ fn across_and_down(result: &GridResult, metric: usize, across: usize, host: &str
 /// A row for each point.
 fn points(result: &GridResult, shown: usize, host: &str) -> TableBlock {
     let (count, drawn) = (result.rows.points.len(), result.rows.points.len().min(DOWN as usize));
+    let keys: Vec<Vec<String>> = result.rows.keys.iter().map(|key| distinct(&key[..drawn])).collect();
     let row = |row: usize| {
-        let keys = result.rows.keys.iter().map(|key| number(key[row]));
-        keys.chain(result.rows.metrics[..shown].iter().map(|metric| metric[row].map_or_else(none, number))).collect()
+        keys.iter()
+            .map(|key| key[row].clone())
+            .chain(result.rows.metrics[..shown].iter().map(|metric| metric[row].map_or_else(none, number)))
+            .collect()
     };
     let what = match (shown < result.metrics.len(), drawn < count) {
         (false, false) => result.metrics.join(", "),

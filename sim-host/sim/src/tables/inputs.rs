@@ -3,7 +3,7 @@
 use crate::study::Study;
 use report::TableBlock;
 use scene::load::{Change, inputs};
-use scene::schema::unit_of;
+use scene::schema::{last_name, unit_of};
 
 /// Where the scene's numbers come from, as the line below its title.
 pub(super) fn source(study: &Study) -> String {
@@ -62,6 +62,5 @@ pub(super) fn all(study: &Study) -> TableBlock {
 
 /// The unit that a key ends in; of an entry of a list, that of the list.
 fn unit(key: &str) -> String {
-    let name = key.rsplit('.').find(|name| !name.bytes().all(|byte| byte.is_ascii_digit())).unwrap_or(key);
-    unit_of(name).unwrap_or_default()
+    unit_of(last_name(key)).unwrap_or_default()
 }

@@ -6,6 +6,7 @@ use realfft::num_complex::Complex64;
 
 use super::Commissioned;
 use crate::terminal_plot::TerminalPlot;
+use report::statistics::ascending;
 
 /// Points of the line over the band, and about each mode.
 const PLACES: usize = 600;
@@ -30,9 +31,7 @@ pub fn places(found: &Commissioned) -> Vec<f64> {
         let width_hz = mode.hz() / f64::from(mode.transducer.q);
         (0..=ABOUT).map(move |n| mode.hz() + width_hz * (6.0 * n as f64 / ABOUT as f64 - 3.0))
     });
-    let mut places: Vec<f64> = even.chain(dense).filter(|hz| (band.low_hz..=band.high_hz).contains(hz)).collect();
-    places.sort_by(f64::total_cmp);
-    places
+    ascending(even.chain(dense).filter(|hz| (band.low_hz..=band.high_hz).contains(hz)))
 }
 
 /// The drawing in characters.

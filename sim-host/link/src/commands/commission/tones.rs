@@ -19,6 +19,7 @@ use super::probe;
 use crate::answer::quantity;
 use crate::link_error::LinkError;
 use crate::session::Session;
+use report::statistics::{ascending, quantile};
 
 /// Tones on each level.
 const TONES: usize = 11;
@@ -236,7 +237,5 @@ fn checked(load: Load, bounds: &Bounds) -> Result<Load, LinkError> {
 
 /// The middle one of some values; not a number where there are none.
 pub fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    quantile(&ascending(values.filter(|value| value.is_finite())), 0.5).unwrap_or(f64::NAN)
 }

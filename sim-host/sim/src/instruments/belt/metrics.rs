@@ -3,10 +3,10 @@
 use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
-use crate::instruments::view::mean;
 use crate::metrics::Metrics;
 use crate::record::Row;
 use crate::schedule::first_on;
+use report::statistics::mean;
 
 /// What is averaged at the end of each state, s.
 const AVERAGE_S: f64 = 0.002;

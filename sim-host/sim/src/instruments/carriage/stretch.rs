@@ -3,9 +3,9 @@
 use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
-use crate::instruments::view::mean;
 use crate::record::Row;
 use plant::carriage::CarriageTruth;
+use report::statistics::mean;
 
 /// What a drive that comes ON under a wound spring releases is over after this time, s.
 const RELEASE_S: f64 = 0.2;

@@ -8,13 +8,12 @@ use crate::numbers::precise;
 use crate::record::Row;
 use plant::circuit_of;
 use report::TableBlock;
+use report::statistics::mean;
 
 /// The table of command (or nominal value), estimate and truth.
 pub(super) fn three_ways(run: &View, metrics: &Metrics) -> TableBlock {
     let steady: Vec<&Row> = run.steady().collect();
-    let mean = |value: &dyn Fn(&Row) -> f64| {
-        (!steady.is_empty()).then(|| steady.iter().map(|row| value(row)).sum::<f64>() / steady.len() as f64)
-    };
+    let mean = |value: &dyn Fn(&Row) -> f64| mean(steady.iter().map(|row| value(row)));
     let controller = run.scene.controller;
     let tracking = &controller.tracking;
     let found = run.record.last.transducer;

@@ -4,9 +4,9 @@ use firmware::seam::mode::Mode;
 
 use crate::edge_meter::Edges;
 use crate::instruments::View;
-use crate::instruments::view::mean;
 use crate::metrics::Metrics;
 use crate::record::Row;
+use report::statistics::mean;
 
 /// Rung up, and rung down: parts of the steady envelope.
 const RUNG: (f64, f64) = (0.95, 0.05);

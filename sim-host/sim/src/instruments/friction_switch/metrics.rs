@@ -5,10 +5,10 @@ use firmware::seam::mode::Mode;
 
 use super::set_point::at_place;
 use crate::instruments::View;
-use crate::instruments::view::mean;
 use crate::metrics::Metrics;
 use crate::record::Row;
 use plant::circuit_of;
+use report::statistics::mean;
 use scene::{Driven, Friction};
 
 /// Time from a new set point until it counts as held, s: the amplitude has settled, and so has the smoothed force.

@@ -4,9 +4,9 @@ use firmware::seam::mode::Mode;
 
 use super::claims;
 use crate::instruments::View;
-use crate::instruments::view::mean;
 use crate::metrics::Metrics;
 use crate::record::Row;
+use report::statistics::mean;
 
 /// An OFF that lasts longer ends the time to lock, s, and not one between the bursts of a schedule.
 const PAUSE_S: f64 = 0.02;

@@ -1,12 +1,13 @@
 //! Metrics of a travelling-wave motor.
 
 use crate::instruments::View;
-use crate::instruments::view::{crossing, mean};
+use crate::instruments::view::crossing;
 use crate::metrics::Metrics;
 use crate::record::Row;
 use crate::schedule::first_window;
 use plant::motor::steady::Steady;
 use plant::truth::MotorTruth;
+use report::statistics::mean;
 use scene::Direction;
 
 /// A stopped rotor has no more than this part of its steady speed.

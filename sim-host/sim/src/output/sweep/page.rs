@@ -7,6 +7,7 @@ use crate::numbers::number;
 use crate::output::Presentation;
 use crate::study::sweep::sensitivity::{Estimate, Sensitivity};
 use crate::study::sweep::{figures, unit};
+use report::statistics::{ascending, quantile};
 use report::{Report, TableBlock};
 
 /// Most points that are drawn: a figure holds all of its columns.
@@ -73,10 +74,9 @@ fn points(plan: &PlanFile) -> String {
 
 /// Least, median and greatest value of a column, and how many it has.
 fn spread(file: &RowsFile, name: &str) -> Result<(Vec<String>, u64), FolderError> {
-    let mut values: Vec<f64> = file.column(name)?.into_iter().flatten().collect();
-    values.sort_by(f64::total_cmp);
-    let at = |place: usize| values.get(place).copied().map_or_else(|| "–".to_owned(), number);
-    Ok((vec![at(0), at(values.len() / 2), at(values.len().max(1) - 1)], values.len() as u64))
+    let values = ascending(file.column(name)?.into_iter().flatten());
+    let three = [values.first().copied(), quantile(&values, 0.5), values.last().copied()];
+    Ok((three.map(|value| value.map_or_else(|| "–".to_owned(), number)).to_vec(), values.len() as u64))
 }
 
 fn keys(layout: &Layout, file: &RowsFile) -> Result<TableBlock, FolderError> {

@@ -8,6 +8,9 @@
 //!
 //! with the finaliser of splitmix64 (Steele, Lea and Flood 2014) as `mix`.
 
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::SplitMix64;
+
 use crate::record::text_hash;
 use scene::schema::{Kind, Schema};
 use scene::{Scene, Vary, resolved};
@@ -80,12 +83,9 @@ fn number_at(scene: &serde_json::Value, path: &str) -> Option<f64> {
     scene.pointer(&format!("/{}", path.replace('.', "/")))?.as_f64()
 }
 
-/// A step of splitmix64.
+/// Computes a step of splitmix64.
 fn mix(state: u64) -> u64 {
-    let z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
+    SplitMix64::seed_from_u64(state).next_u64()
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! The figures of several runs: how soon they lock, and how their frequency error falls.
 
-use super::statistics::{median, percentile};
 use crate::bounds::PLAYED_BLOCKS;
 use crate::cramer_rao::{Setting, bound};
 use crate::instruments::curves::axis;
 use crate::study::monte_carlo::{MonteCarlo, OneRun};
+use report::statistics::{ascending, median, percentile};
 use report::{Axis, Figure, Series, Style};
 use scene::{Scene, TrackingMode};
 
@@ -44,11 +44,7 @@ struct Texts {
 
 /// The part of the runs that is within a bound for good, over time.
 fn within(runs: &MonteCarlo, texts: &Texts, bounds: &[(&str, &str)]) -> Option<Figure> {
-    let times = |metric: &str| {
-        let mut times: Vec<f64> = runs.runs.iter().filter_map(|run| run.metrics.get(metric)).collect();
-        times.sort_by(f64::total_cmp);
-        times
-    };
+    let times = |metric: &str| ascending(runs.runs.iter().filter_map(|run| run.metrics.get(metric)));
     let all: Vec<_> = bounds.iter().map(|&(bound, metric)| (bound, metric, times(metric))).collect();
     let last_ms = all.iter().filter_map(|(.., times)| times.last().copied()).reduce(f64::max)?;
     let end_ms = if last_ms > 0.0 { 1.05 * last_ms } else { 1.0 };
@@ -123,11 +119,10 @@ struct Band {
 /// 5th percentile, median, 95th percentile and rms; nothing once fewer than half of the runs are left.
 fn band(runs: &[OneRun], place: usize) -> Option<Band> {
     let errors = runs.iter().filter_map(|run| run.error_hz.get(place).map(|&hz| f64::from(hz))).filter(|hz| !hz.is_nan());
-    let mut errors: Vec<f64> = errors.map(|hz| hz.max(FLOOR_HZ)).collect();
+    let errors = ascending(errors.map(|hz| hz.max(FLOOR_HZ)));
     if errors.is_empty() || 2 * errors.len() < runs.len() {
         return None;
     }
-    errors.sort_by(f64::total_cmp);
     let rms = (errors.iter().map(|hz| hz * hz).sum::<f64>() / errors.len() as f64).sqrt();
     Some(Band { low: percentile(&errors, 0.05), median: median(&errors), high: percentile(&errors, 0.95), rms })
 }

@@ -12,6 +12,7 @@
 //! metric; how many were, the report's table says.
 
 use crate::metrics::Metrics;
+use report::statistics::{ascending, median, percentile};
 use scene::metrics::{OF_RUNS, Sign, metric};
 
 /// How the names of times end.
@@ -71,11 +72,8 @@ impl Statistics {
 }
 
 /// What these values come to; nothing is a number where there are none.
-pub fn spread_of(mut values: Vec<f64>) -> Spread {
-    if values.is_empty() {
-        return Spread { median: f64::NAN, p95: f64::NAN, max: f64::NAN, have: 0 };
-    }
-    values.sort_by(f64::total_cmp);
+pub fn spread_of(values: Vec<f64>) -> Spread {
+    let values = ascending(values);
     Spread { median: median(&values), p95: percentile(&values, 0.95), max: percentile(&values, 1.0), have: values.len() }
 }
 
@@ -87,28 +85,12 @@ pub fn spread<'a>(name: &str, runs: impl Iterator<Item = &'a Metrics>) -> Option
     if have == 0 {
         return None;
     }
-    let mut values: Vec<f64> = all.into_iter().filter_map(|value| value.or(time.then_some(f64::INFINITY))).collect();
-    values.sort_by(f64::total_cmp);
+    let mut values = ascending(all.into_iter().filter_map(|value| value.or(time.then_some(f64::INFINITY))));
     let median = median(&values);
     if metric(name).is_some_and(|metric| metric.sign == Sign::Error) {
-        values.iter_mut().for_each(|value| *value = value.abs());
-        values.sort_by(f64::total_cmp);
+        values = ascending(values.into_iter().map(f64::abs));
     }
     Some(Spread { median, p95: percentile(&values, 0.95), max: percentile(&values, 1.0), have })
-}
-
-/// The median of values in order, which is the mean of the middle two if they are an even number.
-pub fn median(sorted: &[f64]) -> f64 {
-    let (low, high) = (percentile(sorted, 0.5), sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN));
-    // Infinite and finite have no mean, and infinity less infinity is none either.
-    if low == high { low } else { 0.5 * (low + high) }
-}
-
-/// The smallest of values in order that at least this part of them does not exceed.
-pub fn percentile(sorted: &[f64], part: f64) -> f64 {
-    // Rounding must not make a whole number the next one.
-    let rank = (part * sorted.len() as f64 - 1e-9).ceil().max(1.0) as usize;
-    sorted.get(rank.min(sorted.len()).saturating_sub(1)).copied().unwrap_or(f64::NAN)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::{CaseResult, Judged, SuiteResult};
 use crate::instruments::friction_switch::Step;
-use crate::study::monte_carlo::statistics::percentile;
+use report::statistics::percentile;
 use report::{TableBlock, verdict};
 use scene::suite::{Column, STEPS, Statistic, SuiteTable};
 

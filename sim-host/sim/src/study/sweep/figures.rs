@@ -16,7 +16,7 @@ mod parallel;
 use super::design::Shape;
 use super::unit;
 use report::{Axis, Figure};
-use scene::schema::words_of;
+use scene::schema::{last_name, tail, words_of};
 
 /// Most metrics that have figures.
 const METRICS: usize = 8;
@@ -93,18 +93,29 @@ fn extremes(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &value| (least.min(value), most.max(value)))
 }
 
-/// A quantity in words, with its unit.
-fn label(name: &str) -> String {
-    axis(name, false).label
+impl Data<'_> {
+    /// Words for a key that tell it from the other keys, and its unit.
+    fn key(&self, place: usize) -> (String, String) {
+        let key = &self.keys[place];
+        let (tail, name) = (tail(key, self.keys), last_name(key));
+        (if tail == name { words_of(name) } else { tail.to_owned() }, unit(key))
+    }
+
+    /// The axis of a key.
+    fn axis(&self, place: usize) -> Axis {
+        let (words, unit) = self.key(place);
+        Axis { log: self.logs[place], ..Axis::of(&words, &unit) }
+    }
 }
 
-fn axis(name: &str, log: bool) -> Axis {
+/// The axis of a metric.
+fn axis(name: &str) -> Axis {
     // Of several runs a metric has the name of one, and what of them it is.
     let unit = unit(name);
     let words = words_of(name);
     let words = words.strip_suffix(&format!(" {}", unit.to_lowercase())).unwrap_or(&words);
     let words = if unit == "%" { words.trim_end_matches(" percent") } else { words };
-    Axis { log, ..Axis::of(words, &unit) }
+    Axis::of(words, &unit)
 }
 
 /// A figure of a metric, yet empty.

@@ -13,6 +13,7 @@
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
+use report::statistics::ascending;
 
 /// How often a bootstrap draws.
 const RESAMPLES: usize = 500;
@@ -116,8 +117,8 @@ pub fn of(keys: usize, values: &[Option<f64>]) -> Option<Sensitivity> {
 }
 
 /// An estimate with the interval that holds most of those of a bootstrap.
-fn estimate(value: f64, mut resampled: Vec<f64>) -> Estimate {
-    resampled.sort_by(f64::total_cmp);
+fn estimate(value: f64, resampled: Vec<f64>) -> Estimate {
+    let resampled = ascending(resampled);
     let last = resampled.len().max(1) - 1;
     let at = |part: f64| resampled.get((part * last as f64).round() as usize).copied().unwrap_or(value);
     Estimate { value, interval: (at(0.5 - CONFIDENCE / 2.0), at(0.5 + CONFIDENCE / 2.0)) }

@@ -104,18 +104,33 @@ fn what_is_wrong_is_said_before_anything_is_run() {
     assert!(twice.expect_err("twice").to_string().contains("twice"));
 }
 
-/// Of a speed that a measurement gives from the beginning on, nothing is left to sweep.
+/// Nothing is left to sweep of a number that a course or a step sets from the beginning on, or that each run draws.
 #[test]
-fn a_key_that_follows_a_measured_course_is_refused() {
-    let course = |at_s: &str| {
-        let profile = "disturbance.0.profile={time_s=[0,1], values=[0.03,0.03]}";
-        loaded("lock", &[&format!("disturbance.0.at_s={at_s}"), "disturbance.0.key=stack.bvd.q", &profile.replace("0.03", "50")])
+fn a_key_that_something_else_sets_is_refused() {
+    let disturbed =
+        |at_s: &str, by: &str| loaded("lock", &[&format!("disturbance.0={{at_s={at_s}, key=\"stack.bvd.q\", {by}}}")]);
+    let (course, step) = ("profile={time_s=[0,1], values=[50,50]}", "to=50");
+    let drawn = |key: &str| {
+        let vary = format!("vary.0={{key=\"{key}\", from=0.1, to=0.2}}");
+        loaded("contact-kinematic", &["grid.set=[\"runs=1\"]", "runs=2", &vary])
     };
-    let axis = "stack.bvd.q=60,70";
-    let error = sweep(&course("0"), &[axis], &["q"]).expect_err("nothing to sweep").to_string();
-    assert!(error.contains("`stack.bvd.q` follows the measured `disturbance.0.profile`"), "{error}");
-    assert!(sweep(&course("1e-3"), &[axis], &["q"]).is_ok() && sweep(&course("0"), &["sensors.noise_lsb=1,2"], &["q"]).is_ok());
-    assert!(sweep(&course("0"), &[axis, "disturbance.0.at_s=0,1e-3"], &["q"]).is_ok());
+    let (q, sliding) = ("stack.bvd.q=60,70", "excitation.sliding_m_per_s=0.01,0.02");
+    for (loaded, axis, why) in [
+        (disturbed("0", course), q, "`stack.bvd.q` follows the measured `disturbance.0.profile`"),
+        (disturbed("0", step), q, "has the value of `disturbance.0.to` from the beginning of the run on"),
+        (drawn("contact.dahl.mu"), "contact.dahl.mu=0.05,0.5", "`contact.dahl.mu` is drawn in each run"),
+        // The ratio that is drawn takes the place of a speed.
+        (drawn("excitation.velocity_ratio"), sliding, "neither the first nor the last point"),
+    ] {
+        let error = sweep(&loaded, &[axis], &[]).expect_err("nothing to sweep").to_string();
+        assert!(error.contains(why), "{error}");
+    }
+    let begins = "disturbance.0.at_s=0,1e-3";
+    for (at_s, by, axes) in
+        [("1e-3", course, &[q][..]), ("1e-3", step, &[q]), ("0", course, &[q, begins]), ("0", step, &["disturbance.0.to=60,70"])]
+    {
+        sweep(&disturbed(at_s, by), axes, &["q"]).unwrap_or_else(|error| panic!("{error}"));
+    }
 }
 
 /// A measured friction at two moments.

@@ -1,7 +1,7 @@
 //! Curves of a metric over a key, alone or as a family, and separate points.
 
-use super::{DOTS, Data, FAMILY, axis, figure, label};
-use crate::numbers::number;
+use super::{DOTS, Data, FAMILY, axis, figure};
+use crate::numbers::distinct;
 use report::{Figure, Series, Style};
 
 /// The metric over the only key.
@@ -12,9 +12,9 @@ pub(super) fn curve(data: &Data) -> Figure {
     let (x, y) = points.into_iter().unzip();
     let title = format!("{} over {key}", data.metric);
     Figure {
-        x: axis(key, data.logs[0]),
-        y: axis(data.metric, false),
-        series: vec![series(data.metric, data.metric, x, y, Style::Line)],
+        x: data.axis(0),
+        y: axis(data.metric),
+        series: vec![series(axis(data.metric).label, data.metric, x, y, Style::Line)],
         interactive: true,
         ..figure("curve", title, "Each point is a run of its own.", data)
     }
@@ -28,19 +28,26 @@ pub(super) fn family(data: &Data, (rows, columns): (u64, u64)) -> Figure {
     let (key, other) = (&data.keys[along], &data.keys[1 - along]);
     let place = |line: usize, at: usize| if along == 1 { line * columns as usize + at } else { at * columns as usize + line };
     let curves = short.min(FAMILY) as usize;
-    let curve = |n: usize| {
-        let line = if curves == 1 { 0 } else { n * (short as usize - 1) / (curves - 1) };
+    let lines: Vec<usize> = (0..curves).map(|n| n * (short as usize - 1) / (curves - 1).max(1)).collect();
+    let (words, unit) = data.key(1 - along);
+    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+    let texts = distinct(&lines.iter().map(|&line| data.values[1 - along][place(line, 0)]).collect::<Vec<_>>());
+    let curve = |(&line, value): (&usize, &String)| {
         let mut points: Vec<usize> = (0..long as usize).map(|at| place(line, at)).collect();
         points.sort_by(|&a, &b| data.values[along][a].total_cmp(&data.values[along][b]));
         let of = |column: &[f64]| points.iter().map(|&point| column[point]).collect();
-        let value = number(data.values[1 - along][points[0]]);
-        let name = format!("{} = {value}", last(other));
-        series(&name, &format!("{}_at_{value}", data.metric), of(&data.values[along]), of(&data.results), Style::Line)
+        series(
+            format!("{words} = {value}{unit}"),
+            &format!("{}_at_{value}", data.metric),
+            of(&data.values[along]),
+            of(&data.results),
+            Style::Line,
+        )
     };
     Figure {
-        x: axis(key, data.logs[along]),
-        y: axis(data.metric, false),
-        series: (0..curves).map(curve).collect(),
+        x: data.axis(along),
+        y: axis(data.metric),
+        series: lines.iter().zip(&texts).map(curve).collect(),
         interactive: true,
         ..figure(
             "family",
@@ -67,18 +74,32 @@ pub(super) fn dots(data: &Data, key: usize) -> Figure {
     );
     Figure {
         id: format!("{}-{}", figure.id, name.replace('.', "-")),
-        x: axis(name, data.logs[key]),
-        y: axis(data.metric, false),
-        series: vec![series(data.metric, data.metric, of(&data.values[key]), of(&data.results), Style::Points)],
+        x: data.axis(key),
+        y: axis(data.metric),
+        series: vec![series(axis(data.metric).label, data.metric, of(&data.values[key]), of(&data.results), Style::Points)],
         ..figure
     }
 }
 
-fn series(name: &str, csv_column: &str, x: Vec<f64>, y: Vec<f64>, style: Style) -> Series {
-    Series { name: label(name), csv_column: csv_column.to_owned(), x, y, style }
+fn series(name: String, csv_column: &str, x: Vec<f64>, y: Vec<f64>, style: Style) -> Series {
+    Series { name, csv_column: csv_column.to_owned(), x, y, style }
 }
 
-/// The last name of a path.
-pub(super) fn last(path: &str) -> &str {
-    path.rsplit('.').next().unwrap_or(path)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The legend has every digit that tells the curves apart, with key and unit.
+    #[test]
+    fn a_family_names_key_value_and_unit() {
+        let keys = ["rig.slider.load_n".to_owned(), "rig.slider.speed_m_per_s".to_owned()];
+        let names = |speeds: [f64; 2]| {
+            let values = [vec![1.0, 1.0, 2.0, 2.0, 3.0, 3.0], speeds.repeat(3)];
+            let data =
+                Data { keys: &keys, values: &values, metric: "m", logs: &[false; 2], results: (0..6).map(f64::from).collect() };
+            family(&data, (3, 2)).series.into_iter().map(|series| series.name).collect::<Vec<_>>()
+        };
+        assert_eq!(names([0.038, 0.068]), ["speed = 0.038 m/s", "speed = 0.068 m/s"]);
+        assert_eq!(names([0.05, 0.050_001]), ["speed = 0.05 m/s", "speed = 0.050001 m/s"]);
+    }
 }

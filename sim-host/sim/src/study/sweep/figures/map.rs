@@ -1,6 +1,6 @@
 //! A metric over two keys, as colours.
 
-use super::{Data, axis, extremes, figure, label};
+use super::{Data, axis, extremes, figure};
 use report::{Figure, HeatMap};
 
 /// Most cells of a map along an axis.
@@ -22,14 +22,14 @@ pub(super) fn of(data: &Data, (rows, columns): (u64, u64)) -> Figure {
     let title = format!("{} over {} and {}", data.metric, data.keys[1], data.keys[0]);
     let (x, y) = (&data.values[1], &data.values[0]);
     Figure {
-        x: axis(&data.keys[1], data.logs[1]),
-        y: axis(&data.keys[0], data.logs[0]),
+        x: data.axis(1),
+        y: data.axis(0),
         map: Some(HeatMap {
             x: edges((x[0], x[(cells.len() - 1) * every_x]), cells.len(), data.logs[1]),
             y: edges((y[0], y[(cells[0].len() - 1) * every_y * width]), cells[0].len(), data.logs[0]),
             columns: cells,
             range,
-            label: label(data.metric),
+            label: axis(data.metric).label,
             csv_column: data.metric.to_owned(),
         }),
         ..figure(

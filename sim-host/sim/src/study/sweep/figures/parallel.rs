@@ -1,8 +1,8 @@
 //! Parallel coordinates: an upright axis for each key and one for the metric, and a line through them for each point.
 
-use super::lines::last;
 use super::{Data, extremes, figure};
 use report::{Axis, Figure, Series, Style};
+use scene::schema::tail;
 
 /// Most lines of a class.
 const LINES: usize = 30;
@@ -37,7 +37,7 @@ pub(super) fn of(data: &Data) -> Figure {
         }
         Series { name: format!("{name} {}", data.metric), csv_column: name.replace(' ', "_"), x, y, style: Style::Line }
     };
-    let names = data.keys.iter().map(|key| last(key).to_owned()).chain([data.metric.to_owned()]).collect();
+    let names = data.keys.iter().map(|key| tail(key, data.keys).to_owned()).chain([data.metric.to_owned()]).collect();
     Figure {
         x: Axis { names, range: Some((-ROOM, columns.len() as f64 - 1.0 + ROOM)), ..Axis::default() },
         y: Axis { label: "part of the range of each".into(), range: Some((0.0, 1.0)), ..Axis::default() },

@@ -1,0 +1,53 @@
+//! Numbers of a scene that another part of it replaces before they have an effect.
+
+use super::Scene;
+
+/// Part of a scene that replaces a number before it has an effect.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Replaced {
+    /// Path of the part: `vary.0.to`.
+    pub by: String,
+    /// Predicate of a sentence about the number's key.
+    pub why: String,
+    /// Advice to the user.
+    pub help: String,
+}
+
+impl Scene {
+    /// Returns the part that replaces a number in every run; `others` are keys that change with it.
+    pub fn replaced(&self, key: &str, others: &[&str]) -> Option<Replaced> {
+        self.drawn(key).or_else(|| self.replaced_in_time(key, others))
+    }
+
+    /// Returns the entry of `[[vary]]` that draws a number without regard to its own value.
+    pub(super) fn drawn(&self, key: &str) -> Option<Replaced> {
+        let number = self.vary.iter().position(|vary| vary.key == key && vary.from.is_some()).filter(|_| self.runs > 1)?;
+        Some(Replaced {
+            by: format!("vary.{number}.to"),
+            why: format!("is drawn in each run, from `vary.{number}.from` to `vary.{number}.to`"),
+            help:
+                "remove this axis or value, or the entry of [[vary]] (`vary = []` removes all); `spread` and `factor` draw about this value"
+                    .to_owned(),
+        })
+    }
+
+    /// Returns the `[[disturbance]]` that replaces a number from the beginning of the run on.
+    pub(super) fn replaced_in_time(&self, key: &str, others: &[&str]) -> Option<Replaced> {
+        let begins_at_once = |number: usize| {
+            let at_s = format!("disturbance.{number}.at_s");
+            !others.contains(&at_s.as_str()) && self.vary.iter().all(|vary| vary.key != at_s)
+        };
+        let mut changes = self.disturbance.iter().enumerate();
+        let (number, change) = changes.find(|(number, change)| change.replaces(key) && begins_at_once(*number))?;
+        let (by, why, what) = match change.profile {
+            Some(_) => ("profile", "follows the measured", "profile.from_s"),
+            None => ("to", "has the value of", "to"),
+        };
+        let entry = format!("disturbance.{number}");
+        Some(Replaced {
+            by: format!("{entry}.{by}"),
+            why: format!("{why} `{entry}.{by}` from the beginning of the run on"),
+            help: format!("what can vary is `{entry}.{what}`, or another key; a list in a scene takes the place of its base's"),
+        })
+    }
+}
