@@ -47,6 +47,7 @@ pub struct Profile {
 impl Profile {
     /// The value so many seconds after the profile began to play, along a straight line between two samples; before the first and after the last
     /// sample their values. Zero without samples.
+    #[inline] // in the loop of a plant, which is compiled for speed; this crate is not
     pub fn at(&self, since_s: f64) -> f64 {
         let time_s = since_s + self.from_s;
         let after = self.time_s.partition_point(|&sample| sample <= time_s);
@@ -71,6 +72,7 @@ impl Profile {
         self.time_s.get(after).map(|time_s| time_s - self.from_s)
     }
 
+    #[inline]
     fn sample(&self, index: usize) -> Option<(f64, f64)> {
         Some((*self.time_s.get(index)?, *self.values.get(index)?))
     }

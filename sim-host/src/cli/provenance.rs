@@ -1,5 +1,6 @@
 //! Where what this process writes comes from: the command, the commit, the date.
 
+use chrono::{DateTime, SecondsFormat, Utc};
 use sim::provenance::{Provenance, command_line};
 
 /// The commit that the program was built from, with `+` where files had been changed since.
@@ -10,10 +11,9 @@ pub(super) fn provenance() -> Provenance {
     let arguments: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
     let words = std::iter::once("sim-host").chain(anywhere(&arguments));
     // https://reproducible-builds.org/specs/source-date-epoch/
-    let set =
-        std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|seconds| jiff::Timestamp::from_second(seconds.parse().ok()?).ok());
-    let date = set.unwrap_or_else(jiff::Timestamp::now);
-    Provenance { command: Some(command_line(words)), commit: COMMIT.map(str::to_owned), date: Some(format!("{date:.0}")) }
+    let set = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|seconds| DateTime::from_timestamp(seconds.parse().ok()?, 0));
+    let date = set.unwrap_or_else(Utc::now).to_rfc3339_opts(SecondsFormat::Secs, true);
+    Provenance { command: Some(command_line(words)), commit: COMMIT.map(str::to_owned), date: Some(date) }
 }
 
 /// Arguments without the folder of the result: they make the same one in any folder.
