@@ -20,7 +20,7 @@ use scene::load::LoadError;
 use scene::nearest::{listed, nearest};
 use scene::suite::{self, LoadedSuite};
 use serde_json::json;
-use sim::output::Folder;
+use sim::output::{Folder, Owner};
 use sim::study::StudyError;
 
 /// Set by Ctrl-C, and by any other request to end.
@@ -168,8 +168,9 @@ fn evidence(
     color: Color,
     run: impl FnOnce(&mut Options) -> Result<Evidence, Error>,
 ) -> anyhow::Result<ExitCode> {
-    let dir = (!args.report.no_report).then(|| what.dir.clone().unwrap_or_else(|| Path::new("out").join(what.name)));
-    let folder = match super::open(dir.as_deref())? {
+    let owner = Owner::new("validate", &args.what);
+    let open = || super::open(what.dir.as_deref(), what.name, owner);
+    let folder = match (!args.report.no_report).then(open).transpose()?.transpose() {
         Ok(folder) => folder,
         Err(code) => return Ok(code),
     };
@@ -198,10 +199,10 @@ fn evidence(
         }
         Err(error) => return Err(error.into()),
     };
-    if let (Some(dir), Some(folder)) = (dir, folder) {
+    if let Some(folder) = folder {
         write(&evidence, what.name, args.quick, &folder)?;
         if !args.report.result.quiet {
-            say!("report: {}", dir.join("report.html").display());
+            say!("report: {}", folder.dir().join("report.html").display());
         }
     }
     let tables = evidence.printed.as_ref().unwrap_or(&evidence.report.tables);
@@ -225,8 +226,7 @@ fn write(evidence: &Evidence, name: &str, quick: bool, folder: &Folder) -> anyho
     for (file, text) in &evidence.files {
         fs::write(dir.join(file), text).with_context(|| format!("cannot write {}", dir.join(file).display()))?;
     }
-    let manifest = json!({ "program": "sim-host", "version": sim::VERSION, "bench": name, "quick": quick, "complete": true });
-    Ok(folder.finish(manifest)?)
+    Ok(folder.finish(json!({ "bench": name, "quick": quick, "complete": true }))?)
 }
 
 fn alone(setting: &str) -> anyhow::Result<ExitCode> {
