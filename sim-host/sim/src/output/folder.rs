@@ -251,12 +251,7 @@ pub(super) fn replaceable(dir: &Path, owner: &Owner) -> Result<BTreeMap<String, 
     match (manifest["command"].as_str(), manifest["checksums"].as_object()) {
         _ if manifest["program"] != "sim-host" => return taken(path, "is not a manifest of sim-host"),
         (Some(command), Some(_)) if command == owner.command => {}
-        (Some(command), Some(_)) => {
-            return taken(
-                path,
-                &format!("is of `sim-host {command}`, whose files `sim-host {}` does not replace", owner.command),
-            );
-        }
+        (Some(command), Some(_)) => return taken(path, &format!("is of `sim-host {command}`")),
         _ => return taken(path, "is of an older version and has no checksums"),
     }
     let known = |name: &str| [&manifest["checksums"][name], &manifest["former"][name]];
