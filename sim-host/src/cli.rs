@@ -57,7 +57,7 @@ use self::run::RunArgs;
 use scene::load::{LoadError, Loaded, load};
 use scene::resolved::resolved_toml;
 use scene::{builtin, schema, suite};
-use sim::output::{Folder, OutputError};
+use sim::output::{Folder, OutputError, Owner};
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run failed; 2 usage; 3 invalid scene, or a measured file that is refused; 4 the run finished but an expectation was \
 missed; 5 QEMU or board not found or lost; 130 interrupted, with the results so far written and marked.";
@@ -216,14 +216,23 @@ impl Color {
     }
 }
 
-/// Opens the folder of a result, if there is to be one; the exit code where its files are not those of an earlier result.
-fn open(dir: Option<&Path>) -> Result<Result<Option<Folder>, ExitCode>, OutputError> {
-    match dir.map(Folder::open).transpose() {
-        Err(error @ (OutputError::Strange { .. } | OutputError::Held { .. })) => {
+/// Opens the given folder of a result, or else its default one; returns the exit code if the command may not write there.
+fn open(dir: Option<&Path>, default: &str, owner: Owner) -> Result<Result<Folder, ExitCode>, OutputError> {
+    let opened = match dir {
+        Some(dir) => Folder::open(dir, owner),
+        None => Folder::open_default(default, &owner),
+    };
+    match opened {
+        Err(error @ (OutputError::Taken { .. } | OutputError::Held { .. })) => {
             say!("error: {error}");
             Ok(Err(ExitCode::from(USAGE)))
         }
-        folder => folder.map(Ok),
+        folder => {
+            if let Some((why, folder)) = folder.as_ref().ok().and_then(|folder| Some((folder.avoided()?, folder))) {
+                say!("note: {why}: the result goes to `{}`", folder.dir().display());
+            }
+            folder.map(Ok)
+        }
     }
 }
 

@@ -12,6 +12,8 @@ mod help;
 mod link;
 #[path = "command_line/measured.rs"]
 mod measured;
+#[path = "command_line/owner.rs"]
+mod owner;
 #[cfg(unix)]
 #[path = "command_line/prompt.rs"]
 mod prompt;

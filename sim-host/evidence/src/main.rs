@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use anyhow::Context;
 use clap::{Parser, ValueEnum};
 use scene::nearest::{listed, nearest};
-use sim::output::Folder;
+use sim::output::{Folder, Owner};
 use sim::provenance::{Provenance, command_line};
 use sonoglide_evidence::bench::{BENCHES, Bench, named};
 use sonoglide_evidence::evidence::{Evidence, Options};
@@ -134,7 +134,8 @@ fn one(bench: &Bench, dir: Option<PathBuf>, arguments: &Arguments) -> anyhow::Re
     }
     let dir = (!arguments.no_report).then(|| dir.unwrap_or_else(|| Path::new("out").join(bench.name)));
     // Before a bench that may take long.
-    let folder = dir.as_deref().map(Folder::open).transpose()?;
+    let owner = || Owner::new("evidence", std::iter::empty::<&Path>());
+    let folder = dir.as_deref().map(|dir| Folder::open(dir, owner())).transpose()?;
     let executable = std::env::current_exe()?;
     let evidence = (bench.run)(&mut Options {
         quick: arguments.quick,

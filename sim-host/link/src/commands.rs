@@ -19,16 +19,10 @@ pub mod update;
 
 use clap::Subcommand;
 use firmware::board::command::Command;
-use serde_json::{Value, json};
 
 use crate::answer::Answer;
 use crate::link_error::LinkError;
 use crate::session::Session;
-
-/// The manifest of a command's folder.
-fn manifest(command: &str) -> Value {
-    json!({ "program": "sim-host", "version": sim::VERSION, "command": format!("link {command}"), "complete": true })
-}
 
 /// A command to a board.
 #[derive(Clone, Debug, Subcommand)]

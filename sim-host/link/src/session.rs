@@ -1,5 +1,6 @@
 //! A user's stay at a board: waits without the board thinking that its host has gone, and leaves the drive as the user wants it left.
 
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use firmware::board::command::{Command, Identity};
@@ -14,6 +15,7 @@ use crate::link_error::LinkError;
 use crate::parameter::{parameter, report};
 use crate::scale::Scale;
 use crate::words;
+use sim::output::{Folder, OutputError, Owner};
 use sim::provenance::Provenance;
 
 /// How often a message keeps the board from missing its host while that waits, s; at least, and at most.
@@ -57,6 +59,8 @@ pub struct Session {
     pub live: Live,
     /// Where the reports of this session come from.
     pub provenance: Provenance,
+    /// Files that the session reads, such as the scene of a simulated board: no command replaces them.
+    pub inputs: Vec<PathBuf>,
     /// The scale of the board's codes, once it has been read.
     pub(super) scale: Option<Scale>,
 }
@@ -77,10 +81,16 @@ impl Session {
             last: Answer::default(),
             live: Live::default(),
             provenance: Provenance::default(),
+            inputs: Vec::new(),
             scale: None,
         };
         session.agree_on_host_timeout()?;
         Ok(session)
+    }
+
+    /// Opens the folder of a command's result, if one is given.
+    pub fn folder(&self, command: &str, dir: Option<&Path>) -> Result<Option<Folder>, OutputError> {
+        dir.map(|dir| Folder::open(dir, Owner::new(&format!("link {command}"), &self.inputs))).transpose()
     }
 
     /// Agrees with the board on the host timeout, and on how often it must receive a message. A drive that another host has chosen to leave on is

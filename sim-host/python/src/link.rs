@@ -19,7 +19,7 @@ use ::link::script::Script;
 use ::link::session::{Session, SessionOptions};
 use ::link::simulated_board::SimulatedBoard;
 use pyo3::prelude::*;
-use scene::load::load;
+use scene::load::{Loaded, load};
 
 use crate::errors::{LinkError, of_scene};
 use crate::interruptible;
@@ -58,6 +58,7 @@ impl Link {
         let (orders, received) = channel();
         let (sender, replies) = channel();
         let name = port.to_owned();
+        let inputs = scene.as_ref().map(Loaded::files).unwrap_or_default();
         let thread = thread::spawn(move || {
             let open = || -> Result<Session, Error> {
                 let port: Box<dyn Port> = match (scene, name.strip_prefix("tcp:")) {
@@ -71,7 +72,9 @@ impl Link {
                     (None, Some(address)) => Box::new(Tcp::connect(address)?),
                     (None, None) => Box::new(Serial::open(&name)?),
                 };
-                Session::begin(Client::new(port, stop, |_| ()), options)
+                let mut session = Session::begin(Client::new(port, stop, |_| ()), options)?;
+                session.inputs = inputs;
+                Ok(session)
             };
             serve(open(), &received, &sender);
         });

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use pyo3::prelude::*;
 use scene::load::{Loaded, load, load_text};
 use scene::resolved::{resolved_json, resolved_toml};
-use sim::output::{self, Folder, Presentation};
+use sim::output::{self, Folder, Owner, Presentation};
 use sim::study::{self, Options};
 
 use crate::errors::{SceneError, of_run, of_scene};
@@ -103,7 +103,10 @@ impl Scene {
     fn run(&self, py: Python<'_>, output: Option<PathBuf>) -> PyResult<Result> {
         let stop = AtomicBool::new(false);
         interruptible::run(py, &stop, || {
-            let folder = output.map(|dir| Folder::open(&dir)).transpose().map_err(|error| of_run(&error))?;
+            let folder = output
+                .map(|dir| Folder::open(&dir, Owner::new("run", self.loaded.files())))
+                .transpose()
+                .map_err(|error| of_run(&error))?;
             let options = Options { stop: Some(&stop), clock: Some(clock), ..Options::default() };
             let began = clock();
             let study = study::run(&self.loaded, options).map_err(|error| of_run(&error))?;

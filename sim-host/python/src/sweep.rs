@@ -64,7 +64,7 @@ impl Sweep {
 
     /// The points that a folder has no part of, in ranges. The folder is made if it is not there.
     fn missing(&self, folder: PathBuf) -> PyResult<Vec<(u64, u64)>> {
-        let open = SweepFolder::open(&folder, &self.plan()?, Shard::WHOLE).map_err(|error| of_run(&error))?;
+        let open = SweepFolder::open(&folder, &self.plan()?, Shard::WHOLE, &[]).map_err(|error| of_run(&error))?;
         let missing = open.missing().map_err(|error| of_run(&error))?;
         Ok(missing.into_iter().map(|range| (range.start, range.end)).collect())
     }
@@ -77,7 +77,7 @@ impl Sweep {
         };
         interruptible::run(py, &stop, || {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build().map_err(|error| of_run(&error))?;
-            let open = SweepFolder::open(&folder, &plan, Shard::WHOLE).map_err(|error| of_run(&error))?;
+            let open = SweepFolder::open(&folder, &plan, Shard::WHOLE, &[]).map_err(|error| of_run(&error))?;
             pool.install(|| open.run(&plan, &stop, &done)).map(drop).map_err(|error| of_run(&error))
         })?
     }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use super::diagnostic::{Problem, Report, Source};
 use super::nearest::{nearest, short};
 use super::overlay::{joined, overlay, parse_set, syntax};
-use super::profile::resolve::{Found, resolve};
+use super::profile::resolve::{Found, files, resolve};
 use super::schema::BASE;
 use super::tree::{Node, Origin, Value};
 use super::walk::walk;
@@ -80,6 +80,13 @@ impl Loaded {
         }
         rules::alone(&mut root);
         Ok(Template { loaded: self, root, names })
+    }
+
+    /// Returns the paths that the scene was read from: its own, those of its bases, and those of its measured profiles. Built-in names are among them.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let (sources, read) = read(&self.origin, &self.input, &self.sets);
+        let measured = read.map(|whole| whole.files).unwrap_or_default();
+        sources.iter().skip(1).map(|source| PathBuf::from(&source.name)).chain(measured).collect()
     }
 
     /// The scene with values for keys that neither it nor a change gives, as `key=value`; no key of a list.
@@ -172,6 +179,8 @@ struct Whole {
     root: Node,
     /// What is wrong with the profiles.
     found: Vec<Found>,
+    /// Files that the profiles are read from.
+    files: Vec<PathBuf>,
     /// How many of the sources, the first of them, are changes and texts of scenes; after them come files of profiles.
     texts: usize,
 }
@@ -184,8 +193,9 @@ fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<Whole, 
     sources.push(Source { name: name.to_owned(), text: text.to_owned() });
     let root = layers(&mut sources).and_then(|root| change(root, sets, &starts)).map(|mut root| {
         let texts = sources.len();
+        let files = files(&root, &sources);
         let found = resolve(&mut root, &mut sources);
-        Whole { root, found, texts }
+        Whole { root, found, files, texts }
     });
     (sources, root)
 }

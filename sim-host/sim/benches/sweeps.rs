@@ -49,7 +49,7 @@ fn rows(sweep: &Sweep) {
 
 fn whole(sweep: &Sweep) {
     let dir = std::env::temp_dir().join(format!("sonoglide-sweeps-{}", std::process::id()));
-    let folder = SweepFolder::open(&dir, sweep, Shard::WHOLE).expect("a folder");
+    let folder = SweepFolder::open(&dir, sweep, Shard::WHOLE, &[]).expect("a folder");
     assert!(folder.run(sweep, &AtomicBool::new(false), &|| ()).expect("all points"));
     join(std::slice::from_ref(&dir), &dir, &Presentation::default()).expect("a result");
     fs::remove_dir_all(&dir).expect("removed");

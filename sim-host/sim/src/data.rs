@@ -135,8 +135,11 @@ pub fn files() -> Vec<DataFile> {
         DataFile {
             name: "manifest.json",
             of: "every run",
-            meaning: "What the run depended on, and its files. It is moved into the folder last: a folder without it holds no run. The same, byte for byte, of every \
-                      run of the same scene",
+            meaning: "Everything that the run depended on, and its files. It is moved into the folder last: a folder without it holds no run. Every command that \
+                      writes a folder leaves a manifest. The same command replaces the listed files, and no others. It leaves a folder as it is that holds files of \
+                      another command, a file that was changed after it was written, or an input of the command. It then uses another folder within `out` and \
+                      names it, or refuses the folder that `-o` gives. Runs of the same scene have the same manifest, except for the checksums of `machine.json` \
+                      and `report.html`, and its own",
             columns: fields(&[
                 ("program", "", "`sim-host`"),
                 ("version", "", "Version of the program"),
@@ -160,7 +163,10 @@ pub fn files() -> Vec<DataFile> {
                 ("drive_hash", "", "Hash of every DAC code played; of several runs, of their hashes"),
                 ("interrupted", "", "Whether the run was stopped before its end"),
                 ("complete", "", "Whether the run is whole"),
+                ("command", "", "Command that wrote the files: `run`, `import admittance`, `link commission` and so on"),
                 ("files", "", "All other files of the run"),
+                ("checksums", "", "CRC-64/XZ of each file, and of the manifest with an empty string in this place"),
+                ("former", "", "Only while `complete` is false: checksums of the files of the previous run"),
             ]),
         },
         DataFile {

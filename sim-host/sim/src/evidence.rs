@@ -62,8 +62,7 @@ impl Evidence {
         for (file, text) in &self.files {
             std::fs::write(dir.join(file), text).map_err(|io| OutputError::Write { path: dir.join(file), io })?;
         }
-        folder
-            .finish(json!({ "program": "sim-host", "version": crate::VERSION, "bench": name, "quick": quick, "complete": true }))
+        folder.finish(json!({ "bench": name, "quick": quick, "complete": true }))
     }
 }
 

@@ -24,7 +24,7 @@ use scene::load::Loaded;
 use scene::resolved::resolved_json;
 
 pub use crate::summary::{machine, printed, summary};
-pub use folder::Folder;
+pub use folder::{Folder, Owner, default_dir};
 
 /// What went wrong with the folder.
 #[derive(Debug, thiserror::Error)]
@@ -38,13 +38,13 @@ pub enum OutputError {
         #[source]
         io: io::Error,
     },
-    /// A file that looks like a run's, and that no run's manifest lists.
-    #[error(
-        "`{path}` is there already, and no run's manifest says whose it is: remove it if it is an old result, or choose another folder with -o"
-    )]
-    Strange {
+    /// A file in the folder may not be replaced.
+    #[error("`{path}` {why}, and is not replaced: move it, or choose another folder with -o")]
+    Taken {
         /// The file.
         path: PathBuf,
+        /// Why, as a predicate.
+        why: String,
     },
     /// Another run is being written into the folder.
     #[error(
@@ -56,14 +56,16 @@ pub enum OutputError {
         /// Who writes it.
         process: String,
     },
-    /// A file that is not of a run has the name of one of the run's.
+    /// After the run, a file in the folder may not be replaced.
     #[error(
-        "`{path}` is not of an earlier run, and is not written over; the whole run is in `{run}` instead: move one of the two, or choose another folder with -o"
+        "`{path}` {why}, and is not replaced; the whole result is in `{run}`: move one of the two, or choose another folder with -o"
     )]
     InTheWay {
         /// The file.
         path: PathBuf,
-        /// Where the run is.
+        /// Why, as a predicate.
+        why: String,
+        /// Where the result is.
         run: PathBuf,
     },
     /// A figure or the report.
@@ -92,7 +94,7 @@ pub struct Presentation {
 /// The manifest: everything that the run depended on.
 fn manifest(loaded: &Loaded, study: &Study, provenance: &Provenance) -> Value {
     let mut manifest = json!({
-        "program": "sim-host", "version": crate::VERSION, "scene": study.name, "seed": study.scene.seed,
+        "scene": study.name, "seed": study.scene.seed,
         "level": tables::level(study), "input_hash": format!("{:016x}", text_hash(&loaded.input)), "set": loaded.sets,
         "interrupted": study.interrupted, "complete": !study.interrupted, "resolved_scene": resolved_json(study.scene),
     });
@@ -105,12 +107,12 @@ fn manifest(loaded: &Loaded, study: &Study, provenance: &Provenance) -> Value {
     with_own(with_not_drawn(manifest, study), study)
 }
 
-/// Writes everything into `dir`, which is made if it is not there, in place of the run that it holds.
+/// Writes everything into `dir`, which is created if it does not exist, and replaces the run that it holds.
 pub fn write(loaded: &Loaded, study: &Study, dir: &Path) -> Result<(), OutputError> {
-    write_into(loaded, study, &Folder::open(dir)?, &Presentation::default())
+    write_into(loaded, study, &Folder::open(dir, Owner::new("run", loaded.files()))?, &Presentation::default())
 }
 
-/// Writes everything into a folder, in place of the run that it holds, shown as it is asked for.
+/// Writes everything into a folder, and replaces the run that it holds.
 pub fn write_into(loaded: &Loaded, study: &Study, folder: &Folder, shown: &Presentation) -> Result<(), OutputError> {
     let dir = folder.unfinished();
     for (name, json) in [("summary.json", summary(study)), ("machine.json", machine(study))] {

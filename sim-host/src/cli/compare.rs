@@ -9,7 +9,7 @@ use serde_json::json;
 use super::{Color, DrawingArgs, EXPECTATION_MISSED, Format, ResultArgs, USAGE};
 use report::Report;
 use sim::compare::{CompareError, Comparison, Side, Tolerances};
-use sim::output::OutputError;
+use sim::output::{OutputError, Owner};
 
 /// Arguments of the command.
 #[derive(Args)]
@@ -42,9 +42,8 @@ pub(super) fn run(args: &CompareArgs, color: Color) -> anyhow::Result<ExitCode> 
         }
     };
     if let Some(dir) = &args.result.output {
-        let folder = match super::open(Some(dir))? {
-            Ok(Some(folder)) => folder,
-            Ok(None) => return Ok(ExitCode::SUCCESS),
+        let folder = match super::open(Some(dir), "", Owner::new("compare", [&args.a, &args.b]))? {
+            Ok(folder) => folder,
             Err(code) => return Ok(code),
         };
         let report = compared.report();
@@ -52,8 +51,7 @@ pub(super) fn run(args: &CompareArgs, color: Color) -> anyhow::Result<ExitCode> 
         report::write_drawn(&Report { footer, ..report }, folder.unfinished(), &args.drawing.drawing())
             .map_err(OutputError::from)?;
         let mut manifest = compared.json();
-        (manifest["program"], manifest["version"]) = (json!("sim-host"), json!(sim::VERSION));
-        (manifest["command"], manifest["complete"]) = (json!("compare"), json!(true));
+        manifest["complete"] = json!(true);
         folder.finish(manifest)?;
     }
     super::print(&match args.result.format {

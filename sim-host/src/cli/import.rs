@@ -17,7 +17,7 @@ use ::import::friction;
 use ::import::units::Units;
 use report::Report;
 use scene::load::load_text;
-use sim::output::Folder;
+use sim::output::{Folder, Owner};
 
 /// Arguments of the command.
 #[derive(Args)]
@@ -36,7 +36,7 @@ enum What {
 
 /// What every import has.
 #[derive(Args)]
-#[command(mut_arg("output", |arg| arg.help("Folder for report, figures and scene, in place of the result that it holds. Default: `out/` and the name of the file")))]
+#[command(mut_arg("output", |arg| arg.help("Folder for report, figures and scene. The files of an earlier import of the same kind are replaced if none has changed. Default: `out/` and the name of the file; if that folder may not be replaced, the same name with `-admittance` or `-friction` behind")))]
 struct Common {
     /// The measured file.
     file: PathBuf,
@@ -148,7 +148,9 @@ fn of_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<ExitCode
         series_ohm: args.series_ohm,
         modes: args.modes.map(usize::from),
     };
-    finish(common, admittance::import(&common.file, &options), color, |found, source| Imported {
+    let inputs = [Some(&common.file), options.open.as_ref(), options.short.as_ref()].into_iter().flatten();
+    let owner = Owner::new("import admittance", inputs);
+    finish((common, owner), admittance::import(&common.file, &options), color, |found, source| Imported {
         scene: found.scene(&source),
         report: found.report(&source),
         json: found.json(None),
@@ -160,7 +162,8 @@ fn of_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<ExitCode
 fn of_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<ExitCode> {
     let common = &args.common;
     let options = friction::Options { columns: common.columns.clone(), normal_n: args.normal_n, on_s: args.on.clone() };
-    finish(common, friction::import(&common.file, &options), color, |found, source| Imported {
+    let owner = Owner::new("import friction", [&common.file]);
+    finish((common, owner), friction::import(&common.file, &options), color, |found, source| Imported {
         scene: found.scene(&source),
         report: found.report(&source),
         json: found.json(None),
@@ -194,7 +197,7 @@ struct Imported {
 
 /// Writes and prints what an import has found, or says why its file is refused.
 fn finish<T>(
-    common: &Common,
+    (common, owner): (&Common, Owner),
     imported: Result<T, ImportError>,
     color: Color,
     shown: impl Fn(T, String) -> Imported,
@@ -205,17 +208,16 @@ fn finish<T>(
         Ok(found) => shown(found, source),
         Err(error) => return Ok(refused(&common.file, &error)),
     };
-    let dir = common.report.dir(|| Path::new("out").join(&stem));
-    let folder = match super::open(dir.as_deref())? {
+    let folder = match common.report.open(&stem, owner)? {
         Ok(folder) => folder,
         Err(code) => return Ok(code),
     };
     let name = format!("{stem}.toml");
     let scene = found.scene.clone().filter(|text| is_valid(&name, text));
     let mut written = None;
-    if let (Some(dir), Some(folder)) = (&dir, &folder) {
+    if let Some(folder) = &folder {
         write(folder, &found, scene.as_deref().map(|text| (name.as_str(), text)))?;
-        written = scene.is_some().then(|| dir.join(&name).display().to_string());
+        written = scene.is_some().then(|| folder.dir().join(&name).display().to_string());
     }
     match common.report.result.format {
         Format::Json => print(&format!("{:#}\n", with_scene(&found.json, written.as_deref())))?,
@@ -225,8 +227,8 @@ fn finish<T>(
             print(&format!("{}\n\n{tables}{notes}", found.report.title))?
         }
     };
-    if let Some(dir) = dir.filter(|_| !common.report.result.quiet) {
-        say!("report: {}", dir.join("report.html").display());
+    if let Some(folder) = folder.filter(|_| !common.report.result.quiet) {
+        say!("report: {}", folder.dir().join("report.html").display());
         if let Some(scene) = &written {
             say!("scene: {scene}, to be run by `sim-host run {scene}`");
         }
@@ -273,6 +275,5 @@ fn write(folder: &Folder, found: &Imported, scene: Option<(&str, &str)>) -> anyh
         put(name, text)?;
     }
     put("summary.json", &format!("{:#}\n", with_scene(&found.json, scene.map(|(name, _)| name))))?;
-    let manifest = json!({ "program": "sim-host", "version": sim::VERSION, "imported": found.source, "complete": true });
-    Ok(folder.finish(manifest)?)
+    Ok(folder.finish(json!({ "imported": found.source, "complete": true }))?)
 }

@@ -44,7 +44,7 @@ const MODELLED: &str = "board:";
 const FILE: &str = "file:";
 
 /// Arguments of the command.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub(super) struct LinkArgs {
     /// A serial device (/dev/ttyACM0, COM3), `tcp:HOST:PORT`, `sim:SCENE`: a simulated board in this process, or `board:SCENE`: the image that is
     /// flashed, on a model of its part. For `update` also `file:OUT`: makes the file of an update of an ELF file.
@@ -85,9 +85,12 @@ pub(super) struct LinkArgs {
     /// The drive goes on when this program ends, and the board waits for no host.
     #[arg(long, global = true)]
     stay: bool,
+    /// Files of the scene of a simulated board.
+    #[arg(skip)]
+    inputs: Vec<PathBuf>,
 }
 
-#[derive(Subcommand)]
+#[derive(Clone, Subcommand)]
 enum LinkOrder {
     #[command(flatten)]
     Order(Order),
@@ -148,6 +151,7 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
             let usage = format!("`{}` has no [controller]: there is nothing to talk to", loaded.name);
             return Ok(failed(&LinkError::Usage(usage), color));
         };
+        let args = &LinkArgs { inputs: loaded.files(), ..args.clone() };
         if modelled.is_some() {
             return done(board_model::talk(args, &driven, color), color);
         }
@@ -212,6 +216,10 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), L
     let mut session = Session::begin(client, SessionOptions { host_timeout_s: args.host_timeout, stay: args.stay })?;
     session.live = live(args.format);
     session.provenance = provenance();
+    session.inputs = args.inputs.clone();
+    if let Some(LinkOrder::Script { file }) = &args.order {
+        session.inputs.push(file.into());
+    }
     let done = match (&args.order, script) {
         (None, _) => prompt::talk(args, &mut session, color),
         (Some(LinkOrder::Order(order)), _) => one(order, args, &mut session),
@@ -330,9 +338,9 @@ fn failed(error: &LinkError, color: Color) -> ExitCode {
         _ if error.is_lost() => LOST,
         LinkError::Interrupted if CLOSED.load(Ordering::Relaxed) => return ExitCode::SUCCESS,
         LinkError::Interrupted => INTERRUPTED,
-        LinkError::Usage(_)
-        | LinkError::Script(_)
-        | LinkError::Folder(OutputError::Strange { .. } | OutputError::Held { .. }) => USAGE,
+        LinkError::Usage(_) | LinkError::Script(_) | LinkError::Folder(OutputError::Taken { .. } | OutputError::Held { .. }) => {
+            USAGE
+        }
         LinkError::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => return ExitCode::SUCCESS,
         _ => RUN_FAILED,
     };

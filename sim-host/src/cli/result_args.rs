@@ -1,8 +1,10 @@
 //! Arguments of a result: where it goes, and how it is printed. What the folder holds is said by each command, in the help of `--output`.
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
+use sim::output::{Folder, OutputError, Owner};
 
 /// Where a result goes, and how it is printed.
 #[derive(Args, Default)]
@@ -28,9 +30,12 @@ pub(super) struct ReportArgs {
 }
 
 impl ReportArgs {
-    /// The folder of the result, if there is to be one.
-    pub(super) fn dir(&self, default: impl FnOnce() -> PathBuf) -> Option<PathBuf> {
-        (!self.no_report).then(|| self.result.output.clone().unwrap_or_else(default))
+    /// Opens the folder of the result, by default that of a name within `out`; `None` if no files are to be written.
+    pub(super) fn open(&self, default: &str, owner: Owner) -> Result<Result<Option<Folder>, ExitCode>, OutputError> {
+        if self.no_report {
+            return Ok(Ok(None));
+        }
+        super::open(self.result.output.as_deref(), default, owner).map(|opened| opened.map(Some))
     }
 }
 

@@ -17,11 +17,12 @@ use pil::Qemu;
 use scene::Driven;
 use scene::load::{LoadError, Loaded};
 use scene::settings::config;
+use sim::output::{self, Owner};
 use sim::processor::Processor;
 use sim::run::RunError;
 use sim::study::monte_carlo::draw::Draws;
 use sim::study::{self, Level, Options, Start, Study, StudyError};
-use sim::{output, tables};
+use sim::tables;
 
 /// Set by Ctrl-C, and by any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -29,7 +30,7 @@ static STOP: AtomicBool = AtomicBool::new(false);
 /// The scene that runs if none is named.
 const FLAGSHIP: &str = "experiment-1";
 /// What the folder of a run holds.
-const FOLDER: &str = "Folder for manifest, summary, trace, report and figures, in place of the run that it holds; other files in it stay. Default: `out/SCENE`, with `-run-R`, `-pil` or `-board` behind";
+const FOLDER: &str = "Folder for manifest, summary, trace, report and figures. The files of an earlier run in it are replaced; other files stay. A folder with files of another command, changed files, or an input of this run is not written to. Default: `out/SCENE`, followed by `-run-R`, `-pil` or `-board`; if that folder may not be replaced, the same name with `-run` behind";
 
 /// Arguments of the command.
 #[derive(Args, Default)]
@@ -119,10 +120,9 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
         }
     };
     let run = args.run.map_or_else(String::new, |number| format!("-run-{number}"));
-    let default_dir = || PathBuf::from("out").join(format!("{}{run}{}", loaded.name, image.as_ref().map_or("", Image::ending)));
-    let dir = args.report.dir(default_dir);
+    let default = format!("{}{run}{}", loaded.name, image.as_ref().map_or("", Image::ending));
     // Before a run that may take long.
-    let folder = match super::open(dir.as_deref())? {
+    let folder = match args.report.open(&default, Owner::new("run", loaded.files()))? {
         Ok(folder) => folder,
         Err(code) => return Ok(code),
     };
@@ -157,8 +157,8 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
         Format::Human => human(&study, args, color),
         Format::Json => format!("{:#}\n", output::printed(&study)),
     })?;
-    if let Some(dir) = dir.filter(|_| !args.report.result.quiet) {
-        say!("report: {}", dir.join("report.html").display());
+    if let Some(folder) = folder.filter(|_| !args.report.result.quiet) {
+        say!("report: {}", folder.dir().join("report.html").display());
     }
     Ok(if study.interrupted {
         ExitCode::from(INTERRUPTED)

@@ -13,7 +13,7 @@ use super::{Color, DrawingArgs, Format, ReportArgs, USAGE, print};
 use import::signal::spectrogram::{Asked, Method, Spectrogram};
 use import::signal::{Choice, Signal};
 use report::Report;
-use sim::output::npy;
+use sim::output::{Owner, npy};
 
 /// Arguments of the command.
 #[derive(Args)]
@@ -118,23 +118,20 @@ pub(super) fn run(args: &SpectrumArgs, color: Color) -> anyhow::Result<ExitCode>
     };
     let source = args.file.display().to_string();
     let stem = args.file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let dir = args.report.dir(|| PathBuf::from("out").join(format!("{stem}-{}", found.method)));
-    let folder = match super::open(dir.as_deref())? {
+    let folder = match args.report.open(&format!("{stem}-{}", found.method), Owner::new("spectrum", [&args.file]))? {
         Ok(folder) => folder,
         Err(code) => return Ok(code),
     };
-    if let Some(folder) = folder {
+    if let Some(folder) = &folder {
         write(&found, &source, folder.unfinished(), args)?;
-        folder.finish(json!({
-            "program": "sim-host", "version": sim::VERSION, "command": "spectrum", "spectrum": found.json(&source), "complete": true,
-        }))?;
+        folder.finish(json!({ "spectrum": found.json(&source), "complete": true }))?;
     }
     match args.report.result.format {
         Format::Human => print(&found.table(&source).terminal(color.stdout))?,
         Format::Json => print(&format!("{:#}\n", found.json(&source)))?,
     };
-    if let Some(dir) = dir.filter(|_| !args.report.result.quiet) {
-        say!("report: {}", dir.join("report.html").display());
+    if let Some(folder) = folder.filter(|_| !args.report.result.quiet) {
+        say!("report: {}", folder.dir().join("report.html").display());
     }
     Ok(ExitCode::SUCCESS)
 }

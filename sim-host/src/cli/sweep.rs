@@ -15,6 +15,7 @@ use self::progress::Progress;
 use super::{Color, DrawingArgs, Format, INTERRUPTED, RUN_FAILED, ResultArgs, SceneArgs, USAGE, interrupts, invalid, with_scene};
 use scene::load::Loaded;
 use sim::output::sweep::{FolderError, Joined, Shard, SweepFolder, join};
+use sim::output::{OutputError, default_dir};
 use sim::study::sweep::design::Design;
 use sim::study::sweep::{Sweep, SweepError, is_of_overlays};
 
@@ -132,9 +133,9 @@ fn metrics(args: &SweepArgs) -> Vec<String> {
 }
 
 fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) -> anyhow::Result<ExitCode> {
-    let dir = args.result.output.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{}-sweep", loaded.name)));
+    let dir = args.result.output.clone().unwrap_or_else(|| default_dir(&format!("{}-sweep", loaded.name)));
     let run = || -> Result<Option<Option<Joined>>, FolderError> {
-        let folder = SweepFolder::open(&dir, sweep, args.shard)?;
+        let folder = SweepFolder::open(&dir, sweep, args.shard, args.points.as_slice())?;
         let (whole, left) = (args.shard.count(sweep.design.count()), folder.left()?);
         if left < whole && !args.result.quiet {
             say!("{}: {} of {whole} points are there already", dir.display(), whole - left);
@@ -209,7 +210,12 @@ fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow
 /// Says what went wrong with a folder, and gives its exit code.
 fn failed(error: FolderError) -> ExitCode {
     let code = match error {
-        FolderError::Write { .. } | FolderError::Read { .. } | FolderError::Study(_) | FolderError::Report(_) => RUN_FAILED,
+        FolderError::Output(OutputError::Taken { .. } | OutputError::Held { .. }) => USAGE,
+        FolderError::Write { .. }
+        | FolderError::Read { .. }
+        | FolderError::Output(_)
+        | FolderError::Study(_)
+        | FolderError::Report(_) => RUN_FAILED,
         _ => USAGE,
     };
     say!("error: {:#}", anyhow::Error::from(error));

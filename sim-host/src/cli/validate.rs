@@ -9,6 +9,7 @@ use clap::Args;
 use super::{Color, EXPECTATION_MISSED, Format, INTERRUPTED, ReportArgs, USAGE, interrupts, invalid, print};
 use scene::suite::{self, LoadedSuite};
 use sim::evidence::{SuiteError, run_suite};
+use sim::output::Owner;
 use sim::study::StudyError;
 
 /// Set by Ctrl-C, and by any other request to end.
@@ -86,8 +87,7 @@ pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode>
 }
 
 fn judge(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
-    let dir = args.report.dir(|| Path::new("out").join(&loaded.name));
-    let folder = match super::open(dir.as_deref())? {
+    let folder = match args.report.open(&loaded.name, Owner::new("validate", &args.suite))? {
         Ok(folder) => folder,
         Err(code) => return Ok(code),
     };
@@ -104,10 +104,10 @@ fn judge(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Res
         }
         Err(error) => return Err(error.into()),
     };
-    if let (Some(dir), Some(folder)) = (dir, folder) {
+    if let Some(folder) = folder {
         evidence.write(super::provenance().footer(), &loaded.name, args.quick, &folder)?;
         if !args.report.result.quiet {
-            say!("report: {}", dir.join("report.html").display());
+            say!("report: {}", folder.dir().join("report.html").display());
         }
     }
     print(&match args.report.result.format {

@@ -7,8 +7,9 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use firmware::board::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, PARTS, SAMPLES, Trigger};
 use firmware::board::command::{Command, Reply};
+use serde_json::json;
 
-use super::{manifest, seconds};
+use super::seconds;
 use crate::answer::{Answer, quantity};
 use crate::client::unexpected;
 use crate::link_error::LinkError;
@@ -81,7 +82,7 @@ pub struct Captured {
 /// Arms, waits, reads and writes.
 pub fn run(args: &CaptureArgs, session: &mut Session) -> Result<Answer, LinkError> {
     // A folder that cannot be is known before the trigger comes.
-    let folder = args.output.as_deref().map(Folder::open).transpose()?;
+    let folder = session.folder("capture", args.output.as_deref())?;
     if !args.read {
         if usize::from(args.before) > SAMPLES {
             return Err(LinkError::Usage(format!("--before is 0 to {SAMPLES} samples, not {}", args.before)));
@@ -221,5 +222,5 @@ fn write(captured: &Captured, scale: &Scale, folder: &Folder, provenance: &Prove
         ..Report::default()
     };
     report::write(&page, dir)?;
-    Ok(folder.finish(manifest("capture"))?)
+    Ok(folder.finish(json!({ "complete": true }))?)
 }

@@ -47,7 +47,6 @@ use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::words;
 use sim::advice::Advice;
-use sim::output::Folder;
 
 /// Two modes with more than this part of the other's motional capacitance are alike.
 const ALIKE: f64 = 0.6;
@@ -111,7 +110,7 @@ pub fn run(args: &CommissionArgs, session: &mut Session) -> Result<Answer, LinkE
         )));
     }
     // A folder that cannot be is known before anything is driven.
-    let folder = args.output.as_deref().map(Folder::open).transpose()?;
+    let folder = session.folder("commission", args.output.as_deref())?;
     let before = session.status()?;
     session.check(&before)?;
     if before.mode != BoardMode::Idle {

@@ -15,14 +15,12 @@ use firmware::seam::transducer::Transducer;
 use serde_json::json;
 
 use super::circuit::in_words;
-use super::manifest;
 use crate::admittance::{self, Loop};
 use crate::answer::{Answer, quantity, short};
 use crate::client::unexpected;
 use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::words;
-use sim::output::Folder;
 
 /// Longest that a scan may take.
 const LONGEST: Duration = Duration::from_secs(10);
@@ -44,7 +42,7 @@ pub struct ScanArgs {
 /// Scans, measures, and draws.
 pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> {
     // A folder that cannot be is known before the scan.
-    let folder = args.output.as_deref().map(Folder::open).transpose()?;
+    let folder = session.folder("scan", args.output.as_deref())?;
     let report = scan(session)?;
     let found = match session.client.ask(Command::Resonances)? {
         Reply::Resonances(found) => found,
@@ -59,7 +57,7 @@ pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> 
     let answer = match (&args.output, &folder) {
         (Some(dir), Some(folder)) => {
             drawn.write(folder.unfinished(), &session.provenance)?;
-            folder.finish(manifest("scan"))?;
+            folder.finish(json!({ "complete": true }))?;
             answer.line(format!("written: {}", dir.join("admittance.svg").display()))
         }
         _ => answer.line(drawn.in_terminal()),

@@ -1,6 +1,6 @@
 //! The profiles of a scene: a file becomes the samples of its column, before anything else looks at the scene.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::column::{About, Measured, Refusal, speeds, text_of};
@@ -45,6 +45,23 @@ pub(crate) fn paths(root: &Node) -> Vec<String> {
     all.filter(|path| root.at(path).is_some_and(|node| node.table().is_some())).collect()
 }
 
+/// Returns the paths of all tables that can name a file, with their forms.
+fn forms(root: &Node) -> Vec<(String, &'static Form)> {
+    let overlays = (0..root.at("overlay").map_or(0, |list| list.list().len())).map(|index| format!("overlay.{index}"));
+    paths(root).into_iter().map(|path| (path, &PROFILE)).chain(overlays.map(|path| (path, &OVERLAY))).collect()
+}
+
+/// Returns the files that the profiles and overlays name.
+pub(crate) fn files(root: &Node, sources: &[Source]) -> Vec<PathBuf> {
+    let named = forms(root).into_iter().filter_map(|(path, _)| root.at(&join(&path, PROFILE.read[0])));
+    named.filter_map(|file| Some(path_of(file, file.text()?, sources))).collect()
+}
+
+/// Returns the path of a file that is named in a scene: it is relative to the text that names it.
+fn path_of(file: &Node, name: &str, sources: &[Source]) -> PathBuf {
+    sources.get(file.place.source).and_then(|source| Path::new(&source.name).parent()).unwrap_or(Path::new("")).join(name)
+}
+
 /// The unit of what a profile is the course of; nothing of a number without a unit.
 ///
 /// # Errors
@@ -71,10 +88,7 @@ fn wanted(root: &Node, path: &str) -> Result<Option<Unit>, ()> {
 /// Reads the files of all profiles. What is wrong with one is returned, and the profile left as it was.
 pub(crate) fn resolve(root: &mut Node, sources: &mut Vec<Source>) -> Vec<Found> {
     let mut found = Vec::new();
-    let profiles = paths(root).into_iter().map(|path| (path, &PROFILE));
-    let overlays =
-        (0..root.at("overlay").map_or(0, |list| list.list().len())).map(|index| (format!("overlay.{index}"), &OVERLAY));
-    for (path, form) in profiles.chain(overlays).collect::<Vec<_>>() {
+    for (path, form) in forms(root) {
         let wanted = wanted(root, &path);
         let whole = root.at(&path).map(|node| node.place.clone());
         let Some(Value::Table(table)) = root.at_mut(&path).map(|node| &mut node.value) else { continue };
@@ -163,8 +177,7 @@ fn read(table: &mut Table, form: &Form, wanted: Option<&Unit>, sources: &mut Vec
         };
         entry(key).map_or_else(|| at.clone(), |entry| entry.node.place.clone())
     };
-    let beside = sources.get(at.source).and_then(|source| Path::new(&source.name).parent()).unwrap_or(Path::new(""));
-    let path = beside.join(name);
+    let path = path_of(&file.node, name, sources);
     let mut refused = |refusal: Refusal, text: Option<&str>| {
         let at = match (refusal.about, text) {
             (About::Line(line), Some(text)) => {

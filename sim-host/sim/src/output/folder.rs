@@ -1,38 +1,64 @@
-//! The folder of a run: it holds one run as a whole.
+//! The folder of a result: it holds one result as a whole.
 //!
-//! A run is written into a folder of its own within it, and moved from there when it is whole; the manifest comes last and lists the files, so
-//! that the next run removes exactly these. While files are moved the manifest says `complete: false` and lists those of both runs: whenever
-//! that ends, the next run knows what to clean up. Files that no manifest lists are not of a run: they are neither removed nor written over. While a run is
-//! being written into a folder, another one is refused.
+//! A result is written into a folder of its own within it, and moved from there when it is whole. The manifest comes last. It names the command and lists
+//! the files with their checksums. The same command replaces exactly these files, and only if none of them has changed and none is one of its inputs.
+//! Otherwise the folder stays as it is. While files are moved the manifest says `complete: false` and lists the files of both results: the next run
+//! cleans up after any interruption. While a result is being written into a folder, another one is refused.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File, TryLockError};
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use serde_json::{Value, json};
 
 use super::OutputError;
+use super::sweep::{PLAN, SWEEP};
 
 /// The manifest, which says whose all other files are.
 const MANIFEST: &str = "manifest.json";
-/// Files of a run, beside its figures.
-const NAMES: [&str; 8] =
-    ["summary.json", "machine.json", "trace.csv", "trace.npy", "trace.parquet", "runs.csv", "grid.csv", "report.html"];
-/// Files of a figure.
-const FIGURE: [&str; 3] = ["svg", "png", "csv"];
+/// Files that show that a folder without a manifest holds a result.
+const NAMES: [&str; 9] =
+    ["summary.json", "machine.json", "trace.csv", "trace.npy", "trace.parquet", "runs.csv", "grid.csv", "report.html", PLAN];
 /// How the folder of a run that is being written begins.
 const UNFINISHED: &str = ".unfinished-";
 /// Where a run goes that something is in the way of.
 const BESIDE: &str = "run";
+/// Reason for keeping a file that no manifest lists.
+const UNLISTED: &str = "is not listed in the manifest of an earlier result";
+/// Reason for keeping a file that its user has edited.
+const CHANGED: &str = "was changed after it was written";
 
 /// Tells apart what one process writes at a time.
 static COUNT: AtomicU32 = AtomicU32::new(0);
 
-/// A folder that a run is to go into.
+/// A command that writes a folder, and its inputs, which it never replaces.
+#[derive(Clone, Debug)]
+pub struct Owner {
+    command: String,
+    inputs: Vec<PathBuf>,
+}
+
+impl Owner {
+    /// Creates the owner from the name of the command and the files or folders that it reads; those that do not exist are ignored.
+    pub fn new(command: &str, inputs: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
+        let inputs = inputs.into_iter().filter_map(|path| path.as_ref().canonicalize().ok()).collect();
+        Owner { command: command.to_owned(), inputs }
+    }
+}
+
+/// Returns the folder of a result within `out`. A name that is not a plain file name could lead elsewhere.
+pub fn default_dir(name: &str) -> PathBuf {
+    Path::new("out").join(if is_plain(name) { name } else { "unnamed" })
+}
+
+/// A folder that a result is to go into.
 pub struct Folder {
     dir: PathBuf,
+    owner: Owner,
+    /// File that rules out the preferred folder, and why.
+    avoided: Option<String>,
     /// It was not there before.
     made: bool,
     /// Where the run is written until it is whole, which is locked as long as its process lives.
@@ -41,22 +67,53 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Makes the folder ready, before a run that may take long; refuses one with files of a run that has no manifest, or of another origin, and one into
-    /// which another run is being written.
-    pub fn open(dir: &Path) -> Result<Self, OutputError> {
+    /// Opens the folder of a name within `out`, or the next free one (`out/NAME-COMMAND`) if the command may not replace what that holds.
+    pub fn open_default(name: &str, owner: &Owner) -> Result<Self, OutputError> {
+        let dir = default_dir(name);
+        let command = owner.command.rsplit(' ').next().unwrap_or_default();
+        let (mut avoided, mut ending, mut number) = (None, String::new(), 1);
+        loop {
+            match Self::open(Path::new(&format!("{}{ending}", dir.display())), owner.clone()) {
+                Err(OutputError::Taken { path, why }) => {
+                    avoided = avoided.or_else(|| Some(format!("`{}` {why}", path.display())))
+                }
+                opened => {
+                    let mut folder = opened?;
+                    folder.avoided = avoided;
+                    return Ok(folder);
+                }
+            }
+            ending = if number == 1 { format!("-{command}") } else { format!("-{command}-{number}") };
+            number += 1;
+        }
+    }
+
+    /// Makes the folder ready, before a run that may take long; refuses one with files that the command may not replace, and one into which another
+    /// result is being written.
+    pub fn open(dir: &Path, owner: Owner) -> Result<Self, OutputError> {
         let made = !dir.exists();
         fs::create_dir_all(dir).map_err(write(dir))?;
         let own = format!("{UNFINISHED}{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
         let unfinished = dir.join(own);
         // No other process takes the new folder for one that was left.
         let _alone = locked(dir);
-        former(dir)?;
+        replaceable(dir, &owner)?;
         if let Some(process) = unfinished_runs(dir).find_map(|path| lives(&path).then(|| process_of(&path))) {
             return Err(OutputError::Held { path: dir.to_owned(), process });
         }
         fs::create_dir_all(&unfinished).map_err(write(&unfinished))?;
         let living = File::open(&unfinished).ok().filter(|folder| folder.try_lock().is_ok());
-        Ok(Folder { dir: dir.to_owned(), made, unfinished, _living: living })
+        Ok(Folder { dir: dir.to_owned(), owner, avoided: None, made, unfinished, _living: living })
+    }
+
+    /// Returns the folder.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// Returns why the result does not go into the preferred folder, if it does not.
+    pub fn avoided(&self) -> Option<&str> {
+        self.avoided.as_deref()
     }
 
     /// Where the run is to be written.
@@ -64,23 +121,39 @@ impl Folder {
         &self.unfinished
     }
 
-    /// Puts what was written in the place of the run before, and the manifest beside it.
+    /// Replaces the previous result with the new one, and adds program, command, files and checksums to its manifest.
     pub fn finish(&self, mut manifest: Value) -> Result<(), OutputError> {
         let files = plain_files(&self.unfinished)?;
-        manifest["files"] = json!(files);
+        let sum = |name: &String| {
+            let path = self.unfinished.join(name);
+            Ok((name.clone(), File::open(&path).and_then(checksum).map_err(write(&path))?))
+        };
+        let sums = files.iter().map(sum).collect::<Result<BTreeMap<_, _>, OutputError>>()?;
+        (manifest["program"], manifest["version"]) = (json!("sim-host"), json!(crate::VERSION));
+        (manifest["command"], manifest["files"], manifest["checksums"]) = (json!(self.owner.command), json!(files), json!(sums));
         let _alone = locked(&self.dir);
         remove_left(&self.dir);
-        let former = former(&self.dir)?;
-        if let Some(file) = files.iter().find(|&file| !former.contains(file) && self.dir.join(file).symlink_metadata().is_ok()) {
-            self.put(&manifest)?;
-            return Err(OutputError::InTheWay { path: self.dir.join(file), run: self.beside()? });
-        }
-        let both: BTreeSet<&String> = former.union(&files).collect();
+        let foreign = |former: &BTreeMap<String, String>| {
+            let in_the_way = |file: &&String| !former.contains_key(*file) && self.dir.join(file).symlink_metadata().is_ok();
+            files.iter().find(in_the_way).map(|file| self.dir.join(file))
+        };
+        let former = replaceable(&self.dir, &self.owner).and_then(|former| match foreign(&former) {
+            Some(path) => Err(OutputError::Taken { path, why: UNLISTED.to_owned() }),
+            None => Ok(former),
+        });
+        let former = match former {
+            Err(OutputError::Taken { path, why }) => {
+                self.put(&manifest)?;
+                return Err(OutputError::InTheWay { path, why, run: self.beside()? });
+            }
+            former => former?,
+        };
         let mut moving = manifest.clone();
-        (moving["complete"], moving["files"]) = (json!(false), json!(both));
+        let both: BTreeSet<&String> = former.keys().chain(&files).collect();
+        (moving["complete"], moving["files"], moving["former"]) = (json!(false), json!(both), json!(former));
         self.put(&moving)?;
         self.publish(MANIFEST)?;
-        for file in former.difference(&files) {
+        for file in former.keys().filter(|&file| !files.contains(file)) {
             let path = self.dir.join(file);
             match fs::remove_file(&path) {
                 Err(error) if error.kind() != ErrorKind::NotFound => return Err(write(&path)(error)),
@@ -92,10 +165,15 @@ impl Folder {
         self.publish(MANIFEST)
     }
 
-    /// Writes a manifest where the run is written.
+    /// Writes a manifest where the run is written. Its own checksum is that of its text with an empty one.
     fn put(&self, manifest: &Value) -> Result<(), OutputError> {
         let path = self.unfinished.join(MANIFEST);
-        fs::write(&path, format!("{manifest:#}\n")).map_err(write(&path))
+        let mut manifest = manifest.clone();
+        manifest["checksums"][MANIFEST] = json!("");
+        let text = format!("{manifest:#}\n");
+        let entry = |sum: &str| format!("\"{MANIFEST}\": \"{sum}\"");
+        let sealed = checksum(text.as_bytes()).map(|sum| text.replacen(&entry(""), &entry(&sum), 1));
+        sealed.and_then(|text| fs::write(&path, text)).map_err(write(&path))
     }
 
     /// Moves a file into the folder.
@@ -155,42 +233,61 @@ fn process_of(path: &Path) -> String {
     name.trim_start_matches(UNFINISHED).split('-').next().unwrap_or_default().to_owned()
 }
 
-/// The files of the run that a folder holds, without its manifest.
-fn former(dir: &Path) -> Result<BTreeSet<String>, OutputError> {
+/// Returns the files of the result that a folder holds and their checksums, without its manifest; refuses a folder that the command may not change.
+pub(super) fn replaceable(dir: &Path, owner: &Owner) -> Result<BTreeMap<String, String>, OutputError> {
+    let taken = |path: PathBuf, why: &str| Err(OutputError::Taken { path, why: why.to_owned() });
     let path = dir.join(MANIFEST);
     let text = match fs::read_to_string(&path) {
         Ok(text) => text,
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            let whose = NAMES.iter().map(|name| dir.join(name)).find(|path| path.symlink_metadata().is_ok());
-            return whose.map_or_else(|| Ok(BTreeSet::new()), |path| Err(OutputError::Strange { path }));
+            // A sweep continues from its plan.
+            let names = NAMES.iter().filter(|&&name| name != PLAN || owner.command != SWEEP);
+            let whose = names.map(|name| dir.join(name)).find(|path| path.symlink_metadata().is_ok());
+            return whose.map_or_else(|| Ok(BTreeMap::new()), |path| taken(path, UNLISTED));
         }
-        Err(_) => return Err(OutputError::Strange { path }),
+        Err(_) => return taken(path, UNLISTED),
     };
     let manifest: Value = serde_json::from_str(&text).unwrap_or_default();
-    if manifest["program"] != "sim-host" {
-        return Err(OutputError::Strange { path });
+    match (manifest["command"].as_str(), manifest["checksums"].as_object()) {
+        _ if manifest["program"] != "sim-host" => return taken(path, "is not a manifest of sim-host"),
+        (Some(command), Some(_)) if command == owner.command => {}
+        (Some(command), Some(_)) => return taken(path, &format!("is of `sim-host {command}`")),
+        _ => return taken(path, "is of an older version and has no checksums"),
     }
-    match &manifest["files"] {
-        Value::Null => Ok(unlisted(plain_files(dir)?)),
-        // A name that leads out of the folder is none of a run's.
-        files => Ok(files
-            .as_array()
-            .into_iter()
-            .flatten()
-            .filter_map(Value::as_str)
-            .filter(|name| is_plain(name))
-            .map(Into::into)
-            .collect()),
+    let known = |name: &str| [&manifest["checksums"][name], &manifest["former"][name]];
+    let own = known(MANIFEST)[0].as_str().unwrap_or_default();
+    if checksum(text.replacen(own, "", 1).as_bytes()).ok().as_deref() != Some(own) {
+        return taken(path, CHANGED);
     }
+    let listed = manifest["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    let mut files = BTreeMap::new();
+    // A name that leads out of the folder is none of a run's.
+    for name in listed.filter(|name| is_plain(name)).chain([MANIFEST]) {
+        let path = dir.join(name);
+        let is_input = |path: &PathBuf| owner.inputs.iter().any(|input| path == input || path.parent() == Some(input));
+        if path.canonicalize().is_ok_and(|path| is_input(&path)) {
+            return taken(path, "is an input of this command");
+        }
+        match File::open(&path).and_then(checksum) {
+            _ if name == MANIFEST => {}
+            Ok(sum) if known(name).iter().any(|known| **known == sum) => drop(files.insert(name.to_owned(), sum)),
+            Err(error) if error.kind() == ErrorKind::NotFound => {}
+            _ => return taken(path, CHANGED),
+        }
+    }
+    Ok(files)
 }
 
-/// Of these files those of a run, by their names: the manifests of version 0.1.0 do not list them.
-fn unlisted(files: BTreeSet<String>) -> BTreeSet<String> {
-    let of_a_figure = |file: &str| {
-        let (id, extension) = file.rsplit_once('.').unwrap_or_default();
-        FIGURE.contains(&extension) && FIGURE.iter().all(|other| files.contains(&format!("{id}.{other}")))
-    };
-    files.iter().filter(|file| NAMES.contains(&file.as_str()) || of_a_figure(file)).cloned().collect()
+/// Returns the CRC-64/XZ of all that is read, as 16 hexadecimal digits.
+fn checksum(mut from: impl Read) -> io::Result<String> {
+    static TABLE: crc::Crc<u64, crc::Table<16>> = crc::Crc::<u64, crc::Table<16>>::new(&crc::CRC_64_XZ);
+    let (mut digest, mut buffer) = (TABLE.digest(), vec![0; 1 << 16]);
+    loop {
+        match from.read(&mut buffer)? {
+            0 => return Ok(format!("{:016x}", digest.finalize())),
+            count => digest.update(&buffer[..count]),
+        }
+    }
 }
 
 /// The files of a folder, by their names, without the manifest.
@@ -210,7 +307,7 @@ fn is_plain(name: &str) -> bool {
     matches!((parts.next(), parts.next()), (Some(Component::Normal(part)), None) if part == name) && name != MANIFEST
 }
 
-fn write(path: &Path) -> impl FnOnce(std::io::Error) -> OutputError + use<> {
+fn write(path: &Path) -> impl FnOnce(io::Error) -> OutputError + use<> {
     let path = path.to_owned();
     |io| OutputError::Write { path, io }
 }
@@ -223,12 +320,5 @@ mod tests {
     fn only_a_name_within_the_folder_is_one_of_its_files() {
         assert!(["trace.csv", "a-b_1.svg", "..."].iter().all(|name| is_plain(name)));
         assert!(["", ".", "..", "/etc/passwd", "../trace.csv", "a/b", "a/", "manifest.json"].iter().all(|name| !is_plain(name)));
-    }
-
-    #[test]
-    fn without_a_list_a_figure_is_known_by_its_three_files() {
-        let names = ["trace.csv", "f.svg", "f.png", "f.csv", "notes.txt", "own.csv", "half.png", "half.svg"];
-        let found = unlisted(names.iter().map(|&name| name.into()).collect());
-        assert_eq!(found.iter().map(String::as_str).collect::<Vec<_>>(), ["f.csv", "f.png", "f.svg", "trace.csv"]);
     }
 }

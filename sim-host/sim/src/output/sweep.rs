@@ -5,8 +5,8 @@
 //!               all parts, in order --> sweep.parquet, sweep.csv, failures.csv --> indices.csv, figures, report.html
 //! ```
 //!
-//! A file is written under another name and renamed when it is whole, so that whatever ends the process costs the chunk that it was at: the same
-//! call again goes on behind it. Rows follow from the plan alone, so that what is joined is the same, byte for byte, however it was divided.
+//! A part is written under another name and renamed when it is whole, so that whatever ends the process costs the chunk that it was at: the same
+//! call again goes on behind it. All other files are one result of a [`Folder`](super::Folder), which a sweep replaces only if nobody has changed it. Rows follow from the plan alone, so that what is joined is the same, byte for byte, however it was divided.
 
 mod joined;
 mod page;
@@ -26,12 +26,16 @@ pub use self::joined::{Joined, join};
 pub use self::parts::{Part, Shard};
 pub use self::plan_file::PlanFile;
 pub use self::rows_file::{Layout, RowsFile};
+use super::OutputError;
+use super::folder::{Owner, replaceable};
 use super::parquet_file::GROUP;
 use crate::study::StudyError;
 use crate::study::sweep::Sweep;
 
 /// The plan.
-const PLAN: &str = "plan.json";
+pub(super) const PLAN: &str = "plan.json";
+/// Command that owns the folder.
+pub(super) const SWEEP: &str = "sweep";
 /// Why points have no result.
 const FAILURES: &str = "failures.csv";
 /// All rows.
@@ -137,6 +141,9 @@ pub enum FolderError {
         /// Its file.
         path: PathBuf,
     },
+    /// The result cannot be written, or may not replace what the folder holds.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// The points cannot be run.
     #[error(transparent)]
     Study(#[from] StudyError),
@@ -155,13 +162,14 @@ pub struct SweepFolder {
 }
 
 impl SweepFolder {
-    /// Makes the folder ready for a shard of a sweep, or takes up what it holds of this sweep.
+    /// Makes the folder ready for a shard of a sweep that reads `inputs` and its scene, or takes up what it holds of this sweep.
     ///
     /// # Errors
-    /// If the folder holds another sweep, or another process is at this shard.
-    pub fn open(dir: &Path, sweep: &Sweep, shard: Shard) -> Result<Self, FolderError> {
+    /// If the folder holds another sweep or another result, a changed file or an input, or another process is at this shard.
+    pub fn open(dir: &Path, sweep: &Sweep, shard: Shard, inputs: &[PathBuf]) -> Result<Self, FolderError> {
         let plan = PlanFile::new(sweep);
         fs::create_dir_all(dir).map_err(write(dir))?;
+        replaceable(dir, &Owner::new(SWEEP, [inputs, &sweep.loaded.files()].concat()))?;
         let path = dir.join(PLAN);
         let found = PlanFile::find(dir)?;
         if let Some(differs) = found.as_ref().and_then(|found| plan.differs(found)) {

@@ -3,10 +3,11 @@
 use std::fs;
 use std::path::Path;
 
+use serde_json::json;
+
 use super::drawing::{admittance, places};
 use super::{Commissioned, table};
 use crate::answer::quantity;
-use crate::commands::manifest;
 use crate::link_error::LinkError;
 use crate::parameter::{parameter, shown};
 use report::{self, Axis, Figure, Marker, Report, Series, Style, TableBlock};
@@ -66,7 +67,7 @@ pub fn write(found: &Commissioned, folder: &Folder, dir: &Path, provenance: &Pro
     file("settings.txt", &settings(found))?;
     file("twin.toml", &found.twin)?;
     report::write(&Report { footer: provenance.footer(), ..page(found) }, at)?;
-    folder.finish(manifest("commission"))?;
+    folder.finish(json!({ "complete": true }))?;
     Ok(())
 }
 

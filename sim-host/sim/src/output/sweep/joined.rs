@@ -5,11 +5,14 @@ use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
+use serde_json::json;
+
 use super::parts::{self, Part};
 use super::rows_file::{Layout, RowsFile, RowsWriter};
-use super::{FAILURES, FolderError, INDICES, PLAN, PlanFile, ROWS, TABLE, UNFINISHED, page, put, unfinished, write};
-use crate::output::Presentation;
+use super::{FAILURES, FolderError, INDICES, PLAN, PlanFile, ROWS, SWEEP, TABLE, page, put, write};
+use crate::output::folder::replaceable;
 use crate::output::parquet_file::GROUP;
+use crate::output::{Folder, Owner, Presentation};
 use crate::study::sweep::Rows;
 use crate::study::sweep::sensitivity::{self, Sensitivity};
 use report::TableBlock;
@@ -51,31 +54,28 @@ pub fn join(dirs: &[PathBuf], target: &Path, shown: &Presentation) -> Result<Joi
         let (count, missing) = (plan.count(), missing.iter().map(|range| range.end - range.start).sum());
         return Err(FolderError::Missing { missing, count, ranges: ranges + &more });
     }
+    let owner = Owner::new(SWEEP, parts.iter().map(|part| &part.path));
     fs::create_dir_all(target).map_err(write(target))?;
-    // One at a time, where the system locks folders: two shards of a folder may end at once.
-    let _alone = File::open(target).ok().filter(|folder| folder.lock().is_ok());
-    remove_left(target);
-    let (layout, absent) = present(&plan, &parts)?;
-    let failures = rows(&plan, &parts, &layout, target)?;
+    replaceable(target, &owner)?;
+    if let Some(differs) = PlanFile::find(target)?.and_then(|found| plan.differs(&found)) {
+        return Err(FolderError::Other { path: target.to_owned(), differs });
+    }
     let path = target.join(PLAN);
     if !path.exists() {
         put(&path, plan.text().as_bytes())?;
     }
-    let file = RowsFile::open(&target.join(ROWS))?;
-    let indices = if plan.is_sample() { indices(&layout, &file, target)? } else { Vec::new() };
-    let written = page::write(&plan, &layout, &file, failures, &indices, (target, shown))?;
+    // One at a time, if the system locks files: two shards of a folder may end at once.
+    let _alone = File::open(&path).ok().filter(|plan| plan.lock().is_ok());
+    let folder = Folder::open(target, owner)?;
+    let dir = folder.unfinished();
+    let (layout, absent) = present(&plan, &parts)?;
+    let failures = rows(&plan, &parts, &layout, dir)?;
+    let file = RowsFile::open(&dir.join(ROWS))?;
+    let indices = if plan.is_sample() { indices(&layout, &file, dir)? } else { Vec::new() };
+    let written = page::write(&plan, &layout, &file, failures, &indices, (dir, shown))?;
+    drop(file);
+    folder.finish(json!({ "scene": plan.scene(), "plan_hash": plan.hash(), "complete": true }))?;
     Ok(Joined { points: plan.count(), failures, absent, tables: written, page: target.join(super::PAGE) })
-}
-
-/// Removes what a process has left that was killed while it joined parts.
-fn remove_left(target: &Path) {
-    for entry in fs::read_dir(target).into_iter().flatten().flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let mine = [ROWS, TABLE, FAILURES, INDICES].iter().any(|file| name.starts_with(&format!("{file}.")));
-        if mine && name.ends_with(UNFINISHED) {
-            let _ = fs::remove_file(entry.path());
-        }
-    }
 }
 
 /// The plan that all folders have.
@@ -193,37 +193,25 @@ fn indices(layout: &Layout, file: &RowsFile, target: &Path) -> Result<Vec<(Strin
     Ok(all)
 }
 
-/// A CSV that has its name when it is whole.
+/// A CSV and its path, for messages.
 struct Text {
     path: PathBuf,
-    writer: Option<csv::Writer<BufWriter<File>>>,
+    writer: csv::Writer<BufWriter<File>>,
 }
 
 impl Text {
     fn create<'a>(path: PathBuf, head: impl IntoIterator<Item = &'a str>) -> Result<Self, FolderError> {
-        let file = File::create(unfinished(&path)).map_err(write(&path))?;
-        let mut text = Text { path, writer: Some(csv::Writer::from_writer(BufWriter::new(file))) };
+        let file = File::create(&path).map_err(write(&path))?;
+        let mut text = Text { path, writer: csv::Writer::from_writer(BufWriter::new(file)) };
         text.row(head.into_iter().map(str::to_owned))?;
         Ok(text)
     }
 
     fn row(&mut self, cells: impl IntoIterator<Item = String>) -> Result<(), FolderError> {
-        let written = self.writer.as_mut().map_or(Ok(()), |writer| writer.write_record(cells));
-        written.map_err(|error| write(&self.path)(error.into()))
+        self.writer.write_record(cells).map_err(|error| write(&self.path)(error.into()))
     }
 
     fn finish(mut self) -> Result<(), FolderError> {
-        let Some(mut writer) = self.writer.take() else { return Ok(()) };
-        let ended = writer.flush();
-        drop(writer);
-        ended.and_then(|()| fs::rename(unfinished(&self.path), &self.path)).map_err(write(&self.path))
-    }
-}
-
-impl Drop for Text {
-    fn drop(&mut self) {
-        self.writer = None;
-        // What has its name is not there any more.
-        let _ = fs::remove_file(unfinished(&self.path));
+        self.writer.flush().map_err(write(&self.path))
     }
 }
