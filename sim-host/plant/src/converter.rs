@@ -3,9 +3,10 @@
 //! A DAC code is held for a sample. An ADC conversion adds an offset and white Gaussian noise (both in LSB, before rounding),
 //! rounds and saturates; the conversions of one sample are summed, as a hardware oversampler does.
 
-use wide::{f64x2, f64x4};
+use wide::f64x2;
 
 use crate::noise::Noise;
+use crate::quad::{Four, LANES, Portable, Quad, Wide};
 use scene::{Amplifier, Sensors};
 
 /// DAC of one lane, whose output is held between samples.
@@ -43,8 +44,8 @@ impl Dac {
 #[derive(Clone, Debug)]
 pub struct Adc {
     /// Of voltage and current in turn, as the numbers of two conversions are.
-    lsb_per_unit: f64x4,
-    zero: f64x4,
+    lsb_per_unit: Quad,
+    zero: Quad,
     noise_lsb: f64,
     top: f64,
     pub(crate) noise: Noise,
@@ -56,9 +57,9 @@ impl Adc {
         let mid = f64::from(1u32 << (sensors.adc_bits - 1));
         let (v, i) = (mid / sensors.v_full_scale_v, mid / sensors.i_full_scale_a);
         Adc {
-            lsb_per_unit: f64x4::new([v, i, v, i]),
+            lsb_per_unit: Quad([v, i, v, i]),
             // The half makes truncation round to nearest.
-            zero: f64x4::splat(mid + sensors.offset_lsb + 0.5),
+            zero: Quad::splat(mid + sensors.offset_lsb + 0.5),
             noise_lsb: sensors.noise_lsb,
             top: 2.0 * mid - 1.0,
             noise: Noise::new(seed),
@@ -69,30 +70,36 @@ impl Adc {
     #[inline]
     pub fn convert(&mut self, values: impl Into<f64x2>) -> [u16; 2] {
         let [v, i] = values.into().to_array();
-        let scaled = self.scaled(f64x4::new([v, i, 0.0, 0.0]));
+        let scaled = self.scaled(Quad([v, i, 0.0, 0.0]).wide(Portable));
         self.digitize(scaled, 1)
     }
 
     /// Voltages and currents of two conversions in LSB, before their noise.
     #[inline(always)]
-    pub(crate) fn scaled(&self, values: f64x4) -> f64x4 {
-        values * self.lsb_per_unit + self.zero
+    pub(crate) fn scaled<F: Four>(&self, values: Wide<F>) -> Wide<F> {
+        let four = values.four();
+        values * self.lsb_per_unit.wide(four) + self.zero.wide(four)
     }
 
     /// The sums of so many conversions' codes, 1 or 2.
     #[inline(always)]
-    pub(crate) fn digitize(&mut self, scaled: f64x4, conversions: usize) -> [u16; 2] {
-        let noisy = scaled + self.noise.quad(conversions) * f64x4::splat(self.noise_lsb);
-        let [v, i, later_v, later_i] = codes(noisy, f64x4::splat(self.top));
+    pub(crate) fn digitize<F: Four>(&mut self, scaled: Wide<F>, conversions: usize) -> [u16; 2] {
+        let four = scaled.four();
+        let noisy = scaled + self.noise.quad(conversions).wide(four) * Wide::splat(four, self.noise_lsb);
+        let [v, i, later_v, later_i] = codes(noisy, Wide::splat(four, self.top));
         if conversions > 1 { [v + later_v, i + later_i] } else { [v, i] }.map(|code| code as u16)
+    }
+
+    /// What one channel's numbers are multiplied by, what is added, what the noise is multiplied by, and the largest code.
+    pub(crate) fn scales(&self, channel: usize) -> [f64; 4] {
+        [self.lsb_per_unit[channel], self.zero[channel], self.noise_lsb, self.top]
     }
 }
 
-/// Converts to codes from zero to the top. Truncation rounds to nearest because of the half in the zero; not-a-number becomes zero.
+/// Codes from zero to the top. Truncation rounds to nearest because of the half in the zero; what is no number is zero.
 #[inline(always)]
-fn codes(noisy: f64x4, top: f64x4) -> [i32; 4] {
-    let above = noisy.simd_gt(f64x4::ZERO).bitselect(noisy, f64x4::ZERO);
-    above.simd_lt(top).bitselect(above, top).to_array().map(|code| code as i32)
+pub(crate) fn codes<F: Four>(noisy: Wide<F>, top: Wide<F>) -> [i32; LANES] {
+    noisy.larger(Wide::splat(noisy.four(), 0.0)).smaller(top).truncated()
 }
 
 #[cfg(test)]

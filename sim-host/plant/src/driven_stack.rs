@@ -12,12 +12,12 @@
 //! linear part by its exact flow with the friction held at its last value, the contact exactly in the slip that results, and then
 //! the stack is corrected by what the mean friction over the step was instead. Second order in the coupling, exact without it.
 
+pub mod abreast;
 mod changes;
 mod playing;
 
 use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
-use wide::f64x4;
 
 use crate::belt_motion::BeltMotion;
 use crate::carriage::Carriage;
@@ -30,6 +30,7 @@ use crate::encoder::Encoder;
 use crate::energy::Energy;
 use crate::force_channel::ForceChannel;
 use crate::load_cell::LoadCell;
+use crate::quad::{Four, Portable, Quad};
 use crate::sliding::{Sliding, steps_per_sample};
 use crate::stack::{Held, Stack};
 use crate::sums::{Rubbing, Step, Sums};
@@ -65,7 +66,7 @@ pub struct DrivenStack {
     held_v: f64,
     at_rest: bool,
     /// What the converters have seen in the last sample that was held, in LSB, of two conversions or one.
-    seen: Vec<(f64x4, usize)>,
+    seen: Vec<(Quad, usize)>,
 }
 
 impl DrivenStack {
@@ -284,6 +285,12 @@ impl DrivenStack {
     /// Plays one code, and returns the codes of voltage and current that were sampled meanwhile.
     #[inline(always)]
     pub(crate) fn play(&mut self, code: u16, sums: &mut Sums) -> (u16, u16) {
+        self.play_in(Portable, code, sums)
+    }
+
+    /// The same in certain registers.
+    #[inline(always)]
+    fn play_in<F: Four>(&mut self, four: F, code: u16, sums: &mut Sums) -> (u16, u16) {
         let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
         let volts = self.dac.volts(code);
         let (volts, before) = self.delay.as_mut().map_or((volts, volts), |delay| delay.pass(volts));
@@ -294,7 +301,7 @@ impl DrivenStack {
             // Nothing moves: the steps are all like the last one, and so is what is seen.
             (0..steps).for_each(|_| sums.add(&self.last));
             for &(scaled, conversions) in &self.seen {
-                let [voltage, current] = self.adc.digitize(scaled, conversions);
+                let [voltage, current] = self.adc.digitize(scaled.wide(four), conversions);
                 v += voltage;
                 i += current;
             }
@@ -311,10 +318,10 @@ impl DrivenStack {
                 let force = self.last.friction.mean_n;
                 friction += force;
                 let (adc, seen) = (&mut self.adc, &mut self.seen);
-                self.stack.sample(step, &drive, force, |both, conversions| {
+                self.stack.sample(four, step, &drive, force, |both, conversions| {
                     let scaled = adc.scaled(both);
                     if held {
-                        seen.push((scaled, conversions));
+                        seen.push((scaled.quad(), conversions));
                     }
                     let [voltage, current] = adc.digitize(scaled, conversions);
                     v += voltage;

@@ -46,6 +46,7 @@ pub mod motor;
 pub mod network;
 mod noise;
 pub mod parts;
+pub mod quad;
 pub mod shift;
 pub mod sliding;
 pub mod stack;

@@ -4,12 +4,15 @@
 //! exponential; what the converters see between two steps, from others ([`StepFlow`]). A network that drifts has them as a
 //! series in what drifts ([`Expansion`]). A stack without further modes, or a drive without a delay, pays for neither.
 
-use wide::{f64x2, f64x4};
+pub(crate) mod lanes;
+
+use wide::f64x2;
 
 use crate::circuit::Circuit;
 use crate::expansion::{Expansion, Path};
 use crate::network::{I, STATES, V0, VC};
 use crate::parts::Parts;
+use crate::quad::{Four, Wide};
 use crate::step_flow::{Layout, Pairs, StepFlow, TOTAL};
 use crate::timing::Timing;
 use scene::Amplifier;
@@ -42,6 +45,8 @@ pub struct Stack {
     further: Vec<[f64; 2]>,
     further_before: Vec<[f64; 2]>,
     flow: StepFlow,
+    /// How often the flow was made anew.
+    remade: u64,
     expansion: Option<Box<Expansion>>,
     /// What moved at the last change.
     moved: Option<Path>,
@@ -59,6 +64,7 @@ impl Stack {
         let layout = Layout { timing, late_s, source_ohm: amplifier.source_ohm, further: modes };
         let mut stack = Stack {
             flow: StepFlow::of(&parts, amplifier, &layout),
+            remade: 0,
             parts,
             amplifier: amplifier.clone(),
             layout,
@@ -117,6 +123,7 @@ impl Stack {
     /// Brings the flow to the present elements: by the series where it reaches, by a new one where the same moves again, or
     /// else exactly.
     fn remake(&mut self, moved: Option<Path>) {
+        self.remade += 1;
         let last = std::mem::replace(&mut self.moved, moved);
         if self.expansion.as_ref().is_some_and(|expansion| expansion.lead(&self.parts, &mut self.flow)) {
             return;
@@ -313,19 +320,28 @@ impl Stack {
     /// Hands voltage and current at the conversions within step `step` of a sample to `convert`, those of two conversions at a time, and how
     /// many there are. The step has just been made with this drive and a mean friction of `newtons`.
     #[inline(always)]
-    pub(crate) fn sample(&self, step: usize, drive: &Held, newtons: f64, mut convert: impl FnMut(f64x4, usize)) {
-        let [[e, d], [v0, i], [vc, _]] = self.before.map(|pair| pair.to_array().map(f64x4::splat));
-        let (volts, newtons) = (f64x4::splat(drive.volts), f64x4::splat(newtons));
+    pub(crate) fn sample<F: Four>(
+        &self,
+        four: F,
+        step: usize,
+        drive: &Held,
+        newtons: f64,
+        mut convert: impl FnMut(Wide<F>, usize),
+    ) {
+        let [[e, d], [v0, i], [vc, _]] = self.before.map(f64x2::to_array);
+        let (volts, newtons) = (Wide::splat(four, drive.volts), Wide::splat(four, newtons));
+        let (e, d, v0) = (Wide::splat(four, e), Wide::splat(four, d), Wide::splat(four, v0));
+        let (i, vc) = (Wide::splat(four, i), Wide::splat(four, vc));
         for look in &self.flow.looks[step] {
-            let [ke, kd, kv, ki, kc] = look.state;
-            let inputs = look.drive * volts + look.force * newtons;
-            let amplifier = inputs + ke * e + kd * d;
-            let mut both = amplifier + kv * v0 + ki * i + kc * vc;
+            let [ke, kd, kv, ki, kc] = &look.state;
+            let inputs = look.drive.wide(four) * volts + look.force.wide(four) * newtons;
+            let amplifier = inputs + ke.wide(four) * e + kd.wide(four) * d;
+            let mut both = amplifier + kv.wide(four) * v0 + ki.wide(four) * i + kc.wide(four) * vc;
             if drive.before != 0.0 {
-                both += look.late * f64x4::splat(drive.before);
+                both = both + look.late.wide(four) * Wide::splat(four, drive.before);
             }
-            for (&[a, b], &[ik, vk]) in look.further.iter().zip(&self.further_before) {
-                both += a * f64x4::splat(ik) + b * f64x4::splat(vk);
+            for ([a, b], &[ik, vk]) in look.further.iter().zip(&self.further_before) {
+                both = both + (a.wide(four) * Wide::splat(four, ik) + b.wide(four) * Wide::splat(four, vk));
             }
             convert(both, look.conversions);
         }

@@ -2,10 +2,11 @@
 //!
 //! Everything is linear in the matrix exponentials that it is made from, so that Taylor coefficients of those make coefficients of this.
 
-use wide::{f64x2, f64x4};
+use wide::f64x2;
 
 use crate::network::{D, DRIVE, E, FORCE, FURTHER, I, STATES, V0, VC, network};
 use crate::parts::Parts;
+use crate::quad::Quad;
 use crate::timing::Timing;
 use contact::flow::{Matrix, exponential};
 use scene::Amplifier;
@@ -39,13 +40,13 @@ pub struct Layout {
 pub(super) struct Look {
     /// Conversions that these are, 1 or 2; of one, the second half is zero.
     pub(super) conversions: usize,
-    pub(super) state: [f64x4; STATES],
-    pub(super) drive: f64x4,
-    pub(super) force: f64x4,
+    pub(super) state: [Quad; STATES],
+    pub(super) drive: Quad,
+    pub(super) force: Quad,
     /// Response to what the drive was before, less what it is.
-    pub(super) late: f64x4,
+    pub(super) late: Quad,
     /// For each further mode, of its current and its voltage.
-    pub(super) further: Vec<[f64x4; 2]>,
+    pub(super) further: Vec<[Quad; 2]>,
 }
 
 /// What a further mode does and suffers in a step. Its own states are a pair: current, voltage of its capacitor.
@@ -149,7 +150,7 @@ impl StepFlow {
         }
         for look in self.looks.iter_mut().flatten() {
             let quads = look.state.iter_mut().chain([&mut look.drive, &mut look.force, &mut look.late]);
-            quads.chain(look.further.iter_mut().flatten()).for_each(|quad| with(quad.as_mut_array()));
+            quads.chain(look.further.iter_mut().flatten()).for_each(|quad| with(&mut quad.0));
         }
     }
 }
@@ -186,14 +187,14 @@ fn looks<const N: usize>(
             }
             let column = |c: usize| {
                 let seen = |n: usize| if n.is_multiple_of(2) { flows[n][V0][c] } else { total(&flows[n], c) };
-                f64x4::new(std::array::from_fn(seen))
+                Quad(std::array::from_fn(seen))
             };
             Look {
                 conversions: instants.len(),
                 state: std::array::from_fn(column),
                 drive: column(DRIVE),
                 force: column(FORCE),
-                late: f64x4::new(lates),
+                late: Quad(lates),
                 further: (0..layout.further).map(|k| [FURTHER + 2 * k, FURTHER + 2 * k + 1].map(column)).collect(),
             }
         };

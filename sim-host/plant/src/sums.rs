@@ -1,5 +1,6 @@
 //! What is added up over the steps of one block.
 
+use crate::quad::{Four, Quad, Wide};
 use crate::stack::Stack;
 
 /// Sums over the steps of a block.
@@ -95,5 +96,64 @@ impl Sums {
         self.voltage_square += v * v;
         self.further_supplied += v * further;
         self.further_lost += further_lost;
+    }
+}
+
+/// The sums of several stacks without contact and further modes, side by side.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SumsAbreast {
+    lost: Quad,
+    current_peak: Quad,
+    in_phase: Quad,
+    quadrature: Quad,
+}
+
+/// The same in registers.
+#[derive(Clone, Copy)]
+pub(super) struct SumsIn<F: Four> {
+    lost: Wide<F>,
+    current_peak: Wide<F>,
+    in_phase: Wide<F>,
+    quadrature: Wide<F>,
+}
+
+impl SumsAbreast {
+    /// Takes them into registers.
+    #[inline(always)]
+    pub(super) fn wide<F: Four>(&self, four: F) -> SumsIn<F> {
+        SumsIn {
+            lost: self.lost.wide(four),
+            current_peak: self.current_peak.wide(four),
+            in_phase: self.in_phase.wide(four),
+            quadrature: self.quadrature.wide(four),
+        }
+    }
+
+    /// Gives a stack the sums of its lane; it has none of its own yet.
+    pub(super) fn give(&self, lane: usize, sums: &mut Sums) {
+        (sums.lost, sums.current_peak) = (self.lost[lane], self.current_peak[lane]);
+        (sums.in_phase, sums.quadrature) = (self.in_phase[lane], self.quadrature[lane]);
+    }
+}
+
+impl<F: Four> SumsIn<F> {
+    /// Adds a step of each, as [`Sums::add`] does.
+    #[inline(always)]
+    pub(super) fn add(&mut self, v: Wide<F>, i: Wide<F>, motional_voltage: Wide<F>) {
+        self.in_phase = self.in_phase + v * i;
+        self.quadrature = self.quadrature + v * motional_voltage;
+        self.lost = self.lost + i * i;
+        self.current_peak = i.abs().larger(self.current_peak);
+    }
+
+    /// Puts them into memory.
+    #[inline(always)]
+    pub(super) fn stored(&self) -> SumsAbreast {
+        SumsAbreast {
+            lost: self.lost.quad(),
+            current_peak: self.current_peak.quad(),
+            in_phase: self.in_phase.quad(),
+            quadrature: self.quadrature.quad(),
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! What a stack can do, driven open loop through its converters, against formulas and against itself.
 
+mod abreast;
 mod delay;
 mod faults;
 mod further;

@@ -18,7 +18,7 @@ use scene::load::{Loaded, load};
 use scene::problem;
 use sonoglide_sim::output::Presentation;
 use sonoglide_sim::output::sweep::{Shard, SweepFolder, join};
-use sonoglide_sim::run::{Watch, run};
+use sonoglide_sim::run::{LANES, run_abreast};
 use sonoglide_sim::study::monte_carlo::draw::Draws;
 use sonoglide_sim::study::sweep::Sweep;
 use sonoglide_sim::study::sweep::design::Design;
@@ -74,15 +74,16 @@ fn solve_contacts(sweep: &Sweep, metrics: &[&str]) {
     }
 }
 
-/// The runs of all points of a Monte Carlo, without their metrics.
+/// The runs of all points of a Monte Carlo, side by side, without their metrics.
 fn run_draws(sweep: &Sweep) {
     for point in 0..sweep.design.count() {
         let changed = sweep.loaded.changed(&sweep.sets(point)).expect("valid");
         let (draws, template) = (Draws::of(&changed.scene), changed.template().expect("a template"));
         let scene = |number| template.scene(&draws.draw(number).sets(&draws.keys)).expect("valid");
         let scenes: Vec<_> = (1..=changed.scene.runs).map(scene).collect();
-        for driven in scenes.iter().filter_map(|scene| scene.driven()) {
-            black_box(run(&driven, Watch::default()).expect("a run"));
+        for group in scenes.chunks(LANES) {
+            let driven: Vec<_> = group.iter().filter_map(|scene| scene.driven()).collect();
+            black_box(run_abreast(&driven, None));
         }
     }
 }

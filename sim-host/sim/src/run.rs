@@ -1,8 +1,11 @@
 //! A run: one controller, one plant, block after block, and the record of it.
 
+mod abreast;
 mod recorder;
 mod script;
 mod session;
+
+pub use abreast::{LANES, run_abreast};
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -5,6 +5,7 @@ use realfft::num_complex::Complex64;
 use super::*;
 use crate::breakage::Breakage;
 use crate::circuit::Branch;
+use crate::quad::Portable;
 
 fn timing(step_s: f64) -> Timing {
     Timing { sample_s: step_s, steps: 1, conversions: 1, skew_s: 0.0 }
@@ -65,8 +66,8 @@ fn conversions_lie_on_the_exact_flow() {
             let (mut got, mut seen) = (Vec::new(), Vec::new());
             for step in 0..steps as usize {
                 stack.advance(&stack.held(volts), 0.3);
-                stack.sample(step, &stack.held(volts), 0.3, |seen, count| {
-                    got.extend(seen.to_array().chunks(2).take(count).map(|both| [both[0], both[1]]))
+                stack.sample(Portable, step, &stack.held(volts), 0.3, |seen, count| {
+                    got.extend(seen.quad().0.chunks(2).take(count).map(|both| [both[0], both[1]]))
                 });
             }
             for _ in 0..60 {
@@ -139,8 +140,8 @@ fn a_late_drive_is_exact() {
             for step in 0..steps as usize {
                 let held = stack.held_late(step, volts, before);
                 stack.advance(&held, 0.3);
-                stack.sample(step, &held, 0.3, |seen, count| {
-                    got.extend(seen.to_array().chunks(2).take(count).map(|both| [both[0], both[1]]))
+                stack.sample(Portable, step, &held, 0.3, |seen, count| {
+                    got.extend(seen.quad().0.chunks(2).take(count).map(|both| [both[0], both[1]]))
                 });
             }
             for n in 0..60 {

@@ -66,7 +66,7 @@ impl Analog for Recorder {
 }
 
 /// What is looked at sample by sample in a block.
-struct Watched {
+pub(super) struct Watched {
     from_s: f64,
     to_s: f64,
     samples: u64,
@@ -82,7 +82,7 @@ impl Watched {
 
 impl Recorder {
     /// Before a block is played.
-    fn begin(&mut self, drive: &DriveBlock) -> Watched {
+    pub(super) fn begin(&mut self, drive: &DriveBlock) -> Watched {
         let samples = drive.lanes.first().map_or(0, |lane| lane.len()) as u64;
         let (from_s, to_s) = (self.played as f64 * self.sample_s, (self.played + samples) as f64 * self.sample_s);
         for window in &mut self.windows {
@@ -96,7 +96,7 @@ impl Recorder {
     }
 
     /// After the plant has played it and has been sampled.
-    fn end(&mut self, watched: &Watched, drive: &DriveBlock, sense: &mut SenseBlock) {
+    pub(super) fn end(&mut self, watched: &Watched, drive: &DriveBlock, sense: &mut SenseBlock) {
         self.plant.damage(sense);
         self.slow = sense.slow;
         self.hash.add(drive);

@@ -1,11 +1,11 @@
 //! A run on its way, block by block: its orders, its converters and its record. The controller is the caller's.
 
-use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS};
+use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
 use firmware::seam::mode::Mode;
 use hal_mock::block_clock::BlockClock;
 
 use super::RunError;
-use super::recorder::Recorder;
+use super::recorder::{Recorder, Watched};
 use super::script::Script;
 use crate::processor::{Lost, Processor};
 use crate::record::{Command, Record, Row, Window};
@@ -64,16 +64,32 @@ impl Session {
 
     /// Plays the next block, and lets the controller answer it.
     pub(super) fn tick(&mut self, processor: &mut (impl Processor + ?Sized)) -> Result<(), Lost> {
-        self.script.order_friction(self.time_s());
-        let slot = &self.pending[(self.block % LATENCY_BLOCKS as u64) as usize];
-        self.clock.analog.frequency_hz = slot.frequency_hz(self.sample_hz);
+        self.begin();
         let (recorder, drive, sense) = self.clock.converters();
         hal_mock::analog::Analog::exchange(recorder, drive, sense);
         self.answer(processor)
     }
 
+    /// Begins the next block: all of a tick before the plant plays.
+    pub(super) fn begin(&mut self) {
+        self.script.order_friction(self.time_s());
+        let slot = &self.pending[(self.block % LATENCY_BLOCKS as u64) as usize];
+        self.clock.analog.frequency_hz = slot.frequency_hz(self.sample_hz);
+    }
+
+    /// What is to be played, by what, and where to put what is sampled meanwhile.
+    pub(super) fn converters(&mut self) -> (&mut Recorder, &DriveBlock, &mut SenseBlock) {
+        self.clock.converters()
+    }
+
+    /// Ends a block that the plant has played by other means than an exchange.
+    pub(super) fn played(&mut self, watched: &Watched) {
+        let (recorder, drive, sense) = self.clock.converters();
+        recorder.end(watched, drive, sense);
+    }
+
     /// Lets the controller answer a block that was played and sampled, and adds it to the record.
-    fn answer(&mut self, processor: &mut (impl Processor + ?Sized)) -> Result<(), Lost> {
+    pub(super) fn answer(&mut self, processor: &mut (impl Processor + ?Sized)) -> Result<(), Lost> {
         let Session { sample_hz, script, clock, record, block, .. } = self;
         let (block, sample_hz) = (*block, *sample_hz);
         clock.answer(|sense, drive| {

@@ -25,6 +25,7 @@ use crate::instruments::lock::claims;
 use crate::instruments::{self, View};
 use crate::metrics::Metrics;
 use crate::record::{Record, text_hash};
+use crate::run::LANES;
 use scene::Driven;
 use scene::load::Loaded;
 
@@ -90,6 +91,18 @@ impl OneRun {
             return Ok(OneRun { draw, metrics, locked: false, drive_hash: None, error_hz: Vec::new() });
         };
         Ok(OneRun::of(draw, &scene, &made.record(&scene)?, grid))
+    }
+
+    /// Runs several side by side, and keeps their numbers.
+    fn read_abreast(group: Vec<(Draw, Made)>, grid: Option<&Grid>) -> Result<Vec<Self>, StudyError> {
+        let cells: Vec<&Made> = group.iter().map(|(_, made)| made).collect();
+        let records = Made::abreast(&cells);
+        let read =
+            |((draw, made), record): ((Draw, Made), Result<Option<Record>, StudyError>)| match made.scene.driven().zip(record?) {
+                Some((scene, record)) => Ok(OneRun::of(draw, &scene, &record, grid)),
+                None => OneRun::read(draw, &made, grid),
+            };
+        group.into_iter().zip(records).map(read).collect()
     }
 
     /// The numbers of a run.
@@ -158,7 +171,10 @@ pub(super) fn run(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Resul
         let sets = draw.sets(&draws.keys);
         Cell { label: format!("of run {} of `{}` ({})", draw.number, loaded.name, sets.join(", ")), sets }
     };
-    let runs = plan.run(drawn, cell, |draw, made| OneRun::read(draw, made, grid.as_ref()))?;
+    let runs = match start {
+        Some(_) => plan.run(drawn, cell, |draw, made| OneRun::read(draw, made, grid.as_ref()))?,
+        None => plan.run_groups(drawn, LANES, cell, |group| OneRun::read_abreast(group, grid.as_ref()))?,
+    };
     let runs: Vec<OneRun> = runs.into_iter().flatten().collect();
     let wall_s = clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64());
     let Statistics { mut metrics, endless } = statistics::of(runs.iter().map(|run| &run.metrics));

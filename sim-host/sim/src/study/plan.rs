@@ -18,6 +18,7 @@ use crate::instruments;
 use crate::instruments::sweep::record::SweepRecord;
 use crate::metrics::Metrics;
 use crate::record::Record;
+use crate::run::run_abreast;
 use scene::load::{Loaded, Template};
 use scene::{Driven, Kind, Scene};
 
@@ -73,23 +74,44 @@ impl<'a> Plan<'a> {
         cell: impl Fn(&I) -> Cell + Sync,
         read: impl Fn(I, &Made) -> Result<T, StudyError> + Sync,
     ) -> Result<Vec<Option<T>>, StudyError> {
-        let one = |item: I| {
+        let read = |group: Vec<(I, Made)>| group.into_iter().map(|(item, made)| read(item, &made)).collect();
+        self.run_groups(items, 1, cell, read)
+    }
+
+    /// The same for up to `size` cells at a time, whose results are read together.
+    pub(super) fn run_groups<I: Send, T: Send>(
+        &self,
+        items: Vec<I>,
+        size: usize,
+        cell: impl Fn(&I) -> Cell + Sync,
+        read: impl Fn(Vec<(I, Made)>) -> Result<Vec<T>, StudyError> + Sync,
+    ) -> Result<Vec<Option<T>>, StudyError> {
+        // A thread that has nothing to do gains nothing from what the others do together.
+        let size = size.min(items.len().div_ceil(rayon::current_num_threads())).max(1);
+        let of_group = |items: Vec<I>| {
+            let stopped = std::iter::repeat_with(|| None).take(items.len());
             if self.is_stopped() {
-                return Ok(None);
+                return Ok(stopped.collect());
             }
-            let made = self.make(cell(&item))?;
-            let result = read(item, &made)?;
-            // A contact study that is stopped has no metrics, and a cell that had just ended is left out with it.
-            if self.is_stopped() {
-                return Ok(None);
-            }
-            let done = f64::from(self.done.fetch_add(1, Ordering::Relaxed) + 1);
-            if let Some(progress) = self.progress.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
-                progress(done);
-            }
-            Ok(Some(result))
+            let make = |item: I| self.make(cell(&item)).map(|made| (item, made));
+            let results = read(items.into_iter().map(make).collect::<Result<_, _>>()?)?;
+            let count = |result: T| {
+                // A contact study that is stopped has no metrics, and a cell that had just ended is left out with it.
+                if self.is_stopped() {
+                    return None;
+                }
+                let done = f64::from(self.done.fetch_add(1, Ordering::Relaxed) + 1);
+                if let Some(progress) = self.progress.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
+                    progress(done);
+                }
+                Some(result)
+            };
+            Ok(results.into_iter().map(count).collect::<Vec<_>>())
         };
-        items.into_par_iter().map(one).collect()
+        let mut items = items.into_iter();
+        let groups = std::iter::from_fn(|| Some(items.by_ref().take(size).collect::<Vec<I>>()).filter(|group| !group.is_empty()));
+        let results: Result<Vec<Vec<Option<T>>>, StudyError> = groups.collect::<Vec<_>>().into_par_iter().map(of_group).collect();
+        Ok(results?.into_iter().flatten().collect())
     }
 
     /// A cell as a scene.
@@ -128,6 +150,16 @@ impl Made<'_, '_> {
     /// Runs a cell that the firmware drives.
     pub(super) fn record(&self, scene: &Driven) -> Result<Record, StudyError> {
         driven::record(scene, self.plan.start, self.plan.stop).map_err(|error| self.empty(error))
+    }
+
+    /// Runs cells that the firmware drives in this process, side by side. A cell of another kind has no record.
+    pub(super) fn abreast(cells: &[&Self]) -> Vec<Result<Option<Record>, StudyError>> {
+        let driven: Vec<(&Self, Driven)> = cells.iter().filter_map(|made| Some((*made, made.scene.driven()?))).collect();
+        let scenes: Vec<Driven> = driven.iter().map(|(_, scene)| *scene).collect();
+        let stop = cells.first().map(|made| made.plan.stop);
+        let records = run_abreast(&scenes, stop).into_iter().zip(&driven);
+        let mut records = records.map(|(record, (made, _))| record.map_err(|error| made.empty(error.into())));
+        cells.iter().map(|made| made.scene.driven().and_then(|_| records.next()).transpose()).collect()
     }
 
     /// Runs the cell for its sweep, which is to be called `name`; nothing if it has none.

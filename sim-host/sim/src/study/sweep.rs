@@ -26,12 +26,13 @@ use self::design::{Design, MOST_DRAWS, MOST_POINTS};
 use self::rows::Measured;
 pub use self::rows::Rows;
 use super::contact::laid_in_closed_form;
-use super::plan::{Cell, Plan};
+use super::plan::{Cell, Made, Plan};
 use super::points::{BESIDE, Points};
 use super::{Options, StudyError, monte_carlo};
 use crate::instruments;
 use crate::metrics::Metrics;
 pub use crate::overlay::is_metric as is_of_overlays;
+use crate::run::LANES;
 use scene::load::{LoadError, Loaded};
 use scene::metrics::{self, OF_RUNS};
 use scene::nearest::{nearest, short};
@@ -191,7 +192,10 @@ impl<'a> Sweep<'a> {
         };
         let beside = match way {
             Way::Contacts(_) => points.len().div_ceil(4 * threads).clamp(8, BESIDE),
-            Way::Driven | Way::Runs => 1,
+            // A run waits for those beside it: with few points more is gained by sharing them out one by one.
+            Way::Driven => (points.len() / (4 * threads)).clamp(1, LANES),
+            // Its own runs go side by side.
+            Way::Runs => 1,
         };
         let of_group = |group: &[u64]| {
             if plan.is_stopped() {
@@ -199,7 +203,7 @@ impl<'a> Sweep<'a> {
             }
             let measured = match &way {
                 Way::Contacts(contacts) => self.contacts(contacts, group)?,
-                Way::Driven => group.iter().map(|&point| self.driven(&plan, point)).collect(),
+                Way::Driven => self.driven(&plan, group),
                 Way::Runs => group.iter().map(|&point| self.runs(&plan, point)).collect(),
             };
             group.iter().for_each(|_| done());
@@ -227,13 +231,17 @@ impl<'a> Sweep<'a> {
         Some(found.into_iter().map(|found| found.map(measured).map_err(why)).collect())
     }
 
-    /// Runs the controller at a point.
-    fn driven(&self, plan: &Plan, point: u64) -> Result<Measured, String> {
-        let made = plan.make(self.cell(point)).map_err(why)?;
-        let scene = made.scene.driven().ok_or_else(|| why(StudyError::Incomplete))?;
-        let record = made.record(&scene).map_err(why)?;
-        let drive_hash = Some(format!("{:016x}", record.drive_hash));
-        Ok(Measured { drive_hash, ..self.read(&instruments::measure(&scene, &record)) })
+    /// Runs of the controller, side by side.
+    fn driven(&self, plan: &Plan, group: &[u64]) -> Vec<Result<Measured, String>> {
+        let made: Vec<Result<Made, String>> = group.iter().map(|&point| plan.make(self.cell(point)).map_err(why)).collect();
+        let mut records = Made::abreast(&made.iter().flatten().collect::<Vec<_>>()).into_iter();
+        let measured = |made: Result<Made, String>| {
+            let (made, record) = (made?, records.next().unwrap_or(Ok(None)).map_err(why)?);
+            let Some((scene, record)) = made.scene.driven().zip(record) else { return Err(why(StudyError::Incomplete)) };
+            let drive_hash = Some(format!("{:016x}", record.drive_hash));
+            Ok(Measured { drive_hash, ..self.read(&instruments::measure(&scene, &record)) })
+        };
+        made.into_iter().map(measured).collect()
     }
 
     /// The statistics of a scene of several runs.
@@ -254,7 +262,7 @@ impl<'a> Sweep<'a> {
 enum Way<'p, 'a> {
     /// As contact studies, solved beside each other.
     Contacts(Box<Points<'p, 'a>>),
-    /// As runs of the controller.
+    /// As runs of the controller, side by side.
     Driven,
     /// As several runs each.
     Runs,
