@@ -25,9 +25,7 @@ impl Scene {
         Some(Replaced {
             by: format!("vary.{number}.to"),
             why: format!("is drawn in each run, from `vary.{number}.from` to `vary.{number}.to`"),
-            help:
-                "remove this axis or value, or the entry of [[vary]] (`vary = []` removes all); `spread` and `factor` draw about this value"
-                    .to_owned(),
+            help: "remove it here, or from [[vary]] (`vary = []` removes all); `spread` and `factor` draw about it".to_owned(),
         })
     }
 
