@@ -7,11 +7,12 @@ mod prompt;
 use std::cell::RefCell;
 use std::fs;
 use std::io::{self, IsTerminal, Read, Write};
-use std::net::TcpListener;
+use std::net::{SocketAddr, TcpListener, ToSocketAddrs};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use clap::{Args, Subcommand};
 use serde_json::Value;
@@ -74,6 +75,9 @@ pub(super) struct LinkArgs {
     /// Of board:SCENE: a port for GDB, as HOST:PORT; port 0 takes a free one. Standard error names it.
     #[arg(long, value_name = "ADDRESS", global = true)]
     gdb: Option<String>,
+    /// Let `serve` and --gdb listen at an address that other machines can reach. There is no password: anyone there can drive the board.
+    #[arg(long, global = true)]
+    allow_remote: bool,
     /// A simulated board is not faster than a real one.
     #[arg(long, global = true)]
     real_time: bool,
@@ -97,11 +101,14 @@ enum LinkOrder {
         /// The file; `-` is standard input.
         file: String,
     },
-    /// Put the board of this process at a TCP port, in real time, until Ctrl-C.
+    /// Put the board of this process at a TCP port, in real time, until Ctrl-C. One client holds it at a time; `stop` is taken from any.
     Serve {
-        /// Where to listen; port 0 takes a free one. The address is printed.
+        /// Where to listen; port 0 takes a free one. The address is printed. Other machines need --allow-remote.
         #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:0")]
         listen: String,
+        /// Take the board from a client that has sent nothing for this long; 0 is never. The commands of `link` send something at least every 0.2 s.
+        #[arg(long, value_name = "S", default_value = "30", value_parser = seconds)]
+        idle_limit: f64,
     },
     /// Let time pass, with the board looked after.
     Wait {
@@ -178,13 +185,12 @@ fn simulated(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkEr
 }
 
 fn with_board(args: &LinkArgs, board: Rc<RefCell<impl InProcess + 'static>>, color: Color) -> Result<(), LinkError> {
-    if let Some(LinkOrder::Serve { listen }) = &args.order {
-        let listener = TcpListener::bind(listen)
-            .map_err(|error| LinkError::Open { port: format!("tcp:{listen}"), why: error.to_string() })?;
+    if let Some(LinkOrder::Serve { listen: address, idle_limit }) = &args.order {
+        let listener = listen("tcp:", address, args.allow_remote)?;
         interrupts::set(&STOP)?;
         println!("tcp:{}", listener.local_addr()?);
         io::stdout().flush()?;
-        serve(&mut *board.borrow_mut(), &listener, &STOP, note)?;
+        serve(&mut *board.borrow_mut(), &listener, &STOP, Duration::from_secs_f64(*idle_limit), note)?;
         return Err(LinkError::Interrupted);
     }
     // What has no end of its own is watched, and who watches has a clock.
@@ -198,6 +204,27 @@ fn with_board(args: &LinkArgs, board: Rc<RefCell<impl InProcess + 'static>>, col
     with_port(args, Box::new(port), color)
 }
 
+/// Listens at an address, as `HOST:PORT`, if only this machine can reach it or other machines are allowed. `what` stands before the address in errors.
+fn listen(what: &str, address: &str, allow_remote: bool) -> Result<TcpListener, LinkError> {
+    let open = |error: io::Error| {
+        let why = match error.kind() {
+            io::ErrorKind::AddrInUse => "another program listens there; port 0 takes a free one".into(),
+            io::ErrorKind::InvalidInput => format!("this is not HOST:PORT: {error}"),
+            _ => error.to_string(),
+        };
+        LinkError::Open { port: format!("{what}{address}"), why }
+    };
+    let addresses: Vec<SocketAddr> = address.to_socket_addrs().map_err(open)?.collect();
+    if addresses.iter().any(|address| !address.ip().to_canonical().is_loopback()) {
+        let danger = format!("other machines can reach {address}, and anyone there can drive the board without a password");
+        if !allow_remote {
+            return Err(LinkError::Usage(format!("{danger}; `--allow-remote` allows that")));
+        }
+        note(&format!("warning: {danger}"));
+    }
+    TcpListener::bind(&addresses[..]).map_err(open)
+}
+
 fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), LinkError> {
     // A script that cannot be read needs no board.
     let script = match &args.order {
@@ -209,7 +236,10 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), L
     };
     // Not before the script is read, which may come from a pipe that never ends; before anything is asked of the board.
     if args.order.is_none() { interrupts::set_apart(&STOP, &END) } else { interrupts::set(&STOP) }?;
-    let client = Client::new(port, &STOP, note);
+    let mut client = Client::new(port, &STOP, note);
+    if matches!(args.order, Some(LinkOrder::Order(Order::Stop))) {
+        client.announce_stop()?;
+    }
     let mut session = Session::begin(client, SessionOptions { host_timeout_s: args.host_timeout, stay: args.stay })?;
     session.live = live(args.format);
     session.provenance = provenance();
@@ -217,7 +247,7 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), L
         (None, _) => prompt::talk(args, &mut session, color),
         (Some(LinkOrder::Order(order)), _) => one(order, args, &mut session),
         (Some(LinkOrder::Wait { time }), _) => {
-            let waited = session.wait(std::time::Duration::from_secs_f64(*time)).map(|()| Answer::to("wait").field("s", *time));
+            let waited = session.wait(Duration::from_secs_f64(*time)).map(|()| Answer::to("wait").field("s", *time));
             tell("", "wait", &waited, args.format).and(waited.map(drop))
         }
         (_, Some(script)) => script.run(&mut session, |line, done| tell(&line.text, line.name(), done, args.format)),

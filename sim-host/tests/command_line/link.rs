@@ -53,7 +53,7 @@ fn mistakes_have_their_messages_and_exit_codes() {
         (&["sim:lock", "script", &wrong], 2, "wrong.txt:2:1"),
         (&["sim:lock", "settings", "get", "limit.voltage_v"], 1, "did you mean `limits.voltage_v`?"),
         (&["sim:lock", "status", "--gdb", &port], 2, "are of the modelled part, board:SCENE"),
-        (&["board:dummy-load", "status", "--gdb", "nowhere"], 5, "this is no HOST:PORT"),
+        (&["board:dummy-load", "status", "--gdb", "nowhere"], 5, "this is not HOST:PORT"),
         (&["board:dummy-load", "status", "--gdb", &port], 5, "another program listens there"),
         (&["sim:lock", "drive", "--volts", "1", "--current", "1"], 2, "cannot be used with"),
     ];

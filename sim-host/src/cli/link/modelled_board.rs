@@ -2,8 +2,6 @@
 
 use std::cell::RefCell;
 use std::fs;
-use std::io;
-use std::net::TcpListener;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -15,28 +13,17 @@ use link::modelled_board::DebuggedBoard;
 use scene::Driven;
 use update::key::DEVELOPMENT_SEED;
 
-use super::{Color, LinkArgs, STOP, note, with_board};
+use super::{Color, LinkArgs, STOP, listen, note, with_board};
 
 /// Talks to the flashed image on a model of its part, with a port for a debugger where one is asked for.
 pub(super) fn talk(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkError> {
     // Before the image is built.
-    let listener = args.gdb.as_deref().map(debugger_port).transpose()?;
+    let listener = args.gdb.as_deref().map(|address| listen("the port for GDB, ", address, args.allow_remote)).transpose()?;
     let board = started(args, scene)?;
     let Some(listener) = listener else { return with_board(args, Rc::new(RefCell::new(board)), color) };
     let debugged = Debugged::new(board, listener, note)?;
     note(&format!("a debugger finds the board by: target remote {}", debugged.address()?));
     with_board(args, Rc::new(RefCell::new(DebuggedBoard::new(debugged, &STOP))), color)
-}
-
-fn debugger_port(address: &str) -> Result<TcpListener, LinkError> {
-    TcpListener::bind(address).map_err(|error| {
-        let why = match error.kind() {
-            io::ErrorKind::AddrInUse => "another program listens there; port 0 takes a free one".into(),
-            io::ErrorKind::InvalidInput => format!("this is no HOST:PORT: {error}"),
-            _ => error.to_string(),
-        };
-        LinkError::Open { port: format!("the port for GDB, {address}"), why }
-    })
 }
 
 /// The flashed image on a model of its part, with a scene's plant at its pins.
