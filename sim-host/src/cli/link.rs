@@ -9,7 +9,6 @@ use std::fs;
 use std::io::{self, IsTerminal, Read, Write};
 use std::net::{SocketAddr, TcpListener, ToSocketAddrs};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -18,7 +17,7 @@ use clap::{Args, Subcommand};
 use serde_json::Value;
 
 use super::run::times;
-use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, interrupts, provenance, with_scene_on};
+use super::{Color, Exit, Format, interrupts, provenance};
 use link::answer::{Answer, failure};
 use link::client::Client;
 use link::commands::{Order, amount, monitor, seconds, update};
@@ -29,7 +28,7 @@ use link::serve::serve;
 use link::session::{Live, Session, SessionOptions};
 use link::simulated_board::SimulatedBoard;
 use scene::Driven;
-use sim::output::OutputError;
+use scene::load::load;
 
 /// Set by Ctrl-C, and by any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -118,49 +117,41 @@ enum LinkOrder {
 }
 
 /// Connects, does what is asked, and leaves the drive as it is to be left.
-pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<Exit> {
     if std::env::args().any(|argument| argument.split('=').next() == Some("--patience")) {
         say!("note: `--patience` is `--host-timeout` now; the old name goes with the next version");
     }
     let modelled = args.port.strip_prefix(MODELLED);
     if modelled.is_none() && (args.image.is_some() || args.board_speed.is_some() || args.slot || args.gdb.is_some()) {
         let usage = "--image, --board-speed, --slot and --gdb are of the modelled part, board:SCENE";
-        return Ok(failed(&LinkError::Usage(usage.into()), color));
+        return Err(LinkError::Usage(usage.into()).into());
     }
     if args.flash.is_some() && !args.port.starts_with(SIMULATED) {
         let usage = "--flash is of a simulated board, sim:SCENE; any other has a flash of its own";
-        return Ok(failed(&LinkError::Usage(usage.into()), color));
+        return Err(LinkError::Usage(usage.into()).into());
     }
     if let Some(out) = args.port.strip_prefix(FILE) {
         let Some(LinkOrder::Order(order @ Order::Update(update))) = &args.order else {
-            return Ok(failed(
-                &LinkError::Usage("`file:OUT` is no board: `update ELF` makes the file of an update there".into()),
-                color,
-            ));
+            let usage = "`file:OUT` is no board: `update ELF` makes the file of an update there";
+            return Err(LinkError::Usage(usage.into()).into());
         };
         let made = update::make(update, Path::new(out));
-        return done(tell("", order.name(), &made, args.format).and(made.map(drop)), color);
+        return done(tell("", order.name(), &made, args.format).and(made.map(drop)));
     }
     let Some(scene) = modelled.or(args.port.strip_prefix(SIMULATED)) else {
         if !args.sets.is_empty() || args.seed.is_some() || args.real_time {
             let usage = "--set, --seed and --real-time are of a board in this process, sim:SCENE or board:SCENE";
-            return Ok(failed(&LinkError::Usage(usage.into()), color));
+            return Err(LinkError::Usage(usage.into()).into());
         }
-        return done(open(&args.port).and_then(|port| with_port(args, port, color)), color);
+        return done(open(&args.port).and_then(|port| with_port(args, port, color)));
     };
     let mut sets = args.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
     let defaults = if modelled.is_some() { board::configure::defaults().to_vec() } else { Vec::new() };
-    with_scene_on(&SceneArgs { scene: scene.to_owned(), sets }, &defaults, color, |loaded| {
-        let Some(driven) = loaded.scene.driven() else {
-            let usage = format!("`{}` has no [controller]: there is nothing to talk to", loaded.name);
-            return Ok(failed(&LinkError::Usage(usage), color));
-        };
-        if modelled.is_some() {
-            return done(modelled_board::talk(args, &driven, color), color);
-        }
-        done(simulated(args, &driven, color), color)
-    })
+    let loaded = load(scene, &sets)?.with_defaults(&defaults)?;
+    let none = || LinkError::Input(format!("`{}` has no [controller]: there is nothing to talk to", loaded.name));
+    let driven = loaded.scene.driven().ok_or_else(none)?;
+    done(if modelled.is_some() { modelled_board::talk(args, &driven, color) } else { simulated(args, &driven, color) })
 }
 
 fn open(port: &str) -> Result<Box<dyn Port>, LinkError> {
@@ -177,7 +168,7 @@ fn simulated(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkEr
         Some(flash) => SimulatedBoard::with_flash(scene, 0, flash),
         None => SimulatedBoard::new(scene, 0),
     };
-    let board = board.map_err(|why| LinkError::Usage(format!("the firmware refuses this scene: {why}")))?;
+    let board = board.map_err(|why| LinkError::Input(format!("the firmware refuses this scene: {why}")))?;
     let board = Rc::new(RefCell::new(board));
     let done = with_board(args, Rc::clone(&board), color);
     let stored = args.flash.as_deref().map_or(Ok(()), |file| flash_file::write(file, &board.borrow_mut().power_off()));
@@ -347,30 +338,14 @@ fn read(file: &str) -> Result<Script, LinkError> {
         "-" => ("<stdin>", io::stdin().read_to_string(&mut text).map(drop)),
         file => (file, fs::read_to_string(file).map(|read| text = read)),
     };
-    read.map_err(|error| LinkError::Usage(format!("cannot read the script `{name}`: {error}")))?;
+    read.map_err(|error| LinkError::Input(format!("cannot read the script `{name}`: {error}")))?;
     Script::parse(name, &text)
 }
 
-fn done(done: Result<(), LinkError>, color: Color) -> anyhow::Result<ExitCode> {
-    Ok(done.map_or_else(|error| failed(&error, color), |()| ExitCode::SUCCESS))
-}
-
-/// Says what went wrong, and gives its exit code.
-fn failed(error: &LinkError, color: Color) -> ExitCode {
-    let code = match error.cause() {
-        _ if error.is_lost() => LOST,
-        LinkError::Interrupted if CLOSED.load(Ordering::Relaxed) => return ExitCode::SUCCESS,
-        LinkError::Interrupted => INTERRUPTED,
-        LinkError::Usage(_)
-        | LinkError::Script(_)
-        | LinkError::Folder(OutputError::Strange { .. } | OutputError::Held { .. }) => USAGE,
-        LinkError::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => return ExitCode::SUCCESS,
-        _ => RUN_FAILED,
-    };
-    match error {
-        LinkError::Interrupted => note("interrupted"),
-        LinkError::Script(report) => note(&report.render(color.stderr)),
-        error => note(&format!("error: {error}")),
+fn done(done: Result<(), LinkError>) -> anyhow::Result<Exit> {
+    match done {
+        Err(error) if matches!(error.cause(), LinkError::Interrupted) && CLOSED.load(Ordering::Relaxed) => Ok(Exit::Done),
+        Err(LinkError::Output(error)) => Err(error.into()),
+        done => Ok(done.map(|()| Exit::Done)?),
     }
-    ExitCode::from(code)
 }

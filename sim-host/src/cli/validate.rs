@@ -3,20 +3,16 @@
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 use clap::Args;
 
-use super::{
-    Color, EXIT_CODES, EXPECTATION_MISSED, Format, INTERRUPTED, RUN_FAILED, ReportArgs, USAGE, interrupts, invalid, print,
-};
+use super::{Color, EXIT_CODES, Exit, Format, ReportArgs, interrupts, mistake, print};
 use proof::bench::{BENCHES, Bench, named};
 use proof::evidence::{Error, Evidence, Options, run_suite};
 use proof::precision::instructions::run_alone;
 use report::Report;
-use scene::load::LoadError;
 use scene::nearest::{listed, nearest};
 use scene::suite::{self, LoadedSuite};
 use serde_json::json;
@@ -72,15 +68,14 @@ fn benches() -> String {
 }
 
 /// Does what the arguments say; of all benches, the exit code is that of the first that fails.
-pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<Exit> {
     if let Some(setting) = &args.alone {
         return alone(setting);
     }
     if args.seed.is_some() && args.count.is_some() && args.what != ["contacts"] {
-        say!(
-            "error: --seed is one input alone, of which there is no --count; only `contacts` takes both, for another set of contacts"
-        );
-        return Ok(ExitCode::from(USAGE));
+        let why =
+            "--seed is one input alone, of which there is no --count; only `contacts` takes both, for another set of contacts";
+        return Err(mistake(Exit::Usage, why));
     }
     interrupts::set(&STOP)?;
     match args.what.iter().map(String::as_str).collect::<Vec<_>>()[..] {
@@ -88,46 +83,39 @@ pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode>
         [] => all(args, color),
         ["show", name] => match named(name).and_then(|bench| bench.suite) {
             Some(text) => print(text),
-            None => Ok(unknown(name, "no built-in suite", BENCHES.iter().filter(|bench| bench.suite.is_some()))),
+            None => Err(unknown(name, "no built-in suite", BENCHES.iter().filter(|bench| bench.suite.is_some()))),
         },
-        [file] if Path::new(file).extension().is_some() => match suite::load(file, args.quick) {
-            Ok(loaded) => suite(&loaded, args, color),
-            Err(error) => Ok(invalid(&error, color)),
-        },
+        [file] if Path::new(file).extension().is_some() => suite(&suite::load(file, args.quick)?, args, color),
         [name] => match named(name) {
             Some(bench) => one(bench, args.report.result.output.clone(), args, color),
-            None => Ok(unknown(name, "neither a bench nor a TOML file", BENCHES.iter())),
+            None => Err(unknown(name, "neither a bench nor a TOML file", BENCHES.iter())),
         },
-        _ => {
-            say!("error: one bench or file at a time, or `show` and a bench");
-            Ok(ExitCode::from(USAGE))
-        }
+        _ => Err(mistake(Exit::Usage, "one bench or file at a time, or `show` and a bench")),
     }
 }
 
-fn unknown<'a>(name: &str, what: &str, known: impl Iterator<Item = &'a Bench>) -> ExitCode {
+fn unknown<'a>(name: &str, what: &str, known: impl Iterator<Item = &'a Bench>) -> anyhow::Error {
     let known: Vec<&str> = known.map(|bench| bench.name).collect();
     let similar = nearest(name, known.iter().copied());
     let meant = if similar.is_empty() { known } else { similar };
-    say!("error: `{name}` is {what}; try {}", listed(meant, "or"));
-    ExitCode::from(USAGE)
+    mistake(Exit::Input, format!("`{name}` is {what}; try {}", listed(meant, "or")))
 }
 
-fn all(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
+fn all(args: &ValidateArgs, color: Color) -> anyhow::Result<Exit> {
     let mut failed = None;
     for bench in &BENCHES {
         say!("validate {}", bench.name);
         let dir = args.report.result.output.as_ref().map(|dir| dir.join(bench.name));
         let code = one(bench, dir, args, color)?;
-        failed = failed.or((code != ExitCode::SUCCESS).then_some(code));
+        failed = failed.or((code != Exit::Done).then_some(code));
         if STOP.load(Ordering::Relaxed) {
             break;
         }
     }
-    Ok(failed.unwrap_or(ExitCode::SUCCESS))
+    Ok(failed.unwrap_or(Exit::Done))
 }
 
-fn one(bench: &Bench, dir: Option<PathBuf>, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
+fn one(bench: &Bench, dir: Option<PathBuf>, args: &ValidateArgs, color: Color) -> anyhow::Result<Exit> {
     if args.list {
         return match bench.load(args.quick).transpose()? {
             Some(loaded) => print(&cases(&loaded)),
@@ -140,7 +128,7 @@ fn one(bench: &Bench, dir: Option<PathBuf>, args: &ValidateArgs, color: Color) -
     evidence(&what, args, color, bench.run)
 }
 
-fn suite(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
+fn suite(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Result<Exit> {
     if args.list {
         return print(&cases(loaded));
     }
@@ -167,16 +155,13 @@ fn evidence(
     args: &ValidateArgs,
     color: Color,
     run: impl FnOnce(&mut Options) -> Result<Evidence, Error>,
-) -> anyhow::Result<ExitCode> {
+) -> anyhow::Result<Exit> {
     let dir = (!args.report.no_report).then(|| what.dir.clone().unwrap_or_else(|| Path::new("out").join(what.name)));
-    let folder = match super::open(dir.as_deref())? {
-        Ok(folder) => folder,
-        Err(code) => return Ok(code),
-    };
+    let folder = super::open(dir.as_deref())?;
     let progress = &mut |next: &str| {
         // A bench that is no suite has no other place where it could end.
         if !what.is_suite && STOP.load(Ordering::Relaxed) {
-            std::process::exit(INTERRUPTED.into());
+            std::process::exit(Exit::Interrupted as i32);
         }
         if !args.report.result.quiet {
             say!("{next}");
@@ -191,10 +176,10 @@ fn evidence(
         progress,
     }) {
         Ok(evidence) => evidence,
-        Err(Error::Scene(error @ LoadError::Invalid(_))) => return Ok(invalid(&error, color)),
+        Err(Error::Scene(error)) => return Err(error.into()),
         Err(Error::Study(StudyError::Interrupted)) => {
             say!("interrupted: the cases are not complete, and nothing is written");
-            return Ok(ExitCode::from(INTERRUPTED));
+            return Ok(Exit::Interrupted);
         }
         Err(error) => return Err(error.into()),
     };
@@ -213,7 +198,7 @@ fn evidence(
     for missed in &evidence.missed {
         say!("missed: {missed}");
     }
-    Ok(if evidence.missed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })
+    Ok(if evidence.missed.is_empty() { Exit::Done } else { Exit::Missed })
 }
 
 /// Writes tables, figures and further files, in place of the result that the folder holds.
@@ -229,14 +214,14 @@ fn write(evidence: &Evidence, name: &str, quick: bool, folder: &Folder) -> anyho
     Ok(folder.finish(manifest)?)
 }
 
-fn alone(setting: &str) -> anyhow::Result<ExitCode> {
+fn alone(setting: &str) -> anyhow::Result<Exit> {
     let parts: Vec<&str> = setting.split(',').collect();
     let [method, steps, periods] = parts[..] else { anyhow::bail!("{setting:?} is not METHOD,STEPS,PERIODS") };
     let known = run_alone(method, steps.parse()?, periods.parse()?)?;
     if !known {
         say!("error: there is no method {method:?}");
     }
-    Ok(if known { ExitCode::SUCCESS } else { ExitCode::from(RUN_FAILED) })
+    Ok(if known { Exit::Done } else { Exit::Failed })
 }
 
 /// The arguments of a process, with `validate` before the name of a bench that stands by itself, as it did until version 0.1.

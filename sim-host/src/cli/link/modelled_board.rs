@@ -33,22 +33,27 @@ fn started(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
     }
     let image = match &args.image {
         Some(file) => file.clone(),
-        None => pil::board_image().map_err(|error| LinkError::Usage(error.to_string()))?,
+        None => pil::board_image().map_err(|error| lost(args, &error))?,
     };
-    Board::start(&read(&image)?, scene, options(args)).map_err(|error| LinkError::Usage(error.to_string()))
+    Board::start(&read(&image)?, scene, options(args)).map_err(|error| LinkError::Input(error.to_string()))
 }
 
 /// The same behind the first stage, signed by the development key.
 fn in_slot(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
-    let usage = |error: &dyn std::fmt::Display| LinkError::Usage(error.to_string());
-    let [first_stage, image] = pil::field_images().map_err(|error| usage(&error))?;
+    let refused = |error: &dyn std::fmt::Display| LinkError::Input(error.to_string());
+    let [first_stage, image] = pil::field_images().map_err(|error| lost(args, &error))?;
     let elf = read(args.image.as_ref().unwrap_or(&image))?;
-    let slot = pack(&elf, Some(&DEVELOPMENT_SEED)).map_err(|error| usage(&error))?;
-    Board::start_in_slot(&read(&first_stage)?, &slot, &elf, scene, options(args)).map_err(|error| usage(&error))
+    let slot = pack(&elf, Some(&DEVELOPMENT_SEED)).map_err(|error| refused(&error))?;
+    Board::start_in_slot(&read(&first_stage)?, &slot, &elf, scene, options(args)).map_err(|error| refused(&error))
+}
+
+/// The error for an image that cannot be built here.
+fn lost(args: &LinkArgs, error: &pil::PilError) -> LinkError {
+    LinkError::Open { port: args.port.clone(), why: error.to_string() }
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, LinkError> {
-    fs::read(file).map_err(|error| LinkError::Usage(format!("{} cannot be read: {error}", file.display())))
+    fs::read(file).map_err(|error| LinkError::Input(format!("{} cannot be read: {error}", file.display())))
 }
 
 fn options(args: &LinkArgs) -> board::Options {
