@@ -14,6 +14,7 @@ mod drawing;
 mod examples;
 mod exit;
 mod explain;
+mod groups;
 mod import;
 mod interrupts;
 mod junit;
@@ -171,9 +172,9 @@ pub fn main() -> ExitCode {
     done.unwrap_or_else(|error| exit::report(&error, color)).into()
 }
 
-/// The command line, with examples in its help.
+/// The command line, with groups of commands and examples in its help.
 fn command() -> clap::Command {
-    examples::add(CommandLine::command())
+    groups::add(examples::add(CommandLine::command()))
 }
 
 /// Whether each stream gets colour: asked for, or a terminal with no `NO_COLOR`.
