@@ -1,14 +1,4 @@
 //! The command line. Data goes to standard output, everything else to standard error.
-//!
-//! | exit code | means |
-//! |---|---|
-//! | 0 | done |
-//! | 1 | the run failed |
-//! | 2 | usage |
-//! | 3 | invalid scene, or a measured file that is refused |
-//! | 4 | the run finished, but an expectation was missed |
-//! | 5 | board or link not found or lost |
-//! | 130 | interrupted; the results so far are written, and marked |
 
 /// Writes a line to standard error. A reader of it that has gone away is no failure, where `eprintln!` would panic.
 macro_rules! say {
@@ -27,7 +17,9 @@ mod board_model;
 mod compare;
 mod drawing;
 mod examples;
+mod exit;
 mod explain;
+mod groups;
 mod import;
 mod interrupts;
 mod junit;
@@ -51,24 +43,17 @@ use clap::{Args, ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand
 use clap_complete::Shell;
 
 use self::drawing::DrawingArgs;
+use self::exit::{EXIT_CODES, Exit, mistake};
 use self::provenance::provenance;
 use self::result_args::{Format, ReportArgs, ResultArgs};
 use self::run::RunArgs;
-use scene::load::{LoadError, Loaded, load};
+use scene::load::{Loaded, load};
 use scene::resolved::resolved_toml;
 use scene::{builtin, schema, suite};
 use sim::output::{Folder, OutputError, Owner};
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run failed; 2 usage; 3 invalid scene, or a measured file that is refused; 4 the run finished but an expectation was \
-missed; 5 QEMU or board not found or lost; 130 interrupted, with the results so far written and marked.";
 /// Version and, where the program was built in a checkout, its commit.
 const VERSION: &str = env!("SIM_HOST_VERSION");
-const RUN_FAILED: u8 = 1;
-const USAGE: u8 = 2;
-const INVALID_INPUT: u8 = 3;
-const EXPECTATION_MISSED: u8 = 4;
-const LOST: u8 = 5;
-const INTERRUPTED: u8 = 130;
 
 /// The scene that lends sensors, amplifier and limits to a transducer that is given by its numbers.
 const LENDER: &str = "lock-cold";
@@ -159,6 +144,12 @@ struct SceneArgs {
     sets: Vec<String>,
 }
 
+impl SceneArgs {
+    fn load(&self) -> anyhow::Result<Loaded> {
+        Ok(load(&self.scene, &self.sets)?)
+    }
+}
+
 /// Parses the arguments of this process, does what they say, and gives the exit code.
 pub fn main() -> ExitCode {
     let matches = command().get_matches();
@@ -170,8 +161,8 @@ pub fn main() -> ExitCode {
         Some(Command::Sweep(args)) => sweep::run(&args, color),
         Some(Command::Merge(args)) => sweep::merge(&args, color),
         Some(Command::List) => print(&list()),
-        Some(Command::Show { scene }) => with_scene(&scene, color, |loaded| print(&resolved_toml(&loaded.scene))),
-        Some(Command::Check { scene }) => with_scene(&scene, color, |loaded| print(&format!("{}: valid\n", loaded.origin))),
+        Some(Command::Show { scene }) => scene.load().and_then(|loaded| print(&resolved_toml(&loaded.scene))),
+        Some(Command::Check { scene }) => scene.load().and_then(|loaded| print(&format!("{}: valid\n", loaded.origin))),
         Some(Command::Explain { word }) => explain::run(&word.join(" ")),
         Some(Command::Compare(args)) => compare::run(&args, color),
         Some(Command::Advise(args)) => advise::run(&args, color),
@@ -183,19 +174,12 @@ pub fn main() -> ExitCode {
         Some(Command::Man { output }) => shell::manual(output.as_deref()),
         Some(Command::Schema { suite }) => print(&format!("{:#}\n", if suite { suite::schema() } else { schema::schema() })),
     };
-    done.unwrap_or_else(|error| {
-        // A reader that has gone away (`sim-host list | head -1`) is no error.
-        if error.downcast_ref::<io::Error>().is_some_and(|io| io.kind() == io::ErrorKind::BrokenPipe) {
-            return ExitCode::SUCCESS;
-        }
-        say!("error: {error:#}");
-        ExitCode::from(RUN_FAILED)
-    })
+    done.unwrap_or_else(|error| exit::report(&error, color)).into()
 }
 
-/// The command line, with examples in its help.
+/// The command line, with groups of commands and examples in its help.
 fn command() -> clap::Command {
-    examples::add(CommandLine::command())
+    groups::add(examples::add(CommandLine::command()))
 }
 
 /// Whether each stream gets colour: asked for, or a terminal with no `NO_COLOR`.
@@ -216,24 +200,16 @@ impl Color {
     }
 }
 
-/// Opens the given folder of a result, or else its default one; returns the exit code if the command may not write there.
-fn open(dir: Option<&Path>, default: &str, owner: Owner) -> Result<Result<Folder, ExitCode>, OutputError> {
-    let opened = match dir {
+/// Opens the given folder of a result, or else its default one.
+fn open(dir: Option<&Path>, default: &str, owner: Owner) -> Result<Folder, OutputError> {
+    let folder = match dir {
         Some(dir) => Folder::open(dir, owner),
         None => Folder::open_default(default, &owner),
-    };
-    match opened {
-        Err(error @ (OutputError::Taken { .. } | OutputError::Held { .. })) => {
-            say!("error: {error}");
-            Ok(Err(ExitCode::from(USAGE)))
-        }
-        folder => {
-            if let Some((why, folder)) = folder.as_ref().ok().and_then(|folder| Some((folder.avoided()?, folder))) {
-                say!("note: {why}: the result goes to `{}`", folder.dir().display());
-            }
-            folder.map(Ok)
-        }
+    }?;
+    if let Some(why) = folder.avoided() {
+        say!("note: {why}: the result goes to `{}`", folder.dir().display());
     }
+    Ok(folder)
 }
 
 /// Says that this build lacks a part, and how to get a build that has it.
@@ -250,40 +226,9 @@ fn clock() -> Duration {
     START.elapsed()
 }
 
-fn print(text: &str) -> anyhow::Result<ExitCode> {
+fn print(text: &str) -> anyhow::Result<Exit> {
     io::stdout().lock().write_all(text.as_bytes())?;
-    Ok(ExitCode::SUCCESS)
-}
-
-/// The scene, or its problems on standard error and the exit code of an invalid scene.
-fn with_scene(
-    args: &SceneArgs,
-    color: Color,
-    then: impl FnOnce(&Loaded) -> anyhow::Result<ExitCode>,
-) -> anyhow::Result<ExitCode> {
-    with_scene_on(args, &[], color, then)
-}
-
-/// The same, with values for keys that the scene and its changes do not give.
-fn with_scene_on(
-    args: &SceneArgs,
-    defaults: &[String],
-    color: Color,
-    then: impl FnOnce(&Loaded) -> anyhow::Result<ExitCode>,
-) -> anyhow::Result<ExitCode> {
-    match load(&args.scene, &args.sets).and_then(|loaded| loaded.with_defaults(defaults)) {
-        Ok(loaded) => then(&loaded),
-        Err(error) => Ok(invalid(&error, color)),
-    }
-}
-
-/// Says what is wrong with a scene.
-fn invalid(error: &LoadError, color: Color) -> ExitCode {
-    match error {
-        LoadError::Invalid(report) => say!("{}", report.render(color.stderr)),
-        error => say!("error: {error}"),
-    }
-    ExitCode::from(INVALID_INPUT)
+    Ok(Exit::Done)
 }
 
 /// The built-in scenes: name and title.

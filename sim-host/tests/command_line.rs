@@ -4,6 +4,8 @@
 mod ci;
 #[path = "command_line/compare.rs"]
 mod compare;
+#[path = "command_line/exits.rs"]
+mod exits;
 #[path = "command_line/folder.rs"]
 mod folder;
 #[path = "command_line/help.rs"]
@@ -165,7 +167,7 @@ fn many_runs_leave_a_table_and_any_of_them_runs_by_itself() {
     // A number that was read from JSON may be off by its last bit.
     let (bias, row) = (alone["metrics"]["frequency_bias_hz"].as_f64().expect("a number"), rows[2][column("frequency_bias_hz")]);
     assert!((bias - row.parse::<f64>().expect("a number")).abs() <= f64::EPSILON * bias.abs(), "{bias} {row}");
-    assert_eq!(code(&sim_host(&[&many[..], &["--no-report", "--run", "0"]].concat())), 2);
+    assert_eq!(code(&sim_host(&[&many[..], &["--no-report", "--run", "0"]].concat())), 3);
 }
 
 #[test]

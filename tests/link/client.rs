@@ -163,7 +163,7 @@ fn a_lost_port_is_opened_again_and_the_request_answered() {
         drop(listener.accept().unwrap());
         let board = board("lock", &[], 0);
         let mut board = board.borrow_mut();
-        serve(&mut *board, &listener, &STOP, |_| ()).unwrap();
+        serve(&mut *board, &listener, &STOP, Duration::ZERO, |_| ()).unwrap();
     });
     let mut client = client(Box::new(Tcp::connect(&address).unwrap()));
     client.connect().unwrap();

@@ -62,6 +62,13 @@ impl Client {
         self.identify()
     }
 
+    /// Announces an order to stop, by a frame outside of any session, which a board refuses. A served board knows by it that this client may take it from
+    /// the client that holds it.
+    pub fn announce_stop(&mut self) -> Result<(), LinkError> {
+        let frame = link::encode(0, NO_SESSION, Command::Idle).map_err(|_| self.line.lost("no frame fits".into()))?;
+        self.line.port.send(&frame).map_err(|error| self.line.lost(error.to_string()))
+    }
+
     /// Asks the board for its identity, in a session of its own from now on.
     pub fn identify(&mut self) -> Result<Identity, LinkError> {
         let nonce = self.line.port.nonce();

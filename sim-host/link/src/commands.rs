@@ -56,7 +56,7 @@ pub enum Order {
     Capture(capture::CaptureArgs),
     /// What runs and how an update stands; with a file: send it, have it checked and installed. Only in silence.
     Update(update::UpdateArgs),
-    /// Fall silent.
+    /// Fall silent. Also takes a served board from the client that holds it.
     Stop,
     /// Reset the board. Only in silence.
     Reset,

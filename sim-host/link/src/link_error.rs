@@ -93,6 +93,9 @@ pub enum LinkError {
     /// An argument cannot be what is meant.
     #[error("{0}")]
     Usage(String),
+    /// An input is missing or refused: a file, a scene or a name.
+    #[error("{0}")]
+    Input(String),
     /// The command was carried out, and has failed.
     #[error("{0}")]
     Failed(String),

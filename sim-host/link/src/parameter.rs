@@ -19,7 +19,7 @@ pub fn parameter(name: &str) -> Result<&'static Parameter, LinkError> {
             [] => "`settings get` lists them".to_owned(),
             similar => format!("did you mean {}?", listed(similar.iter().take(3).copied(), "or")),
         };
-        LinkError::Failed(format!("there is no setting `{name}`; {hint}"))
+        LinkError::Input(format!("there is no setting `{name}`; {hint}"))
     })
 }
 
@@ -43,7 +43,7 @@ pub fn read(parameter: &Parameter, text: &str) -> Result<f32, LinkError> {
         }
         _ => (None, "a number, or `none` where there may be none".to_owned()),
     };
-    place.or_else(number).ok_or_else(|| LinkError::Failed(format!("{} is {wanted}, not `{text}`", parameter.name)))
+    place.or_else(number).ok_or_else(|| LinkError::Usage(format!("{} is {wanted}, not `{text}`", parameter.name)))
 }
 
 /// A parameter's value as a reader wants it.

@@ -1,12 +1,18 @@
 //! `serve`: a board in this process at a TCP port, in real time, for clients that come and go.
 //!
-//! One client at a time. The next waits for a moment, in which the first may go, and is then told who holds the board. The board goes on with or without
-//! a client, as a real one does.
+//! One client holds the board at a time. The others wait for a moment, in which the holder may go, and are then told who holds the board. The board runs on
+//! with or without a client, as a real one does.
+//!
+//! A holder that has sent nothing for the idle limit loses the board. A client that announces an order to stop
+//! ([`Client::announce_stop`](crate::client::Client::announce_stop)) takes the board from its holder: silence can always be ordered.
 
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+
+use firmware::board::command::Command;
+use firmware::board::link::{Frame, MAX_FRAME, Receiver};
 
 use crate::port::{HELD, InProcess};
 
@@ -18,29 +24,49 @@ const LONGEST: Duration = Duration::from_millis(10);
 const READS: usize = 16;
 /// Bytes that may be on the wire to the board before more are lost: many times the longest frame.
 const ROOM: usize = 4096;
-/// How long the next client waits for the first to go: what a program has sent as it ended is read first.
+/// How long a client waits for the holder to go: bytes that a program has sent as it ended are read first.
 const HELD_AFTER: Duration = Duration::from_millis(500);
+/// How long the connection of such a client stays open, so that it can read who holds the board.
+const AWAY_AFTER: Duration = Duration::from_millis(1500);
+/// Most clients that wait at a time; more remain in the backlog of the operating system.
+const MOST_WAITING: usize = 16;
 /// How far the board may fall behind before it gives up catching up.
 const BEHIND: Duration = Duration::from_millis(200);
 
-/// Plays until `stop` is set. `note` is called when a client comes or goes, and where the machine is too slow.
-pub fn serve(board: &mut impl InProcess, listener: &TcpListener, stop: &AtomicBool, note: fn(&str)) -> io::Result<()> {
+/// Plays until `stop` is set. A client that has sent nothing for `idle_limit` loses the board; zero is never.
+///
+/// `note` is called when a client comes or goes, when none can be accepted, and when the machine is too slow.
+pub fn serve(
+    board: &mut impl InProcess,
+    listener: &TcpListener,
+    stop: &AtomicBool,
+    idle_limit: Duration,
+    note: fn(&str),
+) -> io::Result<()> {
     listener.set_nonblocking(true)?;
-    let mut client: Option<TcpStream> = None;
+    let mut client: Option<Client> = None;
     let mut door = Door::default();
     let (mut began, mut slow) = (Instant::now(), false);
     while !stop.load(Ordering::Relaxed) {
-        if client.is_none() {
-            client = door.opens(listener)?.inspect(|stream| note(&format!("a client from {}", address(stream))));
+        door.accept(listener, note);
+        if let Some(holder) = &mut client {
+            if !exchange(board, holder) {
+                note("the client has gone");
+                client = None;
+            } else if !idle_limit.is_zero() && holder.heard.elapsed() > idle_limit {
+                note(&format!("the client has sent nothing for {} s and loses the board", idle_limit.as_secs_f64()));
+                client = None;
+            } else if let Some(next) = door.take(announces_stop) {
+                note(&format!("a client from {} orders the drive to stop and takes the board", address(&next.stream)));
+                client = Some(next);
+            }
         }
-        if let Some(stream) = &mut client
-            && !exchange(board, stream)
-        {
-            note("the client has gone");
-            client = None;
-        }
-        if let Some(holder) = &client {
-            door.knock(listener, holder)?;
+        match &client {
+            Some(holder) => door.refuse(&holder.stream),
+            None => {
+                client = door.take(|_| true);
+                client.iter().for_each(|client| note(&format!("a client from {}", address(&client.stream))));
+            }
         }
         if board.is_held()? {
             // Its time stands, and what a debugger took is not to be caught up with.
@@ -65,37 +91,57 @@ pub fn serve(board: &mut impl InProcess, listener: &TcpListener, stop: &AtomicBo
     Ok(())
 }
 
-/// Where clients come in.
+/// A connection to a client.
+struct Client {
+    stream: TcpStream,
+    /// When it came, or when its last byte went to the board.
+    heard: Instant,
+    /// It was told that another client holds the board.
+    told: bool,
+}
+
+/// Clients that come in.
 #[derive(Default)]
 struct Door {
-    /// The next client, and since when it waits.
-    next: Option<(TcpStream, Instant)>,
-    /// The one that was sent away last: its connection stays until it has read why.
-    away: Option<TcpStream>,
+    /// The clients that wait, the first first.
+    waiting: Vec<Client>,
+    /// `accept` fails, and this was noted.
+    failing: bool,
 }
 
 impl Door {
-    /// The next client, if there is one.
-    fn opens(&mut self, listener: &TcpListener) -> io::Result<Option<TcpStream>> {
-        match self.next.take() {
-            Some((next, _)) => Ok(Some(next)),
-            None => accepted(listener),
+    /// Lets clients in, and closes the connections of those that were told who holds the board.
+    ///
+    /// A failure, such as too few file descriptors, is noted once, and the next turn tries again.
+    fn accept(&mut self, listener: &TcpListener, note: fn(&str)) {
+        self.waiting.retain(|client| !client.told || client.heard.elapsed() < AWAY_AFTER);
+        while self.waiting.len() < MOST_WAITING {
+            match accepted(listener) {
+                Ok(Some(stream)) => self.waiting.push(Client { stream, heard: Instant::now(), told: false }),
+                Ok(None) => return self.failing = false,
+                Err(_) if self.failing => return,
+                Err(error) => {
+                    self.failing = true;
+                    return note(&format!("cannot accept a client: {error}"));
+                }
+            }
         }
     }
 
-    /// Looks whether another client waits, and sends it away where the first does not go.
-    fn knock(&mut self, listener: &TcpListener, holder: &TcpStream) -> io::Result<()> {
-        match self.next.take_if(|(_, since)| since.elapsed() > HELD_AFTER) {
-            Some((mut next, _)) => {
-                // In one piece; whoever does not read it has gone.
-                let said = format!("{HELD}{}\n", address(holder));
-                let _ = next.write_all(said.as_bytes()).and_then(|()| next.shutdown(Shutdown::Write));
-                self.away = Some(next);
-            }
-            None if self.next.is_none() => self.next = accepted(listener)?.map(|next| (next, Instant::now())),
-            None => {}
+    /// Takes the client that has waited longest of those that fit.
+    fn take(&mut self, fits: impl Fn(&TcpStream) -> bool) -> Option<Client> {
+        let place = self.waiting.iter().position(|client| !client.told && fits(&client.stream))?;
+        Some(self.waiting.remove(place))
+    }
+
+    /// Tells the clients that have waited long enough who holds the board.
+    fn refuse(&mut self, holder: &TcpStream) {
+        for client in self.waiting.iter_mut().filter(|client| !client.told && client.heard.elapsed() > HELD_AFTER) {
+            // In one piece; a client that does not read it has gone.
+            let said = format!("{HELD}{}\n", address(holder));
+            let _ = client.stream.write_all(said.as_bytes()).and_then(|()| client.stream.shutdown(Shutdown::Write));
+            client.told = true;
         }
-        Ok(())
     }
 }
 
@@ -111,23 +157,34 @@ fn accepted(listener: &TcpListener) -> io::Result<Option<TcpStream>> {
     }
 }
 
+/// Returns whether an order to stop is among the first bytes of a client. The bytes are left for the board.
+fn announces_stop(stream: &TcpStream) -> bool {
+    let (mut bytes, mut receiver) = ([0; MAX_FRAME], Receiver::default());
+    let count = stream.peek(&mut bytes).unwrap_or(0);
+    bytes[..count].iter().any(|&byte| matches!(receiver.take(byte), Some(Ok(Frame { body: Command::Idle, .. }))))
+}
+
 /// Where a client is.
 fn address(stream: &TcpStream) -> String {
     stream.peer_addr().map_or_else(|_| "an address that is gone".into(), |address| address.to_string())
 }
 
-/// Carries what there is, both ways. False: the client has gone.
-fn exchange(board: &mut impl InProcess, stream: &mut TcpStream) -> bool {
+/// Carries bytes both ways. False: the client has gone.
+fn exchange(board: &mut impl InProcess, client: &mut Client) -> bool {
     let mut bytes = [0; 1024];
     let count = board.receive(&mut bytes);
     // What a full socket does not take is lost, as on a wire without a receiver.
-    let sent = count == 0 || waits(stream.write_all(&bytes[..count])).is_some();
+    let sent = count == 0 || waits(client.stream.write_all(&bytes[..count])).is_some();
     // However much a client sends, it does not keep the board from its next block; what is beyond the wire's room is lost.
     for _ in 0..READS {
-        match waits(stream.read(&mut bytes)) {
+        match waits(client.stream.read(&mut bytes)) {
             Some(Some(0)) | None => return false,
-            Some(Some(count)) if board.waiting() < ROOM => board.send(&bytes[..count]),
-            Some(Some(_)) => {}
+            Some(Some(count)) => {
+                client.heard = Instant::now();
+                if board.waiting() < ROOM {
+                    board.send(&bytes[..count]);
+                }
+            }
             Some(None) => break,
         }
     }
@@ -188,7 +245,7 @@ mod tests {
         let address = listener.local_addr().unwrap();
         let stop = AtomicBool::new(false);
         let waits = std::thread::scope(|scope| {
-            scope.spawn(|| serve(&mut Slow::default(), &listener, &stop, |_| ()).unwrap());
+            scope.spawn(|| serve(&mut Slow::default(), &listener, &stop, Duration::ZERO, |_| ()).unwrap());
             let mut client = TcpStream::connect(address).unwrap();
             // Until the board is further behind than it may be.
             std::thread::sleep(2 * BEHIND);

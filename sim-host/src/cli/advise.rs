@@ -1,11 +1,9 @@
 //! `sim-host advise`.
 
-use std::process::ExitCode;
-
 use clap::Args;
 
 use super::progress::Progress;
-use super::{Color, Format, INVALID_INPUT, LENDER, USAGE, invalid};
+use super::{Color, Exit, Format, LENDER, mistake};
 use scene::circuit::Given;
 use scene::load::load;
 use sim::advice::case::{Case, CaseError, Numbers, Wishes};
@@ -86,41 +84,28 @@ impl AdviseArgs {
 }
 
 /// Advises, and prints.
-pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<Exit> {
     let given = args.given();
     if args.scene.is_none() && given == Given::default() {
-        say!(
-            "error: which transducer? Name a scene (`sim-host list`), or give its numbers: --frequency-hz 40e3 --q 65 --c0-f 300e-9 --lm-h 0.79e-3"
-        );
-        return Ok(ExitCode::from(USAGE));
+        let which = "which transducer? Name a scene (`sim-host list`), or give its numbers: --frequency-hz 40e3 --q 65 --c0-f 300e-9 --lm-h 0.79e-3";
+        return Err(mistake(Exit::Usage, which));
     }
-    let loaded = match load(args.scene.as_deref().unwrap_or(LENDER), &args.sets) {
-        Ok(loaded) => loaded,
-        Err(error) => return Ok(invalid(&error, color)),
-    };
-    let numbers = match (given != Given::default()).then(|| given.resolve()).transpose() {
-        Ok(elements) => elements.map(|circuit| Numbers {
-            // As they were given, where they were: not by way of the elements.
-            frequency_hz: given.series_resonance_hz.unwrap_or_else(|| circuit.series_resonance_hz()),
-            q: given.q.unwrap_or_else(|| circuit.q()),
-            c0_f: circuit.c0_f,
-            lm_h: given.lm_h.unwrap_or(circuit.lm_h),
-        }),
-        Err(error) => {
-            say!("error: {error}; {COMPLETE}");
-            return Ok(ExitCode::from(USAGE));
-        }
-    };
+    let loaded = load(args.scene.as_deref().unwrap_or(LENDER), &args.sets)?;
+    let circuit = (given != Given::default()).then(|| given.resolve()).transpose();
+    let circuit = circuit.map_err(|error| mistake(Exit::Usage, format!("{error}; {COMPLETE}")))?;
+    let numbers = circuit.map(|circuit| Numbers {
+        // As they were given, where they were: not by way of the elements.
+        frequency_hz: given.series_resonance_hz.unwrap_or_else(|| circuit.series_resonance_hz()),
+        q: given.q.unwrap_or_else(|| circuit.q()),
+        c0_f: circuit.c0_f,
+        lm_h: given.lm_h.unwrap_or(circuit.lm_h),
+    });
     let wishes = Wishes { volts: args.volts, noise_lsb: args.noise_lsb, block_samples: args.block_samples };
-    let (mut advice, advised) =
-        match Case::of(&loaded, numbers, &wishes).map_err(AdviceError::from).and_then(|case| advise(&case)) {
-            Ok(advice) => advice,
-            Err(AdviceError::Case(CaseError::Scene(error))) => return Ok(invalid(&error, color)),
-            Err(error) => {
-                say!("error: {error}");
-                return Ok(ExitCode::from(INVALID_INPUT));
-            }
-        };
+    let advised = Case::of(&loaded, numbers, &wishes).map_err(AdviceError::from).and_then(|case| advise(&case));
+    let (mut advice, advised) = advised.map_err(|error| match error {
+        AdviceError::Case(CaseError::Scene(error)) => anyhow::Error::from(error),
+        error => error.into(),
+    })?;
     if let Some(runs) = args.verify {
         let mut progress = Progress::new(0.0, runs, false);
         advice.verified = Some(verify(&advised, runs, &mut |reached| progress.at(reached))?);

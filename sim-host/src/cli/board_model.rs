@@ -1,12 +1,10 @@
 //! The flashed image on the model of its microcontroller: as the board of `link board:SCENE`, and as the processor of `run --board`.
 
 use std::cell::RefCell;
-use std::fs;
-use std::io;
-use std::net::TcpListener;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
+use std::{fs, io};
 
 use board::debugger::Debugged;
 use board::linked::{DebuggedBoard, record};
@@ -19,8 +17,8 @@ use sim::processor::Processor;
 use sim::run::RunError;
 use update::key::DEVELOPMENT_SEED;
 
-use super::link::{LinkArgs, STOP, note, with_board};
-use super::{Color, LOST, USAGE};
+use super::link::{LinkArgs, STOP, listen, note, with_board};
+use super::{Color, Exit, mistake};
 
 /// Returns the values that a scene takes on the board if it does not give them.
 pub(super) fn defaults() -> Vec<String> {
@@ -34,12 +32,12 @@ pub(super) struct Flashed {
 }
 
 impl Flashed {
-    /// Reads the image, or builds it from the present source if no file is named. Fails with an exit code and the reason.
-    pub(super) fn new(file: Option<&Path>, scene: &Driven, speed: Option<f64>, profile: bool) -> Result<Self, (u8, String)> {
-        configure::stored(scene).map_err(|error| (USAGE, error.to_string()))?;
-        let built = || board_image().map_err(|error: PilError| (LOST, error.to_string()));
-        let file = file.map_or_else(built, |file| Ok(file.to_owned()))?;
-        let elf = fs::read(&file).map_err(|error| (USAGE, format!("{} cannot be read: {error}", file.display())))?;
+    /// Reads the image, or builds it from the present source if no file is named.
+    pub(super) fn new(file: Option<&Path>, scene: &Driven, speed: Option<f64>, profile: bool) -> anyhow::Result<Self> {
+        configure::stored(scene).map_err(|error| mistake(Exit::Input, error.to_string()))?;
+        let file = file.map_or_else(board_image, |file| Ok(file.to_owned()))?;
+        let refused = |error: io::Error| mistake(Exit::Input, format!("{} cannot be read: {error}", file.display()));
+        let elf = fs::read(&file).map_err(refused)?;
         Ok(Flashed { elf, options: board::Options { profile, ..options(speed) } })
     }
 
@@ -53,23 +51,12 @@ impl Flashed {
 /// Talks to the flashed image on a model of its part, with a port for a debugger where one is asked for.
 pub(super) fn talk(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkError> {
     // Before the image is built.
-    let listener = args.gdb.as_deref().map(debugger_port).transpose()?;
+    let listener = args.gdb.as_deref().map(|address| listen("the port for GDB, ", address, args.allow_remote)).transpose()?;
     let board = started(args, scene)?;
     let Some(listener) = listener else { return with_board(args, Rc::new(RefCell::new(board)), color) };
     let debugged = Debugged::new(board, listener, note)?;
     note(&format!("a debugger finds the board by: target remote {}", debugged.address()?));
     with_board(args, Rc::new(RefCell::new(DebuggedBoard::new(debugged, &STOP))), color)
-}
-
-fn debugger_port(address: &str) -> Result<TcpListener, LinkError> {
-    TcpListener::bind(address).map_err(|error| {
-        let why = match error.kind() {
-            io::ErrorKind::AddrInUse => "another program listens there; port 0 takes a free one".into(),
-            io::ErrorKind::InvalidInput => format!("this is no HOST:PORT: {error}"),
-            _ => error.to_string(),
-        };
-        LinkError::Open { port: format!("the port for GDB, {address}"), why }
-    })
 }
 
 /// The flashed image on a model of its part, with a scene's plant at its pins.
@@ -79,22 +66,27 @@ fn started(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
     }
     let image = match &args.image {
         Some(file) => file.clone(),
-        None => board_image().map_err(|error| LinkError::Usage(error.to_string()))?,
+        None => board_image().map_err(|error| lost(args, &error))?,
     };
-    Board::start(&read(&image)?, scene, options(args.board_speed)).map_err(|error| LinkError::Usage(error.to_string()))
+    Board::start(&read(&image)?, scene, options(args.board_speed)).map_err(|error| LinkError::Input(error.to_string()))
 }
 
 /// The same behind the first stage, signed by the development key.
 fn in_slot(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
-    let usage = |error: &dyn std::fmt::Display| LinkError::Usage(error.to_string());
-    let [first_stage, image] = pil::field_images().map_err(|error| usage(&error))?;
+    let refused = |error: &dyn std::fmt::Display| LinkError::Input(error.to_string());
+    let [first_stage, image] = pil::field_images().map_err(|error| lost(args, &error))?;
     let elf = read(args.image.as_ref().unwrap_or(&image))?;
-    let slot = pack(&elf, Some(&DEVELOPMENT_SEED)).map_err(|error| usage(&error))?;
-    Board::start_in_slot(&read(&first_stage)?, &slot, &elf, scene, options(args.board_speed)).map_err(|error| usage(&error))
+    let slot = pack(&elf, Some(&DEVELOPMENT_SEED)).map_err(|error| refused(&error))?;
+    Board::start_in_slot(&read(&first_stage)?, &slot, &elf, scene, options(args.board_speed)).map_err(|error| refused(&error))
+}
+
+/// The error for an image that cannot be built here.
+fn lost(args: &LinkArgs, error: &PilError) -> LinkError {
+    LinkError::Open { port: args.port.clone(), why: error.to_string() }
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, LinkError> {
-    fs::read(file).map_err(|error| LinkError::Usage(format!("{} cannot be read: {error}", file.display())))
+    fs::read(file).map_err(|error| LinkError::Input(format!("{} cannot be read: {error}", file.display())))
 }
 
 fn options(speed: Option<f64>) -> board::Options {

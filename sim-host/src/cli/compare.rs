@@ -1,12 +1,11 @@
 //! `sim-host compare`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use serde_json::json;
 
-use super::{Color, DrawingArgs, EXPECTATION_MISSED, Format, ResultArgs, USAGE};
+use super::{Color, DrawingArgs, Exit, Format, ResultArgs};
 use report::Report;
 use sim::compare::{CompareError, Comparison, Side, Tolerances};
 use sim::output::{OutputError, Owner};
@@ -33,19 +32,10 @@ pub(super) struct CompareArgs {
 }
 
 /// Compares, prints, and says by the exit code whether all is within its tolerance.
-pub(super) fn run(args: &CompareArgs, color: Color) -> anyhow::Result<ExitCode> {
-    let compared = match compared(args) {
-        Ok(compared) => compared,
-        Err(error) => {
-            say!("error: {error}");
-            return Ok(ExitCode::from(USAGE));
-        }
-    };
+pub(super) fn run(args: &CompareArgs, color: Color) -> anyhow::Result<Exit> {
+    let compared = compared(args)?;
     if let Some(dir) = &args.result.output {
-        let folder = match super::open(Some(dir), "", Owner::new("compare", [&args.a, &args.b]))? {
-            Ok(folder) => folder,
-            Err(code) => return Ok(code),
-        };
+        let folder = super::open(Some(dir), "", Owner::new("compare", [&args.a, &args.b]))?;
         let report = compared.report();
         let footer = [report.footer, super::provenance().footer()].concat();
         report::write_drawn(&Report { footer, ..report }, folder.unfinished(), &args.drawing.drawing())
@@ -61,7 +51,7 @@ pub(super) fn run(args: &CompareArgs, color: Color) -> anyhow::Result<ExitCode> 
     if let Some(dir) = args.result.output.as_ref().filter(|_| !args.result.quiet) {
         say!("report: {}", dir.join("report.html").display());
     }
-    Ok(if compared.holds() { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })
+    Ok(if compared.holds() { Exit::Done } else { Exit::Missed })
 }
 
 fn compared(args: &CompareArgs) -> Result<Comparison, CompareError> {

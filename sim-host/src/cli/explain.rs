@@ -1,13 +1,11 @@
 //! `sim-host explain`.
 
-use std::process::ExitCode;
-
-use super::USAGE;
+use super::{Exit, mistake};
 use scene::nearest::listed;
 use sim::explain::{explain, list};
 
 /// Prints what a word means; without a word, what can be explained.
-pub(super) fn run(word: &str) -> anyhow::Result<ExitCode> {
+pub(super) fn run(word: &str) -> anyhow::Result<Exit> {
     if word.is_empty() {
         return super::print(&list());
     }
@@ -20,8 +18,7 @@ pub(super) fn run(word: &str) -> anyhow::Result<ExitCode> {
             } else {
                 format!("did you mean {meant}?")
             };
-            say!("error: nothing is called `{word}`; {meant}");
-            Ok(ExitCode::from(USAGE))
+            Err(mistake(Exit::Input, format!("nothing is called `{word}`; {meant}")))
         }
     }
 }

@@ -2,13 +2,12 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::Context;
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
 
-use super::{Color, Format, INVALID_INPUT, ReportArgs, USAGE, print};
+use super::{Color, Exit, Format, ReportArgs, mistake, print};
 use ::import::admittance::coordinate::Topology;
 use ::import::admittance::options::Options;
 use ::import::admittance::{self, MOST_MODES};
@@ -117,22 +116,17 @@ fn span(text: &str) -> Result<(f64, f64), String> {
 }
 
 /// Imports, writes the folder of the result, and prints.
-pub(super) fn run(args: &ImportArgs, color: Color) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &ImportArgs, color: Color) -> anyhow::Result<Exit> {
     match &args.what {
         What::Admittance(args) => of_admittance(args, color),
         What::Friction(args) => of_friction(args, color),
     }
 }
 
-fn of_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<ExitCode> {
+fn of_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<Exit> {
     let common = &args.common;
-    let units = match Units::parse(args.units.iter().flat_map(|units| units.split(','))) {
-        Ok(units) => units,
-        Err(error) => {
-            say!("error: --unit: {error}");
-            return Ok(ExitCode::from(USAGE));
-        }
-    };
+    let units = Units::parse(args.units.iter().flat_map(|units| units.split(',')));
+    let units = units.map_err(|error| mistake(Exit::Usage, format!("--unit: {error}")))?;
     let topology = args.topology.map(|connection| match connection {
         Connection::OnePort => Topology::OnePort,
         Connection::SeriesThrough => Topology::SeriesThrough,
@@ -159,7 +153,7 @@ fn of_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<ExitCode
     })
 }
 
-fn of_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<ExitCode> {
+fn of_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<Exit> {
     let common = &args.common;
     let options = friction::Options { columns: common.columns.clone(), normal_n: args.normal_n, on_s: args.on.clone() };
     let owner = Owner::new("import friction", [&common.file]);
@@ -170,15 +164,6 @@ fn of_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<ExitCode> {
         warnings: found.warnings,
         source,
     })
-}
-
-/// Says why a file is refused.
-fn refused(file: &Path, error: &ImportError) -> ExitCode {
-    match error {
-        ImportError::Unreadable { .. } => say!("error: {error}"),
-        error => say!("error: {}: {error}", file.display()),
-    }
-    ExitCode::from(INVALID_INPUT)
 }
 
 /// What an import has found, as far as its folder and its output need it.
@@ -195,23 +180,20 @@ struct Imported {
     warnings: Vec<String>,
 }
 
-/// Writes and prints what an import has found, or says why its file is refused.
+/// Writes and prints what an import has found.
 fn finish<T>(
     (common, owner): (&Common, Owner),
     imported: Result<T, ImportError>,
     color: Color,
     shown: impl Fn(T, String) -> Imported,
-) -> anyhow::Result<ExitCode> {
+) -> anyhow::Result<Exit> {
     let stem = stem(&common.file);
     let source = common.file.file_name().map_or_else(|| stem.clone(), |name| name.to_string_lossy().into_owned());
-    let found = match imported {
-        Ok(found) => shown(found, source),
-        Err(error) => return Ok(refused(&common.file, &error)),
-    };
-    let folder = match common.report.open(&stem, owner)? {
-        Ok(folder) => folder,
-        Err(code) => return Ok(code),
-    };
+    let found = imported.map(|found| shown(found, source)).map_err(|error| match error {
+        ImportError::Unreadable { .. } => anyhow::Error::from(error),
+        error => anyhow::Error::from(error).context(common.file.display().to_string()),
+    })?;
+    let folder = common.report.open(&stem, owner)?;
     let name = format!("{stem}.toml");
     let scene = found.scene.clone().filter(|text| is_valid(&name, text));
     let mut written = None;
@@ -233,7 +215,7 @@ fn finish<T>(
             say!("scene: {scene}, to be run by `sim-host run {scene}`");
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::Done)
 }
 
 /// The name of a file without its ending, as that of a scene and of a folder.

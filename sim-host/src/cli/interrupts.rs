@@ -7,7 +7,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::INTERRUPTED;
+use super::Exit;
 
 /// How long after the first request further ones are taken for the same.
 const SAME: Duration = Duration::from_secs(1);
@@ -28,7 +28,7 @@ pub(super) fn set_apart(stop: &'static AtomicBool, end: &'static AtomicBool) -> 
         if !again {
             first = Instant::now();
         } else if first.elapsed() >= SAME {
-            std::process::exit(INTERRUPTED.into())
+            std::process::exit(Exit::Interrupted as i32)
         }
     })
     .map_err(|error| std::io::Error::other(format!("cannot listen for Ctrl-C: {error}")))

@@ -6,17 +6,17 @@ mod prompt;
 use std::cell::RefCell;
 use std::fs;
 use std::io::{self, IsTerminal, Read, Write};
-use std::net::TcpListener;
+use std::net::{SocketAddr, TcpListener, ToSocketAddrs};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use clap::{Args, Subcommand};
 use serde_json::Value;
 
 use super::run::times;
-use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, board_model, interrupts, provenance, with_scene_on};
+use super::{Color, Exit, Format, board_model, interrupts, provenance};
 use link::answer::{Answer, failure};
 use link::client::Client;
 use link::commands::{Order, amount, monitor, seconds, update};
@@ -27,7 +27,7 @@ use link::serve::serve;
 use link::session::{Live, Session, SessionOptions};
 use link::simulated_board::SimulatedBoard;
 use scene::Driven;
-use sim::output::OutputError;
+use scene::load::load;
 
 /// Set by Ctrl-C, and by any other request to end.
 pub(super) static STOP: AtomicBool = AtomicBool::new(false);
@@ -73,6 +73,9 @@ pub(super) struct LinkArgs {
     /// Of board:SCENE: a port for GDB, as HOST:PORT; port 0 takes a free one. Standard error names it.
     #[arg(long, value_name = "ADDRESS", global = true)]
     pub(super) gdb: Option<String>,
+    /// Let `serve` and --gdb listen at an address that other machines can reach. There is no password: anyone there can drive the board.
+    #[arg(long, global = true)]
+    pub(super) allow_remote: bool,
     /// A simulated board is not faster than a real one.
     #[arg(long, global = true)]
     real_time: bool,
@@ -99,11 +102,14 @@ enum LinkOrder {
         /// The file; `-` is standard input.
         file: String,
     },
-    /// Put the board of this process at a TCP port, in real time, until Ctrl-C.
+    /// Put the board of this process at a TCP port, in real time, until Ctrl-C. One client holds it at a time; `stop` is taken from any.
     Serve {
-        /// Where to listen; port 0 takes a free one. The address is printed.
+        /// Where to listen; port 0 takes a free one. The address is printed. Other machines need --allow-remote.
         #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:0")]
         listen: String,
+        /// Take the board from a client that has sent nothing for this long; 0 is never. The commands of `link` send something at least every 0.2 s.
+        #[arg(long, value_name = "S", default_value = "30", value_parser = seconds)]
+        idle_limit: f64,
     },
     /// Let time pass, with the board looked after.
     Wait {
@@ -113,50 +119,42 @@ enum LinkOrder {
 }
 
 /// Connects, does what is asked, and leaves the drive as it is to be left.
-pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<Exit> {
     if std::env::args().any(|argument| argument.split('=').next() == Some("--patience")) {
         say!("note: `--patience` is `--host-timeout` now; the old name goes with the next version");
     }
     let modelled = args.port.strip_prefix(MODELLED);
     if modelled.is_none() && (args.image.is_some() || args.board_speed.is_some() || args.slot || args.gdb.is_some()) {
         let usage = "--image, --board-speed, --slot and --gdb are of the modelled part, board:SCENE";
-        return Ok(failed(&LinkError::Usage(usage.into()), color));
+        return Err(LinkError::Usage(usage.into()).into());
     }
     if args.flash.is_some() && !args.port.starts_with(SIMULATED) {
         let usage = "--flash is of a simulated board, sim:SCENE; any other has a flash of its own";
-        return Ok(failed(&LinkError::Usage(usage.into()), color));
+        return Err(LinkError::Usage(usage.into()).into());
     }
     if let Some(out) = args.port.strip_prefix(FILE) {
         let Some(LinkOrder::Order(order @ Order::Update(update))) = &args.order else {
-            return Ok(failed(
-                &LinkError::Usage("`file:OUT` is no board: `update ELF` makes the file of an update there".into()),
-                color,
-            ));
+            let usage = "`file:OUT` is no board: `update ELF` makes the file of an update there";
+            return Err(LinkError::Usage(usage.into()).into());
         };
         let made = update::make(update, Path::new(out));
-        return done(tell("", order.name(), &made, args.format).and(made.map(drop)), color);
+        return done(tell("", order.name(), &made, args.format).and(made.map(drop)));
     }
     let Some(scene) = modelled.or(args.port.strip_prefix(SIMULATED)) else {
         if !args.sets.is_empty() || args.seed.is_some() || args.real_time {
             let usage = "--set, --seed and --real-time are of a board in this process, sim:SCENE or board:SCENE";
-            return Ok(failed(&LinkError::Usage(usage.into()), color));
+            return Err(LinkError::Usage(usage.into()).into());
         }
-        return done(open(&args.port).and_then(|port| with_port(args, port, color)), color);
+        return done(open(&args.port).and_then(|port| with_port(args, port, color)));
     };
     let mut sets = args.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
     let defaults = if modelled.is_some() { board_model::defaults() } else { Vec::new() };
-    with_scene_on(&SceneArgs { scene: scene.to_owned(), sets }, &defaults, color, |loaded| {
-        let Some(driven) = loaded.scene.driven() else {
-            let usage = format!("`{}` has no [controller]: there is nothing to talk to", loaded.name);
-            return Ok(failed(&LinkError::Usage(usage), color));
-        };
-        let args = &LinkArgs { inputs: loaded.files(), ..args.clone() };
-        if modelled.is_some() {
-            return done(board_model::talk(args, &driven, color), color);
-        }
-        done(simulated(args, &driven, color), color)
-    })
+    let loaded = load(scene, &sets)?.with_defaults(&defaults)?;
+    let none = || LinkError::Input(format!("`{}` has no [controller]: there is nothing to talk to", loaded.name));
+    let driven = loaded.scene.driven().ok_or_else(none)?;
+    let args = &LinkArgs { inputs: loaded.files(), ..args.clone() };
+    done(if modelled.is_some() { board_model::talk(args, &driven, color) } else { simulated(args, &driven, color) })
 }
 
 fn open(port: &str) -> Result<Box<dyn Port>, LinkError> {
@@ -173,7 +171,7 @@ fn simulated(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkEr
         Some(flash) => SimulatedBoard::with_flash(scene, 0, flash),
         None => SimulatedBoard::new(scene, 0),
     };
-    let board = board.map_err(|why| LinkError::Usage(format!("the firmware refuses this scene: {why}")))?;
+    let board = board.map_err(|why| LinkError::Input(format!("the firmware refuses this scene: {why}")))?;
     let board = Rc::new(RefCell::new(board));
     let done = with_board(args, Rc::clone(&board), color);
     let stored = args.flash.as_deref().map_or(Ok(()), |file| flash_file::write(file, &board.borrow_mut().power_off()));
@@ -181,13 +179,12 @@ fn simulated(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkEr
 }
 
 pub(super) fn with_board(args: &LinkArgs, board: Rc<RefCell<impl InProcess + 'static>>, color: Color) -> Result<(), LinkError> {
-    if let Some(LinkOrder::Serve { listen }) = &args.order {
-        let listener = TcpListener::bind(listen)
-            .map_err(|error| LinkError::Open { port: format!("tcp:{listen}"), why: error.to_string() })?;
+    if let Some(LinkOrder::Serve { listen: address, idle_limit }) = &args.order {
+        let listener = listen("tcp:", address, args.allow_remote)?;
         interrupts::set(&STOP)?;
         println!("tcp:{}", listener.local_addr()?);
         io::stdout().flush()?;
-        serve(&mut *board.borrow_mut(), &listener, &STOP, note)?;
+        serve(&mut *board.borrow_mut(), &listener, &STOP, Duration::from_secs_f64(*idle_limit), note)?;
         return Err(LinkError::Interrupted);
     }
     // What has no end of its own is watched, and who watches has a clock.
@@ -201,6 +198,27 @@ pub(super) fn with_board(args: &LinkArgs, board: Rc<RefCell<impl InProcess + 'st
     with_port(args, Box::new(port), color)
 }
 
+/// Listens at an address, as `HOST:PORT`, if only this machine can reach it or other machines are allowed. `what` stands before the address in errors.
+pub(super) fn listen(what: &str, address: &str, allow_remote: bool) -> Result<TcpListener, LinkError> {
+    let open = |error: io::Error| {
+        let why = match error.kind() {
+            io::ErrorKind::AddrInUse => "another program listens there; port 0 takes a free one".into(),
+            io::ErrorKind::InvalidInput => format!("this is not HOST:PORT: {error}"),
+            _ => error.to_string(),
+        };
+        LinkError::Open { port: format!("{what}{address}"), why }
+    };
+    let addresses: Vec<SocketAddr> = address.to_socket_addrs().map_err(open)?.collect();
+    if addresses.iter().any(|address| !address.ip().to_canonical().is_loopback()) {
+        let danger = format!("other machines can reach {address}, and anyone there can drive the board without a password");
+        if !allow_remote {
+            return Err(LinkError::Usage(format!("{danger}; `--allow-remote` allows that")));
+        }
+        note(&format!("warning: {danger}"));
+    }
+    TcpListener::bind(&addresses[..]).map_err(open)
+}
+
 fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), LinkError> {
     // A script that cannot be read needs no board.
     let script = match &args.order {
@@ -212,7 +230,10 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), L
     };
     // Not before the script is read, which may come from a pipe that never ends; before anything is asked of the board.
     if args.order.is_none() { interrupts::set_apart(&STOP, &END) } else { interrupts::set(&STOP) }?;
-    let client = Client::new(port, &STOP, note);
+    let mut client = Client::new(port, &STOP, note);
+    if matches!(args.order, Some(LinkOrder::Order(Order::Stop))) {
+        client.announce_stop()?;
+    }
     let mut session = Session::begin(client, SessionOptions { host_timeout_s: args.host_timeout, stay: args.stay })?;
     session.live = live(args.format);
     session.provenance = provenance();
@@ -224,7 +245,7 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), L
         (None, _) => prompt::talk(args, &mut session, color),
         (Some(LinkOrder::Order(order)), _) => one(order, args, &mut session),
         (Some(LinkOrder::Wait { time }), _) => {
-            let waited = session.wait(std::time::Duration::from_secs_f64(*time)).map(|()| Answer::to("wait").field("s", *time));
+            let waited = session.wait(Duration::from_secs_f64(*time)).map(|()| Answer::to("wait").field("s", *time));
             tell("", "wait", &waited, args.format).and(waited.map(drop))
         }
         (_, Some(script)) => script.run(&mut session, |line, done| tell(&line.text, line.name(), done, args.format)),
@@ -324,30 +345,14 @@ fn read(file: &str) -> Result<Script, LinkError> {
         "-" => ("<stdin>", io::stdin().read_to_string(&mut text).map(drop)),
         file => (file, fs::read_to_string(file).map(|read| text = read)),
     };
-    read.map_err(|error| LinkError::Usage(format!("cannot read the script `{name}`: {error}")))?;
+    read.map_err(|error| LinkError::Input(format!("cannot read the script `{name}`: {error}")))?;
     Script::parse(name, &text)
 }
 
-fn done(done: Result<(), LinkError>, color: Color) -> anyhow::Result<ExitCode> {
-    Ok(done.map_or_else(|error| failed(&error, color), |()| ExitCode::SUCCESS))
-}
-
-/// Says what went wrong, and gives its exit code.
-fn failed(error: &LinkError, color: Color) -> ExitCode {
-    let code = match error.cause() {
-        _ if error.is_lost() => LOST,
-        LinkError::Interrupted if CLOSED.load(Ordering::Relaxed) => return ExitCode::SUCCESS,
-        LinkError::Interrupted => INTERRUPTED,
-        LinkError::Usage(_) | LinkError::Script(_) | LinkError::Folder(OutputError::Taken { .. } | OutputError::Held { .. }) => {
-            USAGE
-        }
-        LinkError::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => return ExitCode::SUCCESS,
-        _ => RUN_FAILED,
-    };
-    match error {
-        LinkError::Interrupted => note("interrupted"),
-        LinkError::Script(report) => note(&report.render(color.stderr)),
-        error => note(&format!("error: {error}")),
+fn done(done: Result<(), LinkError>) -> anyhow::Result<Exit> {
+    match done {
+        Err(error) if matches!(error.cause(), LinkError::Interrupted) && CLOSED.load(Ordering::Relaxed) => Ok(Exit::Done),
+        Err(LinkError::Output(error)) => Err(error.into()),
+        done => Ok(done.map(|()| Exit::Done)?),
     }
-    ExitCode::from(code)
 }

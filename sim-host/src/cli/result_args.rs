@@ -1,7 +1,6 @@
 //! Arguments of a result: where it goes, and how it is printed. What the folder holds is said by each command, in the help of `--output`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use sim::output::{Folder, OutputError, Owner};
@@ -31,11 +30,8 @@ pub(super) struct ReportArgs {
 
 impl ReportArgs {
     /// Opens the folder of the result, by default that of a name within `out`; `None` if no files are to be written.
-    pub(super) fn open(&self, default: &str, owner: Owner) -> Result<Result<Option<Folder>, ExitCode>, OutputError> {
-        if self.no_report {
-            return Ok(Ok(None));
-        }
-        super::open(self.result.output.as_deref(), default, owner).map(|opened| opened.map(Some))
+    pub(super) fn open(&self, default: &str, owner: Owner) -> Result<Option<Folder>, OutputError> {
+        (!self.no_report).then(|| super::open(self.result.output.as_deref(), default, owner)).transpose()
     }
 }
 

@@ -1,7 +1,6 @@
 //! `sim-host run`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context;
@@ -9,19 +8,16 @@ use clap::Args;
 
 use super::board_model::{self, Flashed};
 use super::progress::Progress;
-use super::{
-    Color, DrawingArgs, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, ReportArgs, SceneArgs, USAGE, interrupts,
-    invalid, junit, with_scene_on,
-};
+use super::{Color, DrawingArgs, Exit, Format, ReportArgs, SceneArgs, interrupts, junit, mistake};
 use pil::Qemu;
 use scene::Driven;
-use scene::load::{LoadError, Loaded};
+use scene::load::{LoadError, Loaded, load};
 use scene::settings::config;
 use sim::output::{self, Owner};
 use sim::processor::Processor;
 use sim::run::RunError;
 use sim::study::monte_carlo::draw::Draws;
-use sim::study::{self, Level, Options, Start, Study, StudyError};
+use sim::study::{self, Level, Options, Start, Study};
 use sim::tables;
 
 /// Set by Ctrl-C, and by any other request to end.
@@ -83,23 +79,20 @@ impl RunArgs {
 }
 
 /// Runs a scene and says how it went.
-pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<Exit> {
     let mut sets = args.scene.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
     let defaults = if args.board.is_some() { board_model::defaults() } else { Vec::new() };
-    with_scene_on(&SceneArgs { scene: args.scene.scene.clone(), sets }, &defaults, color, |loaded| match args.run {
-        None => run_loaded(args, loaded, color),
+    let loaded = load(&args.scene.scene, &sets)?.with_defaults(&defaults)?;
+    match args.run {
+        None => run_loaded(args, &loaded, color),
         Some(number) if loaded.scene.runs == 1 || !(1..=loaded.scene.runs).contains(&number) => {
             let have = if loaded.scene.runs == 1 { "is run once" } else { "has runs 1 to " };
             let last = if loaded.scene.runs == 1 { String::new() } else { loaded.scene.runs.to_string() };
-            say!("error: there is no run {number}: `{}` {have}{last}", loaded.name);
-            Ok(ExitCode::from(USAGE))
+            Err(mistake(Exit::Input, format!("there is no run {number}: `{}` {have}{last}", loaded.name)))
         }
-        Some(number) => match one_of(loaded, number) {
-            Ok(one) => run_loaded(args, &one, color),
-            Err(error) => Ok(invalid(&error, color)),
-        },
-    })
+        Some(number) => run_loaded(args, &one_of(&loaded, number)?, color),
+    }
 }
 
 /// One of a scene's runs as a scene of its own.
@@ -109,23 +102,14 @@ fn one_of(loaded: &Loaded, number: u32) -> Result<Loaded, LoadError> {
     Ok(Loaded { run: Some(number), ..one })
 }
 
-fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<ExitCode> {
+fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<Exit> {
     // Not before the scene is read, which may come from a pipe that never ends.
     interrupts::set(&STOP)?;
-    let image = match image(args, loaded) {
-        Ok(image) => image,
-        Err((code, error)) => {
-            say!("error: {error}");
-            return Ok(ExitCode::from(code));
-        }
-    };
+    let image = image(args, loaded)?;
     let run = args.run.map_or_else(String::new, |number| format!("-run-{number}"));
     let default = format!("{}{run}{}", loaded.name, image.as_ref().map_or("", Image::ending));
     // Before a run that may take long.
-    let folder = match args.report.open(&default, Owner::new("run", loaded.files()))? {
-        Ok(folder) => folder,
-        Err(code) => return Ok(code),
-    };
+    let folder = args.report.open(&default, Owner::new("run", loaded.files()))?;
     let start = image.as_ref().map(|image| move |scene: &Driven| image.start(scene));
     let start = start.as_ref().zip(image.as_ref()).map(|(start, image)| Start { level: image.level(), processor: start });
     let mut progress = Progress::new(loaded.scene.duration_s, loaded.scene.runs, args.report.result.quiet);
@@ -133,17 +117,7 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     let options = Options { start, stop: Some(&STOP), progress: Some(report), clock: Some(super::clock) };
     let study = study::run(loaded, options);
     drop(progress);
-    let study = match study {
-        Ok(study) => study,
-        Err(StudyError::Run(error @ (RunError::Lost(_) | RunError::NoProcessor(_)))) => {
-            say!("error: {error}");
-            return Ok(ExitCode::from(LOST));
-        }
-        Err(error) => {
-            say!("error: {:#}", anyhow::Error::from(error));
-            return Ok(ExitCode::from(RUN_FAILED));
-        }
-    };
+    let study = study?;
     if let Some(folder) = &folder {
         output::write_into(loaded, &study, folder, &args.drawing.presentation())?;
     }
@@ -161,11 +135,11 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
         say!("report: {}", folder.dir().join("report.html").display());
     }
     Ok(if study.interrupted {
-        ExitCode::from(INTERRUPTED)
+        Exit::Interrupted
     } else if !study.passes() {
-        ExitCode::from(EXPECTATION_MISSED)
+        Exit::Missed
     } else {
-        ExitCode::SUCCESS
+        Exit::Done
     })
 }
 
@@ -201,17 +175,18 @@ impl Image {
     }
 }
 
-/// The image that the arguments ask for, if they do; an exit code and why where there is none.
-fn image(args: &RunArgs, loaded: &Loaded) -> Result<Option<Image>, (u8, String)> {
+/// The image that the arguments ask for, if they do.
+fn image(args: &RunArgs, loaded: &Loaded) -> anyhow::Result<Option<Image>> {
     let option = if args.pil { "--pil" } else { "--board" };
     if !args.pil && args.board.is_none() {
         return Ok(None);
     }
     let Some(scene) = loaded.scene.driven() else {
-        return Err((USAGE, format!("{option} runs the controller as thumb code, and `{}` has no [controller]", loaded.name)));
+        let why = format!("{option} runs the controller as thumb code, and `{}` has no [controller]", loaded.name);
+        return Err(mistake(Exit::Input, why));
     };
     match &args.board {
-        None => pil::image().map(|image| Some(Image::Emulated(image))).map_err(|error| (LOST, error.to_string())),
+        None => Ok(Some(Image::Emulated(pil::image()?))),
         Some(file) => {
             let image = Flashed::new(file.as_deref(), &scene, args.board_speed, args.profile)?;
             Ok(Some(Image::Flashed(image)))

@@ -2,24 +2,23 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::ExitCode;
 
 use clap_complete::Shell;
 
-use super::print;
+use super::{Exit, print};
 
 /// Name of the program.
 const NAME: &str = "sim-host";
 
 /// Prints the completions for a shell.
-pub(super) fn completions(shell: Shell) -> anyhow::Result<ExitCode> {
+pub(super) fn completions(shell: Shell) -> anyhow::Result<Exit> {
     let mut text = Vec::new();
     clap_complete::generate(shell, &mut super::command(), NAME, &mut text);
     print(&String::from_utf8(text)?)
 }
 
 /// Prints the manual page of the program, or writes it and one of each command into a folder.
-pub(super) fn manual(dir: Option<&Path>) -> anyhow::Result<ExitCode> {
+pub(super) fn manual(dir: Option<&Path>) -> anyhow::Result<Exit> {
     let Some(dir) = dir else {
         let mut text = Vec::new();
         clap_mangen::Man::new(super::command()).render(&mut text)?;
@@ -27,5 +26,5 @@ pub(super) fn manual(dir: Option<&Path>) -> anyhow::Result<ExitCode> {
     };
     fs::create_dir_all(dir)?;
     clap_mangen::generate_to(super::command(), dir)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::Done)
 }

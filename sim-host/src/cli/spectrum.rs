@@ -3,13 +3,12 @@
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use super::{Color, DrawingArgs, Format, ReportArgs, USAGE, print};
+use super::{Color, DrawingArgs, Exit, Format, ReportArgs, print};
 use import::signal::spectrogram::{Asked, Method, Spectrogram};
 use import::signal::{Choice, Signal};
 use report::Report;
@@ -94,7 +93,7 @@ fn band(text: &str) -> Result<(f64, f64), String> {
 }
 
 /// Reads, analyses, prints and writes.
-pub(super) fn run(args: &SpectrumArgs, color: Color) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &SpectrumArgs, color: Color) -> anyhow::Result<Exit> {
     let choice = Choice {
         column: args.column.clone(),
         time: args.time.clone(),
@@ -109,19 +108,10 @@ pub(super) fn run(args: &SpectrumArgs, color: Color) -> anyhow::Result<ExitCode>
         smooth_s: args.smooth_s,
         band_hz: args.band,
     };
-    let found = match Signal::read(&args.file, &choice).and_then(|signal| Spectrogram::new(signal, &asked)) {
-        Ok(found) => found,
-        Err(error) => {
-            say!("error: {error}");
-            return Ok(ExitCode::from(USAGE));
-        }
-    };
+    let found = Spectrogram::new(Signal::read(&args.file, &choice)?, &asked)?;
     let source = args.file.display().to_string();
     let stem = args.file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let folder = match args.report.open(&format!("{stem}-{}", found.method), Owner::new("spectrum", [&args.file]))? {
-        Ok(folder) => folder,
-        Err(code) => return Ok(code),
-    };
+    let folder = args.report.open(&format!("{stem}-{}", found.method), Owner::new("spectrum", [&args.file]))?;
     if let Some(folder) = &folder {
         write(&found, &source, folder.unfinished(), args)?;
         folder.finish(json!({ "spectrum": found.json(&source), "complete": true }))?;
@@ -133,7 +123,7 @@ pub(super) fn run(args: &SpectrumArgs, color: Color) -> anyhow::Result<ExitCode>
     if let Some(folder) = folder.filter(|_| !args.report.result.quiet) {
         say!("report: {}", folder.dir().join("report.html").display());
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::Done)
 }
 
 fn write(found: &Spectrogram, source: &str, dir: &Path, args: &SpectrumArgs) -> anyhow::Result<()> {

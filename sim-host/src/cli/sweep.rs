@@ -5,17 +5,16 @@ mod progress;
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 use serde_json::json;
 
 use self::progress::Progress;
-use super::{Color, DrawingArgs, Format, INTERRUPTED, RUN_FAILED, ResultArgs, SceneArgs, USAGE, interrupts, invalid, with_scene};
-use scene::load::Loaded;
+use super::{Color, DrawingArgs, Exit, Format, ResultArgs, interrupts, mistake};
+use scene::load::{Loaded, load};
+use sim::output::default_dir;
 use sim::output::sweep::{FolderError, Joined, Shard, SweepFolder, join};
-use sim::output::{OutputError, default_dir};
 use sim::study::sweep::design::Design;
 use sim::study::sweep::{Sweep, SweepError, is_of_overlays};
 
@@ -79,35 +78,31 @@ pub(super) struct MergeArgs {
 }
 
 /// Runs a sweep, or goes on with it.
-pub(super) fn run(args: &SweepArgs, color: Color) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &SweepArgs, color: Color) -> anyhow::Result<Exit> {
     let (plan, scene) = match &args.scene[..] {
         [plan, scene] if plan == PLAN => (true, scene),
         [scene] => (false, scene),
         _ => {
-            say!("error: one scene is swept, with `{PLAN}` before it to see what it takes; {} are named", args.scene.len());
-            return Ok(ExitCode::from(USAGE));
+            let named = args.scene.len();
+            let why = format!("one scene is swept, with `{PLAN}` before it to see what it takes; {named} are named");
+            return Err(mistake(Exit::Usage, why));
         }
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0).into()).build()?;
-    with_scene(&SceneArgs { scene: scene.clone(), sets: args.sets.clone() }, color, |loaded| {
-        let made = design(args).and_then(|design| Sweep::new(loaded, design, &metrics(args)));
-        match made {
-            Ok(sweep) if plan => estimate::run(&sweep, args.shard, args.result.format),
-            Ok(sweep) => {
-                // Not before the scene is read, which may come from a pipe that never ends.
-                interrupts::set(&STOP)?;
-                pool.install(|| sweep_into(args, loaded, &sweep, color))
-            }
-            Err(SweepError::Scene(error)) => {
-                say!("error: neither the first nor the last point is a valid scene");
-                Ok(invalid(&error, color))
-            }
-            Err(error) => {
-                say!("error: {error}");
-                Ok(ExitCode::from(USAGE))
-            }
+    let loaded = load(scene, &args.sets)?;
+    let sweep = match Sweep::new(&loaded, design(args)?, &metrics(args)) {
+        Err(SweepError::Scene(error)) => {
+            say!("error: neither the first nor the last point is a valid scene");
+            return Err(error.into());
         }
-    })
+        made => made?,
+    };
+    if plan {
+        return estimate::run(&sweep, args.shard, args.result.format);
+    }
+    // Not before the scene is read, which may come from a pipe that never ends.
+    interrupts::set(&STOP)?;
+    pool.install(|| sweep_into(args, &loaded, &sweep, color))
 }
 
 /// The points that the arguments ask for.
@@ -132,7 +127,7 @@ fn metrics(args: &SweepArgs) -> Vec<String> {
     if args.metric == [ALL] { Vec::new() } else { args.metric.clone() }
 }
 
-fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) -> anyhow::Result<ExitCode> {
+fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) -> anyhow::Result<Exit> {
     let dir = args.result.output.clone().unwrap_or_else(|| default_dir(&format!("{}-sweep", loaded.name)));
     let run = || -> Result<Option<Option<Joined>>, FolderError> {
         let folder = SweepFolder::open(&dir, sweep, args.shard, args.points.as_slice())?;
@@ -156,30 +151,26 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
         }
         join(std::slice::from_ref(&dir), &dir, &args.drawing.presentation()).map(|joined| Some(Some(joined)))
     };
-    match run() {
-        Ok(None) => Ok(ExitCode::from(INTERRUPTED)),
-        Ok(Some(None)) => {
+    match run()? {
+        None => Ok(Exit::Interrupted),
+        Some(None) => {
             if !args.result.quiet {
                 say!("shard {} is complete; when all are, `sim-host merge` joins their folders", args.shard);
             }
-            Ok(ExitCode::SUCCESS)
+            Ok(Exit::Done)
         }
-        Ok(Some(Some(joined))) => show(&joined, &dir, &args.result, color),
-        Err(error) => Ok(failed(error)),
+        Some(Some(joined)) => show(&joined, &dir, &args.result, color),
     }
 }
 
 /// Joins the shards of a sweep.
-pub(super) fn merge(args: &MergeArgs, color: Color) -> anyhow::Result<ExitCode> {
+pub(super) fn merge(args: &MergeArgs, color: Color) -> anyhow::Result<Exit> {
     let target = args.result.output.as_ref().unwrap_or(&args.dirs[0]);
-    match join(&args.dirs, target, &args.drawing.presentation()) {
-        Ok(joined) => show(&joined, target, &args.result, color),
-        Err(error) => Ok(failed(error)),
-    }
+    show(&join(&args.dirs, target, &args.drawing.presentation())?, target, &args.result, color)
 }
 
 /// Prints the result of a whole sweep.
-fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow::Result<ExitCode> {
+fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow::Result<Exit> {
     super::print(&match shown.format {
         Format::Human => joined.tables.iter().map(|table| table.terminal(color.stdout)).collect(),
         Format::Json => {
@@ -204,20 +195,5 @@ fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow
     if !shown.quiet {
         say!("report: {}", joined.page.display());
     }
-    Ok(if joined.failures == joined.points { ExitCode::from(RUN_FAILED) } else { ExitCode::SUCCESS })
-}
-
-/// Says what went wrong with a folder, and gives its exit code.
-fn failed(error: FolderError) -> ExitCode {
-    let code = match error {
-        FolderError::Output(OutputError::Taken { .. } | OutputError::Held { .. }) => USAGE,
-        FolderError::Write { .. }
-        | FolderError::Read { .. }
-        | FolderError::Output(_)
-        | FolderError::Study(_)
-        | FolderError::Report(_) => RUN_FAILED,
-        _ => USAGE,
-    };
-    say!("error: {:#}", anyhow::Error::from(error));
-    ExitCode::from(code)
+    Ok(if joined.failures == joined.points { Exit::Failed } else { Exit::Done })
 }

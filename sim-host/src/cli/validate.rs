@@ -1,12 +1,11 @@
 //! `sim-host validate`: a user's suite of cases, each compared with its targets.
 
 use std::path::Path;
-use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 
-use super::{Color, EXPECTATION_MISSED, Format, INTERRUPTED, ReportArgs, USAGE, interrupts, invalid, print};
+use super::{Color, Exit, Format, ReportArgs, interrupts, mistake, print};
 use scene::suite::{self, LoadedSuite};
 use sim::evidence::{SuiteError, run_suite};
 use sim::output::Owner;
@@ -60,37 +59,30 @@ const MOVED: [&str; 20] = [
 ];
 
 /// Runs a suite, writes its folder, and prints its tables.
-pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<Exit> {
     let name = args.suite.last().map_or("", String::as_str);
     if Path::new(name).extension().is_none() {
         let show = if args.suite.len() > 1 { "show " } else { "" };
-        match MOVED.contains(&name) {
-            true => {
-                say!("error: `{name}` is now run in a checkout by `cargo run --release -p sonoglide-evidence -- {show}{name}`")
-            }
-            false => say!("error: `{name}` is not a suite: give a TOML file (docs/suites.md)"),
-        }
-        return Ok(ExitCode::from(USAGE));
+        return Err(if MOVED.contains(&name) {
+            let command = format!("cargo run --release -p sonoglide-evidence -- {show}{name}");
+            mistake(Exit::Usage, format!("`{name}` is now run in a checkout by `{command}`"))
+        } else {
+            mistake(Exit::Input, format!("`{name}` is not a suite: give a TOML file (docs/suites.md)"))
+        });
     }
     if args.suite.len() > 1 {
-        say!("error: give one suite at a time");
-        return Ok(ExitCode::from(USAGE));
+        return Err(mistake(Exit::Usage, "give one suite at a time"));
     }
     interrupts::set(&STOP)?;
-    match suite::load(name, args.quick) {
-        Ok(loaded) if args.list => {
-            print(&loaded.cases.iter().map(|case| format!("{}: {}\n", case.name, case.command)).collect::<String>())
-        }
-        Ok(loaded) => judge(&loaded, args, color),
-        Err(error) => Ok(invalid(&error, color)),
+    let loaded = suite::load(name, args.quick)?;
+    if args.list {
+        return print(&loaded.cases.iter().map(|case| format!("{}: {}\n", case.name, case.command)).collect::<String>());
     }
+    judge(&loaded, args, color)
 }
 
-fn judge(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
-    let folder = match args.report.open(&loaded.name, Owner::new("validate", &args.suite))? {
-        Ok(folder) => folder,
-        Err(code) => return Ok(code),
-    };
+fn judge(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Result<Exit> {
+    let folder = args.report.open(&loaded.name, Owner::new("validate", &args.suite))?;
     let progress = &mut |next: &str| {
         if !args.report.result.quiet {
             say!("{next}");
@@ -100,7 +92,7 @@ fn judge(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Res
         Ok(evidence) => evidence,
         Err(SuiteError::Study(StudyError::Interrupted)) => {
             say!("interrupted: the cases are not complete, and nothing is written");
-            return Ok(ExitCode::from(INTERRUPTED));
+            return Ok(Exit::Interrupted);
         }
         Err(error) => return Err(error.into()),
     };
@@ -116,5 +108,5 @@ fn judge(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Res
         Format::Human => evidence.report.tables.iter().map(|table| table.terminal(color.stdout)).collect(),
     })?;
     evidence.missed.iter().for_each(|missed| say!("missed: {missed}"));
-    Ok(if evidence.missed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })
+    Ok(if evidence.missed.is_empty() { Exit::Done } else { Exit::Missed })
 }

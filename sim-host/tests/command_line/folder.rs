@@ -178,7 +178,7 @@ fn a_run_that_fails_leaves_no_folder() {
     let inner = folder.0.join("run");
     let path = inner.to_str().expect("a path in UTF-8");
     let output = sim_host(&["run", "contact", "--pil", "-o", path]);
-    assert!(code(&output) == 2 && !inner.exists(), "{}", stderr(&output));
+    assert!(code(&output) == 3 && !inner.exists(), "{}", stderr(&output));
     // A folder that cannot be is known before the run.
     std::fs::write(&inner, "a file").expect("a file");
     let output = sim_host(&["run", "lock", "-o", path, "--set", "duration_s=900"]);

@@ -71,7 +71,7 @@ fn a_simulated_board_keeps_its_flash_in_a_file() {
     assert!(get(&["--flash", &flash]).contains("3.5") && get(&[]) == fresh);
     folder.write("board.flash", "no flash");
     let refused = sim_host(&["link", "sim:lock", "status", "--flash", &flash]);
-    assert!(code(&refused) == 2 && stderr(&refused).contains("it has 8 bytes"), "{}", stderr(&refused));
+    assert!(code(&refused) == 3 && stderr(&refused).contains("it has 8 bytes"), "{}", stderr(&refused));
     let other = sim_host(&["link", "/dev/ttyNOT", "status", "--flash", &flash]);
     assert!(code(&other) == 2 && stderr(&other).contains("--flash is of a simulated board"), "{}", stderr(&other));
 }

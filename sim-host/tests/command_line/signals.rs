@@ -1,8 +1,9 @@
-//! Signals to a client of a board that drives: whatever ends it, the drive falls silent, unless it was ordered to go on.
+//! Clients of a served board: whatever ends one that drives, the drive falls silent, unless it was ordered to go on; and who may hold the board.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
+use std::net::TcpStream;
 use std::process::{Child, ChildStdout, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -55,7 +56,11 @@ impl Drop for Running {
 
 /// A simulated board that is served to others, and its address.
 fn served() -> (Running, String) {
-    let mut server = Running::new(program().args(["link", "sim:lock", "serve"]));
+    served_by(program().args(["link", "sim:lock", "serve"]))
+}
+
+fn served_by(command: &mut Command) -> (Running, String) {
+    let mut server = Running::new(command);
     let address = server.until("tcp:").trim().to_owned();
     (server, address)
 }
@@ -177,8 +182,8 @@ fn a_second_client_is_told_who_holds_the_board_and_changes_nothing() {
     let (_server, address) = served();
     let mut first = client(&address, &["drive"]);
     first.until("the drive is on");
-    for order in [&["stop"][..], &["status"], &["settings", "clear"]] {
-        let began = std::time::Instant::now();
+    for order in [&["lock"][..], &["status"], &["settings", "clear"]] {
+        let began = Instant::now();
         let output = sim_host(&[&["link", &address], order].concat());
         assert_eq!(code(&output), 5, "{}", stderr(&output));
         assert!(
@@ -192,6 +197,80 @@ fn a_second_client_is_told_who_holds_the_board_and_changes_nothing() {
     (0..3).for_each(|_| drop(first.until(" locked")));
     first.signal("TERM");
     assert_eq!((first.end(), mode(&address).as_str()), (Some(130), "idle"));
+}
+
+/// A connection to a served board over which nothing is sent.
+fn silent(address: &str) -> TcpStream {
+    TcpStream::connect(address.trim_start_matches("tcp:")).expect("a connection")
+}
+
+#[test]
+fn stop_is_taken_from_anyone_whoever_holds_the_board() {
+    let (_server, address) = served();
+    let mut still = client(&address, &["drive", "--host-timeout", "0"]);
+    still.until("the drive is on");
+    still.signal("STOP");
+    let others = [(); 5].map(|()| silent(&address));
+    let began = Instant::now();
+    answer(&address, &["stop"]);
+    assert!(began.elapsed() < Duration::from_secs(5), "{:?}", began.elapsed());
+    drop(others);
+    assert_eq!(mode(&address), "idle");
+    still.signal("CONT");
+    assert_eq!(still.end(), Some(5), "another client has taken the board");
+    // A holder that has never spoken, too.
+    let _holder = silent(&address);
+    std::thread::sleep(Duration::from_millis(100));
+    answer(&address, &["stop"]);
+}
+
+#[test]
+fn a_silent_client_loses_the_board_and_a_prompt_keeps_it() {
+    let (_server, address) = served_by(program().args(["link", "sim:lock", "serve", "--idle-limit", "2"]));
+    let _holder = silent(&address);
+    std::thread::sleep(Duration::from_millis(100));
+    let status = || code(&sim_host(&["link", &address, "status"]));
+    assert_eq!(status(), 5);
+    std::thread::sleep(Duration::from_secs(3));
+    let mut prompt = Running::new(program().args(["link", &address]).stdin(Stdio::piped()));
+    let mut keys = prompt.child.stdin.take().expect("its input");
+    keys.write_all(b"lock\n").expect("a line");
+    prompt.until("> lock");
+    std::thread::sleep(Duration::from_secs(3));
+    assert_eq!(status(), 5);
+    keys.write_all(b"status\n").expect("a line");
+    prompt.until("> status");
+    // Neither the board nor its server has missed the host.
+    assert!(prompt.until("mode ").contains("run"));
+    drop(keys);
+    assert_eq!(prompt.end(), Some(0));
+}
+
+#[test]
+fn a_server_without_file_descriptors_serves_on() {
+    let line = format!("ulimit -n 12; exec \"{}\" link sim:lock serve", env!("CARGO_BIN_EXE_sim-host"));
+    let (_server, address) = served_by(Command::new("sh").args(["-c", &line]));
+    let many = [(); 16].map(|()| silent(&address));
+    std::thread::sleep(Duration::from_millis(300));
+    drop(many);
+    assert_eq!(mode(&address), "idle");
+}
+
+#[test]
+fn only_who_allows_it_listens_to_other_machines() {
+    let serve = ["link", "sim:lock", "serve", "--listen", "0.0.0.0:0"];
+    let gdb = ["link", "board:dummy-load", "status", "--gdb", "0.0.0.0:0"];
+    for arguments in [serve, gdb] {
+        let output = Command::new("timeout").args(["20", env!("CARGO_BIN_EXE_sim-host")]).args(arguments).output();
+        let output = output.expect("`timeout` starts");
+        assert!(code(&output) == 2 && stderr(&output).contains("`--allow-remote`"), "{}", stderr(&output));
+    }
+    let mut child =
+        program().args(serve).arg("--allow-remote").stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let mut warning = String::new();
+    BufReader::new(child.stderr.take().expect("its messages")).read_line(&mut warning).expect("text");
+    child.kill().and_then(|()| child.wait()).expect("an end");
+    assert!(warning.starts_with("warning: other machines can reach 0.0.0.0:0"), "{warning}");
 }
 
 #[test]
@@ -230,14 +309,12 @@ fn a_client_that_was_started_to_outlive_its_terminal_does() {
 
 #[test]
 fn a_client_that_sends_faster_than_the_wire_does_not_keep_the_board_from_its_time() {
-    use std::io::Write;
-    use std::net::TcpStream;
     let (_server, address) = served();
     answer(&address, &["drive", "--stay"]);
     let before = answer(&address, &["status"])["block"].as_u64().expect("a block");
     let mut flood = TcpStream::connect(address.trim_start_matches("tcp:")).expect("a connection");
     flood.set_write_timeout(Some(Duration::from_millis(200))).expect("a timeout");
-    let began = std::time::Instant::now();
+    let began = Instant::now();
     while began.elapsed() < Duration::from_secs(1) {
         let _ = flood.write(&[0x55; 4096]);
     }

@@ -47,11 +47,11 @@ fn within(folder: &Folder, name: &str) -> String {
     format!("{}/{name}", folder.text())
 }
 
-/// Arguments that are refused, and what is said.
-fn refused(arguments: &[&str], says: &[&str]) {
+/// Arguments that are refused with this exit code, and what is said.
+fn refused(kind: i32, arguments: &[&str], says: &[&str]) {
     let output = sim_host(arguments);
     let text = stderr(&output);
-    assert_eq!(code(&output), 2, "{arguments:?}: {text}");
+    assert_eq!(code(&output), kind, "{arguments:?}: {text}");
     assert!(says.iter().all(|part| text.contains(part)), "{arguments:?}: {text}");
 }
 
@@ -66,7 +66,7 @@ fn threads_and_shards_leave_the_same_bytes() {
     sweep(&[&CONTACT[..], &["--shard", "2/2"]].concat(), &second);
     assert!(!names(&first).contains("sweep.csv"), "a shard is not the whole");
     let output = sim_host(&["merge", &first]);
-    assert_eq!(code(&output), 2);
+    assert_eq!(code(&output), 3);
     assert!(stderr(&output).contains("92 of 180 points are missing: 11 to 21, 33 to 44,"), "{}", stderr(&output));
     let output = sim_host(&["merge", &second, &first, "-o", &joined, "--format", "json"]);
     let said: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
@@ -143,20 +143,20 @@ fn folders_of_other_sweeps_are_refused() {
     let short = ["sweep", "contact-kinematic", "--over", "contact.dahl.mu=0.1,0.2", "--metric", "friction_ratio"];
     sweep(&short, &one);
     sweep(&[&short[..], &["--set", "excitation.velocity_ratio=0.7"]].concat(), &other);
-    refused(&["merge", &one, &other], &["different sweeps", "a scene with other values", "one", "other"]);
+    refused(3, &["merge", &one, &other], &["different sweeps", "a scene with other values", "one", "other"]);
     let more = ["sweep", "contact-kinematic", "--over", "contact.dahl.mu=0.1,0.3", "--metric", "friction_ratio", "-o", &one];
-    refused(&more, &["holds another sweep, of other points", "one"]);
-    refused(&[&short[..5], &["power_ratio", "-o", &one]].concat(), &["of other metrics"]);
-    refused(&["merge", folder.text()], &["no sweep in", "plan.json"]);
+    refused(2, &more, &["holds another sweep, of other points", "one"]);
+    refused(2, &[&short[..5], &["power_ratio", "-o", &one]].concat(), &["of other metrics"]);
+    refused(3, &["merge", folder.text()], &["no sweep in", "plan.json"]);
     let stray = within(&folder, "stray");
     std::fs::create_dir(&stray).expect("a folder");
     std::fs::write(format!("{stray}/sweep.csv"), "mine").expect("a file");
-    refused(&[&short[..], &["-o", &stray]].concat(), &["sweep.csv", "is there already"]);
+    refused(2, &[&short[..], &["-o", &stray]].concat(), &["sweep.csv", "is there already"]);
     assert_eq!(names(&stray), ["sweep.csv".to_owned()].into());
     let part = names(&one).into_iter().find(|name| name.starts_with("part-")).expect("a part");
     std::fs::write(format!("{one}/{part}"), "not a part").expect("a file");
     let output = sim_host(&[&short[..], &["-o", &one]].concat());
-    assert_eq!((code(&output), stderr(&output).contains(&part)), (1, true), "{}", stderr(&output));
+    assert_eq!((code(&output), stderr(&output).contains(&part)), (3, true), "{}", stderr(&output));
 }
 
 /// A point whose scene is not valid, or that diverges, is a row without metrics, and a row of the failures with the reason.

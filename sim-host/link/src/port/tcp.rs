@@ -82,8 +82,19 @@ impl Port for Tcp {
     }
 }
 
-/// Who holds the board, where these bytes say that another client does.
+/// Names the client that holds the board, if these bytes say that another one does. Any server may have sent them: control characters are left out.
 fn held(bytes: &[u8]) -> Option<String> {
-    let holder = str::from_utf8(bytes).ok()?.strip_prefix(HELD)?.trim_end();
+    let holder: String = str::from_utf8(bytes).ok()?.strip_prefix(HELD)?.chars().filter(|c| !c.is_control()).collect();
     Some(format!("the client at {holder} holds the board: end that first (`ss -tnp` shows whose it is)"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_server_cannot_send_control_characters_to_the_terminal() {
+        let why = held(format!("{HELD}\x1b[2J1.2.3.4:5\x07\n").as_bytes()).unwrap();
+        assert!(why.starts_with("the client at [2J1.2.3.4:5 holds"), "{why:?}");
+    }
 }

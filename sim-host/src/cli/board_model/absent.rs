@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::link::LinkArgs;
-use super::{Color, USAGE, without};
+use super::{Color, Exit, mistake, without};
 use link::link_error::LinkError;
 use scene::Driven;
 use sim::processor::Processor;
@@ -22,8 +22,8 @@ pub(super) enum Flashed {}
 
 impl Flashed {
     /// Refuses.
-    pub(super) fn new(_: Option<&Path>, _: &Driven, _: Option<f64>, _: bool) -> Result<Self, (u8, String)> {
-        Err((USAGE, without(MODEL)))
+    pub(super) fn new(_: Option<&Path>, _: &Driven, _: Option<f64>, _: bool) -> anyhow::Result<Self> {
+        Err(mistake(Exit::Usage, without(MODEL)))
     }
 
     /// Cannot be called.

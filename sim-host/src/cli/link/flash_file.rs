@@ -11,7 +11,7 @@ use link::link_error::LinkError;
 /// The flash in a file; none where there is no such file yet.
 pub(super) fn read(file: &Path) -> Result<Option<Flash>, LinkError> {
     let fresh = Setup::default().flash;
-    let refused = |why: String| LinkError::Usage(format!("the flash `{}` {why}", file.display()));
+    let refused = |why: String| LinkError::Input(format!("the flash `{}` {why}", file.display()));
     match fs::read(file) {
         Ok(bytes) if bytes.len() == fresh.bytes().len() => Ok(Some(Flash::holding(bytes, 1))),
         Ok(bytes) => Err(refused(format!(

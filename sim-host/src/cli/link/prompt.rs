@@ -91,9 +91,15 @@ fn next(lines: &Receiver<Input>, session: &mut Session) -> Result<Input, LinkErr
             Err(TryRecvError::Disconnected) => return Ok(Input::End),
             Err(TryRecvError::Empty) if STOP.load(Ordering::Relaxed) => return Err(LinkError::Interrupted),
             Err(TryRecvError::Empty) if session.client.stands_still() => std::thread::sleep(LOOK),
-            Err(TryRecvError::Empty) => session.wait(LOOK)?,
+            Err(TryRecvError::Empty) => look_after(session)?,
         }
     }
+}
+
+/// Waits for a moment, and shows the board that its host is there: the wait by itself is too short for that.
+fn look_after(session: &mut Session) -> Result<(), LinkError> {
+    session.wait(LOOK)?;
+    session.client.status().map(drop)
 }
 
 /// Commands of somebody at a terminal.
@@ -131,7 +137,7 @@ fn edited(editor: &mut Editor, session: &mut Session, args: &LinkArgs) -> Result
         if let Some(input) = editor.answer()? {
             return Ok(input);
         }
-        session.wait(LOOK)?;
+        look_after(session)?;
         if renewed.elapsed() >= RENEW {
             renewed = Instant::now();
             let line = monitor::line(&session.status()?);

@@ -1,11 +1,10 @@
 //! `sim-host sweep plan`: how many points there are, and from a few of them, how much time and room they take. Nothing is written.
 
-use std::process::ExitCode;
 use std::time::Duration;
 
 use serde_json::json;
 
-use super::{Format, RUN_FAILED, STOP, Shard};
+use super::{Exit, Format, STOP, Shard};
 use sim::study::sweep::{Rows, Sweep};
 
 /// How long points are run.
@@ -18,7 +17,7 @@ const TOGETHER: u64 = 32;
 const FAST: Duration = Duration::from_millis(20);
 
 /// Runs some points, on one thread, and says what all of them take.
-pub(super) fn run(sweep: &Sweep, shard: Shard, format: Format) -> anyhow::Result<ExitCode> {
+pub(super) fn run(sweep: &Sweep, shard: Shard, format: Format) -> anyhow::Result<Exit> {
     let count = sweep.design.count();
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let rows = |from: u64, to: u64| alone.install(|| sweep.rows(from..to.min(count), &STOP, &|| ()));
@@ -41,7 +40,7 @@ pub(super) fn run(sweep: &Sweep, shard: Shard, format: Format) -> anyhow::Result
     }
     let run = found.points.len() as f64;
     if run == 0.0 {
-        return Ok(ExitCode::from(RUN_FAILED));
+        return Ok(Exit::Failed);
     }
     let of_shard = shard.count(count);
     let cpu_s = spent.as_secs_f64() / run * of_shard as f64;
@@ -60,7 +59,7 @@ pub(super) fn run(sweep: &Sweep, shard: Shard, format: Format) -> anyhow::Result
             format!("{json:#}\n")
         }
     })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(Exit::Done)
 }
 
 /// Time that this process has had of processors, or where the system does not say so the time that has passed.
