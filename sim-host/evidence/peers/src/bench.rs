@@ -6,6 +6,7 @@ use crate::case::{Case, Kind};
 use crate::choice;
 use crate::peer::{Family, Peer, Setting, Way};
 use crate::reference::Reference;
+use report::statistics::{ascending, median};
 
 /// A run longer than this, ns, ends the search over finer settings of its way.
 const TOO_LONG_NS: f64 = 4e9;
@@ -81,14 +82,10 @@ impl Run {
 impl Point {
     /// What is stated as its cost: the median of the rounds, or of those that were not timed what the search saw, ns a period.
     pub fn ns(&self) -> Option<f64> {
-        let mut rounds = self.rounds.clone();
-        rounds.sort_by(f64::total_cmp);
-        let middle = rounds.len() / 2;
-        match rounds.len() {
-            0 => self.result.as_ref().ok().map(|run| run.searched_ns),
-            count if count % 2 == 0 => Some(0.5 * (rounds[middle - 1] + rounds[middle])),
-            _ => Some(rounds[middle]),
+        if self.rounds.is_empty() {
+            return self.result.as_ref().ok().map(|run| run.searched_ns);
         }
+        Some(median(&ascending(self.rounds.iter().copied())))
     }
 }
 
