@@ -220,7 +220,7 @@ fn paint<DB: DrawingBackend>(
             before.dots += plot.series.iter().filter(|series| series.style == Style::Points).count();
         }
     }
-    Ok(root.present()?)
+    root.present()
 }
 
 /// The scale with as many labelled ticks, of ten, as have room side by side.
