@@ -5,6 +5,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -15,14 +16,11 @@ use rayon::prelude::*;
 const NOT_RUN: [(&str, &str); 20] = [
     ("run \"$scene\"", "a line of a script; tests/command_line/ci.rs runs it"),
     ("link PORT", "a placeholder"),
-    ("link file:", "needs the image of `cargo field`; tests of `sonoglide-link` make the file"),
+    ("link file:", "needs the image of `cargo field`; tests/flash.rs makes the file"),
     ("link /dev/", "a board at a serial port"),
     ("link tcp:", "a board at the other end"),
     ("link sim:lock serve", "waits for a client; tests/command_line/link.rs has one"),
-    (
-        "link board:dummy-load --board-speed 8 --gdb 127.0.0.1:3333 serve",
-        "waits for a debugger; tests of `sonoglide-link` have one",
-    ),
+    ("link board:dummy-load --board-speed 8 --gdb 127.0.0.1:3333 serve", "waits for a debugger; tests/images/debugger has one"),
     ("link sim:lock script rig.txt", "the reader's own script"),
     ("compare ", "compares what other commands of the page have left; tests/command_line/compare.rs has both"),
     ("merge mu-1 mu-2", "joins what other commands of the page have left; tests/command_line/sweep.rs joins shards"),
@@ -75,8 +73,11 @@ fn helps() -> Vec<(String, String)> {
         (format!("{name} --help"), lines.join("\n"))
     };
     let text = help(&["--help"]);
-    let lines = text.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-    lines.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help").map(examples).collect()
+    let lines = text.lines().take_while(|line| *line != "Options:").filter_map(|line| line.strip_prefix("  "));
+    let found: Vec<_> =
+        lines.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help").map(examples).collect();
+    assert!(found.len() > 10, "the commands of the help: {text}");
+    found
 }
 
 /// What stands as code on a page: spans between backticks within a line, indented or fenced lines, and comments that name a command.
@@ -264,7 +265,7 @@ fn wrong_of(at: usize, (page, commands): &(String, Vec<String>)) -> Vec<String> 
         let missing_tool =
             code == 5 && words.iter().any(|word| word == "--pil") || errors.contains(" is not installed; install it with ");
         if missing_tool {
-            println!("SKIPPED `sim-host {command}`: {errors}");
+            let _ = writeln!(std::io::stderr(), "SKIPPED `sim-host {command}`: {errors}");
         } else if lacks(&words) {
             if code != 2 || !errors.contains("--features full") {
                 wrong.push(format!("{page}: `sim-host {command}` does not name the build that has it\n{errors}"));

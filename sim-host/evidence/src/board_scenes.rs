@@ -265,12 +265,14 @@ fn run(case: &Case, flashed: &Flashed) -> Result<Ran, Error> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write as _;
+
     use super::*;
 
     #[test]
     fn the_flashed_image_runs_short_scenes_as_the_host_does() {
         if let Some(missing) = pil::missing_to_build() {
-            eprintln!("SKIPPED, scenes by the flashed image: {missing}");
+            let _ = writeln!(std::io::stderr(), "SKIPPED, scenes by the flashed image: {missing}");
             return;
         }
         let evidence =
@@ -284,7 +286,7 @@ mod tests {
     #[test]
     fn no_scene_has_a_block_beyond_its_time() {
         if let Some(missing) = pil::missing_to_build() {
-            eprintln!("SKIPPED, the beginning of all scenes by both images: {missing}");
+            let _ = writeln!(std::io::stderr(), "SKIPPED, the beginning of all scenes by both images: {missing}");
             return;
         }
         let images = [Flashed::alone().unwrap(), Flashed::in_slot().unwrap()];

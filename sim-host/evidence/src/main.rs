@@ -6,6 +6,7 @@
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 use clap::{Parser, ValueEnum};
@@ -19,6 +20,9 @@ use sonoglide_evidence::precision::instructions::run_alone;
 /// Exit codes, as those of `sim-host`.
 const USAGE: u8 = 2;
 const EXPECTATION_MISSED: u8 = 4;
+const INTERRUPTED: u8 = 130;
+/// Set by Ctrl-C, which a second one does not wait for.
+static STOP: AtomicBool = AtomicBool::new(false);
 /// Arguments by which this program is started to count the instructions of one method.
 const ALONE: [&str; 1] = ["--alone"];
 
@@ -74,11 +78,16 @@ enum Format {
 
 fn benches() -> String {
     let lines: String = BENCHES.iter().map(|bench| format!("  {:12}  {}\n", bench.name, bench.about)).collect();
-    format!("Benches:\n{lines}\nExit codes: 0 done; 1 failed; 2 usage; 4 a target was missed.")
+    format!("Benches:\n{lines}\nExit codes: 0 done; 1 failed; 2 usage; 4 a target was missed; 130 interrupted.")
 }
 
 fn main() -> anyhow::Result<ExitCode> {
     let arguments = Arguments::parse();
+    ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED.into());
+        }
+    })?;
     if let Some(setting) = &arguments.alone {
         return alone(setting);
     }
@@ -137,18 +146,22 @@ fn one(bench: &Bench, dir: Option<PathBuf>, arguments: &Arguments) -> anyhow::Re
     let owner = || Owner::new("evidence", std::iter::empty::<&Path>());
     let folder = dir.as_deref().map(|dir| Folder::open(dir, owner())).transpose()?;
     let executable = std::env::current_exe()?;
-    let evidence = (bench.run)(&mut Options {
+    let run = (bench.run)(&mut Options {
         quick: arguments.quick,
         count: arguments.count,
         seed: arguments.seed,
         counted: (!arguments.no_count).then_some((executable.as_path(), ALONE.as_slice())),
-        stop: None,
+        stop: Some(&STOP),
         progress: &mut |next: &str| {
             if !arguments.quiet {
                 eprintln!("{next}");
             }
         },
-    })?;
+    });
+    let evidence = match run {
+        Err(_) if STOP.load(Ordering::Relaxed) => return Ok(ExitCode::from(INTERRUPTED)),
+        run => run?,
+    };
     if let (Some(dir), Some(folder)) = (dir, folder) {
         let words = std::env::args().skip(1).collect::<Vec<_>>();
         let command = command_line(std::iter::once("evidence").chain(words.iter().map(String::as_str)));

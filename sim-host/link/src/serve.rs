@@ -115,7 +115,8 @@ impl Door {
     /// A failure, such as too few file descriptors, is noted once, and the next turn tries again.
     fn accept(&mut self, listener: &TcpListener, note: fn(&str)) {
         self.waiting.retain(|client| !client.told || client.heard.elapsed() < AWAY_AFTER);
-        while self.waiting.len() < MOST_WAITING {
+        // Those that were refused do not keep a `stop` out.
+        while self.waiting.iter().filter(|client| !client.told).count() < MOST_WAITING {
             match accepted(listener) {
                 Ok(Some(stream)) => self.waiting.push(Client { stream, heard: Instant::now(), told: false }),
                 Ok(None) => return self.failing = false,

@@ -91,12 +91,6 @@ impl Stack {
         &self.parts
     }
 
-    /// Changes the working mode's circuit. The tip goes on as it did, so that with an unchanged force factor the charge on the motional
-    /// capacitor and the current stay.
-    pub fn set_circuit(&mut self, circuit: Circuit) {
-        self.set(Parts { circuit, ..self.parts.clone() });
-    }
-
     /// Changes the elements, of as many modes or more; a new one is at rest. Of every mode what it moves goes on as it did.
     pub fn set(&mut self, parts: Parts) {
         if self.parts == parts {

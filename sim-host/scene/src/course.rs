@@ -83,7 +83,7 @@ pub enum DisturbedKey {
 }
 
 impl Disturbance {
-    /// `true` if nothing is left of a scene's own value of the key: from the beginning of the run on it is that of a step or of a measured course. A series
+    /// `true` if a step or a measured profile replaces the scene's own value from the beginning of the run. A series
     /// resonance or C0 also says what the inductance is, and a first normal force what ratios are counted by: these are left.
     pub fn replaces(&self, key: &str) -> bool {
         let own = serde_json::to_value(self.key).ok();

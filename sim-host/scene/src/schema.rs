@@ -216,7 +216,7 @@ pub fn tail<'a>(path: &'a str, paths: &[String]) -> &'a str {
     of_a_name.find(|tail| paths.iter().filter(|path| ends_so(path, tail)).count() <= 1).unwrap_or(path)
 }
 
-/// What a name is of, in words: without the unit that it ends in.
+/// Quantity that a name states, without its unit: without the unit that it ends in.
 pub fn words_of(name: &str) -> String {
     super::units::split(name).0.replace('_', " ")
 }

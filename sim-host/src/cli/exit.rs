@@ -11,6 +11,7 @@ use link::link_error::LinkError;
 use pil::PilError;
 use scene::load::LoadError;
 use sim::advice::AdviceError;
+use sim::advice::verification::VerifyError;
 use sim::compare::CompareError;
 use sim::evidence::SuiteError;
 use sim::output::OutputError;
@@ -121,7 +122,9 @@ fn exit(error: &(dyn Error + 'static)) -> Option<Exit> {
     }
     if let Some(error) = error.downcast_ref() {
         return match error {
-            StudyError::Run(error) => Some(if matches!(error, RunError::Config(_)) { Input } else { Lost }),
+            StudyError::Run(RunError::Config(_)) => Some(Input),
+            StudyError::Run(RunError::NoProcessor(error)) => exit(error.as_ref()).or(Some(Lost)),
+            StudyError::Run(RunError::Lost(_)) => Some(Lost),
             StudyError::Cell(..) | StudyError::Grid(_) => Some(Input),
             StudyError::EmptyCell(_, error) => exit(error.as_ref()),
             StudyError::Interrupted => Some(Interrupted),
@@ -135,6 +138,12 @@ fn exit(error: &(dyn Error + 'static)) -> Option<Exit> {
         return match error {
             SuiteError::Study(error) => exit(error),
             SuiteError::Scene(_) => Some(Input),
+        };
+    }
+    if let Some(error) = error.downcast_ref() {
+        return match error {
+            VerifyError::Study(error) => exit(error),
+            VerifyError::Scene(_) => Some(Input),
         };
     }
     if let Some(error) = error.downcast_ref::<LinkError>() {

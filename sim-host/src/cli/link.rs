@@ -134,7 +134,7 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<Exit> {
     }
     if let Some(out) = args.port.strip_prefix(FILE) {
         let Some(LinkOrder::Order(order @ Order::Update(update))) = &args.order else {
-            let usage = "`file:OUT` is no board: `update ELF` makes the file of an update there";
+            let usage = "`file:OUT` is not a board: `update ELF` makes the file of an update there";
             return Err(LinkError::Usage(usage.into()).into());
         };
         let made = update::make(update, Path::new(out));
@@ -198,7 +198,7 @@ pub(super) fn with_board(args: &LinkArgs, board: Rc<RefCell<impl InProcess + 'st
     with_port(args, Box::new(port), color)
 }
 
-/// Listens at an address, as `HOST:PORT`, if only this machine can reach it or other machines are allowed. `what` stands before the address in errors.
+/// Listens at an address, as `HOST:PORT`, if only this machine can reach it or other machines are allowed. `what` precedes the address in errors.
 pub(super) fn listen(what: &str, address: &str, allow_remote: bool) -> Result<TcpListener, LinkError> {
     let open = |error: io::Error| {
         let why = match error.kind() {
@@ -350,9 +350,9 @@ fn read(file: &str) -> Result<Script, LinkError> {
 }
 
 fn done(done: Result<(), LinkError>) -> anyhow::Result<Exit> {
-    match done {
-        Err(error) if matches!(error.cause(), LinkError::Interrupted) && CLOSED.load(Ordering::Relaxed) => Ok(Exit::Done),
-        Err(LinkError::Output(error)) => Err(error.into()),
-        done => Ok(done.map(|()| Exit::Done)?),
+    match done.as_ref().map_err(LinkError::cause) {
+        Err(LinkError::Interrupted) if CLOSED.load(Ordering::Relaxed) => Ok(Exit::Done),
+        Err(LinkError::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(Exit::Done),
+        _ => Ok(done.map(|()| Exit::Done)?),
     }
 }

@@ -1,5 +1,7 @@
 //! What shells and readers of manuals are given.
 
+use std::io::Write as _;
+
 use super::{Folder, code, sim_host, stderr, stdout};
 
 #[test]
@@ -24,6 +26,6 @@ fn completions_for_bash_can_be_read() {
     let file = folder.write("completions.bash", &stdout(&sim_host(&["completions", "bash"])));
     match Command::new("bash").args(["-n", &file]).stderr(Stdio::inherit()).status() {
         Ok(status) => assert!(status.success()),
-        Err(_) => println!("SKIPPED: there is no bash"),
+        Err(_) => writeln!(std::io::stderr(), "SKIPPED: there is no bash").expect("standard error"),
     }
 }

@@ -71,7 +71,7 @@ fn no_command_removes_a_file_that_it_did_not_write() {
     for (first, line) in WRITERS.iter().enumerate() {
         done(&folder, &format!("{line} -o {first}"));
     }
-    for first in 0..WRITERS.len() {
+    for (first, writer) in WRITERS.iter().enumerate() {
         let left = folder.0.join(first.to_string());
         let (files, command) = (listed(&left), manifest(&left)["command"].clone());
         for (second, line) in WRITERS.iter().enumerate() {
@@ -86,8 +86,7 @@ fn no_command_removes_a_file_that_it_did_not_write() {
                     std::fs::write(target.join(file), bytes).expect("a file");
                 }
                 let (before, output) = (contents(&target), at(&folder, &format!("{line} -o target")));
-                let (after, context) =
-                    (contents(&target), format!("{} | {line} | {edited:?}: {}", WRITERS[first], stderr(&output)));
+                let (after, context) = (contents(&target), format!("{writer} | {line} | {edited:?}: {}", stderr(&output)));
                 if edited.is_none() && manifest(&folder.0.join(second.to_string()))["command"] == command {
                     assert!([0, 4].contains(&code(&output)), "{context}");
                     assert!(after.keys().eq(before.keys()) || line.starts_with("sweep"), "{context}");

@@ -104,7 +104,7 @@ fn hangs_up() -> bool {
     let ignored = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
     let hangs_up = ignored.is_none_or(|signals| signals & 1 == 0);
     if !hangs_up {
-        eprintln!("SKIPPED, hang-ups: they are ignored here");
+        let _ = writeln!(std::io::stderr(), "SKIPPED, hang-ups: they are ignored here");
     }
     hangs_up
 }

@@ -1,6 +1,6 @@
 //! The same image on QEMU and on the interpreter: the same codes and telemetry, bit for bit, and as many instructions.
 //!
-//! `cargo run --release -p sonoglide-pil --example compare -- lock burst` compares any scenes.
+//! `cargo run --release -p sonoglide-board --example compare -- lock burst` compares any scenes.
 
 use board::interpreter::Interpreter;
 use firmware::seam::block::{DriveBlock, Orders, SenseBlock};

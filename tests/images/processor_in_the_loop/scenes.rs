@@ -1,6 +1,6 @@
 //! Every built-in scene that has a controller, host against thumb code: the hash of every code played, and the last report.
 //!
-//! `UPDATE_DOCS=1 cargo test docs -- --include-ignored` writes the table of docs/evidence/processor-in-the-loop.md.
+//! `UPDATE_DOCS=1 cargo test -p image-scenarios docs -- --include-ignored` writes the table of docs/evidence/processor-in-the-loop.md.
 
 use std::fmt::Write as _;
 use std::path::Path;

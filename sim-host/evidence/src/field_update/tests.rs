@@ -1,12 +1,14 @@
+use std::io::Write as _;
+
 use super::*;
 
 #[test]
 fn a_few_cuts_of_each_phase_leave_a_board_that_starts() {
     if let Some(missing) = pil::missing_to_build() {
-        eprintln!("SKIPPED, power cuts during an update: {missing}");
+        let _ = writeln!(std::io::stderr(), "SKIPPED, power cuts during an update: {missing}");
         return;
     }
-    // Marking has its own test with a small update (`sonoglide-link`): a whole one takes half a minute here.
+    // Marking has its own test with a small update (`image-scenarios`): a whole one takes half a minute here.
     let phases = [Phase::Receiving, Phase::Installing, Phase::Confirming, Phase::Returning];
     let tried = campaign(&FieldImages::built().unwrap(), &phases, QUICK, &mut |_| ()).unwrap();
     for Tried { phase, operations, outcomes } in &tried {

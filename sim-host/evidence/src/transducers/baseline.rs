@@ -1,7 +1,7 @@
 //! The baseline: what was counted when it was written, and nothing may be worse.
 //!
 //! `baseline.csv` has a row for each kind of the random set, for all of it by the phase loop, and for each case, of the quick and of the full variant. A row is worse than its baseline if fewer runs lock,
-//! more lock silently outside the bound, or more end in a fault that does not hold. `UPDATE_DOCS=1 cargo test docs -- --include-ignored` writes it, with the tables.
+//! more lock silently outside the bound, or more end in a fault that does not hold. `UPDATE_DOCS=1 cargo test -p sonoglide-evidence docs -- --include-ignored` writes it, with the tables.
 
 use std::fmt::Write;
 
@@ -67,12 +67,12 @@ fn worse(row: &Counted, baseline: &Option<[usize; 4]>) -> Vec<String> {
     let counts = &row.counts;
     let Some([runs, locked, silent, accused]) = *baseline else {
         return vec![format!(
-            "{what} ({variant}): the baseline has no such row; `UPDATE_DOCS=1 cargo test docs -- --include-ignored` writes it"
+            "{what} ({variant}): the baseline has no such row; `UPDATE_DOCS=1 cargo test -p sonoglide-evidence docs -- --include-ignored` writes it"
         )];
     };
     if runs != counts.runs {
         return vec![format!(
-            "{what} ({variant}): {} runs, where the baseline has {runs}; `UPDATE_DOCS=1 cargo test docs -- --include-ignored`",
+            "{what} ({variant}): {} runs, where the baseline has {runs}; `UPDATE_DOCS=1 cargo test -p sonoglide-evidence docs -- --include-ignored`",
             counts.runs
         )];
     }

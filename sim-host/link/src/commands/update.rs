@@ -95,7 +95,7 @@ fn seed(file: &Path) -> Result<[u8; 32], LinkError> {
     let text = String::from_utf8_lossy(&read(file)?).trim().to_owned();
     let bytes: Option<Vec<u8>> = (0..text.len()).step_by(2).map(|n| u8::from_str_radix(text.get(n..n + 2)?, 16).ok()).collect();
     let seed = bytes.and_then(|bytes| <[u8; 32]>::try_from(bytes).ok());
-    seed.ok_or_else(|| LinkError::Input(format!("{} is no secret key: it needs 64 hexadecimal digits", file.display())))
+    seed.ok_or_else(|| LinkError::Input(format!("{} is not a secret key: it needs 64 hexadecimal digits", file.display())))
 }
 
 fn digits(bytes: &[u8]) -> String {
@@ -104,7 +104,7 @@ fn digits(bytes: &[u8]) -> String {
 
 /// The manifest of an update whose bytes are whole. Whether it is for the board, and rightly signed, is for the board to say.
 fn whole(bytes: &[u8]) -> Result<Manifest, LinkError> {
-    let no = |why: &str| LinkError::Input(format!("this is no update: {why}"));
+    let no = |why: &str| LinkError::Input(format!("this is not an update: {why}"));
     if bytes.starts_with(b"\x7fELF") {
         return Err(no("it is an ELF file. Make one of it: `sim-host link file:OUT update ELF`"));
     }

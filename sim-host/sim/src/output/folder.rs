@@ -219,7 +219,12 @@ fn remove_left(dir: &Path) {
 /// Where runs are being written, or were when they were killed.
 fn unfinished_runs(dir: &Path) -> impl Iterator<Item = PathBuf> {
     let entries = fs::read_dir(dir).into_iter().flatten().flatten();
-    entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(UNFINISHED)).map(|entry| entry.path())
+    // The name of a folder of ours: process and number.
+    let is_ours = |name: &str| {
+        let numbers = name.strip_prefix(UNFINISHED).and_then(|rest| rest.split_once('-'));
+        numbers.is_some_and(|(process, number)| [process, number].iter().all(|text| text.parse::<u64>().is_ok()))
+    };
+    entries.filter(move |entry| is_ours(&entry.file_name().to_string_lossy())).map(|entry| entry.path())
 }
 
 /// Whether the process lives that writes this run: it holds the lock of its own folder.
@@ -251,7 +256,7 @@ pub(super) fn replaceable(dir: &Path, owner: &Owner) -> Result<BTreeMap<String, 
     match (manifest["command"].as_str(), manifest["checksums"].as_object()) {
         _ if manifest["program"] != "sim-host" => return taken(path, "is not a manifest of sim-host"),
         (Some(command), Some(_)) if command == owner.command => {}
-        (Some(command), Some(_)) => return taken(path, &format!("is of `sim-host {command}`")),
+        (Some(command), Some(_)) => return taken(path, &format!("is of the command `{command}`")),
         _ => return taken(path, "is of an older version and has no checksums"),
     }
     let known = |name: &str| [&manifest["checksums"][name], &manifest["former"][name]];
