@@ -48,7 +48,7 @@ const FILE: &str = "file:";
 pub(super) struct LinkArgs {
     /// A serial device (/dev/ttyACM0, COM3), `tcp:HOST:PORT`, `sim:SCENE`: a simulated board in this process, or `board:SCENE`: the image that is
     /// flashed, on a model of its part. For `update` also `file:OUT`: makes the file of an update of an ELF file.
-    port: String,
+    pub(super) port: String,
     /// What to do there; without it commands are read from a prompt, or line by line from standard input.
     #[command(subcommand)]
     order: Option<LinkOrder>,
