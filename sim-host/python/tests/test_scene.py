@@ -63,7 +63,7 @@ def test_a_folder_is_that_of_the_command_line(tmp_path):
     assert {"manifest.json", "summary.json", "report.html", "trace.csv"} <= {path.name for path in folder.iterdir()}
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "manifest.json").write_text("{}")
-    with pytest.raises(RunError, match="no run's manifest"):
+    with pytest.raises(RunError, match="is not a manifest of sim-host"):
         Scene.load("contact-kinematic").run(tmp_path / "other")
 
 
