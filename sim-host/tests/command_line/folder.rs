@@ -161,7 +161,7 @@ fn a_folder_whose_manifest_cannot_be_trusted_stays_as_it_is() {
     // Of version 0.1.0, of another command, with a list that leads out of the folder, and with a list that names a file of the user.
     for (manifest, why) in [
         (changed("checksums", Value::Null), "is of an older version"),
-        (changed("command", "import friction".into()), "is of `sim-host import friction`"),
+        (changed("command", "import friction".into()), "is of the command `import friction`"),
         (changed("files", serde_json::json!(["../outside.csv"])), "was changed"),
         (changed("files", serde_json::json!(["notes.txt"])), "was changed"),
     ] {
