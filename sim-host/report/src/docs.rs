@@ -50,7 +50,7 @@ fn compare(page: &str, found: &str, expected: &str) {
     let differ = found.lines().zip(expected.lines()).find(|(found, expected)| found != expected);
     let (found, expected) = differ.unwrap_or(("an end", "another end"));
     panic!(
-        "docs/{page} differs from its command: it has\n  {found}\nin place of\n  {expected}\nrun `UPDATE_DOCS=1 cargo test docs -- --include-ignored`"
+        "docs/{page} differs from its command: it has\n  {found}\nin place of\n  {expected}\nrun `UPDATE_DOCS=1 cargo test docs -- --include-ignored`, with `-p sonoglide-evidence -p image-scenarios` for their pages"
     );
 }
 
