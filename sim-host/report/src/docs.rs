@@ -6,7 +6,8 @@
 //! <!-- end -->
 //! ```
 //!
-//! and a test with `docs` in its name holds it against what the command prints. `UPDATE_DOCS=1 cargo test docs -- --include-ignored` regenerates all of them.
+//! and a test with `docs` in its name compares it with the output of the command. `UPDATE_DOCS=1 cargo test docs -- --include-ignored` regenerates
+//! them; those of the evidence and of thumb images with `-p sonoglide-evidence -p image-scenarios`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
