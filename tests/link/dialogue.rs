@@ -1,4 +1,4 @@
-//! What a script over the link reports about a simulated board.
+//! A script over the link to a simulated board, compared with what its plant did.
 
 use hal_mock::tracer::Exchange;
 

@@ -24,9 +24,9 @@ const LONGEST: Duration = Duration::from_millis(10);
 const READS: usize = 16;
 /// Bytes that may be on the wire to the board before more are lost: many times the longest frame.
 const ROOM: usize = 4096;
-/// How long a client waits for the holder to go: bytes that a program has sent as it ended are read first.
+/// Time that a client waits for the holder to go: bytes that a program has sent as it ended are read first.
 const HELD_AFTER: Duration = Duration::from_millis(500);
-/// How long the connection of such a client stays open, so that it can read who holds the board.
+/// Time that the connection of such a client stays open, so that it can read who holds the board.
 const AWAY_AFTER: Duration = Duration::from_millis(1500);
 /// Most clients that wait at a time; more remain in the backlog of the operating system.
 const MOST_WAITING: usize = 16;

@@ -1,4 +1,4 @@
-//! How the program ends: one exit code for each kind of error, whichever command meets it.
+//! Exit codes: one for each kind of error, in every command.
 
 use std::error::Error;
 use std::process::ExitCode;
