@@ -19,74 +19,47 @@
 //! ```
 #![forbid(unsafe_code)]
 
-pub mod builtin;
-mod carriage;
-pub mod circuit;
-mod comparison;
-mod contact;
-mod controller;
-mod course;
-pub mod diagnostic;
-mod dring;
-mod excitation;
-mod exclusive;
-pub mod figures;
-mod integrator;
-pub mod keys;
-pub mod keys_page;
-pub mod load;
-mod measured_curve;
+mod keys;
 pub mod metrics;
-pub mod problem;
-pub mod resolved;
-mod results;
-mod rig;
-mod rules;
-pub mod schema;
-pub mod settings;
-pub mod settings_page;
-
-pub mod nearest;
 pub mod numbers;
-mod overlay;
-mod plant;
-mod profile;
+mod pages;
+pub mod problem;
+mod read;
 pub mod replaced;
-mod stator;
-pub mod suite;
-mod tree;
-mod units;
-mod unknown;
-mod vary;
+pub mod settings;
 mod views;
-mod walk;
-mod wording;
 
 #[cfg(test)]
 mod tests;
 
-pub use carriage::Carriage;
-pub use comparison::{Case, Comparison, Equal};
-pub use contact::{Compliant, Contact, Coulomb, Dahl, Empirical, Held, Hertz, Lugre, Model, Sign};
-pub use controller::Controller;
-pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
-pub use dring::{ActuatorKind, Dring, NormalPartKind, Occupant, RingVibration};
-pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
 pub use firmware::seam::config::scene::{Burst, Drive, Friction, Limits, Phasing, Restraint, Sweep, Thermometer, Tracking};
 pub use firmware::seam::config::{
     Around, ChirpKind, Direction, Edge, FrictionLaw, Prefer, ShapeKind as Shape, Then, TrackingMode,
 };
-pub use integrator::Integrator;
-pub use measured_curve::Overlay;
-pub use nearest::shown;
-pub use plant::{Amplifier, Bvd, LAW_FACTORS, Mode, Sensors, Stack, Thermal};
-pub use profile::Profile;
-pub use results::{Expect, Grid, Over, Signal, Trace, TraceFormat};
-pub use rig::{Belt, Kinematic, Rig, Rotor, Sdof, Slider};
+pub use keys::carriage::Carriage;
+pub use keys::circuit;
+pub use keys::comparison::{Case, Comparison, Equal};
+pub use keys::contact::{Compliant, Contact, Coulomb, Dahl, Empirical, Held, Hertz, Lugre, Model, Sign};
+pub use keys::controller::Controller;
+pub use keys::course::{Disturbance, DisturbedKey, Fault, FaultKind};
+pub use keys::dring::{ActuatorKind, Dring, NormalPartKind, Occupant, RingVibration};
+pub use keys::excitation::{Excitation, Match, VibrationVelocity, Waveform};
+pub use keys::integrator::Integrator;
+pub use keys::measured_curve::Overlay;
+pub use keys::plant::{Amplifier, Bvd, LAW_FACTORS, Mode, Sensors, Stack, Thermal};
+pub use keys::profile::Profile;
+pub use keys::results::{Expect, Grid, Over, Signal, Trace, TraceFormat};
+pub use keys::rig::{Belt, Kinematic, Rig, Rotor, Sdof, Slider};
+pub use keys::stator::Stator;
+pub use keys::vary::Vary;
+use keys::{carriage, contact, dring, plant};
+pub use metrics::figures;
+pub use pages::{all_keys, keys_page, resolved, settings_page};
+pub use read::nearest::shown;
+pub use read::{builtin, diagnostic, load, nearest, schema, suite};
+use read::{exclusive, overlay, profile, rules, tree, units, unknown, walk, wording};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-pub use stator::Stator;
-pub use vary::Vary;
 pub use views::{Body, Driven, Excited, Kind, Transducer};
 
 /// A scene: either the firmware drives a stack, or a contact is studied by itself.

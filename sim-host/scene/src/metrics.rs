@@ -3,6 +3,7 @@
 //! A scene's expectations are checked against this table before anything is run; what is measured, reported and explained is read from it, and the
 //! page `docs/data.md` is generated from it. A run has the metrics that mean something in its scene, and no others.
 
+pub mod figures;
 mod table;
 
 use std::sync::LazyLock;

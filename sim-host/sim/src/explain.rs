@@ -3,7 +3,7 @@
 use firmware::seam::fault::{Fault, Limit};
 
 use crate::data::{FIGURES, FigureData, files};
-use scene::keys::{Key, Repeats, keys};
+use scene::all_keys::{Key, Repeats, keys};
 use scene::metrics::{MACHINE, METRICS, Metric, RENAMED, machine_figure, metric, of_one_run, renamed};
 use scene::nearest::nearest;
 

@@ -6,7 +6,7 @@ use hal_mock::chance::Chance;
 use scene::load::{LoadError, Loaded, load_text};
 use scene::resolved::{resolved_json, resolved_toml};
 use scene::schema::{Kind, Schema};
-use scene::{builtin, keys};
+use scene::{all_keys, builtin};
 use serde_json::Value;
 
 use super::corpus;
@@ -29,7 +29,7 @@ static WORDS: LazyLock<Vec<String>> = LazyLock::new(|| {
     let choices = Schema::tables().into_iter().flat_map(|(_, table)| {
         table.properties().flat_map(|(_, schema)| schema.choices()).map(|choice| format!("\"{choice}\"")).collect::<Vec<_>>()
     });
-    keys::keys().into_iter().map(|key| key.path).chain(choices).collect()
+    all_keys::keys().into_iter().map(|key| key.path).chain(choices).collect()
 });
 
 /// The built-in scenes, and the keys that each of them has once it is resolved.
@@ -63,7 +63,7 @@ fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
 /// A value of its kind for a key, as `--set` has it.
 fn set(chance: &mut Chance, keys: &[String]) -> String {
     // Mostly one that the scene has: any other one lacks its neighbours.
-    let any = keys::keys();
+    let any = all_keys::keys();
     let key = if chance.strikes(0.2) { pick(chance, &any).map(|key| key.path) } else { pick(chance, keys) }.unwrap_or_default();
     let Some(schema) = Schema::root().at(&key) else { return format!("{key}=1") };
     format!("{key}={}", value(chance, schema))

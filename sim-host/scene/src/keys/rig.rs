@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::carriage::Carriage;
-use super::dring::Dring;
+use crate::carriage::Carriage;
+use crate::dring::Dring;
 
 /// What presses on the contact and moves it. Give exactly one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Profile;
+use crate::Profile;
 
 /// Frequency of a ring's vibration where none is given, Hz: that of experiment 2.
 pub(crate) const RING_HZ: f64 = 20e3;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::keys::{Key, Repeats, keys};
+use crate::all_keys::{Key, Repeats, keys};
 
 const HEAD: &str = "\
 # Keys of a scene

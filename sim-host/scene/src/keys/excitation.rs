@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Profile;
+use crate::Profile;
 
 /// A contact study (thesis chapter 4): a given force or velocity shakes the contact; there is no controller, converter or stack. Give
 /// exactly one of `velocity_ratio` and `sliding_m_per_s`.

@@ -1,14 +1,14 @@
 //! One text laid over another: a scene over its base, and `--set key=value` over a scene.
 
-use super::diagnostic::{Place, Problem};
-use super::exclusive::{EXCLUSIVE, LAYERED};
-use super::nearest::short;
-use super::schema::{Schema, is_index, join, without_indices};
-use super::tree::{Entry, Node, Origin, Table, Value};
+use crate::diagnostic::{Place, Problem};
+use crate::exclusive::{EXCLUSIVE, LAYERED};
+use crate::nearest::short;
+use crate::schema::{Schema, is_index, join, without_indices};
+use crate::tree::{Entry, Node, Origin, Table, Value};
 
 /// Parses one `--set` argument, `key=value`. A value that is no TOML is taken as a string, so that names need no quotes in a
 /// shell; brackets and quotes show that TOML was meant.
-pub(super) fn parse_set(text: &str, origin: Origin) -> Result<Node, Problem> {
+pub(crate) fn parse_set(text: &str, origin: Origin) -> Result<Node, Problem> {
     let example = "for example `--set controller.drive.frequency_hz=40e3`";
     let everything = || origin.place(0..text.len());
     let Some((key, value)) = text.split_once('=').filter(|(key, _)| !key.trim().is_empty()) else {
@@ -37,7 +37,7 @@ pub(super) fn parse_set(text: &str, origin: Origin) -> Result<Node, Problem> {
 }
 
 /// A syntax error of TOML as a problem.
-pub(super) fn syntax(error: &toml::de::Error, text: &str, origin: Origin) -> Problem {
+pub(crate) fn syntax(error: &toml::de::Error, text: &str, origin: Origin) -> Problem {
     let span = error.span().unwrap_or(0..0);
     let (message, label) = error.message().split_once(", expected ").unwrap_or((error.message(), ""));
     let label = if label.is_empty() { String::new() } else { format!("expected {label}") };
@@ -79,7 +79,7 @@ fn set_leaf(node: &mut Node, leaf: &Node) {
 
 /// Lays `over` on `under`: tables are merged, everything else is replaced. In a list of tables, keys that are numbers count its
 /// entries. A key that excludes others (see [`EXCLUSIVE`]) replaces them. A number that may be absent is so with `none`.
-pub(super) fn overlay(under: &mut Node, over: Node, path: &str, problems: &mut Vec<Problem>) {
+pub(crate) fn overlay(under: &mut Node, over: Node, path: &str, problems: &mut Vec<Problem>) {
     match (&mut under.value, over.value) {
         (Value::Table(below), Value::Table(above)) => {
             give_way(below, &above, path);
@@ -164,7 +164,7 @@ fn give_way(below: &mut Table, above: &Table, path: &str) {
 }
 
 /// The `--set` arguments as one source, a line each, and where each begins.
-pub(super) fn joined(sets: &[String]) -> (String, Vec<usize>) {
+pub(crate) fn joined(sets: &[String]) -> (String, Vec<usize>) {
     let mut text = String::new();
     let starts = sets.iter().map(|set| {
         if !text.is_empty() {
@@ -179,7 +179,7 @@ pub(super) fn joined(sets: &[String]) -> (String, Vec<usize>) {
 }
 
 /// Gives every place in a tree the same place: for text inside a string, whose own bytes are no place of the file.
-pub(super) fn put_all_at(node: &mut Node, place: &Place) {
+pub(crate) fn put_all_at(node: &mut Node, place: &Place) {
     node.place = place.clone();
     match &mut node.value {
         Value::List(list) => list.iter_mut().for_each(|node| put_all_at(node, place)),

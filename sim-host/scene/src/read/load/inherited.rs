@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::super::resolved::resolved_json;
-use super::super::tree::{Node, Value};
 use super::{Loaded, Whole, builtin, load_text, read};
+use crate::resolved::resolved_json;
+use crate::tree::{Node, Value};
 
 /// Keys of a scene that change no input of its run.
 const NO_INPUTS: [&str; 9] = ["title", "source", "notes", "expect", "seed", "trace", "overlay", "grid", "comparison"];
@@ -157,7 +157,7 @@ pub(super) fn of_json(value: &serde_json::Value) -> Option<String> {
 }
 
 /// Every key of a scene with its value, in the order of the scene: what it was run with, defaults included.
-pub fn inputs(scene: &super::super::Scene) -> Vec<(String, String)> {
+pub fn inputs(scene: &crate::Scene) -> Vec<(String, String)> {
     let mut found = Vec::new();
     flatten(&resolved_json(scene), "", &mut found);
     found.retain(|(key, _)| !["title", "source", "notes", "expect"].contains(&key.split('.').next().unwrap_or_default()));

@@ -34,19 +34,19 @@ mod vary;
 mod webbing;
 mod window;
 
-use super::diagnostic::{Place, Problem};
-use super::exclusive::EXCLUSIVE;
-use super::nearest::{listed, nearest, short, shown};
-use super::schema::{Schema, join};
-use super::tree::Node;
-use super::walk::{Findings, walk};
+use crate::diagnostic::{Place, Problem};
+use crate::exclusive::EXCLUSIVE;
 use crate::metrics;
+use crate::nearest::{listed, nearest, short, shown};
+use crate::schema::{Schema, join};
+use crate::tree::Node;
+use crate::walk::{Findings, walk};
 
-pub(super) use cells::alone;
+pub(crate) use cells::alone;
 use kind::Kind;
 
 /// Checks a scene on which the walk has been: adds to what it found.
-pub(super) fn check(root: &Node, findings: Findings) -> Findings {
+pub(crate) fn check(root: &Node, findings: Findings) -> Findings {
     let mut rules = Rules { root, findings, kind: None };
     rules.kind();
     rules.belonging();

@@ -1,9 +1,5 @@
 //! A value over time, as it was measured: where it is read from, and its samples.
 
-pub(crate) mod column;
-pub(crate) mod heading;
-pub(crate) mod resolve;
-
 use std::sync::Arc;
 
 use schemars::JsonSchema;

@@ -234,7 +234,7 @@ impl Contact {
     }
 
     /// Makes the sign explicit, where a model has one.
-    pub(super) fn complete(&mut self) {
+    pub(crate) fn complete(&mut self) {
         let coulomb = self.coulomb.iter_mut().map(|model| &mut model.sign);
         let dahl = self.dahl.iter_mut().map(|model| &mut model.sign);
         let lugre = self.lugre.iter_mut().map(|model| &mut model.sign);

@@ -3,9 +3,9 @@
 
 /// A unit of measurement.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Unit {
+pub(crate) struct Unit {
     /// How to write it: `m/s`.
-    pub(super) symbol: String,
+    pub(crate) symbol: String,
     /// How much of the base unit it is, unless the name leaves that open (`mohm`).
     scale: Option<f64>,
     dimension: String,
@@ -13,17 +13,17 @@ pub(super) struct Unit {
 
 impl Unit {
     /// A unit by its symbol, how much of a base unit it is, and that base unit.
-    pub(super) fn new(symbol: &str, scale: f64, dimension: &str) -> Self {
+    pub(crate) fn new(symbol: &str, scale: f64, dimension: &str) -> Self {
         Unit { symbol: symbol.to_owned(), scale: Some(scale), dimension: dimension.to_owned() }
     }
 
     /// Factor from this unit to another of the same kind.
-    pub(super) fn factor_to(&self, other: &Self) -> Option<f64> {
+    pub(crate) fn factor_to(&self, other: &Self) -> Option<f64> {
         (self.dimension == other.dimension).then_some(self.scale? / other.scale?)
     }
 
     /// Whether both measure the same.
-    pub(super) fn measures_like(&self, other: &Self) -> bool {
+    pub(crate) fn measures_like(&self, other: &Self) -> bool {
         self.dimension == other.dimension
     }
 }
@@ -66,13 +66,13 @@ const UNITS: &[(&str, &str, &str, f64)] = &[
 const PREFIXES: &[(&str, f64)] = &[("p", 1e-12), ("n", 1e-9), ("u", 1e-6), ("m", 1e-3), ("c", 1e-2), ("k", 1e3), ("g", 1e9)];
 
 /// The name of a quantity and its unit, if the key ends in one.
-pub(super) fn split(key: &str) -> (&str, Option<Unit>) {
+pub(crate) fn split(key: &str) -> (&str, Option<Unit>) {
     let cuts = key.match_indices('_').filter(|(at, _)| *at > 0);
     cuts.filter_map(|(at, _)| Some((&key[..at], Some(unit(&key[at + 1..])?)))).next().unwrap_or((key, None))
 }
 
 /// The unit of this spelling, as keys end in it: `m_per_s`.
-pub(super) fn named(spelling: &str) -> Option<Unit> {
+pub(crate) fn named(spelling: &str) -> Option<Unit> {
     unit(spelling)
 }
 

@@ -1,14 +1,14 @@
 //! A key that a table does not have: what was meant by it?
 
-use super::diagnostic::Problem;
-use super::nearest::{listed, nearest, short, shown};
-use super::schema::{Schema, join};
-use super::tree::{Entry, Node};
-use super::units;
-use super::wording::{header, named, within};
+use crate::diagnostic::Problem;
+use crate::nearest::{listed, nearest, short, shown};
+use crate::schema::{Schema, join};
+use crate::tree::{Entry, Node};
+use crate::units;
+use crate::wording::{header, named, within};
 
 /// Explains an unknown key, and says which keys of the scene were probably meant, as paths.
-pub(super) fn unknown(root: Schema, table: Schema, path: &str, name: &str, entry: &Entry) -> (Problem, Vec<String>) {
+pub(crate) fn unknown(root: Schema, table: Schema, path: &str, name: &str, entry: &Entry) -> (Problem, Vec<String>) {
     if let Some((problem, meant)) = wrong_unit(table, name, entry) {
         return (problem, vec![join(path, meant)]);
     }

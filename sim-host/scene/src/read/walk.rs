@@ -2,16 +2,16 @@
 
 use std::collections::BTreeSet;
 
-use super::diagnostic::{Place, Problem};
-use super::nearest::{listed, nearest, short, shown};
-use super::schema::{Kind, Schema, join};
-use super::tree::{Node, Value};
-use super::unknown;
-use super::wording::{header, range, unit, within};
+use crate::diagnostic::{Place, Problem};
+use crate::nearest::{listed, nearest, short, shown};
+use crate::schema::{Kind, Schema, join};
+use crate::tree::{Node, Value};
+use crate::unknown;
+use crate::wording::{header, range, unit, within};
 
 /// What was found, and at which paths.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Findings {
+pub(crate) struct Findings {
     pub(super) problems: Vec<Problem>,
     bad: BTreeSet<String>,
     /// Keys and tables that are there under another name, or in another table.
@@ -22,28 +22,28 @@ pub(super) struct Findings {
 
 impl Findings {
     /// Adds a problem with the value at a path.
-    pub(super) fn add(&mut self, path: impl Into<String>, problem: Problem) {
+    pub(crate) fn add(&mut self, path: impl Into<String>, problem: Problem) {
         self.bad.insert(path.into());
         self.problems.push(problem);
     }
 
     /// Marks a path that a problem with another one is about, too.
-    pub(super) fn mark(&mut self, path: impl Into<String>) {
+    pub(crate) fn mark(&mut self, path: impl Into<String>) {
         self.bad.insert(path.into());
     }
 
     /// Whether nothing is wrong with the value at a path, in it, or with what it is part of.
-    pub(super) fn clean(&self, path: &str) -> bool {
+    pub(crate) fn clean(&self, path: &str) -> bool {
         !self.bad.iter().any(|bad| inside(bad, path) || inside(path, bad))
     }
 
     /// Whether something is wrong with the value at a path itself, rather than in it or with what it is part of.
-    pub(super) fn marked(&self, path: &str) -> bool {
+    pub(crate) fn marked(&self, path: &str) -> bool {
         self.bad.contains(path)
     }
 
     /// Whether a path, or a part of it, is probably there under another name: if it is absent, that has been said.
-    pub(super) fn meant(&self, path: &str) -> bool {
+    pub(crate) fn meant(&self, path: &str) -> bool {
         self.meant.iter().any(|meant| inside(meant, path) || inside(path, meant))
     }
 }
@@ -54,12 +54,12 @@ fn inside(part: &str, whole: &str) -> bool {
 }
 
 /// Checks a scene. A whole number written as `32.0` becomes an integer.
-pub(super) fn walk(root: &mut Node) -> Findings {
+pub(crate) fn walk(root: &mut Node) -> Findings {
     walk_by(root, Schema::root())
 }
 
 /// Checks another file than a scene, by its schema.
-pub(super) fn walk_by(root: &mut Node, schema: Schema) -> Findings {
+pub(crate) fn walk_by(root: &mut Node, schema: Schema) -> Findings {
     let mut findings = Findings { root: Some(schema), ..Findings::default() };
     check(root, schema, "", &mut findings);
     findings
@@ -158,7 +158,7 @@ fn wrong_length(node: &Node, schema: Schema, path: &str) -> Option<Problem> {
 }
 
 /// What is wrong with a number: not finite, out of range, or not whole.
-pub(super) fn wrong_number(node: &Node, schema: Schema, path: &str) -> Option<Problem> {
+pub(crate) fn wrong_number(node: &Node, schema: Schema, path: &str) -> Option<Problem> {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     let number = node.number()?;
     let problem = |message: String, label: String| {

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Equal;
+use crate::Equal;
 
 /// Metrics at every combination of the values of some keys; each point is this scene, run again with these values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

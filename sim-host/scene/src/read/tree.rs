@@ -7,18 +7,18 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeFloat, DeInteger, DeTable, DeValue};
 
-use super::diagnostic::Place;
+use crate::diagnostic::Place;
 
 /// A value and its place.
 #[derive(Clone, Debug)]
-pub(super) struct Node {
-    pub(super) place: Place,
-    pub(super) value: Value,
+pub(crate) struct Node {
+    pub(crate) place: Place,
+    pub(crate) value: Value,
 }
 
 /// A value of a scene file.
 #[derive(Clone, Debug)]
-pub(super) enum Value {
+pub(crate) enum Value {
     Flag(bool),
     Integer(i64),
     Number(f64),
@@ -31,44 +31,44 @@ pub(super) enum Value {
 }
 
 /// The keys of a table.
-pub(super) type Table = BTreeMap<String, Entry>;
+pub(crate) type Table = BTreeMap<String, Entry>;
 
 /// A key's place, and its value.
 #[derive(Clone, Debug)]
-pub(super) struct Entry {
-    pub(super) key: Place,
-    pub(super) node: Node,
+pub(crate) struct Entry {
+    pub(crate) key: Place,
+    pub(crate) node: Node,
 }
 
 /// Which source a text is, and at which of its bytes the text begins.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Origin {
-    pub(super) source: usize,
-    pub(super) offset: usize,
+pub(crate) struct Origin {
+    pub(crate) source: usize,
+    pub(crate) offset: usize,
 }
 
 impl Origin {
     /// A span of the text, as a place in the source.
-    pub(super) fn place(self, span: std::ops::Range<usize>) -> Place {
+    pub(crate) fn place(self, span: std::ops::Range<usize>) -> Place {
         Place::new(self.source, span.start + self.offset..span.end + self.offset)
     }
 }
 
 impl Node {
     /// Parses a text. Its root table has the place where the text ends: there a missing key would be added.
-    pub(super) fn parse(text: &str, origin: Origin) -> Result<Self, toml::de::Error> {
+    pub(crate) fn parse(text: &str, origin: Origin) -> Result<Self, toml::de::Error> {
         let table = DeTable::parse(text)?;
         Ok(Self { place: origin.place(text.len()..text.len()), value: Value::Table(convert_table(table.get_ref(), origin)) })
     }
 
     /// The entry at a dotted path, if it is a key of a table.
-    pub(super) fn entry(&self, path: &str) -> Option<&Entry> {
+    pub(crate) fn entry(&self, path: &str) -> Option<&Entry> {
         let (table, key) = path.rsplit_once('.').map_or((self, path), |(table, key)| (self.at(table).unwrap_or(self), key));
         table.table()?.get(key)
     }
 
     /// The value of a key of this table, to be changed.
-    pub(super) fn entry_mut(&mut self, key: &str) -> Option<&mut Self> {
+    pub(crate) fn entry_mut(&mut self, key: &str) -> Option<&mut Self> {
         match &mut self.value {
             Value::Table(table) => table.get_mut(key).map(|entry| &mut entry.node),
             _ => None,
@@ -76,7 +76,7 @@ impl Node {
     }
 
     /// The value at a dotted path, to be changed.
-    pub(super) fn at_mut(&mut self, path: &str) -> Option<&mut Self> {
+    pub(crate) fn at_mut(&mut self, path: &str) -> Option<&mut Self> {
         path.split('.').filter(|name| !name.is_empty()).try_fold(self, |node, name| match &mut node.value {
             Value::Table(table) => table.get_mut(name).map(|entry| &mut entry.node),
             Value::List(list) => list.get_mut(name.parse::<usize>().ok()?),
@@ -85,7 +85,7 @@ impl Node {
     }
 
     /// The value at a dotted path.
-    pub(super) fn at(&self, path: &str) -> Option<&Self> {
+    pub(crate) fn at(&self, path: &str) -> Option<&Self> {
         path.split('.').filter(|name| !name.is_empty()).try_fold(self, |node, name| match &node.value {
             Value::Table(table) => table.get(name).map(|entry| &entry.node),
             Value::List(list) => list.get(name.parse::<usize>().ok()?),
@@ -94,7 +94,7 @@ impl Node {
     }
 
     /// Its keys, if it is a table.
-    pub(super) fn table(&self) -> Option<&Table> {
+    pub(crate) fn table(&self) -> Option<&Table> {
         match &self.value {
             Value::Table(table) => Some(table),
             _ => None,
@@ -102,7 +102,7 @@ impl Node {
     }
 
     /// Its entries, if it is a list.
-    pub(super) fn list(&self) -> &[Self] {
+    pub(crate) fn list(&self) -> &[Self] {
         match &self.value {
             Value::List(list) => list,
             _ => &[],
@@ -110,7 +110,7 @@ impl Node {
     }
 
     /// Its samples, if it is a long list of numbers.
-    pub(super) fn samples(&self) -> Option<&Arc<[f64]>> {
+    pub(crate) fn samples(&self) -> Option<&Arc<[f64]>> {
         match &self.value {
             Value::Samples(samples) => Some(samples),
             _ => None,
@@ -118,7 +118,7 @@ impl Node {
     }
 
     /// Its number, if it is one.
-    pub(super) fn number(&self) -> Option<f64> {
+    pub(crate) fn number(&self) -> Option<f64> {
         match self.value {
             Value::Integer(number) => Some(number as f64),
             Value::Number(number) => Some(number),
@@ -127,7 +127,7 @@ impl Node {
     }
 
     /// Its string, if it is one.
-    pub(super) fn text(&self) -> Option<&str> {
+    pub(crate) fn text(&self) -> Option<&str> {
         match &self.value {
             Value::Text(text) => Some(text),
             _ => None,
@@ -135,7 +135,7 @@ impl Node {
     }
 
     /// What it is, for a message.
-    pub(super) fn kind(&self) -> &'static str {
+    pub(crate) fn kind(&self) -> &'static str {
         match &self.value {
             Value::Flag(_) => "true or false",
             Value::Integer(_) => "a whole number",
@@ -149,7 +149,7 @@ impl Node {
     }
 
     /// The value without places, and without samples: a scene takes these as they are.
-    pub(super) fn to_toml(&self) -> toml::Value {
+    pub(crate) fn to_toml(&self) -> toml::Value {
         match &self.value {
             Value::Flag(flag) => toml::Value::Boolean(*flag),
             Value::Integer(number) => toml::Value::Integer(*number),

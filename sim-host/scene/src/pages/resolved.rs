@@ -3,8 +3,8 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::Scene;
-use super::schema::{Kind, Schema, join};
+use crate::Scene;
+use crate::schema::{Kind, Schema, join};
 
 /// Longest line of comment.
 const WIDTH: usize = 110;

@@ -24,12 +24,12 @@ mod rules;
 
 use std::path::Path;
 
-use super::diagnostic::{Problem, Report, Source};
-use super::load::{LoadError, read_source};
-use super::overlay::syntax;
-use super::schema::join;
-use super::tree::{Entry, Node, Origin, Value};
-use super::walk::{Findings, walk_by};
+use crate::diagnostic::{Problem, Report, Source};
+use crate::load::{LoadError, read_source};
+use crate::overlay::syntax;
+use crate::schema::join;
+use crate::tree::{Entry, Node, Origin, Value};
+use crate::walk::{Findings, walk_by};
 
 pub use cases::ReadyCase;
 pub use file::{Column, DERIVED, Preset, Quick, STEPS, Statistic, Suite, SuiteCase, SuiteTable, Target, schema};

@@ -9,8 +9,8 @@ use firmware::seam::config::{Parameter, Range};
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
-use super::nearest::shown;
-use super::schema::{Kind, Schema, join};
+use crate::nearest::shown;
+use crate::schema::{Kind, Schema, join};
 
 const HEAD: &str = "\
 # Settings of the controller
@@ -78,7 +78,7 @@ fn section(page: &mut String, title: &str, path: &str, table: Schema, listed: &m
 }
 
 /// Which values a key may have, in words.
-pub(super) fn range(schema: Schema) -> String {
+pub(crate) fn range(schema: Schema) -> String {
     match schema.kind() {
         Kind::Choice => schema.choices().iter().map(|choice| format!("`{choice}`")).collect::<Vec<_>>().join(" "),
         Kind::Flag => "`true` `false`".to_owned(),
@@ -99,7 +99,7 @@ fn written_range(least: Option<f64>, most: Option<f64>) -> String {
 }
 
 /// What a key is where a scene does not say, in words.
-pub(super) fn default(schema: Schema, required: bool) -> String {
+pub(crate) fn default(schema: Schema, required: bool) -> String {
     match schema.default() {
         Some(Value::Number(number)) => number.as_f64().map(shown).unwrap_or_default(),
         Some(Value::String(text)) if text.is_empty() => "empty".to_owned(),

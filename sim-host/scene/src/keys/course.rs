@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Profile;
+use crate::Profile;
 
 /// A change of one plant value on the way. Give `to` (a step), or `rate_per_s` (a ramp), or `sine_amplitude` and `sine_hz`, or `profile` (as measured).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -4,7 +4,7 @@ use firmware::seam::config::Config;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Burst, Drive, Friction, Limits, Phasing, Restraint, Sweep, Thermometer, Tracking};
+use crate::{Burst, Drive, Friction, Limits, Phasing, Restraint, Sweep, Thermometer, Tracking};
 
 /// The settings of the firmware that drives the transducer: its nominal values, set points and limits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,12 +1,12 @@
 //! How messages call the places of a scene.
 
-use super::nearest::{short, shown};
-use super::schema::{Kind, Schema, last_name, unit_of, without_indices};
-use super::suite::file;
-use super::tree::Entry;
+use crate::nearest::{short, shown};
+use crate::schema::{Kind, Schema, last_name, unit_of, without_indices};
+use crate::suite::file;
+use crate::tree::Entry;
 
 /// A table as its header would be written.
-pub(super) fn header(path: &str) -> String {
+pub(crate) fn header(path: &str) -> String {
     let table = without_indices(path);
     let known = Schema::root().at(&table).or_else(|| file::root().at(&table));
     let list = known.is_some_and(|schema| schema.kind() == Kind::List);
@@ -18,28 +18,28 @@ pub(super) fn header(path: &str) -> String {
 }
 
 /// Where in a scene a table is.
-pub(super) fn within(path: &str) -> String {
+pub(crate) fn within(path: &str) -> String {
     if path.is_empty() { "at the top level".to_owned() } else { format!("in {}", header(path)) }
 }
 
 /// The key of an entry in messages, shortened.
-pub(super) fn named(name: &str, entry: &Entry) -> String {
+pub(crate) fn named(name: &str, entry: &Entry) -> String {
     let what = if entry.node.table().is_some() { "table" } else { "key" };
     format!("{what} `{}`", short(name))
 }
 
 /// The unit in which a key is given.
-pub(super) fn unit(path: &str) -> Option<String> {
+pub(crate) fn unit(path: &str) -> Option<String> {
     unit_of(last_name(path))
 }
 
 /// A number with the unit of its key.
-pub(super) fn quantity(number: f64, path: &str) -> String {
+pub(crate) fn quantity(number: f64, path: &str) -> String {
     format!("{}{}", shown(number), unit(path).map_or(String::new(), |unit| format!(" {unit}")))
 }
 
 /// What a number may be, from the smallest to the largest, with the unit of its key.
-pub(super) fn range((least, most): (Option<f64>, Option<f64>), path: &str) -> String {
+pub(crate) fn range((least, most): (Option<f64>, Option<f64>), path: &str) -> String {
     match (least, most) {
         (Some(least), Some(most)) => format!("from {} to {}", shown(least), quantity(most, path)),
         (Some(least), None) => format!("at least {}", quantity(least, path)),
@@ -49,7 +49,7 @@ pub(super) fn range((least, most): (Option<f64>, Option<f64>), path: &str) -> St
 }
 
 /// The end of a range in six digits, rounded so that it is still allowed; `inward` is the sign of the way into the range.
-pub(super) fn bound(end: f64, inward: f64, allowed: impl Fn(f64) -> bool) -> f64 {
+pub(crate) fn bound(end: f64, inward: f64, allowed: impl Fn(f64) -> bool) -> f64 {
     let six_digits = |number: f64| format!("{number:.5e}").parse().unwrap_or(number);
     let near = six_digits(end);
     if allowed(near) || near == 0.0 {

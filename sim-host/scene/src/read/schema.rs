@@ -1,6 +1,6 @@
 //! The JSON Schema of a scene, and the questions other modules ask of it.
 //!
-//! The schema is derived from the types of [`Scene`](super::Scene); nothing here names a key of a scene, except `base`, which
+//! The schema is derived from the types of [`Scene`](crate::Scene); nothing here names a key of a scene, except `base`, which
 //! is gone before a scene becomes a value.
 
 use std::sync::LazyLock;
@@ -18,14 +18,14 @@ pub fn schema() -> Value {
 }
 
 /// The schema of a type, with everything in place.
-pub(super) fn of_type<T: JsonSchema>() -> Value {
+pub(crate) fn of_type<T: JsonSchema>() -> Value {
     let mut settings = SchemaSettings::draft2020_12();
     settings.inline_subschemas = true;
     settings.into_generator().into_root_schema_for::<T>().to_value()
 }
 
 static ROOT: LazyLock<Value> = LazyLock::new(|| {
-    let mut schema = of_type::<super::Scene>();
+    let mut schema = of_type::<crate::Scene>();
     schema["properties"][BASE] = json!({
         "description": "Scene to start from: a built-in name, or a file relative to this one.",
         "type": "string",
@@ -63,7 +63,7 @@ impl Schema {
     }
 
     /// Another schema than that of a scene.
-    pub(super) fn of(schema: &'static Value) -> Self {
+    pub(crate) fn of(schema: &'static Value) -> Self {
         Self(schema)
     }
 
@@ -166,7 +166,7 @@ impl Schema {
     }
 
     /// The same of any other schema.
-    pub(super) fn tables_within(self) -> Vec<(String, Self)> {
+    pub(crate) fn tables_within(self) -> Vec<(String, Self)> {
         let mut found = vec![(String::new(), self)];
         let mut next = 0;
         while let Some((path, table)) = found.get(next).cloned() {
@@ -199,7 +199,7 @@ impl Schema {
 
 /// The unit that a name ends in.
 pub fn unit_of(name: &str) -> Option<String> {
-    super::units::split(name).1.map(|unit| unit.symbol)
+    crate::units::split(name).1.map(|unit| unit.symbol)
 }
 
 /// Returns the last name of a path; of an entry of a list, that of the list.
@@ -218,21 +218,21 @@ pub fn tail<'a>(path: &'a str, paths: &[String]) -> &'a str {
 
 /// Quantity that a name states, without its unit: without the unit that it ends in.
 pub fn words_of(name: &str) -> String {
-    super::units::split(name).0.replace('_', " ")
+    crate::units::split(name).0.replace('_', " ")
 }
 
 /// The dotted path of a key in a table.
-pub(super) fn join(path: &str, key: &str) -> String {
+pub(crate) fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
 
 /// Whether a part of a path counts entries of a list.
-pub(super) fn is_index(name: &str) -> bool {
+pub(crate) fn is_index(name: &str) -> bool {
     !name.is_empty() && name.bytes().all(|b| b.is_ascii_digit())
 }
 
 /// A path without its indices: the path of the table's description rather than of one table.
-pub(super) fn without_indices(path: &str) -> String {
+pub(crate) fn without_indices(path: &str) -> String {
     path.split('.').filter(|name| !is_index(name)).collect::<Vec<_>>().join(".")
 }
 

@@ -7,14 +7,14 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use super::diagnostic::{Problem, Report, Source};
-use super::nearest::{nearest, short};
-use super::overlay::{joined, overlay, parse_set, syntax};
-use super::profile::resolve::{Found, files, resolve};
-use super::schema::BASE;
-use super::tree::{Node, Origin, Value};
-use super::walk::walk;
-use super::{Scene, builtin, rules};
+use crate::diagnostic::{Problem, Report, Source};
+use crate::nearest::{nearest, short};
+use crate::overlay::{joined, overlay, parse_set, syntax};
+use crate::profile::resolve::{Found, files, resolve};
+use crate::schema::BASE;
+use crate::tree::{Node, Origin, Value};
+use crate::walk::walk;
+use crate::{Scene, builtin, rules};
 
 pub use inherited::{Change, Inherited, inputs};
 
@@ -321,7 +321,7 @@ fn change(mut root: Node, sets: &[String], starts: &[usize]) -> Result<Node, Vec
 }
 
 /// The text of a built-in scene or of a file, which the user calls `asked`.
-pub(super) fn read_source(source: &str, asked: &str) -> Result<String, LoadError> {
+pub(crate) fn read_source(source: &str, asked: &str) -> Result<String, LoadError> {
     if let Some(text) = builtin::text(source) {
         return Ok(text.to_owned());
     }

@@ -1,0 +1,5 @@
+//! Measured profiles: their files, headings, columns and units.
+
+pub(crate) mod column;
+pub(crate) mod heading;
+pub(crate) mod resolve;
