@@ -9,6 +9,7 @@ mod amplifier_supply;
 mod block;
 mod ccmram;
 mod clocks;
+mod count;
 mod dac;
 mod dma;
 mod encoder;
@@ -64,7 +65,7 @@ use self::watchdog::IndependentWatchdog;
 const ORDERS: usize = 9;
 const REPORTS: usize = 5;
 
-defmt::timestamp!("{=u32} blocks", block::count());
+defmt::timestamp!("{=u32} blocks", count::blocks());
 
 #[entry]
 fn main() -> ! {

@@ -20,19 +20,12 @@ use super::dma::Place;
 use super::encoder::Encoder;
 use super::force::ForceChannel;
 use super::pins::Pin;
-use super::{adc, amplifier_supply, panic, protection, temperature};
+use super::{adc, amplifier_supply, count, panic, protection, temperature};
 
-/// Blocks so far.
-static COUNT: AtomicU32 = AtomicU32::new(0);
 /// The most cycles that a block has taken.
 static WORST: AtomicU32 = AtomicU32::new(0);
 /// The state that the interrupt takes over when it is raised for the first time.
 static HANDOVER: Mutex<RefCell<Option<&'static mut BlockInterrupt>>> = Mutex::new(RefCell::new(None));
-
-/// Blocks so far; wraps.
-pub fn count() -> u32 {
-    COUNT.load(Ordering::Relaxed)
-}
 
 /// The most cycles that a block has taken, of 17 000.
 pub fn worst_cycles() -> u32 {
@@ -119,7 +112,7 @@ impl BlockInterrupt {
         }
         self.late = !half.is_in_time::<AHEAD>(self.lanes.next());
         WORST.fetch_max(DWT::cycle_count().wrapping_sub(began), Ordering::Relaxed);
-        COUNT.fetch_add(1, Ordering::Relaxed);
+        count::count_block();
     }
 
     /// Connects the lane that is measured while the block plays that the last call returned, which begins.

@@ -6,7 +6,7 @@ use firmware::seam::telemetry::Telemetry;
 use nucleo_g474re::blocks::BLOCK;
 use stm32_metapac::GPIOA;
 
-use super::block;
+use super::count;
 use super::pins::Pin;
 
 const LED: Pin = Pin::new(GPIOA, 9);
@@ -19,5 +19,5 @@ pub fn start() {
 /// Shows what the latest report says; before the first one the board is idle. The time is that of the blocks.
 pub fn show(latest: Option<&Telemetry>) {
     let (mode, fault) = latest.map_or((Mode::Idle, None), |report| (report.mode, report.fault));
-    LED.set(is_lit(mode, fault, block::count() / (1000 / BLOCK as u32)));
+    LED.set(is_lit(mode, fault, count::blocks() / (1000 / BLOCK as u32)));
 }

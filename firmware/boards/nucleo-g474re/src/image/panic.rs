@@ -11,7 +11,7 @@ use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::{ExceptionFrame, exception};
 use stm32_metapac::Interrupt;
 
-use super::{block, guard, protection};
+use super::{count, guard, protection};
 
 struct Stored(UnsafeCell<Note>);
 
@@ -37,7 +37,7 @@ pub fn end_blocks() {
     NVIC::mask(Interrupt::DMA1_CHANNEL1);
     NVIC::mask(Interrupt::ADC1_2);
     protection::drop_enable();
-    store(Cause::StreamLost, "", block::count());
+    store(Cause::StreamLost, "", count::blocks());
 }
 
 fn store(cause: Cause, file: &str, line: u32) {

@@ -10,7 +10,7 @@ use firmware::board::app::Watchdog;
 use stm32_metapac::iwdg::vals::{Key, Pr};
 use stm32_metapac::{DBGMCU, IWDG};
 
-use super::{block, panic};
+use super::{count, panic};
 
 /// Ticks of 125 us (LSI 32 kHz / 4, within 5 %: DS12288) until it resets the part: 10 ms.
 const TICKS: u16 = 80;
@@ -71,7 +71,7 @@ fn set_period(prescaler: Pr, ticks: u16) {
 
 /// Feeds it if a block has come since the last time.
 pub fn nurse() {
-    let blocks = block::count();
+    let blocks = count::blocks();
     if SEEN.swap(blocks, Ordering::Relaxed) != blocks {
         IWDG.kr().write(|w| w.set_key(Key::RESET));
     }
