@@ -27,9 +27,9 @@ mod runs;
 mod stepped;
 
 use super::SolveError;
-use super::closed;
+use super::closed::ClosedForm;
 use super::method::Method;
-use super::problem::{Law, Motion, Problem};
+use super::problem::Problem;
 use super::tally::{Ratios, State, Tally};
 pub use ladder::stable_steps;
 pub use many::solve_many;
@@ -153,62 +153,64 @@ pub fn solve_unwatched(problem: &Problem, numerics: &Numerics, pause: &dyn Fn())
     by_method(problem, numerics, &pause, None::<&mut fn(&State)>)
 }
 
+/// The way to solve a problem.
+enum Plan {
+    /// The steady state, with the reason for taking it.
+    Closed(ClosedForm, &'static str),
+    /// Steps in time, by this method or by one that is chosen.
+    Stepped(Option<Method>),
+}
+
+impl Plan {
+    fn new(problem: &Problem, numerics: &Numerics) -> Result<Self, SolveError> {
+        let unsuited = |method: Method, reason: &str| Err(SolveError::Unsuited { method: method.name(), reason: reason.into() });
+        match numerics.method {
+            Method::Closed if numerics.tolerance_of == ToleranceOf::Record => {
+                unsuited(Method::Closed, "it has one steady period, and no record from the start on; linexp and taylor have")
+            }
+            Method::Closed if !of_whole_periods(problem) => {
+                unsuited(Method::Closed, "the window is not whole periods under one load; linexp has any window")
+            }
+            Method::Closed => Ok(Plan::Closed(ClosedForm::new(problem)?, "asked for")),
+            Method::Auto => {
+                let may_be_closed =
+                    numerics.tolerance_of == ToleranceOf::Mean && problem.waveform.is_periodic() && of_whole_periods(problem);
+                let form = may_be_closed.then(|| ClosedForm::new(problem).ok()).flatten();
+                // The rest of the start is far below the tolerance.
+                let form = form.filter(|form| form.start_left(periods_before(problem)) < 0.1 * numerics.tolerance);
+                let why = "kinematic, and the window lies in the steady state: closed form";
+                Ok(form.map_or(Plan::Stepped(None), |form| Plan::Closed(form, why)))
+            }
+            Method::Collocation => unsuited(Method::Collocation, "it is for a vibration at an angle to the sliding"),
+            method => Ok(Plan::Stepped(Some(method))),
+        }
+    }
+}
+
+/// Periods before the window.
+fn periods_before(problem: &Problem) -> f64 {
+    problem.window_s.0 * problem.waveform.frequency_hz()
+}
+
 fn by_method<W: FnMut(&State)>(
     problem: &Problem,
     numerics: &Numerics,
     runs: &dyn Runs,
     watch: Option<&mut W>,
 ) -> Result<Solution, SolveError> {
-    match numerics.method {
-        Method::Closed => in_closed_form(problem, numerics, "asked for".into(), watch),
-        Method::Auto if is_closed(problem, numerics) => {
-            let why = "kinematic, and the window lies in the steady state: closed form".into();
-            in_closed_form(problem, numerics, why, watch)
-        }
-        Method::Collocation => {
-            let reason = "it is for a vibration at an angle to the sliding".into();
-            Err(SolveError::Unsuited { method: Method::Collocation.name(), reason })
-        }
-        Method::Auto => stepped::chosen(problem, numerics, runs, watch),
-        method => stepped::solve(problem, numerics, (method, "asked for".to_owned()), runs, watch),
+    match Plan::new(problem, numerics)? {
+        Plan::Closed(form, why) => Ok(in_closed_form(problem, numerics, &form, why, watch)),
+        Plan::Stepped(None) => stepped::chosen(problem, numerics, runs, watch),
+        Plan::Stepped(Some(method)) => stepped::solve(problem, numerics, (method, "asked for".to_owned()), runs, watch),
     }
 }
 
-/// The point of a problem that [`solve`] solves in closed form and whose vibration is a sine: its means follow from this alone. None
-/// of any other problem.
-pub fn closed_point(problem: &Problem, numerics: &Numerics) -> Option<closed::Point> {
-    let point = closed::Point::of(problem).filter(|_| of_whole_periods(problem))?;
-    let from = problem.window_s.0 * problem.waveform.frequency_hz();
-    let closed = match numerics.method {
-        Method::Auto => has_settled(point.start_left(from), numerics.tolerance),
-        method => method == Method::Closed,
-    };
-    (closed && numerics.tolerance_of == ToleranceOf::Mean).then_some(point)
-}
-
-/// Whether [`solve`] solves a problem in closed form: what it then sees of it is one steady period.
-pub fn is_closed(problem: &Problem, numerics: &Numerics) -> bool {
-    match numerics.method {
-        Method::Auto => numerics.tolerance_of == ToleranceOf::Mean && is_steady(problem, numerics.tolerance),
-        method => method == Method::Closed,
+/// Returns the closed form by which [`solve`] solves a problem: it shows one steady period. None if it takes steps.
+pub fn closed_form(problem: &Problem, numerics: &Numerics) -> Option<ClosedForm> {
+    match Plan::new(problem, numerics) {
+        Ok(Plan::Closed(form, _)) => Some(form),
+        _ => None,
     }
-}
-
-/// Whether what is left of the start is nothing beside the tolerance.
-fn has_settled(start_left: f64, tolerance: f64) -> bool {
-    start_left < 0.1 * tolerance
-}
-
-/// Whether the window is whole periods of a steady state.
-fn is_steady(problem: &Problem, tolerance: f64) -> bool {
-    if matches!(problem.law, Law::Lugre { .. }) {
-        return false;
-    }
-    if problem.motion != Motion::Kinematic || !problem.waveform.is_periodic() || !of_whole_periods(problem) {
-        return false;
-    }
-    let from = problem.window_s.0 * problem.waveform.frequency_hz();
-    closed::solve(problem, &mut |_| ()).is_ok_and(|form| has_settled(form.start_left(from), tolerance))
 }
 
 /// Whether the means of a window are those of a period: it is whole periods, all under one load.
@@ -220,30 +222,22 @@ pub(crate) fn of_whole_periods(problem: &Problem) -> bool {
 fn in_closed_form<W: FnMut(&State)>(
     problem: &Problem,
     numerics: &Numerics,
-    why: String,
+    form: &ClosedForm,
+    why: &str,
     watch: Option<&mut W>,
-) -> Result<Solution, SolveError> {
-    if numerics.tolerance_of == ToleranceOf::Record {
-        let reason = "it has one steady period, and no record from the start on; linexp and taylor have".into();
-        return Err(SolveError::Unsuited { method: Method::Closed.name(), reason });
+) -> Solution {
+    if let Some(watch) = watch {
+        form.show(problem, watch);
     }
-    if !of_whole_periods(problem) {
-        let reason = "the window is not whole periods under one load; linexp has any window".into();
-        return Err(SolveError::Unsuited { method: Method::Closed.name(), reason });
-    }
-    let form = match watch {
-        Some(watch) => closed::solve(problem, watch)?,
-        None => closed::solve(problem, &mut |_| ())?,
-    };
-    let left = form.start_left(problem.window_s.0 * problem.waveform.frequency_hz());
+    let left = form.start_left(periods_before(problem));
     let early = format!("the window begins before the steady state, which this is: up to {left:.1e} of the start is left there");
     let tolerance_met = left.max(ROUND_OFF) <= numerics.tolerance;
-    Ok(Solution {
+    Solution {
         method: Method::Closed,
-        why,
+        why: why.to_owned(),
         steps_per_period: None,
         order: None,
-        ratios: form.ratios,
+        ratios: form.ratios(),
         tally: None,
         error_estimate: Some(left.max(ROUND_OFF)),
         record_error_estimate: None,
@@ -251,7 +245,7 @@ fn in_closed_form<W: FnMut(&State)>(
         warnings: (!tolerance_met).then_some(early).into_iter().collect(),
         states: 0,
         ns_per_period: None,
-    })
+    }
 }
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ pub(super) mod swing;
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
-pub use solve::{ClosedForm, Point, solve};
+pub use solve::ClosedForm;
 pub use steady::Steady;
 use swing::Swing;
 

@@ -47,7 +47,7 @@ mod turn;
 pub mod waveform;
 pub mod wrap;
 
-pub use auto::{Clock, Numerics, Solution, ToleranceOf, closed_point, is_closed, solve, solve_many, solve_unwatched, solve_with};
+pub use auto::{Clock, Numerics, Solution, ToleranceOf, closed_form, solve, solve_many, solve_unwatched, solve_with};
 pub use forcing::Forcing;
 pub use method::{Method, coulomb, linexp, midpoint, rk4, rk4_events, rk4_tabulated, taylor};
 pub use problem::{Law, Motion, Problem, Sign};

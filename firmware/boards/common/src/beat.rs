@@ -11,7 +11,8 @@ pub struct Beat<const CYCLES_PER_BLOCK: u32> {
 }
 
 impl<const CYCLES_PER_BLOCK: u32> Beat<CYCLES_PER_BLOCK> {
-    /// How many blocks were missed since the last call, which may have been late or early by less than half a block.
+    /// How many blocks were missed since the last call, which may have been late or early by less
+    /// than half a block.
     #[inline]
     pub fn missed(&mut self, now: u32) -> u32 {
         let last = self.last.replace(now).unwrap_or(now.wrapping_sub(CYCLES_PER_BLOCK));

@@ -1,8 +1,9 @@
 //! Halves of a ring of two blocks, which DMA and the interrupt use in turn.
 //!
-//! Two rings of two blocks each, one that DMA fills from the ADC and one that it plays to the DAC, both at the sample rate. While DMA
-//! is in one half of both, the other half belongs to the interrupt: it reads the samples there, and writes the codes that
-//! play when DMA comes to this half again, which is the latency of [`LATENCY_BLOCKS`](firmware::seam::block::LATENCY_BLOCKS).
+//! Two rings of two blocks each, one that DMA fills from the ADC and one that it plays to the DAC,
+//! both at the sample rate. While DMA is in one half of both, the other half belongs to the
+//! interrupt: it reads the samples there, and writes the codes that play when DMA comes to this
+//! half again, which is the latency of [`LATENCY_BLOCKS`](firmware::seam::block::LATENCY_BLOCKS).
 //!
 //! ```text
 //! block           k         k+1        k+2

@@ -1,5 +1,6 @@
-//! What boards of the Sonoglide controller share: what a board with rings of DMA, a cycle counter and the usual sensors does with the numbers that its
-//! registers and rings hold. No register, no part, no length of a block stands here: a board states its own as constants.
+//! What boards of the Sonoglide controller share: what a board with rings of DMA, a cycle counter
+//! and the usual sensors does with the numbers that its registers and rings hold. No register, no
+//! part, no length of a block stands here: a board states its own as constants.
 //!
 //! | module | for a board that has |
 //! |---|---|
@@ -13,8 +14,9 @@
 //!
 //! All of it is `#[inline]`: it is compiled with the board's package, at the level of that one.
 //!
-//! Most of it is generic over the length of a ring (`RING`, two blocks), over how many words a DAC fetches before it plays them (`AHEAD`), or over the cycles
-//! of a block, so that the compiler knows them:
+//! Most of it is generic over the length of a ring (`RING`, two blocks), over how many words a DAC
+//! fetches before it plays them (`AHEAD`), or over the cycles of a block, so that the compiler
+//! knows them:
 //!
 //! ```
 //! use boards_common::{beat, half, packing, position::position, step};

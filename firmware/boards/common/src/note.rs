@@ -1,6 +1,7 @@
 //! Why the last run ended, in RAM that a reset does not clear.
 //!
-//! At power-on that RAM holds anything: a note is valid only if its two marks and its length are right.
+//! At power-on that RAM holds anything: a note is valid only if its two marks and its length are
+//! right.
 
 use firmware::board::start::{FileName, NAME, Place, Start};
 

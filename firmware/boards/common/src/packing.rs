@@ -1,8 +1,9 @@
 //! Words of DMA: two converters move as one, so that they stay together.
 //!
-//! The ADC pair writes `V` in the lower half-word and `I` in the upper. A DAC pair takes its first lane in the lower half-word and its second in the upper.
-//! Two converters of an STM32 do so (RM0440 21.4.30: the master's data in the lower half of `ADC_CDR`; 22.7.9, `DAC_DHR12RD`), and half-words that alternate
-//! in memory, `V` first, are the same words on a little-endian processor.
+//! The ADC pair writes `V` in the lower half-word and `I` in the upper. A DAC pair takes its first
+//! lane in the lower half-word and its second in the upper. Two converters of an STM32 do so
+//! (RM0440 21.4.30: the master's data in the lower half of `ADC_CDR`; 22.7.9, `DAC_DHR12RD`), and
+//! half-words that alternate in memory, `V` first, are the same words on a little-endian processor.
 
 use firmware::seam::block::{DriveBlock, SenseBlock};
 
@@ -45,8 +46,9 @@ pub fn sense<Place>(places: &[Place], read: impl Fn(&Place) -> u32, sense: &mut 
     }
 }
 
-/// Leaves the words that a DAC pair plays in their places, the first in `head` and the others in `tail` ([`Half::played`](crate::half::Half::played)): lanes
-/// `2 * pair` and `2 * pair + 1`. A lane that is not there, or has another length, is silence.
+/// Leaves the words that a DAC pair plays in their places, the first in `head` and the others in
+/// `tail` ([`Half::played`](crate::half::Half::played)): lanes `2 * pair` and `2 * pair + 1`. A
+/// lane that is not there, or has another length, is silence.
 #[inline]
 pub fn drive<const AHEAD: usize, Place>(
     block: &DriveBlock,

@@ -1,7 +1,8 @@
 //! Where the codes of a block stand in the ring that DMA plays, and until when they may be written.
 //!
-//! A converter fetches a word before it plays it: a DAC with a holding register one trigger before, one behind a buffer as many as the buffer
-//! holds. That number is `AHEAD`, and the codes of a half stand so many places early:
+//! A converter fetches a word before it plays it: a DAC with a holding register one trigger before,
+//! one behind a buffer as many as the buffer holds. That number is `AHEAD`, and the codes of a half
+//! stand so many places early:
 //!
 //! ```text
 //! AHEAD = 1           first half             second half
@@ -18,7 +19,8 @@ impl<const RING: usize> Half<RING> {
         (self.start() + sample + RING - AHEAD) % RING
     }
 
-    /// The places of a half's samples in the DAC's ring: those of the first `AHEAD`, and those of the others.
+    /// The places of a half's samples in the DAC's ring: those of the first `AHEAD`, and those of
+    /// the others.
     #[inline]
     pub fn played<const AHEAD: usize, Place>(self, ring: &[Place; RING]) -> (&[Place; AHEAD], &[Place]) {
         const { assert!(AHEAD < Self::BLOCK, "a converter holds less than a block") };
@@ -29,7 +31,8 @@ impl<const RING: usize> Half<RING> {
         (head, &ring[start..start + Self::BLOCK - AHEAD])
     }
 
-    /// Whether the codes written for this half are there before they are fetched, with a sample to spare. `next` is the place that DMA fetches next.
+    /// Whether the codes written for this half are there before they are fetched, with a sample to
+    /// spare. `next` is the place that DMA fetches next.
     #[inline]
     pub fn is_in_time<const AHEAD: usize>(self, next: usize) -> bool {
         Self::at(next + AHEAD) == self.other()

@@ -1,6 +1,7 @@
 //! The reading end of a ring of bytes that DMA fills.
 //!
-//! DMA does not wait: if more than the ring holds arrives between two reads, whole rounds are lost, and the checksum of the frames shows it.
+//! DMA does not wait: if more than the ring holds arrives between two reads, whole rounds are lost,
+//! and the checksum of the frames shows it.
 
 /// The position of the reader in a ring of `N` bytes.
 #[derive(Clone, Debug, Default)]
@@ -9,7 +10,8 @@ pub struct Reader<const N: usize> {
 }
 
 impl<const N: usize> Reader<N> {
-    /// Bytes that wait to be read, from the [position](crate::position::position) that DMA fills next.
+    /// Bytes that wait to be read, from the [position](crate::position::position) that DMA fills
+    /// next.
     #[inline]
     pub fn waiting(&self, filled: usize) -> usize {
         (filled + N - self.next) % N

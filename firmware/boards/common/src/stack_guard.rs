@@ -1,13 +1,15 @@
-//! The guard below the stack: a part of the RAM without access, so that a stack that grows too far is a fault and not a changed variable.
+//! The guard below the stack: a part of the RAM without access, so that a stack that grows too far
+//! is a fault and not a changed variable.
 //!
 //! ```text
 //! static memory | ... | guard | stack |
 //! ```
 //!
-//! The guard has to be larger than any frame of the image, so that no frame can step over it. It is a region of the memory protection unit of ARMv7-M
-//! (Cortex-M3, M4, M7): ARM DDI 0403 B3.5 (memory protection unit) and B3.2.15 (CFSR). The unit has to be off in the hard fault handler
-//! (MPU_CTRL.HFNMIENA = 0), which can therefore go on with the stack inside the guard. ARMv8-M (Cortex-M33) has a register for the limit of the stack
-//! instead, and needs no guard.
+//! The guard has to be larger than any frame of the image, so that no frame can step over it. It is
+//! a region of the memory protection unit of ARMv7-M (Cortex-M3, M4, M7): ARM DDI 0403 B3.5 (memory
+//! protection unit) and B3.2.15 (CFSR). The unit has to be off in the hard fault handler
+//! (MPU_CTRL.HFNMIENA = 0), which can therefore go on with the stack inside the guard. ARMv8-M
+//! (Cortex-M33) has a register for the limit of the stack instead, and needs no guard.
 
 /// A guard: where it begins, and its bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +19,8 @@ pub struct StackGuard {
 }
 
 impl StackGuard {
-    /// A guard of so many bytes from an address on: a power of two of 32 at least, to which the address is aligned.
+    /// A guard of so many bytes from an address on: a power of two of 32 at least, to which the
+    /// address is aligned.
     #[inline]
     pub const fn new(start: u32, size: u32) -> Self {
         assert!(size >= 32 && size.is_power_of_two() && start.is_multiple_of(size), "a region of the memory protection unit");
@@ -36,7 +39,8 @@ impl StackGuard {
         self.start + self.size
     }
 
-    /// MPU_RASR: a region of this size that no access is permitted to (AP = 0), and that holds no code (XN).
+    /// MPU_RASR: a region of this size that no access is permitted to (AP = 0), and that holds no
+    /// code (XN).
     #[inline]
     pub const fn attributes(&self) -> u32 {
         const EXECUTE_NEVER: u32 = 1 << 28;

@@ -12,7 +12,8 @@ pub struct SupplyWindow {
 }
 
 impl SupplyWindow {
-    /// The window of the settings, at a converter of so many codes from zero to its reference, V; `None` where the supply is not measured.
+    /// The window of the settings, at a converter of so many codes from zero to its reference, V;
+    /// `None` where the supply is not measured.
     #[inline]
     pub fn of(supply: &Supply, reference_v: f32, codes: f32) -> Option<Self> {
         let Supply { divider, min_v, max_v } = *supply;
@@ -24,7 +25,8 @@ impl SupplyWindow {
         })
     }
 
-    /// Whether a code is within it. The last one is not: how much more than the divider can show is there cannot be known.
+    /// Whether a code is within it. The last one is not: how much more than the divider can show is
+    /// there cannot be known.
     #[inline]
     pub fn holds(&self, code: u16) -> bool {
         let volts = f32::from(code) * self.volt_per_code;

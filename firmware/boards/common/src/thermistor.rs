@@ -4,9 +4,9 @@
 //! 1 / T = 1 / 298.15 + ln(R / R25) / B,    R = R_up code / (codes - code)      (T in kelvin)
 //! ```
 //!
-//! The equation of a thermistor by its coefficient B, IEC 60539-1. The thermistor is fed by the converter's own supply, which cancels. Its
-//! logarithm is micromath's, 6e-5 off above one, which is 0.003 K at most from -40 to 150 degrees Celsius: a thermistor of 1 % is 0.2 K off by
-//! itself.
+//! The equation of a thermistor by its coefficient B, IEC 60539-1. The thermistor is fed by the
+//! converter's own supply, which cancels. Its logarithm is micromath's, 6e-5 off above one, which
+//! is 0.003 K at most from -40 to 150 degrees Celsius: a thermistor of 1 % is 0.2 K off by itself.
 
 use firmware::seam::config::HeatSink;
 use micromath::F32;
@@ -17,7 +17,8 @@ const PLAUSIBLE_C: (f32, f32) = (-55.0, 155.0);
 const ZERO_K: f32 = 273.15;
 const NOMINAL_K: f32 = ZERO_K + 25.0;
 
-/// A thermistor of negative coefficient from its input to ground, below a resistor to the converter's supply.
+/// A thermistor of negative coefficient from its input to ground, below a resistor to the
+/// converter's supply.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thermistor {
     /// Its resistance at 25 degrees Celsius, ohm.
@@ -38,8 +39,8 @@ impl Thermistor {
         ohm_at_25_c.map(|ohm_at_25_c| Thermistor { ohm_at_25_c, beta_k, pull_up_ohm, codes })
     }
 
-    /// Degrees Celsius of a code. A thermistor that is open or short cannot be distinguished from one that is too cold or too hot: it counts
-    /// as 155 degrees, so that the drive stops.
+    /// Degrees Celsius of a code. A thermistor that is open or short cannot be distinguished from
+    /// one that is too cold or too hot: it counts as 155 degrees, so that the drive stops.
     #[inline]
     pub fn celsius(&self, code: u16) -> f32 {
         let ratio = self.pull_up_ohm / self.ohm_at_25_c * f32::from(code) / (self.codes - f32::from(code));
@@ -48,7 +49,8 @@ impl Thermistor {
     }
 }
 
-/// The natural logarithm, within 6.2e-5. Below one micromath takes an approximate reciprocal, which is 8 % off, and 5 K: here it is divided.
+/// The natural logarithm, within 6.2e-5. Below one micromath takes an approximate reciprocal, which
+/// is 8 % off, and 5 K: here it is divided.
 fn logarithm(x: f32) -> f32 {
     if x < 1.0 { -F32(1.0 / x).ln().0 } else { F32(x).ln().0 }
 }

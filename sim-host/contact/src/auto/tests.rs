@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::table_4_1::table_4_1;
-use crate::{Shape, Waveform, linexp, taylor};
+use crate::{Law, Motion, Shape, Waveform, linexp, taylor};
 
 mod record;
 

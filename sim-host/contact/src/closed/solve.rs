@@ -9,102 +9,98 @@ use super::{Steady, forget, friction_ratio, input_ratio, power_ratio};
 
 const METHOD: &str = "closed";
 
-/// States handed to `watch`: one period, both ends.
+/// Steps of the period that is shown.
 const WATCHED: u32 = 256;
 
-/// The steady state of a problem.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Steady state of a problem; its integrals are taken only when [`ratios`](Self::ratios) is called.
+#[derive(Clone, Debug)]
 pub struct ClosedForm {
     /// Velocity ratio Vt / Vv; infinite without vibration.
     pub velocity_ratio: f64,
     /// `Kt Vv / (w Fc)`; infinite for Coulomb friction.
     pub kappa: f64,
-    /// Means over whole periods. What the energy identity misses is the error of the integrals.
-    pub ratios: Ratios,
-    /// What one period leaves of a difference in friction at the start.
+    /// Part of a difference in friction at the start that remains after one period.
     pub forget_per_period: f64,
+    vibration: Vibration,
+    /// Sign with which friction acts on the motion.
+    factor: f64,
 }
 
-impl ClosedForm {
-    /// Largest part of Fc by which friction after so many periods differs from the steady state, whatever it began with (|F| <= Fc).
-    pub fn start_left(&self, periods: f64) -> f64 {
-        left_after(self.forget_per_period, periods)
-    }
-}
-
-fn left_after(forget_per_period: f64, periods: f64) -> f64 {
-    2.0 * forget_per_period.powf(periods)
-}
-
-/// Where the steady state of a sine stands in the plane of velocity ratio and kappa, which decide everything about it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
-    /// Velocity ratio Vt / Vv.
-    pub velocity_ratio: f64,
-    /// `Kt Vv / (w Fc)`; infinite for Coulomb friction.
-    pub kappa: f64,
-}
-
-impl Point {
-    /// The point of a problem that [`solve`] solves as that of a sine; none of any other.
-    pub fn of(problem: &Problem) -> Option<Self> {
-        let (velocity_ratio, kappa) = coordinates(problem).ok()?;
-        (problem.waveform.shape() == Shape::Sine && velocity_ratio.is_finite()).then_some(Point { velocity_ratio, kappa })
-    }
-
-    /// Part of the initial friction that is left after so many periods, as [`ClosedForm::start_left`] gives it.
-    pub fn start_left(&self, periods: f64) -> f64 {
-        left_after(forget(self.velocity_ratio, self.kappa), periods)
-    }
-}
-
-/// The steady period, from the beginning of the waveform's.
-enum Course {
-    Sine { steady: Steady, shift_turns: f64 },
+/// Vibration over the steady period.
+#[derive(Clone, Debug)]
+enum Vibration {
+    /// None: the sliding alone.
+    Still,
+    Sine,
     Lines(Lines),
 }
 
-/// Solves a kinematic problem whose vibration is a sine, square, sawtooth or triangle, with Coulomb or Dahl friction.
-///
-/// Window and start do not enter: the answer is where every start leads, by [`ClosedForm::start_left`] each period. The literal sign
-/// feeds nothing back into a motion that is given: it only turns the vibration round. A sine, square or triangle turned round is
-/// itself half a period later, so the ratios stay and the force shifts; a rising sawtooth turns into a falling one.
-/// `watch` sees one period, from time zero.
-pub fn solve(problem: &Problem, watch: &mut impl FnMut(&State)) -> Result<ClosedForm, SolveError> {
-    let factor = problem.sign.factor();
-    let (hz, shape) = (problem.waveform.frequency_hz(), problem.waveform.shape());
-    let (xi, kappa) = coordinates(problem)?;
-    let vibration = vibration_m_per_s(problem);
-    let (ratios, forget_per_period, course) = match Lines::new(shape, factor, xi, kappa) {
-        _ if xi.is_infinite() => {
-            // Sliding alone; the slip of a period in Dahl lengths
-            let slip = match problem.law {
-                Law::Dahl { stiffness_n_per_m } => stiffness_n_per_m * problem.sliding_m_per_s.abs() / (hz * problem.coulomb_n),
-                _ => f64::INFINITY,
-            };
-            let one = f64::signum(xi);
-            (sine_ratios(one, kappa, factor), (-slip).exp(), Course::Sine { steady: Steady::new(one, kappa), shift_turns: 0.0 })
-        }
-        Some(lines) => (lines.ratios(factor), lines.forget(), Course::Lines(lines)),
-        None => {
-            let shift_turns = if factor < 0.0 { 0.5 } else { 0.0 };
-            (sine_ratios(xi, kappa, factor), forget(xi, kappa), Course::Sine { steady: Steady::new(xi, kappa), shift_turns })
-        }
-    };
-    for step in 0..=WATCHED {
-        let turns = f64::from(step) / f64::from(WATCHED);
-        let force = match &course {
-            Course::Sine { steady, shift_turns } => steady.force(turns + shift_turns),
-            Course::Lines(lines) => lines.force(turns),
+impl ClosedForm {
+    /// Solves a kinematic problem whose vibration is a sine, square, sawtooth or triangle, with Coulomb or Dahl friction.
+    ///
+    /// Window and start do not enter: the answer is the limit of every start, to [`start_left`](Self::start_left). The literal
+    /// sign feeds nothing back into a given motion: it only reverses the vibration. A reversed sine, square or triangle is itself
+    /// half a period later, so the ratios stay and the force shifts; a rising sawtooth becomes a falling one.
+    ///
+    /// # Errors
+    /// [`SolveError::Unsuited`] with the reason, for any other problem.
+    pub fn new(problem: &Problem) -> Result<Self, SolveError> {
+        let factor = problem.sign.factor();
+        let (xi, kappa) = coordinates(problem)?;
+        let (forget_per_period, vibration) = match Lines::new(problem.waveform.shape(), factor, xi, kappa) {
+            _ if xi.is_infinite() => {
+                // Slip of a period in Dahl lengths.
+                let slip = match problem.law {
+                    Law::Dahl { stiffness_n_per_m } => {
+                        stiffness_n_per_m * problem.sliding_m_per_s.abs() / (problem.waveform.frequency_hz() * problem.coulomb_n)
+                    }
+                    _ => f64::INFINITY,
+                };
+                ((-slip).exp(), Vibration::Still)
+            }
+            Some(lines) => (lines.forget(), Vibration::Lines(lines)),
+            None => (forget(xi, kappa), Vibration::Sine),
         };
-        watch(&State {
-            time_s: turns / hz,
-            x_m: problem.start.x_m + vibration / hz * displacement(shape, turns),
-            v_m_per_s: problem.waveform.value(turns / hz),
-            force_n: problem.coulomb_n * force,
-        });
+        Ok(ClosedForm { velocity_ratio: xi, kappa, forget_per_period, vibration, factor })
     }
-    Ok(ClosedForm { velocity_ratio: xi, kappa, ratios, forget_per_period })
+
+    /// Returns the means over whole periods. The residual of their energy identity is the error of the integrals.
+    pub fn ratios(&self) -> Ratios {
+        match &self.vibration {
+            Vibration::Still => sine_ratios(f64::signum(self.velocity_ratio), self.kappa, self.factor),
+            Vibration::Sine => sine_ratios(self.velocity_ratio, self.kappa, self.factor),
+            Vibration::Lines(lines) => lines.ratios(self.factor),
+        }
+    }
+
+    /// Shows one steady period of the problem from time zero, both ends included.
+    pub fn show(&self, problem: &Problem, watch: &mut impl FnMut(&State)) {
+        let (hz, shape) = (problem.waveform.frequency_hz(), problem.waveform.shape());
+        let peak = vibration_m_per_s(problem);
+        let (xi, shift_turns) = match self.vibration {
+            Vibration::Still => (f64::signum(self.velocity_ratio), 0.0),
+            _ => (self.velocity_ratio, if self.factor < 0.0 { 0.5 } else { 0.0 }),
+        };
+        let steady = Steady::new(xi, self.kappa);
+        for step in 0..=WATCHED {
+            let turns = f64::from(step) / f64::from(WATCHED);
+            let force = match &self.vibration {
+                Vibration::Lines(lines) => lines.force(turns),
+                Vibration::Still | Vibration::Sine => steady.force(turns + shift_turns),
+            };
+            watch(&State {
+                time_s: turns / hz,
+                x_m: problem.start.x_m + peak / hz * displacement(shape, turns),
+                v_m_per_s: problem.waveform.value(turns / hz),
+                force_n: problem.coulomb_n * force,
+            });
+        }
+    }
+
+    /// Returns the largest part of Fc by which friction differs from the steady state after `periods`, for any start (|F| <= Fc).
+    pub fn start_left(&self, periods: f64) -> f64 {
+        2.0 * self.forget_per_period.powf(periods)
+    }
 }
 
 fn sine_ratios(xi: f64, kappa: f64, factor: f64) -> Ratios {
@@ -197,7 +193,7 @@ mod tests {
     #[test]
     fn square_and_sawtooth() {
         for (shape, friction, power) in [(Shape::Square, 0.45598, 0.63207), (Shape::Sawtooth, 0.74381, 0.80812)] {
-            let ratios = solve(&kinematic(shape, 0.5, 1.0), &mut |_| ()).unwrap().ratios;
+            let ratios = ClosedForm::new(&kinematic(shape, 0.5, 1.0)).unwrap().ratios();
             assert!((ratios.friction - friction).abs() < 5e-6, "{shape:?} {}", ratios.friction);
             assert!((ratios.power.unwrap() - power).abs() < 5e-6, "{shape:?} {:?}", ratios.power);
         }
@@ -210,7 +206,7 @@ mod tests {
             for xi in [0.1, 0.5, 0.9] {
                 let at = |law: Law| {
                     let problem = Problem { law, ..kinematic(shape, xi, 1.0) };
-                    solve(&problem, &mut |_| ()).unwrap().ratios
+                    ClosedForm::new(&problem).unwrap().ratios()
                 };
                 let coulomb = at(Law::Coulomb);
                 for (kt, near) in [(0.056e9, 5e-2), (0.056e12, 2e-3), (0.056e18, 2e-6)] {
@@ -222,7 +218,7 @@ mod tests {
             }
         }
         let square = Problem { law: Law::Coulomb, ..kinematic(Shape::Square, 0.25, 1.0) };
-        let ratios = solve(&square, &mut |_| ()).unwrap().ratios;
+        let ratios = ClosedForm::new(&square).unwrap().ratios();
         assert!(ratios.friction.abs() < 1e-16 && (ratios.power.unwrap() - 4.0).abs() < 1e-15, "{ratios:?}");
     }
 
@@ -233,7 +229,8 @@ mod tests {
             for sign in [Sign::Passive, Sign::Literal] {
                 let problem = Problem { sign, ..kinematic(shape, 0.3, 1.0) };
                 let mut states = Vec::new();
-                let closed = solve(&problem, &mut |state| states.push(*state)).unwrap();
+                let closed = ClosedForm::new(&problem).unwrap();
+                closed.show(&problem, &mut |state| states.push(*state));
                 let (first, last) = (states[0], states[states.len() - 1]);
                 assert!((first.force_n - last.force_n).abs() < 1e-12 && (first.x_m - last.x_m).abs() < 1e-20, "{shape:?}");
                 let mut mean = 0.0;
@@ -246,7 +243,11 @@ mod tests {
                     assert!(pair[0].force_n.abs() <= problem.coulomb_n);
                 }
                 let mean = mean / (last.time_s * problem.coulomb_n);
-                assert!((mean - closed.ratios.friction).abs() < 1e-4, "{shape:?} {sign:?}: {mean} {}", closed.ratios.friction);
+                assert!(
+                    (mean - closed.ratios().friction).abs() < 1e-4,
+                    "{shape:?} {sign:?}: {mean} {}",
+                    closed.ratios().friction
+                );
             }
         }
     }
@@ -254,7 +255,7 @@ mod tests {
     #[test]
     fn what_has_no_closed_form_is_refused() {
         let good = kinematic(Shape::Sine, 0.5, 10.0);
-        assert!(solve(&good, &mut |_| ()).is_ok());
+        assert!(ClosedForm::new(&good).is_ok());
         let lugre = Law::Lugre { stiffness_n_per_m: 1e5, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1: 0.0, sigma2: 0.0 };
         let random = Waveform::new(Shape::Random { hold_s: 1e-6, seed: 1 }, 0.1, 60e3, 1e-3);
         for bad in [
@@ -265,10 +266,10 @@ mod tests {
             Problem { coulomb_n: 0.0, ..good.clone() },
             Problem { waveform: Waveform::new(Shape::Sine, 0.0, 60e3, 1e-3), sliding_m_per_s: 0.0, ..good.clone() },
         ] {
-            assert!(matches!(solve(&bad, &mut |_| ()), Err(SolveError::Unsuited { .. })), "{bad:?}");
+            assert!(matches!(ClosedForm::new(&bad), Err(SolveError::Unsuited { .. })), "{bad:?}");
         }
         let still = Problem { waveform: Waveform::new(Shape::Still, 0.1, 60e3, 1e-3), ..good };
-        let closed = solve(&still, &mut |_| ()).unwrap();
-        assert_eq!((closed.ratios.friction, closed.ratios.power, closed.kappa), (1.0, Some(1.0), 0.0));
+        let closed = ClosedForm::new(&still).unwrap();
+        assert_eq!((closed.ratios().friction, closed.ratios().power, closed.kappa), (1.0, Some(1.0), 0.0));
     }
 }

@@ -1,6 +1,6 @@
 //! The contact, stepped, against the closed forms of the crate `contact`: two programs that share nothing.
 
-use contact::closed::solve;
+use contact::closed::ClosedForm;
 use contact::table_4_1::table_4_1;
 use contact::tally::Ratios;
 use contact::{Law, Motion, Problem, Shape, Sign, Waveform};
@@ -52,7 +52,7 @@ fn stepping_agrees() {
             for xi in [-0.4, 0.05, 0.5, 0.9, 1.0, 1.3] {
                 let mut problem = kinematic(shape, xi, 20.0);
                 problem.sign = sign;
-                let Ratios { friction, power, input, energy_residual, .. } = solve(&problem, &mut |_| ()).unwrap().ratios;
+                let Ratios { friction, power, input, energy_residual, .. } = ClosedForm::new(&problem).unwrap().ratios();
                 for (got, expected) in stepped(&problem).into_iter().zip([Some(friction), power, input]) {
                     let off = (got - expected.unwrap()).abs() * xi.abs().min(1.0);
                     worst = worst.max(off);

@@ -74,7 +74,7 @@ fn overlaid(solved: &Solved) -> Overlaid {
 /// and of one that takes steps.
 pub(super) fn laid_in_closed_form(scene: &Excited) -> Option<(Metrics, Overlaid)> {
     let problem = problem::problem(scene, problem::law(&scene.model)?).ok()?;
-    let closed = !scene.overlay.is_empty() && contact::is_closed(&problem, &problem::numerics(scene, None));
+    let closed = !scene.overlay.is_empty() && contact::closed_form(&problem, &problem::numerics(scene, None)).is_some();
     let (_, metrics, overlaid) = closed.then(|| run(*scene, None, &AtomicBool::new(false), None))?.ok()?;
     Some((metrics, overlaid?))
 }

@@ -1,12 +1,14 @@
 //! Contact studies that have a closed form: the means of a steady sine follow from two numbers.
 
-use contact::{self, Numerics, Problem, closed};
+use contact::closed::ClosedForm;
+use contact::{Numerics, Problem, Shape, closed};
 use scene::{Excited, problem};
 
 /// A study of a steady sine.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steady {
-    point: closed::Point,
+    velocity_ratio: f64,
+    kappa: f64,
     coulomb_n: f64,
 }
 
@@ -33,7 +35,7 @@ impl Mean {
 
     /// The metric of a study, as [`metrics`](crate::study::contact::metrics) has it; none where a study has no power ratio.
     pub(super) fn of(self, study: &Steady) -> Option<f64> {
-        let closed::Point { velocity_ratio, kappa } = study.point;
+        let Steady { velocity_ratio, kappa, .. } = *study;
         let ratio = || closed::friction_ratio(velocity_ratio, kappa);
         match self {
             Mean::FrictionRatio => Some(ratio()),
@@ -56,6 +58,9 @@ pub(super) fn of(scene: &Excited) -> Option<Steady> {
 
 /// The same of a problem.
 pub(super) fn of_problem(problem: &Problem, numerics: &Numerics) -> Option<Steady> {
-    let point = contact::closed_point(problem, numerics)?;
-    Some(Steady { point, coulomb_n: problem.coulomb_n })
+    if problem.waveform.shape() != Shape::Sine {
+        return None;
+    }
+    let ClosedForm { velocity_ratio, kappa, .. } = contact::closed_form(problem, numerics).filter(|form| form.velocity_ratio.is_finite())?;
+    Some(Steady { velocity_ratio, kappa, coulomb_n: problem.coulomb_n })
 }

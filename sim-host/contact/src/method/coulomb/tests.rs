@@ -44,7 +44,7 @@ fn a_given_motion_has_the_closed_form() {
                 let mut problem = coulomb(table_4_1(xi, 10.0));
                 problem.waveform = Waveform::new(shape, problem.vibration_m_per_s(), 60e3, problem.duration_s);
                 (problem.motion, problem.sign) = (Motion::Kinematic, sign);
-                let exact = closed::solve(&problem, &mut |_| ()).unwrap().ratios;
+                let exact = closed::ClosedForm::new(&problem).unwrap().ratios();
                 let (got, _) = ratios(&problem, 11);
                 // Where the slip only touches zero, round-off of 1e-16 in it is 1e-8 of a period.
                 let near = if xi == 1.0 { 1e-8 } else { 1e-12 };
