@@ -11,24 +11,24 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Residuals at some parameters, and how each parameter changes them.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Linear {
+pub struct Linear {
     /// The residuals.
-    pub(crate) residuals: Vec<f64>,
+    pub residuals: Vec<f64>,
     /// For each parameter, the derivatives of all residuals.
-    pub(crate) columns: Vec<Vec<f64>>,
+    pub columns: Vec<Vec<f64>>,
 }
 
 /// The least squares found.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Solution {
+pub struct Solution {
     /// Parameters at the minimum.
-    pub(crate) parameters: Vec<f64>,
+    pub parameters: Vec<f64>,
     /// Residuals and derivatives at the minimum.
-    pub(crate) linear: Linear,
+    pub linear: Linear,
     /// Sum of the squares of the residuals.
-    pub(crate) cost: f64,
+    pub cost: f64,
     /// Whether the last step was small against a standard deviation.
-    pub(crate) converged: bool,
+    pub converged: bool,
 }
 
 /// Steps before a search is given up.
@@ -44,7 +44,7 @@ impl Linear {
     }
 
     /// Normal equations: scaled matrix, scaled gradient, scales.
-    pub(crate) fn normal(&self) -> (DMatrix<f64>, DVector<f64>, Vec<f64>) {
+    pub fn normal(&self) -> (DMatrix<f64>, DVector<f64>, Vec<f64>) {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let columns = &self.columns;
         let scale = |column: &Vec<f64>| {
@@ -61,7 +61,7 @@ impl Linear {
 
 impl Solution {
     /// Covariance of the parameters for residuals of variance one; nothing if the data do not determine them.
-    pub(crate) fn covariance(&self) -> Option<DMatrix<f64>> {
+    pub fn covariance(&self) -> Option<DMatrix<f64>> {
         let (matrix, _, scales) = self.linear.normal();
         let inverse = factor(matrix)?.inverse();
         let n = scales.len();
@@ -79,7 +79,7 @@ fn factor(matrix: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
 }
 
 /// Minimises the sum of squares from a start; nothing if the start itself has no residuals.
-pub(crate) fn minimise(start: &[f64], evaluate: impl Fn(&[f64]) -> Option<Linear>) -> Option<Solution> {
+pub fn minimise(start: &[f64], evaluate: impl Fn(&[f64]) -> Option<Linear>) -> Option<Solution> {
     let mut linear = evaluate(start)?;
     let mut parameters = start.to_vec();
     let mut cost = linear.cost();

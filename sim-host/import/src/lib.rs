@@ -25,7 +25,7 @@ mod complex;
 pub mod error;
 pub mod friction;
 mod heading;
-mod least_squares;
+pub mod least_squares;
 pub mod signal;
 mod stated;
 pub mod synthetic;

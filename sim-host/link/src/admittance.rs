@@ -4,7 +4,6 @@
 //! Y(f) = j 2 pi f C0 + sum over resonances of  G / (1 + j Q (f / fs - fs / f))
 //! ```
 
-use std::f64::consts::TAU;
 use std::path::Path;
 use std::time::Duration;
 
@@ -14,6 +13,7 @@ use firmware::seam::fault::Limit;
 use firmware::seam::mode::Mode;
 use firmware::seam::transducer::{Resonance, Transducer};
 use firmware::seam::units::Hertz;
+use import::admittance::circuit::{Branch, Equivalent};
 use realfft::num_complex::Complex64;
 
 use crate::answer::Answer;
@@ -29,13 +29,17 @@ const PLACES: usize = 400;
 /// Ring-up time constants that a place is given to settle, and at least, s.
 const SETTLE: (f64, f64) = (12.0, 2e-3);
 
+/// Converts a resonance of a scan report.
+pub fn branch(found: &Resonance) -> Branch {
+    Branch { hz: found.hz.into(), q: found.q.into(), siemens: found.conductance_s.into() }
+}
+
 /// Admittance loop of a transducer.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Loop {
-    c0_f: f64,
-    resonances: Vec<Resonance>,
+    circuit: Equivalent,
     /// The resonance of the working mode, if a scan has chosen one.
-    chosen: Option<Resonance>,
+    chosen: Option<Branch>,
     /// Frequencies, Hz, and admittances there, S, as measured.
     pub measured: Vec<(f64, Complex64)>,
 }
@@ -43,35 +47,25 @@ pub struct Loop {
 impl Loop {
     /// The loop of what a scan has found.
     pub fn of(transducer: Option<&Transducer>, found: &ResonanceReport) -> Self {
-        let resonances: Vec<Resonance> = found.found.iter().flatten().copied().collect();
-        let chosen = found.chosen.and_then(|place| *found.found.get(usize::from(place))?);
-        Loop { c0_f: transducer.map_or(0.0, |found| found.c0_f.into()), resonances, chosen, measured: Vec::new() }
-    }
-
-    /// Admittance at a frequency, S.
-    pub fn admittance(&self, hz: f64) -> Complex64 {
-        let clamped = Complex64::new(0.0, TAU * hz * self.c0_f);
-        let motional = self.resonances.iter().map(|resonance| {
-            let series_hz = f64::from(resonance.hz);
-            let detuning = hz / series_hz - series_hz / hz;
-            Complex64::from(f64::from(resonance.conductance_s)) / Complex64::new(1.0, f64::from(resonance.q) * detuning)
-        });
-        clamped + motional.sum::<Complex64>()
+        let branches = found.found.iter().flatten().map(branch).collect();
+        let chosen = found.chosen.and_then(|place| found.found.get(usize::from(place))?.as_ref()).map(branch);
+        let c0_f = transducer.map_or(0.0, |found| found.c0_f.into());
+        Loop { circuit: Equivalent { c0_f, loss_tangent: 0.0, branches }, chosen, measured: Vec::new() }
     }
 
     /// Frequencies that show the loop, denser where it turns: Hz.
     fn places(&self) -> Vec<f64> {
         let Some(about) = &self.chosen else { return Vec::new() };
-        let half_hz = f64::from(about.hz) / (2.0 * f64::from(about.q));
+        let half_hz = about.hz / (2.0 * about.q);
         // The angle on the circle of a resonance turns evenly.
         let angle = |n: usize| (n as f64 / PLACES as f64 - 0.5) * std::f64::consts::PI * 0.97;
-        (0..=PLACES).map(|n| f64::from(about.hz) + half_hz * angle(n).tan()).collect()
+        (0..=PLACES).map(|n| about.hz + half_hz * angle(n).tan()).collect()
     }
 
     /// How far the measured places are from the circuit, in parts of the resonance's conductance.
     pub fn compared(&self, answer: Answer) -> Answer {
         let (Some(about), false) = (&self.chosen, self.measured.is_empty()) else { return answer };
-        let apart = |&(hz, y): &(f64, Complex64)| (y - self.admittance(hz)).norm() / f64::from(about.conductance_s);
+        let apart = |&(hz, y): &(f64, Complex64)| (y - self.circuit.admittance(hz)).norm() / about.siemens;
         let worst = self.measured.iter().map(apart).fold(0.0, f64::max);
         answer
             .line(format!(
@@ -87,7 +81,7 @@ impl Loop {
 
     /// The loop in characters: conductance to the right, susceptance upwards.
     pub fn in_terminal(&self) -> String {
-        let places: Vec<Complex64> = self.places().into_iter().map(|hz| 1e3 * self.admittance(hz)).collect();
+        let places: Vec<Complex64> = self.places().into_iter().map(|hz| 1e3 * self.circuit.admittance(hz)).collect();
         if places.is_empty() {
             return "no resonance was chosen: there is no loop to draw".into();
         }
@@ -107,17 +101,17 @@ impl Loop {
             y: y.iter().map(|y| 1e3 * y.im).collect(),
             style,
         };
-        let circuit: Vec<Complex64> = places.iter().map(|&hz| self.admittance(hz)).collect();
+        let circuit: Vec<Complex64> = places.iter().map(|&hz| self.circuit.admittance(hz)).collect();
         let measured: Vec<Complex64> = self.measured.iter().map(|(_, y)| *y).collect();
         let mut series = vec![of(&circuit, "circuit identified", "susceptance_ms", Style::Line)];
         if !measured.is_empty() {
             series.push(of(&measured, "measured, settled", "measured_susceptance_ms", Style::Points));
         }
         let mark = |hz: f64, label: String| {
-            let y = 1e3 * self.admittance(hz);
+            let y = 1e3 * self.circuit.admittance(hz);
             Marker { x: y.re, y: y.im, label }
         };
-        let markers = self.chosen.iter().map(|about| mark(about.hz.into(), format!("f_s {:.1} Hz", about.hz))).collect();
+        let markers = self.chosen.iter().map(|about| mark(about.hz, format!("f_s {:.1} Hz", about.hz))).collect();
         let magnitude = |places: &[(f64, Complex64)], name: &str, column: &str, style: Style| Series {
             name: name.into(),
             csv_column: column.into(),
@@ -159,7 +153,7 @@ impl Loop {
 /// Locks, drives beside the resonance step by step, and takes the admittance where it has settled; then falls silent.
 pub fn measure(points: u16, reach: f64, about: &Loop, session: &mut Session) -> Result<Vec<(f64, Complex64)>, LinkError> {
     let Some(resonance) = &about.chosen else { return Ok(Vec::new()) };
-    let bandwidth_hz = f64::from(resonance.hz / resonance.q);
+    let bandwidth_hz = resonance.hz / resonance.q;
     let settle_s = (SETTLE.0 / (std::f64::consts::PI * bandwidth_hz)).max(SETTLE.1);
     session.client.order(Command::Gate(Gate::On))?;
     session.client.order(Command::Detune(Hertz(0.0)))?;
@@ -195,21 +189,16 @@ mod tests {
     use super::*;
 
     fn one() -> Loop {
-        let resonance = Resonance { hz: 40e3, q: 65.0, lm_h: 0.8e-3, conductance_s: 0.325 };
-        Loop { c0_f: 300e-9, resonances: vec![resonance], chosen: Some(resonance), measured: Vec::new() }
-    }
-
-    #[test]
-    fn at_the_resonance_it_is_the_conductance_beside_c0() {
-        let y = one().admittance(40e3);
-        assert!((y - Complex64::new(f64::from(0.325_f32), TAU * 40e3 * 300e-9)).norm() < 1e-12, "{y}");
+        let branch = Branch { hz: 40e3, q: 65.0, siemens: 0.325 };
+        let circuit = Equivalent { c0_f: 300e-9, loss_tangent: 0.0, branches: vec![branch] };
+        Loop { circuit, chosen: Some(branch), measured: Vec::new() }
     }
 
     #[test]
     fn the_drawn_loop_goes_round_most_of_its_circle() {
         let drawn = one();
-        let middle = Complex64::new(0.1625, TAU * 40e3 * 300e-9);
-        let radii: Vec<f64> = drawn.places().iter().map(|&hz| (drawn.admittance(hz) - middle).norm()).collect();
+        let middle = Complex64::new(0.1625, std::f64::consts::TAU * 40e3 * 300e-9);
+        let radii: Vec<f64> = drawn.places().iter().map(|&hz| (drawn.circuit.admittance(hz) - middle).norm()).collect();
         // C0 takes more at higher frequencies: 0.075 S beside a radius of 0.1625 S, over 1000 Hz a fortieth of that.
         assert!(radii.iter().all(|radius| (radius / 0.1625 - 1.0).abs() < 0.2), "{radii:?}");
         assert!(drawn.in_terminal().lines().count() > 15);

@@ -15,7 +15,7 @@ use num_complex::Complex64;
 /// Parameters of the clamped branch.
 pub(super) const CLAMPED: usize = 2;
 /// Parameters of a resonance.
-pub(super) const BRANCH: usize = 3;
+pub const BRANCH: usize = 3;
 
 /// A resonance: a series branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,8 +39,8 @@ pub struct Equivalent {
     pub branches: Vec<Branch>,
 }
 
-/// Admittance of a branch by its parameters, and its derivatives by `ln fs`, `ln Q` and `ln G`.
-fn branch([ln_hz, ln_q, ln_g]: [f64; BRANCH], hz: f64) -> (Complex64, [Complex64; BRANCH]) {
+/// Returns the admittance of a branch by its parameters `ln fs`, `ln Q`, `ln G`, S, and its derivatives by them.
+pub fn branch([ln_hz, ln_q, ln_g]: [f64; BRANCH], hz: f64) -> (Complex64, [Complex64; BRANCH]) {
     let (own, q, g) = (libm::exp(ln_hz), libm::exp(ln_q), libm::exp(ln_g));
     let (up, down) = (hz / own, own / hz);
     let h = Complex64::new(1.0, q * (up - down)).inv();
@@ -50,6 +50,32 @@ fn branch([ln_hz, ln_q, ln_g]: [f64; BRANCH], hz: f64) -> (Complex64, [Complex64
 }
 
 impl Branch {
+    /// Returns the branch of the parameters `ln fs`, `ln Q`, `ln G`.
+    pub fn from_parameters(parameters: &[f64]) -> Self {
+        let exp = |at: usize| libm::exp(parameters[at]);
+        Branch { hz: exp(0), q: exp(1), siemens: exp(2) }
+    }
+
+    /// Returns the parameters `ln fs`, `ln Q`, `ln G`.
+    pub fn parameters(&self) -> [f64; BRANCH] {
+        [self.hz, self.q, self.siemens].map(libm::log)
+    }
+
+    /// Returns the admittance at a frequency, S.
+    pub fn admittance(&self, hz: f64) -> Complex64 {
+        self.siemens / Complex64::new(1.0, self.q * (hz / self.hz - self.hz / hz))
+    }
+
+    /// Parallel resonance with a clamped capacitance, Hz.
+    pub fn parallel_hz(&self, c0_f: f64) -> f64 {
+        self.hz * (1.0 + self.cm_f() / c0_f).sqrt()
+    }
+
+    /// Effective coupling with a clamped capacitance.
+    pub fn coupling(&self, c0_f: f64) -> f64 {
+        (self.cm_f() / (c0_f + self.cm_f())).sqrt()
+    }
+
     /// Motional resistance of the branch, ohm.
     pub fn rm_ohm(&self) -> f64 {
         1.0 / self.siemens
@@ -70,16 +96,14 @@ impl Equivalent {
     /// The circuit of the parameters of a fit, with capacitances in units of `farad`.
     pub(super) fn of(parameters: &[f64], farad: f64) -> Self {
         let c0_f = parameters[0] * farad;
-        let exp = |x: f64| libm::exp(x);
-        let of = |p: &[f64]| Branch { hz: exp(p[0]), q: exp(p[1]), siemens: exp(p[2]) };
-        let branches = parameters[CLAMPED..].chunks_exact(BRANCH).map(of).collect();
+        let branches = parameters[CLAMPED..].chunks_exact(BRANCH).map(Branch::from_parameters).collect();
         Equivalent { c0_f, loss_tangent: parameters[1] / parameters[0], branches }
     }
 
     /// The parameters of a fit, with capacitances in units of `farad`.
     pub(super) fn parameters(&self, farad: f64) -> Vec<f64> {
         let c0 = self.c0_f / farad;
-        let branches = self.branches.iter().flat_map(|b| [b.hz, b.q, b.siemens].map(libm::log));
+        let branches = self.branches.iter().flat_map(Branch::parameters);
         [c0, c0 * self.loss_tangent].into_iter().chain(branches).collect()
     }
 

@@ -96,16 +96,16 @@ pub struct Admittance {
 pub(super) fn derived(parameters: &[f64], farad: f64, at: usize) -> [f64; 9] {
     let circuit = Equivalent::of(parameters, farad);
     let branch = circuit.branches[at];
-    let (c0, cm) = (circuit.c0_f, branch.cm_f());
+    let c0 = circuit.c0_f;
     [
         branch.hz,
-        branch.hz * (1.0 + cm / c0).sqrt(),
+        branch.parallel_hz(c0),
         branch.q,
         branch.rm_ohm(),
         branch.lm_h(),
-        cm,
+        branch.cm_f(),
         c0,
-        (cm / (c0 + cm)).sqrt(),
+        branch.coupling(c0),
         circuit.loss_tangent,
     ]
 }

@@ -15,7 +15,7 @@ use firmware::seam::transducer::Transducer;
 use serde_json::json;
 
 use super::circuit::in_words;
-use crate::admittance::{self, Loop};
+use crate::admittance::{self, Loop, branch};
 use crate::answer::{Answer, quantity, short};
 use crate::client::unexpected;
 use crate::link_error::LinkError;
@@ -98,11 +98,9 @@ fn list(found: &ResonanceReport, transducer: Option<&Transducer>, answer: Answer
     let mut answer = answer.line("    f_s [Hz]    f_p [Hz]       Q         Rm           Lm");
     for (place, resonance) in found.found.iter().enumerate().filter_map(|(place, found)| Some((place, found.as_ref()?))) {
         let chosen = found.chosen.map(usize::from) == Some(place);
-        let hz = f64::from(resonance.hz);
-        let omega = std::f64::consts::TAU * hz;
-        let cm_f = 1.0 / (omega * omega * f64::from(resonance.lm_h));
-        let parallel_hz = c0_f.map(|c0_f| hz * (1.0 + cm_f / c0_f).sqrt());
-        let rm_ohm = 1.0 / f64::from(resonance.conductance_s);
+        let branch = branch(resonance);
+        let (hz, rm_ohm) = (branch.hz, branch.rm_ohm());
+        let parallel_hz = c0_f.map(|c0_f| branch.parallel_hz(c0_f));
         answer = answer.line(format!(
             "{} {hz:>10.2}  {:>10}  {:>6.1}  {:>10}  {:>10}",
             if chosen { "*" } else { " " },

@@ -61,6 +61,7 @@ pub(super) fn of_problem(problem: &Problem, numerics: &Numerics) -> Option<Stead
     if problem.waveform.shape() != Shape::Sine {
         return None;
     }
-    let ClosedForm { velocity_ratio, kappa, .. } = contact::closed_form(problem, numerics).filter(|form| form.velocity_ratio.is_finite())?;
+    let ClosedForm { velocity_ratio, kappa, .. } =
+        contact::closed_form(problem, numerics).filter(|form| form.velocity_ratio.is_finite())?;
     Some(Steady { velocity_ratio, kappa, coulomb_n: problem.coulomb_n })
 }

@@ -1,10 +1,10 @@
 //! The drawing of what was found: the size of the admittance over the band, with the tones that were measured.
 
-use std::f64::consts::TAU;
-
+use import::admittance::circuit::{Branch, Equivalent};
 use realfft::num_complex::Complex64;
 
 use super::Commissioned;
+use super::modes::Mode;
 use crate::terminal_plot::TerminalPlot;
 use report::statistics::ascending;
 
@@ -14,13 +14,12 @@ const ABOUT: usize = 100;
 
 /// Admittance of the identified circuit, S.
 pub fn admittance(found: &Commissioned, hz: f64) -> Complex64 {
-    let c0_f = f64::from(found.proposal.transducer.c0_f);
-    let motional = found.modes.iter().map(|mode| {
+    let branch = |mode: &Mode| {
         let it = &mode.transducer;
-        let series_hz = f64::from(it.series_resonance_hz);
-        Complex64::from(1.0 / f64::from(it.rm_ohm)) / Complex64::new(1.0, f64::from(it.q) * (hz / series_hz - series_hz / hz))
-    });
-    Complex64::new(0.0, TAU * hz * c0_f) + motional.sum::<Complex64>()
+        Branch { hz: it.series_resonance_hz.into(), q: it.q.into(), siemens: 1.0 / f64::from(it.rm_ohm) }
+    };
+    let c0_f = found.proposal.transducer.c0_f.into();
+    Equivalent { c0_f, loss_tangent: 0.0, branches: found.modes.iter().map(branch).collect() }.admittance(hz)
 }
 
 /// Frequencies over the band, denser about the modes, Hz.

@@ -2,12 +2,11 @@
 //!
 //! A further mode within a few bandwidths bends the circle, and moves what a scan identifies, and the lock, without a word.
 
-use std::f64::consts::TAU;
-
 use firmware::seam::transducer::{Deviations, Transducer};
+use import::admittance::circuit::Branch;
 
 use super::ALIKE;
-use super::fit::{Fit, Point, Resonance, fit};
+use super::fit::{Fit, Point, fit};
 use super::proposal::bound_hz;
 use crate::link_error::LinkError;
 
@@ -25,7 +24,7 @@ const CROOKED: f64 = 16.0;
 const MOST: usize = 3;
 
 /// The circuit of the fewest resonances that explains the points; the first is that of `start`. None where there are too few points.
-fn circuit(points: &[Point], start: Resonance) -> Option<Fit> {
+fn circuit(points: &[Point], start: Branch) -> Option<Fit> {
     let mut best = fit(points, &[start])?;
     while best.resonances.len() < MOST {
         let Some(more) = with_one_more(points, &best).filter(|more| explains(&best, more)) else { break };
@@ -40,11 +39,8 @@ fn with_one_more(points: &[Point], of: &Fit) -> Option<Fit> {
     let width_hz = first.hz / first.q;
     let starts = DISTANCES.iter().flat_map(|distance| QUALITIES.iter().map(move |quality| (distance, quality)));
     let fits = starts.filter_map(|(distance, quality)| {
-        let further = Resonance {
-            hz: first.hz + distance * width_hz,
-            q: (first.q * quality).max(1.0),
-            siemens: CONDUCTANCE * first.siemens,
-        };
+        let further =
+            Branch { hz: first.hz + distance * width_hz, q: (first.q * quality).max(1.0), siemens: CONDUCTANCE * first.siemens };
         fit(points, &[of.resonances.as_slice(), &[further]].concat())
     });
     fits.min_by(|a, b| a.squares.total_cmp(&b.squares))
@@ -70,7 +66,7 @@ pub struct Resolved {
 /// The resonance of a circle. Fails where the circle does not determine it.
 pub fn resolve(points: &[Point], of: &Transducer, by_number: bool) -> Result<Resolved, LinkError> {
     let (hz, bound_hz) = (f64::from(of.series_resonance_hz), bound_hz(of));
-    let start = Resonance { hz, q: of.q.into(), siemens: 1.0 / f64::from(of.rm_ohm) };
+    let start = Branch { hz, q: of.q.into(), siemens: 1.0 / f64::from(of.rm_ohm) };
     let refused =
         |why: String| LinkError::Failed(format!("a resonance was identified at {hz:.2} Hz, and it is not alone: {why}"));
     let circuit = circuit(points, start).ok_or_else(|| refused("the admittance round it cannot be fitted".into()))?;
@@ -85,8 +81,7 @@ pub fn resolve(points: &[Point], of: &Transducer, by_number: bool) -> Result<Res
     // By its number it is the one that was looked at, else the strongest.
     let place = if by_number { 0 } else { circuit.strongest() };
     let (found, deviation_hz) = (circuit.resonances[place], circuit.deviations_hz[place]);
-    let others: Vec<Resonance> =
-        circuit.resonances.iter().enumerate().filter(|(at, _)| *at != place).map(|(_, it)| *it).collect();
+    let others: Vec<Branch> = circuit.resonances.iter().enumerate().filter(|(at, _)| *at != place).map(|(_, it)| *it).collect();
     if let Some(alike) = others.iter().find(|it| !by_number && it.cm_f() > ALIKE * found.cm_f()) {
         return Err(refused(format!(
             "another one of {:.0} % of its strength is at {:.1} Hz",
@@ -111,31 +106,30 @@ pub fn resolve(points: &[Point], of: &Transducer, by_number: bool) -> Result<Res
 
 /// A transducer with the resonance of a fit.
 fn with(of: &Transducer, circuit: &Fit, place: usize) -> Transducer {
-    let it = circuit.resonances[place];
-    let (cm_f, c0_f) = (it.cm_f(), circuit.c0_f());
-    let coupling = (cm_f / (c0_f + cm_f)).sqrt();
-    let deviations = Deviations { series_resonance_hz: circuit.deviations_hz[place] as f32, ..of.deviations };
+    let (it, c0_f) = (circuit.resonances[place], circuit.c0_f());
     Transducer {
         series_resonance_hz: it.hz as f32,
-        parallel_resonance_hz: (it.hz * (1.0 + cm_f / c0_f).sqrt()) as f32,
+        parallel_resonance_hz: it.parallel_hz(c0_f) as f32,
         q: it.q as f32,
-        rm_ohm: (1.0 / it.siemens) as f32,
-        lm_h: (1.0 / ((TAU * it.hz).powi(2) * cm_f)) as f32,
-        cm_f: cm_f as f32,
+        rm_ohm: it.rm_ohm() as f32,
+        lm_h: it.lm_h() as f32,
+        cm_f: it.cm_f() as f32,
         c0_f: c0_f as f32,
-        coupling: coupling as f32,
-        deviations,
+        coupling: it.coupling(c0_f) as f32,
+        deviations: Deviations { series_resonance_hz: circuit.deviations_hz[place] as f32, ..of.deviations },
         ..*of
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use realfft::num_complex::Complex64;
 
     use super::*;
 
-    const MAIN: Resonance = Resonance { hz: 40e3, q: 50.0, siemens: 0.3 };
+    const MAIN: Branch = Branch { hz: 40e3, q: 50.0, siemens: 0.3 };
 
     /// The resonance as a scan has identified it, so many hertz off.
     fn identified(apart_hz: f64) -> Transducer {
@@ -152,7 +146,7 @@ mod tests {
     }
 
     /// Seventeen points to 2.5 bandwidths beside the resonance, beside 300 nF, a ten-thousandth of the conductance off to changing sides.
-    fn points(further: &[Resonance]) -> Vec<Point> {
+    fn points(further: &[Branch]) -> Vec<Point> {
         let off = 1e-4 * MAIN.siemens;
         (0..17)
             .map(|n| {
@@ -175,7 +169,7 @@ mod tests {
     #[test]
     fn a_neighbour_within_a_bandwidth_is_taken_off() {
         for hz in [40.4e3, 40.8e3, 39.4e3] {
-            let neighbour = Resonance { hz, q: 70.0, siemens: 0.06 };
+            let neighbour = Branch { hz, q: 70.0, siemens: 0.06 };
             let resolved = resolve(&points(&[neighbour]), &identified(60.0), false).unwrap();
             assert_eq!(resolved.resonances, 2, "{hz}");
             let it = resolved.transducer;
@@ -186,7 +180,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_told_is_refused_by_name() {
-        let alike = Resonance { hz: 40.6e3, q: 50.0, siemens: 0.27 };
+        let alike = Branch { hz: 40.6e3, q: 50.0, siemens: 0.27 };
         let error = |points: &[Point]| resolve(points, &identified(0.0), false).unwrap_err().to_string();
         assert!(error(&points(&[alike])).contains("of its strength is at"), "{}", error(&points(&[alike])));
         let mut crooked = points(&[]);
