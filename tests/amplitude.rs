@@ -1,25 +1,26 @@
-//! The amplitude with the plant behind the converters: how it is held whatever the load is, and how it starts.
+//! Amplitude control with the plant at the converters: the amplitude under load changes, and its
+//! start.
 
 use scene::load::load;
 use sim::record::{Record, Row};
 use sim::run::{Watch, run};
 
-/// The cold start of the flagship stack, with changes.
+/// Runs the cold start of the flagship stack with changes.
 fn record(changes: &[&str]) -> Record {
     let sets: Vec<String> = ["runs=1", "duration_s=0.2"].iter().chain(changes).map(|&set| set.to_owned()).collect();
     let loaded = load("lock-cold", &sets).unwrap_or_else(|error| panic!("{error}"));
     run(&loaded.scene.driven().unwrap(), Watch::default()).unwrap()
 }
 
-/// Mean over the last 5 ms before a time, s.
+/// Returns the mean over the last 5 ms before a time, s.
 fn before(record: &Record, end_s: f64, of: impl Fn(&Row) -> f64) -> f64 {
     let rows: Vec<f64> = record.rows.iter().filter(|row| row.time_s < end_s && row.time_s > end_s - 5e-3).map(of).collect();
     rows.iter().sum::<f64>() / rows.len() as f64
 }
 
-/// The load makes Q a tenth of what it was, and takes itself off again.
+/// The load reduces Q to a tenth and is removed again.
 #[test]
-fn the_amplitude_is_held_to_a_part_in_a_hundred_over_a_tenfold_load() {
+fn the_amplitude_is_held_to_1_percent_over_a_tenfold_load() {
     let record = record(&[
         "stack.bvd.q=200",
         "controller.tracking.nominal_q=200",
@@ -45,9 +46,10 @@ fn the_amplitude_is_held_to_a_part_in_a_hundred_over_a_tenfold_load() {
     }
 }
 
-/// Along a straight line from the scan's voltage, in 20 ms; Q 65 follows with 0.5 ms.
+/// The drive rises linearly from the scan voltage in 20 ms. A stack of Q 65 follows with a time
+/// constant of 0.5 ms.
 #[test]
-fn a_soft_start_takes_its_time() {
+fn a_soft_start_is_linear_in_time() {
     let changes = ["controller.drive.amplitude_v=6", "controller.drive.scan_v=1", "controller.drive.soft_start_s=0.02"];
     let record = record(&changes);
     let first = record.rows.iter().find(|row| row.drive_v > 1.0 && row.locked).unwrap().time_s;
@@ -62,29 +64,31 @@ fn a_soft_start_takes_its_time() {
     assert!(record.rows.iter().all(|row| row.fault == 0));
 }
 
-/// Current at the amplifier: of the resonance, which is in phase with the voltage, and of the 300 nF beside it, A peak.
+/// Returns the current at the amplifier, A peak: that of the resonance, in phase with the voltage,
+/// and that of the parallel 300 nF.
 fn amperes(row: &Row) -> f64 {
     row.motional_current_a.hypot(std::f64::consts::TAU * 40e3 * 300e-9 * row.drive_v)
 }
 
-/// Six volts would take a third more current than the limit, through the resonance alone.
+/// At 6 V the resonance alone would draw a third more current than the limit.
 #[test]
-fn an_order_beyond_the_current_limit_is_folded_back_and_trips_nothing() {
+fn an_order_above_the_current_limit_is_folded_back() {
     for (q, limit_a) in [(65.0, 1.45), (120.0, 2.2), (200.0, 3.0)] {
         let sets = [format!("stack.bvd.q={q}"), format!("controller.limits.current_a={limit_a}")];
         let sets: Vec<&str> = sets.iter().map(String::as_str).chain(["controller.drive.amplitude_v=6"]).collect();
         let record = record(&sets);
         let (most, end) = (record.rows.iter().map(amperes).fold(0.0, f64::max), before(&record, 0.2, amperes));
         let (fault, limit) = record.rows.last().map(|row| (row.fault, row.limit)).unwrap();
-        println!("Q {q}: {most:.3} A at most of {limit_a}, {end:.3} A at the end, fault {fault}, limit {limit}");
+        println!("Q {q}: at most {most:.3} A of {limit_a}, {end:.3} A at the end, fault {fault}, limit {limit}");
         assert_eq!((fault, limit), (0, 108), "Q {q}");
         assert!(most < limit_a && (end / limit_a / 0.95 - 1.0).abs() < 0.02, "Q {q}: {most} A, {end} A");
     }
 }
 
-/// A load that comes off at once leaves a third of the resistance, or a tenth; blocks of 100 samples act too late for the latter.
+/// A sudden removal of the load reduces the resistance to a third or to a tenth. Blocks of 100
+/// samples are too slow for the latter.
 #[test]
-fn a_load_that_comes_off_folds_the_drive_back_before_it_trips() {
+fn removing_the_load_folds_back_before_a_trip() {
     for (q, samples) in [(65.0, 32), (200.0, 32), (65.0, 100)] {
         let (to, block) = (format!("disturbance.0.to={q}"), format!("controller.block_samples={samples}"));
         let record = record(&[
@@ -98,13 +102,13 @@ fn a_load_that_comes_off_folds_the_drive_back_before_it_trips() {
             &block,
         ]);
         let (most, end) = (record.rows.iter().map(amperes).fold(0.0, f64::max), before(&record, 0.2, amperes));
-        println!("Q 20 to {q}: {:.3} A before, {most:.3} A at most, {end:.3} A at the end", before(&record, 0.1, amperes));
+        println!("Q 20 to {q}: {:.3} A before, at most {most:.3} A, {end:.3} A at the end", before(&record, 0.1, amperes));
         assert!(record.rows.iter().all(|row| row.fault == 0), "Q {q}");
         assert!(most < 3.0 && (end / 2.85 - 1.0).abs() < 0.02, "Q {q}: {most} A, {end} A");
     }
 }
 
-/// Each burst begins with what the one before has shown of the load.
+/// Each burst begins with the load estimate of the previous one.
 #[test]
 fn bursts_are_folded_back_too() {
     for edge in ["hard", "boost"] {
@@ -118,7 +122,7 @@ fn bursts_are_folded_back_too() {
         ]);
         let most = record.rows.iter().map(amperes).fold(0.0, f64::max);
         let folded = record.rows.iter().filter(|row| row.limit == 108).count();
-        println!("{edge}: {most:.3} A at most, folded in {folded} blocks of {}", record.rows.len());
+        println!("{edge}: at most {most:.3} A, folded back in {folded} blocks of {}", record.rows.len());
         assert!(record.rows.iter().all(|row| row.fault == 0) && most < 3.0 && folded > 1000, "{edge}: {most} A");
     }
 }

@@ -1,6 +1,8 @@
-//! Applications beyond the belt, through the whole chain: what their scenes come to over amplitude and load, beside closed forms.
+//! Applications beyond the belt, through the whole chain: results of their scenes over amplitude
+//! and load, with closed forms.
 //!
-//! `UPDATE_DOCS=1 cargo test docs -- --include-ignored` writes the tables of docs/applications.md.
+//! `UPDATE_DOCS=1 cargo test docs -- --include-ignored` writes the tables of
+//! docs/evidence/applications.md.
 
 use contact::closed::friction_ratio;
 use report::TableBlock;
@@ -9,14 +11,14 @@ use sim::instruments::{DRIVEN, View, measure};
 use sim::metrics::Metrics;
 use sim::run::{Watch, run};
 
-/// What came of a scene: its metrics, and its stretches with the drive ON and OFF.
+/// Result of a scene: its metrics, and its stretches with the drive ON and OFF.
 struct Outcome {
     metrics: Metrics,
     stretches: TableBlock,
 }
 
 impl Outcome {
-    fn of(name: &str, changes: &[String]) -> Self {
+    fn from_scene(name: &str, changes: &[String]) -> Self {
         let loaded = load(name, changes).unwrap_or_else(|error| panic!("{error}"));
         let scene = loaded.scene.driven().unwrap();
         let record = run(&scene, Watch::default()).unwrap();
@@ -33,13 +35,13 @@ impl Outcome {
     }
 }
 
-/// So many significant digits.
+/// Formats a value with this number of significant digits.
 fn digits(value: f64, digits: usize) -> String {
     let decimals = digits as i32 - 1 - if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
     format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
 }
 
-/// The stretches of a run, without the columns in which it has nothing.
+/// Returns the stretches of a run without empty columns.
 fn stretches(title: &str, mut table: TableBlock) -> TableBlock {
     let has: Vec<bool> = (0..table.header.len()).map(|at| table.rows.iter().any(|row| row[at] != "–")).collect();
     for cells in table.rows.iter_mut().chain([&mut table.header]) {
@@ -56,13 +58,14 @@ fn stretches(title: &str, mut table: TableBlock) -> TableBlock {
 
 #[test]
 fn docs_of_a_seat_rail() {
-    // The numbers of the scene.
+    // Values of the scene.
     let (mass, normal, mu, stiffness, pull) = (20.0, 200.0, 0.25, 1e6, 1e-4);
     let mut rows = Vec::new();
     let mut own = None;
     for tip in [0.025, 0.05, 0.1, 0.175] {
-        let outcome = Outcome::of("seat-rail", &[format!("controller.drive.velocity_m_per_s={tip}")]);
-        // A slow carriage on a vibrating contact of soft bristles is damped by `pi mu N / (2 Vv)`, beside the 2000 N s/m of its drive train.
+        let outcome = Outcome::from_scene("seat-rail", &[format!("controller.drive.velocity_m_per_s={tip}")]);
+        // A slow carriage on a vibrating contact of soft bristles is damped by `pi mu N / (2 Vv)`,
+        // in addition to the 2000 N s/m of its drive train.
         let damper = std::f64::consts::FRAC_PI_2 * mu * normal / tip;
         let omega = f64::sqrt(stiffness / mass);
         let zeta = (damper + 2000.0) / (2.0 * mass * omega);
@@ -91,23 +94,26 @@ fn docs_of_a_seat_rail() {
     }
     let header = [
         "tip velocity [m/s]",
-        "breaks away at, OFF [N]",
+        "breakaway force, OFF [N]",
         "ON [N]",
         "damper, ON [N]",
         "jump, OFF [um]",
         "ON [um]",
         "stick-slip, OFF [Hz]",
-        "rms of the speed over its mean, OFF",
+        "rms speed over mean speed, OFF",
         "ON",
-        "past the spring's end [um]",
+        "overshoot past the spring's end [um]",
         "drive [W]",
     ];
-    let caption = "The largest pull with the drive OFF, and with it ON from rest; the mean of the latter as a damper `pi mu N / (2 Vv)` at 0.1 mm/s has it; the jump of a slip; how far the carriage goes past the end of its \
-                   spring where the drive comes ON while that is wound; electrical power while ON.";
+    let caption = "The largest pull with the drive OFF, and with the drive ON from rest; \
+                   the mean pull of a damper `pi mu N / (2 Vv)` at 0.1 mm/s; \
+                   the jump of a slip; the overshoot of the carriage past the end of its spring if the drive starts while \
+                   the spring is wound; \
+                   the electrical power while ON.";
     let own = own.map(|table| stretches("The scene `seat-rail`, drive ON and OFF", table));
     let over = TableBlock::new("rail", "Over the tip velocity", caption, &header, rows);
     report::docs::block(
-        "applications.md",
+        "evidence/applications.md",
         "cargo test -p scenarios applications::docs_of_a_seat_rail",
         &report::markdown(&[own.unwrap(), over]),
     );
@@ -120,12 +126,13 @@ fn docs_of_a_seat_recliner() {
     let mut own = None;
     for (force, tip) in [(10.0, 0.1), (20.0, 0.1), (30.0, 0.1), (40.0, 0.1), (50.0, 0.1), (40.0, 0.05), (40.0, 0.175)] {
         let changes = [format!("rig.carriage.force_n={force}"), format!("controller.drive.velocity_m_per_s={tip}")];
-        let outcome = Outcome::of("seat-recliner", &changes);
+        let outcome = Outcome::from_scene("seat-recliner", &changes);
         let speed = released_speed(force / coulomb, tip, stiffness * tip / (omega * coulomb));
         let (got, stops) = (outcome.get("release_speed_m_per_s"), outcome.get("hold_time_ms"));
         let expected_ms = 1e3 * got * mass / (coulomb - force);
         assert!((got / speed - 1.0).abs() < 0.007, "{force} N, {tip} m/s: {got} for {speed}");
-        // The tip rings down within three time constants of 0.5 ms, and the friction returns meanwhile.
+        // The tip rings down within three time constants of 0.5 ms; the friction returns during
+        // that time.
         assert!((stops - expected_ms).abs() < 0.01 * expected_ms + 1.0, "{force} N, {tip} m/s: {stops} for {expected_ms}");
         let (energy, estimate) = (outcome.get("release_energy_j"), outcome.get("release_energy_estimate_j"));
         assert!((estimate / energy - 1.0).abs() < 0.007, "{force} N, {tip} m/s: {estimate} for {energy}");
@@ -157,42 +164,46 @@ fn docs_of_a_seat_recliner() {
         "closed form",
         "energy [J]",
         "by the controller",
-        "stands after [ms]",
+        "stopped after [ms]",
         "closed form",
-        "way till then [mm]",
+        "travel until then [mm]",
     ];
-    let caption = "Of a release of 0.6 s. The speed is where Dahl's steady mean friction is the load; the time until it stands again is `m V / (mu N - P)`. The creep is from power-up to the release, and comes from self-test, scan and lock.";
+    let caption = "A release of 0.6 s. At the closed-form speed, Dahl's steady mean friction equals the load. \
+                   The closed-form time until it stops is `m V / (mu N - P)`. \
+                   The creep is from power-up to the release, caused by self-test, scan and lock.";
     let own = own.map(|table| stretches("The scene `seat-recliner`, drive ON and OFF", table));
     let over = TableBlock::new("recliner", "Over load and tip velocity", caption, &header, rows);
     let text = report::markdown(&[own.unwrap(), over]);
-    report::docs::block("applications.md", "cargo test -p scenarios applications::docs_of_a_seat_recliner", &text);
+    report::docs::block("evidence/applications.md", "cargo test -p scenarios applications::docs_of_a_seat_recliner", &text);
 }
 
-/// Distance of two detents of the scene, m, and the course of their friction ratio, 0.3 to 1, over the angle of one.
+/// Distance between two detents of the scene, m.
 const PITCH_M: f64 = 3.927e-3;
-fn course(angle: f64) -> f64 {
+/// Returns the friction ratio of a detent, 0.3 to 1, at an angle within its pitch.
+fn detent_ratio(angle: f64) -> f64 {
     let away = 2.0 * (angle / std::f64::consts::TAU - (angle / std::f64::consts::TAU).round()).abs();
     1.0 - 0.7 * away * away * (3.0 - 2.0 * away)
 }
 
-/// Depth of the course where the friction ratio cannot be less than `floor`, over its whole depth: by the fundamentals.
+/// Returns the relative depth of the detent profile if the friction ratio cannot fall below
+/// `floor`, from the fundamentals.
 fn depth_above(floor: f64) -> f64 {
     let fundamental = |of: &dyn Fn(f64) -> f64| {
         (0..10_000).map(|n| f64::from(n) * 2e-4 * std::f64::consts::PI).map(|x| of(x) * x.cos()).sum::<f64>()
     };
-    fundamental(&|x| course(x).max(floor)) / fundamental(&course)
+    fundamental(&|x| detent_ratio(x).max(floor)) / fundamental(&detent_ratio)
 }
 
 #[test]
 fn docs_of_a_haptic_knob() {
-    // The numbers of the scene.
+    // Values of the scene.
     let (coulomb, stiffness, tip, radius_m, omega) = (3.0, 6e6, 0.175, 0.015, 1.0 / f64::sqrt(0.7916e-3 * 20e-9));
     let mut rows = Vec::new();
     for (turns, hand) in [(0.125, 1.0), (0.25, 1.0), (0.5, 1.0), (0.75, 1.0), (1.0, 1.0), (0.5, 2.0), (0.5, 0.5), (0.125, 0.5)] {
         let speed = turns * std::f64::consts::TAU * radius_m;
         let (spring, damper) = (4500.0 * hand, 40.0 * f64::sqrt(hand));
-        // A third of a second to get going, and as many detents as in the scene.
-        let outcome = Outcome::of(
+        // A third of a second for the start, then as many detents as in the scene.
+        let outcome = Outcome::from_scene(
             "haptic-knob",
             &[
                 format!("rig.carriage.pull_m_per_s={speed}"),
@@ -205,7 +216,8 @@ fn docs_of_a_haptic_knob() {
         let (within, depth, lag) = (depth_above(floor), outcome.get("detent_depth"), outcome.get("detent_lag_ms"));
         let estimate = outcome.get("detent_depth_estimate");
         if hand >= 1.0 {
-            // The speed swings with the hand, and beyond the authority the drive comes late: from 0.136 less to 0.077 more.
+            // The speed oscillates with the hand. Beyond the authority the drive is late: from
+            // 0.136 less to 0.077 more.
             assert!(depth > within - 0.14 && depth < within + 0.08, "{turns}, {hand}: {depth} of {within}");
             // Measured: 0.064; 1.4 to 3.1 ms.
             assert!((estimate - depth).abs() < 0.07, "{turns}, {hand}: {estimate} for {depth}");
@@ -229,26 +241,27 @@ fn docs_of_a_haptic_knob() {
         "turns a second",
         "hand [N m/rad]",
         "detents a second",
-        "least ratio",
-        "depth that leaves",
+        "least friction ratio",
+        "available depth",
         "depth",
         "by the controller",
-        "late [ms]",
-        "rms of the speed over its mean",
+        "lag [ms]",
+        "rms speed over mean speed",
         "largest torque [mN m]",
         "drive [W]",
     ];
-    let caption = "The least ratio is that of the largest tip velocity, 0.175 m/s, by the closed form of Dahl's steady mean friction at the mean speed; of the depth that was asked for it leaves so much. \
-                   Depths are magnitudes of the fundamental over that of the command. The torque is the hand's.";
+    let caption = "The least friction ratio is that of the largest tip velocity, 0.175 m/s, by the closed form of Dahl's steady mean friction \
+                   at the mean speed; the available depth is the part of the ordered depth above it. \
+                   Depths are magnitudes of the fundamental relative to that of the command. The torque is that of the hand.";
     let over = TableBlock::new("knob", "Over the speed, and the hand", caption, &header, rows);
     report::docs::block(
-        "applications.md",
+        "evidence/applications.md",
         "cargo test -p scenarios applications::docs_of_a_haptic_knob",
         &report::markdown(&[over]),
     );
 }
 
-/// The speed at which Dahl's steady mean friction is this part of Coulomb's, m/s.
+/// Returns the speed at which Dahl's steady mean friction is this fraction of Coulomb's, m/s.
 fn released_speed(ratio: f64, tip: f64, kappa: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..50 {
@@ -258,10 +271,11 @@ fn released_speed(ratio: f64, tip: f64, kappa: f64) -> f64 {
     low * tip
 }
 
-/// A drive over a load that its friction would not stop again is not what the scene holds: the backrest runs away at power-up, and the metric says so.
+/// A load above the kinetic friction cannot be stopped again: the backrest runs away at power-up,
+/// and the metric shows it.
 #[test]
-fn a_load_above_the_kinetic_friction_is_not_held_again() {
-    let outcome = Outcome::of(
+fn a_load_above_the_kinetic_friction_is_not_stopped() {
+    let outcome = Outcome::from_scene(
         "seat-recliner",
         &[
             "rig.carriage.force_n=65".to_owned(),

@@ -1,4 +1,5 @@
-//! The belt of experiment 2 through the whole chain, against the closed form of its law and against what the thesis states.
+//! The belt of experiment 2 through the whole chain, compared with the closed form of its law and
+//! with the thesis.
 
 use contact::empirical::{EmpiricalLaw, reached};
 use firmware::seam::fault::Fault;
@@ -9,6 +10,7 @@ use sim::metrics::Metrics;
 use sim::run::{Watch, run};
 use sim::swing::Swing;
 
+/// Time constant of the reduction, s.
 const LAG_S: f64 = 0.45;
 
 fn experiment(changes: &[&str]) -> Metrics {
@@ -22,7 +24,7 @@ fn metric(metrics: &Metrics, name: &str) -> f64 {
     metrics.get(name).unwrap_or_else(|| panic!("no {name}"))
 }
 
-/// ON from 0.8 s for so long.
+/// Runs the experiment with the drive ON from 0.8 s for this time.
 fn on_for(seconds: f64, more: &[&str]) -> Metrics {
     let windows = ["controller.burst.on_s=[0.8]".to_owned(), format!("controller.burst.off_s=[{}]", 0.8 + seconds)];
     let duration = format!("duration_s={}", 1.0 + seconds);
@@ -30,9 +32,10 @@ fn on_for(seconds: f64, more: &[&str]) -> Metrics {
     experiment(&sets)
 }
 
-/// The numbers that the thesis states, through controller, stack and belt: 58 % at 270 N, 55 % at 670 N with 1200 W.
+/// Numbers of the thesis, through controller, stack and belt: 58 % at 270 N, 55 % at 670 N with
+/// 1200 W.
 #[test]
-fn the_stated_points_come_out_of_the_chain() {
+fn the_chain_reproduces_the_points_of_the_thesis() {
     for (load, stated, watts) in [(270.0, 58.0, 529.4), (670.0, 55.0, 1200.0)] {
         let metrics = experiment(&["duration_s=4.1", &format!("rig.belt.load_n={load}")]);
         let (reduction, cell) = (metric(&metrics, "reduction_percent"), metric(&metrics, "load_cell_reduction_percent"));
@@ -47,7 +50,8 @@ fn the_stated_points_come_out_of_the_chain() {
     }
 }
 
-/// What the chain adds to the law is the ring-up of the horn and what self-test and calibration left of the friction before.
+/// The chain differs from the law by the ring-up of the horn and by the earlier friction reduction
+/// of self-test and calibration.
 #[test]
 fn on_times_agree_with_the_closed_form() {
     let lasting = EmpiricalLaw::FITTED.lasting(270.0, 0.025, 0.7);
@@ -60,9 +64,9 @@ fn on_times_agree_with_the_closed_form() {
     }
 }
 
-/// A D-ring whose encoder nobody has scaled: the controller itself refuses, before anything is driven.
+/// The controller refuses a D-ring whose encoder has no scale before anything is driven.
 #[test]
-fn without_the_belts_scale_nothing_is_driven_at_a_d_ring() {
+fn a_d_ring_without_a_belt_scale_is_not_driven() {
     let mut loaded = load("dring-crash", &[]).unwrap_or_else(|error| panic!("{error}"));
     loaded.scene.sensors.get_or_insert_default().encoder_counts_per_mm = None;
     let scene = loaded.scene.driven().unwrap();
@@ -71,9 +75,10 @@ fn without_the_belts_scale_nothing_is_driven_at_a_d_ring() {
     assert!(record.rows.iter().all(|row| row.swing == Swing::default()), "all codes are mid-scale");
 }
 
-/// An amplifier that cannot give what 670 N takes leaves the horn short, and the law uses that amplitude, not the ordered one.
+/// If the amplifier cannot supply the power for 670 N, the horn has a smaller amplitude. The law
+/// uses that amplitude, not the set point.
 #[test]
-fn the_law_hears_the_true_amplitude() {
+fn the_law_uses_the_true_amplitude() {
     let weak = ["rig.belt.load_n=670", "controller.limits.voltage_v=400"];
     let metrics = on_for(0.5, &weak);
     let amplitude = metric(&metrics, "amplitude_fraction");
@@ -86,17 +91,17 @@ fn the_law_hears_the_true_amplitude() {
 
 /// The vibration begins later than its trigger by the delay, and lasts as long as ordered.
 #[test]
-fn the_trigger_is_late() {
+fn the_vibration_lags_its_trigger() {
     let rise = |delay: &str| metric(&on_for(0.2, &[delay]), "rise_time_ms");
     let (prompt, late) = (rise("rig.belt.trigger_delay_s=0"), rise("rig.belt.trigger_delay_s=0.05"));
     println!("{prompt} {late}");
-    // The rise is from the moment that the horn starts.
+    // The rise time is counted from the start of the horn.
     assert!((prompt - late).abs() < 0.5, "{prompt} {late}");
     let metrics = on_for(0.2, &["rig.belt.trigger_delay_s=0.05"]);
     assert!((metric(&metrics, "on_time_s") - 0.2).abs() < 2e-4);
 }
 
-/// A step of the load on the way changes the damping of the horn, and energy stays accounted for.
+/// A load step during the run changes the damping of the horn; the energy balance still closes.
 #[test]
 fn a_load_may_step() {
     let step = ["disturbance.0.at_s=1.0", "disturbance.0.key=rig.belt.load_n", "disturbance.0.to=670"];
@@ -107,13 +112,13 @@ fn a_load_may_step() {
     assert!(metric(&metrics, "energy_residual").abs() < 5e-4);
 }
 
-/// An encoder that the scene names counts the belt's way: a stop of the belt mutes the drive.
+/// An encoder in the scene measures the travel of the belt: a stop of the belt mutes the drive.
 #[test]
-fn a_stop_of_the_belt_is_seen() {
+fn a_stop_of_the_belt_is_detected() {
     let stop = ["sensors.encoder_counts_per_mm=100", "fault.0.kind=belt_stopped", "fault.0.at_s=1.1"];
     let metrics = on_for(0.5, &stop);
     println!("ON for {} s", metric(&metrics, "on_time_s"));
     assert_eq!(metrics.get("fault_code"), Some(40.0));
-    // ON from 0.85 s; the belt stops at 1.1 s. Measured: 0.2539 s, which is 3.9 ms after it.
+    // ON from 0.85 s; the belt stops at 1.1 s. Measured: 0.2539 s, 3.9 ms after the stop.
     assert!((0.25..0.256).contains(&metric(&metrics, "on_time_s")));
 }

@@ -1,6 +1,8 @@
-//! The clamped branch at power-on and while running, with the plant behind the converters: what is left of the lock point's bias.
+//! Clamped branch at power-on and during a run, with the plant at the converters: the remaining
+//! bias of the lock point.
 //!
-//! The firmware's own stages are driven one by one, so that what a stage hands on can be compared with what the converters see exactly.
+//! The firmware's stages are driven one by one, so that the result of a stage can be compared with
+//! the exact values at the converters.
 
 mod faults;
 mod online;
@@ -8,7 +10,7 @@ mod power_on;
 mod rig;
 mod truth;
 
-/// Mean, standard deviation and largest size of some numbers.
+/// Mean, standard deviation and largest magnitude of a set of numbers.
 struct Spread {
     mean: f64,
     deviation: f64,
@@ -16,7 +18,7 @@ struct Spread {
 }
 
 impl Spread {
-    fn of(x: &[f64]) -> Self {
+    fn from_values(x: &[f64]) -> Self {
         let n = x.len() as f64;
         let mean = x.iter().sum::<f64>() / n;
         let deviation = (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();

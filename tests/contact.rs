@@ -1,7 +1,8 @@
-//! Contact studies: what three independent methods agree on, and what no contact may do, over random problems.
+//! Contact studies over random problems: agreement of three independent methods, and properties of
+//! every contact.
 //!
-//! The methods share the waveforms and the timeline, and nothing else: `linexp` has the exact linear flow, `taylor` a series of order
-//! 28, `rk4-events` classical steps between located reversals.
+//! The methods share only the waveforms and the timeline: `linexp` has the exact linear flow,
+//! `taylor` a series of order 28, `rk4-events` classical steps between located reversals.
 
 use contact::linexp::Options;
 use contact::table_4_1::table_4_1;
@@ -10,13 +11,16 @@ use contact::{Law, Motion, Problem, Shape, Sign, SolveError, State, Tally, Wavef
 use proptest::prelude::*;
 use proptest::test_runner::{Config as Cases, RngSeed};
 
-/// Periods of every problem.
+/// Number of periods of every problem.
 const PERIODS: f64 = 24.0;
-/// Largest errors of the mean friction ratio; 1.6e-9 and 2.6e-9 were found in five thousand problems, 2.8e-10 and 5.0e-10 in these.
-const LINEXP: f64 = 5e-9;
-const CLASSICAL: f64 = 1e-8;
+/// Largest error of the mean friction ratio by `linexp`; 1.6e-9 was found in five thousand
+/// problems, 2.8e-10 in these.
+const LINEXP_ERROR: f64 = 5e-9;
+/// Largest error of the mean friction ratio by `rk4-events`; 2.6e-9 was found in five thousand
+/// problems, 5.0e-10 in these.
+const RK4_ERROR: f64 = 1e-8;
 
-/// A random waveform, whose times are in periods.
+/// Returns a random waveform, whose times are in periods.
 fn shape() -> impl Strategy<Value = Shape> {
     let period_s = |hz: f64| 1.0 / hz;
     prop_oneof![
@@ -33,7 +37,8 @@ fn shape() -> impl Strategy<Value = Shape> {
     ]
 }
 
-/// Mass and spring with a natural frequency from a tenth to twice the forcing's, or a given motion; the amplitude is that of Table 4.1.
+/// Returns a mass and spring with a natural frequency of a tenth to twice that of the forcing, or a
+/// given motion. The amplitude is that of Table 4.1.
 fn motion() -> impl Strategy<Value = Motion> {
     let oscillator =
         (0.005..1.0, 0.1..2.0, prop_oneof![Just(0.0), 0.0..0.3]).prop_map(|(mass_kg, ratio, damping): (f64, f64, f64)| {
@@ -44,26 +49,31 @@ fn motion() -> impl Strategy<Value = Motion> {
     prop_oneof![1 => Just(Motion::Kinematic), 3 => oscillator]
 }
 
-/// kappa; velocity ratio; friction over the spring's force; friction at the beginning over its bound.
+/// Random contact: kappa; velocity ratio; friction relative to the force of the spring; initial
+/// friction relative to its bound.
 type Contact = (f64, f64, f64, f64);
-/// Sign; period at which the window opens; period and factor of a load step.
-type Course = (Sign, f64, Option<(f64, f64)>);
+/// Random sequence: sign; period at which the window opens; period and factor of a load step.
+type Sequence = (Sign, f64, Option<(f64, f64)>);
 
-/// A Dahl contact from kappa 0.1 to 4 and velocity ratio 0 to 1.3 of the sine away from resonance. Friction is at most a hundredth of
-/// the spring's force; it begins within its bound, and the load rises on the way, if at all.
+/// Returns a Dahl contact with kappa 0.1 to 4 and a velocity ratio of 0 to 1.3 relative to the sine
+/// away from resonance.
+///
+/// Friction is at most a hundredth of the force of the spring and begins within its bound. The load
+/// may rise once.
 fn problem() -> impl Strategy<Value = Problem> {
     let contact = (0.1..4.0, 0.0..1.3, 1e-5..1e-2, -1.0..1.0);
     let run =
         (prop_oneof![3 => Just(Sign::Passive), 1 => Just(Sign::Literal)], 0.0..11.0, proptest::option::of((0.0..23.0, 1.0..5.0)));
     (shape(), motion(), contact, run).prop_map(|(shape, motion, contact, run)| {
-        let ((kappa, xi, weak, bent), (sign, opens, load)): (Contact, Course) = (contact, run);
+        let ((kappa, xi, weak, bent), (sign, opens, load)): (Contact, Sequence) = (contact, run);
         let standard = table_4_1(0.5, PERIODS);
         let omega = std::f64::consts::TAU * 60e3;
         let swing_m = standard.vibration_m_per_s() / omega;
         let (peak, coulomb_n) = match motion {
             Motion::Kinematic => (omega * swing_m, standard.coulomb_n),
             Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } => {
-                // At least as if a tenth off resonance: what a few periods of a resonance give.
+                // At least the reactance a tenth off resonance: a resonance reaches this amplitude
+                // in a few periods.
                 let inertia = mass_kg * omega * omega;
                 let reactance = (stiffness_n_per_m - inertia).abs().max(0.1 * stiffness_n_per_m).hypot(omega * damping_n_s_per_m);
                 (reactance * swing_m, weak * stiffness_n_per_m * swing_m)
@@ -106,16 +116,17 @@ proptest! {
         let exact_flow = friction(&problem, linexp::run(&problem, 64, 6, Options::Plain, &mut |_| ())) - truth;
         let careful = friction(&problem, linexp::run(&problem, 64, 6, Options::EnergySums, &mut |_| ())) - truth;
         let classical = friction(&problem, rk4_events::run(&problem, 800, &mut |_| ())) - truth;
-        prop_assert!(exact_flow.abs() < LINEXP && careful.abs() < LINEXP, "linexp {exact_flow:e}, accounted {careful:e}");
-        prop_assert!(classical.abs() < CLASSICAL, "rk4-events {classical:e}");
+        prop_assert!(exact_flow.abs() < LINEXP_ERROR && careful.abs() < LINEXP_ERROR, "linexp {exact_flow:e}, accounted {careful:e}");
+        prop_assert!(classical.abs() < RK4_ERROR, "rk4-events {classical:e}");
     }
 
-    /// The energy identity, against the largest of its terms.
+    /// The residual of the energy identity is compared with its largest term.
     #[test]
-    fn the_account_closes(problem in problem()) {
+    fn the_energy_balance_closes(problem in problem()) {
         let residual = |tally: &Tally| {
             let ratios = Ratios::of(&problem, tally);
-            let scale = [ratios.power, ratios.input, ratios.damping, ratios.stored].into_iter().flatten().fold(1.0, |a: f64, b| a.max(b.abs()));
+            let parts = [ratios.power, ratios.input, ratios.damping, ratios.stored];
+            let scale = parts.into_iter().flatten().fold(1.0, |a: f64, b| a.max(b.abs()));
             ratios.energy_residual.unwrap_or(0.0).abs() / scale
         };
         let series = residual(&by_taylor(&problem, &mut |_| ()));
@@ -124,16 +135,17 @@ proptest! {
         prop_assert!(flow < 1e-11, "linexp {flow:e}");
     }
 
-    /// With the slip as input Dahl's bristles store `F^2 / (2 Kt)`; what friction has taken is never less than what they store since.
+    /// With the slip as input, Dahl's bristles store `F^2 / (2 Kt)`. The work of friction is never
+    /// less than the increase of that energy.
     #[test]
-    fn friction_takes_at_least_what_bristles_store(problem in problem()) {
-        let Law::Dahl { stiffness_n_per_m } = problem.law else { return Err(TestCaseError::fail("not Dahl")) };
+    fn friction_work_is_at_least_the_stored_energy(problem in problem()) {
+        let Law::Dahl { stiffness_n_per_m } = problem.law else { return Err(TestCaseError::fail("the law is not Dahl's")) };
         let problem = Problem { load_steps: Vec::new(), ..problem };
         for tally in [by_linexp(&problem, &mut |_| ()), by_taylor(&problem, &mut |_| ())] {
             let stored = (tally.last.force_n.powi(2) - tally.first.force_n.powi(2)) / (2.0 * stiffness_n_per_m);
             let taken = tally.totals.friction_work_j;
             let unit = problem.coulomb_n.powi(2) / stiffness_n_per_m;
-            prop_assert!(taken > stored, "took {:e}, stored {:e} of Fc^2 / Kt", taken / unit, stored / unit);
+            prop_assert!(taken > stored, "work {:e}, stored {:e} of Fc^2 / Kt", taken / unit, stored / unit);
         }
     }
 
@@ -157,7 +169,8 @@ proptest! {
         }
     }
 
-    /// The steady friction ratio of a given sine falls with the contact's stiffness, from Dahl's limit to Coulomb's.
+    /// The steady friction ratio of a given sine falls with the stiffness of the contact, from
+    /// Dahl's limit to Coulomb's.
     #[test]
     fn a_stiffer_contact_lets_vibration_reduce_friction_more(xi in 0.05..0.95f64, kappa in 0.3..3.0f64, times in 1.05..3.0f64) {
         let mut problem = table_4_1(xi, 30.0);

@@ -1,4 +1,4 @@
-//! The drive as it is played: how clean its codes are, that nothing ever jumps, and what it answers to what cannot be.
+//! Played drive: purity of its codes, continuity, and the refusal of invalid settings.
 
 use firmware::controller::Controller;
 use firmware::generate::nco::cycles_per_sample;
@@ -14,14 +14,14 @@ use hal_mock::block_clock::BlockClock;
 use hal_mock::loop_back::{LoopBack, config};
 use report::spectrum::Spectrum;
 
-/// Off every divisor of the sample rate, Hz.
+/// Test frequency, not a divisor of the sample rate, Hz.
 const TONE_HZ: f64 = 40_123.4;
-/// Samples of a spectrum.
-const RECORD: usize = 1 << 16;
+/// Number of samples of a spectrum.
+const SPECTRUM_SAMPLES: usize = 1 << 16;
 
 fn changed(change: impl FnOnce(&mut Config)) -> Config {
     let mut config = config();
-    // Nearly all of the converter's range: 2040 of 2047 codes.
+    // Nearly the whole range of the converter: 2040 of 2047 codes.
     (config.drive.amplitude, config.limits.voltage_v) = (Amplitude::Volts(20.4), 20.46);
     // The loop-back's current follows the voltage's steps, which are large here.
     (config.tracking.nominal_c0_f, config.drive.scan_volts) = (Some(20e-9), 10.0);
@@ -30,14 +30,14 @@ fn changed(change: impl FnOnce(&mut Config)) -> Config {
     config
 }
 
-/// A controller on a loop-back, and orders that change on the way.
+/// Controller on a loop-back, with orders that a test can change.
 struct Driver {
     controller: Controller,
     clock: BlockClock<Recorder>,
     orders: Orders,
 }
 
-/// Keeps what is played on the first lane.
+/// Load that records the codes of the first lane.
 struct Recorder {
     load: LoopBack,
     codes: Vec<u16>,
@@ -51,7 +51,7 @@ impl Analog for Recorder {
 }
 
 impl Driver {
-    /// Brought to its run.
+    /// Creates a controller and starts its run.
     fn running(config: &Config) -> Self {
         let controller = Controller::build(config).unwrap();
         let recorder = Recorder { load: LoopBack::of(config), codes: Vec::new() };
@@ -61,7 +61,7 @@ impl Driver {
         while driver.block().mode != Mode::Run {
             assert!(driver.clock.blocks() < 1000, "{:?}", driver.block());
         }
-        // What was played before is not of the run.
+        // Skip the codes that were played before the run.
         driver.blocks(4);
         driver
     }
@@ -79,7 +79,7 @@ impl Driver {
         change(&mut self.orders);
     }
 
-    /// The next samples, in codes about zero.
+    /// Returns the next samples, in codes about zero.
     fn samples(&mut self, count: usize) -> Vec<f64> {
         self.clock.analog.codes.clear();
         while self.clock.analog.codes.len() < count {
@@ -91,11 +91,11 @@ impl Driver {
 
 fn spectrum(config: &Config) -> Spectrum {
     let tone = f64::from(config.drive.frequency_hz) / 1e6;
-    Spectrum::new(&Driver::running(config).samples(RECORD), tone)
+    Spectrum::new(&Driver::running(config).samples(SPECTRUM_SAMPLES), tone)
 }
 
 #[test]
-fn a_sine_is_clean_to_the_converter_s_last_bit() {
+fn a_sine_is_limited_only_by_quantization() {
     let spectrum = spectrum(&changed(|_| ()));
     println!("sine: SFDR {:.1} dB, SNDR {:.1} dB", spectrum.sfdr_db(), spectrum.sndr_db());
     // 12 bits at 2040 of 2048 codes: 6.02 * 12 + 1.76 - 0.03 = 73.97 dB.
@@ -103,7 +103,8 @@ fn a_sine_is_clean_to_the_converter_s_last_bit() {
     assert!((73.5..74.3).contains(&spectrum.sndr_db()), "SNDR {}", spectrum.sndr_db());
 }
 
-/// At a divisor of the sample rate rounding repeats with the period, and becomes harmonics; dither makes noise of it.
+/// At a divisor of the sample rate, the rounding repeats in every period and causes harmonics;
+/// dither turns them into noise.
 #[test]
 fn dither_turns_the_harmonics_of_rounding_into_noise() {
     let on_a_divisor =
@@ -116,7 +117,7 @@ fn dither_turns_the_harmonics_of_rounding_into_noise() {
 }
 
 #[test]
-fn square_and_sawtooth_fold_nothing_into_the_band() {
+fn square_and_sawtooth_have_no_aliases_in_the_band() {
     for shape in [ShapeKind::Square, ShapeKind::Sawtooth] {
         for hz in [20_061.7, TONE_HZ as f32, 61_234.5, 200_123.0] {
             let clean = spectrum(&changed(|config| (config.drive.shape, config.drive.frequency_hz) = (shape, hz))).foreign_dbc();
@@ -124,15 +125,16 @@ fn square_and_sawtooth_fold_nothing_into_the_band() {
             assert!(clean < -65.0, "{shape:?} at {hz} Hz: {clean} dBc");
         }
     }
-    // What the tables are for: the same square in two levels.
-    let naive: Vec<f64> = (0..RECORD).map(|n| if (n as f64 * TONE_HZ * 1e-6).fract() < 0.5 { 1.0 } else { -1.0 }).collect();
+    // For comparison, the same square without tables, in two levels.
+    let naive: Vec<f64> =
+        (0..SPECTRUM_SAMPLES).map(|n| if (n as f64 * TONE_HZ * 1e-6).fract() < 0.5 { 1.0 } else { -1.0 }).collect();
     let folded = Spectrum::new(&naive, TONE_HZ * 1e-6).foreign_dbc();
     println!("square of two levels at {TONE_HZ} Hz: {folded:.1} dBc");
     assert!((-15.0..-12.0).contains(&folded), "{folded} dBc");
 }
 
 #[test]
-fn a_noise_keeps_to_its_band_and_its_peak_and_is_the_seed_s() {
+fn noise_stays_within_its_band_and_peak() {
     let noise = |seed: u64| {
         changed(|config| {
             (config.drive.shape, config.drive.noise_band_hz, config.drive.seed) = (ShapeKind::Noise, (30e3, 50e3), seed)
@@ -140,7 +142,8 @@ fn a_noise_keeps_to_its_band_and_its_peak_and_is_the_seed_s() {
     };
     let samples = Driver::running(&noise(1)).samples(1 << 18);
     let spectrum = Spectrum::new(&samples, 0.04);
-    // A Butterworth of eighth order has 3 dB at its corners: what is beyond them is a twentieth.
+    // An eighth-order Butterworth filter has 3 dB at its corners: a twentieth of the power is
+    // outside.
     assert!(spectrum.part_within(0.028, 0.052) > 0.95, "{}", spectrum.part_within(0.028, 0.052));
     assert!(spectrum.part_within(0.02, 0.07) > 0.999, "{}", spectrum.part_within(0.02, 0.07));
     println!("noise 30 to 50 kHz: {:.4} of the power in 28 to 52 kHz", spectrum.part_within(0.028, 0.052));
@@ -151,7 +154,7 @@ fn a_noise_keeps_to_its_band_and_its_peak_and_is_the_seed_s() {
     assert_ne!(samples[..1000], Driver::running(&noise(2)).samples(1000));
 }
 
-/// Also the first one, which follows the self-test's tone at another frequency.
+/// Includes the first burst, which follows the tone of the self-test at another frequency.
 #[test]
 fn the_first_burst_begins_at_zero() {
     for n in 0..400 {
@@ -160,14 +163,16 @@ fn the_first_burst_begins_at_zero() {
         driver.blocks(10);
         let codes = &driver.clock.analog.codes;
         let size = |n: usize| codes[n].abs_diff(2048);
-        // Louder than the self-test's tone, and back to where it is no louder than what is paid back.
+        // Find a sample above the amplitude of the self-test, then go back to the last one within
+        // the DC correction.
         let loud = (0..codes.len()).find(|&n| size(n) > 600).unwrap();
         let first = (0..loud).rev().find(|&n| size(n) <= 33).unwrap() + 1;
         assert!(f64::from(size(first)) <= largest_step(hz.into(), 2040.0) + 33.0, "{hz} Hz: {}", size(first));
     }
 }
 
-/// The largest step between neighbours that a tone of this frequency and amplitude makes, with rounding.
+/// Returns the largest step between neighbouring samples of a tone of this frequency and amplitude,
+/// with rounding.
 fn largest_step(hz: f64, amplitude: f64) -> f64 {
     amplitude * 2.0 * (std::f64::consts::PI * hz * 1e-6).sin() + 1.0
 }
@@ -184,9 +189,10 @@ fn frequency_amplitude_direction_change_with_continuous_phase() {
     assert!(largest <= largest_step(TONE_HZ + 2000.0, 2040.0), "{largest}");
 }
 
-/// A chirp through the whole controller: the frequency played, the phase, and no break anywhere.
+/// Checks the played frequency and phase of a chirp through the whole controller, and its
+/// continuity.
 #[test]
-fn a_chirp_ends_where_it_should_and_never_breaks() {
+fn a_chirp_is_continuous_and_ends_at_its_frequency() {
     let (start_hz, stop_hz) = (20e3, 200e3);
     for kind in [ChirpKind::Linear, ChirpKind::Exponential] {
         let (then, around) = (Then::Hold, Around::Zero);
@@ -195,13 +201,13 @@ fn a_chirp_ends_where_it_should_and_never_breaks() {
         let samples = driver.samples(100_000);
         let report = driver.block();
         assert!((cycles_per_sample(report.tuning_word) * 1e6 - 200e3).abs() < 1e-3, "{kind:?} ends at {}", report.frequency.0);
-        // Crossings of zero, upwards: as many as turns of the phase.
+        // The number of upward zero crossings equals the number of turns of the phase.
         let crossings = samples.windows(2).filter(|pair| pair[0] < 0.0 && pair[1] >= 0.0).count() as f64;
         let turns = match kind {
             ChirpKind::Linear => 0.5 * (20e3 + 200e3) * 0.1,
             ChirpKind::Exponential => (200e3 - 20e3) * 0.1 / 10f64.ln(),
         };
-        // The record begins three blocks after the chirp, and so lasts three blocks longer.
+        // The record begins three blocks after the chirp, so it ends three blocks later.
         let expected = turns + (200e3 - 20e3) * 3.0 * 32e-6;
         assert!((crossings - expected).abs() < 1.0, "{kind:?}: {crossings} turns of {expected}");
         let broken = samples.windows(2).any(|pair| (pair[1] - pair[0]).abs() > largest_step(200e3, 2040.0));
@@ -226,9 +232,10 @@ fn an_order_beyond_a_limit_is_limited_and_reported_by_number() {
     assert_eq!(driver.blocks(2).limit, None);
 }
 
-/// A brake is louder than the drive it stops, as loud as the limit allows: whatever is ordered meanwhile, the limit holds in every sample.
+/// A brake has a larger amplitude than the drive it stops, up to the limit. With any order during
+/// the brake, every sample stays within the limit.
 #[test]
-fn no_order_takes_a_brake_over_the_limit() {
+fn no_order_raises_a_brake_above_the_limit() {
     let limited = changed(|config| {
         (config.drive.amplitude, config.limits.voltage_v) = (Amplitude::Volts(3.0), 12.0);
         config.drive.scan_volts = 3.0;
@@ -248,7 +255,7 @@ fn no_order_takes_a_brake_over_the_limit() {
             assert!(samples[2000..].iter().all(|&x| x == 0.0), "{first} V, then {then} V after {pause} blocks");
         }
     }
-    // An order that brakes and lowers the drive at once brakes the residual vibration.
+    // An order that brakes and lowers the drive at the same time brakes the residual vibration.
     let mut driver = Driver::running(&limited);
     driver.order(|orders| orders.amplitude = Some(Amplitude::Volts(10.0)));
     driver.blocks(20);
@@ -258,7 +265,7 @@ fn no_order_takes_a_brake_over_the_limit() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_by_name() {
+fn invalid_settings_are_refused_with_their_name() {
     let chirp = |start_hz: f32, stop_hz: f32| {
         let (kind, then, around) = (ChirpKind::Linear, Then::Hold, Around::Zero);
         Sweep::Chirp(Chirp { kind, start_hz, stop_hz, time_s: 0.1, then, around })

@@ -1,5 +1,6 @@
-//! Boosted edges with the plant behind the converters: how fast and how cleanly, at any Q and headroom; what bursts of any rate come to; that their
-//! volt-seconds cancel to the last code; and what the tracker makes of them.
+//! Boosted edges with the plant at the converters: speed and overshoot at any Q and headroom, the
+//! length of bursts at any rate, the exact cancellation of their voltage integral, and the tracking
+//! through them.
 
 use scene::load::{load, load_text};
 use sim::instruments::measure;
@@ -7,7 +8,7 @@ use sim::metrics::Metrics;
 use sim::record::Record;
 use sim::run::{Watch, run};
 
-/// The scene `burst`, with changes.
+/// Runs the scene `burst` with changes.
 fn boosted(changes: &[String]) -> (Record, Metrics) {
     let loaded = load("burst", changes).unwrap_or_else(|error| panic!("{error}"));
     let scene = loaded.scene.driven().unwrap();
@@ -20,13 +21,14 @@ fn sets(changes: &[&str]) -> Vec<String> {
     changes.iter().map(|&set| set.to_owned()).collect()
 }
 
-fn of(metrics: &Metrics, name: &str) -> f64 {
+fn metric(metrics: &Metrics, name: &str) -> f64 {
     metrics.get(name).unwrap_or(f64::NAN)
 }
 
-/// A stack of another Q, with a nominal Q of one and a half times that, at another drive and under another limit.
+/// Returns the settings of a stack with another Q, drive and limit. The nominal Q is one and a half
+/// times the true one.
 fn stack(q: f64, volts: f64, limit_v: f64) -> Vec<String> {
-    // Its windows as many time constants apart as those of Q 65.
+    // The windows are as many time constants apart as those of Q 65.
     let longer = (q / 65.0).max(1.0);
     let times = |times: [f64; 2]| times.map(|s| 0.07 + s * longer);
     vec![
@@ -40,8 +42,9 @@ fn stack(q: f64, volts: f64, limit_v: f64) -> Vec<String> {
     ]
 }
 
-/// Against the time-optimal (bang-bang) edges of the same resonance, damped by the source, too: `-tau ln(1 - 0.95 / H)` and
-/// `tau ln((1 + H) / (0.05 + H))`. Half cycles, the amplifier's lag and its delay come on top.
+/// Comparison with the time-optimal (bang-bang) edges of the same resonance, which the source damps
+/// too: `-tau ln(1 - 0.95 / H)` and `tau ln((1 + H) / (0.05 + H))`. Half cycles, and the lag and
+/// delay of the amplifier, add to these.
 #[test]
 fn edges_are_near_the_time_optimum_at_any_q() {
     println!("| Q | drive, limit V | rise ms | bang-bang | fall ms | bang-bang | overshoot % | residual % |");
@@ -56,18 +59,19 @@ fn edges_are_near_the_time_optimum_at_any_q() {
         let headroom = limit_v / volts;
         let best = (-tau_ms * (1.0 - 0.95 / headroom).ln(), tau_ms * ((1.0 + headroom) / (0.05 + headroom)).ln());
         let names = ["rise_time_ms", "fall_time_ms", "overshoot_percent", "residual_percent"];
-        let [rise, fall, over, left] = names.map(|name| of(&metrics, name));
+        let [rise, fall, over, left] = names.map(|name| metric(&metrics, name));
         println!("| {q} | {volts}, {limit_v} | {rise:.4} | {:.4} | {fall:.4} | {:.4} | {over:.2} | {left:.2} |", best.0, best.1);
-        // Measured: at most 0.025 and 0.030 ms more, two and a half half cycles.
+        // Measured: at most 0.025 and 0.030 ms more, which is two and a half half cycles.
         assert!(rise < best.0 + 0.03 && fall < best.1 + 0.035, "Q {q}, {limit_v} V: {rise} ms, {fall} ms");
-        // Measured: at most 0.35 % and 0.79 %; at Q 20 0.10 % and 1.31 %, with a Q that is 0.2 % too high 0.23 % and 1.22 %.
+        // Measured: at most 0.35 % and 0.79 %; at Q 20 0.10 % and 1.31 %, and with a Q that is 0.2
+        // % too high 0.23 % and 1.22 %.
         let most = if q > 20.0 { 1.0 } else { 1.4 };
         assert!(over < 0.5 && left < most, "Q {q}, {limit_v} V: {over} %, {left} %");
-        assert_eq!((of(&metrics, "fault_code"), of(&metrics, "limit_code")), (0.0, 0.0), "Q {q}, {limit_v} V");
+        assert_eq!((metric(&metrics, "fault_code"), metric(&metrics, "limit_code")), (0.0, 0.0), "Q {q}, {limit_v} V");
     }
 }
 
-/// What bursts of any rate come to: the mean of the true envelope, and of its square, for each part of the time that the gate is open.
+/// Measures the mean of the true envelope, and of its square, for each duty of the gate.
 #[test]
 fn bursts_of_any_rate_are_as_long_as_they_are_ordered() {
     let mean = |hz: f64, duty: f64| {
@@ -79,13 +83,13 @@ fn bursts_of_any_rate_are_as_long_as_they_are_ordered() {
             "duration_s=0.1".to_owned(),
         ];
         let (record, metrics) = boosted(&periodic);
-        assert_eq!(of(&metrics, "fault_code"), 0.0, "{hz} Hz, {duty}");
+        assert_eq!(metric(&metrics, "fault_code"), 0.0, "{hz} Hz, {duty}");
         let rows = record.rows.iter().filter(|row| row.time_s > 0.06);
         let (sum, square, count) = rows.fold((0.0, 0.0, 0.0), |(sum, square, count), row| {
             let v = row.truth.tip_velocity_m_per_s;
             (sum + v, square + v * v, count + 1.0)
         });
-        (sum / count, square / count, of(&metrics, "limit_code"), record.rows.last().map_or(0.0, |row| row.frequency_hz))
+        (sum / count, square / count, metric(&metrics, "limit_code"), record.rows.last().map_or(0.0, |row| row.frequency_hz))
     };
     let (level, square, ..) = mean(100.0, 1.0);
     println!("| bursts a second | duty | mean of the envelope | of its square | limit | frequency |");
@@ -94,7 +98,8 @@ fn bursts_of_any_rate_are_as_long_as_they_are_ordered() {
         for duty in [0.1, 0.5, 0.9] {
             let (v, v2, limit, frequency) = mean(hz, duty);
             println!("| {hz} | {duty} | {:.3} | {:.3} | {limit} | {frequency:.1} |", v / level, v2 / square);
-            // Measured: 0.005 as long as the edges do not meet, 0.022 where they do; and 2.2 Hz where the bursts are too short to be measured.
+            // Measured: 0.005 as long as the edges do not meet, 0.022 if they do; and 2.2 Hz if the
+            // bursts are too short to be measured.
             let bound = if hz > 1000.0 { 0.025 } else { 0.007 };
             assert!((v / level - duty).abs() < bound, "{hz} Hz, {duty}: {}", v / level);
             assert!((frequency - 40_320.0).abs() < 3.0, "{hz} Hz, {duty}: {frequency} Hz");
@@ -103,7 +108,7 @@ fn bursts_of_any_rate_are_as_long_as_they_are_ordered() {
 }
 
 #[test]
-fn volt_seconds_cancel_to_the_last_code_in_every_lane() {
+fn the_voltage_integral_cancels_exactly_in_every_lane() {
     let (on, off) = ([0.09, 0.15, 0.2, 0.202, 0.2035, 0.2045, 0.205, 0.21], 0.23);
     let trace = sets(&[
         "controller.drive.lanes=4",
@@ -125,7 +130,7 @@ fn volt_seconds_cancel_to_the_last_code_in_every_lane() {
     }
 }
 
-/// The resonance moves by 0.9 % between bursts of half a millisecond, 1000 a second.
+/// The resonance moves by 0.9 % during bursts of half a millisecond, 1000 per second.
 #[test]
 fn a_resonance_is_tracked_through_boosted_bursts() {
     let moved = sets(&[
@@ -140,18 +145,19 @@ fn a_resonance_is_tracked_through_boosted_bursts() {
     ]);
     let (record, metrics) = boosted(&moved);
     let last = record.rows.last().unwrap();
-    assert_eq!((of(&metrics, "fault_code"), of(&metrics, "limit_code")), (0.0, 0.0));
+    assert_eq!((metric(&metrics, "fault_code"), metric(&metrics, "limit_code")), (0.0, 0.0));
     // Measured: 0.5 Hz.
     assert!((last.frequency_hz - 40_680.0).abs() < 2.0, "{} Hz", last.frequency_hz);
 }
 
-/// A mode beside the one that is driven, with a third of its motional capacitance, rings to the boost, too: whole beats leave it at rest.
+/// A mode near the driven one, with a third of its motional capacitance, also responds to the
+/// boost. Edges of whole beats leave it at rest.
 #[test]
-fn edges_beside_another_mode_last_whole_beats() {
-    println!("| beside, % | rise ms | fall ms | overshoot % | residual % | limit |");
+fn edges_near_another_mode_last_whole_beats() {
+    println!("| distance, % | rise ms | fall ms | overshoot % | residual % | limit |");
     println!("|---|---|---|---|---|---|");
-    for (beside, slowest_ms) in [(0.05, 1.0), (0.07, 0.8), (0.1, 0.25), (-0.07, 0.95)] {
-        let hz = 40_320.0 * (1.0 + beside);
+    for (other_mode, slowest_ms) in [(0.05, 1.0), (0.07, 0.8), (0.1, 0.25), (-0.07, 0.95)] {
+        let hz = 40_320.0 * (1.0 + other_mode);
         let mode = [
             format!("stack.mode.0.series_resonance_hz={hz}"),
             "stack.mode.0.q=100".to_owned(),
@@ -159,33 +165,33 @@ fn edges_beside_another_mode_last_whole_beats() {
         ];
         let (_, metrics) = boosted(&mode);
         let names = ["rise_time_ms", "fall_time_ms", "overshoot_percent", "residual_percent", "limit_code"];
-        let [rise, fall, over, left, limit] = names.map(|name| of(&metrics, name));
-        println!("| {} | {rise:.3} | {fall:.3} | {over:.1} | {left:.1} | {limit} |", 100.0 * beside);
-        // Measured: 0.9 to 2.2 % are left; without the beats, 17 to 58 %.
-        assert!(rise < slowest_ms && fall < 0.5 && over < 4.0 && left < 3.0, "{beside}");
+        let [rise, fall, over, left, limit] = names.map(|name| metric(&metrics, name));
+        println!("| {} | {rise:.3} | {fall:.3} | {over:.1} | {left:.1} | {limit} |", 100.0 * other_mode);
+        // Measured: 0.9 to 2.2 % remain; without the beats, 17 to 58 %.
+        assert!(rise < slowest_ms && fall < 0.5 && over < 4.0 && left < 3.0, "{other_mode}");
     }
 }
 
 #[test]
-fn without_headroom_it_says_so_by_number() {
+fn missing_headroom_is_reported_as_a_limit() {
     for (limit_v, limit) in [(3.0, 104.0), (3.1, 104.0), (3.3, 0.0)] {
         let (_, metrics) = boosted(&sets(&[&format!("controller.limits.voltage_v={limit_v}")]));
-        assert_eq!((of(&metrics, "fault_code"), of(&metrics, "limit_code")), (0.0, limit), "{limit_v} V");
+        assert_eq!((metric(&metrics, "fault_code"), metric(&metrics, "limit_code")), (0.0, limit), "{limit_v} V");
     }
 }
 
 #[test]
-fn what_cannot_be_boosted_is_refused_by_name() {
+fn boost_is_refused_with_conflicting_settings() {
     let refused = |changes: &[&str]| load("burst", &sets(changes)).err().map(|error| error.to_string()).unwrap_or_default();
     let says = |changes: &[&str], words: &[&str]| {
         let text = refused(changes);
         assert!(words.iter().all(|word| text.contains(word)), "{text}");
     };
-    says(&["controller.tracking.mode=off"], &["burst.edge is a boost", "observer"]);
-    says(&["controller.tracking.mode=zero_phase"], &["burst.edge is a boost", "phase_lock"]);
-    says(&["controller.drive.shape=square"], &["burst.edge is a boost", "sine"]);
+    says(&["controller.tracking.mode=off"], &["burst.edge = boost", "observer"]);
+    says(&["controller.tracking.mode=zero_phase"], &["burst.edge = boost", "phase_lock"]);
+    says(&["controller.drive.shape=square"], &["burst.edge = boost", "sine"]);
     says(&["controller.burst.edge=bost"], &["bost", "did you mean `boost`?"]);
-    // Typed by hand: the place, and what would be right.
+    // The message has the position and the correction.
     let typed = |on: &str, off: &str| {
         let text = format!("base = \"burst\"\n\n[controller.burst]\non_s = {on}\noff_s = {off}\n");
         load_text("mine.toml", &text, &[]).err().map(|error| error.to_string()).unwrap_or_default()
@@ -193,5 +199,5 @@ fn what_cannot_be_boosted_is_refused_by_name() {
     let overlap = typed("[0.1, 0.12]", "[0.13, 0.14]");
     assert!(overlap.contains("begins at 0.12 s") && overlap.contains("mine.toml:4") && overlap.contains("0.13"), "{overlap}");
     let backwards = typed("[0.1]", "[0.09]");
-    assert!(backwards.contains("ends at 0.09 s, but begins at 0.1 s only") && backwards.contains("mine.toml:5"), "{backwards}");
+    assert!(backwards.contains("ends at 0.09 s, but begins at 0.1 s") && backwards.contains("mine.toml:5"), "{backwards}");
 }

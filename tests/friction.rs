@@ -1,4 +1,4 @@
-//! Friction through the whole chain, against numbers that do not come from this code.
+//! Friction through the whole chain, compared with numbers from other sources.
 
 use scene::load::load;
 use sim::instruments::measure;
@@ -13,8 +13,9 @@ fn experiment(changes: &[&str]) -> Metrics {
     measure(&scene, &run(&scene, Watch::default()).unwrap())
 }
 
-/// A separate study of the coupled equations (ideal source of 3 V, no weight but the load, relocked by the motional phase):
-/// contact stiffness, load, reduction in per cent, amplitude relative to the free stack's.
+/// The reference is a separate study of the coupled equations (ideal source of 3 V, no weight
+/// except the load, relocked by the motional phase). Columns: contact stiffness, load, reduction in
+/// per cent, amplitude relative to that of the free stack.
 #[test]
 fn coupled_slider_agrees_with_a_separate_study() {
     for (stiffness, load, reduction, amplitude) in [
@@ -38,7 +39,8 @@ fn coupled_slider_agrees_with_a_separate_study() {
     }
 }
 
-/// The closed form of steady kinematic Dahl friction is a bound that the chain must meet where the contact hardly loads the stack.
+/// If the contact hardly loads the stack, the chain must agree with the closed form of steady
+/// kinematic Dahl friction.
 #[test]
 fn light_contact_tends_to_the_closed_form() {
     let metrics = experiment(&["rig.slider.self_weight_n=0.48"]);
@@ -50,8 +52,9 @@ fn light_contact_tends_to_the_closed_form() {
     assert!((got - ratio).abs() < 5e-4, "{got} instead of {ratio}");
 }
 
-/// Time mean of `F / Fc` for `V = Vt + Vv cos(omega t)`, `xi = Vt / Vv < 1`, `kappa = Kt Vv / (omega Fc)`: friction at both
-/// reversals in closed form, and the mean by Simpson's rule between them.
+/// Returns the time mean of `F / Fc` for `V = Vt + Vv cos(omega t)`, `xi = Vt / Vv < 1`,
+/// `kappa = Kt Vv / (omega Fc)`: friction at both reversals in closed form, and the mean between
+/// them by Simpson's rule.
 fn steady_dahl_ratio(xi: f64, kappa: f64) -> f64 {
     let ta = std::f64::consts::PI - xi.acos();
     let forward = 2.0 * (xi * ta + ta.sin());
@@ -92,7 +95,8 @@ fn reduction_never_rises_with_load_or_speed() {
     assert!(reduction(0.0, 0.068) < reduction(0.0, 0.038) - 15.0);
 }
 
-/// Faster than the tip, there is no reversal; Coulomb friction would not fall at all. Dahl's still does a little.
+/// If the slider is faster than the tip, there is no reversal. Coulomb friction would not fall at
+/// all; Dahl friction falls slightly.
 #[test]
 fn a_slider_faster_than_the_tip_keeps_its_friction() {
     let metrics = experiment(&["rig.slider.speed_m_per_s=0.4"]);
@@ -111,7 +115,8 @@ fn energy_is_conserved_at_every_load() {
     }
 }
 
-/// Eight times finer steps than the stiffness asks for move the reduction by less than a hundredth of a point.
+/// Eight times finer steps than the stiffness requires change the reduction by less than 0.01
+/// percentage points.
 #[test]
 fn steps_are_fine_enough() {
     for (stiffness, load, finer) in [("0.056e6", "0", 200), ("2e6", "10", 256), ("6e7", "10", 512)] {
@@ -128,6 +133,6 @@ fn the_load_cell_keeps_the_mean_and_hides_the_edge() {
     let metrics = experiment(&[]);
     let (cell, truth) = (metrics.get("load_cell_reduction_percent").unwrap(), metrics.get("reduction_percent").unwrap());
     assert!((cell - truth).abs() < 0.05, "{cell} {truth}");
-    // To 95 %, three time constants; the cell takes six milliseconds.
+    // The rise to 95 % takes three time constants; with the load cell it takes six milliseconds.
     assert!(metrics.get("rise_time_ms").unwrap() < 1.6);
 }

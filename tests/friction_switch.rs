@@ -1,4 +1,5 @@
-//! The friction switch: its law against the host's closed form, and its use of nominal values and measurements.
+//! Friction switch: its law compared with the host's closed form, and its use of nominal values and
+//! measurements.
 
 use contact::closed;
 use firmware::act::friction::dahl::{coulomb, friction_ratio};
@@ -23,7 +24,8 @@ fn kappas() -> impl Iterator<Item = f32> {
     (-48..=64).map(|n| 10f32.powf(0.125 * n as f32)).chain([0.0, 1e12, f32::INFINITY])
 }
 
-/// Single precision and six nodes, against double precision and up to twenty: from no memory to no stiffness. Measured: 6.2e-6.
+/// Compares single precision with six nodes and double precision with up to twenty, from no memory
+/// to no stiffness. Measured: 6.2e-6.
 #[test]
 fn the_law_agrees_with_the_closed_form() {
     let mut worst = (0.0f64, 0.0, 0.0);
@@ -37,7 +39,8 @@ fn the_law_agrees_with_the_closed_form() {
     assert!(worst.0 < 7e-6, "{worst:?}");
 }
 
-/// What is driven by the inverse has, by the closed form, the target ratio. Measured: 1.002e-4; the solution ends at 1e-4.
+/// By the closed form, the drive of the inverse has the target ratio. Measured: 1.002e-4; the
+/// solution stops at 1e-4.
 #[test]
 fn the_inverse_leads_back_to_the_closed_form() {
     let mut worst = (0.0f64, 0.0, 0.0);
@@ -54,7 +57,8 @@ fn the_inverse_leads_back_to_the_closed_form() {
     assert!(worst.0 < 1.05e-4, "{worst:?}");
 }
 
-/// The reference is what the Coulomb law is: driven by its inverse, a soft contact has a ratio up to 0.39 above its target. Measured: 0.387.
+/// The error of the Coulomb law is the reference: driven by its inverse, a soft contact has a ratio
+/// up to 0.39 above its target. Measured: 0.387.
 #[test]
 fn the_coulomb_inverse_errs_as_it_is_said_to() {
     let errors = velocity_ratios().map(|xi| closed::friction_ratio(xi.into(), 1e-6) - f64::from(coulomb(xi)));
@@ -67,7 +71,7 @@ fn the_coulomb_inverse_errs_as_it_is_said_to() {
 }
 
 #[test]
-fn orders_that_are_no_numbers_are_refused() {
+fn invalid_targets_are_refused() {
     let orders = Orders::default();
     let odd = [f32::NAN, f32::INFINITY, -0.1];
     for bad in odd.map(Target::Ratio).into_iter().chain(odd.map(Target::Force)).chain([Target::Ratio(1.1)]) {
@@ -79,7 +83,7 @@ fn orders_that_are_no_numbers_are_refused() {
     }
 }
 
-/// A short scene: one ratio after the survey.
+/// Runs a short scene with one ratio after the survey.
 fn switched(changes: &[&str]) -> (Metrics, Vec<Step>, Record) {
     let short = ["duration_s=0.6", "controller.friction.step_s=[]", "controller.friction.step_ratio=[]"];
     let sets: Vec<String> = short.iter().chain(changes).map(|&set| set.to_owned()).collect();
@@ -89,9 +93,9 @@ fn switched(changes: &[&str]) -> (Metrics, Vec<Step>, Record) {
     (measure(&scene, &record), View::new(&scene, &record).steps(), record)
 }
 
-/// The encoder's speed counts, not the nominal one.
+/// The speed of the encoder is used, not the nominal one.
 #[test]
-fn the_speed_is_the_encoders() {
+fn the_speed_of_the_encoder_is_used() {
     let (_, steps, _) = switched(&["sensors.encoder_counts_per_mm=100", "controller.friction.speed_m_per_s=0.06"]);
     assert!(steps.len() == 1 && steps[0].error().abs() < 0.005, "{steps:?}");
 }
@@ -102,9 +106,10 @@ fn a_force_is_held_by_the_force_channel() {
     assert!((steps[0].set_point - 0.5).abs() < 1e-3 && steps[0].error().abs() < 0.01, "{steps:?}");
 }
 
-/// 10 N on a contact that is stiffer than any of the campaign: it takes a sixth of the amplitude, and the loop gives it back.
+/// A load of 10 N on a contact stiffer than any in the campaign reduces the amplitude by a sixth;
+/// the loop restores it.
 #[test]
-fn a_heavy_load_is_no_other_law() {
+fn a_heavy_load_follows_the_same_law() {
     let (metrics, steps, _) = switched(&[
         "rig.slider.load_n=10",
         "contact.dahl.stiffness_n_per_m=6e6",
@@ -114,9 +119,9 @@ fn a_heavy_load_is_no_other_law() {
     assert!(steps[0].error().abs() < 0.01 && steps[0].limit == 0, "{steps:?} {metrics:?}");
 }
 
-/// Faster than the tip can be: limit 102, and silence, which has the same friction.
+/// The belt is faster than the tip can be: limit 102, and silence, which has the same friction.
 #[test]
-fn without_authority_it_says_so_and_is_silent() {
+fn missing_authority_is_reported_and_silent() {
     let fast = ["rig.slider.speed_m_per_s=0.2", "controller.friction.speed_m_per_s=0.2"];
     let (_, _, record) = switched(&fast);
     let last = record.rows.last().unwrap();
@@ -124,9 +129,10 @@ fn without_authority_it_says_so_and_is_silent() {
     assert!(last.friction.is_some());
 }
 
-/// Without a force channel nothing is surveyed: the ratio is as good as the nominal contact.
+/// Without a force channel there is no survey: the accuracy of the ratio is that of the nominal
+/// contact.
 #[test]
-fn without_a_force_channel_the_nominal_contact_counts() {
+fn without_a_force_channel_the_nominal_contact_is_used() {
     let nominal = ["controller.friction.dahl_length_m=0.5e-6", "controller.friction.speed_m_per_s=0.038"];
     let text = include_str!("../sim-host/scene/scenes/friction-ratio.toml")
         .replace("force_hz = 500", "")

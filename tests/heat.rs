@@ -1,4 +1,5 @@
-//! A stack at power, through the whole chain: what heats it, what follows its heat, and what ends it.
+//! A stack at power, through the whole chain: its heating, the effects of its temperature, and the
+//! faults that end it.
 
 use scene::load::load;
 use scene::{Bvd, Thermal};
@@ -7,7 +8,7 @@ use sim::metrics::Metrics;
 use sim::record::Record;
 use sim::run::{Watch, run};
 
-/// What came of a scene: its metrics, its record, and what is remarked of it.
+/// Result of a scene: its metrics, its record, and its remarks.
 struct Outcome {
     metrics: Metrics,
     record: Record,
@@ -29,7 +30,8 @@ fn metric(outcome: &Outcome, name: &str) -> f64 {
     outcome.metrics.get(name).unwrap_or_else(|| panic!("no {name}"))
 }
 
-/// Where a stack of constant motional current comes to, K, by itself: `T = R (Rm(T) I^2 + G (Rm(T) I)^2) / 2`, iterated; none if it leaves for good.
+/// Returns the final temperature rise of a stack at constant motional current, K:
+/// `T = R (Rm(T) I^2 + G (Rm(T) I)^2) / 2`, iterated. Returns `None` if it diverges.
 fn fixed_point(bvd: &Bvd, thermal: &Thermal, current_a: f64) -> Option<f64> {
     let (lm_h, cm_f, rm_ohm) = (bvd.lm_h.unwrap(), bvd.cm_f.unwrap(), bvd.rm_ohm.unwrap());
     let omega = 1.0 / (lm_h * cm_f).sqrt();
@@ -49,9 +51,9 @@ fn fixed_point(bvd: &Bvd, thermal: &Thermal, current_a: f64) -> Option<f64> {
     Some(kelvin)
 }
 
-/// The scene comes to the fixed point of its own numbers, and says so from early on.
+/// The scene reaches the fixed point of its own values, and predicts it early.
 #[test]
-fn a_held_velocity_comes_to_the_fixed_point() {
+fn a_held_velocity_reaches_the_fixed_point() {
     let long =
         ["controller.burst.on_s=[0.1]", "controller.burst.off_s=[4]", "duration_s=4", "stack.thermal.heat_capacity_j_per_k=0.01"];
     let loaded = load("self-heating", &[]).unwrap_or_else(|error| panic!("{error}"));
@@ -59,15 +61,16 @@ fn a_held_velocity_comes_to_the_fixed_point() {
     let expected = fixed_point(&stack.bvd, &stack.thermal.unwrap(), 0.175 * 5.566).unwrap();
     let found = outcome("self-heating", &long);
     let (end, lasting) = (metric(&found, "stack_temperature_k"), metric(&found, "lasting_stack_temperature_k"));
-    println!("{end:.3} K, {lasting:.3} K, by its numbers {expected:.3} K");
-    // The controller holds the amplitude of the measured current to a part in a thousand.
+    println!("{end:.3} K, {lasting:.3} K, calculated {expected:.3} K");
+    // The controller holds the amplitude of the measured current to 0.1 %.
     assert!((end / expected - 1.0).abs() < 0.01 && (lasting / expected - 1.0).abs() < 0.01, "{end} {lasting} {expected}");
     assert!(found.remarks.is_empty(), "{}", found.remarks);
 }
 
-/// With two and a half times the thermal resistance there is no fixed point: named, with the limit that the ceramic passes.
+/// With two and a half times the thermal resistance there is no fixed point. The remark names the
+/// runaway, and the limit that the ceramic exceeds.
 #[test]
-fn a_thermal_runaway_is_named() {
+fn a_thermal_runaway_is_reported() {
     let hot = ["controller.limits.temperature_c=500", "stack.thermal.resistance_k_per_w=50"];
     let loaded = load("derating", &hot.map(str::to_owned)).unwrap_or_else(|error| panic!("{error}"));
     let stack = loaded.scene.stack.as_ref().unwrap();
@@ -76,23 +79,24 @@ fn a_thermal_runaway_is_named() {
     for part in ["Thermal runaway from ", "above 162.5 °C, half its Curie point"] {
         assert!(found.remarks.contains(part), "{part}: {}", found.remarks);
     }
-    // The resonance leaves the tracker's window: the controller does not go on as if there were one.
+    // The resonance leaves the window of the tracker: the controller must not continue without it.
     assert!(metric(&found, "fault_code") != 0.0, "{}", found.remarks);
     assert!(metric(&found, "depoling_time_ms") > 0.0);
 }
 
-/// Without the guard the same stack comes to more than half of its Curie point, and with it to what the derating line and the losses agree on.
+/// Without the guard the same stack exceeds half of its Curie point. With it, the stack stops where
+/// the derating line meets the losses.
 #[test]
 fn the_guard_holds_the_stack_below_its_limit() {
     let guarded = outcome("derating", &[]);
     let alone = outcome("derating", &["controller.limits.temperature_c=500"]);
     let [below, above] = [&guarded, &alone].map(|outcome| metric(outcome, "peak_stack_temperature_k"));
-    println!("{below:.2} K guarded, {above:.2} K alone");
+    println!("{below:.2} K with the guard, {above:.2} K without");
     assert!(below < 45.0 && above > 100.0, "{below} {above}");
     assert!(alone.remarks.contains("slowly loses its polarisation"), "{}", alone.remarks);
     let loaded = load("derating", &[]).unwrap_or_else(|error| panic!("{error}"));
     let stack = loaded.scene.stack.as_ref().unwrap();
-    // The temperature at which what is left of the amplitude holds it: 0.1 to 1 over the last 20 of 45 K.
+    // The temperature that the derated amplitude maintains: 0.1 to 1 over the last 20 of 45 K.
     let left = |kelvin: f64| (0.1 + 0.9 / 20.0 * (45.0 - kelvin)).clamp(0.1, 1.0);
     let (mut low, mut high) = (25.0, 45.0);
     for _ in 0..60 {
@@ -102,11 +106,12 @@ fn the_guard_holds_the_stack_below_its_limit() {
     }
     let end = metric(&guarded, "stack_temperature_k");
     println!("{end:.2} K of {low:.2} K");
-    // The thermometer begins at the first lock, which has warmed the stack by some kelvin, and bends with the amplitude.
+    // The thermometer starts at the first lock, when the stack is already a few kelvin warmer, and
+    // its reading varies with the amplitude.
     assert!((end - low).abs() < 1.0, "{end} {low}");
 }
 
-/// Surroundings that no derating helps against: fault 44 within a few kelvin of the limit.
+/// Derating is not sufficient in such surroundings: fault 44 within a few kelvin of the limit.
 #[test]
 fn hot_surroundings_end_the_drive() {
     let hot = ["disturbance.0.at_s=1", "disturbance.0.key=stack.temperature_k", "disturbance.0.to=100"];

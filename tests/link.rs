@@ -1,4 +1,5 @@
-//! The client against the simulated board: what it says is what the plant did, and whatever goes wrong on the way is said and nothing else.
+//! The client and the simulated board: reported values agree with the plant, and every failure is
+//! reported.
 
 mod client;
 mod commission;
@@ -19,7 +20,7 @@ use scene::load::load;
 
 use self::held::{client, run};
 
-/// The board of a scene with changes, which keeps the last blocks that went over its converters.
+/// Returns the board of a scene with changes, which records the last blocks at its converters.
 fn board(scene: &str, sets: &[&str], keep: usize) -> Rc<RefCell<SimulatedBoard>> {
     let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
     let loaded = load(scene, &sets).unwrap_or_else(|error| panic!("{error}"));

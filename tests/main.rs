@@ -1,4 +1,4 @@
-//! Cross-crate tests, in one binary: one module for each thing that is tested whole.
+//! Cross-crate tests in one binary, with one module for each tested function.
 
 mod amplitude;
 mod app;

@@ -1,4 +1,5 @@
-//! The observer with the plant behind the converters: cold starts, loads that change, locks that are lost, and what breaks.
+//! The observer with the plant at the converters: cold starts, changing loads, lost locks, and
+//! defects.
 
 use firmware::seam::fault::{Fault, Limit};
 use firmware::seam::mode::Mode;
@@ -15,7 +16,7 @@ use sim::metrics::Metrics;
 use sim::record::{Record, Row};
 use sim::run::{Watch, run};
 
-/// The scene `lock` by the observer, ON throughout, with changes.
+/// Runs the scene `lock` with the observer, ON throughout, with changes.
 fn observed(changes: &[&str]) -> (Record, Metrics) {
     let base =
         ["controller.tracking.mode=observer", "duration_s=0.2", "controller.burst.on_s=[0.0]", "controller.burst.off_s=[9.0]"];
@@ -27,7 +28,7 @@ fn observed(changes: &[&str]) -> (Record, Metrics) {
     (record, metrics)
 }
 
-fn of(metrics: &Metrics, name: &str) -> f64 {
+fn metric(metrics: &Metrics, name: &str) -> f64 {
     metrics.get(name).unwrap_or_else(|| panic!("no {name}"))
 }
 
@@ -35,7 +36,7 @@ fn last(record: &Record) -> &Row {
     record.rows.last().unwrap()
 }
 
-/// A resonance that jumps to `to` at 0.15 s, and `back` some time after that.
+/// Runs a resonance that jumps to `to` at 0.15 s, and `back` at a later time.
 fn jump(to: &str, back: Option<(&str, &str)>, changes: &[&str]) -> (Record, Metrics) {
     let key = "key=stack.bvd.series_resonance_hz";
     let mut sets = vec!["disturbance.0.at_s=0.15".to_owned(), format!("disturbance.0.{key}"), format!("disturbance.0.to={to}")];
@@ -46,7 +47,8 @@ fn jump(to: &str, back: Option<(&str, &str)>, changes: &[&str]) -> (Record, Metr
     observed(&sets)
 }
 
-/// 0.23 to 0.39 ms to 20 Hz; biases of 0.02 Hz at Q 65 and 0.4 Hz at Q 20, where the images of the DAC are a sixth of the motional current.
+/// 0.23 to 0.39 ms to 20 Hz; biases of 0.02 Hz at Q 65 and 0.4 Hz at Q 20, for which the images of
+/// the DAC are a sixth of the motional current.
 #[test]
 fn it_locks_in_a_third_of_a_millisecond_at_any_q() {
     for (q, volts, bound) in [(400, 1, 0.1), (100, 3, 0.1), (65, 3, 0.1), (40, 3, 0.15), (25, 3, 0.5), (20, 3, 0.8)] {
@@ -54,20 +56,21 @@ fn it_locks_in_a_third_of_a_millisecond_at_any_q() {
         let (record, metrics) =
             observed(&[&format!("stack.bvd.q={q}"), &nominal_q, &format!("controller.drive.amplitude_v={volts}.0")]);
         assert_eq!((last(&record).mode, last(&record).fault), (Mode::Run, 0), "Q {q}");
-        let (time, bias) = (of(&metrics, "lock_time_20hz_ms"), of(&metrics, "frequency_bias_hz"));
+        let (time, bias) = (metric(&metrics, "lock_time_20hz_ms"), metric(&metrics, "frequency_bias_hz"));
         assert!(time <= 0.42 && bias.abs() < bound, "Q {q}: {time} ms, {bias} Hz");
-        let found = of(&metrics, "q") / f64::from(q) - 1.0;
-        // Lm is that of the power-on measurement. Stated, of 24 runs at Q 400 and 1 V: a standard deviation of 6.6e-3.
+        let found = metric(&metrics, "q") / f64::from(q) - 1.0;
+        // Lm is that of the power-on measurement. The stated standard deviation of 24 runs at Q 400
+        // and 1 V is 6.6e-3.
         assert!(found.abs() < if q == 400 { 6.6e-3 } else { 2.5e-3 }, "Q {q}: {found}");
     }
 }
 
-/// Uncorrected, 100 ns of skew are 8 Hz at Q 65.
+/// Without correction, 100 ns of skew would be 8 Hz at Q 65.
 #[test]
 fn skew_between_the_converters_does_not_move_it() {
     for skew in ["-1e-7", "-2e-8", "2e-8", "1e-7"] {
         let (_, metrics) = observed(&[&format!("sensors.skew_s={skew}")]);
-        let bias = of(&metrics, "frequency_bias_hz");
+        let bias = metric(&metrics, "frequency_bias_hz");
         assert!(bias.abs() < 0.1, "{skew} s: {bias} Hz");
     }
 }
@@ -76,37 +79,38 @@ fn skew_between_the_converters_does_not_move_it() {
 fn jumps_within_the_window_are_followed_without_losing_the_lock() {
     for to in ["39500", "39700", "40300", "40900"] {
         let (record, metrics) = jump(to, None, &[]);
-        let time = of(&metrics, "relock_time_20hz_ms");
+        let time = metric(&metrics, "relock_time_20hz_ms");
         assert!(time <= 0.15, "{to}: {time} ms");
         assert!(record.rows.iter().all(|row| row.time_s < 0.1 || row.locked), "{to}");
     }
 }
 
-/// Away for 5 ms it is found in the window; for 15 ms, from the self-test on, whose calibration it has disturbed by coming back.
+/// A resonance that is away for 5 ms is found again within the window. After 15 ms a new start is
+/// required, because the return has disturbed the calibration.
 #[test]
-fn a_lock_that_is_lost_is_found_again() {
+fn a_lost_lock_is_recovered() {
     for (back_s, by) in [("0.155", 0.17), ("0.165", 0.27)] {
         let (record, metrics) = jump("45000", Some((back_s, "40400")), &["duration_s=0.3"]);
         assert_eq!((last(&record).mode, last(&record).fault, last(&record).locked), (Mode::Run, 0, true), "{back_s}");
         assert!((last(&record).frequency_hz - 40_400.0).abs() < 1.0, "{back_s}: {} Hz", last(&record).frequency_hz);
-        assert_eq!(of(&metrics, "undetected_losses"), 0.0);
-        println!("back at {back_s} s: within 20 Hz again {:.2} ms after that", of(&metrics, "relock_time_20hz_ms"));
+        assert_eq!(metric(&metrics, "undetected_losses"), 0.0);
+        println!("back at {back_s} s: within 20 Hz again after {:.2} ms", metric(&metrics, "relock_time_20hz_ms"));
         let again = record.rows.iter().find(|row| row.time_s > 0.16 && row.mode == Mode::Run && row.locked).unwrap();
         assert!(again.time_s < by, "{back_s}: {} s", again.time_s);
     }
 }
 
 #[test]
-fn a_resonance_that_stays_away_is_a_fault() {
+fn a_lost_resonance_is_a_fault() {
     let (record, metrics) = jump("45000", None, &["duration_s=0.4"]);
     assert_eq!(last(&record).mode, Mode::Fault);
     assert!([26, 30, 31].contains(&last(&record).fault), "{}", last(&record).fault);
-    assert_eq!(of(&metrics, "undetected_losses"), 0.0);
+    assert_eq!(metric(&metrics, "undetected_losses"), 0.0);
     let silent = record.rows.iter().rev().take(100);
     assert!(silent.into_iter().all(|row| row.drive_v == 0.0));
 }
 
-/// Just beyond the window: the drive stands at its edge and says so.
+/// Just beyond the window: the drive stays at the edge and reports the limit.
 #[test]
 fn the_window_is_a_limit() {
     let (record, _) = jump("41200", None, &[]);
@@ -115,12 +119,12 @@ fn the_window_is_a_limit() {
 }
 
 #[test]
-fn what_is_outside_the_window_is_no_resonance() {
+fn a_resonance_outside_the_window_is_not_found() {
     let (record, _) = observed(&["stack.bvd.series_resonance_hz=41500"]);
     assert_eq!(last(&record).fault, Fault::NoResonance.code());
 }
 
-/// With a nominal inductance of 0.3 mH, it finds one of 0.79 mH in the configured window.
+/// The nominal inductance is 0.3 mH, but the resonance in the configured window has 0.79 mH.
 #[test]
 fn another_resonance_than_the_nominal_one_is_a_fault() {
     let (record, _) = observed(&["controller.tracking.nominal_lm_h=0.3e-3"]);
@@ -128,15 +132,15 @@ fn another_resonance_than_the_nominal_one_is_a_fault() {
     assert!(record.rows.iter().all(|row| row.mode != Mode::Run));
 }
 
-/// What breaks while it runs is named by the guard at once.
+/// The guard identifies a defect during a run at once.
 #[test]
-fn what_breaks_on_the_way_is_named() {
+fn defects_during_a_run_are_identified() {
     for (kind, code, within_s) in [
         ("open", Fault::LoadOpen, 0.3e-3),
         ("short", Fault::OverCurrent, 0.1e-3),
         ("saturation", Fault::SenseSaturated, 0.1e-3),
         ("sensor_stuck", Fault::SensorImplausible, 0.3e-3),
-        // By what cannot change at once.
+        // Detected because these quantities cannot change so fast.
         ("swapped", Fault::SensorImplausible, 0.3e-3),
         ("depoled", Fault::SensorImplausible, 0.3e-3),
     ] {
@@ -147,9 +151,9 @@ fn what_breaks_on_the_way_is_named() {
     }
 }
 
-/// And what is broken from the beginning, before anything has rung up.
+/// A defect at power-on is identified before the ring-up.
 #[test]
-fn what_is_broken_is_named_at_power_on() {
+fn defects_at_power_on_are_identified() {
     for (kind, code, within_s) in [
         ("open", Fault::LoadOpen, 2e-3),
         ("short", Fault::LoadShorted, 2e-3),
@@ -166,12 +170,12 @@ fn what_is_broken_is_named_at_power_on() {
     }
 }
 
-/// Without a nominal capacitance the self-test measures it; and still tells what is no transducer.
+/// Without a nominal capacitance the self-test measures it, and still detects a missing transducer.
 #[test]
-fn a_capacitance_that_nobody_knows_is_measured() {
+fn an_unknown_capacitance_is_measured() {
     let unknown = ["controller.tracking.nominal_c0_f=none", "controller.tracking.nominal_lm_h=none"];
     let (record, metrics) = observed(&unknown);
-    let bias = of(&metrics, "frequency_bias_hz");
+    let bias = metric(&metrics, "frequency_bias_hz");
     assert!(last(&record).locked && bias.abs() < 1.0, "{bias} Hz");
     for (kind, code) in [("open", Fault::LoadOpen), ("short", Fault::LoadShorted)] {
         let fault = [&format!("fault.0.kind={kind}"), "fault.0.at_s=0.0"];
@@ -181,7 +185,8 @@ fn a_capacitance_that_nobody_knows_is_measured() {
     }
 }
 
-/// At 1 kHz and half a millisecond of ring-up, each burst is measured in a few blocks only; and the resonance has moved in between.
+/// At 1 kHz and half a millisecond of ring-up, only a few blocks of each burst can be measured, and
+/// the resonance moves between bursts.
 #[test]
 fn short_bursts_are_tracked() {
     let burst = [
@@ -198,15 +203,16 @@ fn short_bursts_are_tracked() {
 }
 
 #[test]
-fn a_square_drive_is_left_to_the_phase_loop() {
+fn a_square_drive_uses_the_phase_loop() {
     let (record, metrics) = observed(&["controller.drive.shape=square"]);
-    let bias = of(&metrics, "frequency_bias_hz");
+    let bias = metric(&metrics, "frequency_bias_hz");
     assert!(last(&record).locked && bias.abs() < 1.0, "{bias} Hz");
 }
 
-/// A current that stands still, of which the observer is sure; and a motional phase of 60 degrees, which says that this is no resonance.
+/// The current is constant, so the observer reports a small deviation. A motional phase of 60
+/// degrees shows that this is not a resonance.
 #[test]
-fn the_phase_is_the_judge_of_the_observer() {
+fn the_phase_checks_the_observer() {
     let scene = load("lock", &["controller.tracking.mode=observer".to_owned()]).unwrap_or_else(|error| panic!("{error}")).scene;
     let config = settings::config(&scene.driven().unwrap());
     let mut tracker = Tracker::build(&config, 32e-6).unwrap();

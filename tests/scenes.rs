@@ -1,7 +1,8 @@
-//! Every built-in scene: its expectations hold, and its golden table is what it was.
+//! Every built-in scene: its expectations hold, and its golden table is unchanged.
 //!
-//! The tables hold rounded physical numbers, never a raw trace, so that they read as results and survive a compiler. To accept new
-//! ones: `INSTA_UPDATE=always cargo test`, and read the difference. The hash of all drive codes is exact, and of one target.
+//! The tables contain rounded physical numbers, never raw traces, so that they are readable and
+//! independent of the compiler. To accept new ones, run `INSTA_UPDATE=always cargo test` and review
+//! the difference. The hash of all drive codes is exact, for one target.
 
 use std::collections::BTreeSet;
 
@@ -15,12 +16,13 @@ use sim::study::comparison::Standing;
 use sim::study::{self, Options, Study};
 use sim::tables;
 
-/// What is round-off only.
+/// Metrics that consist only of round-off.
 const NOT_GOLDEN: [&str; 2] = ["energy_residual", "error_estimate"];
 
-/// Metrics of no built-in scene as it is: of an emulator, of the flashed image, of a damper, of an actuator with a law, of a step under another scan, of a
-/// tolerance of the whole record.
-const ELSEWHERE: [&str; 17] = [
+/// Metrics that no built-in scene has by default: those of an emulator, of the flashed image, of a
+/// damper, of an actuator with a law, of a step under another scan, and of a tolerance of the whole
+/// record.
+const NOT_IN_SCENES: [&str; 17] = [
     "instructions_total",
     "mean_block_instructions",
     "worst_block_instructions",
@@ -39,11 +41,11 @@ const ELSEWHERE: [&str; 17] = [
     "actuator_power_w",
     "record_error_estimate",
 ];
-/// How metrics begin that are of curves of the user's own over a figure.
+/// Prefix of the metrics of the user's own curves over a figure.
 const OVERLAY: &str = "overlay_";
 
-/// Of a scene of many runs, so many are golden.
-const FEW_RUNS: u32 = 8;
+/// Number of golden runs of a scene with many runs.
+const GOLDEN_RUNS: u32 = 8;
 
 fn loaded(name: &str, sets: &[String]) -> Loaded {
     load(name, sets).unwrap_or_else(|error| panic!("{error}"))
@@ -53,26 +55,27 @@ fn study(loaded: &Loaded) -> Study<'_> {
     study::run(loaded, Options::default()).unwrap()
 }
 
-/// Three significant digits, or half a hertz of a frequency: what a change of physics moves, and a change of rounding does not.
+/// Formats three significant digits, or half a hertz of a frequency: a change of physics is
+/// visible, a change of rounding is not.
 fn rounded(value: f64) -> String {
     if value.abs() > 1e4 { format!("{:.0}", value) } else { format!("{value:.2e}") }
 }
 
-/// A ratio with three digits after the point, else one.
+/// Formats a small value with three digits after the point, others with one.
 fn in_a_grid(value: f64) -> String {
     if value.abs() < 2.0 { format!("{value:.3}") } else { format!("{value:.1}") }
 }
 
-/// The metric of one run that a statistic is of.
+/// Returns the metric of one run on which a statistic is based.
 fn of_one(name: &'static str) -> &'static str {
     metrics::of_one_run(name).map_or(name, |metric| metric.name)
 }
 
-/// docs/data.md lists each figure of a study with its columns.
+/// Checks that docs/metrics-and-files.md lists each figure of a study with its columns.
 fn every_figure_is_described(study: &Study) {
     for figure in figures::of(study) {
         let data = FigureData::of(&figure.id).unwrap_or_else(|| panic!("{}: no data of `{}`", study.name, figure.id));
-        // Of a contact study time is in periods, and a grid is over its keys.
+        // A contact study has its time in periods, and a grid is over its keys.
         assert!(
             data.x == figure.x.label || ["friction", "grid-*"].contains(&data.id),
             "{}: {} is over {}",
@@ -118,7 +121,7 @@ fn golden(study: &Study) -> String {
     table
 }
 
-/// Rows of README's table of the flagship.
+/// Rows of the flagship's table in README.
 const README_ROWS: [&str; 4] = ["series resonance [Hz]", "Q", "Rm [ohm]", "tip velocity, steady [m/s]"];
 
 /// Rounds the estimate and its standard deviation of a row to two digits of the deviation.
@@ -133,7 +136,7 @@ fn rounded_to_deviation(row: &[String]) -> Vec<String> {
     row.iter().enumerate().map(|(column, cell)| if (2..4).contains(&column) { rounded(cell) } else { cell.clone() }).collect()
 }
 
-/// Compares README's table with what the flagship prints.
+/// Compares README's table with the output of the flagship.
 fn check_readme(study: &Study) {
     let table = tables::tables(study).into_iter().find(|table| table.id == "three-ways").expect("the table");
     let row = |name: &&str| rounded_to_deviation(table.rows.iter().find(|row| row[0] == *name).expect("a row"));
@@ -148,13 +151,13 @@ fn every_built_in_scene_meets_its_expectations_golden_table_and_docs() {
     let mut hashes = String::new();
     let mut measured = BTreeSet::new();
     for (name, _) in builtin::all() {
-        let runs = loaded(name, &[]).scene.runs.min(FEW_RUNS);
+        let runs = loaded(name, &[]).scene.runs.min(GOLDEN_RUNS);
         let sets = if runs > 1 { vec![format!("runs={runs}")] } else { Vec::new() };
         let loaded = loaded(name, &sets);
         let study = study(&loaded);
         let missed: Vec<_> = study.judged.iter().filter(|judged| !judged.pass).collect();
         assert!(missed.is_empty(), "{name}: {missed:#?}");
-        assert!(!study.judged.is_empty(), "{name} expects nothing");
+        assert!(!study.judged.is_empty(), "{name} has no expectations");
         insta::assert_snapshot!(*name, golden(&study));
         measured.extend(study.metrics.iter().map(|(name, _)| of_one(name)));
         every_figure_is_described(&study);
@@ -166,7 +169,7 @@ fn every_built_in_scene_meets_its_expectations_golden_table_and_docs() {
             hashes += &format!("{name:28} {hash:016x}\n");
         }
     }
-    let elsewhere = |name: &str| ELSEWHERE.contains(&name) || name.starts_with(OVERLAY);
+    let elsewhere = |name: &str| NOT_IN_SCENES.contains(&name) || name.starts_with(OVERLAY);
     let nowhere: Vec<_> = metrics::names().filter(|name| !measured.contains(name) && !elsewhere(name)).collect();
     assert!(nowhere.is_empty(), "no scene has {nowhere:?}");
     if cfg!(all(target_arch = "x86_64", target_os = "linux")) {
@@ -184,10 +187,11 @@ fn the_same_seed_gives_the_same_run_and_another_seed_another() {
     assert_ne!(hash("3"), hash("4"));
 }
 
-/// What breaks while the drive is ON is named by its number, and the drive is silent within the time stated: the block that shows it
-/// (32 us), two blocks on their way (64 us), and as many more as the guard takes to be sure.
+/// A defect while the drive is ON causes its fault, and the drive is silent within the stated time.
+/// This is the block that shows the defect (32 us), two queued blocks (64 us), and the blocks that
+/// the guard needs for its decision.
 #[test]
-fn what_breaks_is_named_and_mutes_the_drive() {
+fn defects_cause_their_fault_and_mute_the_drive() {
     for (scene, kind, code, microseconds) in [
         ("lock", "late_block", 11, 96.0),
         ("lock", "saturation", 28, 96.0),

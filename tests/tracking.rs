@@ -1,4 +1,5 @@
-//! Scan and lock, with the plant behind the converters: what the motional phase can do that the V-I phase cannot.
+//! Scan and lock with the plant at the converters: advantages of the motional phase over the V-I
+//! phase.
 
 use firmware::controller::Controller;
 use firmware::seam::block::{Amplitude, Gate, Orders, Request};
@@ -14,7 +15,7 @@ use sim::metrics::Metrics;
 use sim::record::Record;
 use sim::run::{Watch, run};
 
-/// A driver whose orders change on the way.
+/// Controller and plant, with orders that a test can change.
 struct Rig {
     controller: Controller,
     clock: BlockClock<Plant>,
@@ -40,15 +41,19 @@ impl Rig {
         (0..blocks).map(|_| self.clock.tick(|sense, drive| self.controller.process(&self.orders, sense, drive))).last().unwrap()
     }
 
-    /// Until the mode is reached, or a fault.
+    /// Runs until the mode is reached, or a fault.
     fn until(&mut self, mode: Mode) -> Telemetry {
-        (0..100_000).map(|_| self.blocks(1)).find(|report| report.mode == mode || report.fault.is_some()).expect("an end")
+        (0..100_000)
+            .map(|_| self.blocks(1))
+            .find(|report| report.mode == mode || report.fault.is_some())
+            .expect("the mode or a fault")
     }
 }
 
-/// The stack still rings from the run before: at a Q of 900 for tens of milliseconds, with more current than the self-test expects.
+/// The stack still rings from the previous run: at a Q of 900 for tens of milliseconds, with more
+/// current than the self-test expects.
 #[test]
-fn a_run_can_follow_a_run_at_once() {
+fn a_run_can_follow_a_run_immediately() {
     for name in ["transducer-skymen-60w", "transducer-gb-4540-4sh", "transducer-smbltd45f28h", "lock"] {
         for pause in [1, 4, 100] {
             let mut rig = Rig::new(name, &[]);
@@ -72,9 +77,10 @@ fn a_run_can_follow_a_run_at_once() {
     }
 }
 
-/// An amplitude that is ordered anew in each block, to nothing and back, is there again as it was: no fault, no silence.
+/// An amplitude set point that changes in each block, down to zero and back, is restored: no fault,
+/// no silence.
 #[test]
-fn a_current_may_fade_to_nothing_and_back() {
+fn a_current_may_fade_to_zero_and_back() {
     let courses = [
         ("observer", 500, 2000),
         ("observer", 5000, 2000),
@@ -105,9 +111,9 @@ fn a_current_may_fade_to_nothing_and_back() {
     }
 }
 
-/// The frequency of the second block of a lock is the observer's first word.
+/// The frequency of the second block of a lock is the first estimate of the observer.
 #[test]
-fn a_transducer_that_is_driven_again_is_sought_where_it_was() {
+fn a_second_run_starts_at_the_known_resonance() {
     let moved = ["disturbance.0.at_s=0.12", "disturbance.0.key=stack.bvd.series_resonance_hz"];
     for (to, same) in [("40520", true), ("40600", true), ("39500", false)] {
         let to = format!("disturbance.0.to={to}");
@@ -132,7 +138,7 @@ fn a_transducer_that_is_driven_again_is_sought_where_it_was() {
     }
 }
 
-/// At 1 kHz and half a millisecond of ring-up, each burst is measured in a few blocks only.
+/// At 1 kHz and half a millisecond of ring-up, only a few blocks of each burst can be measured.
 #[test]
 fn short_bursts_are_tracked() {
     let scene = load(
@@ -155,9 +161,10 @@ fn short_bursts_are_tracked() {
     assert!((last.frequency_hz - 40_700.0).abs() < 5.0, "{} Hz", last.frequency_hz);
 }
 
-/// Bursts of four periods contain no information: the frequency is held, and the telemetry reports that it is not tracked.
+/// Bursts of four periods contain no information: the frequency is held, and the telemetry reports
+/// that it is not tracked.
 #[test]
-fn bursts_too_short_to_hear_are_a_limit_and_no_lock() {
+fn bursts_too_short_to_track_are_reported_as_a_limit() {
     let sets = ["duration_s=0.5", "controller.burst.period_s=1e-3", "controller.burst.duty=0.1"].map(String::from);
     let scene = load("lock", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
     let scene = scene.driven().unwrap();
@@ -168,13 +175,13 @@ fn bursts_too_short_to_hear_are_a_limit_and_no_lock() {
 }
 
 #[test]
-fn long_soft_edges_do_not_disturb_the_way_to_the_lock() {
+fn long_soft_edges_do_not_disturb_the_lock() {
     let (record, metrics) = lock(&["controller.burst.edge=soft", "controller.burst.edge_cycles=2000"]);
     assert_eq!(record.rows.last().unwrap().fault, 0);
     assert!(metrics.get("frequency_bias_hz").unwrap().abs() < 0.5);
 }
 
-/// A lock that stays ON, with changes.
+/// Runs a lock that stays ON, with changes.
 fn lock(changes: &[&str]) -> (Record, Metrics) {
     let stays_on = ["duration_s=0.4", "controller.burst.on_s=[0.0]", "controller.burst.off_s=[9.0]"];
     let sets: Vec<String> = stays_on.iter().chain(changes).map(|&set| set.to_owned()).collect();
@@ -189,9 +196,10 @@ fn bias_hz(changes: &[&str]) -> Option<f64> {
     lock(changes).1.get("frequency_bias_hz")
 }
 
-/// Bias of the V-I loop from the circuit alone: the zero of the total phase nearest to the series resonance.
+/// Compares the bias of the V-I loop with that of the circuit: the zero of the total phase nearest
+/// to the series resonance.
 #[test]
-fn v_i_phase_is_biased_as_the_circuit_says() {
+fn v_i_phase_has_the_bias_of_the_circuit() {
     for (q, expected) in [(100, 31.0), (65, 76.0), (40, 228.0)] {
         let bias = bias_hz(&["controller.tracking.mode=zero_phase", &format!("stack.bvd.q={q}")]).unwrap();
         assert!((bias / expected - 1.0).abs() < 0.03, "Q {q}: {bias} Hz");
@@ -199,7 +207,7 @@ fn v_i_phase_is_biased_as_the_circuit_says() {
 }
 
 #[test]
-fn v_i_phase_has_no_lock_point_below_m_of_two_and_says_so() {
+fn v_i_phase_reports_no_lock_below_m_of_two() {
     for q in [25, 20] {
         let (record, _) = lock(&["controller.tracking.mode=zero_phase", &format!("stack.bvd.q={q}")]);
         let last = record.rows.last().unwrap();
@@ -210,8 +218,8 @@ fn v_i_phase_has_no_lock_point_below_m_of_two_and_says_so() {
 
 #[test]
 fn motional_phase_locks_at_every_q() {
-    // 1 V at Q 400, because 3 V would be over the current limit there. What is left is the noise of the identification: the bounds
-    // are four standard deviations over seeds.
+    // 1 V at Q 400, because 3 V would exceed the current limit. The remaining bias is the noise of
+    // the identification: the bounds are four standard deviations over seeds.
     for (q, volts, bound) in [(400, 1, 0.2), (100, 3, 0.15), (65, 3, 0.15), (40, 3, 0.4), (25, 3, 1.1), (20, 3, 1.9)] {
         let nominal_q = format!("controller.tracking.nominal_q={}", f64::from(q) / 1.5);
         let amplitude = format!("controller.drive.amplitude_v={volts}.0");
@@ -222,7 +230,7 @@ fn motional_phase_locks_at_every_q() {
 }
 
 #[test]
-fn too_much_current_on_the_way_is_a_fault() {
+fn too_much_current_during_the_lock_is_a_fault() {
     let (record, _) = lock(&["stack.bvd.q=400"]);
     assert_eq!(record.rows.last().unwrap().fault, Fault::OverCurrent.code());
 }
@@ -243,7 +251,7 @@ fn nominal_values_may_be_wrong() {
     }
 }
 
-/// Uncorrected, 100 ns of skew are 1.4 degrees, which is 8 Hz at Q 65.
+/// Without correction, 100 ns of skew would be 1.4 degrees, which is 8 Hz at Q 65.
 #[test]
 fn skew_between_the_converters_does_not_move_the_lock() {
     for skew in ["-1e-7", "-2e-8", "2e-8", "1e-7"] {
@@ -263,7 +271,7 @@ fn seeds_do_not_matter() {
 }
 
 #[test]
-fn a_resonance_outside_the_window_is_a_fault_and_not_a_guess() {
+fn a_resonance_outside_the_window_is_a_fault() {
     let (record, _) = lock(&["stack.bvd.series_resonance_hz=44000"]);
     assert_eq!(record.rows.last().unwrap().fault, Fault::NoResonance.code());
 }
@@ -303,7 +311,8 @@ fn a_square_drive_locks_on_its_fundamental() {
     assert!(bias.abs() < 1.0, "{bias} Hz");
 }
 
-/// Swept about the resonance by half a bandwidth to each side, the controller still knows where it is; and follows it when it moves.
+/// During a sweep about the resonance by half a bandwidth to each side, the controller still
+/// estimates the resonance and follows it.
 #[test]
 fn a_chirp_about_the_resonance_follows_it() {
     let chirp = [

@@ -1,5 +1,6 @@
-//! What every board shares beside the controller: the background task, the link to the host, stored settings, power-up, captures and the records by
-//! which a board in an emulator runs in lockstep with a simulation.
+//! Code shared by all boards in addition to the controller: the background task, the link to the
+//! host, stored settings, power-up, captures, field update, and the records by which a board in an
+//! emulator runs in lockstep with a simulation.
 //!
 //! This layer may depend on all others; none depends on it.
 

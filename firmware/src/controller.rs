@@ -1,8 +1,8 @@
-//! The controller: `Config -> build -> Controller`, and `process` once a block.
+//! The controller: built from a [`Config`](crate::seam::config::Config), then called once a block.
 //!
-//! Contract: the codes returned for sense block `k` play as block `k + 2` ([`LATENCY_BLOCKS`]). After `build` nothing can
-//! fail: trouble is a numbered fault in the telemetry, and a muted drive. The block that enters a fault also drops what is queued
-//! ([`DriveBlock::drops_queue`]).
+//! The codes returned for sense block `k` play as block `k + 2` ([`LATENCY_BLOCKS`]). After `build`
+//! no call can fail: a failure is reported as a numbered fault in the telemetry, with a muted
+//! drive. The block that enters a fault also drops the queued blocks ([`DriveBlock::drops_queue`]).
 
 mod build;
 mod chain;
@@ -22,35 +22,37 @@ use crate::seam::mode::Mode;
 use crate::seam::telemetry::Telemetry;
 use crate::sense::demod::demodulate;
 
-/// The controller of a board: one call for each block.
+/// Controller of a board; called once a block.
 #[derive(Clone)]
 #[repr(C)]
 pub struct Controller {
-    /// What is on its way from `process` to the sense channels: what was played when the codes of a block arrive.
+    /// Drives that are queued or playing; `played[slot]` was played when the codes of a block
+    /// arrive.
     played: [Played; LATENCY_BLOCKS],
     chain: Chain,
     stages: Stages,
 }
 
 impl Controller {
-    /// A block of silence: what plays until the first call has returned.
+    /// Returns a block of silence, to play until the first call has returned.
     pub fn silence(&self) -> DriveBlock {
         self.chain.generator.silence()
     }
 
-    /// One block: what the converters saw, what to play two blocks later, and a report.
+    /// Processes one block: takes orders and the converters' codes, writes the codes to play two
+    /// blocks later, and returns the telemetry.
     pub fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Telemetry {
         let mut report = Telemetry::default();
         self.process_into(orders, sense, drive, &mut report);
         report
     }
 
-    /// The same, with the report in the place of an earlier one.
+    /// Does the same as [`process`](Self::process), but overwrites an earlier report.
     pub fn process_into(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock, report: &mut Telemetry) {
         let Controller { played, chain, stages } = self;
         let slot = (chain.block % LATENCY_BLOCKS as u64) as usize;
         let (mut sensed, suspect) = demodulate(&chain.convert, sense, &played[slot].tone);
-        // A scan has no time for what it does not need.
+        // A scan has no time for the other lanes, and does not need them.
         let scans = matches!(chain.supervisor.mode(), Mode::Scan | Mode::Clamped);
         if chain.lanes.are_several() && !(scans && chain.lanes.are_at_home()) {
             chain.listen_to_lanes(orders, &played[slot], &mut sensed);
@@ -74,7 +76,7 @@ impl Controller {
         played[slot] = chain.generator.play(orders, &plan, modes, chain.block, drive);
         drive.drops_queue = chain.supervisor.take_raised();
         if drive.drops_queue {
-            // These are silent already; what was returned before them is on its way.
+            // The new blocks are silent already; the ones returned before are still queued.
             played.iter_mut().enumerate().filter(|(other, _)| *other != slot).for_each(|(_, queued)| queued.drop_rest());
         }
         stages.follow.work(chain, &plan, &played[slot]);
@@ -82,18 +84,20 @@ impl Controller {
         self.report(orders, &plan, slot, (&sensed, motional), report);
     }
 
-    /// The trims that act, from a calibration or from the configuration.
+    /// Returns the active trims, from a calibration or from the configuration.
     pub(crate) fn calibration(&self) -> &LaneTrims {
         self.chain.generator.phasing.calibration()
     }
 
-    /// How many calibrations have been completed: one more than before, and there is something to keep.
+    /// Returns the number of complete calibrations. If it has grown, there are new trims to store.
     pub(crate) fn calibrations(&self) -> u32 {
         self.stages.calibrate.completed()
     }
 
-    /// Trims the lanes. Only in silence, because the drive would jump, and only by what can be trims and leaves a scan within the limit;
-    /// returns whether it was done.
+    /// Sets the trims of the lanes, and returns `true` if they were accepted.
+    ///
+    /// Trims are accepted only in silence, because the drive would jump; only within the range of
+    /// trims; and only if a scan with them stays within the voltage limit.
     #[inline(never)]
     pub fn trim(&mut self, trims: LaneTrims) -> bool {
         let silent = matches!(self.chain.supervisor.mode(), Mode::Idle | Mode::Fault);

@@ -1,8 +1,10 @@
-//! What runs before the drive can follow the resonance: self-test, scan and identification of the transducer, measurement of its clamped branch, and
-//! calibration of the drive lanes; and the watch on the lanes, which goes on while it runs.
+//! Procedures that run before the drive can follow the resonance: self-test, scan and
+//! identification of the transducer, measurement of its clamped branch, and calibration of the
+//! drive lanes. The lanes are also monitored during operation.
 //!
-//! Each takes measured blocks and answers with the [step](crate::generate::step::Step) to play next. This layer depends on
-//! [`seam`](crate::seam), [`generate`](crate::generate) and [`sense`](crate::sense).
+//! Each procedure takes measured blocks and returns the [step](crate::generate::step::Step) to play
+//! next. This layer depends on [`seam`](crate::seam), [`generate`](crate::generate) and
+//! [`sense`](crate::sense).
 
 pub(crate) mod calibrate;
 pub mod clamped;

@@ -1,6 +1,7 @@
-//! From a [plan](step::Plan) to the converter codes of one block: frequency, envelope, amplitude, lanes and shape.
+//! Signal generation: the converter codes of one block for a [plan](step::Plan), from frequency,
+//! envelope, amplitude, lanes and shape.
 //!
-//! A waveform is four independent axes, not one list of cases:
+//! A waveform combines four independent parts:
 //!
 //! ```text
 //! drive(n, lane) = envelope(n) * shape(phase(n) + phasing(lane)),   phase advances by sweep(n)

@@ -1,15 +1,16 @@
-//! The guard: is it safe to go on driving?
+//! The guard: protection of the stack, the board and the user while the drive is ON.
 //!
-//! | part | watches | says |
+//! | part | watches | effect |
 //! |---|---|---|
 //! | `electrical` | voltage, current, lost blocks | faults 11, 13, 20, 21, 23, 28 |
-//! | `continuity` | how voltage and current of a steady drive change | fault 20 |
-//! | [`weld`] | whether the belt moves, what its force says, energy for each metre | mutes (limit 101); faults 40 to 43, 46, 47 |
+//! | `continuity` | changes of voltage and current under a steady drive | fault 20 |
+//! | [`weld`] | belt motion, friction force, energy per metre of belt | mutes (limit 101); faults 40 to 43, 46, 47 |
 //! | `heat` | temperature of board and stack, mean power | derates (limit 100); fault 44 |
-//! | [`on_time`] | how long the drive is ON | fault 45 |
+//! | [`on_time`] | time for which the drive is ON | fault 45 |
 //!
-//! Each looks at every block and names what it finds; the first of them is reported. A board without such sensors and limits pays for
-//! three comparisons.
+//! Each part checks every block and returns a fault if it finds one; the first fault in the order
+//! of the table is reported. On a board without such sensors and limits the last three parts cost
+//! three comparisons a block.
 
 pub(crate) mod continuity;
 mod electrical;
@@ -33,30 +34,31 @@ use crate::sense::belt::Belt;
 use crate::sense::convert::Convert;
 use crate::sense::demod::{Sensed, Suspect};
 
-/// What is known of a block besides its codes.
+/// State of the drive in a block, in addition to the codes measured in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Driven {
-    /// Fundamental of what was played in it, V peak, where it was the same throughout; `None` at an edge, and of a noise.
+    /// Fundamental of the drive played in the block, V peak, if it was constant throughout the
+    /// block; `None` at an edge of a burst and for a noise.
     pub volts: Option<f32>,
-    /// What the drive is for.
+    /// Purpose of the drive.
     pub stage: Stage,
-    /// The order and the schedule request the drive to be ON.
+    /// `true` if the orders and the burst schedule request the drive to be ON.
     pub requested: bool,
-    /// The drive was ON throughout the block.
+    /// `true` if the drive was ON throughout the block.
     pub full: bool,
-    /// The amplitude asked for, in whatever unit.
+    /// Amplitude set point, V peak or A peak.
     pub asked: f32,
 }
 
-/// What the drive is for.
+/// Purpose of the drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stage {
-    /// Nothing: it is silent.
+    /// The drive is silent.
     #[default]
     Silent,
-    /// To measure: it cannot be interrupted and go on.
+    /// The drive measures: an interruption ends the measurement.
     Measuring,
-    /// To follow the resonance: it can be muted and go on.
+    /// The drive follows the resonance: it can be muted and resumed.
     Following,
 }
 
@@ -70,19 +72,21 @@ impl From<Mode> for Stage {
     }
 }
 
-/// The guard: protection of stack, board and user, with its state.
+/// Guard of the drive, with its state.
 #[derive(Clone, Debug)]
 pub struct Guard {
     electrical: Electrical,
     weld: Weld,
     heat: Heat,
     on_time: OnTime,
-    /// Power or ON time have a limit, or there is a D-ring that must not be driven.
+    /// `true` if power or ON time have a limit, or if the drive must be refused because a D-ring's
+    /// belt has no scale.
     limited: bool,
 }
 
 impl Guard {
-    /// Builds a guard of the configured limits, and checks these.
+    /// Builds a guard from the configured limits. Returns an error if an energy limit lacks the
+    /// scale of the encoder.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         let weld = Weld::build(config, block_s)?;
         let unscaled = weld.is_unscaled();
@@ -95,13 +99,15 @@ impl Guard {
         })
     }
 
-    /// A new attempt begins.
+    /// Resets the weld guard for a new attempt.
     pub(crate) fn begin(&mut self) {
         self.weld.begin();
     }
 
-    /// What voltage and current say is wrong with this block, if anything. `volts` is the fundamental of what was played in it, as
-    /// [`Driven`] has it; `suspect` says whether codes of it may be out of order.
+    /// Checks voltage, current and the board's reports of one block, and returns the fault found.
+    ///
+    /// `volts` is the fundamental of the drive played in the block, as in [`Driven::volts`].
+    /// `suspect` marks channels whose codes may be clipped or beyond a limit.
     #[inline]
     pub fn inspect(
         &mut self,
@@ -114,28 +120,30 @@ impl Guard {
         self.electrical.inspect(convert, sense, sensed, volts, suspect)
     }
 
-    /// Whether so many volts are enough to be judged by.
+    /// Returns `true` if a drive of `volts`, V peak, is large enough for the plausibility checks.
     #[inline]
-    pub(crate) fn judges(&self, volts: f32) -> bool {
-        self.electrical.judges(volts)
+    pub(crate) fn is_judged(&self, volts: f32) -> bool {
+        self.electrical.is_judged(volts)
     }
 
-    /// Whether voltage or current are implausible by now, and it is not known yet for how long.
+    /// Returns `true` if voltage or current of the last judged block were implausible.
     #[inline]
-    pub(crate) fn doubts(&self) -> bool {
-        self.electrical.doubts()
+    pub(crate) fn is_implausible(&self) -> bool {
+        self.electrical.is_implausible()
     }
 
-    /// Whether there is more to look at than voltage and current; most boards have none.
+    /// Returns `true` if [`watch`](Self::watch) must be called: a limit or a sensor beyond voltage
+    /// and current is present. Most boards have none.
     #[inline]
     pub fn watches(&self, sense: &SenseBlock, belt: &Belt) -> bool {
-        self.limited || belt.is_expected() || sense.slow.temperature.is_some() || self.heat.knows_the_stack()
+        self.limited || belt.is_expected() || sense.slow.temperature.is_some() || self.heat.has_stack_temperature()
     }
 
-    /// What more sensors than voltage and current say is wrong, or a limit of its own; where there is [more to look at](Self::watches).
+    /// Checks belt, temperature, power and ON time of one block, and returns the fault found.
+    /// Needed only if [`watches`](Self::watches) returns `true`.
     #[inline(never)]
     pub fn watch(&mut self, sense: &SenseBlock, sensed: &Sensed, belt: &Belt, driven: &Driven) -> Option<Fault> {
-        // At an edge it is not known, and something is driven.
+        // At an edge the amplitude is unknown, but the drive is ON.
         let driving = driven.stage != Stage::Silent && driven.volts.is_none_or(|volts| volts > 0.0);
         let power_w = if driving { 0.5 * (sensed.v.re * sensed.i.re + sensed.v.im * sensed.i.im) } else { 0.0 };
         let weld = self.weld.inspect(belt, sense.slow.force, &weld::Driving { driving, power_w, driven });
@@ -144,22 +152,22 @@ impl Guard {
         weld.or(heat).or(on_time)
     }
 
-    /// Whether the drive must be silent until the belt moves again.
+    /// Returns `true` if the drive must be silent until the belt moves again.
     pub(crate) fn is_muted(&self) -> bool {
         self.weld.is_muted()
     }
 
-    /// Whether a drive is requested while it is muted.
-    pub(crate) fn mutes(&self) -> bool {
-        self.weld.mutes()
+    /// Returns `true` if the drive is muted while it is requested.
+    pub(crate) fn mutes_request(&self) -> bool {
+        self.weld.mutes_request()
     }
 
-    /// Takes what the tracker knows of the stack; now and then is enough.
+    /// Updates the temperature of the stack from the tracker's estimates; needed only occasionally.
     pub(crate) fn update_temperature(&mut self, thermometers: &Thermometers) {
         self.heat.update_temperature(thermometers);
     }
 
-    /// What is left of the amplitude asked for, 0.1 to 1.
+    /// Returns the factor of the amplitude set point, 0.1 to 1.
     pub(crate) fn derating(&self) -> f32 {
         self.heat.factor()
     }

@@ -1,8 +1,11 @@
-//! What a board and a host exchange with the controller: plain values, without time, callback or trait object.
+//! The interface of the controller to board and host: plain values, without time, callback or trait
+//! object.
 //!
-//! [`config`] comes in once, [`block`] in each block; [`telemetry`] goes out, with [`mode`], [`fault`] and [`transducer`] in it. [`error`] says why a
-//! configuration cannot be built, [`refusal`] why a command is not obeyed, [`features`] what an image was compiled with. [`units`], [`phasor`] and
-//! `compare` and `fixed_point` are the numbers that all layers reckon with. This layer depends on no other.
+//! [`config`] is read once, [`block`] in each block. [`telemetry`] is the output, with [`mode`],
+//! [`fault`] and [`transducer`]. [`error`] lists the reasons for which a configuration is refused,
+//! [`refusal`] those for a command, and [`features`] the optional parts of an image. [`units`],
+//! [`phasor`], `compare` and `fixed_point` are the arithmetic of all layers. This layer does not
+//! depend on any other.
 
 pub mod block;
 pub(crate) mod compare;

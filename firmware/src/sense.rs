@@ -1,6 +1,8 @@
-//! From the converter codes of one block to the phasors of voltage and current, the motional current, the source and the belt's motion.
+//! Conversion of the codes of one block to phasors of voltage and current, motional current,
+//! source, and motion of the belt.
 //!
-//! This layer depends on [`seam`](crate::seam), and on [`generate`](crate::generate) for the oscillator and the sine that the lock-in compares with.
+//! This layer depends on [`seam`](crate::seam), and on [`generate`](crate::generate) for the
+//! oscillator and the sine that the lock-in uses.
 
 pub mod belt;
 pub mod convert;

@@ -1,6 +1,8 @@
-//! The resonance while it is driven: observer and phase loop that follow it, the lock detector, and the transducer that is learned on the way.
+//! Tracking of the resonance while it is driven: observer, phase loop, lock detector, and the
+//! transducer identified on the way.
 //!
-//! This layer depends on [`seam`](crate::seam), [`generate`](crate::generate), [`sense`](crate::sense) and [`find`](crate::find).
+//! This layer depends on [`seam`](crate::seam), [`generate`](crate::generate),
+//! [`sense`](crate::sense) and [`find`](crate::find).
 
 pub(crate) mod tracked_transducer;
 pub mod tracker;

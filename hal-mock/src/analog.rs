@@ -1,13 +1,15 @@
-//! The converters, as one trait.
+//! Trait of the converters.
 
 use firmware::seam::block::{DriveBlock, SenseBlock};
 
-/// An analog side: it plays a block of drive codes and samples a block of sense codes at the same time.
+/// Analog side of the controller: plays a block of drive codes while it samples a block of sense
+/// codes.
 ///
-/// One call is one block of virtual time: `sense` holds what was sampled **while** `drive` played. An implementer fills
-/// `sense.v` and `sense.i` with as many codes as each lane of `drive` has, and the slow readings it has sensors for.
+/// One call is one block of virtual time: `sense` holds the codes sampled **while** `drive` played.
+/// An implementation fills `sense.v` and `sense.i` with as many codes as each lane of `drive` has,
+/// and the slow readings of its sensors.
 pub trait Analog {
-    /// Plays `drive`, and fills `sense` with the codes sampled meanwhile.
+    /// Plays `drive` and fills `sense` with the codes sampled at the same time.
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock);
 }
 

@@ -1,5 +1,6 @@
-//! The whole driver on mocks: converters, block task, queues, background task, pins, link and watchdog, and a host at the other end of
-//! the link. A test drives it block by block and reads its results.
+//! The complete driver on mocks: converters, block task, queues, background task, pins, link and
+//! watchdog, and a host at the other end of the link. A test drives it block by block and reads its
+//! results.
 //!
 //! ```
 //! use sonoglide_hal_mock::bench::{Bench, Queues, Setup};
@@ -24,8 +25,8 @@
 //! # }
 //! ```
 //!
-//! Both sides of the driver run in one thread: the block task whenever a block has been played, the background task after every
-//! [`Setup::poll_every`] blocks or when the test says so.
+//! Both sides of the driver run in one thread. The block task runs after every block, the
+//! background task after every [`Setup::poll_every`] blocks or when the test calls [`Bench::poll`].
 
 use std::time::Duration;
 
@@ -53,36 +54,39 @@ use crate::pin::{self, Input, Output, Probe, Switch};
 use crate::time::{Clock, Timed};
 use crate::watchdog::Watchdog;
 
-/// Orders that may be on their way to the block task.
+/// Number of orders that can wait for the block task.
 pub const ORDERS_DEPTH: usize = 8;
 
-/// The number that the host of a bench draws for its sessions.
+/// Nonce of the host of a bench for its sessions.
 const NONCE: u32 = 0x5eed;
-/// Turns of the background task in which a link that takes a byte at a time has sent its answer.
-const CONNECTS_WITHIN: u32 = 64;
+/// Number of turns of the background task within which even a link of one byte per turn sends its
+/// answer.
+const MAX_CONNECT_TURNS: u32 = 64;
 
-/// The queues between the two sides, and what else they have in common. They outlive the bench, as a board's statics do. A ring of N holds N - 1.
+/// Queues and other shared memory of the two sides. They outlive the bench, like the statics of a
+/// board. A ring of N holds N - 1 items.
 pub type Queues = queues::Queues<{ ORDERS_DEPTH + 1 }, 64>;
 
-/// How the bench is set up.
+/// Setup of a bench.
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// Configuration of the controller.
     pub config: Config,
-    /// Blocks between two turns of the background task.
+    /// Number of blocks between two turns of the background task.
     pub poll_every: u32,
-    /// How long the watchdog waits.
+    /// Period of the watchdog.
     pub watchdog: Duration,
-    /// The link from the board to the host.
+    /// Link from the board to the host.
     pub to_host: Wire,
-    /// The flash for settings, with what an earlier bench has left in it.
+    /// Flash of the settings, which may contain data of an earlier bench.
     pub flash: Flash,
-    /// What started the board.
+    /// Cause of the start of the board.
     pub start: Start,
 }
 
 impl Default for Setup {
-    /// The configuration that fits the loop-back, a turn of the background task after every block, 10 ms, an endless link, and four empty pages.
+    /// Returns the configuration for the loop-back, one turn of the background task per block, a
+    /// watchdog of 10 ms, an unlimited link, and four empty pages.
     fn default() -> Self {
         Setup {
             config: loop_back::config(),
@@ -95,17 +99,17 @@ impl Default for Setup {
     }
 }
 
-/// A driver on the bench, with all of its peripherals mocked.
+/// Driver on the bench, with mocks of all its peripherals.
 pub struct Bench<'a, A> {
     /// Probe of the enable pin.
     pub enable: Probe,
-    /// The emergency stop's contact: low is pressed.
+    /// Contact of the emergency stop: low while it is pressed.
     pub stop: Switch,
-    /// The board's watchdog.
+    /// Watchdog of the board.
     pub watchdog: Watchdog,
-    /// The host at the other end of the link.
+    /// Host at the other end of the link.
     pub host: Host,
-    /// The simulated time.
+    /// Simulated time.
     pub clock: Clock,
     blocks: BlockClock<Timed<A>>,
     block_samples: u64,
@@ -116,8 +120,8 @@ pub struct Bench<'a, A> {
 }
 
 impl<'a, A: Analog> Bench<'a, A> {
-    /// Puts the driver on the bench, with `analog` behind its converters, the power just on and the emergency stop released. What is stored in
-    /// the flash goes before what the configuration says.
+    /// Creates a bench with `analog` at its converters. The power has just been switched on, and
+    /// the emergency stop is released. Settings stored in the flash override the configuration.
     pub fn new(queues: &'a mut Queues, setup: &Setup, analog: A) -> Result<Self, Error> {
         let (hot, slow) = queues.split(Box::leak(Box::default()));
         let mut settings = Settings::new(setup.flash.clone())?;
@@ -156,12 +160,12 @@ impl<'a, A: Analog> Bench<'a, A> {
         })
     }
 
-    /// Turns everything off; what is left is the flash.
+    /// Switches everything off and returns the flash.
     pub fn power_off(self) -> Flash {
         self.app.into_peripherals().settings.release()
     }
 
-    /// What is behind the converters.
+    /// Returns the analog side at the converters.
     pub fn analog(&mut self) -> &mut A {
         &mut self.blocks.analog.inner
     }
@@ -180,12 +184,13 @@ impl<'a, A: Analog> Bench<'a, A> {
         (0..count).for_each(|_| self.block());
     }
 
-    /// Blocks played so far.
+    /// Returns the number of blocks played so far.
     pub fn played(&self) -> u64 {
         self.blocks.blocks()
     }
 
-    /// Plays blocks until the background task has seen a report like this; returns how many, or `None` if it was not seen in time.
+    /// Plays blocks until the latest report fulfils a condition. Returns the number of blocks, or
+    /// `None` after `at_most` blocks.
     pub fn run_until(&mut self, mut seen: impl FnMut(&Telemetry) -> bool, at_most: u64) -> Option<u64> {
         (1..=at_most).find(|_| {
             self.block();
@@ -193,7 +198,8 @@ impl<'a, A: Analog> Bench<'a, A> {
         })
     }
 
-    /// Lets time pass without blocks: the block stream has died, and only the background task goes on.
+    /// Lets time pass without blocks: the block stream has stopped, and only the background task
+    /// continues.
     pub fn stall(&mut self, time: Duration) {
         let until = self.clock.now() + time;
         while self.clock.now() < until {
@@ -209,15 +215,16 @@ impl<'a, A: Analog> Bench<'a, A> {
         }
     }
 
-    /// Errors of the background task so far.
+    /// Returns the errors of the background task so far.
     pub fn errors(&self) -> &[AppError] {
         &self.errors
     }
 
-    /// Begins a session of the host, and returns its number. Time stands still, however many turns a narrow link takes.
+    /// Begins a session of the host and returns its number. No time passes, however many turns a
+    /// narrow link takes.
     pub fn connect(&mut self) -> u32 {
         let asked = self.host.send(Command::Identify(NONCE)).ok();
-        for _ in 0..CONNECTS_WITHIN {
+        for _ in 0..MAX_CONNECT_TURNS {
             self.poll();
             self.host.receive(usize::MAX);
             if asked.is_some_and(|sequence| self.host.answer_to(sequence).is_some()) {
@@ -227,7 +234,8 @@ impl<'a, A: Analog> Bench<'a, A> {
         self.host.session()
     }
 
-    /// Sends a command, gives the background task a turn, and returns its answer; a host without a session begins one before. Time stands still.
+    /// Sends a command, gives the background task a turn, and returns the answer. A host without a
+    /// session begins one before. No time passes.
     pub fn ask(&mut self, command: Command) -> Option<Reply> {
         if self.host.session() == NO_SESSION && !matches!(command, Command::Identify(_)) {
             self.connect();
@@ -248,17 +256,17 @@ impl<'a, A: Analog> Bench<'a, A> {
         self.stop.set(true);
     }
 
-    /// The latest report that the background task has seen.
+    /// Returns the latest report that the background task has received.
     pub fn latest(&self) -> Option<&Telemetry> {
         self.app.latest()
     }
 
-    /// The mode of the latest report; idle before the first.
+    /// Returns the mode of the latest report, or idle before the first.
     pub fn mode(&self) -> Mode {
         self.latest().map_or(Mode::Idle, |report| report.mode)
     }
 
-    /// The fault of the latest report.
+    /// Returns the fault of the latest report.
     pub fn fault(&self) -> Option<Fault> {
         self.latest().and_then(|report| report.fault)
     }

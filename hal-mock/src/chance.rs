@@ -1,30 +1,33 @@
-//! Seeded chance for the mocks that inject faults: the same seed damages the same run in the same way.
+//! Seeded random numbers for the mocks that inject faults: the same seed damages the same run in
+//! the same way.
 
 use rand_core::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardUniform};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// A seeded source of decisions.
+/// Seeded source of random decisions.
 #[derive(Clone, Debug)]
 pub struct Chance(Xoshiro256PlusPlus);
 
 impl Chance {
-    /// The source that belongs to a seed.
+    /// Creates the source of a seed.
     pub fn new(seed: u64) -> Self {
         Chance(Xoshiro256PlusPlus::seed_from_u64(seed))
     }
 
-    /// True with this probability. Draws nothing at a probability of zero, so that an inactive fault does not move the others.
+    /// Returns `true` with this probability. Draws no number if the probability is zero, so that an
+    /// inactive fault does not change the others.
     pub fn strikes(&mut self, probability: f64) -> bool {
         probability > 0.0 && self.part() < probability
     }
 
-    /// A number from 0 up to 1.
+    /// Returns a random number in [0, 1).
     fn part(&mut self) -> f64 {
         StandardUniform.sample(&mut self.0)
     }
 
-    /// A number below `bound`, which is small against 2^64: the bias of the remainder does not matter.
+    /// Returns a random number below `bound`. The bias of the remainder is negligible, because
+    /// `bound` is small compared with 2^64.
     pub fn below(&mut self, bound: u64) -> u64 {
         self.0.next_u64() % bound.max(1)
     }
@@ -40,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn strikes_as_often_as_asked() {
+    fn strikes_with_its_probability() {
         let mut chance = Chance::new(1);
         let struck = (0..100_000).filter(|_| chance.strikes(0.03)).count();
         assert!((2800..3200).contains(&struck), "{struck}");

@@ -1,8 +1,10 @@
-//! Middleware on the converters: breaks things between the load and the controller, on schedule or by seeded chance.
+//! Middleware on the converters: injects faults between the load and the controller, on schedule or
+//! at random.
 //!
-//! Drive codes pass unchanged; sampled codes are damaged. A scheduled fault strikes at its block and lasts until
-//! [`FaultInjector::repair`], or is over at once where it is an event ([`FaultKind::lasts`]). A fault by chance strikes single
-//! blocks. Where nothing is scheduled and no chance is set, the middleware changes nothing.
+//! Drive codes pass unchanged; sampled codes are damaged. A scheduled fault begins at its block and
+//! lasts until [`FaultInjector::repair`]; an event ([`FaultKind::lasts`]) affects only that block.
+//! A random fault affects single blocks. Without scheduled or random faults the middleware changes
+//! nothing.
 
 mod encoder;
 
@@ -22,15 +24,15 @@ pub enum FaultKind {
     Swapped,
     /// The voltage channel stays at its last code.
     SensorStuck,
-    /// The voltage channel is off by so many codes.
+    /// The voltage channel is offset by this number of codes.
     SensorOffset(i16),
     /// Both channels read the end of their range.
     Saturation,
-    /// The belt's encoder stays at its last count; where there is none, there is one that stands.
+    /// The belt's encoder stays at its last count. Without an encoder, a stationary one is added.
     BeltStopped,
     /// The belt's encoder stays at its last count while the belt moves.
     EncoderStuck,
-    /// The belt's encoder goes on counting as it last did.
+    /// The belt's encoder continues to count at its last speed.
     EncoderLies,
     /// A line of the belt's encoder is broken.
     EncoderLost,
@@ -46,15 +48,15 @@ pub enum FaultKind {
     OverCurrentTrip,
     /// The amplifier reports a fault. An event.
     AmplifierFault,
-    /// The amplifier's supply is outside of its window. An event.
+    /// The amplifier's supply is outside its permitted range. An event.
     Supply,
 }
 
-/// What a board reads that is on fire, degrees Celsius.
+/// Temperature reading of an overheated board, degrees Celsius.
 pub const OVERTEMPERATURE_C: f32 = 200.0;
 
 impl FaultKind {
-    /// Whether it lasts from its block on; an event strikes one block.
+    /// Returns `true` if the fault lasts until it is repaired. An event affects one block.
     pub fn lasts(self) -> bool {
         !matches!(
             self,
@@ -67,19 +69,19 @@ impl FaultKind {
     }
 }
 
-/// Something that breaks at a certain block.
+/// Fault that begins at a given block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scheduled {
-    /// The block at which the fault strikes, counted from zero.
+    /// Block at which the fault begins, counted from zero.
     pub at_block: u64,
     /// Kind of the fault.
     pub kind: FaultKind,
 }
 
-/// An analog side whose sampled codes are damaged by scheduled faults.
+/// Analog side whose sampled codes are damaged by faults.
 #[derive(Clone, Debug)]
 pub struct FaultInjector<A> {
-    /// The analog side behind the injector.
+    /// Analog side without faults.
     pub inner: A,
     mid_code: u16,
     max_code: u16,
@@ -95,7 +97,8 @@ pub struct FaultInjector<A> {
 }
 
 impl<A> FaultInjector<A> {
-    /// An injector without faults, until one is scheduled. The front end says where zero and the end of the range are.
+    /// Creates an injector without faults. The front end defines the codes of zero and of the end
+    /// of the range.
     pub fn new(inner: A, front_end: &FrontEnd, seed: u64) -> Self {
         FaultInjector {
             inner,
@@ -113,39 +116,39 @@ impl<A> FaultInjector<A> {
         }
     }
 
-    /// Adds a fault to the schedule. One whose block is past strikes at the next.
+    /// Adds a fault to the schedule. If its block is past, it begins at the next one.
     pub fn schedule(&mut self, fault: Scheduled) {
         self.scheduled.push(fault);
     }
 
-    /// Strikes at the next block.
+    /// Makes a fault begin at the next block.
     pub fn strike(&mut self, kind: FaultKind) {
         self.schedule(Scheduled { at_block: self.block, kind });
     }
 
-    /// Mends a fault that lasts.
+    /// Ends a lasting fault.
     pub fn repair(&mut self, kind: FaultKind) {
         self.broken.retain(|&broken| broken != kind);
     }
 
-    /// Lets a fault strike single blocks with this probability.
+    /// Makes a fault affect each block with this probability.
     pub fn set_chance(&mut self, kind: FaultKind, probability: f64) {
         self.by_chance.retain(|&(other, _)| other != kind);
         self.by_chance.push((kind, probability));
     }
 
-    /// Flips one bit of a sense code with this probability.
+    /// Flips one bit of each sense code with this probability.
     pub fn set_bit_flips(&mut self, probability: f64) {
         self.flip = probability;
     }
 
-    /// Blocks that have passed.
+    /// Returns the number of blocks so far.
     pub fn blocks(&self) -> u64 {
         self.block
     }
 
-    /// What strikes this block, besides what is broken already.
-    fn strikes(&mut self) -> Vec<FaultKind> {
+    /// Returns the events of this block, and starts the lasting faults that are due.
+    fn next_events(&mut self) -> Vec<FaultKind> {
         if self.scheduled.is_empty() && self.by_chance.is_empty() {
             return Vec::new();
         }
@@ -157,7 +160,7 @@ impl<A> FaultInjector<A> {
         events
     }
 
-    fn inflict(&mut self, kind: FaultKind, sense: &mut SenseBlock) {
+    fn apply(&mut self, kind: FaultKind, sense: &mut SenseBlock) {
         match kind {
             FaultKind::Open => sense.i.fill(self.mid_code),
             FaultKind::Swapped => std::mem::swap(&mut sense.v, &mut sense.i),
@@ -170,7 +173,7 @@ impl<A> FaultInjector<A> {
                 sense.i.fill(self.max_code);
             }
             FaultKind::BeltStopped | FaultKind::EncoderStuck => sense.slow.belt = Some(self.encoder.last()),
-            FaultKind::EncoderLies => sense.slow.belt = Some(self.encoder.lie()),
+            FaultKind::EncoderLies => sense.slow.belt = Some(self.encoder.extrapolate()),
             FaultKind::EncoderLost => sense.slow.belt = Some(BeltSense { broken: true, ..self.encoder.last() }),
             FaultKind::ForceStuck => sense.slow.force = self.last_force,
             FaultKind::Overtemperature => sense.slow.temperature = Some(OVERTEMPERATURE_C),
@@ -206,16 +209,17 @@ impl<A: Analog> Analog for FaultInjector<A> {
 }
 
 impl<A> FaultInjector<A> {
-    /// Damages the block that was just sampled: the second half of an exchange, where the first was made by other means.
+    /// Damages the block that was just sampled. For a caller that samples by other means than
+    /// [`Analog::exchange`].
     pub fn damage(&mut self, sense: &mut SenseBlock) {
-        let events = self.strikes();
+        let events = self.next_events();
         let measures =
             |kind: &FaultKind| !matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderStuck | FaultKind::EncoderLies);
         if let Some(belt) = sense.slow.belt.filter(|_| self.broken.iter().all(measures)) {
             self.encoder.update(belt);
         }
         let broken = self.broken.clone();
-        broken.iter().chain(&events).for_each(|&kind| self.inflict(kind, sense));
+        broken.iter().chain(&events).for_each(|&kind| self.apply(kind, sense));
         self.flip_bits(sense);
         self.last_force = sense.slow.force;
         self.last_voltage_code = sense.v.last().copied().unwrap_or(self.last_voltage_code);
@@ -278,7 +282,7 @@ mod tests {
         }
     }
 
-    /// A belt of three counts a block.
+    /// The belt moves by three counts a block.
     #[test]
     fn an_encoder_sticks_lies_and_breaks() {
         let counts_after = |kind: FaultKind| {
@@ -286,7 +290,7 @@ mod tests {
             injector.inner.set_belt(Some(3));
             injector.schedule(Scheduled { at_block: 10, kind });
             sampled(&mut injector, 10);
-            // It stands, or so it would say.
+            // The belt stops; a correct encoder would report no motion.
             injector.inner.set_belt(Some(0));
             let sampled = sampled(&mut injector, 5);
             sampled.iter().map(|sense| sense.slow.belt.unwrap()).map(|belt| (belt.counts, belt.broken)).collect::<Vec<_>>()
@@ -314,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn chance_strikes_as_often_as_asked_and_the_same_blocks_again() {
+    fn random_faults_have_their_rate_and_are_reproducible() {
         let missed = |seed| {
             let mut injector = injector(seed);
             injector.set_chance(FaultKind::LateBlock, 0.1);

@@ -1,15 +1,19 @@
-//! NOR flash with the geometry of an STM32G474: pages of 2 KiB, and words of 8 bytes that can be written once after an erase.
+//! NOR flash with the geometry of an STM32G474: pages of 2 KiB, and words of 8 bytes that can be
+//! written once after an erase.
 //!
-//! Power can be cut in the middle of things: [`Flash::cut_power_after`] lets so many operations (a word written, a page erased)
-//! finish, and leaves the next one half done:
+//! The power can be cut during an operation: [`Flash::cut_power_after`] lets a number of operations
+//! (a word written, a page erased) finish, and interrupts the next one:
 //!
-//! * a word cut while it is written has some of the bits that were to be cleared cleared, and counts as written;
-//! * a page cut while it is erased has some bits set and others not, and must be erased again before anything is written to it.
+//! * a word whose write is cut has cleared only some of its bits, and counts as written;
+//! * a page whose erase is cut has set only some of its bits, and must be erased again before it is
+//!   written.
 //!
-//! The same seed leaves the same halves. From then on every call fails until [`Flash::restore_power`]. (The real part checks
-//! each word's error correction code and raises an interrupt on a torn one, rather than reading it as it is.)
+//! The same seed gives the same result. After the cut every call fails until
+//! [`Flash::restore_power`]. (The real part checks the error correction code of each word and
+//! raises an interrupt for an incomplete one, instead of reading it as it is.)
 //!
-//! A word can be damaged at any time ([`Flash::damage`]): its bits flip, or it cannot be read any more, until its page is erased.
+//! A word can be damaged at any time ([`Flash::damage`]): its bits flip, or it becomes unreadable
+//! until its page is erased.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
@@ -17,18 +21,18 @@ use embedded_storage::nor_flash::{
 
 use crate::chance::Chance;
 
-/// Bytes in a page: the smallest piece that can be erased.
+/// Size of a page, the smallest unit of erasing, bytes.
 pub const PAGE_BYTES: usize = 2048;
-/// Bytes in a word: the smallest piece that can be written.
+/// Size of a word, the smallest unit of writing, bytes.
 pub const WORD_BYTES: usize = 8;
 
 const ERASED: u8 = 0xFF;
 const WORDS_PER_PAGE: usize = PAGE_BYTES / WORD_BYTES;
 
-/// Why the flash did not do what it was asked.
+/// Error of a flash access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlashError {
-    /// Address or length are not multiples of what they must be.
+    /// Address or length is not a multiple of the required size.
     NotAligned,
     /// An address is beyond the end of the flash.
     OutOfBounds,
@@ -36,7 +40,7 @@ pub enum FlashError {
     NotErased,
     /// The power is off.
     PowerCut,
-    /// A word in it is damaged.
+    /// A word in the range is damaged.
     Unreadable,
 }
 
@@ -54,44 +58,44 @@ impl From<NorFlashErrorKind> for FlashError {
     fn from(kind: NorFlashErrorKind) -> Self {
         match kind {
             NorFlashErrorKind::NotAligned => FlashError::NotAligned,
-            // The checks of embedded-storage know these two.
+            // The checks of embedded-storage return only these two.
             _ => FlashError::OutOfBounds,
         }
     }
 }
 
-/// The power supply.
+/// State of the power supply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Power {
     On,
-    /// Goes in the middle of the operation after so many more.
+    /// Fails during the operation that follows this number of further ones.
     CutAfter(u64),
     Off,
 }
 
-/// What has become of a word that is damaged.
+/// Damage of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Damage {
-    /// These bits of it have flipped, and nothing notices.
+    /// These bits have flipped, without an error being detected.
     Flips([u8; WORD_BYTES]),
-    /// It cannot be read: its error correction code says so.
+    /// The word cannot be read: its error correction code detects the damage.
     Unreadable,
 }
 
-/// How far an operation comes.
+/// Completion of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reach {
+enum Completion {
     Whole,
-    Torn,
+    Interrupted,
 }
 
-/// A flash of pages and words, in memory.
+/// Flash of pages and words, in memory.
 #[derive(Clone, Debug)]
 pub struct Flash {
     bytes: Vec<u8>,
-    /// For each word, whether it must not be written before the next erase.
+    /// For each word, `true` if it must not be written before the next erase.
     written: Vec<bool>,
-    /// For each word, whether it cannot be read.
+    /// For each word, `true` if it cannot be read.
     unreadable: Vec<bool>,
     erases: Vec<u32>,
     words_written: u64,
@@ -100,7 +104,7 @@ pub struct Flash {
 }
 
 impl Flash {
-    /// A flash of so many pages, all erased.
+    /// Creates an erased flash with this number of pages.
     pub fn new(pages: usize, seed: u64) -> Self {
         Flash {
             bytes: vec![ERASED; pages * PAGE_BYTES],
@@ -113,7 +117,8 @@ impl Flash {
         }
     }
 
-    /// A flash that holds these bytes, whole pages of them. A word that is all ones counts as erased.
+    /// Creates a flash with these bytes, which must be whole pages. A word that is all ones counts
+    /// as erased.
     ///
     /// # Panics
     /// If the bytes are not whole pages.
@@ -124,22 +129,23 @@ impl Flash {
         Flash { bytes, written, ..Flash::new(pages, seed) }
     }
 
-    /// How often a page has been erased: its wear.
+    /// Returns how often a page was erased: its wear.
     pub fn erases(&self, page: usize) -> u32 {
         self.erases.get(page).copied().unwrap_or(0)
     }
 
-    /// Words written so far.
+    /// Returns the number of words written so far.
     pub fn words_written(&self) -> u64 {
         self.words_written
     }
 
-    /// Operations so far, those cut in the middle included: how many moments there are to cut power at.
+    /// Returns the number of operations so far, including interrupted ones. The power can be cut
+    /// during each.
     pub fn operations(&self) -> u64 {
         self.words_written + self.erases.iter().map(|&count| u64::from(count)).sum::<u64>()
     }
 
-    /// Lets `operations` more operations finish and cuts the power in the middle of the next.
+    /// Lets `operations` more operations finish and cuts the power during the next.
     pub fn cut_power_after(&mut self, operations: u64) {
         self.power = Power::CutAfter(operations);
     }
@@ -155,22 +161,23 @@ impl Flash {
         }
     }
 
-    /// Whether the power is off.
+    /// Returns `true` if the power is off.
     pub fn is_off(&self) -> bool {
         self.power == Power::Off
     }
 
-    /// Turns the power on again, or takes back a cut that has not come yet.
+    /// Switches the power on again, or cancels a pending cut.
     pub fn restore_power(&mut self) {
         self.power = Power::On;
     }
 
-    /// All bytes as they are, power or not: for looking at what a cut has left.
+    /// Returns all bytes, with or without power, to inspect the result of a cut.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// Turns bits of a byte, power or not, as a cell does that has lost its charge. Beyond the end there is nothing to turn.
+    /// Flips bits of a byte, with or without power, like a cell that has lost its charge. Does
+    /// nothing beyond the end.
     pub fn turn_bits(&mut self, at: usize, bits: u8) {
         if let Some(byte) = self.bytes.get_mut(at) {
             *byte ^= bits;
@@ -181,35 +188,36 @@ impl Flash {
         if self.is_off() { Err(FlashError::PowerCut) } else { Ok(()) }
     }
 
-    /// Spends one operation.
-    fn spend(&mut self) -> Reach {
+    /// Counts one operation and returns its completion.
+    fn count_operation(&mut self) -> Completion {
         match self.power {
             Power::CutAfter(0) => {
                 self.power = Power::Off;
-                Reach::Torn
+                Completion::Interrupted
             }
             Power::CutAfter(more) => {
                 self.power = Power::CutAfter(more - 1);
-                Reach::Whole
+                Completion::Whole
             }
-            Power::On | Power::Off => Reach::Whole,
+            Power::On | Power::Off => Completion::Whole,
         }
     }
 
-    /// What a byte is on its way from `from` to `to`: each bit that changes has done so, or not.
-    fn torn(&mut self, from: u8, to: u8) -> u8 {
+    /// Returns a byte whose change from `from` to `to` was interrupted: a random part of its bits
+    /// has changed.
+    fn interrupted(&mut self, from: u8, to: u8) -> u8 {
         from ^ ((from ^ to) & self.chance.byte())
     }
 
     fn erase_page(&mut self, page: usize) -> Result<(), FlashError> {
-        let reach = self.spend();
+        let completion = self.count_operation();
         self.erases[page] += 1;
         for at in page * PAGE_BYTES..(page + 1) * PAGE_BYTES {
             let from = self.bytes[at];
-            self.bytes[at] = if reach == Reach::Whole { ERASED } else { self.torn(from, ERASED) };
+            self.bytes[at] = if completion == Completion::Whole { ERASED } else { self.interrupted(from, ERASED) };
         }
         let words = page * WORDS_PER_PAGE..(page + 1) * WORDS_PER_PAGE;
-        self.written[words.clone()].fill(reach == Reach::Torn);
+        self.written[words.clone()].fill(completion == Completion::Interrupted);
         self.unreadable[words].fill(false);
         self.powered()
     }
@@ -218,11 +226,11 @@ impl Flash {
         if std::mem::replace(&mut self.written[word], true) {
             return Err(FlashError::NotErased);
         }
-        let reach = self.spend();
+        let completion = self.count_operation();
         self.words_written += 1;
         for (at, &to) in (word * WORD_BYTES..).zip(value) {
             let from = self.bytes[at];
-            self.bytes[at] = if reach == Reach::Whole { to } else { self.torn(from, to) };
+            self.bytes[at] = if completion == Completion::Whole { to } else { self.interrupted(from, to) };
         }
         self.powered()
     }

@@ -1,13 +1,15 @@
 //! Mocks of every interface of the Sonoglide controller, on one virtual clock.
 //!
-//! * [`analog`]: the converters, as one trait; [`block_clock`] drives a controller through it with the latency of a real
-//!   DMA, and is what the simulator uses too. [`loop_back`] is the simplest thing to put behind it.
-//! * [`tracer`] and [`fault_injector`]: middleware on that trait. They nest. [`noise`] is middleware on the link.
-//! * [`pin`], [`link`], [`watchdog`], [`flash`]: the slow seams; [`time`] is what they share.
+//! * [`analog`]: trait of the converters; [`block_clock`] drives a controller through it with the
+//!   latency of a real DMA, and is also used by the simulator. [`loop_back`] is the simplest load
+//!   for it.
+//! * [`tracer`] and [`fault_injector`]: middleware on that trait, which can be nested. [`noise`] is
+//!   middleware on the link.
+//! * [`pin`], [`link`], [`watchdog`], [`flash`]: the slow interfaces; they share [`time`].
 //! * [`mod@bench`]: all of it together, with a [`host`] at the other end of the link.
 //!
-//! Nothing here sleeps or looks at a wall clock: time is the number of samples played. What damages things does so by seeded
-//! [`chance`].
+//! No mock sleeps or reads a wall clock: time is the number of samples played. All random damage is
+//! drawn from a seeded [`chance`].
 #![forbid(unsafe_code)]
 
 pub mod analog;

@@ -1,10 +1,11 @@
 //! A duplex byte link in memory.
 //!
-//! [`duplex`] gives two [`End`]s; what is written to one is read from the other. Each direction is a [`Wire`]: endless, or with
-//! room for so many bytes that the reader has not taken yet. [`crate::noise`] damages what goes over it.
+//! [`duplex`] returns two [`End`]s; bytes written to one are read from the other. Each direction is
+//! a [`Wire`] of unlimited or limited capacity. [`crate::noise`] damages the bytes of a link.
 //!
-//! The contract of embedded-io lets a reader of nothing and a writer into a full wire wait. Nothing here can wait, so a reader of
-//! nothing gets an error, and a full wire does as its [`WhenFull`] says.
+//! By the contract of embedded-io, reading from an empty wire and writing to a full one may wait. A
+//! mock cannot wait: reading from an empty wire returns an error, and a full wire follows its
+//! [`WhenFull`].
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -12,10 +13,10 @@ use std::rc::Rc;
 
 use embedded_io::{ErrorKind, ErrorType, Read, ReadReady, Write, WriteReady};
 
-/// Why an end did not do what it was asked.
+/// Error of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkError {
-    /// Nothing to read, or no room: a real one would wait here.
+    /// Nothing to read, or no room: a real link would wait here.
     WouldWait,
     /// The link is cut.
     Cut,
@@ -41,22 +42,22 @@ impl embedded_io::Error for LinkError {
     }
 }
 
-/// What a writer meets in a wire without room.
+/// Behaviour of a wire without room.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WhenFull {
     /// The writer gets [`LinkError::WouldWait`].
     #[default]
     Refuses,
-    /// The writer waits until there is room. No time passes, but the bytes that were waited for are counted.
+    /// The writer waits until there is room. No time passes, but these bytes are counted.
     Waits,
 }
 
 /// One direction of a link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wire {
-    /// Bytes that fit before the reader takes some; `None` is endless.
+    /// Number of bytes that fit before the reader takes some; `None` is unlimited.
     pub capacity: Option<usize>,
-    /// What happens when they are all in.
+    /// Behaviour when the wire is full.
     pub when_full: WhenFull,
 }
 
@@ -89,30 +90,30 @@ pub struct End {
     outward: Rc<RefCell<Pipe>>,
 }
 
-/// Two ends: what goes from the first to the second, and back.
+/// Creates a link with one wire for each direction. Returns its two ends.
 pub fn duplex(there: Wire, back: Wire) -> (End, End) {
     let (there, back) = (Pipe::shared(there), Pipe::shared(back));
     (End { inward: back.clone(), outward: there.clone() }, End { inward: there, outward: back })
 }
 
 impl End {
-    /// Bytes that wait to be read here.
+    /// Returns the number of bytes that wait to be read at this end.
     pub fn waiting(&self) -> usize {
         self.inward.borrow().bytes.len()
     }
 
-    /// Bytes that the writer at the other end had to wait with, because this end had not taken enough.
+    /// Returns the number of bytes for which the writer at the other end had to wait.
     pub fn write_waits(&self) -> u64 {
         self.inward.borrow().waited
     }
 
-    /// Cuts both directions, or mends them. What is on its way stays.
+    /// Cuts or restores both directions. Bytes in transit stay.
     pub fn set_cut(&self, cut: bool) {
         self.inward.borrow_mut().cut = cut;
         self.outward.borrow_mut().cut = cut;
     }
 
-    /// Takes up to `count` bytes, or all there are: a reader as slow as the test wants.
+    /// Takes up to `count` bytes, to simulate a slow reader.
     pub fn take(&mut self, count: usize) -> Vec<u8> {
         let mut pipe = self.inward.borrow_mut();
         let count = count.min(pipe.bytes.len());
@@ -153,7 +154,7 @@ impl Write for End {
         if waits && pipe.wire.when_full == WhenFull::Refuses {
             return Err(LinkError::WouldWait);
         }
-        // Room for one byte is all that is waited for.
+        // The writer waits only until there is room for one byte.
         let count = if waits { 1 } else { fits };
         pipe.waited += u64::from(waits);
         pipe.bytes.extend(&bytes[..count]);
@@ -201,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_patient_writer_is_counted() {
+    fn waits_of_a_writer_are_counted() {
         let (mut board, mut host) = duplex(Wire { when_full: WhenFull::Waits, ..NARROW }, Wire::default());
         board.write_all(b"abcdef").unwrap();
         assert_eq!((host.write_waits(), board.write_ready()), (2, Ok(false)));
@@ -209,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_link_fails_both_ways_and_mends() {
+    fn a_cut_link_fails_both_ways_until_restored() {
         let (mut board, mut host) = duplex(Wire::default(), Wire::default());
         board.write_all(b"x").unwrap();
         host.set_cut(true);

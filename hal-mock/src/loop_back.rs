@@ -1,5 +1,5 @@
-//! The simplest load: a capacitor on the drive, seen by both sense channels. Enough for power-up, self-test, burst,
-//! emergency stop, watchdog and late blocks; it has no resonance to find.
+//! The simplest load: a capacitor on the drive, connected to both sense channels. It is sufficient
+//! for power-up, self-test, burst, emergency stop, watchdog and late blocks; it has no resonance.
 
 use firmware::seam::block::{Amplitude, BeltSense, DriveBlock, MAX_LANES, SenseBlock};
 use firmware::seam::config::{
@@ -8,12 +8,14 @@ use firmware::seam::config::{
 
 use crate::analog::Analog;
 
-/// Wires the drive lane that is listened to back to the sense channels: the voltage as played, the current as its difference from sample
-/// to sample, as a capacitor would draw. Each lane has such a capacitor.
+/// Load that connects the selected drive lane back to the sense channels.
+///
+/// The voltage is as played. The current is its difference from sample to sample, as drawn by a
+/// capacitor. Each lane has its own capacitor.
 #[derive(Clone, Debug)]
 pub struct LoopBack {
     mid_code: u16,
-    /// Current codes for one code of voltage change in a sample.
+    /// Current codes per code of voltage change in a sample.
     current_per_step: f32,
     belt: Option<BeltSense>,
     counts_per_block: i32,
@@ -21,34 +23,35 @@ pub struct LoopBack {
 }
 
 impl LoopBack {
-    /// A capacitor that draws `current_per_step` current codes for a change of one voltage code in a sample. Both channels
-    /// rest at `mid_code`.
+    /// Creates a capacitor that draws `current_per_step` current codes for a change of one voltage
+    /// code in a sample. Both channels rest at `mid_code`.
     pub fn new(mid_code: u16, current_per_step: f32) -> Self {
         LoopBack { mid_code, current_per_step, belt: None, counts_per_block: 0, last: [mid_code; MAX_LANES] }
     }
 
-    /// The nominal clamped capacitance of a configuration, `i = C0 dV/dt`. Its voltage sense must have the drive's scale, as
-    /// that of [`config`] has.
+    /// Creates the nominal clamped capacitance of a configuration, `i = C0 dV/dt`. The voltage
+    /// sense must have the scale of the drive, as in [`config`].
     pub fn of(config: &Config) -> Self {
         let front_end = &config.front_end;
         let amperes_per_step = config.tracking.c0_f() * config.sample_hz * front_end.drive_volt_per_lsb;
         LoopBack::new(front_end.sense_mid_code, amperes_per_step / front_end.ampere_per_lsb)
     }
 
-    /// The same load with so many times the capacitance: a transducer that is shorted, or hardly there.
+    /// Multiplies the capacitance, to simulate a shorted or a nearly disconnected transducer.
     pub fn times(self, factor: f32) -> Self {
         LoopBack { current_per_step: self.current_per_step * factor, ..self }
     }
 
-    /// Sets how many counts the belt moves in each block from now on; `None` is no encoder.
+    /// Sets the speed of the belt, counts per block; `None` means that there is no encoder.
     pub fn set_belt(&mut self, counts_per_block: Option<i32>) {
         self.belt = counts_per_block.map(|_| self.belt.unwrap_or_default());
         self.counts_per_block = counts_per_block.unwrap_or(0);
     }
 }
 
-/// A configuration for which [`LoopBack::of`] is a healthy transducer: 3 V at a held 40.4 kHz and no tracking, because there is
-/// no resonance; converters of 12 bits and 10 mV, 2 mA a code.
+/// Returns a configuration for which [`LoopBack::of`] is a healthy transducer: 3 V at a constant
+/// 40.4 kHz without tracking, because there is no resonance. The converters have 12 bits, at 10 mV
+/// and 2 mA per code.
 pub fn config() -> Config {
     Config {
         sample_hz: 1e6,
@@ -101,7 +104,7 @@ impl Analog for LoopBack {
         for &code in lane {
             let step = f32::from(code) - f32::from(last);
             last = code;
-            // As long as the voltage codes, which fit.
+            // Cannot fail: there are as many current codes as voltage codes.
             let _ = sense.i.push((f32::from(self.mid_code) + step * self.current_per_step).clamp(0.0, 65535.0) as u16);
         }
         if let Some(belt) = &mut self.belt {
@@ -116,8 +119,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn draws_what_the_nominal_capacitance_does() {
-        // 200 nF, 1 V a sample of 1 us: 0.2 A.
+    fn draws_the_current_of_the_nominal_capacitance() {
+        // 200 nF, 1 V per sample of 1 us: 0.2 A.
         let mut load = LoopBack::of(&config());
         let mut sense = SenseBlock::default();
         load.exchange(

@@ -1,14 +1,14 @@
-//! Middleware on a byte link: damages what is written through it, by seeded chance. Reading is not touched; to damage both
-//! directions, wrap both ends.
+//! Middleware on a byte link: damages written bytes at random, from a seed. Reading is unaffected;
+//! to damage both directions, wrap both ends.
 
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 
 use crate::chance::Chance;
 
-/// A link that damages what is written through it.
+/// Link that damages written bytes.
 #[derive(Debug)]
 pub struct Noisy<L> {
-    /// The link behind the noise.
+    /// Link without noise.
     pub inner: L,
     flip: f64,
     drop: f64,
@@ -16,12 +16,12 @@ pub struct Noisy<L> {
 }
 
 impl<L> Noisy<L> {
-    /// A link that damages nothing until damage is scheduled.
+    /// Creates a link without damage, until [`Noisy::set_noise`].
     pub fn new(inner: L) -> Self {
         Noisy { inner, flip: 0.0, drop: 0.0, chance: Chance::new(0) }
     }
 
-    /// Damages from now on with these probabilities of a flipped bit and a lost byte, by the chance of `seed`.
+    /// Sets the probabilities of a flipped bit and of a lost byte, and the seed.
     pub fn set_noise(&mut self, seed: u64, flip: f64, drop: f64) {
         (self.flip, self.drop, self.chance) = (flip, drop, Chance::new(seed));
     }
@@ -45,7 +45,7 @@ impl<L: ReadReady> ReadReady for Noisy<L> {
 
 impl<L: Write> Write for Noisy<L> {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, L::Error> {
-        // Byte by byte, so that what the link behind refuses has not been damaged yet.
+        // One byte at a time, so that a byte refused by the link has not been damaged yet.
         let Some(&byte) = bytes.first() else { return Ok(0) };
         if self.chance.strikes(self.drop) {
             return Ok(1);
@@ -71,7 +71,7 @@ mod tests {
     use crate::link::{Wire, duplex};
 
     #[test]
-    fn noise_damages_bytes_at_its_rate_and_alike_for_a_seed() {
+    fn noise_has_its_rate_and_is_reproducible() {
         let damaged = |flip, drop| {
             let (board, mut host) = duplex(Wire::default(), Wire::default());
             let mut noisy = Noisy::new(board);

@@ -1,7 +1,8 @@
-//! Digital pins whose other end a test holds.
+//! Digital pins whose other end belongs to a test.
 //!
-//! [`output`] gives a pin to drive and a [`Probe`] on it, which keeps every change and when it came. [`input`] gives a pin to
-//! read and a [`Switch`] that sets it. Either can be made to fail: a port expander that does not answer.
+//! [`output`] returns a pin to drive and its [`Probe`], which records every change with its time.
+//! [`input`] returns a pin to read and a [`Switch`] that sets it. Both can be made to fail, like a
+//! port expander that does not answer.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -21,7 +22,7 @@ impl digital::Error for PinFailed {
     }
 }
 
-/// A change of an output.
+/// Change of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Change {
     /// Time of the change.
@@ -36,18 +37,18 @@ struct OutputState {
     fails: bool,
 }
 
-/// An output, as the one who drives it has it.
+/// Output pin for its driver.
 #[derive(Debug)]
 pub struct Output {
     state: Rc<RefCell<OutputState>>,
     clock: Clock,
 }
 
-/// The test's end of an [`Output`].
+/// Test's end of an [`Output`].
 #[derive(Clone, Debug)]
 pub struct Probe(Rc<RefCell<OutputState>>);
 
-/// An output that was not driven yet, and the probe on it.
+/// Creates an output that has not been driven yet, and its probe.
 pub fn output(clock: &Clock) -> (Output, Probe) {
     let state = Rc::<RefCell<OutputState>>::default();
     (Output { state: state.clone(), clock: clock.clone() }, Probe(state))
@@ -96,22 +97,23 @@ impl StatefulOutputPin for Output {
 }
 
 impl Probe {
-    /// Whether the pin is high. One that was never driven floats, and what it enables has a pull-down.
+    /// Returns `true` if the pin is high. A pin that was never driven floats and reads low, because
+    /// the enable has a pull-down.
     pub fn is_high(&self) -> bool {
         self.0.borrow().changes.last().is_some_and(|last| last.high)
     }
 
-    /// Whether anybody has driven the pin yet.
+    /// Returns `true` if the pin has been driven.
     pub fn is_driven(&self) -> bool {
         !self.0.borrow().changes.is_empty()
     }
 
-    /// Every change so far, the oldest first; the first is when it was first driven.
+    /// Returns all changes, the oldest first; the first is the first drive of the pin.
     pub fn changes(&self) -> Vec<Change> {
         self.0.borrow().changes.clone()
     }
 
-    /// Whether driving the pin fails from now on. It keeps its level meanwhile.
+    /// Makes driving the pin fail or succeed from now on. While it fails, the pin keeps its level.
     pub fn set_failing(&self, fails: bool) {
         self.0.borrow_mut().fails = fails;
     }
@@ -123,15 +125,15 @@ struct InputState {
     fails: bool,
 }
 
-/// An input, as the one who reads it has it.
+/// Input pin for its reader.
 #[derive(Debug)]
 pub struct Input(Rc<RefCell<InputState>>);
 
-/// The test's end of an [`Input`].
+/// Test's end of an [`Input`].
 #[derive(Clone, Debug)]
 pub struct Switch(Rc<RefCell<InputState>>);
 
-/// An input at this level, and the switch that sets it.
+/// Creates an input at this level, and the switch that sets it.
 pub fn input(high: bool) -> (Input, Switch) {
     let state = Rc::new(RefCell::new(InputState { high, fails: false }));
     (Input(state.clone()), Switch(state))
@@ -143,7 +145,7 @@ impl Switch {
         self.0.borrow_mut().high = high;
     }
 
-    /// Whether reading the pin fails from now on.
+    /// Makes reading the pin fail or succeed from now on.
     pub fn set_failing(&self, fails: bool) {
         self.0.borrow_mut().fails = fails;
     }
@@ -169,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_output_keeps_its_changes_and_when_they_came() {
+    fn an_output_records_its_changes_with_their_times() {
         let clock = Clock::new(1_000_000);
         let (mut pin, probe) = output(&clock);
         assert!(!probe.is_driven() && !probe.is_high());
@@ -196,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn an_input_shows_what_the_switch_says() {
+    fn an_input_has_the_level_of_its_switch() {
         let (mut pin, switch) = input(true);
         assert_eq!((pin.is_high(), pin.is_low()), (Ok(true), Ok(false)));
         switch.set(false);

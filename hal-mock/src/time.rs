@@ -1,6 +1,8 @@
-//! Virtual time: what all mocks read, and only the block stream (or a test that lets it stand still) moves.
+//! Virtual time: all mocks read it, and only the block stream (or a test that stalls the stream)
+//! advances it.
 //!
-//! `now = samples / sample_hz`. Samples are counted, not nanoseconds, so that no run ever drifts, whatever the rate.
+//! `now = samples / sample_hz`. Samples are counted instead of nanoseconds, so that no run drifts
+//! at any rate.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -10,7 +12,7 @@ use firmware::seam::block::{DriveBlock, SenseBlock};
 
 use crate::analog::Analog;
 
-/// The clock. Its clones show the same time.
+/// Virtual clock. Its clones show the same time.
 #[derive(Clone, Debug)]
 pub struct Clock {
     samples: Rc<Cell<u64>>,
@@ -18,39 +20,39 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// A clock that stands at zero, of `sample_hz` samples a second.
+    /// Creates a clock at zero, for a sample rate in Hz.
     pub fn new(sample_hz: u32) -> Self {
         Clock { samples: Rc::default(), sample_hz: sample_hz.max(1) }
     }
 
-    /// Time since the start.
+    /// Returns the time since the start.
     pub fn now(&self) -> Duration {
         let (samples, hz) = (self.samples.get(), u64::from(self.sample_hz));
         Duration::new(samples / hz, ((samples % hz) * 1_000_000_000 / hz) as u32)
     }
 
-    /// Samples since the start.
+    /// Returns the number of samples since the start.
     pub fn samples(&self) -> u64 {
         self.samples.get()
     }
 
-    /// Lets `samples` sample periods pass.
+    /// Advances the time by this number of sample periods.
     pub fn advance(&self, samples: u64) {
         self.samples.set(self.samples.get() + samples);
     }
 }
 
-/// Middleware on the converters: a block takes as long as it has samples. Nothing else moves time, so that a block clock
-/// without this middleware costs nothing.
+/// Middleware on the converters: each block advances the time by its number of samples. Nothing
+/// else advances time, so a block clock without this middleware has no cost.
 #[derive(Clone, Debug)]
 pub struct Timed<A> {
-    /// The analog side whose blocks take time.
+    /// Analog side whose blocks take time.
     pub inner: A,
     clock: Clock,
 }
 
 impl<A> Timed<A> {
-    /// Moves `clock` by what is played on `inner`.
+    /// Creates the middleware: blocks played on `inner` advance `clock`.
     pub fn new(inner: A, clock: Clock) -> Self {
         Timed { inner, clock }
     }

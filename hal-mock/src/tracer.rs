@@ -1,7 +1,7 @@
-//! Middleware on the converters: remembers what went over them.
+//! Middleware on the converters: records their codes.
 //!
-//! A running hash of all drive codes says whether two runs are the same, bit for bit; the last blocks in both directions are retained
-//! for looking at, and [`Tracer::dump`] writes them down.
+//! A running hash of all drive codes shows if two runs are identical, bit for bit. The last blocks
+//! in both directions are retained for inspection, and [`Tracer::dump`] prints them.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -13,7 +13,8 @@ use crate::analog::Analog;
 
 static CRC: Crc<u64, Table<16>> = Crc::<u64, Table<16>>::new(&CRC_64_XZ);
 
-/// A running hash of drive codes: CRC-64/XZ over the codes as little-endian pairs of bytes, lane after lane, block after block.
+/// Running hash of drive codes: CRC-64/XZ over the codes as little-endian pairs of bytes, lane by
+/// lane, block by block.
 #[derive(Clone)]
 pub struct DriveHash(Digest<'static, u64, Table<16>>);
 
@@ -41,16 +42,16 @@ impl DriveHash {
         }
     }
 
-    /// The hash so far.
+    /// Returns the hash so far.
     pub fn value(&self) -> u64 {
         self.0.clone().finalize()
     }
 }
 
-/// One block, both directions.
+/// Codes of one block in both directions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exchange {
-    /// Which block, counted from zero.
+    /// Number of the block, counted from zero.
     pub block: u64,
     /// Codes that were played in the block.
     pub drive: DriveBlock,
@@ -58,7 +59,7 @@ pub struct Exchange {
     pub sense: SenseBlock,
 }
 
-/// One line: each channel from its lowest to its highest code, and the slow readings there are.
+/// One line: the lowest and highest code of each channel, and the available slow readings.
 impl fmt::Display for Exchange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "block {:>6}  drive", self.block)?;
@@ -82,10 +83,10 @@ fn write_range(f: &mut fmt::Formatter<'_>, codes: &Codes) -> fmt::Result {
     }
 }
 
-/// An analog side whose blocks are recorded.
+/// Analog side whose blocks are recorded.
 #[derive(Clone, Debug)]
 pub struct Tracer<A> {
-    /// The analog side behind the tracer.
+    /// Analog side without the record.
     pub inner: A,
     hash: DriveHash,
     keep: usize,
@@ -94,22 +95,22 @@ pub struct Tracer<A> {
 }
 
 impl<A> Tracer<A> {
-    /// Traces what goes to and from `inner`, and keeps the last `keep` blocks.
+    /// Traces the codes to and from `inner`, and keeps the last `keep` blocks.
     pub fn new(inner: A, keep: usize) -> Self {
         Tracer { inner, hash: DriveHash::default(), keep, retained: VecDeque::new(), block: 0 }
     }
 
-    /// The hash of all drive codes so far.
+    /// Returns the hash of all drive codes so far.
     pub fn hash(&self) -> u64 {
         self.hash.value()
     }
 
-    /// The retained blocks, the oldest first.
+    /// Returns the retained blocks, the oldest first.
     pub fn blocks(&self) -> impl DoubleEndedIterator<Item = &Exchange> + ExactSizeIterator {
         self.retained.iter()
     }
 
-    /// The retained blocks, one a line.
+    /// Returns the retained blocks as text, one per line.
     pub fn dump(&self) -> String {
         self.retained.iter().map(|exchange| format!("{exchange}\n")).collect()
     }
@@ -150,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn the_hash_sees_every_code_and_their_order_only() {
+    fn the_hash_depends_only_on_the_codes_and_their_order() {
         let hash = |keep, blocks: &[DriveBlock]| traced(keep, blocks).hash();
         let whole = hash(0, &[ramp(1), ramp(2)]);
         assert_eq!(whole, hash(9, &[ramp(1), ramp(2)]));
@@ -162,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn the_dump_has_a_line_a_block() {
+    fn the_dump_has_one_line_per_block() {
         let tracer = traced(8, &[DriveBlock::silent(2, 4, 2048), ramp(2050)]);
         let expected = "block      0  drive       2048        2048   v       2048   i       2048 \n\
                         block      1  drive  2050..2053   v  2050..2053   i  2049..2050 \n";

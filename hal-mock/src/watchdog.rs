@@ -1,6 +1,7 @@
-//! A watchdog on virtual time: bites if it is not fed for longer than its time.
+//! Watchdog on virtual time: it expires if it is not fed within its period.
 //!
-//! A bite on a board is a reset; here it is a fact that a test asks for. Once bitten is bitten: feeding later does not undo it.
+//! On a board, expiry is a reset; here the test reads it. An expiry is permanent: later feeding
+//! does not undo it.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -8,7 +9,8 @@ use std::time::Duration;
 
 use crate::time::Clock;
 
-/// The watchdog. Its clones are the same watchdog, so that a test keeps one while the controller feeds the other.
+/// Watchdog. Its clones are the same watchdog, so that a test can keep one while the controller
+/// feeds the other.
 #[derive(Clone, Debug)]
 pub struct Watchdog {
     clock: Clock,
@@ -19,7 +21,7 @@ pub struct Watchdog {
 }
 
 impl Watchdog {
-    /// A watchdog that must be fed within `time`, beginning now.
+    /// Creates a watchdog that must be fed within `time` from now.
     pub fn new(clock: &Clock, time: Duration) -> Self {
         Watchdog {
             clock: clock.clone(),
@@ -30,7 +32,7 @@ impl Watchdog {
         }
     }
 
-    /// When it bit, if it did.
+    /// Returns the time at which it expired, if it did.
     pub fn bitten(&self) -> Option<Duration> {
         let due = self.fed.get() + self.time;
         if self.bitten.get().is_none() && self.clock.now() > due {
@@ -39,12 +41,12 @@ impl Watchdog {
         self.bitten.get()
     }
 
-    /// How many resets were ordered. The one who asks does what a board would do by itself.
+    /// Returns the number of ordered resets. The test must perform the reset itself.
     pub fn resets(&self) -> u32 {
         self.resets.get()
     }
 
-    /// When it was fed for the last time.
+    /// Returns the time of the last feeding.
     pub fn fed(&self) -> Duration {
         self.fed.get()
     }
@@ -52,7 +54,7 @@ impl Watchdog {
 
 impl firmware::board::app::Watchdog for Watchdog {
     fn feed(&mut self) {
-        // A bite that was not read yet must not be lost.
+        // Record an expiry that was not read yet, before it is overwritten.
         self.bitten();
         self.fed.set(self.clock.now());
     }
@@ -68,7 +70,7 @@ mod tests {
     use firmware::board::app::Watchdog as _;
 
     #[test]
-    fn bites_after_its_time_and_not_before() {
+    fn expires_exactly_after_its_period() {
         let clock = Clock::new(1000);
         let mut watchdog = Watchdog::new(&clock, Duration::from_millis(10));
         for _ in 0..5 {
@@ -81,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn feeding_does_not_undo_a_bite() {
+    fn feeding_does_not_undo_an_expiry() {
         let clock = Clock::new(1000);
         let mut watchdog = Watchdog::new(&clock, Duration::from_millis(10));
         let seen_by_the_test = watchdog.clone();

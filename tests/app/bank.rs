@@ -1,4 +1,4 @@
-//! Four amplifiers that differ, behind a multiplexer: what a calibration is for.
+//! Simulated bank of four different amplifiers with a multiplexer, for tests of the calibration.
 
 use std::collections::VecDeque;
 
@@ -7,19 +7,19 @@ use hal_mock::analog::Analog;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{BLOCK, CODES_PER_VOLT, MID};
+use super::{BLOCK, CODES_PER_VOLT, MID_CODE};
 
-/// One amplifier: a gain, and one pole that makes both delay and gain grow with the frequency.
+/// Amplifier with a gain and one pole, whose delay and gain error grow with the frequency.
 #[derive(Clone, Copy)]
 pub struct Amplifier {
-    /// Of slow signals.
+    /// Gain for slow signals.
     pub gain: f64,
-    /// Hz.
+    /// Frequency of the pole, Hz.
     pub pole: f64,
     volts: f64,
 }
 
-/// Lanes as the thesis found them: 5 to 10 degrees apart, and several per cent.
+/// Lanes as measured in the thesis: 5 to 10 degrees apart, with gain errors of several per cent.
 pub const THESIS: [Amplifier; 4] = [amplifier(1.0, 2e6), amplifier(1.05, 200e3), amplifier(0.98, 130e3), amplifier(1.08, 300e3)];
 
 const fn amplifier(gain: f64, pole: f64) -> Amplifier {
@@ -27,36 +27,37 @@ const fn amplifier(gain: f64, pole: f64) -> Amplifier {
 }
 
 impl Amplifier {
-    /// Its output a sample later, V.
+    /// Advances by one sample and returns the output, V.
     fn play(&mut self, volts: f64) -> f64 {
         self.volts += (1.0 - (-std::f64::consts::TAU * self.pole * 1e-6).exp()) * (self.gain * volts - self.volts);
         self.volts
     }
 }
 
-/// Four amplifiers with a capacitor each, and sense channels that a multiplexer connects to one of them, with noise of so many codes.
+/// Four amplifiers, each with a capacitor, whose sense channels a multiplexer connects to one of
+/// them. Sense codes have noise.
 pub struct Bank {
     noise: f64,
     chance: Xoshiro256PlusPlus,
-    /// A lane that the multiplexer does not connect.
-    pub deaf: Option<usize>,
-    /// What has come out of each amplifier lately, V.
+    /// Lane that the multiplexer fails to connect.
+    pub disconnected: Option<usize>,
+    /// Recent outputs of each amplifier, V.
     pub outputs: [VecDeque<f64>; 4],
-    /// The latest block was not silent.
-    pub sounds: bool,
+    /// `true` if the latest block was not silent.
+    pub is_driven: bool,
     pub amplifiers: [Amplifier; 4],
 }
 
 impl Bank {
     pub fn new(amplifiers: [Amplifier; 4], noise: f64) -> Self {
         let chance = Xoshiro256PlusPlus::seed_from_u64(11);
-        Bank { amplifiers, noise, chance, deaf: None, outputs: Default::default(), sounds: false }
+        Bank { amplifiers, noise, chance, disconnected: None, outputs: Default::default(), is_driven: false }
     }
 
     fn code(&mut self, codes: f64) -> u16 {
-        // Twelve rectangles make a bell.
+        // The sum of twelve uniform numbers is approximately Gaussian.
         let bell: f64 = (0..12).map(|_| f64::from(self.chance.next_u32()) / 4_294_967_296.0).sum::<f64>() - 6.0;
-        (f64::from(MID) + codes + self.noise * bell).round().clamp(0.0, 4095.0) as u16
+        (f64::from(MID_CODE) + codes + self.noise * bell).round().clamp(0.0, 4095.0) as u16
     }
 }
 
@@ -65,17 +66,17 @@ impl Analog for Bank {
         let (samples, listen) = (drive.lanes[0].len(), usize::from(drive.listen));
         sense.v.clear();
         sense.i.clear();
-        self.sounds = drive.lanes.iter().flatten().any(|&code| code != MID);
+        self.is_driven = drive.lanes.iter().flatten().any(|&code| code != MID_CODE);
         for n in 0..samples {
             let before = self.amplifiers[listen].volts;
             for (lane, codes) in drive.lanes.iter().enumerate() {
-                let volts = self.amplifiers[lane].play((f64::from(codes[n]) - f64::from(MID)) / CODES_PER_VOLT);
+                let volts = self.amplifiers[lane].play((f64::from(codes[n]) - f64::from(MID_CODE)) / CODES_PER_VOLT);
                 self.outputs[lane].push_back(volts);
                 let surplus = self.outputs[lane].len().saturating_sub(600 * BLOCK);
                 self.outputs[lane].drain(..surplus);
             }
-            let (volts, connected) = (self.amplifiers[listen].volts, self.deaf != Some(listen));
-            // 200 nF, 2 mA a code.
+            let (volts, connected) = (self.amplifiers[listen].volts, self.disconnected != Some(listen));
+            // 200 nF, 2 mA per code.
             let codes = if connected { (volts * CODES_PER_VOLT, (volts - before) * 100.0) } else { (0.0, 0.0) };
             let codes = (self.code(codes.0), self.code(codes.1));
             sense.v.push(codes.0).unwrap();
@@ -84,7 +85,7 @@ impl Analog for Bank {
     }
 }
 
-/// Amplitude and phase (turns) of a tone, least squares.
+/// Returns the least-squares amplitude and phase (turns) of a tone.
 pub fn tone_of(volts: &VecDeque<f64>, hz: f64) -> (f64, f64) {
     let (mut cc, mut ss, mut cs, mut c, mut s) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for (n, volts) in volts.iter().enumerate() {

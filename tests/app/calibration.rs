@@ -1,4 +1,4 @@
-//! Lane calibration, whole: amplifiers that differ, a multiplexer, noise; and the trims that are found.
+//! Complete lane calibration: different amplifiers, a multiplexer, noise, and the resulting trims.
 
 mod storage;
 
@@ -18,17 +18,20 @@ use sim::run::Watch;
 use super::bank::{Bank, THESIS, tone_of};
 use super::*;
 
-/// Blocks that certainly suffice for a calibration of four lanes.
-const LONG: u64 = 60_000;
-/// What is left, at most: degrees, and a part.
-const LEFT: (f64, f64) = (0.1, 1e-3);
+/// Number of blocks that is sufficient for a calibration of four lanes.
+const CALIBRATES_WITHIN: u64 = 60_000;
+/// Largest phase error after a calibration, degrees.
+const MAX_PHASE_ERROR_DEG: f64 = 0.1;
+/// Largest relative gain error after a calibration.
+const MAX_GAIN_ERROR: f64 = 1e-3;
 
 fn four_lanes(direction: Direction) -> Setup {
     setup(|config| {
         config.lanes = 4;
         config.phasing.direction = direction;
         config.drive.scan_volts = 3.0;
-        // A calibration that is waited for without a word takes longer than a host may be silent.
+        // The test waits for the calibration without sending, longer than a host may normally be
+        // silent.
         config.link.patience_s = 0.0;
     })
 }
@@ -37,26 +40,27 @@ fn bench_of<'a>(queues: &'a mut Queues, setup: &Setup, bank: Bank) -> Bench<'a, 
     Bench::new(queues, setup, bank).unwrap()
 }
 
-/// Orders a calibration and sees it through; returns how many blocks it took.
+/// Orders a calibration, waits for its end, and returns its duration in blocks.
 fn calibrated(bench: &mut Bench<Bank>) -> u64 {
     assert_eq!(bench.ask(Command::Calibrate), Some(Reply::Ack));
-    bench.run_until(|report| report.mode == Mode::Calibrate, PATIENCE).expect("a calibration begins");
-    let took = bench.run_until(|report| report.mode != Mode::Calibrate, LONG).expect("a calibration ends");
+    bench.run_until(|report| report.mode == Mode::Calibrate, STARTS_WITHIN).expect("a calibration begins");
+    let took = bench.run_until(|report| report.mode != Mode::Calibrate, CALIBRATES_WITHIN).expect("a calibration ends");
     bench.blocks(4);
     took
 }
 
 fn run(bench: &mut Bench<Bank>) {
     assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
-    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some(), "{:?}", bench.latest());
+    assert!(bench.run_until(|report| report.mode == Mode::Run, STARTS_WITHIN).is_some(), "{:?}", bench.latest());
 }
 
-/// The largest errors over the window and between the calibrated frequencies, of lanes that run: degrees, and a part.
+/// Returns the largest errors of running lanes over the window, also between the calibrated
+/// frequencies: degrees, and relative gain.
 fn errors(bench: &mut Bench<Bank>, quadrature: f32) -> (f64, f64) {
     let offsets = Phasing::offsets(quadrature).map(|offset| f64::from(offset) / 4_294_967_296.0);
     let mut worst = (0.0_f64, 0.0_f64);
     for step in -10..=10 {
-        // A little beside round numbers, so that rounding averages out here too.
+        // Not exactly round numbers, so that rounding averages out here too.
         assert_eq!(bench.ask(Command::Detune(Hertz(2020.0 * step as f32 / 10.01))), Some(Reply::Ack));
         bench.blocks(610);
         let hz = f64::from(bench.latest().unwrap().frequency.0);
@@ -77,7 +81,7 @@ fn report(bench: &mut Bench<Bank>, point: u8) -> TrimReport {
 }
 
 #[test]
-fn the_lanes_of_the_thesis_end_within_0_1_degrees_and_0_1_percent() {
+fn the_thesis_lanes_end_within_0_1_degree_and_0_1_percent() {
     for (direction, quadrature) in [(Direction::Forward, 0.25), (Direction::Reverse, -0.25)] {
         let mut queues = Queues::default();
         let mut bench = bench_of(&mut queues, &four_lanes(direction), Bank::new(THESIS, 1.0));
@@ -95,18 +99,18 @@ fn the_lanes_of_the_thesis_end_within_0_1_degrees_and_0_1_percent() {
             after.0,
             100.0 * after.1
         );
-        assert!(after.0 < LEFT.0 && after.1 < LEFT.1, "{after:?}");
-        // The trims hold for the other direction, too.
+        assert!(after.0 < MAX_PHASE_ERROR_DEG && after.1 < MAX_GAIN_ERROR, "{after:?}");
+        // The trims are also valid for the other direction.
         assert_eq!(bench.ask(Command::Quadrature(Some(Turns(-quadrature)))), Some(Reply::Ack));
         let other = errors(&mut bench, -quadrature);
-        assert!(other.0 < LEFT.0 && other.1 < LEFT.1, "{other:?}");
+        assert!(other.0 < MAX_PHASE_ERROR_DEG && other.1 < MAX_GAIN_ERROR, "{other:?}");
     }
 }
 
 #[test]
-fn a_lane_that_is_silent_or_too_far_off_is_a_fault() {
+fn a_missing_or_implausible_lane_is_a_fault() {
     let cases: [fn(&mut Bank); 4] = [
-        |bank| bank.deaf = Some(2),
+        |bank| bank.disconnected = Some(2),
         |bank| bank.amplifiers[1].gain = 0.6,
         |bank| bank.amplifiers[3].pole = 30e3,
         |bank| bank.amplifiers[2].gain = -1.0,
@@ -123,20 +127,20 @@ fn a_lane_that_is_silent_or_too_far_off_is_a_fault() {
             (Mode::Fault, Some(Fault::LaneImplausible), Some(24)),
             "{n}"
         );
-        assert!(!bench.analog().sounds && !bench.enable.is_high(), "{n}");
+        assert!(!bench.analog().is_driven && !bench.enable.is_high(), "{n}");
         assert_eq!(report(&mut bench, 2), found, "{n}");
     }
-    // Lane 0 is what the self-test listens to.
+    // The self-test measures lane 0.
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &four_lanes(Direction::Forward), Bank::new(THESIS, 1.0));
-    bench.analog().deaf = Some(0);
+    bench.analog().disconnected = Some(0);
     bench.ask(Command::Calibrate);
-    bench.blocks(PATIENCE);
+    bench.blocks(STARTS_WITHIN);
     assert_eq!(bench.fault(), Some(Fault::SensorImplausible));
 }
 
 #[test]
-fn another_order_ends_a_calibration_and_leaves_the_trims() {
+fn another_order_ends_a_calibration_and_keeps_the_trims() {
     let orders = [(Command::Idle, Mode::Idle), (Command::Run, Mode::Run), (Command::Scan, Mode::Scan)];
     for (order, mode) in orders {
         let mut queues = Queues::default();
@@ -144,38 +148,38 @@ fn another_order_ends_a_calibration_and_leaves_the_trims() {
         calibrated(&mut bench);
         let found = report(&mut bench, 2);
         bench.ask(Command::Calibrate);
-        assert!(bench.run_until(|report| report.mode == Mode::Calibrate, PATIENCE).is_some());
+        assert!(bench.run_until(|report| report.mode == Mode::Calibrate, STARTS_WITHIN).is_some());
         bench.blocks(3000);
         bench.ask(order);
-        assert!(bench.run_until(|report| report.mode == mode, 2 * PATIENCE).is_some(), "{order:?} {:?}", bench.latest());
+        assert!(bench.run_until(|report| report.mode == mode, 2 * STARTS_WITHIN).is_some(), "{order:?} {:?}", bench.latest());
         bench.ask(Command::Idle);
-        bench.blocks(PATIENCE);
-        assert_eq!((report(&mut bench, 2), bench.analog().sounds), (found, false), "{order:?}");
+        bench.blocks(STARTS_WITHIN);
+        assert_eq!((report(&mut bench, 2), bench.analog().is_driven), (found, false), "{order:?}");
         run(&mut bench);
         let after = errors(&mut bench, 0.25);
-        assert!(after.0 < LEFT.0 && after.1 < LEFT.1, "{order:?} {after:?}");
+        assert!(after.0 < MAX_PHASE_ERROR_DEG && after.1 < MAX_GAIN_ERROR, "{order:?} {after:?}");
     }
 }
 
 #[test]
-fn a_stop_in_a_calibration_is_a_stop() {
+fn an_emergency_stop_ends_a_calibration() {
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &four_lanes(Direction::Forward), Bank::new(THESIS, 0.0));
     bench.ask(Command::Calibrate);
-    assert!(bench.run_until(|report| report.mode == Mode::Calibrate, PATIENCE).is_some());
+    assert!(bench.run_until(|report| report.mode == Mode::Calibrate, STARTS_WITHIN).is_some());
     bench.press_stop();
     bench.blocks(4);
-    assert_eq!((bench.fault(), bench.enable.is_high(), bench.analog().sounds), (Some(Fault::EmergencyStop), false, false));
+    assert_eq!((bench.fault(), bench.enable.is_high(), bench.analog().is_driven), (Some(Fault::EmergencyStop), false, false));
     assert_eq!(report(&mut bench, 0).points, 0);
 }
 
 #[test]
-fn a_calibration_runs_once_an_order_and_one_lane_needs_none() {
+fn a_calibration_runs_once_per_order() {
     let mut queues = Queues::default();
     let mut one = bench_of(&mut queues, &Setup::default(), Bank::new(THESIS, 0.0));
     assert_eq!(one.ask(Command::Calibrate), Some(Reply::Ack));
-    assert!(one.run_until(|report| report.mode == Mode::Calibrate, PATIENCE).is_some());
-    one.blocks(PATIENCE);
+    assert!(one.run_until(|report| report.mode == Mode::Calibrate, STARTS_WITHIN).is_some());
+    one.blocks(STARTS_WITHIN);
     assert_eq!((one.mode(), one.fault(), report(&mut one, 0).stored), (Mode::Idle, None, StoredState::Nothing));
     assert_eq!(one.power_off().operations(), 0);
 
@@ -184,16 +188,16 @@ fn a_calibration_runs_once_an_order_and_one_lane_needs_none() {
     calibrated(&mut four);
     for command in [Command::Detune(Hertz(10.0)), Command::TelemetryEvery(10), Command::Settings(Verb::Store)] {
         assert_eq!(four.ask(command), Some(Reply::Ack));
-        four.blocks(PATIENCE);
-        assert_eq!((four.mode(), four.analog().sounds), (Mode::Idle, false), "{command:?}");
+        four.blocks(STARTS_WITHIN);
+        assert_eq!((four.mode(), four.analog().is_driven), (Mode::Idle, false), "{command:?}");
     }
-    // Two copies; a record that is stored already is not written again.
+    // Two copies are written; a record that is already stored is not written again.
     let words = four.power_off().words_written();
     assert!((2 * 20..2 * 40).contains(&words), "{words}");
 }
 
 #[test]
-fn a_scene_that_asks_for_it_calibrates_and_then_runs() {
+fn a_scene_with_a_calibration_calibrates_and_runs() {
     let sets = ["controller.phasing.calibrate=true".to_owned()];
     let scene = load("lock", &sets).expect("a valid scene").scene;
     let record = sim::run::run(&scene.driven().expect("a driven scene"), Watch::default()).unwrap();
@@ -203,7 +207,7 @@ fn a_scene_that_asks_for_it_calibrates_and_then_runs() {
     assert_eq!(modes, [&calibration[..], &[Mode::SelfTest, Mode::Scan, Mode::Lock, Mode::Run]].concat());
 }
 
-/// A run of the motor with lanes that are off, and changes.
+/// Runs the motor with miscalibrated lanes and these changes, and returns its metrics.
 fn motor(changes: &[&str]) -> Metrics {
     let later = ["duration_s=0.62", "controller.burst.on_s=[0.5]", "controller.burst.off_s=[0.6]"];
     let sets: Vec<String> = later.iter().chain(changes).map(|&set| set.to_owned()).collect();
@@ -215,7 +219,7 @@ fn motor(changes: &[&str]) -> Metrics {
 }
 
 #[test]
-fn the_wave_of_the_motor_is_put_right() {
+fn a_calibration_corrects_the_wave_of_the_motor() {
     for changes in [
         &[][..],
         &["rig.rotor.mu=0", "rig.rotor.torque_nm=0"],
@@ -224,12 +228,12 @@ fn the_wave_of_the_motor_is_put_right() {
         let [before, after] = ["controller.phasing.calibrate=false", "controller.phasing.calibrate=true"].map(|calibrate| {
             let metrics = motor(&[changes, &[calibrate]].concat());
             ["lane_phase_error_deg_max", "lane_gain_error_percent_max", "backward_wave_percent"]
-                .map(|name| metrics.get(name).expect("a motor's metric"))
+                .map(|name| metrics.get(name).expect("a metric of the motor"))
         });
         println!("{changes:?}: degrees, %, and backward wave in %: {before:.3?} before, {after:.3?} after");
         assert!(before[0] > 9.9 && before[1] > 5.9 && before[2] > 4.0, "{before:?}");
-        assert!(after[0] < LEFT.0 && after[1] < 100.0 * LEFT.1, "{after:?}");
-        // What two lanes that are off by that much can make of it together.
+        assert!(after[0] < MAX_PHASE_ERROR_DEG && after[1] < 100.0 * MAX_GAIN_ERROR, "{after:?}");
+        // The largest backward wave of two lanes within these errors.
         assert!(after[2] < 0.2, "{after:?}");
     }
 }

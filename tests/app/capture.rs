@@ -1,4 +1,5 @@
-//! Captures: raw codes around a trigger, as they went over the converters; and nothing else notices.
+//! Captures: the raw codes around a trigger are recorded exactly, and the capture has no other
+//! effect.
 
 use firmware::board::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, PART, PARTS, Part, SAMPLES, Trigger};
 use firmware::board::command::{Command, Reply};
@@ -10,8 +11,9 @@ use hal_mock::bench::{Bench, Queues, Setup};
 
 use super::*;
 
-/// Asks, and plays blocks until the answer has come: one, because the block task gives it.
-fn asked(bench: &mut Bench<Load>, verb: CaptureVerb) -> Reply {
+/// Sends a request and plays blocks until it is answered. The block task gives the answer, so this
+/// takes at least one block.
+fn request(bench: &mut Bench<Load>, verb: CaptureVerb) -> Reply {
     let sequence = bench.host.send(Command::Capture(verb)).unwrap();
     for _ in 0..3 {
         bench.block();
@@ -24,29 +26,29 @@ fn asked(bench: &mut Bench<Load>, verb: CaptureVerb) -> Reply {
 }
 
 fn arm(bench: &mut Bench<Load>, trigger: Trigger, before: u16, lane: u8) {
-    assert_eq!(asked(bench, CaptureVerb::Arm(Arm { trigger, before, lane })), Reply::Ack);
+    assert_eq!(request(bench, CaptureVerb::Arm(Arm { trigger, before, lane })), Reply::Ack);
 }
 
 fn state(bench: &mut Bench<Load>) -> CaptureReport {
-    match asked(bench, CaptureVerb::State) {
+    match request(bench, CaptureVerb::State) {
         Reply::Capture(report) => report,
         other => panic!("{other:?}"),
     }
 }
 
-/// Voltage, current and drive of a capture, when it is full.
+/// Waits until a capture is full and returns its voltage, current and drive.
 fn codes(bench: &mut Bench<Load>) -> (CaptureReport, [Vec<u16>; 3]) {
     let full = (0..200).map(|_| state(bench)).find(|report| report.state == CaptureState::Full).expect("a capture");
     let mut codes = [vec![], vec![], vec![]];
     for number in 0..PARTS {
-        let Reply::Captured(Part { part, v, i, drive }) = asked(bench, CaptureVerb::Read(number)) else { panic!("no part") };
+        let Reply::Captured(Part { part, v, i, drive }) = request(bench, CaptureVerb::Read(number)) else { panic!("no part") };
         assert_eq!(part, number);
         codes.iter_mut().zip([v, i, drive]).for_each(|(all, part)| all.extend(part));
     }
     (full, codes)
 }
 
-/// The same, as the converters had it.
+/// Returns the same codes from the record of the converters.
 fn truth(bench: &mut Bench<Load>, report: &CaptureReport, lane: usize) -> [Vec<u16>; 3] {
     let block = bench.analog().blocks().next().unwrap().drive.lanes[0].len();
     let first = report.block as usize * block - usize::from(report.before);
@@ -54,7 +56,7 @@ fn truth(bench: &mut Bench<Load>, report: &CaptureReport, lane: usize) -> [Vec<u
         let codes = bench.analog().blocks().flat_map(|exchange| of(exchange, lane).iter().copied());
         codes.skip(first).take(SAMPLES).collect::<Vec<u16>>()
     };
-    // The tracer keeps a run from its first block on.
+    // The tracer keeps a run from its first block.
     [
         all(|exchange, _| &exchange.sense.v),
         all(|exchange, _| &exchange.sense.i),
@@ -63,7 +65,7 @@ fn truth(bench: &mut Bench<Load>, report: &CaptureReport, lane: usize) -> [Vec<u
 }
 
 #[test]
-fn a_capture_is_what_went_over_the_converters_for_any_trigger() {
+fn a_capture_equals_the_codes_at_the_converters() {
     for block in [8, 24, 32, 63, 64] {
         for (trigger, before) in [
             (Trigger::Now, 0),
@@ -109,13 +111,13 @@ fn the_trigger_is_the_block_that_reported_it() {
     let until = bench.run_until(|report| report.envelope > 0.0, 10).map(|_| bench.latest().unwrap().block).unwrap();
     let (report, codes) = codes(&mut bench);
     assert_eq!((report.block, report.before), (until, 100));
-    // It plays two blocks later, from its first passage through zero on.
-    let first = codes[2].iter().position(|&code| code != MID).unwrap();
+    // It plays two blocks later, from its first zero crossing.
+    let first = codes[2].iter().position(|&code| code != MID_CODE).unwrap();
     assert!((100 + 2 * BLOCK..100 + 3 * BLOCK).contains(&first), "{first}");
 }
 
 #[test]
-fn a_fault_is_seen_in_the_first_sample_after_its_trigger() {
+fn a_fault_appears_in_the_first_sample_after_its_trigger() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     arm(&mut bench, Trigger::Fault, 512, 0);
@@ -125,13 +127,13 @@ fn a_fault_is_seen_in_the_first_sample_after_its_trigger() {
     assert_eq!((report.before, bench.mode()), (512, Mode::Fault));
     let Some(Reply::Faults(log)) = bench.ask(Command::Faults(0)) else { panic!("no log") };
     assert_eq!(log.entry.map(|entry| entry.block), Some(report.block));
-    // What brought it is there, and the silence that followed.
+    // The capture contains the drive before the fault, and the silence after it.
     assert!(peak(&codes[2][512..512 + 2 * BLOCK]) > 250);
     assert_eq!(peak(&codes[2][512 + 3 * BLOCK..]), 0);
 }
 
 #[test]
-fn each_lane_can_be_recorded_and_no_other() {
+fn only_existing_lanes_can_be_recorded() {
     let setup = setup(|config| config.lanes = 4);
     for lane in 0..4 {
         let mut queues = Queues::default();
@@ -144,35 +146,35 @@ fn each_lane_can_be_recorded_and_no_other() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &setup);
     for (before, lane) in [(0, 4), (0, 255), (1025, 0), (u16::MAX, 0)] {
-        let refused = asked(&mut bench, CaptureVerb::Arm(Arm { trigger: Trigger::Now, before, lane }));
+        let refused = request(&mut bench, CaptureVerb::Arm(Arm { trigger: Trigger::Now, before, lane }));
         assert_eq!((refused, state(&mut bench).state), (Reply::Nak(Refusal::OutOfRange), CaptureState::Empty));
     }
 }
 
 #[test]
-fn what_is_not_there_is_refused() {
+fn missing_parts_are_refused() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     assert_eq!(state(&mut bench), CaptureReport::default());
-    assert_eq!(asked(&mut bench, CaptureVerb::Read(0)), Reply::Nak(Refusal::NotCaptured));
+    assert_eq!(request(&mut bench, CaptureVerb::Read(0)), Reply::Nak(Refusal::NotCaptured));
     arm(&mut bench, Trigger::Fault, 0, 0);
-    assert_eq!(asked(&mut bench, CaptureVerb::Read(0)), Reply::Nak(Refusal::NotCaptured));
+    assert_eq!(request(&mut bench, CaptureVerb::Read(0)), Reply::Nak(Refusal::NotCaptured));
     arm(&mut bench, Trigger::Now, 0, 0);
     bench.blocks(4);
     assert_eq!(state(&mut bench).state, CaptureState::Triggered);
-    assert_eq!(asked(&mut bench, CaptureVerb::Read(0)), Reply::Nak(Refusal::NotCaptured));
+    assert_eq!(request(&mut bench, CaptureVerb::Read(0)), Reply::Nak(Refusal::NotCaptured));
     codes(&mut bench);
     for part in [PARTS, PARTS + 1, u16::MAX] {
-        assert_eq!(asked(&mut bench, CaptureVerb::Read(part)), Reply::Nak(Refusal::OutOfRange), "{part}");
+        assert_eq!(request(&mut bench, CaptureVerb::Read(part)), Reply::Nak(Refusal::OutOfRange), "{part}");
     }
-    assert!(matches!(asked(&mut bench, CaptureVerb::Read(PARTS - 1)), Reply::Captured(_)));
-    assert_eq!(asked(&mut bench, CaptureVerb::Disarm), Reply::Ack);
-    assert_eq!(asked(&mut bench, CaptureVerb::Read(0)), Reply::Nak(Refusal::NotCaptured));
+    assert!(matches!(request(&mut bench, CaptureVerb::Read(PARTS - 1)), Reply::Captured(_)));
+    assert_eq!(request(&mut bench, CaptureVerb::Disarm), Reply::Ack);
+    assert_eq!(request(&mut bench, CaptureVerb::Read(0)), Reply::Nak(Refusal::NotCaptured));
     assert_eq!(usize::from(PARTS) * PART, SAMPLES);
 }
 
 #[test]
-fn armed_again_it_restarts_and_a_full_one_stays_until_then() {
+fn arming_restarts_and_a_full_capture_stays_until_then() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     arm(&mut bench, Trigger::Fault, 1000, 0);
@@ -190,7 +192,7 @@ fn armed_again_it_restarts_and_a_full_one_stays_until_then() {
 }
 
 #[test]
-fn what_is_so_already_is_no_trigger() {
+fn a_condition_that_is_already_true_is_not_a_trigger() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     arm(&mut bench, Trigger::On, 0, 0);
@@ -204,7 +206,7 @@ fn what_is_so_already_is_no_trigger() {
 }
 
 #[test]
-fn other_commands_go_on_and_a_second_request_is_refused_as_busy() {
+fn a_second_request_is_refused_as_busy() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     bench.ask(Command::TelemetryEvery(1));

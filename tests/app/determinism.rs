@@ -1,4 +1,4 @@
-//! The same run is the same run, bit for bit; and what only looks on changes nothing.
+//! Determinism: a repeated run is identical bit for bit, and observers change nothing.
 
 use firmware::board::command::Command;
 use firmware::seam::block::{LATENCY_BLOCKS, dropped_from};
@@ -26,7 +26,7 @@ fn the_same_run_twice_plays_the_same_codes() {
 }
 
 #[test]
-fn a_seed_matters_only_where_something_is_left_to_chance() {
+fn a_seed_matters_only_with_random_faults() {
     assert_eq!(hash_of_run(1, 0.0), hash_of_run(2, 0.0));
     assert_ne!(hash_of_run(1, 1e-3), hash_of_run(2, 1e-3));
 }
@@ -40,7 +40,7 @@ fn last_codes<A: Analog>(analog: A, setup: &Setup, hash: impl Fn(&A) -> u64) -> 
 }
 
 #[test]
-fn middleware_that_does_nothing_nests_in_any_order() {
+fn inactive_middleware_can_be_nested_in_any_order() {
     let setup = Setup::default();
     let (load, front_end) = (LoopBack::of(&setup.config), &setup.config.front_end);
     let plain = last_codes(Tracer::new(load.clone(), 0), &setup, Tracer::hash);
@@ -69,7 +69,7 @@ fn the_pace_of_the_background_task_does_not_change_the_drive() {
 
 #[test]
 fn a_run_replays_from_its_record() {
-    // What the controller decides follows from orders and sense blocks alone.
+    // The controller's answers depend only on the orders and the sense blocks.
     let mut queues = Queues::default();
     let setup = Setup::default();
     let mut bench = ordered_to_run_with(&mut queues, &setup, &[]);
@@ -87,8 +87,8 @@ fn a_run_replays_from_its_record() {
     };
     let mut answers: Vec<_> = record.iter().map(answer).collect();
     let dropped: Vec<usize> = (1..answers.len()).filter(|&block| answers[block].drops_queue).map(|block| block - 1).collect();
-    assert_eq!(dropped.len(), 1, "the saturation drops what was returned the block before");
-    answers[dropped[0]].lanes.iter_mut().for_each(|codes| codes[dropped_from(BLOCK)..].fill(MID));
+    assert_eq!(dropped.len(), 1, "the saturation must drop the codes returned one block earlier");
+    answers[dropped[0]].lanes.iter_mut().for_each(|codes| codes[dropped_from(BLOCK)..].fill(MID_CODE));
     for (block, (answer, later)) in answers.iter().zip(&record[LATENCY_BLOCKS..]).enumerate() {
         assert_eq!(*answer, later.drive, "block {block}");
     }

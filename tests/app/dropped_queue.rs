@@ -1,4 +1,5 @@
-//! A fault drops what is queued: what that saves, and what does not drop anything.
+//! A fault drops the queued codes: the time that this saves, and the events that must not drop
+//! them.
 
 use firmware::board::command::Command;
 use firmware::seam::block::{Gate, dropped_from};
@@ -8,7 +9,8 @@ use hal_mock::bench::{Queues, Setup};
 
 use super::*;
 
-/// Lets a fault of one block strike a healthy run with blocks of so many samples: from the beginning of that block to silence, samples.
+/// Injects a fault of one block into a healthy run with blocks of this length. Returns the samples
+/// from the beginning of that block to silence.
 fn silent_after(samples: usize, kind: FaultKind) -> usize {
     let setup = setup(|config| config.block_samples = samples as u16);
     let mut queues = Queues::default();
@@ -19,10 +21,11 @@ fn silent_after(samples: usize, kind: FaultKind) -> usize {
     bench.blocks(50);
     assert_eq!(bench.mode(), Mode::Fault, "{kind:?}");
     let codes = played(&mut bench, 0);
-    codes.iter().rposition(|&code| code != MID).unwrap() + 1 - at
+    codes.iter().rposition(|&code| code != MID_CODE).unwrap() + 1 - at
 }
 
-/// Blocks of the run so far whose answer dropped the queue: their codes play two blocks later.
+/// Returns the blocks of the run so far whose answer dropped the queue. Their codes play two blocks
+/// later.
 fn drops(bench: &mut Bench<Load>) -> Vec<u64> {
     bench.analog().blocks().filter(|exchange| exchange.drive.drops_queue).map(|exchange| exchange.block).collect()
 }
@@ -30,7 +33,8 @@ fn drops(bench: &mut Bench<Load>) -> Vec<u64> {
 #[test]
 fn a_fault_is_silent_within_three_quarters_of_the_next_block() {
     for samples in [32, 100] {
-        // Without the drop it would be two blocks. The code before silence may be mid-code itself.
+        // Without the drop it would take two blocks. The last code before silence may be mid-code
+        // itself.
         let after = samples + dropped_from(samples);
         for kind in [FaultKind::LateBlock, FaultKind::Dropout, FaultKind::Saturation, FaultKind::OverCurrentTrip] {
             let silent = silent_after(samples, kind);
@@ -43,7 +47,7 @@ fn a_fault_is_silent_within_three_quarters_of_the_next_block() {
 fn only_the_block_that_enters_a_fault_drops_the_queue() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
-    // The end of a burst, a brake and the end of a run are played out.
+    // The end of a burst, a brake and the end of a run are played completely.
     for command in [Command::Gate(Gate::Off), Command::Gate(Gate::On), Command::Gate(Gate::Brake), Command::Idle] {
         bench.ask(command);
         bench.blocks(100);
@@ -51,7 +55,7 @@ fn only_the_block_that_enters_a_fault_drops_the_queue() {
     assert_eq!(drops(&mut bench), Vec::<u64>::new());
     bench.ask(Command::Gate(Gate::On));
     bench.ask(Command::Run);
-    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
+    assert!(bench.run_until(|report| report.mode == Mode::Run, STARTS_WITHIN).is_some());
     bench.blocks(10);
     let at = bench.played();
     bench.analog().inner.strike(FaultKind::LateBlock);
@@ -60,22 +64,23 @@ fn only_the_block_that_enters_a_fault_drops_the_queue() {
 }
 
 #[test]
-fn a_belt_that_mutes_plays_its_queue_out() {
+fn a_mute_by_the_belt_plays_the_queue() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     bench.analog().inner.inner.set_belt(Some(1));
     bench.ask(Command::Run);
-    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
+    assert!(bench.run_until(|report| report.mode == Mode::Run, STARTS_WITHIN).is_some());
     bench.blocks(300);
     bench.analog().inner.inner.set_belt(Some(0));
     bench.blocks(1000);
     assert_eq!((bench.fault(), drops(&mut bench)), (None, vec![]));
-    assert!(last_sounding(&mut bench).unwrap() < bench.played() - 500, "it is muted");
+    assert!(last_driven(&mut bench).unwrap() < bench.played() - 500, "it must be muted");
 }
 
 #[test]
-fn a_run_ordered_right_after_a_fault_finds_nothing_wrong() {
-    // The block that was dropped is measured while the next attempt begins, or before; the later orders wait for their blocks.
+fn a_run_right_after_a_fault_has_no_fault() {
+    // The dropped block is measured when the next attempt begins, or before. Later orders wait
+    // until their blocks are measured.
     for blocks in 1..6 {
         let mut queues = Queues::default();
         let mut bench = running(&mut queues, &Setup::default());
@@ -85,7 +90,7 @@ fn a_run_ordered_right_after_a_fault_finds_nothing_wrong() {
         assert_eq!(bench.fault(), Some(Fault::LateBlock));
         bench.ask(Command::ClearFault);
         bench.ask(Command::Run);
-        assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some(), "{blocks}: {:?}", bench.fault());
+        assert!(bench.run_until(|report| report.mode == Mode::Run, STARTS_WITHIN).is_some(), "{blocks}: {:?}", bench.fault());
         bench.blocks(300);
         assert_eq!(bench.fault(), None, "{blocks}");
     }

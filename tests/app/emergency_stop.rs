@@ -1,4 +1,5 @@
-//! The emergency stop: the amplifier is off at once, the controller mutes, and nothing starts again by itself.
+//! Emergency stop: the amplifier is off at once, the controller mutes, and nothing restarts
+//! automatically.
 
 use firmware::board::app::AppError;
 use firmware::board::command::{Command, Reply};
@@ -11,7 +12,7 @@ use hal_mock::bench::{Queues, Setup};
 use super::*;
 
 #[test]
-fn drops_the_enable_pin_in_the_very_same_turn() {
+fn drops_the_enable_pin_in_the_same_turn() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     let (now, blocks) = (bench.clock.now(), bench.played());
@@ -31,12 +32,12 @@ fn mutes_after_the_latency_and_stays_muted_when_released() {
     bench.blocks(50);
     assert_eq!((bench.mode(), bench.fault()), (Mode::Fault, Some(Fault::EmergencyStop)));
     bench.release_stop();
-    bench.blocks(PATIENCE);
+    bench.blocks(STARTS_WITHIN);
     assert_eq!((bench.mode(), bench.fault()), (Mode::Fault, Some(Fault::EmergencyStop)));
     bench.ask(Command::Run);
-    bench.blocks(PATIENCE);
+    bench.blocks(STARTS_WITHIN);
     assert_eq!(bench.mode(), Mode::Fault);
-    assert_eq!(last_sounding(&mut bench), Some(pressed + LATENCY_BLOCKS as u64 - 1));
+    assert_eq!(last_driven(&mut bench), Some(pressed + LATENCY_BLOCKS as u64 - 1));
     assert!(!bench.enable.is_high());
 }
 
@@ -49,11 +50,11 @@ fn clear_and_run_start_again_but_clear_alone_does_not() {
     bench.release_stop();
     bench.blocks(10);
     assert_eq!(bench.ask(Command::ClearFault), Some(Reply::Ack));
-    let silent_from = last_sounding(&mut bench);
-    bench.blocks(PATIENCE);
-    assert_eq!((bench.mode(), bench.fault(), last_sounding(&mut bench)), (Mode::Idle, None, silent_from));
+    let silent_from = last_driven(&mut bench);
+    bench.blocks(STARTS_WITHIN);
+    assert_eq!((bench.mode(), bench.fault(), last_driven(&mut bench)), (Mode::Idle, None, silent_from));
     bench.ask(Command::Run);
-    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
+    assert!(bench.run_until(|report| report.mode == Mode::Run, STARTS_WITHIN).is_some());
     assert!(bench.enable.is_high());
 }
 
@@ -63,21 +64,21 @@ fn cannot_be_cleared_while_it_is_pressed() {
     let mut bench = running(&mut queues, &Setup::default());
     bench.press_stop();
     bench.blocks(10);
-    let silent_from = last_sounding(&mut bench);
+    let silent_from = last_driven(&mut bench);
     bench.ask(Command::ClearFault);
     bench.ask(Command::Run);
-    bench.blocks(PATIENCE);
-    assert_eq!((bench.fault(), last_sounding(&mut bench)), (Some(Fault::EmergencyStop), silent_from));
+    bench.blocks(STARTS_WITHIN);
+    assert_eq!((bench.fault(), last_driven(&mut bench)), (Some(Fault::EmergencyStop), silent_from));
 }
 
 #[test]
-fn pressed_at_power_up_nothing_runs() {
+fn nothing_runs_if_pressed_at_power_up() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     bench.press_stop();
     bench.ask(Command::Run);
-    bench.blocks(PATIENCE);
-    assert_eq!((bench.fault(), last_sounding(&mut bench)), (Some(Fault::EmergencyStop), None));
+    bench.blocks(STARTS_WITHIN);
+    assert_eq!((bench.fault(), last_driven(&mut bench)), (Some(Fault::EmergencyStop), None));
     assert!(bench.enable.changes().iter().all(|change| !change.high));
 }
 
@@ -91,12 +92,12 @@ fn a_press_shorter_than_a_block_is_not_lost() {
     bench.poll();
     bench.blocks(5);
     assert_eq!(bench.fault(), Some(Fault::EmergencyStop));
-    // Nor is the amplifier enabled again on the word of a report from before the press.
+    // Nor does an older report enable the amplifier again.
     assert_eq!(bench.enable.changes().iter().filter(|change| change.high).count(), 1, "{:?}", bench.enable.changes());
 }
 
 #[test]
-fn a_stop_works_while_the_block_stream_stands_still() {
+fn a_stop_works_while_the_block_stream_is_stalled() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     let busy = (0..20).find(|_| bench.ask(Command::Gate(Gate::Off)) == Some(Reply::Nak(Refusal::Busy)));
@@ -106,7 +107,7 @@ fn a_stop_works_while_the_block_stream_stands_still() {
         bench.poll();
         assert!(!bench.enable.is_high());
     }
-    // The stream comes back after the stop was released: the press was seen all the same.
+    // The stream continues after the stop was released: the press was detected nevertheless.
     bench.release_stop();
     bench.poll();
     bench.blocks(40);
@@ -132,6 +133,6 @@ fn does_not_hide_or_clear_an_earlier_fault() {
     bench.press_stop();
     bench.blocks(5);
     bench.release_stop();
-    bench.blocks(PATIENCE);
+    bench.blocks(STARTS_WITHIN);
     assert_eq!((bench.mode(), bench.fault()), (Mode::Fault, Some(Fault::LateBlock)));
 }

@@ -1,5 +1,6 @@
-//! The frame format, written a second time by its documentation, bit by bit and without a table: what a host in another language
-//! would send. Also for frames that the firmware's own encoder does not make.
+//! Second implementation of the frame format, from its documentation, bit by bit and without a
+//! table: the frames that a host in another language would send. It can also build frames that the
+//! firmware's own encoder does not produce.
 
 use firmware::board::command::Command;
 use firmware::board::link::{NO_SESSION, VERSION, encode};
@@ -12,12 +13,13 @@ fn crc(bytes: &[u8]) -> u32 {
     })
 }
 
-/// A frame of any version and body. Sequence numbers up to 127 are one byte.
+/// Encodes a frame of any version and body. Sequence numbers up to 127 take one byte.
 pub fn frame(version: u8, sequence: u8, session: u32, body: &[u8]) -> Vec<u8> {
     assert!(sequence < 0x80);
     let mut plain = [&[version, sequence], &session.to_le_bytes()[..], body].concat();
     plain.extend_from_slice(&crc(&plain).to_le_bytes());
-    // Each zero is replaced by the distance to the next; frames here are too short for the longest run.
+    // Each zero is replaced by the distance to the next one. Frames here are shorter than the
+    // longest run.
     assert!(plain.len() < 254);
     let mut stuffed: Vec<u8> = plain.split(|&byte| byte == 0).flat_map(|run| [&[run.len() as u8 + 1], run].concat()).collect();
     stuffed.push(0);
@@ -25,7 +27,7 @@ pub fn frame(version: u8, sequence: u8, session: u32, body: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn the_documented_format_is_what_the_firmware_sends() {
+fn the_firmware_sends_the_documented_format() {
     let commands: [(Command, &[u8]); 5] = [
         (Command::Identify(300), &[0, 0xAC, 0x02]),
         (Command::Run, &[3]),

@@ -1,11 +1,12 @@
-//! Several lanes: where each stands in the period and how large it is, measured from the codes.
+//! Several lanes: their phase and amplitude, measured from the codes.
 
 use firmware::seam::config::{Config, Direction};
 use hal_mock::bench::{Queues, Setup};
 
 use super::*;
 
-/// Amplitude in codes, and phase in turns relative to lane 0, of each lane of a run.
+/// Returns the amplitude in codes, and the phase in turns relative to lane 0, of each lane of a
+/// run.
 fn lanes_of(setup: &Setup) -> Vec<(f64, f64)> {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, setup);
@@ -57,6 +58,6 @@ fn all_lanes_fall_silent_together() {
     bench.analog().inner.strike(FaultKind::LateBlock);
     bench.blocks(20);
     let silent: Vec<usize> =
-        (0..4).map(|lane| played(&mut bench, lane).iter().rposition(|&code| code != MID).unwrap() / BLOCK).collect();
+        (0..4).map(|lane| played(&mut bench, lane).iter().rposition(|&code| code != MID_CODE).unwrap() / BLOCK).collect();
     assert!(silent.iter().all(|block| block == &silent[0]), "{silent:?}");
 }

@@ -1,4 +1,4 @@
-//! Limits: more than is allowed is neither played nor a fault; it is said.
+//! Limits: a value above a limit is not played; it is reported, and is not a fault.
 
 use firmware::board::command::{Command, Reply};
 use firmware::controller::Controller;
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// Peak codes of the voltage limit, 12 V.
+/// Voltage limit of 12 V, peak codes.
 const LIMIT_CODES: u16 = 1200;
 
 #[test]
@@ -36,7 +36,7 @@ fn a_voltage_over_the_limit_is_clamped_and_reported_by_number() {
 }
 
 #[test]
-fn exactly_the_limit_is_no_limit() {
+fn the_exact_limit_is_not_reported() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     bench.ask(Command::Amplitude(Some(Amplitude::Volts(12.0))));
@@ -48,7 +48,7 @@ fn exactly_the_limit_is_no_limit() {
 }
 
 #[test]
-fn an_amplitude_that_is_none_is_refused_and_changes_nothing() {
+fn an_invalid_amplitude_is_refused() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     let sequence = bench.latest().unwrap().orders_sequence;
@@ -62,7 +62,7 @@ fn an_amplitude_that_is_none_is_refused_and_changes_nothing() {
     assert_eq!((peak(&played(&mut bench, 0)[began..]), bench.latest().unwrap().orders_sequence), (300, sequence));
 }
 
-/// The peak codes of a run at `volts`.
+/// Returns the peak code of a run at this amplitude.
 fn peak_at(setup: &Setup, amplitude: Amplitude) -> u16 {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, setup);
@@ -85,7 +85,7 @@ fn the_limit_is_a_peak_for_every_shape_and_frequency() {
 }
 
 #[test]
-fn the_limit_is_for_the_loudest_lane() {
+fn the_limit_applies_to_the_lane_with_the_largest_gain() {
     let trimmed = setup(|config| {
         config.lanes = 2;
         config.phasing.gain_trim = [1.0, 1.5].into_iter().collect();
@@ -99,7 +99,7 @@ fn the_limit_is_for_the_loudest_lane() {
 }
 
 #[test]
-fn the_scan_obeys_the_limit_of_the_loudest_lane() {
+fn the_scan_obeys_the_limit_of_the_largest_gain() {
     let trimmed = setup(|config| {
         config.lanes = 2;
         config.phasing.gain_trim = [1.0, 2.0].into_iter().collect();
@@ -114,7 +114,7 @@ proptest! {
     #![proptest_config(cases(64))]
 
     #[test]
-    fn whatever_amplitude_is_sent_the_limit_holds(bits: u32, current: bool) {
+    fn the_limit_holds_for_any_amplitude(bits: u32, current: bool) {
         let x = f32::from_bits(bits);
         let amplitude = if current { Amplitude::MotionalCurrent(x) } else { Amplitude::Volts(x) };
         prop_assert!(peak_at(&Setup::default(), amplitude) <= LIMIT_CODES);

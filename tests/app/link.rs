@@ -1,4 +1,4 @@
-//! The link: whatever comes over it, the block stream does not notice, and an honest command is obeyed and answered.
+//! Link: no input disturbs the block stream, and every valid command is obeyed and answered.
 
 use firmware::board::command::{Command, Reply};
 use firmware::board::link::{VERSION, encode};
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 use super::frame::frame;
 use super::*;
 
-/// Sends bytes, gives the background task a turn, and returns all that it answers.
+/// Sends bytes, gives the background task a turn, and returns all its answers.
 fn answers_to(bench: &mut Bench<Load>, bytes: &[u8]) -> Vec<(u16, Reply)> {
     bench.host.forget();
     bench.host.send_bytes(bytes).unwrap();
@@ -43,7 +43,7 @@ fn a_frame_with_a_flipped_bit_is_refused_and_the_next_obeyed() {
 }
 
 #[test]
-fn another_version_is_named_and_refused_whatever_its_body() {
+fn another_version_is_refused_with_any_body() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     let session = bench.host.session();
@@ -56,7 +56,7 @@ fn another_version_is_named_and_refused_whatever_its_body() {
 }
 
 #[test]
-fn a_whole_frame_that_is_no_command_is_refused_as_unknown() {
+fn a_valid_frame_without_a_command_is_refused_as_unknown() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     let session = bench.host.session();
@@ -67,18 +67,18 @@ fn a_whole_frame_that_is_no_command_is_refused_as_unknown() {
 }
 
 #[test]
-fn what_the_board_is_not_configured_for_is_refused_and_said() {
+fn commands_without_their_configuration_are_refused() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     for command in [Command::Friction(Some(Target::Ratio(0.5))), Command::Occupant(Some(14.0))] {
         assert_eq!(bench.ask(command), Some(Reply::Nak(Refusal::NotConfigured)), "{command:?}");
     }
-    // To want nothing can be had.
+    // An order without a set point is always accepted.
     assert_eq!(bench.ask(Command::Friction(None)), Some(Reply::Ack));
 }
 
 #[test]
-fn a_frame_that_is_too_long_is_refused_and_the_next_is_obeyed() {
+fn too_long_a_frame_is_refused_and_the_next_is_obeyed() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     let bytes = [&[0x55; 5000], &[0][..], &encode(3, bench.host.session(), Command::Gate(Gate::On)).unwrap()].concat();
@@ -86,7 +86,7 @@ fn a_frame_that_is_too_long_is_refused_and_the_next_is_obeyed() {
 }
 
 #[test]
-fn a_command_is_obeyed_however_its_bytes_are_spread_over_time() {
+fn a_command_may_arrive_byte_by_byte() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     for &byte in &encode(5, bench.host.session(), Command::Run).unwrap() {
@@ -103,7 +103,7 @@ fn orders_without_room_are_refused_as_busy_and_obeyed_later() {
     let mut bench = bench(&mut queues, &Setup::default());
     assert!((0..ORDERS_DEPTH).all(|_| bench.ask(Command::Gate(Gate::Off)) == Some(Reply::Ack)));
     assert_eq!(bench.ask(Command::Run), Some(Reply::Nak(Refusal::Busy)));
-    // What changes no orders needs no room.
+    // A command that changes no orders needs no room.
     assert!(matches!(bench.ask(Command::Identify(1)), Some(Reply::Identity(_))));
     bench.block();
     assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
@@ -135,7 +135,7 @@ fn a_flood_of_garbage_does_not_disturb_the_block_stream() {
     };
     let ((quiet, none, _), (flooded, refused, others)) = (run(false), run(true));
     assert_eq!(flooded, quiet);
-    // A zero in 256 bytes ends a frame. Nothing but the run order was obeyed.
+    // On average one byte in 256 is a zero, which ends a frame. Only the order to run was obeyed.
     assert!(none == 0 && refused > 300 && others == 1, "{none} {refused} {others}");
 }
 
@@ -147,19 +147,21 @@ proptest! {
         let mut queues = Queues::default();
         let mut bench = bench(&mut queues, &Setup::default());
         bench.host.link.set_noise(seed, flip, drop);
-        // None of these makes the drive sound, and no damage may turn one into one that does.
+        // None of these commands starts the drive, and no damage may turn one into a command that
+        // does.
         for command in [Command::Idle, Command::ClearFault, Command::Gate(Gate::Off), Command::TelemetryEvery(0)].repeat(20) {
             bench.host.send(command).unwrap();
             bench.block();
         }
-        prop_assert_eq!((bench.mode(), last_sounding(&mut bench)), (Mode::Idle, None));
+        prop_assert_eq!((bench.mode(), last_driven(&mut bench)), (Mode::Idle, None));
         bench.host.link.set_noise(seed, 0.0, 0.0);
         bench.host.send_bytes(&[0]).unwrap();
         prop_assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
     }
 }
 
-/// Orders telemetry every so many blocks; the blocks and the frames' numbers that come in `blocks` blocks.
+/// Orders telemetry at this interval. Returns the block numbers and frame numbers of the telemetry
+/// within `blocks` blocks.
 fn telemetry(poll_every: u32, every: u32, blocks: u64) -> (Vec<u32>, Vec<u16>) {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup { poll_every, ..Setup::default() });
@@ -167,7 +169,7 @@ fn telemetry(poll_every: u32, every: u32, blocks: u64) -> (Vec<u32>, Vec<u16>) {
     assert_eq!(bench.ask(Command::TelemetryEvery(every)), Some(Reply::Ack));
     bench.blocks(blocks);
     bench.host.receive(usize::MAX);
-    assert_eq!(bench.host.spoiled(), []);
+    assert_eq!(bench.host.frame_errors(), []);
     bench.host.telemetry().map(|(sequence, report)| (report.block, sequence)).unzip()
 }
 
@@ -195,7 +197,8 @@ fn the_longest_interval_is_not_the_shortest() {
     }
 }
 
-/// A link that transmits two bytes a block, 62.5 kB/s, and makes a writer wait when 256 are on their way.
+/// Returns a setup whose link transmits two bytes per block, 62.5 kB/s, and makes a writer wait
+/// when 256 bytes are queued.
 fn slow_link() -> Setup {
     Setup { to_host: Wire { capacity: Some(256), when_full: WhenFull::Waits }, ..Setup::default() }
 }
@@ -215,7 +218,7 @@ fn a_slow_link_drops_telemetry_but_no_answer() {
     }
     bench.host.receive(usize::MAX);
     assert!(asked.iter().all(|&sequence| bench.host.answer_to(sequence) == Some(Reply::Ack)));
-    assert_eq!((bench.host.spoiled(), bench.errors(), bench.mode()), (&[][..], &[][..], Mode::Run));
+    assert_eq!((bench.host.frame_errors(), bench.errors(), bench.mode()), (&[][..], &[][..], Mode::Run));
     let (sequences, blocks): (Vec<u16>, Vec<u32>) = bench.host.telemetry().map(|(n, report)| (n, report.block)).unzip();
     assert!((40..400).contains(&blocks.len()), "{}", blocks.len());
     assert!(sequences.windows(2).all(|pair| pair[1] == pair[0] + 1) && blocks.is_sorted());
@@ -232,7 +235,7 @@ fn more_commands_than_room_for_answers_are_all_answered() {
         bench.host.receive(8);
     }
     assert!(bench.host.answers().map(|(sequence, _)| sequence).eq(asked));
-    assert_eq!((bench.host.spoiled(), bench.errors()), (&[][..], &[][..]));
+    assert_eq!((bench.host.frame_errors(), bench.errors()), (&[][..], &[][..]));
 }
 
 #[test]

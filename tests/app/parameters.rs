@@ -1,4 +1,5 @@
-//! Parameters over the link: what is set acts after a reset if it was stored, and nothing that is set or stored exceeds a limit.
+//! Parameters over the link: a set value acts after a reset if it was stored, and no set or stored
+//! value exceeds a limit.
 
 use firmware::board::command::{Command, Reply, Verb};
 use firmware::board::parameters::{Overrides, PARAMETERS, ParameterReport};
@@ -13,11 +14,15 @@ use hal_mock::flash::Flash;
 
 use super::*;
 
-/// Keys.
+/// Key of `drive.amplitude_v`.
 const AMPLITUDE: u8 = 5;
+/// Key of the voltage limit.
 const VOLTAGE_LIMIT: u8 = 8;
+/// Key of the current limit.
 const CURRENT_LIMIT: u8 = 9;
+/// Key of the limit of the ON time.
 const ON_TIME: u8 = 12;
+/// Key of the patience of the link.
 const PATIENCE_S: u8 = 21;
 
 fn get(bench: &mut Bench<Load>, key: u8) -> ParameterReport {
@@ -27,24 +32,24 @@ fn get(bench: &mut Bench<Load>, key: u8) -> ParameterReport {
     }
 }
 
-/// A bench after its first blocks: that it is silent is known then.
+/// Returns a bench after its first blocks, when the board knows that it is silent.
 fn silent<'a>(queues: &'a mut Queues, setup: &Setup) -> Bench<'a, Load> {
     let mut bench = bench(queues, setup);
     bench.blocks(4);
     bench
 }
 
-/// The largest code of a run.
+/// Starts a run and returns its largest code.
 fn loudest(bench: &mut Bench<Load>) -> u16 {
     assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
-    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some(), "{:?}", bench.latest());
+    assert!(bench.run_until(|report| report.mode == Mode::Run, STARTS_WITHIN).is_some(), "{:?}", bench.latest());
     bench.blocks(10);
     let began = bench.played() as usize * BLOCK;
     bench.blocks(50);
     peak(&played(bench, 0)[began..])
 }
 
-/// A flash in which this record is stored.
+/// Returns a flash with a stored record.
 fn keeping(trims: LaneTrims, parameters: &[(u8, f32)]) -> Flash {
     let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
     settings.store(&Record { trims, parameters: Overrides::from_iter(parameters.iter().copied()) }).unwrap();
@@ -56,7 +61,7 @@ fn trims() -> LaneTrims {
 }
 
 #[test]
-fn what_is_set_acts_after_a_reset_if_it_was_stored() {
+fn a_stored_value_acts_after_a_reset() {
     for stores in [true, false] {
         let mut setup = Setup::default();
         let mut queues = Queues::default();
@@ -90,7 +95,7 @@ fn what_is_set_acts_after_a_reset_if_it_was_stored() {
 }
 
 #[test]
-fn defaults_and_clear_take_back_what_each_is_for() {
+fn defaults_and_clear_each_reset_their_part() {
     let mut setup = setup(|config| config.lanes = 2);
     setup.flash = keeping(trims(), &[(AMPLITUDE, 2.0)]);
     let mut queues = Queues::default();
@@ -99,14 +104,14 @@ fn defaults_and_clear_take_back_what_each_is_for() {
     let report = get(&mut bench, AMPLITUDE);
     assert_eq!((report.acts, report.next, report.stored), (2.0, 3.0, StoredState::Changed));
     assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 0));
-    // Not stored: after a reset all is as before.
+    // Not stored: a reset restores the earlier state.
     setup.flash = bench.power_off();
     let mut queues = Queues::default();
     let mut bench = silent(&mut queues, &setup);
     let report = get(&mut bench, AMPLITUDE);
     assert_eq!((report.acts, report.next, report.stored), (2.0, 2.0, StoredState::Stored));
     assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 1));
-    // Stored, nothing is left of either.
+    // Stored: neither parameters nor trims remain.
     assert_eq!(bench.ask(Command::Settings(Verb::Defaults)), Some(Reply::Ack));
     bench.blocks(2);
     assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Ack));
@@ -122,7 +127,7 @@ fn defaults_and_clear_take_back_what_each_is_for() {
 }
 
 #[test]
-fn what_cannot_be_set_is_refused_and_changes_nothing() {
+fn a_refused_value_changes_nothing() {
     let mut queues = Queues::default();
     let mut bench = silent(&mut queues, &Setup::default());
     let wrong = [
@@ -143,10 +148,10 @@ fn what_cannot_be_set_is_refused_and_changes_nothing() {
     let after: Vec<ParameterReport> = PARAMETERS.iter().map(|parameter| get(&mut bench, parameter.key)).collect();
     assert_eq!(before, after);
     assert_eq!(bench.ask(Command::Settings(Verb::Get(200))), Some(Reply::Nak(Refusal::NoSuchKey)));
-    // No limit can be one, and be taken back.
+    // A limit can be set and removed again.
     assert_eq!(bench.ask(Command::Settings(Verb::Set(ON_TIME, 7.0))), Some(Reply::Ack));
     assert_eq!(bench.ask(Command::Settings(Verb::Set(ON_TIME, f32::INFINITY))), Some(Reply::Ack));
-    // And none that no configuration could have.
+    // A limit that is invalid in every configuration is refused.
     assert_eq!(bench.ask(Command::Settings(Verb::Set(ON_TIME, 4e4))), Some(Reply::Nak(Refusal::OutOfRange)));
     assert_eq!((get(&mut bench, ON_TIME).next, get(&mut bench, ON_TIME).max), (f32::INFINITY, 3e4));
 }
@@ -169,7 +174,8 @@ fn a_lower_limit_holds_and_a_stored_value_above_it_never_acts() {
     let mut bench = silent(&mut queues, &setup);
     assert_eq!(bench.ask(Command::Amplitude(Some(Amplitude::Volts(9.0)))), Some(Reply::Ack));
     assert_eq!(loudest(&mut bench), 400);
-    // Out of range or unknown: each by itself is left out, and the rest acts. A limit that is too low is the lowest, and not what is built in.
+    // A value that is out of range, or a key that is unknown, is left out; the others act. A limit
+    // that is too low is replaced by the lowest one, not by the built-in one.
     for (wrong, lowest) in
         [((VOLTAGE_LIMIT, 50.0), None), ((CURRENT_LIMIT, -1.0), Some((CURRENT_LIMIT, 1e-6))), ((99, 1.0), None)]
     {
@@ -193,14 +199,14 @@ fn a_lower_limit_holds_and_a_stored_value_above_it_never_acts() {
 }
 
 #[test]
-fn invalid_settings_give_way_to_defaults_within_the_stored_limits() {
-    // A drive of 3 V under a limit of 2 V.
+fn invalid_settings_are_replaced_within_the_stored_limits() {
+    // A drive of 3 V above a limit of 2 V.
     let mut setup = setup(|config| config.lanes = 2);
     setup.flash = keeping(trims(), &[(VOLTAGE_LIMIT, 2.0)]);
     let mut queues = Queues::default();
     let mut bench = silent(&mut queues, &setup);
     let report = get(&mut bench, VOLTAGE_LIMIT);
-    // What was set is still there to be looked at, and to be put right.
+    // The stored value can still be read and corrected.
     assert_eq!((report.acts, report.next, report.stored), (2.0, 2.0, StoredState::Refused));
     assert_eq!((get(&mut bench, AMPLITUDE).acts, get(&mut bench, AMPLITUDE).next), (2.0, 3.0));
     assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 1));

@@ -1,4 +1,4 @@
-//! Power-up: nothing moves before it is ordered.
+//! Power-up: nothing is driven before an order.
 
 use firmware::board::command::{Command, Converters, Identity, Reply};
 use firmware::seam::block::{Amplitude, Gate};
@@ -15,12 +15,12 @@ fn silent_at_mid_code_until_ordered() {
         assert_eq!(bench.ask(command), Some(Reply::Ack));
         bench.blocks(300);
     }
-    assert!(played(&mut bench, 0).iter().all(|&code| code == MID));
+    assert!(played(&mut bench, 0).iter().all(|&code| code == MID_CODE));
     assert_eq!((bench.mode(), bench.fault()), (Mode::Idle, None));
 }
 
 #[test]
-fn the_enable_pin_is_low_from_the_first_turn_on() {
+fn the_enable_pin_is_low_from_the_first_turn() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     bench.poll();
@@ -32,7 +32,7 @@ fn the_enable_pin_is_low_from_the_first_turn_on() {
 #[test]
 fn identify_is_answered_with_versions_before_any_block() {
     let mut queues = Queues::default();
-    let mut bench = strange(&mut queues, &Setup::default());
+    let mut bench = new_bench(&mut queues, &Setup::default());
     let version: Vec<u8> = env!("CARGO_PKG_VERSION").split('.').map(|part| part.parse().unwrap()).collect();
     let converters = Converters { sample_hz: 1_000_000, block_samples: 32, lanes: 1, sense_mid_code: 2048, drive_mid_code: 2048 };
     let answer = bench.ask(Command::Identify(7));

@@ -1,4 +1,4 @@
-//! Protection while running: which fault, and how many blocks later the drive is silent.
+//! Protection during a run: the fault, and the number of blocks until the drive is silent.
 
 use firmware::board::command::Command;
 use firmware::controller::Controller;
@@ -12,11 +12,12 @@ use hal_mock::bench::{Bench, Queues, Setup};
 
 use super::*;
 
-/// Blocks for which a sensor must be implausible before that counts.
+/// Number of implausible blocks after which a sensor causes a fault.
 const IMPLAUSIBLE_BLOCKS: u64 = 8;
 
-/// Lets `kind` strike a healthy run: the fault, the blocks from its first to the report, and from its first to silence.
-fn struck(kind: FaultKind) -> (Option<Fault>, u64, u64) {
+/// Injects `kind` into a healthy run. Returns the fault, and the numbers of blocks from its start
+/// to the report and to silence.
+fn response_to(kind: FaultKind) -> (Option<Fault>, u64, u64) {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     bench.blocks(100);
@@ -26,25 +27,25 @@ fn struck(kind: FaultKind) -> (Option<Fault>, u64, u64) {
     let reported = u64::from(bench.latest().unwrap().block);
     bench.blocks(50);
     assert!(!bench.enable.is_high());
-    (bench.fault(), reported - at, last_sounding(&mut bench).unwrap() + 1 - at)
+    (bench.fault(), reported - at, last_driven(&mut bench).unwrap() + 1 - at)
 }
 
 #[test]
-fn what_is_certain_mutes_at_once() {
+fn a_certain_defect_mutes_at_once() {
     let latency = LATENCY_BLOCKS as u64;
-    assert_eq!(struck(FaultKind::LateBlock), (Some(Fault::LateBlock), 0, latency));
-    assert_eq!(struck(FaultKind::Dropout), (Some(Fault::LateBlock), 0, latency));
-    assert_eq!(struck(FaultKind::Saturation), (Some(Fault::SenseSaturated), 0, latency));
-    assert_eq!(struck(FaultKind::OverCurrentTrip), (Some(Fault::OverCurrent), 0, latency));
-    assert_eq!(struck(FaultKind::AmplifierFault), (Some(Fault::AmplifierFault), 0, latency));
-    assert_eq!(struck(FaultKind::Supply), (Some(Fault::AmplifierSupply), 0, latency));
+    assert_eq!(response_to(FaultKind::LateBlock), (Some(Fault::LateBlock), 0, latency));
+    assert_eq!(response_to(FaultKind::Dropout), (Some(Fault::LateBlock), 0, latency));
+    assert_eq!(response_to(FaultKind::Saturation), (Some(Fault::SenseSaturated), 0, latency));
+    assert_eq!(response_to(FaultKind::OverCurrentTrip), (Some(Fault::OverCurrent), 0, latency));
+    assert_eq!(response_to(FaultKind::AmplifierFault), (Some(Fault::AmplifierFault), 0, latency));
+    assert_eq!(response_to(FaultKind::Supply), (Some(Fault::AmplifierSupply), 0, latency));
 }
 
 #[test]
-fn what_may_be_an_accident_mutes_when_it_lasts() {
+fn a_lasting_defect_mutes_after_eight_blocks() {
     let (found, silent) = (IMPLAUSIBLE_BLOCKS - 1, IMPLAUSIBLE_BLOCKS - 1 + LATENCY_BLOCKS as u64);
-    assert_eq!(struck(FaultKind::Open), (Some(Fault::LoadOpen), found, silent));
-    assert_eq!(struck(FaultKind::SensorStuck), (Some(Fault::SensorImplausible), found, silent));
+    assert_eq!(response_to(FaultKind::Open), (Some(Fault::LoadOpen), found, silent));
+    assert_eq!(response_to(FaultKind::SensorStuck), (Some(Fault::SensorImplausible), found, silent));
 }
 
 #[test]
@@ -73,16 +74,16 @@ fn a_few_flipped_bits_do_not_stop_a_run() {
 
 #[test]
 fn more_current_than_the_limit_mutes_once_it_is_measured() {
-    // Three volts draw 0.15 A, the self-test a fifteenth of that.
+    // Three volts draw 0.15 A; the self-test draws a fifteenth of that.
     let mut queues = Queues::default();
     let mut bench = ordered_to_run_with(&mut queues, &setup(|config| config.limits.current_a = 0.1), &[]);
-    bench.run_until(|report| report.mode == Mode::Fault, PATIENCE);
+    bench.run_until(|report| report.mode == Mode::Fault, STARTS_WITHIN);
     let found = u64::from(bench.latest().unwrap().block);
     bench.blocks(50);
     assert_eq!(bench.fault(), Some(Fault::OverCurrent));
     let loud =
-        bench.analog().blocks().find(|exchange| exchange.drive.lanes[0].iter().any(|&code| code > MID + 60)).unwrap().block;
-    assert_eq!((found, last_sounding(&mut bench)), (loud, Some(loud + LATENCY_BLOCKS as u64 - 1)));
+        bench.analog().blocks().find(|exchange| exchange.drive.lanes[0].iter().any(|&code| code > MID_CODE + 60)).unwrap().block;
+    assert_eq!((found, last_driven(&mut bench)), (loud, Some(loud + LATENCY_BLOCKS as u64 - 1)));
 }
 
 #[test]
@@ -98,25 +99,25 @@ fn a_silent_driver_does_not_fault() {
     }
 }
 
-/// Blocks that fit into the 5 ms that the drive may stay ON over a stopped belt.
-const BELT_BLOCKS: u64 = 156;
+/// Number of blocks within the 5 ms for which the drive may stay ON over a stopped belt.
+const BELT_STOP_BLOCKS: u64 = 156;
 
 fn over_belt<'a>(queues: &'a mut Queues, setup: &Setup) -> Bench<'a, Load> {
     let mut bench = bench(queues, setup);
     set_belt(&mut bench, 1);
     bench.ask(Command::Run);
-    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
+    assert!(bench.run_until(|report| report.mode == Mode::Run, STARTS_WITHIN).is_some());
     bench.blocks(300);
     assert_eq!(bench.fault(), None);
     bench
 }
 
-/// Lets the belt move by so many counts in each block.
+/// Sets the speed of the belt, counts per block.
 fn set_belt(bench: &mut Bench<Load>, counts: i32) {
     bench.analog().inner.inner.set_belt(Some(counts));
 }
 
-/// Blocks of 100 ms, after which a mute is a fault.
+/// Number of blocks within the 100 ms after which a mute becomes a fault.
 const LATCH_BLOCKS: u64 = 3125;
 
 fn limit(bench: &Bench<Load>) -> Option<Limit> {
@@ -130,7 +131,7 @@ fn a_stopped_belt_mutes_and_is_a_fault_a_tenth_second_later() {
         let mut bench = over_belt(&mut queues, &Setup::default());
         let stopped = bench.played();
         bench.analog().inner.strike(kind);
-        bench.blocks(BELT_BLOCKS);
+        bench.blocks(BELT_STOP_BLOCKS);
         assert_eq!((limit(&bench), bench.fault()), (None, None));
         bench.block();
         assert_eq!((limit(&bench), bench.fault()), (Some(Limit::BeltMuted), None));
@@ -138,23 +139,24 @@ fn a_stopped_belt_mutes_and_is_a_fault_a_tenth_second_later() {
         assert_eq!(bench.fault(), None);
         bench.block();
         assert_eq!(bench.fault(), Some(Fault::BeltStopped));
-        // One block more corrects the DC offset that rounding has left.
-        assert_eq!(last_sounding(&mut bench), Some(stopped + BELT_BLOCKS + LATENCY_BLOCKS as u64));
+        // One more block corrects the DC offset left by rounding.
+        assert_eq!(last_driven(&mut bench), Some(stopped + BELT_STOP_BLOCKS + LATENCY_BLOCKS as u64));
     }
 }
 
 #[test]
-fn a_moving_belt_is_driven_again_and_one_drawn_back_is_not() {
+fn the_drive_resumes_only_over_a_forward_belt() {
     let mut queues = Queues::default();
     let mut bench = over_belt(&mut queues, &Setup::default());
     for (counts, muted) in [(0, true), (1, false), (-1, true), (1, true), (400, false)] {
         set_belt(&mut bench, counts);
-        // Drawn back by 200 counts at most: what has been seen is no new ground.
-        bench.blocks(BELT_BLOCKS + 10);
+        // The belt is drawn back by at most 200 counts: belt that has already passed does not count
+        // as motion.
+        bench.blocks(BELT_STOP_BLOCKS + 10);
         assert_eq!(limit(&bench) == Some(Limit::BeltMuted), muted, "{counts}");
         bench.blocks(1 + LATENCY_BLOCKS as u64);
         let now = bench.played();
-        assert_eq!(last_sounding(&mut bench) == Some(now - 1), !muted, "{counts}");
+        assert_eq!(last_driven(&mut bench) == Some(now - 1), !muted, "{counts}");
     }
     assert_eq!(bench.fault(), None);
 }
@@ -165,22 +167,22 @@ fn a_burst_over_a_still_belt_never_begins() {
     let mut bench = over_belt(&mut queues, &Setup::default());
     bench.ask(Command::Gate(Gate::Off));
     set_belt(&mut bench, 0);
-    bench.blocks(2 * BELT_BLOCKS);
-    let silent = last_sounding(&mut bench);
+    bench.blocks(2 * BELT_STOP_BLOCKS);
+    let silent = last_driven(&mut bench);
     for _ in 0..20 {
         bench.ask(Command::Gate(Gate::On));
         bench.blocks(50);
         bench.ask(Command::Gate(Gate::Off));
         bench.blocks(50);
     }
-    assert_eq!((bench.fault(), last_sounding(&mut bench)), (None, silent));
-    // It is a fault only while a drive is requested.
+    assert_eq!((bench.fault(), last_driven(&mut bench)), (None, silent));
+    // A stopped belt is a fault only while a drive is requested.
     bench.blocks(2 * LATCH_BLOCKS);
     assert_eq!((bench.fault(), limit(&bench)), (None, None));
 }
 
 #[test]
-fn a_belt_sensor_that_is_gone_or_broken_is_a_fault_at_once() {
+fn a_lost_belt_sensor_is_a_fault_at_once() {
     let breaks: [fn(&mut Load); 2] = [|load| load.inner.inner.set_belt(None), |load| load.inner.strike(FaultKind::EncoderLost)];
     for breaks in breaks {
         let mut queues = Queues::default();
@@ -190,7 +192,7 @@ fn a_belt_sensor_that_is_gone_or_broken_is_a_fault_at_once() {
         bench.block();
         assert_eq!(bench.fault(), Some(Fault::BeltSensorLost));
         bench.blocks(10);
-        assert_eq!(last_sounding(&mut bench), Some(lost + LATENCY_BLOCKS as u64 - 1));
+        assert_eq!(last_driven(&mut bench), Some(lost + LATENCY_BLOCKS as u64 - 1));
     }
 }
 
@@ -200,22 +202,22 @@ fn without_the_configured_encoder_nothing_is_driven() {
     let with_encoder = setup(|config| config.front_end.metre_per_count = Some(1e-5));
     let mut bench = ordered_to_run_with(&mut queues, &with_encoder, &[]);
     bench.blocks(50);
-    assert_eq!((bench.fault(), last_sounding(&mut bench)), (Some(Fault::BeltSensorLost), None));
+    assert_eq!((bench.fault(), last_driven(&mut bench)), (Some(Fault::BeltSensorLost), None));
 }
 
 #[test]
-fn a_d_ring_without_the_scale_of_its_belt_is_not_driven() {
+fn a_d_ring_without_a_belt_scale_is_not_driven() {
     let unscaled = setup(|config| config.restraint = Some(Restraint::default()));
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &unscaled);
-    // An encoder that counts is not enough: nobody has said how much belt a count is.
+    // A counting encoder is not sufficient: the length of belt per count is not configured.
     set_belt(&mut bench, 1);
     for order in [Command::Run, Command::Scan, Command::Calibrate] {
         assert_eq!(bench.ask(order), Some(Reply::Nak(Refusal::NoBeltScale)), "{order:?}");
     }
     bench.blocks(50);
-    assert_eq!((bench.mode(), last_sounding(&mut bench)), (Mode::Idle, None));
-    // With it, it drives.
+    assert_eq!((bench.mode(), last_driven(&mut bench)), (Mode::Idle, None));
+    // With the scale, it drives.
     let scaled = setup(|config| {
         config.restraint = Some(Restraint::default());
         config.front_end.metre_per_count = Some(1e-5);
@@ -224,32 +226,33 @@ fn a_d_ring_without_the_scale_of_its_belt_is_not_driven() {
     let mut bench = super::bench(&mut queues, &scaled);
     set_belt(&mut bench, 1);
     assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
-    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some(), "{:?}", bench.fault());
+    assert!(bench.run_until(|report| report.mode == Mode::Run, STARTS_WITHIN).is_some(), "{:?}", bench.fault());
 }
 
 #[test]
-fn a_belt_at_rest_is_waited_for() {
+fn a_run_waits_for_a_belt_at_rest() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     set_belt(&mut bench, 0);
-    // The belt is known to be at rest once it has been measured for as long as a stop takes.
-    bench.blocks(BELT_BLOCKS + 1);
+    // The belt counts as at rest after it was measured for as long as the detection of a stop
+    // takes.
+    bench.blocks(BELT_STOP_BLOCKS + 1);
     bench.ask(Command::Run);
-    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
-    // The self-test sounds, the run does not.
+    assert!(bench.run_until(|report| report.mode == Mode::Run, STARTS_WITHIN).is_some());
+    // The self-test drives, the run does not.
     bench.blocks(2 * LATCH_BLOCKS);
     assert_eq!((bench.mode(), limit(&bench)), (Mode::Run, Some(Limit::BeltMuted)));
-    assert!(last_sounding(&mut bench).is_some_and(|block| block < 200 + BELT_BLOCKS));
+    assert!(last_driven(&mut bench).is_some_and(|block| block < 200 + BELT_STOP_BLOCKS));
     set_belt(&mut bench, 1);
     bench.blocks(20);
-    assert_eq!((limit(&bench), last_sounding(&mut bench)), (None, Some(bench.played() - 1)));
+    assert_eq!((limit(&bench), last_driven(&mut bench)), (None, Some(bench.played() - 1)));
 }
 
 #[test]
 fn energy_on_time_and_temperature_have_their_limits() {
     type Change = fn(&mut Config);
     let cases: [(Change, Option<FaultKind>, Fault); 3] = [
-        // The loop-back is a capacitor: what looks like power is its phase error, a few milliwatt.
+        // The loop-back is a capacitor: its apparent power is its phase error, a few milliwatt.
         (|config| config.limits.on_time_s = Some(0.05), None, Fault::OnTimeExceeded),
         (|config| config.limits.temperature_c = 80.0, Some(FaultKind::Overtemperature), Fault::OverTemperature),
         (|config| config.front_end.force_hz = Some(500.0), None, Fault::ForceSensorImplausible),
@@ -267,7 +270,7 @@ fn energy_on_time_and_temperature_have_their_limits() {
 }
 
 #[test]
-fn limits_out_of_their_range_are_named() {
+fn limits_out_of_range_are_refused_with_their_name() {
     type Change = fn(&mut Config);
     let cases: [(&str, Change); 7] = [
         ("limits.belt_stop_ms", |config| config.limits.belt_stop_ms = f32::NAN),
@@ -290,7 +293,7 @@ fn limits_out_of_their_range_are_named() {
 }
 
 #[test]
-fn without_a_belt_sensor_the_belt_is_not_judged() {
+fn without_a_belt_sensor_the_belt_is_ignored() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     bench.blocks(1000);

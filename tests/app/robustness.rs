@@ -1,5 +1,5 @@
-//! Ten thousand frames, most of them damaged, cut short, doubled, out of order, of another version or session, or of no meaning: whatever they do to the
-//! link, the board does what the honest frames among them say, and nothing else.
+//! Ten thousand frames, most of them damaged, cut short, doubled, out of order, of another version
+//! or session, or meaningless. The board obeys the valid frames among them, and nothing else.
 
 use std::collections::HashSet;
 
@@ -15,12 +15,13 @@ use hal_mock::chance::Chance;
 use super::frame::frame;
 use super::*;
 
+/// Number of frames in a run.
 const FRAMES: usize = 10_000;
-/// Peak codes of the voltage limit, 12 V.
+/// Voltage limit of 12 V, peak codes.
 const LIMIT_CODES: u16 = 1200;
 
-/// Something that an honest host may say; often enough that it drives.
-fn honest(chance: &mut Chance) -> Command {
+/// Returns a random valid command; often one that starts the drive.
+fn valid_command(chance: &mut Chance) -> Command {
     let number = chance.below(1000) as f32;
     match chance.below(28) {
         0..6 => Command::Run,
@@ -45,57 +46,57 @@ fn honest(chance: &mut Chance) -> Command {
         24 => Command::Capture(CaptureVerb::State),
         25 => Command::Reset,
         26 => Command::Resonances,
-        // Who asks for another session ends this one: `session.rs`.
+        // A request for another session ends this one: see `session.rs`.
         _ => Command::Capture(CaptureVerb::Disarm),
     }
 }
 
-/// Bytes on the link before each block, and the honest frames among it.
+/// Bytes on the link before each block, and the valid frames among them.
 struct Traffic {
     sent: Vec<Vec<u8>>,
-    honest: HashSet<Vec<u8>>,
+    valid_command: HashSet<Vec<u8>>,
 }
 
 fn traffic(seed: u64, session: u32) -> Traffic {
     let mut chance = Chance::new(seed);
-    let (mut sent, mut honest_ones, mut sequence) = (Vec::new(), HashSet::new(), 0);
+    let (mut sent, mut valid_frames, mut sequence) = (Vec::new(), HashSet::new(), 0);
     for _ in 0..FRAMES {
         let mut next = |chance: &mut Chance| {
             sequence += 1;
-            encode(sequence, session, honest(chance)).unwrap().to_vec()
+            encode(sequence, session, valid_command(chance)).unwrap().to_vec()
         };
         let one = next(&mut chance);
         let mut bytes = one.clone();
         match chance.below(10) {
-            // As it is.
+            // Unchanged.
             0 | 1 => {}
-            // Twice.
+            // Doubled.
             2 => bytes.extend_from_slice(&one),
-            // After its successor.
+            // Sent after its successor.
             3 => {
                 let other = next(&mut chance);
                 bytes = [&other[..], &one].concat();
-                honest_ones.insert(other);
+                valid_frames.insert(other);
             }
-            // Some bits turned, the closing zero's too.
+            // Some bits flipped, also in the closing zero.
             4 => (0..=chance.below(6)).for_each(|_| {
                 let at = chance.below(bytes.len() as u64) as usize;
                 bytes[at] ^= 1 << chance.below(8);
             }),
-            // Cut short: the next frame runs into it.
+            // Cut short: the next frame is appended to it.
             5 => bytes.truncate(chance.below(one.len() as u64) as usize),
-            // A byte more, or less.
+            // One byte inserted or removed.
             6 => {
                 let at = chance.below(bytes.len() as u64) as usize;
                 let more = if chance.strikes(0.5) { vec![bytes[at], chance.byte()] } else { vec![] };
                 bytes.splice(at..=at, more);
             }
-            // Whole, and of another session, or of none.
+            // Valid, but of another session or without one.
             7 => {
                 let other = [session ^ (1 << chance.below(32)), chance.below(1 << 32) as u32, 0][chance.below(3) as usize];
-                bytes = encode(sequence, other, honest(&mut chance)).unwrap().to_vec();
+                bytes = encode(sequence, other, valid_command(&mut chance)).unwrap().to_vec();
             }
-            // Of another version, or of no meaning.
+            // Of another version, or meaningless.
             8 => {
                 let version = if chance.strikes(0.5) { VERSION } else { [0, 1, 2, 255][chance.below(4) as usize] };
                 let mut body: Vec<u8> = (0..chance.below(60)).map(|_| chance.byte()).collect();
@@ -104,34 +105,34 @@ fn traffic(seed: u64, session: u32) -> Traffic {
             }
             _ => bytes = (0..chance.below(400)).map(|_| chance.byte()).collect(),
         }
-        honest_ones.insert(one);
+        valid_frames.insert(one);
         sent.push(bytes);
     }
-    Traffic { sent, honest: honest_ones }
+    Traffic { sent, valid_command: valid_frames }
 }
 
 impl Traffic {
-    /// The same, without what is not honest: what stands between two zeros and is a whole honest frame.
+    /// Returns the same traffic with only its valid frames: whole ones between two zeros.
     fn purged(&self) -> Vec<Vec<u8>> {
         let mut pending = vec![];
         let purge = |bytes: &Vec<u8>| {
-            let mut honest = vec![];
+            let mut valid_command = vec![];
             for &byte in bytes {
                 pending.push(byte);
                 if byte == 0 {
                     let frame = std::mem::take(&mut pending);
-                    if self.honest.contains(&frame) {
-                        honest.extend(frame);
+                    if self.valid_command.contains(&frame) {
+                        valid_command.extend(frame);
                     }
                 }
             }
-            honest
+            valid_command
         };
         self.sent.iter().map(purge).collect()
     }
 }
 
-/// What a run has come to.
+/// Result of a run.
 #[derive(Debug, PartialEq)]
 struct Outcome {
     hash: u64,
@@ -140,21 +141,22 @@ struct Outcome {
     resets: u32,
 }
 
-/// A run of this traffic; with how many refusals of frames, and how many blocks sounded.
+/// Runs this traffic. Returns the result, the number of refused frames, and the number of blocks
+/// that were not silent.
 fn outcome(sent: &[Vec<u8>]) -> (Outcome, usize, usize) {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     for bytes in sent {
         bench.host.send_bytes(bytes).unwrap();
-        // As often as it takes for all answers to leave.
+        // Often enough for all answers to be sent.
         (0..8).for_each(|_| bench.poll());
         bench.block();
     }
     bench.blocks(4);
     bench.host.receive(usize::MAX);
-    assert_eq!((bench.host.spoiled(), bench.errors(), bench.watchdog.bitten()), (&[][..], &[][..], None));
+    assert_eq!((bench.host.frame_errors(), bench.errors(), bench.watchdog.bitten()), (&[][..], &[][..], None));
     assert!(peak(&played(&mut bench, 0)) <= LIMIT_CODES);
-    let sounding = bench.analog().blocks().filter(|exchange| sounds(exchange)).count();
+    let sounding = bench.analog().blocks().filter(|exchange| is_driven(exchange)).count();
     let of_frames =
         |reply: &Reply| matches!(reply, Reply::Nak(Refusal::Damaged | Refusal::Version | Refusal::Unknown | Refusal::Session));
     let (refused, answers): (Vec<_>, Vec<_>) =
@@ -165,16 +167,16 @@ fn outcome(sent: &[Vec<u8>]) -> (Outcome, usize, usize) {
 }
 
 #[test]
-fn of_ten_thousand_frames_only_honest_ones_have_an_effect() {
+fn only_valid_frames_have_an_effect() {
     for seed in [1, 2] {
-        // The session that each board gives the first host.
+        // Every board gives its first host this session.
         let session = bench(&mut Queues::default(), &Setup::default()).host.session();
         let traffic = traffic(seed, session);
         let purged = traffic.purged();
         let whole: usize = purged.iter().flatten().filter(|&&byte| byte == 0).count();
         let ((with, refused, sounding), (without, none, _)) = (outcome(&traffic.sent), outcome(&purged));
         println!(
-            "seed {seed}: {whole} whole, {} answered, {refused} refused; {sounding} of {FRAMES} blocks sounded, {} resets",
+            "seed {seed}: {whole} whole, {} answered, {refused} refused; {sounding} of {FRAMES} blocks not silent, {} resets",
             with.answers.len(),
             with.resets
         );

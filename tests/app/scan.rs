@@ -1,4 +1,5 @@
-//! Scan and lock ordered over the link, on the simulated transducer: the loop-back has no resonance to find.
+//! Scan and lock ordered over the link, on the simulated transducer, because the loop-back has no
+//! resonance.
 
 use firmware::board::command::{Command, Reply, ResonanceReport};
 use firmware::seam::block::{Amplitude, Gate};
@@ -10,10 +11,11 @@ use plant::Plant;
 use scene::load::load;
 use scene::settings;
 
-use super::PATIENCE;
+use super::STARTS_WITHIN;
 
-/// Blocks that certainly suffice for a scan or for a lock, and the series resonance of the scene's stack, Hz.
-const LONG: u64 = 20_000;
+/// Number of blocks that is sufficient for a scan or for a lock.
+const LOCKS_WITHIN: u64 = 20_000;
+/// Series resonance of the scene's stack, Hz.
 const RESONANCE_HZ: f32 = 40_520.0;
 
 fn on_transducer(queues: &mut Queues) -> Bench<'_, Tracer<Plant>> {
@@ -23,12 +25,12 @@ fn on_transducer(queues: &mut Queues) -> Bench<'_, Tracer<Plant>> {
     Bench::new(queues, &setup, Tracer::new(Plant::new(&scene), 8)).unwrap()
 }
 
-/// A transducer that has been scanned.
+/// Returns a bench whose transducer has been scanned.
 fn scanned(queues: &mut Queues) -> Bench<'_, Tracer<Plant>> {
     let mut bench = on_transducer(queues);
     assert_eq!(bench.ask(Command::Scan), Some(Reply::Ack));
-    assert!(bench.run_until(|report| report.mode == Mode::Scan, PATIENCE).is_some());
-    assert!(bench.run_until(|report| report.mode != Mode::Scan, LONG).is_some());
+    assert!(bench.run_until(|report| report.mode == Mode::Scan, STARTS_WITHIN).is_some());
+    assert!(bench.run_until(|report| report.mode != Mode::Scan, LOCKS_WITHIN).is_some());
     bench
 }
 
@@ -43,23 +45,23 @@ fn a_scan_reports_the_transducer_and_falls_silent() {
     let mut bench = scanned(&mut queues);
     let found = bench.latest().unwrap().transducer.unwrap();
     assert!((found.series_resonance_hz - RESONANCE_HZ).abs() < 5.0, "{found:?}");
-    bench.blocks(PATIENCE);
+    bench.blocks(STARTS_WITHIN);
     assert_eq!((bench.mode(), bench.fault(), bench.enable.is_high()), (Mode::Idle, None, false));
     assert!(is_silent(&mut bench));
 }
 
 #[test]
-fn an_order_after_a_finished_scan_gives_no_edge_on_the_enable_pin() {
+fn orders_after_a_scan_cause_no_edge_of_the_enable() {
     let mut queues = Queues::default();
     let mut bench = scanned(&mut queues);
-    bench.blocks(PATIENCE);
+    bench.blocks(STARTS_WITHIN);
     let edges = bench.enable.changes().len();
     for gate in [Gate::Off, Gate::On] {
         assert_eq!(bench.ask(Command::Gate(gate)), Some(Reply::Ack));
         bench.blocks(8);
     }
     assert_eq!(bench.enable.changes().len(), edges);
-    // A new attempt does raise it, before the block that begins it.
+    // A new attempt raises the pin, before the block that begins it.
     assert_eq!(bench.ask(Command::Scan), Some(Reply::Ack));
     assert!(bench.enable.is_high());
 }
@@ -70,8 +72,8 @@ fn the_resonances_are_listed_over_the_link() {
     let mut bench = on_transducer(&mut queues);
     assert_eq!(bench.ask(Command::Resonances), Some(Reply::Resonances(ResonanceReport::default())));
     assert_eq!(bench.ask(Command::Scan), Some(Reply::Ack));
-    assert!(bench.run_until(|report| report.transducer.is_some(), LONG).is_some());
-    bench.blocks(PATIENCE);
+    assert!(bench.run_until(|report| report.transducer.is_some(), LOCKS_WITHIN).is_some());
+    bench.blocks(STARTS_WITHIN);
     let Some(Reply::Resonances(report)) = bench.ask(Command::Resonances) else { panic!("no list") };
     let found = report.found[0].unwrap();
     assert!((found.hz - RESONANCE_HZ).abs() < 1.0 && (found.q - 64.6).abs() < 0.5, "{report:?}");
@@ -79,12 +81,12 @@ fn the_resonances_are_listed_over_the_link() {
 }
 
 #[test]
-fn what_is_not_a_scan_order_does_not_repeat_a_scan() {
+fn other_orders_do_not_repeat_a_scan() {
     let mut queues = Queues::default();
     let mut bench = scanned(&mut queues);
     for command in [Command::Gate(Gate::On), Command::Amplitude(Some(Amplitude::Volts(1.0))), Command::TelemetryEvery(10)] {
         assert_eq!(bench.ask(command), Some(Reply::Ack));
-        bench.blocks(PATIENCE);
+        bench.blocks(STARTS_WITHIN);
         assert_eq!((bench.mode(), is_silent(&mut bench)), (Mode::Idle, true), "{command:?}");
     }
 }
@@ -94,7 +96,7 @@ fn a_scan_order_repeats_a_scan() {
     let mut queues = Queues::default();
     let mut bench = scanned(&mut queues);
     assert_eq!(bench.ask(Command::Scan), Some(Reply::Ack));
-    assert!(bench.run_until(|report| report.mode == Mode::Scan, PATIENCE).is_some());
+    assert!(bench.run_until(|report| report.mode == Mode::Scan, STARTS_WITHIN).is_some());
 }
 
 #[test]
@@ -102,7 +104,7 @@ fn a_run_locks_on_the_resonance() {
     let mut queues = Queues::default();
     let mut bench = on_transducer(&mut queues);
     assert_eq!((bench.ask(Command::Gate(Gate::On)), bench.ask(Command::Run)), (Some(Reply::Ack), Some(Reply::Ack)));
-    assert!(bench.run_until(|report| report.mode == Mode::Run && report.locked, LONG).is_some(), "{:?}", bench.latest());
+    assert!(bench.run_until(|report| report.mode == Mode::Run && report.locked, LOCKS_WITHIN).is_some(), "{:?}", bench.latest());
     bench.blocks(2000);
     let report = bench.latest().unwrap();
     assert!((report.frequency.0 - RESONANCE_HZ).abs() < 5.0 && report.locked && report.fault.is_none(), "{report:?}");
@@ -114,7 +116,7 @@ fn the_emergency_stop_ends_a_scan() {
     let mut queues = Queues::default();
     let mut bench = on_transducer(&mut queues);
     bench.ask(Command::Scan);
-    assert!(bench.run_until(|report| report.mode == Mode::Scan, PATIENCE).is_some());
+    assert!(bench.run_until(|report| report.mode == Mode::Scan, STARTS_WITHIN).is_some());
     bench.blocks(100);
     bench.press_stop();
     bench.poll();

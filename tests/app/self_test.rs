@@ -1,4 +1,4 @@
-//! The self-test: what is wrong is named, muted, and reported by number over the link.
+//! Self-test: a defect is identified, mutes the drive, and is reported by number over the link.
 
 use firmware::board::command::{Command, Reply};
 use firmware::seam::block::LATENCY_BLOCKS;
@@ -9,20 +9,20 @@ use hal_mock::bench::{Bench, Queues, Setup};
 
 use super::*;
 
-/// Orders a run on `load`, with `broken` broken, and says how it ends.
+/// Orders a run on `load` with these faults, and returns the number of the resulting fault.
 fn end_of_self_test(setup: &Setup, load: LoopBack, broken: &[FaultKind]) -> Option<u8> {
     let mut queues = Queues::default();
     let mut bench = Bench::new(&mut queues, setup, load_of(setup, load)).unwrap();
     broken.iter().for_each(|&kind| bench.analog().inner.strike(kind));
     bench.ask(Command::TelemetryEvery(1));
     assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
-    bench.run_until(|report| matches!(report.mode, Mode::Fault | Mode::Run), PATIENCE).unwrap();
+    bench.run_until(|report| matches!(report.mode, Mode::Fault | Mode::Run), STARTS_WITHIN).unwrap();
     let muted_by = bench.latest().unwrap().block as u64 + LATENCY_BLOCKS as u64;
     bench.blocks(20);
     bench.host.receive(usize::MAX);
     let fault = bench.host.telemetry().last().unwrap().1.fault;
     if fault.is_some() {
-        assert!(last_sounding(&mut bench).is_none_or(|block| block < muted_by));
+        assert!(last_driven(&mut bench).is_none_or(|block| block < muted_by));
         assert!(!bench.enable.is_high());
     }
     assert!(peak(&played(&mut bench, 0)) <= if fault.is_some() { 50 } else { 300 });
@@ -57,12 +57,12 @@ fn a_hundredfold_current_is_a_shorted_load() {
 }
 
 #[test]
-fn a_sensor_that_stands_at_its_end_is_saturated() {
+fn a_sensor_at_the_end_of_its_range_is_saturated() {
     assert_eq!(end_with(&[FaultKind::Saturation]), Some(28));
 }
 
 #[test]
-fn a_sensor_that_is_stuck_or_off_is_implausible() {
+fn a_stuck_or_offset_sensor_is_implausible() {
     assert_eq!(end_with(&[FaultKind::SensorStuck]), Some(20));
     assert_eq!((end_with(&[FaultKind::SensorOffset(110)]), end_with(&[FaultKind::SensorOffset(-110)])), (Some(20), Some(20)));
 }
@@ -73,7 +73,7 @@ fn a_small_offset_is_removed() {
     let mut queues = Queues::default();
     let setup = Setup::default();
     let mut bench = ordered_to_run_with(&mut queues, &setup, &[FaultKind::SensorOffset(90)]);
-    bench.blocks(PATIENCE);
+    bench.blocks(STARTS_WITHIN);
     let v = bench.latest().unwrap().v;
     assert!((v.re.hypot(v.im) - 3.0).abs() < 0.02, "{v}");
 }
@@ -94,12 +94,12 @@ fn a_scan_finds_no_resonance_in_a_capacitor() {
         let mut queues = Queues::default();
         let mut bench = bench(&mut queues, &setup);
         assert_eq!(bench.ask(command), Some(Reply::Ack));
-        assert!(bench.run_until(|report| report.mode == Mode::Scan, PATIENCE).is_some());
+        assert!(bench.run_until(|report| report.mode == Mode::Scan, STARTS_WITHIN).is_some());
         assert!(bench.run_until(|report| report.mode != Mode::Scan, 10_000).is_some());
         assert_eq!((bench.mode(), bench.fault().map(Fault::code)), (Mode::Fault, Some(30)));
         let found = u64::from(bench.latest().unwrap().block);
         bench.blocks(20);
-        assert_eq!(last_sounding(&mut bench), Some(found + LATENCY_BLOCKS as u64 - 1));
+        assert_eq!(last_driven(&mut bench), Some(found + LATENCY_BLOCKS as u64 - 1));
         assert_eq!(peak(&played(&mut bench, 0)), 100);
     }
 }

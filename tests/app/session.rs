@@ -1,4 +1,5 @@
-//! Sessions: a frame that was left over in a buffer, or comes from another host, changes nothing, and does not show that the host is there.
+//! Sessions: a frame from an old buffer or from another host has no effect, and does not count as a
+//! sign of the host.
 
 use firmware::board::capture::{Arm, CaptureVerb, Trigger};
 use firmware::board::command::{Command, Reply, Verb};
@@ -16,10 +17,10 @@ use proptest::prelude::*;
 use super::frame::frame;
 use super::*;
 
-/// The refusal of a frame of another session.
-const REFUSED: Reply = Reply::Nak(Refusal::Session);
+/// Answer to a frame of another session.
+const SESSION_REFUSED: Reply = Reply::Nak(Refusal::Session);
 
-/// One command of each kind.
+/// Returns one command of each kind.
 fn commands() -> Vec<Command> {
     vec![
         Command::Idle,
@@ -50,7 +51,7 @@ fn commands() -> Vec<Command> {
     ]
 }
 
-/// What the board answers to a command in a frame of this session.
+/// Returns the board's answer to a command in a frame of this session.
 fn answer(bench: &mut Bench<Load>, session: u32, command: Command) -> Reply {
     bench.host.receive(usize::MAX);
     bench.host.forget();
@@ -60,7 +61,7 @@ fn answer(bench: &mut Bench<Load>, session: u32, command: Command) -> Reply {
     bench.host.answer_to(9).expect("an answer")
 }
 
-/// Begins a session with this number, and returns what the board calls it.
+/// Begins a session with this nonce, and returns its number.
 fn begin(bench: &mut Bench<Load>, nonce: u32) -> u32 {
     match answer(bench, NO_SESSION, Command::Identify(nonce)) {
         Reply::Identity(identity) => identity.session,
@@ -71,22 +72,22 @@ fn begin(bench: &mut Bench<Load>, nonce: u32) -> u32 {
 #[test]
 fn before_any_session_every_command_is_refused() {
     let mut queues = Queues::default();
-    let mut bench = strange(&mut queues, &Setup::default());
+    let mut bench = new_bench(&mut queues, &Setup::default());
     for session in [NO_SESSION, 1, 0x1234_5678, u32::MAX] {
         for command in commands() {
-            assert_eq!(answer(&mut bench, session, command), REFUSED, "{command:?} in {session}");
+            assert_eq!(answer(&mut bench, session, command), SESSION_REFUSED, "{command:?} in {session}");
             bench.blocks(2);
         }
     }
-    // Nor does a frame without a session, or without a meaning, belong to one.
+    // A frame without a session, or a meaningless one, is refused too.
     for body in [&[][..], &[99], &[4, 77]] {
         bench.host.send_bytes(&frame(VERSION, 9, NO_SESSION, body)).unwrap();
         bench.poll();
         bench.host.receive(usize::MAX);
-        assert_eq!(bench.host.answer_to(9), Some(REFUSED));
+        assert_eq!(bench.host.answer_to(9), Some(SESSION_REFUSED));
     }
-    bench.blocks(PATIENCE);
-    assert_eq!((bench.mode(), last_sounding(&mut bench), bench.watchdog.resets()), (Mode::Idle, None, 0));
+    bench.blocks(STARTS_WITHIN);
+    assert_eq!((bench.mode(), last_driven(&mut bench), bench.watchdog.resets()), (Mode::Idle, None, 0));
     assert!(bench.host.telemetry().next().is_none() && bench.power_off().bytes().iter().all(|&byte| byte == 0xff));
 }
 
@@ -99,42 +100,42 @@ fn a_frame_of_an_earlier_session_is_refused_and_drives_nothing() {
     let present = begin(&mut bench, 2);
     assert_ne!(earlier, present);
     for command in commands() {
-        assert_eq!(answer(&mut bench, earlier, command), REFUSED, "{command:?}");
+        assert_eq!(answer(&mut bench, earlier, command), SESSION_REFUSED, "{command:?}");
         bench.blocks(2);
     }
-    bench.blocks(PATIENCE);
-    assert_eq!((bench.mode(), last_sounding(&mut bench), bench.watchdog.resets()), (Mode::Idle, None, 0));
+    bench.blocks(STARTS_WITHIN);
+    assert_eq!((bench.mode(), last_driven(&mut bench), bench.watchdog.resets()), (Mode::Idle, None, 0));
     assert_eq!(answer(&mut bench, present, Command::Run), Reply::Ack);
-    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
-    // Nor does it stop what the present host drives.
+    assert!(bench.run_until(|report| report.mode == Mode::Run, STARTS_WITHIN).is_some());
+    // The old session cannot stop the drive of the present host either.
     for command in [Command::Idle, Command::Gate(Gate::Off), Command::Reset] {
-        assert_eq!(answer(&mut bench, earlier, command), REFUSED);
+        assert_eq!(answer(&mut bench, earlier, command), SESSION_REFUSED);
     }
     bench.blocks(10);
     assert_eq!(bench.mode(), Mode::Run);
 }
 
 #[test]
-fn a_repeated_request_gives_the_same_session_and_another_number_another_one() {
+fn each_nonce_has_its_own_session() {
     let mut queues = Queues::default();
-    let mut bench = strange(&mut queues, &Setup::default());
+    let mut bench = new_bench(&mut queues, &Setup::default());
     let first = begin(&mut bench, 77);
     bench.blocks(100);
-    // Its answer was lost.
+    // As after a lost answer.
     assert_eq!((begin(&mut bench, 77), answer(&mut bench, first, Command::Gate(Gate::On))), (first, Reply::Ack));
     let second = begin(&mut bench, 78);
     assert!(first != second && second != NO_SESSION);
-    assert_eq!(answer(&mut bench, first, Command::Status), REFUSED);
+    assert_eq!(answer(&mut bench, first, Command::Status), SESSION_REFUSED);
     assert!(matches!(answer(&mut bench, second, Command::Status), Reply::Status(Some(_))));
 }
 
 #[test]
-fn the_answer_has_the_session_of_its_command_and_telemetry_the_present_one() {
+fn answers_carry_the_session_of_their_command() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     let first = bench.host.session();
     bench.ask(Command::TelemetryEvery(1));
-    // The recorder answers a block later, when another session has begun.
+    // The recorder answers one block later, after another session has begun.
     let asked = bench.host.send(Command::Capture(CaptureVerb::Arm(Arm { trigger: Trigger::Now, before: 0, lane: 0 }))).unwrap();
     bench.poll();
     let request = bench.host.send(Command::Identify(5)).unwrap();
@@ -162,33 +163,34 @@ fn is_telemetry(reply: &Reply) -> bool {
 }
 
 #[test]
-fn a_conversation_that_comes_again_does_not_drive() {
-    // That of an earlier host; and that of the present one, in whose session nothing else has been said since.
+fn a_replayed_conversation_does_not_drive() {
+    // The conversation of an earlier host, or that of the present one, whose session has had no
+    // other command since.
     for ended in [true, false] {
         let mut queues = Queues::default();
-        let mut bench = strange(&mut queues, &Setup::default());
+        let mut bench = new_bench(&mut queues, &Setup::default());
         let session = begin(&mut bench, 7);
         let said = [Command::Patience(0.0), Command::Gate(Gate::On), Command::Run];
         let frames = said.iter().zip(10..).map(|(&command, number)| encode(number, session, command).unwrap().to_vec());
         let conversation: Vec<u8> =
             encode(9, NO_SESSION, Command::Identify(7)).unwrap().into_iter().chain(frames.flatten()).collect();
         bench.host.send_bytes(&conversation).unwrap();
-        assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
+        assert!(bench.run_until(|report| report.mode == Mode::Run, STARTS_WITHIN).is_some());
         assert_eq!(answer(&mut bench, session, Command::Idle), Reply::Ack);
-        bench.blocks(PATIENCE);
-        let silent_from = last_sounding(&mut bench);
+        bench.blocks(STARTS_WITHIN);
+        let silent_from = last_driven(&mut bench);
         let present = if ended { begin(&mut bench, 8) } else { session };
         for again in 0..3 {
             bench.host.forget();
             bench.host.send_bytes(&conversation).unwrap();
-            bench.blocks(PATIENCE);
+            bench.blocks(STARTS_WITHIN);
             bench.host.receive(usize::MAX);
             let answers: Vec<Reply> = (10..13).filter_map(|number| bench.host.answer_to(number)).collect();
-            assert_eq!(answers, [REFUSED; 3], "{ended}, time {again}");
-            assert_eq!((bench.mode(), last_sounding(&mut bench)), (Mode::Idle, silent_from));
+            assert_eq!(answers, [SESSION_REFUSED; 3], "{ended}, time {again}");
+            assert_eq!((bench.mode(), last_driven(&mut bench)), (Mode::Idle, silent_from));
         }
-        // The present host learns of it by name, and has to connect again.
-        assert_eq!(answer(&mut bench, present, Command::Run), REFUSED);
+        // The present host is informed by the refusal, and must connect again.
+        assert_eq!(answer(&mut bench, present, Command::Run), SESSION_REFUSED);
         let next = begin(&mut bench, 9);
         assert_eq!(answer(&mut bench, next, Command::Run), Reply::Ack);
     }
@@ -202,24 +204,24 @@ fn a_session_ends_with_a_reset() {
     bench.blocks(123);
     let session = begin(&mut bench, 7);
     assert_eq!(answer(&mut bench, session, Command::Gate(Gate::On)), Reply::Ack);
-    let mut bench = strange(after, &Setup { flash: bench.power_off(), ..Setup::default() });
-    assert_eq!(answer(&mut bench, session, Command::Run), REFUSED);
+    let mut bench = new_bench(after, &Setup { flash: bench.power_off(), ..Setup::default() });
+    assert_eq!(answer(&mut bench, session, Command::Run), SESSION_REFUSED);
     bench.blocks(40);
     assert_ne!(begin(&mut bench, 7), session);
-    assert_eq!(answer(&mut bench, session, Command::Run), REFUSED);
-    bench.blocks(PATIENCE);
-    assert_eq!(last_sounding(&mut bench), None);
+    assert_eq!(answer(&mut bench, session, Command::Run), SESSION_REFUSED);
+    bench.blocks(STARTS_WITHIN);
+    assert_eq!(last_driven(&mut bench), None);
 }
 
 #[test]
-fn foreign_frames_do_not_keep_a_drive_whose_host_has_gone() {
+fn foreign_frames_do_not_prevent_the_host_timeout() {
     // 400 blocks of 32 us.
     let setup = setup(|config| config.link = Link { patience_s: 12.8e-3 });
     let foreign: [(&str, Command, bool); 4] = [
         ("an order of another session", Command::Run, true),
         ("a question of another session", Command::Status, true),
         ("a timeout of another session", Command::Patience(0.0), true),
-        ("requests for a session, and nothing in it", Command::Identify(3), false),
+        ("requests for a session, and nothing else in it", Command::Identify(3), false),
     ];
     for (what, command, is_refused) in foreign {
         let mut queues = Queues::default();
@@ -227,15 +229,15 @@ fn foreign_frames_do_not_keep_a_drive_whose_host_has_gone() {
         let session = bench.host.session();
         bench.ask(Command::Status);
         for n in 0..11_u32 {
-            // A new number each time: no two requests are copies.
+            // A new nonce each time, so that no request repeats an earlier one.
             let command = if is_refused { command } else { Command::Identify(n) };
-            assert_eq!(answer(&mut bench, session ^ 0x10, command) == REFUSED, is_refused, "{what}");
+            assert_eq!(answer(&mut bench, session ^ 0x10, command) == SESSION_REFUSED, is_refused, "{what}");
             bench.blocks(40);
         }
         assert_eq!(bench.fault(), Some(Fault::HostLost), "{what}");
         assert!(!bench.enable.is_high());
-        // The fault goes by an order of the session only.
-        assert_eq!(answer(&mut bench, session ^ 0x10, Command::ClearFault), REFUSED);
+        // Only an order of the session clears the fault.
+        assert_eq!(answer(&mut bench, session ^ 0x10, Command::ClearFault), SESSION_REFUSED);
         bench.blocks(10);
         assert_eq!(bench.fault(), Some(Fault::HostLost));
         let present = begin(&mut bench, 99);
@@ -246,16 +248,16 @@ fn foreign_frames_do_not_keep_a_drive_whose_host_has_gone() {
 }
 
 #[test]
-fn another_host_that_connects_leaves_the_drive_and_its_timeout_as_they_were() {
+fn another_host_does_not_change_the_drive_or_its_timeout() {
     let setup = setup(|config| config.link = Link { patience_s: 12.8e-3 });
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &setup);
     let driver = bench.host.session();
     let observer = begin(&mut bench, 2);
     for _ in 0..10 {
-        // It is the host now: as long as it asks, there is one.
+        // The observer is the host now: its queries prevent the loss of the host.
         assert!(matches!(answer(&mut bench, observer, Command::Status), Reply::Status(_)));
-        assert_eq!(answer(&mut bench, driver, Command::Status), REFUSED);
+        assert_eq!(answer(&mut bench, driver, Command::Status), SESSION_REFUSED);
         bench.blocks(300);
         assert_eq!((bench.mode(), bench.fault()), (Mode::Run, None));
     }
@@ -267,13 +269,14 @@ proptest! {
     #![proptest_config(cases(64))]
 
     #[test]
-    fn only_the_session_that_began_last_is_obeyed(
+    fn only_the_latest_session_is_obeyed(
         steps in prop::collection::vec((0_usize..25, any::<u32>(), 0_u8..8, 0_u64..30), 1..60),
     ) {
-        // Two boards: one is sent all, the other what is of the present session, and all requests for one.
+        // Two boards: one receives all frames, the other only those of the present session and all
+        // requests for a session.
         let mut queues = [Queues::default(), Queues::default()];
         let [all, own] = &mut queues;
-        let (mut all, mut own) = (strange(all, &Setup::default()), strange(own, &Setup::default()));
+        let (mut all, mut own) = (new_bench(all, &Setup::default()), new_bench(own, &Setup::default()));
         let (mut present, mut former) = (NO_SESSION, Vec::new());
         for (command, number, kind, blocks) in steps {
             let command = commands()[command];
@@ -293,7 +296,9 @@ proptest! {
                 _ => None,
             };
             match foreign {
-                Some(session) if session != present || session == NO_SESSION => prop_assert_eq!(answer(&mut all, session, command), REFUSED),
+                Some(session) if session != present || session == NO_SESSION => {
+                    prop_assert_eq!(answer(&mut all, session, command), SESSION_REFUSED);
+                }
                 _ if kind == 0 => {}
                 _ => {
                     let send = |bench: &mut Bench<Load>| {

@@ -1,4 +1,4 @@
-//! Settings in flash, whenever power goes and whatever the flash contains.
+//! Settings in flash, with power cuts at any time and any contents of the flash.
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use firmware::board::parameters::Overrides;
@@ -9,13 +9,14 @@ use firmware::seam::error::Error;
 use hal_mock::chance::Chance;
 use hal_mock::flash::{Damage, Flash, PAGE_BYTES, WORD_BYTES};
 
-/// Trims that are identified by a number.
+/// Returns trims that are identified by a number.
 fn trims(number: u16) -> LaneTrims {
     let lane = |lane: usize| Trim { phase_turns: 1e-5 * f32::from(number) + 0.01 * lane as f32, gain: 0.9 };
     (0..5).map(|point| TrimPoint { hz: 39e3 + 500.0 * point as f32, lanes: std::array::from_fn(lane) }).collect()
 }
 
-/// Trims and parameters that are identified by the same number: old ones beside new ones are no such record.
+/// Returns trims and parameters that are identified by the same number, so that a mixture of old
+/// and new ones is detected.
 fn record(number: u16) -> Record {
     let parameters: Overrides = (1..=9).map(|key| (key, f32::from(key) + f32::from(number))).collect();
     Record { trims: trims(number), parameters }
@@ -26,7 +27,7 @@ fn read(flash: &Flash) -> (Record, StoredState) {
 }
 
 #[test]
-fn an_empty_flash_has_nothing_and_looking_writes_nothing() {
+fn an_empty_flash_is_read_without_a_write() {
     let flash = Flash::new(4, 1);
     let mut settings = Settings::new(flash).unwrap();
     assert_eq!(settings.record(), (Record::default(), StoredState::Nothing));
@@ -34,7 +35,8 @@ fn an_empty_flash_has_nothing_and_looking_writes_nothing() {
     assert_eq!(settings.release().operations(), 0);
 }
 
-/// Stores record after record in so many pages, which must be there each time; returns how often pages were erased.
+/// Stores many records in this number of pages, and reads each back. Returns the number of page
+/// erases.
 fn wear(pages: usize, record: impl Fn(u16) -> Record) -> u32 {
     let mut settings = Settings::new(Flash::new(pages, 1)).unwrap();
     for number in 0..200 {
@@ -52,9 +54,10 @@ fn wear(pages: usize, record: impl Fn(u16) -> Record) -> u32 {
 }
 
 #[test]
-fn the_latest_record_stands_however_often_pages_go_round() {
+fn the_latest_record_survives_any_number_of_erases() {
     for pages in [4, 6, 10] {
-        // Of each record two copies: ten lane trims a page, or eight of them with nine parameters, and every page as often as any other.
+        // Two copies of each record: ten lane trims fit into a page, or eight of them with nine
+        // parameters. All pages wear equally.
         let alone = wear(pages, |number| Record { trims: trims(number), ..Record::default() });
         assert!(alone <= 2 * 201 / 9, "{alone}");
         let whole = wear(pages, record);
@@ -63,7 +66,7 @@ fn the_latest_record_stands_however_often_pages_go_round() {
 }
 
 #[test]
-fn storing_the_same_again_wears_nothing() {
+fn storing_the_same_record_again_writes_nothing() {
     let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
     settings.store(&record(1)).unwrap();
     let mut flash = settings.release();
@@ -76,7 +79,7 @@ fn storing_the_same_again_wears_nothing() {
     assert_eq!(flash.operations(), operations);
 }
 
-/// A flash that has been written so often that the next write comes to `filled` values in its pages.
+/// Returns a flash after this number of writes.
 fn filled(writes: u16, seed: u64) -> Flash {
     let mut settings = Settings::new(Flash::new(4, seed)).unwrap();
     (0..writes).for_each(|number| settings.store(&record(number)).unwrap());
@@ -86,7 +89,8 @@ fn filled(writes: u16, seed: u64) -> Flash {
 #[test]
 fn a_power_cut_leaves_the_old_or_the_new_record_whole() {
     let mut cuts = 0;
-    // Every state of the pages: none, the first of a page, its last, and the change to the next, with and without an erase.
+    // Every state of the pages: empty, the first of a page, its last, and the change to the next
+    // page, with and without an erase.
     for writes in (0..4).chain(12..20).chain(28..40).chain(60..72) {
         for seed in 0..4 {
             let flash = filled(writes, seed);
@@ -106,9 +110,9 @@ fn a_power_cut_leaves_the_old_or_the_new_record_whole() {
                 let mut settings = Settings::new(cut).unwrap();
                 let (now, state) = settings.record();
                 let whole = match state {
-                    // The copy that was being written is named, if the cut has left one that differs.
+                    // If the cut has left a differing copy, the state reports it.
                     StoredState::Stored | StoredState::OneCopy => now == old || now == record(1000),
-                    // Before the first write there was nothing to lose.
+                    // Before the first write there was no record to lose.
                     StoredState::Nothing | StoredState::Unfinished => writes == 0 && now.is_empty(),
                     _ => false,
                 };
@@ -127,13 +131,13 @@ fn a_power_cut_leaves_the_old_or_the_new_record_whole() {
 }
 
 #[test]
-fn power_that_goes_again_and_again_loses_nothing() {
+fn repeated_power_cuts_lose_no_record() {
     for seed in 0..12 {
         let mut chance = Chance::new(seed);
         let mut flash = filled(7, seed);
         let mut last = record(6);
         for number in 100..500 {
-            // Often before a value is whole, and sometimes after it.
+            // Often before a value is complete, and sometimes after it.
             flash.cut_power_after(chance.below(40));
             let mut settings = Settings::new(flash).unwrap();
             let stored = settings.store(&record(number));
@@ -170,7 +174,7 @@ fn any_content_of_the_flash_is_read_safely_and_can_be_replaced() {
     }
 }
 
-/// What a damaged word may be.
+/// Returns random damage of a word.
 fn damage(chance: &mut Chance) -> Damage {
     match chance.below(6) {
         0 | 1 => Damage::Unreadable,
@@ -187,7 +191,7 @@ fn damage(chance: &mut Chance) -> Damage {
 fn one_damaged_word_anywhere_leaves_the_last_record() {
     let (mut chance, mut named) = (Chance::new(1), 0);
     let mut words = 0;
-    // A page that has begun, one that is full, and the next; closed pages before them.
+    // A partly filled page, a full one, and the next; with closed pages before them.
     for (pages, writes) in [(4, 1), (4, 2), (4, 5), (4, 8), (4, 9), (6, 17), (8, 27)] {
         let mut settings = Settings::new(Flash::new(pages, 1)).unwrap();
         (0..writes).for_each(|number| settings.store(&record(number)).unwrap());
@@ -207,8 +211,8 @@ fn one_damaged_word_anywhere_leaves_the_last_record() {
             named += u32::from(state == StoredState::OneCopy);
             words += 1;
             let mut damaged = settings.release();
-            assert_eq!(damaged.operations(), operations, "looking writes nothing");
-            // Stored again, both copies are whole.
+            assert_eq!(damaged.operations(), operations, "reading must not write");
+            // After storing again, both copies are complete.
             if word % 7 == 0 {
                 let mut settings = Settings::new(damaged).unwrap();
                 settings.store(&last).unwrap();
@@ -224,7 +228,7 @@ fn one_damaged_word_anywhere_leaves_the_last_record() {
 }
 
 #[test]
-fn however_many_words_are_damaged_no_older_record_acts() {
+fn no_older_record_acts_after_any_damage() {
     let (mut chance, mut undecided, mut kept) = (Chance::new(2), 0, 0);
     for round in 0..6000 {
         let writes = 1 + chance.below(30) as u16;
@@ -236,7 +240,7 @@ fn however_many_words_are_damaged_no_older_record_acts() {
             .filter(|(_, word)| word.iter().any(|&byte| byte != 0xFF))
             .map(|(word, _)| word)
             .collect();
-        // Mostly where something is: one word in each half at least, so that no copy need be whole.
+        // Mostly in used words, and at least two, so that both copies may be damaged.
         for _ in 0..2 + chance.below(3) {
             let word =
                 if chance.below(4) > 0 { used[chance.below(used.len() as u64) as usize] } else { chance.below(4 * 256) as usize };
@@ -262,7 +266,7 @@ fn however_many_words_are_damaged_no_older_record_acts() {
 }
 
 #[test]
-fn a_record_of_which_one_copy_is_older_is_the_newer_one_by_name() {
+fn the_newer_of_two_copies_is_used_and_reported() {
     let mut flash = filled(3, 1);
     flash.cut_power_after(0);
     let mut settings = Settings::new(flash).unwrap();
@@ -270,7 +274,8 @@ fn a_record_of_which_one_copy_is_older_is_the_newer_one_by_name() {
     let mut flash = settings.release();
     flash.restore_power();
     assert_eq!(read(&flash), (record(2), StoredState::OneCopy));
-    // Both copies of the old take two writes; cut between them there is one of the new.
+    // Two writes replace both copies of the old record; a cut between them leaves one copy of the
+    // new one.
     let whole = filled(3, 1);
     let mut stored = Settings::new(whole.clone()).unwrap();
     stored.store(&record(9)).unwrap();

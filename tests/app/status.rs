@@ -1,4 +1,4 @@
-//! Status, the fault log, what started the board, and resets.
+//! Status, the fault log, the cause of the start, and resets.
 
 use firmware::board::command::{Command, Reply};
 use firmware::board::fault_log::{FaultReport, LOGGED_FAULTS};
@@ -24,14 +24,14 @@ fn status_is_the_latest_block() {
     let mut bench = bench(&mut queues, &Setup::default());
     assert_eq!(bench.ask(Command::Status), Some(Reply::Status(None)));
     bench.ask(Command::Run);
-    bench.blocks(PATIENCE);
+    bench.blocks(STARTS_WITHIN);
     let latest = *bench.latest().unwrap();
-    assert_eq!((latest.mode, latest.block), (Mode::Run, PATIENCE as u32 - 1));
+    assert_eq!((latest.mode, latest.block), (Mode::Run, STARTS_WITHIN as u32 - 1));
     assert_eq!(bench.ask(Command::Status), Some(Reply::Status(Some(latest))));
 }
 
 #[test]
-fn a_fault_is_logged_with_what_was_played_and_measured() {
+fn a_fault_is_logged_with_drive_and_measurements() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     assert_eq!(faults(&mut bench, 0), FaultReport { count: 0, entry: None, last_run: Start::PowerOn });
@@ -60,7 +60,7 @@ fn the_newest_fault_is_first_and_none_follows_the_last() {
         bench.ask(Command::ClearFault);
         bench.blocks(5);
         bench.ask(Command::Run);
-        assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
+        assert!(bench.run_until(|report| report.mode == Mode::Run, STARTS_WITHIN).is_some());
     }
     let entries: Vec<_> = (0..LOGGED_FAULTS as u8 + 1).map(|later| faults(&mut bench, later).entry).collect();
     let kinds: Vec<_> = entries.iter().flatten().map(|entry| entry.fault).collect();
@@ -71,7 +71,7 @@ fn the_newest_fault_is_first_and_none_follows_the_last() {
 }
 
 #[test]
-fn the_host_learns_what_started_the_board() {
+fn the_cause_of_the_start_is_reported() {
     let panic = Start::Panic(Place { file: FileName::of("firmware/src/controller.rs"), line: 311 });
     for start in [
         Start::PowerOn,
@@ -88,12 +88,12 @@ fn the_host_learns_what_started_the_board() {
 }
 
 #[test]
-fn a_reset_is_answered_before_it_comes_and_only_in_silence() {
+fn a_reset_is_answered_first_and_only_accepted_in_silence() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     assert_eq!(bench.ask(Command::Reset), Some(Reply::Nak(Refusal::Driving)));
     assert_eq!(bench.ask(Command::Idle), Some(Reply::Ack));
-    // The order to be silent has not been obeyed yet.
+    // The order to be silent has not taken effect yet.
     assert_eq!((bench.ask(Command::Reset), bench.watchdog.resets()), (Some(Reply::Nak(Refusal::Driving)), 0));
     bench.blocks(4);
     assert_eq!((bench.ask(Command::Reset), bench.watchdog.resets()), (Some(Reply::Ack), 1));
@@ -106,7 +106,7 @@ fn a_reset_is_answered_before_it_comes_and_only_in_silence() {
 }
 
 #[test]
-fn a_reset_waits_until_its_answer_has_left() {
+fn a_reset_waits_until_its_answer_is_sent() {
     let mut queues = Queues::default();
     let narrow = Wire { capacity: Some(4), when_full: WhenFull::Refuses };
     let mut bench = bench(&mut queues, &Setup { to_host: narrow, ..Setup::default() });
@@ -124,5 +124,5 @@ fn a_reset_waits_until_its_answer_has_left() {
     }
     bench.host.receive(usize::MAX);
     assert_eq!((bench.watchdog.resets(), bench.host.answer_to(reset)), (1, Some(Reply::Ack)));
-    assert_eq!(last_sounding(&mut bench), None);
+    assert_eq!(last_driven(&mut bench), None);
 }

@@ -1,4 +1,4 @@
-//! A limit that is stored is never exceeded after a restart, whatever else is stored beside it.
+//! Stored limits: after a restart they are never exceeded by any other stored value.
 
 use firmware::board::command::{Command, Reply, Verb};
 use firmware::board::parameters::{Overrides, PARAMETERS, ParameterReport};
@@ -41,7 +41,7 @@ fn trims(gains: &[f32]) -> LaneTrims {
     gains.iter().enumerate().map(point).collect()
 }
 
-/// Values that a parameter may have, its edges, and what nothing may have.
+/// Returns values of a parameter: permitted ones, the ends of its range, and impossible ones.
 fn value(key: u8) -> BoxedStrategy<f32> {
     let parameter = PARAMETERS.iter().find(|parameter| parameter.key == key);
     let built_in = parameter.map_or(1.0, |parameter| (parameter.read)(&Setup::default().config));
@@ -54,17 +54,18 @@ fn value(key: u8) -> BoxedStrategy<f32> {
     prop_oneof![4 => within, 4 => near, 2 => edges, 1 => wild].boxed()
 }
 
-/// Any record: up to half of the parameters, unknown keys, a key twice, and lane trims.
+/// Returns any record: up to half of the parameters, unknown keys, repeated keys, and lane trims.
 fn record() -> impl Strategy<Value = Record> {
     let entry = prop_oneof![12 => 1_u8..=21, 6 => 8_u8..=14, 1 => prop::sample::select(vec![0, 22, 255])]
         .prop_flat_map(|key| value(key).prop_map(move |value| (key, value)));
     let gain = prop_oneof![4 => 0.9_f32..=1.1, 2 => 0.0_f32..=2.0, 1 => prop::sample::select(vec![0.0, 1.02, 2.0])];
-    // Trims that cannot be are no record: neither written nor read.
+    // Impossible trims are excluded: they are neither written nor read as a record.
     (prop::collection::vec(entry, 0..=12), prop::collection::vec(gain, 0..=3))
         .prop_map(|(entries, gains)| Record { trims: trims(&gains), parameters: entries.into_iter().collect() })
 }
 
-/// The board as it may be built: with and without an encoder, tracking or not, with a drive of either kind, lanes that are trimmed.
+/// Returns any setup of a board: with or without an encoder, with or without tracking, with either
+/// kind of drive, and with trimmed lanes.
 fn board() -> impl Strategy<Value = Setup> {
     (any::<bool>(), 0_u8..3, 1_u8..=4, prop::sample::select(vec![1.0_f32, 0.8, 1.2])).prop_map(|(encoder, drive, lanes, gain)| {
         setup(|config| {
@@ -85,10 +86,10 @@ proptest! {
     #![proptest_config(cases(1500))]
 
     #[test]
-    fn of_any_record_the_limits_act_and_the_board_runs(mut setup in board(), record in record(), volts in 0.1_f32..100.0) {
+    fn the_limits_of_any_record_act_and_the_board_runs(mut setup in board(), record in record(), volts in 0.1_f32..100.0) {
         setup.flash = storing(&record);
         let mut queues = Queues::default();
-        // It starts, whatever is stored.
+        // The board starts with any stored record.
         let mut bench = bench(&mut queues, &setup);
         bench.blocks(4);
         let reports: Vec<ParameterReport> = PARAMETERS.iter().map(|parameter| get(&mut bench, parameter.key)).collect();
@@ -97,29 +98,31 @@ proptest! {
             let Some(of) = report(key) else { continue };
             let limit = PARAMETERS.iter().any(|parameter| parameter.key == key && parameter.is_limit());
             if limit && (key != ENERGY_PER_METRE || setup.config.front_end.metre_per_count.is_some()) {
-                // Below the least that it can be there is no limit, and it is that.
+                // A stored value below the least permitted one is replaced by that.
                 let most = if stored > of.min { stored } else { of.min };
                 prop_assert!(of.acts <= most, "{key}: {stored} stored, {of:?}");
             }
-            if of.acts.to_bits() != stored.to_bits() && !record.parameters.iter().any(|&(other, value)| other == key && value.to_bits() != stored.to_bits()) {
+            let differs = |&(other, value): &(u8, f32)| other == key && value.to_bits() != stored.to_bits();
+            if of.acts.to_bits() != stored.to_bits() && !record.parameters.iter().any(differs) {
                 let other_kind = [AMPLITUDE, CURRENT].contains(&key) && of.acts == 0.0;
                 let no_period = key == 20 && report(19).is_some_and(|period| period.acts == 0.0);
                 prop_assert!(matches!(of.stored, StoredState::Partly | StoredState::Refused) || other_kind || no_period, "{key}: {stored} stored, {of:?}");
             }
         }
-        // What acts is within what acts.
+        // The active drive values are within the active limits.
         let acts = |key: u8| report(key).map_or(f32::NAN, |of| of.acts);
         prop_assert!(acts(SCAN) <= acts(VOLTAGE_LIMIT) && acts(AMPLITUDE) <= acts(VOLTAGE_LIMIT) && acts(CURRENT) <= acts(9));
-        // Whatever a code is said to be worth, no limit is beyond the code of what is built in.
+        // With any stored scale, no limit exceeds the code of the built-in limit.
         for (limit, scale) in [(VOLTAGE_LIMIT, DRIVE_SCALE), (9, 2)] {
             let built_in = |key: u8| report(key).map_or(f32::NAN, |of| of.built_in);
             let (codes, most) = (acts(limit) / acts(scale), built_in(limit) / built_in(scale));
             prop_assert!(codes <= most * (1.0 + 1e-6), "{limit}: {codes} codes of {most}");
         }
-        // An order above a limit is held to it, on every lane.
+        // An order above a limit is reduced to it, on every lane.
         prop_assert_eq!(bench.ask(Command::Amplitude(Some(Amplitude::Volts(volts)))), Some(Reply::Ack));
-        // An energy for each metre of a belt that nothing counts does not act: then nothing is driven.
-        let unjudged = setup.config.front_end.metre_per_count.is_none() && report(ENERGY_PER_METRE).is_some_and(|of| of.next.is_finite());
+        // A limit of the energy per metre cannot act without an encoder: then nothing is driven.
+        let unjudged =
+            setup.config.front_end.metre_per_count.is_none() && report(ENERGY_PER_METRE).is_some_and(|of| of.next.is_finite());
         let answer = if unjudged { Reply::Nak(Refusal::LimitsUnsure) } else { Reply::Ack };
         prop_assert_eq!(bench.ask(Command::Run), Some(answer));
         bench.blocks(150);
@@ -131,7 +134,7 @@ proptest! {
     }
 
     #[test]
-    fn a_lowered_limit_acts_with_any_trims_and_the_trims_with_it(limit in 1e-3_f32..12.0, gains in prop::collection::vec(0.5_f32..=2.0, 1..=3)) {
+    fn a_lowered_limit_and_any_trims_act_together(limit in 1e-3_f32..12.0, gains in prop::collection::vec(0.5_f32..=2.0, 1..=3)) {
         let mut setup = setup(|config| config.lanes = 4);
         setup.flash = storing(&Record { trims: trims(&gains), parameters: Overrides::from_iter([(VOLTAGE_LIMIT, limit)]) });
         let mut queues = Queues::default();
@@ -139,12 +142,13 @@ proptest! {
         bench.blocks(4);
         prop_assert_eq!(get(&mut bench, VOLTAGE_LIMIT).acts, limit);
         let points = gains.len() as u8;
-        prop_assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == points));
+        let trims = bench.ask(Command::Settings(Verb::Trims(0)));
+        prop_assert!(matches!(trims, Some(Reply::Settings(report)) if report.points == points));
     }
 }
 
 #[test]
-fn a_limit_that_nothing_judges_is_refused_alone() {
+fn only_a_limit_without_its_sensor_is_refused() {
     for encoder in [false, true] {
         let mut setup = setup(|config| config.front_end.metre_per_count = encoder.then_some(1e-6));
         let mut queues = Queues::default();
@@ -152,9 +156,9 @@ fn a_limit_that_nothing_judges_is_refused_alone() {
         bench.blocks(4);
         let set = bench.ask(Command::Settings(Verb::Set(ENERGY_PER_METRE, 1000.0)));
         assert_eq!(set, Some(if encoder { Reply::Ack } else { Reply::Nak(Refusal::NotConfigured) }));
-        // None is none, and may be set.
+        // Removing the limit is always permitted.
         assert_eq!(bench.ask(Command::Settings(Verb::Set(ENERGY_PER_METRE, f32::INFINITY))), Some(Reply::Ack));
-        // As an image with an encoder has left it.
+        // As stored by an image with an encoder.
         let parameters = Overrides::from_iter([(VOLTAGE_LIMIT, 2.0), (ENERGY_PER_METRE, 1000.0), (21, 0.5)]);
         setup.flash = storing(&Record { trims: trims(&[1.02]), parameters });
         let mut queues = Queues::default();
@@ -169,8 +173,9 @@ fn a_limit_that_nothing_judges_is_refused_alone() {
 }
 
 #[test]
-fn each_that_does_not_fit_is_left_out_alone() {
-    // A band that no block can follow, and a duty beyond one, beside what can be.
+fn only_invalid_settings_are_left_out() {
+    // A bandwidth too large for the block rate, and a drive above its limit, together with valid
+    // values.
     let parameters =
         Overrides::from_iter([(4, 41e3), (AMPLITUDE, 11.0), (VOLTAGE_LIMIT, 5.0), (15, 60.0), (18, 1000.0), (21, 2.5)]);
     let mut setup = setup(|config| config.tracking.mode = TrackingMode::PhaseLock);
@@ -184,7 +189,7 @@ fn each_that_does_not_fit_is_left_out_alone() {
     assert_eq!((get(&mut bench, 18).next, get(&mut bench, 18).stored), (1000.0, StoredState::Refused));
 }
 
-/// Any records one after the other, of which the last one counts, and words that are damaged then.
+/// Returns a flash with several records, the last one stored, and damaged words.
 fn damaged_flash() -> impl Strategy<Value = (Record, Flash)> {
     let word = prop_oneof![3 => 0_usize..40, 3 => 512_usize..552, 2 => 0_usize..4 * PAGE_BYTES / WORD_BYTES];
     let bits = prop_oneof![2 => (0_u32..64).prop_map(|bit| 1_u64 << bit), 1 => any::<u64>(), 1 => Just(u64::MAX)];
@@ -202,7 +207,7 @@ proptest! {
     #![proptest_config(cases(3000))]
 
     #[test]
-    fn whatever_is_damaged_no_limit_acts_above_the_last_that_was_stored((record, flash) in damaged_flash(), mut setup in board()) {
+    fn no_damage_raises_a_stored_limit((record, flash) in damaged_flash(), mut setup in board()) {
         setup.flash = flash;
         let mut queues = Queues::default();
         let mut bench = bench(&mut queues, &setup);
@@ -222,7 +227,7 @@ proptest! {
         }
         prop_assert!(!(drives && above), "{record:?}");
         if !drives {
-            // It says why, and another order is refused alike.
+            // The refusal states the reason, and other orders are refused in the same way.
             prop_assert_eq!(bench.ask(Command::Scan), Some(Reply::Nak(Refusal::LimitsUnsure)));
             let stored = get(&mut bench, VOLTAGE_LIMIT).stored;
             prop_assert!(stored.hides_limits() || stored == StoredState::Refused, "{stored:?}");
@@ -230,7 +235,7 @@ proptest! {
     }
 }
 
-/// A board whose settings cannot be read, and the limit that was stored in them.
+/// Returns a flash whose stored settings, with a voltage limit, cannot be read.
 fn unreadable() -> Flash {
     let mut flash =
         storing(&Record { trims: LaneTrims::new(), parameters: Overrides::from_iter([(VOLTAGE_LIMIT, 2.0), (AMPLITUDE, 1.0)]) });
@@ -239,7 +244,7 @@ fn unreadable() -> Flash {
 }
 
 #[test]
-fn a_board_that_cannot_read_its_limits_drives_when_they_are_stored_again_or_cleared() {
+fn unreadable_limits_prevent_a_drive_until_stored_or_cleared() {
     for clears in [true, false] {
         let mut setup = setup(|_| {});
         setup.flash = unreadable();
@@ -255,12 +260,12 @@ fn a_board_that_cannot_read_its_limits_drives_when_they_are_stored_again_or_clea
         for verb in verbs {
             assert_eq!(bench.ask(Command::Settings(verb)), Some(Reply::Ack));
         }
-        // What acts is what acted at the start: not before a reset.
+        // The active limits are those of the start: the new ones act only after a reset.
         for order in [Command::Run, Command::Scan, Command::Calibrate] {
             assert_eq!(bench.ask(order), Some(Reply::Nak(Refusal::LimitsUnsure)));
         }
         bench.blocks(50);
-        assert!(played(&mut bench, 0).iter().all(|&code| code == MID));
+        assert!(played(&mut bench, 0).iter().all(|&code| code == MID_CODE));
         setup.flash = bench.power_off();
         let mut queues = Queues::default();
         let mut bench = super::bench(&mut queues, &setup);
@@ -271,7 +276,7 @@ fn a_board_that_cannot_read_its_limits_drives_when_they_are_stored_again_or_clea
 }
 
 #[test]
-fn a_record_of_which_one_copy_is_damaged_is_named_until_it_is_stored_again() {
+fn one_damaged_copy_is_reported_until_it_is_stored_again() {
     let mut setup = setup(|_| {});
     setup.flash = storing(&Record { trims: LaneTrims::new(), parameters: Overrides::from_iter([(VOLTAGE_LIMIT, 5.0)]) });
     setup.flash.damage(2, Damage::Flips([1; 8]));
@@ -280,14 +285,14 @@ fn a_record_of_which_one_copy_is_damaged_is_named_until_it_is_stored_again() {
     bench.blocks(4);
     let report = get(&mut bench, VOLTAGE_LIMIT);
     assert_eq!((report.acts, report.stored), (5.0, StoredState::OneCopy));
-    // For a drive within that limit.
+    // Set a drive within that limit.
     for key in [AMPLITUDE, SCAN] {
         assert_eq!(bench.ask(Command::Settings(Verb::Set(key, 1.0))), Some(Reply::Ack));
     }
     assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Ack));
     assert_eq!(get(&mut bench, VOLTAGE_LIMIT).stored, StoredState::Stored);
     assert_eq!(bench.ask(Command::Settings(Verb::Stores)), Some(Reply::Stores(2)));
-    // The other copy may go now.
+    // Now the other copy may be lost.
     setup.flash = bench.power_off();
     setup.flash.damage(2 * PAGE_BYTES / WORD_BYTES + 2, Damage::Flips([1; 8]));
     let mut queues = Queues::default();
@@ -297,13 +302,13 @@ fn a_record_of_which_one_copy_is_damaged_is_named_until_it_is_stored_again() {
 }
 
 #[test]
-fn what_would_not_build_together_is_refused_at_the_store_with_a_key() {
+fn an_invalid_combination_is_refused_at_the_store_with_a_key() {
     let mut queues = Queues::default();
     let mut setup = setup(|config| config.tracking.mode = TrackingMode::PhaseLock);
     setup.flash = storing(&Record { trims: LaneTrims::new(), parameters: Overrides::from_iter([(AMPLITUDE, 2.0), (SCAN, 2.0)]) });
     let mut bench = bench(&mut queues, &setup);
     bench.blocks(4);
-    // A drive of 2 V within a limit of 1 V.
+    // A drive of 2 V above a limit of 1 V.
     assert_eq!(bench.ask(Command::Settings(Verb::Set(VOLTAGE_LIMIT, 1.0))), Some(Reply::Ack));
     let refused = bench.ask(Command::Settings(Verb::Store));
     assert!(matches!(refused, Some(Reply::Nak(Refusal::DoesNotBuild(AMPLITUDE | SCAN)))), "{refused:?}");
@@ -312,7 +317,7 @@ fn what_would_not_build_together_is_refused_at_the_store_with_a_key() {
         assert_eq!(bench.ask(Command::Settings(Verb::Set(key, 0.5))), Some(Reply::Ack));
     }
     assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Ack));
-    // A waveform that nothing can be tracked by is of no single key.
+    // A waveform that prevents tracking is not an error of a single key.
     assert_eq!(bench.ask(Command::Settings(Verb::Set(64, 3.0))), Some(Reply::Ack));
     assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Nak(Refusal::DoesNotBuild(0))));
     let (record, state) = Settings::new(bench.power_off()).unwrap().record();

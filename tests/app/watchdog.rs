@@ -1,4 +1,4 @@
-//! The watchdog is fed while blocks come, and only then.
+//! The watchdog is fed only while blocks are served.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use hal_mock::bench::{Queues, Setup};
 use super::*;
 
 #[test]
-fn is_fed_while_blocks_come_whatever_the_mode() {
+fn is_fed_in_any_mode_while_blocks_are_served() {
     let mut queues = Queues::default();
     let setup = Setup { poll_every: 8, watchdog: Duration::from_millis(1), ..Setup::default() };
     let mut bench = running(&mut queues, &setup);
@@ -18,7 +18,7 @@ fn is_fed_while_blocks_come_whatever_the_mode() {
 }
 
 #[test]
-fn bites_within_its_time_when_the_block_stream_dies() {
+fn expires_within_its_period_without_blocks() {
     let mut queues = Queues::default();
     let setup = Setup { watchdog: Duration::from_millis(5), ..Setup::default() };
     let mut bench = running(&mut queues, &setup);

@@ -1,4 +1,5 @@
-//! Where counters of the background task come round: the number of a block after 38 hours, those of frames after 65 536.
+//! Wrap of the counters of the background task: block numbers wrap after 38 hours, frame numbers
+//! after 65 536.
 
 use firmware::board::app::{App, Peripherals};
 use firmware::board::power_up::PowerUp;
@@ -17,7 +18,7 @@ use super::*;
 
 type Task<'a> = App<'a, End, Output, Input, Watchdog, hal_mock::flash::Flash>;
 
-/// A background task whose reports come from the test, with any number of a block.
+/// Returns a background task whose reports come from the test, with any block number.
 fn task<'a>(queues: &'a mut Queues, clock: &Clock) -> (Task<'a>, BlockEnds<'a>, Host) {
     let setup = Setup::default();
     let mut settings = Settings::new(setup.flash.clone()).unwrap();
@@ -35,7 +36,8 @@ fn task<'a>(queues: &'a mut Queues, clock: &Clock) -> (Task<'a>, BlockEnds<'a>, 
     (App::new(peripherals, slow, &power_up), hot, Host::new(host_end))
 }
 
-/// Numbers of the blocks whose reports are sent, each as the distance from the first block, and the block in which the host is found to be lost.
+/// Returns the blocks whose reports are sent, relative to the first block, and the block in which
+/// the host counts as lost.
 fn reports(first: u32) -> (Vec<u32>, Option<u32>) {
     let (clock, mut queues) = (Clock::new(1_000_000), Queues::default());
     let (mut app, mut block, mut host) = task(&mut queues, &clock);
@@ -43,13 +45,13 @@ fn reports(first: u32) -> (Vec<u32>, Option<u32>) {
     for n in 0..2000 {
         let Some(report) = block.read.dequeue() else { panic!("no report is free") };
         report.block = first.wrapping_add(n);
-        // Only once the host has been heard: a board counts from zero, and this one does not.
+        // The run begins after the first frames of the host.
         report.mode = if n > 5 { Mode::Run } else { Mode::Idle };
         let Ok(()) = block.reports.enqueue(report) else { panic!("no room for a report") };
         match n {
             2 => drop(host.send(Command::Identify(1)).unwrap()),
             5 => drop(host.send(Command::TelemetryEvery(7)).unwrap()),
-            // 32 ms, which are 1000 blocks.
+            // 32 ms are 1000 blocks.
             20 => drop(host.send(Command::Patience(0.032)).unwrap()),
             _ => {}
         }
@@ -66,7 +68,7 @@ fn reports(first: u32) -> (Vec<u32>, Option<u32>) {
 }
 
 #[test]
-fn telemetry_and_the_host_timeout_keep_their_time_where_the_number_of_a_block_comes_round() {
+fn telemetry_and_host_timeout_survive_a_wrap_of_the_block_number() {
     let far = reports(1000);
     assert_eq!((far.0.len(), far.0[0], far.0[1], far.1), (285, 5, 12, Some(1021)));
     for before in [1, 6, 12, 700, 1021] {
@@ -75,7 +77,7 @@ fn telemetry_and_the_host_timeout_keep_their_time_where_the_number_of_a_block_co
 }
 
 #[test]
-fn numbers_of_frames_come_round_and_none_is_left_out() {
+fn frame_numbers_wrap_without_a_gap() {
     const MORE: u64 = 70_000;
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
@@ -88,7 +90,8 @@ fn numbers_of_frames_come_round_and_none_is_left_out() {
         let [(before, block), (after, next)] = pair else { continue };
         assert_eq!((after.wrapping_sub(*before), next.wrapping_sub(*block)), (1, 1));
     }
-    // The host's own number: each command has its own answer, before and after it comes round.
+    // Numbers of the host's frames: each command has its own answer, before and after the number
+    // wraps.
     let mut queues = Queues::default();
     let mut bench = super::bench(&mut queues, &Setup::default());
     for _ in 0..300 {

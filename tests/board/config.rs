@@ -1,4 +1,4 @@
-//! What the board is configured with: a controller can be built of it, and its scales agree with its circuit.
+//! Configuration of the board: it is valid, and its scales agree with its circuit.
 
 use firmware::controller::Controller;
 use nucleo_g474re::blocks::BLOCK;
@@ -19,7 +19,7 @@ fn a_controller_can_be_built_for_one_two_and_four_lanes() {
 #[test]
 fn scales_are_those_of_the_circuit() {
     let front_end = config().front_end;
-    // 3.3 V / 4096 = 0.806 mV a code of either converter, twice as fine for a sum of two.
+    // 3.3 V / 4096 = 0.806 mV per code of either converter, half of that for a sum of two.
     assert!((front_end.drive_volt_per_lsb - 8.057e-3).abs() < 1e-6, "{}", front_end.drive_volt_per_lsb);
     assert!((front_end.volt_per_lsb - 5.035e-3).abs() < 1e-6, "{}", front_end.volt_per_lsb);
     assert!((front_end.ampere_per_lsb - 1.0071e-3).abs() < 1e-7, "{}", front_end.ampere_per_lsb);

@@ -1,4 +1,5 @@
-//! The dummy load of docs/board.md: what its parts come to, and that the board's configuration takes it for a stack.
+//! The dummy load of docs/board.md: its electrical values, and that the board's configuration
+//! accepts it as a stack.
 //!
 //!     cargo test -p scenarios board::dummy_load -- --nocapture
 //!
@@ -8,17 +9,21 @@ use std::f64::consts::{PI, SQRT_2};
 
 use nucleo_g474re::config::{config, range_a};
 
-/// The parts: a coil of this inductance with its loss at 40 kHz, capacitors, resistors; H, ohm, F, ohm, F.
+/// Inductance of the coil, H.
 const L_H: f64 = 820e-6;
+/// Loss resistance of the coil at 40 kHz, ohm.
 const LOSS_OHM: f64 = 1.2;
+/// Capacitance in series with the coil, F.
 const C_F: f64 = 19.2e-9;
+/// Resistance in series with the coil, ohm.
 const R_OHM: f64 = 2.0;
+/// Capacitance in parallel with the branch, F.
 const C0_F: f64 = 300e-9;
-/// The drive, V peak.
+/// Drive voltage, V peak.
 const DRIVE_V: f64 = 3.0;
 
 #[test]
-fn the_dummy_load_is_what_the_board_expects() {
+fn the_board_accepts_the_dummy_load() {
     let series_hz = 1.0 / (2.0 * PI * (L_H * C_F).sqrt());
     let parallel_hz = series_hz * (1.0 + C_F / C0_F).sqrt();
     let coupling = (C_F / (C0_F + C_F)).sqrt();
@@ -32,7 +37,7 @@ fn the_dummy_load_is_what_the_board_expects() {
     println!("| series resonance, antiresonance | {series_hz:.0} Hz, {parallel_hz:.0} Hz |");
     println!("| Q, coupling | {q:.1}, {coupling:.4} |");
     println!("| Rm, Lm, Cm, C0 | {resistance:.1} Ω, {:.0} µH, {:.1} nF, {:.0} nF |", L_H * 1e6, C_F * 1e9, C0_F * 1e9);
-    println!("| at {DRIVE_V:.0} V peak: current of the branch, in all | {motional_a:.2} A, {total_a:.2} A peak |");
+    println!("| at {DRIVE_V:.0} V peak: current of the branch, total current | {motional_a:.2} A, {total_a:.2} A peak |");
     println!("| across coil and capacitor | {:.0} V peak |", motional_a * reactance);
     println!(
         "| loss in the resistors, in the coil | {:.1} W, {:.1} W |",
@@ -47,6 +52,6 @@ fn the_dummy_load_is_what_the_board_expects() {
     assert!((f64::from(tracking.c0_f()) / C0_F - 1.0).abs() < 0.05);
     // Far from the limit, and from the end of the channel.
     assert!(total_a < 0.5 * f64::from(config.limits.current_a) && total_a < f64::from(range_a()), "{total_a}");
-    // What the capacitor of the branch must bear, 630 V rated.
+    // Voltage across the capacitor of the branch, which is rated for 630 V.
     assert!(motional_a * reactance < 0.5 * 630.0);
 }

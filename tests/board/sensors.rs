@@ -1,15 +1,16 @@
-//! The temperature of the processor, from the factory's calibration.
+//! Temperature of the processor, from the factory's calibration.
 
 use nucleo_g474re::degrees::{Calibration, celsius};
 
-/// Typical of the part: 0.76 V at 30 degrees and 2.5 mV/K, the reference 1.212 V, at 3.0 V.
+/// Typical calibration at 3.0 V: 0.76 V at 30 degrees and 2.5 mV/K, the reference 1.212 V.
 const CALIBRATION: Calibration = Calibration { low: 1037, high: 1379, reference: 1655 };
 
 #[test]
 fn degrees_are_those_of_the_calibration_at_any_supply() {
     let at = |sensor, reference| celsius(&CALIBRATION, sensor, reference);
     assert!((at(1037, 1655) - 30.0).abs() < 1e-3 && (at(1379, 1655) - 130.0).abs() < 1e-3);
-    // At 3.3 V both read ten elevenths: a code is 0.32 K there, and a rounding of either less than that.
+    // At 3.3 V both codes are ten elevenths as large: a code is 0.32 K there, and the rounding of
+    // either costs less.
     assert!((at(943, 1505) - 30.0).abs() < 0.3, "{}", at(943, 1505));
     assert!((at(1208, 1655) - 80.0).abs() < 1e-3);
 }

@@ -1,4 +1,4 @@
-//! The pages of the settings.
+//! Flash pages of the settings.
 
 use nucleo_g474re::pages::{PAGE, PAGES, SECOND_BANK, SETTINGS, SIZE, START, WORD, number};
 

@@ -1,4 +1,4 @@
-//! What is wrong with a transducer or its wiring, by its own number, and how soon.
+//! Defects of a transducer or its wiring: the fault numbers, and the detection times.
 
 use firmware::controller::Controller;
 use firmware::seam::block::{DriveBlock, Gate, Orders, Request, SenseBlock};
@@ -13,11 +13,13 @@ use scene::settings;
 use super::power_on::calibrate;
 use super::rig::{Case, Rig};
 
+/// Number of random seeds per case.
 const SEEDS: u64 = 12;
-/// 60 ms of blocks: the requirement, with every way tried to explain what was measured.
-const WITHIN: u64 = 1875;
+/// Required detection time of 60 ms in blocks, in which every explanation of the measurement is
+/// tried.
+const DETECTION_BLOCKS: u64 = 1875;
 
-/// Each seed must end with this fault. Returns the most blocks that took.
+/// Checks that each seed ends with this fault. Returns the largest number of blocks.
 fn ends_with(fault: Fault, case: &Case) -> u64 {
     let ends = (1..=SEEDS).map(|seed| {
         let (found, blocks) = calibrate(&mut Rig::new(case, seed));
@@ -30,12 +32,12 @@ fn ends_with(fault: Fault, case: &Case) -> u64 {
 }
 
 #[test]
-fn a_depoled_stack_has_shifted_its_capacitance() {
+fn a_depoled_stack_is_a_shifted_capacitance() {
     for q in [20.0, 65.0, 500.0] {
         let depoled = Case { c0_f: 200e-9, cm_f: 0.2e-9, nominal_c0: 1.5, q, ..Case::default() };
         assert!(ends_with(Fault::CapacitanceShifted, &depoled) < 1400);
         for nominal_c0 in [1.5, 0.7] {
-            assert!(ends_with(Fault::CapacitanceShifted, &Case { nominal_c0, q, ..Case::default() }) < WITHIN);
+            assert!(ends_with(Fault::CapacitanceShifted, &Case { nominal_c0, q, ..Case::default() }) < DETECTION_BLOCKS);
         }
     }
     for nominal_c0 in [1.25, 0.8] {
@@ -44,16 +46,16 @@ fn a_depoled_stack_has_shifted_its_capacitance() {
     }
 }
 
-/// Q down to a fifth, a second resonance at -1.5 % with a fifth of the strength.
+/// Q falls to a fifth; a second resonance is 1.5 % lower, with a fifth of the strength.
 #[test]
 fn a_cracked_stack_is_damaged() {
     for q in [65.0, 200.0, 500.0] {
         let case = Case { q: q / 5.0, nominal_q: 5.0, second: Some((0.2, 0.985)), ..Case::default() };
-        assert!(ends_with(Fault::ResonanceDamaged, &case) < WITHIN);
+        assert!(ends_with(Fault::ResonanceDamaged, &case) < DETECTION_BLOCKS);
     }
 }
 
-/// There may be one that is too weak to be seen from beside it.
+/// A resonance that is too weak to be detected off resonance may still exist.
 #[test]
 fn a_stack_without_its_resonance_is_left_to_a_scan() {
     for (cm_f, seed) in [20e-13, 20e-15].into_iter().flat_map(|cm_f| (1..=SEEDS).map(move |seed| (cm_f, seed))) {
@@ -62,7 +64,7 @@ fn a_stack_without_its_resonance_is_left_to_a_scan() {
     }
 }
 
-/// Does something to the sense codes.
+/// Plant whose sense codes are changed by its wiring.
 struct Wired<F> {
     plant: Plant,
     wiring: F,
@@ -75,7 +77,7 @@ impl<F: FnMut(&mut SenseBlock)> Analog for Wired<F> {
     }
 }
 
-/// The fault that a run ends with, and blocks from the first one driven.
+/// Returns the fault at the end of a run, and the number of blocks from the first driven one.
 fn end_of_run(wiring: impl FnMut(&mut SenseBlock)) -> (Option<Fault>, u64) {
     let scene = load("lock", &[]).unwrap_or_else(|error| panic!("{error}")).scene;
     let scene = scene.driven().unwrap();
@@ -93,9 +95,9 @@ fn end_of_run(wiring: impl FnMut(&mut SenseBlock)) -> (Option<Fault>, u64) {
 }
 
 #[test]
-fn swapped_channels_are_named_before_the_voltage_is_implausible() {
+fn swapped_channels_are_identified() {
     let swapped = end_of_run(|sense| std::mem::swap(&mut sense.v, &mut sense.i));
-    // Four blocks, after the two that are on their way.
+    // Four blocks, after the latency of two.
     assert_eq!(swapped, (Some(Fault::SenseSwapped), 6), "{swapped:?}");
     let reversed = end_of_run(|sense| sense.i.iter_mut().for_each(|code| *code = 8190 - *code));
     assert_eq!(reversed, (Some(Fault::SenseSwapped), 6), "{reversed:?}");
@@ -103,7 +105,7 @@ fn swapped_channels_are_named_before_the_voltage_is_implausible() {
 }
 
 #[test]
-fn a_saturated_channel_is_named_with_its_block() {
+fn a_saturated_channel_is_identified_in_its_block() {
     let mut blocks = 0;
     let saturated = end_of_run(|sense| {
         blocks += 1;

@@ -1,4 +1,5 @@
-//! The clamped capacitance while running: ways compared, and what the one that is built does when C0 drifts.
+//! Clamped capacitance during a run: comparison of methods, and the response of the implemented one
+//! to a drift of C0.
 
 use firmware::find::clamped::online::{Online, Sample as Block, Update};
 use firmware::seam::block::LATENCY_BLOCKS;
@@ -13,22 +14,22 @@ const SEEDS: u64 = 12;
 const VOLTS: f32 = 3.0;
 const BLOCK_MS: f64 = 0.032;
 
-/// A time constant, blocks.
+/// Returns a time constant, blocks.
 fn tau_blocks(case: &Case) -> usize {
     (case.q / (std::f64::consts::PI * case.nominal_hz) / 32e-6) as usize + 1
 }
 
-/// What a perfect calibration at power-on would have found.
+/// Returns the result of a perfect calibration at power-on.
 fn exact(rig: &Rig) -> Motional {
     let hz = rig.truth.circuit.series_resonance_hz();
-    let clamped = rig.truth.seen(hz, false);
-    let axis = rig.truth.seen(hz, true) - clamped;
+    let clamped = rig.truth.admittance_at(hz, false);
+    let axis = rig.truth.admittance_at(hz, true) - clamped;
     let narrow = |x: Complex64| Phasor::new(x.re as f32, x.im as f32);
     let nominal = f64::from(rig.config.drive.frequency_hz);
     Motional { y0: narrow(Complex64::new(clamped.re, clamped.im * nominal / hz)), axis: narrow(axis / axis.norm()) }
 }
 
-/// A stack that is driven at its resonance, by a loop that stands in for the tracker.
+/// Stack that a simple loop drives at its resonance, instead of the tracker.
 struct Locked {
     rig: Rig,
     motional: Motional,
@@ -49,7 +50,8 @@ impl Locked {
         locked
     }
 
-    /// One block under the estimator, if there is one. The loop pulls in with 50 blocks, and holds while the estimator says so.
+    /// Runs one block with an optional estimator. The loop has a time constant of 50 blocks, and
+    /// holds while the estimator orders it.
     fn block(&mut self, online: Option<&mut Online>) -> Option<Update> {
         let slot = (self.rig.clock.blocks() % LATENCY_BLOCKS as u64) as usize;
         let (detune_hz, half_hz, motional) = (self.detunes[slot], self.half_hz, self.motional);
@@ -78,7 +80,8 @@ impl Locked {
     }
 }
 
-/// Error of the susceptance after `blocks`, per cent, and the part of the velocity that the steps took, per cent: by steps of this estimator.
+/// Runs the implemented estimator, which steps the frequency. Returns the error of the susceptance
+/// after `blocks`, per cent, and the loss of velocity by the steps, per cent.
 fn by_steps(case: &Case, seed: u64, blocks: usize) -> (f64, f64) {
     let mut locked = Locked::new(case, seed);
     let exact = locked.motional;
@@ -96,8 +99,9 @@ fn by_steps(case: &Case, seed: u64, blocks: usize) -> (f64, f64) {
     (100.0 * f64::from(online.motional().y0.im / exact.y0.im - 1.0), 100.0 * taken)
 }
 
-/// The same by a tone at 0.9 of the resonance in OFF time, a time constant after the drive; its motional part taken as known.
-fn by_a_tone_beside(case: &Case, seed: u64, blocks: usize) -> f64 {
+/// Measures with a tone at 0.9 of the resonance during OFF time, one time constant after the drive.
+/// Its motional part is taken as known. Returns the error of the susceptance, per cent.
+fn by_a_detuned_tone(case: &Case, seed: u64, blocks: usize) -> f64 {
     let mut locked = Locked::new(case, seed);
     let rig = &mut locked.rig;
     let offset = -0.1003 * case.nominal_hz;
@@ -116,10 +120,11 @@ fn by_a_tone_beside(case: &Case, seed: u64, blocks: usize) -> f64 {
         }
     }
     let hz = case.nominal_hz + offset;
-    100.0 * (sum.0 / sum.1 - rig.truth.seen(hz, true)).im / rig.truth.seen(hz, false).im
+    100.0 * (sum.0 / sum.1 - rig.truth.admittance_at(hz, true)).im / rig.truth.admittance_at(hz, false).im
 }
 
-/// The same by ring-ups from rest: the motional current extrapolated to the burst's beginning by a parabola over half a time constant.
+/// Measures ring-ups from rest: a parabola over half a time constant extrapolates the motional
+/// current to the beginning of the burst. Returns the error of the susceptance, per cent.
 fn by_ring_ups(case: &Case, seed: u64, blocks: usize) -> f64 {
     let mut locked = Locked::new(case, seed);
     let (rig, motional, tau) = (&mut locked.rig, locked.motional, tau_blocks(case));
@@ -156,21 +161,24 @@ fn by_ring_ups(case: &Case, seed: u64, blocks: usize) -> f64 {
     100.0 * found / f64::from(motional.y0.im)
 }
 
-/// Prints the table of `docs/control.md`; what is built must be the most accurate of those that need no pause, and disturb little.
+/// Prints the table of `docs/dev/control.md`. The implemented method must be the most accurate one
+/// without a pause, with a small disturbance.
 #[test]
-fn ways_compared() {
+fn the_implemented_method_is_the_most_accurate() {
     for q in [20.0, 65.0, 200.0] {
         let case = Case { q, ..Case::default() };
         for ms in [5.0, 20.0, 100.0] {
             let blocks = (ms / BLOCK_MS) as usize;
-            let over_seeds = |of: &dyn Fn(u64) -> f64| Spread::of(&(1..=SEEDS).map(of).collect::<Vec<_>>());
+            let over_seeds = |of: &dyn Fn(u64) -> f64| Spread::from_values(&(1..=SEEDS).map(of).collect::<Vec<_>>());
             let steps = over_seeds(&|seed| by_steps(&case, seed, blocks).0);
             let taken = over_seeds(&|seed| by_steps(&case, seed, blocks).1);
-            let beside = over_seeds(&|seed| by_a_tone_beside(&case, seed, blocks));
+            let off_tone = over_seeds(&|seed| by_a_detuned_tone(&case, seed, blocks));
             let ring_ups = over_seeds(&|seed| by_ring_ups(&case, seed, blocks));
-            println!("Q {q}, {ms} ms: steps {steps} %, velocity {taken} %; a tone beside, OFF {beside} %; ring-ups {ring_ups} %");
+            println!(
+                "Q {q}, {ms} ms: steps {steps} %, velocity {taken} %; off-resonance tone, OFF {off_tone} %; ring-ups {ring_ups} %"
+            );
             assert!(taken.largest < 1.7, "{taken}");
-            // A round must fit in.
+            // The time must be sufficient for one round.
             if 12.0 * tau_blocks(&case) as f64 + 90.0 < blocks as f64 {
                 assert!(steps.largest < ring_ups.largest, "Q {q}, {ms} ms: {steps}, {ring_ups}");
             }
@@ -178,9 +186,10 @@ fn ways_compared() {
     }
 }
 
-/// C0 rises by 10 % in a second. Measured: 46 Hz rms become 1.65 at Q 20, 4.4 become 0.14 at Q 65.
+/// C0 rises by 10 % in a second. Measured: the bias falls from 46 Hz rms to 1.65 at Q 20, from 4.4
+/// to 0.14 at Q 65.
 #[test]
-fn a_capacitance_that_drifts_does_not_take_the_lock_with_it() {
+fn a_drift_of_c0_does_not_bias_the_lock() {
     for (q, bound_hz) in [(20.0, 2.2), (65.0, 0.4)] {
         let changes = ["disturbance.0.at_s=0.1", "disturbance.0.key=stack.bvd.c0_f", "disturbance.0.rate_per_s=30e-9"];
         let case = Case { q, changes: changes.map(String::from).to_vec(), ..Case::default() };

@@ -1,4 +1,5 @@
-//! A stage of the firmware, the plant, and what the plant does not have: a lossy dielectric and a second resonance, added to the codes.
+//! Test rig: a stage of the firmware, the plant, and two effects that the plant lacks. These are a
+//! lossy dielectric and a second resonance, both added to the sense codes.
 
 use std::f64::consts::TAU;
 
@@ -20,14 +21,14 @@ use scene::settings;
 
 use super::truth::Truth;
 
-/// Samples in a block.
+/// Number of samples in a block.
 const BLOCK: usize = 32;
 
 pub fn wide(x: Phasor) -> Complex64 {
     Complex64::new(x.re.into(), x.im.into())
 }
 
-/// A transducer, and its nominal values in the firmware.
+/// Transducer, and its nominal values in the firmware.
 #[derive(Clone, Debug)]
 pub struct Case {
     pub nominal_hz: f64,
@@ -39,15 +40,15 @@ pub struct Case {
     pub nominal_c0: f64,
     pub skew_s: f64,
     pub loss: f64,
-    /// Strength and place of a second resonance, relative to the first.
+    /// Strength and frequency of a second resonance, relative to the first.
     pub second: Option<(f64, f64)>,
     pub noise_lsb: f64,
-    /// A disturbance, as of a scene.
+    /// Disturbances, in the format of a scene.
     pub changes: Vec<String>,
 }
 
 impl Default for Case {
-    /// The 40 kHz stack of Q 65, with nominal values that are true.
+    /// Returns the 40 kHz stack of Q 65 with exact nominal values.
     fn default() -> Self {
         Case {
             nominal_hz: 40e3,
@@ -67,7 +68,8 @@ impl Default for Case {
 }
 
 impl Case {
-    /// The same with nominal values within their bounds: the resonance within 2 %, Q within a factor of 2, C0 within 5 %; evenly, by the golden ratio's multiples.
+    /// Draws nominal values within their bounds: the resonance within 2 %, Q within a factor of 2,
+    /// C0 within 5 %. They are distributed evenly, by multiples of the golden ratio.
     pub fn with_nominal_values(&self, seed: u64) -> Self {
         let draw = |ratio: f64| 2.0 * (seed as f64 * ratio).fract() - 1.0;
         let (hz, q, c0) = (draw(0.618_033_988_75), draw(0.754_877_666_25), draw(0.569_840_290_99));
@@ -75,7 +77,7 @@ impl Case {
     }
 }
 
-/// A motional branch that the plant does not have, driven by the voltage as sensed.
+/// Additional motional branch, driven by the sensed voltage.
 #[derive(Default)]
 struct Branch {
     flow: [[f64; 2]; 2],
@@ -85,7 +87,8 @@ struct Branch {
 }
 
 impl Branch {
-    /// Its flow over a sample, with the voltage held: Taylor's series of the exponential, of short steps.
+    /// Computes the flow of the branch over a sample with constant voltage: Taylor series of the
+    /// exponential, in short steps.
     fn new([r, l, c]: [f64; 3], sample_s: f64) -> Self {
         const STEPS: usize = 64;
         let step = sample_s / STEPS as f64;
@@ -114,7 +117,7 @@ impl Branch {
     }
 }
 
-/// The plant with what it does not have.
+/// The plant with the additional effects.
 pub struct Bench {
     pub plant: Plant,
     conductance: f64,
@@ -138,7 +141,7 @@ impl Analog for Bench {
     }
 }
 
-/// Phasors measured in a block, and what was played in it.
+/// Phasors measured in a block, and the tone played in it.
 #[derive(Clone, Copy, Default)]
 pub struct Exchange {
     pub sensed: Sensed,
@@ -197,7 +200,7 @@ impl Rig {
             ampere_per_lsb: front_end.ampere_per_lsb.into(),
             mid_code: front_end.sense_mid_code.into(),
         };
-        // What the self-test finds.
+        // The self-test removes this offset.
         let mut convert = Convert::build(front_end).unwrap();
         let offset = (sensors.offset_lsb * f64::from(sensors.oversample)) as f32;
         convert.v.shift_zero(offset);
@@ -209,7 +212,8 @@ impl Rig {
         Rig { clock: BlockClock::new(bench, &silence), config, truth, convert, hold, nco: Nco::default(), played }
     }
 
-    /// One block: hands on its phasors, and plays what `wants` returns: an offset from the nominal frequency, Hz, and volts.
+    /// Runs one block: passes its phasors to `wants`, and plays the returned offset from the
+    /// nominal frequency, Hz, and voltage, V.
     pub fn block(&mut self, mut wants: impl FnMut(&Exchange) -> (f32, f32)) -> Exchange {
         let slot = (self.clock.blocks() % LATENCY_BLOCKS as u64) as usize;
         let (tone, mut exchange) = self.played[slot];

@@ -1,5 +1,5 @@
-//! What the converters see of a circuit, exactly: the carrier and every image of the held drive, through amplifier, source and stack, at the
-//! converters' instants.
+//! Exact admittance of a circuit as measured by the converters: the carrier and every image of the
+//! held drive, through amplifier, source and stack, at the instants of the converters.
 //!
 //! ```text
 //! E(k) = A(w(k)) / w(k),  V(k) = E(k) / (1 + Rs Y(w(k))),  I(k) = Y V(k),  w(k) = w + 2 pi k fs;   Y seen = sum I(k) exp(j w(k) ti) / sum V(k) exp(j w(k) tv)
@@ -11,11 +11,11 @@ use num_complex::Complex64;
 use plant::circuit::Circuit;
 use scene::{Amplifier, Sensors};
 
-/// A circuit behind an amplifier and converters.
+/// Circuit with its amplifier and converters.
 #[derive(Clone)]
 pub struct Truth {
     pub circuit: Circuit,
-    /// A second motional branch: resistance, inductance, capacitance.
+    /// Second motional branch: resistance, inductance, capacitance.
     pub second: Option<[f64; 3]>,
     /// Loss tangent of the clamped capacitance.
     pub loss: f64,
@@ -32,8 +32,8 @@ impl Truth {
         clamped + first + self.second.map_or(Complex64::default(), |[r, l, c]| branch(r, l, c))
     }
 
-    /// The admittance that is seen at a frequency, with the motional branch or without.
-    pub fn seen(&self, hz: f64, motional: bool) -> Complex64 {
+    /// Returns the measured admittance at a frequency, with or without the motional branch.
+    pub fn admittance_at(&self, hz: f64, motional: bool) -> Complex64 {
         let sample_s = 1.0 / self.sensors.sample_hz;
         let conversions = u32::from(self.sensors.oversample);
         let (mut v, mut i) = (Complex64::default(), Complex64::default());
@@ -53,12 +53,13 @@ impl Truth {
         i / v
     }
 
-    /// How far from the resonance a tracker drives that takes `y0` (stated at `nominal_hz`) away and turns by `axis`, Hz.
+    /// Returns the distance from the resonance, Hz, at which a tracker drives. The tracker
+    /// subtracts `y0`, stated at `nominal_hz`, and rotates by `axis`.
     pub fn bias_hz(&self, nominal_hz: f64, y0: Complex64, axis: Complex64) -> f64 {
         let resonance = self.circuit.series_resonance_hz();
         let phase = |offset: f64| {
             let hz = resonance + offset;
-            ((self.seen(hz, true) - Complex64::new(y0.re, y0.im * hz / nominal_hz)) * axis.conj()).arg()
+            ((self.admittance_at(hz, true) - Complex64::new(y0.re, y0.im * hz / nominal_hz)) * axis.conj()).arg()
         };
         let half = 0.5 * resonance / self.circuit.q();
         let (mut before, mut at) = (-0.5 * half, 0.5 * half);
@@ -85,7 +86,7 @@ fn a_fast_amplifier_and_a_settled_tone_agree_with_it() {
             sum = (sum.0 + i * v.conj(), sum.1 + v.norm_sqr());
         }
     }
-    let seen = rig.truth.seen(case.nominal_hz + 312.0, true);
+    let seen = rig.truth.admittance_at(case.nominal_hz + 312.0, true);
     let error = (sum.0 / sum.1 - seen).norm() / seen.norm();
     println!("{error:.1e} of the admittance");
     assert!(error < 2e-4, "{error}");

@@ -1,4 +1,4 @@
-//! The ELF file that is flashed: its size, and the functions that can panic.
+//! ELF file of the flashed image: its size, and the functions that can panic.
 
 mod branches;
 mod panics;

@@ -1,4 +1,5 @@
-//! A debugger at the modelled board, by GDB's remote serial protocol over TCP. Skipped, with a message, where the image cannot be built.
+//! Debugger at the modelled board, by GDB's remote serial protocol over TCP. Skipped, with a
+//! message, if the image cannot be built.
 
 mod dialogue;
 mod driving;

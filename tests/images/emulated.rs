@@ -1,6 +1,6 @@
-//! The same dialogue with a whole board under QEMU, over its UART.
+//! The dialogue with a complete board under QEMU, over its UART.
 //!
-//! Skipped as the [processor in the loop](crate::processor_in_the_loop) is.
+//! Skipped under the same conditions as the [processor in the loop](crate::processor_in_the_loop).
 
 use std::cell::RefCell;
 use std::io::{self, Read as _, Write as _};
@@ -17,13 +17,13 @@ use scene::load::load;
 use crate::held::{Folder, answer, client, hold, judge_captures, judge_scan, run};
 use crate::processor_in_the_loop::is_there;
 
-/// Blocks that are recorded: all of a dialogue.
-const KEEP: usize = 60_000;
+/// Number of recorded blocks, sufficient for a whole dialogue.
+const RECORDED_BLOCKS: usize = 60_000;
 
-/// Most of the stack in the blocks, bytes; measured: 5264.
-const MOST_STACK: u32 = 6 << 10;
+/// Largest permitted stack depth during blocks, bytes; measured: 5264.
+const MAX_STACK_BYTES: u32 = 6 << 10;
 
-/// A board as a port: its time passes only while the host waits, a block at a time.
+/// Board as a port: its time passes only while the host waits, one block at a time.
 struct Emulated(Rc<RefCell<EmulatedBoard>>);
 
 impl Port for Emulated {
@@ -68,22 +68,24 @@ fn a_board_in_qemu_is_talked_to_as_one_on_a_bench() {
     let began = Instant::now();
     let loaded = load("lock", &[]).unwrap_or_else(|error| panic!("{error}"));
     let image = link_image().expect("the image builds");
-    let board = EmulatedBoard::start(&image, &loaded.scene.driven().expect("a driven scene"), KEEP).expect("QEMU starts");
+    let board =
+        EmulatedBoard::start(&image, &loaded.scene.driven().expect("a driven scene"), RECORDED_BLOCKS).expect("QEMU starts");
     let board = Rc::new(RefCell::new(board));
     let folder = Folder::new("dialogue-qemu");
     let answers = hold(Box::new(Emulated(board.clone())), &folder.0);
-    let stack = board.borrow_mut().stack().expect("QEMU lives");
+    let stack = board.borrow_mut().stack().expect("QEMU runs");
     let board = board.borrow();
     judge_scan(answer(&answers, "scan"), &board.rig().inner.inner.circuit());
 
     judge_captures(&answers, &folder.0, board.config(), board.rig().blocks());
     assert!(!board.pins().enable && !board.pins().failed && board.resets() == 0);
-    // Block task and background task one after the other: on a board, the block task interrupts the background task.
-    assert!((2000..MOST_STACK).contains(&stack.stack_blocks_bytes), "{stack:?}");
+    // Block task and background task run one after the other; on a board, the block task interrupts
+    // the background task.
+    assert!((2000..MAX_STACK_BYTES).contains(&stack.stack_blocks_bytes), "{stack:?}");
     println!("{:.3} s of a dialogue in {:.2?}; {stack:?}", board.now().as_secs_f64(), began.elapsed());
 }
 
-/// From a band to tested settings; nothing is stored.
+/// Commissions the board from a band to tested settings; nothing is stored.
 #[test]
 fn a_board_in_qemu_is_commissioned() {
     if !is_there("link in the loop") {
@@ -100,11 +102,11 @@ fn a_board_in_qemu_is_commissioned() {
     let true_hz = board.borrow().rig().inner.inner.circuit().series_resonance_hz();
     for name in ["series_resonance_hz", "locked_hz", "after_step_hz", "after_burst_hz"] {
         let hz = answers[1].1.fields[name].as_f64().expect("a number");
-        assert!((hz - true_hz).abs() < 1.0, "{name}: {hz} Hz, and the plant has {true_hz} Hz");
+        assert!((hz - true_hz).abs() < 1.0, "{name}: {hz} Hz instead of {true_hz} Hz");
     }
-    // But for how often they were stored.
+    // The number of stores is not compared.
     [0, 2].iter().for_each(|&n| assert!(answers[n].1.fields.remove("stores").is_some()));
-    assert_eq!(answers[0].1.fields, answers[2].1.fields, "the settings are as before");
+    assert_eq!(answers[0].1.fields, answers[2].1.fields, "the settings must not change");
     session.leave().unwrap_or_else(|error| panic!("{error}"));
     let board = board.borrow();
     assert!(!board.pins().enable && !board.pins().failed);

@@ -1,6 +1,7 @@
-//! The image that is flashed, unmodified, on the model of its part (crates `cortex-m4`, `stm32g474`, `board`), with a plant at its pins.
+//! The unmodified flashed image on the model of its microcontroller (crates `cortex-m4`,
+//! `stm32g474`, `board`), with a plant at its pins.
 //!
-//! Skipped, with a message, where the target's core library is not installed.
+//! Skipped, with a message, if the target's core library is not installed.
 
 mod amplifier;
 mod belt;
@@ -31,13 +32,13 @@ use crate::processor_in_the_loop::is_possible;
 
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// The image; none where it cannot be built, which has then been said.
+/// Returns the image, or `None` after a message if it cannot be built.
 fn elf() -> Option<&'static [u8]> {
     static ELF: OnceLock<Vec<u8>> = OnceLock::new();
-    if !is_possible("the flashed image on a model of its part", pil::missing_to_build()) {
+    if !is_possible("the flashed image on a model of its microcontroller", pil::missing_to_build()) {
         return None;
     }
-    let read = || std::fs::read(pil::board_image().expect("the image builds")).expect("it can be read");
+    let read = || std::fs::read(pil::board_image().expect("the image builds")).expect("the image is readable");
     Some(ELF.get_or_init(read))
 }
 
@@ -45,37 +46,37 @@ fn dummy_load() -> scene::load::Loaded {
     load("dummy-load", &[]).expect("a built-in scene")
 }
 
-/// A board with the dummy load and these changes of its scene that was just powered.
+/// Returns a board with the dummy load and these changes of its scene, just after power-on.
 pub(crate) fn powered(elf: &[u8], changes: &[&str]) -> Board {
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
     let loaded = load("dummy-load", &changes).expect("a built-in scene");
     let scene = loaded.scene.driven().expect("a driven scene");
-    Board::start(elf, &scene, Options::default()).expect("it starts")
+    Board::start(elf, &scene, Options::default()).expect("the board starts")
 }
 
-/// A client of a board.
+/// Connects a client to a board.
 pub(crate) fn connected(board: Board) -> (Rc<RefCell<Board>>, Client) {
     let board = Rc::new(RefCell::new(board));
     let client = Client::new(Box::new(Simulated::new("board", board.clone(), false)), &STOP, |_| ());
     (board, client)
 }
 
-/// A board with the dummy load that drives it, and a client of it that says nothing by itself.
+/// Returns a board that drives the dummy load, and a client that sends nothing on its own.
 fn driving(elf: &[u8]) -> (Rc<RefCell<Board>>, Client) {
     driving_with(elf, &[])
 }
 
-/// The same with these changes of its scene.
+/// Like [`driving`], with these changes of the scene.
 fn driving_with(elf: &[u8], changes: &[&str]) -> (Rc<RefCell<Board>>, Client) {
     let (board, mut client) = connected(powered(elf, changes));
     client.connect().expect("an answer");
     client.order(Command::Patience(0.0)).expect("acknowledged");
     client.order(Command::Run).expect("acknowledged");
-    assert!(reaches(&mut client, &board, Mode::Run, Duration::from_millis(200)), "it locks");
+    assert!(reaches(&mut client, &board, Mode::Run, Duration::from_millis(200)), "the board must lock");
     (board, client)
 }
 
-/// Runs until the board is in a mode, at most `within`.
+/// Runs until the board is in a mode. Returns `false` if this takes longer than `within`.
 fn reaches(client: &mut Client, board: &Rc<RefCell<Board>>, mode: Mode, within: Duration) -> bool {
     let until = client.now() + within;
     while client.now() < until {
@@ -88,7 +89,7 @@ fn reaches(client: &mut Client, board: &Rc<RefCell<Board>>, mode: Mode, within: 
 }
 
 #[test]
-fn the_image_finds_and_locks_the_dummy_load_bit_for_bit() {
+fn the_image_locks_the_dummy_load_bit_for_bit() {
     let Some(elf) = elf() else { return };
     let loaded = dummy_load();
     let scene = loaded.scene.driven().expect("a driven scene");
@@ -100,15 +101,15 @@ fn the_image_finds_and_locks_the_dummy_load_bit_for_bit() {
     assert!((frequency_hz - 40_111.0).abs() < 1.0, "{frequency_hz}");
     let (instructions, cycles) = (record.instructions.expect("counted"), record.cycles.expect("counted"));
     println!("worst block: {} instructions, {} cycles of {CYCLES_PER_BLOCK}", instructions.worst, cycles.worst);
-    assert!(cycles.total > instructions.total, "no instruction takes less than a cycle");
+    assert!(cycles.total > instructions.total, "every instruction takes at least one cycle");
 }
 
 #[test]
-fn a_scene_that_the_image_cannot_do_is_refused_by_name() {
+fn an_unsupported_scene_is_refused_with_the_reason() {
     let Some(elf) = elf() else { return };
     let loaded = load("waveforms", &[]).expect("a built-in scene");
     let scene = loaded.scene.driven().expect("a driven scene");
-    let Err(BoardError::Misfit(misfit)) = Board::start(elf, &scene, Options::default()) else { panic!("it starts") };
+    let Err(BoardError::Misfit(misfit)) = Board::start(elf, &scene, Options::default()) else { panic!("the board starts") };
     assert!(misfit.to_string().contains("block_samples"), "{misfit}");
     assert!(matches!(
         Board::start(b"nothing", &dummy_load().scene.driven().expect("driven"), Options::default()),

@@ -1,10 +1,13 @@
-//! The tests of the package `on-target`, each in a processor of its own that QEMU has just reset.
+//! Tests of the package `on-target`, each on a processor that QEMU has just reset.
 //!
-//!     cargo test -p image-scenarios on_target -- --nocapture     # with each test's name, and what it says
+//!     cargo test -p image-scenarios on_target -- --nocapture     # with the name and the output of
+//! each test
 //!
-//! embedded-test leaves a list of the tests in the image: in the section `.embedded_test`, symbols whose names are JSON, each at the address of
-//! the function to be run. The processor receives the function's name as its command line, by semihosting; it ends by an exit, or by an abort,
-//! which is a panic. Skipped as the [processor in the loop](super::processor_in_the_loop) is.
+//! embedded-test stores a list of the tests in the image. The list consists of symbols in the
+//! section `.embedded_test`, whose names are JSON, each at the address of the function to run. The
+//! processor receives the address as its command line, by semihosting. A test ends with an exit, or
+//! with an abort after a panic. Skipped under the same conditions as the
+//! [processor in the loop](super::processor_in_the_loop).
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -18,22 +21,23 @@ use serde_json::Value;
 
 use crate::processor_in_the_loop::is_there;
 
-/// Where the list of tests is.
+/// Section of the list of tests.
 const SECTION: &str = ".embedded_test";
-/// Version of the list's format, and of the protocol.
+/// Version of the format of the list, and of the protocol.
 const VERSION: u32 = 1;
-/// What QEMU ends with after a test that was fine, and after an abort.
-const FINE: i32 = 0;
+/// Exit code of QEMU after a successful test.
+const SUCCESS: i32 = 0;
+/// Exit code of QEMU after an abort.
 const ABORTED: i32 = 134;
-/// What the machine's option for semihosting begins with; a command line goes behind.
+/// Beginning of the semihosting option of the machine, to which a command line is appended.
 const SEMIHOSTING: &str = "enable=on";
 
-/// A test of the list.
+/// Test of the list.
 struct Test {
     name: String,
     should_panic: bool,
     time: Duration,
-    /// The function to be run.
+    /// Address of the function to run.
     address: u32,
 }
 
@@ -59,7 +63,7 @@ fn tests(image: &[u8]) -> Vec<Test> {
     file.symbols().filter_map(test).collect()
 }
 
-/// Runs one test; what QEMU ended with, and what was said on the way.
+/// Runs one test. Returns the exit status and the output of QEMU.
 fn run(image: &Path, test: &Test) -> Output {
     let mut command = Command::new(PROGRAM);
     command.args(NO_SERIAL);
@@ -77,23 +81,23 @@ fn run(image: &Path, test: &Test) -> Output {
         }
         thread::sleep(Duration::from_millis(2));
     }
-    child.wait_with_output().expect("what QEMU has said")
+    child.wait_with_output().expect("the output of QEMU")
 }
 
-/// What is wrong with how it ended; nothing if it is fine.
+/// Returns an error if a test has not ended as expected.
 fn judge(test: &Test, output: &Output) -> Result<(), String> {
     let panicked = String::from_utf8_lossy(&output.stderr).contains("panicked at");
     match (output.status.code(), test.should_panic) {
-        (Some(FINE), false) => Ok(()),
+        (Some(SUCCESS), false) => Ok(()),
         (Some(ABORTED), true) if panicked => Ok(()),
-        (Some(FINE), true) => Err("it did not panic".into()),
+        (Some(SUCCESS), true) => Err("it did not panic".into()),
         (None, _) => Err(format!("not ended after {:?}", test.time)),
         _ => Err(output.status.to_string()),
     }
 }
 
 #[test]
-fn every_test_on_the_target_is_passed() {
+fn every_test_on_the_target_passes() {
     if !is_there("tests on the target") {
         return;
     }
@@ -113,9 +117,9 @@ fn every_test_on_the_target_is_passed() {
     assert!(failed.is_empty(), "{failed:?}");
 }
 
-/// A test that fails, that hangs, or that panics where it must not, is seen.
+/// A test that fails, that hangs, or that panics unexpectedly is detected.
 #[test]
-fn a_test_that_is_not_passed_is_seen() {
+fn a_failed_test_is_detected() {
     if !is_there("tests on the target") {
         return;
     }

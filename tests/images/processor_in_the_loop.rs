@@ -1,8 +1,10 @@
-//! The controller as thumb code under QEMU against the controller in this process: the same codes and the same telemetry, bit
-//! for bit. Arithmetic only; an emulator says nothing about time.
+//! The controller as thumb code under QEMU compared with the controller in this process: the same
+//! codes and the same telemetry, bit for bit. This tests arithmetic only; an emulator cannot test
+//! timing.
 //!
-//! Skipped, with a message, where QEMU or the target's core library is not installed. In continuous integration (`CI=true`) that
-//! is a failure, unless `SONOGLIDE_PIL_UNAVAILABLE` says that installing them was tried and was not possible.
+//! Skipped, with a message, if QEMU or the target's core library is not installed. In continuous
+//! integration (`CI=true`) this is a failure, unless `SONOGLIDE_PIL_UNAVAILABLE` is set, which
+//! means that the installation has failed.
 
 mod interpreter;
 #[cfg(target_os = "linux")]
@@ -38,18 +40,18 @@ fn image() -> Option<PathBuf> {
     is_there("processor in the loop").then(|| pil::image().expect("the image builds"))
 }
 
-/// Whether there can be a processor in the loop; if not, that has been said.
+/// Returns `true` if a processor in the loop is possible. Prints a message otherwise.
 pub fn is_there(what: &str) -> bool {
     is_possible(what, pil::missing())
 }
 
-/// Whether nothing is missing for what is to be tested; if something is, that has been said.
+/// Returns `true` if nothing is missing for a test. Prints a message otherwise.
 pub fn is_possible(what: &str, missing: Option<String>) -> bool {
     let Some(reason) = missing else { return true };
     let in_ci = std::env::var("CI").is_ok_and(|ci| ci == "true");
     let excused = std::env::var_os("SONOGLIDE_PIL_UNAVAILABLE").is_some();
     assert!(!in_ci || excused, "no processor in the loop in continuous integration: {reason}");
-    // Straight to the stream: what a passing test prints by macro is never shown.
+    // Directly to the stream: output of a passing test by a macro is not shown.
     let loudly = "========================================================================";
     let banner = format!("{loudly}\nNOT TESTED: the thumb code of the controller; installing QEMU has failed\n{loudly}\n");
     let text = format!("\n{}SKIPPED, {what}: {reason}\n", if excused { &banner } else { "" });
@@ -61,12 +63,12 @@ fn scene(name: &str) -> Scene {
     load(name, &[]).expect("a built-in scene").scene
 }
 
-/// Configuration of the firmware in a built-in scene.
+/// Returns the configuration of the firmware in a built-in scene.
 fn config(name: &str) -> Config {
     settings::config(&scene(name).driven().expect("a driven scene"))
 }
 
-/// Every bit of a report.
+/// Returns every bit of a report.
 fn bits(telemetry: &Telemetry) -> Vec<u8> {
     postcard::to_slice(telemetry, &mut [0; 1024]).expect("telemetry can be encoded").to_vec()
 }
@@ -74,7 +76,7 @@ fn bits(telemetry: &Telemetry) -> Vec<u8> {
 #[test]
 fn host_and_thumb_play_identical_codes() {
     let Some(image) = image() else { return };
-    // Power-up, self-test, scan, lock, and two bursts; with the converters' noise.
+    // Power-up, self-test, scan, lock, and two bursts, with the noise of the converters.
     let scene = scene("lock");
     let scene = scene.driven().expect("a driven scene");
     let here = run(&scene, Watch::default()).expect("a run on the host");
@@ -85,17 +87,17 @@ fn host_and_thumb_play_identical_codes() {
     assert_eq!(bits(&here.last), bits(&there.last), "{:?}\n{:?}", here.last, there.last);
     let counted = there.instructions.expect("QEMU counts");
     assert_eq!(counted.blocks, 9375);
-    // 2800 in the mean, 4553 in the worst block.
+    // On average 2800, and 4553 in the worst block.
     assert!(counted.worst < 5440 && (2000..3500).contains(&(counted.total / counted.blocks)), "{counted:?}");
     let memory = there.memory.expect("the image measures its stack");
     println!("{counted:?} {memory:?}");
     assert!(memory.stack_blocks < memory.stack_power_up && memory.stack_blocks > 1000, "{memory:?}");
-    // Agreement in silence would be worth little.
+    // Identical silence would prove little.
     let driven = there.rows.iter().filter(|row| row.mode == Mode::Run && row.drive_v > 0.0).count();
     assert!(driven > 1000, "{driven} blocks driven in a burst, of {}", there.rows.len());
 }
 
-/// Whatever the sense codes and the orders are.
+/// Compares both for any sense codes and any orders.
 #[test]
 fn host_and_thumb_answer_random_blocks_alike() {
     let Some(image) = image() else { return };
@@ -110,8 +112,8 @@ fn host_and_thumb_answer_random_blocks_alike() {
             let orders = operator.orders(block);
             let (ours, theirs, drive) = clock.tick(|sense, drive| {
                 let mut also = DriveBlock::default();
-                let theirs = there.process(&orders, sense, &mut also).expect("QEMU lives");
-                let ours = here.process(&orders, sense, drive).expect("this process lives");
+                let theirs = there.process(&orders, sense, &mut also).expect("QEMU runs");
+                let ours = here.process(&orders, sense, drive).expect("this process runs");
                 assert_eq!(*drive, also, "configuration {number}, block {block}: {ours:?}");
                 (ours, theirs, also)
             });
@@ -122,11 +124,11 @@ fn host_and_thumb_answer_random_blocks_alike() {
             }
         }
         for mode in [Mode::Idle, Mode::SelfTest, Mode::Fault] {
-            assert!(modes.contains(&mode), "configuration {number} never came to {mode:?}: {modes:?}");
+            assert!(modes.contains(&mode), "configuration {number} never reached {mode:?}: {modes:?}");
         }
         let beyond = if config.tracking.mode == TrackingMode::Off { Mode::Run } else { Mode::Scan };
-        assert!(modes.contains(&beyond), "configuration {number} never came to {beyond:?}: {modes:?}");
-        assert!(sounding > 400, "configuration {number} played {sounding} blocks only");
+        assert!(modes.contains(&beyond), "configuration {number} never reached {beyond:?}: {modes:?}");
+        assert!(sounding > 400, "configuration {number} played only {sounding} blocks");
     }
 }
 
@@ -143,7 +145,7 @@ fn a_refused_configuration_comes_back_as_text() {
 }
 
 #[test]
-fn a_lost_emulator_is_an_error_and_not_a_wait() {
+fn a_lost_emulator_is_an_error() {
     let Some(image) = image() else { return };
     for (signal, expected) in [("-KILL", "signal: 9"), ("-STOP", "no answer")] {
         let mut qemu = Qemu::start(&image, &config("experiment-1")).expect("QEMU starts");
@@ -152,19 +154,20 @@ fn a_lost_emulator_is_an_error_and_not_a_wait() {
         assert!(killed.success());
         let began = Instant::now();
         let mut ask = || qemu.process(&Orders::default(), &SenseBlock::default(), &mut DriveBlock::default());
-        // It may still answer until the signal has reached all of its threads.
+        // QEMU may still answer until the signal has reached all its threads.
         let lost = loop {
-            assert!(began.elapsed() < Duration::from_secs(20), "QEMU is still there after {:?}", began.elapsed());
+            assert!(began.elapsed() < Duration::from_secs(20), "QEMU still runs after {:?}", began.elapsed());
             if let Err(lost) = ask() {
                 break lost.to_string();
             }
         };
         assert!(lost.contains(expected), "{lost}");
-        assert!(ask().is_err(), "and stays gone");
+        assert!(ask().is_err(), "later calls must fail too");
     }
 }
 
-/// Configurations that between them take every branch of the waveform: shapes, lanes, trims, edges, schedules, trackers.
+/// Returns configurations that together cover every branch of the waveform: shapes, lanes, trims,
+/// edges, schedules, trackers.
 fn configs() -> [Config; 6] {
     let tracked = config("experiment-1");
     let mut held = tracked.clone();
@@ -211,7 +214,7 @@ fn point(hz: f32, phase_turns: f32) -> TrimPoint {
     TrimPoint { hz, lanes: [Trim { phase_turns, gain: 1.0 - phase_turns }; MAX_LANES] }
 }
 
-/// Where orders come from.
+/// Source of random orders.
 struct Operator {
     random: Xoshiro256PlusPlus,
     orders: Orders,
@@ -222,7 +225,7 @@ impl Operator {
         Operator { random: Xoshiro256PlusPlus::seed_from_u64(seed), orders: Orders::default() }
     }
 
-    /// New orders every now and then; mostly to run.
+    /// Returns the orders of a block. They sometimes change, mostly to a run.
     fn orders(&mut self, block: u32) -> Orders {
         if block == 40 || one_in(&mut self.random, 150) {
             let random = &mut self.random;
@@ -245,7 +248,7 @@ impl Operator {
     }
 }
 
-/// Plausible ones, and ones that must be clamped.
+/// Plausible amplitudes, and amplitudes that must be clamped.
 const AMPLITUDES: [Option<Amplitude>; 8] = [
     None,
     Some(Amplitude::Volts(0.0)),

@@ -1,4 +1,5 @@
-//! Field update of the flashed image on the model of its part: first stage, image in the slot, link. Skipped, with a message, where the images cannot be built.
+//! Field update of the flashed image on the model of its microcontroller: first stage, image in the
+//! slot, link. Skipped, with a message, if the images cannot be built.
 
 mod cuts;
 mod images;

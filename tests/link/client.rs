@@ -1,4 +1,4 @@
-//! What happens to a command whose answer, or which itself, is damaged, lost or late; and to a port that goes away.
+//! Commands or answers that are damaged, lost or late, and ports that are lost.
 
 use std::cell::{Cell, RefCell};
 use std::io;
@@ -19,24 +19,24 @@ use link::session::{Session, SessionOptions};
 use super::held::{Folder, answer, hold, judge_scan};
 use super::{board, client, port, session};
 
-/// A port on which acknowledgements get lost, or bits flip.
-struct Bad {
+/// Port that loses acknowledgements or flips bits.
+struct FaultyPort {
     inner: Box<dyn Port>,
-    /// Acknowledgements that are still to be lost.
+    /// Number of acknowledgements still to be lost.
     lose: Rc<RefCell<u32>>,
     receiver: Receiver,
     frame: Vec<u8>,
     ready: Vec<u8>,
-    /// One bit in so many bytes flips, in either direction; none where zero.
+    /// Mean number of bytes per flipped bit, in either direction; zero for no flips.
     flip_one_in: u64,
     chance: Chance,
     flipped: Rc<Cell<u32>>,
 }
 
-impl Bad {
+impl FaultyPort {
     fn new(inner: Box<dyn Port>, flip_one_in: u64) -> Self {
         let (frame, ready) = Default::default();
-        Bad {
+        FaultyPort {
             inner,
             lose: Rc::default(),
             receiver: Receiver::default(),
@@ -55,7 +55,7 @@ impl Bad {
     }
 }
 
-impl Port for Bad {
+impl Port for FaultyPort {
     fn name(&self) -> &str {
         self.inner.name()
     }
@@ -107,7 +107,7 @@ fn an_order_whose_acknowledgement_is_lost_is_obeyed_once() {
     for command in [Command::Scan, Command::Run, Command::Calibrate] {
         for lost in [1, 2] {
             let board = board("lock", &[], 0);
-            let bad = Bad::new(port(&board), 0);
+            let bad = FaultyPort::new(port(&board), 0);
             let lose = bad.lose.clone();
             let mut client = client(Box::new(bad));
             client.connect().unwrap();
@@ -115,7 +115,7 @@ fn an_order_whose_acknowledgement_is_lost_is_obeyed_once() {
             let before = client.status().unwrap().expect("a report").orders_sequence;
             *lose.borrow_mut() = lost;
             client.order(command).unwrap();
-            assert_eq!(*lose.borrow(), lost - 1, "{command:?}: the first is taken for what it is");
+            assert_eq!(*lose.borrow(), lost - 1, "{command:?}: only one acknowledgement is lost");
             let after = client.status().unwrap().expect("a report").orders_sequence;
             assert_eq!(after.wrapping_sub(before), 1, "{command:?} {lost}");
         }
@@ -125,7 +125,7 @@ fn an_order_whose_acknowledgement_is_lost_is_obeyed_once() {
 #[test]
 fn a_repeatable_order_is_repeated_until_it_is_acknowledged() {
     let board = board("lock", &[], 0);
-    let bad = Bad::new(port(&board), 0);
+    let bad = FaultyPort::new(port(&board), 0);
     let lose = bad.lose.clone();
     let mut client = client(Box::new(bad));
     client.connect().unwrap();
@@ -138,11 +138,11 @@ fn a_repeatable_order_is_repeated_until_it_is_acknowledged() {
 }
 
 #[test]
-fn a_dialogue_over_a_line_that_flips_bits_comes_to_the_same() {
+fn bit_flips_do_not_change_the_result_of_a_dialogue() {
     let board = board("lock", &[], 0);
     let folder = Folder::new("noise");
-    // A frame of 200 bytes in seven is damaged.
-    let bad = Bad::new(port(&board), 1400);
+    // With this rate, one in seven frames of 200 bytes is damaged.
+    let bad = FaultyPort::new(port(&board), 1400);
     let flipped = bad.flipped.clone();
     let answers = hold(Box::new(bad), &folder.0);
     println!("{} bits flipped", flipped.get());
@@ -169,7 +169,7 @@ fn a_lost_port_is_opened_again_and_the_request_answered() {
     client.connect().unwrap();
     assert_eq!(client.counts().reopened, 1);
     assert!(client.status().unwrap().is_some());
-    // Another client waits for its turn, and gets it.
+    // Another client waits for its turn.
     drop(client);
     let mut session =
         Session::begin(super::client(Box::new(Tcp::connect(&address).unwrap())), SessionOptions::default()).unwrap();
@@ -179,7 +179,7 @@ fn a_lost_port_is_opened_again_and_the_request_answered() {
 }
 
 #[test]
-fn a_port_that_does_not_come_back_is_lost() {
+fn a_port_that_cannot_be_reopened_is_lost() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();
     let mut client = client(Box::new(Tcp::connect(&address).unwrap()));

@@ -1,4 +1,5 @@
-//! `commission` against the simulated board: what it finds is the plant's, what it cannot do it names, and however it ends the board is as before.
+//! `commission` on the simulated board: its results agree with the plant, failures are identified,
+//! and at the end the board is as before.
 
 use std::cell::{Cell, RefCell};
 use std::io;
@@ -20,21 +21,22 @@ use sim::run::breakable_plant;
 use super::held::Folder;
 use super::{board, client, port, run, session};
 
-/// A board whose nominal values are none of the transducer's: 300 nF as the Nucleo's image has, and a frequency far off.
-const UNKNOWN: [&str; 3] =
+/// Settings whose nominal values do not fit the transducer: 300 nF as in the image of the Nucleo,
+/// and a frequency far from the resonance.
+const UNKNOWN_TRANSDUCER: [&str; 3] =
     ["controller.drive.frequency_hz=30e3", "controller.tracking.nominal_q=50", "controller.tracking.nominal_lm_h=none"];
 const COMMAND: &str = "commission --band 30k:45k --max-volts 3";
 
-/// Commissions, and gives the answer or the error.
+/// Commissions the board, and returns the answer or the error.
 fn commissioned(sets: &[&str], command: &str) -> Result<Answer, String> {
-    let sets: Vec<&str> = UNKNOWN.iter().chain(sets).copied().collect();
+    let sets: Vec<&str> = UNKNOWN_TRANSDUCER.iter().chain(sets).copied().collect();
     let board = board("lock", &sets, 4);
     let done = run(command, &mut session(&board)).map_err(|error| error.to_string());
     is_as_before(&board, command.contains("--yes") && done.is_ok());
     done.map(|answers| answers.last().expect("an answer").1.clone())
 }
 
-/// The drive is silent, and the board has its settings from before.
+/// Checks that the drive is silent and that the board has its earlier settings.
 fn is_as_before(board: &Rc<RefCell<SimulatedBoard>>, stored: bool) {
     let mut session = session(board);
     let report = session.status().expect("a report");
@@ -51,19 +53,19 @@ fn field(answer: &Answer, name: &str) -> f64 {
 
 /// The stack of `lock`: 40 520 Hz, Q 64.6, 300 nF, k 0.25.
 #[test]
-fn an_unknown_transducer_is_found_tested_and_left_as_before() {
+fn an_unknown_transducer_is_found_and_tested() {
     let answer = commissioned(&[], COMMAND).unwrap();
     assert!((field(&answer, "series_resonance_hz") - 40_520.0).abs() < 1.0, "{answer:?}");
     assert!((field(&answer, "locked_hz") - 40_520.0).abs() < 1.0, "{answer:?}");
     assert!((field(&answer, "q") / 64.6 - 1.0).abs() < 0.01, "{answer:?}");
-    // The images of the DAC take a part of it (docs/evidence/transducers.md).
+    // The images of the DAC cause part of this error (docs/evidence/transducers.md).
     assert!((field(&answer, "c0_f") / 300e-9 - 1.0).abs() < 0.02, "{answer:?}");
     assert!(field(&answer, "board_s") < 3.0, "{answer:?}");
 }
 
 #[test]
-fn on_consent_it_is_stored_and_locks_by_itself() {
-    let sets: Vec<&str> = UNKNOWN.to_vec();
+fn with_consent_the_settings_are_stored_and_lock() {
+    let sets: Vec<&str> = UNKNOWN_TRANSDUCER.to_vec();
     let board = board("lock", &sets, 4);
     let script = format!(
         "{COMMAND} --max-amps 1 --yes\nreset\nsettings get limits.voltage_v\nexpect acts = 3\nlock\nexpect locked = true"
@@ -74,7 +76,7 @@ fn on_consent_it_is_stored_and_locks_by_itself() {
 }
 
 #[test]
-fn what_is_no_transducer_is_named() {
+fn a_load_that_is_not_a_transducer_is_identified() {
     for (sets, name) in [
         (&["stack.bvd.c0_f=1e-13"][..], "no transducer"),
         (&["stack.bvd.coupling=0.002"], "a capacitor of"),
@@ -100,9 +102,10 @@ fn the_mode_is_chosen_by_its_number() {
     assert!(error.contains("there is no mode 3: 2 were found"), "{error}");
 }
 
-/// Two transducers, each commissioned with a name and stored; back at the first one, its script recalls it.
+/// Commissions and stores two transducers under different names; then the script of the first one
+/// restores its settings.
 #[test]
-fn a_profile_is_recalled_by_its_script() {
+fn a_script_restores_its_profile() {
     const SECOND: &str = "stack.bvd.series_resonance_hz=36e3";
     let put = |board: &Rc<RefCell<SimulatedBoard>>, sets: &[&str]| {
         let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
@@ -113,13 +116,14 @@ fn a_profile_is_recalled_by_its_script() {
     let folder = Folder::new("profiles");
     let file = |name: &str| folder.0.join(name).display().to_string();
     let commission = |name: &str| format!("{COMMAND} --yes --name {name} -o {}", file(name));
-    let board = board("lock", &UNKNOWN, 4);
+    let board = board("lock", &UNKNOWN_TRANSDUCER, 4);
     run(&commission("first"), &mut session(&board)).unwrap();
     put(&board, &[SECOND]);
-    // The profile of the first one is not that of the second.
+    // The settings of the first transducer do not fit the second.
     run("! lock\nfault clear", &mut session(&board)).unwrap();
     run(&format!("{}\nexpect series_resonance_hz = 36000 +- 1", commission("second")), &mut session(&board)).unwrap();
-    // The lock is within half a per cent of a bandwidth, which is 2.8 Hz there, though it may be driven beside it to measure the clamped branch.
+    // The lock is within half a per cent of a bandwidth, here 2.8 Hz. The drive may be off
+    // resonance at times, to measure the clamped branch.
     run("lock\nwait 0.1\nstatus\nexpect resonance_hz = 36000 +- 2.8", &mut session(&board)).unwrap();
     put(&board, &[]);
     let recall = std::fs::read_to_string(format!("{}/settings.txt", file("first"))).unwrap();
@@ -127,14 +131,14 @@ fn a_profile_is_recalled_by_its_script() {
     answers.unwrap_or_else(|error| panic!("{error}\n{recall}"));
 }
 
-/// A port that presses Ctrl-C after so many frames.
-struct Pressed {
+/// Port that presses Ctrl-C after a number of frames.
+struct InterruptedPort {
     port: Box<dyn Port>,
     left: Cell<u32>,
     stop: &'static AtomicBool,
 }
 
-impl Port for Pressed {
+impl Port for InterruptedPort {
     fn name(&self) -> &str {
         self.port.name()
     }
@@ -169,17 +173,17 @@ impl Port for Pressed {
 }
 
 #[test]
-fn interrupted_anywhere_the_board_is_as_before() {
+fn an_interruption_restores_the_settings() {
     let mut interrupted = 0;
     for frames in (1..900).step_by(67) {
         let stop: &'static AtomicBool = Box::leak(Box::default());
-        let sets: Vec<&str> = UNKNOWN.to_vec();
+        let sets: Vec<&str> = UNKNOWN_TRANSDUCER.to_vec();
         let board = board("lock", &sets, 4);
-        let pressed = Pressed { port: port(&board), left: Cell::new(frames + 8), stop };
+        let pressed = InterruptedPort { port: port(&board), left: Cell::new(frames + 8), stop };
         let mut session =
             Session::begin(Client::new(Box::new(pressed), stop, |note| println!("{note}")), SessionOptions::default()).unwrap();
         let done = Script::parse("script", COMMAND).unwrap().run(&mut session, |_, _| Ok(()));
-        // Pressed while the settings are restored it ends nothing any more.
+        // Ctrl-C has no effect while the settings are restored.
         match done.as_ref().map_err(LinkError::cause) {
             Err(LinkError::Interrupted) => interrupted += 1,
             done => assert!(done.is_ok(), "{frames}: {done:?}"),
@@ -191,12 +195,12 @@ fn interrupted_anywhere_the_board_is_as_before() {
     assert!(interrupted >= 4, "{interrupted}");
 }
 
-/// Every code that the board plays, and every current that flows.
+/// Checks every code that the board plays, and every current.
 #[test]
-fn neither_the_volts_nor_the_amperes_are_exceeded() {
+fn neither_voltage_nor_current_limit_is_exceeded() {
     const VOLTS: f64 = 2.0;
     const AMPERES: f64 = 0.3;
-    let sets: Vec<&str> = UNKNOWN.to_vec();
+    let sets: Vec<&str> = UNKNOWN_TRANSDUCER.to_vec();
     let board = board("lock", &sets, 400_000);
     let mut session = Session::begin(client(port(&board)), SessionOptions::default()).unwrap();
     run(&format!("commission --band 30k:45k --max-volts {VOLTS} --max-amps {AMPERES}"), &mut session).unwrap();

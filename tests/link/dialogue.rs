@@ -1,4 +1,4 @@
-//! A script over the link to a simulated board, compared with what its plant did.
+//! A script over the link to a simulated board, compared with the behaviour of its plant.
 
 use hal_mock::tracer::Exchange;
 
@@ -6,7 +6,7 @@ use super::held::{Folder, answer, hold, judge_captures, judge_scan, number, run}
 use super::{board, port};
 
 #[test]
-fn what_a_rig_reports_is_what_the_plant_did() {
+fn reports_agree_with_the_plant() {
     let board = board("lock", &[], 60_000);
     let folder = Folder::new("dialogue");
     let answers = hold(port(&board), &folder.0);
@@ -18,7 +18,7 @@ fn what_a_rig_reports_is_what_the_plant_did() {
         assert!(["svg", "png"].iter().all(|kind| folder.0.join(name).join(format!("capture_voltage.{kind}")).exists()));
     }
 
-    // Bursts that the host times are as long as it says, by what was played.
+    // The reported lengths of bursts that the host times are compared with the played ones.
     let burst = answer(&answers, "burst --on 0.005");
     let silent = |exchange: &Exchange| {
         exchange.drive.lanes[0].iter().all(|&code| code.abs_diff(board.config().front_end.drive_mid_code) < 40)
@@ -31,7 +31,8 @@ fn what_a_rig_reports_is_what_the_plant_did() {
     let reported_ms = (number(burst, "shortest_on_ms"), number(burst, "longest_on_ms"));
     let played_ms: Vec<f64> = lengths.iter().map(|&blocks| 1e3 * blocks as f64 * board.block_s()).collect();
     println!("reported {reported_ms:?} ms, played {played_ms:?} ms");
-    // The gate opens where the first lane passes zero, and closes with a whole period: a block to either side.
+    // The gate opens at a zero crossing of the first lane, and closes after a whole period: one
+    // block of tolerance on either side.
     assert!(
         played_ms.len() >= 3 && played_ms.iter().all(|&ms| ms > reported_ms.0 - 0.07 && ms < reported_ms.1 + 0.07),
         "{played_ms:?}"
@@ -51,12 +52,13 @@ fn a_dialogue_is_the_same_every_time() {
 }
 
 #[test]
-fn places_that_were_measured_lie_on_the_loop_of_the_circuit() {
+fn measured_points_lie_on_the_admittance_loop() {
     let board = board("lock", &[], 0);
     let mut session = super::session(&board);
     let answers = run("scan --points 15\nstatus\n", &mut session).unwrap();
     let scan = answer(&answers, "scan");
-    // One place in five is beyond the window. Measured, by the seed: 0.30 to 0.45 % of the loop's diameter.
+    // One point in five is outside the window. Measured, depending on the seed: 0.30 to 0.45 % of
+    // the diameter of the loop.
     assert!(number(scan, "points") >= 10.0 && number(scan, "worst_distance_percent") < 0.5, "{}", scan.text);
     assert_eq!(answer(&answers, "status").fields["mode"], "idle");
 }

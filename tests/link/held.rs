@@ -1,4 +1,4 @@
-//! A scripted dialogue, held with any board, and its answers judged by the plant.
+//! A scripted dialogue with any board, whose answers are compared with the plant.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,17 +14,17 @@ use link::script::Script;
 use link::session::{Session, SessionOptions};
 use plant::circuit::Circuit;
 
-/// Stop flag of a client that nobody stops.
+/// Stop flag of a client that is never stopped.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
-/// The dialogue.
+/// Text of the dialogue.
 const DIALOGUE: &str = include_str!("dialogue.txt");
 
-/// A folder that goes with the test.
+/// Folder that is deleted at the end of the test.
 pub struct Folder(pub PathBuf);
 
 impl Folder {
-    /// A folder of this name.
+    /// Creates a folder of this name.
     pub fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("sonoglide-{name}-{}", std::process::id()));
         fs::create_dir_all(&path).expect("a folder");
@@ -38,7 +38,8 @@ impl Drop for Folder {
     }
 }
 
-/// Holds the dialogue over a port; its captures go into a folder. Fails where the board does not do what the script expects.
+/// Runs the dialogue over a port, with its captures in a folder. Fails if the board does not behave
+/// as the script expects.
 pub fn hold(port: Box<dyn Port>, folder: &Path) -> Vec<(String, Answer)> {
     let mut session = Session::begin(client(port), SessionOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     let text = DIALOGUE.replace("out/dialogue", folder.to_str().expect("a path in UTF-8"));
@@ -47,21 +48,22 @@ pub fn hold(port: Box<dyn Port>, folder: &Path) -> Vec<(String, Answer)> {
     answers
 }
 
-/// The answer to the first line that begins so.
+/// Returns the answer to the first line that begins like this.
 pub fn answer<'a>(answers: &'a [(String, Answer)], line: &str) -> &'a Answer {
     &answers.iter().find(|(text, _)| text.starts_with(line)).unwrap_or_else(|| panic!("no `{line}`")).1
 }
 
-/// A number of an answer.
+/// Returns a number of an answer.
 pub fn number(answer: &Answer, field: &str) -> f64 {
     answer.fields.get(field).and_then(serde_json::Value::as_f64).unwrap_or_else(|| panic!("{}: no {field}", answer.command))
 }
 
-/// Holds what the scan has said against the circuit that the plant is.
+/// Compares the result of a scan with the circuit of the plant.
 pub fn judge_scan(scan: &Answer, truth: &Circuit) {
     let relative = |field: &str, truth: f64| number(scan, field) / truth - 1.0;
     let hz = number(scan, "series_resonance_hz") - truth.series_resonance_hz();
-    // Measured: -0.03 Hz, 0.01 to 0.02 %, -0.04 to -0.02 %, 0.00 %. A scan of one pass states a standard deviation of 0.06 Hz, and of 0.019 % of Q.
+    // Measured: -0.03 Hz, 0.01 to 0.02 %, -0.04 to -0.02 %, 0.00 %. A scan of one pass states a
+    // standard deviation of 0.06 Hz, and of 0.019 % of Q.
     println!(
         "resonance {hz:+.3} Hz, Q {:+.5}, Rm {:+.5}, Lm {:+.5}",
         relative("q", truth.q()),
@@ -74,7 +76,7 @@ pub fn judge_scan(scan: &Answer, truth: &Circuit) {
     assert!(relative("lm_h", truth.lm_h).abs() < 6e-4, "{}", relative("lm_h", truth.lm_h));
 }
 
-/// Voltage, current and drive codes of a capture, as they were written.
+/// Reads voltage, current and drive codes of a capture from its file.
 fn codes(folder: &Path, name: &str) -> Vec<[u16; 3]> {
     let text = fs::read_to_string(folder.join(name).join("capture.csv")).expect("a capture");
     let code = |cell: &str| cell.parse().expect("a code");
@@ -85,7 +87,8 @@ fn codes(folder: &Path, name: &str) -> Vec<[u16; 3]> {
     text.lines().skip(1).map(row).collect()
 }
 
-/// Holds each capture of the dialogue, code for code, against what went over the converters, from the first block on.
+/// Compares each capture of the dialogue, code for code, with the codes at the converters, from the
+/// first block.
 pub fn judge_captures<'a>(
     answers: &[(String, Answer)],
     folder: &Path,
@@ -107,7 +110,7 @@ pub fn judge_captures<'a>(
         let captured = codes(folder, name);
         assert!(captured.len() == 1024 && captured == played[first..first + 1024], "{name}");
         let sounds = captured.iter().position(|codes| codes[2] != config.front_end.drive_mid_code);
-        // The trigger is the block whose report showed sound; that plays two blocks later.
+        // The trigger is the block whose report showed a drive, which plays two blocks later.
         let expected = if name == "first" { 200..200 + 3 * block_samples } else { 0..1 };
         assert!(sounds.is_some_and(|at| expected.contains(&at)), "{name} {sounds:?}");
     }

@@ -1,4 +1,4 @@
-//! A host that is slow, that leaves, or that dies.
+//! Hosts that are slow, that leave, or that die.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -11,21 +11,21 @@ use link::simulated_board::SimulatedBoard;
 
 use super::{board, client, port, run};
 
-/// What the lane plays now is silence.
+/// Returns `true` if the lane is silent.
 fn is_silent(board: &SimulatedBoard) -> bool {
     let mid = board.config().front_end.drive_mid_code;
     board.with_rig(|rig| rig.blocks().next_back().is_some_and(|exchange| exchange.drive.lanes[0].iter().all(|&code| code == mid)))
 }
 
 #[test]
-fn a_host_that_waits_is_no_loss_and_one_that_dies_is() {
+fn only_a_dead_host_is_lost() {
     let board = board("lock", &[], 4);
     let options = SessionOptions { host_timeout_s: Some(0.1), stay: false };
     let mut session = Session::begin(client(port(&board)), options).unwrap();
-    // Ten times the board's patience.
+    // Ten times the patience of the board.
     run("drive\nwait 1\nstatus\nexpect mode = run\nexpect fault = none", &mut session).unwrap();
     assert!(!is_silent(&board.borrow()));
-    // It dies: no frame says that it leaves.
+    // The host dies: it sends no frame when it leaves.
     std::mem::forget(session);
     let block_s = board.borrow().block_s();
     let blocks = |seconds: f64| (0..(seconds / block_s) as u32).for_each(|_| board.borrow_mut().block());
@@ -41,16 +41,16 @@ fn a_host_that_waits_is_no_loss_and_one_that_dies_is() {
 }
 
 #[test]
-fn who_leaves_stops_the_drive_unless_it_is_to_stay() {
+fn leaving_stops_the_drive_unless_stay_is_set() {
     for stay in [false, true] {
         let board = board("lock", &[], 4);
         let mut session = Session::begin(client(port(&board)), SessionOptions { host_timeout_s: None, stay }).unwrap();
         run("drive", &mut session).unwrap();
         let said = session.leave().unwrap().unwrap();
-        assert_eq!(said.contains("goes on"), stay, "{said}");
+        assert_eq!(said.contains("continues"), stay, "{said}");
         (0..10_000).for_each(|_| board.borrow_mut().block());
         assert_eq!(is_silent(&board.borrow()), !stay);
-        // Who only looks leaves it as it is.
+        // A host that only reads does not change the drive.
         let mut session = super::session(&board);
         run("monitor --every 0.01 --for 0.05", &mut session).unwrap();
         assert_eq!(session.leave().unwrap(), None);
@@ -61,7 +61,7 @@ fn who_leaves_stops_the_drive_unless_it_is_to_stay() {
 }
 
 #[test]
-fn a_program_that_fails_leaves_no_drive_behind() {
+fn a_failing_program_stops_the_drive() {
     let board = board("lock", &[], 4);
     let mut session = super::session(&board);
     run("drive", &mut session).unwrap();
@@ -72,7 +72,7 @@ fn a_program_that_fails_leaves_no_drive_behind() {
 }
 
 #[test]
-fn a_drive_left_on_has_its_timeout_again_under_the_next_host() {
+fn the_next_host_restores_the_host_timeout() {
     let board = board("lock", &[], 4);
     let mut session = super::session(&board);
     run("settings set link.patience_s 0.1\nsettings store\nreset", &mut session).unwrap();
@@ -81,7 +81,7 @@ fn a_drive_left_on_has_its_timeout_again_under_the_next_host() {
     run("drive", &mut session).unwrap();
     session.leave().unwrap();
     drop(session);
-    // The next host finds a board without a host timeout, drives, and dies.
+    // The next host clears the timeout of the board, drives, and dies.
     let mut session = super::session(&board);
     run("drive", &mut session).unwrap();
     std::mem::forget(session);

@@ -1,4 +1,5 @@
-//! Settings over the link: a value out of range is refused with its range, and a stored one is active after a reset.
+//! Settings over the link: a value out of range is refused with its range, and a stored value is
+//! active after a reset.
 
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
@@ -17,11 +18,12 @@ fn refused(line: &str) -> String {
 }
 
 #[test]
-fn what_is_stored_acts_after_a_reset_and_limits_the_drive() {
+fn stored_limits_act_after_a_reset() {
     let board = board("lock", &[], 0);
     let text = "settings set limits.voltage_v 2\nsettings set drive.amplitude_v 1.5\nsettings set drive.scan_volts 1\n\
         settings get limits.voltage_v\nexpect acts > 10\nexpect set = 2\nexpect kept = changed\n\
-        settings store\nreset\nexpect last_start = \"reset by order\"\nsettings get limits.voltage_v\nexpect acts = 2\nexpect kept = stored\n\
+        settings store\nreset\nexpect last_start = \"reset by order\"\n\
+         settings get limits.voltage_v\nexpect acts = 2\nexpect kept = stored\n\
         drive --volts 9\nstatus\nexpect limit = 96\nexpect drive_v <= 2\nstop\nwait 0.01\n\
         settings defaults\nsettings store\nreset\nsettings get limits.voltage_v\nexpect acts > 10\n";
     run(text, &mut session(&board)).unwrap_or_else(|error| panic!("{error}"));
@@ -30,7 +32,8 @@ fn what_is_stored_acts_after_a_reset_and_limits_the_drive() {
 #[test]
 fn a_stored_limit_acts_whatever_else_is_stored() {
     let board = board("lock", &[], 0);
-    // Below the drive that is built in, as another image has left it; and beside a limit that nothing on this board could judge.
+    // A limit below the built-in drive, as stored by another image; and a limit that cannot be
+    // checked on this board.
     board.borrow_mut().power_cycle(|flash| leave(flash, &[(8, 0.5)]));
     let text = "! settings set limits.energy_j_per_m 1000\n\
         settings get limits.voltage_v\nexpect acts = 0.5\nexpect kept = refused\n\
@@ -50,10 +53,10 @@ fn a_stored_limit_acts_whatever_else_is_stored() {
     let mut session = Session::begin(client, Default::default()).unwrap();
     assert!(NOTES.lock().unwrap().iter().any(|line| line.contains("their limits are active")), "{:?}", NOTES.lock().unwrap());
     let shown = shown_settings(&mut session);
-    assert!(shown.contains("(not active as it is set)"), "{shown}");
+    assert!(shown.contains("(not active as set)"), "{shown}");
 }
 
-/// Leaves parameters in a flash, as an image with other built-in ones does.
+/// Stores parameters in a flash, like an image with other built-in values.
 fn leave(flash: &mut Flash, parameters: &[(u8, f32)]) {
     let mut settings = Settings::new(flash.clone()).unwrap();
     settings.store(&Record { parameters: parameters.iter().copied().collect(), ..Record::default() }).unwrap();
@@ -61,16 +64,16 @@ fn leave(flash: &mut Flash, parameters: &[(u8, f32)]) {
 }
 
 #[test]
-fn what_does_not_fit_together_is_not_stored_and_says_which() {
+fn conflicting_settings_are_not_stored() {
     let board = board("lock", &[], 0);
     let mut session = session(&board);
     let said = run("settings set limits.voltage_v 0.5\nsettings store", &mut session).unwrap_err().to_string();
-    assert!(said.contains("nothing is stored: drive.") && said.contains("beyond what the others leave it"), "{said}");
+    assert!(said.contains("nothing is stored: drive.") && said.contains("conflicts with the other values"), "{said}");
     run("reset\nsettings get limits.voltage_v\nexpect acts > 10\nexpect kept = nothing", &mut session).unwrap();
 }
 
 #[test]
-fn a_board_that_cannot_read_its_settings_says_so_and_drives_nothing_until_they_are_settled() {
+fn unreadable_settings_are_reported_and_prevent_a_drive() {
     let board = board("lock", &[], 4);
     board.borrow_mut().power_cycle(|flash| {
         leave(flash, &[(8, 5.0), (5, 1.0), (7, 1.0)]);
@@ -79,10 +82,10 @@ fn a_board_that_cannot_read_its_settings_says_so_and_drives_nothing_until_they_a
     let mut session = session(&board);
     for order in ["lock", "scan", "calibrate", "drive"] {
         let said = run(order, &mut session).unwrap_err().to_string();
-        assert!(said.contains("a limit that was stored may not act") && said.contains("settings clear"), "{said}");
+        assert!(said.contains("a stored limit may be inactive") && said.contains("settings clear"), "{said}");
     }
     run("settings get limits.voltage_v\nexpect kept = damaged\nsettings clear\nreset\nlock\nstop", &mut session).unwrap();
-    // Of one damaged copy it says so, and how often it has stored.
+    // A single damaged copy is reported, together with the number of stores.
     board.borrow_mut().power_cycle(|flash| {
         leave(flash, &[(8, 14.0)]);
         flash.damage(2, Damage::Unreadable);
@@ -93,21 +96,21 @@ fn a_board_that_cannot_read_its_settings_says_so_and_drives_nothing_until_they_a
     assert!(shown.contains("one of the two copies") && shown.contains("settings were stored"), "{shown}");
 }
 
-/// What `settings get` shows.
+/// Returns the output of `settings get`.
 fn shown_settings(session: &mut Session) -> String {
     settings::run(&SettingsOrder::Get { name: None }, session).unwrap().text
 }
 
 #[test]
-fn what_cannot_be_set_says_what_can() {
+fn refusals_state_the_permitted_values() {
     let too_much = refused("settings set limits.voltage_v 1000");
-    assert!(too_much.contains("limits.voltage_v can be 0.001 to 15.466, not 1000"), "{too_much}");
+    assert!(too_much.contains("limits.voltage_v must be 0.001 to 15.466, not 1000"), "{too_much}");
     let unknown = refused("settings set limits.volt 3");
     assert!(unknown.contains("there is no setting `limits.volt`; did you mean `limits.voltage_v`?"), "{unknown}");
     let idle = refused("settings set friction.speed_m_per_s 0.05");
-    assert!(idle.contains("friction.speed_m_per_s does nothing without friction.enabled: set that first"), "{idle}");
+    assert!(idle.contains("friction.speed_m_per_s has no effect without friction.enabled: set that first"), "{idle}");
     let no_number = refused("settings set limits.voltage_v nan");
-    assert!(no_number.contains("limits.voltage_v can be"), "{no_number}");
+    assert!(no_number.contains("limits.voltage_v must be"), "{no_number}");
     let lane = refused("capture --lane 3");
     assert!(lane.contains("the board refuses `capture arm`: a number in it is beyond its range"), "{lane}");
     let silent = refused("burst --on");

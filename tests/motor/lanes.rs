@@ -1,4 +1,5 @@
-//! The lanes are watched: what is wrong with one is named, before the motor turns the wrong way or soon after it happens; a healthy one never is.
+//! Watch of the lanes: a defect is identified before the motor turns the wrong way or soon after it
+//! occurs, and healthy lanes cause no fault.
 
 use std::thread;
 
@@ -9,10 +10,11 @@ use scene::load::load;
 use sim::record::{Record, Row};
 use sim::run::{Watch, run};
 
-/// What is injected, which lanes it happens to, and what it is called.
+/// Injected kind, affected lane, other affected lane, and expected fault.
 type Case = (&'static str, u8, Option<u8>, Fault);
 
-/// A lane that is open, weak or reversed, each of the three beside the first; and pairs that are exchanged.
+/// Returns an open, weak or reversed lane, for each of the three other than the first; and
+/// exchanged pairs.
 fn cases() -> Vec<Case> {
     let of_one = |lane| {
         [("lane_open", Fault::LaneOpen), ("lane_weak", Fault::LaneImplausible), ("lane_reversed", Fault::LaneImplausible)]
@@ -20,7 +22,7 @@ fn cases() -> Vec<Case> {
     };
     let pairs = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
     let exchanged = pairs.map(|(one, other)| ("lanes_exchanged", one, Some(other), Fault::LaneImplausible));
-    // The first lane is what the others are compared with: where it is wrong, they are.
+    // The first lane is the reference: if it is wrong, the others appear wrong.
     let first = [("lane_reversed", 0, None, Fault::LaneImplausible), ("lane_weak", 0, None, Fault::LaneImplausible)];
     (1..4).flat_map(of_one).chain(exchanged).chain(first).collect()
 }
@@ -28,12 +30,13 @@ fn cases() -> Vec<Case> {
 fn sets_of(&(kind, lane, other, _): &Case, at_s: f64) -> Vec<String> {
     let mut sets = vec![format!("fault.0.kind={kind}"), format!("fault.0.lane={lane}"), format!("fault.0.at_s={at_s}")];
     sets.extend(other.map(|other| format!("fault.0.other_lane={other}")));
-    // Less than two thirds of the first lane is a sense channel for the self-test, and less than a half for the guard: fault 20.
+    // A gain of the first lane below 2/3 is a defective sense channel for the self-test, and below
+    // 1/2 for the guard: fault 20.
     sets.extend((kind == "lane_weak" && lane == 0).then(|| "fault.0.gain=0.68".to_owned()));
     sets
 }
 
-/// The record of the motor, which begins to run at 0.19 s, with changes.
+/// Runs the motor with changes and returns its record; the run begins at 0.19 s.
 fn record(changes: &[String]) -> Record {
     let sets: Vec<String> =
         ["rig.rotor.torque_nm=0", "duration_s=0.35"].iter().map(|&set| set.to_owned()).chain(changes.iter().cloned()).collect();
@@ -41,7 +44,7 @@ fn record(changes: &[String]) -> Record {
     run(&scene.driven().unwrap(), Watch::default()).unwrap()
 }
 
-/// Runs these in as many threads as there are processors.
+/// Runs all cases on as many threads as there are processors.
 fn all<T: Send, R: Send>(cases: Vec<T>, one: impl Fn(T) -> R + Sync) -> Vec<R> {
     let threads = thread::available_parallelism().map_or(1, |count| count.get());
     let cases = std::sync::Mutex::new(cases.into_iter().enumerate());
@@ -63,7 +66,7 @@ fn all<T: Send, R: Send>(cases: Vec<T>, one: impl Fn(T) -> R + Sync) -> Vec<R> {
     results.into_iter().map(|(_, result)| result).collect()
 }
 
-/// The fault's time and number.
+/// Returns the time and the number of the fault.
 fn faulted(record: &Record) -> Option<(f64, u8)> {
     record.rows.iter().find(|row| row.fault != 0).map(|row| (row.time_s, row.fault))
 }
@@ -74,7 +77,7 @@ fn median(times: &mut [f64]) -> f64 {
 }
 
 #[test]
-fn a_wrong_lane_is_named_before_anything_runs() {
+fn a_wrong_lane_is_identified_before_a_run() {
     for changes in [
         &[][..],
         &["controller.phasing.direction=reverse"],
@@ -96,18 +99,18 @@ fn a_wrong_lane_is_named_before_anything_runs() {
             times.push(1e3 * time_s);
         }
         println!(
-            "{changes:?} from the start: {} cases, median {:.2} ms, {:.2} at most; the rotor turns with {turned:.4} rad/s at most",
+            "{changes:?} from the start: {} cases, median {:.2} ms, at most {:.2}; the rotor turns with at most {turned:.4} rad/s",
             times.len(),
             median(&mut times),
             times[times.len() - 1]
         );
-        // The tone of the self-test, of half the voltage and beside the resonance; a run has 6 rad/s.
+        // The tone of the self-test has half the voltage and is off resonance; a run has 6 rad/s.
         assert!(turned < 0.1, "{turned} rad/s");
     }
 }
 
 #[test]
-fn a_lane_that_fails_in_a_run_is_named_within_50_ms() {
+fn a_lane_failure_in_a_run_is_identified_within_50_ms() {
     for changes in [&[][..], &["controller.tracking.mode=observer"], &["controller.tracking.mode=off"]] {
         let moments = [0.2301, 0.2417, 0.2533, 0.2649];
         let cases: Vec<(Case, f64)> = cases().into_iter().flat_map(|case| moments.map(|at_s| (case, at_s))).collect();
@@ -130,14 +133,15 @@ fn a_lane_that_fails_in_a_run_is_named_within_50_ms() {
         }
         for (kind, times) in &mut of_kinds {
             let most = times.iter().copied().fold(0.0, f64::max);
-            println!("{changes:?} {kind}: {} runs, median {:.1} ms, {most:.1} at most", times.len(), median(times));
+            println!("{changes:?} {kind}: {} runs, median {:.1} ms, at most {most:.1}", times.len(), median(times));
         }
     }
 }
 
-/// Amplifiers that are nearly as far off as is plausible, as they are and trimmed, under steps of load and preload, in bursts and without.
+/// Amplifiers with errors close to the plausible limit, with and without trims, under steps of load
+/// and preload, with and without bursts.
 #[test]
-fn healthy_lanes_are_never_accused() {
+fn healthy_lanes_cause_no_fault() {
     let seeds: Vec<u64> = (1..=36).collect();
     let records = all(seeds, |seed| {
         let mut chance = Chance::new(seed);
@@ -190,22 +194,23 @@ fn healthy_lanes_are_never_accused() {
     }
     let ran = records.iter().filter(|(_, record)| record.rows.iter().any(|row| row.mode == Mode::Run)).count();
     let other = records.iter().filter_map(|(_, record)| faulted(record)).collect::<Vec<_>>();
-    println!("{} motors, {ran} have run; other faults: {other:?}", records.len());
+    println!("{} motors, {ran} reached a run; other faults: {other:?}", records.len());
     assert_eq!((ran, other.len()), (records.len(), 0));
 }
 
-/// One lane of the four is behind the multiplexer for ten blocks at a time; meanwhile frequency and drive are held.
+/// The multiplexer selects one of the four lanes for ten blocks at a time; meanwhile frequency and
+/// drive are held.
 #[test]
-fn a_visit_moves_neither_frequency_nor_drive() {
+fn a_visit_changes_neither_frequency_nor_drive() {
     let record = record(&["controller.burst.on_s=[0.22]".to_owned(), "controller.burst.off_s=[0.34]".to_owned()]);
     let steady: Vec<&Row> = record.rows.iter().filter(|row| row.time_s > 0.25 && row.time_s < 0.335).collect();
     let (least, most) = steady
         .iter()
         .fold((f64::INFINITY, 0.0_f64), |(least, most), row| (least.min(row.frequency_hz), most.max(row.frequency_hz)));
     let runs = record.rows.iter().find(|row| row.mode == Mode::Run).unwrap();
-    println!("it runs after {:.3} ms, and the frequency stays within {:.2} Hz", 1e3 * runs.time_s, most - least);
+    println!("the run begins after {:.3} ms, and the frequency stays within {:.2} Hz", 1e3 * runs.time_s, most - least);
     assert!(steady.len() > 2500 && most - least < 2.0, "{}", most - least);
-    // What is reported stays that of lane 0.
+    // The reported current remains that of lane 0.
     let currents: Vec<f64> = steady.iter().map(|row| row.motional_current_a).collect();
     let mean = currents.iter().sum::<f64>() / currents.len() as f64;
     assert!(currents.iter().all(|current| (current / mean - 1.0).abs() < 0.05), "{mean}");

@@ -1,4 +1,5 @@
-//! Link arguments of the image. They stand here and not in `rustflags`, which the environment's `RUSTFLAGS` would replace.
+//! Link arguments of the image. They are set here because the environment's `RUSTFLAGS` would
+//! replace `rustflags`.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -6,11 +7,13 @@ fn main() {
     if std::env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
-    // The linker runs in the workspace root and finds `memory.x` there; the core-coupled RAM is this board's own.
+    // The linker runs in the workspace root and finds `memory.x` there. The core-coupled RAM is
+    // specific to this board.
     println!("cargo::rerun-if-changed=../../../memory.x");
     println!("cargo::rustc-link-arg-bins=--nmagic");
     let package = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
-    // Every image but the first stage has code in core-coupled RAM; behind the first stage it begins further on (`memory.x`).
+    // Only the image has code in core-coupled RAM, not the first stage. In a slot the image begins
+    // after the first stage (`memory.x`).
     println!("cargo::rustc-link-arg-bin=nucleo-g474re=-T{package}/ccmram.x");
     if std::env::var_os("CARGO_FEATURE_SLOT").is_some() {
         println!("cargo::rerun-if-changed=slot.x");

@@ -1,4 +1,5 @@
-//! Link arguments of the image. They stand here and not in `rustflags`, which the environment's `RUSTFLAGS` would replace.
+//! Link arguments of the image. They are set here because the environment's `RUSTFLAGS` would
+//! replace `rustflags`.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,4 +1,4 @@
-//! A field, and what is said of it.
+//! Field of a table of settings, with its options.
 
 use proc_macro2::{Literal, Span, TokenStream};
 use quote::{format_ident, quote};
@@ -7,14 +7,14 @@ use syn::parse::{Parse, ParseStream};
 use syn::spanned::Spanned;
 use syn::{Attribute, Error, Expr, GenericArgument, Ident, Lit, PathArguments, Result, Token, Type};
 
-/// One field of a table.
+/// Field of a table.
 pub(crate) struct Field {
     pub(crate) name: Ident,
     pub(crate) ty: Type,
     pub(crate) value: Value,
-    /// All attributes but `setting`.
+    /// All attributes except `setting`.
     pub(crate) attributes: Vec<Attribute>,
-    pub(crate) default: Option<Otherwise>,
+    pub(crate) default: Option<DefaultValue>,
     pub(crate) range: Option<(Number, Number)>,
     pub(crate) key: Option<Expr>,
     pub(crate) hold: Hold,
@@ -23,14 +23,15 @@ pub(crate) struct Field {
     pub(crate) place: Place,
 }
 
-/// The default of a field.
-pub(crate) enum Otherwise {
-    /// That of its type.
+/// Default of a field.
+pub(crate) enum DefaultValue {
+    /// Default of its type.
     OfType,
+    /// Value of this expression.
     Is(Expr),
 }
 
-/// Where a field is: in the controller's struct, in the scene's, or in both.
+/// Location of a field: the controller's struct, the scene's, or both.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Place {
     Both,
@@ -38,7 +39,7 @@ pub(crate) enum Place {
     Controller,
 }
 
-/// What holds a parameter back over the link.
+/// Limit of a parameter that is set over the link.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Hold {
     Range,
@@ -46,28 +47,28 @@ pub(crate) enum Hold {
     Scale,
 }
 
-/// A number as it is written, which may be negative.
+/// Number as written, which may be negative.
 pub(crate) struct Number {
     minus: Option<Token![-]>,
     number: Lit,
 }
 
-/// How a field holds its value.
+/// Kind of the value of a field.
 pub(crate) enum Value {
     One(Type),
     Optional(Type),
-    /// At most so many.
+    /// List, with its largest length if there is one.
     Several(Type, TokenStream),
 }
 
 impl Field {
     pub(crate) fn parse(field: syn::Field) -> Result<Self> {
         let span = field.span();
-        let name = field.ident.ok_or_else(|| Error::new(span, "a setting has a name"))?;
+        let name = field.ident.ok_or_else(|| Error::new(span, "a setting must have a name"))?;
         let (said, attributes) = field.attrs.into_iter().partition::<Vec<_>, _>(|attribute| attribute.path().is_ident("setting"));
-        let value = Value::of(&field.ty);
+        let value = Value::from_type(&field.ty);
         let mut made = Field {
-            default: matches!(value, Value::Optional(_) | Value::Several(..)).then_some(Otherwise::OfType),
+            default: matches!(value, Value::Optional(_) | Value::Several(..)).then_some(DefaultValue::OfType),
             name,
             ty: field.ty,
             value,
@@ -84,8 +85,8 @@ impl Field {
             said.parse_nested_meta(|option| {
                 let name = option.path.get_ident().map(Ident::to_string).unwrap_or_default();
                 match name.as_str() {
-                    "default" if option.input.peek(Token![=]) => made.default = Some(Otherwise::Is(option.value()?.parse()?)),
-                    "default" => made.default = Some(Otherwise::OfType),
+                    "default" if option.input.peek(Token![=]) => made.default = Some(DefaultValue::Is(option.value()?.parse()?)),
+                    "default" => made.default = Some(DefaultValue::OfType),
                     "min" => least = Some(number(&option)?),
                     "max" => most = Some(number(&option)?),
                     "key" => made.key = Some(option.value()?.parse()?),
@@ -96,32 +97,32 @@ impl Field {
                     "quiet" => made.quiet = true,
                     "scene" => made.place = Place::Scene,
                     "controller" => made.place = Place::Controller,
-                    _ => return Err(option.error("no option of a setting")),
+                    _ => return Err(option.error("unknown option of a setting")),
                 }
                 Ok(())
             })?;
         }
-        made.range = both(least, most, span, "a range has both ends")?;
-        made.access = both(read, write, span, "what is read is written, too")?;
-        if made.quiet && !matches!(made.default, Some(Otherwise::OfType)) {
-            return Err(Error::new(span, "what is quiet has the default of its type"));
+        made.range = both(least, most, span, "`min` and `max` must be given together")?;
+        made.access = both(read, write, span, "`read` and `write` must be given together")?;
+        if made.quiet && !matches!(made.default, Some(DefaultValue::OfType)) {
+            return Err(Error::new(span, "`quiet` requires the option `default` without a value"));
         }
         if made.hold != Hold::Range && made.range.is_none() {
-            return Err(Error::new(span, "a limit and a scale factor have a range"));
+            return Err(Error::new(span, "`ceiling` and `scale` require a range"));
         }
         Ok(made)
     }
 
-    /// Whether its type or its default names something that must be in scope.
+    /// Returns `true` if the type or the default names an item that must be in scope.
     pub(crate) fn names_something(&self) -> bool {
         const PRIMITIVES: [&str; 6] = ["f32", "f64", "bool", "u8", "u16", "u32"];
         let (Value::One(ty) | Value::Optional(ty) | Value::Several(ty, _)) = &self.value;
         let listed = matches!(&self.value, Value::Several(_, most) if !most.is_empty());
-        let default = matches!(&self.default, Some(Otherwise::Is(value)) if !matches!(value, Expr::Lit(_) | Expr::Unary(_)));
+        let default = matches!(&self.default, Some(DefaultValue::Is(value)) if !matches!(value, Expr::Lit(_) | Expr::Unary(_)));
         listed || default || !PRIMITIVES.iter().any(|name| is(ty, name))
     }
 
-    /// The name of its constant.
+    /// Returns the name of the constant of this field.
     pub(crate) fn constant(&self) -> Ident {
         format_ident!("{}", self.name.to_string().to_uppercase(), span = self.name.span())
     }
@@ -134,11 +135,11 @@ impl Field {
         self.place != Place::Scene
     }
 
-    /// Its default, as an expression.
+    /// Returns the default as an expression.
     pub(crate) fn default(&self) -> Option<TokenStream> {
         Some(match self.default.as_ref()? {
-            Otherwise::OfType => quote!(::core::default::Default::default()),
-            Otherwise::Is(value) => quote!(#value),
+            DefaultValue::OfType => quote!(::core::default::Default::default()),
+            DefaultValue::Is(value) => quote!(#value),
         })
     }
 }
@@ -162,13 +163,13 @@ impl Parse for Number {
 }
 
 impl Number {
-    /// As it is written: whole numbers stay whole.
+    /// Returns the number as written: whole numbers stay whole.
     pub(crate) fn as_written(&self) -> TokenStream {
         let Number { minus, number } = self;
         quote!(#minus #number)
     }
 
-    /// As a number of double precision.
+    /// Returns the number in double precision.
     pub(crate) fn double(&self) -> TokenStream {
         let Number { minus, number } = self;
         match number {
@@ -182,7 +183,7 @@ impl Number {
 }
 
 impl Value {
-    fn of(ty: &Type) -> Self {
+    fn from_type(ty: &Type) -> Self {
         let one = || Value::One(ty.clone());
         let Type::Path(path) = ty else { return one() };
         let Some(last) = path.path.segments.last() else { return one() };
@@ -196,7 +197,7 @@ impl Value {
     }
 }
 
-/// Whether a type is the primitive of this name.
+/// Returns `true` if a type is the primitive of this name.
 pub(crate) fn is(ty: &Type, name: &str) -> bool {
     matches!(ty, Type::Path(path) if path.path.is_ident(name))
 }

@@ -1,6 +1,7 @@
-//! One description of a setting, from which everything else that is known of it follows.
+//! Attribute that derives all uses of a setting from one description.
 //!
-//! A table of settings is a struct; each field says what the setting means, which values are permitted, and which is the default:
+//! A table of settings is a struct. Each field states the meaning of the setting, its permitted
+//! values, and its default:
 //!
 //! ```ignore
 //! #[settings(table = "limits", scene = Limits)]
@@ -12,26 +13,26 @@
 //! }
 //! ```
 //!
-//! | what follows | for |
+//! | generated item | user |
 //! |---|---|
 //! | the struct itself, in single precision | the controller |
 //! | `Limits::default()`; with the option `new` and required fields, `Limits::new(...)` | boards and tests |
-//! | with the option `optional`, parameters of a table that a configuration may be without (`seam::config::Optional`) | the link |
+//! | with the option `optional`, parameters of a table that a configuration may omit (`seam::config::Optional`) | the link |
 //! | `Limits::VOLTAGE_V`, a `Setting`: name and range | relations that a stage checks itself |
-//! | `Limits::check()`: every value is within its range | the build |
+//! | `Limits::check()`: checks that every value is within its range | the build |
 //! | `Limits::PARAMETERS`: the fields that have a key | the link and the stored settings |
 //! | `scene::Limits`, in double precision, with the keys, the defaults and the JSON Schema of a scene, and its conversion | the host, by the feature `scene` |
 //!
-//! | option of a field | says |
+//! | option of a field | meaning |
 //! |---|---|
-//! | `default`, `default = X` | the value of a key that is not given; an `Option` and a `Vec` have a default by themselves |
-//! | `min = X, max = Y` | the range, of each entry where there are several: both or neither |
-//! | `key = N` | it can be set over the link and stored, under this number; without a range its type is a `Choice` |
-//! | `ceiling` | a limit: over the link it can be lowered, never raised beyond what is built in |
-//! | `scale` | a scale factor: the ceilings of limits that are judged by it follow it |
-//! | `read = F, write = F` | how the link reads and writes it, where that is not the field itself |
-//! | `quiet` | a scene that is written out leaves it out where it is the default |
-//! | `scene` | a key of the scene only: what the controller has instead is derived from it |
+//! | `default`, `default = X` | the value of a missing key; an `Option` and a `Vec` always have the default of their type |
+//! | `min = X, max = Y` | the range, for a list that of each entry; both or neither must be given |
+//! | `key = N` | the setting can be set over the link and stored, under this number; without a range its type must be a `Choice` |
+//! | `ceiling` | a limit: over the link it can be lowered, but never raised above the built-in value |
+//! | `scale` | a scale factor: the ceilings of the limits that depend on it are scaled by it |
+//! | `read = F, write = F` | access of the link, if it is not to the field itself |
+//! | `quiet` | a written scene omits the key if it has its default |
+//! | `scene` | a key of the scene only: the controller has a derived value instead |
 //! | `controller` | a field of the controller only |
 
 mod field;
@@ -42,7 +43,7 @@ mod table;
 use proc_macro::TokenStream;
 use syn::{DeriveInput, parse_macro_input};
 
-/// Makes a table of settings of a struct; see the crate's page.
+/// Turns a struct into a table of settings; see the documentation of the crate.
 #[proc_macro_attribute]
 pub fn settings(options: TokenStream, item: TokenStream) -> TokenStream {
     let item = parse_macro_input!(item as DeriveInput);

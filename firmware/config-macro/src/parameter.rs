@@ -1,4 +1,4 @@
-//! The fields of a table that a host may set over the link.
+//! Fields of a table that a host may set over the link.
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
@@ -7,10 +7,10 @@ use crate::field::{Field, Hold, Value};
 use crate::table::Table;
 
 impl Table {
-    /// `PARAMETERS`, if the table has any.
+    /// Returns the constant `PARAMETERS`, if the table has any.
     pub(crate) fn parameters(&self) -> Option<TokenStream> {
         let entries: Vec<_> = self.fields.iter().filter_map(|field| self.parameter(field)).collect();
-        let (name, documentation) = (&self.name, "The settings of this table that a host may set.");
+        let (name, documentation) = (&self.name, "Settings of this table that a host may set.");
         (!entries.is_empty()).then(|| {
             quote! {
                 impl #name {
@@ -37,7 +37,7 @@ impl Table {
         let optional = quote!(<Self as crate::seam::config::Optional>);
         let (read, write) = match (&field.access, &field.value) {
             (Some((read, write)), _) => (quote!(#read), quote!(#write)),
-            // Of a table that is not there the defaults are read, and nothing is written.
+            // If the configuration omits the table, its defaults are read, and nothing is written.
             (None, _) if self.options.optional => {
                 let table = quote!(#optional::of(config).unwrap_or(&#optional::DEFAULT).#name);
                 let (value, from) = match is_choice {

@@ -1,14 +1,14 @@
-//! A table of settings, as a scene has it: in double precision, by its keys.
+//! Table of settings in a scene: in double precision, with its keys.
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 use syn::Type;
 
-use crate::field::{Field, Otherwise, Place, Value, is};
+use crate::field::{DefaultValue, Field, Place, Value, is};
 use crate::table::Table;
 
 impl Table {
-    /// The module `scene`, for a table that scenes have.
+    /// Returns the module `scene`, if scenes have this table.
     pub(crate) fn scene(&self) -> Option<TokenStream> {
         let (controller, scene, documentation) = (&self.name, self.options.scene()?, &self.documentation);
         let fields = || self.fields.iter().filter(|field| field.is_in_scene());
@@ -20,15 +20,18 @@ impl Table {
         let others = of_controller().map(|Field { name, ty, .. }| quote!(#name: #ty));
         let given = of_controller().map(|field| &field.name);
         let (method, about_method) = match of_controller().count() {
-            0 => (quote!(settings), "The controller's settings."),
-            _ => (quote!(with), "The controller's settings: what the scene has of them, with what only the controller has."),
+            0 => (quote!(settings), "Returns the settings of the controller."),
+            _ => (
+                quote!(with),
+                "Returns the settings of the controller: those of the scene, and those that only the controller has.",
+            ),
         };
         let names = fields().any(Field::names_something).then(|| {
             quote!(
                 use super::*;
             )
         });
-        let about = format!("The table `{}` of a scene.", self.options.path().collect::<Vec<_>>().join("."));
+        let about = format!("Table `{}` of a scene.", self.options.path().collect::<Vec<_>>().join("."));
         Some(quote! {
             #[cfg(feature = "scene")]
             #[doc = #about]
@@ -69,7 +72,7 @@ impl Table {
     }
 }
 
-/// A type in double precision.
+/// Returns the type in double precision.
 fn double(ty: &Type) -> TokenStream {
     if is(ty, "f32") { quote!(f64) } else { quote!(#ty) }
 }
@@ -83,7 +86,7 @@ fn is_omitted(field: &Field) -> Option<&'static str> {
     })
 }
 
-/// A field with the attributes by which a scene reads, writes and describes it.
+/// Returns a field with the attributes by which a scene reads, writes and describes it.
 fn member(field: &Field) -> TokenStream {
     let Field { name, attributes, .. } = field;
     let documentation = attributes.iter().filter(|attribute| attribute.path().is_ident("doc"));
@@ -105,10 +108,10 @@ fn member(field: &Field) -> TokenStream {
         }
     };
     let default = match (&field.value, &field.default) {
-        // Serde knows that an option may be missing.
+        // Serde accepts a missing option without an attribute.
         (Value::Optional(_), _) | (_, None) => None,
-        (_, Some(Otherwise::OfType)) => Some(quote!(#[serde(default)])),
-        (_, Some(Otherwise::Is(_))) => {
+        (_, Some(DefaultValue::OfType)) => Some(quote!(#[serde(default)])),
+        (_, Some(DefaultValue::Is(_))) => {
             let function = function(field).to_string();
             Some(quote!(#[serde(default = #function)]))
         }
@@ -117,19 +120,19 @@ fn member(field: &Field) -> TokenStream {
     quote!(#(#documentation)* #default #quiet #schema pub #name: #ty,)
 }
 
-/// The name of the function that gives a default to serde.
+/// Returns the name of the function that returns a default to serde.
 fn function(field: &Field) -> syn::Ident {
     format_ident!("default_of_{}", field.name)
 }
 
-/// A default as serde needs it.
+/// Returns the function that returns a default to serde.
 fn default(field: &Field) -> Option<TokenStream> {
-    let (Some(Otherwise::Is(value)), Value::One(ty)) = (&field.default, &field.value) else { return None };
+    let (Some(DefaultValue::Is(value)), Value::One(ty)) = (&field.default, &field.value) else { return None };
     let (function, ty) = (function(field), double(ty));
     Some(quote!(fn #function() -> #ty { #value }))
 }
 
-/// What the controller has of a field.
+/// Returns the initializer of the controller's field from that of the scene.
 fn converted(field: &Field) -> TokenStream {
     let name = &field.name;
     match &field.value {

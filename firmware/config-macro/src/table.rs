@@ -1,26 +1,26 @@
-//! A table of settings, as the controller has it.
+//! Table of settings in the controller.
 
 use proc_macro2::TokenStream;
 use quote::quote;
 use syn::parse::Parser;
 use syn::{Attribute, Data, DeriveInput, Error, Ident, LitStr, Result, Visibility};
 
-use crate::field::{Field, Otherwise, Value, is};
+use crate::field::{DefaultValue, Field, Value, is};
 
-/// What is said of a table.
+/// Options of a table.
 #[derive(Default)]
 pub(crate) struct Options {
-    /// Its place in the configuration.
+    /// Path of the table in the configuration.
     path: String,
-    /// Its name in a scene, if it is there.
+    /// Name of the table in a scene, if scenes have it.
     scene: Option<Ident>,
-    /// There is a constructor of what must be given.
+    /// `true` if the table has a constructor that takes its required values.
     new: bool,
-    /// A configuration may be without it.
+    /// `true` if a configuration may omit the table.
     pub(crate) optional: bool,
 }
 
-/// A table of settings.
+/// Table of settings.
 pub(crate) struct Table {
     pub(crate) options: Options,
     pub(crate) name: Ident,
@@ -39,7 +39,7 @@ impl Options {
                 Some("scene") => options.scene = Some(option.value()?.parse()?),
                 Some("new") => options.new = true,
                 Some("optional") => options.optional = true,
-                _ => return Err(option.error("no option of a table of settings")),
+                _ => return Err(option.error("unknown option of a table of settings")),
             }
             Ok(())
         });
@@ -47,12 +47,12 @@ impl Options {
         Ok(options)
     }
 
-    /// Its name in a scene, if it is there.
+    /// Returns the name of the table in a scene, if scenes have it.
     pub(crate) fn scene(&self) -> Option<&Ident> {
         self.scene.as_ref()
     }
 
-    /// The tables on the way to it.
+    /// Returns the names of the tables along the path.
     pub(crate) fn path(&self) -> impl Iterator<Item = &str> {
         self.path.split('.').filter(|name| !name.is_empty())
     }
@@ -61,14 +61,14 @@ impl Options {
 impl Table {
     pub(crate) fn parse(options: Options, item: DeriveInput) -> Result<Self> {
         let Data::Struct(data) = item.data else {
-            return Err(Error::new(item.ident.span(), "a table of settings is a struct"));
+            return Err(Error::new(item.ident.span(), "a table of settings must be a struct"));
         };
         let fields = data.fields.into_iter().map(Field::parse).collect::<Result<_>>()?;
         let documentation = item.attrs.iter().filter(|attribute| attribute.path().is_ident("doc")).cloned().collect();
         Ok(Table { options, name: item.ident, documentation, fields, visibility: item.vis, attributes: item.attrs })
     }
 
-    /// The path of a field in the configuration.
+    /// Returns the path of a field in the configuration.
     pub(crate) fn path(&self, field: &Field) -> String {
         let name = field.name.to_string();
         self.options.path().chain([name.as_str()]).collect::<Vec<_>>().join(".")
@@ -76,7 +76,7 @@ impl Table {
 
     pub(crate) fn expand(&self) -> TokenStream {
         let Table { name, visibility, attributes, .. } = self;
-        // A table that no scene has describes itself.
+        // A table outside of scenes has its own schema.
         let alone = self.options.scene().is_none();
         let in_controller = || self.fields.iter().filter(|field| field.is_in_controller());
         let members = in_controller().map(|field| {
@@ -86,7 +86,7 @@ impl Table {
                 quote!(#[cfg_attr(feature = "scene", schemars(range(min = #least, max = #most)))])
             });
             let default = match (&field.default, &field.value) {
-                (Some(Otherwise::Is(value)), Value::One(_)) if alone => {
+                (Some(DefaultValue::Is(value)), Value::One(_)) if alone => {
                     Some(quote!(#[cfg_attr(feature = "scene", schemars(extend("default" = #value)))]))
                 }
                 _ => None,
@@ -100,7 +100,8 @@ impl Table {
             let documentation = format!("Name and range of `{path}`.");
             Some(quote! {
                 #[doc = #documentation]
-                pub const #constant: crate::seam::config::Setting = crate::seam::config::Setting { name: #path, min: #least, max: #most };
+                pub const #constant: crate::seam::config::Setting =
+                    crate::seam::config::Setting { name: #path, min: #least, max: #most };
             })
         });
         let checks = in_controller().filter(|field| field.range.is_some()).map(check);
@@ -118,7 +119,8 @@ impl Table {
 
                 #new
 
-                /// Whether every value is within its range; names the first that is not.
+                /// Checks that every value is within its range. The error names the first that is
+                /// not.
                 pub(crate) fn check(&self) -> ::core::result::Result<(), crate::seam::error::Error> {
                     #(#checks)*
                     ::core::result::Result::Ok(())
@@ -131,7 +133,7 @@ impl Table {
         }
     }
 
-    /// `Default`, if nothing must be given.
+    /// Returns the implementation of `Default`, if no value is required.
     fn default(&self) -> Option<TokenStream> {
         let members = self.fields.iter().filter(|field| field.is_in_controller()).map(|field| {
             let (name, default) = (&field.name, field.default()?);
@@ -147,7 +149,7 @@ impl Table {
         })
     }
 
-    /// A constructor of what must be given, in the order of the fields.
+    /// Returns a constructor that takes the required values, in the order of the fields.
     fn constructor(&self) -> TokenStream {
         let fields = || self.fields.iter().filter(|field| field.is_in_controller());
         let given = fields().filter(|field| field.default.is_none()).map(|Field { name, ty, .. }| quote!(#name: #ty));
@@ -156,7 +158,7 @@ impl Table {
             field.default().map_or_else(|| quote!(#name,), |default| quote!(#name: #default,))
         });
         quote! {
-            /// What must be given, and the defaults of everything else.
+            /// Creates the table from its required values, with the defaults of all others.
             pub fn new(#(#given),*) -> Self {
                 Self { #(#members)* }
             }
@@ -164,7 +166,7 @@ impl Table {
     }
 }
 
-/// The check of one field that has a range.
+/// Returns the check of a field that has a range.
 fn check(field: &Field) -> TokenStream {
     let (name, constant) = (&field.name, field.constant());
     let checked = |ty: &syn::Type, value: TokenStream| match ty {

@@ -1,19 +1,22 @@
-//! The friction switch: from the set point of a friction ratio, or of a friction force, to tip velocity or burst duty.
+//! Friction switch: converts the set point of a friction ratio or friction force to a tip velocity
+//! or a burst duty.
 //!
-//! Vibration along the motion lowers the mean friction of a sliding contact. By how much follows from the [law](dahl), and the drive that does it
-//! from its [inverse]; the amplitude loop holds the motional current that belongs to it: tip velocity times the nominal
-//! force factor. The contact is not configured but identified: a `survey` measures its friction in silence and at three amplitudes and
-//! fits it. Where the law is steep, bursts take the place of the amplitude (`regime`).
+//! Vibration along the motion reduces the mean friction of a sliding contact. The [law](dahl) gives
+//! the reduction, and its [inverse] gives the required drive. The amplitude loop holds the
+//! corresponding motional current: tip velocity times the nominal force factor. The contact is
+//! identified, not configured: a `survey` measures its friction without vibration and at three
+//! amplitudes, and fits it. Where the law is steep, bursts replace the amplitude (`regime`).
 //!
 //! ```text
 //! target ratio -> inverse law -> regime -> amplitude, gate, ON time of bursts -> amplitude loop and burst
-//!                    ^  Dahl length, scale, friction in silence, dead time
+//!                    ^  Dahl length, scale, friction without vibration, dead time
 //!                 survey <- force, motional current, belt speed
 //! ```
 //!
-//! A knob has detents (`detents.rs`): its set point follows its position.
+//! For a knob with detents (`detents.rs`), the set point follows the position.
 //!
-//! What is calculated is spread over blocks. A ratio that is not to be had is refused by number, and the nearest that can be is driven.
+//! The computation is spread over several blocks. An unreachable ratio is reported by a limit
+//! number, and the nearest reachable one is driven.
 
 mod average;
 pub mod dahl;
@@ -33,7 +36,7 @@ use crate::act::friction::dahl::Evaluation;
 use crate::act::friction::detents::Detents;
 use crate::act::friction::fit::Contact;
 use crate::act::friction::inverse::{Inverse, Solution};
-use crate::act::friction::regime::{Choice, Regime, Short};
+use crate::act::friction::regime::{Choice, MissReason, Regime};
 use crate::act::friction::survey::{Found, Play, Progress, Reading, Survey};
 use crate::seam::block::{Amplitude, Target};
 use crate::seam::config::{Config, FrictionLaw, Schedule};
@@ -42,26 +45,26 @@ use crate::seam::fault::Limit;
 use crate::seam::features;
 use crate::seam::telemetry::FrictionEstimate;
 
-/// Time constant by which the sliding speed and the tip velocity are smoothed, s.
+/// Smoothing time constant of the sliding speed and of the tip velocity, s.
 const SMOOTH_S: f32 = 2e-3;
-/// The same for the force, which has bursts in it.
+/// Smoothing time constant of the force, which contains bursts, s.
 const FORCE_S: f32 = 20e-3;
-/// Blocks of rest after a solution.
+/// Idle blocks after a solution.
 const REST_BLOCKS: u32 = 32;
-/// Amplitude and force sensor settle in this time, s.
+/// Settling time of amplitude and force sensor, s.
 const SETTLE_S: f32 = 30e-3;
 
 #[derive(Clone, Debug)]
 enum Work {
-    /// Nothing, for so many blocks more.
+    /// Idle for this number of blocks.
     Rest(u32),
-    /// Seeks the drive for this ratio.
+    /// Solves for the drive of this ratio.
     Solve { target: f32, least_xi: f32, inverse: Inverse },
-    /// Evaluates the ratio at what is measured.
+    /// Evaluates the ratio at the measured values.
     Estimate(Evaluation),
 }
 
-/// The friction switch: a controller of the friction ratio by amplitude or bursts.
+/// Friction switch: controls the friction ratio by amplitude or bursts.
 #[derive(Clone, Debug)]
 pub struct FrictionSwitch {
     _enabled: features::Friction,
@@ -70,19 +73,19 @@ pub struct FrictionSwitch {
     detents: Option<Detents>,
     omega: f32,
     force_factor: f32,
-    /// Largest motional current, A.
+    /// Maximum motional current, A.
     most_amperes: f32,
-    /// Period of the bursts, samples, if there are any.
+    /// Period of the bursts, samples; `None` without bursts.
     period: Option<f32>,
     settle_blocks: u32,
     average_blocks: u32,
-    /// Whole bursts, in about that time.
+    /// Averaging time as a whole number of bursts, blocks.
     burst_blocks: Option<u32>,
     nominal: Contact,
     survey: Option<Survey>,
     play: Play,
     found: Option<Found>,
-    /// The force sensor says what cannot be.
+    /// `true` if the readings of the force sensor were implausible.
     implausible: bool,
     speed: LowPass,
     tip: LowPass,
@@ -92,16 +95,16 @@ pub struct FrictionSwitch {
     choice: Choice,
     ratio: f32,
     belief: Option<FrictionEstimate>,
-    /// The ratio that is being solved for, or was last.
-    last: f32,
-    /// The target of the friction ratio now.
-    asked: f32,
+    /// Ratio of the present or last solution.
+    solved_ratio: f32,
+    /// Present target of the friction ratio.
+    target_ratio: f32,
     /// Set point of the drive.
     ordered: SetPoint,
 }
 
 impl FrictionSwitch {
-    /// Checks the settings of a friction switch; `None` if none is configured.
+    /// Checks the settings of a friction switch; returns `None` if none is configured.
     pub(crate) fn build(config: &Config, block_s: f32) -> Result<Option<Self>, Error> {
         let Some(friction) = &config.friction else { return Ok(None) };
         let enabled = features::friction()?;
@@ -142,25 +145,26 @@ impl FrictionSwitch {
             choice: Choice::new(friction.prefer),
             ratio: 1.0,
             belief: None,
-            last: 1.0,
-            asked: 1.0,
+            solved_ratio: 1.0,
+            target_ratio: 1.0,
             ordered: SetPoint::Silence,
         };
         switch.restart();
         Ok(Some(switch))
     }
 
-    /// Forgets the contact, and surveys it again.
+    /// Discards the identified contact and restarts the survey.
     pub(crate) fn restart(&mut self) {
-        let loudest = self.most_amperes / self.force_factor;
+        let max_tip_m_per_s = self.most_amperes / self.force_factor;
         let (settle, average) = (self.settle_blocks, self.average_blocks);
-        self.survey = Some(Survey::new(self.omega, loudest, settle, average, self.burst_blocks));
+        self.survey = Some(Survey::new(self.omega, max_tip_m_per_s, settle, average, self.burst_blocks));
         (self.play, self.found, self.implausible, self.belief) = (Play::Silence, None, false, None);
         (self.work, self.ordered) = (Work::Rest(0), SetPoint::Silence);
         self.solution = Solution { xi: 1.0, ratio: 1.0, floor: 1.0 };
     }
 
-    /// Takes one block of a run, and says what to play. `ordered` takes the place of the configured target.
+    /// Processes one block of a run and returns the set point of the drive. `ordered` replaces the
+    /// configured target.
     #[inline(never)]
     pub fn step(&mut self, ordered: Option<Target>, sensed: &Sensed) -> SetPoint {
         if let Some(speed) = sensed.belt_m_per_s.filter(|speed| speed.is_finite()) {
@@ -178,7 +182,7 @@ impl FrictionSwitch {
             return self.ordered;
         }
         let between = self.ratio_of(ordered.unwrap_or(self.target));
-        self.asked = match (&self.detents, sensed.counts) {
+        self.target_ratio = match (&self.detents, sensed.counts) {
             (Some(detents), Some(counts)) => detents.ratio(counts, sensed.belt_m_per_s.unwrap_or(0.0), between),
             _ => between,
         };
@@ -190,37 +194,37 @@ impl FrictionSwitch {
         self.ordered
     }
 
-    /// Set point of the drive, from the last step.
+    /// Returns the set point of the drive from the last step.
     pub fn set_point(&self) -> SetPoint {
         self.ordered
     }
 
-    /// Whether its set point moves with a knob, and with it the drive.
+    /// Returns `true` if the set point moves with a knob.
     pub(crate) fn moves(&self) -> bool {
         self.detents.is_some()
     }
 
-    /// Why the friction misses its set point, if it does.
+    /// Returns the reason why the friction misses its set point, if it does.
     pub(crate) fn limit(&self) -> Option<Limit> {
-        match self.choice.short() {
+        match self.choice.miss() {
             _ if self.survey.is_some() => None,
-            Some(Short::NoAuthority) => Some(Limit::NoAuthority),
-            Some(Short::Unreachable) => Some(Limit::RatioUnreachable),
+            Some(MissReason::NoAuthority) => Some(Limit::NoAuthority),
+            Some(MissReason::Unreachable) => Some(Limit::RatioUnreachable),
             None => None,
         }
     }
 
-    /// Whether the contact is being surveyed.
+    /// Returns `true` during the survey.
     pub(crate) fn is_surveying(&self) -> bool {
         self.survey.is_some()
     }
 
-    /// Whether the force sensor has said in the survey what cannot be friction.
+    /// Returns `true` if the force measured in the survey was implausible.
     pub(crate) fn is_implausible(&self) -> bool {
         self.implausible
     }
 
-    /// Estimate of the contact by the last calculation; `None` before the survey is over.
+    /// Returns the latest estimate of the contact; `None` until the survey has ended.
     pub(crate) fn belief(&self) -> Option<FrictionEstimate> {
         self.belief
     }
@@ -246,12 +250,12 @@ impl FrictionSwitch {
         self.found.map_or(self.nominal, |found| found.contact)
     }
 
-    /// Dead time of bursts as a part of their period, if there are any.
+    /// Returns the dead time of bursts relative to their period; `None` without bursts.
     fn dead(&self) -> Option<f32> {
         self.period.map(|_| self.found.map_or(0.0, |found| found.dead))
     }
 
-    /// So much, or as much as there is.
+    /// Returns the set point for a tip velocity, limited to the maximum current.
     fn current(&self, tip_m_per_s: f32) -> SetPoint {
         let amperes = tip_m_per_s * self.force_factor;
         SetPoint::Current(if amperes < self.most_amperes { amperes } else { self.most_amperes })
@@ -279,7 +283,8 @@ impl FrictionSwitch {
         }
     }
 
-    /// Target of the friction ratio. It is not a number for a force while the friction without vibration is unknown.
+    /// Returns the target as a friction ratio; NaN for a force while the friction without vibration
+    /// is unknown.
     fn ratio_of(&self, target: Target) -> f32 {
         match (target, self.found) {
             (Target::Ratio(ratio), _) => ratio,
@@ -288,19 +293,20 @@ impl FrictionSwitch {
         }
     }
 
-    /// Goes on with what is being calculated, or begins with what is next: a few hundred instructions, for blocks that have time for them.
+    /// Continues the present computation or starts the next: a few hundred instructions, for blocks
+    /// with spare time.
     #[inline(never)]
     pub(crate) fn work(&mut self) {
         if let Some(survey) = &mut self.survey {
             return survey.work();
         }
-        let target = self.asked;
-        let new = target.to_bits() != self.last.to_bits();
+        let target = self.target_ratio;
+        let new = target.to_bits() != self.solved_ratio.to_bits();
         match &mut self.work {
             Work::Rest(left) if *left > 0 && !new => *left -= 1,
             Work::Rest(_) => {
-                // A solution that was begun is completed: a target that moves all the time must not prevent that.
-                self.last = target;
+                // Started solutions are completed, even if the target moves continuously.
+                self.solved_ratio = target;
                 self.work = self.solve(target);
             }
             Work::Solve { target, least_xi, inverse } => {

@@ -1,23 +1,24 @@
-//! The restraint: HIGH or LOW friction at the D-ring of a seat belt, decided once in a crash.
+//! Restraint: HIGH or LOW friction at the D-ring of a seat belt, decided once per crash.
 //!
-//! The D-ring is a capstan (Euler 1769, Eytelwein 1808): while webbing slides out over it, the shoulder pulls with
-//! `Fs = Fr exp(mu theta)`, `Fr` being what the load limiter of the retractor lets through. Ultrasound lowers `mu`: the drive OFF is HIGH
-//! friction, the drive ON is LOW.
+//! The D-ring is a capstan (Euler 1769, Eytelwein 1808). While webbing slides out over it, the
+//! shoulder pulls with `Fs = Fr exp(mu theta)`, where `Fr` is the force of the load limiter in the
+//! retractor. Ultrasound lowers `mu`: drive OFF is HIGH friction, drive ON is LOW friction.
 //!
-//! | | |
+//! | state | rule |
 //! |---|---|
-//! | HIGH | the default, what a belt without this controller has, and what any fault or doubt comes back to |
-//! | LOW | once, for an occupant who was known to be light before the crash, and only while it still helps |
-//! | never back | LOW that becomes HIGH again has the force of the one and the excursion of the other |
+//! | HIGH | the default: the friction of a belt without this controller, and the result of any fault or doubt |
+//! | LOW | once, for an occupant known to be light before the crash, and only while it still helps |
+//! | LOW to HIGH | never: it would combine the force of HIGH with the excursion of LOW |
 //!
 //! ```text
 //! Waiting -- force >= sensed_n for confirm_ms, and webbing comes out --> Deciding -- light, driving, force < latest_n --> Low
 //!                                                                        \--- not light, or latest_ms over ---------> High
 //! ```
 //!
-//! The mass is a reading of the seat. It cannot be inferred from the crash itself: by the time that it must be decided, force and payout of a light occupant in a hard
-//! crash are those of a heavy one in a soft crash (docs/crash.md). The reading that counts is the one of the block in which the crash is
-//! sensed; it must be from `least_kg` to `most_kg`, or no occupant is classified as light.
+//! The mass is measured by the seat. It cannot be inferred from the crash: until the decision, a
+//! light occupant in a hard crash and a heavy one in a soft crash have the same force and payout
+//! (docs/evidence/crash.md). The reading in the block that detects the crash applies. It must be
+//! from `least_kg` to `most_kg`, otherwise no occupant is classified as light.
 
 use crate::seam::block::{Gate, Orders};
 use crate::seam::config;
@@ -25,34 +26,35 @@ use crate::seam::error::Error;
 use crate::seam::features;
 use crate::seam::mode::Mode;
 
-/// Webbing that must have come out under the force, counts of the encoder, where there is one: a force without it is a sensor fault.
-const COUNTS: u32 = 2;
+/// Minimum webbing payout under the force, encoder counts, if there is an encoder; a force without
+/// payout is a sensor fault.
+const MIN_PAYOUT_COUNTS: u32 = 2;
 
-/// How far the decision is.
+/// State of the decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
-    /// No crash; the force has been there for so many blocks, in which so many counts of webbing have come out.
+    /// No crash. The force has been present for `felt` blocks, with a payout of `counts`.
     Waiting { felt: u32, counts: u32 },
-    /// A crash, with so many blocks left to decide.
+    /// Crash detected; `left` blocks remain for the decision.
     Deciding { left: u32 },
-    /// The friction stays HIGH.
+    /// The friction remains HIGH.
     High,
-    /// The friction stays LOW.
+    /// The friction remains LOW.
     Low,
 }
 
 /// Class of the occupant, by the reading of the seat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Class {
-    /// An occupant so light that the belt should pull less.
+    /// Light occupant, for whom the belt should pull less.
     Light,
     /// Any other occupant.
     Other,
-    /// The seat has no reading, or one that cannot be.
+    /// No reading of the seat, or an implausible one.
     Unknown,
 }
 
-/// The decision and what it goes by.
+/// Decision and its settings.
 #[derive(Clone, Debug)]
 pub(crate) struct Restraint {
     _enabled: features::Friction,
@@ -79,7 +81,7 @@ impl Restraint {
         Ok(Restraint {
             _enabled: enabled,
             sensed_n: restraint.sensed_n,
-            // The block that shows it counts.
+            // The first block with the force counts.
             confirm_blocks: blocks(restraint.confirm_ms).max(1),
             latest_blocks: blocks(restraint.latest_ms),
             latest_n: restraint.latest_n,
@@ -89,12 +91,12 @@ impl Restraint {
         })
     }
 
-    /// Forgets a crash.
+    /// Resets the decision.
     pub(crate) fn restart(&mut self) {
         self.state = State::Waiting { felt: 0, counts: 0 };
     }
 
-    /// What a torso mass that the seat has read, kg, makes of the occupant.
+    /// Classifies the occupant by the torso mass from the seat, kg.
     pub(crate) fn class(&self, torso_kg: Option<f32>) -> Class {
         let (least, most) = self.plausible_kg;
         match torso_kg {
@@ -104,19 +106,20 @@ impl Restraint {
         }
     }
 
-    /// Takes one block's readings, and puts the gate of the orders where the decision wants it.
+    /// Processes the readings of one block, and sets the gate of the orders by the decision.
     ///
-    /// `force` is that of the belt, N, and `fresh` how many counts of webbing have come out in this block, both where there is a sensor.
-    // Not inlined: a block takes fewer instructions so, which `docs/evidence/instructions.md` counts.
+    /// `force` is the belt force, N, and `fresh` the payout in this block, counts; `None` without a
+    /// sensor.
+    // Not inlined: saves instructions per block, which `docs/evidence/instructions.md` counts.
     #[inline(never)]
     pub(crate) fn decide(&mut self, orders: &Orders, force: Option<f32>, fresh: Option<u32>, mode: Mode) -> Orders {
         if let State::Waiting { felt, counts } = self.state {
-            // A sensor that is not there, or says what is no number, shows no crash.
+            // A missing force or NaN does not indicate a crash.
             let (felt, counts) = match force {
                 Some(force) if force >= self.sensed_n => (felt.saturating_add(1), counts.saturating_add(fresh.unwrap_or(0))),
                 _ => (0, 0),
             };
-            let comes_out = fresh.is_none() || counts >= COUNTS;
+            let comes_out = fresh.is_none() || counts >= MIN_PAYOUT_COUNTS;
             self.state = match self.class(orders.torso_kg) {
                 _ if felt < self.confirm_blocks || !comes_out => State::Waiting { felt, counts },
                 Class::Light => State::Deciding { left: self.latest_blocks },
@@ -124,7 +127,7 @@ impl Restraint {
             };
         }
         if let State::Deciding { left } = self.state {
-            // A force that is gone does not say that it is small.
+            // A missing force is not a small one.
             let helps = force.is_some_and(|force| force < self.latest_n);
             self.state = match (left.checked_sub(1), mode) {
                 (Some(_), Mode::Run) if helps => State::Low,
@@ -143,7 +146,8 @@ mod tests {
 
     const LIGHT: Option<f32> = Some(14.0);
 
-    /// Blocks of 1 ms: a crash is sensed at 300 N in the second block, and LOW may come in ten more, below 2500 N.
+    /// Blocks of 1 ms: a crash is detected at 300 N in the second block; LOW is possible in the
+    /// next ten blocks, below 2500 N.
     fn restraint() -> Restraint {
         Restraint {
             _enabled: features::Enabled,
@@ -161,7 +165,7 @@ mod tests {
         restraint.decide(&Orders { torso_kg, ..Orders::default() }, force, None, mode).gate
     }
 
-    /// The gate over a run of forces.
+    /// Returns the gate for a sequence of forces.
     fn gates(torso_kg: Option<f32>, forces: &[f32]) -> std::vec::Vec<Gate> {
         let mut restraint = restraint();
         forces.iter().map(|&force| block(&mut restraint, torso_kg, Some(force), Mode::Run)).collect()
@@ -171,21 +175,21 @@ mod tests {
     fn only_a_light_occupant_gets_low() {
         let forces = [0.0, 299.0, 400.0, 600.0, 900.0, 0.0, 5000.0];
         use Gate::{Off, On};
-        assert_eq!(gates(LIGHT, &forces), [Off, Off, Off, On, On, On, On], "once, and never back");
+        assert_eq!(gates(LIGHT, &forces), [Off, Off, Off, On, On, On, On], "LOW stays");
         for other in [Some(18.0), Some(29.0), None, Some(f32::NAN), Some(-14.0), Some(4.9), Some(61.0), Some(f32::INFINITY)] {
             assert_eq!(gates(other, &forces), [Off; 7], "{other:?}");
         }
     }
 
     #[test]
-    fn what_does_not_last_is_no_crash() {
+    fn short_forces_are_not_a_crash() {
         assert_eq!(gates(LIGHT, &[400.0, 0.0, 400.0, 0.0, 400.0, 299.0]), [Gate::Off; 6]);
         assert_eq!(gates(LIGHT, &[f32::NAN; 6]), [Gate::Off; 6]);
     }
 
-    /// A force channel that is stuck, over a belt that stands: no crash, until webbing comes out.
+    /// A stuck force channel with a belt at rest is not a crash until webbing comes out.
     #[test]
-    fn a_force_over_a_belt_that_stands_is_no_crash() {
+    fn force_without_payout_is_not_a_crash() {
         let mut restraint = restraint();
         let orders = Orders { torso_kg: LIGHT, ..Orders::default() };
         for (fresh, gate) in [(0, Gate::Off), (0, Gate::Off), (0, Gate::Off), (1, Gate::Off), (1, Gate::On), (0, Gate::On)] {
@@ -194,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn the_class_is_that_of_before_the_crash() {
+    fn class_is_taken_before_the_crash() {
         let mut restraint = restraint();
         for _ in 0..2 {
             block(&mut restraint, None, Some(400.0), Mode::Run);
@@ -202,7 +206,8 @@ mod tests {
         assert_eq!(block(&mut restraint, LIGHT, Some(400.0), Mode::Run), Gate::Off);
     }
 
-    /// Nothing but a force that is known to be below the limit of LOW, and a drive that runs, lets LOW come late; and not for ever.
+    /// LOW may come late only if the force is known to be below its limit and the drive is running,
+    /// and only until the time limit.
     #[test]
     fn low_comes_in_time_or_not_at_all() {
         for (force, mode) in
@@ -220,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn settings_out_of_range_are_named() {
+    fn settings_out_of_range_are_reported() {
         let build = |change: fn(&mut config::Restraint)| {
             let mut restraint = config::Restraint::default();
             change(&mut restraint);

@@ -1,18 +1,24 @@
-//! The background task: commands in, telemetry out, the enable pin, the emergency stop, the watchdog, and the stored settings.
+//! The background task: commands in, telemetry out, the enable pin, the emergency stop, the
+//! watchdog, and the stored settings.
 //!
-//! Generic over embedded-hal, embedded-io and embedded-storage, and without a deadline: whatever has one is in the block task or in
-//! hardware. The board calls [`App::poll`] in a loop.
+//! The task is generic over embedded-hal, embedded-io and embedded-storage. It has no deadline:
+//! everything with a deadline is in the block task or in hardware. The board calls [`App::poll`] in
+//! a loop.
 //!
-//! * The enable pin is high only while the controller is driving or an attempt to drive has just been ordered, there is no fault, and the emergency stop is
-//!   not pressed.
-//! * The emergency stop drops the enable pin here, without waiting for the controller, and orders a fault that stays. The pin stays
-//!   down until the controller has fallen silent, however short the press.
-//! * The watchdog is fed only while blocks keep coming: if the block stream dies, the board resets.
-//! * The trims that a calibration has found are [stored](crate::board::settings) once the drive is silent: an erase of the flash may stall the processor.
-//! * Only frames of the [session](crate::board::command::Command::Identify) that began last are obeyed, and only they show that the host is there.
-//! * A host that is silent for longer than the host timeout while the drive is on is a fault that stays, like the emergency stop.
-//! * Nothing here waits for the link, but an ordered reset for its answer to leave. What is to be sent goes through a buffer; while a reply would not fit, no further command is
-//!   read, and telemetry that does not fit is left out.
+//! * The enable pin is high only if the controller is driving or an attempt to drive has just been
+//!   ordered, there is no fault, and the emergency stop is not pressed.
+//! * The emergency stop lowers the enable pin here, without waiting for the controller, and orders
+//!   a fault that stays. The pin stays low until the controller is silent, however short the press.
+//! * The watchdog is fed only while blocks arrive: if the block stream stops, the board resets.
+//! * Trims found by a calibration are [stored](crate::board::settings) once the drive is silent,
+//!   because erasing the flash may stall the processor.
+//! * Only frames of the latest [session](crate::board::command::Command::Identify) are obeyed, and
+//!   only they are signs of life of the host.
+//! * A host that is silent for longer than the host timeout while the drive is on causes a fault
+//!   that stays, like the emergency stop.
+//! * Nothing here waits for the link, except an ordered reset, which waits until its answer has
+//!   left. Output goes through a buffer. While a reply would not fit, no further command is read;
+//!   telemetry that does not fit is dropped.
 
 mod captures;
 mod host_session;
@@ -51,23 +57,24 @@ pub trait Watchdog {
     /// Restarts the watchdog's period.
     fn feed(&mut self);
 
-    /// Resets the board at once, and leaves word that it was ordered. On a board it does not return.
+    /// Resets the board at once, and records that the reset was ordered. Does not return on a
+    /// board.
     fn reset(&mut self);
 }
 
-/// The board's peripherals that the background task needs.
+/// Peripherals of the board that the background task needs.
 pub struct Peripherals<L, E, S, W, F: NorFlash> {
-    /// The link to the host.
+    /// Link to the host.
     pub link: L,
-    /// Enables the power amplifier; high is on.
+    /// Enable pin of the power amplifier; high is on.
     pub enable: E,
-    /// The emergency stop's contact; low is pressed, so that a broken wire stops.
+    /// Contact of the emergency stop; low is pressed, so that a broken wire stops the drive.
     pub stop: S,
-    /// The watchdog, which this task feeds while blocks keep coming.
+    /// Watchdog, which this task feeds while blocks arrive.
     pub watchdog: W,
-    /// The settings in flash.
+    /// Settings in flash.
     pub settings: Settings<F>,
-    /// What started the board.
+    /// Cause of the last start.
     pub start: Start,
 }
 
@@ -79,17 +86,17 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     read: Producer<'a, &'static mut Telemetry>,
     captures: Captures<'a>,
     settings_store: SettingsStore<'a>,
-    /// The configuration of the image: what is to be stored is built on it first.
+    /// Configuration of the image, on which settings are built before they are stored.
     built_in: Option<&'a dyn Fn() -> Config>,
     receiver: Receiver,
     outbox: Outbox,
     latest: Orders,
-    /// The order that began the latest attempt to drive.
+    /// Sequence number of the order that began the latest attempt to drive.
     attempted: Option<u32>,
-    /// The emergency stop was pressed, and the controller has not fallen silent since.
+    /// `true` from a press of the emergency stop until the controller is silent.
     stopping: bool,
-    /// The emergency stop was pressed, and no order has gone to the controller since.
-    unordered: bool,
+    /// `true` from a press of the emergency stop until it is in the queue of orders.
+    stop_unordered: bool,
     seen: Option<Telemetry>,
     telemetry_every: u32,
     last_telemetry: u32,
@@ -97,30 +104,31 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     /// Resonances of the last scan, as far as the telemetry has reported them.
     resonances: [Option<Resonance>; MOST_MODES],
     converters: Converters,
-    /// What the controller is configured for.
+    /// `true` if a friction switch is configured.
     switches_friction: bool,
+    /// `true` if the restraint of a belt is configured.
     restrains: bool,
-    /// It serves the D-ring of a belt whose motion it cannot know.
-    unscaled: bool,
-    /// A limit that is stored may not act.
+    /// `true` if a restraint is configured without the scale of its belt's encoder.
+    belt_unscaled: bool,
+    /// `true` if a stored limit may not act.
     limits_unsure: bool,
     faults: FaultLog,
     host: HostWatch,
     session: HostSession,
-    /// A reset is ordered, and its answer on its way.
+    /// `true` from the order to reset until its answer has left.
     resetting: bool,
-    /// What receives updates, on a board that can be updated.
+    /// Receiver of updates, on a board that can be updated.
     updates: Option<&'a mut dyn Updates>,
-    /// Option bytes that are not as they should be, one bit each.
+    /// Option bytes with unexpected values, one bit each.
     option_bytes: u16,
-    /// A host was obeyed since the start.
-    obeyed: bool,
+    /// `true` if a host has been obeyed since the start.
+    host_obeyed: bool,
 }
 
-/// A slow peripheral has failed; the drive is disabled.
+/// Failure of a slow peripheral; the drive is disabled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AppError {
-    /// The enable pin or the contact of the emergency stop cannot be written or read.
+    /// The enable pin cannot be written, or the contact of the emergency stop cannot be read.
     Pin,
     /// The link cannot be read or written.
     Link,
@@ -134,9 +142,9 @@ where
     W: Watchdog,
     F: NorFlash,
 {
-    /// A background task at its ends of the queues, for what the board was started with.
+    /// Creates a background task at its ends of the queues, for the settings of this power-up.
     ///
-    /// Drops the enable pin; if that fails, the first [`App::poll`] will say so.
+    /// Lowers the enable pin; if that fails, the first [`App::poll`] reports it.
     pub fn new(mut peripherals: Peripherals<L, E, S, W, F>, ends: BackgroundEnds<'a>, power_up: &PowerUp) -> Self {
         let _ = peripherals.enable.set_low();
         let config = &power_up.config;
@@ -153,7 +161,7 @@ where
             latest: Orders::default(),
             attempted: None,
             stopping: false,
-            unordered: false,
+            stop_unordered: false,
             seen: None,
             telemetry_every: 0,
             last_telemetry: 0,
@@ -163,34 +171,34 @@ where
             converters: Converters::of(config),
             switches_friction: config.friction.is_some(),
             restrains: config.restraint.is_some(),
-            unscaled: config.restraint.is_some() && config.front_end.metre_per_count.is_none(),
+            belt_unscaled: config.restraint.is_some() && config.front_end.metre_per_count.is_none(),
             limits_unsure: power_up.limits_are_unsure(),
             host: HostWatch::new(config.link.patience_s, f32::from(config.block_samples) / config.sample_hz),
             session: HostSession::default(),
             resetting: false,
             updates: None,
             option_bytes: 0,
-            obeyed: false,
+            host_obeyed: false,
         }
     }
 
-    /// Names what receives updates.
+    /// Sets the receiver of updates.
     pub fn set_updates(&mut self, updates: &'a mut dyn Updates) {
         self.updates = Some(updates);
     }
 
-    /// Names the configuration of the image, on which settings are built before they are stored. It is made on the stack, and a controller's small parts
-    /// beside it.
+    /// Sets the configuration of the image, on which settings are built before they are stored. The
+    /// configuration and the small parts of a controller are built on the stack.
     pub fn set_built_in(&mut self, built_in: &'a dyn Fn() -> Config) {
         self.built_in = Some(built_in);
     }
 
-    /// Names the option bytes that are not as they should be, one bit each, for the host.
+    /// Sets the option bytes with unexpected values, one bit each, for reports to the host.
     pub fn set_option_bytes(&mut self, option_bytes: u16) {
         self.option_bytes = option_bytes;
     }
 
-    /// One turn of the loop. An error has already dropped the enable pin, as far as that goes.
+    /// Executes one pass of the loop. After an error the enable pin is low, if it can be written.
     pub fn poll(&mut self) -> Result<(), AppError> {
         let turn = self.turn();
         if turn.is_err() {
@@ -199,12 +207,12 @@ where
         turn
     }
 
-    /// Gives the peripherals back, as they are.
+    /// Returns the peripherals in their present state.
     pub fn into_peripherals(self) -> Peripherals<L, E, S, W, F> {
         self.peripherals
     }
 
-    /// The report of the latest block.
+    /// Returns the report of the latest block.
     pub fn latest(&self) -> Option<&Telemetry> {
         self.seen.as_ref()
     }
@@ -213,11 +221,11 @@ where
         let blocks_came = self.drain_telemetry();
         self.watch_stop()?;
         self.watch_host();
-        // Before the link: an order to forget comes after what was found.
-        self.settings_store.keep(self.is_silent(), &mut self.peripherals.settings);
+        // Before the link: an order to clear must come after the trims that were found.
+        self.settings_store.store_trims(self.is_silent(), &mut self.peripherals.settings);
         self.answer_capture();
         self.obey_link()?;
-        self.tend_updates();
+        self.serve_updates();
         self.report();
         self.outbox.flush(&mut self.peripherals.link).map_err(|_| AppError::Link)?;
         self.set_enable()?;
@@ -233,7 +241,7 @@ where
             match telemetry.listed {
                 None => self.resonances = Default::default(),
                 Some(listed) => {
-                    // A longer or shorter list is another one.
+                    // A list of another length belongs to another scan.
                     let (places, rest) = self.resonances.split_at_mut(usize::from(listed.of).min(MOST_MODES));
                     rest.fill(None);
                     places.get_mut(usize::from(listed.place)).into_iter().for_each(|place| *place = Some(listed.resonance));
@@ -241,7 +249,7 @@ where
             }
             self.faults.record(telemetry, self.seen.as_ref());
             self.seen = Some(*telemetry);
-            // There is room: as many go round as the queue holds.
+            // There is room: no more reports circulate than the queue holds.
             let _ = self.read.enqueue(telemetry);
             came = true;
         }
@@ -253,67 +261,68 @@ where
         ResonanceReport { chosen, found: self.resonances }
     }
 
-    fn drives(&self) -> bool {
+    fn is_driving(&self) -> bool {
         self.seen.is_some_and(|seen| !matches!(seen.mode, Mode::Idle | Mode::Fault))
     }
 
-    /// Whether the drive is silent and no other request is pending.
+    /// Returns `true` if the drive is silent and no other request is pending.
     fn is_silent(&self) -> bool {
-        self.seen.is_some_and(|seen| seen.orders_sequence == self.latest.sequence) && !self.drives()
+        self.seen.is_some_and(|seen| seen.orders_sequence == self.latest.sequence) && !self.is_driving()
     }
 
     fn watch_stop(&mut self) -> Result<(), AppError> {
         let pressed = self.peripherals.stop.is_low().map_err(|_| AppError::Pin)?;
-        self.unordered |= pressed && !self.latest.emergency_stop;
-        self.stopping = pressed || self.unordered || (self.stopping && self.drives());
+        self.stop_unordered |= pressed && !self.latest.emergency_stop;
+        self.stopping = pressed || self.stop_unordered || (self.stopping && self.is_driving());
         if self.stopping {
             self.peripherals.enable.set_low().map_err(|_| AppError::Pin)?;
         }
-        let stop = pressed || self.unordered;
+        let stop = pressed || self.stop_unordered;
         if stop != self.latest.emergency_stop {
             let sequence = self.latest.sequence.wrapping_add(1);
-            // If the queue is full this is tried again at the next turn; the enable pin is down already.
+            // If the queue is full, the next pass tries again; the enable pin is low already.
             if self.order(Orders { sequence, emergency_stop: stop, clear_fault: false, ..self.latest }).is_ok() {
-                self.unordered = false;
+                self.stop_unordered = false;
             }
         }
         Ok(())
     }
 
-    /// Whether an attempt to drive is ordered that no block has reported yet: the amplifier must be on before its first tone. Another order that
-    /// follows a finished scan begins nothing.
-    fn begins(&self) -> bool {
+    /// Returns `true` if an attempt to drive is ordered that no block has reported yet: the
+    /// amplifier must be on before the first tone. Other orders after a finished scan do not count.
+    fn attempt_is_pending(&self) -> bool {
         let reported = |order: u32| self.seen.is_some_and(|seen| seen.orders_sequence.wrapping_sub(order) as i32 >= 0);
         self.latest.request != Request::Idle && self.attempted.is_some_and(|order| !reported(order))
     }
 
     fn set_enable(&mut self) -> Result<(), AppError> {
         let faulted = self.seen.is_some_and(|seen| seen.mode == Mode::Fault);
-        let on = (self.drives() || (self.begins() && !faulted)) && !self.stopping;
+        let on = (self.is_driving() || (self.attempt_is_pending() && !faulted)) && !self.stopping;
         self.peripherals.enable.set_state(on.into()).map_err(|_| AppError::Pin)
     }
 
-    /// Orders the fault of a lost host, and withdraws the order once a frame of the host is received again.
+    /// Orders the fault of a lost host, and withdraws the order once a frame of the host is
+    /// received again.
     fn watch_host(&mut self) {
-        let lost = self.host.is_lost(self.block(), self.drives());
+        let lost = self.host.detect_loss(self.block(), self.is_driving());
         if lost != self.latest.host_lost {
             let sequence = self.latest.sequence.wrapping_add(1);
-            // If the queue is full this is tried again at the next turn.
+            // If the queue is full, the next pass tries again.
             let _ = self.order(Orders { sequence, host_lost: lost, clear_fault: false, ..self.latest });
         }
     }
 
-    /// Telemetry of the latest block that was received.
+    /// Returns the number of the latest block that was reported; zero before the first.
     fn block(&self) -> u32 {
         self.seen.as_ref().map_or(0, |seen| seen.block)
     }
 
-    /// Resets once the answer has left.
+    /// Resets the board once the answer has left.
     fn reset_if_ordered(&mut self) -> Result<(), AppError> {
         if self.resetting && self.outbox.is_empty() {
             self.peripherals.link.flush().map_err(|_| AppError::Link)?;
             self.peripherals.watchdog.reset();
-            // Where the part goes on all the same, so does the link.
+            // If the processor continues nevertheless, the link continues too.
             self.resetting = false;
         }
         Ok(())
@@ -334,7 +343,7 @@ where
         if passed < self.telemetry_every || !self.outbox.has_room() {
             return;
         }
-        // Whole intervals, so that the rate holds on average however seldom anybody polls.
+        // Whole intervals keep the average rate, however rarely this is polled.
         self.last_telemetry = self.last_telemetry.wrapping_add(passed - passed % self.telemetry_every);
         self.telemetry_frames = self.telemetry_frames.wrapping_add(1);
         self.outbox.send(self.telemetry_frames, self.session.number(), Reply::Telemetry(seen));

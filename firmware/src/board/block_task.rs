@@ -1,4 +1,4 @@
-//! The block task: what a board's block interrupt calls, at its ends of the queues.
+//! The block task: the code that a board's block interrupt runs, at its ends of the queues.
 
 use core::mem;
 
@@ -21,15 +21,15 @@ pub struct BlockTask<'a> {
     trims_out: Producer<'a, LaneTrims>,
     trims_in: Consumer<'a, LaneTrims>,
     recorder: Recorder<'a>,
-    /// Calibrations that were reported to the background task.
+    /// Number of calibrations reported to the background task.
     reported: u32,
     latest: Orders,
-    /// The report that is being filled.
+    /// Report that is being filled.
     report: &'static mut Telemetry,
 }
 
 impl<'a> BlockTask<'a> {
-    /// Builds the controller in its place, and a task that takes orders and leaves reports, and what else goes between the two sides.
+    /// Builds the controller in its place, and a task around it at its ends of the queues.
     pub fn build(config: &Config, ends: BlockEnds<'a>) -> Result<Self, Error> {
         let BlockEnds { place, orders, reports, read, report, trims_out, trims_in, recorder } = ends;
         let controller = Controller::build_in(place, config)?;
@@ -48,15 +48,15 @@ impl<'a> BlockTask<'a> {
         })
     }
 
-    /// A block of silence: what plays until the first call has returned.
+    /// Returns a block of silence, which plays until the first call has returned.
     pub fn silence(&self) -> DriveBlock {
         self.controller.silence()
     }
 
-    /// One block: the contract of [`Controller::process`]. Telemetry is dropped where the background task has not read any; the background task sees the gap
-    /// in the block numbers.
+    /// Processes one block, by the contract of [`Controller::process`]. Telemetry is dropped while
+    /// the background task has not read any; it detects the gap in the block numbers.
     pub fn run(&mut self, sense: &SenseBlock, drive: &mut DriveBlock) {
-        // One order a block, so that none is skipped: a clear followed by a run must both be seen.
+        // One order a block, so that none is skipped: a clear followed by a run must both act.
         if let Some(orders) = self.orders.dequeue() {
             self.latest = orders;
         }
@@ -64,22 +64,22 @@ impl<'a> BlockTask<'a> {
             self.controller.trim(trims);
         }
         self.controller.process_into(&self.latest, sense, drive, self.report);
-        self.tell_of_calibration();
+        self.report_calibration();
         self.recorder.follow(sense, drive, self.report);
-        // As many are read as are in the queue or here: there is room for this one.
+        // The queue holds all reports but one: with one taken back, there is room for this one.
         if let Some(read) = self.read.dequeue() {
             let _ = self.reports.enqueue(mem::replace(&mut self.report, read));
         }
     }
 
-    /// Leaves the trims of a calibration that has been completed; where there is no room yet, with a later block.
-    fn tell_of_calibration(&mut self) {
+    /// Passes on the trims of a completed calibration; if the queue is full, with a later block.
+    fn report_calibration(&mut self) {
         if self.controller.calibrations() != self.reported {
             self.tell();
         }
     }
 
-    // Once in a calibration: the fast memory of a board has no room for it.
+    // Once in a calibration: not worth its place in the fast memory of a board.
     #[cold]
     #[inline(never)]
     fn tell(&mut self) {

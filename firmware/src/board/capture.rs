@@ -1,7 +1,8 @@
 //! Captures: the raw codes of voltage, current and one lane's drive around a trigger.
 //!
-//! A host arms a capture, waits for it to fill, and reads it part by part. The [memory] changes hands: the block task has it while it
-//! [records](recorder), and hands it to the background task when it is full, which reads it without a deadline. Nothing is shared but two short queues.
+//! A host arms a capture, waits for it to fill, and reads it part by part. The block task owns the
+//! [memory] while it [records](recorder). It passes the full memory to the background task, which
+//! reads it without a deadline. The tasks share only two short queues.
 //!
 //! ```text
 //!               before            SAMPLES - before
@@ -9,8 +10,9 @@
 //!   first sample       trigger: first sample of the block whose report showed it
 //! ```
 //!
-//! Sample n of the drive is the code that played while sample n of voltage and current was taken. What a report says of the drive plays
-//! [`LATENCY_BLOCKS`](crate::seam::block::LATENCY_BLOCKS) later; what it says of voltage, current and faults was seen in its own block.
+//! Sample n of the drive is the code that played while sample n of voltage and current was taken.
+//! The drive in a report plays [`LATENCY_BLOCKS`](crate::seam::block::LATENCY_BLOCKS) later; its
+//! voltage, current and faults are those of its own block.
 
 pub mod memory;
 pub mod recorder;
@@ -21,7 +23,7 @@ use crate::seam::telemetry::Telemetry;
 
 /// Samples of a capture: 1.024 ms at 1 Msps.
 pub const SAMPLES: usize = 1024;
-/// Samples of a part of a capture. Three times as many codes of two bytes fit into a frame.
+/// Samples of a part of a capture: its codes of three channels, two bytes each, fit into a frame.
 pub const PART: usize = 32;
 /// Number of parts of a full capture.
 pub const PARTS: u16 = (SAMPLES / PART) as u16;
@@ -29,28 +31,29 @@ pub const PARTS: u16 = (SAMPLES / PART) as u16;
 /// Operation on the capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CaptureVerb {
-    /// Starts to record, and discards what was recorded.
+    /// Starts to record, and discards the earlier recording.
     Arm(Arm),
-    /// Asks for the state of the capture.
+    /// Requests the state of the capture.
     State,
-    /// Asks for the part with this number of a full capture, from zero.
+    /// Requests the part with this number of a full capture, from zero.
     Read(u16),
-    /// Discards what was recorded, and ends the recording.
+    /// Ends the recording, and discards it.
     Disarm,
 }
 
 /// Settings of a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Arm {
-    /// The event that the capture waits for.
+    /// Event that the capture waits for.
     pub trigger: Trigger,
-    /// Samples of the capture that precede the trigger, up to [`SAMPLES`]; fewer where the trigger comes early.
+    /// Number of samples before the trigger, up to [`SAMPLES`]; fewer if the trigger comes early.
     pub before: u16,
     /// Number of the lane whose drive codes are recorded.
     pub lane: u8,
 }
 
-/// Event that a capture waits for. All but the first are changes: a condition that holds already when the capture is armed must end first.
+/// Event that a capture waits for. All but the first are changes: a condition that already holds
+/// when the capture is armed must end first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Trigger {
     /// No event: the capture begins at once.
@@ -67,8 +70,8 @@ pub enum Trigger {
 }
 
 impl Trigger {
-    /// Whether the condition of this trigger holds in a block with this report.
-    fn is_so(self, report: &Telemetry) -> bool {
+    /// Returns `true` if the condition of this trigger holds in a block with this report.
+    fn holds_in(self, report: &Telemetry) -> bool {
         match self {
             Trigger::Now => true,
             Trigger::Fault => report.fault.is_some(),
@@ -87,7 +90,7 @@ pub enum CaptureState {
     Empty,
     /// The capture waits for its trigger.
     Armed,
-    /// The trigger has come, and the samples after it are being recorded.
+    /// The trigger has occurred, and the samples after it are being recorded.
     Triggered,
     /// The capture is complete and can be read.
     Full,
@@ -98,15 +101,15 @@ pub enum CaptureState {
 pub struct CaptureReport {
     /// State of the capture.
     pub state: CaptureState,
-    /// Samples of the capture that are recorded so far.
+    /// Number of samples recorded so far.
     pub samples: u16,
-    /// Samples of the capture that precede the trigger.
+    /// Number of samples before the trigger.
     pub before: u16,
-    /// Number of the block whose first sample is the trigger, once it has come.
+    /// Number of the block whose first sample is the trigger, once it has occurred.
     pub block: u32,
 }
 
-/// A part of a capture, as it is read over the link.
+/// Part of a capture, as it is read over the link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Part {
     /// Number of this part, from zero.
@@ -122,7 +125,8 @@ pub struct Part {
     pub drive: [u16; PART],
 }
 
-/// Codes as two bytes each, little-endian: as postcard's variable-length integers they would not fit into a frame.
+/// Codes as two bytes each, little-endian: as postcard's variable-length integers they would not
+/// fit into a frame.
 mod raw {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -144,7 +148,7 @@ mod tests {
     use crate::seam::units::Volts;
 
     #[test]
-    fn each_trigger_waits_for_its_own() {
+    fn each_trigger_waits_for_its_own_event() {
         let reports = [
             (Trigger::Fault, Telemetry { fault: Some(Fault::LateBlock), ..Telemetry::default() }),
             (Trigger::On, Telemetry { drive: Volts(1.0), envelope: 0.1, ..Telemetry::default() }),
@@ -152,12 +156,12 @@ mod tests {
         ];
         for (n, (trigger, _)) in reports.iter().enumerate() {
             for (k, (_, report)) in reports.iter().enumerate() {
-                assert_eq!((trigger.is_so(report), Trigger::Now.is_so(report)), (n == k, true), "{trigger:?} {k}");
-                assert_eq!(Trigger::Unlocked.is_so(report), !report.locked);
+                assert_eq!((trigger.holds_in(report), Trigger::Now.holds_in(report)), (n == k, true), "{trigger:?} {k}");
+                assert_eq!(Trigger::Unlocked.holds_in(report), !report.locked);
             }
         }
         // A voltage without an envelope, or an envelope without a voltage, is not ON.
-        assert!(!Trigger::On.is_so(&Telemetry { drive: Volts(1.0), ..Telemetry::default() }));
-        assert!(!Trigger::On.is_so(&Telemetry { envelope: 1.0, ..Telemetry::default() }));
+        assert!(!Trigger::On.holds_in(&Telemetry { drive: Volts(1.0), ..Telemetry::default() }));
+        assert!(!Trigger::On.holds_in(&Telemetry { envelope: 1.0, ..Telemetry::default() }));
     }
 }

@@ -1,50 +1,53 @@
 //! Commands of the host, and replies of the board.
 //!
-//! Nothing that a host sends can exceed a limit: a command changes the [`Orders`], and the controller clamps and judges those; and a
-//! [parameter](crate::board::parameters) can lower a limit, not raise it.
+//! A host cannot exceed a limit. A command only changes the [`Orders`], which the controller clamps
+//! and checks, and a [parameter](crate::board::parameters) can lower a limit but not raise it.
 //!
-//! Every frame has one answer:
+//! Each frame has one answer:
 //!
 //! | frame | answer | effect |
 //! |---|---|---|
-//! | damaged, cut short, too long | `Nak(Damaged)`, number 0 | the next frame after a zero is obeyed |
-//! | of another protocol version | `Nak(Version)` | nothing happens |
-//! | `Identify`, in any session | `Identity`, with a new session | the former session has ended; the drive goes on as it was, and this is no sign of life |
-//! | `Identify` with the number of the one before, and nothing of its session since | `Identity`, with the same session | nothing happens: a copy of the same frame |
-//! | whole, of another session; any but `Identify` before the first of these | `Nak(Session)` | nothing happens, and this is no sign of life |
-//! | whole, and nothing that is known | `Nak(Unknown)` | nothing happens |
-//! | the same frame twice, or frames in another order | each by its own answer | each is obeyed as it comes |
-//! | a number that is none, or negative where it must not be | `Nak(NotPlausible)` | nothing happens |
-//! | a parameter out of its range, a host timeout beyond an hour | `Nak(OutOfRange)` | nothing happens |
-//! | an unknown parameter | `Nak(NoSuchKey)` | nothing happens |
-//! | an order, and the queue to the block task is full | `Nak(Busy)` | nothing happens |
-//! | a reset, a store, a clear, a set or defaults while it drives, or has been ordered to | `Nak(Driving)` | nothing happens |
-//! | a store that the flash does not take | `Nak(Flash)` | what was stored before stays stored, or the new is in one of its two copies; active values stay |
-//! | a store of parameters that do not build together | `Nak(DoesNotBuild)`, with the key of one | what was stored before stays stored |
-//! | a capture of a lane that there is not, or of more before the trigger than there is room for | `Nak(OutOfRange)` | what was recorded stays |
-//! | an arming while one is armed, or full | `Ack` | the capture restarts; what was recorded is gone |
-//! | a friction without a friction switch, an occupant without a belt, a limit that nothing here could judge | `Nak(NotConfigured)` | nothing happens |
-//! | a run, scan or calibration at a D-ring without the scale of its belt's encoder | `Nak(NoBeltScale)` | nothing happens |
-//! | a run, scan or calibration where a stored limit may not act: settings that could not be read at the start, a limit that nothing here judges | `Nak(LimitsUnsure)` | nothing happens |
-//! | a parameter of what the image leaves out | `Nak(LeftOut)` | nothing happens |
-//! | a parameter that acts only beside one that is not set | `Nak(NotConfigured)` | nothing happens |
+//! | damaged, truncated or too long | `Nak(Damaged)`, number 0 | the next frame after a zero is obeyed |
+//! | of another protocol version | `Nak(Version)` | none |
+//! | `Identify`, in any session | `Identity`, with a new session | the former session ends; the drive continues; not a sign of life |
+//! | `Identify` with the number of the previous one, if its session has had no other frame | `Identity`, with the same session | none: a copy of the same frame |
+//! | intact, but of another session; any but `Identify` before the first session | `Nak(Session)` | none; not a sign of life |
+//! | intact, but unknown | `Nak(Unknown)` | none |
+//! | the same frame twice, or frames out of order | one for each frame | each is obeyed as it arrives |
+//! | a value that is not a number, or negative where it must not be | `Nak(NotPlausible)` | none |
+//! | a parameter out of its range, a host timeout above one hour | `Nak(OutOfRange)` | none |
+//! | an unknown parameter | `Nak(NoSuchKey)` | none |
+//! | an order while the queue to the block task is full | `Nak(Busy)` | none |
+//! | a reset, a store, a clear, a set or defaults while the board drives, or has been ordered to | `Nak(Driving)` | none |
+//! | a store that the flash does not accept | `Nak(Flash)` | the previous settings remain stored, or one of the two copies has the new ones; active values stay |
+//! | a store of parameters that do not build together | `Nak(DoesNotBuild)`, with the key of one | the previous settings remain stored |
+//! | a capture of a missing lane, or of more samples before the trigger than fit | `Nak(OutOfRange)` | the recorded samples stay |
+//! | an arming while a capture is armed or full | `Ack` | the capture restarts; the recorded samples are lost |
+//! | a friction set point without a friction switch, an occupant without a belt, a limit that the board cannot check | `Nak(NotConfigured)` | none |
+//! | a run, scan or calibration at a D-ring without the scale of the belt's encoder | `Nak(NoBeltScale)` | none |
+//! | a run, scan or calibration while a stored limit may not act: settings that could not be read at the start, or a limit that the board cannot check | `Nak(LimitsUnsure)` | none |
+//! | a parameter of a feature that the image leaves out | `Nak(LeftOut)` | none |
+//! | a parameter that acts only with another one that is not set | `Nak(NotConfigured)` | none |
 //! | a reading before the capture is full | `Nak(NotCaptured)` | |
-//! | a reading beyond its end | `Nak(OutOfRange)` | |
-//! | anything of a capture before the last was answered | `Nak(Busy)` | the last is answered |
-//! | an update while it drives, or has been ordered to | `Nak(Driving)` | nothing happens |
-//! | an update for a board without a first stage | `Nak(NotConfigured)` | nothing happens |
-//! | a part of an update out of order, or an order to install what was not checked | `Nak(OutOfRange)` | what was received stays |
-//! | an update that is not one for this board | a report that names the reason | what was received is not started |
-//! | a fault beyond the last in the log | a report without one | |
+//! | a reading beyond the end of the capture | `Nak(OutOfRange)` | |
+//! | a capture command before the last one was answered | `Nak(Busy)` | the last one is answered |
+//! | an update while the board drives, or has been ordered to | `Nak(Driving)` | none |
+//! | an update for a board without a first stage | `Nak(NotConfigured)` | none |
+//! | a part of an update out of order, or an order to install an unchecked update | `Nak(OutOfRange)` | the received part stays |
+//! | an update that is not for this board | a report with the reason | the update is not started |
+//! | a fault beyond the last in the log | a report without a fault | |
 //! | a fault cleared while the emergency stop is pressed | `Ack` | the fault stays |
-//! | nothing of the session that is understood, for longer than the host timeout, while it drives | | fault 12, muted; with a timeout of zero it goes on |
+//! | no known command of the session for longer than the host timeout while the board drives | | fault 12, muted; with a timeout of zero the drive continues |
 //!
-//! A session has a number that the board makes from the number that the host has drawn, so that a frame which was left over in a buffer, and one of
-//! another program, is not obeyed; nor is a whole conversation that comes a second time: its `Identify` begins a session that its other frames do not know.
+//! The board derives the session number from the random number of the host. Therefore it does not
+//! obey a frame left in a buffer, or a frame of another program. It does not obey a replayed
+//! conversation either: the `Identify` begins a session whose number the other frames do not have.
 //! A session ends with the next one, or with a reset.
 //!
-//! Settings of another version are named in reports ([`StoredState::Version`]), not read, and written over by an order to store or to clear only;
-//! until then, and a reset, nothing is driven, nor is it where both copies of the settings are damaged: they may have had lower limits.
+//! Settings of another version are reported ([`StoredState::Version`]) but not used. Only an order
+//! to store or to clear overwrites them, and the board does not drive before that order and a
+//! reset. It does not drive either if both copies of the settings are damaged, because they may
+//! have had lower limits.
 
 use serde::{Deserialize, Serialize};
 
@@ -61,74 +64,82 @@ use crate::seam::telemetry::Telemetry;
 use crate::seam::transducer::{MOST_MODES, Resonance};
 use crate::seam::units::{Hertz, Turns};
 
-/// A command of the host. Its number on the wire is its place in this list, so that new commands stand at the end.
+/// Command of the host. Its number on the wire is its place in this list; new commands are
+/// appended.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Command {
-    /// Asks for the identity of the board, and begins a session; with a number that the host has drawn by chance, so that it knows the answer to its own.
+    /// Requests the identity of the board, and begins a session. The host draws the number at
+    /// random, and recognizes the answer by it.
     Identify(u32),
-    /// Ends the drive: the controller falls silent.
+    /// Stops the drive.
     Idle,
-    /// Runs the self-test and the scan, then ends the drive.
+    /// Runs the self-test and the scan, then stops the drive.
     Scan,
     /// Runs the self-test, the scan and the lock, then drives.
     Run,
-    /// Sets when the drive is let through while running.
+    /// Sets the gate of the drive while running.
     Gate(Gate),
-    /// Sets the amplitude; `None` is the configured one.
+    /// Sets the amplitude; `None` restores the configured one.
     Amplitude(Option<Amplitude>),
-    /// Clears the fault, and ends the request to drive.
+    /// Clears the fault, and withdraws the request to drive.
     ClearFault,
-    /// Sends telemetry every so many blocks; 0 is never.
+    /// Sends telemetry at this interval, blocks; 0 is never.
     TelemetryEvery(u32),
     /// Sets the offset of the drive from the resonance.
     Detune(Hertz),
-    /// Sets by how much lanes 1 and 3 lead lanes 0 and 2; `None` is the configured direction.
+    /// Sets the lead of lanes 1 and 3 over lanes 0 and 2; `None` restores the configured direction.
     Quadrature(Option<Turns>),
-    /// Runs the self-test, measures the lanes and trims them; then ends the drive.
+    /// Runs the self-test, measures the lanes and trims them, then stops the drive.
     Calibrate,
     /// Reads or changes lane trims, parameters and the stored settings.
     Settings(Verb),
-    /// Asks for the resonances that the last scan has found.
+    /// Requests the resonances found by the last scan.
     Resonances,
-    /// Sets the target of the friction switch; `None` is the configured one.
+    /// Sets the target of the friction switch; `None` restores the configured one.
     Friction(Option<Target>),
-    /// Sets the torso mass of the occupant, kg, as the seat has read it; `None` where there is no reading.
+    /// Sets the torso mass of the occupant as read by the seat, kg; `None` without a reading.
     Occupant(Option<f32>),
-    /// Asks for the telemetry of the latest block.
+    /// Requests the telemetry of the latest block.
     Status,
     /// Arms, reads or ends a capture.
     Capture(CaptureVerb),
-    /// Asks for a fault of the log, by how many came after it, and for what started the board.
+    /// Requests a fault of the log, by the number of later faults, and the cause of the last start.
     Faults(u8),
-    /// Resets the board, in silence only. The answer is sent before.
+    /// Resets the board after the answer has been sent; in silence only.
     Reset,
-    /// Sets the host timeout: how long the host may be silent while the drive is on, s; zero is for ever.
+    /// Sets the host timeout: the longest silence of the host while the drive is on, s; zero
+    /// disables it.
     Patience(f32),
-    /// Receives, checks or installs another image, in silence only, or asks how that stands.
+    /// Receives, checks or installs another image, in silence only, or reports the state of the
+    /// update.
     Update(UpdateVerb),
 }
 
-/// Operation on lane trims and parameters. Active, set and stored values are three things: each verb names those that it changes. Trims act
-/// as soon as they are found; parameters act after a reset, if they have been stored.
+/// Operation on lane trims and parameters. Active, set and stored values are distinct; each verb
+/// states which of them it changes. Trims act as soon as they are found; parameters act after a
+/// reset, if they have been stored.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Verb {
-    /// Reports the active trims, at the calibrated frequency with this number, and the state of the stored settings.
+    /// Reports the active trims, at the calibrated frequency with this number, and the state of the
+    /// stored settings.
     Trims(u8),
     /// Reports the parameter with this key.
     Get(u8),
     /// Sets the parameter with this key.
     Set(u8, f32),
-    /// Stores the active trims and the set parameters. A calibration stores its trims by itself, beside the parameters that are stored already.
+    /// Stores the active trims and the set parameters. A calibration stores its trims by itself,
+    /// and keeps the parameters that are stored already.
     Store,
     /// Clears the stored settings. Active and set values stay.
     Clear,
-    /// Removes the active trims, and sets all parameters to their defaults. The stored settings stay.
+    /// Removes the active trims, and sets all parameters to their defaults. The stored settings
+    /// stay.
     Defaults,
-    /// Reports how often settings were stored.
+    /// Reports the number of stores so far.
     Stores,
 }
 
-/// A frame of the board: the answer to a command, or telemetry.
+/// Frame of the board: the answer to a command, or telemetry.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Reply {
     /// The command with this frame's sequence number was accepted.
@@ -137,11 +148,12 @@ pub enum Reply {
     Nak(Refusal),
     /// Identity of the board.
     Identity(Identity),
-    /// Telemetry of the latest block; the frame's sequence number counts telemetry frames, so that a lost one is seen.
+    /// Telemetry of the latest block. The sequence number counts telemetry frames, so that the host
+    /// detects lost ones.
     Telemetry(Telemetry),
     /// The lane trims at one frequency.
     Settings(TrimReport),
-    /// The resonances of the last scan that were reported so far.
+    /// Resonances of the last scan, as far as the telemetry has reported them.
     Resonances(ResonanceReport),
     /// Telemetry of the latest block; `None` before the first.
     Status(Option<Telemetry>),
@@ -155,7 +167,7 @@ pub enum Reply {
     Faults(FaultReport),
     /// State of the update.
     Update(UpdateReport),
-    /// How often settings were stored: each time wears the flash.
+    /// Number of stores so far; each wears the flash.
     Stores(u32),
 }
 
@@ -164,18 +176,18 @@ pub enum Reply {
 pub struct TrimReport {
     /// State of the stored settings.
     pub stored: StoredState,
-    /// Number of calibrated frequencies; zero where there are no trims.
+    /// Number of calibrated frequencies; zero without trims.
     pub points: u8,
-    /// The trims at the frequency that was asked for.
+    /// Trims at the requested frequency.
     pub point: Option<TrimPoint>,
 }
 
 /// Report of the resonances of the last scan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResonanceReport {
-    /// Place of the chosen resonance; `None` where the scan has not ended, or has failed.
+    /// Index of the chosen resonance; `None` if the scan has not ended, or has failed.
     pub chosen: Option<u8>,
-    /// The resonances, at rising frequencies.
+    /// Resonances, by rising frequency.
     pub found: [Option<Resonance>; MOST_MODES],
 }
 
@@ -188,11 +200,13 @@ pub struct Identity {
     pub firmware: [u8; 3],
     /// The converters of the board.
     pub converters: Converters,
-    /// The session that has begun: all further commands have this number in their frames. Never [none](crate::board::link::NO_SESSION).
+    /// Number of the new session, which all further commands carry in their frames. Never
+    /// [`NO_SESSION`](crate::board::link::NO_SESSION).
     pub session: u32,
 }
 
-/// Properties of a board's converters, which no setting changes: with them a host converts codes and block numbers.
+/// Properties of a board's converters that no setting changes. The host converts codes and block
+/// numbers with them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Converters {
     /// Sample rate of the converters, Hz.
@@ -208,7 +222,7 @@ pub struct Converters {
 }
 
 impl Converters {
-    /// The converters of a configuration.
+    /// Returns the converters of a configuration.
     pub fn of(config: &Config) -> Self {
         Converters {
             sample_hz: config.sample_hz as u32,
@@ -221,7 +235,7 @@ impl Converters {
 }
 
 impl Command {
-    /// The orders after this command; `None` for a command that changes none.
+    /// Returns the orders after this command; `None` if the command does not change them.
     pub fn applied_to(&self, orders: &Orders) -> Result<Option<Orders>, Refusal> {
         let mut next = Orders { sequence: orders.sequence.wrapping_add(1), clear_fault: false, ..*orders };
         match *self {

@@ -1,4 +1,4 @@
-//! The fault log: the last faults, and what was played and measured with each.
+//! The fault log: the last faults, with the values played and measured at each.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,9 +21,9 @@ pub struct FaultEntry {
     pub fault: Fault,
     /// Mode of the controller when the fault was raised.
     pub mode: Mode,
-    /// Whether the tracker was locked when the fault was raised.
+    /// `true` if the tracker was locked when the fault was raised.
     pub locked: bool,
-    /// Frequency of the codes that were returned last before it.
+    /// Frequency of the last codes that were returned before the fault.
     pub frequency: Hertz,
     /// Peak voltage of these codes, before the envelope.
     pub drive: Volts,
@@ -42,13 +42,13 @@ pub struct FaultEntry {
 pub struct FaultReport {
     /// Faults since the board was started, up to 65 535.
     pub count: u16,
-    /// The requested fault; `None` where there were fewer, or where the log has dropped it.
+    /// Requested fault; `None` if there were fewer, or if the log has dropped it.
     pub entry: Option<FaultEntry>,
-    /// What started the board last.
+    /// Cause of the last start.
     pub last_run: Start,
 }
 
-/// The last faults. A reset forgets them; what a reset was for is in [`Start`].
+/// The last faults. A reset clears the log; the cause of a reset is in [`Start`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FaultLog {
     entries: heapless::HistoryBuf<FaultEntry, LOGGED_FAULTS>,
@@ -56,7 +56,8 @@ pub(crate) struct FaultLog {
 }
 
 impl FaultLog {
-    /// Takes the report of a block, and that of the one before it, as far as they have come here.
+    /// Records a new fault in the report of a block; `before` is the last report that came before
+    /// it.
     pub(crate) fn record(&mut self, report: &Telemetry, before: Option<&Telemetry>) {
         let Some(fault) = report.fault else { return };
         if before.and_then(|before| before.fault) == Some(fault) {
@@ -78,7 +79,7 @@ impl FaultLog {
         });
     }
 
-    /// A fault by how many came after it, beside what started the board.
+    /// Returns a fault, by the number of later faults, and the cause of the last start.
     pub(crate) fn report(&self, later: u8, last_run: Start) -> FaultReport {
         let entry = self.entries.oldest_ordered().rev().nth(later.into()).copied();
         FaultReport { count: self.count, entry, last_run }
@@ -94,7 +95,7 @@ mod tests {
         let mut log = FaultLog::default();
         let mut before = None;
         for n in 0..2 * LOGGED_FAULTS as u32 + 3 {
-            // Each comes after a block without, and lasts for three.
+            // Each fault follows a block without one, and lasts for three blocks.
             for (k, fault) in
                 [None, Some(Fault::OverCurrent), Some(Fault::OverCurrent), Some(Fault::OverCurrent)].into_iter().enumerate()
             {
@@ -122,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn another_fault_in_place_of_one_is_a_fault_and_none_is_none() {
+    fn a_different_fault_is_logged_and_its_end_is_not() {
         let mut log = FaultLog::default();
         assert_eq!(log.report(0, Start::PowerOn), FaultReport { count: 0, entry: None, last_run: Start::PowerOn });
         let with = |fault| Telemetry { fault, ..Default::default() };

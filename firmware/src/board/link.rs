@@ -1,62 +1,66 @@
-//! Frames: postcard, a CRC-32 over it, COBS, and a zero between frames.
+//! Frames of the link: postcard with a CRC-32, encoded by COBS, with a zero between frames.
 //!
 //! ```text
 //! COBS( version: u8 | sequence: varint u16 | session: u32, 4 bytes, little-endian | body: postcard | crc-32/iscsi: 4 bytes, little-endian ) 00
 //! ```
 //!
-//! A zero never occurs inside a frame, so that a receiver that joins late, or after a damaged frame, is in step again at the
-//! next zero.
+//! A zero never occurs inside a frame. Therefore a receiver that joins late, or after a damaged
+//! frame, is synchronized again at the next zero.
 
 use crc::{CRC_32_ISCSI, Crc, NoTable};
 use serde::{Deserialize, Serialize};
 
-/// Version of the protocol. A frame of another version is refused, not guessed at.
+/// Version of the protocol. Frames of other versions are refused.
 pub const VERSION: u8 = 3;
 
-/// The number of no session: in the frame that asks for one, and in answers to what cannot be read.
+/// Session number that means "no session": in a request for a session, and in answers to unreadable
+/// frames.
 pub const NO_SESSION: u32 = 0;
 
-/// The longest frame, stuffed, with its zero.
+/// Length of the longest frame after COBS encoding, with its zero, bytes.
 pub const MAX_FRAME: usize = 256;
 
-/// Room for a frame before stuffing: COBS adds one byte in 254, and the zero is not part of it.
+/// Length of the longest frame before COBS encoding, bytes: COBS adds one byte in 254, and the zero
+/// is not part of it.
 const MAX_PLAIN: usize = MAX_FRAME - 3;
 
-// Bit by bit: a frame has some 60 bytes, and a table would take a kilobyte.
+// Computed bit by bit: a frame has about 60 bytes, and a table would take a kilobyte.
 static CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
 
-/// A frame of the link, decoded.
+/// Decoded frame of the link.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame<T> {
     /// Version of the protocol.
     pub version: u8,
-    /// Number of this frame; a reply has that of its command.
+    /// Sequence number of this frame; a reply has that of its command.
     pub sequence: u16,
-    /// The session that this frame belongs to: the board obeys no frame of another one. A reply has that of its command, so that no host takes the answer
-    /// to another one for its own; the answer to [`Identify`](crate::board::command::Command::Identify) has the number that was drawn for it, and telemetry the present session.
+    /// Number of the session of this frame; the board obeys only frames of the present one. A reply
+    /// has the session of its command, so that no host takes the answer to another host for its
+    /// own. The answer to [`Identify`](crate::board::command::Command::Identify) has the number
+    /// drawn by the host, and telemetry has the present session.
     #[serde(with = "postcard::fixint::le")]
     pub session: u32,
     /// Content of the frame.
     pub body: T,
 }
 
-/// What is wrong with a frame.
+/// Defect of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameError {
-    /// A frame is longer than [`MAX_FRAME`].
+    /// The frame is longer than [`MAX_FRAME`].
     TooLong,
-    /// Badly stuffed, or with a wrong checksum.
+    /// The COBS encoding or the checksum is wrong.
     Damaged,
-    /// A whole frame of another protocol version, with its sequence number.
+    /// An intact frame of another protocol version, with its sequence number.
     Version(u16),
-    /// A whole frame with an unknown body, with its sequence number and its session.
+    /// An intact frame with an unknown body, with its sequence number and its session.
     Unknown(u16, u32),
 }
 
-/// A frame on its way out.
+/// Encoded frame, ready to be sent.
 pub(crate) type Encoded = heapless::Vec<u8, MAX_FRAME>;
 
-/// Encodes one frame. Fails only on a body that does not fit into [`MAX_FRAME`].
+/// Encodes one frame. Fails only if the body does not fit into [`MAX_FRAME`].
 pub fn encode<T: Serialize>(sequence: u16, session: u32, body: T) -> Result<Encoded, FrameError> {
     let mut plain = [0; MAX_PLAIN];
     let frame = Frame { version: VERSION, sequence, session, body };
@@ -69,7 +73,7 @@ pub fn encode<T: Serialize>(sequence: u16, session: u32, body: T) -> Result<Enco
     Ok(stuffed)
 }
 
-/// A frame before it is stuffed, with its checksum behind it.
+/// Serializes a frame and appends its checksum, before COBS encoding.
 fn checked<'a, T: Serialize>(frame: &Frame<T>, plain: &'a mut [u8]) -> Option<&'a [u8]> {
     let length = postcard::to_slice(frame, plain).ok()?.len();
     let checksum = CRC.checksum(&plain[..length]).to_le_bytes();
@@ -78,7 +82,7 @@ fn checked<'a, T: Serialize>(frame: &Frame<T>, plain: &'a mut [u8]) -> Option<&'
     Some(&plain[..end])
 }
 
-/// Takes bytes as they come and gives frames.
+/// Assembler of frames from single bytes.
 #[derive(Clone, Debug, Default)]
 pub struct Receiver {
     bytes: heapless::Vec<u8, MAX_FRAME>,
@@ -86,7 +90,7 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// Takes one byte; a frame (or what is wrong with it) comes out at its closing zero. Empty frames are skipped.
+    /// Takes one byte. Returns a frame, or its defect, at the closing zero. Skips empty frames.
     pub fn take<T: for<'a> Deserialize<'a>>(&mut self, byte: u8) -> Option<Result<Frame<T>, FrameError>> {
         if byte != 0 {
             self.too_long |= self.bytes.push(byte).is_err();
@@ -101,7 +105,7 @@ impl Receiver {
 
 fn decode<T: for<'a> Deserialize<'a>>(stuffed: &mut [u8]) -> Result<Frame<T>, FrameError> {
     let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Damaged)?;
-    // First the checksum, which is the same in every version; then the version; only then the body.
+    // The checksum first, because it is the same in every version; then the version; then the body.
     let (plain, checksum) = stuffed[..length].split_last_chunk().ok_or(FrameError::Damaged)?;
     if CRC.checksum(plain) != u32::from_le_bytes(*checksum) {
         return Err(FrameError::Damaged);
@@ -141,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn commands_come_through() {
+    fn commands_round_trip() {
         for (n, command) in
             [Command::Run, Command::Gate(Gate::Off), Command::Amplitude(Some(Amplitude::Volts(3.0)))].into_iter().enumerate()
         {
@@ -153,7 +157,7 @@ mod tests {
         }
     }
 
-    /// Bytes of a reply's frame, with the longest sequence number.
+    /// Returns the length of a reply's frame with the longest sequence number, bytes.
     fn bytes_of(reply: Reply) -> usize {
         let frame = encode(u16::MAX, u32::MAX, reply).unwrap();
         let received = receive::<Reply>(&frame);
@@ -199,7 +203,7 @@ mod tests {
         };
         let part = Part { part: u16::MAX, v: [u16::MAX; 32], i: [0; 32], drive: core::array::from_fn(|n| n as u16) };
         let capture = CaptureReport { state: CaptureState::Full, samples: u16::MAX, before: u16::MAX, block: u32::MAX };
-        // The longest replies, and what they take.
+        // The longest replies, and their lengths in bytes.
         let rows = [
             (Reply::Telemetry(full), 194),
             (Reply::Status(Some(full)), 195),
@@ -217,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn the_longest_command_fits_many_times() {
+    fn the_longest_commands_are_short() {
         let arm = Arm { trigger: Trigger::Unlocked, before: u16::MAX, lane: 255 };
         for command in [Command::Capture(CaptureVerb::Arm(arm)), Command::Settings(Verb::Set(255, 1.0)), Command::Patience(1.0)] {
             assert!(encode(u16::MAX, u32::MAX, command).unwrap().len() <= 24, "{command:?}");
@@ -225,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn every_flipped_bit_is_seen_and_the_next_frame_is_whole() {
+    fn every_flipped_bit_is_detected_and_the_next_frame_is_intact() {
         let good = encode(7, u32::MAX, Command::Amplitude(Some(Amplitude::Volts(3.0)))).unwrap();
         for bit in 0..8 * (good.len() - 1) {
             let mut bytes = good.to_vec();
@@ -239,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn another_version_is_named() {
+    fn another_version_is_reported() {
         let mut plain = [0; 64];
         let frame = Frame { version: VERSION + 1, sequence: 9, session: 5, body: 0xFFu8 };
         let plain = checked(&frame, &mut plain).unwrap();
@@ -250,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_unknown_keeps_its_session_and_a_frame_without_one_has_none() {
+    fn an_unknown_body_keeps_its_session_number() {
         let receive_plain = |plain: &[u8]| {
             let mut whole = plain.to_vec();
             whole.extend(CRC.checksum(plain).to_le_bytes());
@@ -265,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flood_without_a_zero_is_bounded() {
+    fn input_without_a_zero_is_bounded() {
         let mut bytes = std::vec![0x55; 10 * MAX_FRAME];
         bytes.push(0);
         assert_eq!(receive::<Command>(&bytes), [Err(FrameError::TooLong)]);

@@ -7,7 +7,7 @@
 //! host       Config            Question            Question            (none)            (end of stream)
 //! processor          Opening             Answer              Answer            Closing
 //!
-//! all of a board's program, with the block task and the background task
+//! a whole board program: block task and background task
 //! host       Config            Beat            Beat                              Config
 //! processor          Opening         Played          Played (it resets itself)           Opening
 //!
@@ -15,10 +15,13 @@
 //! codes  = count: u8 | codes: u16 each, little-endian
 //! ```
 //!
-//! A body is postcard, but for the codes, which stand before it as they are: as postcard's variable-length integers they would take more
-//! instructions than the controller itself, and as part of a larger value they would be copied on its stack. A record without a body asks
-//! for the [`Closing`]: the stack that the run has used. More questions may follow. The records' versions are those of this crate:
-//! both ends are built from the same source.
+//! A body is postcard, preceded by raw codes. Encoded as postcard's variable-length integers, the
+//! codes would take more instructions than the controller itself. As part of a larger value they
+//! would be copied on its stack.
+//!
+//! A record without a body requests the [`Closing`], which reports the stack used by the run. More
+//! questions may follow. Records carry no version, because both ends are built from the same
+//! source.
 
 mod wire;
 
@@ -30,33 +33,35 @@ use crate::seam::config::Config;
 use crate::seam::telemetry::Telemetry;
 use wire::{put, put_drive, put_sense, take, take_drive, take_sense};
 
-/// The longest record, with its length.
+/// Length of the longest record, including its length field, bytes.
 pub const MAX_RECORD: usize = 1024;
 
-/// The longest reason for a refusal, in bytes.
-pub(crate) const MAX_REASON: usize = 192;
+/// Length of the longest reason for a refusal, bytes.
+pub(crate) const MAX_REASON_BYTES: usize = 192;
 
-/// Room for any record.
+/// Buffer that holds any record.
 pub type Buffer = [u8; MAX_RECORD];
 
-/// An empty buffer for any record.
+/// Empty [`Buffer`].
 pub const BUFFER: Buffer = [0; MAX_RECORD];
 
 const LENGTH_BYTES: usize = 2;
 
-/// The record that asks for the [`Closing`].
+/// Record that requests the [`Closing`].
 pub const CLOSE: [u8; LENGTH_BYTES] = [0; LENGTH_BYTES];
 
 /// A value that can be sent as a record.
 pub trait Record {
-    /// Writes the record to the beginning of `room`, and returns the rest; `None` if it does not fit.
+    /// Writes the record to the beginning of `room`, and returns the rest; `None` if it does not
+    /// fit.
     fn put<'a>(&self, room: &'a mut [u8]) -> Option<&'a mut [u8]>;
 
-    /// Reads the record from the beginning of `bytes`, and returns the rest; `None` if the bytes are no such record, which must not be used then.
+    /// Reads the record from the beginning of `bytes`, and returns the rest; `None` if the bytes
+    /// are not such a record. The value must not be used then.
     fn take<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]>;
 }
 
-/// Records that are postcard as a whole.
+/// Implements [`Record`] for types that are encoded entirely as postcard.
 macro_rules! plain {
     ($($record:ty),+) => {
         $(impl Record for $record {
@@ -76,14 +81,14 @@ plain!(Config, Closing);
 /// Answer of the processor to its configuration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
-    /// Whether the controller was built, or why not.
+    /// `Ok` if the controller was built, otherwise the reason for the refusal.
     pub built: Result<(), Reason>,
-    /// A block of silence, which plays until the first answer.
+    /// Silent block that plays until the first answer.
     pub silence: DriveBlock,
 }
 
-/// The reason for which a configuration is refused, in words.
-pub type Reason = String<MAX_REASON>;
+/// Reason for the refusal of a configuration, as text.
+pub type Reason = String<MAX_REASON_BYTES>;
 
 impl Default for Opening {
     fn default() -> Self {
@@ -127,7 +132,8 @@ pub struct Answer {
     pub drive: DriveBlock,
     /// The report of the block.
     pub telemetry: Telemetry,
-    /// Instructions that the call has taken, to within a tick of the processor's timer (about 6); `None` where it cannot count them.
+    /// Instructions executed by the call, to within a tick of the processor's timer (about 6);
+    /// `None` if the processor cannot count them.
     pub instructions: Option<u32>,
 }
 
@@ -146,7 +152,7 @@ impl Record for Answer {
 pub struct Closing {
     /// Largest depth of the stack until the controller was built, bytes from its top.
     pub stack_power_up_bytes: u32,
-    /// Largest depth of the stack since then, bytes from its top.
+    /// Largest depth of the stack after the controller was built, bytes from its top.
     pub stack_blocks_bytes: u32,
 }
 
@@ -162,9 +168,10 @@ pub struct Beat {
 /// Inputs of a board in one block, other than those of its converters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Pins {
-    /// Bytes that were sent to the board's serial port since it was started. The board receives all of them before it goes on.
+    /// Number of bytes sent to the board's serial port since its start. The board receives all of
+    /// them before it continues.
     pub sent: u32,
-    /// Whether the emergency stop is pressed.
+    /// `true` if the emergency stop is pressed.
     pub stop: bool,
 }
 
@@ -190,13 +197,13 @@ pub struct Played {
 /// Outputs of a board after a block, other than those of its converters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Board {
-    /// Whether the amplifier is enabled.
+    /// `true` if the amplifier is enabled.
     pub enable: bool,
-    /// Number of times the watchdog was fed so far.
+    /// Number of times the watchdog has been fed.
     pub fed: u32,
-    /// Whether a pin or the link has failed.
+    /// `true` if a pin or the link has failed.
     pub failed: bool,
-    /// Whether the board resets itself now, and then waits for a configuration.
+    /// `true` if the board resets now and then waits for a configuration.
     pub resets: bool,
 }
 
@@ -210,7 +217,7 @@ impl Record for Played {
     }
 }
 
-/// A record that does not fit into [`MAX_RECORD`], or is not of the expected form.
+/// Error: a record does not fit into [`MAX_RECORD`], or is not of the expected form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BadRecord;
 
@@ -222,8 +229,9 @@ pub fn encode<'a>(record: &impl Record, buffer: &'a mut Buffer) -> Result<&'a [u
     Ok(&buffer[..LENGTH_BYTES + size])
 }
 
-/// Reads one record by calls of `read`, which returns how many bytes it has put at the beginning of its argument, and zero at the
-/// end of the stream. `None`: the stream has ended, or what comes is longer than any record.
+/// Reads one record with `read`, which returns the number of bytes written to the beginning of its
+/// argument, and zero at the end of the stream. Returns `None` if the stream ends, or if the record
+/// is longer than [`MAX_RECORD`].
 pub fn receive<E>(buffer: &mut Buffer, mut read: impl FnMut(&mut [u8]) -> Result<usize, E>) -> Result<Option<&[u8]>, E> {
     let mut filled = 0;
     loop {
@@ -239,7 +247,7 @@ pub fn receive<E>(buffer: &mut Buffer, mut read: impl FnMut(&mut [u8]) -> Result
     }
 }
 
-/// Reads the body that [`receive`] has returned into `record`.
+/// Decodes the body returned by [`receive`] into `record`.
 pub fn decode(body: &[u8], record: &mut impl Record) -> Result<(), BadRecord> {
     match record.take(body) {
         Some([]) => Ok(()),
@@ -247,7 +255,8 @@ pub fn decode(body: &[u8], record: &mut impl Record) -> Result<(), BadRecord> {
     }
 }
 
-/// Reads the configuration in the body that [`receive`] has returned: the one record that has no default.
+/// Decodes a configuration, the only record without a default, from the body returned by
+/// [`receive`].
 pub fn configuration(body: &[u8]) -> Result<Config, BadRecord> {
     match postcard::take_from_bytes(body) {
         Ok((config, [])) => Ok(config),

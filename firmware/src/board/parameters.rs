@@ -1,18 +1,21 @@
-//! Parameters: numbers of the configuration that a host may set, for the time after the next reset.
+//! Parameters: numbers of the configuration that a host may set, and that act after the next reset.
 //!
-//! They are the settings that have a key in their table in [`config`](crate::seam::config). Each has a key, which never changes its meaning, a name with its
-//! unit, and a range:
+//! Every setting with a key in its table in [`config`](crate::seam::config) is a parameter. It has
+//! a key, whose meaning never changes, a name with its unit, and a range:
 //!
-//! | range | of | because |
+//! | range | parameters | reason |
 //! |---|---|---|
-//! | up to a [`ceiling`] | limits | what a host sends can exceed none |
-//! | between two numbers | scale factors of the front end | the ceilings of limits that are judged by them follow them |
-//! | between two numbers, or one of a few | all others | |
+//! | up to a [`ceiling`] | limits | a host cannot raise a limit |
+//! | between two numbers | scale factors of the front end | the ceilings of limits that are checked with them follow them |
+//! | between two numbers, or one of a list | all others | |
 //!
-//! Some act only beside another one, [`need_of`] them: what could not act is refused when it is set.
+//! Some parameters act only with another one ([`need_of`]). A value that could not act is refused
+//! when it is set.
 //!
-//! Whatever is set, the converters thus never play or pass a code beyond what the image was built for. That a configuration holds together (a drive within its limit, a band within the loop's) is for
-//! [`build`](crate::controller::Controller::build) to say: see [`power_up`](crate::board::power_up).
+//! Therefore no set value makes the converters play or accept a code beyond the limits of the
+//! image. [`build`](crate::controller::Controller::build) checks that a configuration is consistent
+//! (a drive within its limit, a band within that of the loop): see
+//! [`power_up`](crate::board::power_up).
 
 mod ceilings;
 mod needs;
@@ -30,12 +33,12 @@ use crate::seam::config::{
 use crate::seam::refusal::Refusal;
 
 /// Largest number of parameters that can be stored.
-pub(crate) const MOST_PARAMETERS: usize = 88;
+pub(crate) const MAX_PARAMETERS: usize = 88;
 
 /// Parameters that differ from their defaults, by their keys.
-pub type Overrides = heapless::Vec<(u8, f32), MOST_PARAMETERS>;
+pub type Overrides = heapless::Vec<(u8, f32), MAX_PARAMETERS>;
 
-/// A value of each parameter, in the order of [`PARAMETERS`].
+/// Values of all parameters, in the order of [`PARAMETERS`].
 pub type Values = [f32; PARAMETERS.len()];
 
 /// Report of one parameter.
@@ -43,40 +46,41 @@ pub type Values = [f32; PARAMETERS.len()];
 pub struct ParameterReport {
     /// Key of the parameter.
     pub key: u8,
-    /// Value that is active since the last reset.
+    /// Active value, since the last reset.
     pub acts: f32,
-    /// Value that is set: active after a reset, if it has been stored.
+    /// Set value: active after a reset, if it has been stored.
     pub next: f32,
     /// Default: the value of the image.
     pub built_in: f32,
-    /// The smallest value that can be set.
+    /// Smallest value that can be set.
     pub min: f32,
-    /// The largest value that can be set; infinity is no limit.
+    /// Largest value that can be set; infinity if unlimited.
     pub max: f32,
     /// State of the stored settings as a whole.
     pub stored: StoredState,
 }
 
-/// The place of a parameter in [`PARAMETERS`].
+/// Returns the place of a parameter in [`PARAMETERS`].
 pub(crate) fn place_of(key: u8) -> Result<usize, Refusal> {
     PARAMETERS.iter().position(|parameter| parameter.key == key).ok_or(Refusal::NoSuchKey)
 }
 
-/// All parameters of a configuration.
+/// Returns the values of all parameters in a configuration.
 pub fn values_of(config: &Config) -> Values {
     core::array::from_fn(|place| (PARAMETERS[place].read)(config))
 }
 
-/// Those that differ from what is built in.
+/// Returns the values that differ from the built-in ones.
 pub(crate) fn overrides(values: &Values, built_in: &Values) -> Overrides {
     let differing = PARAMETERS.iter().zip(values.iter().zip(built_in)).filter(|(_, (value, built_in))| value != built_in);
     differing.map(|(parameter, (&value, _))| (parameter.key, value)).collect()
 }
 
-/// The defaults with overrides on top, and whether all overrides could be used: one that is unknown or out of its range is not.
+/// Returns the built-in values with overrides applied, and `true` if all overrides could be used.
+/// An unknown override, or one out of its range, is not used.
 ///
-/// A limit that is out of its range is the nearest that it can be, and one that cannot be read is the lowest: it is never what is built in
-/// because something lower was stored.
+/// A limit out of its range becomes the nearest valid value, and NaN the lowest one. A stored lower
+/// limit is therefore never replaced by the built-in one.
 pub(crate) fn overridden(overrides: &Overrides, built_in: &Values) -> (Values, bool) {
     let (mut values, mut all) = (*built_in, true);
     for &(key, value) in overrides {
@@ -93,7 +97,8 @@ pub(crate) fn overridden(overrides: &Overrides, built_in: &Values) -> (Values, b
             values[place] = value;
         }
     }
-    // Limits after the scale factors that their ceilings follow, and from there down: of two that contradict each other the lower one acts.
+    // Limits come after the scale factors that their ceilings follow. They start at infinity, so
+    // that of two contradictory entries the lower one acts.
     let limits =
         || overrides.iter().filter_map(|&(key, value)| Some((place_of(key).ok()?, value))).filter(|(place, _)| is_limit(*place));
     for (place, _) in limits() {
@@ -104,7 +109,7 @@ pub(crate) fn overridden(overrides: &Overrides, built_in: &Values) -> (Values, b
         let usable = parameter.check(value, ceiling).is_ok();
         all &= usable;
         let (least, most) = parameter.range.of(ceiling);
-        // A not-a-number is below all. A ceiling below the least leaves the least, which does not build with such a scale factor.
+        // NaN gives `least`. So does a ceiling below it, and then the configuration does not build.
         let nearest = if value > least { value.min(most).max(least) } else { least };
         values[place] = values[place].min(if usable { value } else { nearest });
     }
@@ -115,7 +120,8 @@ fn is_limit(place: usize) -> bool {
     PARAMETERS[place].is_limit()
 }
 
-/// Writes what differs from what is built in into a configuration: those parameters whose places `acts` has, with every limit held to its ceiling.
+/// Writes the values that differ from the built-in ones into a configuration, for the parameters
+/// whose place satisfies `acts`. Holds each limit to its ceiling.
 pub fn apply(config: &mut Config, values: &Values, built_in: &Values, acts: impl Fn(usize) -> bool) {
     let mut acting: Values = core::array::from_fn(|place| if acts(place) { values[place] } else { built_in[place] });
     for place in (0..PARAMETERS.len()).filter(|&place| is_limit(place)) {
@@ -128,7 +134,7 @@ pub fn apply(config: &mut Config, values: &Values, built_in: &Values, acts: impl
     }
 }
 
-/// The tables of settings that have parameters.
+/// Tables of the settings that are parameters.
 const TABLES: &[&[Parameter]] = &[
     FrontEnd::PARAMETERS,
     Drive::PARAMETERS,
@@ -157,14 +163,14 @@ const COUNT: usize = {
         count += TABLES[table].len();
         table += 1;
     }
-    assert!(count <= MOST_PARAMETERS);
+    assert!(count <= MAX_PARAMETERS);
     count
 };
 
-/// All parameters, by rising keys. A key is never used again for something else.
+/// All parameters, by rising key. A key is never used again for something else.
 pub static PARAMETERS: [Parameter; COUNT] = by_key();
 
-/// The parameters of all tables, each put in its place as it comes.
+/// Returns the parameters of all tables, sorted by key.
 const fn by_key() -> [Parameter; COUNT] {
     let mut all = [TABLES[0][0]; COUNT];
     let (mut count, mut table) = (0, 0);

@@ -2,17 +2,19 @@
 //!
 //! | stored | active |
 //! |---|---|
-//! | trims and parameters that can be used | they |
-//! | an unknown parameter, or one out of its range | its default; of a limit the nearest value that it can have: [`StoredState::Partly`] |
-//! | settings that together do not build | the limits, and within them whatever else of it still builds: [`StoredState::Refused`] |
-//! | one copy of two, the other one being older or damaged | it: [`StoredState::OneCopy`]; the next store writes both |
-//! | nothing | all that is built in |
-//! | something that cannot be read, or of another version | all that is built in, and nothing is driven: a lower limit may be in it |
+//! | usable trims and parameters | these |
+//! | an unknown parameter, or one out of its range | its default; for a limit the nearest valid value: [`StoredState::Partly`] |
+//! | settings that do not build together | the limits, and all other settings that still build within them: [`StoredState::Refused`] |
+//! | two copies, of which one is older or damaged | the other one: [`StoredState::OneCopy`]; the next store writes both |
+//! | nothing | the built-in configuration |
+//! | unreadable settings, or settings of another version | the built-in configuration; the board does not drive, because a lower limit may be stored |
 //!
-//! **A limit that is stored is never exceeded, whatever else is stored.** Limits come first, the drive is held within them, and everything else is
-//! added to that one by one, in the order in which limits depend on it: scale factors, lane trims, the rest. What does not build with the others
-//! is left out alone. A limit is left out only where nothing is there to judge it by (an energy for each metre of belt without an encoder): that is
-//! refused when it is set, and where it is stored all the same, nothing is driven.
+//! **A stored limit is never exceeded by any other stored value.** Limits are applied first, and
+//! the drive is held within them. The other settings are then added one by one, in the order in
+//! which limits depend on them: scale factors, lane trims, the rest. A setting that does not build
+//! with the others is left out alone. A limit is left out only if the board cannot check it (an
+//! energy per metre of belt without an encoder). Such a limit is refused when it is set; if it is
+//! stored nevertheless, the board does not drive.
 
 use embedded_storage::nor_flash::NorFlash;
 
@@ -28,22 +30,23 @@ use crate::seam::config::Range;
 use crate::seam::config::{Config, LaneTrims};
 use crate::seam::error::Error;
 
-/// The place of the lane trims, behind the parameters.
-const TRIMS: usize = PARAMETERS.len();
+/// Place of the lane trims, after the parameters.
+const TRIMS_PLACE: usize = PARAMETERS.len();
 
-/// What a board is started with.
+/// Configuration and settings that a board is started with.
 #[derive(Clone, Debug)]
 pub struct PowerUp {
-    /// What the controller is to be built with.
+    /// Configuration of the controller.
     pub config: Config,
-    /// Parameters that are built in, and those that are set.
+    /// Built-in values of the parameters.
     pub(crate) built_in: Values,
+    /// Set values of the parameters.
     pub(crate) next: Values,
     pub(crate) stored: StoredState,
 }
 
 impl PowerUp {
-    /// Reads the stored settings, and puts them in place of the built-in ones.
+    /// Reads the stored settings, and replaces the built-in ones with them.
     pub fn read<F: NorFlash>(built_in: &Config, settings: &mut Settings<F>) -> Self {
         let (record, stored) = settings.record();
         let mut config = built_in.clone();
@@ -56,8 +59,8 @@ impl PowerUp {
         PowerUp { config, built_in, next, stored: if all { stored } else { StoredState::Partly } }
     }
 
-    /// Builds the controller at its final place, and its task; where the stored settings do not make one, of as much of them as does, within the
-    /// limits that are set.
+    /// Builds the controller at its final place, and its task. If the stored settings do not build,
+    /// uses as many of them as build within the set limits.
     pub fn build<'a>(&mut self, built_in: &Config, ends: BlockEnds<'a>) -> Result<BlockTask<'a>, Error> {
         if Controller::check(&self.config).is_err() {
             self.fall_back(built_in);
@@ -66,14 +69,14 @@ impl PowerUp {
         BlockTask::build(&self.config, ends)
     }
 
-    /// Whether a limit may be stored that does not act.
+    /// Returns `true` if a stored limit may not act.
     pub(crate) fn limits_are_unsure(&self) -> bool {
         let acts = values_of(&self.config);
         let is_above = |place: usize| PARAMETERS[place].is_limit() && acts[place] > self.next[place];
         self.stored.hides_limits() || (0..PARAMETERS.len()).any(is_above)
     }
 
-    /// Limits first, and then whatever still builds with them and with what came before it.
+    /// Applies the limits first, and then each setting that still builds with those before it.
     #[inline(never)]
     fn fall_back(&mut self, built_in: &Config) {
         let trims = core::mem::take(&mut self.config.phasing.calibration);
@@ -81,14 +84,14 @@ impl PowerUp {
         loop {
             let before = acting;
             for rank in 0..RANKS {
-                for place in (0..=TRIMS).filter(|&place| rank_of(place) == rank) {
+                for place in (0..=TRIMS_PLACE).filter(|&place| rank_of(place) == rank) {
                     self.compose(built_in, acting | 1 << place, &trims);
                     if Controller::check(&self.config).is_ok() {
                         acting |= 1 << place;
                     }
                 }
             }
-            // What came later may have made room for what did not fit.
+            // A later setting may have made room for one that did not fit before.
             if acting == before {
                 break;
             }
@@ -96,15 +99,16 @@ impl PowerUp {
         self.compose(built_in, acting, &trims);
     }
 
-    /// What is built in, with what is set of the places in `acting`, and a drive within the limits.
+    /// Composes the built-in configuration, the set values at the places in `acting`, and a drive
+    /// within the limits.
     fn compose(&mut self, built_in: &Config, acting: u128, trims: &LaneTrims) {
         let config = &mut self.config;
         config.clone_from(built_in);
         apply(config, &self.next, &self.built_in, |place| acting & 1 << place != 0);
-        if acting & 1 << TRIMS != 0 {
+        if acting & 1 << TRIMS_PLACE != 0 {
             config.phasing.calibration.clone_from(trims);
         }
-        // Without a scale there is no largest amplitude, and no controller either.
+        // Without a scale there is neither a largest amplitude nor a controller.
         let most_volts = most_volts(config).unwrap_or(0.0);
         let Config { drive, limits, .. } = config;
         drive.scan_volts = drive.scan_volts.min(most_volts);
@@ -115,10 +119,10 @@ impl PowerUp {
     }
 }
 
-/// How many ranks there are.
+/// Number of ranks.
 const RANKS: u8 = 4;
 
-/// When it is the turn of a parameter, or of the trims: limits, what limits are measured by, trims, and all others.
+/// Returns the rank of a parameter or of the trims: limits, scale factors, trims, all others.
 fn rank_of(place: usize) -> u8 {
     match PARAMETERS.get(place).map(|parameter| parameter.range) {
         Some(Range::UpToCeiling(..)) => 0,

@@ -1,6 +1,8 @@
-//! The queues between the background task and the block task, with the place of the controller: a board has them once, as a static.
+//! The queues between the background task and the block task, with the place of the controller. A
+//! board has one set of them, as a static.
 //!
-//! Reports are not copied: they stand in static memory, and change hands. The block task fills one, leaves it, and takes one that has been read.
+//! Reports are not copied: they are in static memory and change owner. The block task fills a
+//! report, passes it on, and takes back one that has been read.
 
 use core::mem::MaybeUninit;
 
@@ -13,29 +15,30 @@ use crate::seam::block::Orders;
 use crate::seam::config::LaneTrims;
 use crate::seam::telemetry::Telemetry;
 
-/// One element, and the place that a ring buffer leaves empty.
-const ONE: usize = 2;
+/// Length of a ring buffer for one element: one place stays empty.
+const SINGLE_QUEUE_LENGTH: usize = 2;
 
-/// The queues between the two tasks. Those of orders and of reports have room for one element less than their numbers say.
+/// Queues between the two tasks. Those of orders and reports hold one element less than `ORDERS`
+/// and `REPORTS`.
 pub struct Queues<const ORDERS: usize, const REPORTS: usize> {
     orders: Queue<Orders, ORDERS>,
     reports: Queue<&'static mut Telemetry, REPORTS>,
     read: Queue<&'static mut Telemetry, REPORTS>,
-    trims_out: Queue<LaneTrims, ONE>,
-    trims_in: Queue<LaneTrims, ONE>,
-    requests: Queue<CaptureRequest, ONE>,
-    replies: Queue<CaptureReply, ONE>,
+    trims_out: Queue<LaneTrims, SINGLE_QUEUE_LENGTH>,
+    trims_in: Queue<LaneTrims, SINGLE_QUEUE_LENGTH>,
+    requests: Queue<CaptureRequest, SINGLE_QUEUE_LENGTH>,
+    replies: Queue<CaptureReply, SINGLE_QUEUE_LENGTH>,
     place: MaybeUninit<Controller>,
 }
 
-/// Static memory that one task lends the other.
+/// Static memory that one task lends to the other.
 pub struct Loans<const REPORTS: usize> {
     capture: Memory,
     reports: [MaybeUninit<Telemetry>; REPORTS],
 }
 
 impl<const REPORTS: usize> Loans<REPORTS> {
-    /// Memory in which nothing stands yet.
+    /// Creates memory without content.
     pub const fn new() -> Self {
         Loans { capture: Memory::new(), reports: [const { MaybeUninit::uninit() }; REPORTS] }
     }
@@ -57,9 +60,9 @@ pub struct BlockEnds<'a> {
     pub reports: Producer<'a, &'static mut Telemetry>,
     /// Reports that have been read.
     pub read: Consumer<'a, &'static mut Telemetry>,
-    /// The report that is filled first.
+    /// Report that is filled first.
     pub report: &'static mut Telemetry,
-    /// Trims that a calibration has found, to be stored.
+    /// Trims found by a calibration, to be stored.
     pub trims_out: Producer<'a, LaneTrims>,
     /// Trims to use from now on; taken in silence only.
     pub trims_in: Consumer<'a, LaneTrims>,
@@ -75,7 +78,7 @@ pub struct BackgroundEnds<'a> {
     pub reports: Consumer<'a, &'static mut Telemetry>,
     /// Reports that have been read.
     pub read: Producer<'a, &'static mut Telemetry>,
-    /// Trims that a calibration has found.
+    /// Trims found by a calibration.
     pub trims_out: Consumer<'a, LaneTrims>,
     /// Trims to use from now on.
     pub trims_in: Producer<'a, LaneTrims>,
@@ -83,12 +86,12 @@ pub struct BackgroundEnds<'a> {
     pub requests: Producer<'a, CaptureRequest>,
     /// Replies of the recorder.
     pub replies: Consumer<'a, CaptureReply>,
-    /// The memory of captures.
+    /// Memory of captures.
     pub memory: &'static mut Memory,
 }
 
 impl<const ORDERS: usize, const REPORTS: usize> Queues<ORDERS, REPORTS> {
-    /// Empty queues, and a place without a controller.
+    /// Creates empty queues, and a place without a controller.
     pub const fn new() -> Self {
         Queues {
             orders: Queue::new(),
@@ -102,13 +105,13 @@ impl<const ORDERS: usize, const REPORTS: usize> Queues<ORDERS, REPORTS> {
         }
     }
 
-    /// Splits the queues into their ends; what is lent goes to and fro between the two tasks.
+    /// Splits the queues into their ends. The tasks pass the loans to each other.
     pub fn split(&mut self, loans: &'static mut Loans<REPORTS>) -> (BlockEnds<'_>, BackgroundEnds<'_>) {
-        // A queue holds one less than there are reports: this one is with the block task from the beginning.
-        const { assert!(REPORTS > 1, "there is a report to fill, and one to read") };
+        // A queue holds all reports but one, which the block task has from the beginning.
+        const { assert!(REPORTS > 1, "needs one report to fill, and one to read") };
         let Loans { capture, reports } = loans;
         let (mut read_in, read_out) = self.read.split();
-        let Some((first, others)) = reports.split_first_mut() else { unreachable!("there are at least two") };
+        let Some((first, others)) = reports.split_first_mut() else { unreachable!("`REPORTS` is at least two") };
         for place in others {
             let _ = read_in.enqueue(place.write(Telemetry::default()));
         }

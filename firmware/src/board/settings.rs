@@ -1,32 +1,34 @@
 //! Settings stored in flash.
 //!
-//! Two maps of keys to values (`sequential-storage`), each in its half of the flash, and the same record with the same number in both: a store
-//! writes it into one, reads it back, and writes it into the other. Whenever power goes, and however often, one half has a record whole, and a
-//! word that is damaged later leaves the other copy. Pages are used in turns, which spreads the wear.
+//! Each half of the flash is a map of keys to values (`sequential-storage`), and both have the same
+//! record with the same number. A store writes the record into one half, reads it back, and writes
+//! it into the other. Therefore one half is intact whenever power fails, and a word that is damaged
+//! later leaves the other copy. Pages are used in turn, which spreads the wear.
 //!
 //! ```text
 //! key: u8 | version of the value: u8 | number of the write: u32, little-endian | value: postcard
 //! ```
 //!
-//! Lane trims and parameters are one value, so that the old of one never meets the new of the other.
+//! Lane trims and parameters are one value, so that old trims never meet new parameters.
 //!
 //! | version | value |
 //! |---|---|
 //! | 1 | lane trims |
-//! | 2 | lane trims, and the parameters that differ from what is built in |
+//! | 2 | lane trims, and the parameters that differ from the built-in values |
 //!
-//! A map falls back to an older value where the latest is damaged: a half whose last value is not the one that is read
-//! (`whole.rs`) does not count.
+//! A map falls back to an older value if the latest is damaged. Therefore a half is valid only if
+//! the value that is read is the last one written (`whole.rs`).
 //!
-//! | halves | what acts |
+//! | halves | active |
 //! |---|---|
-//! | the same record in both | it |
-//! | a record in one, and an older one, nothing, or something that does not count in the other | the latest: [`StoredState::OneCopy`] |
-//! | nothing in one, and in the other something that cannot be read | nothing: the first store was cut off, [`StoredState::Unfinished`] |
-//! | something that does not count in both, or a record that cannot be | nothing: [`StoredState::Damaged`] |
+//! | the same record in both | this record |
+//! | a record in one; an older one, nothing, or an invalid value in the other | the latest record: [`StoredState::OneCopy`] |
+//! | nothing in one; unreadable data in the other | nothing: the first store was cut off, [`StoredState::Unfinished`] |
+//! | invalid values in both, or a record with invalid content | nothing: [`StoredState::Damaged`] |
 //! | the latest is of another version | nothing: [`StoredState::Version`] |
 //!
-//! Looking never writes. A page's erase stalls a processor that runs from the same flash (25 ms on an STM32G4): store in silence only.
+//! Reading never writes. Erasing a page stalls a processor that runs from the same flash (25 ms on
+//! an STM32G4): store in silence only.
 
 mod blocking;
 mod whole;
@@ -46,17 +48,18 @@ use crate::generate::phasing::check_calibration;
 use crate::seam::config::LaneTrims;
 use crate::seam::error::{Error, in_range};
 
-/// Key of the record in the two maps. A number never changes its meaning.
-const RECORD: u8 = 1;
-/// Version of the record as it is written now, and of lane trims alone.
+/// Key of the record in the two maps. A key never changes its meaning.
+const RECORD_KEY: u8 = 1;
+/// Version of the record as it is written now.
 const VERSION: u8 = 2;
-const TRIMS_ALONE: u8 = 1;
-/// Version and number.
-const HEAD: usize = 5;
-/// Room for the longest value with its key and version, bytes: a multiple of any flash's word.
-const LONGEST: usize = 672;
+/// Version of a record of lane trims alone.
+const TRIMS_ONLY_VERSION: u8 = 1;
+/// Length of version and number, bytes.
+const HEAD_BYTES: usize = 5;
+/// Length of the longest value with its key and version, bytes: a multiple of any flash's word.
+const MAX_VALUE_BYTES: usize = 672;
 
-/// The stored settings, which are written as a whole.
+/// Stored settings, which are written as a whole.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Trims of the lanes, by frequency.
@@ -66,34 +69,35 @@ pub struct Record {
 }
 
 impl Record {
-    /// Whether there is nothing to store.
+    /// Returns `true` if there is nothing to store.
     pub fn is_empty(&self) -> bool {
         self.trims.is_empty() && self.parameters.is_empty()
     }
 }
 
-/// The flash has failed: what is stored is what was stored before, or the new in one of its two copies.
+/// Failure of the flash: the previous record remains stored, or one of the two copies has the new
+/// one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotStored;
 
 /// The settings in flash.
 pub struct Settings<F> {
     flash: F,
-    /// Bytes of each half.
+    /// Length of each half, bytes.
     half: u32,
 }
 
-/// One half, for as long as it is read or written.
+/// Map in one half, for as long as it is read or written.
 type Map<'a, F> = MapStorage<u8, Blocking<'a, F>, Cache<Uncached, Uncached, Uncached, u8>>;
 
-/// What a half has.
+/// Content of a half.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Content {
     /// Nothing was ever written to it.
     Blank,
     /// No value can be read in it.
     Unread,
-    /// Its last value is damaged, or no record.
+    /// The last value is damaged, or not a record.
     Damaged,
     /// A value of this other version.
     Version(u8),
@@ -101,46 +105,46 @@ enum Content {
     Record,
 }
 
-/// Content of a half.
+/// Value found in a half.
 #[derive(Clone, Copy)]
-struct Found {
-    /// Which write it was; of a half that does not count, that of an earlier one.
+struct HalfValue {
+    /// Number of the write; in an invalid half, that of an earlier write.
     number: u32,
     content: Content,
-    /// It is what was expected.
-    same: bool,
+    /// `true` if the value is the expected one.
+    is_expected: bool,
 }
 
-impl Found {
-    /// Nothing that has a number.
-    fn without(content: Content) -> Self {
-        Found { number: 0, content, same: false }
+impl HalfValue {
+    /// Creates a result for a half without a number.
+    fn from_content(content: Content) -> Self {
+        HalfValue { number: 0, content, is_expected: false }
     }
 
-    /// Whether it says what was stored.
-    fn counts(&self) -> bool {
+    /// Returns `true` if the half is valid.
+    fn is_valid(&self) -> bool {
         matches!(self.content, Content::Record | Content::Version(_))
     }
 
-    fn is_newer_than(&self, other: &Found) -> bool {
-        // Numbers come round.
-        self.counts() && (!other.counts() || (self.number.wrapping_sub(other.number) as i32) > 0)
+    fn is_newer_than(&self, other: &HalfValue) -> bool {
+        // Numbers wrap.
+        self.is_valid() && (!other.is_valid() || (self.number.wrapping_sub(other.number) as i32) > 0)
     }
 }
 
-/// What both halves have.
+/// Content of both halves.
 struct Halves {
-    /// The half that was written last.
+    /// Half that was written last.
     newest: u32,
-    found: [Found; 2],
+    found: [HalfValue; 2],
 }
 
 impl Halves {
-    fn latest(&self) -> &Found {
+    fn latest(&self) -> &HalfValue {
         &self.found[self.newest as usize]
     }
 
-    fn other(&self) -> &Found {
+    fn other(&self) -> &HalfValue {
         &self.found[1 - self.newest as usize]
     }
 
@@ -156,15 +160,16 @@ impl Halves {
         }
     }
 
-    /// Both have what was expected.
-    fn same(&self) -> bool {
-        self.state() == StoredState::Stored && self.found.iter().all(|found| found.same)
+    /// Returns `true` if both halves have the expected record.
+    fn match_expected(&self) -> bool {
+        self.state() == StoredState::Stored && self.found.iter().all(|found| found.is_expected)
     }
 
-    /// The number of the next write: what does not count is not to be taken for a later one.
+    /// Returns the number of the next write. Ignores the number of an invalid half if the other
+    /// half is valid.
     fn next_number(&self) -> u32 {
         let [first, second] = self.found.map(|found| found.number);
-        let latest = match (self.latest().counts(), (first.wrapping_sub(second) as i32) > 0) {
+        let latest = match (self.latest().is_valid(), (first.wrapping_sub(second) as i32) > 0) {
             (true, _) => self.latest().number,
             (false, true) => first,
             (false, false) => second,
@@ -174,19 +179,20 @@ impl Halves {
 }
 
 impl<F: NorFlash> Settings<F> {
-    /// A store in all of this flash: a board gives the part of its own that is meant for it, four pages at least.
+    /// Creates a store in all of this flash, which has four pages at least. A board passes the part
+    /// that it reserves for settings.
     pub fn new(flash: F) -> Result<Self, Error> {
         let (page, word) = (F::ERASE_SIZE, F::WRITE_SIZE.max(F::READ_SIZE));
-        in_range("settings.flash_page_bytes", page as f64, 2.0 * LONGEST as f64, 1e9)?;
+        in_range("settings.flash_page_bytes", page as f64, 2.0 * MAX_VALUE_BYTES as f64, 1e9)?;
         in_range("settings.flash_word_bytes", word as f64, 1.0, 32.0)?;
         let half = flash.capacity() / (2 * page) * page;
         in_range("settings.flash_bytes", 2.0 * half as f64, 4.0 * page as f64, f64::from(u32::MAX))?;
         Ok(Settings { flash, half: half as u32 })
     }
 
-    /// The stored record and its state; an empty record where nothing can be used.
+    /// Returns the stored record and its state; an empty record if none can be used.
     pub fn record(&mut self) -> (Record, StoredState) {
-        let halves = self.look(&[]);
+        let halves = self.inspect(&[]);
         let state = halves.state();
         let stored = matches!(state, StoredState::Stored | StoredState::OneCopy);
         let pages = self.pages(halves.newest);
@@ -195,31 +201,32 @@ impl<F: NorFlash> Settings<F> {
             false => None,
         };
         let record = record.unwrap_or_default();
-        // A stored record may be an empty one.
+        // A stored record may be empty.
         let state = if state == StoredState::Stored && record.is_empty() { StoredState::Nothing } else { state };
         (record, state)
     }
 
-    /// How often settings were stored: each time wears the flash.
+    /// Returns the number of stores so far; each wears the flash.
     pub fn stores(&mut self) -> u32 {
-        self.look(&[]).next_number().wrapping_sub(1)
+        self.inspect(&[]).next_number().wrapping_sub(1)
     }
 
-    /// Stores a record, in both halves. A record that is stored already is not written again.
+    /// Stores a record in both halves. A record that is already stored is not written again.
     pub fn store(&mut self, record: &Record) -> Result<(), NotStored> {
-        let mut value = [0; LONGEST];
-        let length = HEAD + postcard::to_slice(record, &mut value[HEAD..]).map_err(|_| NotStored)?.len();
-        let halves = self.look(&value[HEAD..length]);
-        if halves.same() || halves.state() == StoredState::Nothing && record.is_empty() {
+        let mut value = [0; MAX_VALUE_BYTES];
+        let length = HEAD_BYTES + postcard::to_slice(record, &mut value[HEAD_BYTES..]).map_err(|_| NotStored)?.len();
+        let halves = self.inspect(&value[HEAD_BYTES..length]);
+        if halves.match_expected() || halves.state() == StoredState::Nothing && record.is_empty() {
             return Ok(());
         }
         value[0] = VERSION;
-        value[1..HEAD].copy_from_slice(&halves.next_number().to_le_bytes());
-        // The half that was written last stands until the other one has the new record.
+        value[1..HEAD_BYTES].copy_from_slice(&halves.next_number().to_le_bytes());
+        // The half that was written last stays intact until the other one has the new record.
         [1 - halves.newest, halves.newest].into_iter().try_for_each(|half| self.put(half, &value[..length]))
     }
 
-    /// Writes a value into a half, and reads it back. A half that does not take it is erased first.
+    /// Writes a value into a half, and reads it back. If that fails, erases the half and tries
+    /// again.
     fn put(&mut self, half: u32, value: &[u8]) -> Result<(), NotStored> {
         if self.write(half, value).is_ok() && self.keeps(half, value) {
             return Ok(());
@@ -231,36 +238,41 @@ impl<F: NorFlash> Settings<F> {
         if self.keeps(half, value) { Ok(()) } else { Err(NotStored) }
     }
 
-    /// Whether this is what would be read now: damage elsewhere in the half may hide what was written.
+    /// Returns `true` if this value would be read now: damage elsewhere in the half may hide it.
     fn keeps(&mut self, half: u32, value: &[u8]) -> bool {
-        let found = self.look_at(half, &value[HEAD..]);
-        found.content == Content::Record && found.same && value[1..HEAD] == found.number.to_le_bytes()
+        let found = self.inspect_half(half, &value[HEAD_BYTES..]);
+        found.content == Content::Record && found.is_expected && value[1..HEAD_BYTES] == found.number.to_le_bytes()
     }
 
     /// Clears the stored settings.
     pub fn clear(&mut self) -> Result<(), NotStored> {
-        // Written over by nothing rather than erased: whenever power goes, it is all there or all gone.
+        // Overwritten with an empty record, not erased: if power fails, either all or nothing is
+        // left.
         self.store(&Record::default())
     }
 
-    /// Gives the flash back.
+    /// Returns the flash.
     pub fn release(self) -> F {
         self.flash
     }
 
-    /// What both halves have; whether that is `expected`.
-    fn look(&mut self, expected: &[u8]) -> Halves {
-        let found = [0, 1].map(|half| self.look_at(half, expected));
+    /// Reads both halves, and compares their values with `expected`.
+    fn inspect(&mut self, expected: &[u8]) -> Halves {
+        let found = [0, 1].map(|half| self.inspect_half(half, expected));
         Halves { newest: found[1].is_newer_than(&found[0]).into(), found }
     }
 
-    fn look_at(&mut self, half: u32, expected: &[u8]) -> Found {
+    fn inspect_half(&mut self, half: u32, expected: &[u8]) -> HalfValue {
         let (pages, flash) = (self.pages(half), &mut self.flash);
-        match read(flash, pages.clone(), |flash, bytes| (look(bytes, expected), ends_with(flash, pages.clone(), RECORD, bytes))) {
+        match read(flash, pages.clone(), |flash, bytes| {
+            (inspect(bytes, expected), ends_with(flash, pages.clone(), RECORD_KEY, bytes))
+        }) {
             Ok(Some((Some(found), true))) => found,
-            Ok(Some((found, _))) => Found { content: Content::Damaged, ..found.unwrap_or(Found::without(Content::Damaged)) },
-            Ok(None) if is_blank(&mut self.flash, pages) => Found::without(Content::Blank),
-            Ok(None) | Err(NotStored) => Found::without(Content::Unread),
+            Ok(Some((found, _))) => {
+                HalfValue { content: Content::Damaged, ..found.unwrap_or(HalfValue::from_content(Content::Damaged)) }
+            }
+            Ok(None) if is_blank(&mut self.flash, pages) => HalfValue::from_content(Content::Blank),
+            Ok(None) | Err(NotStored) => HalfValue::from_content(Content::Unread),
         }
     }
 
@@ -269,45 +281,47 @@ impl<F: NorFlash> Settings<F> {
     }
 
     fn write(&mut self, half: u32, value: &[u8]) -> Result<(), NotStored> {
-        let mut buffer = [0; LONGEST];
+        let mut buffer = [0; MAX_VALUE_BYTES];
         let pages = self.pages(half);
         let mut map = map(Blocking::to_write(&mut self.flash), pages).ok_or(NotStored)?;
-        wait(map.store_item(&mut buffer, &RECORD, &value)).map_err(|_| NotStored)
+        wait(map.store_item(&mut buffer, &RECORD_KEY, &value)).map_err(|_| NotStored)
     }
 }
 
-/// A half as a map.
+/// Returns a half as a map.
 fn map<F: NorFlash>(flash: Blocking<'_, F>, pages: Range<u32>) -> Option<Map<'_, F>> {
     Some(MapStorage::new(flash, MapConfig::try_new(pages).ok()?, Cache::new_uncached()))
 }
 
-/// What is made of the value in a half; none where there is none, and an error where none can be read.
+/// Reads the value in a half, and applies `make` to it. Returns `None` without a value, and an
+/// error if none can be read.
 fn read<F: NorFlash, T>(flash: &mut F, pages: Range<u32>, make: impl FnOnce(&mut F, &[u8]) -> T) -> Result<Option<T>, NotStored> {
-    let mut buffer = [0; LONGEST];
+    let mut buffer = [0; MAX_VALUE_BYTES];
     let mut map = map(Blocking::to_read(flash), pages).ok_or(NotStored)?;
-    let bytes = wait(map.fetch_item::<&[u8]>(&mut buffer, &RECORD)).map_err(|_| NotStored)?;
+    let bytes = wait(map.fetch_item::<&[u8]>(&mut buffer, &RECORD_KEY)).map_err(|_| NotStored)?;
     Ok(bytes.map(|bytes| make(map.destroy().0.release(), bytes)))
 }
 
-/// What a value is, and whether it is the expected one; `None` where it is too short for any.
-fn look(bytes: &[u8], expected: &[u8]) -> Option<Found> {
-    let (head, value) = bytes.split_at_checked(HEAD)?;
+/// Returns the content of a value, compared with the expected one; `None` if it is too short.
+fn inspect(bytes: &[u8], expected: &[u8]) -> Option<HalfValue> {
+    let (head, value) = bytes.split_at_checked(HEAD_BYTES)?;
     let number = u32::from_le_bytes(head[1..].try_into().ok()?);
     let content = match head[0] {
-        VERSION | TRIMS_ALONE if decode(bytes).is_some() => Content::Record,
-        VERSION | TRIMS_ALONE => Content::Damaged,
+        VERSION | TRIMS_ONLY_VERSION if decode(bytes).is_some() => Content::Record,
+        VERSION | TRIMS_ONLY_VERSION => Content::Damaged,
         other => Content::Version(other),
     };
-    Some(Found { number, content, same: head[0] == VERSION && value == expected })
+    Some(HalfValue { number, content, is_expected: head[0] == VERSION && value == expected })
 }
 
-/// The record in a value; `None` where it is damaged, or of another version. Not inlined: a record is not to stand on the stack for longer.
+/// Decodes the record in a value; `None` if it is damaged, or of another version. Not inlined, so
+/// that the record does not stay on the stack.
 #[inline(never)]
 fn decode(bytes: &[u8]) -> Option<Record> {
-    let (head, value) = bytes.split_at_checked(HEAD)?;
+    let (head, value) = bytes.split_at_checked(HEAD_BYTES)?;
     let record = match head[0] {
         VERSION => postcard::from_bytes::<Record>(value).ok()?,
-        TRIMS_ALONE => Record { trims: postcard::from_bytes(value).ok()?, parameters: Overrides::new() },
+        TRIMS_ONLY_VERSION => Record { trims: postcard::from_bytes(value).ok()?, parameters: Overrides::new() },
         _ => return None,
     };
     check_calibration(&record.trims).is_ok().then_some(record)

@@ -1,4 +1,5 @@
-//! Settings in the background task: trims of a calibration arrive, parameters are set, and both are stored.
+//! Settings in the background task: trims of a calibration arrive, parameters are set, and both are
+//! stored.
 
 use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
@@ -13,7 +14,8 @@ use crate::seam::config::{Config, LaneTrims, Parameter};
 use crate::seam::error::Error;
 use crate::seam::refusal::Refusal;
 
-/// Active and set values of the settings, as far as the background task knows them, and the state of the stored ones.
+/// Active and set values of the settings, as the background task knows them, and the state of the
+/// stored ones.
 pub(crate) struct SettingsStore<'a> {
     trims_out: Consumer<'a, LaneTrims>,
     trims_in: Producer<'a, LaneTrims>,
@@ -22,14 +24,14 @@ pub(crate) struct SettingsStore<'a> {
     next: Values,
     built_in: Values,
     stored: StoredState,
-    /// A parameter was set since the settings were stored or read.
+    /// `true` if a parameter was set after the settings were stored or read.
     changed: bool,
-    /// What was wrong with the stored settings at power-up.
+    /// Defect of the stored settings at power-up.
     flaw: Option<StoredState>,
 }
 
 impl<'a> SettingsStore<'a> {
-    /// A settings store between the two queues of trims, for what the board was started with.
+    /// Creates a settings store between the two queues of trims, for the settings of this power-up.
     pub(crate) fn new(trims_out: Consumer<'a, LaneTrims>, trims_in: Producer<'a, LaneTrims>, power_up: &PowerUp) -> Self {
         SettingsStore {
             trims_out,
@@ -44,11 +46,11 @@ impl<'a> SettingsStore<'a> {
         }
     }
 
-    /// Takes the trims that a calibration has found, and stores them once the drive is silent.
-    pub(crate) fn keep<F: NorFlash>(&mut self, silent: bool, settings: &mut Settings<F>) {
+    /// Takes the trims found by a calibration, and stores them once the drive is silent.
+    pub(crate) fn store_trims<F: NorFlash>(&mut self, silent: bool, settings: &mut Settings<F>) {
         while let Some(found) = self.trims_out.dequeue() {
             self.trims = found;
-            // What nobody could read is not written over without an order.
+            // Unreadable settings are not overwritten without an order.
             if !self.stored.hides_limits() {
                 self.stored = StoredState::Due;
             }
@@ -57,12 +59,13 @@ impl<'a> SettingsStore<'a> {
             return;
         }
         let (mut record, found) = settings.record();
-        // What can no longer be read may have limits: without them nothing is stored.
+        // Settings that have become unreadable may have limits. They are not replaced by trims
+        // alone.
         if found.hides_limits() {
             self.stored = StoredState::Failed;
             return;
         }
-        // Beside the stored parameters: those that are only set wait for an order. A failure is in the report.
+        // The stored parameters stay; set ones wait for an order. The report shows a failure.
         record.trims.clone_from(&self.trims);
         let stored = self.store(&record, settings);
         if let (Ok(()), Some(flaw)) = (stored, self.flaw) {
@@ -106,15 +109,16 @@ impl<'a> SettingsStore<'a> {
     fn set(&mut self, key: u8, value: f32) -> Result<(), Refusal> {
         let place = place_of(key)?;
         PARAMETERS[place].check(value, ceiling(place, &self.next, &self.built_in))?;
-        // A limit that nothing is judged by would be none, and a number of a part that is not there nothing.
+        // A limit that cannot be checked would not limit anything, and a parameter of a missing
+        // part would have no effect.
         check_need(place, value, &self.next, &self.built_in)?;
         self.changed |= self.next[place] != value;
         self.next[place] = value;
         Ok(())
     }
 
-    /// Refuses set parameters that with the active trims would not all act after a reset. Not inlined: the stack that this takes is free again before
-    /// anything is stored.
+    /// Refuses set parameters that would not all act with the active trims after a reset. Not
+    /// inlined, so that its stack is free again before anything is stored.
     #[inline(never)]
     fn check(&self, built_in: &dyn Fn() -> Config) -> Result<(), Refusal> {
         let mut config = built_in();
@@ -134,7 +138,7 @@ impl<'a> SettingsStore<'a> {
         self.stored = match result {
             Ok(()) if record.is_empty() => StoredState::Nothing,
             Ok(()) => StoredState::Stored,
-            // Not tried again unless it is ordered: that would wear the flash out.
+            // Not retried without an order: that would wear out the flash.
             Err(_) => StoredState::Failed,
         };
         result.map_err(|_| Refusal::Flash)

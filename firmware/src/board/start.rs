@@ -1,12 +1,12 @@
-//! What started the board: what its reset flags say, and what the last run has left.
+//! Cause of the last start: the reset flags, and the record that the last run has left.
 
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
-/// Room for the end of a file's name, bytes.
+/// Length of the longest stored end of a file name, bytes.
 pub const NAME: usize = 40;
 
-/// What started the board.
+/// Cause of the last start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Start {
     /// Power-on, or an unknown cause.
@@ -16,7 +16,7 @@ pub enum Start {
     Pin,
     /// An order of the host to reset.
     Ordered,
-    /// The watchdog: the block stream or the background task had died.
+    /// The watchdog: the block stream or the background task had stopped.
     Watchdog,
     /// A panic, at this line of the source.
     Panic(Place),
@@ -24,7 +24,7 @@ pub enum Start {
     HardFault(u32),
     /// An interrupt without a handler, with its number.
     Unexpected(u32),
-    /// DMA or a converter had lost a sample, after so many blocks.
+    /// DMA or a converter had lost a sample, after this number of blocks.
     StreamLost(u32),
     /// A word of the code or of its constants could not be read, at this address.
     DamagedCode(u32),
@@ -36,16 +36,19 @@ pub enum Start {
     SupplyLow,
     /// A word of the RAM had a wrong parity bit.
     RamParity,
-    /// The over-current trips have failed their test after this start, whatever the start was for: the amplifier stays off until the next reset.
+    /// The over-current trips have failed their test after this start, for any cause: the
+    /// amplifier stays off until the next reset.
     TripFailed(TripFailure),
 }
 
-/// How the test of the over-current trips has failed, with the amplifier off.
+/// Failure of the test of the over-current trips, with the amplifier off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TripFailure {
-    /// The current is not at the middle of its range: the current channel is offset or not connected.
+    /// The current is not at the middle of its range: the current channel is offset or not
+    /// connected.
     NotAtRest,
-    /// The two inputs of the trips do not show the same current: the wire to the negative one is missing.
+    /// The two inputs of the trips do not show the same current: the wire to the negative one is
+    /// missing.
     Wire,
     /// The positive trip does not act when its threshold is moved below the current.
     NoPositive,
@@ -58,13 +61,13 @@ pub enum TripFailure {
 /// A line of a source file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Place {
-    /// End of the file's name.
+    /// End of the file name.
     pub file: FileName,
     /// Number of the line.
     pub line: u32,
 }
 
-/// The end of a file's name.
+/// End of a file name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String<NAME>", from = "String<NAME>")]
 pub struct FileName {
@@ -73,7 +76,7 @@ pub struct FileName {
 }
 
 impl FileName {
-    /// The end of this name: from the first character on with which it fits.
+    /// Takes the longest end of a name that fits, from a whole character on.
     pub fn of(name: &str) -> Self {
         let first = (0..=name.len()).find(|&first| name.len() - first <= NAME && name.is_char_boundary(first));
         let end = first.and_then(|first| name.get(first..)).unwrap_or_default();
@@ -82,7 +85,7 @@ impl FileName {
         FileName { length: end.len() as u8, bytes }
     }
 
-    /// The name as text.
+    /// Returns the name as text.
     pub fn as_str(&self) -> &str {
         self.bytes.get(..self.length.into()).and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or("?")
     }
@@ -116,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn comes_through_the_link() {
+    fn a_start_round_trips_through_the_link() {
         let start = Start::Panic(Place { file: FileName::of("firmware/src/controller.rs"), line: 311 });
         let mut buffer = [0; 64];
         let bytes = postcard::to_slice(&start, &mut buffer).unwrap();

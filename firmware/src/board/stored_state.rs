@@ -10,28 +10,33 @@ pub enum StoredState {
     Nothing,
     /// The stored settings are the active ones, or will be after a reset.
     Stored,
-    /// Neither copy of the stored settings can be read, or they cannot be trims: nobody knows the limits that were stored, and the board does not drive.
+    /// Neither copy of the stored settings can be read, or their trims are invalid. The stored
+    /// limits are unknown, and the board does not drive.
     Damaged,
-    /// The stored settings are of this other version. They stay until an order to store or to clear, and the board does not drive before that.
+    /// The stored settings are of this other version. They stay until an order to store or to
+    /// clear, and the board does not drive before that.
     Version(u8),
-    /// The active trims are stored as soon as the drive is silent.
+    /// The active trims will be stored as soon as the drive is silent.
     Due,
     /// The flash has failed to store the settings.
     Failed,
     /// Some stored parameters are not active: they are unknown here, or out of their ranges.
     Partly,
-    /// The stored settings together give no valid configuration: the limits are active, and of the rest what is valid with them.
+    /// The stored settings do not build together. The limits are active, with those of the other
+    /// settings that are valid with them.
     Refused,
-    /// The stored settings differ from the set ones: a parameter was set since, and is lost with a reset unless it is stored.
+    /// A parameter was set after the settings were stored, and is lost with a reset unless it is
+    /// stored.
     Changed,
-    /// One of the two copies of the stored settings was older, or could not be read, when the board started. The other one is active.
+    /// One of the two copies of the stored settings was older, or could not be read, when the board
+    /// started. The other one is active.
     OneCopy,
     /// The first store was cut off: nothing is stored.
     Unfinished,
 }
 
 impl StoredState {
-    /// Whether limits may have been stored that nobody knows.
+    /// Returns `true` if unknown limits may be stored.
     pub fn hides_limits(self) -> bool {
         matches!(self, StoredState::Damaged | StoredState::Version(_))
     }

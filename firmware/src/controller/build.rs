@@ -1,7 +1,8 @@
-//! From a configuration to a controller, by value or where it is to stay.
+//! Construction of a controller from its configuration, by value or in place.
 //!
-//! A controller takes 10 KB, half of them the scan's. Passed on by value it stands on the stack as often as it is passed on; what is refused, and
-//! what is large, are therefore built apart: first all that can be refused, which is small, and then a controller that cannot be.
+//! A controller takes 10 KB, half of them for the scan, and each move may copy it on the stack. The
+//! build therefore has two parts: first everything that can be refused, which is small; then the
+//! rest, which cannot fail.
 
 use core::mem::MaybeUninit;
 
@@ -35,33 +36,34 @@ use crate::sense::convert::Convert;
 use crate::track::tracked_transducer::TrackedTransducer;
 use crate::track::tracker::Tracker;
 
-/// What a configuration may be refused for: all that is small.
+/// Parts of a controller for which a configuration may be refused.
 struct Parts {
     chain: Chain,
     follow: Follow,
 }
 
 impl Controller {
-    /// Checks a configuration and builds its controller. Names the parameter that is out of range.
+    /// Checks a configuration and builds its controller. Errors name the parameter that is out of
+    /// range.
     pub fn build(config: &Config) -> Result<Self, Error> {
-        Parts::build(config).map(|parts| Controller::of(config, parts))
+        Parts::build(config).map(|parts| Controller::from_parts(config, parts))
     }
 
-    /// Whether a controller can be built of it.
+    /// Checks a configuration.
     pub(crate) fn check(config: &Config) -> Result<(), Error> {
         Parts::build(config).map(drop)
     }
 
-    /// Builds it where it is to stay: it passes over the stack once at most.
+    /// Builds the controller in `place`, with at most one copy on the stack.
     #[inline(never)]
     pub fn build_in<'a>(place: &'a mut MaybeUninit<Self>, config: &Config) -> Result<&'a mut Self, Error> {
         let parts = Parts::build(config)?;
-        Ok(place.write(Controller::of(config, parts)))
+        Ok(place.write(Controller::from_parts(config, parts)))
     }
 
-    // Not inlined, as neither are the others: then each part is written where it is to stay.
+    // None of these builders is inlined: then each part is written directly to its place.
     #[inline(never)]
-    fn of(config: &Config, Parts { chain, follow }: Parts) -> Self {
+    fn from_parts(config: &Config, Parts { chain, follow }: Parts) -> Self {
         let hold = chain.generator.sweep.hold.clone();
         Controller {
             played: [Played::at_rest(&hold); LATENCY_BLOCKS],
@@ -71,7 +73,7 @@ impl Controller {
                 self_test: SelfTest::build(config),
                 clamped: PowerOn::build(config),
                 calibrate: Calibrate::build(config),
-                // Last: what is built after it would keep the compiler from building it in its place.
+                // Last: parts after it would keep the compiler from building it in place.
                 scan: Scan::build(config, &hold),
             },
         }
@@ -115,7 +117,7 @@ impl Parts {
             phasing,
             shape,
         };
-        let supervisor = Supervisor::new(Acquisition::of(config.tracking.mode));
+        let supervisor = Supervisor::new(Acquisition::from_tracking(config.tracking.mode));
         let track = TrackedTransducer::build(config, tracker);
         let (lanes, continuity) =
             (Lanes::build(config, block_s), Continuity::build(config.drive.frequency_hz, block_s, config.limits.voltage_v));

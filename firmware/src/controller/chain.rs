@@ -1,4 +1,4 @@
-//! The signal chain, which all stages share, and the block that they look at.
+//! The signal chain that all stages share, and the measured block.
 
 use crate::act::restraint::Restraint;
 use crate::find::lanes::Lanes;
@@ -13,11 +13,12 @@ use crate::sense::convert::Convert;
 use crate::sense::demod::Sensed;
 use crate::track::tracked_transducer::TrackedTransducer;
 
-/// The signal chain. What every block reads stands first and in this order, within reach of one instruction.
+/// Signal chain. The fields of every block come first, in this order, within reach of one
+/// instruction.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(crate) struct Chain {
-    /// The number of this block.
+    /// Number of the present block.
     pub(crate) block: u64,
     pub(crate) supervisor: Supervisor,
     pub(crate) track: TrackedTransducer,
@@ -26,17 +27,17 @@ pub(crate) struct Chain {
     pub(crate) guard: Guard,
     pub(crate) belt: Belt,
     pub(crate) restraint: Option<Restraint>,
-    /// The attempt is a calibration.
+    /// `true` if the present attempt is a calibration.
     pub(crate) calibrates: bool,
     pub(crate) lanes: Lanes,
     pub(crate) continuity: Continuity,
 }
 
 impl Chain {
-    /// A new attempt begins: forgets what an earlier one has found.
+    /// Resets the chain for a new attempt.
     #[inline(never)]
     pub(super) fn begin(&mut self, request: Request) {
-        // A run that follows a calibration counts from there.
+        // A run after a calibration keeps the calibration's start of the schedule.
         if !self.calibrates {
             self.generator.begin_schedule(self.block);
         }
@@ -49,7 +50,7 @@ impl Chain {
         self.restraint.iter_mut().for_each(Restraint::restart);
     }
 
-    /// The orders with the gate where a crash, or none, wants it; `None` where no belt is served.
+    /// Returns the orders with the gate set by the belt restraint; `None` without a restraint.
     #[inline]
     pub(super) fn restrained(&mut self, orders: &Orders, sense: &SenseBlock) -> Option<Orders> {
         let restraint = self.restraint.as_mut()?;
@@ -58,17 +59,17 @@ impl Chain {
     }
 }
 
-/// The block that has just been measured.
+/// Block that has just been measured.
 #[derive(Clone, Copy)]
 pub(crate) struct Measured<'a> {
-    /// The orders that it obeys.
+    /// Orders of the block.
     pub(crate) orders: &'a Orders,
     /// Codes and readings.
     pub(crate) sense: &'a SenseBlock,
-    /// Voltage and current.
+    /// Voltage and current phasors.
     pub(crate) sensed: &'a Sensed,
     /// Motional current, A peak.
     pub(crate) motional: Phasor,
-    /// What was played in it.
+    /// Drive played in the block.
     pub(crate) played: &'a Played,
 }

@@ -1,4 +1,4 @@
-//! What the guard has to know of a block, and what its faults are called.
+//! The inputs of the guard for one block, and the name of the fault it finds.
 
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stages;
@@ -10,13 +10,13 @@ use crate::seam::mode::Mode;
 use crate::sense::demod::{Sensed, Suspect};
 
 impl Chain {
-    /// What the guard says is wrong with this block, if anything.
+    /// Runs the guard on one block, and returns the fault found.
     pub(super) fn inspect(&mut self, stages: &Stages, measured: &Measured, suspect: Suspect) -> Option<Fault> {
         let Measured { sense, sensed, played, .. } = *measured;
         let volts = played.audible.filter(|_| played.flat).map(|part| part * played.volts * played.envelope.abs());
         let electrical = self.guard.inspect(&self.convert, sense, sensed, volts, suspect);
         let electrical = electrical.or_else(|| match volts {
-            Some(volts) => self.breaks(measured, volts, suspect),
+            Some(volts) => self.check_continuity(measured, volts, suspect),
             // An edge or a noise.
             None => {
                 self.continuity.rest(false);
@@ -25,40 +25,41 @@ impl Chain {
         });
         let watches = self.guard.watches(sense, &self.belt);
         let found = if watches { electrical.or(self.watch(stages, measured, volts)) } else { electrical };
-        found.map(|found| self.name(stages, measured, found))
+        found.map(|found| self.fault_to_report(stages, measured, found))
     }
 
-    /// Nothing but a short takes more current than the limit from the tone of the self-test, or lets the voltage collapse under it.
+    /// Returns the fault to report for `found`. In the self-test only a short takes more current
+    /// than the limit, or lets the voltage collapse under a high current.
     // Not inlined: the fast memory of a board has no room for it.
     #[cold]
     #[inline(never)]
-    fn name(&self, stages: &Stages, measured: &Measured, found: Fault) -> Fault {
+    fn fault_to_report(&self, stages: &Stages, measured: &Measured, found: Fault) -> Fault {
         let collapses = found == Fault::SensorImplausible && stages.self_test.is_short(measured.sensed, measured.played.volts);
         let short = self.supervisor.mode() == Mode::SelfTest && (found == Fault::OverCurrent || collapses);
         if short { Fault::LoadShorted } else { found }
     }
 
-    /// Whether voltage and current of a steady drive have changed as they cannot.
+    /// Returns a fault if voltage or current of a steady drive have changed in an impossible way.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
-    fn breaks(&mut self, measured: &Measured, volts: f32, suspect: Suspect) -> Option<Fault> {
-        // A block of several lanes that is a multiple of something has no time for it.
+    fn check_continuity(&mut self, measured: &Measured, volts: f32, suspect: Suspect) -> Option<Fault> {
+        // With several lanes, only odd blocks have time for this.
         if self.lanes.are_several() && self.block & 1 == 0 {
             return None;
         }
         let Measured { sense, sensed, motional, played, .. } = *measured;
         let follows = matches!(self.supervisor.mode(), Mode::Lock | Mode::Run);
-        let (silent, judged) = (volts == 0.0, self.guard.judges(volts));
+        let (silent, judged) = (volts == 0.0, self.guard.is_judged(volts));
         if silent || !follows {
             let known = silent || judged;
-            let distorted = known && suspect.distorted && (!silent || self.is_loud_in_silence(sense));
-            let misplayed = self.continuity.is_misplayed(sensed.v, distorted, silent);
+            let distorted = known && suspect.distorted && (!silent || self.exceeds_limit_in_silence(sense));
+            let misplayed = self.continuity.check_measuring_block(sensed.v, distorted, silent);
             return (known && misplayed).then_some(Fault::SensorImplausible);
         }
-        // Of another lane there are no phasors, but the last ones of lane 0.
+        // In a block of another lane, `sensed` holds the last phasors of lane 0.
         let here = self.lanes.are_at_home() && self.generator.sweep.holds();
         if !(here && judged && played.pure && played.is_full()) {
-            self.continuity.rings();
+            self.continuity.mark_ringing();
             return None;
         }
         let Sensed { v, i } = *sensed;
@@ -71,25 +72,27 @@ impl Chain {
             Steady { volts, offset_hz: played.offset_hz, v, i, motional, tracked, hard, unexplained: suspect.unexplained };
         let track = &self.track;
         let load = || Load { periods: track.periods(), susceptance: track.online.motional().y0.im, noise: track.noise.1 };
-        // What is implausible by itself has a name of its own, and some blocks to go.
-        let broken = if self.guard.doubts() {
-            self.continuity.doubt(&block);
+        // A block that is implausible by itself is judged by `electrical`, which needs some more
+        // blocks.
+        let broken = if self.guard.is_implausible() {
+            self.continuity.mark_implausible(&block);
             false
         } else {
-            self.continuity.is_broken(&block, load)
+            self.continuity.check_steady_block(&block, load)
         };
-        // So has a lane that has failed.
+        // A failed lane has its own fault, and is judged first.
         (broken && !self.lanes.postpone(self.supervisor.mode() != Mode::Run)).then_some(Fault::SensorImplausible)
     }
 
-    /// Whether samples of a block of silence are beyond what a voltage may be at most: a bit of the drive's converter stands, or its amplifier.
+    /// Returns `true` if samples of a silent block exceed the largest accepted voltage: a bit of
+    /// the drive converter or the amplifier is stuck.
     #[cold]
     #[inline(never)]
-    fn is_loud_in_silence(&self, sense: &SenseBlock) -> bool {
+    fn exceeds_limit_in_silence(&self, sense: &SenseBlock) -> bool {
         self.convert.v.beyond(&sense.v, self.continuity.most_volts()) > 1
     }
 
-    /// What sensors beside voltage and current say, and limits of their own.
+    /// Runs the checks of sensors other than voltage and current, and of limits.
     #[inline(never)]
     fn watch(&mut self, stages: &Stages, measured: &Measured, volts: Option<f32>) -> Option<Fault> {
         let Measured { orders, sense, sensed, played, .. } = *measured;

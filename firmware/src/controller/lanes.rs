@@ -1,4 +1,4 @@
-//! What the watch on the lanes has to know of a block.
+//! The inputs of the lane check for one block.
 
 use crate::controller::chain::Chain;
 use crate::find::lanes::{Expected, Rule};
@@ -8,13 +8,14 @@ use crate::seam::mode::Mode;
 use crate::sense::demod::Sensed;
 
 impl Chain {
-    /// Gives the watch a measured block of a drive with more than one lane. Where that is of another lane, the last phasors of lane 0 take the place of its own.
+    /// Passes a measured block of a drive with several lanes to the lane check. If the block is of
+    /// another lane, the last phasors of lane 0 replace its own in `sensed`.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
     pub(super) fn listen_to_lanes(&mut self, orders: &Orders, played: &Played, sensed: &mut Sensed) {
         let Chain { supervisor, track, generator, lanes, calibrates, continuity, .. } = self;
         let rule = match supervisor.mode() {
-            // It listens for itself.
+            // The calibration selects its lanes itself.
             Mode::Calibrate => return lanes.return_home(),
             Mode::SelfTest if !*calibrates => Rule::Once,
             Mode::Run => Rule::InTurn,

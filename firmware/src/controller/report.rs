@@ -1,4 +1,4 @@
-//! What a block reports.
+//! The telemetry of a block.
 
 use super::Controller;
 use super::chain::Chain;
@@ -15,7 +15,7 @@ use crate::sense::demod::Sensed;
 use crate::track::tracker::State;
 
 impl Controller {
-    /// Why the friction of a contact, or of a D-ring, misses its set point.
+    /// Returns the limit for which the friction of a contact or a D-ring misses its set point.
     #[inline(never)]
     fn service_limit(&self, orders: &Orders) -> Option<Limit> {
         let unknown = |restraint: &Restraint| restraint.class(orders.torso_kg) == Class::Unknown;
@@ -23,7 +23,7 @@ impl Controller {
         self.stages.follow.friction_limit(orders).or(unclassified)
     }
 
-    /// The report of the block that is over.
+    /// Writes the report of the block that is over.
     pub(super) fn report(
         &self,
         orders: &Orders,
@@ -39,7 +39,7 @@ impl Controller {
         let state = track.tracker.state();
         let serves = self.stages.follow.friction.is_some() || self.chain.restraint.is_some();
         let limit = match following {
-            true if guard.mutes() => Some(Limit::BeltMuted),
+            true if guard.mutes_request() => Some(Limit::BeltMuted),
             true if guard.derating() < 1.0 => Some(Limit::Derated),
             true if generator.amplitude.limited() => Some(generator.amplitude.limit()),
             true if track.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
@@ -50,7 +50,7 @@ impl Controller {
             }),
             false => None,
         };
-        // Each where it stands: whole, it would be built beside and copied.
+        // Field by field: a struct literal would be built elsewhere and copied.
         report.block = (self.chain.block - 1) as u32;
         report.orders_sequence = orders.sequence;
         report.mode = mode;

@@ -1,12 +1,13 @@
-//! The stages of the controller, one for each [mode](Mode) that drives: each looks at the block just measured and says what to play next.
+//! The stages of the controller, one for each [mode](Mode) that drives. Each processes the block
+//! just measured and returns the next drive.
 //!
-//! | stage | modes | finds |
+//! | stage | modes | result |
 //! |---|---|---|
-//! | [`SelfTest`] | `SelfTest` | the zeros and the noise of the sense channels, and whether there is a transducer |
+//! | [`SelfTest`] | `SelfTest` | zeros and noise of the sense channels; a transducer is connected |
 //! | [`Scan`] | `Scan` | the resonances in the window, and the chosen one |
-//! | [`PowerOn`] | `Clamped` | the clamped branch, without ringing the resonance up |
-//! | [`Calibrate`] | `Calibrate` | what trims the lanes |
-//! | [`Follow`] | `Lock`, `Run` | nothing: it drives the resonance |
+//! | [`PowerOn`] | `Clamped` | the clamped branch, measured off resonance |
+//! | [`Calibrate`] | `Calibrate` | the trims of the lanes |
+//! | [`Follow`] | `Lock`, `Run` | none: it drives the resonance |
 
 mod calibrate;
 mod clamped;
@@ -24,16 +25,16 @@ use crate::generate::step::Progress;
 use crate::generate::step::Step;
 use crate::seam::mode::Mode;
 
-/// A stage of the way to a run, or the run itself.
+/// Stage on the way to a run, or the run itself.
 pub(crate) trait Stage {
-    /// Forgets what an earlier attempt has found.
+    /// Resets the stage for a new attempt.
     fn begin(&mut self, chain: &mut Chain);
 
-    /// Takes one block, changes the chain by what it has found, and says what to play next.
+    /// Processes one block, updates the chain with the result, and returns the next drive.
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step;
 }
 
-/// All stages. The one that has the least time stands first, the largest last.
+/// All stages: the one with the least time first, the largest last.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(crate) struct Stages {
@@ -45,7 +46,7 @@ pub(crate) struct Stages {
 }
 
 impl Stages {
-    /// A new attempt begins.
+    /// Resets all stages for a new attempt.
     #[inline(never)]
     pub(crate) fn begin(&mut self, chain: &mut Chain) {
         self.follow.begin(chain);
@@ -55,7 +56,7 @@ impl Stages {
         self.scan.begin(chain);
     }
 
-    /// What the stage of the present mode wants to play next.
+    /// Runs the stage of the present mode on one block, and returns the next drive.
     #[inline]
     pub(crate) fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         match chain.supervisor.mode() {
@@ -63,7 +64,7 @@ impl Stages {
                 self.calibrate.begin(chain);
                 Step::Silence
             }
-            Mode::SelfTest => self.test(chain, measured),
+            Mode::SelfTest => self.run_self_test(chain, measured),
             Mode::Scan => self.scan.step(chain, measured),
             Mode::Clamped => {
                 let step = self.clamped.step(chain, measured);
@@ -85,22 +86,22 @@ impl Stages {
         }
     }
 
-    /// The self-test, and what it leaves to those that come after it.
+    /// Runs the self-test, and passes its result to the stages after it.
     #[inline(never)]
-    fn test(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
+    fn run_self_test(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let step = self.self_test.step(chain, measured);
         if matches!(step, Step::Done { .. }) {
             let c0_f = self.self_test.capacitance_f();
             self.clamped.prepare(chain.track.noise, c0_f);
             if let Some(c0_f) = c0_f {
                 self.scan.reckon_with(c0_f);
-                chain.track.tracker.reckon_with(c0_f);
+                chain.track.tracker.set_clamped_capacitance(c0_f);
             }
         }
         step
     }
 
-    /// Prepares the stage that a lost lock goes back to, or that takes the place of another one.
+    /// Prepares the stage to which a lost lock goes back, or that replaces another one.
     #[inline(never)]
     fn go_back(&mut self, chain: &mut Chain, mode: Mode) {
         match mode {

@@ -1,4 +1,5 @@
-//! Where counters come round: the number of the block as it is reported, and the numbers of orders. Where a tone begins.
+//! Tests of counters that wrap: the number of the block as reported, and the numbers of orders. And
+//! of the start of a tone.
 
 mod guarded;
 
@@ -8,7 +9,8 @@ use crate::board::parameters::tests::config;
 use crate::seam::block::{Gate, Request};
 use crate::seam::config::Config;
 
-/// A capacitor with a series resonance beside it, at the converters of [`config`], a sample at a time.
+/// A capacitor in parallel with a series resonance, at the converters of [`config`], one sample at
+/// a time.
 #[derive(Default)]
 struct Resonator {
     drive_v: f64,
@@ -39,7 +41,7 @@ impl Resonator {
     }
 }
 
-/// Bursts, so that the sample clock counts.
+/// Returns a configuration with bursts, so that the sample clock matters.
 fn in_bursts() -> Config {
     let mut config = config();
     for (name, value) in [("burst.period_s", 0.005), ("burst.duty", 0.5)] {
@@ -49,7 +51,7 @@ fn in_bursts() -> Config {
     config
 }
 
-/// Codes and reports of a run that begins with this block, and with orders of this number.
+/// Runs from block `first` and order `order`; returns the codes and reports.
 fn run(first: u64, order: u32, blocks: usize) -> std::vec::Vec<(DriveBlock, Telemetry)> {
     let mut controller = Controller::build(&in_bursts()).unwrap();
     controller.chain.block = first;
@@ -57,7 +59,7 @@ fn run(first: u64, order: u32, blocks: usize) -> std::vec::Vec<(DriveBlock, Tele
     let mut load = Resonator::default();
     let mut played = std::vec::Vec::new();
     for n in 0..blocks {
-        // A second attempt in the middle, and single orders on the way.
+        // A second attempt in the middle, and new order numbers on the way.
         let steps = (n / 1000) as u32 + 1;
         let orders = Orders {
             sequence: order.wrapping_add(steps),
@@ -74,15 +76,15 @@ fn run(first: u64, order: u32, blocks: usize) -> std::vec::Vec<(DriveBlock, Tele
 }
 
 #[test]
-fn where_the_number_of_the_block_and_of_an_order_come_round_nothing_else_changes() {
+fn wrapping_block_and_order_numbers_change_nothing_else() {
     const BLOCKS: usize = 12_000;
     let far = run(0, 0, BLOCKS);
-    // It comes to run in both halves, and plays bursts: else the rest says nothing.
+    // Both halves must reach `Run` and play bursts, otherwise the test shows nothing.
     for half in far.chunks(BLOCKS / 2) {
         assert!(half.iter().any(|(_, report)| report.mode == Mode::Run), "{:?}", half.last().map(|(_, report)| report));
         assert!(half.iter().any(|(drive, _)| drive.lanes[0].iter().any(|&code| code.abs_diff(2048) > 300)));
     }
-    // What is done in every 64th block is to fall on the same ones.
+    // Multiples of 64, so that the work of every 64th block is in the same blocks.
     for first in [(1 << 32) - 64, (1 << 32) - 6016, (1 << 33) - 128] {
         let order = u32::MAX - 5;
         let near = run(first, order, BLOCKS);
@@ -95,10 +97,11 @@ fn where_the_number_of_the_block_and_of_an_order_come_round_nothing_else_changes
     }
 }
 
-/// Twice over: a voltage that jumps draws a peak of current into the clamped capacitance, however small the drive is.
+/// In both attempts: a voltage step draws a peak of current into the clamped capacitance, however
+/// small the drive is.
 #[test]
 fn a_scan_begins_at_zero() {
-    // The silence between the two pays back what the self-test has left, by a constant.
+    // The silence before the scan compensates the self-test's volt-seconds by a constant code.
     let is_silent = |drive: &DriveBlock| drive.lanes[0].iter().all(|code| *code == drive.lanes[0][0]);
     let mut began = 0;
     for [(before, _), (drive, report)] in run(0, 0, 12_000).array_windows() {

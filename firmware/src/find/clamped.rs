@@ -1,20 +1,25 @@
-//! The clamped branch at power-on, from tones beside the resonance: before anything has rung up, whatever the resonance is.
+//! Measurement of the clamped branch at power-on, from tones off resonance. It needs no ring-up and
+//! does not depend on the exact resonance.
 //!
-//! What a tracker must know before it starts is the clamped branch `Y0` and the direction of the motional admittance, both as the converters
-//! see them. A clamped capacitance that is wrong by `e`, and a sensing chain that turns by `a` more than was thought, move the lock point by
+//! Before it starts, a tracker must know the clamped branch `Y0` and the direction of the motional
+//! admittance, both as measured by the converters. A relative error `e` of the clamped capacitance
+//! and an error `a` of the phase of the sensing chain shift the lock point by
 //!
 //! ```text
 //! df = fs / (2 Q) (e / M + a),    M = 1 / (w C0 Rm)
 //! ```
 //!
-//! which at 40 kHz and C0 / Cm = 15 is 7.5 Hz per % and 2.5 Hz per 10 ns at Q 20, 0.7 Hz and 0.8 Hz at Q 65.
+//! At 40 kHz and C0 / Cm = 15 this is 7.5 Hz per % and 2.5 Hz per 10 ns at Q 20, and 0.7 Hz
+//! and 0.8 Hz at Q 65.
 //!
-//! Eight tones, four on each side of the window in which the resonance may be, each of 200 periods. Each tone rises and falls; what
-//! its start leaves ringing at the resonance is beside the tone, and a Hann window over the tone does not see it: nothing waits for a ring-down,
-//! whatever Q is. A `model` of the whole admittance is then fitted, one admittance a block, while the drive is silent.
+//! Eight tones of 200 periods are driven, four on each side of the window of possible resonances.
+//! Each tone rises and falls. Its start makes the resonance ring, but at another frequency, which a
+//! Hann window over the tone suppresses. No ring-down is needed at any Q. A `model` of the whole
+//! admittance is then fitted, one admittance per block, while the drive is silent.
 //!
-//! What images of the DAC add to C0 changes with the frequency; between both sides it is right at the resonance. A second resonance that one
-//! cannot explain is fitted as such; what then is left makes the stated deviations larger.
+//! Images of the DAC add a capacitance that changes with frequency; between the two sides, at the
+//! resonance, it is correct. A second resonance is fitted if one does not explain the measurement.
+//! The remaining residual increases the stated deviations.
 
 pub(crate) mod fit;
 pub(crate) mod model;
@@ -36,43 +41,58 @@ use crate::sense::demod::Sensed;
 
 const TAU: f32 = core::f32::consts::TAU;
 
-/// Distance of the nearest tones from the window's end, and of the others from the nearest, below and above; relative to the nominal frequency.
-/// Nearest first: what a tone leaves ringing is then the least at the end. Above there is room for a second resonance at +7 %.
-const NEAREST: f32 = 0.0213;
-const BELOW: [f32; 4] = [0.0, 0.0279, 0.0713, 0.1297];
-const ABOVE: [f32; 4] = [0.0, 0.0717, 0.1131, 0.1711];
-/// The highest tone, as a part of the sample rate.
-const HIGHEST: f32 = 0.4;
-/// Periods of a tone, and the part of them in which it rises, and in which it falls.
+/// Distance of the nearest tones from the end of the window, relative to the nominal frequency.
+const NEAREST_REL: f32 = 0.0213;
+/// Distance of the tones below the window from the nearest one, relative to the nominal frequency.
+/// The nearest come first, so that their ringing has decayed most at the end.
+const BELOW_REL: [f32; 4] = [0.0, 0.0279, 0.0713, 0.1297];
+/// Distance of the tones above the window from the nearest one, relative to the nominal frequency.
+/// The gap leaves room for a second resonance at +7 %.
+const ABOVE_REL: [f32; 4] = [0.0, 0.0717, 0.1131, 0.1711];
+/// Maximum frequency of a tone, relative to the sample rate.
+const MAX_TONE_REL: f32 = 0.4;
+/// Periods of a tone.
 const TONE_PERIODS: f32 = 200.0;
-const EDGE: f32 = 0.2;
-/// Least noise of a sense channel that is reckoned with, codes squared: one code of each of two conversions.
-const LEAST_NOISE: f32 = 2.25;
-/// What the model leaves at best, relative to the clamped susceptance: ringing, rounding.
-const FLOOR: f32 = 3e-4;
-/// How far the capacitance may be from its nominal value, with a nominal inductance that agrees, and without one; and how far with a coupling that has gone as
-/// well, as that of a stack that has depoled: with an inductance so many times the nominal one at least, or without a resonance that stands out.
-const CAPACITANCE_SHIFT: (f32, f32) = (0.4, 0.3);
-const DEPOLED: (f32, f32) = (0.2, 5.0);
-/// Smallest Q, relative to the nominal one, that a scan is left to look at: between a crack's fifth and the third that a nominal Q may be too high by.
-const CRACKED_Q: f32 = 0.27;
-/// Smallest Q, relative to the one that was tracked before, which a load may have lowered by three.
-const FALLEN_Q: f32 = 0.3;
-/// Rms of what two resonances leave, in standard deviations, beyond which the transducer is not one that could be tracked. Healthy ones leave 4 at most.
-const LARGEST_MISFIT: f32 = 20.0;
-/// Deviation of the motional phase at the lock point, rad, beyond which there is nothing to lock to. Healthy transducers leave 2e-3 at most.
-const LARGEST_TURN: f32 = 0.1;
-/// Deviations of the strength of the resonance that it must have: noise alone makes one of four.
-const SIGNIFICANT: f32 = 10.0;
-/// Deviations that a judgement leaves room for.
-const SIGMAS: f32 = 3.0;
+/// Part of a tone in which it rises, and in which it falls.
+const EDGE_PART: f32 = 0.2;
+/// Minimum noise variance assumed for a sense channel, codes squared: one code in each of two
+/// conversions.
+const MIN_NOISE_CODES2: f32 = 2.25;
+/// Minimum residual of the model (ringing, rounding), relative to the clamped susceptance.
+const MIN_RESIDUAL_REL: f32 = 3e-4;
+/// Maximum relative deviation of the capacitance from its nominal value, with a nominal inductance.
+const MAX_SHIFT_REL: f32 = 0.4;
+/// Maximum relative deviation of the capacitance without a nominal inductance.
+const MAX_SHIFT_WITHOUT_LM_REL: f32 = 0.3;
+/// Maximum relative deviation of the capacitance of a depoled stack.
+const MAX_SHIFT_DEPOLED_REL: f32 = 0.2;
+/// Ratio of the motional inductance to the nominal one above which a stack is depoled. Without a
+/// nominal inductance, a stack without a significant resonance is depoled.
+const DEPOLED_LM_RATIO: f32 = 5.0;
+/// Q relative to the nominal one below which damage is reported without a scan. It lies between the
+/// fifth left by a crack and the third of a nominal Q that is too high.
+const CRACKED_Q_REL: f32 = 0.27;
+/// Minimum Q relative to the one tracked before; a load may reduce it to a third.
+const FALLEN_Q_REL: f32 = 0.3;
+/// Maximum rms residual of two resonances, in standard deviations. Healthy transducers reach 4;
+/// beyond this limit a transducer cannot be tracked.
+const MAX_MISFIT_SIGMAS: f32 = 20.0;
+/// Maximum standard deviation of the motional phase at the lock point, rad. Healthy transducers
+/// reach 2e-3; beyond this limit there is no usable lock point.
+const MAX_PHASE_DEVIATION_RAD: f32 = 0.1;
+/// Minimum strength of the resonance, in standard deviations; noise alone reaches four.
+const MIN_STRENGTH_SIGMAS: f32 = 10.0;
+/// Margin of a judgement, in standard deviations.
+const MARGIN_SIGMAS: f32 = 3.0;
 
-/// Why the measurement says nothing to begin on.
+/// Reason why the measurement cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Refused {
-    /// It tells that there is something wrong.
+    /// The transducer is faulty.
     Fault(Fault),
-    /// It does not tell: no resonance stands out, two do not explain it, it seems to be outside the window, or much as that of a crack. A scan looks at the resonance itself, and takes longer.
+    /// The measurement is inconclusive: there is no significant resonance, two resonances do not
+    /// explain it, the resonance is outside the window, or it resembles that of a crack. A scan,
+    /// which takes longer, measures at the resonance itself.
     Unclear,
 }
 
@@ -85,21 +105,23 @@ enum Stage {
     Over,
 }
 
-/// The calibration, in progress.
+/// Measurement of the clamped branch at power-on, in progress.
 #[derive(Clone, Debug)]
 pub struct PowerOn {
     nominal_hz: f32,
-    /// The capacitance that all is relative to, F, and whether it is the nominal one.
+    /// Reference capacitance, F.
     c0_f: f32,
+    /// `true` if the reference is a configured nominal capacitance.
     is_nominal: bool,
     nominal_q: f32,
     nominal_lm_h: Option<f32>,
-    /// Where the resonance may be, relative to the nominal frequency, with what the estimate may be off by.
+    /// Half-width of the range of plausible resonances, relative to the nominal frequency.
     window: f32,
     volts: f32,
-    /// Variance of a current and of a voltage, relative to what the scan voltage makes of the capacitance, of one part of a block's phasor.
+    /// Noise variance per component of a block's phasor: of the current and of the voltage,
+    /// relative to their values for the capacitance at the scan voltage.
     noise: (f32, f32),
-    /// The least variances of the same that are reckoned with, of a voltage and of a current, V² and A².
+    /// Minimum noise variance per component: of the voltage, V², and of the current, A².
     least_noise: (f32, f32),
     offsets: [f32; MAX_POINTS],
     tone_blocks: u32,
@@ -110,36 +132,36 @@ pub struct PowerOn {
     fit: Fit,
     deviations: Deviations,
     verdict: Option<Result<Clamped, Refused>>,
-    /// A transducer that looks like none, or like a broken one, is measured once more: a resonance that comes back in the middle of the
-    /// measurement makes it look so.
-    twice: bool,
-    /// Q of the resonance that was lost.
+    /// `true` if an apparently missing or damaged resonance is measured once more. A resonance that
+    /// returns during the measurement looks like that.
+    repeats: bool,
+    /// Quality factor of the resonance before it was lost.
     tracked_q: Option<f32>,
 }
 
 impl PowerOn {
-    /// A calibration by the configured drive and window, which the scan has checked.
+    /// Creates the measurement for the configured drive and window, which the scan has checked.
     pub fn build(config: &Config) -> Self {
         let (drive, tracking) = (&config.drive, &config.tracking);
         let block_periods = drive.frequency_hz * f32::from(config.block_samples) / config.sample_hz;
-        let nearest = tracking.span + NEAREST;
+        let nearest = tracking.span + NEAREST_REL;
         let square = |x: f32| x * x;
-        let per_block = LEAST_NOISE / f32::from(config.block_samples);
-        let highest = HIGHEST * config.sample_hz / drive.frequency_hz - 1.0;
+        let per_block = MIN_NOISE_CODES2 / f32::from(config.block_samples);
+        let highest = MAX_TONE_REL * config.sample_hz / drive.frequency_hz - 1.0;
         PowerOn {
             nominal_hz: drive.frequency_hz,
             c0_f: tracking.c0_f(),
             is_nominal: tracking.nominal_c0_f.is_some(),
             nominal_q: tracking.nominal_q,
             nominal_lm_h: tracking.nominal_lm_h,
-            window: tracking.span + 0.5 * NEAREST,
+            window: tracking.span + 0.5 * NEAREST_REL,
             volts: drive.scan_volts,
             least_noise: (per_block * square(config.front_end.volt_per_lsb), per_block * square(config.front_end.ampere_per_lsb)),
             noise: (0.0, 0.0),
-            // Below and above in turns.
+            // Alternately below and above.
             offsets: core::array::from_fn(|n| match n % 2 {
-                0 => -nearest - BELOW[n / 2],
-                _ => (nearest + ABOVE[n / 2]).min(highest),
+                0 => -nearest - BELOW_REL[n / 2],
+                _ => (nearest + ABOVE_REL[n / 2]).min(highest),
             }),
             tone_blocks: (TONE_PERIODS / block_periods) as u32 + 1,
             stage: Stage::Tones,
@@ -149,28 +171,29 @@ impl PowerOn {
             fit: Fit::new(1.0 / tracking.nominal_q, drive.frequency_hz),
             deviations: Deviations::default(),
             verdict: None,
-            twice: false,
+            repeats: false,
             tracked_q: None,
         }
     }
 
-    /// Begins for a resonance that was lost, which had this Q: what looks like none, or like a broken one, is measured once more.
+    /// Starts after the loss of a resonance with this Q. An apparently missing or damaged resonance
+    /// is then measured once more.
     pub(crate) fn begin_twice(&mut self, tracked_q: Option<f32>) {
         self.restart();
-        (self.twice, self.tracked_q) = (true, tracked_q);
+        (self.repeats, self.tracked_q) = (true, tracked_q);
     }
 
-    /// Begins again.
+    /// Starts again.
     pub(crate) fn restart(&mut self) {
-        (self.twice, self.tracked_q) = (false, None);
+        (self.repeats, self.tracked_q) = (false, None);
         (self.stage, self.block) = (Stage::Tones, 0);
         (self.iv, self.vv) = (Phasor::default(), 0.0);
         self.fit = Fit::new(1.0 / self.nominal_q, self.nominal_hz);
         self.deviations.restart();
     }
 
-    /// Takes the variances of the phasors of a block's voltage and current by noise, both components, V² and A²; and a capacitance to reckon with, F,
-    /// where there is no nominal one.
+    /// Sets the noise variances (both components) of a block's voltage and current phasors, V² and
+    /// A², and a reference capacitance, F, when no nominal value is configured.
     pub(crate) fn prepare(&mut self, (v, i): (f32, f32), c0_f: Option<f32>) {
         self.c0_f = c0_f.unwrap_or(self.c0_f);
         let amperes = self.volts * TAU * self.nominal_hz * self.c0_f;
@@ -178,13 +201,13 @@ impl PowerOn {
         self.noise = (relative(i, self.least_noise.1, amperes), relative(v, self.least_noise.0, self.volts));
     }
 
-    /// The clamped branch, once it is measured: from the last silent block on.
+    /// Returns the clamped branch once it is measured, from the last silent block on.
     pub fn found(&self) -> Option<&Clamped> {
         let is_over = self.stage == Stage::Over;
         self.verdict.as_ref().filter(|_| is_over).and_then(|verdict| verdict.as_ref().ok())
     }
 
-    /// Takes the phasors of the measured block and returns the next step.
+    /// Processes the phasors of the measured block and returns the next step.
     pub fn listen(&mut self, sensed: &Sensed) -> Step {
         match self.stage {
             Stage::Tones => {
@@ -197,7 +220,9 @@ impl PowerOn {
                     self.stage = Stage::Fit;
                 }
                 match self.offsets.get(tone) {
-                    Some(offset) => Step::Tone { offset_hz: offset * self.nominal_hz, volts: self.volts * self.level(), lane: 0 },
+                    Some(offset) => {
+                        Step::Tone { offset_hz: offset * self.nominal_hz, volts: self.volts * self.envelope(), lane: 0 }
+                    }
                     None => Step::Silence,
                 }
             }
@@ -209,8 +234,8 @@ impl PowerOn {
             }
             Stage::Judge => {
                 match self.fit.solution() {
-                    // What follows from it takes a block of its own.
-                    Some(solution) if self.deviations.read_on(solution) => {
+                    // The verdict takes a block of its own.
+                    Some(solution) if self.deviations.advance(solution) => {
                         (self.stage, self.verdict) = (Stage::Report, Some(self.judge(solution)));
                     }
                     Some(_) => {}
@@ -221,7 +246,9 @@ impl PowerOn {
             Stage::Report => {
                 self.stage = Stage::Over;
                 match self.verdict {
-                    Some(Err(Refused::Unclear | Refused::Fault(Fault::NoResonance | Fault::ResonanceDamaged))) if self.twice => {
+                    Some(Err(Refused::Unclear | Refused::Fault(Fault::NoResonance | Fault::ResonanceDamaged)))
+                        if self.repeats =>
+                    {
                         let tracked_q = self.tracked_q;
                         self.restart();
                         self.tracked_q = tracked_q;
@@ -236,10 +263,11 @@ impl PowerOn {
         }
     }
 
-    /// Amplitude of the tone in the block that is about to be ordered, relative to the scan voltage.
-    fn level(&self) -> f32 {
+    /// Returns the amplitude of the tone in the block to be ordered next, relative to the scan
+    /// voltage.
+    fn envelope(&self) -> f32 {
         let part = ((self.block - 1) % self.tone_blocks) as f32 / self.tone_blocks as f32;
-        hann((part.min(1.0 - part) / (2.0 * EDGE)).min(0.5))
+        hann((part.min(1.0 - part) / (2.0 * EDGE_PART)).min(0.5))
     }
 
     fn update(&mut self, block: u32, sensed: &Sensed) {
@@ -254,32 +282,33 @@ impl PowerOn {
         let x = self.offsets[((block / self.tone_blocks) as usize).min(MAX_POINTS - 1)];
         let y = iv / (vv * TAU * self.nominal_hz * self.c0_f);
         let square = |x: f32| x * x;
-        // A Hann window passes as much noise as two thirds of its length without.
+        // The noise bandwidth of a Hann window is 1.5 times that of a rectangular one.
         let noise = 1.5 * (self.noise.0 + y.norm_sqr() * self.noise.1) / self.tone_blocks as f32;
-        self.fit.add(Point { x, y, deviation: libm::sqrtf(noise + square(FLOOR)) });
+        self.fit.add(Point { x, y, deviation: libm::sqrtf(noise + square(MIN_RESIDUAL_REL)) });
     }
 
     fn judge(&self, solution: &Solution) -> Result<Clamped, Refused> {
         let found = reading::read(solution, &self.deviations, self.nominal_hz, self.c0_f);
-        let q_at_most = found.q.value + SIGMAS * found.q.deviation;
-        let company = found.second_mode.map(|(hz, strength)| (hz / found.resonance_hz.value - 1.0, strength));
-        let damage = if self.is_nominal { damage(q_at_most / self.nominal_q, company) } else { Damage::None };
-        let cracked = damage == Damage::Certain && q_at_most < CRACKED_Q * self.nominal_q;
-        let fallen = cracked || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q * q);
-        let shift = ((found.c0_f.value - self.c0_f).abs() - SIGMAS * found.c0_f.deviation) / self.c0_f;
+        let q_at_most = found.q.value + MARGIN_SIGMAS * found.q.deviation;
+        let neighbours = found.second_mode.map(|(hz, strength)| (hz / found.resonance_hz.value - 1.0, strength));
+        let damage = if self.is_nominal { damage(q_at_most / self.nominal_q, neighbours) } else { Damage::None };
+        let cracked = damage == Damage::Certain && q_at_most < CRACKED_Q_REL * self.nominal_q;
+        let fallen = cracked || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q_REL * q);
+        let shift = ((found.c0_f.value - self.c0_f).abs() - MARGIN_SIGMAS * found.c0_f.deviation) / self.c0_f;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
-        let explained = fit::is_plausible(&solution.elements) && solution.misfit < LARGEST_MISFIT;
-        // What is no number does not hold, either.
-        let resonates = found.lm_h.value > SIGNIFICANT * found.lm_h.deviation;
-        let most_strength = 1.0 + SIGMAS * found.lm_h.deviation / found.lm_h.value;
-        let uncoupled = self.nominal_lm_h.map_or(!resonates, |nominal| found.lm_h.value > DEPOLED.1 * nominal * most_strength);
-        let alone = if self.nominal_lm_h.is_some() { CAPACITANCE_SHIFT.0 } else { CAPACITANCE_SHIFT.1 };
-        let shifted = shift > if uncoupled { DEPOLED.0 } else { alone };
-        let holds = explained && resonates && turn < LARGEST_TURN;
+        let explained = fit::is_plausible(&solution.elements) && solution.misfit < MAX_MISFIT_SIGMAS;
+        // NaN does not resonate either.
+        let resonates = found.lm_h.value > MIN_STRENGTH_SIGMAS * found.lm_h.deviation;
+        let most_strength = 1.0 + MARGIN_SIGMAS * found.lm_h.deviation / found.lm_h.value;
+        let uncoupled =
+            self.nominal_lm_h.map_or(!resonates, |nominal| found.lm_h.value > DEPOLED_LM_RATIO * nominal * most_strength);
+        let alone = if self.nominal_lm_h.is_some() { MAX_SHIFT_REL } else { MAX_SHIFT_WITHOUT_LM_REL };
+        let shifted = shift > if uncoupled { MAX_SHIFT_DEPOLED_REL } else { alone };
+        let holds = explained && resonates && turn < MAX_PHASE_DEVIATION_RAD;
         match () {
             () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => Err(Refused::Unclear),
             () if explained && shifted && self.is_nominal => Err(Refused::Fault(Fault::CapacitanceShifted)),
-            // Two that are near share their strength in many ways, and are as lossy in all of them.
+            // Two close resonances share their strength in many ways, all with the same loss.
             () if explained && fallen => Err(Refused::Fault(Fault::ResonanceDamaged)),
             () if !holds || damage != Damage::None => Err(Refused::Unclear),
             () => Ok(found),
@@ -287,7 +316,7 @@ impl PowerOn {
     }
 }
 
-/// `(1 - cos(2 pi part)) / 2`.
+/// Computes the Hann window `(1 - cos(2 pi part)) / 2`.
 fn hann(part: f32) -> f32 {
     0.5 - 0.5 * sine::rotation(((part * 4_294_967_296.0) as u64) << 32).re
 }

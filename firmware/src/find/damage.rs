@@ -1,32 +1,38 @@
-//! Whether a resonance is that of a damaged transducer, as far as nominal values tell.
+//! Detection of a damaged transducer from its resonances and the nominal values.
 //!
-//! A crack leaves a fifth of Q, and makes a second resonance near by. A nominal Q may be wrong by a factor of three, and a healthy transducer may have
-//! a second resonance near by: neither says anything by itself, but both together, or a Q that is lower still.
+//! A crack reduces Q to a fifth and creates a second resonance nearby. The nominal Q may be wrong
+//! by a factor of three, and a healthy transducer may have a second resonance nearby. Damage is
+//! therefore reported only if both occur together, or if Q is even lower.
 
-/// Smallest Q of a healthy transducer, relative to the nominal one; and with the company of a crack.
-const SMALLEST_Q: f32 = 1.0 / 3.0;
-const CRACKED_Q: f32 = 0.5;
-/// A second resonance that is as near as this to the first, relative to it, and this strong, is the company of a crack.
-const CRACK: (f32, f32) = (0.035, 0.1);
+/// Minimum Q of a healthy transducer, relative to the nominal one.
+const MIN_Q_REL: f32 = 1.0 / 3.0;
+/// Minimum Q with a second resonance nearby, relative to the nominal one.
+const MIN_Q_WITH_NEIGHBOUR_REL: f32 = 0.5;
+/// Maximum distance of a second resonance that indicates a crack, relative to the first.
+const CRACK_DISTANCE_REL: f32 = 0.035;
+/// Minimum strength of a second resonance that indicates a crack, relative to the first.
+const CRACK_STRENGTH_REL: f32 = 0.1;
 
-/// What a Q and the company of other resonances say.
+/// Verdict on the transducer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Damage {
-    /// It is healthy.
+    /// Healthy.
     None,
-    /// It would be damaged if it had company.
+    /// Damaged only if there is a second resonance nearby.
     Possible,
-    /// It is damaged.
+    /// Damaged.
     Certain,
 }
 
-/// What a Q at most, relative to the nominal one, and the other resonances say: how far each is from the first, relative to it, and its strength, the same.
+/// Judges the transducer from an upper limit of its Q, relative to the nominal one, and from the
+/// other resonances: distance and strength of each, relative to the first.
 pub(crate) fn damage(q: f32, others: impl IntoIterator<Item = (f32, f32)>) -> Damage {
-    let mut company = others.into_iter().filter(|(apart, strength)| apart.abs() < CRACK.0 && *strength > CRACK.1);
+    let mut neighbours =
+        others.into_iter().filter(|(distance, strength)| distance.abs() < CRACK_DISTANCE_REL && *strength > CRACK_STRENGTH_REL);
     match q {
-        q if q < SMALLEST_Q => Damage::Certain,
-        q if q < CRACKED_Q && company.next().is_some() => Damage::Certain,
-        q if q < CRACKED_Q => Damage::Possible,
+        q if q < MIN_Q_REL => Damage::Certain,
+        q if q < MIN_Q_WITH_NEIGHBOUR_REL && neighbours.next().is_some() => Damage::Certain,
+        q if q < MIN_Q_WITH_NEIGHBOUR_REL => Damage::Possible,
         _ => Damage::None,
     }
 }
@@ -36,14 +42,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_low_quality_factor_and_company_together_are_damage() {
+    fn low_q_and_a_second_resonance_are_damage() {
         assert_eq!(damage(0.2, []), Damage::Certain);
         assert_eq!(damage(0.4, [(-0.015, 0.2)]), Damage::Certain);
         for far_or_weak in [(0.05, 0.2), (-0.015, 0.05)] {
             assert_eq!(damage(0.4, [far_or_weak]), Damage::Possible);
         }
         assert_eq!(damage(0.6, [(-0.015, 0.2)]), Damage::None);
-        // What is no number accuses nobody.
+        // NaN does not indicate damage.
         assert_eq!(damage(f32::NAN, []), Damage::None);
     }
 }

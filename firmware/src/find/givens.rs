@@ -1,23 +1,26 @@
-//! Linear least squares, row by row: each row is folded into a triangular factor `R` by Givens rotations as it arrives.
+//! Linear least squares, row by row: each row is folded into a triangular factor `R` by Givens
+//! rotations as it arrives.
 //!
-//! Nothing is stored but the factor, and the condition number is not squared, which is what makes f32 enough (W. Givens 1958). Of real numbers the
-//! factor is `R = sqrt(D) U` with ones on the diagonal of `U`, which needs no root (W. M. Gentleman 1973). Rows of them are divided by their standard
-//! deviations. Of complex rows whose right-hand sides have independent circular noise of variance `s^2`, the
-//! unknowns `x` scatter by `R^-1 e`, so that any real number that follows from them, `dy = Re{g x}`, has the variance
+//! Only the factor is stored. The condition number is not squared, therefore f32 is sufficient
+//! (W. Givens 1958). For real numbers the factor is `R = sqrt(D) U` with ones on the diagonal of
+//! `U`, which needs no square roots (W. M. Gentleman 1973). Real rows are divided by their standard
+//! deviations. For complex rows whose right-hand sides have independent circular noise of variance
+//! `s^2`, the unknowns `x` scatter by `R^-1 e`. Any real number that follows from them,
+//! `dy = Re{g x}`, has the variance
 //!
 //! ```text
-//! var y = s^2 / 2 |R^-T g|^2,    s^2 = (what is left of the right-hand sides) / (rows - unknowns)
+//! var y = s^2 / 2 |R^-T g|^2,    s^2 = (sum of squared residuals) / (rows - unknowns)
 //! ```
 
 use crate::seam::phasor::Phasor;
 
-/// A triangular factor of `N` real unknowns, with its right-hand side.
+/// Triangular factor of `N` real unknowns, with its right-hand side.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct RealTriangle<const N: usize> {
-    /// `U`, and `D` in the place of its ones.
+    /// Off-diagonal elements of `U`; the diagonal contains `D`.
     rows: [[f32; N]; N],
     right: [f32; N],
-    /// Sum of squares that no choice of the unknowns explains.
+    /// Sum of squared residuals.
     rest: f32,
 }
 
@@ -28,7 +31,7 @@ impl<const N: usize> Default for RealTriangle<N> {
 }
 
 impl<const N: usize> RealTriangle<N> {
-    /// Forgets all equations.
+    /// Removes all equations.
     pub(crate) fn restart(&mut self) {
         self.rows.as_flattened_mut().fill(0.0);
         self.right.fill(0.0);
@@ -40,7 +43,8 @@ impl<const N: usize> RealTriangle<N> {
         self.fold_among(N, row, right);
     }
 
-    /// The same of an equation among so many of the unknowns, the first; of the others nothing has been said so far.
+    /// Folds in one equation in the first `unknowns` unknowns; no earlier equation may contain
+    /// others.
     pub(crate) fn fold_among(&mut self, unknowns: usize, mut row: [f32; N], mut right: f32) {
         let unknowns = unknowns.min(N);
         let mut weight = 1.0;
@@ -48,7 +52,7 @@ impl<const N: usize> RealTriangle<N> {
             let (own, b) = (&mut self.rows[n], row[n]);
             let (before, weighted) = (own[n], weight * b);
             let after = before + weighted * b;
-            // Of a row that was the first to say something of an unknown nothing is left.
+            // The first row that contains an unknown is absorbed by it without a residual.
             if weighted == 0.0 || after == 0.0 {
                 continue;
             }
@@ -65,7 +69,7 @@ impl<const N: usize> RealTriangle<N> {
         self.rest += weight * right * right;
     }
 
-    /// The unknowns; zero where nothing was said of one.
+    /// Returns the unknowns; zero for an unknown that no equation contains.
     pub(crate) fn solve(&self) -> [f32; N] {
         let mut unknowns = [0.0; N];
         for n in (0..N).rev() {
@@ -75,14 +79,15 @@ impl<const N: usize> RealTriangle<N> {
         unknowns
     }
 
-    /// Standard deviation of the sum `of . unknowns`, for rows that were divided by theirs: `|R^-T of|`.
+    /// Returns the standard deviation of the sum `of . unknowns`, for rows that were divided by
+    /// theirs: `|R^-T of|`.
     pub(crate) fn deviation(&self, of: &[f32; N]) -> f32 {
         let (mut forward, mut square) = (*of, 0.0);
         let mut later = forward.as_mut_slice();
         for (n, row) in self.rows.iter().enumerate() {
             let Some((&mut x, rest)) = later.split_first_mut() else { break };
             let Some((&of_row, row)) = row.get(n..).and_then(<[f32]>::split_first) else { break };
-            // But for what it does not depend on, and of what nothing was said.
+            // Unknowns that the sum does not depend on, or that no equation contains, are skipped.
             if x != 0.0 && of_row != 0.0 {
                 square += x * x / of_row;
                 for (later, own) in rest.iter_mut().zip(row) {
@@ -94,36 +99,39 @@ impl<const N: usize> RealTriangle<N> {
         libm::sqrtf(square)
     }
 
-    /// Sum of squares that the unknowns leave.
+    /// Returns the sum of squared residuals.
     pub(crate) fn rest(&self) -> f32 {
         self.rest
     }
 }
 
-/// A triangular factor of at most `N` complex unknowns, with its right-hand side. A row is folded in over several calls.
+/// Triangular factor of at most `N` complex unknowns, with its right-hand side. A row is folded in
+/// over several calls.
 #[derive(Clone, Debug)]
 pub(crate) struct ComplexTriangle<const N: usize> {
     unknowns: usize,
     rows: [[Phasor; N]; N],
     right: [Phasor; N],
-    /// Sum of squares that no unknowns explain.
+    /// Sum of squared residuals.
     left: f32,
     count: u16,
-    /// The row that is being folded in, its right-hand side, and how far it has come.
+    /// Row that is being folded in.
     row: [Phasor; N],
+    /// Right-hand side of that row.
     row_right: Phasor,
+    /// Next column of that row to eliminate.
     pivot: usize,
 }
 
 impl<const N: usize> ComplexTriangle<N> {
-    /// A factor without rows.
+    /// Creates a factor without rows.
     pub(crate) fn new(unknowns: usize) -> Self {
         let (unknowns, none) = (unknowns.min(N), [Phasor::default(); N]);
         let (rows, right) = ([none; N], none);
         ComplexTriangle { unknowns, rows, right, left: 0.0, count: 0, row: none, row_right: Phasor::default(), pivot: unknowns }
     }
 
-    /// Removes all rows, for so many unknowns.
+    /// Removes all rows and sets the number of unknowns.
     pub(crate) fn restart(&mut self, unknowns: usize) {
         let unknowns = unknowns.min(N);
         for row in &mut self.rows[..unknowns] {
@@ -134,19 +142,19 @@ impl<const N: usize> ComplexTriangle<N> {
         (self.left, self.count) = (0.0, 0);
     }
 
-    /// Whether no row is being folded in.
+    /// Returns `true` if no row is being folded in.
     pub(crate) fn is_idle(&self) -> bool {
         self.pivot == self.unknowns
     }
 
-    /// Takes an equation, `row * x = right`, to be folded in.
+    /// Sets the equation to fold in next, `row * x = right`.
     pub(crate) fn add(&mut self, row: [Phasor; N], right: Phasor) {
         (self.row, self.row_right, self.pivot) = (row, right, 0);
     }
 
-    /// Folds the row in by so many rotations or a few more. Returns whether it is complete.
+    /// Folds the row in, by `rotations` rotations or a few more. Returns `true` if it is complete.
     pub(crate) fn fold(&mut self, rotations: usize) -> bool {
-        // They are no more anyway: said here, no place is checked below.
+        // Always true; with this bound the compiler removes the index checks below.
         let unknowns = self.unknowns.min(N);
         let mut done = 0;
         while self.pivot < unknowns && done < rotations {
@@ -174,7 +182,7 @@ impl<const N: usize> ComplexTriangle<N> {
         self.is_idle()
     }
 
-    /// The unknowns; `None` where the rows do not determine them.
+    /// Returns the unknowns; `None` if the rows do not determine them.
     pub(crate) fn solve(&self) -> Option<[Phasor; N]> {
         let mut unknowns = [Phasor::default(); N];
         let number = self.unknowns.min(N);
@@ -190,14 +198,15 @@ impl<const N: usize> ComplexTriangle<N> {
         Some(unknowns)
     }
 
-    /// Variance of a right-hand side, from what is left; zero where there are no more rows than unknowns.
+    /// Returns the variance of a right-hand side, from the residuals; zero unless there are more
+    /// rows than unknowns.
     pub(crate) fn variance(&self) -> f32 {
         let free = usize::from(self.count).saturating_sub(self.unknowns);
         if free == 0 { 0.0 } else { self.left / free as f32 }
     }
 
-    /// `s R^-T gradient`: what a complex number with this gradient by the unknowns scatters by, in independent parts of variance one half
-    /// each way. Sums of such numbers are sums of these.
+    /// Returns the error `s R^-T gradient` of a complex number with this gradient, as independent
+    /// parts of variance one half per axis. The error of a sum is the sum of the errors.
     pub(crate) fn spread(&self, gradient: &[Phasor; N]) -> [Phasor; N] {
         let mut z = [Phasor::default(); N];
         for n in 0..self.unknowns.min(N) {
@@ -214,23 +223,23 @@ mod tests {
     use super::*;
     use crate::find::scan::bench::Noise;
 
-    /// A straight line through four points, with one unknown of which nothing is said.
+    /// Fits a straight line through four points, with one unknown that no equation contains.
     #[test]
-    fn a_line_and_its_error_bars() {
+    fn line_fit_and_its_deviations() {
         let mut triangle = RealTriangle::<3>::default();
         for (x, y) in [(0.0, 1.1), (1.0, 2.9), (2.0, 5.1), (3.0, 6.9)] {
             triangle.fold([1.0 / 0.1, x / 0.1, 0.0], y / 0.1);
         }
         let [offset, slope, nothing] = triangle.solve();
         assert!((offset - 1.06).abs() < 1e-5 && (slope - 1.96).abs() < 1e-5 && nothing == 0.0, "{offset} {slope}");
-        // Textbook: sigma / sqrt(sum (x - mean)^2), and of the value in the middle, sigma / sqrt(n).
+        // Textbook: sigma / sqrt(sum (x - mean)^2); for the value in the middle, sigma / sqrt(n).
         assert!((triangle.deviation(&[0.0, 1.0, 0.0]) - 0.1 / 5.0f32.sqrt()).abs() < 1e-6);
         assert!((triangle.deviation(&[1.0, 1.5, 0.0]) - 0.05).abs() < 1e-6);
         assert!((triangle.rest() - 3.2).abs() < 1e-3, "{}", triangle.rest());
     }
 
     #[test]
-    fn finds_the_unknowns_and_how_far_they_scatter() {
+    fn finds_the_unknowns_and_their_deviations() {
         let truth = [Phasor::new(1.0, -2.0), Phasor::new(0.3, 0.7)];
         let mut noise = Noise::new(1);
         let (mut sum, mut stated) = (0.0, 0.0);
@@ -249,12 +258,12 @@ mod tests {
             let spread = triangle.spread(&[Phasor::default(), Phasor::new(0.0, -1.0), Phasor::default()]);
             stated += 0.5 * spread.iter().map(|part| part.norm_sqr()).sum::<f32>() / RUNS as f32;
         }
-        // 1.03 here; the square of a scatter over 400 runs scatters by 7 % itself.
+        // 1.03 measured; the square of a scatter over 400 runs itself scatters by 7 %.
         assert!((sum / stated - 1.0).abs() < 0.2, "{}", sum / stated);
     }
 
     #[test]
-    fn without_rows_there_is_no_answer() {
+    fn no_solution_without_rows() {
         assert!(ComplexTriangle::<3>::new(3).solve().is_none());
     }
 }

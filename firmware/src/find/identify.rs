@@ -1,7 +1,9 @@
-//! Identification of the transducer: its equivalent circuit, the deviations, and its other modes.
+//! Identification of the transducer: its equivalent circuit with standard deviations, and its
+//! other modes.
 //!
-//! [`pole_fit`]: resonances from a spectrum. [`mode_search`]: how many it shows. [`choice`]: the one to drive.
-//! [`givens`](crate::find::givens): the least squares behind the fit.
+//! [`pole_fit`] fits resonances to a spectrum, [`mode_search`] determines their number, and
+//! [`choice`] selects the one to drive. [`givens`](crate::find::givens) contains the least squares
+//! behind the fit.
 
 pub(crate) mod choice;
 pub(crate) mod circuit;

@@ -1,14 +1,14 @@
-//! Acquisition: where is the resonance, and what does the transducer look like? By sweeps in which nothing has to settle.
+//! Scan: finds the resonance and identifies the transducer, by sweeps that need no settling time.
 //!
-//! | stage | what is driven | for |
+//! | stage | drive | result |
 //! |---|---|---|
-//! | window | a sweep over the window and a tenth more, in 8 to 16 ms | its [spectrum] |
-//! | search | the middle of the window | [all resonances](crate::find::identify::mode_search), one line of the spectrum a block |
-//! | fine | slow sweeps over two bandwidths about the [chosen](crate::find::identify::choice) one, as often as the deviations require | a spectrum, and a fit: the result |
-//! | ring-down | the resonance | until what the sweep has left no longer turns the phase, so that a tracker that starts from there measures one tone only |
+//! | window | a sweep over the window plus a tenth of it, in 8 to 16 ms | [spectrum] of the sweep |
+//! | search | centre of the window | [all resonances](crate::find::identify::mode_search); one line of the spectrum per block |
+//! | fine | slow sweeps over two bandwidths around the [chosen](crate::find::identify::choice) one, as often as needed | final spectrum and fit |
+//! | ring-down | the resonance | the remaining vibration no longer turns the phase; a tracker then measures a single tone |
 //!
-//! A window that is too wide for the lines of one spectrum is swept and searched part by part. The nominal Q may be wrong by a factor of
-//! four.
+//! A window too wide for the lines of one spectrum is swept and searched in parts. The nominal Q
+//! may be wrong by a factor of four.
 
 pub(crate) mod baseband;
 #[cfg(test)]
@@ -26,7 +26,7 @@ use crate::find::identify::mode_search::{ModeSearch, Nominal};
 use crate::find::identify::pole_fit::{Circuit, Pole};
 use crate::find::scan::baseband::Baseband;
 use crate::find::scan::modes::Modes;
-use crate::find::scan::pass::{Pass, Seen};
+use crate::find::scan::pass::{MeasuredResonance, Pass};
 use crate::find::scan::ring_down::RingDown;
 use crate::find::scan::spectrum::Spectrum;
 use crate::generate::step::Step;
@@ -38,16 +38,18 @@ use crate::seam::transducer::Transducer;
 use crate::sense::convert::Convert;
 use crate::sense::demod::Sensed;
 
-/// How far the sweep goes over the ends of the window, as a part of it: what stands there is seen, and not taken for something inside.
-const MARGIN: f32 = 0.1;
-/// Shortest and longest sweep of the window, s.
+/// Extension of the sweep beyond each end of the window, relative to its half-width. A resonance in
+/// this margin is identified as such and is not mistaken for one inside.
+const MARGIN_REL: f32 = 0.1;
+/// Minimum and maximum duration of the sweep of the window, s.
 const WINDOW_S: (f32, f32) = (8e-3, 16e-3);
-/// Blocks that are measured before a sweep's own: the latency, and the rising half of the first triangle.
-const BEFORE: u32 = LATENCY_BLOCKS as u32 + 1;
+/// Blocks measured before the first block of a sweep: the latency and the rising half of the first
+/// triangle.
+const LEAD_BLOCKS: u32 = LATENCY_BLOCKS as u32 + 1;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
-    /// Of this part of the window.
+    /// Sweep of this part of the window.
     Window(u32),
     Search(u32),
     Fine,
@@ -55,16 +57,16 @@ enum Stage {
     RingDown(RingDown),
 }
 
-/// The scan, in progress.
+/// Scan in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct Scan {
-    /// The nominal clamped capacitance.
+    /// Circuit with only the nominal clamped capacitance.
     bare: Circuit,
     nominal_hz: f32,
     /// Peak voltage of the drive, V.
     volts: f32,
     choice: Choice,
-    /// Nominal Q, where a Q is held against it: of an observer's transducer that is known.
+    /// Nominal Q for the damage check; set only for an observer with a nominal clamped capacitance.
     judged_q: Option<f32>,
     window_hz: f32,
     parts: u32,
@@ -73,21 +75,24 @@ pub(crate) struct Scan {
     hold: Hold,
     stage: Stage,
     pass: Pass,
-    /// Blocks of this stage, and since the last sweep ended.
+    /// Blocks in this stage.
     blocks: u32,
+    /// Blocks since the last sweep ended.
     still_blocks: u32,
     baseband: Baseband,
     spectrum: Spectrum,
     search: ModeSearch,
     modes: Modes,
-    /// Whether the window is swept a second time where nothing is found, and whether it has been. What an observer has sought in vain before is not there.
+    /// `true` if the window is swept a second time when nothing is found. An observer does not
+    /// repeat the scan.
     repeats: bool,
+    /// `true` if the window has been swept a second time.
     repeated: bool,
 }
 
 impl Scan {
-    /// A scan of the configured window. It [begins](Self::restart) when it is ordered.
-    // Not inlined: it is written where the controller stands.
+    /// Creates a scan of the configured window; it [starts](Self::restart) on command.
+    // Not inlined, so that it is built directly in the memory of the controller.
     #[inline(never)]
     pub(crate) fn build(config: &Config, hold: &Hold) -> Self {
         let tracking = &config.tracking;
@@ -96,11 +101,11 @@ impl Scan {
         let bare = Circuit::bare(nominal_hz, tracking.c0_f());
         let block_s = f32::from(config.block_samples) / config.sample_hz;
         let window_hz = tracking.span * nominal_hz;
-        let reach_hz = window_hz * (1.0 + MARGIN);
+        let reach_hz = window_hz * (1.0 + MARGIN_REL);
         let whole = Pass::between(-reach_hz, reach_hz, WINDOW_S, block_s);
         let parts = if whole.width_hz < 1.99 * reach_hz {
-            // Neighbours overlap by as much as the sweep goes over the ends.
-            (2.0 * reach_hz * (1.0 + MARGIN) / whole.width_hz) as u32 + 1
+            // Neighbouring parts overlap by the same margin as at the ends.
+            (2.0 * reach_hz * (1.0 + MARGIN_REL) / whole.width_hz) as u32 + 1
         } else {
             1
         };
@@ -129,7 +134,7 @@ impl Scan {
         }
     }
 
-    /// Begins from the window.
+    /// Starts with the window.
     pub(crate) fn restart(&mut self) {
         self.repeated = false;
         self.begin_window();
@@ -140,7 +145,8 @@ impl Scan {
         self.begin_part(0);
     }
 
-    /// Begins from the window once more, where there was no resonance, or one that moved while it was looked at: another sweep will say.
+    /// Restarts once if there was no resonance or if it moved during the scan. Returns `None` if
+    /// the scan was repeated before.
     #[cold]
     pub(crate) fn repeat(&mut self) -> Option<Step> {
         if !self.repeats || core::mem::replace(&mut self.repeated, true) {
@@ -150,17 +156,17 @@ impl Scan {
         Some(self.tune())
     }
 
-    /// Takes a clamped capacitance to begin with, F, where there is no nominal one.
+    /// Sets the initial clamped capacitance, F, when no nominal value is configured.
     pub(crate) fn reckon_with(&mut self, c0_f: f32) {
         self.bare = Circuit::bare(self.nominal_hz, c0_f);
     }
 
-    /// The resonances found by the last scan.
+    /// Returns the resonances of the last scan.
     pub(crate) fn modes(&self) -> &Modes {
         &self.modes
     }
 
-    /// What the scan has found; once it is over.
+    /// Returns the result; `None` while the scan is running.
     pub(crate) fn found(&self) -> Option<&RingDown> {
         match &self.stage {
             Stage::RingDown(result) => Some(result),
@@ -168,13 +174,13 @@ impl Scan {
         }
     }
 
-    /// Takes the measured block and returns the next step.
+    /// Processes the measured block and returns the next step.
     pub(crate) fn listen(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
         self.blocks += 1;
         self.still_blocks += 1;
         match self.stage {
             Stage::Window(part) => {
-                // The last block of the sweep has enough to do, and in the first there is nothing measured yet.
+                // Restarted here, as nothing is measured yet; the last block has no spare time.
                 if self.blocks == 1 {
                     let (blocks, samples) = self.measured();
                     self.search.restart(&self.bare, blocks, samples);
@@ -185,7 +191,7 @@ impl Scan {
                 self.tune()
             }
             Stage::Search(part) => {
-                // What it has found has a block of its own.
+                // The result is processed in a block of its own.
                 if !self.search.is_over() {
                     self.search.step(&self.spectrum);
                     return self.tune();
@@ -204,7 +210,7 @@ impl Scan {
                 self.tune()
             }
             Stage::Fit => {
-                // The last block of the sweep had enough to do.
+                // The last block of the sweep had no spare time.
                 if self.blocks == 1 {
                     self.begin_fit();
                 } else if self.search.is_over() {
@@ -217,7 +223,7 @@ impl Scan {
             Stage::RingDown(_) => {
                 let relative = 1.0 + self.resonance_hz() / self.nominal_hz;
                 if let Stage::RingDown(result) = &mut self.stage
-                    && result.is_over(sensed, relative)
+                    && result.check_block(sensed, relative)
                 {
                     return Step::Done { volts: self.volts };
                 }
@@ -232,10 +238,10 @@ impl Scan {
     }
 
     fn begin_part(&mut self, part: u32) {
-        let reach_hz = self.window_hz * (1.0 + MARGIN);
+        let reach_hz = self.window_hz * (1.0 + MARGIN_REL);
         let width_hz = 2.0 * reach_hz / self.parts as f32;
         let low_hz = part as f32 * width_hz - reach_hz;
-        let over_hz = if self.parts > 1 { MARGIN * width_hz * 0.5 } else { 0.0 };
+        let over_hz = if self.parts > 1 { MARGIN_REL * width_hz * 0.5 } else { 0.0 };
         self.begin_pass(
             Pass::between(low_hz - over_hz, low_hz + width_hz + over_hz, WINDOW_S, self.block_s),
             Stage::Window(part),
@@ -250,7 +256,7 @@ impl Scan {
         self.begin(stage);
     }
 
-    /// What is to be driven next.
+    /// Returns the next tone to drive.
     fn tune(&self) -> Step {
         let offset_hz = match self.stage {
             Stage::Window(_) | Stage::Fine => self.pass.offset_hz(self.blocks),
@@ -260,32 +266,32 @@ impl Scan {
         Step::Tone { offset_hz, volts: self.volts, lane: 0 }
     }
 
-    /// Offset of the chosen resonance, as far as it is known, Hz.
+    /// Returns the latest offset of the chosen resonance, Hz.
     fn resonance_hz(&self) -> f32 {
         self.modes.chosen().map_or(0.0, |(pole, _)| pole.offset_hz)
     }
 
-    /// Takes a block of a sweep. Returns whether it was the last.
+    /// Processes a block of a sweep. Returns `true` if it was the last.
     fn sweep(&mut self, convert: &Convert, sense: &SenseBlock) -> bool {
-        if self.blocks + 1 == BEFORE {
-            self.baseband.play(self.block_samples as usize, convert.v.max_code());
+        if self.blocks + 1 == LEAD_BLOCKS {
+            self.baseband.prepare(self.block_samples as usize, convert.v.max_code());
         }
-        if self.blocks >= BEFORE {
-            let sensed = self.baseband.take(convert, sense);
-            if self.blocks > BEFORE {
+        if self.blocks >= LEAD_BLOCKS {
+            let sensed = self.baseband.process(convert, sense);
+            if self.blocks > LEAD_BLOCKS {
                 self.spectrum.add(&sensed);
             }
         }
         self.still_blocks = 0;
-        self.blocks == BEFORE + self.pass.blocks()
+        self.blocks == LEAD_BLOCKS + self.pass.blocks()
     }
 
-    /// Lists what a part of the window shows, at rising frequencies; the weakest are left out.
+    /// Lists the resonances in a part of the window by rising frequency; the weakest are dropped.
     fn take_part(&mut self, part: u32) {
-        let width_hz = 2.0 * self.window_hz * (1.0 + MARGIN) / self.parts as f32;
-        let middle_hz = (part as f32 + 0.5) * width_hz - self.window_hz * (1.0 + MARGIN);
-        // What stands at a seam is seen from both sides, and taken once.
-        let reach_hz = 0.5 * width_hz * (1.0 + MARGIN);
+        let width_hz = 2.0 * self.window_hz * (1.0 + MARGIN_REL) / self.parts as f32;
+        let middle_hz = (part as f32 + 0.5) * width_hz - self.window_hz * (1.0 + MARGIN_REL);
+        // A resonance in the overlap of two parts appears in both and is listed once.
+        let reach_hz = 0.5 * width_hz * (1.0 + MARGIN_REL);
         let own = |hz: f32| self.parts == 1 || (hz - middle_hz).abs() < reach_hz;
         let (circuit, deviations) = self.search.found();
         for (pole, deviations) in circuit.poles.iter().zip(deviations).filter(|(pole, _)| own(pole.offset_hz)) {
@@ -293,16 +299,17 @@ impl Scan {
         }
     }
 
-    /// Chooses the resonance, and decides whether it is known well enough.
+    /// Chooses the resonance, and starts the fine pass unless its deviation is already small
+    /// enough.
     fn choose(&mut self) -> Step {
         if let Err(fault) = self.modes.choose(&self.choice) {
             return Step::Failed(fault);
         }
         let Some(&(pole, deviations)) = self.modes.chosen() else { return Step::Failed(Fault::NoResonance) };
-        let reach_hz = self.window_hz * (1.0 + MARGIN);
+        let reach_hz = self.window_hz * (1.0 + MARGIN_REL);
         let hz = self.nominal_hz + pole.offset_hz;
         let fine = self.pass.fine(
-            &Seen { hz, offset_hz: pole.offset_hz, q: pole.q, deviation_hz: deviations.series_resonance_hz },
+            &MeasuredResonance { hz, offset_hz: pole.offset_hz, q: pole.q, deviation_hz: deviations.series_resonance_hz },
             reach_hz,
             self.block_s,
         );
@@ -314,26 +321,26 @@ impl Scan {
         self.take(self.search.found().0.poles.iter().position(chosen).unwrap_or(0))
     }
 
-    /// Blocks and samples of the spectrum.
+    /// Returns the numbers of blocks and samples in the spectrum.
     fn measured(&self) -> (u32, u32) {
         (self.pass.blocks(), self.pass.blocks() * self.block_samples)
     }
 
-    /// Fits the chosen resonance, and with it what else is in the fine pass.
+    /// Fits the chosen resonance, together with all others inside the fine pass.
     fn begin_fit(&mut self) {
         let mut circuit = Circuit { poles: Vec::new(), ..self.search.found().0.clone() };
         let (centre_hz, half_hz) = (self.pass.centre_hz, 0.5 * self.pass.width_hz);
-        // There is room: no more are found than fit in.
+        // There is room: both lists hold as many as can be found.
         circuit.poles.extend(self.modes.chosen().map(|(pole, _)| *pole));
         for pole in self.modes.others() {
             let inside = (pole.offset_hz - centre_hz).abs() < half_hz;
             let _ = if inside { circuit.poles.push(*pole) } else { circuit.known.push(*pole) };
         }
         let (blocks, samples) = self.measured();
-        self.search.again(&circuit, blocks, samples);
+        self.search.refit(&circuit, blocks, samples);
     }
 
-    /// Takes the fit of the fine pass.
+    /// Accepts the fit of the fine pass.
     fn take_fit(&mut self) -> Step {
         let (circuit, deviations) = self.search.found();
         match (circuit.poles.first(), deviations.first()) {
@@ -345,7 +352,7 @@ impl Scan {
         }
     }
 
-    /// Takes this resonance of the latest fit as the result.
+    /// Accepts one resonance of the latest fit as the result.
     fn take(&mut self, place: usize) -> Step {
         let (circuit, deviations) = self.search.found();
         if let Some(nominal_q) = self.judged_q
@@ -366,11 +373,11 @@ impl Scan {
             chosen: self.modes.place() as u8,
             ..circuit.transducer(place)
         };
-        // During the search it was not the resonance that was driven.
+        // During the search the drive was at the centre of the window, not at the resonance.
         let still_blocks = if self.stage == Stage::Fit { self.still_blocks } else { 0 };
         self.begin(Stage::RingDown(RingDown::new(
             transducer,
-            (circuit.motional(place), circuit.slope_beside(place)),
+            (circuit.motional(place), circuit.others_slope(place)),
             still_blocks,
             self.block_s,
         )));

@@ -1,12 +1,16 @@
-//! Power-on plausibility, before any real drive: are both sense channels alive, and is there a transducer?
+//! Self-test before the first real drive: checks both sense channels and the presence of a
+//! transducer.
 //!
-//! First silence, until nothing rings any more; then the mean code of each channel is its offset, which must be small, and is
-//! removed from then on. Then a tone well below the resonance, where the transducer is little more than its clamped capacitance: the current must lead
-//! the voltage, the voltage must be what was played, the current what the nominal capacitance takes, each within a factor. Without a nominal
-//! one the capacitance only has to be that of a transducer, and all that follows reckons with what was measured.
+//! The test starts with silence until all vibration has decayed. The mean code of each channel is
+//! then its offset, which must be small and is removed from then on. A tone well below the
+//! resonance follows, where the transducer is little more than its clamped capacitance. The current
+//! must lead the voltage. The voltage must equal the played one, and the current must match the
+//! nominal capacitance, each within a factor. Without a nominal capacitance, the measured one must
+//! be in the range of any transducer and is used by all later steps.
 //!
-//! It takes 96 blocks from silence, and 1000 and 40 nominal time constants more where something still rings. A swapped pair of channels is known
-//! 4 blocks after the tone is measured, the rest at its end.
+//! The test takes 96 blocks, and up to 1000 blocks and 40 nominal time constants more if an earlier
+//! vibration must decay first. Swapped channels are detected 4 blocks after the tone is first
+//! measured, all other faults at its end.
 
 use crate::generate::step::Step;
 use crate::seam::block::{LATENCY_BLOCKS, SenseBlock};
@@ -17,79 +21,95 @@ use crate::sense::convert::Convert;
 use crate::sense::demod::Sensed;
 use crate::sense::source::LARGEST_OHM;
 
-/// Blocks of silence that are averaged.
+/// Number of silent blocks that are averaged.
 const SILENT_BLOCKS: u32 = 32;
-/// Quiet: the current's rms about its mean is below this part of what the tone will draw, or below so many codes; or below so many more, and does not
-/// fall any longer: that is noise.
-const QUIET: (f32, f32, f32) = (0.25, 2.0, 16.0);
-/// It falls if its mean square in one window is less than this part of that in the one before. A window has so many blocks at least, and half a nominal time
-/// constant: in that what rings falls to 0.37 of its square, with three times the nominal Q to 0.72.
-const FALLS: f32 = 0.85;
-const WINDOW: (u32, f32) = (16, 0.5);
-/// How long an earlier run may ring, nominal time constants and at least, in blocks. Q may be three times the nominal one.
-const RING_DOWN: (f32, u32) = (40.0, 1000);
-/// Blocks of the tone, and how many at its end are measured.
+/// Maximum rms current in silence, relative to the expected current of the tone.
+const QUIET_REL: f32 = 0.25;
+/// Rms current that always counts as silence, codes.
+const QUIET_CODES: f32 = 2.0;
+/// Maximum rms current that counts as noise if it no longer decays, codes.
+const NOISE_CODES: f32 = 16.0;
+/// Ratio of the mean squares of two consecutive windows below which the vibration is decaying.
+/// Within a window, it decays to 0.37 at the nominal Q, and to 0.72 at three times that Q.
+const MAX_DECAY_RATIO: f32 = 0.85;
+/// Minimum length of a window, blocks.
+const MIN_WINDOW_BLOCKS: u32 = 16;
+/// Length of a window, nominal time constants.
+const WINDOW_TIME_CONSTANTS: f32 = 0.5;
+/// Maximum ring-down of an earlier run, nominal time constants. Q may be three times the nominal
+/// one.
+const RING_DOWN_TIME_CONSTANTS: f32 = 40.0;
+/// Blocks added to the maximum ring-down.
+const RING_DOWN_BLOCKS: u32 = 1000;
+/// Blocks of the tone.
 const TONE_BLOCKS: u32 = 64;
+/// Blocks at the end of the tone that are measured.
 const MEASURED_BLOCKS: u32 = 16;
-/// Blocks of the tone, from its first on, by whose phase swapped channels are recognized: before the guard finds the voltage implausible.
+/// First blocks of the tone whose phase reveals swapped channels, before the guard reports an
+/// implausible voltage.
 const PHASE_BLOCKS: u32 = 4;
-/// Smallest amplitude whose phase is judged, codes: noise alone leaves a quarter of one.
+/// Minimum amplitude whose phase is judged, codes; noise alone reaches a quarter of a code.
 const PHASE_CODES: f32 = 4.0;
-/// The tone, relative to the nominal frequency and to the scan voltage.
-const TONE_FREQUENCY: f32 = 0.85;
-const TONE_AMPLITUDE: f32 = 0.5;
-/// Largest offset, as a part of half the range.
-const LARGEST_OFFSET: f32 = 0.05;
-/// How far the voltage may be from what was played.
+/// Frequency of the tone, relative to the nominal frequency.
+const TONE_FREQUENCY_REL: f32 = 0.85;
+/// Amplitude of the tone, relative to the scan voltage.
+const TONE_AMPLITUDE_REL: f32 = 0.5;
+/// Maximum offset, relative to half the range.
+const MAX_OFFSET_REL: f32 = 0.05;
+/// Maximum ratio between the measured and the played voltage.
 const VOLTAGE_FACTOR: f32 = 1.5;
-/// How much less, and more, the current may be than what the nominal capacitance takes. By coupling alone it is `1 + k^2 / (1 - k^2) / (1 - 0.85^2)` times that,
-/// 1.4 at k = 0.3 and 5.6 at 0.75; and the nominal capacitance may be off by 30 %. A short takes a hundred times as much.
-const CURRENT_FACTORS: (f32, f32) = (3.0, 8.0);
+/// Factor by which the current may be smaller than that of the nominal capacitance.
+const CURRENT_FACTOR_BELOW: f32 = 3.0;
+/// Factor by which the current may be larger than that of the nominal capacitance. Coupling alone
+/// increases it by `1 + k^2 / (1 - k^2) / (1 - 0.85^2)`: 1.4 at k = 0.3 and 5.6 at 0.75. The
+/// nominal capacitance may be off by 30 %. A short draws a hundred times as much.
+const CURRENT_FACTOR_ABOVE: f32 = 8.0;
 
-/// The self-test, in progress.
+/// Self-test in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct SelfTest {
     offset_hz: f32,
     volts: f32,
-    /// Susceptance of the nominal capacitance, and the least and the largest of any transducer, S, at the tone's frequency.
+    /// Susceptance of the nominal capacitance at the frequency of the tone, S.
     clamped_siemens: Option<f32>,
+    /// Minimum and maximum susceptance of any transducer at that frequency, S.
     any_siemens: (f32, f32),
-    /// Capacitance that draws the tone's current, F.
+    /// Capacitance that draws the measured current, F.
     capacitance_f: f32,
     ring_down_blocks: u32,
     window_blocks: u32,
-    /// Sums of mean squares in silence: of this window, and of the one before.
-    heard: (f32, f32),
-    /// Blocks of the present phase, and whether it is quiet.
+    /// Sums of mean squares in silence: of this window and of the previous one.
+    square_sums: (f32, f32),
+    /// Blocks of the present phase of the test.
     block: u32,
     quiet: bool,
     mean_codes: (f32, f32),
     sum: (f32, f32),
-    /// The first blocks' voltage and current.
+    /// Mean amplitude of voltage and current in the first blocks of the tone.
     first: (f32, f32),
-    /// Their current against their voltage.
+    /// Phase of the current relative to the voltage in these blocks.
     lead: Phasor,
-    /// Mean square of both channels in silence, codes.
+    /// Mean square of both channels in silence, codes squared.
     noise: (f32, f32),
 }
 
 impl SelfTest {
-    /// A test by the configured drive and nominal capacitance.
+    /// Creates a test for the configured drive and nominal capacitance.
     pub(crate) fn build(config: &Config) -> Self {
-        let hz = config.drive.frequency_hz * TONE_FREQUENCY;
+        let hz = config.drive.frequency_hz * TONE_FREQUENCY_REL;
         let tau_s = config.tracking.nominal_q / (core::f32::consts::PI * config.drive.frequency_hz);
         let block_s = f32::from(config.block_samples) / config.sample_hz;
         let omega = core::f32::consts::TAU * hz;
         let (least_f, largest_f) = Tracking::CAPACITANCES_F;
         SelfTest {
             offset_hz: hz - config.drive.frequency_hz,
-            volts: config.drive.scan_volts * TONE_AMPLITUDE,
+            volts: config.drive.scan_volts * TONE_AMPLITUDE_REL,
             clamped_siemens: config.tracking.nominal_c0_f.map(|c0_f| omega * c0_f),
             any_siemens: (omega * least_f, omega * largest_f),
             capacitance_f: config.tracking.c0_f(),
-            ring_down_blocks: RING_DOWN.1 + (RING_DOWN.0 * tau_s / block_s) as u32,
-            window_blocks: WINDOW.0.max((WINDOW.1 * tau_s / block_s) as u32),
-            heard: (0.0, f32::INFINITY),
+            ring_down_blocks: RING_DOWN_BLOCKS + (RING_DOWN_TIME_CONSTANTS * tau_s / block_s) as u32,
+            window_blocks: MIN_WINDOW_BLOCKS.max((WINDOW_TIME_CONSTANTS * tau_s / block_s) as u32),
+            square_sums: (0.0, f32::INFINITY),
             block: 0,
             quiet: false,
             mean_codes: (0.0, 0.0),
@@ -100,32 +120,33 @@ impl SelfTest {
         }
     }
 
-    /// Whether the tone, of which `played` volts are, draws more current than any transducer would.
+    /// Returns `true` if a tone of `played` volts draws more current than any transducer would.
     pub(crate) fn is_short(&self, sensed: &Sensed, played: f32) -> bool {
         let most = self.admittances().1 * played;
         sensed.i.norm_sqr() > most * most
     }
 
-    /// The least and the largest admittance that a transducer has at the tone's frequency, S.
+    /// Returns the minimum and maximum admittance of a transducer at the frequency of the tone, S.
     fn admittances(&self) -> (f32, f32) {
-        self.clamped_siemens.map_or(self.any_siemens, |nominal| (nominal / CURRENT_FACTORS.0, nominal * CURRENT_FACTORS.1))
+        self.clamped_siemens.map_or(self.any_siemens, |nominal| (nominal / CURRENT_FACTOR_BELOW, nominal * CURRENT_FACTOR_ABOVE))
     }
 
-    /// Capacitance that draws the tone's current, F, where there is no nominal one: the clamped one, and what coupling adds to it.
+    /// Returns the capacitance that draws the current of the tone, F, if no nominal one is
+    /// configured: the clamped capacitance increased by coupling.
     pub(crate) fn capacitance_f(&self) -> Option<f32> {
         self.clamped_siemens.is_none().then_some(self.capacitance_f)
     }
 
-    /// Mean square of the noise of voltage and current, codes, as measured in silence.
+    /// Returns the mean square of the noise of voltage and current in silence, codes squared.
     pub(crate) fn noise(&self) -> (f32, f32) {
         self.noise
     }
 
-    /// Begins again.
+    /// Starts again.
     pub(crate) fn restart(&mut self) {
         self.block = 0;
         self.quiet = false;
-        self.heard = (0.0, f32::INFINITY);
+        self.square_sums = (0.0, f32::INFINITY);
         self.mean_codes = (0.0, 0.0);
         self.sum = (0.0, 0.0);
         self.first = (0.0, 0.0);
@@ -133,8 +154,9 @@ impl SelfTest {
         self.noise = (0.0, 0.0);
     }
 
-    /// Takes a block, in which `played` volts were, and says what to do next. Moves the zero of both channels when the silence is over.
-    // Not inlined: a block takes fewer instructions so, which `docs/evidence/instructions.md` counts.
+    /// Processes a block in which `played` volts were driven and returns the next step. Moves the
+    /// zero of both channels at the end of the silence.
+    // Not inlined: saves instructions per block, which `docs/evidence/instructions.md` counts.
     #[inline(never)]
     pub(crate) fn listen(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed, played: f32) -> Step {
         const TONE_ENDS: u32 = SILENT_BLOCKS + TONE_BLOCKS;
@@ -150,7 +172,7 @@ impl SelfTest {
                 self.mean_codes.0 += v / SILENT_BLOCKS as f32;
                 self.mean_codes.1 += i / SILENT_BLOCKS as f32;
                 if n > SILENT_BLOCKS / 2 {
-                    // The residual vibration has decayed further by then.
+                    // Residual vibration has decayed further in the second half.
                     let part = 1.0 / (SILENT_BLOCKS - SILENT_BLOCKS / 2) as f32;
                     self.noise.0 += part * v_variance;
                     self.noise.1 += part * i_variance;
@@ -178,18 +200,18 @@ impl SelfTest {
     }
 
     fn wait_for_quiet(&mut self, convert: &Convert, sense: &SenseBlock) -> Step {
-        let (part, codes, noisy) = QUIET;
         let tone_codes = convert.i.codes(self.volts * self.clamped_siemens.unwrap_or(0.0));
-        // What was played before may still sound.
-        let loudest = codes.max(part * tone_codes);
+        // Blocks driven earlier may still arrive.
+        let limit = QUIET_CODES.max(QUIET_REL * tone_codes);
         let variance = convert.i.mean_and_variance(&sense.i).1;
-        self.heard.0 += variance;
+        self.square_sums.0 += variance;
         let is_window = self.block.is_multiple_of(self.window_blocks);
-        let is_noise = is_window && self.heard.0 > FALLS * self.heard.1 && variance < noisy * noisy;
+        let is_noise =
+            is_window && self.square_sums.0 > MAX_DECAY_RATIO * self.square_sums.1 && variance < NOISE_CODES * NOISE_CODES;
         if is_window {
-            self.heard = (0.0, self.heard.0);
+            self.square_sums = (0.0, self.square_sums.0);
         }
-        self.quiet = self.block > LATENCY_BLOCKS as u32 && (variance < loudest * loudest || is_noise);
+        self.quiet = self.block > LATENCY_BLOCKS as u32 && (variance < limit * limit || is_noise);
         if self.quiet {
             self.block = 0;
         } else if self.block > self.ring_down_blocks {
@@ -203,7 +225,7 @@ impl SelfTest {
     }
 
     fn judge_offset(&self, convert: &mut Convert) -> Step {
-        let fits = |offset: f32, half_range: f32| offset.abs() <= LARGEST_OFFSET * half_range;
+        let fits = |offset: f32, half_range: f32| offset.abs() <= MAX_OFFSET_REL * half_range;
         if !fits(self.mean_codes.0, convert.v.half_range()) || !fits(self.mean_codes.1, convert.i.half_range()) {
             return Step::Failed(Fault::SensorImplausible);
         }
@@ -212,7 +234,7 @@ impl SelfTest {
         self.tone()
     }
 
-    /// Whether the current lags where it must lead.
+    /// Returns `true` if the current lags, although it must lead.
     fn is_swapped(&self, convert: &Convert) -> bool {
         let measured = convert.v.codes(self.first.0) > PHASE_CODES && convert.i.codes(self.first.1) > PHASE_CODES;
         measured && self.lead.im < -self.lead.re.abs()

@@ -1,26 +1,30 @@
-//! The ON/OFF envelope: when the drive is let through, to the half cycle, and how it gets there.
+//! The ON/OFF envelope of the drive, exact to the half cycle, with its edges.
 //!
-//! A gate (scheduled, or ordered) says when. What follows it depends on the edge:
+//! A gate (scheduled or ordered) opens and closes. The response depends on the edge:
 //!
-//! * hard: the burst begins at the next passage of the first lane through zero, in either direction, and ends at the first passage in the
-//!   same direction after the gate has closed: it lasts a whole number of periods, so that its volt-seconds cancel (to the sample; what
-//!   sampling and rounding leave, the [shaper](crate::generate::shaper) corrects).
-//! * soft: the envelope follows the gate along a ramp, which an opposite order turns round: `envelope = (1 - cos(pi ramp)) / 2`.
-//! * boost: up by whole half cycles of a larger drive, and down by drive against the vibration, as fast as the limits allow (`boost`).
+//! * hard: the burst begins at the next zero crossing of the first lane, in either direction. It
+//!   ends at the first zero crossing in the same direction after the gate has closed. It lasts a
+//!   whole number of periods, so that its volt-seconds cancel (to the sample; the
+//!   [shaper](crate::generate::shaper) corrects the remainder from sampling and rounding).
+//! * soft: the envelope follows the gate along a ramp, which an opposite order reverses:
+//!   `envelope = (1 - cos(pi ramp)) / 2`.
+//! * boost: up by whole half cycles of a larger drive, and down by drive against the vibration, as
+//!   fast as the limits allow (`boost`).
 //!
-//! A burst that is ended by a brake goes on for some half cycles against its own phase, so that what it has rung up is rung down.
+//! A burst that ends with a brake continues for some half cycles in antiphase, which stops the
+//! vibration.
 
 pub(crate) mod boost;
 mod brake;
 mod duty;
 pub mod envelope;
-mod passage;
 mod ring;
 mod schedule;
 mod soft;
 pub(crate) mod stroke;
 #[cfg(test)]
 mod tests;
+mod zero_crossing;
 
 use core::ops::Range;
 
@@ -29,71 +33,75 @@ use heapless::Vec;
 use crate::generate::burst::boost::Boost;
 pub use crate::generate::burst::brake::Brake;
 use crate::generate::burst::envelope::{Envelope, Levels};
-use crate::generate::burst::passage::{ends_falling, falling, passages_within, until_passage, until_passage_of_chirp};
 use crate::generate::burst::schedule::Schedule;
+use crate::generate::burst::zero_crossing::{crossings_within, ends_falling, falling, until_crossing, until_crossing_of_chirp};
 use crate::generate::nco::Stretch;
 use crate::seam::block::{Gate, MAX_BLOCK_SAMPLES};
 use crate::seam::compare::larger;
 use crate::seam::config::{Burst as Config, Edge};
 use crate::seam::error::Error;
 
-/// The longest soft edge, samples: its cosine has 2^32 steps a turn.
-const LONGEST_EDGE: f32 = (1 << 20) as f32;
+/// Length of the longest soft edge, samples: its cosine has 2^32 steps a turn.
+const MAX_EDGE_SAMPLES: f32 = (1 << 20) as f32;
 
-/// Where the envelope stands.
+/// State of the envelope.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Closed,
-    /// Open since a passage through zero in this direction (whether falling).
+    /// Open since a zero crossing, falling or rising.
     Open {
         falling: bool,
     },
-    /// Boosted since a passage through zero in this direction, for so many half cycles more.
+    /// Boosted since a zero crossing, falling or rising, for `left` more half cycles.
     Rising {
         falling: bool,
         left: u32,
     },
-    /// Against the drive, for so many half cycles more.
+    /// Driven against the vibration, for `left` more half cycles.
     Braking {
         left: u32,
     },
 }
 
-/// The generator of the bursts' envelope.
+/// Generator of the envelope of bursts.
 #[derive(Clone, Debug)]
 pub struct Burst {
     schedule: Schedule,
-    /// Samples a soft edge takes, and the half turn of its cosine in as many steps (2^32 a turn); none where the edge is hard.
+    /// Length of a soft edge, samples; `None` for a hard edge.
     edge: Option<u32>,
+    /// Half turn of the soft edge's cosine, divided by its length, 2^32 a turn.
     half_turn_step: u32,
-    /// Of the drive, samples.
+    /// Period of the drive, samples.
     period_of_drive: f32,
-    /// Where the ramp of a soft edge stands, 0 (OFF) to `edge` (ON).
+    /// Position on the ramp of a soft edge, 0 (OFF) to `edge` (ON).
     ramp: u32,
     state: State,
-    /// Direction of the last passage through zero.
+    /// `true` if the last zero crossing was falling.
     falling: bool,
     brake: Option<Brake>,
     boost: Option<Boost>,
-    /// Every burst ends with a brake, not only those that an order ends.
+    /// `true` if every burst ends with a brake, not only those that an order ends.
     brakes: bool,
     boosts: bool,
-    /// There is a brake or a boost, and how much louder than the drive it may get.
+    /// `true` if there is a brake or a boost.
     moves: bool,
+    /// Largest level of the envelope; at least one.
     loudest: f32,
-    /// The envelope of the last block with an edge, as [`Levels`], and their sum.
+    /// Envelope of the last block with an edge, as [`Levels`].
     levels: Vec<i32, MAX_BLOCK_SAMPLES>,
+    /// Sum of these levels.
     sum: f32,
 }
 
 impl Burst {
-    /// `frequency_hz` is the nominal drive frequency, by which soft edges are measured.
+    /// Builds the generator. `frequency_hz` is the nominal frequency of the drive, in whose periods
+    /// soft edges are measured.
     pub(crate) fn build(config: &Config, frequency_hz: f32, sample_hz: f32) -> Result<Self, Error> {
         let edge = match config.edge {
             Edge::Hard | Edge::Boost => None,
             Edge::Soft => {
                 let cycles = config.edge_cycles;
-                Config::EDGE_CYCLES.check_within(cycles.into(), 0.0, (LONGEST_EDGE * frequency_hz / sample_hz).into())?;
+                Config::EDGE_CYCLES.check_within(cycles.into(), 0.0, (MAX_EDGE_SAMPLES * frequency_hz / sample_hz).into())?;
                 Some(((cycles * sample_hz / frequency_hz) as u32).max(1))
             }
         };
@@ -116,31 +124,32 @@ impl Burst {
         })
     }
 
-    /// Whether bursts begin at once, without a ramp or a boost.
+    /// Returns `true` if bursts begin at once, without a ramp or a boost.
     pub(crate) fn is_hard(&self) -> bool {
         self.edge.is_none() && !self.boosts
     }
 
-    /// Whether a burst that ends under this gate ends with a brake.
+    /// Returns `true` if a burst that ends under this gate ends with a brake.
     pub(crate) fn brakes(&self, gate: Gate) -> bool {
         self.brakes || gate == Gate::Brake
     }
 
-    /// The brake for bursts that end with one. Nothing is braked without one.
+    /// Sets the brake of bursts that end with one; `None` disables braking.
     pub(crate) fn set_brake(&mut self, brake: Option<Brake>) {
         self.brake = brake;
         self.loudest = brake.map_or(1.0, |brake| larger(brake.level, 1.0));
         self.moves = brake.is_some();
     }
 
-    /// How much louder than the drive the envelope may get: at least one, and more only by a brake or a boost.
+    /// Returns the largest level of the envelope: at least one, and more only with a brake or a
+    /// boost.
     #[inline]
     pub(crate) fn loudest(&self) -> f32 {
         self.loudest
     }
 
-    /// Whether what plays under this gate is an edge that was planned for a drive, which stays what it was until that is over: the end of a burst
-    /// with a brake, or a boost.
+    /// Returns `true` if an edge is under way under this gate: a boost, or the end of a burst with
+    /// a brake. The drive that it was planned for must not change until it is over.
     pub(crate) fn is_under_way(&self, gate: Gate) -> bool {
         if !self.moves {
             return false;
@@ -149,17 +158,18 @@ impl Burst {
         ordered || matches!(self.state, State::Braking { .. } | State::Rising { .. })
     }
 
-    /// The brake in use.
+    /// Returns the brake in use.
     pub(crate) fn brake(&self) -> Option<Brake> {
         self.brake
     }
 
-    /// Whether this gate requests the drive at sample `now`.
+    /// Returns `true` if this gate requests the drive at sample `now`.
     pub(crate) fn is_requested(&mut self, gate: Gate, now: u64) -> bool {
         self.gate(gate, now).0
     }
 
-    /// The envelope from sample `now` on, for `samples` samples of a stretch, of a drive of `volts`.
+    /// Returns the envelope of `samples` samples of a stretch from sample `now` on, for a drive of
+    /// `volts`.
     pub fn envelope(&mut self, gate: Gate, now: u64, stretch: &Stretch, samples: usize, volts: f32) -> Envelope<'_> {
         let (open, stays) = self.gate(gate, now);
         if self.boosts {
@@ -180,11 +190,11 @@ impl Burst {
         self.edge(gate, (open, stays), now, stretch, samples)
     }
 
-    /// The envelope of a block that is not the same throughout.
+    /// Returns the envelope of a block in which it is not constant.
     fn edge(&mut self, gate: Gate, now_open: (bool, u64), now: u64, stretch: &Stretch, samples: usize) -> Envelope<'_> {
         let (mut open, mut stays) = now_open;
         if self.levels.len() != samples {
-            // There is room for as many samples as a block can have.
+            // There is room for the longest block.
             let _ = self.levels.resize_default(samples);
         }
         let (mut done, samples) = (0, self.levels.len());
@@ -202,12 +212,12 @@ impl Burst {
         }
     }
 
-    /// The envelope of some samples of a block, during which the gate does not change.
+    /// Computes the envelope of some samples of a block, during which the gate does not change.
     fn span(&mut self, open: bool, brake: bool, stretch: &Stretch, span: Range<usize>) {
         let brake = self.brake.filter(|_| brake);
         let braking = matches!(self.state, State::Braking { .. });
         match self.edge {
-            // Up to the last moment before a brake, the drive stays.
+            // A full drive keeps its level until the brake begins.
             Some(edge) if !braking && (brake.is_none() || self.ramp < edge) => {
                 let end = span.end;
                 let ramp = self.rise(open, edge, span);
@@ -218,7 +228,7 @@ impl Burst {
         }
     }
 
-    /// The same, half cycle by half cycle.
+    /// Computes the envelope of some samples, half cycle by half cycle.
     fn half_cycles(&mut self, open: bool, brake: Option<Brake>, stretch: &Stretch, span: Range<usize>) {
         let one = Levels::one(self.loudest);
         let mut n = span.start;
@@ -231,22 +241,22 @@ impl Burst {
             }
             let level = self.level();
             let (next, there) = if self.stays(open) {
-                // Only the last passage is of interest.
+                // Only the last zero crossing matters.
                 self.falling = falling(stretch.phase_at(span.end - 1));
                 (span.end, phase)
             } else if stretch.step == 0 {
-                let passages = self.left(open).min(passages_within(phase, stretch.word, span.end - n)).max(1);
-                self.skip(passages - 1);
-                let (samples, there) = until_passage(phase, stretch.word, passages);
+                let crossings = self.left(open).min(crossings_within(phase, stretch.word, span.end - n)).max(1);
+                self.skip(crossings - 1);
+                let (samples, there) = until_crossing(phase, stretch.word, crossings);
                 (span.end.min(n + samples), there)
             } else {
-                let (samples, there) = until_passage_of_chirp(phase, stretch.word_at(n), stretch.step, span.end - n);
+                let (samples, there) = until_crossing_of_chirp(phase, stretch.word_at(n), stretch.step, span.end - n);
                 (n + samples, there)
             };
             if let Some(parts) = self.levels.get_mut(n..next) {
                 let part = (level * one) as i32;
                 let (fours, rest) = parts.as_chunks_mut::<4>();
-                // Written out: a compiler that saves code leaves a loop of one here.
+                // Written out: a compiler that optimizes for size leaves a loop of one here.
                 for [first, second, third, fourth] in fours {
                     (*first, *second, *third, *fourth) = (part, part, part, part);
                 }
@@ -260,7 +270,7 @@ impl Burst {
         }
     }
 
-    /// Half cycles for which the level stays as long as the gate does.
+    /// Returns the number of half cycles for which the level is constant while the gate stays.
     fn left(&self, open: bool) -> u32 {
         match (self.state, open) {
             (State::Rising { left, .. }, true) | (State::Braking { left }, false) => left,
@@ -268,15 +278,15 @@ impl Burst {
         }
     }
 
-    /// Counts off so many of them, but not the last one.
-    fn skip(&mut self, passages: u32) {
+    /// Skips this number of half cycles, but not the last one of a stroke.
+    fn skip(&mut self, crossings: u32) {
         if let State::Rising { left, .. } | State::Braking { left } = &mut self.state {
-            *left -= passages;
+            *left -= crossings;
         }
-        self.falling ^= passages % 2 == 1;
+        self.falling ^= crossings % 2 == 1;
     }
 
-    /// Whether no passage through zero changes anything as long as the gate stays.
+    /// Returns `true` if no zero crossing changes anything while the gate stays.
     fn stays(&self, open: bool) -> bool {
         matches!((self.state, open), (State::Closed, false) | (State::Open { .. }, true))
     }
@@ -293,7 +303,7 @@ impl Burst {
         }
     }
 
-    /// The first lane passes zero.
+    /// Changes the state at a zero crossing of the first lane.
     fn pass(&mut self, open: bool, brake: Option<Brake>) {
         if let Some(boost) = &mut self.boost {
             self.state = boost.pass(self.state, open, self.falling);

@@ -1,52 +1,61 @@
-//! The most voltage that keeps the current within its limit, foreseen from how the current moves.
+//! Fold-back: the largest voltage that keeps the current within its limit, predicted from the
+//! change of the current.
 //!
 //! ```text
-//! 2 L d|I_m|/dt + R |I_m| = V  (about the resonance),   g = 1 / R = |I_m| / (V - 2 L d|I_m|/dt),   |I| = V sqrt(g^2 + B^2)  once rung up
+//! 2 L d|I_m|/dt + R |I_m| = V  (near the resonance),   g = 1 / R = |I_m| / (V - 2 L d|I_m|/dt),   |I| = V sqrt(g^2 + B^2)  after the ring-up
 //! ```
 //!
-//! `L` hardly moves with the load, so that a part of a ring-up tells what all of it will come to: an order that is too loud is held back before its
-//! current is there, and so is a load that comes off. Voltage and current go through the same low-pass of an eighth of the time constant, which leaves the
-//! equation as it is, and eight times the noise of the current in `R`, whatever Q is.
+//! `L` hardly changes with the load, so that the beginning of a ring-up predicts its end. An
+//! excessive set point is reduced before its current is reached, and so is the drive when a load is
+//! removed. Voltage and current pass through the same low-pass, of an eighth of the resonance's
+//! time constant. It leaves the equation unchanged, and the noise of `R` is eight times that of the
+//! current at any Q.
 //!
-//! Both roots follow by a step of Newton's a block, which is never below the root: while it is above, the drive is held back a little more.
+//! Both square roots are updated by one Newton step a block. The result is never below the root;
+//! while it is above, the drive is reduced slightly more.
 
 use crate::seam::compare::{larger, smaller, up_to};
 use crate::seam::phasor::Phasor;
 
-/// Part of the limit that is aimed at.
-const AIM: f32 = 0.95;
-/// The low-pass, parts of the time constant.
-const QUICKER: f32 = 8.0;
-/// The part that the low-pass must have come of a step before it is read.
-const READ: f32 = 0.8;
-/// Less than this part of the voltage is not told from noise: a ring-up that has just begun, or, where there is this part of the limit already, one that ends
-/// far beyond it.
-const READABLE: f32 = 0.1;
-const LOUD: f32 = 0.3;
-/// A square that is larger than this times the last one is far from it: a step of Newton's would be a tenth off.
-const FAR: f32 = 2.0;
+/// Target of the current, relative to its limit.
+const TARGET_CURRENT_REL: f32 = 0.95;
+/// Ratio of the time constant of the resonance to that of the low-pass.
+const LOW_PASS_RATIO: f32 = 8.0;
+/// Part of its step response that the low-pass must have reached before it is used.
+const MIN_RESPONSE_REL: f32 = 0.8;
+/// Smallest voltage across `R`, relative to the drive, that is distinguished from noise. Less means
+/// a ring-up that has just begun, or one that ends far beyond the limit.
+const MIN_RESISTIVE_REL: f32 = 0.1;
+/// Current, relative to its limit, above which such a ring-up ends far beyond the limit.
+const HIGH_CURRENT_REL: f32 = 0.3;
+/// Ratio of a square to the last one above which the root is computed directly, because a Newton
+/// step would be a tenth off.
+const MAX_NEWTON_RATIO: f32 = 2.0;
 
-/// The fold-back of the current.
+/// Fold-back of the current.
 #[derive(Clone, Debug)]
 pub(crate) struct FoldBack {
     limit_a: f32,
-    /// `2 L` by the time of a block, ohm.
+    /// `2 L` divided by the length of a block, ohm.
     ohm: f32,
-    /// Part of the way that the low-pass goes in a block; zero before anything is known.
+    /// Gain of the low-pass a block; zero before a transducer is known.
     gain: f32,
-    /// The motional current, A, and the admittance, S: roots that follow.
+    /// Motional current by Newton steps, A.
     amperes: f32,
+    /// Admittance by Newton steps, S.
     siemens: f32,
-    /// Voltage, V, and motional current, A, through the low-pass, and how far it has come since it began.
+    /// Voltage after the low-pass, V.
     volts: f32,
+    /// Motional current after the low-pass, A.
     current: f32,
-    come: f32,
-    /// The most voltage, V.
+    /// Part of its step response that the low-pass has reached; negative before its first block.
+    response: f32,
+    /// Largest voltage, V.
     ceiling: f32,
 }
 
 impl FoldBack {
-    /// Keeps this current, A.
+    /// Creates a fold-back at this current limit, A.
     pub(crate) fn build(limit_a: f32) -> Self {
         FoldBack {
             limit_a,
@@ -56,51 +65,52 @@ impl FoldBack {
             siemens: 0.0,
             volts: 0.0,
             current: 0.0,
-            come: -1.0,
+            response: -1.0,
             ceiling: f32::INFINITY,
         }
     }
 
-    /// Begins with this inductance, H, blocks that last so long, s, and the part of the time constant that they are.
+    /// Begins with an inductance, H, the length of a block, s, and its ratio to the time constant.
     pub(crate) fn begin(&mut self, lm_h: f32, block_s: f32, lag: f32) {
-        *self = FoldBack { ohm: 2.0 * lm_h / block_s, gain: smaller(QUICKER * lag, 1.0), ..FoldBack::build(self.limit_a) };
+        *self = FoldBack { ohm: 2.0 * lm_h / block_s, gain: smaller(LOW_PASS_RATIO * lag, 1.0), ..FoldBack::build(self.limit_a) };
     }
 
-    /// The most voltage, V.
+    /// Returns the largest voltage, V.
     pub(crate) fn ceiling(&self) -> f32 {
         self.ceiling
     }
 
-    /// The next block is not like the last one: an edge, or silence.
+    /// Restarts the low-pass after a block that is not of constant voltage: an edge, or silence.
     pub(crate) fn interrupt(&mut self) {
-        self.come = -1.0;
+        self.response = -1.0;
     }
 
-    /// Takes a block of this voltage throughout, V: its motional current, A, and the susceptance of the clamped branch, S.
+    /// Processes a block of constant voltage, V: its motional current, A, and the susceptance of
+    /// the clamped branch, S.
     #[inline(never)]
     pub(crate) fn watch(&mut self, volts: f32, motional_current: Phasor, susceptance: f32) {
-        self.amperes = follow(self.amperes, motional_current.norm_sqr());
-        if self.come < 0.0 {
-            (self.volts, self.current, self.come) = (volts, self.amperes, 0.0);
+        self.amperes = newton_step(self.amperes, motional_current.norm_sqr());
+        if self.response < 0.0 {
+            (self.volts, self.current, self.response) = (volts, self.amperes, 0.0);
             return;
         }
         let rise = self.gain * (self.amperes - self.current);
         self.current += rise;
         self.volts += self.gain * (volts - self.volts);
-        self.come += self.gain * (1.0 - self.come);
-        let (felt, least) = (self.volts - self.ohm * rise, READABLE * self.volts);
-        if self.come < READ || felt < least && self.current < LOUD * self.limit_a {
+        self.response += self.gain * (1.0 - self.response);
+        let (resistive, least) = (self.volts - self.ohm * rise, MIN_RESISTIVE_REL * self.volts);
+        if self.response < MIN_RESPONSE_REL || resistive < least && self.current < HIGH_CURRENT_REL * self.limit_a {
             return;
         }
-        let conductance = self.current / larger(felt, least);
-        self.siemens = follow(self.siemens, conductance * conductance + susceptance * susceptance);
-        self.ceiling = up_to(f32::MAX, AIM * self.limit_a / self.siemens);
+        let conductance = self.current / larger(resistive, least);
+        self.siemens = newton_step(self.siemens, conductance * conductance + susceptance * susceptance);
+        self.ceiling = up_to(f32::MAX, TARGET_CURRENT_REL * self.limit_a / self.siemens);
     }
 }
 
-/// A step from a root towards that of `square`, from above; all the way to one that is far from it.
+/// Returns one Newton step from `root` to the root of `square`, or the exact root if that is far.
 #[inline(always)]
-fn follow(root: f32, square: f32) -> f32 {
-    let near = root > 0.0 && square <= FAR * root * root;
+fn newton_step(root: f32, square: f32) -> f32 {
+    let near = root > 0.0 && square <= MAX_NEWTON_RATIO * root * root;
     if near { 0.5 * (root + square / root) } else { libm::sqrtf(square) }
 }

@@ -1,63 +1,68 @@
 //! Numerically controlled oscillator: a phase accumulator of 2^64 steps a turn.
 //!
-//! `phase(n + 1) = phase(n) + word`, `frequency = word / 2^64 * sample_hz`. At 1 Msps one step is 5e-14 Hz, so that the
-//! phase does not drift in any run; a 32-bit accumulator is off by 28 degrees after 1e9 samples of 40 000.1 Hz.
+//! `phase(n + 1) = phase(n) + word`, `frequency = word / 2^64 * sample_hz`. At 1 Msps one step is
+//! 5e-14 Hz, so that the phase does not drift in any run; a 32-bit accumulator is off by 28 degrees
+//! after 1e9 samples of 40 000.1 Hz.
 //!
-//! Within a block the word may grow by a constant, so that a chirp is no staircase: [`Stretch`].
+//! Within a block the word may grow by a constant, so that a chirp has no steps: [`Stretch`].
 
-/// 2^64 as a number: steps in a turn.
+/// Number of phase steps in a turn, 2^64.
 const STEPS_PER_TURN: f64 = 18_446_744_073_709_551_616.0;
 
-/// The tuning word for a frequency, in turns a sample times 2^64.
+/// Returns the tuning word of a frequency: turns a sample times 2^64.
 ///
-/// `cycles_per_sample` must lie in 0 to 1; outside, the cast saturates.
+/// `cycles_per_sample` must be between 0 and 1; outside, the cast saturates.
 pub fn tuning_word(cycles_per_sample: f64) -> u64 {
     (cycles_per_sample * STEPS_PER_TURN) as u64
 }
 
-/// The frequency of a tuning word, in turns a sample.
+/// Returns the frequency of a tuning word, turns a sample.
 pub fn cycles_per_sample(word: u64) -> f64 {
     word as f64 / STEPS_PER_TURN
 }
 
-/// What the oscillator does during a block: `phase(n) = phase + n word + n (n - 1) / 2 step`, 2^64 a turn.
+/// Phase of the oscillator in a block: `phase(n) = phase + n word + n (n - 1) / 2 step`, 2^64 a
+/// turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stretch {
     /// Phase of the first sample.
     pub phase: u64,
     /// Increment of the phase after the first sample.
     pub word: u64,
-    /// Increment of the increment, wrapping; zero where the frequency is held.
+    /// Increment of the word after each sample, wrapping; zero at a constant frequency.
     pub step: u64,
 }
 
 impl Stretch {
-    /// Phase of sample `n`.
+    /// Returns the phase of sample `n`.
     pub fn phase_at(&self, n: usize) -> u64 {
         let (n, pairs) = (n as u64, (n as u64).wrapping_mul((n as u64).wrapping_sub(1)) / 2);
         self.phase.wrapping_add(n.wrapping_mul(self.word)).wrapping_add(pairs.wrapping_mul(self.step))
     }
 
-    /// Increment of the phase after sample `n`.
+    /// Returns the increment of the phase after sample `n`.
     pub(crate) fn word_at(&self, n: usize) -> u64 {
         self.word.wrapping_add((n as u64).wrapping_mul(self.step))
     }
 
-    /// The tone of constant frequency that is nearest to the first `samples` samples, in the sense of least squares. A chirp of rate `c` (Hz/s) deviates from it by `pi c (T / 2)^2 / 3` rad rms at most over a block of `T`.
+    /// Returns the tone of constant frequency nearest to the first `samples` samples, in the sense
+    /// of least squares. A chirp of rate `c` (Hz/s) deviates from it by `pi c (T / 2)^2 / 3` rad
+    /// rms at most over a block of `T`.
     pub(crate) fn chord(&self, samples: usize) -> Stretch {
         if self.step == 0 {
             return *self;
         }
         let (step, samples) = (self.step as i64, samples as i64);
-        // n (n - 1) / 2 rises by (N - 2) / 2 a sample on average; the means of the two differ by (N - 1) (N - 2) / 12.
+        // n (n - 1) / 2 rises by (N - 2) / 2 a sample on average; the means of the two differ by (N
+        // - 1) (N - 2) / 12.
         let early = (step / 12).wrapping_mul((samples - 1) * (samples - 2));
         let word = self.word.wrapping_add_signed((step / 2).wrapping_mul(samples - 2));
         Stretch { phase: self.phase.wrapping_add_signed(early.wrapping_neg()), word, step: 0 }
     }
 }
 
-/// The phases of a stretch, sample after sample, in 32 bits: what they are cut by is less than 5e-7 turns after a block, and does not reach
-/// the next one.
+/// Phases of a stretch, sample after sample, in 32 bits. The truncation error is below 5e-7 turns
+/// after a block, and is not carried into the next one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Phases {
     phase: u32,
@@ -66,26 +71,26 @@ pub(crate) struct Phases {
 }
 
 impl Stretch {
-    /// Its phases, from the first sample on, `lead` (2^32 a turn) before the oscillator.
+    /// Returns the phases from the first sample on, `lead` (2^32 a turn) ahead of the oscillator.
     pub(crate) fn phases(&self, lead: u32) -> Phases {
         let high = |wide: u64| (wide >> 32) as u32;
         Phases { phase: high(self.phase).wrapping_add(lead), word: high(self.word), step: high(self.step) }
     }
 
-    /// The frequency of its first sample, in cycles a sample.
+    /// Returns the frequency of the first sample, cycles a sample.
     pub(crate) fn frequency(&self) -> f32 {
         (self.word >> 32) as u32 as f32 * (1.0 / 4_294_967_296.0)
     }
 }
 
 impl Phases {
-    /// Where the frequency stands, the first phase, and what lies between two.
+    /// Returns the first phase and the increment, if the frequency is constant.
     #[inline]
     pub(crate) fn steady(&self) -> Option<(u32, u32)> {
         (self.step == 0).then_some((self.phase, self.word))
     }
 
-    /// The next phase, 2^32 a turn.
+    /// Returns the next phase, 2^32 a turn.
     #[inline]
     pub(crate) fn take(&mut self) -> u32 {
         let phase = self.phase;
@@ -95,21 +100,22 @@ impl Phases {
     }
 }
 
-/// A numerically controlled oscillator: its phase.
+/// Numerically controlled oscillator, which consists of its phase.
 #[derive(Clone, Debug, Default)]
 pub struct Nco {
     phase: u64,
 }
 
 impl Nco {
-    /// Moves on by `samples` samples, the first of tuning word `word`, each next one of `step` more. Returns what the block plays.
+    /// Advances by `samples` samples, the first of tuning word `word`, which grows by `step` a
+    /// sample. Returns the phase over the block.
     pub fn advance(&mut self, (word, step): (u64, u64), samples: usize) -> Stretch {
         let stretch = Stretch { phase: self.phase, word, step };
         self.phase = stretch.phase_at(samples);
         stretch
     }
 
-    /// Goes back to the beginning of a cycle.
+    /// Resets the phase to the beginning of a cycle.
     #[inline]
     pub(crate) fn rewind(&mut self) {
         self.phase = 0;
@@ -130,7 +136,8 @@ mod tests {
         assert_eq!(nco.advance((word, 0), 0).phase, word.wrapping_mul(1_000_000_000));
     }
 
-    /// Why 64 bits: rounded to 32, the word of 40 000.1 Hz is off by 28 degrees of phase after 1e9 samples.
+    /// Reason for 64 bits: rounded to 32, the word of 40 000.1 Hz is off by 28 degrees of phase
+    /// after 1e9 samples.
     #[test]
     fn a_word_of_32_bits_would_drift() {
         let exact = tuning_word(40_000.1 / 1e6);

@@ -1,15 +1,16 @@
-//! Lanes: where each stands in the period, how large it is, and how that is made of one cosine and one sine.
+//! Lanes: phase and gain of each, composed of one cosine and one sine.
 //!
-//! Lanes 0 and 2 are each other's opposites, and so are 1 and 3, which lead them by the quadrature: a quarter turn makes the four phases of
-//! a travelling-wave motor (sine, cosine, -sine, -cosine), minus a quarter turns it round, zero makes a standing wave.
+//! Lanes 0 and 2 are opposites of each other, and so are lanes 1 and 3, which lead them by the
+//! quadrature. A quarter turn gives the four phases of a travelling-wave motor (sine, cosine,
+//! -sine, -cosine), minus a quarter reverses it, and zero gives a standing wave.
 //!
 //! ```text
 //! offset(lane) = (0, quadrature, 1/2, 1/2 + quadrature) + trim(lane, f)
 //! sin(theta + offset) = sin(theta) cos(offset) + cos(theta) sin(offset)
 //! ```
 //!
-//! so that a sine's lanes are the rows of a matrix, times one pair a sample. Lanes with the same trim are each other's opposites to the last bit, and
-//! one of the two is written as that.
+//! Therefore the lanes of a sine are the rows of a matrix times one pair a sample. Opposite lanes
+//! with the same trim are opposite to the last bit, and one is written from the other.
 
 use heapless::Vec;
 
@@ -20,16 +21,16 @@ use crate::seam::error::Error;
 use crate::seam::phasor::Phasor;
 use crate::seam::units::Turns;
 
-/// Largest quadrature: beyond a quarter turn a motor would turn the other way again.
+/// Largest quadrature, turns: beyond a quarter turn a motor would change its direction again.
 pub(crate) const MAX_QUADRATURE: f32 = 0.25;
-/// Where the lanes stand: turns, and quadratures.
+/// Offset of each lane: turns, and multiples of the quadrature.
 const OFFSETS: [(f32, f32); MAX_LANES] = [(0.0, 0.0), (0.0, 1.0), (0.5, 0.0), (0.5, 1.0)];
-/// Largest error that can be a lane's: turns, and a factor to either side.
+/// Largest plausible error of a lane: phase in turns, and gain as a factor to either side.
 pub(crate) const PLAUSIBLE: (f32, f32) = (0.125, core::f32::consts::SQRT_2);
-/// Blocks that the multiplexer of the sense channels may take to switch to another lane.
+/// Number of blocks that the multiplexer of the sense channels may take to switch lanes.
 pub(crate) const SWITCH_BLOCKS: u32 = 4;
-/// Trims are looked up again when the frequency has moved by this part of itself.
-const RETRIM: f32 = 1e-4;
+/// Relative change of the frequency after which trims are looked up again.
+const RETRIM_REL: f32 = 1e-4;
 
 /// One lane, ready to be applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,32 +39,34 @@ pub struct Lane {
     pub offset: u32,
     /// Gain of the lane.
     pub gain: f32,
-    /// The gain in the direction of the offset.
+    /// Gain in the direction of the offset.
     pub row: Phasor,
-    /// It is the opposite of the lane two before, to the last bit.
+    /// `true` if this lane is the opposite of the lane two places before, to the last bit.
     pub(crate) mirrors: bool,
 }
 
 /// The lanes of a drive.
 #[derive(Clone, Debug)]
 pub struct Phasing {
-    /// What the configuration corrects.
+    /// Trims of the configuration.
     fixed: Vec<Trim, MAX_LANES>,
     calibration: LaneTrims,
     forward: f32,
-    /// As of the last call of [`lanes`](Phasing::lanes), and what they were for.
+    /// Lanes as of the last call of [`lanes`](Phasing::lanes).
     lanes: Vec<Lane, MAX_LANES>,
+    /// Quadrature of these lanes, turns.
     quadrature: f32,
+    /// Frequency of these lanes, Hz.
     hz: f32,
 }
 
-/// Turns to 2^32 a turn, wrapping.
+/// Converts turns to 2^32 a turn, wrapping.
 fn phase_of_turns(turns: f32) -> u32 {
-    // In halves, so that every offset from minus two turns to two fits.
+    // In units of 2^-30 turns, so that every offset from minus two turns to two fits.
     ((turns * 1_073_741_824.0) as i32 as u32) << 2
 }
 
-/// The largest gain of a lane, at least one: a voltage limit is for that lane.
+/// Returns the largest gain of a lane, at least one: a voltage limit applies to that lane.
 pub fn loudest(phasing: &PhasingConfig) -> f32 {
     loudest_of(|lane| phasing.gain_trim.get(lane).copied().unwrap_or(1.0), &phasing.calibration)
 }
@@ -80,7 +83,7 @@ fn checked(trim: Trim) -> Result<Trim, Error> {
     Ok(trim)
 }
 
-/// Checks what a calibration is said to have found.
+/// Checks the result of a calibration.
 pub(crate) fn check_calibration(calibration: &LaneTrims) -> Result<(), Error> {
     if !calibration.windows(2).all(|pair| pair[0].hz < pair[1].hz) {
         return Err(Error::TrimOrder);
@@ -89,14 +92,14 @@ pub(crate) fn check_calibration(calibration: &LaneTrims) -> Result<(), Error> {
 }
 
 impl Phasing {
-    /// Checks lanes and trims. Trims that are not given are none.
+    /// Builds the lanes, and checks their trims. Missing trims are neutral.
     pub fn build(config: &Config) -> Result<Self, Error> {
         let phasing = &config.phasing;
         let fixed = |lane: usize| Trim {
             phase_turns: phasing.phase_trim_turns.get(lane).copied().unwrap_or(0.0),
             gain: phasing.gain_trim.get(lane).copied().unwrap_or(1.0),
         };
-        // A trim is checked whether its lane is there or not.
+        // A trim is checked even if its lane is not in use.
         let mut fixed = (0..MAX_LANES).map(|lane| checked(fixed(lane))).collect::<Result<Vec<_, MAX_LANES>, Error>>()?;
         fixed.truncate(config.lanes.into());
         check_calibration(&phasing.calibration)?;
@@ -108,60 +111,61 @@ impl Phasing {
         Ok(Phasing { fixed, calibration, forward, lanes: Vec::new(), quadrature: 0.0, hz: 0.0 })
     }
 
-    /// How many lanes there are.
+    /// Returns the number of lanes.
     pub fn count(&self) -> usize {
         self.fixed.len()
     }
 
-    /// The quadrature asked for, or the configured one; and whether it had to be limited. A not-a-number is the configured one.
-    pub fn quadrature(&self, asked: Option<Turns>) -> (f32, bool) {
-        match asked {
+    /// Returns the ordered quadrature, or the configured one, and `true` if it had to be limited.
+    /// NaN gives the configured one.
+    pub fn quadrature(&self, ordered: Option<Turns>) -> (f32, bool) {
+        match ordered {
             Some(Turns(turns)) if !turns.is_nan() => (turns.clamp(-MAX_QUADRATURE, MAX_QUADRATURE), turns.abs() > MAX_QUADRATURE),
             _ => (self.forward, false),
         }
     }
 
-    /// Where each lane ought to stand, 2^32 a turn.
+    /// Returns the nominal offset of each lane, 2^32 a turn.
     pub fn offsets(quadrature: f32) -> [u32; MAX_LANES] {
         Self::turns(quadrature).map(phase_of_turns)
     }
 
-    /// The same in turns.
+    /// Returns the nominal offset of each lane, turns.
     fn turns(quadrature: f32) -> [f32; MAX_LANES] {
         OFFSETS.map(|(turns, quadratures)| turns + quadratures * quadrature)
     }
 
-    /// The trims of a calibration.
+    /// Returns the trims of the calibration.
     pub fn calibration(&self) -> &LaneTrims {
         &self.calibration
     }
 
-    /// Trims the lanes by a calibration from now on, and returns what they were trimmed by.
+    /// Replaces the calibration, and returns the former one.
     pub fn trim(&mut self, calibration: LaneTrims) -> LaneTrims {
         self.lanes.clear();
         core::mem::replace(&mut self.calibration, calibration)
     }
 
-    /// The largest gain of a lane with the present trims, at least one.
+    /// Returns the largest gain of a lane with the present trims, at least one.
     pub fn loudest(&self) -> f32 {
         loudest_of(|lane| self.fixed.get(lane).map_or(1.0, |trim| trim.gain), &self.calibration)
     }
 
-    /// The lanes at a frequency and a quadrature.
+    /// Returns the lanes at a frequency and a quadrature.
     pub fn lanes(&mut self, hz: f32, quadrature: f32) -> &Vec<Lane, MAX_LANES> {
-        let moved = !self.calibration.is_empty() && (hz - self.hz).abs() > RETRIM * hz;
+        let moved = !self.calibration.is_empty() && (hz - self.hz).abs() > RETRIM_REL * hz;
         if self.lanes.is_empty() || quadrature != self.quadrature || moved {
             self.set(hz, quadrature);
         }
         &self.lanes
     }
 
-    /// The gain of a lane, as it was last played.
+    /// Returns the gain of a lane, as it was last played.
     pub(crate) fn gain(&self, lane: usize) -> f32 {
         self.lanes.get(lane).map_or(1.0, |lane| lane.gain)
     }
 
-    /// Calculates the lanes at a frequency and a quadrature.
+    /// Computes the lanes at a frequency and a quadrature.
     #[inline(never)]
     fn set(&mut self, hz: f32, quadrature: f32) {
         (self.hz, self.quadrature) = (hz, quadrature);
@@ -179,7 +183,7 @@ impl Phasing {
         Lane { offset, gain, row: sine::rotation(u64::from(offset) << 32) * gain, mirrors: false }
     }
 
-    /// What the calibration says of a lane, on a straight line between its neighbours in frequency.
+    /// Returns the trim of a lane from the calibration, interpolated linearly in frequency.
     fn calibrated(&self, lane: usize) -> Trim {
         let above = self.calibration.iter().position(|point| point.hz >= self.hz).unwrap_or(self.calibration.len());
         let at = |point: usize| self.calibration.get(point).and_then(|point| Some((point.hz, *point.lanes.get(lane)?)));
@@ -226,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn trims_lie_on_straight_lines_between_calibrated_frequencies() {
+    fn trims_are_interpolated_linearly_in_frequency() {
         let mut phasing = phasing(2);
         let point = |hz, phase_turns, gain| {
             let mut lanes = [Trim::default(); MAX_LANES];
@@ -242,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quadrature_is_limited_and_says_so() {
+    fn the_quadrature_is_limited_and_reports_it() {
         let phasing = phasing(4);
         assert_eq!(phasing.quadrature(None), (0.25, false));
         assert_eq!(phasing.quadrature(Some(Turns(0.1))), (0.1, false));

@@ -1,10 +1,10 @@
-//! Phase to amplitude: the waveform, of peak one, so that a voltage limit is a limit for every shape.
+//! Waveforms: phase to amplitude, with a peak of one, so that a voltage limit applies to any shape.
 //!
-//! | shape | is made | file |
+//! | shape | made by | file |
 //! |---|---|---|
-//! | sine | from one rotating phasor, for all lanes | [`sine`] |
-//! | square, sawtooth | by tables of one period, each the sum of as many harmonics as the sample rate permits | `square`, `sawtooth`, `bands` |
-//! | noise | by a filter, from random numbers | `noise` |
+//! | sine | one rotating phasor for all lanes | [`sine`] |
+//! | square, sawtooth | tables of one period, each the sum of as many harmonics as the sample rate permits | `square`, `sawtooth`, `bands` |
+//! | noise | a filter on random numbers | `noise` |
 
 pub(crate) mod bands;
 pub(crate) mod noise;
@@ -18,7 +18,7 @@ use crate::seam::config::{Config, ShapeKind};
 use crate::seam::error::Error;
 use crate::seam::features::{self, Waveforms};
 
-/// A waveform, ready to be played.
+/// Waveform, ready to be played.
 #[derive(Clone, Debug)]
 pub enum Shape {
     /// A sine wave.
@@ -30,7 +30,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Whether it has a fundamental: a noise has none.
+    /// Returns `true` if the waveform has a fundamental: a noise has none.
     pub(crate) fn has_fundamental(&self) -> bool {
         !matches!(self, Shape::Noise(..))
     }

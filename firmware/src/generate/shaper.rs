@@ -1,11 +1,14 @@
-//! The shaper: phase, shape, lanes and envelope to codes.
+//! The shaper: codes from phase, shape, lanes and envelope.
 //! `drive(n, lane) = mid + envelope(n) * volts * gain(lane) * shape(phase(n) + offset(lane))`.
 //!
-//! A plain sine is written as it is swung. Whatever else is played is put down as a wave first, sample by sample, and then written.
+//! A plain sine is written directly as codes. Every other waveform is first computed as a wave,
+//! sample by sample, and then written.
 //!
-//! Amplitudes are limited here to what the converter has, once a block, so that no code can run over. What a burst leaves in volt-seconds
-//! (its sampling, its rounding, the shape of its edges) is counted in codes and paid back in the silence after it, an eighth of the
-//! amplitude a sample at most: over burst and silence the codes of every lane add up to nothing.
+//! Amplitudes are limited to the range of the converter once a block, so that no code can overflow.
+//! The volt-seconds that a burst leaves (from its sampling, its rounding, and the shape of its
+//! edges) are counted in codes, and compensated in the silence after it by at most an eighth of the
+//! amplitude a sample. Over burst and silence the codes of each lane, relative to mid-code, add up
+//! to zero.
 
 mod rows;
 mod wave;
@@ -25,44 +28,48 @@ use crate::generate::shaper::wave::Wave;
 use crate::seam::block::{Codes, DriveBlock, MAX_LANES};
 use crate::seam::config::Config;
 
-/// The most that is paid back in a sample: codes, and a part of the amplitude.
-const PAYBACK: (f32, f32) = (32.0, 0.125);
-/// The most that is ever owed, codes times samples, or that many half cycles of the largest drive of an edge, if that is more: what rounding adds up
-/// over hours of steady drive is no volt-second of a burst.
-const MOST_OWED: (i32, f32) = (1 << 14, 2.0);
+/// Largest compensation of volt-seconds in a sample, codes.
+const MAX_PAYBACK_CODES: f32 = 32.0;
+/// Largest compensation of volt-seconds in a sample, relative to the amplitude.
+const MAX_PAYBACK_REL: f32 = 0.125;
+/// Largest amount that is compensated, codes times samples. The sum of rounding over hours of
+/// steady drive is not due to a burst.
+const MAX_OWED_CODE_SAMPLES: i32 = 1 << 14;
+/// Largest amount that is compensated after an edge, half cycles of its largest drive.
+const MAX_OWED_HALF_CYCLES: f32 = 2.0;
 
-/// The shaper: it turns phase, envelope and amplitude into the codes of all lanes.
+/// Shaper, which turns phase, envelope and amplitude into the codes of all lanes.
 #[derive(Clone, Debug)]
 pub struct Shaper {
     dither: Option<Dither>,
-    /// What each lane has played too much since it was last even, codes times samples.
+    /// Sum of each lane's codes that is still to be compensated, codes times samples.
     owed: [i32; MAX_LANES],
-    most_owed: i32,
-    /// Amplitude of the last block that was driven, codes.
+    owed_limit: i32,
+    /// Amplitude of the last driven block, codes.
     driven: f32,
-    /// What a block plays, where it is no plain sine.
+    /// Waveform of a block, if it is not a plain sine.
     wave: Wave,
 }
 
-/// What a block is to play.
+/// Input of the shaper for one block.
 pub struct Play<'a> {
     /// Scale of the drive converters.
     pub scale: &'a DriveScale,
-    /// The lanes, with their offsets and gains.
+    /// Lanes, with their offsets and gains.
     pub lanes: &'a Vec<Lane, MAX_LANES>,
-    /// The phase over the block.
+    /// Phase over the block.
     pub stretch: Stretch,
     /// Number of samples.
     pub samples: usize,
-    /// Peak voltage before the envelope, V, and how many times louder the envelope may get.
+    /// Peak voltage before the envelope, V.
     pub volts: f32,
-    /// Largest ratio of the envelope to one; at least one.
+    /// Largest value that the envelope may reach; at least one.
     pub louder: f32,
-    /// The envelope over the block.
+    /// Envelope over the block.
     pub envelope: Envelope<'a>,
 }
 
-/// How large the waveform may be, codes.
+/// Intended amplitude of the waveform, and the room for it, codes.
 #[derive(Clone, Copy)]
 struct Size {
     target: f32,
@@ -70,11 +77,12 @@ struct Size {
 }
 
 impl Size {
-    fn of(play: &Play) -> Self {
+    fn new(play: &Play) -> Self {
         Size { target: play.volts * play.scale.lsb_per_volt(), room: play.scale.headroom() / play.louder }
     }
 
-    /// For a lane's gain of one; no more than the converter has room for at the lane's own gain.
+    /// Returns the amplitude for a gain of one, such that the converter has room for it at the gain
+    /// of the lane.
     fn at(&self, gain: f32) -> f32 {
         if self.target * gain > self.room { self.room / gain } else { self.target }
     }
@@ -86,39 +94,41 @@ impl Shaper {
         Shaper {
             dither: config.drive.dither.then(|| Dither::new(config.drive.seed)),
             owed: [0; MAX_LANES],
-            most_owed: MOST_OWED.0,
+            owed_limit: MAX_OWED_CODE_SAMPLES,
             driven: 0.0,
             wave: Wave::default(),
         }
     }
 
-    /// Whether nothing is owed.
+    /// Returns `true` if nothing is left to be compensated.
     pub(crate) fn is_even(&self) -> bool {
         self.owed.iter().all(|&owed| owed == 0)
     }
 
-    /// A block of mid-code, whatever is owed: for a drive that must be silent, or is listened to in silence.
+    /// Writes a block of mid-code without compensation, for a drive that must be silent, or is
+    /// measured in silence.
     pub(crate) fn mute(&mut self, play: &Play, drive: &mut DriveBlock) {
         self.owed = [0; MAX_LANES];
         fit(play, drive);
         self.silence(play, drive);
     }
 
-    /// Writes one block of codes. Returns the amplitude of its fundamental, of a peak of one; a noise has none, and of silence it is one.
+    /// Writes one block of codes. Returns the amplitude of its fundamental at a peak of one: `None`
+    /// for noise, and one for silence.
     pub fn shape(&mut self, shape: &mut Shape, play: &Play, drive: &mut DriveBlock) -> Option<f32> {
         fit(play, drive);
         if play.volts == 0.0 || play.envelope == Envelope::Flat(0.0) {
             self.silence(play, drive);
             return shape.has_fundamental().then_some(1.0);
         }
-        let size = Size::of(play);
+        let size = Size::new(play);
         self.driven = size.target;
         if play.louder > 1.0 && !play.envelope.is_flat() {
-            self.let_owe(size.target * play.louder, play.stretch.frequency());
+            self.raise_owed_limit(size.target * play.louder, play.stretch.frequency());
         }
         match shape {
             Shape::Sine if play.stretch.step == 0 => self.steady(size, play, drive),
-            // A sine whose frequency moves.
+            // A sine whose frequency changes.
             Shape::Sine => self.read(&square::SINE, size, play, drive),
             Shape::Harmonics(_, bands) => {
                 let blend = bands.at(play.stretch.frequency());
@@ -133,72 +143,73 @@ impl Shaper {
         Some(1.0)
     }
 
-    /// Lets as much be owed as an edge of this amplitude, codes, may leave.
+    /// Raises the largest compensation to that of an edge of this amplitude, codes.
     #[inline(never)]
-    fn let_owe(&mut self, amplitude: f32, frequency: f32) {
+    fn raise_owed_limit(&mut self, amplitude: f32, frequency: f32) {
         let half_cycle = amplitude / (core::f32::consts::PI * frequency);
-        self.most_owed = ((MOST_OWED.1 * half_cycle).min(1e8) as i32).max(MOST_OWED.0);
+        self.owed_limit = ((MAX_OWED_HALF_CYCLES * half_cycle).min(1e8) as i32).max(MAX_OWED_CODE_SAMPLES);
     }
 
-    /// A sine of constant frequency. Most blocks are one of the first two, which are separate so that neither costs the other time.
+    /// Writes a sine of constant frequency. Most blocks are `even` or `edge`, which are separate so
+    /// that neither slows the other.
     fn steady(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
         match (&self.dither, play.envelope) {
-            _ if play.stretch.word > Steps::HIGHEST => self.swung(size, play, drive),
+            _ if play.stretch.word > Steps::MAX_SMALL_WORD => self.swung(size, play, drive),
             (None, Envelope::Flat(1.0)) => self.even(size, play, drive),
             (None, Envelope::Edge(levels)) => self.edge(size, play, drive, levels),
             _ => self.swung(size, play, drive),
         }
     }
 
-    /// Under an envelope of one, without a dither.
+    /// Writes a sine under an envelope of one, without dither.
     #[inline(never)]
     fn even(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
         self.swing(size, play, drive, rows::even);
     }
 
-    /// Under an envelope that differs from sample to sample, without a dither.
+    /// Writes a sine under an envelope that varies from sample to sample, without dither.
     #[inline(never)]
     fn edge(&mut self, size: Size, play: &Play, drive: &mut DriveBlock, levels: Levels) {
-        // As loud as it may get, of which the levels are parts.
+        // At the largest level, of which the levels are parts.
         let size = Size { target: size.target * levels.loudest, room: size.room * levels.loudest };
         self.swing(size, play, drive, |steps, base, codes| rows::edge(steps, base, levels.parts, codes));
     }
 
-    /// Writes each lane's swing, or that of the lane that it is the opposite of, about mid-code.
+    /// Writes each lane: its own sine, or the opposite of another lane about mid-code.
     #[inline(always)]
     fn swing(&mut self, size: Size, play: &Play, drive: &mut DriveBlock, row: impl Fn(Steps, f32, &mut [u16]) -> i32) {
         let steady = Steady::new(&play.stretch);
         let (mid, base) = (play.scale.silence(), play.scale.rounding_base());
         let silent = i32::from(mid) * play.samples as i32;
-        // Of the last two lanes.
-        let mut beside = [0; 2];
+        // Sums of the last two lanes, relative to mid-code.
+        let mut sums = [0; 2];
         for (n, lane) in play.lanes.iter().enumerate() {
             let Some((before, [codes, ..])) = drive.lanes.split_at_mut_checked(n) else { break };
             let this = match before.iter().nth_back(1).filter(|_| lane.mirrors) {
                 Some(other) => {
                     rows::opposite(mid, other, codes);
-                    -beside[0]
+                    -sums[0]
                 }
                 None => row(steady.swing(lane.row * size.at(lane.gain)).steps().0, base, codes) - silent,
             };
-            beside = [beside[1], this];
+            sums = [sums[1], this];
             self.owe(n, this);
         }
     }
 
-    /// A sine under any other envelope, or with a dither.
+    /// Writes a sine under any other envelope, or with dither.
     #[inline(never)]
     fn swung(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
-        // As loud as it may get, so that no level is more than one.
+        // At the largest level, so that no level is above one.
         let size = Size { target: size.target * play.louder, room: size.room * play.louder };
         let steady = Steady::new(&play.stretch);
         for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
             self.wave.swing(&steady.swing(lane.row * size.at(lane.gain)), play.samples);
-            self.write(play, Wave::OF_STEPS / play.louder, n, codes);
+            self.write(play, Wave::STEPS_PEAK_CODES / play.louder, n, codes);
         }
     }
 
-    /// What tables hold.
+    /// Writes a waveform from tables.
     #[inline(never)]
     fn read(&mut self, blend: &Blend, size: Size, play: &Play, drive: &mut DriveBlock) {
         for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
@@ -215,30 +226,31 @@ impl Shaper {
         }
     }
 
-    /// Rounds the waveform, of this peak in codes, to the codes of a lane. Amplitudes are limited where they are made, so that every sum is a code.
+    /// Rounds the waveform, with this peak in codes, to the codes of a lane. Amplitudes were
+    /// limited before, so that every sum is a code.
     #[inline(never)]
     fn write(&mut self, play: &Play, peak: f32, lane: usize, codes: &mut Codes) {
         let sum = self.wave.write(peak, play.scale.rounding_base(), &play.envelope, self.dither.as_mut(), codes);
         self.owe(lane, sum - i32::from(play.scale.silence()) * play.samples as i32);
     }
 
-    /// Adds what a lane has played beside mid-code to what it owes.
+    /// Adds the sum of a lane's codes, relative to mid-code, to the amount to be compensated.
     #[inline(always)]
-    fn owe(&mut self, lane: usize, beside: i32) {
-        // `clamp` could panic, for all that the compiler knows.
+    fn owe(&mut self, lane: usize, sum: i32) {
+        // `clamp` could panic, as far as the compiler knows.
         if let Some(owed) = self.owed.get_mut(lane) {
-            *owed = (*owed + beside).min(self.most_owed).max(-self.most_owed);
+            *owed = (*owed + sum).min(self.owed_limit).max(-self.owed_limit);
         }
     }
 
-    /// Mid-code, but for what is owed.
+    /// Writes mid-code, with the compensation.
     #[inline(never)]
     fn silence(&mut self, play: &Play, drive: &mut DriveBlock) {
-        let (mid, (codes, part)) = (play.scale.silence(), PAYBACK);
-        let most = (self.driven * part).clamp(1.0, codes) as i32;
+        let mid = play.scale.silence();
+        let most = (self.driven * MAX_PAYBACK_REL).clamp(1.0, MAX_PAYBACK_CODES) as i32;
         for (codes, owed) in drive.lanes.iter_mut().zip(&mut self.owed) {
             let (fours, rest) = codes.as_chunks_mut::<4>();
-            // Written out: a compiler that saves code calls a copy of four here.
+            // Written out: a compiler that optimizes for size calls a copy of four here.
             for [first, second, third, fourth] in fours {
                 (*first, *second, *third, *fourth) = (mid, mid, mid, mid);
             }
@@ -246,7 +258,7 @@ impl Shaper {
             if *owed == 0 {
                 continue;
             }
-            // By the most, as often as that goes, and then what is left.
+            // The largest compensation as often as it fits, and then the rest.
             let (whole, most) = (owed.unsigned_abs() / most as u32, most * owed.signum());
             let whole = codes.len().min(whole as usize);
             let (all, left) = codes.split_at_mut(whole);
@@ -260,9 +272,9 @@ impl Shaper {
     }
 }
 
-/// Gives the block its lanes and samples.
+/// Resizes the block to its lanes and samples.
 fn fit(play: &Play, drive: &mut DriveBlock) {
-    // There are never more of either than there is room for: the configuration was checked.
+    // Neither exceeds the capacity, because the configuration was checked.
     if drive.lanes.len() != play.lanes.len() {
         let _ = drive.lanes.resize_default(play.lanes.len());
     }

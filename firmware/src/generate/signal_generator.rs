@@ -1,4 +1,4 @@
-//! From a plan to codes: frequency, envelope, amplitude, lanes and shape of one block.
+//! The signal generator: the codes of one block from a plan.
 
 use crate::generate::amplitude::AmplitudeLoop;
 use crate::generate::burst::Burst;
@@ -13,40 +13,42 @@ use crate::generate::sweep::hold::Hold;
 use crate::seam::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders};
 use crate::seam::mode::Mode;
 
-/// A block that has been written: what was played in it when the sense codes of that block arrive.
+/// Record of a written block, for the time when the sense codes of that block arrive.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Played {
-    /// The tone, or the chord of a chirp.
+    /// Tone, or the chord of a chirp.
     pub(crate) tone: Stretch,
     /// Frequency relative to the nominal one.
     pub(crate) relative: f32,
     /// Frequency as an offset from the nominal one, Hz.
     pub(crate) offset_hz: f32,
-    /// How far beside the lock point the drive was on purpose, Hz.
+    /// Intended offset of the drive from the lock point, Hz.
     pub(crate) detune_hz: f32,
     /// Peak voltage before the envelope, V.
     pub(crate) volts: f32,
-    /// What the sense channels see of the voltage: the gain of the connected lane times the fundamental of the shape. Unknown for
-    /// noise, and for a lane that is being calibrated.
+    /// Amplitude at the sense channels relative to the voltage: the gain of the connected lane
+    /// times the fundamental of the shape. `None` for noise, and for a lane that is being
+    /// calibrated.
     pub(crate) audible: Option<f32>,
     /// Mean envelope.
     pub(crate) envelope: f32,
-    /// The envelope was the same throughout.
+    /// `true` if the envelope was constant.
     pub(crate) flat: bool,
-    /// The drive was a sine.
+    /// `true` if the drive was a sine.
     pub(crate) pure: bool,
-    /// The lane that the sense channels were connected to.
+    /// Lane that the sense channels were connected to.
     pub(crate) lane: u8,
 }
 
 impl Played {
-    /// A block before the first: silence at this frequency.
+    /// Creates the record of a block before the first: silence at the held frequency.
     pub(crate) fn at_rest(hold: &Hold) -> Self {
         let tone = Stretch { word: hold.word(), ..Stretch::default() };
         Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }
     }
 
-    /// The block was dropped while it played, or before: how much of it has played is for the board to know.
+    /// Marks the block as dropped while it played, or before. Only the board knows how much of it
+    /// has played.
     #[cold]
     #[inline(never)]
     pub(crate) fn drop_rest(&mut self) {
@@ -54,14 +56,15 @@ impl Played {
         self.flat = false;
     }
 
-    /// Whether the drive was fully ON throughout the block.
+    /// Returns `true` if the drive was fully ON throughout the block.
     #[inline]
     pub(crate) fn is_full(&self) -> bool {
         self.flat && self.envelope == 1.0 && self.volts > 0.0
     }
 }
 
-/// The generator: everything between a plan and the codes. Small parts that every block reads stand first.
+/// Generator: everything between a plan and the codes. Small parts that every block reads come
+/// first.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(crate) struct SignalGenerator {
@@ -78,7 +81,7 @@ pub(crate) struct SignalGenerator {
 }
 
 impl SignalGenerator {
-    /// A block of silence.
+    /// Returns a block of silence.
     pub(crate) fn silence(&self) -> DriveBlock {
         DriveBlock::silent(self.phasing.count(), self.samples, self.scale.silence())
     }
@@ -91,22 +94,24 @@ impl SignalGenerator {
         self.burst.restart();
     }
 
-    /// The burst schedule counts from a block on.
+    /// Starts the burst schedule at a block.
     pub(crate) fn begin_schedule(&mut self, block: u64) {
         self.burst.begin_schedule(block * self.samples as u64);
     }
 
-    /// The sample that is played first in the block to be written.
+    /// Returns the number of the first sample of the block to be written.
     pub(crate) fn now(&self, block: u64) -> u64 {
         (block + LATENCY_BLOCKS as u64) * self.samples as u64
     }
 
-    /// Takes the present trims into account for the voltage limit, which is that of the lane with the largest gain. Returns that limit, V.
+    /// Applies the present trims to the voltage limit, which is that of the lane with the largest
+    /// gain. Returns that limit, V.
     pub(crate) fn set_loudest(&mut self) -> f32 {
         self.amplitude.set_loudest(self.phasing.loudest())
     }
 
-    /// Writes the codes of a plan, and returns what they are. `observed`: an observer locks, which needs a sine whatever the shape is.
+    /// Writes the codes of a plan, and returns their record. `observed`: the observer locks, which
+    /// needs a sine for any shape.
     #[inline]
     pub(crate) fn play(
         &mut self,
@@ -129,7 +134,8 @@ impl SignalGenerator {
             Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
                 let open = plan.gate == Gate::On;
                 if mode == Mode::Scan && !open {
-                    // A scan begins at full voltage, and so where a cycle does: a jump would draw a peak of current into the clamped capacitance.
+                    // A scan begins at full voltage, and therefore at the beginning of a cycle: a
+                    // jump would draw a peak of current into the clamped capacitance.
                     self.nco.rewind();
                 }
                 self.burst.set_envelope_now(open, &stretch, self.samples)
@@ -139,8 +145,8 @@ impl SignalGenerator {
             Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples, plan.volts),
         };
         let (level, flat) = (envelope.mean(), envelope.is_flat());
-        // A brake may be louder than the drive, but not than the limit, whatever has become of the drive since it began.
-        let volts = self.amplitude.within(plan.volts, louder);
+        // A brake may exceed the drive but not the limit, even if the drive has changed since.
+        let volts = self.amplitude.limit_volts(plan.volts, louder);
         let (quadrature, _) = self.phasing.quadrature(orders.quadrature.filter(|_| mode != Mode::Calibrate));
         let lanes = self.phasing.lanes(hz, quadrature);
         let gain = lanes.first().map_or(1.0, |lane| lane.gain);

@@ -1,11 +1,11 @@
-//! What a stage of the controller wants next, in one form for all of them, and what is played for it.
+//! The next step of a stage of the controller, in one form for all stages, and the plan for it.
 
 use crate::seam::block::Gate;
 use crate::seam::fault::Fault;
 use crate::seam::mode::Mode;
 use crate::seam::units::Turns;
 
-/// The answer of a stage to one block.
+/// Answer of a stage to one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
     /// Silence. The frequency stays where it is.
@@ -16,38 +16,39 @@ pub enum Step {
         offset_hz: f32,
         /// Peak voltage, V.
         volts: f32,
-        /// The lane that the sense channels are connected to.
+        /// Lane that the sense channels are connected to.
         lane: u8,
     },
     /// The drive that follows the resonance, at the frequency that has been set already.
     Follow(Plan),
-    /// The stage is over. A tone at the present frequency leads to the next one.
+    /// The stage is complete. A tone at the present frequency leads to the next one.
     Done {
         /// Peak voltage, V; zero is silence.
         volts: f32,
     },
-    /// The stage cannot tell; silence, and another stage takes its place.
+    /// The stage cannot decide. The drive is silent, and another stage takes over.
     Instead(Mode),
     /// The stage has failed; the drive is muted.
     Failed(Fault),
 }
 
-/// What is played in the next block, before the burst schedule limits it.
+/// Plan of the next block, before the burst schedule limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
     /// Peak voltage before the envelope, V.
     pub volts: f32,
-    /// When the drive is let through.
+    /// Gate of the drive.
     pub(crate) gate: Gate,
-    /// The lane that the sense channels are connected to.
+    /// Lane that the sense channels are connected to.
     pub(crate) listen: u8,
-    /// Offset of the tracked resonance from the nominal frequency, Hz; `None` where nothing is tracked.
+    /// Offset of the tracked resonance from the nominal frequency, Hz; `None` if nothing is
+    /// tracked.
     pub(crate) tracked_hz: Option<f32>,
-    /// The phase that the tracker drives to zero.
+    /// Phase that the tracker drives to zero.
     pub phase: Turns,
-    /// The frequency window limits what the order asks for.
+    /// `true` if the frequency window limits the set point.
     pub(crate) limited: bool,
-    /// How the stage is getting on.
+    /// Progress of the stage.
     pub(crate) progress: Progress,
 }
 
@@ -62,7 +63,8 @@ impl Plan {
         progress: Progress::Busy,
     };
 
-    /// The plan for a step. `retune` sets the frequency, as an offset from the nominal one, Hz.
+    /// Creates the plan for a step. `retune` sets the frequency, as an offset from the nominal one,
+    /// Hz.
     pub(crate) fn of(step: Step, retune: impl FnOnce(f32)) -> Self {
         match step {
             Step::Silence => Plan::SILENT,
@@ -81,14 +83,14 @@ impl Plan {
     }
 }
 
-/// How a stage of the way to [`Mode::Run`] is getting on.
+/// Progress of a stage on the way to [`Mode::Run`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// The stage goes on.
+    /// The stage continues.
     Busy,
     /// The stage is complete.
     Done,
-    /// The controller has to go to this other stage.
+    /// The controller must go back to this other stage.
     Back(Mode),
     /// The stage has failed with this fault.
     Failed(Fault),

@@ -1,5 +1,6 @@
-//! Time to frequency. [`hold`]: the frequency stays where it was put until the scan, the tracker or an order moves it. `chirp`: it moves by
-//! itself, between two frequencies or about the one that is held. Nothing here ever breaks the phase.
+//! Frequency over time. [`hold`]: the frequency is constant until the scan, the tracker or an order
+//! changes it. `chirp`: it moves between two frequencies, or about the held one. The phase is
+//! always continuous.
 
 pub(crate) mod chirp;
 pub mod hold;
@@ -9,19 +10,19 @@ use crate::generate::sweep::hold::Hold;
 use crate::seam::config::{Config, Sweep as SweepConfig};
 use crate::seam::error::Error;
 
-/// The highest frequency that a sample rate permits, as a part of it.
-pub(crate) const HIGHEST: f64 = 0.45;
+/// Highest frequency, relative to the sample rate.
+pub(crate) const MAX_FREQUENCY_REL: f64 = 0.45;
 
-/// The frequency held, and the chirp that departs from it while running.
+/// Held frequency, and the chirp that departs from it while running.
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    /// The constant frequency that is held without a chirp.
+    /// Constant frequency that is held without a chirp.
     pub hold: Hold,
     chirp: Option<Chirp>,
 }
 
 impl Sweep {
-    /// Checks the frequencies.
+    /// Builds the sweep, and checks its frequencies.
     pub(crate) fn build(config: &Config) -> Result<Self, Error> {
         let hold = Hold::build(config.drive.frequency_hz, config.sample_hz)?;
         let chirp = match &config.sweep {
@@ -31,7 +32,7 @@ impl Sweep {
         Ok(Sweep { hold, chirp })
     }
 
-    /// Whether there is no chirp.
+    /// Returns `true` if there is no chirp.
     pub(crate) fn holds(&self) -> bool {
         self.chirp.is_none()
     }
@@ -41,7 +42,8 @@ impl Sweep {
         self.chirp.iter_mut().for_each(Chirp::restart);
     }
 
-    /// Tuning word of the next block's first sample and its increment from sample to sample. `running`: the chirp has its turn.
+    /// Returns the tuning word of the next block's first sample, and its increment a sample. The
+    /// chirp acts only if `running`.
     pub(crate) fn next(&mut self, running: bool) -> (u64, u64) {
         match self.chirp.as_mut().filter(|_| running) {
             Some(chirp) => chirp.next(self.hold.word()),

@@ -1,4 +1,5 @@
-//! What voltage and current say: one block's phasors, and its raw codes where the lock-in has seen some that may be out of order.
+//! Checks of voltage and current in one block: the phasors, and the raw codes if the lock-in
+//! suspects clipping or over-current.
 
 use crate::seam::block::{Codes, SenseBlock, Trips};
 use crate::seam::config::{Config, Tracking};
@@ -7,29 +8,35 @@ use crate::sense::convert::{CLIPPED_PART, Convert, SenseScale};
 use crate::sense::demod::{Sensed, Suspect};
 use crate::sense::source::LARGEST_OHM;
 
-/// Part of the range within which a limit is certainly nearer than its ends: a self-test moves the zero by a twentieth at most.
-const NEARER: f32 = 0.9;
-/// Samples of a block over the current limit that make a fault: one may be a glitch of the converter.
+/// Fraction of the converter's half range below which the current limit is certainly nearer than
+/// the ends of the range: the self-test shifts the zero by at most 5 %.
+const LIMIT_INSIDE_REL: f32 = 0.9;
+/// Number of samples over the current limit in a block that raise a fault; one may be a glitch of
+/// the converter.
 const OVER_CURRENT_SAMPLES: usize = 2;
-/// Blocks that are judged, one after the other, for which the voltage or the current may be implausible before that counts.
+/// Number of consecutive judged blocks with an implausible voltage or current that raise a fault.
 const IMPLAUSIBLE_BLOCKS: u32 = 8;
-/// The voltage may be this many times smaller or larger than the fundamental that was played (harmonics leak into the lock-in), and smaller by what
-/// the current makes of the source's resistance: a resonance of less than that takes most of the voltage away.
+/// Largest ratio between the measured voltage and the fundamental played, in either direction:
+/// harmonics leak into the lock-in. A lower voltage is accepted if the current explains it through
+/// a source of `LARGEST_OHM`: a load of less resistance takes most of the voltage.
 const VOLTAGE_FACTOR: f32 = 2.0;
+/// Square of [`VOLTAGE_FACTOR`].
 const SQUARE_FACTOR: f32 = VOLTAGE_FACTOR * VOLTAGE_FACTOR;
-/// Smallest current, relative to what the nominal capacitance takes; at the antiresonance a healthy stack takes a fortieth.
-const OPEN_PART: f32 = 0.01;
-/// Voltages below this many codes are not judged.
+/// Smallest current of a connected load, relative to that of the nominal capacitance; at the
+/// antiresonance a healthy stack takes 1/40.
+const OPEN_CURRENT_REL: f32 = 0.01;
+/// Smallest voltage that is judged, codes.
 const JUDGED_CODES: f32 = 16.0;
 
-/// What is remembered from block to block.
+/// State of the electrical checks.
 #[derive(Clone, Debug)]
 pub(super) struct Electrical {
     samples: usize,
     current_limit: f32,
-    /// The limit is nearer than the ends of the converter's range: what stands there is beyond it.
+    /// `true` if the current limit is nearer than the ends of the converter's range: a clipped
+    /// current is then an over-current.
     limit_is_nearer: bool,
-    /// Square of the smallest admittance of a load that is there.
+    /// Square of the smallest admittance of a connected load, S².
     least_siemens_squared: f32,
     judged_volts: f32,
     wrong_voltage: u32,
@@ -37,16 +44,16 @@ pub(super) struct Electrical {
 }
 
 impl Electrical {
-    /// A watch that keeps the configured limits.
+    /// Builds the checks from the configured limits.
     pub(super) fn build(config: &Config) -> Self {
         let limits = &config.limits;
         let least_c0_f = config.tracking.nominal_c0_f.unwrap_or(Tracking::CAPACITANCES_F.0);
-        let least_siemens = OPEN_PART * core::f32::consts::TAU * config.drive.frequency_hz * least_c0_f;
+        let least_siemens = OPEN_CURRENT_REL * core::f32::consts::TAU * config.drive.frequency_hz * least_c0_f;
         let (mid, max) = (f32::from(config.front_end.sense_mid_code), f32::from(config.front_end.sense_max_code));
         Electrical {
             samples: config.block_samples.into(),
             current_limit: limits.current_a,
-            limit_is_nearer: limits.current_a < NEARER * config.front_end.ampere_per_lsb * mid.min(max - mid),
+            limit_is_nearer: limits.current_a < LIMIT_INSIDE_REL * config.front_end.ampere_per_lsb * mid.min(max - mid),
             least_siemens_squared: least_siemens * least_siemens,
             judged_volts: JUDGED_CODES * config.front_end.volt_per_lsb.max(config.front_end.drive_volt_per_lsb),
             wrong_voltage: 0,
@@ -54,7 +61,8 @@ impl Electrical {
         }
     }
 
-    /// What is wrong with this block, if anything. `volts` is the fundamental of what was played in it, as [`super::Driven`] has it.
+    /// Checks one block, and returns the fault found. `volts` is the fundamental of the drive
+    /// played in the block, as in [`super::Driven::volts`].
     pub(super) fn inspect(
         &mut self,
         convert: &Convert,
@@ -63,13 +71,14 @@ impl Electrical {
         volts: Option<f32>,
         suspect: Suspect,
     ) -> Option<Fault> {
-        // An edge and silence say nothing, and the counts stay as they are: the bursts of a friction switch may be shorter than what is counted to.
-        if let Some(volts) = volts.filter(|&volts| self.judges(volts)) {
-            // Squares are compared: a root takes as long as a period of the lock-in.
+        // Edges and silence leave the counters unchanged: the bursts of a friction switch may be
+        // shorter than `IMPLAUSIBLE_BLOCKS`.
+        if let Some(volts) = volts.filter(|&volts| self.is_judged(volts)) {
+            // Squares are compared, because a square root takes as long as a period of the lock-in.
             let (played, voltage, current) = (volts * volts, sensed.v.norm_sqr(), sensed.i.norm_sqr());
-            let low = SQUARE_FACTOR * voltage < played && !sags(volts, voltage, current);
+            let low = SQUARE_FACTOR * voltage < played && !is_explained_by_source(volts, voltage, current);
             let wrong_voltage = voltage > SQUARE_FACTOR * played || low;
-            // A constant has a fundamental too where a block is no whole number of periods.
+            // A constant code has a fundamental too, unless the block is a whole number of periods.
             let no_current = current < self.least_siemens_squared * played || is_constant(&sense.i);
             let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
             self.wrong_voltage = count(self.wrong_voltage, wrong_voltage || is_constant(&sense.v));
@@ -79,7 +88,7 @@ impl Electrical {
         let tripped = sense.slow.trips.is_some_and(|trips| trips.over_current | trips.amplifier_fault | trips.supply);
         let missed = sense.slow.missed_blocks.is_some_and(|missed| missed > 0);
         let cut = sense.v.len() != self.samples || sense.i.len() != self.samples;
-        // Clipping and over-current are looked for where there can be any.
+        // Codes are inspected only in a channel that the lock-in suspects.
         let Suspect { v: look_at_v, i: look_at_i, .. } = suspect;
         let over_current = look_at_i && self.is_over_current(&convert.i, &sense.i);
         if missed || cut {
@@ -99,32 +108,32 @@ impl Electrical {
         }
     }
 
-    /// Whether so many volts are enough to be judged by.
+    /// Returns `true` if a drive of `volts`, V peak, is large enough to be judged.
     #[inline]
-    pub(super) fn judges(&self, volts: f32) -> bool {
+    pub(super) fn is_judged(&self, volts: f32) -> bool {
         volts > self.judged_volts
     }
 
-    /// Whether voltage or current are implausible by now, and it is not known yet for how long.
+    /// Returns `true` if voltage or current of the last judged block were implausible.
     #[inline]
-    pub(super) fn doubts(&self) -> bool {
+    pub(super) fn is_implausible(&self) -> bool {
         self.wrong_voltage | self.no_current != 0
     }
 
-    /// Whether too many codes stand at an end of the range.
+    /// Returns `true` if too many codes are at an end of the range.
     #[inline(never)]
     fn is_clipped(&self, scale: &SenseScale, codes: &Codes) -> bool {
         scale.clipped(codes) * CLIPPED_PART > self.samples
     }
 
-    /// Whether too many codes are beyond the current limit.
+    /// Returns `true` if too many codes are over the current limit.
     #[inline(never)]
     fn is_over_current(&self, scale: &SenseScale, codes: &Codes) -> bool {
         scale.beyond(codes, self.current_limit) >= OVER_CURRENT_SAMPLES
     }
 }
 
-/// What has tripped: an amplifier that says so itself, its supply, or the current.
+/// Returns the fault of a trip: the amplifier's own fault, its supply, or over-current.
 #[cold]
 #[inline(never)]
 fn tripped_by(sense: &SenseBlock) -> Fault {
@@ -135,15 +144,16 @@ fn tripped_by(sense: &SenseBlock) -> Fault {
     }
 }
 
-/// Whether the current explains a voltage that is low, of what was played, V; squares of the other two.
+/// Returns `true` if the current explains a voltage that is too low. `played` is the fundamental
+/// played, V; `voltage` and `current` are squares of the measured amplitudes.
 #[cold]
 #[inline(never)]
-fn sags(played: f32, voltage: f32, current: f32) -> bool {
+fn is_explained_by_source(played: f32, voltage: f32, current: f32) -> bool {
     let expected = played - LARGEST_OHM * libm::sqrtf(current);
     expected <= 0.0 || SQUARE_FACTOR * voltage >= expected * expected
 }
 
-/// Whether all codes are the same.
+/// Returns `true` if all codes are equal.
 fn is_constant(codes: &Codes) -> bool {
     codes.is_sorted_by(|a, b| a == b)
 }

@@ -1,4 +1,4 @@
-//! The supervisor: may we drive, and what is limiting us?
+//! The supervisor: the state machine of the modes, and the fault that mutes the drive.
 //!
 //! ```text
 //! Idle -> SelfTest -> Scan | Clamped | Calibrate -> Lock -> Run
@@ -7,8 +7,9 @@
 //!   +--- order: Idle -------------------- order: clear ---+
 //! ```
 //!
-//! An order to scan or to calibrate goes from anywhere to SelfTest, and from Scan or Calibrate back to Idle. A calibration that another order
-//! ends has changed nothing.
+//! An order to scan or to calibrate leads to `SelfTest` from every other mode except `Fault`; a
+//! complete `Scan` or `Calibrate` leads back to `Idle`. If another order ends a calibration, the
+//! trims remain unchanged.
 
 use core::mem;
 
@@ -18,20 +19,20 @@ use crate::seam::config::TrackingMode;
 use crate::seam::fault::Fault;
 use crate::seam::mode::Mode;
 
-/// How a run finds its frequency.
+/// Start of a run: the source of its first frequency.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Acquisition {
-    /// At the nominal frequency.
+    /// The nominal frequency.
     Nominal,
-    /// At a resonance that a scan finds.
+    /// A resonance found by a scan.
     Scanned,
-    /// At the estimate of an observer, which needs the clamped branch.
+    /// The estimate of the observer, which needs the clamped branch.
     Observed,
 }
 
 impl Acquisition {
-    /// What a mode of tracking begins with.
-    pub(crate) fn of(mode: TrackingMode) -> Self {
+    /// Returns the acquisition that a mode of tracking needs.
+    pub(crate) fn from_tracking(mode: TrackingMode) -> Self {
         match mode {
             TrackingMode::Observer => Acquisition::Observed,
             TrackingMode::PhaseLock | TrackingMode::ZeroPhase => Acquisition::Scanned,
@@ -40,43 +41,45 @@ impl Acquisition {
     }
 }
 
-/// The mode, the fault, and what the last order was.
+/// The state machine: mode, fault, and the last order.
 #[derive(Clone, Debug)]
 pub(crate) struct Supervisor {
     acquisition: Acquisition,
     mode: Mode,
     fault: Option<Fault>,
-    /// The fault is new.
+    /// `true` if a fault was raised since the last [`take_raised`](Self::take_raised).
     raised: bool,
+    /// Sequence number of the last order.
     obeyed: u32,
-    /// The attempt that is done.
+    /// Number of the last scan or calibration attempt that is complete.
     done: Option<u32>,
 }
 
 impl Supervisor {
-    /// Idle, for runs that come to their frequency in this way.
+    /// Creates a supervisor in `Idle`, whose runs start with `acquisition`.
     pub(crate) fn new(acquisition: Acquisition) -> Self {
         Supervisor { acquisition, mode: Mode::Idle, fault: None, raised: false, obeyed: 0, done: None }
     }
 
-    /// What the controller is doing.
+    /// Returns the present mode.
     pub(crate) fn mode(&self) -> Mode {
         self.mode
     }
 
-    /// Why the drive is muted.
+    /// Returns the fault for which the drive is muted.
     pub(crate) fn fault(&self) -> Option<Fault> {
         self.fault
     }
 
-    /// Whether a fault was raised since this was last asked for.
+    /// Returns `true` if a fault was raised since the last call.
     #[inline]
     pub(crate) fn take_raised(&mut self) -> bool {
         mem::take(&mut self.raised)
     }
 
-    /// Takes this block's order and what the guard has found. Returns whether a new attempt begins.
-    // Not inlined: a block takes fewer instructions so, which `docs/evidence/instructions.md` counts.
+    /// Applies the orders of this block and the fault found in it. Returns `true` if a new attempt
+    /// begins.
+    // Not inlined: this takes fewer instructions a block (`docs/evidence/instructions.md`).
     #[inline(never)]
     pub(crate) fn judge(&mut self, orders: &Orders, found: Option<Fault>) -> bool {
         let cleared = orders.clear_fault && orders.sequence != self.obeyed;
@@ -85,7 +88,8 @@ impl Supervisor {
             self.fault = None;
             self.mode = Mode::Idle;
         }
-        // Silence is judged too, except for what a muted drive cannot harm: a fault is only news while driving.
+        // A fault found in silence is ignored, because a muted drive cannot do harm.
+        // Emergency stop and host loss count in every mode.
         let driving = !matches!(self.mode, Mode::Idle | Mode::Fault);
         if orders.emergency_stop {
             self.raise(Fault::EmergencyStop);
@@ -100,9 +104,9 @@ impl Supervisor {
                 self.mode = Mode::Idle;
                 false
             }
-            // Both are done once for each order: the mode returns to idle, and only a new order repeats them.
+            // A scan or calibration is done once for each attempt; then the mode stays `Idle`.
             (Mode::Idle, Request::Scan | Request::Calibrate) if self.done == Some(orders.attempt) => false,
-            // A new order of either also ends a run, and any other a calibration.
+            // A new scan or calibration ends a run; every other order ends a calibration.
             (Mode::Idle, _)
             | (Mode::Lock | Mode::Run, Request::Scan | Request::Calibrate)
             | (Mode::Scan | Mode::Clamped, Request::Calibrate)
@@ -115,7 +119,7 @@ impl Supervisor {
         }
     }
 
-    /// Moves on when the present stage is over.
+    /// Advances the mode if the present stage is complete, failed, or goes back.
     pub(crate) fn advance(&mut self, orders: &Orders, progress: Progress) {
         match progress {
             Progress::Busy => {}
@@ -141,7 +145,7 @@ impl Supervisor {
         }
     }
 
-    /// The order is executed.
+    /// Marks the attempt as complete and returns `Idle`.
     fn end(&mut self, orders: &Orders) -> Mode {
         self.done = Some(orders.attempt);
         Mode::Idle

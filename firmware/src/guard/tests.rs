@@ -1,4 +1,5 @@
-//! The guard as the controller asks it, by a configuration: what it looks at, what the drive's power is, and which of several faults comes first.
+//! Tests of the guard as the controller calls it: sensors and limits it watches, the power it
+//! computes, and the order of its faults.
 
 use super::*;
 use crate::board::parameters::tests::config;
@@ -17,18 +18,18 @@ fn guard(change: impl FnOnce(&mut Config)) -> Guard {
     Guard::build(&config, BLOCK_S).unwrap()
 }
 
-/// No encoder.
+/// Returns a belt without an encoder.
 fn no_belt() -> Belt {
     Belt::of(0.0, BLOCK_S)
 }
 
-/// After how many blocks like this there is which fault.
+/// Repeats a block, and returns the first fault with the number of blocks until it.
 fn found(guard: &mut Guard, belt: &Belt, driven: &Driven, blocks: usize) -> Option<(usize, Fault)> {
     (1..=blocks).find_map(|n| Some((n, guard.watch(&SenseBlock::default(), &SENSED, belt, driven)?)))
 }
 
 #[test]
-fn each_mode_is_silent_measures_or_follows() {
+fn each_mode_maps_to_a_stage() {
     let stages = [Mode::Idle, Mode::Fault, Mode::SelfTest, Mode::Scan, Mode::Calibrate, Mode::Clamped, Mode::Lock, Mode::Run]
         .map(Stage::from);
     use Stage::{Following, Measuring, Silent};
@@ -36,12 +37,12 @@ fn each_mode_is_silent_measures_or_follows() {
 }
 
 #[test]
-fn there_is_more_to_look_at_with_any_limit_or_sensor() {
+fn any_limit_or_sensor_needs_the_watch() {
     let quiet = SenseBlock::default();
     assert!(!guard(|_| {}).watches(&quiet, &no_belt()));
     assert!(guard(|config| config.limits.power_w = Some(2.0)).watches(&quiet, &no_belt()));
     assert!(guard(|config| config.limits.on_time_s = Some(1.0)).watches(&quiet, &no_belt()));
-    // A D-ring without the scale of its belt, which is refused.
+    // A D-ring whose belt has no scale is refused.
     assert!(guard(|config| config.restraint = Some(Restraint::default())).watches(&quiet, &no_belt()));
     assert!(guard(|_| {}).watches(&quiet, &Belt::of(1e-5, BLOCK_S)));
     let mut warm = SenseBlock::default();
@@ -54,7 +55,7 @@ fn there_is_more_to_look_at_with_any_limit_or_sensor() {
 }
 
 #[test]
-fn a_d_ring_whose_belt_has_no_scale_is_not_driven() {
+fn a_d_ring_without_a_belt_scale_is_not_driven() {
     let mut guard = guard(|config| config.restraint = Some(Restraint::default()));
     assert_eq!(found(&mut guard, &no_belt(), &Driven { stage: Stage::Silent, ..RUNS }, 100), None);
     for stage in [Stage::Measuring, Stage::Following] {
@@ -64,11 +65,11 @@ fn a_d_ring_whose_belt_has_no_scale_is_not_driven() {
 
 #[test]
 fn the_on_time_is_limited_on_a_board_without_an_encoder() {
-    // 31 blocks of 32 us in a millisecond.
+    // 1 ms is 31 blocks of 32 us.
     let limited = || guard(|config| config.limits.on_time_s = Some(1e-3));
     let exceeded = Some((32, Fault::OnTimeExceeded));
     assert_eq!(found(&mut limited(), &no_belt(), &RUNS, 100), exceeded);
-    // An edge is driven, a tone of nothing is not, nor is a controller that is idle.
+    // An edge counts as ON; a drive of 0 V and an idle controller do not.
     assert_eq!(found(&mut limited(), &no_belt(), &Driven { volts: None, ..RUNS }, 100), exceeded);
     assert_eq!(found(&mut limited(), &no_belt(), &Driven { stage: Stage::Measuring, ..RUNS }, 100), exceeded);
     assert_eq!(found(&mut limited(), &no_belt(), &Driven { volts: Some(0.0), ..RUNS }, 1000), None);
@@ -83,14 +84,15 @@ fn the_power_is_limited_on_a_board_without_an_encoder() {
         assert_eq!(found(&mut guard, &no_belt(), driven, 20_000), None);
         guard.derating()
     };
-    // 5.5 W whatever the drive does: the last tenth of it at 5 W, all of it at 6 W.
+    // The test's power stays at 5.5 W: above a limit of 5 W the factor falls to 0.1, below 6 W it
+    // stays 1.
     assert_eq!(after(5.0, &RUNS), 0.1);
     assert_eq!((after(6.0, &RUNS), after(5.0, &Driven { volts: Some(0.0), ..RUNS })), (1.0, 1.0));
 }
 
 #[test]
-fn the_energy_for_each_metre_is_that_of_the_power() {
-    // The contact bears what 5.5 W are in a hundred blocks and a half.
+fn the_energy_limit_uses_the_electrical_power() {
+    // The contact may take the energy of 5.5 W in 100.5 blocks.
     let mut guard = guard(|config| {
         config.front_end.metre_per_count = Some(1e-5);
         config.limits.energy_j_per_m = Some(5.5 * 100.5 * BLOCK_S / 0.01);
@@ -102,7 +104,7 @@ fn the_energy_for_each_metre_is_that_of_the_power() {
 }
 
 #[test]
-fn the_belt_is_named_before_the_heat_and_the_heat_before_the_clock() {
+fn belt_faults_precede_heat_precede_on_time() {
     let mut guard = guard(|config| {
         (config.limits.on_time_s, config.limits.temperature_c) = (Some(1e-3), 60.0);
         config.front_end.metre_per_count = Some(1e-5);
@@ -119,7 +121,7 @@ fn the_belt_is_named_before_the_heat_and_the_heat_before_the_clock() {
 }
 
 #[test]
-fn a_belt_that_stands_mutes_and_a_new_attempt_may_wait_for_it() {
+fn a_belt_at_rest_mutes_and_a_new_attempt_waits() {
     let mut guard = guard(|config| config.front_end.metre_per_count = Some(1e-5));
     let mut belt = Belt::of(1e-5, BLOCK_S);
     let mut stands = |guard: &mut Guard, driven: &Driven, blocks: usize| {
@@ -129,14 +131,14 @@ fn a_belt_that_stands_mutes_and_a_new_attempt_may_wait_for_it() {
         })
     };
     assert_eq!(stands(&mut guard, &RUNS, 75), None);
-    assert!(!guard.is_muted() && !guard.mutes());
+    assert!(!guard.is_muted() && !guard.mutes_request());
     assert_eq!(stands(&mut guard, &RUNS, 1), None);
-    assert!(guard.is_muted() && guard.mutes());
-    // Nothing that is requested is muted.
+    assert!(guard.is_muted() && guard.mutes_request());
+    // Without a request the guard does not report a mute.
     let muted = Driven { volts: Some(0.0), ..RUNS };
     assert_eq!(stands(&mut guard, &Driven { requested: false, ..muted }, 1), None);
-    assert!(guard.is_muted() && !guard.mutes());
-    // A tenth of a second after the drive was muted it is a fault, and a new attempt waits anew.
+    assert!(guard.is_muted() && !guard.mutes_request());
+    // After 100 ms of mute it is a fault; a new attempt waits without a fault.
     let (blocks, fault) = stands(&mut guard, &muted, 5000).unwrap();
     assert!(fault == Fault::BeltStopped && (3120..=3126).contains(&blocks), "{blocks}");
     guard.begin();
@@ -144,9 +146,9 @@ fn a_belt_that_stands_mutes_and_a_new_attempt_may_wait_for_it() {
 }
 
 #[test]
-fn voltage_and_current_are_judged_from_some_volts_on() {
+fn voltage_and_current_are_judged_above_a_minimum() {
     let (mut guard, config) = (guard(|_| {}), config());
-    assert!(guard.judges(0.2) && !guard.judges(0.1) && !guard.doubts());
+    assert!(guard.is_judged(0.2) && !guard.is_judged(0.1) && !guard.is_implausible());
     let convert = Convert::build(&config.front_end).unwrap();
     let codes: crate::seam::block::Codes = (0..32).map(|n| 4096 + n % 2).collect();
     let sense = SenseBlock { v: codes.clone(), i: codes, ..SenseBlock::default() };
@@ -154,5 +156,5 @@ fn voltage_and_current_are_judged_from_some_volts_on() {
     assert_eq!(inspect(&SENSED), None);
     assert!((0..7).all(|_| inspect(&Sensed::default()).is_none()));
     assert_eq!(inspect(&Sensed::default()), Some(Fault::SensorImplausible));
-    assert!(guard.doubts());
+    assert!(guard.is_implausible());
 }

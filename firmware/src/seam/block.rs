@@ -1,25 +1,30 @@
-//! The data that crosses the seam between a board and the controller, once a block.
+//! Data exchanged between board and controller once a block.
 //!
-//! Plain values: no time, no callback, no trait object. Everything the controller decides follows from these and its
-//! state, so a recorded stream of [`Orders`] and [`SenseBlock`] replays a run bit for bit.
+//! Plain values: no time, no callback, no trait object. The controller's decisions depend only on
+//! them and on its state, so that a recorded stream of [`Orders`] and [`SenseBlock`] replays a run
+//! bit for bit.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 use crate::seam::units::{Hertz, Turns};
 
-/// The longest block a controller can be built for, in samples.
+/// Longest block of a controller, samples.
 pub const MAX_BLOCK_SAMPLES: usize = 100;
 
-/// The most drive lanes (four-phase motor signals).
+/// Largest number of drive lanes (four-phase motor signals).
 pub const MAX_LANES: usize = 4;
 
-/// Blocks between the call that returns codes and their playing: with half/complete DMA, the codes returned for sense
-/// block `k` play as block `k + LATENCY_BLOCKS`, because `k + 1` was returned by the call before.
+/// Number of blocks from sense codes to the drive codes computed from them: with half/complete DMA,
+/// the codes returned for sense block `k` play as block `k + LATENCY_BLOCKS`, because `k + 1` was
+/// returned by the call before.
 pub const LATENCY_BLOCKS: usize = 2;
 
-/// The sample of the block that is playing from which a queue that is [dropped](DriveBlock::drops_queue) is silent at the latest: the controller answers
-/// within three quarters of a block. Simulated boards are silent from exactly this sample on; a real one, from its answer on.
+/// Returns the sample of the playing block from which a [dropped](DriveBlock::drops_queue) queue is
+/// silent.
+///
+/// The controller answers within three quarters of a block. Simulated boards are silent from
+/// exactly this sample; a real board from the answer on, which is not later.
 pub const fn dropped_from(block_samples: usize) -> usize {
     block_samples - block_samples / 4
 }
@@ -30,72 +35,76 @@ pub type Codes = Vec<u16, MAX_BLOCK_SAMPLES>;
 /// Orders of the background task, latched at the start of each block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Orders {
-    /// Rises by one with every new order, so that a report says which order it obeys.
+    /// Number of the order; increases by one with each new order, and is returned in the report.
     pub sequence: u32,
-    /// The state that the controller is asked for.
+    /// Requested state of the controller.
     pub request: Request,
-    /// Rises by one with every order to scan, to calibrate or to run, so that what is done is repeated only if it is ordered again.
+    /// Number of the attempt; increases by one with each order to scan, calibrate or run. An
+    /// attempt that is complete is repeated only under a new number.
     pub attempt: u32,
-    /// When to let the drive through, while running.
+    /// Gate of the drive in a run.
     pub gate: Gate,
-    /// The amplitude asked for; `None` keeps the configured one.
+    /// Amplitude set point; `None` is the configured one.
     pub amplitude: Option<Amplitude>,
-    /// How far to drive beside the resonance, or beside the configured frequency where nothing is tracked, Hz: a motor's speed by frequency.
+    /// Offset of the drive from the resonance, or from the configured frequency if nothing is
+    /// tracked, Hz: the speed of a motor.
     pub detune: Hertz,
-    /// How far lanes 1 and 3 lead lanes 0 and 2: a quarter turn forward, minus a quarter in reverse, zero a standing wave, and speeds in
-    /// between. `None` is the configured direction.
+    /// Phase by which lanes 1 and 3 lead lanes 0 and 2: a quarter turn is forward, minus a quarter
+    /// is reverse, zero is a standing wave, values between are lower speeds. `None` is the
+    /// configured direction.
     pub quadrature: Option<Turns>,
-    /// Set point of the friction; `None` is the configured target. It has no effect where no friction switch is configured.
+    /// Friction set point; `None` is the configured target. No effect without a friction switch.
     pub friction: Option<Target>,
-    /// Torso mass of the occupant, kg, as the seat has read it; `None` where it has not.
+    /// Torso mass of the occupant as read by the seat, kg; `None` if the seat has not read it.
     pub torso_kg: Option<f32>,
-    /// The emergency stop is pressed.
+    /// `true` if the emergency stop is pressed.
     pub emergency_stop: bool,
-    /// The host has been silent for longer than it may be.
+    /// `true` if the host has been silent for longer than its timeout.
     pub host_lost: bool,
-    /// Forget the fault of an earlier order. Acts once per sequence number.
+    /// `true` clears the fault of an earlier order. Acts once per sequence number.
     pub clear_fault: bool,
 }
 
-/// What the controller is asked to do.
+/// Requested state of the controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Request {
     /// Stay silent, without a fault.
     #[default]
     Idle,
-    /// Self-test and scan, then fall silent again with the transducer identified.
+    /// Self-test and scan, then silence with the transducer identified.
     Scan,
     /// Self-test, scan, lock, and run.
     Run,
-    /// Self-test, and measure what each lane adds; then fall silent with the lanes trimmed.
+    /// Self-test and calibration of the lanes, then silence with the lanes trimmed.
     Calibrate,
 }
 
-/// When the drive is let through while running.
+/// Gate of the drive in a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Gate {
-    /// As the configured burst schedule says.
+    /// The drive follows the configured burst schedule.
     #[default]
     Scheduled,
     /// The drive is always on.
     On,
-    /// Never; the frequency is held.
+    /// The drive is always off; the frequency is held.
     Off,
-    /// The drive is off, and the residual vibration is stopped by drive against it, up to the voltage limit.
+    /// The drive is off, and stops the residual vibration by driving against it, up to the voltage
+    /// limit.
     Brake,
 }
 
-/// The amplitude asked for.
+/// Amplitude set point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Amplitude {
-    /// Peak drive voltage at the amplifier's terminals, in volts.
+    /// Peak drive voltage at the amplifier's terminals, V.
     Volts(f32),
-    /// Peak motional current, in amperes: the tip velocity times the force factor, held whatever the load does.
+    /// Peak motional current, A: tip velocity times force factor, held under any load.
     MotionalCurrent(f32),
 }
 
 impl Amplitude {
-    /// This part of the amplitude.
+    /// Returns the amplitude multiplied by `part`.
     #[inline]
     pub(crate) fn derated(self, part: f32) -> Self {
         match self {
@@ -105,17 +114,17 @@ impl Amplitude {
     }
 }
 
-/// Set point of the friction.
+/// Friction set point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Target {
-    /// A part of the friction without vibration, 0 to 1.
+    /// Friction relative to that without vibration, 0 to 1.
     Ratio(f32),
-    /// A friction force, N. Needs a force sensor.
+    /// Friction force, N. Needs a force sensor.
     Force(f32),
 }
 
 impl Target {
-    /// Whether the target is a finite number and not negative.
+    /// Returns `true` if the target is a ratio from 0 to 1, or a finite force that is not negative.
     pub fn is_plausible(&self) -> bool {
         match *self {
             Target::Ratio(ratio) => (0.0..=1.0).contains(&ratio),
@@ -124,7 +133,7 @@ impl Target {
     }
 }
 
-/// What the converters saw during one block, and the latest slow readings.
+/// Codes of the converters in one block, and the latest slow readings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SenseBlock {
     /// Voltage codes, one a sample (summed over oversampled conversions).
@@ -135,57 +144,61 @@ pub struct SenseBlock {
     pub slow: SlowSense,
 }
 
-/// Slow readings; `None` where the board has no such sensor.
+/// Slow readings; `None` if the board has no such sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SlowSense {
-    /// What the decoder of the belt's encoder has seen.
+    /// Reading of the belt's encoder.
     pub belt: Option<BeltSense>,
-    /// Temperature at the driver, degrees Celsius.
+    /// Temperature at the driver, °C.
     pub temperature: Option<f32>,
-    /// Force in the belt or at the slider, newtons.
+    /// Force in the belt or at the slider, N.
     pub force: Option<f32>,
-    /// What the hardware has tripped on since the last block.
+    /// Hardware trips since the last block.
     pub trips: Option<Trips>,
-    /// Blocks that were due and not delivered since the last call.
+    /// Number of blocks that were due but not delivered since the last call.
     pub missed_blocks: Option<u32>,
 }
 
-/// What a quadrature decoder knows of the belt at the end of a block.
+/// Reading of a quadrature decoder at the end of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BeltSense {
-    /// Edges of both channels so far, up as the belt pays out and down as it is drawn back; wraps.
+    /// Count of the edges of both channels: increases as the belt pays out, decreases as it is
+    /// drawn back, and wraps.
     pub counts: i32,
-    /// A line to the encoder is broken: the two wires of a channel do not contradict each other.
+    /// `true` if a line to the encoder is broken: the two wires of a channel are not complementary.
     pub broken: bool,
 }
 
-/// Protection that acts in hardware, faster than a block, and is reported to the controller afterwards.
+/// Trips of the hardware protection, which acts faster than a block and is reported afterwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Trips {
-    /// The comparator on the current sense has fired.
+    /// `true` if the comparator on the current sense has tripped.
     pub over_current: bool,
-    /// The amplifier says that it has failed, or has protected itself.
+    /// `true` if the amplifier reports a failure or has protected itself.
     pub amplifier_fault: bool,
-    /// The amplifier's supply is outside of its window.
+    /// `true` if the amplifier's supply is outside of its window.
     pub supply: bool,
 }
 
-/// The codes to play, for each lane.
+/// Codes to play.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DriveBlock {
     /// DAC codes of each lane.
     pub lanes: Vec<Codes, MAX_LANES>,
-    /// The lane that the sense channels are connected to while these codes play, by the board's multiplexer.
+    /// Lane to which the board's multiplexer connects the sense channels while these codes play.
     pub listen: u8,
-    /// The controller has entered a fault: what was returned before and has not played yet must not play. The board is silent at once on all lanes, in the
-    /// block that plays at present by sample [`dropped_from`] at the latest, and then plays these codes, which are silent, too.
+    /// `true` if the controller has entered a fault: the codes returned before must not play any
+    /// longer.
+    ///
+    /// The board silences all lanes at once, in the playing block by sample [`dropped_from`] at the
+    /// latest. Then it plays these codes, which are silent too.
     pub drops_queue: bool,
 }
 
 impl DriveBlock {
-    /// `lanes` lanes of `samples` samples at `code`: what plays before the first call has returned.
-    ///
-    /// Lanes beyond [`MAX_LANES`] and samples beyond [`MAX_BLOCK_SAMPLES`] are left out.
+    /// Creates a block of `lanes` lanes with `samples` samples of `code`, to play before the first
+    /// call has returned. Lanes beyond [`MAX_LANES`] and samples beyond [`MAX_BLOCK_SAMPLES`] are
+    /// omitted.
     pub fn silent(lanes: usize, samples: usize, code: u16) -> Self {
         let lane: Codes = core::iter::repeat_n(code, samples.min(MAX_BLOCK_SAMPLES)).collect();
         DriveBlock { lanes: core::iter::repeat_n(lane, lanes.min(MAX_LANES)).collect(), listen: 0, drops_queue: false }

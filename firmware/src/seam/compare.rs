@@ -1,25 +1,27 @@
-//! The larger and the smaller of two numbers, in an instruction or two: `f32::max` and `f32::min` are calls on the target, which count in a block, and
-//! `f32::clamp` can panic.
+//! Minimum, maximum and clamp in an instruction or two. On the target `f32::max` and `f32::min` are
+//! calls, which cost time in a block, and `f32::clamp` can panic.
 
-/// The larger of two numbers; the second where the first is none.
+/// Returns the larger of two numbers; `y` if `x` is not a number.
 #[inline]
 pub(crate) fn larger(x: f32, y: f32) -> f32 {
     if x > y { x } else { y }
 }
 
-/// The smaller of two numbers; the second where the first is none.
+/// Returns the smaller of two numbers; `y` if `x` is not a number.
 #[inline]
 pub(crate) fn smaller(x: f32, y: f32) -> f32 {
     if x < y { x } else { y }
 }
 
-/// `value` between `low` and `high`; a not-a-number is `low`. A `clamp` would panic where the ends are the wrong way round, or none.
+/// Returns `value` clamped to `low..=high`; `low` if it is not a number. `clamp` would panic if
+/// `low > high` or one of them is not a number.
 #[inline]
 pub(crate) fn within(value: f32, low: f32, high: f32) -> f32 {
     smaller(larger(value, low), high)
 }
 
-/// `value` between zero and `limit`; a not-a-number, which an order might carry, is zero.
+/// Returns `value` clamped to zero and `limit`; zero if an order carries a value that is not a
+/// number.
 pub(crate) fn up_to(limit: f32, value: f32) -> f32 {
     match value {
         value if value > limit => limit,
@@ -33,10 +35,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn whatever_the_ends_are_there_is_a_value() {
+    fn within_returns_a_value_for_any_bounds() {
         assert_eq!([-3.0, 0.5, 3.0].map(|value| within(value, -1.0, 2.0)), [-1.0, 0.5, 2.0]);
         assert_eq!(within(f32::NAN, -1.0, 2.0), -1.0);
-        // Where `clamp` would panic.
+        // Here `clamp` would panic.
         assert_eq!([(2.0, -1.0), (f32::NAN, -1.0), (f32::NAN, 4.0)].map(|(low, high)| within(0.0, low, high)), [-1.0, -1.0, 4.0]);
         assert!(within(0.0, 1.0, f32::NAN).is_nan());
     }

@@ -1,7 +1,10 @@
-//! What a user sets, in SI units. May be wrong: [`Controller::build`](crate::controller::Controller::build) checks it.
+//! The configuration of a user, in SI units.
+//! [`Controller::build`](crate::controller::Controller::build) checks it.
 //!
-//! Each table of settings is described once, in a file of its own: type, unit, range, default and meaning of each setting, its key over the link, and
-//! its name in a scene. The build's check, the parameters of the link, the keys of a scene with their JSON Schema, and `docs/settings.md` follow.
+//! Each table of settings is defined once, in its own file: type, unit, range, default and meaning
+//! of each setting, its key on the link, and its name in a scene. From it follow the checks of the
+//! build, the parameters of the link, the keys of a scene with their JSON Schema, and
+//! `docs/scene-keys.md`.
 
 mod burst;
 mod drive;
@@ -41,7 +44,7 @@ pub use crate::seam::config::thermometer::Thermometer;
 pub use crate::seam::config::tracking::{Tracking, TrackingMode};
 use crate::seam::error::Error;
 
-/// The tables of settings as a scene has them: in double precision, by their keys, with their defaults.
+/// Tables of settings in a scene: double precision, with keys and defaults.
 #[cfg(feature = "scene")]
 pub mod scene {
     pub use super::burst::scene::Burst;
@@ -55,52 +58,54 @@ pub mod scene {
     pub use super::tracking::scene::Tracking;
 }
 
-/// The whole configuration of a controller.
+/// Complete configuration of a controller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Config {
-    /// Samples a second, of DAC and ADC alike, Hz.
+    /// Sample rate of DAC and ADC, Hz.
     pub sample_hz: f32,
-    /// Samples in a block.
+    /// Number of samples in a block.
     pub block_samples: u16,
-    /// Drive lanes, 1 to 4.
+    /// Number of drive lanes, 1 to 4.
     pub lanes: u8,
-    /// What a converter code is worth.
+    /// Scale of the converters.
     pub front_end: FrontEnd,
     /// Frequency, amplitude and waveform of the drive.
     pub drive: Drive,
-    /// What the frequency does while running.
+    /// Sweep of the frequency in a run.
     pub sweep: Sweep,
     /// Lane offsets and trims.
     pub phasing: Phasing,
     /// Schedule of the bursts.
     pub burst: Burst,
-    /// How the frequency is found and tracked.
+    /// Search and tracking of the resonance.
     pub tracking: Tracking,
-    /// The stack as a thermometer of itself.
+    /// The stack as its own thermometer.
     pub thermometer: Thermometer,
-    /// The thermistor at the amplifier's heat sink.
+    /// Thermistor at the amplifier's heat sink.
     pub heat_sink: HeatSink,
-    /// The amplifier's supply.
+    /// Supply of the amplifier.
     pub supply: Supply,
-    /// What must never be exceeded.
+    /// Limits that must never be exceeded.
     pub limits: Limits,
-    /// The friction switch, which then sets amplitude and bursts while running. The drive's amplitude is its maximum.
+    /// Friction switch, which sets amplitude and bursts in a run. The drive's amplitude is its
+    /// maximum.
     pub friction: Option<Friction>,
-    /// When the drive of a seat belt's D-ring is ON, in place of burst schedule and gate; `None`: it serves no belt.
+    /// Restraint of a seat belt at a D-ring, which decides ON and OFF instead of burst schedule and
+    /// gate; `None` without a belt.
     pub restraint: Option<Restraint>,
-    /// The link to the host.
+    /// Link to the host.
     pub link: Link,
 }
 
 impl Config {
-    /// Samples a second.
+    /// Sample rate, Hz.
     pub(crate) const SAMPLE_HZ: Setting = Setting { name: "sample_hz", min: 1e3, max: 20e6 };
-    /// Samples in a block.
+    /// Number of samples in a block.
     pub const BLOCK_SAMPLES: Setting = Setting { name: "block_samples", min: 8.0, max: MAX_BLOCK_SAMPLES as f64 };
-    /// Drive lanes: as many as the board has at most.
+    /// Number of drive lanes, up to that of the board.
     pub const LANES: Setting = Setting { name: "lanes", ..FrontEnd::DRIVE_LANES };
 
-    /// Parameters of the configuration itself: its lanes, and the tables that it may be without.
+    /// Parameters outside of tables: the lanes, and the presence of optional tables.
     pub(crate) const PARAMETERS: &'static [Parameter] = &[
         Parameter {
             key: 62,
@@ -123,8 +128,8 @@ impl Config {
         ),
     ];
 
-    /// Whether every value is within its range, of the tables that every image has; names the first that is not. Chirp, friction switch and restraint
-    /// check theirs themselves, where the image has them.
+    /// Checks that every value of the tables that every image has is within its range. The error
+    /// names the first that is not. Chirp, friction switch and restraint check their own tables.
     pub(crate) fn check_ranges(&self) -> Result<(), Error> {
         Self::SAMPLE_HZ.check(self.sample_hz)?;
         Self::BLOCK_SAMPLES.check(self.block_samples.into())?;
@@ -144,7 +149,7 @@ impl Config {
     }
 }
 
-/// A table in a scene leaves out what is the default.
+/// Returns `true` if a value is the default, which a table of a scene omits.
 #[cfg(feature = "scene")]
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()

@@ -1,55 +1,56 @@
-//! What can be wrong with a [`Config`](crate::seam::config::Config). Raised by `build()` only: after it the controller cannot fail,
-//! it can only fault (see [`supervisor::Fault`](crate::seam::fault::Fault)).
+//! Reasons for which a [`Config`](crate::seam::config::Config) cannot be built. Only `build()`
+//! returns them. Afterwards the controller cannot fail; it can only raise a
+//! [`Fault`](crate::seam::fault::Fault).
 
 use core::fmt;
 
-/// A configuration that cannot be built, naming the parameter.
+/// Reason for which a configuration cannot be built, with the name of the parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Error {
-    /// A value is outside its range (or not a number).
+    /// A value is out of range or not a number.
     OutOfRange {
-        /// The parameter, as a path in the configuration with its unit.
+        /// Path of the parameter in the configuration, with its unit.
         parameter: &'static str,
-        /// What was given.
+        /// Configured value.
         value: f64,
-        /// The smallest value allowed.
+        /// Smallest allowed value.
         min: f64,
-        /// The largest value allowed.
+        /// Largest allowed value.
         max: f64,
     },
-    /// Burst windows must be in order, not overlap, and have as many ends as beginnings.
+    /// Burst windows must be in order, must not overlap, and need one end for each beginning.
     BurstWindows,
-    /// A motional current can only be held where the resonance is tracked.
+    /// A motional current can only be held if the resonance is tracked.
     CurrentWithoutTracking,
-    /// A noise has no phase by which anything could be tracked.
+    /// A noise has no phase to track.
     NoiseWithTracking,
-    /// A noise has no frequency that could be swept.
+    /// A noise has a fixed band and cannot be swept.
     NoiseWithSweep,
-    /// A chirp between two frequencies follows its own course, not the resonance.
+    /// A chirp between two frequencies cannot follow the resonance.
     ChirpAgainstTracking,
-    /// A chirp about the resonance needs one that is tracked.
+    /// A chirp about the resonance needs a tracked resonance.
     ResonanceWithoutTracking,
-    /// A chirp about the resonance passes its own zero, which an exponential one cannot.
+    /// A chirp about the resonance passes through zero offset, which an exponential chirp cannot.
     ExponentialAroundResonance,
     /// The frequencies of a calibration must rise.
     TrimOrder,
-    /// The friction switch sets a tip velocity, so that the drive's amplitude must be a motional current.
+    /// The friction switch sets a tip velocity: the drive's amplitude must be a motional current.
     FrictionWithoutCurrent,
-    /// The detents of a knob follow its position, which an encoder has to tell.
+    /// The detents of a knob depend on its position, which needs an encoder.
     DetentsWithoutEncoder,
     /// A boost is planned from the resonance, which must be tracked.
     BoostWithoutTracking,
-    /// A boost is by half cycles of a sine.
+    /// A boost consists of half cycles of a sine.
     BoostOfShape,
-    /// A boost is at the resonance, and a chirp is not.
+    /// A boost needs the resonance, which a chirp leaves.
     BoostWithSweep,
-    /// Energy for each metre of belt is known only where the belt has an encoder.
+    /// An energy limit per metre of belt needs a belt encoder.
     EnergyWithoutBelt,
-    /// What is asked for is not in this image.
+    /// A configured part is not in this image.
     LeftOut {
-        /// The parameters that ask for it.
+        /// Parameters that need the part.
         parameter: &'static str,
-        /// The feature that brings it.
+        /// Cargo feature that includes it.
         feature: &'static str,
     },
 }
@@ -61,16 +62,14 @@ impl fmt::Display for Error {
                 write!(f, "{parameter} = {value} is outside {min} to {max}")
             }
             Error::CurrentWithoutTracking => f.write_str("drive.amplitude is a motional current, which needs tracking"),
-            Error::NoiseWithTracking => {
-                f.write_str("drive.shape is a noise, which has no phase to track by: tracking must be off")
-            }
-            Error::NoiseWithSweep => f.write_str("drive.shape is a noise, whose band does not move: there can be no sweep"),
+            Error::NoiseWithTracking => f.write_str("drive.shape = noise has no phase to track: tracking must be off"),
+            Error::NoiseWithSweep => f.write_str("drive.shape = noise has a fixed band: it cannot be combined with a sweep"),
             Error::ChirpAgainstTracking => {
-                f.write_str("sweep is a chirp from one frequency to another, and tracking would move it: tracking must be off")
+                f.write_str("sweep is a chirp between two frequencies, which tracking would change: tracking must be off")
             }
             Error::ResonanceWithoutTracking => f.write_str("sweep is a chirp about the resonance, which must be tracked"),
             Error::ExponentialAroundResonance => {
-                f.write_str("sweep is a chirp about the resonance, from offset to offset through zero: it must be linear")
+                f.write_str("sweep is a chirp about the resonance, which passes through zero offset: it must be linear")
             }
             Error::FrictionWithoutCurrent => {
                 f.write_str("friction is switched by tip velocity: drive.amplitude must be a motional current")
@@ -78,14 +77,14 @@ impl fmt::Display for Error {
             Error::DetentsWithoutEncoder => f.write_str("friction.detent_pitch_m needs an encoder, front_end.metre_per_count"),
             Error::EnergyWithoutBelt => f.write_str("limits.energy_j_per_m needs a belt encoder, front_end.metre_per_count"),
             Error::LeftOut { parameter, feature } => {
-                write!(f, "{parameter} asks for what this image leaves out: build it with the feature `{feature}`")
+                write!(f, "{parameter} needs a part that is not in this image: build it with the feature `{feature}`")
             }
-            Error::TrimOrder => f.write_str("phasing.calibration must be at rising frequencies"),
+            Error::TrimOrder => f.write_str("the frequencies of phasing.calibration must rise"),
             Error::BoostWithoutTracking => f.write_str(
-                "burst.edge is a boost, which is planned from the tracked resonance: tracking must be an observer or a phase lock",
+                "burst.edge = boost is planned from the tracked resonance: tracking must be an observer or a phase lock",
             ),
-            Error::BoostOfShape => f.write_str("burst.edge is a boost, by half cycles of a sine: drive.shape must be one"),
-            Error::BoostWithSweep => f.write_str("burst.edge is a boost, at the resonance: there can be no sweep"),
+            Error::BoostOfShape => f.write_str("burst.edge = boost needs drive.shape = sine"),
+            Error::BoostWithSweep => f.write_str("burst.edge = boost cannot be combined with a sweep"),
             Error::BurstWindows => {
                 f.write_str("burst windows must be in order, must not overlap, and need one end for each beginning")
             }
@@ -95,8 +94,9 @@ impl fmt::Display for Error {
 
 impl core::error::Error for Error {}
 
-/// `value`, if it lies in `min..=max`; not-a-number never does. Compared in f32, in which the values of a configuration are: a
-/// limit that is stated exactly must not be refused for its rounding.
+/// Returns `value` if it lies in `min..=max`, which a not-a-number never does. The comparison is in
+/// f32, as the values of a configuration are: a value equal to a limit must not be refused for its
+/// rounding.
 pub(crate) fn in_range(parameter: &'static str, value: f64, min: f64, max: f64) -> Result<f64, Error> {
     let within = (min as f32..=max as f32).contains(&(value as f32));
     if within { Ok(value) } else { Err(Error::OutOfRange { parameter, value, min, max }) }

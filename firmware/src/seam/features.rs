@@ -1,34 +1,35 @@
-//! Parts of the controller that Cargo features enable: a part that is left out takes no flash.
+//! Parts of the controller that Cargo features enable; a part without its feature takes no flash.
 //!
-//! | feature | the parts | without it |
+//! | feature | parts | without it |
 //! |---|---|---|
 //! | `waveforms` | square, sawtooth, noise; chirps | a sine, at a frequency that is held or tracked |
-//! | `friction` | the friction switch; the decision in a crash | amplitude and gate are the host's |
+//! | `friction` | the friction switch; the decision in a crash | the host sets amplitude and gate |
 //!
-//! Each such part has a token in it. Of a part that is left out the token has no value, so that there can be none of the part either: to ask for
-//! one is [refused](Error::LeftOut), and the compiler leaves out all that would use it.
+//! Each such part contains a token. Without the feature the type of the token has no value, so that
+//! the part cannot be constructed: a configuration with it is [refused](Error::LeftOut), and the
+//! compiler removes the code that would use it.
 
 use crate::seam::error::Error;
 
-/// The token of an enabled part.
+/// Token of an enabled part.
 #[derive(Clone, Copy, Debug)]
 pub struct Enabled;
 
-/// The token of the other waveforms.
+/// Token of the waveforms other than a sine, and of chirps.
 #[cfg(feature = "waveforms")]
 pub type Waveforms = Enabled;
-/// The token of the other waveforms: there is none.
+/// Token of the waveforms other than a sine, and of chirps: not in this image.
 #[cfg(not(feature = "waveforms"))]
 pub type Waveforms = core::convert::Infallible;
 
-/// The token of what decides on friction.
+/// Token of friction switch and restraint.
 #[cfg(feature = "friction")]
 pub type Friction = Enabled;
-/// The token of what decides on friction: there is none.
+/// Token of friction switch and restraint: not in this image.
 #[cfg(not(feature = "friction"))]
 pub type Friction = core::convert::Infallible;
 
-/// For a waveform that is no sine, or a chirp.
+/// Returns the token for a waveform other than a sine, or a chirp.
 pub fn waveforms() -> Result<Waveforms, Error> {
     #[cfg(feature = "waveforms")]
     return Ok(Enabled);
@@ -36,7 +37,7 @@ pub fn waveforms() -> Result<Waveforms, Error> {
     return Err(Error::LeftOut { parameter: "drive.shape or sweep", feature: "waveforms" });
 }
 
-/// For a friction switch or a restraint.
+/// Returns the token for a friction switch or a restraint.
 pub fn friction() -> Result<Friction, Error> {
     #[cfg(feature = "friction")]
     return Ok(Enabled);

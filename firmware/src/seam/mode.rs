@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What the controller is doing.
+/// Activity of the controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(all(feature = "defmt", target_os = "none"), derive(defmt::Format))]
 pub enum Mode {
@@ -15,12 +15,12 @@ pub enum Mode {
     Scan,
     /// Acquiring the lock.
     Lock,
-    /// Driving, by the burst schedule.
+    /// Driving, with the burst schedule.
     Run,
     /// Muted by a fault.
     Fault,
-    /// Measuring what each lane adds.
+    /// Measuring the lanes for their trims.
     Calibrate,
-    /// Measuring the clamped branch, beside the resonance.
+    /// Measuring the clamped branch, off resonance.
     Clamped,
 }

@@ -1,23 +1,24 @@
-//! Phasors: the complex amplitude `X` of a signal `x(n) = Re{X exp(j theta(n))}`, peak value, in f32.
+//! Phasors: the complex peak amplitude `X` of a signal `x(n) = Re{X exp(j theta(n))}`, in f32.
 //!
-//! The reference `theta` is the phase of the drive's own oscillator, so `arg` is always relative to it.
+//! The reference `theta` is the phase of the drive's oscillator; `arg` is relative to it.
 
 use crate::seam::units::Turns;
 
-/// A complex amplitude (peak).
+/// Complex peak amplitude.
 pub type Phasor = num_complex::Complex32;
 
 /// Radians in a turn.
 const TAU: f32 = core::f32::consts::TAU;
-/// Up to this tangent an argument is small.
+/// Largest tangent for which the series is used.
 const SMALL_TANGENT: f32 = 0.125;
 
-/// Magnitude. `libm` is used rather than the processor's own root so that every target agrees.
+/// Returns the magnitude. `libm` and not the processor's square root, so that every target agrees.
 pub fn magnitude(x: Phasor) -> f32 {
     libm::sqrtf(x.norm_sqr())
 }
 
-/// Argument, in (-0.5, 0.5] turns. Near zero, where a tracker listens, it is a series, which takes a fifth of what `atan2f` does:
+/// Returns the argument, in (-0.5, 0.5] turns. Near zero, where a tracker operates, a series is
+/// used, which takes a fifth of the time of `atan2f`:
 ///
 /// ```text
 /// atan t = t - t^3 / 3 + t^5 / 5 - t^7 / 7,    error t^9 / 9 < 1e-9 for t < 1 / 8
@@ -32,7 +33,7 @@ pub fn argument(x: Phasor) -> Turns {
     Turns(libm::atan2f(x.im, x.re) * (1.0 / TAU))
 }
 
-/// The unit phasor in the direction of `x`; one where `x` is zero.
+/// Returns the unit phasor in the direction of `x`; 1 if `x` is zero.
 pub fn direction(x: Phasor) -> Phasor {
     let size = magnitude(x);
     if size > 0.0 { x / size } else { Phasor::new(1.0, 0.0) }
@@ -49,18 +50,19 @@ mod tests {
     }
 
     #[test]
-    fn a_small_argument_is_as_good_as_a_large_one() {
+    fn a_small_argument_is_as_accurate_as_a_large_one() {
         let error = |n: i32| {
             let (im, re) = (n as f32 / 10_000.0, 0.9);
             (f64::from(argument(Phasor::new(re, im)).0) - libm::atan2(im.into(), re.into()) / core::f64::consts::TAU).abs()
         };
-        // To tangents of 0.22, beyond the end of the series. Measured: 4.6e-9 turns, rounding of `atan2f` beyond; 1.1e-9 by the series.
+        // Tangents to 0.22, beyond the range of the series. Measured: 1.1e-9 turns with the series,
+        // 4.6e-9 beyond it, from the rounding of `atan2f`.
         let largest = (-2000..=2000).map(error).fold(0.0, f64::max);
         assert!(largest < 6e-9, "{largest}");
     }
 
     #[test]
-    fn direction_has_unit_size_even_of_nothing() {
+    fn direction_has_unit_size_even_for_zero() {
         assert!((magnitude(direction(Phasor::new(3.0, -4.0))) - 1.0).abs() < 1e-6);
         assert_eq!(direction(Phasor::new(0.0, 0.0)), Phasor::new(1.0, 0.0));
     }

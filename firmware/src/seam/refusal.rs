@@ -1,41 +1,44 @@
-//! Why the board does not do what it is asked.
+//! Reasons for which the board refuses a command.
 
 use serde::{Deserialize, Serialize};
 
-/// Why a command is not obeyed.
+/// Reason for which a command is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refusal {
     /// The frame was damaged: too long, badly stuffed, or with a wrong checksum.
     Damaged,
     /// The frame is of another protocol version.
     Version,
-    /// The frame is whole, but not a command that is known here.
+    /// The frame is intact, but the command is unknown here.
     Unknown,
-    /// A number in it is not a number, or negative where it must not be.
+    /// A value is not a number, or is negative and must not be.
     NotPlausible,
-    /// Earlier orders have not been taken yet: the block stream stands still.
+    /// Earlier orders have not been taken yet: the block stream has stopped.
     Busy,
-    /// Only while the drive is silent.
+    /// The command is allowed only while the drive is silent.
     Driving,
-    /// The flash does not do it.
+    /// The flash has failed.
     Flash,
-    /// A number in it is beyond its range: of a parameter, or of what a capture has.
+    /// A value is out of range: that of a parameter, or the length of a capture.
     OutOfRange,
     /// No parameter has this key.
     NoSuchKey,
     /// The capture is not full.
     NotCaptured,
-    /// Nothing here is configured that it could be for.
+    /// The part that the command is for is not configured.
     NotConfigured,
-    /// It is for a part of the controller that this image leaves out.
+    /// The part that the command is for is not in this image.
     LeftOut,
-    /// It would drive at the D-ring of a belt, and the length of a count of the belt's encoder is not set.
+    /// The command would drive at the D-ring of a belt, but the length of a count of the belt's
+    /// encoder is not set.
     NoBeltScale,
-    /// It would drive, and a limit that was stored may not act: the stored settings could not be read when the board started, or nothing here judges it.
+    /// The command would drive, but a stored limit may not act: the stored settings could not be
+    /// read at start-up, or no part of this image checks that limit.
     LimitsUnsure,
-    /// The settings that are to be stored do not fit together. The key of the parameter that is out of what the others leave it; zero where it is none
-    /// alone.
+    /// The settings to be stored are inconsistent. Key of the parameter that the others exclude;
+    /// zero if it is not a single one.
     DoesNotBuild(u8),
-    /// The frame is of another session than the present one: another host has connected since, or the board was reset.
+    /// The frame is of an earlier session: another host has connected since, or the board was
+    /// reset.
     Session,
 }

@@ -1,4 +1,5 @@
-//! Telemetry: the report of a block. The background task thins it out and sends it.
+//! Telemetry: the report of a block. The background task selects some of the reports and sends
+//! them.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,60 +9,60 @@ use crate::seam::phasor::Phasor;
 use crate::seam::transducer::{Listed, Transducer};
 use crate::seam::units::{Hertz, Turns, Volts};
 
-/// The report of one block.
+/// Report of one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Telemetry {
-    /// Which call this is, counted from zero; wraps after 38 hours of 32 us blocks.
+    /// Number of the call, from zero; wraps after 38 hours of 32 us blocks.
     pub block: u32,
-    /// The last order latched.
+    /// Sequence number of the last order latched.
     pub orders_sequence: u32,
-    /// What the controller is doing.
+    /// Mode of the controller.
     pub mode: Mode,
-    /// Why it is muted.
+    /// Fault for which the drive is muted.
     pub fault: Option<Fault>,
-    /// What keeps it from doing what was asked.
+    /// Reason for which the drive is below its set point.
     pub limit: Option<Limit>,
-    /// Whether the tracker is locked.
+    /// `true` if the tracker is locked.
     pub locked: bool,
-    /// Tuning word of the codes returned, 2^64 a sample rate.
+    /// Tuning word of the codes returned, 2^64 per sample rate.
     pub tuning_word: u64,
     /// Frequency of the codes returned.
     pub frequency: Hertz,
-    /// The tracker's smoothed estimate of the resonance.
+    /// Smoothed estimate of the resonance.
     pub resonance: Hertz,
     /// Peak voltage of the codes returned, before the envelope.
     pub drive: Volts,
     /// Mean envelope of the codes returned, 0 to 1.
     pub envelope: f32,
-    /// Voltage phasor of the measured block, V peak, relative to the drive that was played in it.
+    /// Voltage phasor of the measured block, V peak, relative to the drive played in it.
     pub v: Phasor,
     /// Current phasor of the measured block, A peak.
     pub i: Phasor,
     /// Motional current of the measured block, A peak.
     pub motional_current: Phasor,
-    /// Phase that the tracker drives to zero, of the measured block.
+    /// Phase of the measured block that the tracker drives to zero.
     pub phase: Turns,
-    /// The transducer, once identified.
+    /// Transducer, once identified.
     pub transducer: Option<Transducer>,
-    /// One of the resonances that the scan has found, each in its turn.
+    /// One of the resonances found by the scan; each block carries the next one.
     pub listed: Option<Listed>,
-    /// Estimate of the friction switch, once its survey is over.
+    /// Estimate of the friction switch, after its survey.
     pub friction: Option<FrictionEstimate>,
 }
 
-/// The friction switch's estimate of the contact.
+/// Estimate of the contact by the friction switch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionEstimate {
-    /// The survey is over, and has found the contact; if not, the contact is the nominal one.
+    /// `true` if a survey has identified the contact; otherwise the contact is the nominal one.
     pub identified: bool,
-    /// Friction ratio, by the law and the tip velocity that is measured.
+    /// Friction ratio, from the law and the measured tip velocity.
     pub ratio: f32,
-    /// Friction ratio by the force sensor; not before there is something to compare with.
+    /// Friction ratio from the force sensor; `None` until there is a reference.
     pub force_ratio: Option<f32>,
-    /// Largest vibration amplitude, in Dahl lengths: kappa there.
+    /// Kappa at the largest amplitude: the vibration amplitude in Dahl lengths.
     pub kappa: f32,
-    /// Standard deviation of kappa, relative.
+    /// Relative standard deviation of kappa.
     pub kappa_deviation: f32,
-    /// The least ratio at this speed.
+    /// Smallest ratio at this speed.
     pub floor: f32,
 }

@@ -1,13 +1,13 @@
-//! What a transducer is: its equivalent circuit, how sure that is, and what else rings.
+//! Description of a transducer: equivalent circuit, deviations, and other resonances.
 
 use serde::{Deserialize, Serialize};
 
 const TAU: f32 = core::f32::consts::TAU;
 
-/// The most resonances that are listed.
+/// Largest number of listed resonances.
 pub const MOST_MODES: usize = 4;
 
-/// A transducer's equivalent circuit, as identified.
+/// Equivalent circuit of a transducer, as identified.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Transducer {
     /// Series (motional) resonance, Hz.
@@ -22,25 +22,26 @@ pub struct Transducer {
     pub lm_h: f32,
     /// Motional capacitance, F.
     pub cm_f: f32,
-    /// Clamped capacitance, F; includes what DAC images make it look like.
+    /// Clamped capacitance, F; includes the apparent part by DAC images.
     pub c0_f: f32,
     /// Effective coupling, `sqrt(Cm / (C0 + Cm))`.
     pub coupling: f32,
     /// Standard deviations of these values.
     pub deviations: Deviations,
-    /// How many resonances were found, and which of the list this is.
+    /// Number of resonances found.
     pub modes: u8,
-    /// Place of this resonance in the list of those found, from zero.
+    /// Index of this resonance in the list of those found, from zero.
     pub chosen: u8,
 }
 
 impl Transducer {
-    /// Ring-up time constant `Q / (pi fs)`, s.
+    /// Returns the ring-up time constant `Q / (pi fs)`, s.
     pub fn time_constant_s(&self) -> f32 {
         2.0 * self.q / (TAU * self.series_resonance_hz)
     }
 
-    /// Becomes a copy, number by number: all of it at once is more than the compiler moves without a call, which takes three times as long.
+    /// Copies `from` field by field: the compiler moves the whole with a call, which takes three
+    /// times as long.
     #[inline]
     pub(crate) fn copy(&mut self, from: &Transducer) {
         self.series_resonance_hz = from.series_resonance_hz;
@@ -56,7 +57,7 @@ impl Transducer {
     }
 }
 
-/// Standard deviations of what was identified, by the noise that was seen.
+/// Standard deviations of the identified values, from the measured noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Deviations {
     /// Standard deviation of the series resonance, Hz.
@@ -77,7 +78,7 @@ pub struct Deviations {
     pub coupling: f32,
 }
 
-/// One of the resonances that a scan has found.
+/// Resonance found by a scan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Resonance {
     /// Series resonance of this mode, Hz.
@@ -90,16 +91,16 @@ pub struct Resonance {
     pub conductance_s: f32,
 }
 
-/// One of the resonances of a list, on its way with the telemetry: a list comes one a block.
+/// Item of a list of resonances; the telemetry of a block carries one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Listed {
-    /// Place of this resonance in the list, from zero.
+    /// Index of this resonance in the list, from zero.
     pub place: u8,
     /// Number of resonances in the list.
     pub of: u8,
-    /// The resonance at this place.
+    /// The resonance itself.
     pub resonance: Resonance,
 }
 
-/// The resonances that a scan has found, at rising frequencies.
+/// Resonances found by a scan, at rising frequencies.
 pub type Resonances = heapless::Vec<Resonance, MOST_MODES>;

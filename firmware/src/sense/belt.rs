@@ -1,61 +1,66 @@
-//! The belt, as its encoder measures it: how far it has paid out, how fast it is, and whether what lies under the tip is new.
+//! Belt motion from its encoder: payout, speed, and new ground under the tip.
 //!
-//! Payout is counts times metres a count. **New ground** is a count further out than the belt has been since it was last drawn back by
-//! `PLAY_M`: a belt that swings to and fro by less than that stays where it is, as far as the heat in it goes.
+//! Payout is counts times metres per count. **New ground** is a count beyond the farthest position
+//! since the belt was last drawn back by `PLAY_M`. A belt that swings by less than that stays in
+//! place as far as its heat is concerned.
 //!
-//! Speed is the counts between two edges over the time between them, `v = m (c2 - c1) / (t2 - t1)`, with the edges 5 ms apart, or 200
-//! counts if those come sooner: an edge is known to a block, so that the speed is known to 0.6 % (32 us in 5 ms) or 0.5 %. A belt of which
-//! nothing has come for long is at most as fast as one count in that time.
+//! Speed is the counts between two edges divided by the time between them,
+//! `v = m (c2 - c1) / (t2 - t1)`. The edges are 5 ms apart, or 200 counts if that is sooner. Edges
+//! are resolved to a block, so that the error of the speed is 0.6 % (32 us in 5 ms) or 0.5 %.
+//! Without new counts, the speed is at most one count in the time since the last edge.
 
 use crate::seam::block::BeltSense;
 use crate::seam::config::Config;
 
-/// How far a belt is drawn back before its way out counts as new again, m: a fifth of a contact of 10 mm.
+/// Distance by which a belt is drawn back before its payout counts as new ground again, m: a fifth
+/// of a contact of 10 mm.
 pub(crate) const PLAY_M: f32 = 2e-3;
-/// The same where the length of a count is not configured, in counts.
+/// The same distance, counts, if the length of a count is not configured.
 const PLAY_COUNTS: i32 = 200;
-/// The speed is measured over so long, s,
+/// Duration of a speed measurement, s.
 const SPEED_S: f32 = 5e-3;
-/// or over so many counts.
+/// Number of counts that ends a speed measurement earlier.
 const SPEED_COUNTS: i32 = 200;
 
-/// The belt: its position and speed, from the counts of its encoder.
+/// Position and speed of the belt, from the counts of its encoder.
 #[derive(Clone, Debug)]
 pub struct Belt {
-    /// Length of a count, m; zero where it is not configured.
+    /// Length of a count, m; zero if it is not configured.
     metre_per_count: f32,
     block_s: f32,
     play: i32,
     speed_blocks: u32,
-    /// There is an encoder: it is configured, or has been read.
+    /// `true` if an encoder is configured or has been read.
     expected: bool,
     counter: Option<Counter>,
     /// New ground in the last block, counts.
     fresh: u32,
-    /// Blocks since there was any.
+    /// Blocks since the last new ground.
     still: u32,
 }
 
-/// What the encoder has said so far, as raw counts.
+/// State of the encoder, in raw counts.
 #[derive(Clone, Copy, Debug)]
 struct Counter {
     last: i32,
     furthest: i32,
-    /// Where and how many blocks ago the present measurement of the speed began.
+    /// Position at the start of the present speed measurement.
     anchor: i32,
+    /// Blocks since that start.
     since_anchor: u32,
     since_edge: u32,
-    /// Counts a block.
+    /// Speed, counts per block.
     speed: Option<f32>,
 }
 
 impl Belt {
-    /// A belt whose counts are worth what the configuration says.
+    /// Creates a belt with the configured length of a count.
     pub fn build(config: &Config, block_s: f32) -> Self {
         Belt::of(config.front_end.metre_per_count.unwrap_or(0.0), block_s)
     }
 
-    /// A belt of which a count is worth so many metres; zero where that is not configured, and then there is an encoder only if it is read.
+    /// Creates a belt with this length of a count, m; zero if it is not configured. The belt then
+    /// has an encoder only once it is read.
     pub(crate) fn of(metre_per_count: f32, block_s: f32) -> Self {
         let configured = metre_per_count > 0.0;
         Belt {
@@ -70,7 +75,8 @@ impl Belt {
         }
     }
 
-    /// Takes what the decoder says of one block. What comes after a broken line counts from zero.
+    /// Processes the reading of one block. After a broken line, the next reading is the new origin
+    /// of new ground and speed.
     pub fn update(&mut self, sense: Option<BeltSense>) {
         if sense.is_none() && !self.expected {
             return;
@@ -88,32 +94,33 @@ impl Belt {
         self.still = if self.fresh > 0 { 0 } else { self.still.saturating_add(1) };
     }
 
-    /// Whether there is an encoder: one is configured, or has been read.
+    /// Returns `true` if an encoder is configured or has been read.
     pub(crate) fn is_expected(&self) -> bool {
         self.expected
     }
 
-    /// Whether there should be an encoder and is none, or one with a broken line.
+    /// Returns `true` if an expected encoder is missing or has a broken line.
     pub(crate) fn is_lost(&self) -> bool {
         self.expected && self.counter.is_none()
     }
 
-    /// New ground in the last block, counts.
+    /// Returns the new ground in the last block, counts.
     pub(crate) fn fresh_counts(&self) -> u32 {
         self.fresh
     }
 
-    /// Where it is, counts since power-up; none without an encoder.
+    /// Returns the position, counts since power-up; `None` without an encoder.
     pub(crate) fn counts(&self) -> Option<i32> {
         self.counter.map(|counter| counter.last)
     }
 
-    /// Blocks since there was new ground, or since power-on.
+    /// Returns the number of blocks since the last new ground or since power-on.
     pub(crate) fn still_blocks(&self) -> u32 {
         self.still
     }
 
-    /// Its speed, m/s, to a per cent; less than zero as it is drawn back. `None` while it is not known.
+    /// Returns the speed, m/s, with an error below one per cent; negative when drawn back. `None`
+    /// while it is unknown.
     pub(crate) fn speed_m_per_s(&self) -> Option<f32> {
         let counter = self.counter.filter(|_| self.metre_per_count > 0.0)?;
         Some(counter.limited_speed()? * self.metre_per_count / self.block_s)
@@ -125,7 +132,7 @@ impl Counter {
         Counter { last: counts, furthest: counts, anchor: counts, since_anchor: 0, since_edge: 0, speed: None }
     }
 
-    /// Moves on to the next reading. Returns the new ground, counts.
+    /// Advances to the next reading. Returns the new ground, counts.
     fn advance(&mut self, counts: i32, play: i32) -> u32 {
         self.since_edge = if counts == self.last { self.since_edge.saturating_add(1) } else { 0 };
         self.since_anchor = self.since_anchor.saturating_add(1);
@@ -139,7 +146,7 @@ impl Counter {
         beyond.max(0) as u32
     }
 
-    /// Measures the speed again at an edge, if the last one was long enough ago.
+    /// Measures the speed at an edge, if the last measurement is old enough.
     fn measure(&mut self, blocks: u32) {
         let moved = self.last.wrapping_sub(self.anchor);
         if self.since_edge == 0 && (self.since_anchor >= blocks || moved.unsigned_abs() >= SPEED_COUNTS as u32) {
@@ -148,7 +155,7 @@ impl Counter {
         }
     }
 
-    /// Counts a block, and no more than would have shown.
+    /// Returns the speed, counts per block, limited to one count in the time since the last edge.
     fn limited_speed(&self) -> Option<f32> {
         let silent = self.since_edge as f32;
         self.speed.map(|speed| if (speed * silent).abs() > 1.0 { (1.0 / silent).copysign(speed) } else { speed })
@@ -161,12 +168,13 @@ mod tests {
 
     const BLOCK_S: f32 = 32e-6;
 
-    /// 100 counts a millimetre.
+    /// Creates a belt with 100 counts per millimetre.
     fn belt() -> Belt {
         Belt::of(1e-5, BLOCK_S)
     }
 
-    /// Lets a belt move at `speed` for so many blocks, from `position` counts on. Returns where it is then, and the new ground.
+    /// Moves a belt at `speed`, m/s, for `blocks` blocks from `position`, counts. Updates the
+    /// position and returns the new ground.
     fn moves(belt: &mut Belt, position: &mut f64, speed: f64, blocks: usize) -> u32 {
         let mut fresh = 0;
         for _ in 0..blocks {
@@ -177,7 +185,7 @@ mod tests {
         fresh
     }
 
-    /// Measured at 3 to 2500 mm/s, either way: 0.66 % off at most.
+    /// Measured from 3 to 2500 mm/s in both directions: at most 0.66 % off.
     #[test]
     fn the_speed_is_known_to_a_per_cent_at_any_speed() {
         for speed in [0.003, 0.0101, 0.025, 0.038, 0.0683, 0.3, 2.5, -0.038] {
@@ -192,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn the_speed_is_unknown_at_first_and_falls_where_nothing_comes() {
+    fn speed_is_unknown_at_first_and_falls_without_counts() {
         let (mut belt, mut position) = (belt(), 0.0);
         moves(&mut belt, &mut position, 0.038, 150);
         assert_eq!(belt.speed_m_per_s(), None);
@@ -204,16 +212,16 @@ mod tests {
     }
 
     #[test]
-    fn payout_is_counted_over_the_end_of_the_counter() {
+    fn payout_is_counted_when_the_counter_wraps() {
         let (mut belt, mut position) = (belt(), f64::from(i32::MAX) - 100.0);
         let fresh = moves(&mut belt, &mut position, 0.1, 1000);
-        // 3.2 mm in a thousand blocks; the first is where it counts from.
+        // 3.2 mm in a thousand blocks; the first block is the reference.
         let payout_m = f64::from(fresh) * 1e-5;
         assert!((payout_m - 3.1968e-3).abs() < 1.1e-5, "{payout_m}");
     }
 
     #[test]
-    fn swinging_to_and_fro_is_no_new_ground_but_drawing_back_is() {
+    fn swinging_is_not_new_ground_but_drawing_back_is() {
         let (mut belt, mut position) = (belt(), 0.0);
         moves(&mut belt, &mut position, 0.038, 1000);
         for _ in 0..20 {
@@ -222,14 +230,14 @@ mod tests {
             assert!(moves(&mut belt, &mut position, 0.0594, 1000) <= 1);
         }
         assert!(belt.still_blocks() >= 900, "{}", belt.still_blocks());
-        // 20 mm back, and the way out is new again after 2 mm.
+        // 20 mm back; the payout counts as new ground again after 2 mm.
         moves(&mut belt, &mut position, -0.625, 1000);
         let fresh = moves(&mut belt, &mut position, 0.625, 1000);
         assert!((1798..=1802).contains(&fresh), "{fresh}");
     }
 
     #[test]
-    fn a_broken_line_is_a_lost_sensor_and_no_motion() {
+    fn broken_line_is_a_lost_sensor_without_motion() {
         let mut belt = belt();
         assert!(belt.is_lost());
         for counts in 0..10 {

@@ -1,4 +1,4 @@
-//! Converter codes to SI and back: the only place that knows what a code is worth.
+//! Conversion between converter codes and SI units; the only place that knows the value of a code.
 
 use crate::generate::drive_scale::DriveScale;
 use crate::seam::block::Codes;
@@ -12,23 +12,25 @@ use crate::sense::resonator::Scale;
 pub struct SenseScale {
     mid_code: u16,
     zero: f32,
-    /// The same for the lock-in.
+    /// Fixed-point scale for the lock-in.
     fixed: Scale,
     per_lsb: f32,
     max_code: u16,
-    /// The largest value that is in order, in SI.
+    /// Maximum permitted value, in SI units.
     limit: f32,
-    /// How far from the lock-in's zero a code certainly is neither an end of the range nor beyond the limit.
+    /// Distance from the zero of the lock-in within which a code is certainly not clipped nor
+    /// beyond the limit, codes.
     reach: f32,
-    /// Mean square, about the lock-in's zero, below which no block is clipped, if that is all that can be out of order; codes squared.
+    /// Mean square around the zero of the lock-in below which a block cannot be clipped, codes
+    /// squared; zero if a limit is set.
     unclipped: f32,
-    /// Mean square of a fiftieth of the range, codes squared.
-    loud: f32,
+    /// Square of a fiftieth of the range, codes squared.
+    large_square: f32,
 }
 
-/// What rounding, noise and a small tone may leave, of the range.
+/// Maximum rms residual from rounding, noise and a small tone, relative to the range.
 const QUIET_PART: f32 = 0.02;
-/// The part of a block's codes that may stand at the ends of the converter's range.
+/// Inverse of the part of the codes of a block that may be at the ends of the range.
 pub(crate) const CLIPPED_PART: usize = 8;
 
 impl SenseScale {
@@ -36,19 +38,29 @@ impl SenseScale {
         in_range("front_end.sense_mid_code", mid_code.into(), 1.0, f64::from(max_code) - 1.0)?;
         let zero = f32::from(mid_code);
         let fixed = Scale::new(zero, max_code);
-        let loud = QUIET_PART * QUIET_PART * f32::from(max_code) * f32::from(max_code);
-        let mut scale =
-            SenseScale { mid_code, zero, fixed, per_lsb, max_code, limit: f32::INFINITY, reach: 0.0, unclipped: 0.0, loud };
+        let large_square = QUIET_PART * QUIET_PART * f32::from(max_code) * f32::from(max_code);
+        let mut scale = SenseScale {
+            mid_code,
+            zero,
+            fixed,
+            per_lsb,
+            max_code,
+            limit: f32::INFINITY,
+            reach: 0.0,
+            unclipped: 0.0,
+            large_square,
+        };
         scale.set_limit(f32::INFINITY);
         Ok(scale)
     }
 
-    /// A phasor in codes, in SI.
+    /// Converts a phasor from codes to SI units.
     pub fn scale(&self, codes: Phasor) -> Phasor {
         codes * self.per_lsb
     }
 
-    /// Mean of a block, in codes about the present zero, and mean square about that mean. In whole numbers, which are exact.
+    /// Computes the mean of a block relative to the present zero, codes, and the mean square
+    /// deviation from that mean, codes squared. The integer sums are exact.
     pub(crate) fn mean_and_variance(&self, codes: &Codes) -> (f32, f32) {
         let (count, mid) = (codes.len().max(1) as i64, i32::from(self.mid_code));
         let (mut sum, mut squares) = (0i32, 0i64);
@@ -62,73 +74,78 @@ impl SenseScale {
         (sum as f32 / count + (mid as f32 - self.zero), scatter as f32 / (count * count))
     }
 
-    /// Variance of a phasor that is fitted to `samples` codes of this variance, both components, in SI. Rounding adds a twelfth.
+    /// Computes the variance (both components, SI units) of a phasor fitted to `samples` codes of
+    /// variance `code_variance`. Rounding adds a twelfth.
     pub(crate) fn phasor_variance(&self, code_variance: f32, samples: usize) -> f32 {
         4.0 / samples as f32 * (code_variance + 1.0 / 12.0) * self.per_lsb * self.per_lsb
     }
 
-    /// How many codes a value in SI is.
+    /// Converts a value from SI units to codes.
     pub(crate) fn codes(&self, value: f32) -> f32 {
         value / self.per_lsb
     }
 
-    /// Sets the largest value that is in order, in SI.
+    /// Sets the maximum permitted value, in SI units.
     pub fn set_limit(&mut self, limit: f32) {
         self.limit = limit;
         let ends = (self.zero - 1.0).min(f32::from(self.max_code) - 1.0 - self.zero);
-        self.reach = self.codes(limit).min(ends) - self.fixed.off();
-        let end = ends - self.fixed.off();
+        self.reach = self.codes(limit).min(ends) - self.fixed.zero_error();
+        let end = ends - self.fixed.zero_error();
         self.unclipped = if limit < f32::INFINITY || end < 0.0 { 0.0 } else { end * end / CLIPPED_PART as f32 };
     }
 
-    /// Whether no code of a block can be out of order: of a tone with this square of its amplitude, and with so much energy beside it (both in
-    /// codes). `a + e <= reach`, in squares, because a root takes as long as two periods of the lock-in.
+    /// Returns `true` if no code of a block can be clipped or beyond the limit, for a tone with
+    /// this squared amplitude and this unexplained energy, both in codes squared. Tests
+    /// `a + e <= reach` with squares, because a square root takes as long as two periods of the
+    /// lock-in.
     pub(crate) fn holds(&self, amplitude_square: f32, energy: f32) -> bool {
-        // What rounding may have taken from the energy.
+        // Rounding may have reduced the energy.
         let energy = energy + 1e-5 * amplitude_square + 1.0;
         let rest = self.reach * self.reach - amplitude_square - energy;
         self.reach > 0.0 && rest >= 0.0 && rest * rest >= 4.0 * amplitude_square * energy
     }
 
-    /// Whether so little energy, in codes, of so many samples is no clipping, where nothing else can be out of order.
+    /// Returns `true` if the energy of `samples` samples, codes squared, is too small for a clipped
+    /// block, and no limit is set.
     pub(crate) fn is_unclipped(&self, energy: f32, samples: usize) -> bool {
         energy < self.unclipped * samples as f32
     }
 
-    /// Whether so much energy, in codes, of so many samples is more than that of a fiftieth of the range, rms.
-    pub(crate) fn is_loud(&self, energy: f32, samples: usize) -> bool {
-        energy > self.loud * samples as f32
+    /// Returns `true` if the rms of `samples` samples with this energy, codes squared, exceeds a
+    /// fiftieth of the range.
+    pub(crate) fn is_large(&self, energy: f32, samples: usize) -> bool {
+        energy > self.large_square * samples as f32
     }
 
-    /// Codes about zero in fixed point.
+    /// Returns the fixed-point scale of codes around zero.
     pub(crate) fn fixed(&self) -> &Scale {
         &self.fixed
     }
 
-    /// The code of zero, with its measured offset.
+    /// Returns the code of zero, including its measured offset.
     pub(crate) fn zero(&self) -> f32 {
         self.zero
     }
 
-    /// The largest code.
+    /// Returns the maximum code.
     pub(crate) fn max_code(&self) -> u16 {
         self.max_code
     }
 
-    /// How many samples of a block are beyond `limit` (in SI) on either side of zero.
+    /// Counts the samples of a block beyond `limit`, SI units, on either side of zero.
     pub(crate) fn beyond(&self, codes: &Codes, limit: f32) -> usize {
         let limit = self.codes(limit);
-        // Conversions cut off, and saturate.
+        // Casts truncate and saturate.
         let (least, most) = (self.zero - limit, (self.zero + limit) as u16);
         outside(codes, least as u16 + u16::from(f32::from(least as u16) < least), most)
     }
 
-    /// Moves the zero by a measured offset, in codes.
+    /// Shifts the zero by a measured offset, codes.
     pub fn shift_zero(&mut self, codes: f32) {
         self.set_zero(self.zero + codes);
     }
 
-    /// Forgets measured offsets.
+    /// Removes measured offsets.
     pub(crate) fn restore_zero(&mut self) {
         self.set_zero(f32::from(self.mid_code));
     }
@@ -139,27 +156,28 @@ impl SenseScale {
         self.set_limit(self.limit);
     }
 
-    /// Full scale to one side, in codes.
+    /// Returns half the range, codes.
     pub(crate) fn half_range(&self) -> f32 {
         0.5 * f32::from(self.max_code)
     }
 
-    /// How many samples of a block stand at either end of the converter.
+    /// Counts the samples of a block at either end of the range.
     pub(crate) fn clipped(&self, codes: &Codes) -> usize {
         outside(codes, 1, self.max_code - 1)
     }
 }
 
-/// How many codes are not within `least` to `most`, which is not the lesser one.
+/// Counts the codes below `least` or above `most`; `least` must not exceed `most`.
 fn outside(codes: &Codes, least: u16, most: u16) -> usize {
-    let beside = |code: &&u16| **code < least || **code > most;
-    let count = |codes: &[u16]| codes.iter().filter(beside).count();
-    if most > MIDDLE || least > MIDDLE {
+    let is_outside = |code: &&u16| **code < least || **code > most;
+    let count = |codes: &[u16]| codes.iter().filter(is_outside).count();
+    if most > MAX_CLEAR_TOP_BIT || least > MAX_CLEAR_TOP_BIT {
         return count(codes);
     }
-    // Two at a time, of which bit 15 and bit 31 say that one is beside: what a carry takes from the other half, it takes only with its own bit set.
+    // Two codes at a time: bit 15 or 31 is set if one is outside. A carry between the halves needs
+    // such a bit.
     let twice = |code: u16| u32::from(code) * 0x1_0001;
-    let (above, below) = (twice(MIDDLE - most), twice(MIDDLE + least));
+    let (above, below) = (twice(MAX_CLEAR_TOP_BIT - most), twice(MAX_CLEAR_TOP_BIT + least));
     let bits = |first: u16, second: u16| {
         let both = u32::from(first) | u32::from(second) << 16;
         both.wrapping_add(above) | below.wrapping_sub(both)
@@ -167,15 +185,15 @@ fn outside(codes: &Codes, least: u16, most: u16) -> usize {
     let (eights, rest) = codes.as_chunks::<8>();
     let mut all = count(rest);
     for eight @ [a, b, c, d, e, f, g, h] in eights {
-        if (bits(*a, *b) | bits(*c, *d) | bits(*e, *f) | bits(*g, *h)) & twice(MIDDLE + 1) != 0 {
+        if (bits(*a, *b) | bits(*c, *d) | bits(*e, *f) | bits(*g, *h)) & twice(MAX_CLEAR_TOP_BIT + 1) != 0 {
             all += count(eight);
         }
     }
     all
 }
 
-/// The largest code whose uppermost bit is free.
-const MIDDLE: u16 = 0x7fff;
+/// Maximum code with a clear top bit.
+const MAX_CLEAR_TOP_BIT: u16 = 0x7fff;
 
 /// All converters of the front end.
 #[derive(Clone, Debug)]
@@ -189,7 +207,7 @@ pub struct Convert {
 }
 
 impl Convert {
-    /// Checks that zero is within the codes.
+    /// Checks that zero is within the range and creates the scales.
     pub fn build(front_end: &FrontEnd) -> Result<Self, Error> {
         let sense = |per_lsb| SenseScale::build(per_lsb, front_end.sense_mid_code, front_end.sense_max_code);
         Ok(Convert {
@@ -204,9 +222,9 @@ impl Convert {
 mod tests {
     use super::*;
 
-    /// Against one comparison after the other, over all codes, also such as no converter has.
+    /// Compared with a simple count, over all codes, including codes that no converter has.
     #[test]
-    fn codes_outside_are_counted_one_and_all() {
+    fn all_codes_outside_are_counted() {
         let mut random = 1u64;
         let mut next = |most: u64| {
             random = random.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
@@ -229,7 +247,7 @@ mod tests {
             }] += 1;
         }
         assert!(seen[1] > 100_000 && seen[2] > 100, "{seen:?}");
-        // Whole blocks in order, but for one code.
+        // Blocks with a single code outside.
         for at in 0..32 {
             let mut codes: Codes = core::iter::repeat_n(4096, 32).collect();
             assert_eq!(outside(&codes, 1, 8190), 0);

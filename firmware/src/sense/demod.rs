@@ -1,7 +1,8 @@
-//! Lock-in: a block of voltage and current against the drive's own phase.
+//! Lock-in: measures voltage and current of a block relative to the phase of the drive.
 //!
-//! For `x(n) = Re{X exp(j theta(n))}`, `theta(n) = theta0 + n omega`, the least-squares `X` over `N` samples is, in closed
-//! form for any block length and any frequency (the conjugate term removes the image that a plain boxcar leaves):
+//! For `x(n) = Re{X exp(j theta(n))}`, `theta(n) = theta0 + n omega`, the least-squares `X` over
+//! `N` samples has a closed form for any block length and frequency (the conjugate term removes the
+//! image left by a plain boxcar):
 //!
 //! ```text
 //! r  = sum x(n) exp(-j theta(n))
@@ -9,22 +10,24 @@
 //! X  = (2 / N) (r - conj(r) S2 / N) / (1 - |S2|^2 / N^2)
 //! ```
 //!
-//! Being the least-squares fit, it is at the Cramer-Rao bound in white noise. The sum `r` comes from a resonator (`resonator.rs`) that the codes ring up.
+//! As a least-squares fit, it reaches the Cramer-Rao bound in white noise. The sum `r` is computed
+//! by a resonator (`resonator.rs`).
 //!
-//! The same pass over the codes shows the [guard](crate::guard) where it need not look: with `E = sum x^2 - Re{X conj(r)}`, the energy that the
-//! tone leaves unexplained, no sample is larger than `|X| + sqrt(E)`.
+//! The same pass over the codes tells the [guard](crate::guard) which blocks need no further check.
+//! With `E = sum x^2 - Re{X conj(r)}`, the energy that the tone does not explain, no sample is
+//! larger than `|X| + sqrt(E)`.
 
 use crate::generate::nco::Stretch;
 use crate::generate::shape::sine::{self, Coefficient};
 use crate::seam::block::SenseBlock;
 use crate::seam::phasor::Phasor;
 use crate::sense::convert::{Convert, SenseScale};
-use crate::sense::resonator::Rung;
+use crate::sense::resonator::ResonatorSum;
 
-/// Beyond this `|S2|^2 / N^2` single precision has not much to say of a phasor.
-const BLIND: f32 = 0.95;
-/// The part of a channel's energy that may be none of the tone.
-const UNEXPLAINED: f32 = 0.1;
+/// Value of `|S2|^2 / N^2` above which single precision does not determine a phasor.
+const BLIND_IMAGE_SQUARE: f32 = 0.95;
+/// Maximum part of the energy of a channel that the tone may leave unexplained.
+const MAX_UNEXPLAINED_PART: f32 = 0.1;
 
 /// Voltage and current of one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,23 +38,26 @@ pub struct Sensed {
     pub i: Phasor,
 }
 
-/// Whether so many codes of a block may be an end of the converter's range that it is clipped, or any may be beyond the channel's limit.
+/// Conditions that the guard must check in detail: enough codes at an end of the range to count as
+/// clipped, any code beyond the limit of its channel, or unexplained energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Suspect {
-    /// Codes of the voltage channel may be.
+    /// `true` if codes of the voltage channel may be clipped or beyond the limit.
     pub v: bool,
-    /// Codes of the current channel may be.
+    /// `true` if codes of the current channel may be clipped or beyond the limit.
     pub i: bool,
-    /// More than a tenth of a channel's energy is not of the tone, and more than rounding or a small tone leave.
+    /// `true` if the tone leaves more than a tenth of the energy of a channel unexplained, and more
+    /// than rounding or a small tone would.
     pub unexplained: bool,
-    /// That channel is the voltage.
+    /// `true` if that channel is the voltage.
     pub distorted: bool,
 }
 
-/// Voltage and current phasors of a block in which a tone was played (a chirp's chord), and what is out of order in it.
+/// Computes the voltage and current phasors of a block in which a tone (or a chirp's chord) was
+/// played, and the conditions that need a detailed check.
 ///
-/// The sine of `omega` must not vanish: the frequency lies between zero and half the sample rate. A block that was cut to less
-/// than two samples determines no phasor: zero.
+/// The sine of `omega` must not be zero: the frequency must be between zero and half the sample
+/// rate. A block of less than two samples does not determine a phasor; the result is zero.
 pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sensed, Suspect) {
     let samples = sense.v.len().min(sense.i.len());
     if samples < 2 {
@@ -61,14 +67,16 @@ pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sen
     let half_turn = sine::rotation(tone.word / 2);
     let (sine_square, turn) = (half_turn.im * half_turn.im, half_turn * half_turn);
     let span = tone.word.wrapping_mul(samples as u64);
-    // The phase in the middle of the block leads to the last sample's, and twice of it is that of S2.
+    // From the phase in the middle of the block follow that of the last sample, and, doubled, that
+    // of S2.
     let half = sine::rotation(span / 2);
     let middle = sine::rotation(tone.phase.wrapping_add(span / 2).wrapping_sub(tone.word / 2)).conj();
     let last = sine::rotation(tone.phase.wrapping_add(span).wrapping_sub(tone.word)).conj();
-    // Where the block shows so little of a period that the fit cannot distinguish sine from cosine, the guard looks for itself.
+    // Too small a part of a period does not separate sine and cosine; the guard then checks every
+    // code.
     let image = middle * middle * (2.0 * half.im * half.re / (turn.im * count));
     let scale = 2.0 / (count * (1.0 - image.norm_sqr()));
-    let blind = image.norm_sqr() > BLIND;
+    let blind = image.norm_sqr() > BLIND_IMAGE_SQUARE;
     let reference = Reference { turn, sine_square, last, image, scale };
     let coefficient = Coefficient::of(sine_square);
     let (v, v_fit) = reference.fit(&convert.v, &sense.v[..samples], coefficient);
@@ -78,36 +86,41 @@ pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sen
     (Sensed { v, i }, Suspect { v: blind || !v_fit.holds, i: blind || !i_fit.holds, unexplained, distorted })
 }
 
-/// What both channels of a block are fitted to.
+/// Reference of the fit for both channels of a block.
 struct Reference {
-    /// Rotation of a sample, and the square of the sine of half of it.
+    /// Rotation per sample.
     turn: Phasor,
+    /// Square of the sine of half that angle.
     sine_square: f32,
-    /// Against the phase of the last sample.
+    /// Conjugate of the phase of the last sample.
     last: Phasor,
-    /// `S2 / N`, and `2 / N / (1 - |S2 / N|^2)`.
+    /// Image `S2 / N`.
     image: Phasor,
+    /// Scale `2 / N / (1 - |S2 / N|^2)`.
     scale: f32,
 }
 
 impl Reference {
-    /// The phasor of a channel's codes, in SI, and how these fit.
+    /// Fits the codes of a channel. Returns the phasor, in SI units, and the quality of the fit.
     #[inline(always)]
     fn fit(&self, channel: &SenseScale, codes: &[u16], coefficient: Coefficient) -> (Phasor, Fit) {
-        let rung = Rung::up(codes, channel.fixed(), coefficient);
-        let r = self.last * rung.against(self.turn, self.sine_square);
+        let sum = ResonatorSum::new(codes, channel.fixed(), coefficient);
+        let r = self.last * sum.against(self.turn, self.sine_square);
         let x = (r - r.conj() * self.image) * self.scale;
-        let left = rung.energy - (x.re * r.re + x.im * r.im);
-        let holds = channel.holds(x.norm_sqr(), left) || channel.is_unclipped(rung.energy, codes.len());
-        (channel.scale(x), Fit { holds, unexplained: left > UNEXPLAINED * rung.energy && channel.is_loud(left, codes.len()) })
+        let left = sum.energy - (x.re * r.re + x.im * r.im);
+        let holds = channel.holds(x.norm_sqr(), left) || channel.is_unclipped(sum.energy, codes.len());
+        (
+            channel.scale(x),
+            Fit { holds, unexplained: left > MAX_UNEXPLAINED_PART * sum.energy && channel.is_large(left, codes.len()) },
+        )
     }
 }
 
-/// How the codes of a channel fit.
+/// Quality of the fit of a channel.
 struct Fit {
-    /// All of them are in order.
+    /// `true` if no code can be clipped or beyond the limit.
     holds: bool,
-    /// The tone leaves too much.
+    /// `true` if the tone leaves too much energy unexplained.
     unexplained: bool,
 }
 
@@ -138,7 +151,8 @@ mod tests {
                 let played = Stretch { phase: tuning_word(phase), word: tuning_word(hz / 1e6), step: 0 };
                 let (sensed, suspect) = demodulate(&convert, &sense, &played);
                 assert_eq!(suspect, Suspect::default());
-                // Half a step of rounding over a few samples bounds both; short blocks of 20 kHz hold a third of a period.
+                // Rounding by half a step over a few samples limits both; short blocks at 20 kHz
+                // contain a third of a period.
                 let bound = if (samples as f64) * hz < 0.7e6 { 2.5e-3 } else { 4e-4 };
                 assert!((magnitude(sensed.v) / 15.0 - 1.0).abs() < bound, "{samples} {hz} {sensed:?}");
                 assert!((magnitude(sensed.i) / 1.8 - 1.0).abs() < bound, "{samples} {hz} {sensed:?}");
@@ -147,10 +161,10 @@ mod tests {
         }
     }
 
-    /// One code beyond the limit, or more than an eighth of a block at an end of the range, is never overlooked, wherever it stands and however
-    /// large the tone is.
+    /// One code beyond the limit, or more than an eighth of a block at an end of the range, is
+    /// always detected, at any position and for any amplitude of the tone.
     #[test]
-    fn no_code_out_of_order_is_overlooked() {
+    fn clipped_or_excessive_codes_are_always_detected() {
         let mut convert = Convert::build(&FrontEnd::OF_TESTS).unwrap();
         convert.i.set_limit(3.0);
         let played = Stretch { phase: tuning_word(0.3), word: tuning_word(0.0404), step: 0 };

@@ -1,21 +1,24 @@
-//! The source as the stack's terminals see it: `V = g u - z I_m`, for a drive of `u`.
+//! Source as seen from the terminals of the stack: `V = g u - z I_m`, for a drive of `u`.
 //!
-//! `g` is what amplifier, hold and delay make of the drive, loaded by the clamped capacitance; `z` is the source's impedance, so loaded. Both are
-//! fitted by least squares to all blocks that are driven throughout: in a ring-up the current changes under a constant drive. Where none has been
-//! measured for long, `z` is what it was.
+//! `g` is the gain of amplifier, hold and delay, loaded by the clamped capacitance; `z` is the
+//! impedance of the source with that load. Both are fitted by least squares to all blocks driven
+//! throughout: during a ring-up the current changes at constant drive. Without new information, `z`
+//! keeps its last value.
 //!
-//! The source damps the vibration: in the frame of the drive `I_m' = -alpha I_m + beta V` becomes `I_m' = -(alpha + beta z) I_m + beta g u`.
+//! The source damps the vibration: in the frame of the drive `I_m' = -alpha I_m + beta V` becomes
+//! `I_m' = -(alpha + beta z) I_m + beta g u`.
 
 use crate::seam::phasor::Phasor;
 
-/// The largest resistance of a source that is reckoned with before it has been seen, ohm.
+/// Maximum source resistance that is assumed before it is measured, ohm.
 pub(crate) const LARGEST_OHM: f32 = 0.5;
-/// Blocks after which earlier measurements count for half.
-const MEMORY: u32 = 1024;
-/// Part of the current that must have changed by itself for an impedance to be known.
-const CHANGED: f32 = 1e-3;
+/// Number of blocks after which earlier measurements are weighted by one half.
+const MEMORY_BLOCKS: u32 = 1024;
+/// Minimum part of the squared current that must be independent of the drive to determine the
+/// impedance.
+const MIN_INDEPENDENT_PART: f32 = 1e-3;
 
-/// The source.
+/// Least-squares estimator of the source.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Source {
     drive: f32,
@@ -28,7 +31,7 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    /// Takes a block that was played throughout with a drive of `volts`.
+    /// Adds a block that was driven throughout with `volts`.
     pub(crate) fn update(&mut self, volts: f32, v: Phasor, motional_current: Phasor) {
         self.drive += volts * volts;
         self.drive_current += motional_current * volts;
@@ -36,7 +39,7 @@ impl Source {
         self.drive_voltage += v * volts;
         self.voltage_current += v * motional_current.conj();
         self.blocks += 1;
-        if self.blocks >= MEMORY {
+        if self.blocks >= MEMORY_BLOCKS {
             self.blocks /= 2;
             (self.drive, self.current) = (0.5 * self.drive, 0.5 * self.current);
             self.drive_current *= 0.5;
@@ -45,14 +48,14 @@ impl Source {
         }
     }
 
-    /// `g` and `z`, ohm, if there was any drive.
+    /// Returns `g` and `z`, ohm; `None` before any drive.
     pub(crate) fn seen(&mut self) -> Option<(Phasor, Phasor)> {
         if self.drive <= 0.0 {
             return None;
         }
         let part = 1.0 / self.drive;
         let by_itself = self.current - part * self.drive_current.norm_sqr();
-        if by_itself > CHANGED * self.current {
+        if by_itself > MIN_INDEPENDENT_PART * self.current {
             let correlation = self.drive_voltage * self.drive_current.conj() * part - self.voltage_current;
             self.impedance = correlation / by_itself;
         }
@@ -65,7 +68,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ring_up_tells_the_source() {
+    fn ring_up_determines_the_source() {
         let (g, z) = (Phasor::new(-0.4, -0.9), Phasor::new(0.3, -0.02));
         let update = |source: &mut Source, u: f32, i: Phasor| source.update(u, g * u - z * i, i);
         let mut source = Source::default();

@@ -1,4 +1,5 @@
-//! What is known of the transducer, and what follows it: tracker, clamped capacitance, and the equivalent circuit that is learned on the way.
+//! The tracked transducer: tracker, clamped capacitance, and the equivalent circuit identified on
+//! the way.
 
 use crate::find::clamped::online::{Online, Update};
 use crate::find::clamped::{Clamped, Measured};
@@ -12,54 +13,62 @@ use crate::seam::fault::{Fault, Limit};
 use crate::seam::mode::Mode;
 use crate::seam::transducer::Transducer;
 use crate::sense::motional::Motional;
-use crate::track::tracker::identified::{FROM_AFAR, Known, Learning};
-use crate::track::tracker::observed::{NEARBY, Retry};
+use crate::track::tracker::identified::{Known, Learning, OFF_RESONANCE_UNCERTAINTY_REL};
+use crate::track::tracker::observed::{NEARBY_REL, Retry};
 use crate::track::tracker::observer::Prior;
 use crate::track::tracker::{State, Tracker};
 
-/// How often what the observer knows of the transducer is taken, blocks.
+/// Interval at which the identified transducer is taken from the observer, blocks.
 pub(crate) const LEARN_BLOCKS: u64 = 64;
-/// A resonance whose motional inductance is this many times smaller or larger than its nominal value is another one.
-const SAME_MODE: f32 = 2.0;
-/// Where only the band is known, the calibration's Q is taken if it is known to this part.
-const CLEAR_Q: f32 = 0.3;
-/// A lock that was further off than this before the clamped branch was measured at the lock point is not alone, or was not measured well: bandwidths, and Hz.
-const ALONE: (f32, f32) = (0.006, 1.0);
-/// Standard deviations that this leaves room for.
-const SIGMAS: f32 = 3.0;
+/// Largest ratio of the motional inductance to its nominal value, in either direction, for the
+/// nominal mode.
+const MAX_LM_RATIO: f32 = 2.0;
+/// Largest relative deviation at which the calibration's Q is used, if only the band is known.
+const CLEAR_Q_REL: f32 = 0.3;
+/// Shift of a lock by the clamped branch measured at the lock point, above which the lock is
+/// uncertain, bandwidths: another resonance is near, or the first branch was measured badly.
+const UNCERTAIN_SHIFT_BANDWIDTHS: f32 = 0.006;
+/// Smallest shift that makes a lock uncertain, Hz.
+const UNCERTAIN_SHIFT_HZ: f32 = 1.0;
+/// Tolerance of comparisons, standard deviations.
+const TOLERANCE_SIGMAS: f32 = 3.0;
 
-/// The tracked transducer.
+/// Tracker and identified transducer.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(crate) struct TrackedTransducer {
-    /// The block in which the transducer was learned.
+    /// Number of the block in which the transducer was last identified.
     learned: u64,
-    /// Time constant of the resonance by the nominal Q, periods.
+    /// Time constant of the resonance from the nominal Q, periods.
     nominal_periods: f32,
-    /// More than the band is known.
+    /// `true` if more than the frequency band is known.
     is_known: bool,
-    /// Nominal motional inductance, H, and the standard deviation of the one that was begun with, relative.
+    /// Nominal motional inductance, H.
     nominal_lm_h: Option<f32>,
+    /// Relative standard deviation of the inductance at the start.
     lm_deviation: f32,
-    /// Variances of a block's voltage and current by noise, both components, V² and A², as measured in the self-test's silence.
+    /// Noise variances of a block's voltage, V², and current, A², each of both components together,
+    /// as measured in the silence of the self-test.
     pub(crate) noise: (f32, f32),
     pub(crate) tracker: Tracker,
     pub(crate) online: Online,
     transducer: Option<Transducer>,
-    /// The last one that was tracked without a doubt: resonance, Hz, Q, and Lm, H.
+    /// Last transducer tracked with a certain lock: resonance, Hz; Q; and Lm, H.
     remembered: Option<[f32; 3]>,
-    /// The transducer that is being learned, in parts.
+    /// Identification in progress, in parts.
     learning: Learning,
-    /// The mode that disturbs the driven one most: its series resonance, Hz, and its motional capacitance relative to that of the driven one.
+    /// Mode that disturbs the driven one most: its series resonance, Hz, and its motional
+    /// capacitance relative to that of the driven mode.
     pub(crate) beside: Option<(f32, f32)>,
-    /// The lock was not where the branch that it began with had put it: another resonance is near by.
+    /// `true` if the lock was not at the frequency that its first clamped branch gave: another
+    /// resonance is near.
     is_uncertain: bool,
-    /// Nor has a scan found another one.
+    /// `true` if a scan has not found another resonance either.
     is_unexplained: bool,
 }
 
 impl TrackedTransducer {
-    /// Nothing is known but the nominal values.
+    /// Builds a transducer of which only the nominal values are known.
     pub(crate) fn build(config: &Config, tracker: Tracker) -> Self {
         TrackedTransducer {
             learned: 0,
@@ -79,7 +88,7 @@ impl TrackedTransducer {
         }
     }
 
-    /// Forgets the transducer.
+    /// Resets the transducer for a new attempt; a certain lock is remembered.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
     pub(crate) fn restart(&mut self) {
@@ -92,55 +101,60 @@ impl TrackedTransducer {
         self.tracker.restart();
     }
 
-    /// The transducer, once identified.
+    /// Returns the transducer, once identified.
     pub(crate) fn transducer(&self) -> Option<&Transducer> {
         self.transducer.as_ref()
     }
 
-    /// The transducer as it is known by now; while it is being learned, without deviations.
-    pub(crate) fn transducer_by_now(&self) -> Option<&Transducer> {
+    /// Returns the latest transducer; during an identification, without its deviations.
+    pub(crate) fn latest_transducer(&self) -> Option<&Transducer> {
         if self.learning.is_over() { self.transducer.as_ref() } else { Some(self.learning.transducer()) }
     }
 
-    /// Time constant of the resonance as it is known by now, periods.
+    /// Returns the latest time constant of the resonance, periods.
     pub(crate) fn periods(&self) -> f32 {
-        self.transducer_by_now().map_or(self.nominal_periods, |transducer| transducer.q / core::f32::consts::PI)
+        self.latest_transducer().map_or(self.nominal_periods, |transducer| transducer.q / core::f32::consts::PI)
     }
 
-    /// Blocks since the transducer was learned.
+    /// Returns the number of blocks since the last identification.
     pub(crate) fn since_learned(&self, block: u64) -> u64 {
         block - self.learned
     }
 
-    /// Rms noise of a block's motional current, A.
+    /// Returns the rms noise of a block's motional current, A.
     fn noise_a(&self, branch: &Motional) -> f32 {
         let (v, i) = self.noise;
         libm::sqrtf(i + branch.y0.norm_sqr() * v)
     }
 
-    /// Resonance, Hz, and Q of the transducer that was tracked last, if this is the same, by its resonance and its Lm as seen from afar.
-    fn remembers(&self, clamped: &Clamped) -> Option<(f32, f32)> {
-        let off = |found: &Measured, known: f32, rest: f32| (found.value - known).abs() > SIGMAS * found.deviation + rest * known;
+    /// Returns resonance, Hz, and Q of the last tracked transducer, if resonance and Lm measured
+    /// off resonance show that it is the same.
+    fn remembered_lock(&self, clamped: &Clamped) -> Option<(f32, f32)> {
+        let off = |found: &Measured, known: f32, rest: f32| {
+            (found.value - known).abs() > TOLERANCE_SIGMAS * found.deviation + rest * known
+        };
         let [hz, q, lm_h] = self.remembered?;
-        let same = !off(&clamped.resonance_hz, hz, NEARBY) && !off(&clamped.lm_h, lm_h, SIGMAS * FROM_AFAR);
+        let same = !off(&clamped.resonance_hz, hz, NEARBY_REL)
+            && !off(&clamped.lm_h, lm_h, TOLERANCE_SIGMAS * OFF_RESONANCE_UNCERTAINTY_REL);
         same.then_some((hz, q))
     }
 
-    /// Takes the clamped branch, and lets the observer begin where the same transducer was tracked last, or anywhere in the window.
+    /// Takes the clamped branch, and starts the observer: near the last lock if the transducer is
+    /// the same, otherwise in the whole window.
     pub(crate) fn observe(&mut self, clamped: &Clamped) {
         let window_hz = self.tracker.window_hz();
         let known_q = core::f32::consts::PI * self.nominal_periods;
-        let q = if self.is_known || clamped.q.deviation > CLEAR_Q * clamped.q.value { known_q } else { clamped.q.value };
-        let remembered = self.remembers(clamped);
+        let q = if self.is_known || clamped.q.deviation > CLEAR_Q_REL * clamped.q.value { known_q } else { clamped.q.value };
+        let remembered = self.remembered_lock(clamped);
         let prior = Prior {
-            offset_hz: remembered.map_or((0.0, window_hz), |(hz, _)| self.tracker.near(hz)),
+            offset_hz: remembered.map_or((0.0, window_hz), |(hz, _)| self.tracker.prior_near(hz)),
             q: remembered.map_or(q, |(_, q)| q),
-            // Measured to a part in five hundred; the nominal value is what it is compared with once it has locked.
+            // Measured to 0.2 %; it is compared with the nominal value after the lock.
             lm_h: (clamped.lm_h.value, clamped.lm_h.deviation),
             axis: clamped.motional.axis,
             noise_a: self.noise_a(&clamped.motional),
         };
-        self.lm_deviation = larger(clamped.lm_h.deviation / clamped.lm_h.value, FROM_AFAR);
+        self.lm_deviation = larger(clamped.lm_h.deviation / clamped.lm_h.value, OFF_RESONANCE_UNCERTAINTY_REL);
         let modes = 1 + u8::from(clamped.second_mode.is_some());
         let known = Known { c0_f: (clamped.c0_f.value, clamped.c0_f.deviation), modes: (modes, 0), ..Known::default() };
         self.tracker.observe(clamped.motional, known, &prior);
@@ -149,7 +163,8 @@ impl TrackedTransducer {
         self.beside = clamped.second_mode;
     }
 
-    /// Takes the transducer that the scan has found.
+    /// Takes the transducer found by the scan. `beside` (words: a parameter) is the mode that
+    /// disturbs it most.
     pub(crate) fn adopt(&mut self, found: &RingDown, beside: Option<(f32, f32)>) {
         let (transducer, branch) = (&found.transducer, found.motional);
         self.tracker.seed(transducer, branch, self.noise_a(&branch));
@@ -162,21 +177,25 @@ impl TrackedTransducer {
         self.learning.abandon();
     }
 
-    /// Takes the clamped branch as it was measured at the lock point, and the quality factor.
+    /// Takes the clamped branch and the quality factor measured at the lock point.
     // Not inlined: once a round.
     #[inline(never)]
-    pub(crate) fn take(&mut self, update: &Update) {
+    pub(crate) fn apply_update(&mut self, update: &Update) {
         self.tracker.set_branch(update.motional, update.deviation, update.was_off);
         self.tracker.take_q((update.q.value, update.q.deviation));
-        if let Some((was_off, transducer)) = update.was_off.zip(self.transducer_by_now()) {
-            // A susceptance that is off by the whole conductance moves the lock point by half a bandwidth.
-            self.is_uncertain =
-                self.is_unexplained || 0.5 * was_off > larger(ALONE.0, ALONE.1 * transducer.q / transducer.series_resonance_hz);
+        if let Some((was_off, transducer)) = update.was_off.zip(self.latest_transducer()) {
+            // An error of the susceptance equal to the conductance moves the lock point by half a
+            // bandwidth.
+            self.is_uncertain = self.is_unexplained
+                || 0.5 * was_off
+                    > larger(UNCERTAIN_SHIFT_BANDWIDTHS, UNCERTAIN_SHIFT_HZ * transducer.q / transducer.series_resonance_hz);
         }
     }
 
-    /// Where to drive, as an offset from the nominal frequency, Hz: within the window, and far enough from its ends for the steps of a measurement that is under way. A
-    /// clamped capacitance that is wrong may have pushed it there.
+    /// Returns the frequency to drive, as an offset from the nominal frequency, Hz.
+    ///
+    /// It lies within the window, with room for the steps of a measurement in progress: a wrong
+    /// clamped capacitance may have pushed it to the edge.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
     pub(crate) fn lock_point_hz(&self) -> f32 {
@@ -184,7 +203,7 @@ impl TrackedTransducer {
         smaller(larger(self.tracker.offset_hz(), -within_hz), within_hz)
     }
 
-    /// What is not as it should be with the lock.
+    /// Returns the limit that applies to the lock.
     // Not inlined, as above.
     #[inline(never)]
     pub(crate) fn limit(&self, state: State) -> Option<Limit> {
@@ -196,7 +215,8 @@ impl TrackedTransducer {
         }
     }
 
-    /// Begins to take what the observer, which is sure of it, knows of the transducer. What the loops need is taken at once, and returned.
+    /// Begins an identification from a converged observer. Returns the values that the loops need,
+    /// which are complete at once.
     pub(crate) fn begin_to_learn(&mut self, block: u64) -> &Transducer {
         self.tracker.learn(&mut self.learning);
         let transducer = self.learning.transducer();
@@ -206,7 +226,7 @@ impl TrackedTransducer {
         transducer
     }
 
-    /// Goes on with it.
+    /// Advances the identification by one part.
     fn continue_learning(&mut self) {
         self.learning.advance();
         if self.learning.is_over() {
@@ -214,7 +234,7 @@ impl TrackedTransducer {
         }
     }
 
-    /// Takes all of it at once.
+    /// Runs a complete identification.
     fn learn(&mut self, block: u64) {
         self.begin_to_learn(block);
         while !self.learning.is_over() {
@@ -222,9 +242,9 @@ impl TrackedTransducer {
         }
     }
 
-    /// Learns the transducer again, now and then. `following`: the resonance is tracked; `whole`: all of it in one block; `idle`: this block has
-    /// time for a part of it.
-    pub(crate) fn learn_on(&mut self, block: u64, following: bool, whole: bool, idle: bool) {
+    /// Repeats the identification every [`LEARN_BLOCKS`]. `following`: the resonance is tracked.
+    /// `whole`: all parts in one block. `idle`: this block has time for a part.
+    pub(crate) fn learn_periodically(&mut self, block: u64, following: bool, whole: bool, idle: bool) {
         if following && self.transducer.is_some() && self.since_learned(block) >= LEARN_BLOCKS && self.tracker.has_converged() {
             if whole {
                 self.learn(block);
@@ -236,27 +256,28 @@ impl TrackedTransducer {
         }
     }
 
-    /// Whether the lock is lost, or on another resonance: a lane that has failed looks like that, too.
+    /// Returns `true` if the lock is lost, uncertain, or on another resonance. A failed lane has
+    /// the same effect.
     #[inline(never)]
     pub(crate) fn is_in_doubt(&self) -> bool {
         self.tracker.tracks() && (self.tracker.state() != State::Locked || self.is_another_mode() || self.leaves_to_a_scan())
     }
 
-    /// Whether the lock is so uncertain that it is left to a scan.
+    /// Returns `true` if the lock is so uncertain that a scan must decide.
     fn leaves_to_a_scan(&self) -> bool {
-        self.is_uncertain && self.tracker.has_a_scan_left()
+        self.is_uncertain && self.tracker.can_scan()
     }
 
-    /// How the lock is getting on. A fault in a run waits until the lanes have been judged.
+    /// Returns the progress of the lock. A fault in a run waits until the lanes have been checked.
     pub(crate) fn progress(&mut self, mode: Mode, amplitude: &AmplitudeLoop, lanes: &mut Lanes) -> Progress {
         let locking = mode == Mode::Lock;
         match self.tracker.state() {
             _ if !self.tracker.tracks() => Progress::Busy,
-            // Where something has changed, the clamped branch is in doubt, and with it the phase.
-            _ if locking && self.tracker.is_astray() => self.scan_again(),
+            // After a change the clamped branch is in doubt, and with it the phase.
+            _ if locking && self.tracker.is_astray() => self.order_second_scan(),
             State::Disagree if locking || !self.online.doubts() => lanes.judged(locking, Fault::TrackersDisagree),
             State::Locked if self.is_another_mode() => lanes.judged(locking, Fault::WrongMode),
-            State::Locked if self.leaves_to_a_scan() && !lanes.postpone(locking) && self.tracker.leave_to_a_scan() => {
+            State::Locked if self.leaves_to_a_scan() && !lanes.postpone(locking) && self.tracker.hand_over_to_scan() => {
                 Progress::Back(Mode::Scan)
             }
             State::Locked if amplitude.settled() => Progress::Done,
@@ -266,14 +287,15 @@ impl TrackedTransducer {
         }
     }
 
-    /// A channel or a lane has failed since the scan has seen the resonance, or that has moved: another one will say.
+    /// Orders another scan once: since the last one a channel or a lane has failed, or the
+    /// resonance has moved.
     #[cold]
     #[inline(never)]
-    fn scan_again(&mut self) -> Progress {
-        if self.tracker.scan_again() { Progress::Back(Mode::Scan) } else { Progress::Failed(Fault::NoLock) }
+    fn order_second_scan(&mut self) -> Progress {
+        if self.tracker.take_second_scan() { Progress::Back(Mode::Scan) } else { Progress::Failed(Fault::NoLock) }
     }
 
-    /// Seeks the lock where there is more hope, if there is any left.
+    /// Starts the next attempt to lock, or fails after the last one.
     fn retry_lock(&mut self, fault: Fault, lanes: &mut Lanes) -> Progress {
         if lanes.postpone(fault == Fault::NoLock) {
             return Progress::Busy;
@@ -286,12 +308,13 @@ impl TrackedTransducer {
         }
     }
 
-    /// Whether it has locked to another resonance than the nominal one, by its inductance, whatever that may have been off by in the beginning.
-    // Not inlined: it would be so in several places.
+    /// Returns `true` if the inductance shows that the lock is on another resonance than the
+    /// nominal one, with the uncertainty at the start as a tolerance.
+    // Not inlined: it has several callers.
     #[inline(never)]
     fn is_another_mode(&self) -> bool {
-        let (Some(nominal), Some(transducer)) = (self.nominal_lm_h, self.transducer_by_now()) else { return false };
-        let (ratio, off) = (transducer.lm_h / nominal, SIGMAS * self.lm_deviation);
-        ratio * (1.0 + off) < 1.0 / SAME_MODE || ratio > SAME_MODE * (1.0 + off)
+        let (Some(nominal), Some(transducer)) = (self.nominal_lm_h, self.latest_transducer()) else { return false };
+        let (ratio, off) = (transducer.lm_h / nominal, TOLERANCE_SIGMAS * self.lm_deviation);
+        ratio * (1.0 + off) < 1.0 / MAX_LM_RATIO || ratio > MAX_LM_RATIO * (1.0 + off)
     }
 }

@@ -1,9 +1,11 @@
-//! Phasors to frequency: keeps the drive at the resonance while it moves.
+//! The tracker: from phasors to the frequency that keeps the drive at a moving resonance.
 //!
-//! The motional current is taken out of the total ([`Motional`]). The [`observer`] estimates the resonance from how it changes, as far as its estimate is
-//! trusted; or the phase of one of the two currents is driven to zero by `phase_loop`, and `lock_detector` decides whether to
-//! trust that. The motional phase, which the observer does not use, also verifies the observer. In between the tracker decides
-//! when there is a phase to measure: not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
+//! The clamped branch is subtracted from the total current, which leaves the motional current
+//! ([`Motional`]). The [`observer`] estimates the resonance from the change of that current, if its
+//! estimate is good enough. Otherwise `phase_loop` drives the phase of the motional or the total
+//! current to zero, and `lock_detector` decides if it is locked. The motional phase, which the
+//! observer does not use, also verifies the observer. The tracker uses a phase only if there is
+//! one: not at an edge of the envelope, not during ring-up, and not if the stack does not ring.
 
 pub mod identified;
 pub(crate) mod lock_detector;
@@ -23,36 +25,39 @@ use crate::sense::demod::Sensed;
 use crate::sense::motional::Motional;
 use crate::track::tracker::identified::{Known, Learning};
 use crate::track::tracker::lock_detector::{Lock, LockDetector};
-use crate::track::tracker::observed::{NEARBY, Observed, Retry};
+use crate::track::tracker::observed::{NEARBY_REL, Observed, Retry};
 use crate::track::tracker::observer::Prior;
 use crate::track::tracker::phase_loop::PhaseLoop;
 use crate::track::tracker::stray::Stray;
 
-/// After an edge of the burst, the tracker waits for the stack to ring up, time constants of the resonance. Before that there is
-/// more noise than phase.
-const RING_UP: f32 = 0.5;
-/// The stack rings while the motional current is above this part of what the identified resonance would show.
-const RINGS_ABOVE: f32 = 0.2;
-/// A phase that neither makes a lock nor loses one.
-const UNDECIDED: Turns = Turns(20.0 / 360.0);
-/// Longest time the loop may take to lock, blocks and time constants of the resonance.
+/// Wait for the ring-up after an edge of a burst, time constants of the resonance. Before that the
+/// noise exceeds the phase.
+const RING_UP_TIME_CONSTANTS: f32 = 0.5;
+/// Motional current above which the stack rings, relative to that of the identified resonance.
+const RINGING_REL: f32 = 0.2;
+/// A phase that neither makes nor loses a lock.
+const UNDECIDED_PHASE: Turns = Turns(20.0 / 360.0);
+/// Longest time until the loop has locked: the sum of blocks and time constants of the resonance.
 const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
-/// A block at the edge of the window, where there is nothing to lock to, counts as so many.
-const AT_EDGE: u32 = 32;
-/// Where a scan has found the resonance, it is within this part of the bandwidth.
-const SCANNED: f32 = 0.1;
-/// What other resonances may turn the motional phase at the lock point by: where a scan has found some, rad; and by what part of the conductance a lock had been off.
-const COMPANY: f32 = 0.02;
-const ADDED: f32 = 0.5;
-/// Longest time under drive without hearing anything, in the same terms.
-const UNMEASURED: (u32, f32) = (500, 20.0);
+/// Number of blocks by which a block at the edge of the window counts against [`LOCK_TIMEOUT`].
+const EDGE_BLOCK_WEIGHT: u32 = 32;
+/// Standard deviation of a resonance found by a scan, bandwidths.
+const SCAN_DEVIATION_BANDWIDTHS: f32 = 0.1;
+/// Turn of the motional phase at the lock point by other resonances, if a scan has found some, rad.
+const OTHER_MODES_RAD: f32 = 0.02;
+/// Turn of the motional phase by other resonances, rad, for a first clamped branch that was wrong
+/// by the motional conductance.
+const WRONG_BRANCH_RAD: f32 = 0.5;
+/// Longest time under drive without a measured phase: the sum of blocks and time constants.
+const UNMEASURED_TIMEOUT: (u32, f32) = (500, 20.0);
 
-/// Which phase is driven to zero.
+/// Current whose phase is driven to zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PhaseDetector {
-    /// Of the motional current: zero at the series resonance, at any load.
+    /// Motional current: its phase is zero at the series resonance, at any load.
     Motional,
-    /// Of the total current: the plain V-I loop. Biased by C0 (76 Hz at Q 65), and without any zero below M = 2.
+    /// Total current, the plain V-I loop: biased by C0 (76 Hz at Q 65), and without a zero below
+    /// `M = 2`.
     Total,
 }
 
@@ -63,36 +68,36 @@ pub enum State {
     Seeking,
     /// The tracker is locked.
     Locked,
-    /// Locked when it was last measured, which is long ago: the bursts are too short.
+    /// Locked at the last measurement, but that is long ago: the bursts are too short.
     Unmeasured,
     /// The lock was lost.
     Lost,
-    /// The observer has converged, and the motional phase disagrees.
+    /// The observer has converged, but the motional phase disagrees.
     Disagree,
     /// The lock was not acquired in time.
     TimedOut,
 }
 
-/// What was played in the measured block.
+/// Drive played in the measured block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlayedBlock {
     /// Frequency, as an offset from the nominal one, Hz.
     pub offset_hz: f32,
     /// Peak voltage before the envelope, V.
     pub volts: f32,
-    /// The envelope, where it was the same throughout.
+    /// Envelope, if it was constant throughout the block.
     pub envelope: Option<f32>,
-    /// The drive was a sine: harmonics leak into the lock-in, by another part in every block.
+    /// `true` if the drive was a sine. Harmonics leak into the lock-in, differently in every block.
     pub pure: bool,
-    /// The envelope was one throughout the block.
+    /// `true` if the envelope was one throughout the block.
     pub on: bool,
-    /// There was drive at all.
+    /// `true` if there was any drive.
     pub driven: bool,
-    /// What is driven has rung up already, by a boost.
+    /// `true` if a boost has already completed the ring-up.
     pub rung_up: bool,
 }
 
-/// The tracker of the resonance.
+/// Tracker of the resonance.
 #[derive(Clone, Debug)]
 pub struct Tracker {
     detector: Option<PhaseDetector>,
@@ -106,21 +111,24 @@ pub struct Tracker {
     known: Known,
     lock: LockDetector,
     rm_ohm: f32,
-    /// `2 pi tau`: how much a hertz of detuning is of the phase's own scale, 1/Hz.
+    /// `2 pi tau`: phase of the resonance per detuning, rad/Hz near the resonance.
     turn_per_hz: f32,
-    /// Blocks measured since the envelope is one, and how many of them it waits.
+    /// Consecutive blocks with an envelope of one.
     on_blocks: u32,
+    /// Blocks of the ring-up, in which no phase is used.
     ring_up_blocks: u32,
-    /// Blocks under drive since the phase was measured last, and how many that may be.
+    /// Blocks under drive since the last measured phase.
     unmeasured_blocks: u32,
+    /// Largest `unmeasured_blocks` of a lock.
     unmeasured_limit: u32,
-    /// Blocks since it was seeded, and how many a lock may take; without an observer, which counts for itself.
+    /// Blocks since the start, for the timeout without an observer; the observer counts its own.
     blocks: u32,
+    /// Largest `blocks` before a lock.
     timeout_blocks: u32,
 }
 
 impl Tracker {
-    /// A tracker that knows what a user knows.
+    /// Builds a tracker that knows only the configured values.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         let nominal = Motional::of_capacitance(config.tracking.c0_f(), config.drive.frequency_hz);
         Ok(Tracker {
@@ -150,12 +158,12 @@ impl Tracker {
         })
     }
 
-    /// Whether anything is tracked.
+    /// Returns `true` if a resonance is tracked.
     pub(crate) fn tracks(&self) -> bool {
         self.detector.is_some()
     }
 
-    /// Forgets the transducer.
+    /// Resets the tracker to the nominal transducer.
     pub(crate) fn restart(&mut self) {
         self.motional = self.nominal;
         self.lock.restart(0.0);
@@ -165,23 +173,25 @@ impl Tracker {
         self.observed.iter_mut().for_each(Observed::restart);
     }
 
-    /// Takes a clamped capacitance to begin with, F, where there is no nominal one.
-    pub(crate) fn reckon_with(&mut self, c0_f: f32) {
+    /// Sets the clamped capacitance to start with, F, if there is no nominal one.
+    pub(crate) fn set_clamped_capacitance(&mut self, c0_f: f32) {
         self.nominal = Motional::of_capacitance(c0_f, self.nominal_hz);
         self.motional = self.nominal;
     }
 
-    /// Whether an observer tracks.
+    /// Returns `true` if an observer tracks.
     pub(crate) fn observes(&self) -> bool {
         self.observed.is_some()
     }
 
-    /// Where a resonance is sought first that was tracked at `hz`, Hz: as an offset from the nominal frequency, and the standard deviation of that.
-    pub(crate) fn near(&self, hz: f32) -> (f32, f32) {
-        (hz - self.nominal_hz, NEARBY * self.nominal_hz)
+    /// Returns the prior for a resonance that was tracked at `hz`: offset from the nominal
+    /// frequency and its standard deviation, Hz.
+    pub(crate) fn prior_near(&self, hz: f32) -> (f32, f32) {
+        (hz - self.nominal_hz, NEARBY_REL * self.nominal_hz)
     }
 
-    /// Lets the observer begin on a transducer that rings nowhere yet: in the whole window, or nearby, if the prior is narrower than that.
+    /// Starts the observer without vibration, in the whole window, or nearby if the prior is
+    /// narrower.
     pub fn observe(&mut self, branch: Motional, known: Known, prior: &Prior) {
         (self.motional, self.known) = (branch, known);
         self.restart_clock(prior.q / (core::f32::consts::PI * self.nominal_hz * self.block_s));
@@ -190,37 +200,39 @@ impl Tracker {
         }
     }
 
-    /// Begins again where there is more hope, and says where; without an observer, or after the last, nowhere.
+    /// Starts the next attempt to lock, and returns its kind; `None` without an observer or after
+    /// the last attempt.
     pub(crate) fn retry_lock(&mut self, was_locked: bool) -> Option<Retry> {
         let next = self.observed.as_mut()?.retry_lock(was_locked);
         self.restart_clock(0.0);
         next
     }
 
-    /// Whether an observer is sure of its resonance, and nothing speaks against it.
+    /// Returns `true` if the observer has converged and the motional phase agrees.
     pub fn has_converged(&self) -> bool {
         self.observed.as_ref().is_some_and(Observed::has_converged)
     }
 
-    /// Begins to learn the same in parts, where there is an observer.
+    /// Begins to identify the transducer in parts, if there is an observer.
     pub(crate) fn learn(&self, learning: &mut Learning) {
         if let Some(observed) = &self.observed {
             learning.begin(observed.observer(), self.nominal_hz, &self.known);
         }
     }
 
-    /// What the observer knows of the transducer by now.
+    /// Returns the transducer as the observer has identified it so far.
     pub fn identify(&self) -> Option<Transducer> {
         self.observed.as_ref().map(|observed| identified::circuit(observed.observer(), self.nominal_hz, &self.known))
     }
 
-    /// Starts on a transducer that a scan has found, and that rings at its resonance. `noise_a` is the rms noise of a block's current.
+    /// Starts on a transducer that a scan has found and that rings at its resonance. `noise_a` is
+    /// the rms noise of a block's current, A.
     pub fn seed(&mut self, transducer: &Transducer, branch: Motional, noise_a: f32) {
         self.motional = branch;
         self.known = Known {
             c0_f: (transducer.c0_f, transducer.deviations.c0_f),
             modes: (transducer.modes, transducer.chosen),
-            phase_rad: if transducer.modes > 1 { COMPANY } else { 0.0 },
+            phase_rad: if transducer.modes > 1 { OTHER_MODES_RAD } else { 0.0 },
             closely: true,
         };
         let offset_hz = transducer.series_resonance_hz - self.nominal_hz;
@@ -230,14 +242,14 @@ impl Tracker {
         self.restart_clock(transducer.time_constant_s() / self.block_s);
         self.on_blocks = self.ring_up_blocks;
         if let Some(observed) = &mut self.observed {
-            let spread_hz = SCANNED * transducer.series_resonance_hz / transducer.q;
+            let spread_hz = SCAN_DEVIATION_BANDWIDTHS * transducer.series_resonance_hz / transducer.q;
             let (q, axis) = (transducer.q, branch.axis);
             let lm_h = (transducer.lm_h, transducer.deviations.lm_h);
             observed.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a }, Retry::Scan);
         }
     }
 
-    /// Takes a quality factor that was measured at the lock point, and its standard deviation.
+    /// Applies a quality factor measured at the lock point, with its standard deviation.
     pub(crate) fn take_q(&mut self, q: (f32, f32)) {
         if let Some(observed) = &mut self.observed {
             observed.take_q(q);
@@ -245,11 +257,14 @@ impl Tracker {
         }
     }
 
-    /// Takes a clamped branch that was measured at the lock point, and the standard deviation of its susceptance, relative; `was_off`: by what part of the
-    /// motional conductance the branch was off that a lock had begun with, because other resonances add to it there. Without that C0 has drifted.
+    /// Applies a clamped branch measured at the lock point. `deviation` is the relative standard
+    /// deviation of its susceptance.
+    ///
+    /// `was_off` is the deviation of the branch at the start of the lock, relative to the motional
+    /// conductance: other resonances contribute to it. `None` means that C0 has drifted.
     pub(crate) fn set_branch(&mut self, branch: Motional, deviation: f32, was_off: Option<f32>) {
         if let Some(was_off) = was_off {
-            self.known.phase_rad = larger(self.known.phase_rad, ADDED * was_off);
+            self.known.phase_rad = larger(self.known.phase_rad, WRONG_BRANCH_RAD * was_off);
         } else {
             let (c0_f, deviation_f) = self.known.c0_f;
             let now_f = c0_f + (branch.y0.im - self.motional.y0.im) / (core::f32::consts::TAU * self.nominal_hz);
@@ -258,58 +273,62 @@ impl Tracker {
         self.motional = branch;
     }
 
-    /// Whether the observer's gate has opened in the last block: load or resonance have changed abruptly.
-    pub(crate) fn has_been_surprised(&self) -> bool {
+    /// Returns `true` if the observer's gate has opened in the last block: an abrupt change of load
+    /// or resonance.
+    pub(crate) fn has_gate_opened(&self) -> bool {
         self.observed.as_ref().is_some_and(|observed| observed.observer().has_opened())
     }
 
-    /// Whether there is an observer whose lock has not come from a scan.
-    pub(crate) fn has_a_scan_left(&self) -> bool {
-        self.observed.as_ref().is_some_and(Observed::has_a_scan_left)
+    /// Returns `true` if there is an observer whose lock does not come from a scan.
+    pub(crate) fn can_scan(&self) -> bool {
+        self.observed.as_ref().is_some_and(Observed::can_scan)
     }
 
-    /// Leaves the lock to a scan, unless it has come from one. Returns whether it does.
-    pub(crate) fn leave_to_a_scan(&mut self) -> bool {
-        self.observed.as_mut().is_some_and(Observed::leave_to_a_scan)
+    /// Hands the lock over to a scan, unless it comes from one. Returns `true` if a scan must
+    /// follow.
+    pub(crate) fn hand_over_to_scan(&mut self) -> bool {
+        self.observed.as_mut().is_some_and(Observed::hand_over_to_scan)
     }
 
-    /// Whether the lock that is sought by the phase of the motional current is elsewhere than where a scan has just found the resonance.
+    /// Returns `true` if the phase loop seeks the lock away from the resonance just found by a
+    /// scan.
     pub(crate) fn is_astray(&self) -> bool {
         self.stray.is_astray() && self.detector == Some(PhaseDetector::Motional)
     }
 
-    /// Leaves a lock that went astray to another scan. Returns whether it does: once.
-    pub(crate) fn scan_again(&mut self) -> bool {
-        self.stray.scan_again()
+    /// Returns `true` if another scan may replace a lock that went astray: once.
+    pub(crate) fn take_second_scan(&mut self) -> bool {
+        self.stray.take_second_scan()
     }
 
-    /// Takes what is known of the resonance.
+    /// Applies the properties of the identified resonance.
     pub fn set_resonance(&mut self, transducer: &Transducer) {
         let tau_s = transducer.time_constant_s();
         self.rm_ohm = transducer.rm_ohm;
         self.turn_per_hz = core::f32::consts::TAU * tau_s;
-        self.ring_up_blocks = (RING_UP * tau_s / self.block_s) as u32;
+        self.ring_up_blocks = (RING_UP_TIME_CONSTANTS * tau_s / self.block_s) as u32;
         self.phase_loop.set_time_constant(tau_s);
     }
 
     fn restart_clock(&mut self, tau_blocks: f32) {
         let limit = |(blocks, time_constants): (u32, f32)| blocks + (time_constants * tau_blocks) as u32;
         self.lock.restart(tau_blocks);
-        (self.unmeasured_blocks, self.unmeasured_limit) = (0, limit(UNMEASURED));
+        (self.unmeasured_blocks, self.unmeasured_limit) = (0, limit(UNMEASURED_TIMEOUT));
         (self.blocks, self.timeout_blocks) = (0, limit(LOCK_TIMEOUT));
     }
 
-    /// The motional current of a block, A peak.
+    /// Returns the motional current of a block, A peak.
     pub fn motional_current(&self, sensed: &Sensed, relative: f32) -> Phasor {
         self.motional.current(sensed, relative)
     }
 
-    /// The clamped branch, and the axis of the sensing chain.
+    /// Returns the clamped branch, with the axis of the sensing chain.
     pub(crate) fn branch(&self) -> &Motional {
         &self.motional
     }
 
-    /// What the motional current would be at the lock point: beside it, a resonance answers with `1 / (1 + j 2 pi tau df)` of that.
+    /// Returns the motional current at the lock point: at a detuning `df` the resonance answers
+    /// with `1 / (1 + j 2 pi tau df)` of it.
     pub(crate) fn at_lock_point(&self, motional_current: Phasor, detune_hz: f32) -> Phasor {
         if detune_hz == 0.0 {
             return motional_current;
@@ -317,8 +336,8 @@ impl Tracker {
         motional_current * Phasor::new(1.0, self.turn_per_hz * detune_hz)
     }
 
-    /// Follows one block. `at_lock_point` is its motional current at the lock point. Returns the phase that is driven to
-    /// zero, which is zero where nothing was measured.
+    /// Follows one block. `at_lock_point` is its motional current at the lock point. Returns the
+    /// phase that is driven to zero; zero if none was measured.
     pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, at_lock_point: Phasor, played: &PlayedBlock) -> Turns {
         let Some(detector) = self.detector else { return Turns(0.0) };
         self.unmeasured_blocks = self.unmeasured_blocks.saturating_add(played.driven.into());
@@ -330,8 +349,8 @@ impl Tracker {
         if let Some(observed) = &mut self.observed {
             observed.follow(motional_current, sensed.v, played, fits);
         } else {
-            self.blocks = self.blocks.saturating_add(if self.phase_loop.limited() { AT_EDGE } else { 1 });
-            self.stray.seek(self.phase_loop.estimate_hz());
+            self.blocks = self.blocks.saturating_add(if self.phase_loop.limited() { EDGE_BLOCK_WEIGHT } else { 1 });
+            self.stray.take_estimate(self.phase_loop.estimate_hz());
         }
         if self.on_blocks <= self.ring_up_blocks || !played.on {
             self.phase_loop.hold();
@@ -339,10 +358,10 @@ impl Tracker {
         }
         self.unmeasured_blocks = 0;
         let rings = match self.observed.as_ref().filter(|observed| observed.is_confident()) {
-            // A load that comes down leaves less of the current than what it was identified by.
-            Some(observed) => observed.observer().rings(at_lock_point, RINGS_ABOVE, played.volts),
+            // A drop of the load lowers the current below that of the identified resonance.
+            Some(observed) => observed.observer().rings(at_lock_point, RINGING_REL, played.volts),
             None => {
-                let above = RINGS_ABOVE * played.volts / self.rm_ohm;
+                let above = RINGING_REL * played.volts / self.rm_ohm;
                 at_lock_point.norm_sqr() > above * above
             }
         };
@@ -354,30 +373,31 @@ impl Tracker {
             let error = self.motional.phase_of(current, sensed.v);
             let phase = match self.observed.as_ref().and_then(Observed::offset_hz) {
                 Some(offset_hz) => self.phase_loop.accompany(error, offset_hz),
-                None => self.lead(error),
+                None => self.update_phase_loop(error),
             };
-            // At the edge of the window a small phase is no lock.
-            let undecided = self.phase_loop.limited() && phase.0.abs() < UNDECIDED.0;
-            self.lock.update(if undecided { UNDECIDED } else { phase });
+            // At the edge of the window a small phase is not a lock.
+            let undecided = self.phase_loop.limited() && phase.0.abs() < UNDECIDED_PHASE.0;
+            self.lock.update(if undecided { UNDECIDED_PHASE } else { phase });
             return phase;
         }
         if self.lock.state() == Lock::Locked {
-            // Nothing rings under full drive: the resonance is elsewhere. Counts as half a turn.
+            // Nothing rings under full drive: the resonance is elsewhere. This counts as half a
+            // turn.
             self.lock.update(Turns(0.5));
         }
         Turns(0.0)
     }
 
-    /// Goes where one block's phase error tells the loop to, and returns it.
+    /// Updates the phase loop with one block's phase error, and returns the phase.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
-    fn lead(&mut self, error: Phasor) -> Turns {
+    fn update_phase_loop(&mut self, error: Phasor) -> Turns {
         let phase = self.phase_loop.update(error);
-        self.stray.go(self.phase_loop.offset_hz(), self.phase_loop.limited());
+        self.stray.take_output(self.phase_loop.offset_hz(), self.phase_loop.limited());
         phase
     }
 
-    /// How the lock is.
+    /// Returns the state of the lock.
     pub fn state(&self) -> State {
         let locked = if self.unmeasured_blocks > self.unmeasured_limit { State::Unmeasured } else { State::Locked };
         match (&self.observed, self.lock.state()) {
@@ -393,7 +413,7 @@ impl Tracker {
         }
     }
 
-    /// The frequency to drive, as an offset from the nominal one, Hz.
+    /// Returns the frequency to drive, as an offset from the nominal one, Hz.
     pub fn offset_hz(&self) -> f32 {
         let window = self.window_hz();
         match self.observed.as_ref().and_then(Observed::offset_hz) {
@@ -402,17 +422,17 @@ impl Tracker {
         }
     }
 
-    /// The largest offset, Hz.
+    /// Returns the largest offset, Hz.
     pub(crate) fn window_hz(&self) -> f32 {
         self.phase_loop.window_hz()
     }
 
-    /// The estimate of the resonance, as an offset from the nominal frequency, Hz.
+    /// Returns the estimate of the resonance, as an offset from the nominal frequency, Hz.
     pub(crate) fn estimate_hz(&self) -> f32 {
         self.observed.as_ref().map_or_else(|| self.phase_loop.estimate_hz(), |observed| observed.observer().offset_hz())
     }
 
-    /// Whether the frequency window stops it from going where it wants.
+    /// Returns `true` if the frequency window limits the tracker.
     pub(crate) fn limited(&self) -> bool {
         match self.observed.as_ref().and_then(Observed::offset_hz) {
             Some(offset_hz) => offset_hz.abs() >= self.window_hz(),

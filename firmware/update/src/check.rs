@@ -1,4 +1,4 @@
-//! Checks of a stored image against its manifest and against the board.
+//! Check of a stored image against its manifest and the board.
 
 use embedded_storage::nor_flash::ReadNorFlash;
 use firmware::board::update::UpdateDefect as Defect;
@@ -6,33 +6,33 @@ use firmware::board::update::UpdateDefect as Defect;
 use crate::identity::Board;
 use crate::manifest::{MANIFEST, Manifest, checksum};
 
-/// Bytes that are read at once: 128 are a block of SHA-512.
-const PIECE: usize = 256;
+/// Number of bytes read at once: a multiple of 128, the block of SHA-512.
+const PIECE_BYTES: usize = 256;
 
-/// What an image must be, to be started on a board.
+/// Requirements on an image that a board can start.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
     /// Name of the board.
     pub board: Board,
-    /// Address that the image has to be linked for.
+    /// Address for which the image must be linked.
     pub origin: u32,
-    /// Room for the image, without its manifest, bytes.
+    /// Room for the image without its manifest, bytes.
     pub room: u32,
-    /// The public key by which it has to be signed.
+    /// Public key that must verify the signature.
     pub key: [u8; 32],
 }
 
-/// How much of an image is checked.
+/// Extent of the check of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Depth {
-    /// Manifest and checksum: whether it is still the image that was checked once.
+    /// Manifest and checksum: detects a change of an image that was fully checked before.
     Checksum,
-    /// Digest and signature, too.
+    /// Manifest, checksum, digest and signature.
     Signature,
 }
 
 impl Target {
-    /// Whether the board can start an image with this manifest.
+    /// Checks that the board can start an image with this manifest.
     pub fn accepts(&self, manifest: &Manifest) -> Result<(), Defect> {
         if manifest.identity.board != self.board {
             return Err(Defect::OtherBoard);
@@ -46,7 +46,8 @@ impl Target {
         if !manifest.is_signed() { Err(Defect::Unsigned) } else { Ok(()) }
     }
 
-    /// The manifest at an offset of a flash, if the board can start its image. What cannot be read is damaged.
+    /// Returns the manifest at an offset of a flash, if the board can start its image. An
+    /// unreadable manifest counts as damaged.
     pub fn manifest<F: ReadNorFlash>(&self, flash: &mut F, at: u32) -> Result<Manifest, Defect> {
         let mut bytes = [0; MANIFEST];
         flash.read(at, &mut bytes).map_err(|_| Defect::Damaged)?;
@@ -55,16 +56,17 @@ impl Target {
         Ok(manifest)
     }
 
-    /// The manifest at an offset of a flash, if the image behind it is whole, and its signature right where that is asked for.
+    /// Returns the manifest at an offset of a flash, if the image after it is complete. With
+    /// [`Depth::Signature`] the signature must also be valid.
     pub fn image<F: ReadNorFlash>(&self, flash: &mut F, at: u32, depth: Depth) -> Result<Manifest, Defect> {
         let manifest = self.manifest(flash, at)?;
         let from = at + MANIFEST as u32;
         let end = from.checked_add(manifest.length).filter(|end| *end as usize <= flash.capacity());
         let end = end.ok_or(Defect::Length(manifest.length))?;
         let (mut sum, mut digest) = (checksum(), salty::Sha512::new());
-        let mut piece = [0; PIECE];
-        for at in (from..end).step_by(PIECE) {
-            let piece = &mut piece[..PIECE.min((end - at) as usize)];
+        let mut piece = [0; PIECE_BYTES];
+        for at in (from..end).step_by(PIECE_BYTES) {
+            let piece = &mut piece[..PIECE_BYTES.min((end - at) as usize)];
             flash.read(at, piece).map_err(|_| Defect::Damaged)?;
             sum.update(piece);
             if depth == Depth::Signature {
@@ -80,7 +82,8 @@ impl Target {
         Ok(manifest)
     }
 
-    /// Whether the manifest was signed by the board's key. Not inlined: the curve's numbers are not to stand on the stack for longer.
+    /// Returns `true` if the manifest was signed by the board's key. Not inlined, so that the stack
+    /// used by the curve arithmetic is released.
     #[inline(never)]
     fn has_signed(&self, manifest: &Manifest) -> bool {
         let signature = salty::Signature::from(&manifest.signature);

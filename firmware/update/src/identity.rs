@@ -1,27 +1,27 @@
-//! What an image says of itself: a named constant in its ELF file, from which its manifest is made.
+//! Identity of an image: a named constant in its ELF file, from which its manifest is made.
 
-/// Bytes of a board's name, filled up with zeros.
+/// Length of a board's name, bytes; shorter names are padded with zeros.
 pub const NAME: usize = 16;
 /// Name of the constant in the ELF file.
 pub const SYMBOL: &str = "SONOGLIDE_IDENTITY";
-/// Bytes of the constant.
+/// Size of the constant, bytes.
 pub const SIZE: usize = 24;
 
-/// The name of a board.
+/// Name of a board, padded with zeros.
 pub type Board = [u8; NAME];
 
 /// Identity of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Identity {
-    /// The board that it is for.
+    /// Board for which the image is built.
     pub board: Board,
-    /// Its version: major, minor, patch.
+    /// Version of the firmware: major, minor, patch.
     pub version: [u16; 3],
     /// Version of the link's protocol.
     pub protocol: u8,
 }
 
-/// The name of a board as bytes; the end of a longer name is left out.
+/// Returns the name of a board as bytes. A name that is too long is cut.
 pub const fn board(name: &str) -> Board {
     let (mut board, bytes, mut n) = ([0; NAME], name.as_bytes(), 0);
     while n < NAME && n < bytes.len() {
@@ -31,7 +31,7 @@ pub const fn board(name: &str) -> Board {
     board
 }
 
-/// A part of a version as a number: its digits.
+/// Parses a part of a version: its leading digits.
 pub const fn number(text: &str) -> u16 {
     let (bytes, mut number, mut n) = (text.as_bytes(), 0, 0);
     while n < bytes.len() && bytes[n].is_ascii_digit() {
@@ -42,7 +42,7 @@ pub const fn number(text: &str) -> u16 {
 }
 
 impl Identity {
-    /// As it stands in the image: board, version, protocol, a zero.
+    /// Encodes the identity as in the image: board, version, protocol, a zero.
     pub const fn encode(&self) -> [u8; SIZE] {
         let (mut bytes, mut n) = ([0; SIZE], 0);
         while n < NAME {
@@ -60,7 +60,7 @@ impl Identity {
         bytes
     }
 
-    /// The identity in these bytes.
+    /// Decodes an identity.
     pub fn decode(bytes: &[u8; SIZE]) -> Self {
         let mut board = [0; NAME];
         board.copy_from_slice(&bytes[..NAME]);

@@ -1,14 +1,16 @@
-//! Field update of a board with a first stage: pure functions and state machines over `embedded-storage`, the same on the board and on the host.
+//! Field update of a board with a first stage: pure functions and state machines over
+//! `embedded-storage`, which run on the board and on the host.
 //!
 //! ```text
 //! slot (bank 1)                       store (bank 2)                     state (bank 2)
-//! manifest | image that runs          manifest | image that is received  of embassy-boot: swap, trial, progress
+//! manifest | running image            manifest | received image          of embassy-boot: swap, trial, progress
 //!     ^                                   ^                                  ^
 //!     +-- first stage: swaps page by page-+----------------------------------+
 //! ```
 //!
-//! [`manifest`] says what an image is; [`check`] holds stored bytes against it; [`receive`] is the running image's side; [`first_stage`] decides
-//! after each reset what is started. The swap, its progress and the return to the former image are those of the crate `embassy-boot`.
+//! [`manifest`] describes an image; [`check`] compares stored bytes with it; [`receive`] runs in
+//! the image; [`first_stage`] decides after each reset which image is started. The crate
+//! `embassy-boot` performs the swap, stores its progress, and swaps back to the former image.
 #![no_std]
 #![forbid(unsafe_code)]
 

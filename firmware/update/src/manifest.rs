@@ -1,67 +1,70 @@
-//! The manifest: the first 512 bytes of a slot and of an update file, before the image. All numbers little-endian.
+//! The manifest: the first 512 bytes of a slot and of an update file, before the image. All numbers
+//! are little-endian.
 //!
-//! | offset | bytes | |
+//! | offset | bytes | content |
 //! |---|---|---|
 //! | 0 | 8 | `SONOGLID` |
 //! | 8 | 2 | format of the manifest: 1 |
 //! | 10 | 1 | version of the link's protocol |
 //! | 11 | 1 | zero |
-//! | 12 | 16 | name of the board, filled up with zeros |
+//! | 12 | 16 | name of the board, padded with zeros |
 //! | 28 | 6 | version of the firmware: major, minor, patch |
 //! | 34 | 2 | zero |
-//! | 36 | 4 | bytes of the image |
+//! | 36 | 4 | length of the image, bytes |
 //! | 40 | 4 | CRC-32/ISO-HDLC of the image |
-//! | 44 | 4 | address that the image is linked for |
+//! | 44 | 4 | address for which the image is linked |
 //! | 48 | 64 | SHA-512 of the image |
 //! | 112 | 64 | Ed25519 signature (RFC 8032) of the bytes 0 to 111; all ones: not signed |
 //! | 176 | 4 | CRC-32/ISO-HDLC of the bytes 0 to 175 |
 //! | 180 | 332 | ones |
 //!
-//! 512 bytes, as the vector table behind it has to be aligned to its own length, rounded up to a power of two (ARM DDI 0403 B3.2.5).
+//! It has 512 bytes because the vector table after it must be aligned to its own length, rounded up
+//! to a power of two (ARM DDI 0403 B3.2.5).
 
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, Table};
 use firmware::board::update::UpdateDefect as Defect;
 
 use crate::identity::{Board, Identity, NAME};
 
-/// Bytes of a manifest in the flash.
+/// Size of a manifest in the flash, bytes.
 pub const MANIFEST: usize = 512;
-/// Bytes that are signed.
+/// Number of signed bytes.
 pub const SIGNED: usize = 112;
-/// Bytes of a signature.
+/// Length of a signature, bytes.
 pub const SIGNATURE: usize = 64;
 const MAGIC: [u8; 8] = *b"SONOGLID";
 const FORMAT: u16 = 1;
+/// Number of bytes under the checksum of the manifest.
 const CHECKED: usize = SIGNED + SIGNATURE;
-/// A signature that is none: erased flash.
+/// Value of a missing signature: erased flash.
 const UNSIGNED: [u8; SIGNATURE] = [0xff; SIGNATURE];
 
 static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
-/// A checksum of an image that is under way.
+/// Starts the checksum of an image.
 pub(crate) fn checksum() -> Digest<'static, u32, Table<1>> {
     CRC.digest()
 }
 
-/// What an image is.
+/// Description of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Manifest {
     /// Board, version, protocol.
     pub identity: Identity,
-    /// Bytes of the image.
+    /// Length of the image, bytes.
     pub length: u32,
-    /// Its checksum.
+    /// CRC-32 of the image.
     pub checksum: u32,
-    /// The address that it is linked for.
+    /// Address for which the image is linked.
     pub origin: u32,
-    /// Its SHA-512.
+    /// SHA-512 of the image.
     pub digest: [u8; 64],
-    /// The signature of all that.
+    /// Signature of all fields above.
     pub signature: [u8; SIGNATURE],
 }
 
 impl Manifest {
-    /// The manifest of an image, not signed.
+    /// Creates the manifest of an image, without a signature.
     pub fn of(identity: Identity, origin: u32, image: &[u8]) -> Self {
         let mut digest = salty::Sha512::new();
         digest.update(image);
@@ -75,18 +78,18 @@ impl Manifest {
         }
     }
 
-    /// The same, signed by the key with this seed.
+    /// Signs the manifest with the key of this seed.
     pub fn signed_by(self, seed: &[u8; 32]) -> Self {
         let signature = salty::Keypair::from(seed).sign(&self.signed_bytes()).to_bytes();
         Manifest { signature, ..self }
     }
 
-    /// Whether there is a signature at all.
+    /// Returns `true` if the manifest contains a signature.
     pub fn is_signed(&self) -> bool {
         self.signature != UNSIGNED
     }
 
-    /// The bytes that the signature is of.
+    /// Returns the bytes that are signed.
     pub fn signed_bytes(&self) -> [u8; SIGNED] {
         let mut bytes = [0; SIGNED];
         bytes[..8].copy_from_slice(&MAGIC);
@@ -103,7 +106,7 @@ impl Manifest {
         bytes
     }
 
-    /// The manifest as it stands in the flash.
+    /// Encodes the manifest as in the flash.
     pub fn encode(&self) -> [u8; MANIFEST] {
         let mut bytes = [0xff; MANIFEST];
         bytes[..SIGNED].copy_from_slice(&self.signed_bytes());
@@ -113,7 +116,7 @@ impl Manifest {
         bytes
     }
 
-    /// The manifest in these bytes.
+    /// Decodes a manifest.
     pub fn decode(bytes: &[u8; MANIFEST]) -> Result<Self, Defect> {
         let number = |at: usize| u32::from_le_bytes(core::array::from_fn(|n| bytes[at + n]));
         let half = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);

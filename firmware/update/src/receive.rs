@@ -1,4 +1,5 @@
-//! The running image's side: stores what the host sends, checks it, and marks it to be started.
+//! Receiver of updates in the running image: stores the data of the host, checks it, and marks it
+//! for start.
 
 use embassy_boot::{BlockingFirmwareState, State};
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
@@ -8,25 +9,26 @@ use firmware::seam::refusal::Refusal;
 use crate::check::{Depth, Target};
 use crate::manifest::MANIFEST;
 
-/// Bytes that the state's flash writes at once, at most.
-const WORD: usize = 8;
+/// Largest unit of writing of the state's flash, bytes.
+const MAX_WORD_BYTES: usize = 8;
 
-/// Where updates are stored, and what they must be.
+/// Receiver of updates: their storage and their requirements.
 pub struct Receiver<S, T> {
     store: S,
     state: T,
     target: Target,
-    /// The protocol of the running image: no update may have an older one.
+    /// Protocol of the running image. An update with an older one is refused.
     protocol: u8,
     running: Option<[u16; 3]>,
     standing: Standing,
     update: UpdateState,
-    /// Bytes of the update, as the host has announced them.
+    /// Length of the update as announced by the host, bytes.
     length: u32,
 }
 
 impl<S: NorFlash, T: NorFlash> Receiver<S, T> {
-    /// A receiver that stores updates in `store`, and marks them in the first stage's `state`. `slot` holds the running image.
+    /// Creates a receiver that stores updates in `store` and marks them in the first stage's
+    /// `state`. `slot` holds the running image.
     pub fn new<R: ReadNorFlash>(store: S, mut state: T, mut slot: R, target: Target, protocol: u8) -> Self {
         let running = target.manifest(&mut slot, 0).ok().map(|manifest| manifest.identity.version);
         let standing = match standing(&mut state) {
@@ -37,13 +39,13 @@ impl<S: NorFlash, T: NorFlash> Receiver<S, T> {
         Receiver { store, state, target, protocol, running, standing, update: UpdateState::Nothing, length: 0 }
     }
 
-    /// Gives the flashes back.
+    /// Returns the flashes.
     pub fn release(self) -> (S, T) {
         (self.store, self.state)
     }
 
     fn begin(&mut self, length: u32) -> Result<(), Refusal> {
-        // An image on trial has its predecessor in the store.
+        // While an image is on trial, the store holds its predecessor.
         if self.standing == Standing::Trial {
             return Err(Refusal::Busy);
         }
@@ -59,7 +61,7 @@ impl<S: NorFlash, T: NorFlash> Receiver<S, T> {
     }
 
     fn write(&mut self, at: u32, chunk: &Chunk) -> Result<(), Refusal> {
-        // A copy of a chunk whose answer was lost.
+        // A repeated chunk whose answer was lost.
         if matches!(self.update, UpdateState::Receiving(received) if at + CHUNK as u32 == received) {
             return Ok(());
         }
@@ -74,7 +76,7 @@ impl<S: NorFlash, T: NorFlash> Receiver<S, T> {
         }
         let received = at + CHUNK as u32;
         self.update = UpdateState::Receiving(received);
-        // The manifest decides whether the rest is worth sending.
+        // The manifest decides whether the rest is needed.
         if received == MANIFEST as u32
             && let Err(defect) = self.manifest()
         {
@@ -97,7 +99,7 @@ impl<S: NorFlash, T: NorFlash> Receiver<S, T> {
                 self.update = UpdateState::Checking;
                 Ok(())
             }
-            // A copy of an order that was obeyed.
+            // A repeated order that was already obeyed.
             UpdateState::Checking | UpdateState::Complete | UpdateState::Refused(_) => Ok(()),
             _ => Err(Refusal::OutOfRange),
         }
@@ -109,7 +111,7 @@ impl<S: NorFlash, T: NorFlash> Receiver<S, T> {
             UpdateState::Complete => {}
             _ => return Err(Refusal::OutOfRange),
         }
-        let mut word = [0; WORD];
+        let mut word = [0; MAX_WORD_BYTES];
         if BlockingFirmwareState::new(&mut self.state, &mut word[..T::WRITE_SIZE]).mark_updated().is_err() {
             self.update = UpdateState::FlashFailed;
             return Err(Refusal::Flash);
@@ -119,9 +121,9 @@ impl<S: NorFlash, T: NorFlash> Receiver<S, T> {
     }
 }
 
-/// The state that the first stage has left; `None` where it cannot be read.
+/// Returns the state that the first stage has stored, or `None` if it cannot be read.
 fn standing<T: NorFlash>(state: &mut T) -> Option<State> {
-    let mut word = [0; WORD];
+    let mut word = [0; MAX_WORD_BYTES];
     BlockingFirmwareState::new(state, &mut word[..T::WRITE_SIZE]).get_state().ok()
 }
 
@@ -152,7 +154,7 @@ impl<S: NorFlash, T: NorFlash> Updates for Receiver<S, T> {
         if self.standing != Standing::Trial {
             return;
         }
-        let mut word = [0; WORD];
+        let mut word = [0; MAX_WORD_BYTES];
         if BlockingFirmwareState::new(&mut self.state, &mut word[..T::WRITE_SIZE]).mark_booted().is_ok() {
             self.standing = Standing::Confirmed;
         }

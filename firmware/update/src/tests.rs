@@ -1,4 +1,4 @@
-//! The whole way of an update on simulated flash, with the power cut at every operation.
+//! Complete updates on simulated flash, with power cuts at every operation.
 
 mod board;
 mod cuts;

@@ -1,25 +1,26 @@
-//! What a belt's encoder has said, and how it would go on.
+//! Record of the belt's encoder, and its extrapolation.
 
 use firmware::seam::block::BeltSense;
 
-/// The pace is the mean over so many blocks.
+/// Number of blocks over which the pace is averaged.
 const PACE_BLOCKS: u32 = 1024;
 
-/// The encoder, as it has been read.
+/// Record of the readings of the encoder.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Encoder {
     last: BeltSense,
-    /// Where the present measurement of the pace began, and how many blocks ago.
+    /// Count at the start of the present measurement of the pace.
     first: i32,
+    /// Number of blocks since that start.
     blocks: u32,
-    /// Counts a block, as last measured.
+    /// Latest measured pace, counts per block.
     pace: Option<f64>,
-    /// Counts that a lie has added.
-    lied: f64,
+    /// Counts that the extrapolation has added.
+    extrapolated: f64,
 }
 
 impl Encoder {
-    /// Takes what it says.
+    /// Records a reading.
     pub(super) fn update(&mut self, sense: BeltSense) {
         if self.blocks == 0 {
             self.first = sense.counts;
@@ -31,15 +32,15 @@ impl Encoder {
         self.last = sense;
     }
 
-    /// What it has said last.
+    /// Returns the last reading.
     pub(super) fn last(&self) -> BeltSense {
         self.last
     }
 
-    /// What it would say next if its belt moved on.
-    pub(super) fn lie(&mut self) -> BeltSense {
+    /// Returns the next reading if the belt kept its pace.
+    pub(super) fn extrapolate(&mut self) -> BeltSense {
         let moved = f64::from(self.last.counts.wrapping_sub(self.first));
-        self.lied += self.pace.unwrap_or(moved / f64::from(self.blocks.saturating_sub(1).max(1)));
-        BeltSense { counts: self.last.counts.wrapping_add(self.lied as i32), ..self.last }
+        self.extrapolated += self.pace.unwrap_or(moved / f64::from(self.blocks.saturating_sub(1).max(1)));
+        BeltSense { counts: self.last.counts.wrapping_add(self.extrapolated as i32), ..self.last }
     }
 }

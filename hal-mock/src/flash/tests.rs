@@ -9,7 +9,7 @@ fn read<const N: usize>(flash: &mut Flash, offset: u32) -> [u8; N] {
 }
 
 #[test]
-fn what_is_written_is_read_and_an_erase_takes_one_page() {
+fn words_are_read_back_and_an_erase_affects_one_page() {
     let mut flash = Flash::new(3, 1);
     flash.write(PAGE - 8, &[0x11; 16]).unwrap();
     assert_eq!(read::<18>(&mut flash, PAGE - 9)[..2], [0xFF, 0x11]);
@@ -28,7 +28,8 @@ fn a_word_is_written_only_once_after_an_erase() {
         assert_eq!(flash.write(8, &[0; 8]), Err(FlashError::NotErased));
         assert_eq!(read(&mut flash, 8), value);
     }
-    // A run of words stops at the first that is not erased; the rest stays as it was.
+    // Writing several words stops at the first that is not erased; the later ones keep their
+    // values.
     assert_eq!(flash.write(0, &[0x33; 24]), Err(FlashError::NotErased));
     assert_eq!((read(&mut flash, 0), read(&mut flash, 8), read(&mut flash, 16)), ([0x33; 8], [0x5A; 8], [0xFF; 8]));
 }
@@ -48,7 +49,7 @@ fn addresses_are_checked_and_a_refused_call_changes_nothing() {
 }
 
 #[test]
-fn a_cut_write_leaves_part_of_one_word_and_the_rest_untouched() {
+fn a_cut_write_changes_part_of_one_word() {
     let mut torn_words = 0;
     for seed in 0..32 {
         let mut flash = Flash::new(1, seed);
@@ -60,7 +61,7 @@ fn a_cut_write_leaves_part_of_one_word_and_the_rest_untouched() {
         flash.restore_power();
         let [whole, torn, after]: [[u8; 8]; 3] = [0, 16, 24].map(|offset| read(&mut flash, offset));
         assert_eq!((whole, read(&mut flash, 8), after), ([0x0F; 8], [0x0F; 8], [0xFF; 8]));
-        // Bits that were not to be cleared stand.
+        // Bits that were not to be cleared stay set.
         assert!(torn.iter().all(|byte| byte & 0x0F == 0x0F), "{torn:x?}");
         torn_words += u32::from(torn != [0x0F; 8] && torn != [0xFF; 8]);
         assert_eq!(flash.write(16, &[0x0F; 8]), Err(FlashError::NotErased));
@@ -85,7 +86,7 @@ fn a_cut_erase_leaves_a_page_that_must_be_erased_again() {
 }
 
 #[test]
-fn a_cancelled_cut_does_not_come_and_a_seed_tears_alike() {
+fn a_cancelled_cut_has_no_effect_and_cuts_are_reproducible() {
     let torn = |seed, back: bool| {
         let mut flash = Flash::new(1, seed);
         flash.cut_power_after(0);
@@ -124,7 +125,7 @@ fn agrees_with_a_plain_model_under_any_power_cut() {
             if done.is_ok() && range.len() == PAGE_BYTES {
                 model[page * WORDS_PER_PAGE..(page + 1) * WORDS_PER_PAGE].fill(None);
             }
-            // Whatever happened, it happened nowhere else.
+            // The operation changed nothing outside its range.
             assert_eq!(
                 (&before[..range.start], &before[range.end..]),
                 (&flash.bytes()[..range.start], &flash.bytes()[range.end..])
@@ -139,7 +140,7 @@ fn agrees_with_a_plain_model_under_any_power_cut() {
 }
 
 #[test]
-fn turned_bits_are_read_and_an_erase_sets_them() {
+fn flipped_bits_are_read_and_an_erase_sets_them() {
     let mut flash = Flash::new(1, 1);
     flash.turn_bits(3, 0x81);
     flash.turn_bits(usize::MAX, 1);
@@ -149,7 +150,7 @@ fn turned_bits_are_read_and_an_erase_sets_them() {
 }
 
 #[test]
-fn a_flash_that_holds_bytes_is_the_one_they_are_of() {
+fn a_flash_can_be_restored_from_its_bytes() {
     let mut first = Flash::new(2, 1);
     first.write(PAGE, &[0x11; 8]).unwrap();
     let mut second = Flash::holding(first.bytes().to_vec(), 1);

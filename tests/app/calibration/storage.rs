@@ -1,4 +1,4 @@
-//! Trims in flash: stored by a calibration, active after a restart, and removed by an order.
+//! Trims in flash: a calibration stores them, a restart activates them, and an order removes them.
 
 use firmware::board::command::{Command, Reply, TrimReport, Verb};
 use firmware::board::parameters::Overrides;
@@ -10,7 +10,7 @@ use hal_mock::bench::{Queues, Setup};
 use hal_mock::flash::Flash;
 
 use super::super::bank::{Bank, THESIS};
-use super::{LEFT, bench_of, calibrated, errors, four_lanes, report, run};
+use super::{MAX_GAIN_ERROR, MAX_PHASE_ERROR_DEG, bench_of, calibrated, errors, four_lanes, report, run};
 
 #[test]
 fn trims_survive_a_restart_and_act_from_the_first_block() {
@@ -28,12 +28,12 @@ fn trims_survive_a_restart_and_act_from_the_first_block() {
     assert!((0..6).all(|point| report(&mut bench, point) == found[usize::from(point)]));
     run(&mut bench);
     let after = errors(&mut bench, 0.25);
-    assert!(after.0 < LEFT.0 && after.1 < LEFT.1, "{after:?}");
+    assert!(after.0 < MAX_PHASE_ERROR_DEG && after.1 < MAX_GAIN_ERROR, "{after:?}");
 }
 
 #[test]
-fn a_calibration_keeps_its_trims_beside_refused_parameters() {
-    // A drive of 3 V under a limit of 2 V makes no configuration: key 8 is `limits.voltage_v`.
+fn a_calibration_stores_trims_despite_refused_parameters() {
+    // A drive of 3 V above a limit of 2 V is an invalid configuration: key 8 is `limits.voltage_v`.
     let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
     settings.store(&Record { trims: LaneTrims::new(), parameters: Overrides::from_iter([(8, 2.0)]) }).unwrap();
     let mut setup = Setup { flash: settings.release(), ..four_lanes(Direction::Forward) };
@@ -51,12 +51,12 @@ fn a_calibration_keeps_its_trims_beside_refused_parameters() {
 }
 
 #[test]
-fn defaults_and_clear_each_do_their_half() {
+fn defaults_and_clear_each_reset_their_part() {
     let mut setup = four_lanes(Direction::Forward);
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 0.0));
     calibrated(&mut bench);
-    // No trims are active from now on, and the stored ones stay.
+    // The trims are inactive from now on, but stay stored.
     assert_eq!(bench.ask(Command::Settings(Verb::Defaults)), Some(Reply::Ack));
     run(&mut bench);
     assert!(errors(&mut bench, 0.25).0 > 8.0);
@@ -65,13 +65,13 @@ fn defaults_and_clear_each_do_their_half() {
     let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 0.0));
     assert_eq!(report(&mut bench, 0).stored, StoredState::Stored);
     bench.blocks(4);
-    // Nothing is stored from now on, and the active trims stay.
+    // The trims are no longer stored, but stay active.
     assert_eq!(bench.ask(Command::Settings(Verb::Clear)), Some(Reply::Ack));
     assert_eq!((report(&mut bench, 0).stored, report(&mut bench, 0).points), (StoredState::Nothing, 5));
     let mut cleared = setup.clone();
     cleared.flash = {
         run(&mut bench);
-        assert!(errors(&mut bench, 0.25).0 < LEFT.0);
+        assert!(errors(&mut bench, 0.25).0 < MAX_PHASE_ERROR_DEG);
         bench.power_off()
     };
     let mut queues = Queues::default();
@@ -80,7 +80,7 @@ fn defaults_and_clear_each_do_their_half() {
 }
 
 #[test]
-fn while_it_drives_nothing_is_written() {
+fn nothing_is_written_during_a_drive() {
     let setup = four_lanes(Direction::Forward);
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 0.0));
@@ -88,7 +88,7 @@ fn while_it_drives_nothing_is_written() {
     for verb in [Verb::Store, Verb::Clear, Verb::Defaults] {
         assert_eq!(bench.ask(Command::Settings(verb)), Some(Reply::Nak(Refusal::Driving)), "{verb:?}");
     }
-    // Nor between an order to drive and its first block.
+    // Writing is also refused between an order to drive and its first block.
     assert_eq!(bench.ask(Command::Idle), Some(Reply::Ack));
     bench.blocks(4);
     assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
@@ -97,7 +97,7 @@ fn while_it_drives_nothing_is_written() {
 }
 
 #[test]
-fn a_failed_flash_is_reported_and_the_trims_act_all_the_same() {
+fn a_failed_flash_is_reported_and_the_trims_still_act() {
     let mut setup = four_lanes(Direction::Forward);
     setup.flash.cut_power_after(3);
     let mut queues = Queues::default();
@@ -106,8 +106,9 @@ fn a_failed_flash_is_reported_and_the_trims_act_all_the_same() {
     assert_eq!((report(&mut bench, 0).stored, bench.fault()), (StoredState::Failed, None));
     assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Nak(Refusal::Flash)));
     run(&mut bench);
-    assert!(errors(&mut bench, 0.25).0 < LEFT.0);
-    // The next power-up finds nothing that is whole: the first store was cut off, which it says, and it runs.
+    assert!(errors(&mut bench, 0.25).0 < MAX_PHASE_ERROR_DEG);
+    // The first store was interrupted. The next power-up finds no complete record, reports this,
+    // and runs.
     let mut flash: Flash = bench.power_off();
     flash.restore_power();
     setup.flash = flash;

@@ -1,35 +1,37 @@
-//! Direct branches of a thumb image, from function to function, read from its instructions (ARM DDI 0403 A6, A7.7.12, A7.7.18).
+//! Direct branches between the functions of a thumb image, read from its instructions (ARM DDI 0403
+//! A6, A7.7.12, A7.7.18).
 //!
-//! Calls and tail calls alike. What is called by an address in a register is not seen, and is counted.
+//! Calls and tail calls are both included. Calls to an address in a register are only counted.
 
 use std::collections::BTreeMap;
 
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SymbolKind};
 use rustc_demangle::demangle;
 
-/// What the linker puts before the name of a function that is too far away to be called at once.
+/// Prefix of the linker for the name of a thunk, which reaches a function that is too far away for
+/// a direct call.
 const THUNK: &str = "__Thumbv7ABSLongThunk_";
 
-/// A function of the image.
+/// Function of the image.
 pub struct Function {
     pub address: u32,
     pub name: String,
-    /// Places of the functions that it branches to, and how often.
+    /// Indices of the functions that it branches to, with the number of branches.
     pub branches: BTreeMap<usize, u32>,
-    /// Calls by an address in a register.
+    /// Number of calls to an address in a register.
     pub indirect: u32,
 }
 
-/// All functions of an image, by rising addresses.
+/// Returns all functions of an image, by rising addresses.
 pub fn functions(elf: &[u8]) -> Vec<Function> {
     let file = object::File::parse(elf).expect("an ELF file");
     let mut found = BTreeMap::<u32, (u32, &str)>::new();
-    // The first of several names of one function is as good as any.
+    // If a function has several names, the first one is used.
     for symbol in file.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0) {
         found.entry(symbol.address() as u32 & !1).or_insert((symbol.size() as u32, symbol.name().expect("a name")));
     }
     let places: BTreeMap<u32, usize> = found.keys().copied().enumerate().map(|(place, address)| (address, place)).collect();
-    // A thunk stands for what it leads to.
+    // A branch to a thunk counts as a branch to its target.
     let by_name: BTreeMap<&str, usize> = found.iter().map(|(address, (_, name))| (*name, places[address])).collect();
     let meant = |place: usize, name: &str| name.strip_prefix(THUNK).and_then(|name| by_name.get(name).copied()).unwrap_or(place);
     let meant: Vec<usize> = found.iter().map(|(address, (_, name))| meant(places[address], name)).collect();
@@ -51,7 +53,8 @@ pub fn functions(elf: &[u8]) -> Vec<Function> {
     functions
 }
 
-/// Where data stands among the code: from `$d` to the next `$t`.
+/// Returns the addresses at which data begins (`$d`, `true`) or ends (`$t`, `false`) within the
+/// code.
 fn data(file: &object::File) -> BTreeMap<u32, bool> {
     let marks = file.symbols().filter_map(|symbol| {
         let name = symbol.name().ok()?;
@@ -61,7 +64,7 @@ fn data(file: &object::File) -> BTreeMap<u32, bool> {
     marks.collect()
 }
 
-/// The halfwords of a function.
+/// Returns the halfwords of a function.
 fn halves(file: &object::File, address: u32, size: u32) -> Vec<u16> {
     let holds = |section: &object::Section| (section.address()..section.address() + section.size()).contains(&u64::from(address));
     let bytes = file.sections().find(holds).and_then(|section| section.data_range(address.into(), size.into()).ok().flatten());
@@ -74,7 +77,7 @@ enum Branch {
     Register,
 }
 
-/// The branches of a function's instructions.
+/// Returns the branches of a function.
 fn branches(halves: &[u16], address: u32, data: &BTreeMap<u32, bool>) -> Vec<Branch> {
     let mut found = Vec::new();
     let mut n = 0;
@@ -84,7 +87,7 @@ fn branches(halves: &[u16], address: u32, data: &BTreeMap<u32, bool>) -> Vec<Bra
             n += 1;
             continue;
         }
-        // Instructions of 32 bits begin with these.
+        // First halfwords with these bits begin an instruction of 32 bits.
         let second = if first >> 11 >= 0b11101 { halves.get(n + 1).copied() } else { None };
         let offset = match second {
             Some(second) => long(first, second),
@@ -99,12 +102,12 @@ fn branches(halves: &[u16], address: u32, data: &BTreeMap<u32, bool>) -> Vec<Bra
     found
 }
 
-/// A number of so many bits, with its sign.
+/// Sign-extends a number of this many bits.
 fn signed(value: u32, bits: u32) -> i32 {
     (value << (32 - bits)) as i32 >> (32 - bits)
 }
 
-/// The offset of a branch of 16 bits.
+/// Returns the offset of a branch of 16 bits.
 fn short(code: u16) -> Option<i32> {
     let code = u32::from(code);
     match code >> 12 {
@@ -115,7 +118,7 @@ fn short(code: u16) -> Option<i32> {
     }
 }
 
-/// The offset of a branch or call of 32 bits.
+/// Returns the offset of a branch or call of 32 bits.
 fn long(first: u16, second: u16) -> Option<i32> {
     let (first, second) = (u32::from(first), u32::from(second));
     if first >> 11 != 0b11110 || second >> 15 == 0 {
@@ -126,14 +129,14 @@ fn long(first: u16, second: u16) -> Option<i32> {
         let (i1, i2) = (1 ^ j1 ^ sign, 1 ^ j2 ^ sign);
         return Some(signed(sign << 24 | i1 << 23 | i2 << 22 | (first & 0x3FF) << 12 | low << 1, 25));
     }
-    // Conditional, or no branch at all.
+    // A conditional branch, or not a branch.
     let is_call = second >> 14 & 1 == 1;
     (!is_call && first >> 6 & 0xE != 0xE).then(|| signed(sign << 20 | j2 << 19 | j1 << 18 | (first & 0x3F) << 12 | low << 1, 21))
 }
 
 #[test]
-fn branches_are_read_as_the_manual_has_them() {
-    // b.n -4; beq +0; bl +0x1000; bl -4; b.w -8; beq.w +0x100; dmb is none, and what stands in data is none.
+fn branches_are_decoded_as_in_the_manual() {
+    // b.n -4; beq +0; bl +0x1000; bl -4; b.w -8; beq.w +0x100. Neither dmb nor data is a branch.
     assert_eq!([short(0xE7FE), short(0xD000), short(0xDE00)], [Some(-4), Some(0), None]);
     assert_eq!(long(0xF001, 0xF800), Some(0x1000));
     assert_eq!(long(0xF7FF, 0xFFFE), Some(-4));

@@ -1,18 +1,22 @@
-//! Which functions of the flashed image can panic: the callers of `core::panicking` by its instructions, against the list of docs/evidence/panics.md.
+//! Functions of the flashed image that can panic: the callers of `core::panicking`, found by its
+//! instructions, compared with the list of docs/evidence/panics.md.
 //!
-//! `UPDATE_DOCS=1 cargo test -p image-scenarios docs_name_every_panic` writes the list; the reasons stand here. A function without one fails the test.
+//! `UPDATE_DOCS=1 cargo test -p image-scenarios docs_name_every_panic` writes the list. The reasons
+//! are in this file. The test fails if a function has no reason.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::branches::{Function, functions};
 use super::size::image;
 
-/// The interrupt of a block; what it calls is the block path, and so is all of the core-coupled RAM.
+/// Interrupt of a block. The block path consists of all functions that it calls, and of all code in
+/// the core-coupled RAM.
 const BLOCK_INTERRUPT: &str = "DMA1_CHANNEL1";
-const CORE_COUPLED: u32 = 0x10;
+/// Top byte of the addresses of the core-coupled RAM.
+const CCMRAM_TOP_BYTE: u32 = 0x10;
 
-/// What panics, by parts of names, and what it says.
-const ENDS: [(&str, &str); 12] = [
+/// Panicking functions, by parts of their names, and their cause in the list.
+const PANIC_FUNCTIONS: [(&str, &str); 12] = [
     ("panicking::panic_bounds_check", "index"),
     ("slice::index::slice_index_fail", "range"),
     ("panic_const_div_by_zero", "division by zero"),
@@ -27,69 +31,74 @@ const ENDS: [(&str, &str); 12] = [
     ("panicking::panic", "unreachable"),
 ];
 
-/// Why these do not come to it, by how their names begin: functions, and the reason. The first that fits counts.
+/// Functions, by the beginning of their names, and the reason why they never panic. The first match
+/// counts.
 const REASONS: [(&str, &str); 23] = [
     (
         "sequential_storage::",
-        "the flash's geometry: words and pages of constant size, and cuts of a buffer by lengths that were checked before; damaged flash is fed by `evidence fuzz`",
+        "the geometry of the flash: words and pages have constant sizes, and lengths are checked before a buffer is cut; \
+         `evidence fuzz` tests damaged flash",
     ),
     ("<sonoglide_firmware::board::settings::", "words and pages of the flash have a constant size, and none is zero"),
     (
         "sonoglide_firmware::board::settings::",
-        "there are two halves, by their type; a record is shorter than its buffer, by its type",
+        "the number of halves is two by its type; a record is shorter than its buffer by its type",
     ),
-    ("core::slice::copy_from_slice_impl", "both sides are cut to one length before"),
+    ("core::slice::copy_from_slice_impl", "both sides are cut to the same length before"),
     (
         "nucleo_g474re::image::__cortex_m_rt_main",
-        "the background task: started once; places of rings are remainders by their length; a frame is cut by what `cobs` has counted, which `evidence fuzz` feeds",
+        "the background task: it is started once; places in rings are remainders by the length; \
+         a frame is cut by the length that `cobs` returns, which `evidence fuzz` tests",
     ),
-    ("nucleo_g474re::image::build", "before the first block: constants of the board, which tests build on the host"),
+    ("nucleo_g474re::image::build", "before the first block: constants of the board, which tests check on the host"),
     (
         "nucleo_g474re::image::",
-        "before the first block: numbers of pins, channels and conversions are constants within the register",
+        "before the first block: numbers of pins, channels and conversions are constants within the range of the register",
     ),
-    ("DMA1_CHANNEL1", "pins are constants within the register"),
-    ("_defmt_", "the log's lock is taken with interrupts masked, and given back before"),
-    ("cobs::", "the buffer is `max_encoding_length` long"),
-    ("sonoglide_firmware::board::app::outbox", "a frame is as long as its buffer at most, by its type"),
-    ("sonoglide_firmware::board::app::App", "a ring's length is a constant above one"),
-    ("sonoglide_firmware::board::block_task", "a ring's length is a constant above one"),
-    ("sonoglide_firmware::board::capture", "a ring's length is a constant above one"),
+    ("DMA1_CHANNEL1", "numbers of pins are constants within the range of the register"),
+    ("_defmt_", "the lock of the log is taken with interrupts masked, and released before they are enabled"),
+    ("cobs::", "the length of the buffer is `max_encoding_length`"),
+    ("sonoglide_firmware::board::app::outbox", "a frame is never longer than its buffer, by its type"),
+    ("sonoglide_firmware::board::app::App", "the length of a ring is a constant above one"),
+    ("sonoglide_firmware::board::block_task", "the length of a ring is a constant above one"),
+    ("sonoglide_firmware::board::capture", "the length of a ring is a constant above one"),
     ("sonoglide_firmware::board::parameters", "places are those of the list of parameters"),
-    ("sonoglide_firmware::generate::burst::Burst::build", "as many windows as the configuration has room for"),
-    ("sonoglide_firmware::generate::burst::Burst::gate", "a period of no samples is refused when it is built"),
-    ("sonoglide_firmware::generate::shaper", "the largest code step is one at least"),
+    ("sonoglide_firmware::generate::burst::Burst::build", "there are never more windows than the configuration has room for"),
+    ("sonoglide_firmware::generate::burst::Burst::gate", "a configuration with a period of no samples is refused"),
+    ("sonoglide_firmware::generate::shaper", "the largest code step is at least one"),
     (
         "sonoglide_firmware::generate::sweep::chirp",
-        "legs are two, and are counted by 0 and 1; a chirp of no blocks is refused when it is built",
+        "the two legs have the indices 0 and 1; a configuration with a chirp of no blocks is refused",
     ),
-    ("sonoglide_firmware::find::scan::Scan::tune", "a pass has blocks: at least `FEWEST_BLOCKS`"),
-    ("sonoglide_firmware::controller::stages::scan", "places are those of a list that was just asked for its length"),
-    ("sonoglide_firmware::controller::stages::clamped", "tones have blocks"),
-    ("<heapless::", "what is collected has room by its type"),
+    ("sonoglide_firmware::find::scan::Scan::tune", "a pass has at least `FEWEST_BLOCKS` blocks"),
+    ("sonoglide_firmware::controller::stages::scan", "places are below the length of the list, which was read just before"),
+    ("sonoglide_firmware::controller::stages::clamped", "every tone has blocks"),
+    ("<heapless::", "the collected items fit by their type"),
 ];
 
-/// The end that a function is, if it is one.
+/// Returns the cause of a panic, if this function is a panicking function.
 fn end(name: &str) -> Option<&'static str> {
     let begins = ["core::", "<core::", "_R"].iter().any(|begin| name.starts_with(begin));
-    ENDS.iter().find(|(part, _)| begins && name.contains(part)).map(|(_, said)| *said)
+    PANIC_FUNCTIONS.iter().find(|(part, _)| begins && name.contains(part)).map(|(_, said)| *said)
 }
 
-/// Place of the reason why a function does not panic.
+/// Returns the index of the reason why a function does not panic.
 fn place(name: &str) -> Option<usize> {
-    // A trait's method belongs to the type that has it, a closure or an adapter to what it is in.
+    // A method of a trait counts for its type, a closure or an adapter for the function that
+    // contains it.
     let begins = |(part, _): &(&str, _)| name.starts_with(part);
     REASONS.iter().position(begins).or_else(|| REASONS.iter().position(|(part, _)| name.contains(part.trim_start_matches('<'))))
 }
 
-/// Why a function does not panic.
+/// Returns the reason why a function does not panic.
 fn reason(name: &str) -> Option<&'static str> {
     place(name).map(|place| REASONS[place].1)
 }
 
-/// Places of what the block interrupt calls, as far as direct branches show, and of all code in the core-coupled RAM. What panics is not followed.
+/// Returns the indices of the functions of the block path: those that the block interrupt reaches
+/// by direct branches, and all code in the core-coupled RAM. Panicking functions are not followed.
 fn block_path(functions: &[Function]) -> BTreeSet<usize> {
-    let begins = |function: &Function| function.name == BLOCK_INTERRUPT || function.address >> 24 == CORE_COUPLED;
+    let begins = |function: &Function| function.name == BLOCK_INTERRUPT || function.address >> 24 == CCMRAM_TOP_BYTE;
     let mut open: Vec<usize> = (0..functions.len()).filter(|&place| begins(&functions[place])).collect();
     let mut path = BTreeSet::new();
     while let Some(place) = open.pop() {
@@ -100,7 +109,7 @@ fn block_path(functions: &[Function]) -> BTreeSet<usize> {
     path
 }
 
-/// A function that can panic, and by what how often.
+/// Function that can panic, with the number of places per cause.
 struct Panics<'a> {
     function: &'a Function,
     in_block: bool,
@@ -123,24 +132,25 @@ fn panics(functions: &[Function]) -> Vec<Panics<'_>> {
     found
 }
 
-/// Tables for the page.
+/// Returns the tables for the page.
 fn markdown(functions: &[Function], panics: &[Panics]) -> String {
     let row = |of: &Panics| {
         let by: Vec<String> = of.by.iter().map(|(said, count)| format!("{said}: {count}")).collect();
-        let place = if of.function.address >> 24 == CORE_COUPLED { "core-coupled RAM" } else { "flash" };
+        let place = if of.function.address >> 24 == CCMRAM_TOP_BYTE { "core-coupled RAM" } else { "flash" };
         format!("| `{}` | {place} | {} | {} |\n", of.function.name, by.join(", "), reason(&of.function.name).unwrap_or_default())
     };
     let count = |panics: &mut dyn Iterator<Item = &Panics>| {
         let (mut functions, mut places) = (0, 0);
         panics.for_each(|of| (functions, places) = (functions + 1, places + of.by.values().sum::<u32>()));
-        format!("{functions} functions, {places} places")
+        format!("{functions} functions, at {places} places")
     };
     let path = block_path(functions);
     let indirect: u32 = path.iter().map(|&place| functions[place].indirect).sum();
     let (block, rest) = (panics.iter().filter(|of| of.in_block), panics.iter().filter(|of| !of.in_block));
-    let head = "| function | in | by what | why not |\n|---|---|---|---|\n";
+    let head = "| function | memory | causes | reason why it does not panic |\n|---|---|---|---|\n";
     format!(
-        "The block path has {} functions, with {indirect} calls by an address in a register. Of them can panic: {}.\n\n{head}{}\nElsewhere: {}.\n\n{head}{}",
+        "The block path has {} functions, with {indirect} calls to an address in a register. \
+         Panics are possible in {}.\n\n{head}{}\nElsewhere: {}.\n\n{head}{}",
         path.len(),
         count(&mut block.clone()),
         block.map(row).collect::<String>(),
@@ -154,16 +164,16 @@ fn docs_name_every_panic_of_the_flashed_image() {
     let Some(elf) = image(&[]) else { return };
     let functions = functions(&elf);
     let panics = panics(&functions);
-    // What is known to be there is found: else this looks at nothing.
+    // Functions that are known to exist must be found; otherwise the test checks nothing.
     assert!(panics.iter().any(|of| of.function.name.contains("_defmt_acquire")) && block_path(&functions).len() > 50);
     let checked = |of: &&Panics| of.in_block && ["index", "range"].iter().any(|by| of.by.contains_key(by));
     let checked: Vec<_> = panics.iter().filter(checked).map(|of| &of.function.name).collect();
-    assert!(checked.is_empty(), "bounds are checked in the block path: {checked:#?}");
+    assert!(checked.is_empty(), "the block path checks bounds in: {checked:#?}");
     let unreasoned: Vec<_> = panics.iter().map(|of| &of.function.name).filter(|name| reason(name).is_none()).collect();
     assert!(unreasoned.is_empty(), "without a reason: {unreasoned:#?}");
     let named = |part: &str| panics.iter().any(|of| place(&of.function.name).is_some_and(|place| REASONS[place].0 == part));
     let idle: Vec<_> = REASONS.iter().map(|(part, _)| part).filter(|part| !named(part)).collect();
-    assert!(idle.is_empty(), "reasons for what does not panic: {idle:#?}");
+    assert!(idle.is_empty(), "reasons without a function that can panic: {idle:#?}");
     report::docs::block(
         "evidence/panics.md",
         "cargo test -p image-scenarios docs_name_every_panic",

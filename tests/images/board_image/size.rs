@@ -1,9 +1,10 @@
-//! How large the image is: sections of its ELF file against budgets.
+//! Size of the image: the sections of its ELF file, compared with budgets.
 //!
 //!     cargo test -p image-scenarios size -- --nocapture
 //!
-//! prints the tables of docs/board.md. Skipped, with a message, where the target's core library is not installed; in continuous integration
-//! (`CI=true`) that is a failure, unless `SONOGLIDE_PIL_UNAVAILABLE` says that installing it was tried and was not possible.
+//! prints the tables of docs/board.md. The test is skipped, with a message, if the target's core
+//! library is not installed. In continuous integration (`CI=true`) this is a failure, unless
+//! `SONOGLIDE_PIL_UNAVAILABLE` is set, which means that the installation has failed.
 
 use std::collections::BTreeMap;
 use std::env;
@@ -23,19 +24,24 @@ use crate::flashed_image::{connected, powered};
 const TARGET: &str = "thumbv7em-none-eabihf";
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// What the image may take, bytes: of the first bank of 256 KiB what a loader of 16 KiB leaves; the second one has the settings. 200 KiB are aimed at.
-const BANK: u64 = 240 << 10;
-const FLASH_AIM: u64 = 200 << 10;
-const RAM: u64 = 29 << 10;
-const CCMRAM: u64 = 32 << 10;
+/// Flash budget of the image, bytes: the first bank of 256 KiB minus a loader of 16 KiB. The second
+/// bank has the settings.
+const FLASH_BUDGET: u64 = 240 << 10;
+/// Flash target of the image, bytes.
+const FLASH_TARGET: u64 = 200 << 10;
+/// Budget of static RAM, bytes.
+const RAM_BUDGET: u64 = 29 << 10;
+/// Budget of core-coupled RAM, bytes.
+const CCMRAM_BUDGET: u64 = 32 << 10;
 
-/// The profile of `cargo fw`.
+/// Profile of `cargo fw`.
 const PROFILE: &str = "board";
 
-/// Symbols that are listed.
-const LISTED: usize = 10;
+/// Number of listed symbols.
+const LISTED_SYMBOLS: usize = 10;
 
-/// The image with these arguments of `cargo fw`, built; `None` where it cannot be, which has then been said.
+/// Builds the image with these arguments of `cargo fw`. Returns `None` if it cannot be built, after
+/// a message.
 pub fn image(options: &[&str]) -> Option<Vec<u8>> {
     let asked = run("RUSTC", "rustc", &["--print", "target-libdir", "--target", TARGET]);
     let folder = String::from_utf8_lossy(&asked.stdout).trim().to_owned();
@@ -47,9 +53,9 @@ pub fn image(options: &[&str]) -> Option<Vec<u8>> {
         std::io::stderr().write_all(text.as_bytes()).expect("standard error");
         return None;
     }
-    // In a target directory of its own, so that it waits for no other build.
+    // A separate target directory, so that it does not wait for other builds.
     let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| Path::new(WORKSPACE).join("target"), PathBuf::from).join("fw");
-    // One after the other, because they stand in the same place.
+    // One build at a time, because all write to the same file.
     static ONE: Mutex<()> = Mutex::new(());
     let _one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
     let target_dir = target.to_string_lossy();
@@ -67,7 +73,8 @@ fn run(variable: &str, name: &str, arguments: &[&str]) -> Output {
     command.current_dir(WORKSPACE).args(arguments).output().expect("the toolchain")
 }
 
-/// A section that takes memory: name, address, size, and whether it stands in the flash too.
+/// Section that takes memory: name, address, size, and `true` if its contents are stored in the
+/// flash.
 struct Section {
     name: String,
     address: u64,
@@ -75,19 +82,19 @@ struct Section {
     loaded: bool,
 }
 
-/// What an image takes, bytes.
-struct Taken {
+/// Memory use of an image, bytes.
+struct MemoryUse {
     flash: u64,
     ram: u64,
     ccmram: u64,
 }
 
-impl Taken {
+impl MemoryUse {
     fn by(sections: &[Section]) -> Self {
         let sum = |counts: &dyn Fn(&Section) -> bool| {
             sections.iter().filter(|section| counts(section)).map(|section| section.size).sum::<u64>()
         };
-        Taken {
+        MemoryUse {
             flash: sum(&|section| section.loaded),
             ram: sum(&|section| section.address >> 24 == 0x20),
             ccmram: sum(&|section| section.address >> 24 == 0x10),
@@ -126,9 +133,13 @@ fn the_image_keeps_within_its_budgets() {
         };
         println!("| `{name}` | {address:#010x} | {size} | {place} |");
     }
-    let Taken { flash, ram, ccmram } = Taken::by(&sections);
-    println!("\n| memory | bytes | budget | aimed at |\n|---|---|---|---|");
-    let rows = [("flash", flash, BANK, FLASH_AIM), ("static RAM", ram, RAM, RAM), ("core-coupled RAM", ccmram, CCMRAM, CCMRAM)];
+    let MemoryUse { flash, ram, ccmram } = MemoryUse::by(&sections);
+    println!("\n| memory | bytes | budget | target |\n|---|---|---|---|");
+    let rows = [
+        ("flash", flash, FLASH_BUDGET, FLASH_TARGET),
+        ("static RAM", ram, RAM_BUDGET, RAM_BUDGET),
+        ("core-coupled RAM", ccmram, CCMRAM_BUDGET, CCMRAM_BUDGET),
+    ];
     for (memory, taken, budget, aim) in rows {
         println!("| {memory} | {taken} | {budget} | {aim}: {} |", if taken <= aim { "met" } else { "missed" });
     }
@@ -138,11 +149,11 @@ fn the_image_keeps_within_its_budgets() {
         sections.iter().any(|section| section.name == ".ccmram") && ccmram > 0,
         "the hot code is not in the core-coupled RAM"
     );
-    assert!(ram <= RAM && ccmram <= CCMRAM, "{ram} {ccmram}");
-    assert!(flash <= BANK, "{flash}");
+    assert!(ram <= RAM_BUDGET && ccmram <= CCMRAM_BUDGET, "{ram} {ccmram}");
+    assert!(flash <= FLASH_BUDGET, "{flash}");
 }
 
-/// What a smaller image leaves out is not linked, and is worth leaving out.
+/// Parts that a smaller image leaves out are not linked; each saves more than 4 KiB.
 #[test]
 fn parts_that_are_left_out_take_no_flash() {
     let options: [&[&str]; 4] = [
@@ -155,12 +166,12 @@ fn parts_that_are_left_out_take_no_flash() {
     println!("\n| `cargo fw …` | flash |\n|---|---|");
     for options in options {
         let Some(bytes) = image(options) else { return };
-        let taken = Taken::by(&sections(&object::File::parse(&*bytes).expect("an ELF file")));
+        let taken = MemoryUse::by(&sections(&object::File::parse(&*bytes).expect("an ELF file")));
         println!("| `{}` | {} |", options.join(" "), taken.flash);
         sizes.push(taken.flash);
         smallest = bytes;
     }
-    // What it leaves out is refused when it is set, on the model of the part.
+    // Parameters of parts that are left out are refused, on the model of the microcontroller.
     let (_board, mut client) = connected(powered(&smallest, &[]));
     client.connect().expect("an answer");
     for key in [keys::SHAPE, keys::SWEEP_TIME, keys::FRICTION_ENABLED] {
@@ -170,19 +181,19 @@ fn parts_that_are_left_out_take_no_flash() {
     assert!(sizes.is_sorted_by(|larger, smaller| larger > &(smaller + 4096)), "{sizes:?}");
 }
 
-/// Prints what takes most of the RAM.
+/// Prints the largest symbols in RAM.
 fn largest(file: &object::File) {
     println!("\n| in RAM | bytes |\n|---|---|");
-    for (size, name) in symbols(file, &[0x20]).into_iter().take(LISTED) {
+    for (size, name) in symbols(file, &[0x20]).into_iter().take(LISTED_SYMBOLS) {
         println!("| `{name}` | {size} |");
     }
 }
 
-/// Prints what takes most of the flash: modules of the controller, and other packages.
+/// Prints the largest parts of the flash: modules of the controller, and other packages.
 fn by_part(file: &object::File) {
     let mut parts = BTreeMap::<String, u64>::new();
     for (size, name) in symbols(file, &[0x08, 0x10]) {
-        // The method of a trait belongs to the type that has it: `_$LT$firmware..a..B$u20$as$u20$…`.
+        // A method of a trait counts for its type: `_$LT$firmware..a..B$u20$as$u20$…`.
         let name = name.strip_prefix("_$LT$").map_or(name.clone(), |of| of.replace("..", "::"));
         let name = name.strip_prefix("sonoglide_").unwrap_or(&name);
         let depth = if name.starts_with("firmware::") { 2 } else { 1 };
@@ -191,12 +202,12 @@ fn by_part(file: &object::File) {
     let mut parts: Vec<_> = parts.into_iter().map(|(part, size)| (size, part)).collect();
     parts.sort_by(|a, b| b.cmp(a));
     println!("\n| in flash and core-coupled RAM, code and named tables | bytes |\n|---|---|");
-    for (size, part) in parts.into_iter().take(LISTED) {
+    for (size, part) in parts.into_iter().take(LISTED_SYMBOLS) {
         println!("| `{part}` | {size} |");
     }
 }
 
-/// Sizes and names of what stands in these memories, the largest first.
+/// Returns sizes and names of the symbols in these memories, the largest first.
 fn symbols(file: &object::File, memories: &[u64]) -> Vec<(u64, String)> {
     let there = file.symbols().filter(|symbol| memories.contains(&(symbol.address() >> 24)) && symbol.size() > 0);
     let mut symbols: Vec<_> = there.map(|symbol| (symbol.size(), symbol.name().map_or_else(|_| "?".to_owned(), plain))).collect();
@@ -204,7 +215,8 @@ fn symbols(file: &object::File, memories: &[u64]) -> Vec<(u64, String)> {
     symbols
 }
 
-/// A mangled name without its hash: the parts of `_ZN8firmware10controller...17h0123E`, which are preceded by their lengths.
+/// Removes the hash from a mangled name: the parts of `_ZN8firmware10controller...17h0123E`, each
+/// preceded by its length.
 fn plain(mangled: &str) -> String {
     let Some(mut rest) = mangled.strip_prefix("_ZN") else { return mangled.to_owned() };
     let mut parts = Vec::new();

@@ -1,4 +1,4 @@
-//! A board that drives, and a debugger that halts it.
+//! A debugger halts a board that drives.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -14,10 +14,10 @@ use link::port::{InProcess, Simulated};
 
 use super::gdb::{Gdb, board, debugged, elf};
 
-/// Cycles of the time within which a halt drops the amplifier's enable.
-const DROPS_WITHIN: u64 = 201 * 170;
+/// Time within which a halt drops the amplifier's enable, cycles.
+const DROPS_WITHIN_CYCLES: u64 = 201 * 170;
 
-/// A board with a port for a debugger, and a client of it that `stop` ends.
+/// Returns a board with a port for a debugger, and its client, which `stop` ends.
 fn connected(elf: &[u8], stop: &'static AtomicBool) -> (Rc<RefCell<DebuggedBoard>>, Client) {
     let board = Rc::new(RefCell::new(DebuggedBoard::new(debugged(board(elf, false)), stop)));
     let mut client = Client::new(Box::new(Simulated::new("board", board.clone(), false)), stop, |_| ());
@@ -25,7 +25,7 @@ fn connected(elf: &[u8], stop: &'static AtomicBool) -> (Rc<RefCell<DebuggedBoard
     (board, client)
 }
 
-/// Locks and drives.
+/// Orders a run and waits until the board drives.
 fn drive(client: &mut Client) {
     client.order(Command::Patience(0.0)).expect("acknowledged");
     client.order(Command::Run).expect("acknowledged");
@@ -40,7 +40,7 @@ fn levels(board: &DebuggedBoard) -> Vec<bool> {
 }
 
 #[test]
-fn a_halt_drops_the_enable_and_it_stays_down() {
+fn a_halt_drops_the_enable_permanently() {
     static STOP: AtomicBool = AtomicBool::new(false);
     let Some(elf) = elf() else { return };
     let (board, mut client) = connected(&elf, &STOP);
@@ -49,19 +49,19 @@ fn a_halt_drops_the_enable_and_it_stays_down() {
     let halted_at = board.borrow().debugged().board().machine().cycle();
     let mut gdb = Gdb::connect(board.borrow_mut().debugged_mut());
     let fall = *board.borrow().debugged().board().bench().edges.last().expect("an edge");
-    assert!(!fall.high && fall.at < halted_at + DROPS_WITHIN, "{fall:?}, halted at {halted_at}");
+    assert!(!fall.high && fall.at < halted_at + DROPS_WITHIN_CYCLES, "{fall:?}, halted at {halted_at}");
     let stands_at = board.borrow().debugged().board().now();
     assert!(board.borrow_mut().is_held().expect("no error"));
     assert_eq!(board.borrow().debugged().board().now(), stands_at);
     assert_eq!(gdb.ask(board.borrow_mut().debugged_mut(), "D"), "OK");
-    // The first report was of a run without a fault; probably of the block before the halt.
+    // The first report was sent during the fault-free run, probably for the block before the halt.
     let reports = [(); 2].map(|()| client.status().expect("an answer").expect("a report"));
     assert_eq!((reports[1].mode, reports[1].fault), (Mode::Fault, Some(Fault::LateBlock)), "{reports:?}");
     assert_eq!(levels(&board.borrow()), [true, false]);
 }
 
 #[test]
-fn a_frozen_halt_leaves_the_drive_as_it_is() {
+fn a_frozen_halt_does_not_change_the_drive() {
     static STOP: AtomicBool = AtomicBool::new(false);
     let Some(elf) = elf() else { return };
     let (board, mut client) = connected(&elf, &STOP);
@@ -69,7 +69,8 @@ fn a_frozen_halt_leaves_the_drive_as_it_is() {
     assert!(gdb.monitor(board.borrow_mut().debugged_mut(), "freeze on").contains("all time"));
     gdb.send("c");
     drive(&mut client);
-    let handler = board.borrow().debugged().board().machine().symbols().address("DMA1_CHANNEL1").expect("it has one");
+    let handler =
+        board.borrow().debugged().board().machine().symbols().address("DMA1_CHANNEL1").expect("the image has a handler");
     gdb.send_raw(&[3]);
     gdb.receive(board.borrow_mut().debugged_mut()).expect("an answer");
     let mut orders = vec![format!("Z0,{handler:x},2")];
@@ -84,7 +85,7 @@ fn a_frozen_halt_leaves_the_drive_as_it_is() {
 }
 
 #[test]
-fn a_frozen_board_plays_as_if_no_debugger_had_been_there() {
+fn a_frozen_board_plays_the_same_codes_as_without_a_debugger() {
     let Some(elf) = elf() else { return };
     let mut plain = board(&elf, true);
     let mut watched = debugged(board(&elf, true));
@@ -93,11 +94,11 @@ fn a_frozen_board_plays_as_if_no_debugger_had_been_there() {
             board.run_block().expect("no finding");
         }
     }
-    // Both see the first halt: time is not frozen yet.
+    // Both boards stop for the first halt, because time is not frozen yet.
     let mut gdb = Gdb::connect(&mut watched);
     plain.hold(true).and_then(|()| plain.settle()).and_then(|()| plain.hold(false)).expect("no finding");
     gdb.monitor(&mut watched, "freeze on");
-    let handler = plain.machine().symbols().address("DMA1_CHANNEL1").expect("it has one");
+    let handler = plain.machine().symbols().address("DMA1_CHANNEL1").expect("the image has a handler");
     assert_eq!(gdb.ask(&mut watched, &format!("Z0,{handler:x},2")), "OK");
     for _ in 0..5 {
         assert!(gdb.ask(&mut watched, "c").starts_with('T'));
@@ -111,7 +112,7 @@ fn a_frozen_board_plays_as_if_no_debugger_had_been_there() {
 }
 
 #[test]
-fn a_client_that_is_to_end_lets_a_held_board_go() {
+fn a_client_that_ends_releases_a_halted_board() {
     static STOP: AtomicBool = AtomicBool::new(false);
     let Some(elf) = elf() else { return };
     let (board, mut client) = connected(&elf, &STOP);
@@ -119,7 +120,7 @@ fn a_client_that_is_to_end_lets_a_held_board_go() {
     assert!(board.borrow_mut().is_held().expect("no error"));
     STOP.store(true, Ordering::Relaxed);
     assert!(!board.borrow_mut().is_held().expect("no error"));
-    assert_eq!(gdb.receive(board.borrow_mut().debugged_mut()), None, "the session is over");
+    assert_eq!(gdb.receive(board.borrow_mut().debugged_mut()), None, "the session has ended");
     STOP.store(false, Ordering::Relaxed);
     client.status().expect("an answer");
 }

@@ -1,4 +1,4 @@
-//! The debugger's end of GDB's remote serial protocol, and the board that it is pumped with.
+//! Debugger's end of GDB's remote serial protocol. It runs the board while it waits.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -8,59 +8,60 @@ use board::configure::load;
 use board::debugger::Debugged;
 use board::{Board, Options};
 
-/// How long an answer may take.
-const ANSWER: Duration = Duration::from_secs(20);
-/// Registers by number: program counter, xPSR.
+/// Longest time for an answer.
+const ANSWERS_WITHIN: Duration = Duration::from_secs(20);
+/// Number of the program counter.
 pub const PC: usize = 15;
+/// Number of xPSR.
 pub const XPSR: usize = 16;
 
-/// The image; none where it cannot be built, which has then been said.
+/// Returns the image, or `None` after a message if it cannot be built.
 pub fn elf() -> Option<Vec<u8>> {
     if let Some(reason) = pil::missing_to_build() {
-        // Straight to the stream: what a passing test prints by macro is never shown.
-        let text = format!("\nSKIPPED, a debugger at the flashed image on a model of its part: {reason}\n");
+        // Directly to the stream: output of a passing test by a macro is not shown.
+        let text = format!("\nSKIPPED, debugger at the flashed image on a model of its microcontroller: {reason}\n");
         std::io::stderr().write_all(text.as_bytes()).expect("standard error");
         return None;
     }
-    Some(std::fs::read(pil::board_image().expect("the image builds")).expect("it can be read"))
+    Some(std::fs::read(pil::board_image().expect("the image builds")).expect("the image is readable"))
 }
 
-/// A board with the dummy load that was just powered.
+/// Returns a board with the dummy load, just after power-on.
 pub fn board(elf: &[u8], record: bool) -> Board {
     let loaded = load("dummy-load", &[]).expect("a built-in scene");
     let scene = loaded.scene.driven().expect("a driven scene");
-    Board::start(elf, &scene, Options { record, ..Options::default() }).expect("it starts")
+    Board::start(elf, &scene, Options { record, ..Options::default() }).expect("the board starts")
 }
 
-/// The board with a port for a debugger.
+/// Gives the board a port for a debugger.
 pub fn debugged(board: Board) -> Debugged {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
     Debugged::new(board, listener, |_| ()).expect("a port")
 }
 
-/// A debugger that is connected. Between its bytes the board looks after it, and runs unless it is held.
+/// Connected debugger. While it waits, it polls the board, which runs unless it is halted.
 pub struct Gdb {
     stream: TcpStream,
     received: Vec<u8>,
 }
 
 impl Gdb {
-    /// Connects, and waits until the board is held.
+    /// Connects and waits until the board is halted.
     pub fn connect(board: &mut Debugged) -> Gdb {
         let stream = TcpStream::connect(board.address().expect("an address")).expect("a listener");
         stream.set_nonblocking(true).expect("a socket");
         let gdb = Gdb { stream, received: Vec::new() };
-        let until = Instant::now() + ANSWER;
+        let until = Instant::now() + ANSWERS_WITHIN;
         while !board.is_held() {
             board.attend().expect("no error");
-            assert!(Instant::now() < until, "nobody accepts");
+            assert!(Instant::now() < until, "the board does not accept the connection");
         }
         gdb
     }
 
-    /// Sends these bytes as they are.
+    /// Sends raw bytes.
     pub fn send_raw(&mut self, bytes: &[u8]) {
-        self.stream.write_all(bytes).expect("the other end is there");
+        self.stream.write_all(bytes).expect("the other end is open");
     }
 
     /// Sends a packet.
@@ -68,9 +69,10 @@ impl Gdb {
         self.send_raw(&framed(packet, 0));
     }
 
-    /// The next packet from the board; none once it has closed the connection.
+    /// Receives the next packet from the board. Returns `None` after the board has closed the
+    /// connection.
     pub fn receive(&mut self, board: &mut Debugged) -> Option<String> {
-        let until = Instant::now() + ANSWER;
+        let until = Instant::now() + ANSWERS_WITHIN;
         loop {
             if let Some(packet) = self.packet() {
                 self.send_raw(b"+");
@@ -96,7 +98,7 @@ impl Gdb {
         self.receive(board).expect("an answer")
     }
 
-    /// A `monitor` command: what it prints.
+    /// Sends a `monitor` command and returns its output.
     pub fn monitor(&mut self, board: &mut Debugged, command: &str) -> String {
         let mut text = self.ask(board, &format!("qRcmd,{}", hex(command.as_bytes())));
         let mut printed = String::new();
@@ -108,7 +110,7 @@ impl Gdb {
         printed
     }
 
-    /// All registers: R0 to R15, xPSR, two words for each of D0 to D15, FPSCR.
+    /// Returns all registers: R0 to R15, xPSR, two words for each of D0 to D15, FPSCR.
     pub fn registers(&mut self, board: &mut Debugged) -> Vec<u32> {
         let answer = bytes(&self.ask(board, "g"));
         answer.chunks_exact(4).map(|word| u32::from_le_bytes(word.try_into().expect("four bytes"))).collect()
@@ -120,7 +122,7 @@ impl Gdb {
         assert_eq!(self.ask(board, &format!("G{}", hex(&all))), "OK");
     }
 
-    /// A packet that has come as a whole, with its sum checked.
+    /// Returns the next complete packet and checks its checksum.
     fn packet(&mut self) -> Option<String> {
         let start = self.received.iter().position(|byte| *byte == b'$')?;
         let end = start + self.received[start..].iter().position(|byte| *byte == b'#')?;
@@ -128,19 +130,19 @@ impl Gdb {
             return None;
         }
         let packet = String::from_utf8(self.received[start + 1..end].to_vec()).expect("text");
-        assert_eq!(self.received[start..end + 3], framed(&packet, 0), "its sum");
+        assert_eq!(self.received[start..end + 3], framed(&packet, 0), "the checksum of the packet");
         self.received.drain(..end + 3);
         Some(unpacked(&packet))
     }
 }
 
-/// A packet on the wire. `damage` changes its sum.
+/// Encodes a packet for the wire. `damage` changes its checksum.
 pub fn framed(packet: &str, damage: u8) -> Vec<u8> {
     let sum = packet.bytes().fold(damage, u8::wrapping_add);
     format!("${packet}#{sum:02x}").into_bytes()
 }
 
-/// Without run lengths: `x*c` is x and then as many more as c is beyond 29.
+/// Expands run lengths: `x*c` is `x`, followed by (code of `c` - 29) more `x`.
 fn unpacked(packet: &str) -> String {
     let mut text = String::new();
     let mut characters = packet.chars();

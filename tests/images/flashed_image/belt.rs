@@ -1,4 +1,5 @@
-//! The belt: its encoder's scale is a stored setting, by which the image reads the encoder, and without which it does not drive at a D-ring.
+//! The belt: the image reads the encoder with a stored scale, and does not drive at a D-ring
+//! without it.
 
 use std::time::Duration;
 
@@ -16,19 +17,19 @@ use nucleo_g474re::pages;
 
 use super::{connected, elf, powered, reaches};
 
-/// A count of 10 um.
+/// Scale of the encoder, 10 um per count.
 const SCALE: (u8, f32) = (METRE_PER_COUNT, 1e-5);
 
-/// A board with these settings in its flash.
+/// Returns a board with these settings in its flash.
 fn storing(elf: &[u8], parameters: &[(u8, f32)]) -> Board {
     let mut board = powered(elf, &[]);
     let bytes = (pages::START + pages::SIZE - pages::FLASH) as usize;
     let flash = board.machine_mut().memory.get_mut(pages::FLASH, bytes).expect("the flash");
-    configure::store(Overrides::from_iter(parameters.iter().copied()), flash).expect("they fit");
+    configure::store(Overrides::from_iter(parameters.iter().copied()), flash).expect("the settings fit");
     board
 }
 
-/// Why an order is refused.
+/// Returns the reason why an order is refused.
 fn refusal(client: &mut Client, order: Command) -> Option<Refusal> {
     match client.order(order) {
         Err(LinkError::Refused { refusal, .. }) => Some(refusal),
@@ -37,7 +38,7 @@ fn refusal(client: &mut Client, order: Command) -> Option<Refusal> {
 }
 
 #[test]
-fn without_the_belts_scale_the_image_refuses_to_drive_at_a_d_ring() {
+fn the_image_refuses_a_d_ring_without_the_belt_scale() {
     let Some(elf) = elf() else { return };
     let (board, mut client) = connected(storing(elf, &[(RESTRAINT_ENABLED, 1.0)]));
     client.connect().expect("an answer");
@@ -50,11 +51,12 @@ fn without_the_belts_scale_the_image_refuses_to_drive_at_a_d_ring() {
 }
 
 #[test]
-fn a_scale_that_is_stored_arms_the_interlock_after_a_reset() {
+fn a_stored_scale_arms_the_interlock_after_a_reset() {
     let Some(elf) = elf() else { return };
     let (board, mut client) = connected(powered(elf, &[]));
     client.connect().expect("an answer");
-    // What needs the scale is refused before it, and taken after it.
+    // A setting that requires the scale is refused before the scale is set, and accepted
+    // afterwards.
     let restraint = Command::Settings(Verb::Set(RESTRAINT_ENABLED, 1.0));
     assert_eq!(refusal(&mut client, restraint), Some(Refusal::NotConfigured));
     for order in [Verb::Set(SCALE.0, SCALE.1), Verb::Set(RESTRAINT_ENABLED, 1.0), Verb::Store] {
@@ -65,10 +67,10 @@ fn a_scale_that_is_stored_arms_the_interlock_after_a_reset() {
     client.order(Command::Reset).expect("acknowledged");
     board.borrow_mut().run_for(Duration::from_millis(50)).expect("no finding");
     client.connect().expect("an answer");
-    // No encoder hangs on the dummy load: its lines contradict each other nowhere.
+    // The dummy load has no encoder, so the wires of a channel never have opposite levels.
     client.order(Command::Patience(0.0)).expect("acknowledged");
     client.order(Command::Run).expect("acknowledged");
-    assert!(reaches(&mut client, &board, Mode::Fault, Duration::from_millis(100)), "it must not drive");
+    assert!(reaches(&mut client, &board, Mode::Fault, Duration::from_millis(100)), "the board must not drive");
     let report = client.status().expect("an answer").expect("a report");
     assert_eq!(report.fault, Some(Fault::BeltSensorLost));
 }

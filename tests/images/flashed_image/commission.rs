@@ -1,4 +1,5 @@
-//! A commissioning of the image that is flashed: from a band to tested settings, with the settings of before at its end.
+//! Commissioning of the flashed image: from a band to tested settings. The settings are unchanged
+//! at the end.
 
 use firmware::seam::mode::Mode;
 use link::script::Script;
@@ -10,7 +11,7 @@ use super::{connected, dummy_load, elf, powered};
 const SCRIPT: &str = "settings get\ncommission --band 30k:45k --max-volts 3\nsettings get\n";
 
 #[test]
-fn the_flashed_image_is_commissioned_and_left_as_before() {
+fn commissioning_the_flashed_image_restores_its_settings() {
     let Some(elf) = elf() else { return };
     let (board, client) = connected(powered(elf, &[]));
     let mut session = Session::begin(client, SessionOptions::default()).expect("an answer");
@@ -23,11 +24,11 @@ fn the_flashed_image_is_commissioned_and_left_as_before() {
     let of = |name: &str| found[1][name].as_f64().expect("a number");
     let true_hz = circuit_of(&dummy_load().scene.driven().expect("a driven scene")).series_resonance_hz();
     for name in ["series_resonance_hz", "locked_hz", "after_step_hz", "after_burst_hz"] {
-        assert!((of(name) - true_hz).abs() < 3.0, "{name}: {} Hz, and the plant has {true_hz} Hz", of(name));
+        assert!((of(name) - true_hz).abs() < 3.0, "{name}: {} Hz instead of {true_hz} Hz", of(name));
     }
-    // But for how often they were stored.
+    // The number of stores is not compared.
     [0, 2].iter().for_each(|&n| assert!(found[n].remove("stores").is_some()));
-    assert_eq!(found[0], found[2], "the settings are as before");
+    assert_eq!(found[0], found[2], "the settings must not change");
     assert_eq!(session.status().expect("a report").mode, Mode::Idle);
     println!("{:.3} s of the board's time", board.borrow().now().as_secs_f64());
 }

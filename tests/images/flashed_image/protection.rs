@@ -1,4 +1,5 @@
-//! What switches the amplifier off: the over-current trips, the emergency stop, a short; and the test of the trips at start.
+//! Events that switch the amplifier off: over-current trips, emergency stop, a short circuit; and
+//! the test of the trips at start.
 
 use std::time::Duration;
 
@@ -13,14 +14,15 @@ use stm32g474::Pin;
 
 use super::{connected, driving, driving_with, elf, powered, reaches};
 
-/// The current at the positive and at the negative trip.
+/// Pin of the current at the positive trip.
 const POSITIVE: Pin = Pin::new('A', 1);
+/// Pin of the current at the negative trip.
 const NEGATIVE: Pin = Pin::new('A', 7);
-/// Cycles of a microsecond, in which hardware acts.
-const MICROSECOND: u64 = 170;
-/// A block, s.
+/// Processor cycles per microsecond, within which the hardware acts.
+const CYCLES_PER_US: u64 = 170;
+/// Duration of a block, s.
 const BLOCK_S: f64 = BLOCK as f64 * 1e-6;
-/// Two blocks: the one that the trip falls into, and the interrupt's.
+/// Duration of two blocks: the one in which the trip occurs, and that of the interrupt.
 const TWO_BLOCKS: Duration = Duration::from_micros(2 * BLOCK as u64);
 
 #[test]
@@ -30,7 +32,7 @@ fn the_emergency_stop_drops_the_enable_at_once() {
     assert_eq!(
         board.borrow().bench().edges.iter().map(|edge| edge.high).collect::<Vec<_>>(),
         [true],
-        "one rise, and no stray pulse"
+        "one rise without further pulses"
     );
     let pressed = board.borrow().machine().cycle();
     board.borrow_mut().bench_mut().press_stop(pressed);
@@ -43,30 +45,31 @@ fn the_emergency_stop_drops_the_enable_at_once() {
 }
 
 #[test]
-fn a_current_beyond_either_trip_drops_the_enable_in_hardware() {
+fn an_over_current_drops_the_enable_in_hardware() {
     let Some(elf) = elf() else { return };
-    // 3.5 A are 3.05 V and 0.25 V; each comparator by itself.
+    // 3.5 A are 3.05 V and 0.25 V; each comparator is tested alone.
     for (pin, volts) in [(POSITIVE, 3.1), (NEGATIVE, 0.2)] {
         let (board, mut client) = driving(elf);
         let tripped = board.borrow().machine().cycle() + 1000;
         board.borrow_mut().bench_mut().tie(tripped, pin, volts);
         board.borrow_mut().run_for(TWO_BLOCKS).expect("no finding");
         let last: Edge = *board.borrow().bench().edges.last().expect("an edge");
-        assert!(!last.high && last.at - tripped < MICROSECOND, "{last:?}, tripped at {tripped}");
-        assert_eq!(board.borrow().bench().code(), SILENCE, "mid-code from the next block on");
+        assert!(!last.high && last.at - tripped < CYCLES_PER_US, "{last:?}, tripped at {tripped}");
+        assert_eq!(board.borrow().bench().code(), SILENCE, "mid-code from the next block");
         let report = client.status().expect("an answer").expect("a report");
         assert_eq!((report.mode, report.fault), (Mode::Fault, Some(Fault::OverCurrent)), "{pin} at {volts} V");
-        assert_eq!(board.borrow().bench().edges.last(), Some(&last), "it stays off");
+        assert_eq!(board.borrow().bench().edges.last(), Some(&last), "the enable must stay low");
     }
 }
 
 #[test]
 fn the_trips_follow_the_stored_limit() {
     let Some(elf) = elf() else { return };
-    // About 1.65 V, 0.4 V an ampere. The trip of a limit of 1 A acts at 1.5 A, the negative one by its hysteresis later; that of the 3 A as built, at 3.5 A.
+    // The scale is 0.4 V per ampere about 1.65 V. With a limit of 1 A, the trips act at 1.5 A, the
+    // negative one later by its hysteresis. With the built-in limit of 3 A, they act at 3.5 A.
     let volts = |ampere: f64| 1.65 + 0.4 * ampere;
     let limited = ["controller.limits.current_a=1"];
-    // What else drops the enable is the controller, which sees it with the end of the block.
+    // The controller also drops the enable, but only at the end of the block.
     for (changes, ampere, trips) in
         [(&limited[..], 1.53, true), (&limited, -1.6, true), (&limited, 1.4, false), (&[], 1.53, false)]
     {
@@ -78,7 +81,7 @@ fn the_trips_follow_the_stored_limit() {
         let fell = !board.borrow().bench().is_enabled();
         assert_eq!(fell, trips, "{ampere} A with {changes:?}");
         let last: Edge = *board.borrow().bench().edges.last().expect("an edge");
-        assert!(!trips || last.at - tripped < MICROSECOND, "{last:?}, tripped at {tripped}");
+        assert!(!trips || last.at - tripped < CYCLES_PER_US, "{last:?}, tripped at {tripped}");
         if trips {
             board.borrow_mut().run_for(TWO_BLOCKS).expect("no finding");
             let report = client.status().expect("an answer").expect("a report");
@@ -88,16 +91,16 @@ fn the_trips_follow_the_stored_limit() {
 }
 
 #[test]
-fn a_short_at_the_stack_is_muted_before_the_second_block_ends() {
+fn a_short_circuit_is_muted_within_two_blocks() {
     let Some(elf) = elf() else { return };
-    // After a scan of some 45 ms the board drives.
+    // The board drives after a scan of about 45 ms.
     let short = ["fault.0.kind=short", "fault.0.at_s=0.12", "duration_s=0.3"];
     let (board, mut client) = connected(powered(elf, &short));
     client.connect().expect("an answer");
     client.order(Command::Patience(0.0)).expect("acknowledged");
     client.order(Command::Run).expect("acknowledged");
-    assert!(reaches(&mut client, &board, Mode::Run, Duration::from_millis(115)), "it locks");
-    assert!(reaches(&mut client, &board, Mode::Fault, Duration::from_millis(150)), "it drives on");
+    assert!(reaches(&mut client, &board, Mode::Run, Duration::from_millis(115)), "the board must lock");
+    assert!(reaches(&mut client, &board, Mode::Fault, Duration::from_millis(150)), "the board must report a fault");
     let report = client.status().expect("an answer").expect("a report");
     assert_eq!(report.fault, Some(Fault::OverCurrent));
     let board = board.borrow();
@@ -113,7 +116,7 @@ fn a_short_at_the_stack_is_muted_before_the_second_block_ends() {
 fn a_missing_wire_to_the_negative_trip_is_found_at_start() {
     let Some(elf) = elf() else { return };
     let mut board = powered(elf, &[]);
-    // The image pulls the pin down for a moment, and nothing holds against it.
+    // The image pulls the pin down for a moment, and nothing else drives it.
     board.bench_mut().tie(0, NEGATIVE, 0.0);
     let (board, mut client) = connected(board);
     client.connect().expect("an answer");
@@ -121,9 +124,9 @@ fn a_missing_wire_to_the_negative_trip_is_found_at_start() {
     let failed = Start::TripFailed(TripFailure::Wire);
     assert!(matches!(answer, Reply::Faults(log) if log.last_run == failed), "{answer:?}");
     client.order(Command::Run).expect("acknowledged");
-    assert!(reaches(&mut client, &board, Mode::Fault, Duration::from_millis(50)), "it drives");
+    assert!(reaches(&mut client, &board, Mode::Fault, Duration::from_millis(50)), "the board must report a fault");
     let report = client.status().expect("an answer").expect("a report");
-    // A trip during the self-test, whose tone is far below it.
+    // The trip acts during the self-test, whose tone is far below the threshold.
     assert_eq!(report.fault, Some(Fault::LoadShorted));
     assert_eq!(board.borrow().bench().edges, [], "the enable never rises");
 }

@@ -1,4 +1,5 @@
-//! A fault that only the controller sees: both halves of the ring are silent as soon as it has decided, before the block that plays is over.
+//! A fault that only the controller detects: both halves of the ring are silent as soon as it has
+//! decided, before the end of the playing block.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -22,75 +23,80 @@ use stm32g474::Pin;
 
 use super::{connected, elf, reaches};
 
-/// The voltage channel.
+/// Pin of the voltage channel.
 const VOLTAGE: Pin = Pin::new('A', 0);
-/// How long each run takes from the order on, and the board for it.
-const DURATION: &str = "duration_s=0.25";
-const LASTS: Duration = Duration::from_millis(270);
+/// Duration of each run from its order.
+const DURATION_SET: &str = "duration_s=0.25";
+/// Duration for which the board runs.
+const RUNS_FOR: Duration = Duration::from_millis(270);
 
-/// The dummy load with these changes.
+/// Loads the scene of the dummy load with these changes.
 fn changed(changes: &[&str]) -> Loaded {
-    let changes: Vec<String> = changes.iter().chain(&[DURATION]).map(|change| (*change).to_owned()).collect();
+    let changes: Vec<String> = changes.iter().chain(&[DURATION_SET]).map(|change| (*change).to_owned()).collect();
     load("dummy-load", &changes).expect("a built-in scene")
 }
 
-/// A board of this scene that records its calls and was ordered to run, with this host timeout, s.
+/// Returns a board of this scene that records its calls and was ordered to run, with this host
+/// timeout, s.
 fn ordered(elf: &[u8], loaded: &Loaded, timeout_s: f32) -> (Rc<RefCell<Board>>, Client) {
     let scene = loaded.scene.driven().expect("a driven scene");
     let options = Options { record: true, ..Options::default() };
-    let (board, mut client) = connected(Board::start(elf, &scene, options).expect("it starts"));
+    let (board, mut client) = connected(Board::start(elf, &scene, options).expect("the board starts"));
     client.connect().expect("an answer");
     client.order(Command::Patience(timeout_s)).expect("acknowledged");
     client.order(Command::Run).expect("acknowledged");
     (board, client)
 }
 
-/// How a queue was dropped.
+/// Dropped queue.
 #[derive(Debug)]
 struct Dropped {
     fault: Option<Fault>,
-    /// From the end of the block that brought the fault to the first sample of silence.
+    /// Samples from the end of the block that showed the fault to the first sample of silence.
     silent_from: usize,
-    /// From there to the fall of the amplifier's enable, which the background task orders, us.
+    /// Time from the end of that block to the fall of the amplifier's enable, which the background
+    /// task orders, us.
     enabled_us: f64,
 }
 
-/// Compares what left the DAC with what the controller returned, and finds the drop; and the calls with when each was silent.
+/// Compares the codes at the DAC with the answers of the controller, and finds the dropped queue.
+/// Also returns the calls, with the sample from which each was silent.
 fn dropped(board: &Board) -> (Dropped, Vec<Call>) {
     let (mut calls, bench) = (board.calls.clone(), board.bench());
     let codes = bench.codes.as_deref().expect("recorded");
-    assert_eq!(compare(&mut calls, codes), None, "what left the DAC is what was returned, but for what was dropped");
-    let mut controller = Controller::build(board.config()).expect("it is the board's");
+    assert_eq!(compare(&mut calls, codes), None, "except for the dropped queue, the DAC must play the returned codes");
+    let mut controller = Controller::build(board.config()).expect("a valid configuration");
     let (mut drive, mut fault) = (controller.silence(), None);
     let call = calls.iter().position(|call| {
         fault = controller.process(&call.orders, &call.sense, &mut drive).fault;
         assert_eq!(drive, call.drive);
         drive.drops_queue
     });
-    let call = call.expect("a queue that was dropped");
+    let call = call.expect("a dropped queue");
     let silent_from = calls[call].silent_from.expect("the block after it has played");
     let decided = (call + 1) * BLOCK;
     let (before, after) = codes.split_at(decided + silent_from);
-    assert!(after.iter().all(|lanes| lanes[0] == SILENCE), "silent from there on");
-    assert!(before[decided..].iter().any(|lanes| lanes[0] != SILENCE), "it was driving");
+    assert!(after.iter().all(|lanes| lanes[0] == SILENCE), "all later samples are silent");
+    assert!(before[decided..].iter().any(|lanes| lanes[0] != SILENCE), "the board drives before");
     let fall = bench.edges.last().filter(|edge| !edge.high).expect("the enable falls");
     let ago = u64::from(CYCLES_PER_SAMPLE) * (bench.samples() - decided) as u64;
     let enabled_us = (fall.at as f64 - (board.machine().cycle() - ago) as f64) / f64::from(CYCLES_PER_SAMPLE);
     (Dropped { fault, silent_from, enabled_us }, calls)
 }
 
-/// Runs a scene with these changes until it has faulted, and a while longer; `strike` once the board drives.
+/// Runs a scene until after its fault; `strike` is called when the board drives.
 fn run(elf: &[u8], loaded: &Loaded, timeout_s: f32, strike: Option<fn(&mut Board)>) -> Rc<RefCell<Board>> {
     let (board, mut client) = ordered(elf, loaded, timeout_s);
     if let Some(strike) = strike {
-        assert!(reaches(&mut client, &board, Mode::Run, Duration::from_millis(200)), "it locks");
+        assert!(reaches(&mut client, &board, Mode::Run, Duration::from_millis(200)), "the board must lock");
         strike(&mut board.borrow_mut());
     }
-    board.borrow_mut().run_for(LASTS).expect("no finding");
+    board.borrow_mut().run_for(RUNS_FOR).expect("no finding");
     board
 }
 
-/// The hash of the codes that left the DAC in so many blocks from one on, as a run has it.
+/// Returns the hash of the codes at the DAC for this number of blocks from the first, in the format
+/// of a run.
 fn hash_of(board: &Board, first: usize, blocks: usize) -> u64 {
     let codes = board.bench().codes.as_deref().expect("recorded");
     let mut hash = DriveHash::default();
@@ -110,7 +116,7 @@ fn a_software_fault_silences_both_halves_at_once() {
         board.bench_mut().tie(at, VOLTAGE, 3.3);
     };
     let on_time = changed(&["controller.limits.on_time_s=0.1"]);
-    // What the tracker finds once it has locked, after all its work of a block.
+    // The tracker finds this after it has locked, at the end of its work in a block.
     let other = changed(&["controller.tracking.nominal_lm_h=3e-3"]);
     for (board, fault) in [
         (run(elf, &changed(&[]), 0.02, Some(|_| ())), Fault::HostLost),
@@ -121,13 +127,13 @@ fn a_software_fault_silences_both_halves_at_once() {
         let (dropped, _) = dropped(&board.borrow());
         println!("{dropped:?} of {BLOCK}");
         assert_eq!(dropped.fault, Some(fault));
-        assert!(dropped.silent_from <= dropped_from(BLOCK), "no later than a simulated board: {dropped:?}");
-        assert!(dropped.enabled_us > dropped.silent_from as f64, "the background task comes after it: {dropped:?}");
+        assert!(dropped.silent_from <= dropped_from(BLOCK), "not later than a simulated board: {dropped:?}");
+        assert!(dropped.enabled_us > dropped.silent_from as f64, "the background task acts later: {dropped:?}");
     }
 }
 
 #[test]
-fn a_replay_is_silent_from_the_same_sample_on() {
+fn a_replay_is_silent_from_the_same_sample() {
     let Some(elf) = elf() else { return };
     let loaded = changed(&["controller.limits.on_time_s=0.1"]);
     let scene = loaded.scene.driven().expect("a driven scene");
@@ -135,10 +141,10 @@ fn a_replay_is_silent_from_the_same_sample_on() {
     let mut board = board.borrow_mut();
     let ((Dropped { silent_from, .. }, calls), load) = (dropped(&board), board.take_load());
     let first = board.bench().first_block().expect("an order");
-    // The amplifier was on for as long as there were codes.
+    // The amplifier was enabled while codes were played.
     assert_eq!(board.bench().first_lost, None);
     let mut replay = Replay::new(board.config(), calls, first, load, None).expect("the host returns what the image returned");
-    let record = run_on(&mut replay, &scene, Watch::default()).expect("the plant gives what the board has sampled");
+    let record = run_on(&mut replay, &scene, Watch::default()).expect("the plant returns the codes that the board sampled");
     assert_eq!(record.last.fault, Some(Fault::OnTimeExceeded));
     let dropped_s: f64 = record.rows.iter().map(|row| row.dropped_s).sum();
     assert!((dropped_s - (BLOCK - silent_from) as f64 * 1e-6).abs() < 1e-9, "{dropped_s} s");

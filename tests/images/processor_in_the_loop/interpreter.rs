@@ -1,4 +1,5 @@
-//! The same image on QEMU and on the interpreter: the same codes and telemetry, bit for bit, and as many instructions.
+//! The same image on QEMU and on the interpreter: identical codes and telemetry, bit for bit, and
+//! the same number of instructions.
 //!
 //! `cargo run --release -p sonoglide-board --example compare -- lock burst` compares any scenes.
 
@@ -12,10 +13,10 @@ use sim::run::{Watch, run_on};
 
 use super::{bits, image, scene};
 
-/// A tick of the timer by which the image counts, in instructions: 125/21, rounded up.
-const TICK: u32 = 6;
+/// Tick of the timer with which the image counts, instructions: 125/21, rounded up.
+const TICK_INSTRUCTIONS: u32 = 6;
 
-/// Both, asked one after the other.
+/// QEMU and the interpreter, called one after the other.
 struct Both {
     qemu: Qemu,
     interpreter: Interpreter,
@@ -34,7 +35,7 @@ impl Processor for Both {
         let here = self.interpreter.process(orders, sense, &mut also)?;
         assert_eq!((&*drive, bits(&there)), (&also, bits(&here)), "block {}", self.blocks);
         let counted = [self.qemu.instructions(), self.interpreter.instructions()].map(|count| count.expect("the image counts"));
-        assert!(counted[0].abs_diff(counted[1]) <= TICK, "block {}: {counted:?} instructions", self.blocks);
+        assert!(counted[0].abs_diff(counted[1]) <= TICK_INSTRUCTIONS, "block {}: {counted:?} instructions", self.blocks);
         self.blocks += 1;
         Ok(there)
     }

@@ -1,4 +1,4 @@
-//! A whole board under QEMU, talked to over its UART.
+//! Commands to a complete board under QEMU, over its UART.
 
 use std::io::{Read as _, Write as _};
 use std::time::{Duration, Instant};
@@ -17,10 +17,10 @@ use pil::link_image;
 
 use super::{is_there, scene};
 
-/// An answer comes within so many blocks.
-const PATIENCE: u32 = 20;
+/// Largest number of blocks until an answer.
+const ANSWERS_WITHIN: u32 = 20;
 
-/// A host that asks.
+/// Host of an emulated board.
 struct Host {
     board: EmulatedBoard,
     receiver: Receiver,
@@ -29,8 +29,8 @@ struct Host {
 }
 
 impl Host {
-    /// The board of a scene; nothing where there can be none, which has then been said.
-    fn of(name: &str) -> Option<Self> {
+    /// Starts the board of a scene. Returns `None` after a message if this is not possible.
+    fn start(name: &str) -> Option<Self> {
         if !is_there("link in the loop") {
             return None;
         }
@@ -42,9 +42,9 @@ impl Host {
         Some(host)
     }
 
-    /// Plays a block, and takes the frames that have come.
+    /// Plays a block, and returns the received frames.
     fn block(&mut self) -> Vec<Frame<Reply>> {
-        self.board.block().expect("QEMU lives");
+        self.board.block().expect("QEMU runs");
         let mut bytes = [0; 4096];
         let count = self.board.read(&mut bytes).expect("a serial port");
         bytes[..count].iter().filter_map(|&byte| self.receiver.take(byte)).map(|frame| frame.expect("a whole frame")).collect()
@@ -56,12 +56,12 @@ impl Host {
         self.session = identity.session;
     }
 
-    /// Sends a command; what answers it.
+    /// Sends a command and returns its answer.
     fn ask(&mut self, command: Command) -> Reply {
         self.sequence += 1;
-        let frame = link::encode(self.sequence, self.session, command).expect("it fits");
+        let frame = link::encode(self.sequence, self.session, command).expect("the frame fits");
         self.board.write_all(&frame).expect("a serial port");
-        for _ in 0..PATIENCE {
+        for _ in 0..ANSWERS_WITHIN {
             let answer = self.block().into_iter().find(|frame| frame.sequence == self.sequence);
             if let Some(frame) = answer {
                 return frame.body;
@@ -77,7 +77,7 @@ impl Host {
         }
     }
 
-    /// Plays until it is so; at most so long.
+    /// Plays until the state fulfils a condition. Panics if this takes longer than `within`.
     fn until(&mut self, is_so: impl Fn((Mode, bool, Option<Fault>)) -> bool, within: Duration) {
         let until = self.board.now() + within;
         loop {
@@ -94,7 +94,7 @@ impl Host {
 #[test]
 fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     let began = Instant::now();
-    let Some(mut host) = Host::of("lock") else { return };
+    let Some(mut host) = Host::start("lock") else { return };
     assert_eq!(host.mode(), (Mode::Idle, false, None));
     assert!(!host.board.pins().enable);
 
@@ -103,14 +103,14 @@ fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     host.until(|(mode, ..)| mode == Mode::Scan || mode == Mode::Clamped, Duration::from_millis(20));
     host.until(|(mode, ..)| mode == Mode::Idle, Duration::from_millis(300));
     let Reply::Resonances(found) = host.ask(Command::Resonances) else { panic!("no resonances") };
-    let chosen = found.found[usize::from(found.chosen.expect("a resonance"))].expect("it is in the list");
+    let chosen = found.found[usize::from(found.chosen.expect("a resonance"))].expect("the chosen resonance is in the list");
     assert!((chosen.hz - 40_520.0).abs() < 3.0 && (chosen.q - 64.6).abs() < 1.0, "{chosen:?}");
 
     assert_eq!(host.ask(Command::Gate(Gate::Off)), Reply::Ack);
     assert_eq!(host.ask(Command::Run), Reply::Ack);
     host.until(|(mode, locked, _)| mode == Mode::Run && locked, Duration::from_millis(300));
 
-    // A burst, recorded from its first sample on.
+    // A burst, recorded from its first sample.
     let arm = Arm { trigger: Trigger::On, before: 256, lane: 0 };
     assert_eq!(host.ask(Command::Capture(CaptureVerb::Arm(arm))), Reply::Ack);
     (0..20).for_each(|_| drop(host.block()));
@@ -133,7 +133,7 @@ fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     assert_eq!(swing(&drive[..before], front_end.drive_mid_code), 0, "silent before the burst");
     assert!(swing(&drive[before..], front_end.drive_mid_code) > 50 && swing(&volts[before..], front_end.sense_mid_code) > 50);
 
-    // Settings only in silence, and they survive a reset.
+    // Settings can be changed only in silence, and they survive a reset.
     assert_eq!(host.ask(Command::Settings(Verb::Store)), Reply::Nak(Refusal::Driving));
     assert_eq!(host.ask(Command::Reset), Reply::Nak(Refusal::Driving));
     assert_eq!(host.ask(Command::Idle), Reply::Ack);
@@ -144,7 +144,7 @@ fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     assert_eq!(host.ask(Command::Settings(Verb::Store)), Reply::Ack);
     assert_eq!(host.ask(Command::Reset), Reply::Ack);
     assert_eq!(host.board.resets(), 1);
-    // The session has ended with the reset.
+    // The reset has ended the session.
     assert_eq!(host.ask(Command::Run), Reply::Nak(Refusal::Session));
     host.connect();
     let Reply::Parameter(report) = host.ask(Command::Settings(Verb::Get(15))) else { panic!("no parameter") };
@@ -152,7 +152,7 @@ fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     let Reply::Faults(log) = host.ask(Command::Faults(0)) else { panic!("no fault log") };
     assert_eq!((log.count, log.last_run), (0, Start::Ordered));
 
-    // Its watchdog was fed, and its emergency stop acts.
+    // The watchdog was fed, and the emergency stop works.
     assert!(host.board.pins().fed > 0 && !host.board.pins().failed);
     assert_eq!(host.ask(Command::Run), Reply::Ack);
     host.until(|(mode, ..)| mode == Mode::SelfTest, Duration::from_millis(20));
@@ -166,7 +166,7 @@ fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
 #[test]
 fn a_dialogue_over_the_uart_is_the_same_every_time() {
     let once = || {
-        let mut host = Host::of("lock")?;
+        let mut host = Host::start("lock")?;
         assert_eq!(host.ask(Command::TelemetryEvery(7)), Reply::Ack);
         assert_eq!(host.ask(Command::Scan), Reply::Ack);
         (0..500).for_each(|_| drop(host.block()));

@@ -1,6 +1,8 @@
-//! Every built-in scene that has a controller, host against thumb code: the hash of every code played, and the last report.
+//! Every built-in scene with a controller, host compared with thumb code: the hash of all played
+//! codes, and the last report.
 //!
-//! `UPDATE_DOCS=1 cargo test -p image-scenarios docs -- --include-ignored` writes the table of docs/evidence/processor-in-the-loop.md.
+//! `UPDATE_DOCS=1 cargo test -p image-scenarios docs -- --include-ignored` writes the table of
+//! docs/evidence/processor-in-the-loop.md.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -14,13 +16,13 @@ use sim::study::{self, Level, Options, Outcome, Start};
 
 use super::{bits, image};
 
-/// Of a scene with many runs, so many are run.
+/// Number of runs of a scene with many runs.
 const RUNS: u32 = 8;
 
-/// Figures of a scene that are compared and reported.
+/// Values of a scene that are compared and reported.
 struct Played {
     hash: u64,
-    /// The last report of a single run, bit for bit; the metrics of several.
+    /// Last report of a single run, bit for bit; or the metrics of several runs.
     end: Vec<u8>,
     blocks: u64,
     metrics: Vec<Option<f64>>,
@@ -28,14 +30,14 @@ struct Played {
 
 const METRICS: [&str; 3] = ["mean_block_instructions", "worst_block_instructions", "stack_blocks_bytes"];
 
-/// Runs a scene, here or on an image; nothing if it has no controller.
+/// Runs a scene, in this process or on an image. Returns `None` if it has no controller.
 fn played(name: &str, image: Option<&Path>) -> Option<Played> {
     let mut loaded = load(name, &[]).unwrap_or_else(|error| panic!("{error}"));
     loaded.scene.driven()?;
     if loaded.scene.runs > 1 {
         loaded = load(name, &[format!("runs={RUNS}")]).unwrap_or_else(|error| panic!("{error}"));
     }
-    // What stands beside the scene's own runs is run on the host in either case.
+    // Grids and comparisons run on the host in either case.
     (loaded.scene.grid, loaded.scene.comparison) = (None, None);
     let start = image
         .map(|image| move |scene: &Driven| Ok(Box::new(Qemu::start(image, &settings::config(scene))?) as Box<dyn Processor>));
@@ -51,7 +53,7 @@ fn played(name: &str, image: Option<&Path>) -> Option<Played> {
     })
 }
 
-/// What the runs of a campaign came to, but for what a processor of its own adds.
+/// Returns the metrics of the runs of a campaign, without those that only a separate processor has.
 fn ends(runs: &MonteCarlo) -> Vec<u8> {
     let common = |name: &&str| !["instructions", "stack_", "image_"].iter().any(|part| name.contains(part));
     let metrics = runs.runs.iter().flat_map(|run| run.metrics.iter().filter(|(name, _)| common(name)));
@@ -61,14 +63,14 @@ fn ends(runs: &MonteCarlo) -> Vec<u8> {
 const HEADER: &str =
     "| scene | blocks | hash, host and QEMU | instructions, mean | worst block | stack [bytes] |\n|---|---|---|---|---|---|\n";
 
-/// Compares the scenes, and makes a table of them.
+/// Compares the scenes. Returns their number and a table.
 fn compare(image: &Path) -> (usize, String) {
     let (mut compared, mut table) = (0, HEADER.to_owned());
     for (name, _) in builtin::all() {
         let Some(here) = played(name, None) else { continue };
         let there = played(name, Some(image)).expect("the same scene");
         assert_eq!(here.hash, there.hash, "{name}: hashes of all drive codes played");
-        assert!(here.end == there.end, "{name}: played alike, reported otherwise");
+        assert!(here.end == there.end, "{name}: identical codes, but different reports");
         compared += 1;
         let blocks = if there.blocks > 0 { there.blocks.to_string() } else { format!("{RUNS} runs") };
         let cell = |value: &Option<f64>| value.map_or_else(|| "–".into(), |value| format!("{value:.0}"));
@@ -78,12 +80,13 @@ fn compare(image: &Path) -> (usize, String) {
     (compared, table)
 }
 
-/// The scenes with a controller: all but the contact studies.
+/// Returns the number of scenes with a controller: all except the contact studies.
 fn with_a_controller() -> usize {
     builtin::all().iter().filter(|(name, _)| load(name, &[]).is_ok_and(|loaded| loaded.scene.driven().is_some())).count()
 }
 
-/// Every scene to its end: alike on host and processor, and with the instructions that the documentation states.
+/// Runs every scene to its end on host and processor, and compares the instructions with the
+/// documentation.
 #[test]
 fn every_scene_is_played_alike_and_the_docs_have_its_counts() {
     let Some(image) = image() else { return };

@@ -1,4 +1,4 @@
-//! Converters that mostly sample a load, and now and then anything.
+//! Converters that usually sample a load, and sometimes return arbitrary codes.
 
 use firmware::seam::block::{BeltSense, Codes, DriveBlock, SenseBlock, SlowSense, Trips};
 use firmware::seam::config::{Config, FrontEnd};
@@ -9,34 +9,34 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{one_in, pick};
 
-/// The present input of the converters.
+/// Present input of the converters.
 #[derive(Clone, Copy)]
 enum Input {
-    /// The loop-back, with noise.
+    /// Loop-back with noise.
     Load,
-    /// Any codes at all.
+    /// Arbitrary codes.
     Anything,
-    /// One end of the converters' range.
+    /// One end of the range of the converters.
     Railed,
-    /// Fewer codes than there should be, down to none.
+    /// Fewer codes than expected, or none.
     Cut,
 }
 
-/// Middleware on the converters: a capacitor with noise, and stretches of worse.
+/// Middleware on the converters: a capacitor with noise, and stretches of worse input.
 pub(super) struct Scrambled {
     load: LoopBack,
     front_end: FrontEnd,
     random: Xoshiro256PlusPlus,
     input: Input,
     left: u32,
-    /// Of the belt.
+    /// Counts of the belt.
     counts: i32,
 }
 
 impl Scrambled {
     pub(super) fn new(config: &Config, seed: u64) -> Self {
         let front_end = config.front_end.clone();
-        // Current codes for a drive code of change in a sample: I = C dV/dt.
+        // Current codes per drive code of change: I = C dV/dt.
         let amperes = config.tracking.c0_f() * config.sample_hz * front_end.drive_volt_per_lsb;
         Scrambled {
             load: LoopBack::new(front_end.sense_mid_code, amperes / front_end.ampere_per_lsb),
@@ -48,7 +48,8 @@ impl Scrambled {
         }
     }
 
-    /// Mostly a load, for long enough to get somewhere.
+    /// Selects the next input: usually the load, for long enough that the controller makes
+    /// progress.
     fn next_stretch(&mut self) {
         use Input::*;
         self.input = *pick(&mut self.random, &[Load, Load, Load, Load, Anything, Railed, Cut]);
@@ -86,7 +87,7 @@ impl Analog for Scrambled {
     }
 }
 
-/// A belt that mostly moves, and sensors that mostly say something.
+/// Returns the readings of a belt that usually moves, and of sensors that usually work.
 fn slow(random: &mut Xoshiro256PlusPlus, counts: &mut i32) -> SlowSense {
     *counts = counts.wrapping_add(*pick(random, &[0, 0, 1, 2, 7, -1]));
     SlowSense {

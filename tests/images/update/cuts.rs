@@ -1,6 +1,9 @@
-//! The power goes while the flash is written: by the first stage as it installs an update, by the image as it receives, marks and confirms one. The board
-//! starts, with the old image or the new one, and its amplifier stays off. All operations are cut on simulated flash, by the tests of `sonoglide-update`;
-//! here it is a sample of them, by the images on the part.
+//! Power cuts while the flash is written: by the first stage that installs an update, and by the
+//! image that receives, marks or confirms one.
+//!
+//! The board must start with the old or the new image, with its amplifier off. The tests of
+//! `sonoglide-update` cut every operation on simulated flash. These tests cut a sample of them,
+//! with the real images on the model of the microcontroller.
 
 use std::thread;
 use std::time::Duration;
@@ -14,12 +17,12 @@ use stm32g474::{Defect, FlashOperation, Ram};
 
 use super::images::{Images, answers, connected, images, powered, report, send, small};
 
-/// How far a board runs at once.
+/// Time for which a board runs between two checks.
 const STEP: Duration = Duration::from_millis(1);
-/// The longest start: a swap of 117 pages, a signature, and the way back.
+/// Longest start: a swap of 117 pages, a check of a signature, and the swap back.
 const STARTS_WITHIN: Duration = Duration::from_secs(40);
 
-/// The operations of the flash until `enough`, in the steps of `step`.
+/// Returns the flash operations until `enough`, which is checked every `step`.
 fn operations(mut board: Board, step: Duration, enough: impl Fn(&Board) -> bool) -> Vec<FlashOperation> {
     board.machine_mut().chip.record_flash();
     while !enough(&board) {
@@ -28,12 +31,12 @@ fn operations(mut board: Board, step: Duration, enough: impl Fn(&Board) -> bool)
     board.machine().chip.flash_operations().to_vec()
 }
 
-/// For each operation, whether it is an erase.
+/// Returns for each operation `true` if it is an erase.
 fn erases(operations: &[FlashOperation]) -> Vec<bool> {
     operations.iter().map(|operation| operation.erases).collect()
 }
 
-/// A board whose first stage finds a marked update.
+/// Returns a board whose first stage finds a marked update.
 fn marked(images: &Images) -> Board {
     let mut board = powered(images);
     let memory = &mut board.machine_mut().memory;
@@ -42,7 +45,8 @@ fn marked(images: &Images) -> Board {
     board
 }
 
-/// Cuts the power at a cycle; the version that answers then, which has served without the amplifier.
+/// Cuts the power at a cycle. Returns the version that answers afterwards, and checks that the
+/// amplifier stays off.
 fn version_after(mut board: Board, at: u64, label: &str) -> u16 {
     let (resets, edges) = (board.bench().resets.len(), board.bench().edges.len());
     board.inject(at, Defect::BrownOut { ram: Ram::Lost });
@@ -53,14 +57,15 @@ fn version_after(mut board: Board, at: u64, label: &str) -> u16 {
     board.bench_mut().to_board.clear();
     let (board, mut client) = connected(board);
     assert!(answers(&mut client, STARTS_WITHIN), "{label}, cut at {at}: nothing starts");
-    assert_eq!(board.borrow().bench().edges.len(), edges, "{label}, cut at {at}: the amplifier stays off");
+    assert_eq!(board.borrow().bench().edges.len(), edges, "{label}, cut at {at}: the amplifier must stay off");
     report(&mut client).running.expect("a manifest")[0]
 }
 
-/// Cuts `count` of the operations, spread over them, at their beginning, within, or after them in turns; returns how often the old and the new image answered.
+/// Cuts the power in `count` operations, spread evenly, in turn at their beginning, within, or
+/// after them. Returns how often the old and the new image answered.
 fn cut(board: &Board, operations: &[FlashOperation], count: usize, label: &str) -> [u32; 2] {
     let mut running = board.clone();
-    // The way there is taken once, and the starts after the cuts side by side.
+    // The run up to the cuts is simulated once, and the starts after the cuts in parallel.
     let answered: Vec<u16> = thread::scope(|scope| {
         let starts: Vec<_> = (0..count)
             .map(|n| {
@@ -85,7 +90,7 @@ fn cut(board: &Board, operations: &[FlashOperation], count: usize, label: &str) 
 }
 
 #[test]
-fn a_cut_while_the_first_stage_installs_leaves_a_board_that_starts() {
+fn the_board_starts_after_a_cut_during_the_installation() {
     let Some(images) = images() else { return };
     let board = marked(images);
     let operations = operations(board.clone(), Duration::from_millis(10), |board| board.bench().samples() > 0);
@@ -96,16 +101,16 @@ fn a_cut_while_the_first_stage_installs_leaves_a_board_that_starts() {
 }
 
 #[test]
-fn a_cut_while_the_image_receives_and_marks_an_update_leaves_the_old_image_or_a_swap() {
+fn a_cut_during_reception_or_mark_leaves_the_old_image() {
     let Some(images) = images() else { return };
     let (board, mut client) = connected(powered(images));
-    assert!(answers(&mut client, Duration::from_secs(2)), "it starts");
+    assert!(answers(&mut client, Duration::from_secs(2)), "the board must start");
     let file = small();
-    client.ask(Command::Update(UpdateVerb::Begin(file.len() as u32))).expect("taken");
-    // The first chunk: the erase of its page, and its words.
+    client.ask(Command::Update(UpdateVerb::Begin(file.len() as u32))).expect("accepted");
+    // The first chunk causes the erase of its page and the writes of its words.
     let mut receiving = board.borrow().clone();
     let chunk = core::array::from_fn(|row| core::array::from_fn(|n| file[32 * row + n]));
-    receiving.send(&encode(900, client.session(), Command::Update(UpdateVerb::Write(0, chunk))).expect("it fits"));
+    receiving.send(&encode(900, client.session(), Command::Update(UpdateVerb::Write(0, chunk))).expect("the frame fits"));
     let within = |board: &Board, time: u64| {
         let until = board.now() + Duration::from_millis(time);
         move |board: &Board| board.now() >= until
@@ -113,27 +118,27 @@ fn a_cut_while_the_image_receives_and_marks_an_update_leaves_the_old_image_or_a_
     let found = operations(receiving.clone(), STEP, within(&receiving, 30));
     assert_eq!(found.len(), 1 + 16);
     assert_eq!(cut(&receiving, &found, 3, "receiving"), [3, 0]);
-    // The mark: the progress is made invalid, two pages of the state are erased, a word is written.
-    send(&file, &mut client).expect("taken");
+    // The mark invalidates the progress, erases two pages of the state, and writes a word.
+    send(&file, &mut client).expect("accepted");
     while report(&mut client).state == UpdateState::Checking {}
     assert_eq!(report(&mut client).state, UpdateState::Complete);
     let mut marking = board.borrow().clone();
-    marking.send(&encode(901, client.session(), Command::Update(UpdateVerb::Install)).expect("it fits"));
+    marking.send(&encode(901, client.session(), Command::Update(UpdateVerb::Install)).expect("the frame fits"));
     let found = operations(marking.clone(), STEP, within(&marking, 60));
     assert_eq!(erases(&found), [false, true, true, false]);
-    // The image of this update hangs: where it was marked, it is swapped in and back again.
+    // The image of this update hangs. If it was marked, it is swapped in and back again.
     assert_eq!(cut(&marking, &found, 4, "marking"), [4, 0]);
 }
 
 #[test]
-fn a_cut_while_the_new_image_confirms_itself_leaves_either() {
+fn a_cut_during_the_confirmation_leaves_either_image() {
     let Some(images) = images() else { return };
     let mut board = marked(images);
     while board.bench().samples() == 0 {
         board.run_for(Duration::from_millis(1)).expect("no finding");
     }
     let (board, mut client) = connected(board);
-    assert!(answers(&mut client, Duration::from_secs(1)), "it serves");
+    assert!(answers(&mut client, Duration::from_secs(1)), "the board must serve");
     assert_eq!(report(&mut client).standing, Standing::Trial);
     // It confirms itself after 0.1 s of blocks.
     let confirming = board.borrow().clone();

@@ -1,4 +1,4 @@
-//! The images, and boards that have them in their flash.
+//! Images, and boards that have them in their flash.
 
 use std::cell::RefCell;
 use std::io::Write as _;
@@ -24,57 +24,60 @@ use update::manifest::Manifest;
 
 pub static STOP: AtomicBool = AtomicBool::new(false);
 
-/// First stage and image as they are built, and the files of two updates of this image.
+/// First stage and image as built, and the files of two updates of this image.
 pub struct Images {
     pub first_stage: Vec<u8>,
     pub elf: Vec<u8>,
-    /// Version 1.0.0 and version 2.0.0, by what the image says of itself.
+    /// Update to version 1.0.0, according to the identity in the image.
     pub old: Vec<u8>,
+    /// Update to version 2.0.0.
     pub new: Vec<u8>,
 }
 
-/// The image with another version: it stands in a constant of its own.
+/// Changes the version of the image, which is a constant in it.
 pub fn with_version(elf: &[u8], major: u16) -> Vec<u8> {
     let mut elf = elf.to_vec();
-    let at = identity_offset(elf.as_slice()).expect("it says what it is") + NAME;
+    let at = identity_offset(elf.as_slice()).expect("the image has an identity") + NAME;
     elf[at..at + 6].copy_from_slice(&[major as u8, 0, 0, 0, 0, 0]);
     elf
 }
 
-/// The images; none where they cannot be built, which has then been said.
+/// Returns the images, or `None` after a message if they cannot be built.
 pub fn images() -> Option<&'static Images> {
     static IMAGES: OnceLock<Images> = OnceLock::new();
     if let Some(reason) = pil::missing_to_build() {
-        let text = format!("\nSKIPPED, field update of the image on a model of its part: {reason}\n");
+        let text = format!("\nSKIPPED, field update of the image on a model of its microcontroller: {reason}\n");
         std::io::stderr().write_all(text.as_bytes()).expect("standard error");
         return None;
     }
     Some(IMAGES.get_or_init(|| {
-        let [first_stage, elf] = pil::field_images().expect("they build").map(|file| std::fs::read(file).expect("readable"));
+        let [first_stage, elf] =
+            pil::field_images().expect("the images build").map(|file| std::fs::read(file).expect("readable"));
         let [old, new] = [1, 2].map(|major| pack(&with_version(&elf, major), Some(&DEVELOPMENT_SEED)).expect("an update"));
         Images { first_stage, elf, old, new }
     }))
 }
 
-/// A board with the old image in its slot that was just powered.
+/// Returns a board with the old image in its slot, just after power-on.
 pub fn powered(images: &Images) -> Board {
     let loaded = load("dummy-load", &[]).expect("a built-in scene");
     let scene = loaded.scene.driven().expect("a driven scene");
     let options = Options::default();
-    let mut board = Board::start_in_slot(&images.first_stage, &images.old, &images.elf, &scene, options).expect("it starts");
-    // What a cut leaves is read as damaged: both images are to bear that.
+    let mut board =
+        Board::start_in_slot(&images.first_stage, &images.old, &images.elf, &scene, options).expect("the board starts");
+    // Words cut by a power failure read as damaged, which both images must tolerate.
     board.machine_mut().chip.lint.set(Rule::EccDouble, Verdict::Collect);
     board
 }
 
-/// A client of a board.
+/// Connects a client to a board.
 pub fn connected(board: Board) -> (Rc<RefCell<Board>>, Client) {
     let board = Rc::new(RefCell::new(board));
     let client = Client::new(Box::new(Simulated::new("board", board.clone(), false)), &STOP, |_| ());
     (board, client)
 }
 
-/// Waits until the board answers, at most so long.
+/// Waits until the board answers. Returns `false` if this takes longer than `within`.
 pub fn answers(client: &mut Client, within: Duration) -> bool {
     let until = client.now() + within;
     while client.now() < until {
@@ -85,7 +88,7 @@ pub fn answers(client: &mut Client, within: Duration) -> bool {
     false
 }
 
-/// The state of the update.
+/// Returns the state of the update.
 pub fn report(client: &mut Client) -> UpdateReport {
     match client.ask(Command::Update(UpdateVerb::Report)).expect("an answer") {
         Reply::Update(report) => report,
@@ -93,9 +96,10 @@ pub fn report(client: &mut Client) -> UpdateReport {
     }
 }
 
-/// An update that is right in all, whose image does nothing: it stands until the watchdog resets the part.
+/// Returns a valid update whose image hangs until the watchdog resets the processor.
 pub fn small() -> Vec<u8> {
-    // The stack's top, the first instruction's address, and the other vectors; `B .`, a branch to itself.
+    // The top of the stack, the address of the first instruction, and the other vectors; then
+    // `B .`, a branch to itself.
     let mut image = vec![0; 512];
     image[..4].copy_from_slice(&0x2001_8000_u32.to_le_bytes());
     image[4..8].copy_from_slice(&(ORIGIN + 512 + 1).to_le_bytes());
@@ -106,7 +110,7 @@ pub fn small() -> Vec<u8> {
     [manifest.encode().as_slice(), &image].concat()
 }
 
-/// Sends an update, and has it checked where it was not refused before.
+/// Sends an update, and orders its check unless it was refused before.
 pub fn send(file: &[u8], client: &mut Client) -> Result<(), LinkError> {
     let refused = |reply: &Reply| matches!(reply, Reply::Update(report) if matches!(report.state, UpdateState::Refused(_)));
     if refused(&client.ask(Command::Update(UpdateVerb::Begin(file.len() as u32)))?) {

@@ -1,4 +1,4 @@
-//! What the image refuses, by name; it goes on as it was.
+//! Updates that the image refuses, with their defect; the image continues unchanged.
 
 use std::time::Duration;
 
@@ -16,17 +16,17 @@ use update::manifest::Manifest;
 
 use super::images::{answers, connected, images, powered, report, send, small};
 
-/// The state in which an update ends that is sent and checked.
+/// Sends an update, has it checked, and returns its final state.
 fn state_of(file: &[u8], client: &mut Client) -> UpdateState {
-    send(file, client).expect("in silence");
+    send(file, client).expect("accepted in silence");
     let until = client.now() + Duration::from_secs(5);
     while report(client).state == UpdateState::Checking {
-        assert!(client.now() < until, "it is checked");
+        assert!(client.now() < until, "the check must end");
     }
     report(client).state
 }
 
-/// A small update with a manifest that was changed before it was signed.
+/// Returns a small update whose manifest was changed before it was signed.
 fn changed(change: impl FnOnce(&mut Manifest)) -> Vec<u8> {
     let file = small();
     let mut manifest = Manifest::decode(file.first_chunk().expect("a manifest")).expect("whole");
@@ -35,10 +35,10 @@ fn changed(change: impl FnOnce(&mut Manifest)) -> Vec<u8> {
 }
 
 #[test]
-fn what_is_no_update_for_this_board_is_refused_by_name_and_the_image_goes_on() {
+fn invalid_updates_are_refused_with_their_defect() {
     let Some(images) = images() else { return };
     let (board, mut client) = connected(powered(images));
-    assert!(answers(&mut client, Duration::from_secs(2)), "it starts");
+    assert!(answers(&mut client, Duration::from_secs(2)), "the board must start");
     let mut damaged = small();
     *damaged.last_mut().expect("an image") ^= 1;
     let unsigned = {
@@ -62,34 +62,34 @@ fn what_is_no_update_for_this_board_is_refused_by_name_and_the_image_goes_on() {
     ];
     for (file, defect) in cases {
         assert_eq!(state_of(&file, &mut client), UpdateState::Refused(defect));
-        let refused = client.ask(Command::Update(UpdateVerb::Install)).expect_err("nothing is installed");
+        let refused = client.ask(Command::Update(UpdateVerb::Install)).expect_err("the installation is refused");
         assert!(matches!(refused, LinkError::Refused { refusal: Refusal::OutOfRange, .. }), "{refused}");
     }
     assert_eq!(state_of(&small(), &mut client), UpdateState::Complete);
-    // None of it was installed: a reset starts the image that ran.
+    // None of them was installed: a reset starts the same image.
     client.order(Command::Reset).expect("acknowledged");
-    assert!(answers(&mut client, Duration::from_secs(2)), "it starts again");
+    assert!(answers(&mut client, Duration::from_secs(2)), "the board must restart");
     let Reply::Faults(log) = client.ask(Command::Faults(0)).expect("an answer") else { panic!("no log") };
-    assert_eq!(log.last_run, Start::Ordered, "the first stage leaves the RAM that names the last run's end");
+    assert_eq!(log.last_run, Start::Ordered, "the first stage must not overwrite the note of the last run");
     let after = report(&mut client);
     assert_eq!((after.running, after.standing), (Some([1, 0, 0]), Standing::Confirmed));
-    assert!(board.borrow().bench().edges.is_empty(), "the amplifier stays off");
+    assert!(board.borrow().bench().edges.is_empty(), "the amplifier must stay off");
 }
 
 #[test]
-fn an_update_is_refused_while_the_board_drives_and_the_drive_goes_on() {
+fn an_update_is_refused_during_a_drive() {
     let Some(images) = images() else { return };
     let (board, mut client) = connected(powered(images));
-    assert!(answers(&mut client, Duration::from_secs(2)), "it starts");
+    assert!(answers(&mut client, Duration::from_secs(2)), "the board must start");
     client.order(Command::Patience(0.0)).expect("acknowledged");
     client.order(Command::Run).expect("acknowledged");
     let until = client.now() + Duration::from_millis(300);
     while client.status().expect("an answer").is_none_or(|report| report.mode != Mode::Run) {
-        assert!(client.now() < until, "it locks");
+        assert!(client.now() < until, "the board must lock");
         board.borrow_mut().run_for(Duration::from_millis(1)).expect("no finding");
     }
     for verb in [UpdateVerb::Begin(1000), UpdateVerb::Check, UpdateVerb::Install] {
-        let refused = client.ask(Command::Update(verb)).expect_err("it drives");
+        let refused = client.ask(Command::Update(verb)).expect_err("refused during a drive");
         assert!(matches!(refused, LinkError::Refused { refusal: Refusal::Driving, .. }), "{refused}");
     }
     assert_eq!(client.status().expect("an answer").expect("a report").mode, Mode::Run);

@@ -1,4 +1,4 @@
-//! An update from the first byte to the confirmed image.
+//! Complete update, from the first byte to the confirmed image.
 
 use std::time::{Duration, Instant};
 
@@ -11,10 +11,10 @@ use link::session::{Session, SessionOptions};
 
 use super::images::{answers, connected, images, powered, report, small};
 
-/// Key of `limits.current_a`, and a value that is not the built-in one, A.
+/// Key of `limits.current_a`, and a value that differs from the built-in one, A.
 const CURRENT_LIMIT: (u8, f32) = (9, 2.25);
 
-/// The current limit, as the board has it.
+/// Reads the current limit from the board.
 fn current_limit(client: &mut Client) -> ParameterReport {
     match client.ask(Command::Settings(Verb::Get(CURRENT_LIMIT.0))).expect("an answer") {
         Reply::Parameter(report) => report,
@@ -23,11 +23,11 @@ fn current_limit(client: &mut Client) -> ParameterReport {
 }
 
 #[test]
-fn an_update_over_the_link_is_installed_and_confirmed_with_the_amplifier_off() {
+fn an_update_over_the_link_is_installed_and_confirmed() {
     let Some(images) = images() else { return };
     let began = Instant::now();
     let (board, mut client) = connected(powered(images));
-    assert!(answers(&mut client, Duration::from_secs(2)), "the first stage starts the image");
+    assert!(answers(&mut client, Duration::from_secs(2)), "the first stage must start the image");
     let before = report(&mut client);
     println!("{before:?}: {:?} of the board, {:?} here", board.borrow().now(), began.elapsed());
     assert_eq!((before.running, before.standing), (Some([1, 0, 0]), Standing::Confirmed));
@@ -35,36 +35,36 @@ fn an_update_over_the_link_is_installed_and_confirmed_with_the_amplifier_off() {
     for verb in [Verb::Set(key, value), Verb::Store] {
         client.ask(Command::Settings(verb)).expect("accepted");
     }
-    assert_ne!(current_limit(&mut client).acts, value, "it acts after a reset");
+    assert_ne!(current_limit(&mut client).acts, value, "the value acts only after a reset");
     let mut session = Session::begin(client, SessionOptions::default()).expect("a session");
     let file = std::env::temp_dir().join(format!("sonoglide-update-{}", std::process::id()));
     std::fs::write(&file, &images.new).expect("a file");
-    let answer = run(&UpdateArgs { file: Some(file.clone()), key: None }, &mut session).expect("updated");
-    std::fs::remove_file(&file).expect("it was there");
+    let answer = run(&UpdateArgs { file: Some(file.clone()), key: None }, &mut session).expect("the update succeeds");
+    std::fs::remove_file(&file).expect("the file exists");
     println!("{}: {:?} of the board, {:?} here", answer.text, board.borrow().now(), began.elapsed());
     assert_eq!(answer.fields["version"], "2.0.0");
     assert_eq!(answer.fields["standing"], "confirmed");
-    assert_eq!(current_limit(&mut session.client).acts, value, "what was stored outlasts an update");
+    assert_eq!(current_limit(&mut session.client).acts, value, "stored settings survive an update");
     let board = board.borrow();
-    assert!(board.bench().edges.is_empty(), "the amplifier stays off: {:?}", board.bench().edges);
+    assert!(board.bench().edges.is_empty(), "the amplifier must stay off: {:?}", board.bench().edges);
     assert_eq!(board.bench().resets.len(), 1, "{:?}", board.bench().resets);
 }
 
 #[test]
-fn an_image_that_hangs_is_replaced_by_the_former_one_after_the_watchdog_has_reset_it() {
+fn an_image_that_hangs_is_rolled_back_after_a_watchdog_reset() {
     let Some(images) = images() else { return };
     let (board, mut client) = connected(powered(images));
-    assert!(answers(&mut client, Duration::from_secs(2)), "it starts");
+    assert!(answers(&mut client, Duration::from_secs(2)), "the board must start");
     let mut session = Session::begin(client, SessionOptions::default()).expect("a session");
     let file = std::env::temp_dir().join(format!("sonoglide-hanging-{}", std::process::id()));
     std::fs::write(&file, small()).expect("a file");
-    let failed = run(&UpdateArgs { file: Some(file.clone()), key: None }, &mut session).expect_err("it hangs").to_string();
-    std::fs::remove_file(&file).expect("it was there");
+    let failed = run(&UpdateArgs { file: Some(file.clone()), key: None }, &mut session).expect_err("the image hangs").to_string();
+    std::fs::remove_file(&file).expect("the file exists");
     assert_eq!(failed, "the new image did not start or did not serve: the board runs 1.0.0 again");
     let after = report(&mut session.client);
     assert_eq!((after.running, after.standing), (Some([1, 0, 0]), Standing::RolledBack));
     let board = board.borrow();
     let resets: Vec<String> = board.bench().resets.iter().map(ToString::to_string).collect();
     assert_eq!(resets, ["software", "the independent watchdog"]);
-    assert!(board.bench().edges.is_empty(), "the amplifier stays off: {:?}", board.bench().edges);
+    assert!(board.bench().edges.is_empty(), "the amplifier must stay off: {:?}", board.bench().edges);
 }

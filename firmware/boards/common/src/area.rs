@@ -1,16 +1,17 @@
 //! Parts of a flash that are written while the board runs.
 
-/// A part of the flash, whole pages.
+/// Area of the flash that consists of whole pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Area {
-    /// Address of its first byte.
+    /// Address of the first byte.
     pub start: u32,
-    /// Bytes.
+    /// Size, bytes.
     pub size: u32,
 }
 
 impl Area {
-    /// The address of `length` bytes at an offset; `None` beyond the end, or off the grid.
+    /// Returns the address of `length` bytes at an offset. Returns `None` beyond the end, or if
+    /// offset or length is not a multiple of `grid`.
     #[inline]
     pub fn address(&self, offset: u32, length: u32, grid: u32) -> Option<u32> {
         let end = offset.checked_add(length)?;

@@ -1,18 +1,19 @@
-//! Blocks that were due and did not come, by the processor's cycle counter.
+//! Counter of missed blocks, derived from the processor's cycle counter.
 //!
 //! ```text
 //! due = round((now - last) / CYCLES_PER_BLOCK),    missed = due - 1      (cycles; the counter wraps)
 //! ```
 
-/// Counts blocks that were due and did not come.
+/// Counter of blocks that were due but were not served.
 #[derive(Clone, Debug, Default)]
 pub struct Beat<const CYCLES_PER_BLOCK: u32> {
     last: Option<u32>,
 }
 
 impl<const CYCLES_PER_BLOCK: u32> Beat<CYCLES_PER_BLOCK> {
-    /// How many blocks were missed since the last call, which may have been late or early by less
-    /// than half a block.
+    /// Returns the number of blocks missed since the last call.
+    ///
+    /// A call may be late or early by less than half a block.
     #[inline]
     pub fn missed(&mut self, now: u32) -> u32 {
         let last = self.last.replace(now).unwrap_or(now.wrapping_sub(CYCLES_PER_BLOCK));

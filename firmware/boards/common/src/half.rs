@@ -1,9 +1,9 @@
-//! Halves of a ring of two blocks, which DMA and the interrupt use in turn.
+//! Halves of a ring of two blocks, which DMA and the block interrupt use in turn.
 //!
-//! Two rings of two blocks each, one that DMA fills from the ADC and one that it plays to the DAC,
-//! both at the sample rate. While DMA is in one half of both, the other half belongs to the
-//! interrupt: it reads the samples there, and writes the codes that play when DMA comes to this
-//! half again, which is the latency of [`LATENCY_BLOCKS`](firmware::seam::block::LATENCY_BLOCKS).
+//! There are two rings of two blocks each, both at the sample rate. DMA fills one from the ADC and
+//! plays the other to the DAC. While DMA is in one half of both rings, the interrupt owns the other
+//! half: it reads the samples there and writes new codes. These codes play when DMA reaches this
+//! half again; this is the latency of [`LATENCY_BLOCKS`](firmware::seam::block::LATENCY_BLOCKS).
 //!
 //! ```text
 //! block           k         k+1        k+2
@@ -12,29 +12,29 @@
 //! interrupt           first: reads k, writes k+2
 //! ```
 
-/// A half of a ring of `RING` samples.
+/// Half of a ring of `RING` samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Half<const RING: usize> {
-    /// The first block.
+    /// First block of the ring.
     First,
-    /// The second block.
+    /// Second block of the ring.
     Second,
 }
 
 impl<const RING: usize> Half<RING> {
-    /// Samples in a block.
+    /// Number of samples in a block.
     pub const BLOCK: usize = {
         assert!(RING > 0 && RING.is_multiple_of(2), "a ring has two blocks");
         RING / 2
     };
 
-    /// The half that a position is in.
+    /// Returns the half that contains a position.
     #[inline]
     pub fn at(position: usize) -> Self {
         if position % RING < Self::BLOCK { Half::First } else { Half::Second }
     }
 
-    /// The other half.
+    /// Returns the other half.
     #[inline]
     pub fn other(self) -> Self {
         match self {
@@ -43,7 +43,7 @@ impl<const RING: usize> Half<RING> {
         }
     }
 
-    /// The position of its first sample.
+    /// Returns the position of the first sample of this half.
     #[inline]
     pub fn start(self) -> usize {
         match self {
@@ -52,7 +52,7 @@ impl<const RING: usize> Half<RING> {
         }
     }
 
-    /// The places of a half's samples in the ADC's ring.
+    /// Returns the samples of this half from the ADC's ring.
     #[inline]
     pub fn filled<Place>(self, ring: &[Place; RING]) -> &[Place] {
         &ring[self.start()..self.start() + Self::BLOCK]

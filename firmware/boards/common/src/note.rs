@@ -1,14 +1,14 @@
-//! Why the last run ended, in RAM that a reset does not clear.
+//! Note of the reason why the last run ended, in RAM that a reset does not clear.
 //!
-//! At power-on that RAM holds anything: a note is valid only if its two marks and its length are
-//! right.
+//! At power-on this RAM has random contents. A note is valid only if its mark, its cause, its
+//! length and its checksum are right.
 
 use firmware::board::start::{FileName, NAME, Place, Start};
 
-/// Marks a note.
+/// First word of a valid note.
 const MARK: u32 = 0x536f_6e6f;
 
-/// A cause that ended a run.
+/// Cause of the end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Cause {
@@ -18,9 +18,9 @@ pub enum Cause {
     HardFault = 2,
     /// An interrupt that the image does not use; the line is its number.
     Unexpected = 3,
-    /// DMA or a converter has lost a sample, and the streams are out of step.
+    /// DMA or a converter lost a sample: the streams are out of step.
     StreamLost = 4,
-    /// A reset was ordered.
+    /// A reset by command.
     Ordered = 5,
     /// A word of the code or of its constants cannot be read; the line is its address.
     DamagedCode = 6,
@@ -49,49 +49,49 @@ impl Cause {
         Cause::RamParity,
     ];
 
-    /// The name of the cause in the log.
+    /// Returns the name of the cause in the log.
     #[inline]
     pub fn name(self) -> &'static str {
         match self {
             Cause::Panic => "a panic",
             Cause::HardFault => "a hard fault",
             Cause::Unexpected => "an unexpected interrupt",
-            Cause::StreamLost => "a stream that was lost",
-            Cause::Ordered => "an order to reset",
+            Cause::StreamLost => "a lost stream",
+            Cause::Ordered => "a reset command",
             Cause::DamagedCode => "a damaged word of the code",
-            Cause::ClockFailed => "a failure of the crystal",
+            Cause::ClockFailed => "a crystal failure",
             Cause::StackOverflow => "a stack overflow",
-            Cause::SupplyLow => "a supply that was too low",
+            Cause::SupplyLow => "a low supply",
             Cause::RamParity => "a parity error in RAM",
         }
     }
 
-    fn of(code: u32) -> Option<Cause> {
+    fn from_code(code: u32) -> Option<Cause> {
         Cause::ALL.into_iter().find(|&cause| cause as u32 == code)
     }
 }
 
-/// A note.
+/// Note of the cause and the place of the end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct Note {
     mark: u32,
     cause: u32,
-    /// The line, or the number that the cause's documentation names.
+    /// Line of the file, or the number described at the [`Cause`].
     pub line: u32,
     length: u32,
     name: [u8; NAME],
-    /// Of the words before.
+    /// Checksum of the words before the name.
     seal: u32,
 }
 
 impl Note {
-    /// No note.
+    /// Memory without a note.
     pub const BLANK: Note = Note { mark: 0, cause: 0, line: 0, length: 0, name: [0; NAME], seal: 0 };
 
-    /// A note of a cause and its place: of a long file name the end is stored.
+    /// Creates a note of a cause and its place. Of a long file name only the end is stored.
     #[inline]
-    pub fn of(cause: Cause, file: &str, line: u32) -> Note {
+    pub fn new(cause: Cause, file: &str, line: u32) -> Note {
         let bytes = file.as_bytes();
         let end = &bytes[bytes.len().saturating_sub(NAME)..];
         let mut name = [0; NAME];
@@ -100,15 +100,15 @@ impl Note {
         Note { seal: note.sum(), ..note }
     }
 
-    /// The cause, the file and the line; `None` where there is no note.
+    /// Returns the cause, the file and the line, or `None` if the memory holds no valid note.
     #[inline]
     pub fn read(&self) -> Option<(Cause, &str, u32)> {
-        let cause = Cause::of(self.cause).filter(|_| self.mark == MARK && self.seal == self.sum())?;
+        let cause = Cause::from_code(self.cause).filter(|_| self.mark == MARK && self.seal == self.sum())?;
         let name = core::str::from_utf8(self.name.get(..self.length as usize)?).unwrap_or("?");
         Some((cause, name, self.line))
     }
 
-    /// What started the board, by its note.
+    /// Returns the cause of the start that follows from this note.
     #[inline]
     pub fn start(&self) -> Option<Start> {
         self.read().map(|(cause, file, line)| match cause {

@@ -1,9 +1,11 @@
-//! Words of DMA: two converters move as one, so that they stay together.
+//! Packing of DMA words: two converters share one transfer, so that they stay in step.
 //!
-//! The ADC pair writes `V` in the lower half-word and `I` in the upper. A DAC pair takes its first
-//! lane in the lower half-word and its second in the upper. Two converters of an STM32 do so
-//! (RM0440 21.4.30: the master's data in the lower half of `ADC_CDR`; 22.7.9, `DAC_DHR12RD`), and
-//! half-words that alternate in memory, `V` first, are the same words on a little-endian processor.
+//! The ADC pair writes `V` to the lower half-word and `I` to the upper one. A DAC pair takes its
+//! first lane from the lower half-word and its second lane from the upper one.
+//!
+//! Two converters of an STM32 work like this (RM0440 21.4.30: the master's data is in the lower
+//! half of `ADC_CDR`; 22.7.9, `DAC_DHR12RD`). Half-words that alternate in memory, `V` first, form
+//! the same words on a little-endian processor.
 
 use firmware::seam::block::{DriveBlock, SenseBlock};
 
@@ -13,7 +15,7 @@ pub fn sense<Place>(places: &[Place], read: impl Fn(&Place) -> u32, sense: &mut 
     let SenseBlock { v, i, .. } = sense;
     for channel in [&mut *v, &mut *i] {
         if channel.len() != places.len() {
-            // There is room for as many: a block fits.
+            // Cannot fail: the capacity is at least one block.
             let _ = channel.resize_default(places.len());
         }
     }
@@ -31,7 +33,7 @@ pub fn sense<Place>(places: &[Place], read: impl Fn(&Place) -> u32, sense: &mut 
         (places.as_chunks::<4>(), v.as_chunks_mut::<4>(), i.as_chunks_mut::<4>());
     let ((places, fours), (v, v_fours), (i, i_fours)) =
         (fours.as_chunks::<4>(), v_fours.as_chunks_mut::<4>(), i_fours.as_chunks_mut::<4>());
-    // Sixteen, written out: a compiler that saves code leaves a loop of one here.
+    // Unrolled to sixteen by hand: a compiler that optimizes for size does not unroll this loop.
     for (([p0, p1, p2, p3], [v0, v1, v2, v3]), [i0, i1, i2, i3]) in places.iter().zip(v).zip(i) {
         four(p0, v0, i0);
         four(p1, v1, i1);
@@ -46,9 +48,11 @@ pub fn sense<Place>(places: &[Place], read: impl Fn(&Place) -> u32, sense: &mut 
     }
 }
 
-/// Leaves the words that a DAC pair plays in their places, the first in `head` and the others in
-/// `tail` ([`Half::played`](crate::half::Half::played)): lanes `2 * pair` and `2 * pair + 1`. A
-/// lane that is not there, or has another length, is silence.
+/// Writes lanes `2 * pair` and `2 * pair + 1` as words for a DAC pair.
+///
+/// The first `AHEAD` words go to `head` and the others to `tail`
+/// ([`Half::played`](crate::half::Half::played)). A missing lane, or one of another length, is
+/// replaced by silence.
 #[inline]
 pub fn drive<const AHEAD: usize, Place>(
     block: &DriveBlock,
@@ -76,7 +80,8 @@ pub fn drive<const AHEAD: usize, Place>(
             let (seconds, second_rest) = seconds.as_chunks::<4>();
             let ((places, fours), (firsts, first_fours)) = (fours.as_chunks::<4>(), firsts.as_chunks::<4>());
             let (seconds, second_fours) = seconds.as_chunks::<4>();
-            // Sixteen, written out: a compiler that saves code leaves a loop of one here.
+            // Unrolled to sixteen by hand: a compiler that optimizes for size does not unroll this
+            // loop.
             for (([p0, p1, p2, p3], [a0, a1, a2, a3]), [b0, b1, b2, b3]) in places.iter().zip(firsts).zip(seconds) {
                 four(p0, a0, b0);
                 four(p1, a1, b1);
@@ -113,18 +118,18 @@ pub fn drive<const AHEAD: usize, Place>(
                 put(place, word(*first, silence));
             }
         }
-        _ => hush(head.iter().chain(tail), word(silence, silence), put),
+        _ => fill(head.iter().chain(tail), word(silence, silence), put),
     }
 }
 
-/// Leaves the same word in every place.
+/// Writes the same word to every place.
 #[cold]
 #[inline(never)]
-fn hush<'a, Place: 'a>(places: impl Iterator<Item = &'a Place>, word: u32, put: impl Fn(&Place, u32)) {
+fn fill<'a, Place: 'a>(places: impl Iterator<Item = &'a Place>, word: u32, put: impl Fn(&Place, u32)) {
     places.for_each(|place| put(place, word));
 }
 
-/// Two codes as one word.
+/// Packs two codes into one word.
 #[inline]
 pub const fn word(first: u16, second: u16) -> u32 {
     (second as u32) << 16 | first as u32

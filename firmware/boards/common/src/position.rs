@@ -1,10 +1,11 @@
-//! The place in a ring that DMA comes to next.
+//! Position of DMA in a ring.
 
-/// Transfers that DMA has made in this round of a ring of `N`, from the number that remains: it
-/// counts down and starts again at `N`.
+/// Returns the place in a ring of `N` that DMA reaches next, from the number of remaining
+/// transfers.
 ///
-/// A controller of DMA that shows an address instead gives the position by itself: the address less
-/// that of the ring, in transfers.
+/// The counter of DMA counts down and restarts at `N`. A DMA controller that shows an address
+/// instead needs no conversion: the position is that address minus the address of the ring, in
+/// transfers.
 #[inline]
 pub fn position<const N: usize>(remaining: usize) -> usize {
     N.wrapping_sub(remaining) % N

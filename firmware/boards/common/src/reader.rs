@@ -1,23 +1,23 @@
-//! The reading end of a ring of bytes that DMA fills.
+//! Reading end of a ring of bytes that DMA fills.
 //!
-//! DMA does not wait: if more than the ring holds arrives between two reads, whole rounds are lost,
-//! and the checksum of the frames shows it.
+//! DMA does not wait. If more bytes than the ring holds arrive between two reads, whole rounds are
+//! lost, and the checksums of the frames detect it.
 
-/// The position of the reader in a ring of `N` bytes.
+/// Position of the reader in a ring of `N` bytes.
 #[derive(Clone, Debug, Default)]
 pub struct Reader<const N: usize> {
     next: usize,
 }
 
 impl<const N: usize> Reader<N> {
-    /// Bytes that wait to be read, from the [position](crate::position::position) that DMA fills
-    /// next.
+    /// Returns the number of unread bytes. `filled` is the [position](crate::position::position)
+    /// that DMA fills next.
     #[inline]
     pub fn waiting(&self, filled: usize) -> usize {
         (filled + N - self.next) % N
     }
 
-    /// The place of the next byte; `None` while nothing waits.
+    /// Returns the place of the next byte and moves on. Returns `None` if no byte waits.
     #[inline]
     pub fn take(&mut self, filled: usize) -> Option<usize> {
         if self.waiting(filled) == 0 {

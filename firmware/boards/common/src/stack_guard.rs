@@ -1,17 +1,17 @@
-//! The guard below the stack: a part of the RAM without access, so that a stack that grows too far
-//! is a fault and not a changed variable.
+//! Guard below the stack: a region of the RAM without access, so that a stack overflow causes a
+//! fault instead of overwriting variables.
 //!
 //! ```text
 //! static memory | ... | guard | stack |
 //! ```
 //!
-//! The guard has to be larger than any frame of the image, so that no frame can step over it. It is
+//! The guard must be larger than any stack frame of the image, so that no frame can skip it. It is
 //! a region of the memory protection unit of ARMv7-M (Cortex-M3, M4, M7): ARM DDI 0403 B3.5 (memory
-//! protection unit) and B3.2.15 (CFSR). The unit has to be off in the hard fault handler
-//! (MPU_CTRL.HFNMIENA = 0), which can therefore go on with the stack inside the guard. ARMv8-M
-//! (Cortex-M33) has a register for the limit of the stack instead, and needs no guard.
+//! protection unit) and B3.2.15 (CFSR). The unit must be off in the hard fault handler
+//! (MPU_CTRL.HFNMIENA = 0); the handler can then use the stack inside the guard. ARMv8-M
+//! (Cortex-M33) has a register for the stack limit and needs no guard.
 
-/// A guard: where it begins, and its bytes.
+/// Guard region below the stack: start address and size in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StackGuard {
     start: u32,
@@ -19,37 +19,45 @@ pub struct StackGuard {
 }
 
 impl StackGuard {
-    /// A guard of so many bytes from an address on: a power of two of 32 at least, to which the
-    /// address is aligned.
+    /// Creates a guard of `size` bytes at address `start`.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the size is not a power of two of at least 32, or if the start is not a multiple
+    /// of the size.
     #[inline]
     pub const fn new(start: u32, size: u32) -> Self {
-        assert!(size >= 32 && size.is_power_of_two() && start.is_multiple_of(size), "a region of the memory protection unit");
+        assert!(
+            size >= 32 && size.is_power_of_two() && start.is_multiple_of(size),
+            "not a valid region of the memory protection unit"
+        );
         StackGuard { start, size }
     }
 
-    /// Where the guard begins.
+    /// Returns the first address of the guard.
     #[inline]
     pub const fn start(&self) -> u32 {
         self.start
     }
 
-    /// Where the guard ends, and the room of the stack begins.
+    /// Returns the end of the guard, which is the lowest address of the stack.
     #[inline]
     pub const fn end(&self) -> u32 {
         self.start + self.size
     }
 
-    /// MPU_RASR: a region of this size that no access is permitted to (AP = 0), and that holds no
+    /// Returns the value of MPU_RASR: a region of this size without access (AP = 0) and without
     /// code (XN).
     #[inline]
     pub const fn attributes(&self) -> u32 {
         const EXECUTE_NEVER: u32 = 1 << 28;
         const ENABLE: u32 = 1;
-        // SIZE: the region has two to the power of SIZE + 1 bytes.
+        // SIZE: the region has 2^(SIZE + 1) bytes.
         EXECUTE_NEVER | (self.size.trailing_zeros() - 1) << 1 | ENABLE
     }
 
-    /// Whether a fault is one of the stack: CFSR and MMFAR as the hard fault handler reads them.
+    /// Returns `true` if a fault is a stack overflow, from CFSR and MMFAR as read by the hard fault
+    /// handler.
     #[inline]
     pub fn has_overflowed(&self, status: u32, address: u32) -> bool {
         const DATA_ACCESS: u32 = 1 << 1;

@@ -1,14 +1,14 @@
-//! Whether the rings of the ADC and of the DAC are still in step: a lost trigger or a lost transfer
-//! moves one of them.
+//! Check that the rings of the ADC and of the DAC are in step: a lost trigger or transfer shifts
+//! one of them.
 
-/// Whether two rings of `RING` samples are in step: how far the DAC's is ahead does not change.
+/// Check that two rings of `RING` samples are in step: the lead of the DAC's ring must not change.
 ///
-/// For a moment of each sample the lead is another one: after the one ring has moved, and before
-/// the other has. Of three looks a third of a sample apart at most one meets it, as long as that
-/// moment is shorter:
+/// In each sample the lead differs for a moment: after one ring has moved and before the other has.
+/// Three looks are taken a third of a sample apart. At most one of them meets this moment, if it is
+/// short enough:
 ///
 /// ```text
-/// moment < from one look to the next < (sample - moment) / 2      (times in cycles)
+/// moment < time between two looks < (sample - moment) / 2      (times in cycles)
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Step<const RING: usize> {
@@ -16,10 +16,11 @@ pub struct Step<const RING: usize> {
 }
 
 impl<const RING: usize> Step<RING> {
-    /// Takes the positions in both rings, of the ADC and of the DAC. Where the lead is another one
-    /// than before, `again` looks three more times, a third of a sample later each, and these
-    /// decide: the first look may lie a whole sample before one of them, and does not count. The
-    /// first call says what is in step.
+    /// Returns `true` if the rings are in step, from the positions in both rings (ADC, DAC).
+    ///
+    /// If the lead differs from the expected one, `again` must look three more times, each a third
+    /// of a sample later, and these three looks decide. The first look can be up to a whole sample
+    /// earlier and does not count. The first call sets the expected lead.
     #[inline]
     pub fn holds(&mut self, positions: (usize, usize), mut again: impl FnMut() -> (usize, usize)) -> bool {
         let lead = |(adc, dac): (usize, usize)| (dac + RING - adc % RING) % RING;

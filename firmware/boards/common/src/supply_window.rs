@@ -1,8 +1,8 @@
-//! Whether the amplifier's supply is where it must be.
+//! Check of the amplifier's supply voltage.
 
 use firmware::seam::config::Supply;
 
-/// The window of a supply, in codes of the converter that measures it.
+/// Permitted range of a supply, in codes of the converter that measures it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupplyWindow {
     volt_per_code: f32,
@@ -12,10 +12,10 @@ pub struct SupplyWindow {
 }
 
 impl SupplyWindow {
-    /// The window of the settings, at a converter of so many codes from zero to its reference, V;
-    /// `None` where the supply is not measured.
+    /// Creates the range from the settings, for a converter with this number of codes from zero to
+    /// its reference, V. Returns `None` if the supply is not measured.
     #[inline]
-    pub fn of(supply: &Supply, reference_v: f32, codes: f32) -> Option<Self> {
+    pub fn from_settings(supply: &Supply, reference_v: f32, codes: f32) -> Option<Self> {
         let Supply { divider, min_v, max_v } = *supply;
         divider.map(|divider| SupplyWindow {
             volt_per_code: divider * reference_v / codes,
@@ -25,8 +25,8 @@ impl SupplyWindow {
         })
     }
 
-    /// Whether a code is within it. The last one is not: how much more than the divider can show is
-    /// there cannot be known.
+    /// Returns `true` if a code is within the range. The highest code is never within: the real
+    /// voltage may be higher than the divider can show.
     #[inline]
     pub fn holds(&self, code: u16) -> bool {
         let volts = f32::from(code) * self.volt_per_code;

@@ -1,17 +1,18 @@
-//! Whether the belt's encoder is still connected: its two wires of a channel must contradict each
-//! other.
+//! Check that the belt's encoder is connected: the two wires of a channel must have opposite
+//! levels.
 //!
-//! A broken wire is low by its pull-down, while the other one changes: they agree for part of each
-//! period. Two that are both broken agree always. Wires that are read in the middle of an edge may
-//! agree once.
+//! A broken wire is pulled low while the other one changes, so both agree during part of each
+//! period. Two broken wires of a channel always agree. Wires that are read during an edge may agree
+//! once.
 
-/// Added to the suspicion by a reading in which a channel's wires agree; any other reading
+/// Increase of the suspicion by a reading in which the wires of a channel agree. Any other reading
 /// subtracts one.
-const AGREES: u8 = 4;
-/// The suspicion from which a line is broken: three readings in a row, or a third of many.
-const BROKEN: u8 = 12;
+const AGREEMENT_WEIGHT: u8 = 4;
+/// Suspicion at which a line counts as broken: after three readings in a row, or a third of many
+/// readings.
+const BROKEN_SUSPICION: u8 = 12;
 
-/// The state of the wires' check.
+/// State of the check of the wires.
 #[derive(Clone, Debug, Default)]
 pub struct Wires {
     suspicion: u8,
@@ -19,13 +20,14 @@ pub struct Wires {
 }
 
 impl Wires {
-    /// Takes the levels of both channels, each with its complement. Returns whether a line is
-    /// broken; that ends once they have contradicted each other for long.
+    /// Takes the levels of both channels, each with its complement. Returns `true` if a line is
+    /// broken. This state ends after the levels have been opposite for long enough.
     #[inline]
     pub fn look(&mut self, channels: [(bool, bool); 2]) -> bool {
         let agrees = channels.iter().any(|(wire, complement)| wire == complement);
-        self.suspicion = if agrees { (self.suspicion + AGREES).min(2 * BROKEN) } else { self.suspicion.saturating_sub(1) };
-        self.broken = self.suspicion >= BROKEN || self.broken && self.suspicion > 0;
+        self.suspicion =
+            if agrees { (self.suspicion + AGREEMENT_WEIGHT).min(2 * BROKEN_SUSPICION) } else { self.suspicion.saturating_sub(1) };
+        self.broken = self.suspicion >= BROKEN_SUSPICION || self.broken && self.suspicion > 0;
         self.broken
     }
 }

@@ -1,26 +1,32 @@
-//! Blocks of this board: their length, their clock, and the rings that follow from both.
+//! Blocks of this board: their length, their clock, and their rings.
 
 use boards_common::{beat, half, step};
 
-/// Samples in a block: as many as the part has time for, in whole periods of 40 kHz and of 20 kHz.
+/// Number of samples in a block. The processor has time for this length, and it contains whole
+/// periods of 40 kHz and of 20 kHz.
 ///
-/// Most of what a block costs does not depend on its length. Blocks of 64 were measured before this was chosen: `docs/board.md`.
+/// Most of the computing time of a block does not depend on its length. Blocks of 64 samples were
+/// measured before this length was chosen: `docs/board.md`.
 pub const BLOCK: usize = 100;
-/// Blocks that may be missed before the amplifier's enable drops, but for a part of one.
+/// Number of missed blocks after which the hardware drops the amplifier's enable, to within part of
+/// a block.
 pub const MISSED: u32 = 2;
-/// Samples in a ring.
+/// Number of samples in a ring.
 pub const RING: usize = 2 * BLOCK;
-/// Words that a DAC holds: a trigger plays the word that the trigger before has fetched (RM0440 22.4.8).
+/// Number of words that a DAC fetches before it plays them: a trigger plays the word fetched by the
+/// trigger before (RM0440 22.4.8).
 pub const AHEAD: usize = 1;
-/// Cycles of the processor in a sample: 170 MHz at 1 Msps.
+/// Processor cycles per sample: 170 MHz at 1 Msps.
 pub const CYCLES_PER_SAMPLE: u32 = 170;
-/// Cycles of the processor in a block.
+/// Processor cycles per block.
 pub const CYCLES_PER_BLOCK: u32 = CYCLES_PER_SAMPLE * BLOCK as u32;
 
-/// A half of a ring.
+/// Half of a ring.
 pub type Half = half::Half<RING>;
-/// Whether the rings of the ADC and of the DACs are in step. The moment of each sample in which one has moved and the other has not takes some 8 cycles
-/// of 170 ([`TRIGGER_AFTER`](crate::sampling::TRIGGER_AFTER)).
+/// Check that the rings of the ADC and of the DACs are in step.
+///
+/// In each sample there is a moment of about 8 of 170 cycles after one ring has moved and before
+/// the other has ([`TRIGGER_AFTER`](crate::sampling::TRIGGER_AFTER)).
 pub type Step = step::Step<RING>;
-/// Blocks that were missed.
+/// Counter of missed blocks.
 pub type Beat = beat::Beat<CYCLES_PER_BLOCK>;

@@ -1,4 +1,4 @@
-//! The front end of this board, and the configuration of its controller.
+//! Front end of this board, and the configuration of its controller.
 //!
 //! ```text
 //! drive:   code -> 3.3 V / 4096 about mid-scale -> amplifier, 10 V/V
@@ -6,7 +6,7 @@
 //! current: stack -> 0.1 ohm -> 4 V/V -> mid-scale -> two conversions, summed
 //! ```
 //!
-//! The supply of the converters is taken as 3.3 V. `docs/board.md` has the circuit.
+//! The supply of the converters is assumed to be 3.3 V. `docs/board.md` has the circuit.
 
 use firmware::seam::block::Amplitude;
 use firmware::seam::config::{
@@ -15,33 +15,38 @@ use firmware::seam::config::{
 
 use crate::blocks::BLOCK;
 
-/// Reference of the converters, V.
+/// Reference voltage of the converters, V.
 pub const REFERENCE_V: f32 = 3.3;
-/// Codes of a converter.
+/// Number of codes of a converter.
 pub const CODES: f32 = 4096.0;
-/// Volts at the stack per volt of the DAC.
+/// Gain from the DAC to the stack, V/V.
 pub const AMPLIFIER: f32 = 10.0;
-/// Volts at the stack per volt of the ADC.
+/// Ratio of the voltage at the stack to the voltage at the ADC, V/V.
 pub const DIVIDER: f32 = 12.5;
-/// Volts at the ADC per ampere: a shunt of 0.1 ohm, amplified four times.
+/// Voltage at the ADC per current, V/A: a shunt of 0.1 ohm, amplified four times.
 pub const TRANSIMPEDANCE: f32 = 0.4;
-/// Conversions in a sample.
+/// Number of conversions in a sample.
 pub const CONVERSIONS: u16 = 2;
-/// The largest current at which the comparators drop the amplifier's enable, A peak: beyond the largest limit of the controller.
+/// Largest current at which the comparators drop the amplifier's enable, A peak. It is above the
+/// largest limit of the controller.
 pub const TRIP_A: f32 = 3.5;
-/// Drive lanes unless the settings say otherwise: one or two play from DAC1, three or four from DAC3 and DAC4 through the op-amps.
+/// Default number of drive lanes: one or two play from DAC1, three or four from DAC3 and DAC4
+/// through the op-amps.
 const LANES: u8 = 1;
 
-/// Conversions that a reading of the force channel adds up.
+/// Number of conversions that the force channel adds up per reading.
 pub const FORCE_CONVERSIONS: u16 = 16;
 
-/// How long the host may be silent while the drive is on, s.
+/// Longest permitted silence of the host while the drive is on, s.
 pub const PATIENCE_S: f32 = 1.0;
 
-/// The DAC code of zero volts.
+/// DAC code of zero volts.
 pub const SILENCE: u16 = 2048;
 
-/// The configuration that is built into the image. What differs in a circuit comes from the settings: scale factors, lanes, sensors, limits.
+/// Returns the configuration that is built into the image.
+///
+/// The settings replace the values that differ between circuits: scale factors, lanes, sensors,
+/// limits.
 pub fn config() -> Config {
     let sense_volt_per_lsb = REFERENCE_V / CODES / f32::from(CONVERSIONS);
     Config {
@@ -76,19 +81,21 @@ pub fn config() -> Config {
     }
 }
 
-/// The codes of the two comparators' thresholds for a current to either side of zero, A peak. Clipped to the converter's range.
+/// Returns the threshold codes of the two comparators for a current, A peak, on either side of
+/// zero. They are clipped to the converter's range.
 pub fn trip_codes(ampere: f32) -> (u16, u16) {
     let codes = ampere * TRANSIMPEDANCE / REFERENCE_V * CODES;
     let middle = f32::from(SILENCE);
     ((middle + codes).clamp(0.0, CODES - 1.0) as u16, (middle - codes).clamp(0.0, CODES - 1.0) as u16)
 }
 
-/// The largest current, A peak, that the current channel shows without clipping.
+/// Returns the largest current that the current channel measures without clipping, A peak.
 pub fn range_a() -> f32 {
     REFERENCE_V / 2.0 / TRANSIMPEDANCE
 }
 
-/// Force of a reading of the force channel, N: the sum of its conversions, about mid-scale.
+/// Returns the force of a reading of the force channel, N. The reading is the sum of its
+/// conversions; mid-scale is zero force.
 pub fn force_n(code: u16, newton_per_lsb: f32) -> f32 {
     (f32::from(code) - f32::from(FORCE_CONVERSIONS * SILENCE)) * newton_per_lsb
 }

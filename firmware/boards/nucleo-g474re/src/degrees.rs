@@ -1,35 +1,44 @@
-//! The temperature of the processor, from the factory's calibration.
+//! Temperature of the processor, from the factory's calibration.
 //!
 //! ```text
 //! T = (130 - 30) / (TS_CAL2 - TS_CAL1) * (code * VREFINT_CAL / vrefint - TS_CAL1) + 30      (degrees Celsius)
 //! ```
 //!
-//! RM0440 21.4.31 and 21.4.33: the calibration was taken at 3.0 V, and the internal reference shows the present supply. Valid from -40 to
-//! 130 degrees Celsius; the sensor is within some degrees (DS12288).
+//! RM0440 21.4.31 and 21.4.33: the calibration was taken at 3.0 V, and the internal reference
+//! measures the present supply. The equation is valid from -40 to 130 degrees Celsius. The sensor
+//! has an error of a few degrees (DS12288).
 
-/// Temperatures of the calibration, degrees Celsius.
-const CALIBRATED_C: (f32, f32) = (30.0, 130.0);
-/// Temperatures at which the part can run; a sensor that shows others has failed or burns, degrees Celsius.
-const PLAUSIBLE_C: (f32, f32) = (-55.0, 155.0);
+/// Temperature of the lower calibration point, degrees Celsius.
+const LOW_POINT_C: f32 = 30.0;
+/// Temperature of the upper calibration point, degrees Celsius.
+const HIGH_POINT_C: f32 = 130.0;
+/// Lowest plausible temperature, degrees Celsius. Below it the sensor has failed.
+const MIN_PLAUSIBLE_C: f32 = -55.0;
+/// Highest plausible temperature, degrees Celsius. Above it the sensor has failed, or the processor
+/// is far too hot.
+const MAX_PLAUSIBLE_C: f32 = 155.0;
 
-/// The factory's calibration, codes of 12 bits at 3.0 V.
+/// Factory calibration, codes of 12 bits at 3.0 V.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Calibration {
-    /// The sensor at 30 degrees Celsius.
+    /// Code of the sensor at 30 degrees Celsius.
     pub low: u16,
-    /// The sensor at 130 degrees Celsius.
+    /// Code of the sensor at 130 degrees Celsius.
     pub high: u16,
-    /// The internal reference.
+    /// Code of the internal reference.
     pub reference: u16,
 }
 
-/// Degrees Celsius of a sensor's code, beside the code of the internal reference. One that cannot be is the hottest, so that the drive stops.
+/// Returns the temperature from the codes of the sensor and of the internal reference, degrees
+/// Celsius.
+///
+/// An implausible temperature is replaced by the highest plausible one, so that the drive stops.
 pub fn celsius(calibration: &Calibration, sensor: u16, reference: u16) -> f32 {
     if calibration.high <= calibration.low || reference == 0 {
-        return PLAUSIBLE_C.1;
+        return MAX_PLAUSIBLE_C;
     }
     let at_3_v = f32::from(sensor) * f32::from(calibration.reference) / f32::from(reference);
     let (low, high) = (f32::from(calibration.low), f32::from(calibration.high));
-    let celsius = CALIBRATED_C.0 + (CALIBRATED_C.1 - CALIBRATED_C.0) * (at_3_v - low) / (high - low);
-    if (PLAUSIBLE_C.0..=PLAUSIBLE_C.1).contains(&celsius) { celsius } else { PLAUSIBLE_C.1 }
+    let celsius = LOW_POINT_C + (HIGH_POINT_C - LOW_POINT_C) * (at_3_v - low) / (high - low);
+    if (MIN_PLAUSIBLE_C..=MAX_PLAUSIBLE_C).contains(&celsius) { celsius } else { MAX_PLAUSIBLE_C }
 }

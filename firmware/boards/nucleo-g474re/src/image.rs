@@ -1,7 +1,9 @@
-//! The image: power-up in order, then the background task in a loop and the block interrupt above it.
+//! The image: power-up in a fixed order, then the background task in a loop and the block interrupt
+//! above it.
 //!
-//! The amplifier's enable is low from reset (its pull-down) until the background task raises it. Every error of the part ends in [`panic::end`]: enable
-//! low, cause stored, reset.
+//! From reset the amplifier's enable is low (pull-down) until the background task raises it. Every
+//! hardware error ends in [`panic::end`]: the enable drops, the cause is stored, and the processor
+//! resets.
 
 mod adc;
 mod alarm;
@@ -15,7 +17,7 @@ mod dma;
 mod encoder;
 #[cfg(feature = "slot")]
 mod field;
-#[cfg_attr(not(feature = "slot"), expect(dead_code, reason = "what updates need"))]
+#[cfg_attr(not(feature = "slot"), expect(dead_code, reason = "needed for updates only"))]
 mod flash;
 mod force;
 mod guard;
@@ -36,7 +38,7 @@ use boards_common::thermistor::Thermistor;
 use cortex_m::peripheral::NVIC;
 use cortex_m::{Peripherals, singleton};
 use cortex_m_rt::entry;
-// For the log.
+// Transport of the log.
 use defmt_rtt as _;
 use firmware::board::app::{self, App};
 use firmware::board::power_up::PowerUp;
@@ -61,8 +63,10 @@ use self::temperature::Thermometer;
 use self::uart::Link;
 use self::watchdog::IndependentWatchdog;
 
-/// Room of the queues; one place of each stays empty. The background task empties that of the telemetry many times a block.
+/// Length of the queue of orders; one place stays empty.
 const ORDERS: usize = 9;
+/// Length of the queue of reports; one place stays empty. The background task empties it many times
+/// per block.
 const REPORTS: usize = 5;
 
 defmt::timestamp!("{=u32} blocks", count::blocks());
@@ -78,7 +82,7 @@ fn main() -> ! {
     let note = panic::last();
     let last = note.as_ref().and_then(Note::read);
     let clock = clocks::start(!matches!(last, Some((Cause::ClockFailed, ..))));
-    let start = what_started(note.as_ref());
+    let start = cause_of_start(note.as_ref());
     defmt::info!("clock: {}", clock);
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();
@@ -89,41 +93,43 @@ fn main() -> ! {
     start_blocks(&mut core.NVIC);
     let mut log = Log::default();
     loop {
-        // Pins and link of this board cannot fail.
+        // The pins and the link of this board cannot fail.
         let _ = app.poll();
         thermometer.poll();
         amplifier_supply.poll();
-        log.look(app.latest());
+        log.update(app.latest());
         led::show(app.latest());
     }
 }
 
-/// The background task of this board.
+/// Background task of this board.
 type Background = App<'static, Link, Enable, Stop, IndependentWatchdog, Pages>;
 
-/// Builds both tasks of the settings: hands one over to the block interrupt, and returns the background task. Not inlined: the stack that this takes is
-/// free again afterwards.
+/// Builds both tasks from the settings: passes one to the block interrupt and returns the
+/// background task.
+///
+/// Not inlined, so that the stack memory it needs is free afterwards.
 #[inline(never)]
 fn build(
     (hot_ends, slow_ends): (BlockEnds<'static>, BackgroundEnds<'static>),
     start: Start,
 ) -> (&'static mut Background, Thermometer, AmplifierSupply) {
     let link = Link::start();
-    let Ok(mut settings) = Settings::new(Pages::SETTINGS) else { panic!("the settings do not fit") };
+    let Ok(mut settings) = Settings::new(Pages::SETTINGS) else { panic!("the settings do not fit into their pages") };
     let built_in = config();
     let mut power_up = PowerUp::read(&built_in, &mut settings);
-    // What is built in is tested on the host.
+    // Cannot fail: the built-in configuration is tested on the host.
     let Ok(task) = power_up.build(&built_in, hot_ends) else { panic!("the configuration is not valid") };
     let config = &power_up.config;
-    // Which DAC plays decides which one has the thresholds.
+    // The thresholds come from the DAC that does not play.
     let (enable, stop, failure) =
         protection::start(config.lanes, thresholds(config.limits.current_a, config.front_end.ampere_per_lsb), adc::levels());
     let start = failure.map_or(start, |failure| {
-        defmt::error!("the over-current trips have failed their test, the amplifier stays off: {=u8}", failure as u8);
+        defmt::error!("the over-current trips failed their test, the amplifier stays off: {=u8}", failure as u8);
         Start::TripFailed(failure)
     });
-    let thermometer = Thermometer::start(Thermistor::of(&config.heat_sink, CODES));
-    let amplifier_supply = AmplifierSupply::start(SupplyWindow::of(&config.supply, REFERENCE_V, CODES));
+    let thermometer = Thermometer::start(Thermistor::from_settings(&config.heat_sink, CODES));
+    let amplifier_supply = AmplifierSupply::start(SupplyWindow::from_settings(&config.supply, REFERENCE_V, CODES));
     let force = config.front_end.newton_per_lsb.map(ForceChannel::start);
     let encoder = config.front_end.metre_per_count.map(|_| Encoder::start());
     let interrupt = singleton!(: BlockInterrupt = BlockInterrupt::new(task, Lanes::start(config.lanes), encoder, force));
@@ -135,45 +141,49 @@ fn build(
     let background = singleton!(: Background = App::new(peripherals, slow_ends, &power_up));
     let Some(background) = background else { panic!("started twice") };
     background.set_built_in(&nucleo_g474re::config::config);
-    background.set_option_bytes(options::look());
+    background.set_option_bytes(options::check());
     #[cfg(feature = "slot")]
     background.set_updates(field::start());
     (background, thermometer, amplifier_supply)
 }
 
-#[expect(unsafe_code, reason = "enabling an interrupt is")]
+#[expect(unsafe_code, reason = "enabling an interrupt is unsafe")]
 fn start_blocks(nvic: &mut NVIC) {
-    // SAFETY: the priority is set before the interrupt is enabled, and no critical section here relies on priorities.
+    // SAFETY: the priority is set before the interrupt is enabled, and no critical section here
+    // relies on priorities.
     unsafe { nvic.set_priority(Interrupt::DMA1_CHANNEL1, 0) };
-    // SAFETY: what the interrupt needs was handed over.
+    // SAFETY: the state that the interrupt needs was handed over before.
     unsafe { NVIC::unmask(Interrupt::DMA1_CHANNEL1) };
     timers::start();
 }
 
-/// What started the part: the note of the last run, or the flags of RCC_CSR (RM0440 7.4.28).
-fn what_started(note: Option<&Note>) -> Start {
+/// Returns the cause of this start: the note of the last run, or the flags of RCC_CSR (RM0440
+/// 7.4.28).
+fn cause_of_start(note: Option<&Note>) -> Start {
     let flags = RCC.csr().read();
     RCC.csr().modify(|w| w.set_rmvf(true));
     if let Some((cause, file, line)) = note.and_then(Note::read) {
-        defmt::error!("the last run ended by {=str}, {=str}:{=u32}", cause.name(), file, line);
+        defmt::error!("the last run ended with {=str}, {=str}:{=u32}", cause.name(), file, line);
     }
     let start = match note.and_then(Note::start) {
         Some(start) => start,
         None if flags.iwdgrstf() => Start::Watchdog,
-        // A power-on pulls the pin low too.
+        // A power-on pulls the reset pin low too.
         None if flags.borrstf() => Start::PowerOn,
         None => Start::Pin,
     };
     match start {
-        Start::Watchdog => defmt::error!("reset by the watchdog: no blocks, or a background task that stood"),
+        Start::Watchdog => defmt::error!("reset by the watchdog: no blocks, or the background task had stopped"),
         Start::PowerOn => defmt::info!("power on"),
         _ => {}
     }
     start
 }
 
-/// Logs what has changed: the fault, and the longest block. A line of the log masks interrupts for up to 6 us, which the long blocks of a start do not
-/// have: it waits until that is over.
+/// Log of changes: the fault, and the longest block.
+///
+/// A log line masks interrupts for up to 6 us. The long blocks during a start leave no time for
+/// that, so the log waits until the start is over.
 #[derive(Default)]
 struct Log {
     fault: Option<Fault>,
@@ -181,7 +191,7 @@ struct Log {
 }
 
 impl Log {
-    fn look(&mut self, report: Option<&Telemetry>) {
+    fn update(&mut self, report: Option<&Telemetry>) {
         let fault = report.and_then(|report| report.fault);
         if fault != self.fault {
             defmt::warn!("fault {}", fault);

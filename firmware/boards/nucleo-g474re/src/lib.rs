@@ -1,5 +1,5 @@
-//! What of the board needs no board: pure functions of numbers that its registers and rings hold, tested on the host. What another board would have
-//! too is in `boards_common`.
+//! Hardware-independent part of the board: pure functions of the values in its registers and rings,
+//! tested on the host. Parts that other boards would need too are in `boards_common`.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -1,28 +1,29 @@
-//! The pages of the settings in the flash: the last pages of the second bank, while the code runs from the first.
+//! Flash pages of the settings: the last pages of the second bank. The code runs from the first
+//! bank.
 //!
-//! Reading one bank goes on while the other is erased or written (RM0440 3.3.9, read-while-write), so that a page's erase does not stall the
-//! block interrupt.
+//! One bank can be read while the other is erased or written (RM0440 3.3.9, read-while-write), so
+//! erasing a page does not stall the block interrupt.
 
 use boards_common::area::Area;
 
-/// Bytes of a page in dual-bank mode (RM0440 3.3.1).
+/// Size of a page in dual-bank mode, bytes (RM0440 3.3.1).
 pub const PAGE: u32 = 2048;
-/// Bytes that are written at once.
+/// Size of the unit of writing, bytes.
 pub const WORD: u32 = 8;
-/// Where the first bank begins.
+/// Address of the first bank.
 pub const FLASH: u32 = 0x0800_0000;
-/// Where the second bank begins: the code must end before.
+/// Address of the second bank. The code must end before it.
 pub const SECOND_BANK: u32 = 0x0804_0000;
-/// Pages of the settings: two halves, each with pages to spare.
+/// Number of pages of the settings: two halves, each with spare pages.
 pub const PAGES: u32 = 8;
-/// Where the settings begin.
+/// Address of the settings.
 pub const START: u32 = 0x0808_0000 - PAGES * PAGE;
-/// Bytes of the settings.
+/// Size of the settings, bytes.
 pub const SIZE: u32 = PAGES * PAGE;
-/// The settings.
+/// Flash area of the settings.
 pub const SETTINGS: Area = Area { start: START, size: SIZE };
 
-/// The number within its bank of the page at an address (`PNB` of RM0440 3.7.5).
+/// Returns the number within its bank of the page at an address (`PNB`, RM0440 3.7.5).
 pub fn number(address: u32) -> u8 {
     ((address - SECOND_BANK) / PAGE) as u8
 }

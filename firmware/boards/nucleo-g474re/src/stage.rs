@@ -1,7 +1,7 @@
-//! The first stage on the part.
-#![expect(unsafe_code, reason = "another image is started, and handlers of exceptions")]
+//! Hardware part of the first stage.
+#![expect(unsafe_code, reason = "starting another image and exception handlers are unsafe")]
 
-#[expect(dead_code, reason = "the settings are the image's")]
+#[expect(dead_code, reason = "only the image uses the settings")]
 #[path = "image/flash.rs"]
 mod flash;
 #[path = "stage/watchdog.rs"]
@@ -27,20 +27,22 @@ fn main() -> ! {
     let [mut slot, mut store, mut state] = [SLOT, STORE, STATE].map(|area| Pages::new(area, Damage::Zeros));
     match decide(&mut slot, &mut store, &mut state, &target) {
         Decision::Start => start_image(),
-        // No image: the watchdog resets the part, and all is tried again.
-        Decision::Nothing => stand(),
+        // No valid image: the watchdog resets the processor, and the first stage tries again.
+        Decision::Nothing => wait_for_watchdog(),
     }
 }
 
 /// Starts the image in the slot, with the watchdog running.
 fn start_image() -> ! {
-    // FLASH_ACR.ICRST, which wants the cache off (RM0440 3.7.1): the slot may have changed.
+    // FLASH_ACR.ICRST, which requires the cache to be off (RM0440 3.7.1): the slot may have
+    // changed.
     FLASH.acr().modify(|w| w.set_icen(false));
     FLASH.acr().modify(|w| w.set_icrst(true));
     FLASH.acr().modify(|w| w.set_icrst(false));
     FLASH.acr().modify(|w| w.set_icen(true));
-    watchdog::nurse();
-    // SAFETY: nothing of this program runs after this; no interrupt is enabled, and the image was checked.
+    watchdog::keep_alive();
+    // SAFETY: no code of this program runs afterwards, no interrupt is enabled, and the image was
+    // checked.
     unsafe {
         let core = Peripherals::steal();
         core.SCB.vtor.write(ORIGIN);
@@ -48,25 +50,26 @@ fn start_image() -> ! {
     }
 }
 
-/// Waits for the watchdog.
-fn stand() -> ! {
+/// Waits until the watchdog resets the processor.
+fn wait_for_watchdog() -> ! {
     loop {
         asm::nop();
     }
 }
 
-// SAFETY: marked because nothing masks it; it uses registers and atomics only.
+// SAFETY: unsafe because this interrupt cannot be masked; the handler uses only registers and
+// atomics.
 #[exception]
 unsafe fn NonMaskableInt() {
     let status = FLASH.eccr().read();
     if status.eccd() || status.eccd2() {
         flash::mark_damaged();
-        // A one clears ECCD (3.7.6).
+        // Writing one clears ECCD (3.7.6).
         FLASH.eccr().write_value(status);
     }
 }
 
 #[panic_handler]
 fn panic(_: &PanicInfo) -> ! {
-    stand()
+    wait_for_watchdog()
 }

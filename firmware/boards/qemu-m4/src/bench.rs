@@ -1,4 +1,4 @@
-//! What the controller is tried on: a configuration, and a transducer that answers in sense codes.
+//! Test bench of the controller: a configuration, and a transducer that answers in sense codes.
 
 use firmware::generate::shape::sine;
 use firmware::seam::block::{Amplitude, DriveBlock, SenseBlock};
@@ -7,12 +7,14 @@ use firmware::seam::config::{
     TrackingMode,
 };
 
-/// Samples in a block, mostly.
+/// Usual number of samples in a block.
 pub const SAMPLES: usize = 32;
-/// The code of zero, of all converters.
+/// Code of zero, for all converters.
 const MID_CODE: u16 = 2048;
 
-/// A drive at constant motional current, tracked like this, in bursts with soft edges; converters of 12 bits, 10 mV and 2 mA a code.
+/// Returns the settings of a drive at constant motional current, in bursts with soft edges.
+///
+/// The converters have 12 bits, at 10 mV and 2 mA per code.
 pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
     Config {
         sample_hz: 1e6,
@@ -51,7 +53,7 @@ pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
     }
 }
 
-/// A stack, in f32 and one complex state a resonance:
+/// Simulated piezo stack in f32, with one complex state per resonance:
 ///
 /// ```text
 /// i = sum Re s + C0 dv/dt,    s(n + 1) = p s(n) + g v(n),    p = exp((-pi f / Q + 2 pi j f) T),    g = T / Lm
@@ -62,7 +64,7 @@ pub struct Transducer {
     last: f32,
 }
 
-/// A resonance.
+/// Resonance with its state.
 #[derive(Clone, Copy, Default)]
 struct Branch {
     turn: u64,
@@ -70,16 +72,19 @@ struct Branch {
     s: (f32, f32),
 }
 
-/// Magnitude of `p` of 40 520 Hz and Q 64.6 at 1 Msps, `1 - pi f T / Q`; the second resonance decays as soon.
+/// Magnitude of `p` for 40 520 Hz and Q 64.6 at 1 Msps: `1 - pi f T / Q`. The second resonance has
+/// the same value.
 const DECAY: f32 = 1.0 - core::f32::consts::PI * 40_520.0 / 64.6 * 1e-6;
-/// `T / Lm` for 0.79 mH: `Rm = 2 pi f Lm / Q = 3.1` ohm.
+/// Gain `T / Lm` for 0.79 mH: `Rm = 2 pi f Lm / Q = 3.1` ohm.
 const AMPERES_PER_VOLT: f32 = 1e-6 / 0.79e-3;
-/// The second resonance, Hz, and its strength relative to the first.
-const COMPANY: (f64, f32) = (43_350.0, 0.15);
-/// `C0 / T` for 300 nF.
+/// Frequency of the second resonance, Hz.
+const SECOND_MODE_HZ: f64 = 43_350.0;
+/// Gain of the second resonance, relative to the first.
+const SECOND_MODE_GAIN: f32 = 0.15;
+/// Current per voltage step, `C0 / T` for 300 nF, A/V.
 const AMPERES_PER_STEP: f32 = 300e-9 / 1e-6;
 
-/// The angle of `p` as a phase of 2^64 a turn.
+/// Returns the angle of `p` as a phase with 2^64 per turn.
 const fn turn(hz: f64) -> u64 {
     (hz / 1e6 * 18_446_744_073_709_551_616.0) as u64
 }
@@ -91,25 +96,25 @@ impl Default for Transducer {
 }
 
 impl Transducer {
-    /// With one resonance, at rest.
+    /// Creates a transducer with one resonance, at rest.
     pub fn new() -> Self {
         let only = Branch { turn: turn(40_520.0), gain: AMPERES_PER_VOLT, ..Branch::default() };
         Transducer { branches: [only, Branch::default()], last: 0.0 }
     }
 
-    /// With a second one.
+    /// Creates a transducer with a second resonance, at rest.
     pub fn in_company() -> Self {
         let mut both = Transducer::new();
-        both.branches[1] = Branch { turn: turn(COMPANY.0), gain: COMPANY.1 * AMPERES_PER_VOLT, ..Branch::default() };
+        both.branches[1] = Branch { turn: turn(SECOND_MODE_HZ), gain: SECOND_MODE_GAIN * AMPERES_PER_VOLT, ..Branch::default() };
         both
     }
 
-    /// From now on under a load that moves the resonance by -200 Hz.
+    /// Applies a load that moves the resonance by -200 Hz.
     pub fn load(&mut self) {
         self.branches[0].turn = turn(40_320.0);
     }
 
-    /// Takes one block of the first lane.
+    /// Drives the transducer with one block of the first lane, and fills the block of sense codes.
     pub fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         let poles = self.branches.map(|branch| sine::rotation(branch.turn) * DECAY);
         sense.v.clone_from(&drive.lanes[0]);
@@ -124,7 +129,7 @@ impl Transducer {
             }
             self.last = volts;
             let code = f32::from(MID_CODE) + amperes / 0.002 + 0.5;
-            // As many as there are voltage codes, which fit.
+            // Cannot fail: there are as many current codes as voltage codes.
             let _ = sense.i.push(code.clamp(0.0, 4095.0) as u16);
         }
     }

@@ -1,10 +1,12 @@
-//! A hard fault ends the image, with a message. Without it one would loop for ever, and the host would wait.
+//! Handler that ends the image after a hard fault, with a message. The default handler would loop
+//! forever, and the host would wait.
 #![expect(unsafe_code, reason = "cortex-m-rt accepts a hard fault handler only as an unsafe fn")]
 
 use cortex_m_rt::{ExceptionFrame, exception};
 use semihosting::{eprintln, process};
 
-// SAFETY: marked because a handler may meet broken invariants; this one changes nothing and exits.
+// SAFETY: unsafe because a handler may run with broken invariants. This one changes nothing and
+// exits.
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     eprintln!("hard fault at {:#010x}", frame.pc());

@@ -1,18 +1,18 @@
-//! The image: a configuration, then questions and answers, until the host closes its pipe.
+//! The image: receives a configuration, then answers questions until the host closes its pipe.
 //!
-//! | exit | means |
+//! | exit code | meaning |
 //! |---|---|
 //! | 0 | the host has closed its pipe |
 //! | 1 | the pipes are missing, or a record could not be read |
 //! | 101 | a panic; its message is on standard error |
-//! | 102 | a hard fault, likewise |
+//! | 102 | a hard fault; its message is on standard error |
 //!
-//! The controller and the records stand in static memory, as a board's do: the stack is then what `process` takes, and what stands
-//! around it takes less.
+//! The controller and the records are in static memory, as on a board. The measured stack is then
+//! that of `process`; the code around it uses less.
 
 use core::mem::MaybeUninit;
 
-// For the critical section it provides.
+// Provides the critical section.
 use cortex_m as _;
 use cortex_m::singleton;
 use cortex_m_rt::entry;
@@ -23,7 +23,7 @@ use qemu_m4::pipes::{Pipes, configuration, read, reason};
 use qemu_m4::stack;
 use semihosting::{eprintln, process};
 
-const TWICE: &str = "started twice";
+const STARTED_TWICE: &str = "started twice";
 
 #[entry]
 fn main() -> ! {
@@ -36,14 +36,15 @@ fn main() -> ! {
     }
 }
 
-/// Builds the controller and runs it, one block a question.
+/// Builds the controller and runs it, one block per question.
 fn serve() -> Result<(), &'static str> {
     stack::paint();
     let pipes = Pipes::open()?;
     let Some(controller) = open(pipes)? else { return Ok(()) };
     let stack_power_up_bytes = stack::deepest_bytes();
-    let (question, answer) = records().ok_or(TWICE)?;
-    // Started otherwise than by sim-host, QEMU may let time pass by the host's clock: then nothing is counted.
+    let (question, answer) = records().ok_or(STARTED_TWICE)?;
+    // If sim-host did not start QEMU, time may follow the host's clock; then instructions are not
+    // counted.
     let counter = Counter::start();
     let counts = counter.calibrate().is_ok();
     stack::paint();
@@ -62,19 +63,22 @@ fn serve() -> Result<(), &'static str> {
     Ok(())
 }
 
-/// Room for the records. Not inlined, for what passes over the stack on the way.
+/// Returns the static memory for the records. Not inlined, so that the stack used by their
+/// construction is released.
 #[inline(never)]
 fn records() -> Option<&'static mut (Question, Answer)> {
     singleton!(: (Question, Answer) = Default::default())
 }
 
-/// Builds the controller that the host describes, and answers; `None` where the host is not there any more, or has been refused. Not
-/// inlined: what is passed over the stack on the way is given back here.
+/// Builds the controller that the host describes, and answers. Returns `None` if the host has
+/// closed its pipe or if the configuration was refused.
+///
+/// Not inlined, so that the stack used by the construction is released.
 #[inline(never)]
 fn open(pipes: &mut Pipes) -> Result<Option<&'static mut Controller>, &'static str> {
     let Some(body) = pipes.receive()? else { return Ok(None) };
     let config = configuration(body)?;
-    let place = singleton!(: MaybeUninit<Controller> = MaybeUninit::uninit()).ok_or(TWICE)?;
+    let place = singleton!(: MaybeUninit<Controller> = MaybeUninit::uninit()).ok_or(STARTED_TWICE)?;
     match Controller::build_in(place, &config) {
         Ok(controller) => {
             pipes.send(&Opening { built: Ok(()), silence: controller.silence() })?;

@@ -1,7 +1,7 @@
-//! What images on the emulated Cortex-M4F share: what the controller is tried on, counting instructions, measuring the stack, and the pipes to
-//! the host.
+//! Shared parts of the images for the emulated Cortex-M4F: test bench of the controller, counter of
+//! instructions, stack measurement, and the pipes to the host.
 //!
-//! On the host there is the first of it only.
+//! On the host only the test bench is available.
 #![no_std]
 
 pub mod bench;

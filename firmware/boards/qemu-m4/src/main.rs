@@ -1,10 +1,11 @@
-//! The controller as thumb code under QEMU: processor in the loop.
+//! The controller as Thumb code under QEMU: processor in the loop.
 //!
-//! The image runs the same controller as the board, on an emulated Cortex-M4F. The host plays the converters: it sends one
-//! record (`firmware::board::lockstep`) a block through a pipe and waits for the codes. Nothing here knows time, so what this shows is
-//! arithmetic and code generation, not timing; each answer says how many instructions it took.
+//! The image runs the same controller as the board, on an emulated Cortex-M4F. The host simulates
+//! the converters: it sends one record (`firmware::board::lockstep`) per block through a pipe and
+//! waits for the codes. The image has no clock, so it tests arithmetic and code generation, not
+//! timing. Each answer contains the number of instructions it took.
 //!
-//! Built for the host, it is a stub that says how to build the image.
+//! Built for the host, it is a stub that prints how to build the image.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -1,30 +1,31 @@
-//! A flash in RAM, for the stored settings: a word is written once after each erase of its page, and can only lose bits.
+//! Flash in RAM for the stored settings: a word is written once after each erase of its page, and
+//! can only lose bits.
 //!
-//! It forgets when the emulator ends. What a cut of power leaves is tried on the host (`hal-mock`).
+//! It is lost when the emulator ends. Power cuts are tested on the host (`hal-mock`).
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write};
 
-/// Pages, and the bytes of each.
+/// Number of pages.
 pub const PAGES: usize = 4;
-/// As on the reference board's part.
+/// Size of a page, bytes, as on the reference board.
 pub const PAGE_BYTES: usize = 2048;
-/// What is written at once, bytes.
+/// Size of the unit of writing, bytes.
 const WORD_BYTES: usize = 8;
 const ERASED: u8 = 0xff;
 
-/// A flash of a few pages in RAM.
+/// Flash of a few pages in RAM.
 #[repr(C)]
 pub struct Pages {
     bytes: [u8; PAGES * PAGE_BYTES],
 }
 
 impl Pages {
-    /// An erased flash.
+    /// Creates an erased flash.
     pub const fn new() -> Self {
         Pages { bytes: [ERASED; PAGES * PAGE_BYTES] }
     }
 
-    /// Erases all of it.
+    /// Erases all pages.
     pub fn clear(&mut self) {
         self.bytes.fill(ERASED);
     }
@@ -67,7 +68,7 @@ impl NorFlash for Pages {
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
         check_write(self, offset, bytes.len())?;
         let room = &mut self.bytes[offset as usize..][..bytes.len()];
-        // A word that was written to takes nothing more, as on the part.
+        // A word cannot be written twice, as on the reference board.
         let is_written = |words: &mut &mut [u8]| words.iter().any(|&byte| byte != ERASED);
         if room.chunks_mut(WORD_BYTES).any(|mut word| is_written(&mut word)) {
             return Err(NorFlashErrorKind::Other);

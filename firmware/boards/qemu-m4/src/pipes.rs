@@ -1,4 +1,5 @@
-//! The pipes that QEMU has inherited from the host: files 3 and 4 of its process, by semihosting.
+//! Pipes to the host, which QEMU inherits: file descriptors 3 and 4 of its process, used by
+//! semihosting.
 
 use core::fmt::Write as _;
 
@@ -8,7 +9,7 @@ use firmware::seam::config::Config;
 use semihosting::fs::File;
 use semihosting::io::{Read as _, Write as _};
 
-/// Both pipes, and room for a record.
+/// Both pipes, and a buffer for a record.
 pub struct Pipes {
     from_host: File,
     to_host: File,
@@ -16,17 +17,19 @@ pub struct Pipes {
 }
 
 impl Pipes {
-    /// Opens what is there only if a host program has started QEMU. Once only. Not inlined, for what passes over the stack on the way.
+    /// Opens the pipes, once only. They exist only if a host program has started QEMU.
+    ///
+    /// Not inlined, so that the stack used by the construction is released.
     #[inline(never)]
     pub fn open() -> Result<&'static mut Self, &'static str> {
-        let missing = |_| "no pipes: this image is started by sim-host";
+        let missing = |_| "no pipes: this image must be started by sim-host";
         let (from_host, to_host) = (File::open(c"/dev/fd/3").map_err(missing)?, File::create(c"/dev/fd/4").map_err(missing)?);
         singleton!(: Pipes = Pipes { from_host, to_host, buffer: lockstep::BUFFER }).ok_or("started twice")
     }
 
-    /// The body of the next record; `None` when the host has closed its pipe.
+    /// Returns the body of the next record, or `None` if the host has closed its pipe.
     pub fn receive(&mut self) -> Result<Option<&[u8]>, &'static str> {
-        lockstep::receive(&mut self.buffer, |bytes| self.from_host.read(bytes)).map_err(|_| "the host's pipe fails")
+        lockstep::receive(&mut self.buffer, |bytes| self.from_host.read(bytes)).map_err(|_| "the pipe from the host fails")
     }
 
     /// Sends a record to the host.
@@ -36,22 +39,22 @@ impl Pipes {
     }
 }
 
-const OTHER_VERSION: &str = "a record cannot be read: host and image are of different versions";
+const OTHER_VERSION: &str = "a record cannot be read: host and image have different versions";
 
-/// The configuration in what was received.
+/// Decodes a configuration.
 pub fn configuration(body: &[u8]) -> Result<Config, &'static str> {
     lockstep::configuration(body).map_err(|_| OTHER_VERSION)
 }
 
-/// Why a configuration is refused.
+/// Returns the reason why a configuration is refused.
 pub fn reason(error: &firmware::seam::error::Error) -> Reason {
     let mut reason = Reason::new();
-    // What does not fit is left out: the parameter comes first.
+    // A text that is too long is cut at its end; the parameter comes first.
     let _ = write!(reason, "{error}");
     reason
 }
 
-/// Reads the record in what was received.
+/// Decodes a record.
 pub fn read(body: &[u8], record: &mut impl Record) -> Result<(), &'static str> {
     lockstep::decode(body, record).map_err(|_| OTHER_VERSION)
 }

@@ -1,7 +1,7 @@
-//! Mean friction of a vibrating contact, by Dahl's law, a piece at a time.
+//! Mean friction of a vibrating contact by Dahl's law, computed in steps.
 //!
-//! For `V = Vt + Vv cos(w t)` the steady mean of the friction, over the friction without vibration, depends on two numbers only
-//! (thesis 4.15; Dahl 1968, exponent one):
+//! For `V = Vt + Vv cos(w t)` the steady mean of the friction, relative to the friction without
+//! vibration, depends on two numbers only (thesis 4.15; Dahl 1968, exponent one):
 //!
 //! ```text
 //! xi    = Vt / Vv           velocity ratio; from one on nothing reverses, and r = 1
@@ -10,40 +10,46 @@
 //! r = (2/pi) asin xi + [ (1 - e^-2A) I_b - (1 - e^-2B) I_a ] / (pi (1 - e^-2(A+B)))
 //! ```
 //!
-//! The contact slips forward over the phase `2 a` and backward over `2 b`, with `b = acos xi` and `a = pi - b`. Each way is the same function
-//! of its half angle `h`, with `c = cos h`, -xi forward and xi backward:
+//! The contact slips forward over the phase `2 a` and backward over `2 b`, with `b = acos xi` and
+//! `a = pi - b`. Each direction is the same function of its half angle `h`, with `c = cos h`: -xi
+//! forward and xi backward.
 //!
 //! ```text
 //! slip(u) = sin h (1 - cos u) - c (u - sin u),   A, B = kappa slip(h)
 //! I = integral of e + exp(-2A) / e over u = 0 to h,   e = exp(-kappa slip(u))
 //! ```
 //!
-//! The integral takes six nodes of half a Gauss-Legendre rule of twelve (it is even about h), up to where `kappa slip` is 16. Valid for any
-//! kappa from zero to infinity. Nothing cancels: `(1 - cos u) / u^2` and `(u - sin u) / u^3` are power series, and differences of exponentials
-//! are `expm1`. Its error against the closed form in f64 is what the tests state.
+//! The integral uses the six nodes of half a Gauss-Legendre rule of twelve, because it is even
+//! about h, up to the point where `kappa slip` is 16. Valid for any kappa from zero to infinity.
+//! There is no cancellation: `(1 - cos u) / u^2` and `(u - sin u) / u^3` are power series, and
+//! differences of exponentials are `expm1`. The tests state the error relative to the closed form
+//! in f64.
 //!
-//! An evaluation takes `STEPS` calls, about 400 instructions each, so that it can be spread over as many blocks.
+//! An evaluation takes `STEPS` calls of about 400 instructions each, so that it can be spread over
+//! several blocks.
 
 use crate::seam::compare::within;
 
-/// Calls of [`Evaluation::step`] that an evaluation takes.
+/// Number of calls of [`Evaluation::step`] per evaluation.
 pub(crate) const STEPS: u32 = 6;
 
 const FRAC_2_PI: f32 = core::f32::consts::FRAC_2_PI;
 const PI: f32 = core::f32::consts::PI;
 
-/// Below this kappa the ratio is its limit to single precision.
-const NO_MEMORY_LOST: f32 = 1e-6;
-/// From this kappa on it is Coulomb's, even next to the velocity threshold, where the way back is short.
-const NO_MEMORY: f32 = 1e12;
-/// Where the integral is cut, in kappa times slip: e^-16 is 1e-7.
-const CUT: f32 = 16.0;
-/// Steps of Newton's method to where it is cut.
-const CUT_STEPS: usize = 4;
-/// Nodes of a way that one step adds.
-const NODES_A_STEP: usize = 3;
+/// Kappa below which the ratio equals its limit to single precision.
+const MIN_KAPPA: f32 = 1e-6;
+/// Kappa from which the ratio is that of Coulomb friction, even near the velocity threshold, where
+/// the backward slip is short.
+const COULOMB_KAPPA: f32 = 1e12;
+/// Upper limit of the integral, in kappa times slip: e^-16 is 1e-7.
+const CUT_EXPONENT: f32 = 16.0;
+/// Newton steps towards this limit.
+const NEWTON_STEPS: usize = 4;
+/// Nodes added per step.
+const NODES_PER_STEP: usize = 3;
 
-/// Places and weights of the half from 0 to 1 of a Gauss-Legendre rule over 0 to 2 (Abramowitz and Stegun table 25.4, n = 12).
+/// Nodes and weights of the half from 0 to 1 of a Gauss-Legendre rule over 0 to 2 (Abramowitz and
+/// Stegun table 25.4, n = 12).
 const NODES: [(f32, f32); 6] = [
     (0.018_439_366, 0.047_175_337),
     (0.095_882_74, 0.106_939_33),
@@ -53,7 +59,8 @@ const NODES: [(f32, f32); 6] = [
     (0.874_766_6, 0.249_147_05),
 ];
 
-/// `(1 - cos u) / u^2` and `(u - sin u) / u^3` in powers of u^2: `(-1)^k / (2k + 2)!` and `(-1)^k / (2k + 3)!`. At u = pi the next is 2e-8.
+/// Coefficients of `(1 - cos u) / u^2` and `(u - sin u) / u^3` in powers of u^2:
+/// `(-1)^k / (2k + 2)!` and `(-1)^k / (2k + 3)!`. At u = pi the next term is 2e-8.
 const SERIES: [(f32, f32); 8] = series();
 
 const fn series() -> [(f32, f32); 8] {
@@ -70,40 +77,41 @@ const fn series() -> [(f32, f32); 8] {
     out
 }
 
-/// `(1 - cos u) / u^2` and `(u - sin u) / u^3`.
+/// Computes `(1 - cos u) / u^2` and `(u - sin u) / u^3` from `u^2`.
 fn versines(square: f32) -> (f32, f32) {
     SERIES.iter().rev().fold((0.0, 0.0), |(cosine, sine), term| (cosine * square + term.0, sine * square + term.1))
 }
 
-/// One way of the slip, from standstill to standstill.
+/// Slip in one direction, from standstill to standstill.
 #[derive(Clone, Copy, Debug, Default)]
-struct Way {
-    /// Half its phase, rad.
+struct Stroke {
+    /// Half of its phase, rad.
     half: f32,
     sine: f32,
     cosine: f32,
     kappa: f32,
     /// Half of kappa times the whole slip.
     exponent: f32,
-    /// How far the integral goes: the middle, or the cut.
+    /// Upper limit of the integral, rad: the middle, or the cut.
     reach: f32,
-    /// `1 - exp(-2A)`: how much of a difference in friction the way takes off; and what is left of it.
+    /// Part of a difference in friction that the slip removes: `1 - exp(-2A)`.
     forgotten: f32,
+    /// Part that remains: `exp(-2A)`.
     retained: f32,
     integral: f32,
 }
 
-impl Way {
+impl Stroke {
     fn new(half: f32, sine: f32, cosine: f32, kappa: f32) -> Self {
-        let mut way = Way { half, sine, cosine, kappa, ..Way::default() };
-        way.exponent = kappa * way.slip(half).0;
-        way.forgotten = -libm::expm1f(-2.0 * way.exponent);
-        way.retained = 1.0 - way.forgotten;
-        way.reach = way.reach();
-        way
+        let mut stroke = Stroke { half, sine, cosine, kappa, ..Stroke::default() };
+        stroke.exponent = kappa * stroke.slip(half).0;
+        stroke.forgotten = -libm::expm1f(-2.0 * stroke.exponent);
+        stroke.retained = 1.0 - stroke.forgotten;
+        stroke.reach = stroke.reach();
+        stroke
     }
 
-    /// Slip since the beginning, up to the middle, and its slope.
+    /// Computes the slip from the start to the phase `u`, up to the middle, and its slope.
     fn slip(&self, u: f32) -> (f32, f32) {
         let square = u * u;
         let (cosine, sine) = versines(square);
@@ -113,14 +121,15 @@ impl Way {
     }
 
     fn reach(&self) -> f32 {
-        if self.exponent <= CUT {
+        if self.exponent <= CUT_EXPONENT {
             return self.half;
         }
-        // The slip is convex up to its middle, which is beyond the cut: from there Newton's method comes down without a jump. A guess from the
-        // quadratic, which forward is too far and backward too near, is as good a beginning where the way is long.
-        let target = CUT / self.kappa;
+        // Newton's method converges monotonically from beyond the cut, because the slip is convex
+        // up to its middle. For long slips a quadratic guess is as good; it is too large forward
+        // and too small backward.
+        let target = CUT_EXPONENT / self.kappa;
         let mut u = libm::sqrtf(2.0 * target / self.sine).min(self.half);
-        for _ in 0..CUT_STEPS {
+        for _ in 0..NEWTON_STEPS {
             let (slip, slope) = self.slip(u);
             u = within(u - (slip - target) / slope.max(f32::MIN_POSITIVE), 0.0, self.half);
         }
@@ -135,34 +144,35 @@ impl Way {
     }
 }
 
-/// A friction ratio that is being evaluated.
+/// Evaluation of a friction ratio, in progress.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Evaluation {
     xi: f32,
-    ways: [Way; 2],
-    /// Calls so far.
+    strokes: [Stroke; 2],
+    /// Number of calls so far.
     step: u32,
-    /// Known without an integral.
+    /// Result; set at the start if it needs no integral.
     known: Option<f32>,
 }
 
 impl Evaluation {
-    /// Begins to evaluate the ratio at a velocity ratio and a kappa, neither below zero. What is not a number is no vibration.
+    /// Starts the evaluation at a velocity ratio and a kappa, both non-negative. NaN means no
+    /// vibration.
     pub(crate) fn new(xi: f32, kappa: f32) -> Self {
         let xi = xi.abs();
         let known = if xi.is_nan() || xi >= 1.0 {
             Some(1.0)
-        } else if kappa.is_nan() || kappa < NO_MEMORY_LOST {
+        } else if kappa.is_nan() || kappa < MIN_KAPPA {
             Some(limit(xi))
-        } else if kappa >= NO_MEMORY {
+        } else if kappa >= COULOMB_KAPPA {
             Some(coulomb(xi))
         } else {
             None
         };
-        Evaluation { xi, ways: [Way { kappa, ..Way::default() }; 2], step: 0, known }
+        Evaluation { xi, strokes: [Stroke { kappa, ..Stroke::default() }; 2], step: 0, known }
     }
 
-    /// Goes on by one step; the ratio, once it is done.
+    /// Advances by one step. Returns the ratio once it is complete.
     pub(crate) fn step(&mut self) -> Option<f32> {
         if self.known.is_some() {
             return self.known;
@@ -170,19 +180,19 @@ impl Evaluation {
         self.step += 1;
         match self.step {
             1 => {
-                let (xi, kappa) = (self.xi, self.ways[0].kappa);
+                let (xi, kappa) = (self.xi, self.strokes[0].kappa);
                 let sine = libm::sqrtf((1.0 - xi) * (1.0 + xi));
-                self.ways[1] = Way::new(libm::atan2f(sine, xi), sine, xi, kappa);
+                self.strokes[1] = Stroke::new(libm::atan2f(sine, xi), sine, xi, kappa);
             }
             2 => {
-                let Way { half, sine, cosine, kappa, .. } = self.ways[1];
-                self.ways[0] = Way::new(PI - half, sine, -cosine, kappa);
+                let Stroke { half, sine, cosine, kappa, .. } = self.strokes[1];
+                self.strokes[0] = Stroke::new(PI - half, sine, -cosine, kappa);
             }
             part => {
                 let place = ((part - 3) % 2) as usize;
-                let [forward, backward] = &mut self.ways;
-                let way = if part < 5 { forward } else { backward };
-                way.add(&NODES[place * NODES_A_STEP..(place + 1) * NODES_A_STEP]);
+                let [forward, backward] = &mut self.strokes;
+                let stroke = if part < 5 { forward } else { backward };
+                stroke.add(&NODES[place * NODES_PER_STEP..(place + 1) * NODES_PER_STEP]);
             }
         }
         if self.step == STEPS {
@@ -192,9 +202,9 @@ impl Evaluation {
     }
 
     fn ratio(&self) -> f32 {
-        let [forward, backward] = &self.ways;
+        let [forward, backward] = &self.strokes;
         let (a, b) = (forward.forgotten, backward.forgotten);
-        // 1 - exp(-2 (A + B)), without a difference.
+        // 1 - exp(-2 (A + B)), without cancellation.
         let both = a + b * forward.retained;
         let difference = a * backward.integral - b * forward.integral;
         let ratio = coulomb(self.xi) + difference / (PI * both);
@@ -202,7 +212,7 @@ impl Evaluation {
     }
 }
 
-/// The friction ratio, at once.
+/// Computes the friction ratio in one call.
 pub fn friction_ratio(xi: f32, kappa: f32) -> f32 {
     let mut evaluation = Evaluation::new(xi, kappa);
     for _ in 1..STEPS {
@@ -213,17 +223,19 @@ pub fn friction_ratio(xi: f32, kappa: f32) -> f32 {
     evaluation.step().unwrap_or(1.0)
 }
 
-/// The ratio of Coulomb friction, `(2/pi) asin xi` (thesis 4.3): the reference. Its inverse is `Vv / Vt = 1 / sin(pi r / 2)`.
+/// Computes the ratio of Coulomb friction, `(2/pi) asin xi` (thesis 4.3), as a reference. Its
+/// inverse is `Vv / Vt = 1 / sin(pi r / 2)`.
 pub fn coulomb(xi: f32) -> f32 {
     FRAC_2_PI * arc_sine(if xi < 1.0 { xi } else { 1.0 })
 }
 
-/// `asin x`, 0 to 1, by single precision only, which that of the library is not.
+/// Computes `asin x` for 0 to 1 in single precision; the library function uses double precision.
 fn arc_sine(x: f32) -> f32 {
     libm::atan2f(x, libm::sqrtf((1.0 - x) * (1.0 + x)))
 }
 
-/// The ratio as kappa goes to zero, where the friction is constant: net slip over slip, `(pi/2) xi / (xi asin xi + sqrt(1 - xi^2))`.
+/// Computes the limit of the ratio for kappa to zero, where the friction is constant: net slip over
+/// slip, `(pi/2) xi / (xi asin xi + sqrt(1 - xi^2))`.
 fn limit(xi: f32) -> f32 {
     let ratio = 0.5 * PI * xi / (xi * arc_sine(xi) + libm::sqrtf((1.0 - xi) * (1.0 + xi)));
     if ratio < 1.0 { ratio } else { 1.0 }
@@ -233,7 +245,7 @@ fn limit(xi: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Independent of this code: 40 digits, rounded. (xi, kappa, ratio)
+    /// Reference values (xi, kappa, ratio) from an independent computation with 40 digits, rounded.
     const DIGITS: [(f32, f32, f32); 8] = [
         (0.1, 0.404_517, 0.148_749_78),
         (0.5, 0.404_517, 0.674_948_7),
@@ -245,7 +257,7 @@ mod tests {
         (0.1, 1e4, 0.063_770_7),
     ];
 
-    /// Measured: 2.4e-6, of the six nodes; the rest is single precision.
+    /// Measured error: 2.4e-6 from the six nodes; the rest is single precision.
     #[test]
     fn agrees_with_forty_digits() {
         for (xi, kappa, ratio) in DIGITS {
@@ -263,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn takes_so_many_steps() {
+    fn takes_the_stated_number_of_steps() {
         let mut evaluation = Evaluation::new(0.3, 2.0);
         for _ in 1..STEPS {
             assert_eq!(evaluation.step(), None);
@@ -272,7 +284,7 @@ mod tests {
         assert!(done.is_some() && done == evaluation.step());
     }
 
-    /// Nothing that can be asked is not a number, or outside zero to one.
+    /// The result is never NaN nor outside zero to one, for any input.
     #[test]
     fn holds_at_the_ends_of_single_precision() {
         let odd =
@@ -285,7 +297,8 @@ mod tests {
         }
     }
 
-    /// For every velocity ratio the friction falls with kappa, and for every kappa it rises with the velocity ratio.
+    /// The friction falls with kappa at every velocity ratio, and rises with the velocity ratio at
+    /// every kappa.
     #[test]
     fn is_monotone() {
         let kappas = || (-8..=28).map(|n| libm::powf(10.0, 0.25 * n as f32 - 1.0));

@@ -1,15 +1,18 @@
-//! What a contact is, from the friction at a few amplitudes, a piece at a time.
+//! Fit of a contact to the friction at a few amplitudes, computed in steps.
 //!
-//! Two numbers are sought: the Dahl length `l = Fc / Kt`, and a scale of the velocity ratio, because neither the sliding speed nor the force
-//! factor, by which a motional current is a tip velocity, is known exactly. Both show in how the friction falls with the amplitude:
+//! There are two unknowns: the Dahl length `l = Fc / Kt`, and a scale of the velocity ratio. The
+//! scale is needed because neither the sliding speed nor the force factor, which converts motional
+//! current to tip velocity, is known exactly. Both determine how the friction falls with the
+//! amplitude:
 //!
 //! ```text
 //! r_k = r(s Vt / V_k, V_k / (w l)),    k = 1 to 3
 //! least of  sum (r_k - measured_k)^2 / dr^2 + (ln s)^2 / ds^2 + (ln l / l0)^2 / dl^2
 //! ```
 //!
-//! by the rule of Levenberg and Marquardt (1963) from the best of a few lengths. What the amplitudes do not show (the length of a contact so
-//! soft that it does not matter) stays where it was expected, and its deviation says so.
+//! The minimum is found by the method of Levenberg and Marquardt (1963), from the best of several
+//! lengths. A parameter that the amplitudes do not determine (the length of a contact so soft that
+//! it does not matter) stays at its expected value, with a correspondingly large deviation.
 
 use heapless::Vec;
 
@@ -18,20 +21,24 @@ use super::dahl::Evaluation;
 /// Amplitudes at which the friction is measured.
 pub(crate) const AMPLITUDES: usize = 3;
 
-/// By how much a measured ratio scatters.
+/// Standard deviation of a measured ratio.
 const RATIO_DEVIATION: f32 = 0.002;
-/// By how much the velocity ratio is expected to be off: speed 2 %, force factor 3 %.
+/// Expected relative standard deviation of the velocity ratio: speed 2 %, force factor 3 %.
 const SCALE_DEVIATION: f32 = 0.036;
-/// The Dahl length that is expected, m, and by how much it may be off: a factor of e^2.
-const LENGTH: (f32, f32) = (0.5e-6, 2.0);
-/// Lengths to begin at: as many factors of sqrt 10, from 0.03 um.
-const BEGINNINGS: (f32, u32) = (0.03e-6, 7);
-/// Steps of the derivatives.
-const STEP: [f32; 2] = [0.02, 0.005];
-/// Trials after the beginnings.
-const MOST_TRIALS: u32 = 12;
-/// A step that is this small is the last.
-const SMALL_STEP: f32 = 1e-3;
+/// Expected Dahl length, m.
+const EXPECTED_LENGTH_M: f32 = 0.5e-6;
+/// Standard deviation of the logarithm of the expected length: a factor of e^2.
+const LENGTH_DEVIATION_LN: f32 = 2.0;
+/// Shortest initial length, m.
+const SHORTEST_START_M: f32 = 0.03e-6;
+/// Number of initial lengths, each sqrt(10) times the previous one.
+const STARTS: u32 = 7;
+/// Difference steps of the logarithms of length and scale for the derivatives.
+const DERIVATIVE_STEPS: [f32; 2] = [0.02, 0.005];
+/// Maximum number of trials after the initial lengths.
+const MAX_TRIALS: u32 = 12;
+/// Step size below which the fit ends.
+const CONVERGED_STEP: f32 = 1e-3;
 
 /// Friction at one amplitude.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,29 +47,29 @@ pub(crate) struct Observation {
     pub(crate) speed_m_per_s: f32,
     /// Tip velocity, by the nominal force factor, m/s.
     pub(crate) tip_m_per_s: f32,
-    /// Friction over that without vibration.
+    /// Friction relative to that without vibration.
     pub(crate) ratio: f32,
 }
 
-/// A contact.
+/// Parameters of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Contact {
     /// Dahl length Fc / Kt, m.
     pub(crate) dahl_length_m: f32,
-    /// Times the measured speed over the measured tip velocity is the velocity ratio.
+    /// Factor from measured speed over measured tip velocity to the true velocity ratio.
     pub scale: f32,
-    /// Standard deviation of the length, relative.
+    /// Relative standard deviation of the length.
     pub(crate) length_deviation: f32,
 }
 
 impl Contact {
-    /// The nominal contact: nothing is identified yet.
+    /// Creates the nominal contact, before an identification.
     pub(crate) fn nominal(dahl_length_m: f32) -> Self {
-        Contact { dahl_length_m, scale: 1.0, length_deviation: LENGTH.1 }
+        Contact { dahl_length_m, scale: 1.0, length_deviation: LENGTH_DEVIATION_LN }
     }
 }
 
-/// A trial: logarithms of length and scale, and what they predict.
+/// Trial: logarithms of length and scale, and the predicted ratios.
 #[derive(Clone, Copy, Debug, Default)]
 struct Trial {
     place: [f32; 2],
@@ -72,15 +79,15 @@ struct Trial {
 
 #[derive(Clone, Copy, Debug)]
 enum Stage {
-    /// One of the lengths to begin at.
-    Beginning(u32),
-    /// A trial for the derivative by one of the parameters.
+    /// Evaluates one of the initial lengths.
+    Start(u32),
+    /// Evaluates the derivative by one of the parameters.
     Slope(usize),
-    /// A step from the best.
+    /// Evaluates a step from the best trial.
     Trial,
 }
 
-/// A fit that is being made.
+/// Fit in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct Fit {
     omega: f32,
@@ -89,7 +96,7 @@ pub(crate) struct Fit {
     best: Trial,
     slopes: [[f32; AMPLITUDES]; 2],
     trial: Trial,
-    /// Which observation is being predicted.
+    /// Index of the observation that is being predicted.
     at: usize,
     evaluation: Evaluation,
     damping: f32,
@@ -97,12 +104,12 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
-    /// Begins with what was observed at a drive of `omega` rad/s.
+    /// Starts with the observations at a drive of `omega`, rad/s.
     pub(crate) fn new(omega: f32, observations: Vec<Observation, AMPLITUDES>) -> Self {
         let mut fit = Fit {
             omega,
             observations,
-            stage: Stage::Beginning(0),
+            stage: Stage::Start(0),
             best: Trial { cost: f32::INFINITY, ..Trial::default() },
             slopes: [[0.0; AMPLITUDES]; 2],
             trial: Trial::default(),
@@ -111,11 +118,11 @@ impl Fit {
             damping: 0.01,
             trials: 0,
         };
-        fit.begin_at(0);
+        fit.start_at(0);
         fit
     }
 
-    /// Goes on by one step of an evaluation, or of the fit itself; the contact, once it is found.
+    /// Advances by one step of an evaluation or of the fit. Returns the contact once it is found.
     pub(crate) fn step(&mut self) -> Option<Contact> {
         if self.at >= self.observations.len() {
             self.trial.cost = self.cost();
@@ -132,17 +139,17 @@ impl Fit {
 
     fn judge(&mut self) -> Option<Contact> {
         match self.stage {
-            Stage::Beginning(n) => {
+            Stage::Start(n) => {
                 self.keep_better();
-                if n + 1 < BEGINNINGS.1 { self.begin_at(n + 1) } else { self.slope(0) }
+                if n + 1 < STARTS { self.start_at(n + 1) } else { self.slope(0) }
             }
             Stage::Slope(which) => {
-                for (slopes, step) in self.slopes.iter_mut().zip(STEP).skip(which).take(1) {
+                for (slopes, step) in self.slopes.iter_mut().zip(DERIVATIVE_STEPS).skip(which).take(1) {
                     for (slope, (to, from)) in slopes.iter_mut().zip(self.trial.ratios.iter().zip(&self.best.ratios)) {
                         *slope = (to - from) / step;
                     }
                 }
-                if which == 0 { self.slope(1) } else { self.go() }
+                if which == 0 { self.slope(1) } else { self.step_down() }
             }
             Stage::Trial => {
                 let moved =
@@ -150,16 +157,16 @@ impl Fit {
                 let better = self.keep_better();
                 self.damping *= if better { 0.1 } else { 10.0 };
                 self.trials += 1;
-                if self.trials >= MOST_TRIALS || moved < SMALL_STEP {
+                if self.trials >= MAX_TRIALS || moved < CONVERGED_STEP {
                     return Some(self.contact());
                 }
-                if better { self.slope(0) } else { self.go() }
+                if better { self.slope(0) } else { self.step_down() }
             }
         }
         None
     }
 
-    /// Takes the trial if it costs less.
+    /// Keeps the trial if its cost is lower.
     fn keep_better(&mut self) -> bool {
         let better = self.trial.cost < self.best.cost;
         if better {
@@ -168,21 +175,21 @@ impl Fit {
         better
     }
 
-    fn begin_at(&mut self, n: u32) {
-        self.stage = Stage::Beginning(n);
-        let length = libm::logf(BEGINNINGS.0) + n as f32 * 0.5 * core::f32::consts::LN_10;
+    fn start_at(&mut self, n: u32) {
+        self.stage = Stage::Start(n);
+        let length = libm::logf(SHORTEST_START_M) + n as f32 * 0.5 * core::f32::consts::LN_10;
         self.predict([length, 0.0]);
     }
 
     fn slope(&mut self, which: usize) {
         self.stage = Stage::Slope(which);
         let mut place = self.best.place;
-        place[which] += STEP[which];
+        place[which] += DERIVATIVE_STEPS[which];
         self.predict(place);
     }
 
-    /// A step down from the best.
-    fn go(&mut self) {
+    /// Starts a damped step from the best trial.
+    fn step_down(&mut self) {
         self.stage = Stage::Trial;
         let ([a, b, c], [p, q]) = self.normal();
         let (a, c) = (a * (1.0 + self.damping), c * (1.0 + self.damping));
@@ -192,11 +199,11 @@ impl Fit {
         self.predict([length + step[0].clamp(-2.0, 2.0), (scale + step[1]).clamp(-0.5, 0.5)]);
     }
 
-    /// The normal matrix (its three elements) and the slope downhill, at the best.
+    /// Computes the normal matrix (its three elements) and the negative gradient at the best trial.
     fn normal(&self) -> ([f32; 3], [f32; 2]) {
         const WEIGHT: f32 = 1.0 / (RATIO_DEVIATION * RATIO_DEVIATION);
-        let priors = [1.0 / (LENGTH.1 * LENGTH.1), 1.0 / (SCALE_DEVIATION * SCALE_DEVIATION)];
-        let expected = [libm::logf(LENGTH.0), 0.0];
+        let priors = [1.0 / (LENGTH_DEVIATION_LN * LENGTH_DEVIATION_LN), 1.0 / (SCALE_DEVIATION * SCALE_DEVIATION)];
+        let expected = [libm::logf(EXPECTED_LENGTH_M), 0.0];
         let mut matrix = [priors[0], 0.0, priors[1]];
         let mut downhill = [priors[0] * (expected[0] - self.best.place[0]), priors[1] * (expected[1] - self.best.place[1])];
         let [by_length, by_scale] = &self.slopes;
@@ -232,7 +239,7 @@ impl Fit {
     fn cost(&self) -> f32 {
         let square = |x: f32| x * x;
         let [length, scale] = self.trial.place;
-        let prior = square((length - libm::logf(LENGTH.0)) / LENGTH.1) + square(scale / SCALE_DEVIATION);
+        let prior = square((length - libm::logf(EXPECTED_LENGTH_M)) / LENGTH_DEVIATION_LN) + square(scale / SCALE_DEVIATION);
         let misses = self.observations.iter().zip(&self.trial.ratios);
         misses.fold(prior, |sum, (observation, ratio)| sum + square((observation.ratio - ratio) / RATIO_DEVIATION))
     }
@@ -245,7 +252,8 @@ mod tests {
 
     const OMEGA: f32 = 2.0 * core::f32::consts::PI * 40e3;
 
-    /// What a contact shows at three amplitudes, if the speed is said to be `1 / scale` of what it is, with errors of the force.
+    /// Returns the observations of a contact at three amplitudes, if the measured speed is
+    /// `1 / scale` of the true one, with errors of the ratios.
     fn observed(length: f32, scale: f32, errors: [f32; 3]) -> Vec<Observation, AMPLITUDES> {
         let speed = 0.038;
         let tips = [0.175, 0.088, 0.0447];
@@ -268,7 +276,8 @@ mod tests {
         }
     }
 
-    /// The worst error of a ratio that is asked for, between those of the maximum amplitude and of the smallest one with an effect.
+    /// Returns the largest error of a commanded ratio, from the maximum amplitude to the smallest
+    /// one with an effect.
     fn worst(length: f32, contact: Contact, scale: f32) -> f32 {
         let of = |n: i32| {
             let tip = 0.038 / (0.22 + 0.0075 * n as f32);
@@ -279,9 +288,10 @@ mod tests {
         (0..=100).map(of).fold(0.0, f32::max)
     }
 
-    /// Lengths of a contact of metal, in um: with a speed that is 2 % off, and what the force sensor adds. Measured: 0.0035 at worst.
+    /// Lengths of a metal contact, with a speed error of 2 % and errors of the force sensor.
+    /// Measured: at most 0.0035.
     #[test]
-    fn any_length_is_known_as_well_as_it_matters() {
+    fn ratio_error_is_small_at_any_length() {
         let mut most = 0.0f32;
         for length in [0.1e-6, 0.15e-6, 0.5e-6, 1e-6, 2e-6, 5.36e-6] {
             for scale in [0.98, 1.0, 1.02] {
@@ -296,9 +306,10 @@ mod tests {
         assert!(most < 0.004, "{most}");
     }
 
-    /// Without errors both numbers come back. Measured: length within 0.21 %, scale within 0.04 %, where the length shows at all.
+    /// Without errors, both parameters are recovered. Measured: length within 0.21 % and scale
+    /// within 0.04 %, if the length has an effect at all.
     #[test]
-    fn both_numbers_come_back() {
+    fn both_parameters_are_recovered() {
         for length in [0.15e-6, 0.5e-6, 1e-6] {
             for scale in [0.98, 1.02] {
                 let (contact, _) = fit(observed(length, scale, [0.0; 3]));
@@ -308,9 +319,9 @@ mod tests {
         }
     }
 
-    /// What cannot be of this law, or of any, ends in time with numbers.
+    /// Observations that contradict the law, or any law, end in time with finite results.
     #[test]
-    fn nonsense_ends() {
+    fn contradictory_observations_end_in_time() {
         for errors in [[0.5, -0.5, 0.5], [f32::NAN; 3], [f32::INFINITY, 0.0, 0.0], [-3.0; 3]] {
             let (contact, steps) = fit(observed(0.5e-6, 1.0, errors));
             assert!(contact.dahl_length_m > 0.0 && contact.dahl_length_m.is_finite() && steps < 1000, "{errors:?}: {contact:?}");

@@ -1,49 +1,53 @@
-//! The inverse law: the velocity ratio that gives a target friction ratio, calculated a piece at a time.
+//! Inverse law: the velocity ratio for a target friction ratio, computed in steps.
 //!
-//! Of a contact at a given sliding speed, velocity ratio and kappa are not independent: `kappa = lambda / xi` with
+//! For a contact at a given sliding speed, velocity ratio and kappa are not independent:
+//! `kappa = lambda / xi` with
 //!
 //! ```text
 //! lambda = Kt Vt / (w Fc) = Vt / (w l),    l = Fc / Kt  the Dahl length, m
 //! ```
 //!
-//! so that the friction ratio falls with the tip velocity alone, from one at `xi = 1` to the **floor** at the maximum amplitude. In between it is
-//! found by the Illinois rule (Dowell and Jarratt 1971), which keeps what is sought between two values. What is sought is
-//! `u = sqrt(1 - xi)`, over which the ratio has no infinite slope: `(2/pi) asin xi` goes as `1 - (2/pi) sqrt(2) u` near one.
+//! The friction ratio therefore falls with the tip velocity alone, from one at `xi = 1` to the
+//! **floor** at the maximum amplitude. In between, the solution is found by the Illinois rule
+//! (Dowell and Jarratt 1971), which keeps it between two values. The unknown is `u = sqrt(1 - xi)`,
+//! as a function of which the ratio has a finite slope: `(2/pi) asin xi` is approximately
+//! `1 - (2/pi) sqrt(2) u` near one.
 //!
-//! Coulomb friction is `lambda = infinity`, and takes the same way to `Vv / Vt = 1 / sin(pi r / 2)`.
+//! Coulomb friction is `lambda = infinity`; the result is then `Vv / Vt = 1 / sin(pi r / 2)`.
 
 use super::dahl::Evaluation;
 
-/// A solution deviates from the target ratio by less than this.
-const NEAR: f32 = 1e-4;
-/// Evaluations that are enough for any contact: see the tests.
-const MOST_EVALUATIONS: u32 = 24;
+/// Maximum deviation of a solution from the target ratio.
+const RATIO_TOLERANCE: f32 = 1e-4;
+/// Maximum number of evaluations; sufficient for any contact (see the tests).
+const MAX_EVALUATIONS: u32 = 24;
 
 /// Solution of the inverse law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
     /// Velocity ratio Vt / Vv to drive at.
     pub xi: f32,
-    /// The friction ratio there.
+    /// Friction ratio there.
     pub(crate) ratio: f32,
-    /// The smallest friction ratio, that of the maximum amplitude; one without authority.
+    /// Minimum friction ratio, at the maximum amplitude; one without authority.
     pub floor: f32,
 }
 
-/// A solution that is being sought.
+/// Solution in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct Inverse {
     target: f32,
     lambda: f32,
     floor: f32,
-    /// `u`, and the excess of the ratio there over the target: at a place where the excess is not negative, and at one where it is.
+    /// `u`, and the excess of the ratio over the target, where the excess is not negative.
     above: (f32, f32),
+    /// `u`, and the excess of the ratio over the target, where the excess is negative.
     below: (f32, f32),
-    /// Where the ratio is being evaluated, and how.
+    /// `u` at which the ratio is being evaluated.
     at: f32,
     evaluation: Evaluation,
     evaluations: u32,
-    /// The side that was replaced last.
+    /// Side that was replaced last.
     replaced: Option<Side>,
 }
 
@@ -54,7 +58,8 @@ enum Side {
 }
 
 impl Inverse {
-    /// Begins to seek where the ratio is `target`, for `xi` from `least_xi`, that of the maximum amplitude, to one. What is not a number is one.
+    /// Starts the search for the ratio `target`, with `xi` between `least_xi`, that of the maximum
+    /// amplitude, and one. NaN is read as one.
     pub(crate) fn new(target: f32, lambda: f32, least_xi: f32) -> Self {
         let target = if target < 1.0 { target } else { 1.0 };
         let least_xi = if least_xi < 1.0 { least_xi.max(0.0) } else { 1.0 };
@@ -64,21 +69,21 @@ impl Inverse {
         Inverse { target, lambda, floor: 1.0, above, below: (at, 0.0), at, evaluation, evaluations: 0, replaced: None }
     }
 
-    /// Goes on by one step; the solution, once it is found.
+    /// Advances by one step. Returns the solution once it is found.
     pub(crate) fn step(&mut self) -> Option<Solution> {
         let ratio = self.evaluation.step()?;
         let excess = ratio - self.target;
         self.evaluations += 1;
         if self.evaluations == 1 {
             self.floor = ratio;
-            if excess >= -NEAR || self.above.1 <= NEAR {
-                // The maximum amplitude is not enough, or just so; or the target is no reduction at all.
-                let xi = if excess >= -NEAR { 1.0 - self.at * self.at } else { 1.0 };
-                return Some(Solution { xi, ratio: if excess >= -NEAR { ratio } else { 1.0 }, floor: ratio });
+            if excess >= -RATIO_TOLERANCE || self.above.1 <= RATIO_TOLERANCE {
+                // The maximum amplitude is needed or not enough, or no reduction is commanded.
+                let xi = if excess >= -RATIO_TOLERANCE { 1.0 - self.at * self.at } else { 1.0 };
+                return Some(Solution { xi, ratio: if excess >= -RATIO_TOLERANCE { ratio } else { 1.0 }, floor: ratio });
             }
             self.below.1 = excess;
         } else {
-            if excess.abs() < NEAR || self.evaluations >= MOST_EVALUATIONS {
+            if excess.abs() < RATIO_TOLERANCE || self.evaluations >= MAX_EVALUATIONS {
                 return Some(Solution { xi: 1.0 - self.at * self.at, ratio, floor: self.floor });
             }
             self.narrow(excess);
@@ -89,7 +94,8 @@ impl Inverse {
         None
     }
 
-    /// Replaces one end. The other one's value is halved when it has stayed twice, so that it is left in the end.
+    /// Replaces one end. If the other end has been kept twice, its value is halved, so that it
+    /// moves, too.
     fn narrow(&mut self, excess: f32) {
         let side = if excess > 0.0 { Side::Above } else { Side::Below };
         let again = self.replaced == Some(side);
@@ -112,7 +118,7 @@ fn evaluation(u: f32, lambda: f32) -> Evaluation {
     Evaluation::new(xi, lambda / xi)
 }
 
-/// The solution, at once.
+/// Computes the solution in one call.
 pub fn solve(target: f32, lambda: f32, least_xi: f32) -> Solution {
     let mut inverse = Inverse::new(target, lambda, least_xi);
     loop {
@@ -132,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn the_solution_has_the_ratio_that_was_asked_for() {
+    fn solution_has_the_target_ratio() {
         for lambda in lambdas() {
             for least_xi in [0.0, 0.05, 0.217, 0.6, 0.95] {
                 for n in 1..100 {
@@ -141,7 +147,10 @@ mod tests {
                     let ratio = friction_ratio(solution.xi, lambda / solution.xi);
                     assert!((least_xi - 1e-6..=1.0).contains(&solution.xi), "{target} {lambda} {least_xi}: {solution:?}");
                     if target >= solution.floor {
-                        assert!((ratio - target).abs() <= 1.01 * NEAR, "{target} {lambda} {least_xi}: {solution:?} {ratio}");
+                        assert!(
+                            (ratio - target).abs() <= 1.01 * RATIO_TOLERANCE,
+                            "{target} {lambda} {least_xi}: {solution:?} {ratio}"
+                        );
                     } else {
                         assert!((solution.xi - least_xi).abs() < 1e-6 && solution.ratio == solution.floor, "{solution:?}");
                     }
@@ -150,7 +159,7 @@ mod tests {
         }
     }
 
-    /// Measured: 11 evaluations at most.
+    /// Measured: at most 11 evaluations.
     #[test]
     fn takes_few_evaluations() {
         let mut most = 0;
@@ -166,7 +175,7 @@ mod tests {
         assert!(most <= 11, "{most} evaluations of {STEPS} steps");
     }
 
-    /// More friction takes less vibration, whatever the contact.
+    /// More friction needs less vibration, for any contact.
     #[test]
     fn is_monotone() {
         for lambda in lambdas() {
@@ -176,9 +185,12 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_the_nearest_that_can() {
-        let loudest = solve(0.05, 0.3, 0.2);
-        assert!((loudest.xi - 0.2).abs() < 1e-6 && loudest.ratio > 0.05 && loudest.ratio == loudest.floor, "{loudest:?}");
+    fn unreachable_target_gives_the_nearest_ratio() {
+        let max_amplitude = solve(0.05, 0.3, 0.2);
+        assert!(
+            (max_amplitude.xi - 0.2).abs() < 1e-6 && max_amplitude.ratio > 0.05 && max_amplitude.ratio == max_amplitude.floor,
+            "{max_amplitude:?}"
+        );
         for target in [1.0, 1.5, f32::NAN, f32::INFINITY] {
             let silent = solve(target, 0.3, 0.2);
             assert!(silent.xi == 1.0 && silent.ratio == 1.0 && silent.floor < 0.5, "{target}: {silent:?}");
@@ -189,7 +201,7 @@ mod tests {
         for target in [-1.0, 0.0, f32::NEG_INFINITY] {
             assert!((solve(target, 0.3, 0.2).xi - 0.2).abs() < 1e-6, "{target}");
         }
-        // A speed of zero leaves nothing to slide, and no kappa.
+        // At zero speed there is no sliding, and kappa is undefined.
         assert!(solve(0.5, 0.0, 0.0).xi > 0.0 && solve(0.5, f32::NAN, 0.2).ratio <= 1.0);
     }
 }

@@ -1,88 +1,96 @@
-//! By amplitude, by bursts, or not at all: how a friction ratio is had.
+//! Choice of the regime for a friction ratio: amplitude, bursts, or silence.
 //!
-//! Both ways have the same mean, so that going from one to the other does not change it:
+//! Both ways have the same mean, so that a change between them does not change the friction:
 //!
-//! * by **amplitude**, at the velocity ratio that the inverse law says. It takes the least power, and is exact within a carrier period.
-//! * by **bursts** of the maximum amplitude, whose ratio is the floor `r_on`: `r = 1 - (1 - r_on) (on + dead)`, with the ON time and the dead time as
-//!   parts of the period. This holds for duties from a fifth to 0.85; beyond, an edge is as long as what is left.
+//! * **Amplitude**, at the velocity ratio from the inverse law. It needs the least power and acts
+//!   within a carrier period.
+//! * **Bursts** of the maximum amplitude, whose ratio is the floor `r_on`:
+//!   `r = 1 - (1 - r_on) (on + dead)`, with ON time and dead time relative to the period. This
+//!   holds for duties from 0.2 to 0.85; beyond, an edge is as long as the remaining time.
 //!
-//! Close to the velocity threshold, where the tip is hardly faster than the belt, the friction of a stiff contact falls by twice the part by
-//! which the velocity ratio is wrong: 0.04 for 2 %. There bursts are the better way, where their duty allows it.
+//! Close to the velocity threshold the tip is hardly faster than the belt. There, the friction of a
+//! stiff contact changes by twice the relative error of the velocity ratio: 0.04 for 2 %. Bursts
+//! are then better if their duty permits.
 //!
-//! What is left of one way is only changed where the other one is better by a margin.
+//! A margin prevents frequent changes between the two.
 
 use super::inverse::Solution;
 use crate::seam::config::Prefer;
 
-/// Duties that bursts are used at.
-const DUTIES: (f32, f32) = (0.2, 0.85);
-/// By how much a duty may be outside before bursts are left.
-const MARGIN: f32 = 0.03;
-/// Velocity ratio from which bursts are better, and below which they are not any more.
-const THRESHOLD: (f32, f32) = (0.9, 0.85);
-/// A target ratio is refused if it is below the floor by more than this.
-const TOLERANCE: f32 = 2e-3;
-/// Authority that was lost is regained below this velocity ratio of the maximum amplitude.
-const REGAINED: f32 = 0.98;
+/// Minimum duty of bursts.
+const MIN_DUTY: f32 = 0.2;
+/// Maximum duty of bursts.
+const MAX_DUTY: f32 = 0.85;
+/// Hysteresis of the duty before bursts end.
+const DUTY_MARGIN: f32 = 0.03;
+/// Velocity ratio above which bursts start.
+const BURSTS_START_XI: f32 = 0.9;
+/// Velocity ratio below which bursts end.
+const BURSTS_END_XI: f32 = 0.85;
+/// Maximum difference of a target ratio below the floor.
+const RATIO_TOLERANCE: f32 = 2e-3;
+/// Velocity ratio of the maximum amplitude below which lost authority is regained.
+const AUTHORITY_REGAINED_XI: f32 = 0.98;
 
-/// How the ratio is had.
+/// Drive regime.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Regime {
-    /// Silence: all the friction there is.
+    /// Silence, with full friction.
     #[default]
     Silent,
-    /// A steady drive at this velocity ratio.
+    /// Steady drive at this velocity ratio.
     Amplitude(f32),
-    /// Bursts of the maximum amplitude, ON for this part of their period.
+    /// Bursts of the maximum amplitude with this duty.
     Bursts(f32),
 }
 
-/// Why the friction ratio misses its target.
+/// Reason why the friction ratio misses its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Short {
-    /// The belt is faster than the tip can be.
+pub(crate) enum MissReason {
+    /// The belt is faster than the maximum tip velocity.
     NoAuthority,
-    /// The target is below the floor, above one, or not a number.
+    /// The target is below the floor, above one, or NaN.
     Unreachable,
 }
 
-/// The choice.
+/// Present regime, with its hysteresis.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Choice {
     prefer: Prefer,
     regime: Regime,
-    short: Option<Short>,
+    miss: Option<MissReason>,
 }
 
 impl Choice {
-    /// Silent, to begin with.
+    /// Creates a choice that starts silent.
     pub(crate) fn new(prefer: Prefer) -> Self {
         Choice { prefer, ..Choice::default() }
     }
 
-    /// How the ratio is had.
+    /// Returns the present regime.
     pub(crate) fn regime(&self) -> Regime {
         self.regime
     }
 
-    /// Why the friction ratio misses its target; `None` if it does not.
-    pub(crate) fn short(&self) -> Option<Short> {
-        self.short
+    /// Returns the reason why the friction ratio misses its target; `None` if it does not.
+    pub(crate) fn miss(&self) -> Option<MissReason> {
+        self.miss
     }
 
-    /// Chooses for a target ratio: `least_xi` is the velocity ratio of the maximum amplitude, and `dead` the dead time of bursts as a part of their
-    /// period, if there can be any.
+    /// Chooses the regime for a target ratio. `least_xi` is the velocity ratio of the maximum
+    /// amplitude. `dead` is the dead time of bursts relative to their period, `None` without
+    /// bursts.
     pub(crate) fn choose(&mut self, target: f32, least_xi: f32, solution: &Solution, dead: Option<f32>) {
-        let gone = self.short == Some(Short::NoAuthority);
-        let authority = least_xi < if gone { REGAINED } else { 1.0 };
-        (self.regime, self.short) = if target == 1.0 {
+        let gone = self.miss == Some(MissReason::NoAuthority);
+        let authority = least_xi < if gone { AUTHORITY_REGAINED_XI } else { 1.0 };
+        (self.regime, self.miss) = if target == 1.0 {
             (Regime::Silent, None)
         } else if target.is_nan() || target > 1.0 {
-            (Regime::Silent, Some(Short::Unreachable))
+            (Regime::Silent, Some(MissReason::Unreachable))
         } else if !authority {
-            (Regime::Silent, Some(Short::NoAuthority))
-        } else if target < solution.floor - TOLERANCE {
-            (Regime::Amplitude(least_xi), Some(Short::Unreachable))
+            (Regime::Silent, Some(MissReason::NoAuthority))
+        } else if target < solution.floor - RATIO_TOLERANCE {
+            (Regime::Amplitude(least_xi), Some(MissReason::Unreachable))
         } else {
             (self.between(target, solution, dead), None)
         };
@@ -93,9 +101,9 @@ impl Choice {
         let Some(dead) = dead else { return by_amplitude };
         let on = (1.0 - target) / (1.0 - solution.floor) - dead;
         let bursting = matches!(self.regime, Regime::Bursts(_));
-        let margin = if bursting { MARGIN } else { 0.0 };
-        let possible = (DUTIES.0 - margin..=DUTIES.1 + margin).contains(&on);
-        let better = self.prefer == Prefer::Bursts || solution.xi > if bursting { THRESHOLD.1 } else { THRESHOLD.0 };
+        let margin = if bursting { DUTY_MARGIN } else { 0.0 };
+        let possible = (MIN_DUTY - margin..=MAX_DUTY + margin).contains(&on);
+        let better = self.prefer == Prefer::Bursts || solution.xi > if bursting { BURSTS_END_XI } else { BURSTS_START_XI };
         if possible && better { Regime::Bursts(on) } else { by_amplitude }
     }
 }
@@ -116,7 +124,8 @@ mod tests {
         }
     }
 
-    /// Up and down through all ratios: the mean ratio is the target on either side of every change, and each regime is left once only.
+    /// The target rises and falls through all ratios. The mean ratio equals the target on either
+    /// side of each change, and each regime ends only once.
     #[test]
     fn the_mean_does_not_jump() {
         for (prefer, changes) in [(Prefer::Amplitude, 4), (Prefer::Bursts, 4)] {
@@ -130,22 +139,22 @@ mod tests {
                     choice.choose(target, LEAST_XI, &solution, Some(0.04));
                     changed += u32::from(before != core::mem::discriminant(&choice.regime));
                     let got = mean(choice.regime, lambda, 0.04);
-                    let reachable = target >= solution.floor - TOLERANCE;
+                    let reachable = target >= solution.floor - RATIO_TOLERANCE;
                     assert!((got - target.max(solution.floor)).abs() < 2.1e-3, "{target} {lambda}: {choice:?} {got}");
-                    assert_eq!(choice.short, (!reachable).then_some(Short::Unreachable), "{target} {lambda}");
+                    assert_eq!(choice.miss, (!reachable).then_some(MissReason::Unreachable), "{target} {lambda}");
                 }
-                // Out of silence and into it again, besides.
+                // Plus the changes from and to silence.
                 assert!(changed <= changes + 3, "{prefer:?} {lambda}: {changed}");
             }
         }
     }
 
-    /// A ratio that trembles where one way ends does not go from one to the other and back.
+    /// A target that fluctuates at the limit of a regime does not alternate between two regimes.
     #[test]
-    fn there_is_a_margin() {
+    fn fluctuating_target_does_not_alternate_regimes() {
         let lambda = 0.3;
         let floor = solve(0.5, lambda, LEAST_XI).floor;
-        for duty in [DUTIES.0, DUTIES.1] {
+        for duty in [MIN_DUTY, MAX_DUTY] {
             let mut choice = Choice::new(Prefer::Bursts);
             let mut changed = 0;
             for n in 0..1000 {
@@ -159,23 +168,23 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_says_so() {
+    fn unreachable_targets_are_reported() {
         let solution = solve(0.3, 1.0, LEAST_XI);
         let mut choice = Choice::new(Prefer::Amplitude);
         let mut chosen = |target, least_xi, solution: &Solution| {
             choice.choose(target, least_xi, solution, None);
-            (choice.regime(), choice.short())
+            (choice.regime(), choice.miss())
         };
         assert_eq!(chosen(1.0, LEAST_XI, &solution), (Regime::Silent, None));
-        assert_eq!(chosen(f32::NAN, LEAST_XI, &solution), (Regime::Silent, Some(Short::Unreachable)));
-        assert_eq!(chosen(1.1, LEAST_XI, &solution), (Regime::Silent, Some(Short::Unreachable)));
-        assert_eq!(chosen(0.05, LEAST_XI, &solution), (Regime::Amplitude(LEAST_XI), Some(Short::Unreachable)));
-        assert_eq!(chosen(-1.0, LEAST_XI, &solution), (Regime::Amplitude(LEAST_XI), Some(Short::Unreachable)));
+        assert_eq!(chosen(f32::NAN, LEAST_XI, &solution), (Regime::Silent, Some(MissReason::Unreachable)));
+        assert_eq!(chosen(1.1, LEAST_XI, &solution), (Regime::Silent, Some(MissReason::Unreachable)));
+        assert_eq!(chosen(0.05, LEAST_XI, &solution), (Regime::Amplitude(LEAST_XI), Some(MissReason::Unreachable)));
+        assert_eq!(chosen(-1.0, LEAST_XI, &solution), (Regime::Amplitude(LEAST_XI), Some(MissReason::Unreachable)));
         let none = solve(0.3, 1.0, 1.0);
-        assert_eq!(chosen(0.3, 1.0, &none), (Regime::Silent, Some(Short::NoAuthority)));
-        // It has to come back by a margin, and a speed that is not a number is no authority.
-        assert_eq!(chosen(0.3, 0.99, &solve(0.3, 1.0, 0.99)), (Regime::Silent, Some(Short::NoAuthority)));
+        assert_eq!(chosen(0.3, 1.0, &none), (Regime::Silent, Some(MissReason::NoAuthority)));
+        // Authority returns with a margin; a NaN speed has no authority.
+        assert_eq!(chosen(0.3, 0.99, &solve(0.3, 1.0, 0.99)), (Regime::Silent, Some(MissReason::NoAuthority)));
         assert_eq!(chosen(0.99, 0.97, &solve(0.99, f32::INFINITY, 0.97)).1, None);
-        assert_eq!(chosen(0.3, f32::NAN, &none), (Regime::Silent, Some(Short::NoAuthority)));
+        assert_eq!(chosen(0.3, f32::NAN, &none), (Regime::Silent, Some(MissReason::NoAuthority)));
     }
 }

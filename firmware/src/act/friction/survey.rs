@@ -1,67 +1,69 @@
-//! Identification of the contact in place, while running: the friction without vibration, at three amplitudes, and, where
-//! there are bursts, at half duty.
+//! Survey: identifies the contact in place during operation. It measures the friction without
+//! vibration, at three amplitudes, and at half duty if bursts are configured.
 //!
 //! ```text
 //! silent -> maximum amplitude -> two smaller ones -> (fit) -> bursts -> over
 //! ```
 //!
-//! Each place is left to settle, and then the force sensor is averaged; what counts is the ratio to the force in silence, so that its gain
-//! does not matter, but its zero does: an offset of 1 % of the friction is 0.01 in a ratio near zero. The softer amplitudes lie where the inverse
-//! law is used: the last at a velocity ratio of 0.85, the other half way in between.
+//! At each point the drive settles, then the force is averaged. Only the ratio to the force without
+//! vibration is used. The gain of the force sensor therefore does not matter, but its zero does: an
+//! offset of 1 % of the friction is 0.01 in a ratio near zero. The smaller amplitudes are in the
+//! range where the inverse law is used: the last at a velocity ratio of 0.85, the other halfway.
 //!
-//! Bursts are described by how much their friction is lower than their ON time implies, as a time that is added to each: the **dead time**, of edges,
-//! of the contact's own memory and of gates that wait for a passage through zero.
+//! The friction of bursts is lower than their ON time implies. The difference is stated as a time
+//! that is added to each burst, the **dead time**. It is caused by edges, by the memory of the
+//! contact, and by gates that wait for a zero crossing.
 
 use heapless::Vec;
 
 use super::fit::{AMPLITUDES, Contact, Fit, Observation};
 
-/// Velocity ratio of the softest amplitude.
-const SOFTEST_XI: f32 = 0.85;
-/// What the bursts are measured at.
+/// Velocity ratio of the smallest amplitude.
+const SMALLEST_AMPLITUDE_XI: f32 = 0.85;
+/// Duty at which bursts are measured.
 pub(crate) const TRIAL_DUTY: f32 = 0.5;
-/// Friction ratios that can be.
-const PLAUSIBLE: core::ops::Range<f32> = -0.05..1.05;
+/// Range of plausible friction ratios.
+const PLAUSIBLE_RATIOS: core::ops::Range<f32> = -0.05..1.05;
 
-/// What one block shows.
+/// Measurements of one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Reading {
     /// Sliding speed, m/s.
     pub(crate) speed_m_per_s: f32,
     /// Tip velocity, by the nominal force factor, m/s.
     pub(crate) tip_m_per_s: f32,
-    /// Friction, N; none without a sensor.
+    /// Friction, N; `None` without a sensor.
     pub(crate) force_n: Option<f32>,
 }
 
-/// What is to be played meanwhile.
+/// Drive during the survey.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Play {
-    /// The drive is silent.
+    /// No drive.
     Silence,
-    /// This tip velocity, m/s.
+    /// Constant tip velocity, m/s.
     Tip(f32),
     /// Bursts of the maximum amplitude with [`TRIAL_DUTY`].
     Bursts,
-    /// As before: it is being calculated.
+    /// As before, during a computation.
     Same,
 }
 
-/// What was found.
+/// Result of a survey.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Found {
-    /// The contact.
+    /// Identified contact.
     pub(crate) contact: Contact,
     /// Friction without vibration, N.
     pub(crate) coulomb_n: f32,
-    /// Dead time of bursts, as a part of their period; zero where there are none.
+    /// Dead time of bursts, relative to their period; zero without bursts.
     pub(crate) dead: f32,
 }
 
-/// How a survey is getting on.
+/// State of a survey after a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Progress {
-    /// The survey goes on, with this drive.
+    /// The survey continues with this drive.
     Busy(Play),
     /// The survey is over, with this result.
     Found(Found),
@@ -74,13 +76,13 @@ pub(crate) enum Progress {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
     Silent,
-    /// At so many amplitudes before.
-    Loud(usize),
+    /// Drive after this number of amplitudes.
+    Driven(usize),
     Fit,
     Bursts,
 }
 
-/// Means over the blocks of a place that come after it has settled.
+/// Sums over the settled blocks of a point.
 #[derive(Clone, Copy, Debug, Default)]
 struct Means {
     blocks: u32,
@@ -101,7 +103,7 @@ impl Means {
         }
     }
 
-    /// Mean force, N, if most blocks had one.
+    /// Returns the mean force, N, if most blocks had one.
     fn force_n(&self) -> Option<f32> {
         (2 * self.forces > self.blocks).then(|| self.force / self.forces as f32)
     }
@@ -111,22 +113,22 @@ impl Means {
     }
 }
 
-/// The survey.
+/// Survey in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct Survey {
     omega: f32,
-    /// The largest tip velocity, m/s.
-    loudest: f32,
+    /// Maximum tip velocity, m/s.
+    max_tip_m_per_s: f32,
     settle_blocks: u32,
     average_blocks: u32,
-    /// The same of bursts, if there are any: whole ones.
+    /// Blocks to average for bursts, a whole number of bursts; `None` without bursts.
     burst_blocks: Option<u32>,
     place: Place,
-    /// Blocks at this place.
+    /// Blocks at this point.
     blocks: u32,
     means: Means,
     coulomb_n: f32,
-    /// Sliding speed in silence, m/s.
+    /// Sliding speed without vibration, m/s.
     speed: f32,
     observations: Vec<Observation, AMPLITUDES>,
     fit: Option<Fit>,
@@ -134,12 +136,19 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
-    /// A survey with a drive of `omega` rad/s up to a tip velocity of `loudest` m/s, so many blocks a place to settle and to average; and bursts,
-    /// where there are any, over so many blocks.
-    pub(crate) fn new(omega: f32, loudest: f32, settle_blocks: u32, average_blocks: u32, burst_blocks: Option<u32>) -> Self {
+    /// Creates a survey with a drive of `omega`, rad/s, up to the tip velocity `max_tip_m_per_s`,
+    /// m/s. Each point takes `settle_blocks` and `average_blocks`; bursts are averaged over
+    /// `burst_blocks`, if any.
+    pub(crate) fn new(
+        omega: f32,
+        max_tip_m_per_s: f32,
+        settle_blocks: u32,
+        average_blocks: u32,
+        burst_blocks: Option<u32>,
+    ) -> Self {
         Survey {
             omega,
-            loudest,
+            max_tip_m_per_s,
             settle_blocks,
             average_blocks: average_blocks.max(1),
             burst_blocks,
@@ -154,7 +163,7 @@ impl Survey {
         }
     }
 
-    /// Takes one block.
+    /// Processes one block.
     pub(crate) fn step(&mut self, reading: &Reading) -> Progress {
         if self.place == Place::Fit {
             return self.fitted();
@@ -175,40 +184,40 @@ impl Survey {
         }
     }
 
-    /// A place is over, with this mean force.
+    /// Ends a point with this mean force.
     fn conclude(&mut self, means: &Means, force: f32) -> Progress {
         if self.place == Place::Silent {
-            // Backwards is friction, too.
+            // The force may be negative.
             (self.coulomb_n, self.speed) = (force, means.of_blocks(means.speed));
-            self.place = Place::Loud(0);
-            let some = force != 0.0 && self.speed > 0.0 && self.loudest > 0.0;
+            self.place = Place::Driven(0);
+            let some = force != 0.0 && self.speed > 0.0 && self.max_tip_m_per_s > 0.0;
             return if some { Progress::Busy(self.play()) } else { Progress::Implausible };
         }
         let ratio = force / self.coulomb_n;
-        if !PLAUSIBLE.contains(&ratio) {
+        if !PLAUSIBLE_RATIOS.contains(&ratio) {
             return Progress::Implausible;
         }
-        if let (Place::Bursts, Some(contact), Some(loudest)) = (self.place, self.contact, self.observations.first()) {
-            let part = (1.0 - ratio) / (1.0 - loudest.ratio);
-            // Without an effect of the maximum amplitude, bursts have none either.
+        if let (Place::Bursts, Some(contact), Some(largest)) = (self.place, self.contact, self.observations.first()) {
+            let part = (1.0 - ratio) / (1.0 - largest.ratio);
+            // If the maximum amplitude has no effect, bursts have none either.
             let dead = if part.is_finite() { (part - TRIAL_DUTY).clamp(-TRIAL_DUTY, TRIAL_DUTY) } else { 0.0 };
             return Progress::Found(Found { contact, coulomb_n: self.coulomb_n.abs(), dead });
         }
         let tip_m_per_s = means.of_blocks(means.tip);
         let observation = Observation { speed_m_per_s: means.of_blocks(means.speed), tip_m_per_s, ratio };
-        // There is room for as many as there are places.
+        // There is room for one observation per amplitude.
         let _ = self.observations.push(observation);
         self.place = match self.observations.len() {
             AMPLITUDES => {
                 self.fit = Some(Fit::new(self.omega, self.observations.clone()));
                 Place::Fit
             }
-            next => Place::Loud(next),
+            next => Place::Driven(next),
         };
         Progress::Busy(self.play())
     }
 
-    /// Goes on with the fit, if it is its time: for blocks that have time.
+    /// Advances the fit during its stage, for blocks with spare time.
     pub(crate) fn work(&mut self) {
         if let Some(contact) = self.fit.as_mut().and_then(Fit::step) {
             (self.fit, self.contact) = (None, Some(contact));
@@ -227,19 +236,20 @@ impl Survey {
     fn play(&self) -> Play {
         match self.place {
             Place::Silent => Play::Silence,
-            Place::Loud(n) => Play::Tip(self.tip(n)),
+            Place::Driven(n) => Play::Tip(self.tip(n)),
             Place::Fit => Play::Same,
             Place::Bursts => Play::Bursts,
         }
     }
 
-    /// The tip velocity of an amplitude, m/s: the largest, the smallest, and their geometric mean.
+    /// Returns the tip velocity of an amplitude, m/s: the largest, the geometric mean, and the
+    /// smallest.
     fn tip(&self, n: usize) -> f32 {
-        let softest = (self.speed / SOFTEST_XI).min(self.loudest);
+        let smallest = (self.speed / SMALLEST_AMPLITUDE_XI).min(self.max_tip_m_per_s);
         match n {
-            0 => self.loudest,
-            1 => libm::sqrtf(self.loudest * softest),
-            _ => softest,
+            0 => self.max_tip_m_per_s,
+            1 => libm::sqrtf(self.max_tip_m_per_s * smallest),
+            _ => smallest,
         }
     }
 }
@@ -251,7 +261,8 @@ mod tests {
 
     const OMEGA: f32 = 2.0 * core::f32::consts::PI * 40e3;
 
-    /// A survey of a contact of 0.5 um whose measured force is a function of what is played and of the true friction.
+    /// Surveys a contact of 0.5 um. The measured force is a function of the drive and of the true
+    /// friction.
     fn survey(bursts: bool, force: impl Fn(Play, f32) -> Option<f32>) -> (Progress, u32) {
         let mut survey = Survey::new(OMEGA, 0.175, 20, 100, bursts.then_some(120));
         let mut play = Play::Silence;
@@ -262,7 +273,7 @@ mod tests {
                 _ => 0.0,
             };
             let ratio = if tip > 0.0 { friction_ratio(0.038 / tip, tip / (OMEGA * 0.5e-6)) } else { 1.0 };
-            // A dead time of 0.03 of the period.
+            // The dead time is 0.03 of the period.
             let ratio = if play == Play::Bursts { 1.0 - (TRIAL_DUTY + 0.03) * (1.0 - ratio) } else { ratio };
             let reading = Reading { speed_m_per_s: 0.038, tip_m_per_s: tip, force_n: force(play, 0.144 * ratio) };
             survey.work();
@@ -272,7 +283,7 @@ mod tests {
                 over => return (over, n),
             }
         }
-        panic!("it does not end");
+        panic!("the survey does not end");
     }
 
     #[test]
@@ -287,7 +298,7 @@ mod tests {
         assert!(blocks < 5 * 120 + 620, "{blocks}");
     }
 
-    /// A sensor that is mounted the other way round, or of another gain, says the same.
+    /// A sensor with reversed sign or another gain gives the same result.
     #[test]
     fn sign_and_gain_of_the_sensor_do_not_matter() {
         for gain in [-1.0, 3.0] {
@@ -297,15 +308,15 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_friction_is_refused() {
+    fn implausible_forces_are_refused() {
         assert_eq!(survey(false, |_, _| None).0, Progress::NoForce);
         assert_eq!(survey(false, |_, _| Some(f32::NAN)).0, Progress::NoForce);
         assert_eq!(survey(false, |_, _| Some(0.0)).0, Progress::Implausible);
-        let louder = |play, force: f32| Some(if matches!(play, Play::Tip(_)) { 2.0 } else { force });
-        assert_eq!(survey(false, louder).0, Progress::Implausible);
+        let too_large = |play, force: f32| Some(if matches!(play, Play::Tip(_)) { 2.0 } else { force });
+        assert_eq!(survey(false, too_large).0, Progress::Implausible);
         let turned = |play, force: f32| Some(if matches!(play, Play::Tip(_)) { -force } else { force });
         assert_eq!(survey(false, turned).0, Progress::Implausible);
-        // One that sticks at what it was shows no effect of any amplitude: a contact that cannot be.
+        // A stuck sensor shows no effect of vibration; the result is extreme but finite.
         let stuck = survey(false, |_, _| Some(0.144)).0;
         assert!(matches!(stuck, Progress::Found(found) if found.contact.dahl_length_m > 0.0), "{stuck:?}");
     }

@@ -1,13 +1,13 @@
-//! Quantities of the friction switch: its measurements, its set point, and its estimate.
+//! Measurements and set point of the friction switch.
 
 /// Set point of the drive, from the friction switch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SetPoint {
-    /// The drive is silent.
+    /// No drive.
     Silence,
-    /// A motional current, A peak.
+    /// Constant motional current, A peak.
     Current(f32),
-    /// A motional current during part of each burst period.
+    /// Motional current during part of each burst period.
     Bursts {
         /// Motional current, A peak.
         amperes: f32,
@@ -19,12 +19,13 @@ pub enum SetPoint {
 /// Measurements of one block that the friction switch uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensed {
-    /// Belt speed, m/s; none without a sensor.
+    /// Belt speed, m/s; `None` without a sensor.
     pub(crate) belt_m_per_s: Option<f32>,
-    /// Where the belt is, counts since power-up; none without a sensor.
+    /// Belt position, counts since power-up; `None` without a sensor.
     pub(crate) counts: Option<i32>,
-    /// Friction, N; none without a sensor.
+    /// Friction, N; `None` without a sensor.
     pub(crate) force_n: Option<f32>,
-    /// Motional current of a block that was ON throughout, and had rung up before it where a boost has done that, A peak.
+    /// Motional current, A peak; `None` unless the block was ON throughout and, after a boost,
+    /// fully built up.
     pub(crate) motional_a: Option<f32>,
 }

@@ -1,4 +1,4 @@
-//! The switch against a contact that it does not know, whose friction follows at once.
+//! Tests of the switch on an unknown contact whose friction follows immediately.
 
 use super::dahl::friction_ratio;
 use super::*;
@@ -43,7 +43,8 @@ fn config(schedule: Schedule) -> Config {
     }
 }
 
-/// A contact under the switch: speed, Dahl length, friction in silence, what the speed sensor says of the speed.
+/// Contact under the switch: speed, Dahl length, friction without vibration, and gain of the speed
+/// sensor.
 struct Bench {
     switch: FrictionSwitch,
     speed: f32,
@@ -52,7 +53,7 @@ struct Bench {
     sensor: f32,
     set_point: SetPoint,
     tip: f32,
-    /// Where the knob is.
+    /// Position of the knob, counts.
     counts: Option<i32>,
 }
 
@@ -62,7 +63,7 @@ impl Bench {
         Bench { switch, speed: 0.038, length, coulomb_n: 0.144, sensor, set_point: SetPoint::Silence, tip: 0.0, counts: None }
     }
 
-    /// The true ratio of what is played, over whole bursts.
+    /// Returns the true ratio of the present drive, averaged over whole bursts.
     fn ratio(&self) -> f32 {
         let of = |amperes: f32| {
             let tip = amperes / FORCE_FACTOR;
@@ -102,9 +103,10 @@ fn periodic() -> Schedule {
     Schedule::Periodic { period_s: 1e-3, duty: 0.5 }
 }
 
-/// Set point, estimate and truth, over all targets that can be reached. Measured: 4.9e-4, with a speed that is 2 % off.
+/// Compares set point, estimate and true ratio over all reachable targets. Measured deviation:
+/// 4.9e-4, with a speed error of 2 %.
 #[test]
-fn the_ratio_comes_to_the_set_point() {
+fn ratio_reaches_the_set_point() {
     for (schedule, sensor) in [(Schedule::Continuous, 0.98), (Schedule::Continuous, 1.02), (periodic(), 0.98)] {
         for length in [0.15e-6, 0.5e-6, 2e-6, 5.36e-6] {
             let mut bench = Bench::new(&config(schedule.clone()), length, sensor);
@@ -122,7 +124,7 @@ fn the_ratio_comes_to_the_set_point() {
     }
 }
 
-/// Detents 2 mm apart, slowly turned over at 10 um a count; and what they are refused for.
+/// Turns slowly through detents 2 mm apart, at 10 um per count; then checks refused settings.
 #[test]
 fn the_ratio_follows_the_detents() {
     let knob = |pitch_m: f32, metre_per_count: Option<f32>| {
@@ -135,14 +137,14 @@ fn the_ratio_follows_the_detents() {
     bench.run(8000, None);
     for counts in -300..=300 {
         bench.counts = Some(counts);
-        // 38 mm/s are 11 counts in 90 blocks.
+        // At 38 mm/s the knob moves 11 counts in 90 blocks.
         let ahead = (counts as f32 + 0.038 / 1e-5 * 90.0 * 32e-6) / 200.0;
         let from_detent = 2.0 * (ahead - libm::roundf(ahead)).abs();
         let wanted = 0.4 + 0.4 * (1.0 - from_detent * from_detent * (3.0 - 2.0 * from_detent));
         let got = bench.run(300, Some(Target::Ratio(0.4)));
         assert!((got - wanted).abs() < 2e-3, "{counts}: {got} for {wanted}");
     }
-    // Where the knob is is unknown: no detents.
+    // Without a position there are no detents.
     bench.counts = None;
     assert!((bench.run(300, Some(Target::Ratio(0.4))) - 0.4).abs() < 2e-3);
 
@@ -158,7 +160,7 @@ fn the_ratio_follows_the_detents() {
 }
 
 #[test]
-fn a_force_is_a_ratio_of_what_was_surveyed() {
+fn force_target_is_relative_to_the_surveyed_friction() {
     let mut bench = Bench::new(&config(Schedule::Continuous), 0.5e-6, 1.0);
     bench.run(8000, None);
     let got = bench.run(300, Some(Target::Force(0.072)));
@@ -167,9 +169,9 @@ fn a_force_is_a_ratio_of_what_was_surveyed() {
     assert_eq!((bench.switch.limit(), bench.set_point), (Some(Limit::RatioUnreachable), SetPoint::Silence));
 }
 
-/// The numbers of what cannot be, and what is driven instead.
+/// Limit numbers of unreachable targets, and the resulting drive.
 #[test]
-fn what_cannot_be_is_refused_by_number() {
+fn unreachable_targets_are_refused_by_number() {
     let mut bench = Bench::new(&config(Schedule::Continuous), 0.5e-6, 1.0);
     bench.run(8000, None);
     let got = bench.run(300, Some(Target::Ratio(0.1)));
@@ -183,15 +185,15 @@ fn what_cannot_be_is_refused_by_number() {
     bench.speed = 0.2;
     bench.run(2000, Some(Target::Ratio(0.5)));
     assert_eq!((bench.switch.limit(), bench.set_point), (Some(Limit::NoAuthority), SetPoint::Silence));
-    // Slower again, it goes on.
+    // At a lower speed the control resumes.
     bench.speed = 0.05;
     let got = bench.run(2000, Some(Target::Ratio(0.5)));
     assert!(bench.switch.limit().is_none() && (got - 0.5).abs() < 2e-3, "{got}");
 }
 
-/// Without a force sensor the switch uses the nominal contact; a force as target is out of reach.
+/// Without a force sensor the switch uses the nominal contact; a target force is unreachable.
 #[test]
-fn without_a_force_sensor_the_nominal_contact_counts() {
+fn nominal_contact_is_used_without_a_force_sensor() {
     let mut switch = FrictionSwitch::build(&config(Schedule::Continuous), 32e-6).unwrap().unwrap();
     let mut run = |target: Target| {
         let mut set_point = SetPoint::Silence;
@@ -210,9 +212,9 @@ fn without_a_force_sensor_the_nominal_contact_counts() {
     assert_eq!((set_point, limit), (SetPoint::Silence, Some(Limit::RatioUnreachable)));
 }
 
-/// The target moves slowly through both regimes: at no block is the mean ratio far from it.
+/// The target moves slowly through both regimes; the mean ratio follows it in every block.
 #[test]
-fn from_amplitude_to_bursts_and_back_without_a_bump() {
+fn changes_between_amplitude_and_bursts_are_smooth() {
     let mut settings = config(periodic());
     settings.friction.as_mut().unwrap().prefer = Prefer::Bursts;
     let mut bench = Bench::new(&settings, 0.5e-6, 1.0);
@@ -227,20 +229,20 @@ fn from_amplitude_to_bursts_and_back_without_a_bump() {
         worst = worst.max((bench.ratio() - set_point).abs());
     }
     assert!(changes == 4, "{changes} changes");
-    // Measured: 0.0028, the most that the target moves while a solution is sought.
+    // Measured: 0.0028, the largest movement of the target during a computation.
     assert!(worst < 0.0035, "{worst}");
 }
 
-/// Whatever the sensors say, what is played is a number within the limit.
+/// For any sensor values, the set point is a number within the limit.
 #[test]
-fn no_sensor_can_make_it_play_nonsense() {
+fn set_point_is_finite_for_any_sensor_values() {
     let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -1.0, 1e-30, 1e30, 0.038];
     for belt in odd {
         for force in odd {
             for motional in odd {
                 let mut switch = FrictionSwitch::build(&config(periodic()), 32e-6).unwrap().unwrap();
                 for n in 0..3000 {
-                    // At first all is well, or all is odd from the beginning.
+                    // The values are odd after half the time, or from the start.
                     let odd = n > 1500 || belt.is_nan();
                     let sensed = Sensed {
                         belt_m_per_s: Some(if odd { belt } else { 0.038 }),
@@ -262,7 +264,7 @@ fn no_sensor_can_make_it_play_nonsense() {
 }
 
 #[test]
-fn settings_that_cannot_be_are_refused() {
+fn invalid_settings_are_refused() {
     let good = config(Schedule::Continuous);
     assert!(FrictionSwitch::build(&Config { friction: None, ..good.clone() }, 32e-6).unwrap().is_none());
     let refused = |change: &dyn Fn(&mut Friction)| {

@@ -1,4 +1,5 @@
-//! Captures in the background task: requests to the recorder, and reading of the memory that it hands over.
+//! Captures in the background task: requests to the recorder, and reading of the memory that it
+//! hands over.
 
 use heapless::spsc::{Consumer, Producer};
 
@@ -13,30 +14,30 @@ pub(super) struct Captures<'a> {
     requests: Producer<'a, CaptureRequest>,
     replies: Consumer<'a, CaptureReply>,
     lanes: u8,
-    /// The memory, while the recorder does not have it.
+    /// Memory, while the recorder does not own it.
     memory: Option<&'static mut Memory>,
-    /// What it is full of, and where the first sample stands in it.
+    /// Report of the full capture, and the index of its first sample in the memory.
     full: Option<(CaptureReport, usize)>,
-    /// What waits for an answer, with the number of its frame and its session.
-    asked: Option<(u16, u32, CaptureVerb)>,
+    /// Command that waits for an answer, with the number of its frame and its session.
+    pending: Option<(u16, u32, CaptureVerb)>,
 }
 
 impl<'a> Captures<'a> {
-    /// Nothing is recorded yet.
+    /// Creates captures with nothing recorded yet.
     pub(super) fn new(
         requests: Producer<'a, CaptureRequest>,
         replies: Consumer<'a, CaptureReply>,
         memory: &'static mut Memory,
         lanes: u8,
     ) -> Self {
-        Captures { requests, replies, lanes, memory: Some(memory), full: None, asked: None }
+        Captures { requests, replies, lanes, memory: Some(memory), full: None, pending: None }
     }
 
-    /// Obeys a command; `None` where its answer comes with a later block.
+    /// Obeys a command; returns `None` if its answer comes with a later block.
     pub(super) fn obey(&mut self, sequence: u16, session: u32, verb: CaptureVerb) -> Option<Reply> {
         let here = self.memory.is_some();
         let wish = match verb {
-            _ if self.asked.is_some() || !self.requests.ready() => return Some(Reply::Nak(Refusal::Busy)),
+            _ if self.pending.is_some() || !self.requests.ready() => return Some(Reply::Nak(Refusal::Busy)),
             CaptureVerb::Arm(arm) if !self.is_possible(arm) => return Some(Reply::Nak(Refusal::OutOfRange)),
             CaptureVerb::Arm(arm) => {
                 self.full = None;
@@ -51,16 +52,17 @@ impl<'a> Captures<'a> {
             CaptureVerb::State | CaptureVerb::Read(_) => CaptureRequest::Look,
             CaptureVerb::Disarm => CaptureRequest::Stop,
         };
-        self.asked = Some((sequence, session, verb));
-        // There is room: the last one was answered.
+        self.pending = Some((sequence, session, verb));
+        // There is room: the previous request was answered.
         let _ = self.requests.enqueue(wish);
         None
     }
 
-    /// The answer to an earlier command, with the number of its frame and its session, once it has come.
+    /// Returns the answer to an earlier command, with the number of its frame and its session, once
+    /// the recorder has replied.
     pub(super) fn answer(&mut self) -> Option<(u16, u32, Reply)> {
         let answer = self.replies.dequeue()?;
-        let (sequence, session, verb) = self.asked.take()?;
+        let (sequence, session, verb) = self.pending.take()?;
         let reply = match answer {
             CaptureReply::Records => Reply::Ack,
             CaptureReply::Not(report) if verb == CaptureVerb::State => Reply::Capture(report),

@@ -18,7 +18,7 @@ where
     W: Watchdog,
     F: NorFlash,
 {
-    /// Obeys what the link has, while there is room for answers.
+    /// Obeys the commands that the link has received, while there is room for answers.
     pub(super) fn obey_link(&mut self) -> Result<(), AppError> {
         // One byte at a time: a frame that ends in this byte must find room for its reply.
         while !self.resetting && self.outbox.has_room() && self.peripherals.link.read_ready().map_err(|_| AppError::Link)? {
@@ -30,8 +30,8 @@ where
                 let nak = |refusal| Some(Reply::Nak(refusal));
                 let (sequence, session, reply) = match frame {
                     Ok(Frame { sequence, body: Command::Identify(nonce), .. }) => (sequence, nonce, Some(self.identify(nonce))),
-                    Ok(frame) if self.session.admits(frame.session) => (frame.sequence, frame.session, self.obey(&frame)),
-                    Err(FrameError::Unknown(sequence, session)) if self.session.admits(session) => {
+                    Ok(frame) if self.session.admit(frame.session) => (frame.sequence, frame.session, self.obey(&frame)),
+                    Err(FrameError::Unknown(sequence, session)) if self.session.admit(session) => {
                         (sequence, session, nak(Refusal::Unknown))
                     }
                     Ok(Frame { sequence, session, .. }) | Err(FrameError::Unknown(sequence, session)) => {
@@ -48,20 +48,21 @@ where
         Ok(())
     }
 
-    /// Says who this is, in a session of its own. Whether its host is there is shown by what it says next: this may be an old frame.
+    /// Answers with the identity of the board, in a new session. This is not a sign of life of the
+    /// host, because the frame may be an old one.
     fn identify(&mut self, nonce: u32) -> Reply {
         let session = self.session.begin(nonce, self.block());
         Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version(), converters: self.converters, session })
     }
 
-    /// Obeys a command of the present session; `None` where its answer comes later.
+    /// Obeys a command of the present session; returns `None` if its answer comes later.
     fn obey(&mut self, frame: &Frame<Command>) -> Option<Reply> {
         self.host.update(self.block());
-        self.obeyed = true;
+        self.host_obeyed = true;
         Some(match frame.body {
             Command::TelemetryEvery(blocks) => {
                 self.telemetry_every = blocks;
-                // The first is due at once.
+                // The first frame is due at once.
                 self.last_telemetry = self.block().wrapping_sub(blocks);
                 Reply::Ack
             }
@@ -82,23 +83,23 @@ where
             Command::Friction(Some(_)) if !self.switches_friction => Reply::Nak(Refusal::NotConfigured),
             Command::Occupant(Some(_)) if !self.restrains => Reply::Nak(Refusal::NotConfigured),
             Command::Run | Command::Scan | Command::Calibrate if self.limits_unsure => Reply::Nak(Refusal::LimitsUnsure),
-            // The controller would refuse it too, by fault 47.
-            Command::Run | Command::Scan | Command::Calibrate if self.unscaled => Reply::Nak(Refusal::NoBeltScale),
+            // The controller would refuse this too, with fault 47.
+            Command::Run | Command::Scan | Command::Calibrate if self.belt_unscaled => Reply::Nak(Refusal::NoBeltScale),
             command => self.obey_order(&command).map_or_else(Reply::Nak, |()| Reply::Ack),
         })
     }
 
-    /// Obeys what changes the orders, or says how long to wait for more of them.
+    /// Obeys a command that changes the orders or the host timeout.
     fn obey_order(&mut self, command: &Command) -> Result<(), Refusal> {
         let orders = command.applied_to(&self.latest)?;
         if let Command::Patience(seconds) = *command {
             self.host.set(seconds);
         }
-        // Who orders is not lost.
+        // A host that orders something is not lost.
         orders.map_or(Ok(()), |orders| self.order(Orders { host_lost: false, ..orders }))
     }
 
-    /// Sends what the recorder has answered, once there is room.
+    /// Sends the answer of the recorder, once there is room.
     pub(super) fn answer_capture(&mut self) {
         if self.outbox.has_room()
             && let Some((sequence, session, reply)) = self.captures.answer()
@@ -108,7 +109,7 @@ where
     }
 }
 
-/// The package's version, as numbers.
+/// Returns the version of the package as numbers.
 fn firmware_version() -> [u8; 3] {
     [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")]
         .map(|part| part.parse().unwrap_or(0))

@@ -1,4 +1,5 @@
-//! Updates within the background task: only in silence, and confirmed once the new image has shown that it can be updated again.
+//! Updates in the background task, in silence only. A new image is confirmed once it has shown that
+//! it can be updated again.
 
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_io::{Read, ReadReady, Write, WriteReady};
@@ -9,8 +10,9 @@ use crate::board::command::Reply;
 use crate::board::update::{UpdateReport, UpdateVerb};
 use crate::seam::refusal::Refusal;
 
-/// Blocks that an image on trial must have served: 0.1 s of blocks of 100 us, ten periods of the watchdog.
-const SERVED: u32 = 1000;
+/// Number of blocks that an image on trial must have served before it is confirmed: 0.1 s of blocks
+/// of 100 us, ten periods of the watchdog.
+const MIN_SERVED_BLOCKS: u32 = 1000;
 
 impl<'a, L, E, S, W, F> App<'a, L, E, S, W, F>
 where
@@ -34,10 +36,10 @@ where
         done.map_or_else(Reply::Nak, |report| Reply::Update(UpdateReport { option_bytes, ..report }))
     }
 
-    /// Checks what was received, where that was ordered; confirms the running image once it has served blocks and has obeyed a host: then it can be
-    /// updated again.
-    pub(super) fn tend_updates(&mut self) {
-        let (silent, serves) = (self.is_silent(), self.block() >= SERVED && self.obeyed);
+    /// Runs an ordered check of the received update. Confirms the running image once it has served
+    /// enough blocks and has obeyed a host, because it can then be updated again.
+    pub(super) fn serve_updates(&mut self) {
+        let (silent, serves) = (self.is_silent(), self.block() >= MIN_SERVED_BLOCKS && self.host_obeyed);
         let Some(updates) = self.updates.as_mut().filter(|_| silent) else { return };
         updates.work();
         if serves {

@@ -1,15 +1,16 @@
-//! The memory of a capture: three rings of codes, and the blocks that are on their way to play.
+//! The memory of a capture: three rings of codes, and the blocks that have not played yet.
 //!
-//! Blocks of [`PART`] samples, the usual ones, are copied whole to where they belong: three copies of a length and an alignment that are known
-//! when this is compiled. Others go sample by sample, which takes many times as long.
+//! Blocks of [`PART`] samples, the usual size, are copied whole, with a length and an alignment
+//! known at compile time. Other blocks are copied sample by sample, which takes many times as long.
 
 use super::{PART, Part, SAMPLES};
 use crate::seam::block::{LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, dropped_from};
 
-/// A ring of samples.
+/// Ring buffer of samples.
 type Ring = [u16; SAMPLES];
 
-/// Room for a capture, in the RAM of a board. The memory changes hands: the recorder owns it while it records, and the background task while it is read.
+/// Memory of a capture, in the RAM of a board. The recorder owns it while it records, and the
+/// background task while it is read.
 #[repr(align(4))]
 pub struct Memory {
     v: Ring,
@@ -20,14 +21,14 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// A memory of zeros.
+    /// Creates a memory of zeros.
     pub const fn new() -> Self {
         Memory { v: [0; SAMPLES], i: [0; SAMPLES], drive: [0; SAMPLES], coming: [[0; MAX_BLOCK_SAMPLES]; LATENCY_BLOCKS] }
     }
 
-    /// Puts by codes that play two blocks later, in one of the two places of such blocks.
+    /// Keeps codes that play two blocks later, in one of the two places for such blocks.
     #[inline]
-    pub(super) fn put_by(&mut self, place: usize, codes: &[u16]) {
+    pub(super) fn keep_coming(&mut self, place: usize, codes: &[u16]) {
         let Some(coming) = self.coming.get_mut(place) else { return };
         if let (Ok(codes), Some(coming)) = (<&[u16; PART]>::try_from(codes), coming.first_chunk_mut::<PART>()) {
             coming.copy_from_slice(codes);
@@ -36,15 +37,16 @@ impl Memory {
         }
     }
 
-    /// Puts silence for what was put by in a place and is [dropped](crate::seam::block::DriveBlock::drops_queue).
+    /// Replaces the codes in a place that are
+    /// [dropped](crate::seam::block::DriveBlock::drops_queue) with silence.
     #[cold]
     pub(super) fn drop_rest(&mut self, place: usize, samples: usize, silence: u16) {
         let coming = self.coming.get_mut(place).and_then(|coming| coming.get_mut(dropped_from(samples)..samples));
         coming.into_iter().for_each(|codes| codes.fill(silence));
     }
 
-    /// Takes a block of [`PART`] samples of voltage and current, and the codes that were put by in a place, to a place of the rings. Returns
-    /// whether it was one.
+    /// Copies a block of [`PART`] samples of voltage and current, and the drive codes kept in a
+    /// place, to an index of the rings. Returns `false` if the block has another size.
     #[inline]
     pub(super) fn take_block(&mut self, at: usize, v: &[u16], i: &[u16], coming: usize) -> bool {
         let (Ok(v), Ok(i)) = (<&[u16; PART]>::try_from(v), <&[u16; PART]>::try_from(i)) else { return false };
@@ -55,7 +57,7 @@ impl Memory {
         true
     }
 
-    /// The same of any samples, sample by sample.
+    /// Copies a block of any size, sample by sample.
     #[inline(never)]
     pub(super) fn take(&mut self, at: usize, v: &[u16], i: &[u16], coming: usize) {
         write(&mut self.v, at, v);
@@ -64,7 +66,7 @@ impl Memory {
         write(&mut self.drive, at, codes.unwrap_or_default());
     }
 
-    /// Part `number` of a capture whose first sample stands at `first`.
+    /// Returns part `number` of a capture whose first sample is at index `first`.
     pub fn part(&self, first: usize, number: u16) -> Part {
         let first = first + usize::from(number) * PART;
         let read = |ring: &Ring| core::array::from_fn(|n| ring[(first + n) % SAMPLES]);
@@ -78,7 +80,7 @@ impl Default for Memory {
     }
 }
 
-/// Puts a whole part in its place.
+/// Writes a whole part at an index of a ring.
 #[inline]
 fn put(ring: &mut Ring, at: usize, codes: &[u16; PART]) {
     if let Some(place) = ring.as_chunks_mut::<PART>().0.get_mut(at / PART) {
@@ -86,7 +88,7 @@ fn put(ring: &mut Ring, at: usize, codes: &[u16; PART]) {
     }
 }
 
-/// Writes codes into a ring from a place on.
+/// Writes codes into a ring from an index on.
 fn write(ring: &mut Ring, at: usize, codes: &[u16]) {
     let (before, after) = ring.split_at_mut(at.min(SAMPLES));
     after.iter_mut().chain(before).zip(codes).for_each(|(to, from)| *to = *from);

@@ -1,5 +1,6 @@
-//! The recorder: the block task's part of a capture. Disarmed it costs a block two comparisons; armed, four copies of a block of codes. What it
-//! has recorded it hands over whole, so that no time of a block is spent on reading it.
+//! The recorder: the block task's part of a capture. It costs a block two comparisons when
+//! disarmed, and four copies of a block of codes when armed. It passes on the full memory as a
+//! whole, so that reading takes no time in a block.
 
 use heapless::spsc::{Consumer, Producer};
 
@@ -10,9 +11,10 @@ use crate::seam::telemetry::Telemetry;
 
 /// Request to the recorder.
 pub enum CaptureRequest {
-    /// Records with these settings from now on, into this memory, unless the recorder still owns it.
+    /// Starts to record with these settings. The memory comes along unless the recorder still owns
+    /// it.
     Record(Arm, Option<&'static mut Memory>),
-    /// Asks for the state. A full memory comes with the reply.
+    /// Requests the state. A full memory comes with the reply.
     Look,
     /// Ends the recording and returns the memory.
     Stop,
@@ -24,7 +26,8 @@ pub enum CaptureReply {
     Records,
     /// The capture is not full yet.
     Not(CaptureReport),
-    /// The capture is full: its report, the place of its first sample in the ring buffers, and the memory.
+    /// The capture is full: its report, the index of its first sample in the ring buffers, and the
+    /// memory.
     Full(CaptureReport, usize, &'static mut Memory),
     /// The recording has ended; the memory, if the recorder owned it.
     Stopped(Option<&'static mut Memory>),
@@ -37,25 +40,27 @@ pub struct Recorder<'a> {
     memory: Option<&'static mut Memory>,
     arm: Arm,
     state: CaptureState,
-    /// Where the next sample goes.
+    /// Index of the next sample in the rings.
     next: usize,
-    /// How many stand before it, as far as the rings go.
+    /// Number of samples before it, up to the length of the rings.
     filled: usize,
-    /// Which of the coming blocks is the older one, and how many there are.
+    /// Index of the older one of the blocks that have not played yet.
     older: usize,
+    /// Number of blocks that have not played yet.
     coming: usize,
-    /// Whether the trigger's condition held in the last block; unknown in the first.
+    /// `true` if the trigger's condition held in the last block; `None` before the first block.
     was_so: Option<bool>,
-    /// The trigger has come, and its first sample has not.
+    /// `true` if the trigger has occurred, and its first sample is still to come.
     met: bool,
-    /// Samples before the trigger, and those that are still to come after it.
+    /// Number of samples before the trigger.
     before: usize,
+    /// Number of samples still to be recorded after the trigger.
     left: usize,
     block: u32,
 }
 
 impl<'a> Recorder<'a> {
-    /// A recorder that takes requests from one queue and leaves replies in another.
+    /// Creates a recorder that takes requests from one queue and leaves replies in another.
     pub fn new(requests: Consumer<'a, CaptureRequest>, replies: Producer<'a, CaptureReply>) -> Self {
         Recorder {
             requests,
@@ -75,7 +80,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Takes a block: the codes that were sampled, the codes that were returned, and its report.
+    /// Processes a block: the sampled codes, the returned codes, and the report.
     #[inline]
     pub fn follow(&mut self, sense: &SenseBlock, drive: &DriveBlock, report: &Telemetry) {
         if self.requests.ready() {
@@ -96,7 +101,7 @@ impl<'a> Recorder<'a> {
                 CaptureReply::Records
             }
             Some(CaptureRequest::Look) => match self.memory.take_if(|_| self.state == CaptureState::Full) {
-                // The rings are full: the first sample stands where the next one would go.
+                // The rings are full: the first sample is at the index of the next one.
                 Some(memory) => CaptureReply::Full(self.report(), self.next, memory),
                 None => CaptureReply::Not(self.report()),
             },
@@ -129,11 +134,11 @@ impl<'a> Recorder<'a> {
 
     #[inline(never)]
     fn record(&mut self, sense: &SenseBlock, drive: &DriveBlock, report: &Telemetry) {
-        let so = self.arm.trigger.is_so(report);
+        let so = self.arm.trigger.holds_in(report);
         let changed = self.was_so == Some(false) || self.arm.trigger == Trigger::Now;
         self.met |= so && changed && self.state == CaptureState::Armed;
         self.was_so = Some(so);
-        // What plays in the first blocks was returned before anybody looked.
+        // The codes that play in the first blocks were returned before the capture was armed.
         if self.coming == LATENCY_BLOCKS {
             if self.met {
                 self.trigger(report.block);
@@ -143,7 +148,7 @@ impl<'a> Recorder<'a> {
             self.coming += 1;
         }
         if let (Some(memory), Some(lane)) = (&mut self.memory, drive.lanes.get(usize::from(self.arm.lane))) {
-            memory.put_by(self.older, lane);
+            memory.keep_coming(self.older, lane);
         }
         self.older = 1 - self.older;
         if drive.drops_queue
@@ -162,7 +167,7 @@ impl<'a> Recorder<'a> {
         self.left = SAMPLES - self.before;
     }
 
-    /// Takes the samples of a block; of the last one, as many as there is room for.
+    /// Records the samples of a block; of the last block, as many as there is room for.
     #[inline]
     fn take(&mut self, sense: &SenseBlock) {
         let Some(memory) = &mut self.memory else { return };

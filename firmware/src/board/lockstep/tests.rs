@@ -1,4 +1,4 @@
-//! The longest records, whole and in pieces, and what is refused.
+//! Round trips of the longest records, whole and in pieces, and refusal of malformed records.
 
 use super::wire::{put_codes, take_codes};
 use super::*;
@@ -10,8 +10,8 @@ use crate::seam::telemetry::FrictionEstimate;
 use crate::seam::transducer::Transducer;
 use crate::seam::units::{Hertz, Turns};
 
-/// Sends `record` in pieces of `piece` bytes, and checks that it comes back in place of another one.
-fn comes_back<T: Record + PartialEq + core::fmt::Debug>(record: &T, mut other: T, piece: usize) {
+/// Sends `record` in pieces of `piece` bytes, and checks that decoding into `other` restores it.
+fn round_trip<T: Record + PartialEq + core::fmt::Debug>(record: &T, mut other: T, piece: usize) {
     let mut sent = BUFFER;
     let mut rest = encode(record, &mut sent).expect("it fits");
     let mut received = BUFFER;
@@ -158,26 +158,26 @@ fn longest_config() -> Config {
 }
 
 #[test]
-fn the_longest_records_come_back_whole_or_in_pieces() {
+fn the_longest_records_round_trip_whole_or_in_pieces() {
     for piece in [1, 7, MAX_RECORD] {
-        comes_back(&longest_config(), Config { lanes: 1, ..longest_config() }, piece);
-        comes_back(&longest_question(), Question::default(), piece);
-        comes_back(&longest_answer(), Answer::default(), piece);
-        comes_back(&Closing { stack_power_up_bytes: u32::MAX, stack_blocks_bytes: u32::MAX }, Closing::default(), piece);
-        let refused = Err("x".repeat(MAX_REASON).as_str().try_into().unwrap());
-        comes_back(&Opening { built: refused, silence: longest_answer().drive }, Opening::default(), piece);
+        round_trip(&longest_config(), Config { lanes: 1, ..longest_config() }, piece);
+        round_trip(&longest_question(), Question::default(), piece);
+        round_trip(&longest_answer(), Answer::default(), piece);
+        round_trip(&Closing { stack_power_up_bytes: u32::MAX, stack_blocks_bytes: u32::MAX }, Closing::default(), piece);
+        let refused = Err("x".repeat(MAX_REASON_BYTES).as_str().try_into().unwrap());
+        round_trip(&Opening { built: refused, silence: longest_answer().drive }, Opening::default(), piece);
         let beat = Beat { sense: longest_question().sense, pins: Pins { sent: u32::MAX, stop: true } };
-        comes_back(&beat, Beat::default(), piece);
+        round_trip(&beat, Beat::default(), piece);
         let board = Board { enable: true, fed: u32::MAX, failed: true, resets: true };
-        comes_back(&Played { drive: longest_answer().drive, board }, Played::default(), piece);
-        // What was there before leaves nothing.
-        comes_back(&Answer::default(), longest_answer(), piece);
-        comes_back(&Question::default(), longest_question(), piece);
+        round_trip(&Played { drive: longest_answer().drive, board }, Played::default(), piece);
+        // Decoding overwrites the previous value completely.
+        round_trip(&Answer::default(), longest_answer(), piece);
+        round_trip(&Question::default(), longest_question(), piece);
     }
 }
 
 #[test]
-fn what_asks_for_the_closing_is_a_record_and_no_question() {
+fn the_closing_request_is_a_record_but_not_a_question() {
     let mut sent = Some(CLOSE);
     let read = |bytes: &mut [u8]| {
         let close = sent.take().unwrap_or_default();
@@ -190,7 +190,7 @@ fn what_asks_for_the_closing_is_a_record_and_no_question() {
 }
 
 #[test]
-fn an_end_inside_a_record_is_an_end() {
+fn the_stream_may_end_inside_a_record() {
     let mut pieces = [3usize, 0].into_iter();
     let read = |bytes: &mut [u8]| {
         bytes[..3].copy_from_slice(&[9, 0, 1]);
@@ -200,21 +200,21 @@ fn an_end_inside_a_record_is_an_end() {
 }
 
 #[test]
-fn codes_that_are_too_many_or_cut_short_are_refused() {
+fn too_many_or_truncated_codes_are_refused() {
     let mut buffer = BUFFER;
     put_codes(&codes(), &mut buffer).unwrap();
     let mut taken = Codes::new();
     assert!(take_codes(&mut taken, &buffer).is_some() && taken == codes());
     assert!(take_codes(&mut taken, &buffer[..2 * MAX_BLOCK_SAMPLES]).is_none(), "cut short");
     buffer[0] += 1;
-    assert!(take_codes(&mut taken, &buffer).is_none(), "one more than a block has");
+    assert!(take_codes(&mut taken, &buffer).is_none(), "one code more than a block can have");
     assert!(put_codes(&codes(), &mut buffer[..2 * MAX_BLOCK_SAMPLES]).is_none(), "no room");
     let mut drive = DriveBlock::default();
     assert!(take_drive(&mut drive, &[MAX_LANES as u8 + 1, 0, 0, 0, 0, 0, 0]).is_none(), "one lane too many");
 }
 
 #[test]
-fn what_stands_behind_a_record_is_refused() {
+fn bytes_after_a_record_are_refused() {
     let mut buffer = BUFFER;
     let length = encode(&longest_question(), &mut buffer).unwrap().len();
     assert_eq!(decode(&buffer[LENGTH_BYTES..length], &mut Question::default()), Ok(()));

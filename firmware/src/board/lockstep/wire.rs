@@ -1,40 +1,40 @@
-//! Parts of a record: codes as they are, the rest as postcard.
+//! Encoding of the parts of a record: raw codes, and postcard for the rest.
 
 use serde::{Deserialize, Serialize};
 
 use crate::seam::block::{Codes, DriveBlock, MAX_BLOCK_SAMPLES, MAX_LANES, SenseBlock};
 
-/// Puts a value as postcard.
+/// Writes a value as postcard, and returns the rest of the room.
 pub(super) fn put<'a, T: Serialize>(value: &T, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
     let used = postcard::to_slice(value, room).ok()?.len();
     Some(&mut room[used..])
 }
 
-/// Takes a value as postcard.
+/// Reads a value from postcard, and returns the rest of the bytes.
 pub(super) fn take<'a, T: Deserialize<'a>>(value: &mut T, bytes: &'a [u8]) -> Option<&'a [u8]> {
     let (taken, rest) = postcard::take_from_bytes(bytes).ok()?;
     *value = taken;
     Some(rest)
 }
 
-/// Puts both channels, and the slow readings.
+/// Writes the codes of both channels, and the slow readings.
 pub(super) fn put_sense<'a>(sense: &SenseBlock, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
     put(&sense.slow, put_codes(&sense.i, put_codes(&sense.v, room)?)?)
 }
 
-/// Takes both channels, and the slow readings.
+/// Reads the codes of both channels, and the slow readings.
 pub(super) fn take_sense<'a>(sense: &mut SenseBlock, bytes: &'a [u8]) -> Option<&'a [u8]> {
     take(&mut sense.slow, take_codes(&mut sense.i, take_codes(&mut sense.v, bytes)?)?)
 }
 
-/// Puts all lanes.
+/// Writes the codes of all lanes.
 pub(super) fn put_drive<'a>(drive: &DriveBlock, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
     let ([lanes, listen, drops_queue], room) = room.split_first_chunk_mut()?;
     (*lanes, *listen, *drops_queue) = (drive.lanes.len() as u8, drive.listen, drive.drops_queue.into());
     drive.lanes.iter().try_fold(room, |room, lane| put_codes(lane, room))
 }
 
-/// Takes all lanes.
+/// Reads the codes of all lanes.
 pub(super) fn take_drive<'a>(drive: &mut DriveBlock, bytes: &'a [u8]) -> Option<&'a [u8]> {
     let ([lanes, listen, drops_queue], bytes) = bytes.split_first_chunk()?;
     (drive.listen, drive.drops_queue) = (*listen, *drops_queue != 0);
@@ -49,7 +49,7 @@ pub(super) fn take_drive<'a>(drive: &mut DriveBlock, bytes: &'a [u8]) -> Option<
     drive.lanes.iter_mut().try_fold(bytes, |bytes, lane| take_codes(lane, bytes))
 }
 
-/// Puts how many codes there are, and each.
+/// Writes the number of codes, then each code.
 pub(super) fn put_codes<'a>(codes: &Codes, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
     let (count, room) = room.split_first_mut()?;
     *count = codes.len() as u8;
@@ -60,7 +60,7 @@ pub(super) fn put_codes<'a>(codes: &Codes, room: &'a mut [u8]) -> Option<&'a mut
     Some(room)
 }
 
-/// Takes them.
+/// Reads codes that [`put_codes`] has written.
 pub(super) fn take_codes<'a>(codes: &mut Codes, bytes: &'a [u8]) -> Option<&'a [u8]> {
     let (count, bytes) = bytes.split_first()?;
     let count = usize::from(*count);

@@ -1,4 +1,4 @@
-//! Parameters: keys, ranges, and that what is written is read.
+//! Tests of the parameters: keys, ranges, and reading back written values.
 
 mod needs;
 
@@ -12,7 +12,7 @@ use crate::seam::config::{
 };
 use crate::seam::error::Error;
 
-/// A configuration of one lane that builds.
+/// Returns a configuration of one lane that builds.
 pub(crate) fn config() -> Config {
     Config {
         sample_hz: 1e6,
@@ -52,7 +52,7 @@ pub(crate) fn config() -> Config {
     }
 }
 
-/// The configuration in which a parameter acts, and builds.
+/// Returns a configuration that builds, and in which a parameter acts.
 fn config_of(parameter: &Parameter) -> Config {
     let mut config = config();
     match parameter.name {
@@ -79,7 +79,7 @@ fn config_of(parameter: &Parameter) -> Config {
     config
 }
 
-/// A value that differs from what is built in and builds.
+/// Returns a value that differs from the built-in one and builds.
 fn another(parameter: &Parameter, built_in: f32) -> f32 {
     match parameter.name {
         "limits.power_w" | "limits.on_time_s" => 7.0,
@@ -100,25 +100,25 @@ fn another(parameter: &Parameter, built_in: f32) -> f32 {
         "link.patience_s" => 2.5,
         "tracking.nominal_lm_h" => 0.8e-3,
         "tracking.c0_drift_per_s" | "thermometer.hz_per_k" | "thermometer.c0_per_k" => 0.01,
-        // Within its window, which is from 0.1 s to 0.15 s or as much later.
+        // Window n is from 0.1 s to 0.15 s, plus n times 0.1 s.
         name if name.starts_with("burst.o") => built_in + 0.01,
         _ if matches!(parameter.range, Range::Choice(_)) => 1.0 - built_in,
         _ => 0.95 * built_in,
     }
 }
 
-/// As many windows as there can be.
+/// Returns the largest number of windows.
 fn windows() -> Schedule {
     Schedule::Windows((0..MAX_WINDOWS).map(|n| (0.1 + 0.1 * n as f64, 0.15 + 0.1 * n as f64)).collect())
 }
 
 #[test]
-fn keys_and_names_are_told_apart_and_zero_is_no_key() {
+fn keys_and_names_are_unique_and_zero_is_not_a_key() {
     for (place, parameter) in PARAMETERS.iter().enumerate() {
         assert_eq!(place_of(parameter.key), Ok(place), "{}", parameter.name);
         assert!(parameter.key != 0 && PARAMETERS[..place].iter().all(|other| other.name != parameter.name), "{}", parameter.name);
     }
-    assert!(PARAMETERS.len() <= MOST_PARAMETERS);
+    assert!(PARAMETERS.len() <= MAX_PARAMETERS);
     assert_eq!([0, 32, 65, 98, 255].map(place_of), [Err(Refusal::NoSuchKey); 5]);
 }
 
@@ -131,10 +131,10 @@ fn a_key_never_changes_its_meaning() {
 }
 
 #[test]
-fn what_is_written_is_read_and_builds_and_nothing_else_moves() {
+fn a_written_parameter_reads_back_builds_and_changes_no_other() {
     let built_in = values_of(&config());
     for (place, parameter) in PARAMETERS.iter().enumerate() {
-        // A limit of energy needs a belt, and a duty a period.
+        // A limit of energy needs a belt.
         if parameter.name == "limits.energy_j_per_m" {
             continue;
         }
@@ -148,7 +148,7 @@ fn what_is_written_is_read_and_builds_and_nothing_else_moves() {
         assert!(Controller::build(&config).is_ok(), "{}", parameter.name);
         let moved = |other: &usize| values[*other] != before[*other] && *other != place;
         let others: std::vec::Vec<&str> = (0..PARAMETERS.len()).filter(moved).map(|other| PARAMETERS[other].name).collect();
-        // The amplitude is of one kind.
+        // Only one kind of amplitude, and one of friction target, can be set.
         let expected: &[&str] = match parameter.name {
             "drive.motional_current_a" => &["drive.amplitude_v"],
             "friction.target_force_n" => &["friction.target_ratio"],
@@ -159,7 +159,7 @@ fn what_is_written_is_read_and_builds_and_nothing_else_moves() {
 }
 
 #[test]
-fn the_build_refuses_by_name_what_is_out_of_range() {
+fn the_build_names_the_parameter_out_of_range() {
     let built_in = values_of(&config());
     for (place, parameter) in PARAMETERS.iter().enumerate() {
         let (Range::Within(least, most) | Range::Scale(least, most) | Range::UpToCeiling(least, most)) = parameter.range else {
@@ -172,7 +172,7 @@ fn the_build_refuses_by_name_what_is_out_of_range() {
                 continue;
             }
             let refused = Controller::check(&config).err();
-            // Of a list the build names the list.
+            // For an element of a list, the error names the list.
             let asked: std::string::String = parameter.name.replace(|at: char| at.is_ascii_digit(), "").replace("__s", "_s");
             let asked = if parameter.name.starts_with("burst.o") { &*asked } else { parameter.name };
             let named = matches!(refused, Some(Error::OutOfRange { parameter: name, .. }) if name == asked);
@@ -216,10 +216,10 @@ fn a_limit_is_never_raised() {
 }
 
 #[test]
-fn a_limit_rises_with_its_scale_factors_and_never_in_codes() {
+fn a_limit_rises_with_its_scale_factors_but_not_in_codes() {
     let built_in = values_of(&config());
     let place = |key| place_of(key).unwrap();
-    // An amplifier of a hundred times the gain, and a shunt of twice the ohms.
+    // An amplifier with a hundred times the gain, and a shunt with twice the resistance.
     let scales = [(3, 0.8), (2, 0.5e-3)];
     for (limit, ceiling) in [(8, 1546.6), (9, 1.5), (11, built_in[place(11)])] {
         let set = |value| overridden(&scales.into_iter().chain([(limit, value)]).collect(), &built_in);
@@ -231,15 +231,15 @@ fn a_limit_rises_with_its_scale_factors_and_never_in_codes() {
         assert_eq!(with(0.9 * ceiling), (0.9 * ceiling, true));
         let (held, all) = with(1.1 * ceiling);
         assert!(near(held, ceiling) && !all, "{limit}: {held}");
-        // In whatever order they were stored.
+        // The order in which they were stored does not matter.
         let (values, all) = overridden(&[(limit, 0.9 * ceiling)].into_iter().chain(scales).collect(), &built_in);
         assert_eq!((values[place(limit)], all), (0.9 * ceiling, true));
-        // What was not stored falls with its ceiling, and does not rise.
+        // A limit that was not stored falls with its ceiling, but does not rise.
         let mut config = config();
         apply(&mut config, &overridden(&scales.into_iter().collect(), &built_in).0, &built_in, |_| true);
         let acts = (PARAMETERS[place(limit)].read)(&config);
         assert!(near(acts, ceiling.min(built_in[place(limit)])), "{limit}: {acts}");
-        // Without its scale factors a limit is held to what is built in.
+        // Without its scale factors a limit is held to the built-in value.
         let mut config = self::config();
         apply(&mut config, &set(0.9 * ceiling).0, &built_in, |acting| acting == place(limit));
         let acts = (PARAMETERS[place(limit)].read)(&config);
@@ -248,7 +248,7 @@ fn a_limit_rises_with_its_scale_factors_and_never_in_codes() {
 }
 
 #[test]
-fn choices_are_told_by_their_places() {
+fn choices_match_their_places() {
     fn agree<T: Choice>() {
         assert_eq!(T::ALL.len(), T::NAMES.len());
         assert!(T::ALL.iter().all(|choice| T::at(choice.place()) == *choice));
@@ -284,7 +284,7 @@ fn windows_are_set_end_by_end() {
 }
 
 #[test]
-fn only_what_differs_is_kept_and_what_cannot_be_is_left_out() {
+fn only_differing_and_valid_values_are_kept() {
     let built_in = values_of(&config());
     assert!(overrides(&built_in, &built_in).is_empty());
     let mut values = built_in;
@@ -299,7 +299,7 @@ fn only_what_differs_is_kept_and_what_cannot_be_is_left_out() {
         stored.push(wrong).unwrap();
         assert_eq!(overridden(&stored, &built_in), (expected, false), "{wrong:?}");
     }
-    // A limit that cannot be is the nearest that can; of two the lower one.
+    // An invalid limit becomes the nearest valid value; of two entries the lower one acts.
     for (wrong, limit) in
         [(f32::NAN, 1e-3), (-1.0, 1e-3), (f32::NEG_INFINITY, 1e-3), (0.0, 1e-3), (1000.0, 15.466), (f32::INFINITY, 15.466)]
     {
@@ -325,7 +325,7 @@ fn only_what_differs_is_kept_and_what_cannot_be_is_left_out() {
     assert_eq!(config.burst.schedule, Schedule::Continuous);
 }
 
-/// The values of the built-in configuration with some of them set.
+/// Returns the built-in values with some of them replaced.
 fn with(set: &[(u8, f32)]) -> Values {
     let mut values = values_of(&config());
     for &(key, value) in set {
@@ -335,10 +335,10 @@ fn with(set: &[(u8, f32)]) -> Values {
 }
 
 #[test]
-fn what_could_not_act_is_refused_until_it_can() {
+fn a_parameter_without_its_need_is_refused() {
     let built_in = values_of(&config());
     let check = |(key, value): (u8, f32), set: &[(u8, f32)]| check_need(place_of(key).unwrap(), value, &with(set), &built_in);
-    // A parameter, and what it needs.
+    // A parameter, and the one that it needs.
     let needs = [
         ((13, 1.0), (56, 1e-5)),
         ((14, 100.0), (56, 1e-5)),
@@ -371,14 +371,14 @@ fn the_belts_scale_stays_while_something_needs_it() {
     assert_eq!(none(&[(56, 1e-5)]), Ok(()));
     for user in [(14, 100.0), (83, 1.0)] {
         assert_eq!(none(&[(56, 1e-5), user]), Err(Refusal::NotConfigured), "{user:?}");
-        // What is taken away needs nothing.
+        // Removing the parameter needs nothing.
         let gone = if user.0 == 14 { f32::INFINITY } else { 0.0 };
         assert_eq!(check_need(place_of(user.0).unwrap(), gone, &with(&[user]), &built_in), Ok(()));
     }
 }
 
 #[test]
-fn the_interlock_may_wait_at_a_d_ring_only() {
+fn the_belt_stop_limit_rises_only_at_a_d_ring() {
     let built_in = values_of(&config());
     let place = place_of(13).unwrap();
     let acts = |stored: &[(u8, f32)]| {

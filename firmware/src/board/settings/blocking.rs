@@ -1,4 +1,4 @@
-//! A flash that makes its caller wait, as one that is waited for.
+//! Adapter from a blocking flash to an asynchronous one.
 
 use core::future::Future;
 use core::pin::pin;
@@ -7,14 +7,14 @@ use core::task::{Context, Poll, Waker};
 use embedded_storage::nor_flash::{NorFlash, NorFlashError, NorFlashErrorKind};
 use embedded_storage_async::nor_flash as waiting;
 
-/// A flash, to be read or to be written.
+/// Flash for reading, or for writing.
 pub(super) struct Blocking<'a, F> {
     flash: &'a mut F,
     writes: bool,
 }
 
 impl<'a, F> Blocking<'a, F> {
-    /// A map repairs what it finds as it reads, by erasing it: this lets it find only.
+    /// Wraps a flash for reading. A map repairs damage as it reads, by erasing; here it cannot.
     pub(super) fn to_read(flash: &'a mut F) -> Self {
         Blocking { flash, writes: false }
     }
@@ -23,7 +23,7 @@ impl<'a, F> Blocking<'a, F> {
         Blocking { flash, writes: true }
     }
 
-    /// Gives the flash back.
+    /// Returns the flash.
     pub(super) fn release(self) -> &'a mut F {
         self.flash
     }
@@ -33,7 +33,7 @@ impl<'a, F> Blocking<'a, F> {
     }
 }
 
-/// The flash has failed, or was to be read only.
+/// Failure of the flash, or an attempt to write to one that is only for reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Failed;
 
@@ -72,7 +72,7 @@ impl<F: NorFlash> waiting::NorFlash for Blocking<'_, F> {
     }
 }
 
-/// What a future comes to. Those of a blocking flash never have to be asked twice.
+/// Returns the result of a future. Futures of a blocking flash are ready at the first poll.
 pub(super) fn wait<T>(future: impl Future<Output = T>) -> T {
     let mut future = pin!(future);
     let mut context = Context::from_waker(Waker::noop());

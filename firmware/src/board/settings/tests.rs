@@ -1,4 +1,4 @@
-//! Stored settings: their form on the flash, and what becomes of those that another version has left.
+//! Stored settings: their format in flash, and settings left by another version.
 
 mod copies;
 mod orders;
@@ -8,67 +8,67 @@ use heapless::spsc::Queue;
 
 use super::*;
 use crate::board::command::{Reply, Verb};
-use crate::board::parameters::MOST_PARAMETERS;
+use crate::board::parameters::MAX_PARAMETERS;
 use crate::board::power_up::PowerUp;
 use crate::board::settings_store::SettingsStore;
 use crate::seam::config::{Trim, TrimPoint};
 use crate::seam::refusal::Refusal;
 
 fn value<T: Serialize>(version: u8, number: u32, value: &T) -> std::vec::Vec<u8> {
-    let mut buffer = [0; LONGEST];
+    let mut buffer = [0; MAX_VALUE_BYTES];
     let body = postcard::to_slice(value, &mut buffer).unwrap();
     [&[version], &number.to_le_bytes()[..], body].concat()
 }
 
-/// Number, record, and what it is.
+/// Returns number, record and content of a value.
 fn parse(bytes: &[u8]) -> Option<(u32, Record, Content)> {
-    look(bytes, &[]).map(|found| (found.number, decode(bytes).unwrap_or_default(), found.content))
+    inspect(bytes, &[]).map(|found| (found.number, decode(bytes).unwrap_or_default(), found.content))
 }
 
 fn longest() -> Record {
     Record {
         trims: (0..5).map(|n| TrimPoint { hz: 40e3 + n as f32, lanes: [Trim { phase_turns: -0.1, gain: 0.9 }; 4] }).collect(),
-        parameters: (0..MOST_PARAMETERS as u8).map(|key| (key + 100, 1.0 / f32::from(key + 1))).collect(),
+        parameters: (0..MAX_PARAMETERS as u8).map(|key| (key + 100, 1.0 / f32::from(key + 1))).collect(),
     }
 }
 
 #[test]
 fn the_longest_value_fits_and_reads_back() {
     let bytes = value(VERSION, 7, &longest());
-    // Its key before it, and words of 32 bytes.
-    assert!(bytes.len() + 1 + 32 <= LONGEST, "{}", bytes.len());
+    // The key precedes the value, and words have up to 32 bytes.
+    assert!(bytes.len() + 1 + 32 <= MAX_VALUE_BYTES, "{}", bytes.len());
     let found = parse(&bytes).unwrap();
     assert_eq!(found, (7, longest(), Content::Record));
 }
 
 #[test]
-fn lane_trims_alone_are_read_as_such() {
+fn a_trims_only_value_is_read() {
     let trims = longest().trims;
-    let found = parse(&value(TRIMS_ALONE, 7, &trims)).unwrap();
+    let found = parse(&value(TRIMS_ONLY_VERSION, 7, &trims)).unwrap();
     assert_eq!(found, (7, Record { trims, parameters: Overrides::new() }, Content::Record));
 }
 
 #[test]
-fn another_version_is_named_and_not_read() {
+fn another_version_is_reported_and_not_read() {
     let found = parse(&value(VERSION + 1, 9, &longest())).unwrap();
     assert_eq!(found, (9, Record::default(), Content::Version(VERSION + 1)));
-    // Nor is an earlier record taken for the present one.
-    let found = look(&value(VERSION + 1, 9, &longest()), &[]).unwrap();
-    let before = look(&value(VERSION, 8, &longest()), &[]).unwrap();
+    // An earlier record is not used instead.
+    let found = inspect(&value(VERSION + 1, 9, &longest()), &[]).unwrap();
+    let before = inspect(&value(VERSION, 8, &longest()), &[]).unwrap();
     assert!(found.is_newer_than(&before) && !before.is_newer_than(&found));
 }
 
 #[test]
-fn what_is_cut_short_is_damaged() {
-    for bytes in [value(VERSION, 7, &longest()), value(TRIMS_ALONE, 7, &longest().trims)] {
-        let counts = |length: usize| look(&bytes[..length], &[]).is_some_and(|found| found.counts());
+fn a_truncated_value_is_damaged() {
+    for bytes in [value(VERSION, 7, &longest()), value(TRIMS_ONLY_VERSION, 7, &longest().trims)] {
+        let counts = |length: usize| inspect(&bytes[..length], &[]).is_some_and(|found| found.is_valid());
         assert!((0..bytes.len()).all(|length| !counts(length)) && counts(bytes.len()));
     }
 }
 
 #[test]
 fn record_numbers_wrap_and_an_unreadable_record_is_older() {
-    let found = |number, content| Found { number, content, same: false };
+    let found = |number, content| HalfValue { number, content, is_expected: false };
     for content in [Content::Blank, Content::Unread, Content::Damaged] {
         assert!(
             !found(9, content).is_newer_than(&found(1, Content::Record))
@@ -82,10 +82,11 @@ fn record_numbers_wrap_and_an_unreadable_record_is_older() {
 }
 
 #[test]
-fn what_acts_follows_from_both_halves() {
-    let found = |number, content| Found { number, content, same: false };
-    let state =
-        |first: Found, second: Found| Halves { newest: second.is_newer_than(&first).into(), found: [first, second] }.state();
+fn both_halves_determine_the_state() {
+    let found = |number, content| HalfValue { number, content, is_expected: false };
+    let state = |first: HalfValue, second: HalfValue| {
+        Halves { newest: second.is_newer_than(&first).into(), found: [first, second] }.state()
+    };
     let rows = [
         ((3, Content::Record), (3, Content::Record), StoredState::Stored),
         ((3, Content::Record), (2, Content::Record), StoredState::OneCopy),
@@ -107,7 +108,7 @@ fn what_acts_follows_from_both_halves() {
     }
 }
 
-/// A flash of four pages that forgets nothing but what is erased.
+/// Flash of four pages, in RAM.
 struct Ram([u8; 4 * 2048]);
 
 #[derive(Debug)]
@@ -151,29 +152,30 @@ impl NorFlash for Ram {
     }
 }
 
-/// A store in which this value has been left by another firmware.
-fn left_by_another(version: u8, record: &impl Serialize) -> Settings<Ram> {
+/// Returns a store with this value in both halves, as another firmware has left it.
+fn with_stored(version: u8, record: &impl Serialize) -> Settings<Ram> {
     let mut settings = Settings::new(Ram([0xFF; 8192])).unwrap();
     [0, 1].into_iter().for_each(|half| settings.write(half, &value(version, 1, record)).unwrap());
     settings
 }
 
 #[test]
-fn lane_trims_alone_are_read_and_written_over_by_a_whole_record() {
+fn a_stored_trims_only_record_is_read_and_replaced() {
     let trims = longest().trims;
-    let mut settings = left_by_another(TRIMS_ALONE, &trims);
+    let mut settings = with_stored(TRIMS_ONLY_VERSION, &trims);
     assert_eq!(settings.record(), (Record { trims, parameters: Overrides::new() }, StoredState::Stored));
     settings.store(&longest()).unwrap();
     assert_eq!(settings.record(), (longest(), StoredState::Stored));
 }
 
-/// A keeper of a board that was started with these settings, and what it makes of a calibration and of orders.
-fn with_keeper(settings: &mut Settings<Ram>, act: impl FnOnce(&mut SettingsStore, &mut Settings<Ram>)) {
-    with_found(longest().trims, settings, act);
+/// Calls `act` with the settings store of a board that was started with these settings, after a
+/// calibration.
+fn with_store(settings: &mut Settings<Ram>, act: impl FnOnce(&mut SettingsStore, &mut Settings<Ram>)) {
+    with_calibrated(longest().trims, settings, act);
 }
 
-/// The same of a calibration that has found these trims.
-fn with_found(trims: LaneTrims, settings: &mut Settings<Ram>, act: impl FnOnce(&mut SettingsStore, &mut Settings<Ram>)) {
+/// Calls `act` in the same way, after a calibration that has found these trims.
+fn with_calibrated(trims: LaneTrims, settings: &mut Settings<Ram>, act: impl FnOnce(&mut SettingsStore, &mut Settings<Ram>)) {
     let config = crate::board::parameters::tests::config();
     let power_up = PowerUp::read(&config, settings);
     let (mut found, mut taken): (Queue<LaneTrims, 2>, Queue<LaneTrims, 2>) = (Queue::new(), Queue::new());
@@ -191,14 +193,14 @@ fn state(settings_store: &mut SettingsStore, settings: &mut Settings<Ram>) -> St
 }
 
 #[test]
-fn what_another_version_has_left_stays_until_it_is_ordered_away() {
+fn records_of_another_version_stay_until_store_or_clear() {
     for verb in [Verb::Store, Verb::Clear] {
-        let mut settings = left_by_another(VERSION + 1, &longest());
+        let mut settings = with_stored(VERSION + 1, &longest());
         let before = settings.flash.0;
-        with_keeper(&mut settings, |settings_store, settings| {
+        with_store(&mut settings, |settings_store, settings| {
             assert_eq!(state(settings_store, settings), StoredState::Version(VERSION + 1));
-            // What a calibration finds acts, and is not written.
-            settings_store.keep(true, settings);
+            // Trims of a calibration act, but are not written.
+            settings_store.store_trims(true, settings);
             assert_eq!(settings_store.obey(Verb::Set(5, 2.0), true, settings, None), Reply::Ack);
             assert_eq!(settings_store.obey(Verb::Defaults, true, settings, None), Reply::Ack);
             assert_eq!((state(settings_store, settings), settings.flash.0 == before), (StoredState::Version(VERSION + 1), true));
@@ -214,16 +216,16 @@ fn a_calibration_stores_its_trims_and_no_set_parameter() {
     let mut settings = Settings::new(Ram([0xFF; 8192])).unwrap();
     let parameters = Overrides::from_iter([(5, 2.0), (99, 1.0)]);
     settings.store(&Record { trims: LaneTrims::new(), parameters: parameters.clone() }).unwrap();
-    with_keeper(&mut settings, |settings_store, settings| {
+    with_store(&mut settings, |settings_store, settings| {
         assert_eq!(settings_store.obey(Verb::Set(5, 1.0), true, settings, None), Reply::Ack);
-        settings_store.keep(false, settings);
+        settings_store.store_trims(false, settings);
         assert_eq!(state(settings_store, settings), StoredState::Due);
-        settings_store.keep(true, settings);
+        settings_store.store_trims(true, settings);
         assert_eq!(settings.record(), (Record { trims: longest().trims, parameters }, StoredState::Stored));
         assert_eq!(settings_store.obey(Verb::Store, false, settings, None), Reply::Nak(Refusal::Driving));
         assert_eq!(settings_store.obey(Verb::Store, true, settings, None), Reply::Ack);
     });
-    // An unknown parameter is not stored by an order.
+    // An order to store drops an unknown parameter.
     let expected = Record { trims: longest().trims, parameters: Overrides::from_iter([(5, 1.0)]) };
     assert_eq!(settings.record(), (expected, StoredState::Stored));
 }

@@ -1,22 +1,25 @@
-//! Whether the value that was read from a half is the last one that was written to it.
+//! Check that the value read from a half is the last one that was written to it.
 //!
-//! A map that cannot read its latest value gives the one before. What it passes over is still there: beyond the last byte of the value that it gives,
-//! or in a page whose marks say that it is empty. So the flash itself is looked at. After a whole write of `sequential-storage`
+//! A map that cannot read its latest value returns the one before. The latest one is still there,
+//! after the last byte of the returned value, or in a page whose marks show it as empty. Therefore
+//! the flash itself is examined. After a complete write of `sequential-storage`
 //!
-//! * one page is open: its first word is marked, its last one is not, and the value, padded by zeros to whole words, is the last that is written in it;
-//! * every other page is closed (both marked), or blank.
+//! * one page is open: its first word is marked, its last one is not, and the value, padded with
+//!   zeros to whole words, is the last data in it;
+//! * every other page is closed (both words marked), or blank.
 
 use core::ops::Range;
 
 use embedded_storage::nor_flash::NorFlash;
 
-/// Bytes of the longest word.
-const WORD: usize = 32;
-const BLANK: u8 = 0xFF;
-/// A mark needs half of a byte's bits: so few a damaged blank byte does not have.
+/// Length of the longest word, bytes.
+const MAX_WORD_BYTES: usize = 32;
+/// Value of an erased byte.
+const BLANK_BYTE: u8 = 0xFF;
+/// Number of zero bits that make a mark: half of a byte, more than a damaged blank byte has.
 const MARK_BITS: u32 = 4;
 
-/// What a page is.
+/// State of a page.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Page {
     Blank,
@@ -25,7 +28,7 @@ enum Page {
     Wrong,
 }
 
-/// Whether the pages end with this value of this key.
+/// Returns `true` if the last data in the pages is this value of this key.
 pub(super) fn ends_with<F: NorFlash>(flash: &mut F, pages: Range<u32>, key: u8, value: &[u8]) -> bool {
     let mut open = None;
     for page in each::<F>(pages) {
@@ -38,12 +41,12 @@ pub(super) fn ends_with<F: NorFlash>(flash: &mut F, pages: Range<u32>, key: u8, 
     open.is_some_and(|page| is_last(flash, page, key, value))
 }
 
-/// Whether nothing was ever written to the pages.
+/// Returns `true` if nothing was ever written to the pages.
 pub(super) fn is_blank<F: NorFlash>(flash: &mut F, pages: Range<u32>) -> bool {
     each::<F>(pages).all(|page| state(flash, &page) == Page::Blank)
 }
 
-/// Bytes that are written at once.
+/// Returns the number of bytes that are written at once.
 const fn word<F: NorFlash>() -> u32 {
     if F::WRITE_SIZE > F::READ_SIZE { F::WRITE_SIZE as u32 } else { F::READ_SIZE as u32 }
 }
@@ -55,7 +58,7 @@ fn each<F: NorFlash>(pages: Range<u32>) -> impl Iterator<Item = Range<u32>> {
 fn state<F: NorFlash>(flash: &mut F, page: &Range<u32>) -> Page {
     let mark = F::READ_SIZE as u32;
     let is_marked = |flash: &mut F, at: u32| {
-        let mut bytes = [0; WORD];
+        let mut bytes = [0; MAX_WORD_BYTES];
         let bytes = &mut bytes[..mark as usize];
         flash.read(at, bytes).ok().map(|()| bytes.iter().map(|byte| byte.count_zeros()).sum::<u32>() >= MARK_BITS)
     };
@@ -67,16 +70,16 @@ fn state<F: NorFlash>(flash: &mut F, page: &Range<u32>) -> Page {
     }
 }
 
-/// The end of the last word in which something is written, or that cannot be read.
+/// Returns the end of the last word that is not blank, or cannot be read.
 fn last_written<F: NorFlash>(flash: &mut F, range: Range<u32>) -> Option<u32> {
     let word = word::<F>();
-    let mut bytes = [0; WORD];
+    let mut bytes = [0; MAX_WORD_BYTES];
     let bytes = &mut bytes[..word as usize];
-    let mut is_written = |at: u32| flash.read(at, bytes).is_err() || bytes.iter().any(|&byte| byte != BLANK);
+    let mut is_written = |at: u32| flash.read(at, bytes).is_err() || bytes.iter().any(|&byte| byte != BLANK_BYTE);
     range.step_by(word as usize).rev().find(|&at| is_written(at)).map(|at| at + word)
 }
 
-/// Whether the last that is written in an open page is this.
+/// Returns `true` if this value is the last data in an open page.
 fn is_last<F: NorFlash>(flash: &mut F, page: Range<u32>, key: u8, value: &[u8]) -> bool {
     let word = word::<F>();
     let data = page.start + word..page.end - word;
@@ -86,7 +89,7 @@ fn is_last<F: NorFlash>(flash: &mut F, page: Range<u32>, key: u8, value: &[u8]) 
         return false;
     };
     let mut expected = core::iter::once(key).chain(value.iter().copied()).chain(core::iter::repeat(0));
-    let mut bytes = [0; WORD];
+    let mut bytes = [0; MAX_WORD_BYTES];
     let bytes = &mut bytes[..word as usize];
     (from..from + length)
         .step_by(word as usize)

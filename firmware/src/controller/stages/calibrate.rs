@@ -1,4 +1,5 @@
-//! The calibration of the lanes as a stage: the voltage limit is that of the lane with the largest gain by the new trims.
+//! The calibration of the lanes as a stage. After it, the voltage limit is that of the lane with
+//! the largest gain under the new trims.
 
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;
@@ -10,7 +11,7 @@ impl Stage for Calibrate {
         self.abandon(&mut chain.generator.phasing);
     }
 
-    // Not inlined: what runs in every block is small enough for the fast memory of a board so.
+    // Not inlined: the code of every block must fit into the fast memory of a board.
     #[inline(never)]
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let step = self.listen(&mut chain.generator.phasing, measured.sensed);

@@ -1,4 +1,5 @@
-//! The measurement of the clamped branch at power-on as a stage: the observer begins on what it has found.
+//! The measurement of the clamped branch at power-on as a stage; the observer starts from its
+//! result.
 
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;
@@ -10,11 +11,11 @@ impl Stage for PowerOn {
         self.restart();
     }
 
-    // Not inlined: what runs in every block is small enough for the fast memory of a board so.
+    // Not inlined: the code of every block must fit into the fast memory of a board.
     #[inline(never)]
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let step = self.listen(measured.sensed);
-        // Taken in silence; the block in which it is over has its tone.
+        // The result is taken in silence; the last block of the measurement still has its tone.
         if let (Step::Silence, Some(clamped)) = (step, self.found()) {
             chain.generator.sweep.hold.retune(0.0);
             chain.track.observe(clamped);

@@ -1,4 +1,5 @@
-//! Lock and run as a stage: the drive follows the resonance in frequency and amplitude, block by block.
+//! Lock and run as a stage: the drive follows the resonance in frequency and amplitude, block by
+//! block.
 
 pub(crate) mod edges;
 mod friction;
@@ -23,13 +24,13 @@ use crate::seam::units::Turns;
 use crate::track::tracked_transducer::LEARN_BLOCKS;
 use crate::track::tracker::{PlayedBlock, State};
 
-/// The stage of lock and run.
+/// Stage of lock and run.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(crate) struct Follow {
-    /// The configured amplitude.
+    /// Configured amplitude.
     amplitude: Amplitude,
-    /// How far beside the resonance to drive to measure the clamped capacitance, Hz.
+    /// Offset from the resonance for measuring the clamped capacitance, Hz.
     probe_hz: f32,
     pub(crate) edges: Edges,
     pub(crate) friction: Option<FrictionSwitch>,
@@ -42,7 +43,7 @@ impl Stage for Follow {
         self.friction.iter_mut().for_each(FrictionSwitch::restart);
     }
 
-    // Not inlined: the fast memory of a board has no room for it beside the rest of a block.
+    // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let orders = measured.orders;
@@ -53,10 +54,10 @@ impl Stage for Follow {
             }
             (Mode::Run, true) => (Gate::Off, orders.amplitude),
             (_, false) => (Gate::On, orders.amplitude),
-            // What has nothing to lock to waits.
+            // A lock that is muted waits in silence.
             (_, true) => return Step::Silence,
         };
-        if chain.lanes.are_heard() || chain.continuity.is_torn() {
+        if chain.lanes.are_heard() || chain.continuity.is_out_of_sequence() {
             return Step::Follow(self.hold(chain, orders, gate));
         }
         Step::Follow(self.follow(chain, measured, gate, amplitude))
@@ -64,12 +65,12 @@ impl Stage for Follow {
 }
 
 impl Follow {
-    /// A stage by the configured amplitude.
+    /// Builds the stage with the configured amplitude.
     pub(crate) fn build(config: &Config, friction: Option<FrictionSwitch>) -> Self {
         Follow { amplitude: config.drive.amplitude, probe_hz: 0.0, edges: Edges::build(config), friction }
     }
 
-    /// Follows frequency and amplitude for one block, for this gate and this amplitude of the orders.
+    /// Follows frequency and amplitude for one block, with the given gate and amplitude set point.
     #[inline(always)]
     fn follow(&mut self, chain: &mut Chain, measured: &Measured, gate: Gate, amplitude: Option<Amplitude>) -> Plan {
         let Measured { orders, sensed, motional, played, .. } = *measured;
@@ -79,7 +80,7 @@ impl Follow {
         let block = PlayedBlock {
             offset_hz: played.offset_hz,
             volts: played.volts,
-            envelope: (played.flat && info.telling).then_some(played.envelope),
+            envelope: (played.flat && info.informative).then_some(played.envelope),
             pure: played.pure,
             on,
             driven: played.envelope != 0.0,
@@ -88,7 +89,7 @@ impl Follow {
         let track = &mut chain.track;
         let at_lock_point = track.tracker.at_lock_point(motional, played.detune_hz);
         let phase = track.tracker.follow(sensed, motional, at_lock_point, &block);
-        if track.transducer_by_now().is_none() && track.tracker.has_converged() {
+        if track.latest_transducer().is_none() && track.tracker.has_converged() {
             let transducer = track.begin_to_learn(chain.block);
             chain.generator.amplitude.seed(transducer, magnitude(motional));
         }
@@ -100,15 +101,15 @@ impl Follow {
         let tracked_hz = chain.track.tracker.tracks().then(|| chain.track.lock_point_hz());
         let (offset_hz, limited) = self.detune(chain, orders, tracked_hz.unwrap_or(0.0));
         chain.generator.sweep.hold.retune(offset_hz);
-        // An edge is never quite one, whatever its mean rounds to.
+        // A block with an edge must never count as full, even if its mean rounds to one.
         let envelope = if played.flat || played.envelope > 1.0 { played.envelope } else { played.envelope.min(0.999) };
-        // Before the order's own amplitude: the residual vibration was driven by the one before.
+        // Before the new amplitude is set: the residual vibration was driven by the one before.
         if boosts {
             self.edges.prepare_boost(chain, measured, gate);
         } else {
             self.edges.prepare_brake(chain, gate);
         }
-        let known = chain.track.transducer_by_now().is_some() || !chain.track.tracker.observes();
+        let known = chain.track.latest_transducer().is_some() || !chain.track.tracker.observes();
         let generator = &mut chain.generator;
         if known {
             if on && info.rung_up {
@@ -132,20 +133,23 @@ impl Follow {
         let progress = chain.track.progress(chain.supervisor.mode(), &chain.generator.amplitude, &mut chain.lanes);
         let plan = Plan { volts, gate, listen: chain.lanes.ordered(), tracked_hz, phase, limited, progress };
         if chain.guard.is_muted() {
-            // Silent within the block, whatever the edge: a burst without a voltage ends at once, and begins again.
+            // Silent within the block at any edge: a burst of 0 V ends at once and starts again
+            // later.
             return Plan { volts: 0.0, ..plan };
         }
         if chain.supervisor.mode() == Mode::Run
             && let Some(friction) = &self.friction
             && friction.is_implausible()
         {
-            // A survey in which the force sensor has said what cannot be friction ends the run.
+            // A survey in which the force sensor reads a force that friction cannot have ends the
+            // run.
             return Plan { progress: Progress::Failed(Fault::ForceSensorImplausible), ..plan };
         }
         plan
     }
 
-    /// Goes on as before where the measured block is of another lane, or says nothing of the resonance: tracker and loops hold what they have.
+    /// Continues unchanged if the measured block is of another lane or out of sequence: tracker and
+    /// loops hold their values.
     // Not inlined: the fast memory of a board has no room for it.
     #[cold]
     #[inline(never)]
@@ -163,7 +167,8 @@ impl Follow {
         Plan { volts, gate, listen: chain.lanes.ordered(), tracked_hz, phase: Turns(0.0), limited, progress }
     }
 
-    /// Remembers what has been written, and calculates beside in a block that has time for it: an edge takes all the time that there is.
+    /// Records the written block, and does background work if the block has time: an edge takes all
+    /// of it.
     #[inline]
     pub(crate) fn work(&mut self, chain: &mut Chain, plan: &Plan, written: &Played) {
         if chain.generator.burst.boosts() {
@@ -174,13 +179,13 @@ impl Follow {
         }
     }
 
-    /// What is not needed at once.
+    /// Does the background work.
     #[inline]
     fn calculate(&mut self, chain: &mut Chain) {
         let (block, mode) = (chain.block, chain.supervisor.mode());
         let following = matches!(mode, Mode::Lock | Mode::Run);
-        // A friction switch has its own work in all other blocks.
-        chain.track.learn_on(block, following, self.friction.is_some(), self.edges.are_idle());
+        // A friction switch uses all other blocks for its own work.
+        chain.track.learn_periodically(block, following, self.friction.is_some(), self.edges.are_idle());
         if following && block.is_multiple_of(LEARN_BLOCKS) && chain.track.tracker.state() == State::Locked {
             let susceptance = chain.track.online.motional().y0.im;
             chain.guard.update_temperature(&Thermometers { resonance_hz: chain.track.tracker.estimate_hz(), susceptance });
@@ -194,7 +199,8 @@ impl Follow {
         }
     }
 
-    /// Measures the clamped branch at the lock point, by small steps of a drive that is otherwise left alone.
+    /// Measures the clamped branch at the lock point by small frequency steps of an otherwise
+    /// steady drive.
     #[inline(never)]
     fn probe(&mut self, chain: &mut Chain, measured: &Measured) {
         let Measured { orders, sensed, played, .. } = *measured;
@@ -205,7 +211,7 @@ impl Follow {
             && orders.detune.0 == 0.0
             && !self.friction.as_ref().is_some_and(FrictionSwitch::moves);
         let level = alone && played.flat && played.envelope == 1.0;
-        if !track.online.listens(level, track.tracker.has_been_surprised()) {
+        if !track.online.listens(level, track.tracker.has_gate_opened()) {
             return;
         }
         let steady = level && !generator.amplitude.limited() && track.tracker.state() == State::Locked;
@@ -213,19 +219,19 @@ impl Follow {
         let output = track.online.step(&sample);
         self.probe_hz = output.detune_hz;
         if let Some(update) = output.update {
-            track.take(&update);
-            // By another branch the motional current is another one.
+            track.apply_update(&update);
+            // A new clamped branch changes the motional current: the comparison starts again.
             chain.continuity.rest(false);
         }
     }
 
-    /// The amplitude that the orders ask for by this, or by default the configured one, before it is derated.
+    /// Returns the amplitude set point before derating: the given one, or the configured one.
     pub(crate) fn asked(&self, amplitude: Option<Amplitude>) -> Amplitude {
         amplitude.unwrap_or(self.amplitude)
     }
 
-    /// Where to drive, as an offset from the nominal frequency, Hz, and whether the order had to be limited. Only what runs is moved
-    /// away from the resonance.
+    /// Returns the frequency to drive, as an offset from the nominal frequency, Hz, and `true` if
+    /// the window limits the order. Only a run can be detuned from the resonance.
     #[inline(always)]
     fn detune(&self, chain: &Chain, orders: &Orders, tracked_hz: f32) -> (f32, bool) {
         let window = chain.track.tracker.window_hz();

@@ -1,4 +1,4 @@
-//! The scan as a stage: both loops start on the transducer that it has found.
+//! The scan as a stage; both loops start from the transducer that it finds.
 
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;
@@ -13,11 +13,11 @@ impl Stage for Scan {
         self.restart();
     }
 
-    // Not inlined: what runs in every block is small enough for the fast memory of a board so.
+    // Not inlined: the code of every block must fit into the fast memory of a board.
     #[inline(never)]
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let step = self.listen(&chain.convert, measured.sense, measured.sensed);
-        // Who orders a scan decides what to do about a window without a resonance.
+        // An ordered scan reports a window without a resonance; a run repeats the scan.
         if matches!(step, Step::Failed(Fault::NoResonance))
             && measured.orders.request == Request::Run
             && let Some(step) = self.repeat()

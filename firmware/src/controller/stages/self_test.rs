@@ -1,4 +1,4 @@
-//! The self-test as a stage: what it has measured is the noise that all later stages reckon with.
+//! The self-test as a stage; all later stages use the noise that it measures.
 
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;
@@ -12,13 +12,13 @@ impl Stage for SelfTest {
         self.restart();
     }
 
-    // Not inlined: what runs in every block is small enough for the fast memory of a board so.
+    // Not inlined: the code of every block must fit into the fast memory of a board.
     #[inline(never)]
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let played_v = measured.played.volts * measured.played.audible.unwrap_or(1.0);
         let step = self.listen(&mut chain.convert, measured.sense, measured.sensed, played_v);
         if matches!(step, Step::Done { .. }) {
-            // Known before, and said after what is wrong with lane 0, beside which the others are judged.
+            // Reported only after lane 0 has passed, because the other lanes are compared with it.
             if let Some(fault) = chain.lanes.found() {
                 return Step::Failed(fault);
             }

@@ -1,11 +1,11 @@
-//! What a controller makes of a channel, a load or a belt that fails, from its orders to the fault that it reports.
+//! Tests of the fault that a controller reports if a channel, a load or a belt fails.
 
 use super::*;
 use crate::seam::block::{BeltSense, Codes};
 use crate::seam::config::{Around, Chirp, ChirpKind, Edge, Schedule, ShapeKind, Sweep, Then};
 use crate::seam::fault::Fault;
 
-/// A controller with its load, and what the encoder of its belt has counted, if it has one.
+/// A controller with its load, and the encoder counts of its belt, if there is one.
 struct Bench {
     controller: Controller,
     queue: [DriveBlock; 2],
@@ -27,7 +27,7 @@ impl Bench {
         Bench { controller, queue, load: Resonator::default(), blocks: 0, counts: None }
     }
 
-    /// One block, whose codes pass through `tamper`.
+    /// Runs one block, whose codes pass through `tamper`.
     fn block(&mut self, gate: Gate, tamper: impl FnOnce(&mut SenseBlock)) -> Telemetry {
         let slot = self.blocks % 2;
         let mut sense = self.load.exchange(&self.queue[slot]);
@@ -37,11 +37,11 @@ impl Bench {
         self.controller.process(&orders(gate), &sense, &mut self.queue[slot])
     }
 
-    /// Goes on until it runs, and some blocks more; the belt moves.
+    /// Runs until 400 blocks of `Run` are over; the belt moves.
     fn run(mut self, gate: Gate) -> Self {
         let mut more = 400;
         while more > 0 {
-            assert!(self.blocks < 10_000, "it does not run");
+            assert!(self.blocks < 10_000, "no `Run` within 10 000 blocks");
             self.counts.iter_mut().for_each(|counts| *counts += 1);
             let report = self.block(gate, |_| {});
             assert_eq!(report.fault, None, "block {}", self.blocks);
@@ -50,32 +50,32 @@ impl Bench {
         self
     }
 
-    /// After how many blocks, of so many, there is which fault.
+    /// Returns the first fault within `blocks`, and the number of blocks until it.
     fn found(&mut self, blocks: usize, gate: Gate, tamper: impl Fn(&mut SenseBlock)) -> Option<(usize, Fault)> {
         (1..=blocks).find_map(|n| Some((n, self.block(gate, &tamper).fault?)))
     }
 
-    /// The fault that ends its self-test.
+    /// Returns the fault that ends the self-test.
     fn tested(tamper: impl Fn(&mut SenseBlock)) -> Option<Fault> {
         Bench::new(|_| {}).found(300, Gate::On, tamper).map(|(_, fault)| fault)
     }
 }
 
-/// What a channel reads at another gain.
+/// Changes the gain of a channel.
 fn amplify(codes: &mut Codes, gain: f64) {
     codes.iter_mut().for_each(|code| *code = (4096.0 + gain * (f64::from(*code) - 4096.0)).clamp(0.0, 8190.0) as u16);
 }
 
 #[test]
-fn more_current_than_the_limit_is_a_short_in_the_self_test_only() {
-    // 32 mA of the tone; 3.2 A are over the limit, 0.3 A are what only a short takes.
+fn over_current_is_a_short_in_the_self_test_only() {
+    // The tone draws 32 mA. 3.2 A exceed the limit; only a short takes 0.3 A.
     assert_eq!(Bench::tested(|sense| amplify(&mut sense.i, 120.0)), Some(Fault::LoadShorted));
     let mut runs = Bench::new(|_| {}).run(Gate::On);
     assert_eq!(runs.found(3, Gate::On, |sense| amplify(&mut sense.i, 4.0)), Some((1, Fault::OverCurrent)));
 }
 
 #[test]
-fn a_voltage_that_collapses_is_a_short_if_the_current_says_so() {
+fn a_collapsed_voltage_with_a_high_current_is_a_short() {
     let collapses = |gain: f64| {
         Bench::tested(|sense| {
             amplify(&mut sense.v, 0.02);
@@ -92,7 +92,7 @@ fn a_voltage_that_collapses_is_a_short_if_the_current_says_so() {
 }
 
 #[test]
-fn a_channel_whose_gain_changes_in_a_run_is_known_within_a_dozen_blocks() {
+fn a_gain_change_in_a_run_is_detected_within_12_blocks() {
     let changes: [fn(&mut SenseBlock); 4] = [
         |sense| amplify(&mut sense.i, 0.7),
         |sense| amplify(&mut sense.i, -1.0),
@@ -107,22 +107,22 @@ fn a_channel_whose_gain_changes_in_a_run_is_known_within_a_dozen_blocks() {
 }
 
 #[test]
-fn without_tracking_another_frequency_is_an_order_and_a_voltage_that_changes_is_not() {
+fn without_tracking_a_changed_voltage_is_detected() {
     let off = |config: &mut Config| config.tracking.mode = crate::seam::config::TrackingMode::Off;
     let mut runs = Bench::new(off).run(Gate::On);
     let found = runs.found(100, Gate::On, |sense| amplify(&mut sense.v, 0.8));
     assert!(found.is_some_and(|(blocks, fault)| blocks <= 12 && fault == Fault::SensorImplausible), "{found:?}");
-    // A current that jumps says nothing where no resonance is tracked.
+    // Without tracking a jump of the current is not judged.
     let mut runs = Bench::new(off).run(Gate::On);
     assert_eq!(runs.found(400, Gate::On, |sense| amplify(&mut sense.i, 0.7)), None);
 }
 
 #[test]
-fn what_fails_between_two_bursts_is_known_as_the_next_one_begins() {
+fn a_failure_between_bursts_is_detected_in_the_next_one() {
     let bursts = |config: &mut Config| config.burst.schedule = Schedule::Periodic { period_s: 0.01, duty: 0.5 };
     let mut runs = Bench::new(bursts).run(Gate::Scheduled);
     assert_eq!(runs.found(2000, Gate::Scheduled, |_| {}), None);
-    // Until the pause is under way.
+    // Until the pause begins.
     while runs.block(Gate::Scheduled, |_| {}).envelope > 0.0 {}
     (0..20).for_each(|_| assert_eq!(runs.block(Gate::Scheduled, |_| {}).fault, None));
     let mut driven = 0;
@@ -135,7 +135,7 @@ fn what_fails_between_two_bursts_is_known_as_the_next_one_begins() {
 }
 
 #[test]
-fn a_healthy_load_in_bursts_of_any_edge_is_no_failure() {
+fn bursts_of_any_edge_raise_no_fault() {
     for edge in [Edge::Hard, Edge::Soft, Edge::Boost] {
         let mut runs = Bench::new(|config| {
             config.burst.schedule = Schedule::Periodic { period_s: 0.01, duty: 0.5 };
@@ -147,7 +147,7 @@ fn a_healthy_load_in_bursts_of_any_edge_is_no_failure() {
 }
 
 #[test]
-fn the_clock_of_the_drive_and_the_board_sensor_end_a_run() {
+fn on_time_and_board_temperature_end_a_run() {
     let mut runs = Bench::new(|config| config.limits.on_time_s = Some(0.5)).run(Gate::On);
     let (blocks, fault) = runs.found(20_000, Gate::On, |_| {}).unwrap();
     assert!(fault == Fault::OnTimeExceeded && runs.blocks > 15_625, "{blocks} {fault:?}");
@@ -156,32 +156,32 @@ fn the_clock_of_the_drive_and_the_board_sensor_end_a_run() {
 }
 
 #[test]
-fn a_belt_that_stops_is_a_fault_after_a_tenth_of_a_second_of_requested_drive() {
+fn a_stopped_belt_is_a_fault_after_100_ms_of_requested_drive() {
     let belt = |config: &mut Config| config.front_end.metre_per_count = Some(1e-5);
     let moves = || Bench { counts: Some(0), ..Bench::new(belt) };
     let mut runs = moves().run(Gate::On);
     let (blocks, fault) = runs.found(5000, Gate::On, |_| {}).unwrap();
     assert!(fault == Fault::BeltStopped && (3190..3210).contains(&blocks), "{blocks} {fault:?}");
-    // A drive that nobody requests is not muted, and waits for as long as it likes.
+    // A drive that is not requested waits without a limit.
     let mut waits = moves().run(Gate::Off);
     assert_eq!(waits.found(10_000, Gate::Off, |_| {}), None);
 }
 
 #[test]
-fn the_self_test_expects_the_voltage_of_a_lane_that_is_trimmed() {
+fn the_self_test_expects_the_trimmed_voltage() {
     let mut runs = Bench::new(|config| config.phasing.gain_trim = [0.6].into_iter().collect());
     let mode = (0..300).map(|_| runs.block(Gate::On, |_| {})).find(|report| !matches!(report.mode, Mode::Idle | Mode::SelfTest));
     assert_eq!(mode.map(|report| (report.mode, report.fault)), Some((Mode::Scan, None)));
 }
 
-/// Half the sample clock, which no tone explains, on so many samples of a block.
+/// Adds half the sample clock, which no tone explains, to the first `samples` of a block.
 fn disturb(codes: &mut Codes, volts: f64, samples: usize) {
     let codes = codes.iter_mut().enumerate().take(samples);
     codes.for_each(|(n, code)| *code = (f64::from(*code) + volts / 0.005 * if n % 2 == 0 { 1.0 } else { -1.0 }) as u16);
 }
 
 #[test]
-fn silence_may_hum_within_the_limit_of_the_voltage_but_not_beyond() {
+fn hum_in_silence_must_stay_within_the_voltage_limit() {
     let found = |volts: f64, samples: usize| {
         let mut runs = Bench::new(|config| config.limits.voltage_v = 12.0).run(Gate::On);
         assert_eq!(runs.found(100, Gate::Off, |_| {}), None);
@@ -191,7 +191,7 @@ fn silence_may_hum_within_the_limit_of_the_voltage_but_not_beyond() {
 }
 
 #[test]
-fn a_tone_that_measures_and_is_none_ends_the_scan() {
+fn a_distorted_measuring_tone_ends_the_scan() {
     for (volts, ends) in [(0.2, false), (1.0, true)] {
         let mut scans = Bench::new(|_| {});
         while scans.block(Gate::On, |_| {}).mode != Mode::Scan {}
@@ -204,10 +204,10 @@ fn a_tone_that_measures_and_is_none_ends_the_scan() {
     }
 }
 
-/// Of a waveform that is no sine, and of a frequency that moves, one block is not compared with another: a voltage that the range of a plain check allows is none of
-/// a failure.
+/// If the waveform is not a sine or the frequency moves, blocks are not compared: a voltage within
+/// the range of the plain check is accepted.
 #[test]
-fn what_is_no_tone_is_not_compared_with_what_it_was() {
+fn blocks_without_a_steady_tone_are_not_compared() {
     let square = |config: &mut Config| config.drive.shape = ShapeKind::Square;
     let chirp = |config: &mut Config| {
         let (kind, then, around) = (ChirpKind::Linear, Then::UpDown, Around::Resonance);

@@ -37,7 +37,7 @@ fn config(lanes: u8) -> Config {
     }
 }
 
-/// What lanes add: a delay, and a gain that falls as one pole does.
+/// Errors of the lanes: a delay, a gain, and one pole.
 #[derive(Clone, Copy)]
 struct Errors {
     delay_s: [f32; MAX_LANES],
@@ -46,7 +46,7 @@ struct Errors {
 }
 
 const NONE: Errors = Errors { delay_s: [0.0; 4], gain: [1.0; 4], pole_hz: [1e9; 4] };
-/// The thesis's generator: 5 to 10 degrees at 40 kHz, and several per cent.
+/// Errors of the generator in the thesis: 5 to 10 degrees at 40 kHz, and several per cent.
 const THESIS: Errors =
     Errors { delay_s: [0.1e-6, 0.45e-6, 0.8e-6, -0.3e-6], gain: [1.0, 1.04, 0.95, 1.07], pole_hz: [400e3, 500e3, 350e3, 600e3] };
 
@@ -59,39 +59,44 @@ impl Errors {
     }
 }
 
-/// A bank of amplifiers with their multiplexer, and the phasors of its blocks, measured with noise of so many codes.
+/// Amplifiers with their multiplexer; computes the phasors of each block, with noise in codes.
 struct Bank {
     errors: Errors,
     codes: f32,
     chance: Xoshiro128StarStar,
-    /// A lane that cannot be listened to.
-    deaf: Option<usize>,
-    /// How far a load that rings up with twice the nominal time constant pulls the source, and for how long it has rung at which frequency.
+    /// Lane that cannot be measured.
+    unmeasured: Option<usize>,
+    /// Relative pull on the source by a load that rings up with twice the nominal time constant.
     pull: f32,
+    /// Frequency that is ringing up, Hz, and the number of blocks so far.
     rung: (f32, u32),
 }
 
 impl Bank {
     fn new(errors: Errors, codes: f32) -> Self {
-        Bank { errors, codes, chance: Xoshiro128StarStar::seed_from_u64(1), deaf: None, pull: 0.0, rung: (0.0, 0) }
+        Bank { errors, codes, chance: Xoshiro128StarStar::seed_from_u64(1), unmeasured: None, pull: 0.0, rung: (0.0, 0) }
     }
 
     fn update(&mut self, phasing: &mut Phasing, quadrature: f32, hz: f32, lane: usize) -> Phasor {
         use rand_core::Rng;
-        // Twelve rectangles make a bell; a block of 32 samples has a noise of sqrt(2 / 32) codes in each part of its phasor.
+        // The sum of twelve uniform numbers is nearly Gaussian. A block of 32 samples has a noise
+        // of sqrt(2 / 32) codes in each component of its phasor.
         let mut noise = || (0..12).map(|_| self.chance.next_u32() as f32 / 4_294_967_296.0).sum::<f32>() - 6.0;
         let noise = Phasor::new(noise(), noise()) * (self.codes * 0.01 * 0.25);
         let row = phasing.lanes(hz, quadrature)[lane].row;
         self.rung = (hz, if hz == self.rung.0 { self.rung.1 + 1 } else { 0 });
         // Q 100 at 40 kHz: 0.796 ms, in blocks of 32 us.
         let pulled = 1.0 - self.pull * (1.0 - libm::expf(-(self.rung.1 as f32) / 24.87));
-        let measured =
-            if self.deaf == Some(lane) { Phasor::default() } else { row * self.errors.at(lane, hz) * (SCAN_VOLTS * pulled) };
+        let measured = if self.unmeasured == Some(lane) {
+            Phasor::default()
+        } else {
+            row * self.errors.at(lane, hz) * (SCAN_VOLTS * pulled)
+        };
         measured + noise
     }
 }
 
-/// Plays a calibration to its end; returns it, and how many blocks it took.
+/// Runs a calibration to its end; returns it, its last step, and the number of blocks.
 fn calibrate(config: &Config, phasing: &mut Phasing, bank: &mut Bank) -> (Calibrate, Step, u32) {
     let mut calibrate = Calibrate::build(config);
     let quadrature = phasing.quadrature(None).0;
@@ -109,7 +114,7 @@ fn calibrate(config: &Config, phasing: &mut Phasing, bank: &mut Bank) -> (Calibr
     panic!("no end");
 }
 
-/// The largest errors that are left of any lane over the window: degrees, and a part.
+/// Returns the largest remaining error of any lane over the window: degrees, and relative gain.
 fn residual(config: &Config, phasing: &mut Phasing, bank: &Bank, quadrature: f32) -> (f32, f32) {
     let offsets = Phasing::offsets(quadrature);
     let window = config.tracking.span * config.drive.frequency_hz;
@@ -127,7 +132,7 @@ fn residual(config: &Config, phasing: &mut Phasing, bank: &Bank, quadrature: f32
 }
 
 #[test]
-fn the_lane_errors_of_the_thesis_are_trimmed_in_noise_of_a_code() {
+fn lane_errors_of_the_thesis_are_trimmed_in_one_code_of_noise() {
     for quadrature in [Direction::Forward, Direction::Reverse] {
         for span in [0.01, 0.05, 0.2] {
             let mut config = config(4);
@@ -142,14 +147,14 @@ fn the_lane_errors_of_the_thesis_are_trimmed_in_noise_of_a_code() {
             assert_eq!(end, Step::Done { volts: 0.0 });
             let after = residual(&config, &mut phasing, &bank, quadrature);
             std::println!("span {span}: {before:?} -> {after:?}");
-            // Noise of 0.01 %, and the bend of four poles between the frequencies.
+            // Noise of 0.01 %, and the curvature of four poles between the frequencies.
             assert!(after.0 < 0.02 && after.1 < 5e-4, "{span}: {after:?}");
         }
     }
 }
 
 #[test]
-fn trims_only_turn_down_and_go_on_top_of_what_is_configured() {
+fn trims_only_reduce_and_add_to_the_configured_trims() {
     let mut config = config(4);
     config.phasing.phase_trim_turns = [0.0, 0.01, -0.01, 0.02].into_iter().collect();
     config.phasing.gain_trim = [1.0, 1.1, 0.9, 1.0].into_iter().collect();
@@ -157,22 +162,22 @@ fn trims_only_turn_down_and_go_on_top_of_what_is_configured() {
     let mut bank = Bank::new(THESIS, 0.0);
     assert_eq!(calibrate(&config, &mut phasing, &mut bank).1, Step::Done { volts: 0.0 });
     for point in phasing.calibration() {
-        let loudest = point.lanes.iter().map(|trim| trim.gain).fold(0.0, f32::max);
-        assert_eq!(loudest, 1.0);
+        let largest = point.lanes.iter().map(|trim| trim.gain).fold(0.0, f32::max);
+        assert_eq!(largest, 1.0);
     }
     let after = residual(&config, &mut phasing, &bank, 0.25);
     assert!(after.0 < 0.02 && after.1 < 5e-4, "{after:?}");
 }
 
 #[test]
-fn an_error_beyond_trimming_is_a_fault_and_changes_no_trims() {
+fn too_large_an_error_is_a_fault_and_keeps_the_trims() {
     let cases: [fn(&mut Bank); 6] = [
         |bank| bank.errors.delay_s[2] = 4e-6,
         |bank| bank.errors.gain[1] = 0.65,
         |bank| bank.errors.gain[3] = 1.5,
         |bank| bank.errors.gain[0] = 0.6,
-        |bank| bank.deaf = Some(3),
-        |bank| bank.deaf = Some(0),
+        |bank| bank.unmeasured = Some(3),
+        |bank| bank.unmeasured = Some(0),
     ];
     for (n, change) in cases.into_iter().enumerate() {
         let config = config(4);
@@ -189,7 +194,7 @@ fn an_error_beyond_trimming_is_a_fault_and_changes_no_trims() {
 
 #[test]
 fn trims_that_do_not_verify_are_a_fault() {
-    // An amplifier that changes between the passes.
+    // The amplifier changes between the passes.
     let config = config(2);
     let mut phasing = Phasing::build(&config).unwrap();
     let mut calibrate = Calibrate::build(&config);
@@ -226,7 +231,7 @@ fn one_lane_needs_no_trims_and_an_abort_leaves_them() {
 }
 
 #[test]
-fn noise_of_a_code_leaves_what_is_said() {
+fn one_code_of_noise_leaves_the_stated_error() {
     let (mut turns, mut gains, mut count) = (0.0, 0.0, 0.0);
     for seed in 0..10 {
         let config = config(4);
@@ -244,19 +249,22 @@ fn noise_of_a_code_leaves_what_is_said() {
     }
     let (degrees, part) = (360.0 * libm::sqrtf(turns / count), libm::sqrtf(gains / count));
     std::println!("rms of the noise: {degrees:.4} degrees, {:.4} %", 100.0 * part);
-    // 150 of each: within a fifth.
-    assert!((0.8..1.2).contains(&(part / NOISE)) && (0.8..1.2).contains(&(degrees.to_radians() / NOISE)), "{degrees} {part}");
+    // From 150 samples of each: within a fifth.
+    assert!(
+        (0.8..1.2).contains(&(part / NOISE_REL)) && (0.8..1.2).contains(&(degrees.to_radians() / NOISE_REL)),
+        "{degrees} {part}"
+    );
 }
 
 #[test]
-fn between_the_frequencies_a_pole_bends_little() {
+fn interpolation_error_of_a_pole_is_small() {
     let mut config = config(2);
     config.tracking.span = 0.2;
     let mut phasing = Phasing::build(&config).unwrap();
     let mut bank = Bank::new(Errors { pole_hz: [1e9, 80e3, 1e9, 1e9], ..NONE }, 0.0);
     assert_eq!(calibrate(&config, &mut phasing, &mut bank).1, Step::Done { volts: 0.0 });
     let after = residual(&config, &mut phasing, &bank, 0.25);
-    std::println!("one pole at twice the frequency, window of 20 %: {:.3} degrees, {:.3} %", after.0, 100.0 * after.1);
+    std::println!("one pole at twice the frequency, 20 % window: {:.3} degrees, {:.3} %", after.0, 100.0 * after.1);
     assert!(after.0 < 0.025 && after.1 < 2.2e-4, "{after:?}");
 }
 
@@ -269,6 +277,6 @@ fn a_load_of_twice_the_nominal_q_does_not_matter() {
     assert_eq!(calibrate(&config, &mut phasing, &mut bank).1, Step::Done { volts: 0.0 });
     let after = residual(&config, &mut phasing, &bank, 0.25);
     std::println!("a pull of 30 % that rings up twice as slowly as nominal: {:.1e}", after.1);
-    // exp(-8) of it at the first block that counts, and less on average.
+    // exp(-8) of the pull in the first averaged block, less on average.
     assert!(after.1 < 0.3 * 3.4e-4, "{after:?}");
 }

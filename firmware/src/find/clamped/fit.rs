@@ -1,16 +1,23 @@
-//! The elements of the [model](super::model) from admittances at some frequencies: Gauss and Newton's iteration, one admittance a block, then what is known
-//! beforehand, then the solution. With two resonances, whose rows are longer, one part of an admittance a block.
+//! Fit of the [model](super::model) to admittances at several frequencies, by Gauss-Newton
+//! iteration. Each block processes one admittance, then the priors, then the solution. With two
+//! resonances the rows are longer, and each block processes one component of an admittance.
 //!
-//! Started by a linear fit without losses (Levy 1959), so that no initial value of the resonance is needed: with `Z = Im Y / u`, `v = u^2 - 1`,
+//! A linear fit without losses (Levy 1959) starts the iteration, so that no initial value of the
+//! resonance is needed. With `Z = Im Y / u`, `v = u^2 - 1`,
 //!
 //! ```text
 //! one resonance:  Z v   = w Z - p + c v,              us^2 - 1 = w,  k = p - c w
 //! two:            Z v^2 = -a Z v - b Z + c v^2 + e v + p,   us^2 - 1 and u2^2 - 1 the roots of v^2 + a v + b
 //! ```
 //!
-//! What one resonance cannot explain is tried with two: with another one above, then from such a start, both as lossy as the first; where
-//! neither explains it, with a loss of its own, from the best of these, or from one below. Two are taken for one only where they leave a third of what one
-//! leaves: with nine or ten unknowns of sixteen numbers they always leave less.
+//! If one resonance does not explain the measurement, two are tried in this order:
+//!
+//! 1. a second resonance above the first, with the same loss;
+//! 2. a linear fit of two resonances, with the same loss;
+//! 3. a second resonance with its own loss, from the best of these, or below the first.
+//!
+//! Two resonances are accepted only if they reduce the residual to a third. They always reduce it
+//! somewhat, with nine or ten unknowns for sixteen numbers.
 
 use heapless::Vec;
 
@@ -19,78 +26,89 @@ use crate::find::givens::RealTriangle;
 use crate::seam::compare::within;
 use crate::seam::phasor::Phasor;
 
-/// The most admittances there can be.
+/// Maximum number of admittances.
 pub(crate) const MAX_POINTS: usize = 8;
-/// Iterations with one resonance, with two, and with two of which one has a loss of its own, for which there is the least time. They square the error from 1e-2 on, or
-/// nearly so.
-const ROUNDS: (u32, u32, u32) = (5, 8, 5);
-/// Beyond this rms residual, in standard deviations, one resonance does not explain what was measured.
-const MISFIT: f32 = 4.0;
-/// Two resonances are taken where they leave less than this part of what one leaves.
-const BETTER: f32 = 1.0 / 3.0;
-/// Where a second resonance is looked for first, above and below the first, and how strong, relative to it.
-const SECOND: (f32, f32) = (0.06, 0.15);
-/// Priors: an element, and its standard deviation about zero. That of the loss is about the nominal loss, relative to it, that of a second resonance's about the first's; `theta`'s is a time, s, by which
-/// the sense channels are apart.
-const KNOWN: [(usize, f32); 5] = [(XS, 0.1), (D, 4.0), (THETA, 150e-9), (X2, 0.2), (D2, 1.0)];
-/// The standard deviation of a second resonance's loss about the first's where they are taken to be the same, relative to it.
-const ALIKE: f32 = 0.01;
-/// How the loss of the clamped branch rises with the frequency: between that of a dielectric (1) and of images (2), and to what part of the
-/// clamped susceptance that is known.
-const LOSS_RISES: (f32, f32) = (1.5, 0.02);
-/// The most that a resonance may move in one iteration, and the most that a loss, a strength or the clamped capacitance may change by, as a factor; the most
-/// that sensing may turn, rad.
-const LONGEST_STEP: f32 = 0.01;
-const LARGEST_FACTOR: f32 = 3.0;
-const LARGEST_THETA: f32 = 0.3;
+/// Iterations with one resonance. Below an error of 1e-2, each iteration nearly squares it.
+const ROUNDS_ONE: u32 = 5;
+/// Iterations with two resonances.
+const ROUNDS_TWO: u32 = 8;
+/// Iterations with two resonances of which one has its own loss; limited by time.
+const ROUNDS_FREE: u32 = 5;
+/// Maximum rms residual of one resonance, in standard deviations.
+const MAX_MISFIT_SIGMAS: f32 = 4.0;
+/// Maximum residual of two resonances, relative to that of one.
+const MAX_MISFIT_RATIO: f32 = 1.0 / 3.0;
+/// Initial distance of a second resonance above or below the first, relative to the nominal
+/// frequency.
+const SECOND_DISTANCE: f32 = 0.06;
+/// Initial strength of a second resonance, relative to the first.
+const SECOND_STRENGTH_REL: f32 = 0.15;
+/// Priors: index of the element, and standard deviation around zero. The loss is relative to the
+/// nominal loss, and the loss of a second resonance relative to the first. `theta` is a time skew
+/// between the sense channels, s.
+const PRIORS: [(usize, f32); 5] = [(XS, 0.1), (D, 4.0), (THETA, 150e-9), (X2, 0.2), (D2, 1.0)];
+/// Standard deviation of the difference of both losses, relative to the first, when they are
+/// assumed equal.
+const SAME_LOSS_DEVIATION_REL: f32 = 0.01;
+/// Exponent with which the loss of the clamped branch rises with frequency: between a dielectric
+/// (1) and images (2).
+const LOSS_EXPONENT: f32 = 1.5;
+/// Standard deviation of that slope, relative to the clamped susceptance.
+const LOSS_DEVIATION: f32 = 0.02;
+/// Maximum change of a resonance per iteration.
+const MAX_RESONANCE_STEP: f32 = 0.01;
+/// Maximum factor per iteration for a loss, a strength or the clamped capacitance.
+const MAX_FACTOR: f32 = 3.0;
+/// Maximum rotation by the sensing chain, rad.
+const MAX_THETA_RAD: f32 = 0.3;
 
-/// An admittance, relative to the nominal clamped susceptance.
+/// Admittance relative to the nominal clamped susceptance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Point {
     /// Offset from the nominal frequency, relative to it.
     pub(crate) x: f32,
-    /// The admittance.
+    /// Admittance.
     pub(crate) y: Phasor,
-    /// Its standard deviation, of either part.
+    /// Standard deviation of each component.
     pub(crate) deviation: f32,
 }
 
-/// A part of an admittance.
+/// Component of an admittance: real or imaginary part.
 type Part = fn(Phasor) -> f32;
 const PARTS: [Part; 2] = [|y| y.re, |y| y.im];
 
-/// What is fitted at present.
+/// Model that is being fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     StartOne,
     One,
-    /// With a second resonance above the first.
+    /// Second resonance above the first, with the same loss.
     Above,
-    /// With one as lossy as it may be.
+    /// Second resonance with its own loss.
     Free,
     StartTwo,
     Two,
 }
 
-/// Elements that explain the points, and how well.
+/// Fitted elements, and the quality of the fit.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Solution {
-    /// The elements.
+    /// Fitted elements.
     pub(crate) elements: Elements,
-    /// Their triangular factor.
+    /// Triangular factor of the fit.
     pub(crate) triangle: RealTriangle<UNKNOWNS>,
-    /// Root of what is left in the mean of the degrees of freedom, in standard deviations: one, if the model holds.
+    /// Rms residual per degree of freedom, in standard deviations; one if the model holds.
     pub(crate) misfit: f32,
 }
 
 impl Solution {
-    /// Standard deviation of a sum of elements, larger where the model does not hold.
+    /// Returns the standard deviation of a sum of elements; larger if the model does not hold.
     pub(crate) fn deviation(&self, of: &[f32; UNKNOWNS]) -> f32 {
         self.triangle.deviation(of) * self.misfit.max(1.0)
     }
 }
 
-/// The fit, in progress.
+/// Fit in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct Fit {
     loss: f32,
@@ -103,12 +121,12 @@ pub(crate) struct Fit {
     elements: Elements,
     triangle: RealTriangle<UNKNOWNS>,
     best: Option<Solution>,
-    /// What one resonance explains best.
+    /// Best fit of one resonance.
     one: Elements,
 }
 
 impl Fit {
-    /// Without a point. `loss`: the nominal one, `1 / Q`; the nominal frequency, Hz.
+    /// Creates a fit without points, from the nominal `loss` `1 / Q` and the nominal frequency, Hz.
     pub(crate) fn new(loss: f32, nominal_hz: f32) -> Self {
         Fit {
             loss,
@@ -124,17 +142,17 @@ impl Fit {
         }
     }
 
-    /// Adds a point; no more than there is room for.
+    /// Adds a point; ignores it if there is no room.
     pub(crate) fn add(&mut self, point: Point) {
         let _ = self.points.push(point);
     }
 
-    /// What has been found, when it is over.
+    /// Returns the best solution; final once [`advance`](Self::advance) has returned `true`.
     pub(crate) fn solution(&self) -> Option<&Solution> {
         self.best.as_ref()
     }
 
-    /// Does a block's worth of it. Returns whether it is over.
+    /// Does the work of one block. Returns `true` if the fit has ended.
     pub(crate) fn advance(&mut self) -> bool {
         let starts = matches!(self.stage, Stage::StartOne | Stage::StartTwo);
         let blocks = if matches!(self.stage, Stage::Above | Stage::Free | Stage::Two) { 2 } else { 1 };
@@ -150,7 +168,7 @@ impl Fit {
             }
             None if row == self.points.len() => {
                 if part == 0 {
-                    self.fold_known();
+                    self.fold_priors();
                 }
                 if part + 1 == blocks {
                     self.fold_loss();
@@ -178,7 +196,7 @@ impl Fit {
         self.triangle.fold(row.map(|x| x * weight), right * weight);
     }
 
-    /// Folds parts of an admittance.
+    /// Folds components of an admittance into the factor.
     fn fold(&mut self, point: Point, parts: &[Part]) {
         let (y, by) = admittance(&self.elements, point.x);
         let weight = 1.0 / point.deviation;
@@ -189,7 +207,7 @@ impl Fit {
         }
     }
 
-    /// Begins the iteration where the linear fit has ended.
+    /// Starts the iteration from the result of the linear fit.
     fn start(&mut self) {
         let resonance = |w: f32| libm::sqrtf((1.0 + w).clamp(0.6, 1.6)) - 1.0;
         let mut e = Elements::default();
@@ -213,13 +231,16 @@ impl Fit {
         self.triangle.restart();
     }
 
-    fn fold_known(&mut self) {
-        for (n, deviation) in KNOWN {
+    fn fold_priors(&mut self) {
+        for (n, deviation) in PRIORS {
             let (expected, deviation) = match n {
                 D => (self.loss, deviation * self.loss),
                 THETA => (0.0, deviation * self.omega),
                 X2 | D2 if self.stage == Stage::One => continue,
-                D2 => (self.elements[D], if self.stage == Stage::Free { deviation } else { ALIKE } * self.elements[D]),
+                D2 => (
+                    self.elements[D],
+                    if self.stage == Stage::Free { deviation } else { SAME_LOSS_DEVIATION_REL } * self.elements[D],
+                ),
                 _ => (0.0, deviation),
             };
             let mut row = core::array::from_fn(|k| if k == n { 1.0 / deviation } else { 0.0 });
@@ -233,8 +254,8 @@ impl Fit {
 
     fn fold_loss(&mut self) {
         let mut rises = [0.0; UNKNOWNS];
-        (rises[H], rises[G]) = (1.0 / LOSS_RISES.1, -LOSS_RISES.0 / LOSS_RISES.1);
-        self.triangle.fold(rises, (LOSS_RISES.0 * self.elements[G] - self.elements[H]) / LOSS_RISES.1);
+        (rises[H], rises[G]) = (1.0 / LOSS_DEVIATION, -LOSS_EXPONENT / LOSS_DEVIATION);
+        self.triangle.fold(rises, (LOSS_EXPONENT * self.elements[G] - self.elements[H]) / LOSS_DEVIATION);
     }
 
     fn finish_round(&mut self) -> bool {
@@ -242,17 +263,17 @@ impl Fit {
             let before = *element;
             *element += step;
             match n {
-                XS | X2 => *element = within(*element, before - LONGEST_STEP, before + LONGEST_STEP),
-                THETA => *element = within(*element, -LARGEST_THETA, LARGEST_THETA),
-                D | D2 | C | K if before > 0.0 => *element = within(*element, before / LARGEST_FACTOR, before * LARGEST_FACTOR),
+                XS | X2 => *element = within(*element, before - MAX_RESONANCE_STEP, before + MAX_RESONANCE_STEP),
+                THETA => *element = within(*element, -MAX_THETA_RAD, MAX_THETA_RAD),
+                D | D2 | C | K if before > 0.0 => *element = within(*element, before / MAX_FACTOR, before * MAX_FACTOR),
                 _ => {}
             }
         }
         self.round += 1;
         let (rounds, unknowns) = match self.stage {
-            Stage::One => (ROUNDS.0, K2),
-            Stage::Free => (ROUNDS.2, UNKNOWNS),
-            _ => (ROUNDS.1, UNKNOWNS),
+            Stage::One => (ROUNDS_ONE, K2),
+            Stage::Free => (ROUNDS_FREE, UNKNOWNS),
+            _ => (ROUNDS_TWO, UNKNOWNS),
         };
         if self.round < rounds {
             self.triangle.restart();
@@ -260,27 +281,29 @@ impl Fit {
         }
         let freedom = (2 * self.points.len()).saturating_sub(unknowns).max(1) as f32;
         let misfit = libm::sqrtf(self.triangle.rest() / freedom);
-        let part = |best: &Solution| if best.elements[K2] == 0.0 { BETTER } else { 1.0 };
+        let part = |best: &Solution| if best.elements[K2] == 0.0 { MAX_MISFIT_RATIO } else { 1.0 };
         let better = self.best.as_ref().is_none_or(|best| misfit < part(best) * best.misfit && is_plausible(&self.elements));
-        // In place: a factor is long to move.
+        // In place, since moving a factor takes long.
         let best = self.best.get_or_insert_default();
         if better {
             (best.elements, best.misfit) = (self.elements, misfit);
             best.triangle.clone_from(&self.triangle);
         }
         self.triangle.restart();
-        // What is no number ends it, too.
+        // A NaN misfit ends the fit, too.
         match self.stage {
-            Stage::One if best.misfit > MISFIT => {
+            Stage::One if best.misfit > MAX_MISFIT_SIGMAS => {
                 self.one = best.elements;
-                self.start_beside(Stage::Above, SECOND.0)
+                self.start_second(Stage::Above, SECOND_DISTANCE)
             }
-            Stage::Above if best.misfit > MISFIT => {
+            Stage::Above if best.misfit > MAX_MISFIT_SIGMAS => {
                 self.stage = Stage::StartTwo;
                 false
             }
-            Stage::Two if best.misfit > MISFIT && best.elements[K2] == 0.0 => self.start_beside(Stage::Free, -SECOND.0),
-            Stage::Two if best.misfit > MISFIT => {
+            Stage::Two if best.misfit > MAX_MISFIT_SIGMAS && best.elements[K2] == 0.0 => {
+                self.start_second(Stage::Free, -SECOND_DISTANCE)
+            }
+            Stage::Two if best.misfit > MAX_MISFIT_SIGMAS => {
                 (self.elements, self.round, self.stage) = (best.elements, 0, Stage::Free);
                 false
             }
@@ -288,16 +311,17 @@ impl Fit {
         }
     }
 
-    /// Begins with a second resonance so far from the first. It is not over.
-    fn start_beside(&mut self, stage: Stage, apart: f32) -> bool {
+    /// Continues with a second resonance at the distance `apart` from the first. Returns `false`:
+    /// the fit has not ended.
+    fn start_second(&mut self, stage: Stage, apart: f32) -> bool {
         (self.elements, self.round, self.stage) = (self.one, 0, stage);
-        (self.elements[K2], self.elements[D2]) = (SECOND.1 * self.elements[K], self.elements[D]);
+        (self.elements[K2], self.elements[D2]) = (SECOND_STRENGTH_REL * self.elements[K], self.elements[D]);
         self.elements[X2] = self.elements[XS] + apart;
         false
     }
 }
 
-/// Whether a passive circuit can be so.
+/// Returns `true` if the elements can be those of a passive circuit.
 pub(crate) fn is_plausible(e: &Elements) -> bool {
     e[C] > 0.0 && e[K] > 0.0 && e[K2] >= 0.0 && e[XS].abs() < 0.25 && e[X2].abs() < 0.5 && e[D] > 0.0
 }
@@ -313,16 +337,16 @@ mod tests {
         for x in TONES {
             fit.add(Point { x, y: admittance(elements, x).0, deviation: 4e-4 });
         }
-        assert!((0..1000).any(|_| fit.advance()), "it ends");
+        assert!((0..1000).any(|_| fit.advance()), "the fit does not end");
         fit.solution().expect("a solution").clone()
     }
 
     #[test]
-    fn finds_one_resonance_wherever_it_is() {
+    fn finds_one_resonance_at_any_frequency() {
         for (xs, q) in [(-0.02, 20.0), (0.0, 65.0), (0.019, 1600.0)] {
             let exact: Elements = [1.04, 0.01, 0.015, 0.067, xs, 1.0 / q, 0.01, 0.0, 0.0, 0.0];
             let found = solve(2.0 / q, &exact);
-            // Measured: 2e-6 of c, 4e-6 of the resonance, 1.3e-5 rad: rounding, and what is known beforehand.
+            // Measured: 2e-6 of c, 4e-6 of the resonance, 1.3e-5 rad, from rounding and priors.
             assert!((found.elements[C] - exact[C]).abs() < 2e-5, "{xs}: {:?}", found.elements);
             assert!((found.elements[XS] - xs).abs() < 1e-5, "{xs}: {:?}", found.elements);
             assert!((found.elements[THETA] - exact[THETA]).abs() < 1e-4, "{xs}: {:?}", found.elements);
@@ -331,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn finds_two_where_one_does_not_explain_it() {
+    fn finds_two_if_one_does_not_explain_the_data() {
         for (x2, k2, q, q2) in
             [(0.07, 0.02, 20.0, 20.0), (0.08, 0.007, 65.0, 300.0), (0.065, 0.02, 500.0, 100.0), (-0.07, 0.02, 65.0, 20.0)]
         {
@@ -342,7 +366,7 @@ mod tests {
                 "{:?}",
                 found.elements
             );
-            // Measured: a misfit of 1.6, by losses that differ by five, for which there are few iterations.
+            // Measured: a misfit of 1.6; losses that differ by a factor of five converge slowly.
             assert!((found.elements[C] - exact[C]).abs() < 1e-3 && found.misfit < 2.0, "{:?}", found.elements);
         }
     }

@@ -1,55 +1,57 @@
-//! The admittance off resonance, and how it changes with each of its elements.
+//! Model of the admittance off resonance, and its derivatives by each element.
 //!
-//! With `u = f / f_nominal = 1 + x`, everything relative to the nominal clamped susceptance `w C0`:
+//! With `u = f / f_nominal = 1 + x`, and relative to the nominal clamped susceptance `w C0`:
 //!
 //! ```text
 //! Y(u) = exp(j theta u) (g + h x + j c u + j k u / (us^2 - u^2 + j d u us) + j k2 u / (u2^2 - u^2 + j d2 u u2))
 //! ```
 //!
-//! `c` is the clamped capacitance, `g + h x` what it loses (a leak is flat, a dielectric's loss grows with the frequency, images of the DAC with its
-//! square), `k = Cm / C0 us^2` the motional branch with its resonance `us` and its loss `d = 1 / Q`; `k2`, `u2`, `d2` a second one
-//! (Butterworth 1914, Van Dyke 1928). `theta` is what sensing turns: skew between the converters, delay of an image. Loss turns the
-//! clamped part only and skew the motional part as well; by that they can be distinguished.
+//! `c` is the clamped capacitance and `g + h x` its loss. A leak is constant; the loss of a
+//! dielectric grows with frequency, and that of DAC images with its square. `k = Cm / C0 us^2` is
+//! the motional branch, with its resonance `us` and its loss `d = 1 / Q`. `k2`, `u2`, `d2` describe
+//! a second branch (Butterworth 1914, Van Dyke 1928). `theta` is the rotation by the sensing chain:
+//! skew between the converters, delay of an image. Loss affects the clamped part only, skew also
+//! the motional part; this distinguishes them.
 
 use crate::generate::shape::sine;
 use crate::seam::phasor::Phasor;
 
 const J: Phasor = Phasor::new(0.0, 1.0);
 
-/// Unknowns of the model.
+/// Number of unknowns of the model.
 pub(crate) const UNKNOWNS: usize = 10;
-/// Place of the clamped capacitance, `c`.
+/// Index of the clamped capacitance `c`.
 pub(crate) const C: usize = 0;
-/// Place of the clamped branch's loss at the nominal frequency, `g`.
+/// Index of the loss of the clamped branch at the nominal frequency, `g`.
 pub(crate) const G: usize = 1;
-/// Place of its slope, `h`.
+/// Index of the slope of that loss, `h`.
 pub(crate) const H: usize = 2;
-/// Place of the strength of the resonance, `k`.
+/// Index of the strength of the resonance, `k`.
 pub(crate) const K: usize = 3;
-/// Place of the resonance, `us - 1`.
+/// Index of the resonance, `us - 1`.
 pub(crate) const XS: usize = 4;
-/// Place of its loss, `d`.
+/// Index of the loss of the resonance, `d`.
 pub(crate) const D: usize = 5;
-/// Place of what sensing turns, `theta`, rad at the nominal frequency.
+/// Index of the rotation by the sensing chain, `theta`, rad at the nominal frequency.
 pub(crate) const THETA: usize = 6;
-/// Place of the strength of a second resonance, `k2`.
+/// Index of the strength of a second resonance, `k2`.
 pub(crate) const K2: usize = 7;
-/// Place of the second resonance, `u2 - 1`.
+/// Index of the second resonance, `u2 - 1`.
 pub(crate) const X2: usize = 8;
-/// Place of the second resonance's loss, `d2`.
+/// Index of the loss of the second resonance, `d2`.
 pub(crate) const D2: usize = 9;
 
-/// The elements. Resonances are stored as `us - 1`, which f32 resolves to 1e-9.
+/// Elements of the model. Resonances are stored as `us - 1`, which f32 resolves to 1e-9.
 pub(crate) type Elements = [f32; UNKNOWNS];
 
-/// `exp(j angle)` of an angle of less than half a turn, rad. Error: 2e-7.
+/// Computes `exp(j angle)` for an angle of less than half a turn, rad. Error: 2e-7.
 pub(crate) fn turn(angle: f32) -> Phasor {
-    /// 2^32 a turn.
+    /// Phase steps per radian, with 2^32 steps per turn.
     const STEPS_PER_RADIAN: f32 = 4_294_967_296.0 / core::f32::consts::TAU;
     sine::rotation(u64::from((angle * STEPS_PER_RADIAN) as i32 as u32) << 32)
 }
 
-/// A motional branch `j u / (ur^2 - u^2 + j d u ur)`, and its derivatives by `ur` and `d`.
+/// Computes a motional branch `j u / (ur^2 - u^2 + j d u ur)` and its derivatives by `ur` and `d`.
 fn branch(x: f32, resonance: f32, d: f32) -> (Phasor, Phasor, Phasor) {
     let (u, ur) = (1.0 + x, 1.0 + resonance);
     let below = Phasor::new((resonance - x) * (ur + u), d * u * ur);
@@ -59,7 +61,7 @@ fn branch(x: f32, resonance: f32, d: f32) -> (Phasor, Phasor, Phasor) {
     (branch, by_resonance, -branch * inverse * Phasor::new(0.0, u * ur))
 }
 
-/// The admittance at `1 + x`, and its derivatives by the elements.
+/// Computes the admittance at `1 + x` and its derivatives by the elements.
 pub(crate) fn admittance(e: &Elements, x: f32) -> (Phasor, [Phasor; UNKNOWNS]) {
     let u = 1.0 + x;
     let turned = turn(e[THETA] * u);

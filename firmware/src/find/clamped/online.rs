@@ -1,12 +1,19 @@
-//! The clamped capacitance while running: the drive steps to both sides of the lock point, and the motional resistance must be the same on both.
+//! Measurement of the clamped capacitance during operation: the drive steps to both sides of the
+//! lock point, and the motional resistance must be equal on both.
 //!
-//! What is thought of C0 is wrong by the susceptance that makes it so (`balance`). No Q, no Lm and no lock point enters; nor does a tracker that is off by a little. Only
-//! the axis and the loss of the clamped branch are taken from the calibration at power-on, and neither changes with the temperature as C0 does.
+//! The error of C0 is the susceptance that makes them equal (`balance`). The method does not depend
+//! on Q, Lm, the lock point, or a small tracking error. The axis and the loss of the clamped branch
+//! are taken from the measurement at power-on; unlike C0, they do not change with temperature.
 //!
-//! A round is `+ - - +`, so that a resonance that drifts evenly does not look like a capacitance; each is blended with the estimate before it by the two
-//! variances (Kalman 1960). A round is due once the stack has rung up after a cold start or after a scan, which have not measured at the lock point: there, another
-//! resonance near by adds to the susceptance, and images of the drive to the axis, half of whose error a round takes away. It is due again when the load has changed
-//! abruptly, because C0 may have changed with it; and, where C0 is said to drift, when it may have wandered further than the target deviation.
+//! The steps of a round are `+ - - +`, so that an even drift of the resonance cancels. Each round
+//! is blended with the previous estimate, weighted by the two variances (Kalman 1960). A round is
+//! due:
+//!
+//! - after the ring-up that follows a cold start or a scan, neither of which measures at the lock
+//!   point. There, another resonance nearby adds to the susceptance, and images of the drive to the
+//!   axis; a round removes half of the latter error;
+//! - after an abrupt change of the load, because C0 may have changed with it;
+//! - if C0 is configured to drift, once its possible drift exceeds the target deviation.
 
 mod balance;
 
@@ -18,110 +25,122 @@ use crate::seam::phasor::Phasor;
 use crate::sense::demod::Sensed;
 use crate::sense::motional::Motional;
 
-/// The step, half bandwidths: takes 1.1 % of the velocity once settled, 1.5 % at most on the way (`cargo test -p scenarios clamped::online`).
-const STEP: f32 = 0.15;
-/// Blocks of each quarter of a round that are averaged: as many as this, or so many time constants if that is more.
-const QUARTER: (f32, f32) = (20.0, 1.0);
-/// Time constants that a step settles for: 2 % of it is left, the same on both sides.
-const SETTLES: f32 = 4.0;
-/// What of it is left in the mean of quarters of one time constant: 1.7 %, or as little as nothing where the source's resistance damps the resonance more than its own.
-const UNSETTLED: f32 = 0.0085;
-/// Deviation of a nominal C0 that was not measured, relative.
-const NOMINAL_DEVIATION: f32 = 0.05;
-/// Deviation of C0, relative, from which on a round is made.
-const TARGET_DEVIATION: f32 = 7e-4;
-/// What the branch that a lock begins with may be off by at the lock point, relative to the motional conductance.
-const ELSEWHERE: f32 = 0.02;
-/// By how much of itself C0 may have changed while running.
-const PLAUSIBLE: (f32, f32) = (-0.6, 1.5);
-/// What it is off by that is worth a change, in the same terms: 0.15 % of the bandwidth.
-const WORTH: f32 = 0.003;
-/// The longest time constant with which a round is made unasked, s: it takes 16 to 20 of them, and what a branch is off by is the less in hertz the longer they are.
-const LONGEST_S: f32 = 8e-3;
-/// Standard deviations that a judgement leaves room for.
-const SIGMAS: f32 = 3.0;
-/// A result that differs from what was expected by more of its standard deviations than this, and is then made again before it counts.
-const SURPRISE: f32 = 6.0;
+/// Step, half bandwidths. It costs 1.1 % of the velocity once settled, and at most 1.5 % during the
+/// transition (`cargo test -p scenarios clamped::online`).
+const STEP_HALF_BANDWIDTHS: f32 = 0.15;
+/// Minimum duration of each quarter of a round, blocks.
+const QUARTER_BLOCKS: f32 = 20.0;
+/// Minimum duration of each quarter of a round, time constants.
+const QUARTER_TIME_CONSTANTS: f32 = 1.0;
+/// Settling time after a step, in time constants: 2 % of the step remains, the same on both sides.
+const SETTLE_TIME_CONSTANTS: f32 = 4.0;
+/// Correction for incomplete settling with quarters of one time constant: half of 1.7 %. The true
+/// value is between 1.7 % and zero; zero applies if the source resistance dominates the damping.
+const UNSETTLED_REL: f32 = 0.0085;
+/// Relative standard deviation of a nominal C0 that was not measured.
+const NOMINAL_DEVIATION_REL: f32 = 0.05;
+/// Relative standard deviation of C0 above which a round is due.
+const TARGET_DEVIATION_REL: f32 = 7e-4;
+/// Standard deviation at the lock point of a branch measured elsewhere, relative to the motional
+/// conductance.
+const ELSEWHERE_DEVIATION_REL: f32 = 0.02;
+/// Range of plausible relative changes of C0 during operation.
+const PLAUSIBLE_CHANGE_REL: core::ops::Range<f32> = -0.6..1.5;
+/// Minimum error of the initial branch that is corrected, relative to the motional conductance:
+/// 0.15 % of the bandwidth.
+const MIN_CORRECTION_REL: f32 = 0.003;
+/// Maximum time constant for rounds that are not due to drift, s. A round takes 16 to 20 time
+/// constants, and the longer they are, the smaller is the error of the lock point in hertz.
+const MAX_TIME_CONSTANT_S: f32 = 8e-3;
+/// Margin of a judgement, in standard deviations.
+const MARGIN_SIGMAS: f32 = 3.0;
+/// Difference from the expected result, in standard deviations, above which a round is repeated
+/// before it is accepted.
+const SURPRISE_SIGMAS: f32 = 6.0;
 
-/// A block under drive.
+/// Measured block under drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<'a> {
     /// Phasors measured in the block.
     pub sensed: &'a Sensed,
     /// Frequency of the block, relative to the nominal one.
     pub relative: f32,
-    /// How far beside the lock point that was on purpose, Hz.
+    /// Intended distance from the lock point, Hz.
     pub detune_hz: f32,
-    /// Locked, driven at a constant envelope of one, within all limits, and by no other order off the lock point.
+    /// `true` if the loop is locked at a constant envelope of one, within all limits, and nothing
+    /// else moves it off the lock point.
     pub steady: bool,
 }
 
-/// A new estimate of the clamped branch.
+/// New estimate of the clamped branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update {
-    /// The clamped branch, by all measurements so far.
+    /// Clamped branch from all measurements so far.
     pub motional: Motional,
     /// Standard deviation of its susceptance, relative to it.
     pub(crate) deviation: f32,
-    /// By how much the estimate of this round alone is larger, relative, and its standard deviation.
+    /// Relative excess of the estimate of this round alone, and its standard deviation.
     pub(crate) round: (f32, f32),
-    /// By how much of the motional conductance at least the branch of a lock was off that had only just begun, beyond three standard deviations.
+    /// Error of the branch at the start of a lock beyond three standard deviations, relative to the
+    /// motional conductance; `None` later.
     pub(crate) was_off: Option<f32>,
-    /// Quality factor by this round alone: by how far the motional phase turns from one side to the other.
+    /// Quality factor from this round alone, by the change of the motional phase between the sides.
     pub(crate) q: Measured,
 }
 
-/// Output of the estimator after a block: its order to the drive, and its estimate.
+/// Output of the estimator after a block: detuning of the drive, and estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Output {
-    /// How far beside the lock point to drive, Hz.
+    /// Distance from the lock point to drive at, Hz.
     pub detune_hz: f32,
-    /// The measured block had not settled after a step: its phase must not be used as that of a steady state.
+    /// `true` if the measured block had not settled after a step, so that its phase is not that of
+    /// a steady state.
     pub hold: bool,
-    /// A new estimate, at the end of a round.
+    /// New estimate, at the end of a round.
     pub update: Option<Update>,
 }
 
-/// The estimator of the clamped capacitance while running.
+/// Estimator of the clamped capacitance during operation.
 #[derive(Clone, Debug)]
 pub struct Online {
     block_s: f32,
-    /// How fast C0 may drift, relative, 1/s; zero where it is not measured while running.
+    /// Maximum relative drift rate of C0, 1/s; zero disables measurements for drift.
     drift_per_s: f32,
     motional: Motional,
-    /// How what other resonances add to it changes with the frequency, S/Hz.
+    /// Slope with frequency of the admittance of other resonances, S/Hz.
     slope: Phasor,
-    /// Variance of the susceptance, relative to it.
+    /// Variance of the susceptance, relative to its square.
     variance: f32,
     step_hz: f32,
     settle_blocks: u32,
     quarter_blocks: u32,
-    /// Blocks of this round, zero between rounds; and blocks measured since the last step.
+    /// Blocks of this round; zero between rounds.
     round: u32,
+    /// Blocks measured since the last step.
     settled: u32,
     last_hz: f32,
-    /// Below and above.
+    /// Sums below and above the lock point.
     sides: [Side; 2],
     doubted: bool,
-    /// The branch was not measured at the lock point yet, or not since something has changed.
+    /// Reason of the next round.
     due: Due,
-    /// Blocks of a steady drive.
+    /// Blocks of steady drive.
     steady: u32,
 }
 
-/// Why a round is made.
+/// Reason for a round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Due {
-    /// The lock has begun.
+    /// Start of a lock.
     Begun,
-    /// Something has changed abruptly.
+    /// Abrupt change of load or resonance.
     Changed,
-    /// C0 has drifted for long enough.
+    /// Possible drift of C0.
     Drift,
 }
 
 impl Online {
-    /// An estimator by the nominal transducer.
+    /// Creates an estimator for the nominal transducer.
     pub fn build(config: &Config) -> Self {
         let block_s = f32::from(config.block_samples) / config.sample_hz;
         let tracking = &config.tracking;
@@ -140,7 +159,7 @@ impl Online {
             drift_per_s,
             motional,
             slope: Phasor::new(0.0, 0.0),
-            variance: NOMINAL_DEVIATION * NOMINAL_DEVIATION,
+            variance: NOMINAL_DEVIATION_REL * NOMINAL_DEVIATION_REL,
             step_hz: 0.0,
             settle_blocks: 0,
             quarter_blocks: 0,
@@ -156,7 +175,8 @@ impl Online {
         online
     }
 
-    /// Starts from what a scan or the calibration at power-on has found; `deviation` is that of C0, relative.
+    /// Starts from the result of a scan or of the measurement at power-on; `deviation` is the
+    /// relative standard deviation of C0.
     pub fn seed(&mut self, motional: Motional, deviation: f32, resonance_hz: f32, q: f32) {
         self.motional = motional;
         self.variance = deviation * deviation;
@@ -166,49 +186,51 @@ impl Online {
         self.stop();
     }
 
-    /// Takes how what other resonances add to the branch changes with the frequency, S/Hz.
+    /// Sets the slope with frequency of the admittance of other resonances, S/Hz.
     pub(crate) fn set_slope(&mut self, slope: Phasor) {
         self.slope = slope;
     }
 
-    /// Follows a load that changes the resonance: by these the steps are measured, nothing else. Does not disturb a round.
+    /// Follows a change of the resonance by the load; it only determines the size of the steps.
+    /// Does not disturb a round.
     pub(crate) fn set_resonance(&mut self, resonance_hz: f32, q: f32) {
         let tau_blocks = q / (core::f32::consts::PI * resonance_hz * self.block_s);
-        self.step_hz = STEP * 0.5 * resonance_hz / q;
-        self.settle_blocks = (SETTLES * tau_blocks) as u32 + 1;
-        self.quarter_blocks = QUARTER.0.max(QUARTER.1 * tau_blocks) as u32;
+        self.step_hz = STEP_HALF_BANDWIDTHS * 0.5 * resonance_hz / q;
+        self.settle_blocks = (SETTLE_TIME_CONSTANTS * tau_blocks) as u32 + 1;
+        self.quarter_blocks = QUARTER_BLOCKS.max(QUARTER_TIME_CONSTANTS * tau_blocks) as u32;
     }
 
-    /// Whether a round is under way: the drive is beside the lock point on purpose.
+    /// Returns `true` during a round, when the drive is off the lock point on purpose.
     pub(crate) fn probes(&self) -> bool {
         self.round > 0
     }
 
-    /// Whether something has changed abruptly, and no round since has shown what.
+    /// Returns `true` after an abrupt change that no round has measured yet.
     pub(crate) fn doubts(&self) -> bool {
         self.due == Due::Changed
     }
 
-    /// How far a round that is under way goes to either side, Hz.
+    /// Returns the detuning of the present round to either side, Hz; zero between rounds.
     pub(crate) fn reach_hz(&self) -> f32 {
         if self.probes() { self.step_hz } else { 0.0 }
     }
 
-    /// The clamped branch, by all measurements so far.
+    /// Returns the clamped branch from all measurements so far.
     pub fn motional(&self) -> Motional {
         self.motional
     }
 
-    /// Standard deviation of its susceptance, relative to it.
+    /// Returns the standard deviation of its susceptance, relative to it.
     pub(crate) fn deviation(&self) -> f32 {
         libm::sqrtf(self.variance)
     }
 
-    /// Whether a block is to be [taken](Self::step): only then is there anything to measure, or to wait for. `level`: the envelope is one throughout; `changed`: load or resonance
-    /// have changed abruptly, by which a round becomes due.
+    /// Returns `true` if the block must be passed to [`step`](Self::step); other blocks need no
+    /// processing. `level`: the envelope is one throughout. `changed`: load or resonance have
+    /// changed abruptly, so that a round becomes due.
     #[inline]
     pub(crate) fn listens(&mut self, level: bool, changed: bool) -> bool {
-        // Its own steps surprise whoever else listens.
+        // Steps of the estimator itself look like an abrupt change.
         if self.round > 0 || self.settled < self.settle_blocks {
             return true;
         }
@@ -219,21 +241,21 @@ impl Online {
             self.steady = 0;
             return false;
         }
-        self.wants()
+        self.may_be_due()
     }
 
-    /// Takes it that a block says nothing: what is driven has to ring up again.
+    /// Records a block that cannot be measured: the resonance must ring up again.
     #[inline]
     pub(crate) fn rest(&mut self) {
         self.steady = 0;
     }
 
-    /// Takes a block and says what to do next.
-    // Not inlined: few blocks are taken, and those that are not shall not wait for the registers that it needs.
+    /// Processes a block and returns the detuning to drive at, and a new estimate after a round.
+    // Not inlined: few blocks need it, and the others must not pay for its registers.
     #[inline(never)]
     pub fn step(&mut self, sample: &Sample) -> Output {
         let wandered = self.drift_per_s * self.block_s;
-        // As a walk whose standard deviation after a round is what a steady drift would make in it.
+        // Random walk whose standard deviation after a round equals a steady drift during it.
         self.variance += wandered * wandered * self.round_blocks() as f32;
         let stepped = (sample.detune_hz - self.last_hz).abs() > 0.5 * self.step_hz;
         self.settled = if stepped { 0 } else { self.settled.saturating_add(1) };
@@ -244,8 +266,8 @@ impl Online {
             return Output { hold, ..Output::default() };
         }
         self.steady = self.steady.saturating_add(1);
-        // What has not rung up yet would look like a susceptance.
-        if self.round == 0 && (self.steady < self.settle_blocks || self.rests()) {
+        // An incomplete ring-up would look like a susceptance.
+        if self.round == 0 && (self.steady < self.settle_blocks || self.has_little_drift()) {
             return Output { hold, ..Output::default() };
         }
         self.listen(sample, hold);
@@ -268,20 +290,21 @@ impl Online {
         self.sides = [Side::default(); 2];
     }
 
-    /// Whether C0 cannot have drifted far enough yet.
-    fn rests(&self) -> bool {
-        self.due == Due::Drift && self.variance < TARGET_DEVIATION * TARGET_DEVIATION
+    /// Returns `true` if C0 cannot have drifted enough for a round.
+    fn has_little_drift(&self) -> bool {
+        self.due == Due::Drift && self.variance < TARGET_DEVIATION_REL * TARGET_DEVIATION_REL
     }
 
-    /// Whether a round is to be made; where C0 drifts, it is counted how far.
-    fn wants(&self) -> bool {
+    /// Returns `true` if a round may be due; with a configured drift the variance must be advanced.
+    fn may_be_due(&self) -> bool {
         match self.due {
-            Due::Begun | Due::Changed => self.settle_blocks as f32 * self.block_s < SETTLES * LONGEST_S,
+            Due::Begun | Due::Changed => self.settle_blocks as f32 * self.block_s < SETTLE_TIME_CONSTANTS * MAX_TIME_CONSTANT_S,
             Due::Drift => self.drift_per_s > 0.0,
         }
     }
 
-    /// Blocks of a round: three stretches, the middle one of two quarters.
+    /// Returns the blocks of a round: three settling times and four quarters, two of them in the
+    /// middle.
     fn round_blocks(&self) -> u32 {
         3 * self.settle_blocks + 4 * self.quarter_blocks
     }
@@ -296,10 +319,11 @@ impl Online {
         }
     }
 
-    /// By how much a round's quarters, which begin before the step has settled to the end, make the phase turn too little: half of
-    /// `(3 (1 - e^-n) / 2 + (1 - e^-2n)) e^-s / 2 n` after `s` time constants, with quarters of `n`.
+    /// Returns the factor that corrects Q for incomplete settling. The phase turns too little by
+    /// `(3 (1 - e^-n) / 2 + (1 - e^-2n)) e^-s / 2 n` after `s` time constants, with quarters of
+    /// `n`; half of it is corrected.
     fn unsettled(&self) -> f32 {
-        1.0 + UNSETTLED * (self.settle_blocks as f32 / (SETTLES * self.quarter_blocks as f32)).min(1.0)
+        1.0 + UNSETTLED_REL * (self.settle_blocks as f32 / (SETTLE_TIME_CONSTANTS * self.quarter_blocks as f32)).min(1.0)
     }
 
     fn listen(&mut self, sample: &Sample, hold: bool) {
@@ -310,32 +334,32 @@ impl Online {
             return;
         }
         let current = self.motional.current(sample.sensed, sample.relative) - self.slope * sample.sensed.v * sample.detune_hz;
-        side.take(self.motional.phase_of(current, sample.sensed.v) / square, sample.relative);
+        side.add(self.motional.phase_of(current, sample.sensed.v) / square, sample.relative);
     }
 
-    /// What the round says.
+    /// Evaluates the round.
     fn finish(&mut self) -> Option<Update> {
         let [below, above] = &self.sides;
         let susceptance = self.motional.y0.im;
-        let Balance { susceptance: b, variance, conductance, q } = Balance::of(below, above)?;
+        let Balance { susceptance: b, variance, conductance, q } = Balance::from_sides(below, above)?;
         let (found, variance) = (b / susceptance, variance / (susceptance * susceptance));
-        // What has changed is not the clamped capacitance.
-        if self.due != Due::Begun && !(PLAUSIBLE.0..PLAUSIBLE.1).contains(&found) {
+        // So large a change is not one of the clamped capacitance.
+        if self.due != Due::Begun && !PLAUSIBLE_CHANGE_REL.contains(&found) {
             return None;
         }
         let conductance = (conductance / susceptance).abs();
-        // What a lock has begun with is known better than by a single round, unless it was measured where something else is added.
+        // The initial branch is more accurate than a round, unless it differs at the lock point.
         let begun = self.due == Due::Begun;
-        let agrees = begun && found.abs() < WORTH * conductance;
+        let agrees = begun && found.abs() < MIN_CORRECTION_REL * conductance;
         if begun && !agrees {
-            let elsewhere = ELSEWHERE * conductance;
+            let elsewhere = ELSEWHERE_DEVIATION_REL * conductance;
             self.variance = self.variance.max(elsewhere * elsewhere);
         }
-        // An unexpected one may be a load that changed in the middle of it.
-        let surprising = !agrees && found * found > SURPRISE * SURPRISE * (self.variance + variance);
+        // An unexpected result may come from a load change during the round.
+        let surprising = !agrees && found * found > SURPRISE_SIGMAS * SURPRISE_SIGMAS * (self.variance + variance);
         if surprising && !self.doubted {
             self.doubted = true;
-            self.variance = self.variance.max(TARGET_DEVIATION * TARGET_DEVIATION);
+            self.variance = self.variance.max(TARGET_DEVIATION_REL * TARGET_DEVIATION_REL);
             return None;
         }
         if surprising {
@@ -343,11 +367,11 @@ impl Online {
         }
         self.doubted = false;
         self.due = Due::Drift;
-        let was_off = begun.then(|| (found.abs() - SIGMAS * libm::sqrtf(variance)).max(0.0) / conductance);
+        let was_off = begun.then(|| (found.abs() - MARGIN_SIGMAS * libm::sqrtf(variance)).max(0.0) / conductance);
 
         let gain = if agrees { 0.0 } else { self.variance / (self.variance + variance) };
         self.variance *= 1.0 - gain;
-        // Along the clamped susceptance, as sensing turns it.
+        // Along the clamped susceptance as rotated by the sensing chain.
         self.motional.y0 += self.motional.axis * Phasor::new(0.0, gain * b);
         Some(Update {
             motional: self.motional,

@@ -1,4 +1,4 @@
-//! What the fitted elements say of the transducer, and how far each may be off.
+//! Properties of the transducer from the fitted elements, with standard deviations.
 
 use crate::find::clamped::fit::Solution;
 use crate::find::clamped::model::{self, C, D, D2, Elements, G, H, K, K2, THETA, UNKNOWNS, X2, XS, turn};
@@ -10,60 +10,60 @@ const TAU: f32 = core::f32::consts::TAU;
 /// A value and its standard deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// The estimated value.
+    /// Estimated value.
     pub value: f32,
-    /// Its standard deviation.
+    /// Standard deviation of the value.
     pub(crate) deviation: f32,
 }
 
-/// Measurements of the tones.
+/// Clamped branch and transducer as measured by the tones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clamped {
-    /// The clamped branch and the axis, for tracking.
+    /// Clamped branch and motional axis, for tracking.
     pub motional: Motional,
-    /// Clamped capacitance as the converters see it, F.
+    /// Clamped capacitance as measured by the converters, F.
     pub c0_f: Measured,
-    /// What sensing turns the motional admittance by, rad: the axis.
+    /// Rotation of the motional admittance by the sensing chain, rad; the angle of the axis.
     pub(crate) turn_rad: Measured,
     /// Motional inductance of the transducer, H.
     pub lm_h: Measured,
-    /// Series resonance of the transducer, Hz.
+    /// Series resonance frequency of the transducer, Hz.
     pub resonance_hz: Measured,
     /// Quality factor of the resonance.
     pub q: Measured,
     /// Standard deviation of the lock point that follows from [`Clamped::motional`], Hz.
     pub lock_deviation_hz: f32,
-    /// Rms of what the model leaves, in standard deviations: about one.
+    /// Rms residual of the model, in standard deviations; about one.
     pub(crate) misfit: f32,
-    /// A second resonance, Hz, and its strength relative to the first.
+    /// Frequency of a second resonance, Hz, and its strength relative to the first.
     pub second_mode: Option<(f32, f32)>,
 }
 
-/// Elements whose deviations are read; after them comes that of the lock point.
-const READ: [usize; 5] = [C, THETA, K, XS, D];
-/// How many of elements a block has time for.
-const A_BLOCK: usize = 2;
+/// Elements whose deviations are computed; the lock point follows after them.
+const READ_ELEMENTS: [usize; 5] = [C, THETA, K, XS, D];
+/// Number of elements per block.
+const ELEMENTS_PER_BLOCK: usize = 2;
 
-/// Deviations of a solution's elements, a block's worth at a time.
+/// Standard deviations of the elements of a solution, computed over several blocks.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Deviations {
-    elements: [f32; READ.len()],
-    /// Of the motional phase at the lock point, rad.
+    elements: [f32; READ_ELEMENTS.len()],
+    /// Standard deviation of the motional phase at the lock point, rad.
     turn: f32,
     next: usize,
 }
 
 impl Deviations {
-    /// Forgets them.
+    /// Starts again.
     pub(crate) fn restart(&mut self) {
         self.next = 0;
     }
 
-    /// Reads the next ones, unless all have been read. Returns whether they had.
-    pub(crate) fn read_on(&mut self, solution: &Solution) -> bool {
-        let rest = READ.iter().zip(&mut self.elements).skip(self.next).take(A_BLOCK);
+    /// Computes the next deviations. Returns `true` if all were complete before the call.
+    pub(crate) fn advance(&mut self, solution: &Solution) -> bool {
+        let rest = READ_ELEMENTS.iter().zip(&mut self.elements).skip(self.next).take(ELEMENTS_PER_BLOCK);
         match rest.len() {
-            0 if self.next > READ.len() => return true,
+            0 if self.next > READ_ELEMENTS.len() => return true,
             0 => {
                 self.turn = solution.deviation(&turns(&solution.elements));
                 self.next += 1;
@@ -78,20 +78,22 @@ impl Deviations {
         false
     }
 
-    fn of(&self, element: usize) -> f32 {
-        READ.iter().zip(self.elements).find(|(n, _)| **n == element).map_or(0.0, |(_, deviation)| deviation)
+    fn get(&self, element: usize) -> f32 {
+        READ_ELEMENTS.iter().zip(self.elements).find(|(n, _)| **n == element).map_or(0.0, |(_, deviation)| deviation)
     }
 }
 
-/// The clamped branch of elements at their resonance, relative to the nominal susceptance, and what errors of the elements change it by.
+/// Computes the clamped branch at the resonance, relative to the nominal susceptance, and its
+/// derivatives by the elements.
 fn branch(e: &Elements) -> (Phasor, [Phasor; UNKNOWNS]) {
-    // Without its motional branch.
+    // Removes the motional branch.
     let mut clamped = *e;
     clamped[K] = 0.0;
     model::admittance(&clamped, e[XS])
 }
 
-/// What an error of each element turns the motional phase by: that of Y0 against the motional conductance, and that of the axis.
+/// Computes the rotation of the motional phase per error of each element, through `Y0` (relative to
+/// the motional conductance) and through the axis.
 fn turns(e: &Elements) -> [f32; UNKNOWNS] {
     let us = 1.0 + e[XS];
     let (axis, (_, by)) = (turn(e[THETA] * us), branch(e));
@@ -104,11 +106,12 @@ fn turns(e: &Elements) -> [f32; UNKNOWNS] {
     turns
 }
 
-/// What a solution says of a transducer with this nominal frequency, Hz, and capacitance, F.
+/// Derives the transducer from a solution, with the nominal frequency, Hz, and the reference
+/// capacitance, F.
 pub(crate) fn read(solution: &Solution, deviations: &Deviations, nominal_hz: f32, nominal_c0_f: f32) -> Clamped {
     let e = &solution.elements;
     let us = 1.0 + e[XS];
-    let of = |n: usize, scale: f32| deviations.of(n) * scale;
+    let of = |n: usize, scale: f32| deviations.get(n) * scale;
     let axis = turn(e[THETA] * us);
     let y0 = branch(e).0 * (TAU * nominal_hz * nominal_c0_f);
     let lm_h = 1.0 / (TAU * TAU * nominal_hz * nominal_hz * e[K] * nominal_c0_f);

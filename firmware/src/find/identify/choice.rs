@@ -1,31 +1,33 @@
-//! The choice among several resonances, by this rule and nothing else:
+//! Choice among several resonances, by these rules only:
 //!
-//! 1. It is in the window. If none is, there is no resonance (fault 30).
-//! 2. If a motional inductance is configured (`tracking.nominal_lm_h`): that of the chosen resonance is within a factor of two of that. If none is, what is there is another
-//!    one (fault 34).
-//! 3. Of those that are left, the one of the largest motional capacitance, which does not depend on how much it is damped. If the
-//!    inductance is not configured, and another has more than `ALIKE` of that, the choice is ambiguous (fault 34).
+//! 1. The resonance is inside the window. If none is, there is no resonance (fault 30).
+//! 2. If a motional inductance is configured (`tracking.nominal_lm_h`), the inductance of the
+//!    resonance is within a factor of two of it. If no resonance fits, the mode is wrong
+//!    (fault 34).
+//! 3. Among the remaining resonances, the one with the largest motional capacitance is chosen, as
+//!    damping does not change it. The choice is ambiguous (fault 34) if the inductance is not
+//!    configured and another resonance has more than `AMBIGUOUS_RATIO` of that capacitance.
 
 use crate::seam::fault::Fault;
 use crate::seam::transducer::Resonance;
 
-/// How far the motional inductance may be from its nominal value.
+/// Maximum ratio between the motional inductance and its nominal value.
 const LM_FACTOR: f32 = 2.0;
-/// Capacitances that are alike.
-const ALIKE: f32 = 0.8;
+/// Ratio of two motional capacitances above which the choice is ambiguous.
+const AMBIGUOUS_RATIO: f32 = 0.8;
 
-/// The rule, with the nominal values that it uses.
+/// Nominal values for the choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice {
-    /// Middle of the window, and how far it goes to each side, Hz.
+    /// Centre and half-width of the window, Hz.
     pub(crate) window_hz: (f32, f32),
-    /// Motional inductance, H.
+    /// Nominal motional inductance, H; `None` if it is not configured.
     pub(crate) nominal_lm_h: Option<f32>,
 }
 
 impl Choice {
-    /// The place of the chosen resonance in the list, or the fault.
-    pub(crate) fn of(&self, found: &[Resonance]) -> Result<usize, Fault> {
+    /// Returns the index of the chosen resonance in the list, or the fault.
+    pub(crate) fn choose(&self, found: &[Resonance]) -> Result<usize, Fault> {
         let (centre_hz, half_hz) = self.window_hz;
         let inside = |resonance: &Resonance| (resonance.hz - centre_hz).abs() <= half_hz;
         let fits = |resonance: &Resonance| {
@@ -43,8 +45,8 @@ impl Choice {
                 second = strength;
             }
         }
-        let alike = self.nominal_lm_h.is_none() && second > ALIKE * best.1;
-        best.0.filter(|_| !alike).ok_or(Fault::WrongMode)
+        let ambiguous = self.nominal_lm_h.is_none() && second > AMBIGUOUS_RATIO * best.1;
+        best.0.filter(|_| !ambiguous).ok_or(Fault::WrongMode)
     }
 }
 
@@ -63,23 +65,23 @@ mod tests {
     #[test]
     fn the_strongest_in_the_window_is_chosen() {
         let found = [resonance(38_000.0, 1e-4), resonance(39_500.0, 4e-3), resonance(40_400.0, 8e-4)];
-        assert_eq!(choice(None).of(&found), Ok(2));
-        assert_eq!(choice(None).of(&found[..1]), Err(Fault::NoResonance));
-        assert_eq!(choice(None).of(&[]), Err(Fault::NoResonance));
+        assert_eq!(choice(None).choose(&found), Ok(2));
+        assert_eq!(choice(None).choose(&found[..1]), Err(Fault::NoResonance));
+        assert_eq!(choice(None).choose(&[]), Err(Fault::NoResonance));
     }
 
     #[test]
     fn the_nominal_inductance_decides() {
         let found = [resonance(39_500.0, 4e-3), resonance(40_400.0, 8e-4)];
-        assert_eq!(choice(Some(3e-3)).of(&found), Ok(0));
-        assert_eq!(choice(Some(1e-3)).of(&found), Ok(1));
-        assert_eq!(choice(Some(0.1)).of(&found), Err(Fault::WrongMode));
+        assert_eq!(choice(Some(3e-3)).choose(&found), Ok(0));
+        assert_eq!(choice(Some(1e-3)).choose(&found), Ok(1));
+        assert_eq!(choice(Some(0.1)).choose(&found), Err(Fault::WrongMode));
     }
 
     #[test]
-    fn two_alike_are_not_guessed_between() {
+    fn two_equal_resonances_are_ambiguous() {
         let found = [resonance(39_500.0, 8e-4), resonance(40_400.0, 8.5e-4)];
-        assert_eq!(choice(None).of(&found), Err(Fault::WrongMode));
-        assert_eq!(choice(Some(8e-4)).of(&found), Ok(0));
+        assert_eq!(choice(None).choose(&found), Err(Fault::WrongMode));
+        assert_eq!(choice(Some(8e-4)).choose(&found), Ok(0));
     }
 }

@@ -1,8 +1,9 @@
-//! How many resonances a spectrum shows, and which.
+//! Search for the number of resonances in a spectrum, and their values.
 //!
-//! Where the lines stand out most of what is explained so far, one more resonance is assumed, and all of them are fitted together. It is
-//! accepted if each of them is there by seven standard deviations and if it halves what is left. That ends when what is left is no more than
-//! the converters' noise may be, or with four. A block does as much of it as one has time for.
+//! One more resonance is assumed at the line with the largest residual, and all resonances are
+//! fitted together. The fit is accepted if each resonance exceeds seven standard deviations and if
+//! the variance of the residual is halved. The search ends when the residual is within the noise of
+//! the converters, or with four resonances. Each block does as much work as its time permits.
 
 use heapless::Vec;
 
@@ -10,75 +11,81 @@ use crate::find::identify::pole_fit::{Circuit, Pole, PoleFit, Solution};
 use crate::find::scan::spectrum::Spectrum;
 use crate::seam::transducer::{Deviations, MOST_MODES, Transducer};
 
-/// Most iterations of a fit.
+/// Maximum iterations of a fit.
 const ITERATIONS: u8 = 12;
-/// Resonances stand still if they move by less than this part of their width.
-const STANDS_STILL: f32 = 3e-4;
-/// The least strength of a resonance in standard deviations.
-const SIGNIFICANT: f32 = 7.0;
-/// One more resonance leaves at most this part of the variance.
-const HALVES: f32 = 0.5;
-/// After so many iterations of [`ITERATIONS`] one more resonance must have begun to explain something.
-const PATIENCE: u8 = 4;
-const BEGUN: f32 = 0.9;
-/// A line stands out if its square is so many times the mean of the others'.
-const STANDS_OUT: f32 = 10.0;
-/// What needs no explanation: noise of the converters, steps; and a part of the largest line.
+/// Displacement of the resonances per iteration below which a fit has converged, in widths.
+const CONVERGED_WIDTHS: f32 = 3e-4;
+/// Minimum strength of a resonance, in standard deviations.
+const MIN_STRENGTH_SIGMAS: f32 = 7.0;
+/// Maximum residual variance with one more resonance, relative to that without it.
+const MAX_VARIANCE_RATIO: f32 = 0.5;
+/// Number of iterations after which one more resonance must have reduced the variance.
+const PATIENCE_ITERATIONS: u8 = 4;
+/// Maximum residual variance after [`PATIENCE_ITERATIONS`] iterations, relative to that without the
+/// resonance.
+const PATIENCE_VARIANCE_RATIO: f32 = 0.9;
+/// Squared residual of a line, relative to the mean of the others, above which a resonance is
+/// assumed there.
+const OUTLIER_SQUARE_RATIO: f32 = 10.0;
+/// Noise of the converters that needs no explanation, steps.
 const NOISE_STEPS: f32 = 3.0;
-const PART: f32 = 3e-3;
-/// How far beyond the lines a resonance may be that is only seen from one side, parts of half their span.
-const BEYOND: f32 = 2.0;
+/// Residual that needs no explanation, relative to the largest line.
+const UNEXPLAINED_REL: f32 = 3e-3;
+/// Maximum distance of a resonance from the centre of the spectrum, in half spans; a single
+/// resonance may be farther.
+const MAX_DISTANCE_HALF_SPANS: f32 = 2.0;
 
 #[derive(Clone, Debug, PartialEq)]
 enum Stage {
-    /// Looks for the line that stands out most.
+    /// Finds the line with the largest residual.
     Seek {
         best: (f32, usize),
         sum: f32,
         largest: f32,
     },
-    /// Assumes one more resonance, at this line.
+    /// Assumes one more resonance at this line.
     Assume {
         line: usize,
     },
-    /// So many iterations are left.
+    /// Adds the lines to the fit; `iterations` remain.
     Fit {
         iterations: u8,
     },
-    /// Solves what has been gathered.
+    /// Solves the fit.
     Solve {
         iterations: u8,
     },
-    /// Reads the circuit that the solution is, and then goes on from there.
+    /// Reads the circuit from the solution.
     Read {
         iterations: u8,
     },
-    Go {
+    /// Decides between another iteration, acceptance and the end.
+    Decide {
         iterations: u8,
     },
-    /// States the deviations of what has been fitted, one resonance after the other.
-    State {
+    /// Computes the standard deviations of the fitted resonances, one after the other.
+    Deviate {
         next: usize,
     },
-    /// Keeps all of it, if it explains enough.
+    /// Keeps the fit if it reduces the variance enough.
     Keep,
     Done,
 }
 
-/// The search, in progress.
+/// Mode search in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct ModeSearch {
     nominal_q: f32,
-    /// Noise of a sample's current that needs no explanation, A.
-    amperes: f32,
-    /// Variance of a line's current that needs no explanation, A^2.
+    /// Noise of the current of a sample that needs no explanation, A.
+    noise_a: f32,
+    /// Variance of the current of a line that needs no explanation, A^2.
     unexplained: f32,
     most: usize,
     stage: Stage,
     line: usize,
     fit: PoleFit,
     solution: Option<Solution>,
-    /// Of the present fit.
+    /// Circuit of the present fit.
     fitted: Circuit,
     deviations: Vec<Deviations, MOST_MODES>,
     found: Circuit,
@@ -86,21 +93,21 @@ pub(crate) struct ModeSearch {
     found_variance: f32,
 }
 
-/// Steps of the converters, and the nominal Q.
+/// Resolution of the converters, and the nominal quality factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Nominal {
-    /// Volts and amperes a step.
+    /// Volts per step and amperes per step.
     pub(crate) steps: (f32, f32),
-    /// Quality factor, within a factor of four.
+    /// Nominal quality factor, correct within a factor of four.
     pub q: f32,
 }
 
 impl ModeSearch {
-    /// A search by a bare capacitance, that [begins](Self::restart) with its first spectrum.
+    /// Creates an idle search; it [starts](Self::restart) with its first spectrum.
     pub(crate) fn new(nominal: &Nominal, bare: Circuit) -> Self {
         ModeSearch {
             nominal_q: nominal.q,
-            amperes: NOISE_STEPS * nominal.steps.1,
+            noise_a: NOISE_STEPS * nominal.steps.1,
             unexplained: 0.0,
             most: 0,
             stage: Stage::Done,
@@ -115,17 +122,17 @@ impl ModeSearch {
         }
     }
 
-    /// Begins from scratch. `samples` are all that the spectrum has taken, in `blocks`.
+    /// Starts from a bare capacitance. The spectrum contains `samples` samples in `blocks` blocks.
     pub(crate) fn restart(&mut self, bare: &Circuit, blocks: u32, samples: u32) {
-        self.again(bare, blocks, samples);
+        self.refit(bare, blocks, samples);
         self.most = MOST_MODES;
         self.stage = Stage::Seek { best: (0.0, 0), sum: 0.0, largest: 0.0 };
     }
 
-    /// Fits the same modes again to another spectrum.
-    pub(crate) fn again(&mut self, found: &Circuit, blocks: u32, samples: u32) {
-        // Of noise of variance s^2, a sum of B phasors of N samples each has 4 B s^2 / N.
-        self.unexplained = 4.0 * self.amperes * self.amperes * (blocks as f32) * (blocks as f32) / samples.max(1) as f32;
+    /// Fits the modes of `found` again, to another spectrum.
+    pub(crate) fn refit(&mut self, found: &Circuit, blocks: u32, samples: u32) {
+        // Noise of variance s^2 gives a sum of B phasors of N samples each a variance 4 B s^2 / N.
+        self.unexplained = 4.0 * self.noise_a * self.noise_a * (blocks as f32) * (blocks as f32) / samples.max(1) as f32;
         self.most = found.poles.len();
         self.begin(found, ITERATIONS);
         self.found.clone_from(found);
@@ -135,12 +142,12 @@ impl ModeSearch {
         self.found_variance = f32::INFINITY;
     }
 
-    /// Whether it is over.
+    /// Returns `true` if the search has ended.
     pub(crate) fn is_over(&self) -> bool {
         self.stage == Stage::Done
     }
 
-    /// Does a block's worth of it.
+    /// Does the work of one block.
     pub(crate) fn step(&mut self, spectrum: &Spectrum) {
         match &self.stage {
             &Stage::Seek { best, sum, largest } => self.seek(spectrum, best, sum, largest),
@@ -153,16 +160,16 @@ impl ModeSearch {
             }
             &Stage::Read { iterations } => {
                 self.solution = self.fit.solution();
-                self.stage = Stage::Go { iterations };
+                self.stage = Stage::Decide { iterations };
             }
-            &Stage::Go { iterations } => self.go_on(iterations),
-            &Stage::State { next } => self.state(next, spectrum),
+            &Stage::Decide { iterations } => self.decide(iterations),
+            &Stage::Deviate { next } => self.deviate(next, spectrum),
             Stage::Keep => self.keep(),
             Stage::Done => {}
         }
     }
 
-    /// What was found.
+    /// Returns the circuit and the standard deviations of each of its resonances.
     pub(crate) fn found(&self) -> (&Circuit, &[Deviations]) {
         (&self.found, &self.found_deviations)
     }
@@ -178,8 +185,8 @@ impl ModeSearch {
             return;
         }
         let others = (sum - best.0) / (spectrum.lines() - 1) as f32;
-        let unexplained = self.unexplained + PART * PART * largest;
-        let shows = self.found_variance > unexplained || best.0 > unexplained.max(STANDS_OUT * others);
+        let unexplained = self.unexplained + UNEXPLAINED_REL * UNEXPLAINED_REL * largest;
+        let shows = self.found_variance > unexplained || best.0 > unexplained.max(OUTLIER_SQUARE_RATIO * others);
         self.stage = Stage::Done;
         if self.found.poles.len() < self.most && shows {
             self.stage = Stage::Assume { line: best.1 };
@@ -188,10 +195,10 @@ impl ModeSearch {
 
     fn assume(&mut self, spectrum: &Spectrum, line: usize) {
         let offset_hz = spectrum.offset_hz(line);
-        // The nominal Q, or that of a width of two lines, whichever is less sharp.
+        // The nominal Q, or the Q of a resonance two lines wide if that is lower.
         let q = self.nominal_q.min(0.5 * (self.found.nominal_hz + offset_hz) / spectrum.spacing_hz());
         let mut assumed = self.found.clone();
-        // There is room: there are less than the most.
+        // There is room: `seek` checked the count.
         let _ = assumed.poles.push(Pole { offset_hz, q, ..Pole::default() });
         self.begin(&assumed, ITERATIONS);
     }
@@ -212,32 +219,35 @@ impl ModeSearch {
         self.stage = Stage::Solve { iterations };
     }
 
-    fn go_on(&mut self, iterations: u8) {
-        let hopeless = iterations <= ITERATIONS - PATIENCE && self.fit.variance() > BEGUN * self.found_variance;
+    fn decide(&mut self, iterations: u8) {
+        let hopeless =
+            iterations <= ITERATIONS - PATIENCE_ITERATIONS && self.fit.variance() > PATIENCE_VARIANCE_RATIO * self.found_variance;
         match self.solution.take() {
             None => self.stage = Stage::Done,
             Some(_) if hopeless => self.stage = Stage::Done,
-            Some(Solution { circuit, moved }) if iterations > 1 && moved > STANDS_STILL => self.begin(&circuit, iterations - 1),
+            Some(Solution { circuit, moved }) if iterations > 1 && moved > CONVERGED_WIDTHS => {
+                self.begin(&circuit, iterations - 1)
+            }
             Some(solution) => {
                 self.deviations.clear();
                 self.fitted = solution.circuit;
-                self.stage = Stage::State { next: 0 };
+                self.stage = Stage::Deviate { next: 0 };
             }
         }
     }
 
-    fn state(&mut self, next: usize, spectrum: &Spectrum) {
-        let Some(&Transducer { lm_h, deviations, .. }) = self.fit.state(&self.fitted, next) else { return };
+    fn deviate(&mut self, next: usize, spectrum: &Spectrum) {
+        let Some(&Transducer { lm_h, deviations, .. }) = self.fit.deviate(&self.fitted, next) else { return };
         let offset_hz = self.fitted.poles.get(next).map_or(f32::NAN, |pole| pole.offset_hz);
         let reach_hz = 0.5 * spectrum.lines() as f32 * spectrum.spacing_hz();
-        let beside_hz = (offset_hz - spectrum.centre_hz()).abs();
-        // There is room: there are as many as poles.
+        let distance_hz = (offset_hz - spectrum.centre_hz()).abs();
+        // There is room for one entry per pole.
         let _ = self.deviations.push(deviations);
         let count = self.fitted.poles.len();
-        if SIGNIFICANT * deviations.lm_h > lm_h || (count > 1 && beside_hz > BEYOND * reach_hz) {
+        if MIN_STRENGTH_SIGMAS * deviations.lm_h > lm_h || (count > 1 && distance_hz > MAX_DISTANCE_HALF_SPANS * reach_hz) {
             self.stage = Stage::Done;
         } else if next + 1 < count {
-            self.stage = Stage::State { next: next + 1 };
+            self.stage = Stage::Deviate { next: next + 1 };
         } else {
             self.stage = Stage::Keep;
         }
@@ -246,7 +256,7 @@ impl ModeSearch {
     fn keep(&mut self) {
         let variance = self.fit.variance();
         self.stage = Stage::Done;
-        if variance <= HALVES * self.found_variance {
+        if variance <= MAX_VARIANCE_RATIO * self.found_variance {
             self.found.clone_from(&self.fitted);
             self.found_deviations.clone_from(&self.deviations);
             self.found_variance = variance;

@@ -1,25 +1,26 @@
-//! From how far the unknowns of a fit scatter to the standard deviations of a circuit: to first order, `dy = Re{g x}`.
+//! Standard deviations of a circuit from those of the unknowns of a fit, to first order:
+//! `dy = Re{g x}`.
 
 use crate::seam::phasor::Phasor;
 use crate::seam::transducer::{Deviations, Transducer};
 
 const J: Phasor = Phasor::new(0.0, 1.0);
-const NONE: Phasor = Phasor::new(0.0, 0.0);
+const ZERO: Phasor = Phasor::new(0.0, 0.0);
 
-/// Independent parts, of variance one half each way ([`ComplexTriangle::spread`](crate::find::givens::ComplexTriangle::spread)), of what the circuit
-/// follows from.
+/// Errors of the three fitted quantities, as vectors of independent parts with variance one half
+/// per axis ([`ComplexTriangle::spread`](crate::find::givens::ComplexTriangle::spread)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scatter<const N: usize> {
-    /// Of the pole `w = j / Q`, `w = f / fs - fs / f`.
+    /// Error of the pole `w = j / Q`, `w = f / fs - fs / f`.
     pub(crate) pole: [Phasor; N],
-    /// Of the strength `G / Q = 1 / (ws Lm)`, relative.
+    /// Relative error of the strength `G / Q = 1 / (ws Lm)`.
     pub(crate) strength: [Phasor; N],
-    /// Of the clamped admittance, S.
+    /// Error of the clamped admittance, S.
     pub y0: [Phasor; N],
 }
 
 impl<const N: usize> Scatter<N> {
-    /// What the parts of these three have in common.
+    /// Computes the sums of products from which all deviations follow.
     pub(crate) fn products(&self) -> Products {
         let product = |x: &[Phasor; N], y: &[Phasor; N]| x.iter().zip(y).map(|(x, y)| x * y.conj()).sum::<Phasor>();
         let square = |x: &[Phasor; N]| x.iter().map(|x| x.norm_sqr()).sum::<f32>();
@@ -32,7 +33,7 @@ impl<const N: usize> Scatter<N> {
     }
 }
 
-/// `sum x y*` over the parts of each two of the three.
+/// Sums `sum x y*` over the parts, for each pair of the three quantities.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Products {
     squares: [f32; 3],
@@ -42,40 +43,42 @@ pub(crate) struct Products {
 }
 
 impl Products {
-    /// Leaves the deviations of a circuit in `deviations`: in two parts, of which a block has time for one.
+    /// Writes the standard deviations of a circuit to `deviations`. The work has two parts; a block
+    /// has time for one.
     pub(crate) fn deviate(&self, t: &Transducer, part: usize, deviations: &mut Deviations) {
-        // Relative changes, as the factors of those three.
-        let series = [Phasor::new(0.5, 0.0), NONE, NONE];
-        let q = [J * t.q, NONE, NONE];
-        let lm = [NONE, Phasor::new(-1.0, 0.0), NONE];
-        let c0 = [NONE, NONE, -J / (core::f32::consts::TAU * t.series_resonance_hz * t.c0_f)];
+        // Relative changes, as factors of the three quantities.
+        let series = [Phasor::new(0.5, 0.0), ZERO, ZERO];
+        let q = [J * t.q, ZERO, ZERO];
+        let lm = [ZERO, Phasor::new(-1.0, 0.0), ZERO];
+        let c0 = [ZERO, ZERO, -J / (core::f32::consts::TAU * t.series_resonance_hz * t.c0_f)];
         let sum = |parts: &[([Phasor; 3], f32)]| {
-            parts.iter().fold([NONE; 3], |[p, g, y], &([of_p, of_g, of_y], by)| [p + of_p * by, g + of_g * by, y + of_y * by])
+            parts.iter().fold([ZERO; 3], |[p, g, y], &([of_p, of_g, of_y], by)| [p + of_p * by, g + of_g * by, y + of_y * by])
         };
         let cm = sum(&[(lm, -1.0), (series, -2.0)]);
         let ratio = sum(&[(cm, 1.0), (c0, -1.0)]);
         let motional = t.cm_f / (t.c0_f + t.cm_f);
         if part == 0 {
-            deviations.series_resonance_hz = self.of(series) * t.series_resonance_hz;
-            deviations.parallel_resonance_hz = self.of(sum(&[(series, 1.0), (ratio, 0.5 * motional)])) * t.parallel_resonance_hz;
-            deviations.q = self.of(q) * t.q;
-            deviations.rm_ohm = self.of(sum(&[(lm, 1.0), (series, 1.0), (q, -1.0)])) * t.rm_ohm;
+            deviations.series_resonance_hz = self.deviation(series) * t.series_resonance_hz;
+            deviations.parallel_resonance_hz =
+                self.deviation(sum(&[(series, 1.0), (ratio, 0.5 * motional)])) * t.parallel_resonance_hz;
+            deviations.q = self.deviation(q) * t.q;
+            deviations.rm_ohm = self.deviation(sum(&[(lm, 1.0), (series, 1.0), (q, -1.0)])) * t.rm_ohm;
         } else {
-            deviations.lm_h = self.of(lm) * t.lm_h;
-            deviations.cm_f = self.of(cm) * t.cm_f;
-            deviations.c0_f = self.of(c0) * t.c0_f;
-            deviations.coupling = self.of(ratio) * 0.5 * (1.0 - motional) * t.coupling;
+            deviations.lm_h = self.deviation(lm) * t.lm_h;
+            deviations.cm_f = self.deviation(cm) * t.cm_f;
+            deviations.c0_f = self.deviation(c0) * t.c0_f;
+            deviations.coupling = self.deviation(ratio) * 0.5 * (1.0 - motional) * t.coupling;
         }
     }
 
-    /// Deviation of what follows from the three by these factors: the parts need not be gone through for each number.
-    fn of(&self, by: [Phasor; 3]) -> f32 {
+    /// Returns the standard deviation of a sum of the three quantities with these factors.
+    fn deviation(&self, by: [Phasor; 3]) -> f32 {
         let [p, g, y] = by;
         let squares = [p, g, y].iter().zip(self.squares).map(|(by, square)| by.norm_sqr() * square).sum::<f32>();
         let crossed = |x: Phasor, y: Phasor, product: Phasor| (x * y.conj() * product).re;
         let both = crossed(p, g, self.pole_strength) + crossed(p, y, self.pole_y0) + crossed(g, y, self.strength_y0);
         let variance = 0.5 * squares + both;
-        // Rounding may leave less than nothing.
+        // Rounding may make the variance negative.
         if variance > 0.0 { libm::sqrtf(variance) } else { 0.0 }
     }
 }

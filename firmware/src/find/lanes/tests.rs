@@ -33,7 +33,7 @@ fn config(lanes: u8) -> Config {
     }
 }
 
-/// What is measured of each lane: its voltage beside what it should be, and its admittance, S.
+/// Measured values of each lane: relative voltage error, and admittance, S.
 #[derive(Clone, Copy)]
 struct Motor {
     errors: [Phasor; MAX_LANES],
@@ -42,15 +42,17 @@ struct Motor {
 
 const HEALTHY: Motor = Motor { errors: [Phasor::new(1.0, 0.0); 4], siemens: [Phasor::new(0.1, CLAMPED); 4] };
 
-/// A watch behind the latency of a board, and behind a multiplexer that shows nothing while it switches.
+/// Monitor with the latency of a board, and with a multiplexer that outputs nothing while it
+/// switches.
 struct Bench {
     lanes: Lanes,
     motor: Motor,
-    /// The lane and the quadrature of the blocks that are on their way, and the quadrature that is ordered.
+    /// Lane and quadrature of the pending blocks.
     coming: std::collections::VecDeque<(u8, f32)>,
+    /// Commanded quadrature, turns.
     quadrature: f32,
     shown: (u8, u32),
-    /// Blocks in which the loops were told nothing of lane 0.
+    /// Blocks without a measurement of lane 0.
     away: u32,
     visits: [u32; MAX_LANES],
 }
@@ -89,15 +91,15 @@ impl Bench {
         let before = self.lanes.found();
         self.lanes.update(&played, &mut sensed, rule, &expected);
         let found = self.lanes.found().filter(|_| before.is_none());
-        assert!(found.is_none() || self.lanes.are_heard(), "who holds the loops says what was found");
+        assert!(found.is_none() || self.lanes.are_heard(), "a fault is found in a block of another lane only");
         self.away += u32::from(self.lanes.are_heard());
         let home = self.motor.errors[0] * VOLTS;
-        assert!((sensed.v - home).norm_sqr() < 1e-6, "the loops are given lane 0: {sensed:?}");
+        assert!((sensed.v - home).norm_sqr() < 1e-6, "the loops receive lane 0: {sensed:?}");
         self.coming.push_back((self.lanes.ordered(), self.quadrature));
         found
     }
 
-    /// The blocks until something is found, and what.
+    /// Runs until a fault is found; returns the number of blocks and the fault.
     fn finds(&mut self, rule: Rule, blocks: u32) -> Option<(u32, Fault)> {
         (1..=blocks).find_map(|block| self.block(rule).map(|fault| (block, fault)))
     }
@@ -110,23 +112,23 @@ fn with(lane: usize, change: impl Fn(&mut Phasor, &mut Phasor)) -> Motor {
 }
 
 #[test]
-fn each_lane_of_a_healthy_motor_is_visited_in_each_round_and_takes_ten_blocks() {
+fn each_round_visits_every_lane_for_ten_blocks() {
     let mut bench = Bench::new(4, HEALTHY);
-    // First all, for which the sense channels return only once.
+    // The first round visits all lanes in one go and returns to lane 0 once.
     assert_eq!(bench.finds(Rule::InTurn, 60), None);
     assert_eq!((&bench.visits[1..], bench.away), (&[1; 3][..], 22));
-    // 365 ms are ten rounds of 36 ms, and their visits.
+    // 365 ms contain ten rounds of 36 ms and their visits.
     assert_eq!(bench.finds(Rule::InTurn, 11_440), None);
     assert!(bench.visits[1..].iter().all(|&visits| visits == 11), "{:?}", bench.visits);
     assert_eq!(bench.away, 22 + 10 * 30);
-    std::println!("{:.2} % of the blocks are of another lane, or of the way back", 100.0 * 300.0 / 11_440.0);
+    std::println!("{:.2} % of the blocks are of another lane or of the way back", 100.0 * 300.0 / 11_440.0);
     let unwatched = Config { phasing: PhasingConfig { watch: false, ..PhasingConfig::default() }, ..config(4) };
     assert!(!Lanes::build(&unwatched, BLOCK_S).are_several());
     assert_eq!((Bench::new(1, HEALTHY).lanes.are_several(), Bench::new(2, HEALTHY).lanes.are_several()), (false, true));
 }
 
 #[test]
-fn what_is_wrong_with_a_lane_is_named_within_a_round() {
+fn lane_faults_are_found_within_a_round() {
     let off = |degrees: f32, gain: f32| {
         sine::rotation((f64::from(degrees) / 360.0 * 18_446_744_073_709_551_616.0) as i128 as u64) * gain
     };
@@ -160,7 +162,7 @@ fn what_is_wrong_with_a_lane_is_named_within_a_round() {
     }
 }
 
-/// A lane that is trimmed on purpose may be as it is trimmed, and as it would be if the trim corrected it.
+/// The gain of a lane may be the trimmed one, or one if the trim corrects an error.
 #[test]
 fn a_gain_may_be_that_of_the_trims() {
     for (error, fine) in [(0.5, true), (1.0, true), (0.34, false), (1.43, false)] {
@@ -180,9 +182,9 @@ fn a_self_test_visits_all_lanes_once_for_each_tone() {
         (0..20).for_each(|_| assert_eq!(bench.block(Rule::Rest), None));
         assert_eq!(bench.finds(Rule::Once, 64), None);
         assert_eq!(bench.visits[1..], [tone; 3]);
-        assert!(!bench.lanes.are_heard(), "it is back for what the self-test measures at the end");
+        assert!(!bench.lanes.are_heard(), "lane 0 is connected for the measurement at the end of the self-test");
     }
-    // What is found is for the end of the self-test to say, and nothing more is visited.
+    // The fault is reported at the end of the self-test, and no other lane is visited.
     let mut bench = Bench::new(4, with(2, |error, _| *error = -*error));
     (0..20).for_each(|_| assert_eq!(bench.block(Rule::Rest), None));
     assert!(bench.finds(Rule::Once, 40).is_some_and(|(block, fault)| fault == Fault::LaneImplausible && block < 32));
@@ -196,7 +198,7 @@ fn a_visit_ends_with_the_burst_and_waits_for_the_next_one() {
         (0..20).for_each(|_| assert_eq!(bench.block(Rule::InTurn), None));
         (0..20).for_each(|_| assert_eq!(bench.block(Rule::Rest), None));
     }
-    assert_eq!(bench.visits[1..], [0; 3], "bursts of less than 32 blocks are not watched");
+    assert_eq!(bench.visits[1..], [0; 3], "no visits in bursts shorter than 32 blocks");
     (0..33).for_each(|_| assert_eq!(bench.block(Rule::InTurn), None));
     assert_ne!(bench.lanes.ordered(), 0);
     (0..10).for_each(|_| assert_eq!(bench.block(Rule::Rest), None));
@@ -204,27 +206,27 @@ fn a_visit_ends_with_the_burst_and_waits_for_the_next_one() {
 }
 
 #[test]
-fn a_fault_of_the_resonance_waits_for_all_lanes_and_not_for_long() {
+fn resonance_fault_waits_for_all_lanes_with_a_limit() {
     let mut bench = Bench::new(4, HEALTHY);
     bench.finds(Rule::InTurn, 100);
     let fault = Fault::LossOfLock;
     let waits = |bench: &mut Bench| bench.lanes.judged(false, fault) == Progress::Busy;
     let waited = (0..200).take_while(|_| waits(&mut bench) && bench.block(Rule::InTurn).is_none()).count();
     assert!((18..40).contains(&waited), "{waited}");
-    assert_eq!(bench.lanes.judged(false, fault), Progress::Failed(fault), "it has been judged");
-    // Between bursts there is nothing to judge.
+    assert_eq!(bench.lanes.judged(false, fault), Progress::Failed(fault), "all lanes have been judged");
+    // Between bursts the lanes cannot be judged.
     bench.lanes.doubt(false);
     let waited = (0..200).take_while(|_| waits(&mut bench) && bench.block(Rule::Rest).is_none()).count();
-    assert_eq!(waited, usize::from(POSTPONED_BLOCKS) - 1);
-    // Nor does anything wait before a run, or with one lane.
+    assert_eq!(waited, usize::from(MAX_POSTPONED_BLOCKS) - 1);
+    // Before a run, or with one lane, there is no delay.
     for (locking, lanes) in [(true, 4), (false, 1)] {
         assert_eq!(Bench::new(lanes, HEALTHY).lanes.judged(locking, fault), Progress::Failed(fault));
     }
 }
 
-/// An order of another direction is on its way for two blocks, in which the lanes are what they were.
+/// A change of direction takes two blocks to take effect; until then the lanes are unchanged.
 #[test]
-fn an_order_of_another_direction_accuses_nothing() {
+fn change_of_direction_is_not_a_lane_fault() {
     for at in 0..40 {
         let mut bench = Bench::new(4, HEALTHY);
         assert_eq!(bench.finds(Rule::InTurn, 25 + at), None);

@@ -1,9 +1,11 @@
-//! A transducer of two branches in double precision, for tests: exact, and independent of everything it tests.
+//! Double-precision model of a transducer with up to two branches, for tests; exact, and
+//! independent of the code under test.
 
 use crate::seam::block::{DriveBlock, SenseBlock};
 use crate::seam::config::FrontEnd;
 
-/// Gaussian noise of variance one (G. E. P. Box and M. E. Muller 1958), from a multiplicative generator.
+/// Gaussian noise of variance one (G. E. P. Box and M. E. Muller 1958), from a multiplicative
+/// generator.
 pub(crate) struct Noise(u64);
 
 impl Noise {
@@ -37,7 +39,7 @@ pub(crate) fn front_end() -> FrontEnd {
     }
 }
 
-/// A branch: series resonance, Hz, quality factor, motional inductance, H.
+/// Motional branch: series resonance frequency, Hz, quality factor, and motional inductance, H.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Branch {
     pub(crate) hz: f64,
@@ -56,11 +58,12 @@ impl Branch {
     }
 }
 
-/// What is driven: source of one pole and some resistance, capacitance, branches; sampled at 1 Msps.
+/// Driven circuit, sampled at 1 Msps: one-pole amplifier, source resistance, capacitance and
+/// branches.
 pub(crate) struct Bench {
     pub(crate) noise_lsb: f64,
     noise: Noise,
-    /// Amplifier, voltage, and two a branch.
+    /// State: amplifier output, voltage, and two values per branch.
     x: [f64; STATES],
     flow: [[f64; STATES + 1]; STATES],
     source_ohm: f64,
@@ -68,11 +71,11 @@ pub(crate) struct Bench {
 }
 
 const STATES: usize = 6;
-/// Conversions a sample: the images of the drive's steps are not what is to be tested.
+/// Averages per sample, so that the steps of the drive leave no images.
 const OVERSAMPLE: usize = 8;
 
 impl Bench {
-    /// With one branch or two, and a front end whose current steps fit them.
+    /// Creates a model with one or two branches, and a front end whose current range fits them.
     pub(crate) fn new(branches: &[Branch], c0_f: f64, seed: u64, front_end: FrontEnd) -> Self {
         let (corner, source_ohm) = (core::f64::consts::TAU * 200e3, 0.3);
         let mut a = [[0.0; STATES + 1]; STATES + 1];
@@ -90,7 +93,7 @@ impl Bench {
         Bench { noise_lsb: 1.0, noise: Noise::new(seed), x: [0.0; STATES], flow, source_ohm, front_end }
     }
 
-    /// Plays a block, and samples it.
+    /// Plays a block and samples it.
     pub(crate) fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         sense.v.clear();
         sense.i.clear();
@@ -112,7 +115,7 @@ impl Bench {
     }
 }
 
-/// `exp(A t)` by halving and a series of eighteen terms.
+/// Computes `exp(A t)` by scaling and squaring with a series of eighteen terms.
 fn exponential(a: &[[f64; STATES + 1]; STATES + 1], t: f64) -> [[f64; STATES + 1]; STATES + 1] {
     const N: usize = STATES + 1;
     let product = |x: &[[f64; N]; N], y: &[[f64; N]; N]| {

@@ -1,4 +1,4 @@
-//! The resonances that a scan has found, and the chosen one.
+//! Resonances found by a scan, and the chosen one.
 
 use heapless::Vec;
 
@@ -8,8 +8,8 @@ use crate::seam::fault::Fault;
 use crate::seam::phasor::magnitude;
 use crate::seam::transducer::{Deviations, Listed, MOST_MODES, Resonance, Resonances};
 
-/// Two poles nearer than this part of a bandwidth are one, seen twice.
-const APART: f32 = 0.25;
+/// Minimum distance of two poles, in bandwidths; closer ones are the same pole found twice.
+const MIN_DISTANCE_BANDWIDTHS: f32 = 0.25;
 
 /// Resonances at rising frequencies.
 #[derive(Clone, Debug, Default)]
@@ -21,17 +21,17 @@ pub(crate) struct Modes {
 }
 
 impl Modes {
-    /// An empty one, whose offsets count from `nominal_hz`.
+    /// Creates an empty list whose offsets are relative to `nominal_hz`.
     pub(crate) fn new(nominal_hz: f32) -> Self {
         Modes { nominal_hz, ..Modes::default() }
     }
 
-    /// The resonances.
+    /// Returns all resonances.
     pub(crate) fn listed(&self) -> &[Resonance] {
         &self.listed
     }
 
-    /// One of them, each in the turn of a block.
+    /// Returns one resonance per block, in rotation.
     pub(crate) fn in_turn(&self, block: usize) -> Option<Listed> {
         if self.listed.is_empty() {
             return None;
@@ -41,22 +41,23 @@ impl Modes {
         Some(Listed { place: place as u8, of: self.listed.len() as u8, resonance })
     }
 
-    /// The place of the chosen resonance.
+    /// Returns the index of the chosen resonance.
     pub(crate) fn place(&self) -> usize {
         self.chosen
     }
 
-    /// The chosen resonance.
+    /// Returns the chosen resonance.
     pub(crate) fn chosen(&self) -> Option<&(Pole, Deviations)> {
         self.found.get(self.chosen)
     }
 
-    /// The resonances that were not chosen.
+    /// Returns the resonances that were not chosen.
     pub(crate) fn others(&self) -> impl Iterator<Item = &Pole> {
         self.found.iter().enumerate().filter(|(n, _)| *n != self.chosen).map(|(_, (pole, _))| pole)
     }
 
-    /// Of the others the one that rings most to a step of the drive: its series resonance, Hz, and its motional capacitance relative to that of the chosen one.
+    /// Returns the other resonance that rings most after a step of the drive: its series resonance
+    /// frequency, Hz, and its motional capacitance relative to that of the chosen one.
     pub(crate) fn beside(&self) -> Option<(f32, f32)> {
         let (chosen, _) = self.chosen()?;
         let disturbs = |pole: &Pole| pole.strength() / (pole.offset_hz - chosen.offset_hz).abs();
@@ -64,11 +65,11 @@ impl Modes {
         Some((self.nominal_hz + most.offset_hz, most.strength() / chosen.strength()))
     }
 
-    /// Adds one that has been found; the weakest is left out where there is no room. What a part of the window has shown already, the next
-    /// one does not add.
-    pub(crate) fn add(&mut self, pole: Pole, deviations: Deviations, again: bool) {
-        let apart_hz = APART * (self.nominal_hz + pole.offset_hz) / pole.q;
-        if again && self.found.iter().any(|(other, _)| (other.offset_hz - pole.offset_hz).abs() < apart_hz) {
+    /// Adds a resonance. If the list is full, the weakest is dropped. With `overlap`, a resonance
+    /// that an earlier part of the window contained is ignored.
+    pub(crate) fn add(&mut self, pole: Pole, deviations: Deviations, overlap: bool) {
+        let apart_hz = MIN_DISTANCE_BANDWIDTHS * (self.nominal_hz + pole.offset_hz) / pole.q;
+        if overlap && self.found.iter().any(|(other, _)| (other.offset_hz - pole.offset_hz).abs() < apart_hz) {
             return;
         }
         let strengths = self.found.iter().map(|(pole, _)| pole.strength()).enumerate();
@@ -78,18 +79,18 @@ impl Modes {
             None => {}
         }
         let place = self.found.iter().take_while(|(other, _)| other.offset_hz <= pole.offset_hz).count();
-        // There is room.
+        // There is room: a full list has lost its weakest entry.
         let _ = self.found.insert(place, (pole, deviations));
         self.list();
     }
 
     /// Chooses the resonance to drive.
     pub(crate) fn choose(&mut self, choice: &Choice) -> Result<(), Fault> {
-        self.chosen = choice.of(&self.listed)?;
+        self.chosen = choice.choose(&self.listed)?;
         Ok(())
     }
 
-    /// Replaces the chosen resonance by a better estimate.
+    /// Replaces the chosen resonance with a better estimate.
     pub(crate) fn refine(&mut self, pole: Pole, deviations: Deviations) {
         if let Some(chosen) = self.found.get_mut(self.chosen) {
             *chosen = (pole, deviations);
@@ -118,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn the_weakest_of_five_is_left_out_and_none_counts_twice() {
+    fn weakest_of_five_is_dropped_and_none_is_listed_twice() {
         let mut modes = Modes::new(40e3);
         for (offset_hz, conductance_s) in [(900.0, 0.2), (-900.0, 0.1), (0.0, 0.3), (500.0, 0.05), (-300.0, 0.4), (-302.0, 0.4)] {
             modes.add(pole(offset_hz, conductance_s), Deviations::default(), true);

@@ -1,59 +1,65 @@
-//! A pass of the scan: which frequencies are swept, how fast and how often.
+//! Pass of the scan: range, speed and number of sweeps.
 //!
 //! ```text
 //! f(block) = centre + width (x / 0.75 - 1/2)              x = (n + 1/2) / period < 0.75,    n = block modulo period
-//!            centre + width ((1 - x) / 0.25 - 1/2)        from there on
+//!            centre + width ((1 - x) / 0.25 - 1/2)        otherwise
 //! ```
 //!
-//! Up in three quarters of the time, and down in one, so that a resonance at the upper end still has time to decay within the pass. The offsets of a
-//! period from its centre add up to nothing, so that it repeats itself against a reference at the centre.
+//! The frequency rises during three quarters of the period and falls during one, so that a
+//! resonance at the upper end has time to decay within the pass. The offsets of a period from its
+//! centre add up to zero, so that the period repeats relative to a reference at the centre.
 
 use crate::find::scan::spectrum::{MOST_LINES, Spectrum};
 use crate::seam::compare::within;
 
-/// Fewest lines of a spectrum; there are five unknowns.
+/// Minimum number of lines of a spectrum; there are five unknowns.
 const FEWEST_LINES: f32 = 14.0;
-/// Fewest blocks of a period, and the widest sweep as a part of the block rate: beyond that the filter is too narrow.
+/// Minimum number of blocks in a period.
 const FEWEST_BLOCKS: u32 = 64;
-const WIDEST: f32 = 0.3;
+/// Maximum width of a sweep relative to the block rate; the filter is too narrow for more.
+const MAX_WIDTH_REL: f32 = 0.3;
 
-/// Shortest and longest sweep of the fine pass, and the longest fine pass, s.
+/// Minimum and maximum duration of a sweep of the fine pass, s.
 const FINE_S: (f32, f32) = (4e-3, 20e-3);
-const LONGEST_S: f32 = 0.04;
+/// Maximum duration of the fine pass, s.
+const MAX_FINE_S: f32 = 0.04;
 /// Width of the fine pass in bandwidths of the resonance.
 const FINE_BANDWIDTHS: f32 = 2.0;
-/// Target of the resonance's deviation, in bandwidths, or in parts of the frequency if that is more.
-const TARGET: (f32, f32) = (1e-4, 5e-7);
+/// Target standard deviation of the resonance, in bandwidths.
+const TARGET_BANDWIDTHS: f32 = 1e-4;
+/// Minimum target standard deviation of the resonance, relative to the frequency.
+const TARGET_REL: f32 = 5e-7;
 
-/// What a pass has shown of a resonance.
+/// Resonance as measured in a pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Seen {
-    /// Series resonance, Hz.
+pub(crate) struct MeasuredResonance {
+    /// Series resonance frequency, Hz.
     pub(crate) hz: f32,
-    /// Series resonance, as an offset from the nominal frequency, Hz.
+    /// Series resonance frequency, as an offset from the nominal frequency, Hz.
     pub offset_hz: f32,
     /// Quality factor of the resonance.
     pub q: f32,
-    /// Standard deviation of the resonance, Hz.
+    /// Standard deviation of the series resonance frequency, Hz.
     pub(crate) deviation_hz: f32,
 }
 
-/// A pass.
+/// Range and timing of a sweep, and its number of periods.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pass {
-    /// Middle, as an offset from the nominal frequency, Hz.
+    /// Centre, as an offset from the nominal frequency, Hz.
     pub(crate) centre_hz: f32,
-    /// From end to end, Hz.
+    /// Width from end to end, Hz.
     pub(crate) width_hz: f32,
-    /// Blocks from end to end.
+    /// Blocks in a period.
     pub(crate) period_blocks: u32,
-    /// How often.
+    /// Number of periods.
     pub(crate) repeats: u32,
 }
 
 impl Pass {
-    /// From `low_hz` to `high_hz`, offsets from the nominal frequency, in `shortest_s` to `longest_s`: as short as shows enough lines. A sweep
-    /// is as wide as it has to be for those in the longest time, and not wider than it can be.
+    /// Creates a pass from `low_hz` to `high_hz`, offsets from the nominal frequency. Its duration
+    /// is the shortest between `shortest_s` and `longest_s` that yields enough lines. A range too
+    /// narrow for enough lines in the longest time is widened; a range above the maximum is cut.
     pub(crate) fn between(low_hz: f32, high_hz: f32, (shortest_s, longest_s): (f32, f32), block_s: f32) -> Self {
         let width_hz = (high_hz - low_hz).max(FEWEST_LINES / longest_s);
         let period_s = within(FEWEST_LINES / width_hz, shortest_s, longest_s);
@@ -62,30 +68,31 @@ impl Pass {
         Pass { centre_hz: 0.5 * (low_hz + high_hz), width_hz, period_blocks, repeats: 1 }
     }
 
-    /// The fine pass about a resonance that this one has shown, within `reach_hz` of the nominal frequency: as long as the target deviation
-    /// takes, which is not at all if it is reached already.
-    pub(crate) fn fine(&self, seen: &Seen, reach_hz: f32, block_s: f32) -> Self {
+    /// Returns the fine pass around a resonance that this pass has measured, within `reach_hz` of
+    /// the nominal frequency. Its length follows from the target deviation; it has no periods if
+    /// this pass has reached the target.
+    pub(crate) fn fine(&self, seen: &MeasuredResonance, reach_hz: f32, block_s: f32) -> Self {
         let bandwidth_hz = seen.hz / seen.q;
-        // A resonance near the edge of the window is looked at from one side.
+        // A resonance near the edge of the window is measured from one side.
         let end_hz = |bandwidths: f32| within(seen.offset_hz + bandwidths * bandwidth_hz, -reach_hz, reach_hz);
         let fine = Pass::between(end_hz(-0.5 * FINE_BANDWIDTHS), end_hz(0.5 * FINE_BANDWIDTHS), FINE_S, block_s);
-        // Slow, so that a load that depends on amplitude shows what it shows when it has settled.
+        // Slow, so that a load that depends on amplitude is measured in its settled state.
         let slow_s = ((MOST_LINES - 4) as f32 / fine.width_hz).min(40e-3);
         let fine = Pass { period_blocks: fine.period_blocks.max((slow_s / block_s) as u32), ..fine };
-        let excess = seen.deviation_hz / (TARGET.0 * bandwidth_hz).max(TARGET.1 * seen.hz);
-        // The time that this pass has spent there, for a deviation that falls with the root of it.
+        let excess = seen.deviation_hz / (TARGET_BANDWIDTHS * bandwidth_hz).max(TARGET_REL * seen.hz);
+        // Time that this pass has spent there; the deviation falls with its square root.
         let there_s = self.blocks() as f32 * block_s * (fine.width_hz / self.width_hz).min(1.0);
-        let target_s = (there_s * excess * excess).min(LONGEST_S);
+        let target_s = (there_s * excess * excess).min(MAX_FINE_S);
         let repeats = if excess > 1.0 { (target_s / (fine.period_blocks as f32 * block_s)) as u32 + 1 } else { 0 };
         Pass { repeats, ..fine }
     }
 
-    /// The widest sweep of so many blocks whose lines there is room for, Hz.
+    /// Returns the maximum width of a sweep of `period_blocks`, limited by the number of lines, Hz.
     pub(crate) fn widest_hz(period_blocks: u32, block_s: f32) -> f32 {
-        ((MOST_LINES - 2) as f32 / (period_blocks as f32 * block_s)).min(WIDEST / block_s)
+        ((MOST_LINES - 2) as f32 / (period_blocks as f32 * block_s)).min(MAX_WIDTH_REL / block_s)
     }
 
-    /// Offset from the nominal frequency in a block of it, Hz.
+    /// Returns the offset from the nominal frequency in a block, Hz.
     pub(crate) fn offset_hz(&self, block: u32) -> f32 {
         let up_blocks = self.period_blocks - self.period_blocks / 4;
         let n = block % self.period_blocks;
@@ -93,12 +100,12 @@ impl Pass {
         self.centre_hz + self.width_hz * ((done as f32 + 0.5) / of as f32 - 0.5)
     }
 
-    /// Blocks of all of it.
+    /// Returns the total number of blocks.
     pub(crate) fn blocks(&self) -> u32 {
         self.period_blocks * self.repeats
     }
 
-    /// An empty spectrum for it.
+    /// Returns an empty spectrum for this pass.
     pub(crate) fn spectrum(&self, block_s: f32) -> Spectrum {
         Spectrum::new(self.centre_hz, self.width_hz, self.period_blocks, block_s)
     }
@@ -109,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_period_returns_to_its_phase_and_keeps_within_its_ends() {
+    fn period_offsets_add_up_to_zero_within_the_range() {
         let pass = Pass::between(-1100.0, 1100.0, (8e-3, 16e-3), 32e-6);
         assert_eq!(pass.period_blocks, 251);
         let offsets = (0..251).map(|block| pass.offset_hz(block));
@@ -120,14 +127,15 @@ mod tests {
     #[test]
     fn the_fine_pass_is_as_long_as_the_deviation_requires() {
         let window = Pass::between(-1100.0, 1100.0, (8e-3, 16e-3), 32e-6);
-        let repeats =
-            |deviation_hz: f32| window.fine(&Seen { hz: 40e3, offset_hz: 0.0, q: 65.0, deviation_hz }, 1100.0, 32e-6).repeats;
+        let repeats = |deviation_hz: f32| {
+            window.fine(&MeasuredResonance { hz: 40e3, offset_hz: 0.0, q: 65.0, deviation_hz }, 1100.0, 32e-6).repeats
+        };
         // The target is 0.0615 Hz; a period of 30 ms.
         assert_eq!([0.05, 0.07, 0.1, 0.2].map(repeats), [0, 1, 1, 2]);
     }
 
     #[test]
-    fn a_narrow_one_is_widened_and_a_wide_one_cut() {
+    fn narrow_range_is_widened_and_wide_range_is_cut() {
         let narrow = Pass::between(-4.0, 4.0, (8e-3, 16e-3), 32e-6);
         assert!((narrow.width_hz - 875.0).abs() < 1.0, "{narrow:?}");
         let wide = Pass::between(-20e3, 20e3, (8e-3, 16e-3), 32e-6);

@@ -1,6 +1,7 @@
-//! Waits at the resonance until what a sweep has left no longer turns the motional phase, so that a tracker that starts from there measures one tone
-//! only. A free vibration at the driven frequency does not turn it, however long it lasts; and after four time constants
-//! nothing does.
+//! Wait at the resonance until the vibration left by a sweep no longer turns the motional phase.
+//!
+//! A tracker that starts then measures a single tone. A free vibration at the driven frequency does
+//! not turn the phase, however long it lasts. After four time constants any vibration has decayed.
 
 use crate::seam::block::LATENCY_BLOCKS;
 use crate::seam::phasor::Phasor;
@@ -8,19 +9,21 @@ use crate::seam::transducer::Transducer;
 use crate::sense::demod::Sensed;
 use crate::sense::motional::Motional;
 
-/// Time constants after which a sweep has certainly rung down.
-const LONGEST: f32 = 4.0;
-/// It has once the motional phase is within so many radians for so many blocks.
-const IN_PHASE: (f32, u32) = (0.01, 8);
+/// Maximum duration, in time constants.
+const MAX_TIME_CONSTANTS: f32 = 4.0;
+/// Maximum motional phase after the ring-down, rad.
+const IN_PHASE_RAD: f32 = 0.01;
+/// Number of consecutive blocks within that phase that end the wait.
+const IN_PHASE_BLOCKS: u32 = 8;
 
-/// The result of a scan, while it rings down.
+/// Result of a scan, during the ring-down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RingDown {
-    /// The transducer.
+    /// Identified transducer.
     pub(crate) transducer: Transducer,
-    /// The clamped branch, for tracking.
+    /// Clamped branch for tracking.
     pub motional: Motional,
-    /// How what other resonances add to the branch changes with the frequency, S/Hz.
+    /// Slope with frequency of the admittance of the other resonances, S/Hz.
     pub(crate) slope: Phasor,
     blocks: u32,
     in_phase: u32,
@@ -28,22 +31,23 @@ pub(crate) struct RingDown {
 }
 
 impl RingDown {
-    /// Of this result; `still_blocks` have passed since the sweep ended.
+    /// Starts the wait with this result, `still_blocks` after the end of the sweep.
     pub(crate) fn new(transducer: Transducer, (motional, slope): (Motional, Phasor), still_blocks: u32, block_s: f32) -> Self {
-        let all_blocks = (LONGEST * transducer.time_constant_s() / block_s) as u32;
-        // The tone of the resonance itself must have come back.
+        let all_blocks = (MAX_TIME_CONSTANTS * transducer.time_constant_s() / block_s) as u32;
+        // At least until the first block at the resonance frequency is measured.
         let longest_blocks = all_blocks.saturating_sub(still_blocks).max(LATENCY_BLOCKS as u32 + 1);
         RingDown { transducer, motional, slope, blocks: 0, in_phase: 0, longest_blocks }
     }
 
-    /// Takes a block of the tone, at `relative` times the nominal frequency. Returns whether the free vibration has decayed.
-    pub(crate) fn is_over(&mut self, sensed: &Sensed, relative: f32) -> bool {
+    /// Processes a block of the tone, at `relative` times the nominal frequency. Returns `true` if
+    /// the free vibration has decayed.
+    pub(crate) fn check_block(&mut self, sensed: &Sensed, relative: f32) -> bool {
         self.blocks += 1;
         let phase = self.motional.phase_of(self.motional.current(sensed, relative), sensed.v);
         let measured = self.blocks > LATENCY_BLOCKS as u32;
-        let within = measured && phase.re > 0.0 && phase.im.abs() < IN_PHASE.0 * phase.re;
+        let within = measured && phase.re > 0.0 && phase.im.abs() < IN_PHASE_RAD * phase.re;
         self.in_phase = if within { self.in_phase + 1 } else { 0 };
-        self.in_phase >= IN_PHASE.1 || self.blocks >= self.longest_blocks
+        self.in_phase >= IN_PHASE_BLOCKS || self.blocks >= self.longest_blocks
     }
 }
 
@@ -57,15 +61,15 @@ mod tests {
         RingDown::new(transducer, (motional, Phasor::default()), still_blocks, 32e-6)
     }
 
-    /// Blocks until it is over, if the phase is this, rad.
-    fn blocks(mut of: RingDown, phase: f32) -> u32 {
+    /// Returns the number of blocks until the end at a constant phase, rad.
+    fn blocks(mut ring_down: RingDown, phase: f32) -> u32 {
         let v = Phasor::new(3.0, 0.0);
         let i = v * (Phasor::new(libm::cosf(phase), libm::sinf(phase)) * 0.3 + Phasor::new(0.0, 0.075));
-        (1..1000).find(|_| of.is_over(&Sensed { v, i }, 1.0)).unwrap()
+        (1..1000).find(|_| ring_down.check_block(&Sensed { v, i }, 1.0)).unwrap()
     }
 
     #[test]
-    fn it_ends_with_the_phase_or_with_time() {
+    fn ends_when_in_phase_or_after_four_time_constants() {
         assert_eq!(blocks(ring_down(0), 0.005), 10);
         // Four times 0.517 ms.
         assert_eq!(blocks(ring_down(0), 0.02), 64);

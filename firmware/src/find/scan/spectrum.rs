@@ -1,34 +1,37 @@
-//! Fourier coefficients of voltage and current at a row of frequencies about a reference, gathered block by block.
+//! Fourier coefficients of voltage and current at frequencies around a reference, accumulated block
+//! by block.
 //!
-//! The frequencies are `b` over the period of the sweep, so that a sweep that is repeated puts all its energy there, and a tone that rings
-//! freely begins and ends with the same phase in all of them: the free vibration at the beginning of a record, and that at its end, is one and
-//! the same smooth function of frequency ([`crate::find::identify::pole_fit`]).
+//! The line frequencies are integer multiples of the inverse sweep period. A repeated sweep has all
+//! its energy in these lines. A free vibration starts and ends the record with the same phase in
+//! all of them. Its contributions at the beginning and at the end are therefore one smooth function
+//! of frequency ([`crate::find::identify::pole_fit`]).
 
 use crate::generate::shape::sine;
 use crate::seam::phasor::Phasor;
 use crate::sense::demod::Sensed;
 
-/// The most frequencies on each side of the reference.
+/// Maximum number of lines on each side of the reference.
 pub(crate) const MOST_PAIRS: usize = 20;
-/// The most frequencies.
+/// Maximum number of lines.
 pub(crate) const MOST_LINES: usize = 2 * MOST_PAIRS + 1;
 
 /// Voltage and current at rising frequencies.
 #[derive(Clone, Debug)]
 pub(crate) struct Spectrum {
-    /// Frequency of the reference, as an offset from the nominal one, and from one line to the next, Hz.
+    /// Frequency of the reference, as an offset from the nominal frequency, Hz.
     centre_hz: f32,
+    /// Distance between lines, Hz.
     spacing_hz: f32,
     pairs: usize,
-    /// Of a turn in so many blocks as a period has.
+    /// Phase step per block of one turn per period.
     word: u64,
     phase: u64,
     middle: Sensed,
-    /// The lines above and below the reference, from it outwards.
+    /// Lines above and below the reference, from the reference outwards.
     around: [Pair; MOST_PAIRS],
 }
 
-/// Two lines as far above the reference and below it.
+/// Two lines at the same distance above and below the reference.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pair {
     above: Sensed,
@@ -36,7 +39,8 @@ struct Pair {
 }
 
 impl Spectrum {
-    /// An empty one, about `centre_hz`, of a sweep that has `period_blocks` of `block_s` and is `width_hz` wide.
+    /// Creates an empty spectrum around `centre_hz`, for a sweep of width `width_hz` that takes
+    /// `period_blocks` blocks of duration `block_s`.
     pub(crate) fn new(centre_hz: f32, width_hz: f32, period_blocks: u32, block_s: f32) -> Self {
         let spacing_hz = 1.0 / (period_blocks.max(1) as f32 * block_s);
         let pairs = (0.5 * width_hz / spacing_hz + 0.5) as usize;
@@ -59,27 +63,27 @@ impl Spectrum {
         }
     }
 
-    /// How many lines there are.
+    /// Returns the number of lines.
     pub(crate) fn lines(&self) -> usize {
         2 * self.pairs + 1
     }
 
-    /// Offset of a line from the nominal frequency, Hz.
+    /// Returns the offset of a line from the nominal frequency, Hz.
     pub(crate) fn offset_hz(&self, line: usize) -> f32 {
         self.centre_hz + (line as f32 - self.pairs as f32) * self.spacing_hz
     }
 
-    /// Offset of the middle from the nominal frequency, Hz.
+    /// Returns the offset of the centre from the nominal frequency, Hz.
     pub(crate) fn centre_hz(&self) -> f32 {
         self.centre_hz
     }
 
-    /// From line to line, Hz.
+    /// Returns the distance between lines, Hz.
     pub(crate) fn spacing_hz(&self) -> f32 {
         self.spacing_hz
     }
 
-    /// Voltage and current of a line.
+    /// Returns voltage and current of a line.
     pub(crate) fn at(&self, line: usize) -> Sensed {
         let pair = |distance: usize| self.around.get(distance - 1).copied().unwrap_or_default();
         match line {
@@ -90,7 +94,8 @@ impl Spectrum {
     }
 }
 
-/// Adds `x` turned by `turn` above, and turned the other way below: the four products are the same.
+/// Adds `x` rotated by `turn` to `above`, and rotated by `-turn` to `below`; both share four
+/// products.
 #[inline(always)]
 fn both_ways((above, below): (&mut Phasor, &mut Phasor), x: Phasor, turn: Phasor) {
     let (cc, ss, cs, sc) = (x.re * turn.re, x.im * turn.im, x.re * turn.im, x.im * turn.re);
@@ -103,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_tone_stands_in_its_line_only() {
+    fn tone_appears_in_its_line_only() {
         let mut spectrum = Spectrum::new(100.0, 3000.0, 256, 32e-6);
         let tone = |block: u32, line: f32| {
             let angle = core::f32::consts::TAU * line * block as f32 / 256.0;

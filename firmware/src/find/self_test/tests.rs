@@ -1,4 +1,5 @@
-//! Block by block, at, below and above each threshold: 0.5 V at 34 kHz on 300 nF, which take 32 mA; a code is 5 mV or 1 mA.
+//! Tests block by block at, below and above each threshold: 0.5 V at 34 kHz on 300 nF, which draw
+//! 32 mA; a code is 5 mV or 1 mA.
 
 use super::*;
 use crate::board::parameters::tests::config;
@@ -7,8 +8,9 @@ use crate::seam::block::Codes;
 const MID: u16 = 4096;
 /// Susceptance of 300 nF at 34 kHz, S.
 const CLAMPED: f32 = 0.064_09;
-/// Blocks until it is quiet, and those of silence after it; blocks of the tone.
+/// Blocks until the vibration has decayed, plus silent blocks after it.
 const SILENT: usize = 3 + 31;
+/// Blocks of the tone.
 const TONE: usize = 65;
 
 fn config_with(change: impl FnOnce(&mut Config)) -> Config {
@@ -17,7 +19,7 @@ fn config_with(change: impl FnOnce(&mut Config)) -> Config {
     config
 }
 
-/// Codes about an offset: so many pairs of them are `apart` above and below.
+/// Creates codes around an offset: `pairs` pairs of them are `apart` above and below it.
 fn codes(offset: i32, pairs: usize, apart: i32) -> Codes {
     let apart = |n: usize| if n < 2 * pairs { apart * (1 - 2 * (n % 2) as i32) } else { 0 };
     (0..32).map(|n| (i32::from(MID) + offset + apart(n)) as u16).collect()
@@ -27,7 +29,7 @@ fn quiet() -> SenseBlock {
     SenseBlock { v: codes(0, 0, 0), i: codes(0, 0, 0), ..SenseBlock::default() }
 }
 
-/// So many volts, and a current that leads them by this angle in degrees.
+/// Creates phasors of this voltage, and of a current that leads it by `lead` degrees.
 fn sensed(volts: f32, amperes: f32, lead: f32) -> Sensed {
     let turned = |size: f32, degrees: f32| Phasor::new(size * degrees.to_radians().cos(), size * degrees.to_radians().sin());
     Sensed { v: turned(volts, 70.0), i: turned(amperes, 70.0 + lead) }
@@ -56,8 +58,8 @@ impl Rig {
         self.test.listen(&mut self.convert, &self.sense, &self.sensed, 0.5)
     }
 
-    /// The first step that is not silence, and in which block.
-    fn first_sound(&mut self) -> (usize, Step) {
+    /// Runs to the first step that is not silence; returns its block and the step.
+    fn first_tone(&mut self) -> (usize, Step) {
         loop {
             let step = self.step();
             if step != Step::Silence {
@@ -66,7 +68,7 @@ impl Rig {
         }
     }
 
-    /// The end of the test, and in which block.
+    /// Runs to the end of the test; returns its block and the last step.
     fn end(&mut self) -> (usize, Step) {
         loop {
             let step = self.step();
@@ -77,7 +79,7 @@ impl Rig {
     }
 }
 
-/// What comes of a tone with these phasors.
+/// Returns the last step of a test with these phasors.
 fn judged(config: &Config, sensed: Sensed) -> Step {
     let mut rig = Rig::new(config);
     rig.sensed = sensed;
@@ -93,7 +95,7 @@ fn silence_then_a_tone_and_again_after_a_restart() {
     for _ in 0..2 {
         assert!((0..SILENT).all(|_| rig.step() == Step::Silence));
         for _ in 0..TONE {
-            let Step::Tone { offset_hz, volts, lane: 0 } = rig.step() else { panic!("a tone") };
+            let Step::Tone { offset_hz, volts, lane: 0 } = rig.step() else { panic!("no tone") };
             assert!((offset_hz + 6000.0).abs() < 0.1 && volts == 0.5, "{offset_hz} {volts}");
         }
         assert_eq!(rig.step(), DONE);
@@ -102,35 +104,35 @@ fn silence_then_a_tone_and_again_after_a_restart() {
 }
 
 #[test]
-fn a_vibration_is_waited_for_until_a_quarter_of_the_tones_current() {
+fn waits_until_the_vibration_is_a_quarter_of_the_tone() {
     let first = |pairs: usize, apart: i32, change: fn(&mut Config)| {
         let mut rig = Rig::new(&config_with(change));
         rig.sense.i = codes(0, pairs, apart);
-        rig.first_sound()
+        rig.first_tone()
     };
-    // 8.01 mA rms. What is more, and does not fall, is noise after two windows of 16 blocks.
+    // The threshold is 8.01 mA rms; a larger steady value is noise after two windows of 16 blocks.
     let by_noise = 32 + 32;
     assert_eq!((first(16, 8, |_| {}).0, first(16, 9, |_| {}).0), (SILENT + 1, by_noise));
-    // Below 16 codes; more is no noise, and a stack that rings for longer than three times its Q allows is none.
+    // Noise is below 16 codes. A longer ring-down than three times the nominal Q allows is a fault.
     assert_eq!(first(16, 15, |_| {}).0, by_noise);
     assert_eq!(first(16, 16, |_| {}), (1498, IMPLAUSIBLE));
-    // At four times the nominal Q it may ring for longer, and falls more slowly: a window is half a time constant.
+    // At four times the nominal Q the ring-down may be longer; a window is half a time constant.
     assert_eq!(first(16, 16, |config| config.tracking.nominal_q = 200.0), (2990, IMPLAUSIBLE));
     assert_eq!(first(16, 9, |config| config.tracking.nominal_q = 200.0).0, 48 + 32);
-    // Without a nominal capacitance two codes are quiet.
+    // Without a nominal capacitance, two codes count as quiet.
     let unknown = |config: &mut Config| config.tracking.nominal_c0_f = None;
     assert_eq!((first(15, 2, unknown).0, first(16, 2, unknown).0), (SILENT + 1, by_noise));
 }
 
 #[test]
-fn what_falls_is_a_vibration_and_no_noise() {
-    // Mean squares of 99, then of 90, or of 81, which is less than 0.85 of it.
+fn decaying_current_is_not_noise() {
+    // The mean square falls from 99 to 90, or to 81, which is less than 0.85 of it.
     for (pairs, blocks) in [(10, 32), (9, 48)] {
         let mut rig = Rig::new(&config());
         rig.sense.i = codes(0, 11, 12);
         (0..16).for_each(|_| assert_eq!(rig.step(), Step::Silence));
         rig.sense.i = codes(0, pairs, 12);
-        assert_eq!(rig.first_sound().0, blocks + 32, "{pairs}");
+        assert_eq!(rig.first_tone().0, blocks + 32, "{pairs}");
     }
 }
 
@@ -140,17 +142,17 @@ fn a_ring_down_ends_as_soon_as_it_is_quiet() {
     rig.sense.i = codes(0, 16, 100);
     (0..777).for_each(|_| assert_eq!(rig.step(), Step::Silence));
     rig.sense = quiet();
-    assert_eq!(rig.first_sound().0, 777 + 1 + 32);
+    assert_eq!(rig.first_tone().0, 777 + 1 + 32);
 }
 
 #[test]
-fn an_offset_of_a_twentieth_is_removed_and_a_larger_one_is_a_fault() {
-    // 204.75 codes.
+fn offset_up_to_a_twentieth_is_removed_else_a_fault() {
+    // The limit is 204.75 codes.
     for (offset, fits) in [(204, true), (-204, true), (205, false), (-205, false)] {
         for voltage in [true, false] {
             let mut rig = Rig::new(&config());
             *(if voltage { &mut rig.sense.v } else { &mut rig.sense.i }) = codes(offset, 0, 0);
-            let (block, step) = rig.first_sound();
+            let (block, step) = rig.first_tone();
             assert_eq!((block, step == IMPLAUSIBLE), (SILENT + 1, !fits), "{offset}");
             let moved = if fits { offset as f32 } else { 0.0 };
             let expected = if voltage { (moved, 0.0) } else { (0.0, moved) };
@@ -160,7 +162,7 @@ fn an_offset_of_a_twentieth_is_removed_and_a_larger_one_is_a_fault() {
 }
 
 #[test]
-fn the_noise_is_that_of_the_second_half_of_the_silence() {
+fn noise_is_measured_in_the_second_half_of_the_silence() {
     let mut rig = Rig::new(&config());
     (rig.sense.v, rig.sense.i) = (codes(0, 16, 5), codes(0, 16, 6));
     (0..3 + 16).for_each(|_| assert_eq!(rig.step(), Step::Silence));
@@ -175,27 +177,27 @@ fn the_noise_is_that_of_the_second_half_of_the_silence() {
 }
 
 #[test]
-fn the_voltage_must_be_what_was_played_within_a_factor() {
+fn voltage_must_match_the_played_one() {
     let of = |volts: f32, amperes: f32| judged(&config(), sensed(volts, amperes, 90.0));
     assert_eq!((of(0.749, 0.05), of(0.751, 0.05)), (DONE, IMPLAUSIBLE));
-    // Half an ohm of a source takes 12 mV of it at 25 mA, and 60 mV at 120 mA.
+    // Half an ohm of source resistance drops 12 mV at 25 mA, and 60 mV at 120 mA.
     assert_eq!((of(0.328, 0.025), of(0.322, 0.025)), (DONE, IMPLAUSIBLE));
     assert_eq!((of(0.297, 0.12), of(0.290, 0.12)), (DONE, IMPLAUSIBLE));
     assert_eq!(of(0.0, 0.0), IMPLAUSIBLE);
 }
 
 #[test]
-fn the_current_must_be_that_of_the_nominal_capacitance_within_factors() {
+fn current_must_match_the_nominal_capacitance() {
     let of = |part: f32| judged(&config(), sensed(0.5, part * 0.5 * CLAMPED, 90.0));
     assert_eq!((of(7.98), of(8.02)), (DONE, Step::Failed(Fault::LoadShorted)));
     assert_eq!((of(1.0 / 2.99), of(1.0 / 3.01)), (DONE, Step::Failed(Fault::LoadOpen)));
-    // A short that takes the voltage, too, is a short; a voltage that is too high is a channel that has failed.
+    // A short also reduces the voltage. A voltage that is too high is a failed channel.
     assert_eq!(judged(&config(), sensed(0.1, 0.6, 90.0)), Step::Failed(Fault::LoadShorted));
     assert_eq!(judged(&config(), sensed(0.8, 0.6, 90.0)), IMPLAUSIBLE);
 }
 
 #[test]
-fn a_short_is_known_from_its_first_block() {
+fn short_is_detected_in_its_first_block() {
     let test = SelfTest::build(&config());
     let is_short = |part: f32, played: f32| test.is_short(&sensed(0.1, part * 0.5 * CLAMPED, 30.0), played);
     assert_eq!([is_short(7.98, 0.5), is_short(8.02, 0.5), is_short(8.02, 0.6)], [false, true, false]);
@@ -224,7 +226,7 @@ fn only_the_last_sixteen_blocks_of_the_tone_are_measured() {
     for (early, expected) in [(TONE - 16, DONE), (TONE - 15, Step::Failed(Fault::LoadOpen))] {
         let mut rig = Rig::new(&config());
         (0..SILENT).for_each(|_| assert_eq!(rig.step(), Step::Silence));
-        // While the stack rings up, anything; then a third of the current that it must take, and a little more.
+        // No current during the ring-up; then a little more than a third of the nominal current.
         rig.sensed = sensed(0.5, 0.0, 90.0);
         (0..early).for_each(|_| assert!(matches!(rig.step(), Step::Tone { .. })));
         rig.sensed = sensed(0.5, 0.5 * CLAMPED / 2.95, 90.0);
@@ -233,7 +235,7 @@ fn only_the_last_sixteen_blocks_of_the_tone_are_measured() {
 }
 
 #[test]
-fn a_current_that_lags_is_a_swapped_pair_after_four_blocks() {
+fn lagging_current_is_a_swapped_pair_after_four_blocks() {
     let swapped = |sensed: Sensed| {
         let mut rig = Rig::new(&config());
         rig.sensed = sensed;
@@ -243,15 +245,15 @@ fn a_current_that_lags_is_a_swapped_pair_after_four_blocks() {
     };
     let lags = |degrees: f32| swapped(sensed(0.5, 0.032, -degrees));
     assert_eq!([-90.0, 0.0, 44.0, 46.0, 90.0, 134.0, 136.0].map(lags), [false, false, false, true, true, true, false]);
-    // Phases of some codes say nothing.
+    // The phase of less than four codes is not judged.
     let of = |volts: f32, amperes: f32| swapped(sensed(volts, amperes, -90.0));
     assert_eq!([of(0.0195, 0.01), of(0.0205, 0.01), of(0.5, 0.0039), of(0.5, 0.0041)], [false, true, false, true]);
 }
 
 #[test]
-fn the_phase_is_that_of_four_blocks_from_the_first_that_sounds_on() {
+fn phase_is_averaged_over_the_first_four_blocks() {
     let mut rig = Rig::new(&config());
-    // The tone plays two blocks after it was ordered; one block that lags by chance is none of four.
+    // The tone is measured two blocks after the order; one lagging block of four is ignored.
     (0..SILENT + 2).for_each(|_| assert!(!matches!(rig.step(), Step::Failed(_))));
     rig.sensed = sensed(0.5, 0.032, -90.0);
     assert!(matches!(rig.step(), Step::Tone { .. }));

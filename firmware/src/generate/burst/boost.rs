@@ -1,58 +1,61 @@
-//! The boosted burst: rung up by a [stroke](super::stroke) louder than the drive, held, and rung down by one against it.
+//! The boosted burst: a ring-up by a [stroke](super::stroke) larger than the drive, a hold, and a
+//! stroke against the vibration.
 //!
-//! Each stroke is planned where it begins, from the vibration at that moment: what an earlier burst has left, or what a short one has
-//! come to. A gate that turns round before a stroke is over is followed after whole periods of it, so that these cancel; a boost of an odd number
-//! of half cycles is paid back by a brake of an odd number.
+//! Each stroke is planned at its beginning, from the present vibration: the remainder of an earlier
+//! burst, or the level that a short one has reached. If the gate reverses before a stroke is over,
+//! the burst reacts after whole periods of it, so that these cancel. A boost of an odd number of
+//! half cycles is compensated by a brake of an odd number.
 
-use super::passage::ends_falling;
 use super::ring::Ring;
 use super::stroke::{Stroke, Strokes};
+use super::zero_crossing::ends_falling;
 use super::{Burst, State};
 use crate::generate::nco::Stretch;
 use crate::seam::block::Gate;
 use crate::seam::compare::within;
 
-/// A stroke that wants more than its ceiling by this part is limited.
-const LIMITED: f32 = 0.01;
-/// Strokes for a drive that differs by less than this part need not be planned again.
-const SAME: f32 = 0.01;
+/// Relative excess over the ceiling above which a stroke counts as limited.
+const MAX_EXCESS_REL: f32 = 0.01;
+/// Relative change of the drive up to which strokes need not be planned again.
+const MAX_DRIVE_CHANGE_REL: f32 = 0.01;
 
-/// A stroke of so many half cycles is long enough for a tracker to listen to.
-const LONG: u32 = 64;
+/// Number of half cycles from which a stroke is long enough for a tracker to evaluate.
+const MIN_TRACKED_HALF_CYCLES: u32 = 64;
 
 /// The boosted burst.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Boost {
     pub(super) ring: Ring,
     strokes: Option<Strokes>,
-    /// The drive of an envelope of one, V.
+    /// Drive at an envelope of one, V.
     volts: f32,
-    /// Drive of the stroke under way, V, and its half cycles.
+    /// Drive of the stroke under way, V.
     stroke_volts: f32,
+    /// Half cycles of the stroke under way.
     stroke: u32,
-    /// An odd boost waits for its odd brake.
+    /// `true` if an odd boost waits for its odd brake.
     odd: bool,
     limited: bool,
 }
 
 impl Boost {
-    /// Takes the strokes that are planned, or none: then bursts begin and end hard.
+    /// Sets the planned strokes; with `None`, bursts begin and end hard.
     pub(super) fn set_strokes(&mut self, strokes: Option<Strokes>) {
         self.limited = strokes.is_none_or(|strokes| !strokes.lands);
         self.strokes = strokes;
     }
 
-    /// Whether there are strokes, and they are for this drive.
+    /// Returns `true` if there are strokes for this drive.
     pub(super) fn fits(&self, volts: f32) -> bool {
-        self.strokes.as_ref().is_some_and(|strokes| (strokes.volts - volts).abs() <= SAME * volts)
+        self.strokes.as_ref().is_some_and(|strokes| (strokes.volts - volts).abs() <= MAX_DRIVE_CHANGE_REL * volts)
     }
 
-    /// Whether an edge is limited.
+    /// Returns `true` if an edge is limited.
     pub(super) fn limited(&self) -> bool {
         self.limited
     }
 
-    /// How much louder than the drive a stroke may get.
+    /// Returns the largest ratio of a stroke to the drive.
     pub(super) fn loudest(&self, volts: f32) -> f32 {
         match &self.strokes {
             Some(strokes) if strokes.ceiling > volts && volts > 0.0 => strokes.ceiling / volts,
@@ -60,17 +63,17 @@ impl Boost {
         }
     }
 
-    /// The envelope of the stroke under way.
+    /// Returns the envelope of the stroke under way.
     pub(super) fn level(&self) -> f32 {
         if self.volts > 0.0 { self.stroke_volts / self.volts } else { 0.0 }
     }
 
-    /// So many samples at this envelope.
+    /// Advances by this number of samples at this envelope.
     pub(super) fn advance(&mut self, level: f32, samples: usize) {
         self.ring.advance(level * self.volts, samples);
     }
 
-    /// The first lane passes zero, into its rising or falling half.
+    /// Returns the state after a zero crossing of the first lane, falling or rising.
     pub(super) fn pass(&mut self, state: State, open: bool, falling: bool) -> State {
         match state {
             State::Closed if open => self.rise(falling),
@@ -78,7 +81,7 @@ impl Boost {
                 self.odd |= self.stroke % 2 == 1;
                 self.pass(State::Open { falling: began }, open, falling)
             }
-            // Whole periods of the boost, and the gate has closed.
+            // Whole periods of the boost have passed, and the gate has closed.
             State::Rising { falling: began, .. } if !open && falling == began => self.fall(),
             State::Rising { falling: began, left } => State::Rising { falling: began, left: left - 1 },
             State::Open { falling: began } if !open && falling == began => self.fall(),
@@ -109,15 +112,16 @@ impl Boost {
     /// Begins a stroke from the present vibration to a target, V.
     fn begin(&mut self, stroke: Stroke, to: f32, strokes: &Strokes) {
         let needed = stroke.volts(self.ring.volts(), to);
-        self.limited = !strokes.lands || needed.abs() > (1.0 + LIMITED) * strokes.ceiling;
+        self.limited = !strokes.lands || needed.abs() > (1.0 + MAX_EXCESS_REL) * strokes.ceiling;
         self.stroke_volts = within(needed, -strokes.ceiling, strokes.ceiling);
         self.stroke = stroke.half_cycles;
     }
 }
 
-/// What concerns boosted bursts only.
+/// Methods for boosted bursts only.
 impl Burst {
-    /// The level of a boosted burst, if it is the same throughout a block; a long stroke moves on. `stays`: the gate does.
+    /// Returns the level of a boosted burst if it is constant over the block, and advances a long
+    /// stroke. `stays` is `true` if the gate does not change.
     #[inline(never)]
     pub(super) fn boosted(&mut self, open: bool, stays: bool, stretch: &Stretch, samples: usize, volts: f32) -> Option<f32> {
         let boost = self.boost.as_mut()?;
@@ -128,7 +132,7 @@ impl Burst {
             (State::Rising { left, .. }, true) | (State::Braking { left }, false) => Some(left),
             _ => return None,
         };
-        let level = match stroke.map(|left| goes_on(left, stretch, samples)) {
+        let level = match stroke.map(|left| advance_stroke(left, stretch, samples)) {
             None => f32::from(u8::from(open)),
             Some(true) => boost.level(),
             Some(false) => return None,
@@ -139,7 +143,7 @@ impl Burst {
         Some(level)
     }
 
-    /// A block of a boosted burst ends.
+    /// Ends a block of a boosted burst.
     pub(super) fn end_block(&mut self) {
         if let Some(boost) = &mut self.boost {
             boost.ring.end_block();
@@ -155,41 +159,42 @@ impl Burst {
         }
     }
 
-    /// Takes the drive of the next block, by which a boost is louder, V.
+    /// Sets the drive of the next block, V, relative to which a boost is larger.
     pub(crate) fn set_drive(&mut self, volts: f32) {
         self.loudest = self.boost.as_ref().map_or(1.0, |boost| boost.loudest(volts));
     }
 
-    /// Whether the gate turns within so many samples from `now` on.
+    /// Returns `true` if the gate changes within `samples` samples from `now` on.
     pub(crate) fn turns_within(&mut self, gate: Gate, now: u64, samples: u64) -> bool {
         self.gate(gate, now).1 < samples
     }
 
-    /// Whether edges are boosted.
+    /// Returns `true` if edges are boosted.
     #[inline]
     pub(crate) fn boosts(&self) -> bool {
         self.boosts
     }
 
-    /// Whether an edge is not what was asked for, because the limits leave too little for it, or because there is nothing to plan it by.
+    /// Returns `true` if an edge is not as configured, because the limits leave too little for it,
+    /// or because it cannot be planned.
     #[inline]
     pub(crate) fn limited(&self) -> bool {
         self.boosts && self.boost.as_ref().is_some_and(Boost::limited)
     }
 
-    /// Whether the strokes that were planned are for this drive, V.
+    /// Returns `true` if the planned strokes are for this drive, V.
     pub(crate) fn fits(&self, volts: f32) -> bool {
         self.boost.as_ref().is_none_or(|boost| boost.fits(volts))
     }
 
-    /// Takes the strokes of a boosted burst; without, edges are hard.
+    /// Sets the strokes of a boosted burst; without them, edges are hard.
     pub(crate) fn set_strokes(&mut self, strokes: Option<Strokes>) {
         if let Some(boost) = &mut self.boost {
             boost.set_strokes(strokes);
         }
     }
 
-    /// Sets the decay rate of the vibration, 1/sample, in blocks of so many samples.
+    /// Sets the decay rate of the vibration, 1/sample, for blocks of this number of samples.
     pub(crate) fn set_rate(&mut self, per_sample: f32, samples: usize) {
         if let Some(boost) = &mut self.boost {
             boost.ring.set_rate(per_sample, samples);
@@ -203,21 +208,22 @@ impl Burst {
         }
     }
 
-    /// Whether a boosted burst had rung up to a drive of `volts` before the last block.
+    /// Returns `true` if the ring-up to a drive of `volts` was complete before the last block.
     pub(crate) fn was_rung_up(&self, volts: f32) -> bool {
         self.boost.as_ref().is_some_and(|boost| boost.ring.was_rung_up(volts))
     }
 
-    /// Whether the block being played is informative to a tracker: the drive, and a long boost of it. A brake and its DC-offset correction leave almost no signal.
+    /// Returns `true` if the block being played is informative for a tracker: the drive, and a long
+    /// boost of it. A brake and its DC-offset correction leave almost no signal.
     pub(crate) fn is_telling(&self) -> bool {
         self.boost.as_ref().is_none_or(|boost| match self.state {
             State::Open { .. } => true,
-            State::Rising { .. } => boost.stroke >= LONG,
+            State::Rising { .. } => boost.stroke >= MIN_TRACKED_HALF_CYCLES,
             State::Closed | State::Braking { .. } => false,
         })
     }
 
-    /// Forgets the vibration of another transducer or of another time.
+    /// Discards the vibration of another transducer or of another time.
     pub(crate) fn restart(&mut self) {
         if let Some(boost) = &mut self.boost {
             *boost = Boost::default();
@@ -225,9 +231,9 @@ impl Burst {
     }
 }
 
-/// Whether a stroke goes on for longer than a block, of which as many half cycles are taken off it then.
-fn goes_on(left: &mut u32, stretch: &Stretch, samples: usize) -> bool {
-    // From the last sample of the block before to its own last.
+/// Returns `true` if a stroke lasts longer than a block, and then subtracts the half cycles of it.
+fn advance_stroke(left: &mut u32, stretch: &Stretch, samples: usize) -> bool {
+    // From the last sample of the block before to the last sample of this one.
     let before = u128::from(stretch.phase.wrapping_sub(stretch.word));
     let passed = (((before + u128::from(stretch.word) * samples as u128) >> 63) - (before >> 63)) as u32;
     let longer = *left > passed;

@@ -1,17 +1,18 @@
-//! The brake: a ringing resonance is stopped by whole periods of drive against it.
+//! The brake: whole periods of drive against the vibration, which stop it.
 
-/// How a ringing resonance is stopped: by whole half cycles of drive against it.
+/// Brake, which stops a vibration by whole half cycles of drive against it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brake {
-    /// Half cycles; even, so that their volt-seconds cancel.
+    /// Number of half cycles; even, so that their volt-seconds cancel.
     pub(crate) half_cycles: u32,
     /// Amplitude, relative to the drive that is braked.
     pub(crate) level: f32,
 }
 
 impl Brake {
-    /// The shortest brake for a resonance with a time constant of `periods` periods that has rung up under the drive, with up to `headroom`
-    /// times that drive: `level = 1 / (exp(t / tau) - 1)` over `t` stops it in full.
+    /// Returns the shortest brake after a complete ring-up, for a time constant of `periods`
+    /// periods, with up to `headroom` times the drive. `level = 1 / (exp(t / tau) - 1)` over `t`
+    /// stops the vibration completely.
     pub(crate) fn of(periods: f32, headroom: f32) -> Self {
         // Two half cycles are a period: t / tau = half_cycles / (2 periods).
         let shortest = 2.0 * periods * libm::log1pf(1.0 / headroom.max(1e-3));

@@ -1,6 +1,6 @@
 //! The envelope of one block: a constant level, or the levels of an edge.
 
-/// The envelope of one block.
+/// Envelope of one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Envelope<'a> {
     /// A constant envelope.
@@ -9,25 +9,26 @@ pub enum Envelope<'a> {
     Edge(Levels<'a>),
 }
 
-/// The levels of an edge, sample by sample, in fixed point.
+/// Levels of an edge, sample by sample, in fixed point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Levels<'a> {
-    /// Of the loudest level: 2^31 for all of it.
+    /// Parts of the largest level: 2^31 for all of it.
     pub parts: &'a [i32],
-    /// The loudest level that there may be; at least one.
+    /// Largest possible level; at least one.
     pub loudest: f32,
     /// Mean of the levels.
     pub mean: f32,
 }
 
 impl Levels<'_> {
-    /// What makes a level a part of the loudest one. A level of all of it saturates, one step of 2^-31 below.
+    /// Returns the factor from a level to a part of the largest one. The largest level itself
+    /// saturates, one step of 2^-31 below.
     #[inline]
     pub(crate) fn one(loudest: f32) -> f32 {
         2_147_483_648.0 / loudest
     }
 
-    /// The levels, one by one.
+    /// Returns the levels, one by one.
     #[cfg(test)]
     pub(crate) fn to_vec(self) -> std::vec::Vec<f32> {
         self.parts.iter().map(|&part| part as f32 / Levels::one(self.loudest)).collect()
@@ -35,7 +36,7 @@ impl Levels<'_> {
 }
 
 impl Envelope<'_> {
-    /// The envelope's mean over the block.
+    /// Returns the mean of the envelope over the block.
     pub(crate) fn mean(&self) -> f32 {
         match self {
             Envelope::Flat(level) => *level,
@@ -43,7 +44,7 @@ impl Envelope<'_> {
         }
     }
 
-    /// Whether it is the same throughout.
+    /// Returns `true` if the envelope is constant.
     pub(crate) fn is_flat(&self) -> bool {
         matches!(self, Envelope::Flat(_))
     }

@@ -1,4 +1,4 @@
-//! When the gate is open, in samples.
+//! Schedule of the gate, in samples.
 
 use heapless::Vec;
 
@@ -7,21 +7,21 @@ use super::duty::Dithered;
 use crate::seam::config::{self, MAX_WINDOWS, Schedule as ScheduleConfig};
 use crate::seam::error::Error;
 
-/// The gate's schedule, in samples.
+/// Schedule of the gate, in samples.
 #[derive(Clone, Debug)]
 pub(super) enum Schedule {
     Continuous,
     Windows {
         windows: Vec<(u64, u64), MAX_WINDOWS>,
-        /// The sample that they count from: it is part of them.
+        /// Sample from which the windows count; they include it.
         from: u64,
     },
     Periodic {
         period: u64,
         on: u64,
-        /// A beginning of a period, the last that was needed.
+        /// First sample of the latest period.
         begins: u64,
-        /// What `on` is to be on an average, where that is set while running.
+        /// Mean of `on`, if it is set while running.
         dithered: Option<Dithered>,
     },
 }
@@ -47,7 +47,7 @@ impl Schedule {
         })
     }
 
-    /// Counts from a sample on.
+    /// Starts to count at a sample.
     pub(super) fn begin(&mut self, sample: u64) {
         match self {
             Schedule::Continuous => (),
@@ -60,14 +60,16 @@ impl Schedule {
         }
     }
 
-    /// From the next period on, a gate that repeats is open for so many samples on an average, spread over `spread`.
+    /// Sets the mean ON time of a periodic gate, samples, spread over `spread`, from the next
+    /// period on.
     pub(super) fn set_on(&mut self, samples: f32, spread: f32) {
         if let Schedule::Periodic { dithered, .. } = self {
-            *dithered = Some(Dithered::after(*dithered, samples, spread));
+            *dithered = Some(Dithered::continuing(*dithered, samples, spread));
         }
     }
 
-    /// Whether the gate is open at sample `now`, and for how many samples it stays so.
+    /// Returns `true` if the gate is open at sample `now`, and the number of samples for which it
+    /// stays so.
     pub(super) fn gate(&mut self, now: u64) -> (bool, u64) {
         match self {
             Schedule::Continuous => (true, u64::MAX),
@@ -80,7 +82,8 @@ impl Schedule {
                 })
                 .unwrap_or((false, u64::MAX)),
             Schedule::Periodic { period, on, begins, dithered } => {
-                // Mostly the same period, or the next: a division of 64 bits takes longer than the rest.
+                // Usually the same period, or the next: a 64-bit division takes longer than the
+                // rest.
                 let mut phase = now.wrapping_sub(*begins);
                 if phase >= *period {
                     phase = if phase < 2 * *period { phase - *period } else { phase % *period };
@@ -96,17 +99,17 @@ impl Schedule {
 }
 
 impl Burst {
-    /// The schedule counts from a sample on.
+    /// Starts the schedule at a sample.
     pub(crate) fn begin_schedule(&mut self, sample: u64) {
         self.schedule.begin(sample);
     }
 
-    /// Whether the schedule repeats a burst.
+    /// Returns `true` if the schedule repeats a burst.
     pub(crate) fn repeats(&self) -> bool {
         matches!(self.schedule, Schedule::Periodic { .. })
     }
 
-    /// From the next period on, bursts of a schedule that repeats are ON for so many samples on an average.
+    /// Sets the mean ON time of periodic bursts, samples, from the next period on.
     pub(crate) fn set_on(&mut self, samples: f32) {
         self.schedule.set_on(samples, self.period_of_drive);
     }

@@ -1,4 +1,5 @@
-//! The soft edge: a raised cosine along a ramp, which an opposite gate turns round. `envelope = (1 - cos(pi ramp)) / 2`.
+//! The soft edge: a raised cosine along a ramp, which an opposite gate reverses.
+//! `envelope = (1 - cos(pi ramp)) / 2`.
 
 use core::ops::Range;
 
@@ -9,9 +10,11 @@ use crate::generate::shape::sine::Steady;
 use crate::seam::phasor::Phasor;
 
 impl Burst {
-    /// Goes along the edge for some samples, up where the gate is open, and stays at its end. Returns how far it has come.
+    /// Advances along the edge, up if the gate is open, and stays at its end. Returns the position
+    /// on the ramp.
     ///
-    /// The level is `(1 - cos(x)) / 2 = sin^2(x / 2)`, whose sine is swung; down, it is that of `-x`.
+    /// The level is `(1 - cos(x)) / 2 = sin^2(x / 2)`, from a generated sine; down, it is that of
+    /// `-x`.
     pub(super) fn rise(&mut self, open: bool, edge: u32, span: Range<usize>) -> u32 {
         let half_angle = u64::from(self.half_turn_step * self.ramp) << 31;
         let word = u64::from(self.half_turn_step) << 31;

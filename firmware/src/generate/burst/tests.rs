@@ -4,7 +4,7 @@ use super::*;
 use crate::generate::nco::tuning_word;
 use crate::seam::config::Schedule as ScheduleConfig;
 
-/// A soft edge takes a period.
+/// Returns a burst in which a soft edge takes one period.
 fn burst(schedule: ScheduleConfig, edge: Edge) -> Burst {
     Burst::build(&Config { schedule, edge, edge_cycles: 1.0, brake: false }, 40e3, 1e6).unwrap()
 }
@@ -13,7 +13,7 @@ fn window(on_s: f64, off_s: f64) -> ScheduleConfig {
     ScheduleConfig::Windows([(on_s, off_s)].into_iter().collect())
 }
 
-/// A tone whose period is 24.75 samples, from phase zero at sample zero.
+/// Returns a tone whose period is 24.75 samples, from phase zero at sample zero.
 fn tone(now: u64) -> Stretch {
     let word = tuning_word(40_404.0 / 1e6);
     Stretch { phase: word.wrapping_mul(now), word, step: 0 }
@@ -31,7 +31,7 @@ fn run(burst: &mut Burst, gate: Gate, blocks: Range<u64>) -> std::vec::Vec<f32> 
 }
 
 #[test]
-fn a_hard_burst_lasts_whole_periods_from_a_passage_through_zero() {
+fn a_hard_burst_lasts_whole_periods_from_a_zero_crossing() {
     for (on, off) in [(3e-6, 200e-6), (14e-6, 200e-6), (100e-6, 101e-6), (32e-6, 640e-6), (77e-6, 640e-6)] {
         let got = run(&mut burst(window(on, off), Edge::Hard), Gate::Scheduled, 0..40);
         let first = got.iter().position(|&level| level == 1.0).unwrap();
@@ -47,20 +47,21 @@ fn a_hard_burst_lasts_whole_periods_from_a_passage_through_zero() {
 }
 
 #[test]
-fn a_gate_that_closes_before_zero_is_passed_opens_nothing() {
-    // The first passage after the beginning is at sample 13.
+fn a_gate_that_closes_before_a_zero_crossing_has_no_effect() {
+    // The first zero crossing after the beginning is at sample 13.
     let got = run(&mut burst(window(2e-6, 9e-6), Edge::Hard), Gate::Scheduled, 0..4);
     assert!(got.iter().all(|&level| level == 0.0));
 }
 
 #[test]
-fn blocks_join_without_a_seam() {
+fn blocks_join_continuously() {
     for edge in [Edge::Hard, Edge::Soft] {
         let mut whole = burst(window(13e-6, 90e-6), edge);
         let mut parts = whole.clone();
         let got: std::vec::Vec<f32> = (0..8).flat_map(|k| levels(&mut parts, Gate::Scheduled, 16 * k, 16)).collect();
         let expected: std::vec::Vec<f32> = (0..2).flat_map(|k| levels(&mut whole, Gate::Scheduled, 64 * k, 64)).collect();
-        // The oscillator of a soft edge is set again in each block. Measured: 1.4e-6, and nothing at its ends, nor of a hard one.
+        // A soft edge restarts its oscillator in each block. Measured: 1.4e-6, and zero at its ends
+        // and for a hard edge.
         let same = |(got, expected): (&f32, &f32)| {
             got == expected || (edge != Edge::Hard && *got > 0.0 && *got < 1.0 && (got - expected).abs() < 2e-6)
         };
@@ -83,7 +84,7 @@ fn periodic_schedule_repeats() {
     assert!((20 * 250 - 250..20 * 250 + 300).contains(&ones), "{ones}");
 }
 
-/// A resonance `y' = (drive - y) / tau` in envelope: after the brake nothing is left, whatever the headroom.
+/// A resonance `y' = (drive - y) / tau` in envelope: the brake leaves nothing, at any headroom.
 #[test]
 fn a_brake_stops_the_residual_vibration() {
     for (q, headroom) in [(65.0, 1.0), (65.0, 5.16), (20.0, 1.5), (200.0, 2.0)] {
@@ -130,7 +131,7 @@ fn a_burst_ends_with_a_brake_by_order_or_by_configuration() {
 }
 
 #[test]
-fn a_brake_may_be_louder_than_the_drive_and_says_so() {
+fn a_brake_above_the_drive_is_reported() {
     let mut braked = configured(Edge::Hard, false);
     assert_eq!((braked.loudest(), braked.brake()), (1.0, None));
     for (level, loudest) in [(0.7, 1.0), (3.0, 3.0)] {
@@ -173,7 +174,7 @@ fn a_brake_that_has_begun_is_under_way_until_it_is_over() {
 }
 
 #[test]
-fn a_gate_says_whether_a_drive_is_requested() {
+fn each_gate_requests_the_drive_or_not() {
     let mut periodic = burst(ScheduleConfig::Periodic { period_s: 1e-3, duty: 0.25 }, Edge::Hard);
     let requested = [0, 249, 250, 999, 1000].map(|now| periodic.is_requested(Gate::Scheduled, now));
     assert_eq!(requested, [true, true, false, false, true]);
@@ -181,7 +182,7 @@ fn a_gate_says_whether_a_drive_is_requested() {
 }
 
 #[test]
-fn a_soft_edge_is_as_long_as_an_oscillator_can_be_slow() {
+fn the_length_of_a_soft_edge_is_limited() {
     // 2^20 samples are 1048 periods of 1 kHz.
     let build = |edge_cycles: f32| {
         let config = Config { schedule: ScheduleConfig::Continuous, edge: Edge::Soft, edge_cycles, brake: false };
@@ -191,7 +192,7 @@ fn a_soft_edge_is_as_long_as_an_oscillator_can_be_slow() {
 }
 
 #[test]
-fn a_block_without_an_edge_is_flat_and_one_with_an_edge_has_its_mean() {
+fn blocks_without_an_edge_are_flat_and_means_are_exact() {
     for edge in [Edge::Hard, Edge::Soft] {
         let mut bursts = burst(window(77e-6, 333e-6), edge);
         let mut edges = 0;
@@ -204,13 +205,13 @@ fn a_block_without_an_edge_is_flat_and_one_with_an_edge_has_its_mean() {
             assert!(!got.is_flat() || same, "{edge:?} {k}");
             edges += usize::from(!got.is_flat());
         }
-        // The gate's two blocks, and those in which the drive follows it.
+        // The two blocks in which the gate changes, and those in which the drive follows it.
         assert!((2..=6).contains(&edges), "{edges}");
     }
 }
 
 #[test]
-fn a_soft_edge_turns_round_where_its_gate_does() {
+fn a_soft_edge_reverses_with_its_gate() {
     let config = Config { schedule: window(0.0, 50e-6), edge: Edge::Soft, edge_cycles: 4.0, brake: false };
     let got = run(&mut Burst::build(&config, 40e3, 1e6).unwrap(), Gate::Scheduled, 0..5);
     assert!((got[49] - 0.5).abs() < 1e-3, "{}", got[49]);
@@ -232,7 +233,7 @@ fn a_brake_ends_a_soft_burst_from_its_full_level() {
     let end = got.iter().rposition(|&level| level == -0.7).unwrap();
     assert!(first > 0 && (48..=49).contains(&(end - first)), "{first} {end}");
     assert!(got[first..=end].iter().all(|&level| level == -0.7) && got[end + 1..].iter().all(|&level| level == 0.0));
-    // An edge that has not come to its end goes back along its ramp.
+    // An incomplete edge returns along its ramp.
     let mut early = configured(Edge::Soft, false);
     early.set_brake(Some(BRAKE));
     assert!(levels(&mut early, Gate::On, 0, 16).iter().all(|&level| level < 0.8));
@@ -240,14 +241,14 @@ fn a_brake_ends_a_soft_burst_from_its_full_level() {
 }
 
 #[test]
-fn a_soft_burst_that_is_ordered_during_a_brake_begins_with_its_ramp() {
+fn a_soft_burst_ordered_during_a_brake_begins_with_its_ramp() {
     let mut braked = configured(Edge::Soft, false);
     braked.set_brake(Some(BRAKE));
     run(&mut braked, Gate::On, 0..5);
     while !matches!(braked.state, State::Braking { .. }) {
         run(&mut braked, Gate::Brake, 5..6);
     }
-    // In one block: the brake ends, and the drive passes zero again.
+    // In one block, the brake ends and the drive crosses zero again.
     let mut got = levels(&mut braked, Gate::On, 6 * 32, 96);
     got.extend(run(&mut braked, Gate::On, 9..12));
     let up = got.iter().position(|&level| level > 0.0).unwrap();
@@ -267,19 +268,19 @@ fn an_envelope_that_is_set_at_once_has_no_edge() {
 }
 
 #[test]
-fn the_shortest_brake_that_the_headroom_allows_is_taken() {
+fn the_shortest_brake_within_the_headroom_is_used() {
     for (periods, headroom) in [(20.7, 1.0), (20.7, 5.16), (3.0, 0.5), (60.0, 2.0)] {
         let brake = Brake::of(periods, headroom);
         let level = |half_cycles: u32| 1.0 / libm::expm1f(half_cycles as f32 / (2.0 * periods));
         assert!(level(brake.half_cycles) <= headroom && level(brake.half_cycles - 2) > headroom, "{brake:?}");
     }
-    // One period at least; without headroom a thousandth is reckoned with.
+    // At least one period; without headroom, a thousandth is assumed.
     assert_eq!(Brake::of(0.1, 10.0).half_cycles, 2);
     assert_eq!(Brake::of(20.0, 0.0), Brake::of(20.0, 1e-3));
 }
 
 #[test]
-fn a_burst_of_a_chirp_ends_where_the_chirp_passes_zero() {
+fn a_burst_of_a_chirp_ends_at_a_zero_crossing() {
     // From 20 to 60 kHz within a block of 96 samples.
     let chirp = Stretch { phase: 0, word: tuning_word(0.02), step: tuning_word(0.04 / 96.0) };
     for closes in 3..95 {
@@ -289,11 +290,12 @@ fn a_burst_of_a_chirp_ends_where_the_chirp_passes_zero() {
         let passes = |n: &usize| falling(chirp.phase_at(*n)) != falling(chirp.phase_at(n - 1));
         let edges: std::vec::Vec<usize> = (1..96).filter(|&n| got[n] != got[n - 1]).collect();
         assert!(edges.iter().all(passes) && edges.len() <= 2, "{closes}: {edges:?}");
-        // The first passage after the gate has opened, and the first in the same direction after it has closed.
-        let passages: std::vec::Vec<usize> = (1..96).filter(passes).collect();
-        let expected = (passages[0] < closes as usize).then(|| {
-            let end = passages.iter().step_by(2).find(|&&n| n >= closes as usize);
-            [Some(passages[0]), end.copied()].into_iter().flatten().collect::<std::vec::Vec<_>>()
+        // The first zero crossing after the gate has opened, and the first one in the same
+        // direction after it has closed.
+        let crossings: std::vec::Vec<usize> = (1..96).filter(passes).collect();
+        let expected = (crossings[0] < closes as usize).then(|| {
+            let end = crossings.iter().step_by(2).find(|&&n| n >= closes as usize);
+            [Some(crossings[0]), end.copied()].into_iter().flatten().collect::<std::vec::Vec<_>>()
         });
         assert_eq!(edges, expected.unwrap_or_default(), "{closes}");
     }

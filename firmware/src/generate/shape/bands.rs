@@ -1,114 +1,124 @@
-//! Waveforms of many harmonics, free of aliases: for each band of frequencies a table of one period, the sum of those harmonics that lie
-//! below half the sample rate. In fixed point: 16 bits, interpolated to 30.
+//! Waveforms of many harmonics without aliases: for each band of frequencies a table of one period,
+//! the sum of the harmonics below half the sample rate. In fixed point: 16 bits, interpolated to
+//! 30.
 //!
-//! A two-level square sent through a converter at 25 samples a period folds its upper harmonics back into the band: 14 dB below the
-//! fundamental, all together. Tables of 1024 entries with linear interpolation are exact to `(2 pi k / 1024)^2 / 8` of harmonic `k`, and to half of
-//! 2^-15 of the peak: a sixteenth of the smallest step of a 12-bit converter.
+//! A two-level square sent through a converter at 25 samples a period folds its upper harmonics
+//! back into the band: in total 14 dB below the fundamental. Tables of 1024 entries with linear
+//! interpolation are exact to `(2 pi k / 1024)^2 / 8` of harmonic `k`, and to half of 2^-15 of the
+//! peak: a sixteenth of the smallest step of a 12-bit converter.
 //!
-//! A wave of sines is odd, so that half of its period is stored. The other half is read backwards from its end, and turned over: `wave(-phase)`
-//! is `-wave(phase)`, with the complement of the phase in place of its opposite, 2^-32 of a turn beside it.
+//! A sum of sines is odd, so that half of its period is stored. The other half is read backwards
+//! from its end and negated, because `wave(-phase)` is `-wave(phase)`. The complement of the phase
+//! replaces its negative, which is an error of 2^-32 turns.
 //!
-//! Where the frequency moves, the topmost harmonics must neither fold nor jump: they fade as they come near half the sample rate.
-//! Between two bands the waveform is a blend of both tables, and the weight depends on nothing but the frequency.
+//! When the frequency changes, the topmost harmonics must neither fold nor jump: they fade as they
+//! approach half the sample rate. Between two bands the waveform is a blend of both tables, and the
+//! weight depends only on the frequency.
 
 use super::sine::sine_of_turns;
 use crate::seam::fixed_point::upper;
 
-/// Entries in a period.
+/// Number of entries in a period.
 pub(super) const LENGTH: usize = 1 << INDEX_BITS;
 const INDEX_BITS: u32 = 10;
 const FRACTION_BITS: u32 = 32 - INDEX_BITS;
-/// Bits of an entry's fraction, and of the part of the way to the next one.
+/// Number of fraction bits of an entry.
 const ENTRY_BITS: u32 = 15;
-const WAY_BITS: u32 = 14;
-/// A harmonic is whole up to the first of these frequencies (cycles a sample), and gone from the second on.
-const FADE: (f32, f32) = (0.46, 0.5);
+/// Number of bits of the interpolation between two entries.
+const INTERPOLATION_BITS: u32 = 14;
+/// Frequency up to which a harmonic has its full amplitude, cycles a sample.
+const FADE_START: f32 = 0.46;
+/// Frequency from which a harmonic has faded out, cycles a sample.
+const FADE_END: f32 = 0.5;
 
-/// Entries of half a period, with the first of what follows, for interpolation.
+/// Number of stored entries: half a period, and the next one for interpolation.
 const HALF: usize = LENGTH / 2 + 1;
 
-/// One period of a waveform, by its first half.
+/// One period of a waveform, stored as its first half.
 #[derive(Debug)]
 pub(crate) struct Table {
-    /// 2^15 for one, which itself is one less.
+    /// 2^15 for one; one itself is stored as 2^15 - 1.
     entries: [i16; HALF],
-    /// Amplitude of its fundamental.
+    /// Amplitude of the fundamental.
     fundamental: f32,
 }
 
 impl Table {
-    /// The waveform at a phase of `phase / 2^32` turns: 2^30 for one.
+    /// Returns the waveform at a phase of `phase / 2^32` turns: 2^30 for one.
     #[inline(always)]
     pub(crate) fn at(&self, phase: u32) -> i32 {
-        let half = Half::of(phase);
+        let half = Half::from_phase(phase);
         (self.in_half(half) << 1) ^ half.turned
     }
 
-    /// The same in the first half, whichever it is in, and half of it.
+    /// Returns half of the waveform's value at a place in the stored half.
     #[inline(always)]
     fn in_half(&self, half: Half) -> i32 {
         i32::from(self.entries[half.index]) * half.rest + i32::from(self.entries[half.index + 1]) * half.way
     }
 }
 
-/// Where a phase is in the first half of a period, or in the second read backwards.
+/// Place of a phase in the stored half, which the second half of a period reads backwards.
 #[derive(Clone, Copy)]
 struct Half {
     index: usize,
-    /// Part of the way to the next entry, and what is left of it, of 2^14.
+    /// Part of the way to the next entry, of 2^14.
     way: i32,
+    /// Remaining part of the way, of 2^14.
     rest: i32,
-    /// All bits of the sign, in the second half.
+    /// All bits set in the second half, none in the first.
     turned: i32,
 }
 
 impl Half {
     #[inline(always)]
-    fn of(phase: u32) -> Self {
+    fn from_phase(phase: u32) -> Self {
         let turned = phase as i32 >> 31;
         let phase = phase ^ turned as u32;
         let index = (phase >> FRACTION_BITS) as usize % (LENGTH / 2);
-        let way = (phase >> (FRACTION_BITS - WAY_BITS) & ((1 << WAY_BITS) - 1)) as i32;
-        Half { index, way, rest: (1 << WAY_BITS) - way, turned }
+        let way = (phase >> (FRACTION_BITS - INTERPOLATION_BITS) & ((1 << INTERPOLATION_BITS) - 1)) as i32;
+        Half { index, way, rest: (1 << INTERPOLATION_BITS) - way, turned }
     }
 }
 
-/// The tables of a waveform.
+/// Tables of a waveform.
 #[derive(Debug)]
 pub struct Bands {
-    /// The highest harmonic of each table, rising, and the tables. From one to the next by a tenth at least, so that no two fade at once.
+    /// Highest harmonic of each table, rising, and the table. Each is above the one before by a
+    /// tenth at least, so that no two fade at once.
     tables: &'static [(u8, &'static Table)],
-    /// The last of them, which there is.
+    /// The last of them, which always exists.
     last: (u8, &'static Table),
 }
 
-/// The waveform at one frequency: `lower + weight (upper - lower)`.
+/// Waveform at one frequency: `lower + weight (upper - lower)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Blend {
-    /// The table with fewer harmonics.
+    /// Table with fewer harmonics.
     pub(crate) lower: &'static Table,
-    /// The table with more.
+    /// Table with more harmonics.
     pub(crate) upper: &'static Table,
-    /// The weight of the upper, 0 to 1.
+    /// Weight of the upper table, 0 to 1.
     pub(crate) weight: f32,
 }
 
 impl Blend {
-    /// The weight of the upper table as [`at`](Self::at) multiplies by it: 2^31 for one, which itself is one less.
+    /// Returns the weight of the upper table as a factor for [`at`](Self::at): 2^31 for one, which
+    /// itself becomes 2^31 - 1.
     #[inline(always)]
     pub(crate) fn weight(&self) -> i32 {
         (self.weight * 2_147_483_648.0) as i32
     }
 
-    /// The waveform at a phase of `phase / 2^32` turns: 2^30 for one.
+    /// Returns the waveform at a phase of `phase / 2^32` turns: 2^30 for one.
     #[inline(always)]
     pub(crate) fn at(&self, phase: u32, weight: i32) -> i32 {
-        let half = Half::of(phase);
+        let half = Half::from_phase(phase);
         let (low, high) = (self.lower.in_half(half), self.upper.in_half(half));
         ((low + (upper(high - low, weight) << 1)) << 1) ^ half.turned
     }
 
-    /// Amplitude of the fundamental.
+    /// Returns the amplitude of the fundamental.
     pub(crate) fn fundamental(&self) -> f32 {
         self.lower.fundamental + self.weight * (self.upper.fundamental - self.lower.fundamental)
     }
@@ -119,14 +129,14 @@ impl Bands {
         Bands { tables, last: tables[tables.len() - 1] }
     }
 
-    /// The waveform at a frequency, in cycles a sample.
+    /// Returns the waveform at a frequency, cycles a sample.
     pub(crate) fn at(&self, cycles_per_sample: f32) -> Blend {
-        // Harmonics that are there, if only just; a conversion saturates.
-        let there = (FADE.1 / cycles_per_sample) as u32;
+        // The highest harmonic that has not faded out completely; the conversion saturates.
+        let there = (FADE_END / cycles_per_sample) as u32;
         let above = self.tables.iter().position(|&(highest, _)| u32::from(highest) > there).unwrap_or(self.tables.len());
         let at = |n: usize| self.tables.get(n).copied().unwrap_or(self.last);
         let ((_, lower), (highest, upper)) = (at(above.saturating_sub(2)), at(above.saturating_sub(1)));
-        let weight = ((FADE.1 - f32::from(highest) * cycles_per_sample) / (FADE.1 - FADE.0)).clamp(0.0, 1.0);
+        let weight = ((FADE_END - f32::from(highest) * cycles_per_sample) / (FADE_END - FADE_START)).clamp(0.0, 1.0);
         Blend { lower, upper, weight }
     }
 }
@@ -142,8 +152,8 @@ const SINES: [f64; LENGTH] = {
     sines
 };
 
-/// `p sum_k a(k) sin(2 pi k phase)` of every `every`-th harmonic up to `highest`, `a(k) = 1 / k`, or with falling signs `(-1)^(k + 1) / k`; `p`
-/// makes the peak one.
+/// Returns the table of `p sum_k a(k) sin(2 pi k phase)` over every `every`-th harmonic up to
+/// `highest`. `a(k)` is `1 / k`, or `(-1)^(k + 1) / k` if `alternating`; `p` makes the peak one.
 pub(super) const fn additive(highest: usize, every: usize, alternating: bool) -> Table {
     let mut sums = [0.0; HALF];
     let mut peak = 0.0;
@@ -157,7 +167,7 @@ pub(super) const fn additive(highest: usize, every: usize, alternating: bool) ->
             k += every;
         }
         sums[n] = sum;
-        // The other half has the same values with the other sign.
+        // The other half has the same values with the opposite sign.
         let size = if sum < 0.0 { -sum } else { sum };
         if size > peak {
             peak = size;
@@ -169,7 +179,7 @@ pub(super) const fn additive(highest: usize, every: usize, alternating: bool) ->
     n = 0;
     while n < HALF {
         let entry = sums[n] / peak * one;
-        // To the nearest; one itself saturates.
+        // Rounded to the nearest; one itself saturates.
         entries[n] = (entry + if entry < 0.0 { -0.5 } else { 0.5 }) as i16;
         n += 1;
     }
@@ -183,7 +193,7 @@ mod tests {
 
     const ONE: f64 = 1_073_741_824.0;
 
-    /// Amplitude of harmonic `k` of a blend.
+    /// Returns the amplitude of harmonic `k` of a blend.
     fn harmonic(blend: &Blend, k: usize) -> f64 {
         let at = |n: usize| {
             let phase = (n << FRACTION_BITS) as u32;
@@ -194,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn harmonics_are_those_of_the_waveform_below_half_the_rate() {
+    fn harmonics_below_half_the_sample_rate_are_exact() {
         for (bands, even) in [(&square::BANDS, 0.0), (&sawtooth::BANDS, -1.0)] {
             for cycles in [0.001, 0.02, 0.04, 0.0401, 0.046, 0.11, 0.2, 0.4] {
                 let blend = bands.at(cycles);
@@ -203,11 +213,11 @@ mod tests {
                 for k in 2..26 {
                     let expected = if k % 2 == 0 { even / k as f64 } else { 1.0 / k as f64 };
                     let found = harmonic(&blend, k) / fundamental;
-                    // What 16 bits leave of rounding, in a single harmonic.
-                    if k as f32 * cycles >= FADE.1 {
+                    // The bound is the rounding to 16 bits, in a single harmonic.
+                    if k as f32 * cycles >= FADE_END {
                         assert!(found.abs() < 3e-6, "{k} of {cycles}: {found}");
                     }
-                    // What is below the fade of the next table is whole.
+                    // A harmonic below the fade of the next table has its full amplitude.
                     if k as f32 * cycles < 0.35 {
                         assert!((found - expected).abs() < 3e-6, "{k} of {cycles}: {found}");
                     }
@@ -217,14 +227,15 @@ mod tests {
     }
 
     #[test]
-    fn nothing_jumps_when_the_band_changes() {
+    fn harmonics_are_continuous_when_the_band_changes() {
         for bands in [&square::BANDS, &sawtooth::BANDS] {
             let mut last: Option<[f64; 25]> = None;
             for n in 0..20_000 {
                 let blend = bands.at(0.015 + 0.43 * n as f32 / 20_000.0);
                 let harmonics = core::array::from_fn(|k| if n % 20 == 0 { harmonic(&blend, k + 1) } else { 0.0 });
                 if n % 20 == 0 {
-                    // In a step of 430 Hz at 1 Msps the topmost harmonic moves by up to 11 kHz of the 40 kHz of its fade.
+                    // In a step of 430 Hz at 1 Msps the topmost harmonic moves by up to 11 kHz of
+                    // the 40 kHz of its fade.
                     let jump = last.map_or(0.0, |last| (0..25).map(|k| (harmonics[k] - last[k]).abs()).fold(0.0, f64::max));
                     assert!(jump < 0.03, "{n}: {jump}");
                     last = Some(harmonics);
@@ -233,7 +244,8 @@ mod tests {
         }
     }
 
-    /// Against the sum of sines itself, at phases between the entries and at both ends of either half.
+    /// Compares with the sum of sines, at phases between the entries and at both ends of either
+    /// half.
     #[test]
     fn a_wave_is_the_sum_of_its_harmonics() {
         for (bands, every, alternating) in [(&square::BANDS, 2, false), (&sawtooth::BANDS, 1, true)] {
@@ -245,7 +257,8 @@ mod tests {
                     })
                 };
                 let peak = (0..=LENGTH).map(|n| sum(n as f64 / LENGTH as f64)).fold(0.0, f64::max);
-                // Of linear interpolation, by the second derivative; and half of 2^-15, or all of it at the peak.
+                // Error of linear interpolation, from the second derivative; and half of 2^-15, or
+                // all of it at the peak.
                 let squares = (1..=usize::from(highest)).step_by(every).map(|k| k as f64).sum::<f64>();
                 let step = core::f64::consts::TAU / LENGTH as f64;
                 let bound = step * step / 8.0 * squares / peak + 1.0 / 32_768.0;

@@ -1,37 +1,43 @@
-//! Noise within a band: white noise through a Butterworth band-pass of eighth order, in four sections; and dither.
+//! Noise within a band: white noise through a Butterworth band-pass of eighth order, in four
+//! sections; and dither.
 //!
-//! With corners `w = 2 tan(pi f / fs)`, `w0^2 = w1 w2`, `B = w2 - w1`, each pole `p` of the low-pass prototype of fourth order makes two
-//! of the band-pass, `s = (p B +- sqrt(p^2 B^2 - 4 w0^2)) / 2`, and the bilinear transform `z = (2 + s) / (2 - s)` a section with zeros at 1 and -1:
+//! With corners `w = 2 tan(pi f / fs)`, `w0^2 = w1 w2`, `B = w2 - w1`, each pole `p` of the
+//! low-pass prototype of fourth order gives two of the band-pass,
+//! `s = (p B +- sqrt(p^2 B^2 - 4 w0^2)) / 2`. The bilinear transform `z = (2 + s) / (2 - s)` gives
+//! a section with zeros at 1 and -1:
 //!
 //! ```text
 //! H(z) = (1 - z^-2) / (1 - 2 Re(z) z^-1 + |z|^2 z^-2)
 //! ```
 //!
-//! (S. Butterworth 1930; the transforms are those of any text on digital filters.) The output is scaled by the energy of the impulse response
-//! to an rms of a quarter, and clipped at one: 6e-5 of Gaussian samples.
+//! (S. Butterworth 1930; the transforms are in any text on digital filters.) The output is scaled
+//! by the energy of the impulse response to an rms of a quarter, and clipped at one, which affects
+//! 6e-5 of Gaussian samples.
 
 use num_complex::Complex64;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoroshiro64Star;
 
-use crate::generate::sweep::HIGHEST;
+use crate::generate::sweep::MAX_FREQUENCY_REL;
 use crate::seam::config::{Config, Drive};
 use crate::seam::error::Error;
 
 const SECTIONS: usize = 4;
-/// The two poles of the prototype above the real axis, `exp(j pi (5 + 2 n) / 8)`, as libm has them; those below are their conjugates, and give the
-/// conjugate poles.
+/// The two poles of the prototype above the real axis, `exp(j pi (5 + 2 n) / 8)`, as computed by
+/// libm. Those below are their conjugates, and give the conjugate poles.
 const PROTOTYPE: [(f64, f64); 2] = [(-0.3826834323650897, 0.9238795325112867), (-0.9238795325112867, 0.3826834323650899)];
-/// Peak over rms.
-const CREST: f32 = 4.0;
-/// Narrowest band, as a part of its centre, and lowest corner, as a part of the sample rate: poles nearer to the unit circle than single
-/// precision resolves well.
-const NARROWEST: f64 = 0.02;
-const LOWEST: f64 = 1e-3;
-/// Samples of the impulse response that count. The narrowest band at the lowest corner rings on, and comes out 3 per cent louder.
-const RESPONSE: usize = 1 << 16;
+/// Ratio of peak to rms.
+const CREST_FACTOR: f32 = 4.0;
+/// Narrowest band, relative to its lower corner: in a narrower one, poles are too near the unit
+/// circle for single precision.
+const MIN_WIDTH_REL: f64 = 0.02;
+/// Lowest corner, relative to the sample rate, for the same reason.
+const MIN_CORNER_REL: f64 = 1e-3;
+/// Number of samples of the impulse response that are evaluated. The response of the narrowest band
+/// at the lowest corner is longer, and its output 3 per cent larger.
+const RESPONSE_SAMPLES: usize = 1 << 16;
 
-/// Words of evenly distributed bits.
+/// Generator of words of uniformly distributed bits.
 #[derive(Clone, Debug)]
 struct White(Xoroshiro64Star);
 
@@ -46,7 +52,7 @@ impl White {
     }
 }
 
-/// `y = x - x(n - 2) + a1 y(n - 1) - a2 y(n - 2)`, in transposed direct form.
+/// Filter section `y = x - x(n - 2) + a1 y(n - 1) - a2 y(n - 2)`, in transposed direct form.
 #[derive(Clone, Copy, Debug, Default)]
 struct Section {
     a1: f32,
@@ -65,7 +71,7 @@ impl Section {
     }
 }
 
-/// The generator of band-limited noise.
+/// Generator of band-limited noise.
 #[derive(Clone, Debug)]
 pub struct Noise {
     white: White,
@@ -74,24 +80,24 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Checks the band.
+    /// Builds the generator, and checks the band.
     pub(crate) fn build(config: &Config) -> Result<Self, Error> {
         let sample_hz = f64::from(config.sample_hz);
         let (low, high) = (f64::from(config.drive.noise_band_hz.0), f64::from(config.drive.noise_band_hz.1));
-        Drive::NOISE_LOW_HZ.check_within(low, LOWEST * sample_hz, HIGHEST * sample_hz)?;
-        Drive::NOISE_HIGH_HZ.check_within(high, low * (1.0 + NARROWEST), HIGHEST * sample_hz)?;
+        Drive::NOISE_LOW_HZ.check_within(low, MIN_CORNER_REL * sample_hz, MAX_FREQUENCY_REL * sample_hz)?;
+        Drive::NOISE_HIGH_HZ.check_within(high, low * (1.0 + MIN_WIDTH_REL), MAX_FREQUENCY_REL * sample_hz)?;
         let mut noise =
             Noise { white: White::new(config.drive.seed), sections: sections(low / sample_hz, high / sample_hz), scale: 1.0 };
-        noise.scale = 1.0 / (CREST * noise.rms());
+        noise.scale = 1.0 / (CREST_FACTOR * noise.rms());
         Ok(noise)
     }
 
-    /// The next samples, -1 to 1, where 2^30 is one.
+    /// Fills in the next samples, -1 to 1, where 2^30 is one.
     #[inline(never)]
     pub(crate) fn fill(&mut self, samples: &mut [i32]) {
-        // Out of memory for as long: all of it is in registers.
+        // Local copies, so that the whole state is in registers.
         let (mut white, mut sections) = (self.white.clone(), self.sections);
-        // A word is twice as large as what it becomes, whose conversion saturates beyond two.
+        // A word has twice the scale of a sample, whose conversion saturates beyond two.
         let (scale, one) = (self.scale * 0.5, 1 << 30);
         for place in samples {
             let noise = filter(&mut sections, white.word() as i32 as f32 * scale);
@@ -100,21 +106,22 @@ impl Noise {
         (self.white, self.sections) = (white, sections);
     }
 
-    /// Of what comes out, by the energy of the impulse response; evenly distributed numbers have a mean square of a third.
+    /// Returns the rms of the output, from the energy of the impulse response: uniformly
+    /// distributed numbers have a mean square of a third.
     fn rms(&self) -> f32 {
         let mut sections = self.sections;
-        let response = (0..RESPONSE).map(|n| filter(&mut sections, if n == 0 { 1.0 } else { 0.0 }));
+        let response = (0..RESPONSE_SAMPLES).map(|n| filter(&mut sections, if n == 0 { 1.0 } else { 0.0 }));
         libm::sqrtf(response.map(|y| y * y).sum::<f32>() / 3.0)
     }
 }
 
-/// Through all sections.
+/// Passes a sample through all sections.
 #[inline(always)]
 fn filter([a, b, c, d]: &mut [Section; SECTIONS], x: f32) -> f32 {
     d.next(c.next(b.next(a.next(x))))
 }
 
-/// The band-pass between two frequencies, in cycles a sample.
+/// Returns the band-pass between two frequencies, cycles a sample.
 fn sections(low: f64, high: f64) -> [Section; SECTIONS] {
     let warped = |cycles: f64| 2.0 * libm::tan(core::f64::consts::PI * cycles);
     let (width, square) = (warped(high) - warped(low), warped(high) * warped(low));
@@ -128,31 +135,32 @@ fn sections(low: f64, high: f64) -> [Section; SECTIONS] {
     [section(0, 1.0), section(0, -1.0), section(1, 1.0), section(1, -1.0)]
 }
 
-/// A square root, from libm's real ones, so that every target agrees.
+/// Returns a square root, computed with libm's real ones, so that every target agrees.
 fn root(z: Complex64) -> Complex64 {
     let size = libm::sqrt(z.norm_sqr());
     let (re, im) = (libm::sqrt(0.5 * (size + z.re).max(0.0)), libm::sqrt(0.5 * (size - z.re).max(0.0)));
     Complex64::new(re, if z.im < 0.0 { -im } else { im })
 }
 
-/// Dither: the difference of successive evenly distributed numbers, triangular within -1 to 1, less of it at low frequencies. Added
-/// before rounding, it makes the error of rounding independent of the signal.
+/// Dither: the difference of successive uniformly distributed numbers, triangular within -1 to 1,
+/// with less power at low frequencies. Added before rounding, it makes the rounding error
+/// independent of the signal.
 #[derive(Clone, Debug)]
 pub(crate) struct Dither {
     white: White,
-    /// The last number.
+    /// Last number.
     last: i32,
 }
 
 impl Dither {
-    /// A dither.
+    /// Creates a dither.
     pub(crate) fn new(seed: u64) -> Self {
-        // Beside the noise's own stream.
+        // A stream other than that of the noise.
         Dither { white: White::new(!seed), last: 0 }
     }
 
-    /// The next two values, in codes, of so many bits of a fraction. So many bits have the numbers, of which two are in a random word, the upper of either half;
-    /// that they lie about a half goes with the difference.
+    /// Returns the next two values, codes, with `FRACTION` fraction bits. A random word gives two
+    /// numbers, the upper bits of either half. Their mean of a half cancels in the difference.
     #[inline(always)]
     pub(crate) fn take<const FRACTION: u32>(&mut self) -> [i32; 2] {
         let word = self.white.word();
@@ -168,7 +176,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn poles_of_the_prototype_are_those_of_libm_to_the_last_bit() {
+    fn prototype_poles_equal_those_of_libm() {
         for (n, pole) in PROTOTYPE.into_iter().enumerate() {
             let angle = core::f64::consts::PI * (5.0 + 2.0 * n as f64) / 8.0;
             assert_eq!(pole, (libm::cos(angle), libm::sin(angle)));

@@ -1,5 +1,6 @@
-//! The sawtooth, rising, band-limited: the sum of its harmonics, `sum_k (-1)^(k + 1) sin(2 pi k phase) / k`. It passes zero, rising, at
-//! phase zero, as the sine does, and falls half a turn later.
+//! The rising, band-limited sawtooth: the sum of its harmonics,
+//! `sum_k (-1)^(k + 1) sin(2 pi k phase) / k`. Like the sine, it crosses zero, rising, at phase
+//! zero; it falls half a turn later.
 
 use super::bands::{Bands, Table, additive};
 use super::square;
@@ -7,7 +8,7 @@ use super::square;
 static TABLES: [Table; 11] =
     [up_to(2), up_to(3), up_to(4), up_to(5), up_to(6), up_to(8), up_to(10), up_to(12), up_to(16), up_to(20), up_to(25)];
 
-/// The sawtooth's tables.
+/// Tables of the sawtooth.
 pub(crate) static BANDS: Bands = Bands::new(&[
     (1, square::FUNDAMENTAL),
     (2, &TABLES[0]),

@@ -1,20 +1,23 @@
-//! The sine, and with it every rotation the controller needs.
+//! The sine, and all rotations that the controller needs.
 //!
-//! A table of 512 pairs (cosine, sine) is read at the nearest entry and turned by the angle `d` that remains, at most 6.2e-3 rad:
+//! A table of 512 pairs (cosine, sine) is read at the nearest entry, and rotated by the remaining
+//! angle `d`, at most 6.2e-3 rad:
 //!
 //! ```text
 //! cos(a + d) = c (1 - d^2 / 2) - s d,    sin(a + d) = s (1 - d^2 / 2) + c d,    error d^3 / 6 = 4e-8
 //! ```
 //!
-//! Sample after sample, a sine of constant frequency is not looked up but swung, by two operations, from its value and its difference:
+//! A sine of constant frequency is not looked up for each sample. Two operations advance its value
+//! and its difference:
 //!
 //! ```text
 //! y(n + 1) = y(n) + d(n),    d(n + 1) = d(n) - c y(n + 1),    c = 4 sin^2(omega / 2)
 //! ```
 //!
-//! which is `y(n + 1) = 2 cos(omega) y(n) - y(n - 1)` in a form that rounding spares at low frequencies, too (C. Reinsch). It is seeded from the
-//! phase at the beginning of each block, so that rounding never grows beyond a block. In fixed point each operation takes one cycle of a
-//! Cortex-M4: [`Steps`].
+//! This is `y(n + 1) = 2 cos(omega) y(n) - y(n - 1)` in a form with small rounding errors even at
+//! low frequencies (C. Reinsch). It is seeded from the phase at the beginning of each block, so
+//! that rounding errors do not grow beyond a block. In fixed point each operation takes one cycle
+//! of a Cortex-M4: [`Steps`].
 
 use crate::generate::nco::Stretch;
 use crate::seam::fixed_point::{nearest, upper};
@@ -39,7 +42,7 @@ static PAIRS: [(f32, f32); LENGTH] = {
     pairs
 };
 
-/// `exp(j 2 pi phase)` for a phase of `phase / 2^64` turns. Error: 1.4e-7.
+/// Returns `exp(j 2 pi phase)` for a phase of `phase / 2^64` turns. Error: 1.4e-7.
 #[inline]
 pub fn rotation(phase: u64) -> Phasor {
     let phase = (phase >> 32) as u32;
@@ -50,7 +53,7 @@ pub fn rotation(phase: u64) -> Phasor {
     Phasor::new(c - s_d - c_d * half, s + c_d - s_d * half)
 }
 
-/// A tone of constant frequency, ready to be swung.
+/// Tone of constant frequency, from which its sines are generated.
 #[derive(Clone, Copy, Debug)]
 pub struct Steady {
     start: Phasor,
@@ -58,7 +61,7 @@ pub struct Steady {
     half: Phasor,
 }
 
-/// One sine of a tone, sample after sample.
+/// Generator of one sine of a tone, sample after sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Swing {
     y: f32,
@@ -67,12 +70,13 @@ pub struct Swing {
 }
 
 impl Steady {
-    /// The tone of a stretch, from its first sample on.
+    /// Creates the tone of a stretch, from its first sample on.
     pub fn new(stretch: &Stretch) -> Self {
         Steady { start: rotation(stretch.phase), half: rotation(stretch.word / 2) }
     }
 
-    /// `Im(row exp(j theta(n)))`: the sine of amplitude `|row|` that leads the tone by the argument of `row`.
+    /// Returns the generator of `Im(row exp(j theta(n)))`: the sine of amplitude `|row|` that leads
+    /// the tone by the argument of `row`.
     #[inline]
     pub fn swing(&self, row: Phasor) -> Swing {
         let Steady { start, half } = self;
@@ -81,7 +85,8 @@ impl Steady {
     }
 }
 
-/// `-c = -4 sin^2(omega / 2)` in fixed point: of 2^32, or of 2^29 where that is too large.
+/// Coefficient `-c = -4 sin^2(omega / 2)` in fixed point: times 2^32, or times 2^29 if that is too
+/// large.
 #[derive(Clone, Copy, Debug)]
 pub enum Coefficient {
     /// Above minus a half: up to 0.115 of the sample rate.
@@ -91,10 +96,10 @@ pub enum Coefficient {
 }
 
 impl Coefficient {
-    /// The bits that a product of a large one with 2^-32 is short of.
+    /// Number of bits by which the product of a large coefficient must be shifted.
     pub const SHIFT: u32 = 3;
 
-    /// Of the square of the sine of half of omega, 0 to 1.
+    /// Returns the coefficient for `sin^2(omega / 2)`, 0 to 1.
     #[inline]
     pub fn of(sine_square: f32) -> Self {
         let minus_c = -4.0 * sine_square;
@@ -105,15 +110,16 @@ impl Coefficient {
         }
     }
 
-    /// `d - c y` by a small one, where `SHIFT` is zero, or by a large one. Wraps. A small product is rounded down, which is what one cycle does (`SMMLA`).
+    /// Returns `d - c y` for a small coefficient if `SHIFT` is zero, otherwise for a large one.
+    /// Wraps. A small product is rounded down, which takes one cycle (`SMMLA`).
     #[inline(always)]
     pub(crate) fn add<const SHIFT: u32>(d: i32, minus_c: i32, y: i32) -> i32 {
         d.wrapping_add(if SHIFT == 0 { upper(minus_c, y) } else { nearest(minus_c, y) << SHIFT })
     }
 }
 
-/// A [`Swing`] in fixed point, for amplitudes up to 2^15. Of an amplitude of 1500 it is off by 0.0154 at most over 100 samples, at 0.01 to 0.06 of
-/// the sample rate.
+/// [`Swing`] in fixed point, for amplitudes up to 2^15. At an amplitude of 1500 the error is 0.0154
+/// at most over 100 samples, at 0.01 to 0.06 of the sample rate.
 #[derive(Clone, Copy, Debug)]
 pub struct Steps {
     y: i32,
@@ -122,12 +128,13 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// Bits of a fraction.
-    pub const FRACTION: u32 = 15;
-    /// The highest tuning word whose coefficient is certainly a small one.
-    pub const HIGHEST: u64 = (0.115 * 18_446_744_073_709_551_616.0) as u64;
+    /// Number of fraction bits.
+    pub const FRACTION_BITS: u32 = 15;
+    /// Highest tuning word whose coefficient is certainly a small one.
+    pub const MAX_SMALL_WORD: u64 = (0.115 * 18_446_744_073_709_551_616.0) as u64;
 
-    /// Returns the next sample of the wave, 2^15 large; `SHIFT` is zero, or that of a large [`Coefficient`].
+    /// Returns the next sample of the wave, times 2^15; `SHIFT` is zero, or that of a large
+    /// [`Coefficient`].
     #[inline(always)]
     pub fn take<const SHIFT: u32>(&mut self) -> i32 {
         let y = self.y;
@@ -138,10 +145,10 @@ impl Steps {
 }
 
 impl Swing {
-    /// The same in fixed point, and whether its coefficient is a large one.
+    /// Returns the sine in fixed point, and `true` if its coefficient is a large one.
     #[inline]
     pub fn steps(&self) -> (Steps, bool) {
-        let one = (1 << Steps::FRACTION) as f32;
+        let one = (1 << Steps::FRACTION_BITS) as f32;
         let (minus_c, large) = match Coefficient::of(0.25 * self.c) {
             Coefficient::Small(minus_c) => (minus_c, false),
             Coefficient::Large(minus_c) => (minus_c, true),
@@ -159,8 +166,8 @@ impl Swing {
     }
 }
 
-/// `sin(2 pi turns)` at compile time, for turns in 0 to 1: Taylor series about zero of the angle folded into a quarter
-/// turn either side; the last term is below 1e-17.
+/// Returns `sin(2 pi turns)` at compile time, for turns in 0 to 1: the Taylor series about zero of
+/// the angle folded into a quarter turn on either side. The last term is below 1e-17.
 pub(super) const fn sine_of_turns(turns: f64) -> f64 {
     let turns = turns - if turns > 0.75 { 1.0 } else { 0.0 };
     let turns = if turns > 0.25 { 0.5 - turns } else { turns };
@@ -182,7 +189,7 @@ mod tests {
     use crate::generate::nco::tuning_word;
     use crate::seam::block::MAX_BLOCK_SAMPLES;
 
-    /// How far a rotation is from the exact one.
+    /// Returns the deviation of a rotation from the exact one.
     fn error(z: Phasor, phase: u64) -> f64 {
         let angle = core::f64::consts::TAU * (phase as f64 / 18_446_744_073_709_551_616.0);
         libm::hypot(f64::from(z.re) - libm::cos(angle), f64::from(z.im) - libm::sin(angle))
@@ -195,7 +202,8 @@ mod tests {
         assert!(worst < 1.5e-7 && worst > 5e-8, "{worst}");
     }
 
-    /// Largest error of a swing over `samples` samples at frequencies between two, in cycles a sample.
+    /// Returns the largest error of a swing over `samples` samples, at frequencies between two,
+    /// cycles a sample.
     fn swing_error(from: f64, to: f64, samples: usize) -> f64 {
         let mut worst = 0.0f64;
         for n in 0..2000u64 {
@@ -214,7 +222,7 @@ mod tests {
 
     /// Half a step of a 12-bit converter is 2.4e-4, of a 16-bit one 1.5e-5.
     #[test]
-    fn the_swing_stays_with_the_phase() {
+    fn the_swing_follows_the_phase() {
         for (from, to, samples, bound) in [
             (0.0, 0.01, 32, 3e-6),
             (0.01, 0.06, 32, 9e-6),
@@ -227,7 +235,8 @@ mod tests {
         }
     }
 
-    /// Largest error of steps of an amplitude, in what they are steps of, over so many samples at frequencies between two.
+    /// Returns the largest error of steps over `samples` samples, at frequencies between two, in
+    /// the unit of the amplitude.
     fn steps_error(from: f64, to: f64, amplitude: f32, samples: usize) -> f64 {
         let mut worst = 0.0f64;
         for n in 0..5000u64 {
@@ -246,9 +255,10 @@ mod tests {
         worst
     }
 
-    /// Half a code is 0.5. Of a large amplitude the error is that of its beginning in single precision, as it is of a swing.
+    /// Half a code is 0.5. At a large amplitude the error is that of the initial values in single
+    /// precision, as for a swing.
     #[test]
-    fn steps_stay_with_the_phase() {
+    fn steps_follow_the_phase() {
         for (from, to, amplitude, bounds) in [
             (0.0, 0.01, 1500.0, [0.06, 0.15]),
             (0.01, 0.06, 1500.0, [0.0125, 0.0154]),

@@ -1,7 +1,7 @@
-//! The square, band-limited: the sum of its odd harmonics, `sum_k sin(2 pi k phase) / k`.
+//! The band-limited square: the sum of its odd harmonics, `sum_k sin(2 pi k phase) / k`.
 //!
-//! The peaks are the ripple beside each edge; with eleven harmonics the tops lie 15 per cent below them, and the fundamental is 1.08. A true
-//! square belongs to a full bridge, not to a converter.
+//! The peaks are the ripple next to each edge. With eleven harmonics the tops are 15 per cent below
+//! them, and the fundamental is 1.08. A true square needs a full bridge, not a converter.
 
 use super::bands::{Bands, Blend, Table, additive};
 
@@ -18,7 +18,7 @@ static TABLES: [Table; 10] = [
     odd_up_to(25),
 ];
 
-/// The square's tables.
+/// Tables of the square.
 pub(crate) static BANDS: Bands = Bands::new(&[
     (1, &TABLES[0]),
     (3, &TABLES[1]),
@@ -32,9 +32,10 @@ pub(crate) static BANDS: Bands = Bands::new(&[
     (25, &TABLES[9]),
 ]);
 
-/// The sine, which every waveform is where nothing else is below half the sample rate.
+/// Table of the sine, to which every waveform reduces if no other harmonic is below half the sample
+/// rate.
 pub(super) static FUNDAMENTAL: &Table = &TABLES[0];
-/// The same at any frequency.
+/// The sine at any frequency.
 pub(crate) static SINE: Blend = Blend { lower: FUNDAMENTAL, upper: FUNDAMENTAL, weight: 1.0 };
 
 const fn odd_up_to(highest: usize) -> Table {

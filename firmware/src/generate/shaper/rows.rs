@@ -1,20 +1,22 @@
-//! The codes of a plain sine in one lane, sample by sample: where a block spends most of its time. Four samples at a time, and without anything that
-//! could be done once.
+//! Codes of a plain sine in one lane, sample by sample, which is most of the time of a block. The
+//! loops write four samples at a time, and repeat nothing that can be done once.
 //!
-//! A lane that is the opposite of another is written from it: its codes are the other's about mid-code, to the last bit.
+//! A lane that is the opposite of another is written from it: its codes mirror the other's about
+//! mid-code, to the last bit.
 
 use crate::generate::shape::sine::Steps;
 use crate::seam::fixed_point::upper;
 
-/// The coefficient of the steps is a small one.
-const SMALL: u32 = 0;
+/// Shift of a small coefficient of the steps.
+const SMALL_SHIFT: u32 = 0;
 
-/// Writes steps under an envelope of one. `base`: what truncation rounds to the nearest code with. Returns the sum of the codes.
+/// Writes steps under an envelope of one. With `base`, truncation rounds to the nearest code.
+/// Returns the sum of the codes.
 #[inline(never)]
 pub(super) fn even(mut steps: Steps, base: f32, codes: &mut [u16]) -> i32 {
     let (mut sum, base) = (0, fixed(base));
     let (fours, rest) = codes.as_chunks_mut::<4>();
-    // Written out: a compiler that saves code leaves a loop of four here.
+    // Written out: a compiler that optimizes for size leaves a loop of four here.
     for [first, second, third, fourth] in fours {
         sum += step(first, &mut steps, base);
         sum += step(second, &mut steps, base);
@@ -27,7 +29,8 @@ pub(super) fn even(mut steps: Steps, base: f32, codes: &mut [u16]) -> i32 {
     sum
 }
 
-/// The same under an envelope that differs from sample to sample, of which these are the parts: 2^31 for the loudest.
+/// Writes steps under an envelope that varies from sample to sample, given as parts: 2^31 for the
+/// largest level.
 #[inline(never)]
 pub(super) fn edge(mut steps: Steps, base: f32, parts: &[i32], codes: &mut [u16]) -> i32 {
     // A product with a level has one bit less.
@@ -45,7 +48,8 @@ pub(super) fn edge(mut steps: Steps, base: f32, parts: &[i32], codes: &mut [u16]
     sum
 }
 
-/// Writes the opposites of codes about a mid-code. Two at a time: neither half borrows from the other, as opposites have 16 bits, too.
+/// Writes the opposites of codes about a mid-code, two at a time: neither half borrows from the
+/// other, because opposites have 16 bits, too.
 #[inline(never)]
 pub(super) fn opposite(mid: u16, codes: &[u16], opposites: &mut [u16]) {
     let twice = u32::from(mid).wrapping_mul(2 * 0x1_0001);
@@ -63,25 +67,25 @@ pub(super) fn opposite(mid: u16, codes: &[u16], opposites: &mut [u16]) {
     }
 }
 
-/// A number of codes, as large as the steps are.
+/// Converts codes to the scale of the steps.
 #[inline(always)]
 fn fixed(codes: f32) -> u32 {
-    (codes * (1 << Steps::FRACTION) as f32) as u32
+    (codes * (1 << Steps::FRACTION_BITS) as f32) as u32
 }
 
 /// Writes the next code, and returns it.
 #[inline(always)]
 fn step(place: &mut u16, steps: &mut Steps, base: u32) -> i32 {
-    let code = base.wrapping_add(steps.take::<SMALL>() as u32) >> Steps::FRACTION;
+    let code = base.wrapping_add(steps.take::<SMALL_SHIFT>() as u32) >> Steps::FRACTION_BITS;
     *place = code as u16;
     code as i32
 }
 
-/// Writes the next code at a part of the loudest level, and returns it.
+/// Writes the next code at a part of the largest level, and returns it.
 #[inline(always)]
 fn level_step(place: &mut u16, part: i32, steps: &mut Steps, base: u32) -> i32 {
-    let swung = upper(steps.take::<SMALL>(), part);
-    let code = base.wrapping_add(swung as u32) >> (Steps::FRACTION - 1);
+    let swung = upper(steps.take::<SMALL_SHIFT>(), part);
+    let code = base.wrapping_add(swung as u32) >> (Steps::FRACTION_BITS - 1);
     *place = code as u16;
     code as i32
 }
@@ -93,13 +97,14 @@ mod tests {
     use crate::generate::shape::sine::Steady;
     use crate::seam::phasor::Phasor;
 
-    /// The opposite of a lane is what its own sine would be, but for the few codes that lie between two.
+    /// The opposite of a lane equals its own sine, except for the few codes near a rounding
+    /// boundary.
     #[test]
-    fn an_opposite_is_its_own_sine() {
+    fn an_opposite_equals_its_own_sine() {
         let parts = core::array::from_fn::<i32, 64, _>(|n| (n as i32) << 25);
         let (mut different, mut all) = (0, 0);
         for trial in 0..2000u64 {
-            // Of all lengths, so that the last few are written, too; and of 12 and of 16 bits.
+            // All lengths, so that the remainder is written, too; codes of 12 and of 16 bits.
             let samples = 25 + trial as usize % 40;
             let (mid, amplitude) = if trial % 2 == 0 { (2048, 1500.0) } else { (32_768, 32_000.0) };
             let phase = trial.wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -119,7 +124,7 @@ mod tests {
                 all += samples;
             }
         }
-        // Where rounding meets half a code.
+        // Codes differ only if the exact value is near half a code.
         assert!(different < 100 && all == 178_000, "{different} of {all}");
     }
 }

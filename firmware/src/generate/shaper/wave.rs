@@ -1,7 +1,8 @@
-//! A waveform over a block, in fixed point: put down sample by sample by its shape, then rounded to codes under its envelope.
+//! The waveform of a block in fixed point: computed sample by sample from its shape, then rounded
+//! to codes under its envelope.
 //!
-//! `code = floor(base + peak wave)`, with wave in 2^-30 and peak, in codes, in 2^-15, so that the product in 2^-13 is the upper half of 64 bits:
-//! off by 1.2e-4 of a code, and always down.
+//! `code = floor(base + peak wave)`, with the wave in 2^-30 and the peak, in codes, in 2^-15. The
+//! product in 2^-13 is then the upper half of 64 bits: low by up to 1.2e-4 of a code.
 
 use crate::generate::burst::envelope::Envelope;
 use crate::generate::nco::Phases;
@@ -11,10 +12,10 @@ use crate::generate::shape::sine::{Coefficient, Steps, Swing};
 use crate::seam::block::MAX_BLOCK_SAMPLES;
 use crate::seam::fixed_point::upper;
 
-/// Bits of a fraction of a code, as it is written.
-const FRACTION: u32 = 13;
+/// Number of fraction bits of a code, as it is written.
+const FRACTION_BITS: u32 = 13;
 
-/// A waveform, sample by sample: 2^30 is one.
+/// Waveform, sample by sample: 2^30 is one.
 #[derive(Clone, Debug)]
 pub(super) struct Wave([i32; MAX_BLOCK_SAMPLES]);
 
@@ -25,14 +26,15 @@ impl Default for Wave {
 }
 
 impl Wave {
-    /// The peak by which a wave of steps is written, codes: they are codes themselves, in 2^-15. It is the largest that there may be.
-    pub(super) const OF_STEPS: f32 = 32_768.0;
+    /// Peak with which a wave of steps is written, codes: the largest possible, because steps are
+    /// codes in 2^-15.
+    pub(super) const STEPS_PEAK_CODES: f32 = 32_768.0;
 
     fn first(&mut self, samples: usize) -> &mut [i32] {
         self.0.get_mut(..samples).unwrap_or_default()
     }
 
-    /// A sine of constant frequency, in steps.
+    /// Computes a sine of constant frequency, in steps.
     pub(super) fn swing(&mut self, swing: &Swing, samples: usize) {
         fn swing_of<const SHIFT: u32>(mut steps: Steps, wave: &mut [i32]) {
             four_by_four(wave, || steps.take::<SHIFT>());
@@ -43,20 +45,20 @@ impl Wave {
         }
     }
 
-    /// What two tables hold.
+    /// Computes a blend of two tables.
     pub(super) fn read(&mut self, blend: &Blend, mut phases: Phases, samples: usize) {
         if blend.weight == 1.0 {
             return self.first(samples).iter_mut().for_each(|place| *place = blend.upper.at(phases.take()));
         }
-        // Where the frequency stands, a sample takes less.
+        // At a constant frequency, a sample takes less time.
         match phases.steady() {
             Some((phase, word)) => self.mix_steady(blend, samples, phase, word),
             None => self.mix_moving(blend, samples, phases),
         }
     }
 
-    /// Two tables at a frequency that stands.
-    // Not inlined: there are registers for all of it so.
+    /// Computes a blend of two tables at a constant frequency.
+    // Not inlined, so that there are enough registers.
     #[inline(never)]
     fn mix_steady(&mut self, blend: &Blend, samples: usize, mut phase: u32, word: u32) {
         let weight = blend.weight();
@@ -66,22 +68,24 @@ impl Wave {
         }
     }
 
-    /// Two tables at a frequency that moves.
+    /// Computes a blend of two tables at a changing frequency.
     #[inline(never)]
     fn mix_moving(&mut self, blend: &Blend, samples: usize, mut phases: Phases) {
         let weight = blend.weight();
         self.first(samples).iter_mut().for_each(|place| *place = blend.at(phases.take(), weight));
     }
 
-    /// A noise.
+    /// Computes a noise.
     pub(super) fn fill(&mut self, noise: &mut Noise, samples: usize) {
         noise.fill(self.first(samples));
     }
 
-    /// Rounded to codes under an envelope, of this peak in codes, about a base that truncation rounds with. Returns the sum of the codes. A block with an
-    /// edge has no dither: what rounding has to do with the signal is heard in a long tone only, and silence is silent.
+    /// Rounds the waveform to codes under an envelope, with this peak in codes, about a base with
+    /// which truncation rounds. Returns the sum of the codes. A block with an edge has no dither:
+    /// rounding errors that follow the signal matter only in a long tone, and silence must be
+    /// silent.
     pub(super) fn write(&self, peak: f32, base: f32, envelope: &Envelope, dither: Option<&mut Dither>, codes: &mut [u16]) -> i32 {
-        let base = (base * (1 << FRACTION) as f32) as i32;
+        let base = (base * (1 << FRACTION_BITS) as f32) as i32;
         // In 2^-15: up to 2^16 codes.
         let fixed = |codes: f32| (codes * 32_768.0) as i32;
         match (envelope, dither) {
@@ -94,19 +98,19 @@ impl Wave {
         }
     }
 
-    /// With a dither.
-    // Not inlined: there are registers for all of it so.
+    /// Rounds with dither.
+    // Not inlined, so that there are enough registers.
     #[inline(never)]
     fn dithered(&self, peak: i32, base: i32, dither: &mut Dither, codes: &mut [u16]) -> i32 {
-        self.put(codes, || dither.take::<FRACTION>(), |wave, dither| base + upper(wave, peak) + dither)
+        self.put(codes, || dither.take::<FRACTION_BITS>(), |wave, dither| base + upper(wave, peak) + dither)
     }
 
-    /// Under the levels of an edge, of which these are the parts: 2^31 for the loudest.
+    /// Rounds under the levels of an edge, given as parts: 2^31 for the largest level.
     #[inline(always)]
     fn edge(&self, peak: i32, base: i32, parts: &[i32], codes: &mut [u16]) -> i32 {
         let (mut sum, end) = (0, codes.len().saturating_sub(1));
         let mut put = |place: &mut u16, wave, part| {
-            let code = (base + upper(upper(wave, part) << 1, peak)) >> FRACTION;
+            let code = (base + upper(upper(wave, part) << 1, peak)) >> FRACTION_BITS;
             *place = code as u16;
             sum += code;
         };
@@ -121,12 +125,12 @@ impl Wave {
         sum
     }
 
-    /// Writes every code, two by two, by its wave and by what else it depends on.
+    /// Writes all codes, two at a time, from the wave and from the values of `next`.
     #[inline(always)]
     fn put(&self, codes: &mut [u16], mut next: impl FnMut() -> [i32; 2], value: impl Fn(i32, i32) -> i32) -> i32 {
         let (mut sum, last) = (0, codes.len().saturating_sub(1));
         let mut put = |place: &mut u16, wave, other| {
-            let code = value(wave, other) >> FRACTION;
+            let code = value(wave, other) >> FRACTION_BITS;
             *place = code as u16;
             sum += code;
         };
@@ -143,7 +147,7 @@ impl Wave {
     }
 }
 
-/// Fills a wave four by four: a compiler that saves code leaves a loop of one.
+/// Fills a wave, four samples at a time: a compiler that optimizes for size leaves a loop of one.
 #[inline(always)]
 fn four_by_four(wave: &mut [i32], mut next: impl FnMut() -> i32) {
     let (fours, rest) = wave.as_chunks_mut::<4>();
@@ -163,10 +167,10 @@ mod tests {
 
     const BASE: f32 = 2048.5;
 
-    /// Every code is the nearest one, or the one beside it where the exact value lies near half a code; by steps and by their peak, under levels and edges,
-    /// in blocks of odd length, too.
+    /// Every code is the nearest one, or its neighbour if the exact value is near half a code.
+    /// Covers steps and their peak, levels and edges, and blocks of odd length.
     #[test]
-    fn codes_are_those_of_the_product() {
+    fn codes_are_the_rounded_product() {
         for samples in [31, 32, 99, 100] {
             let stretch = Stretch { phase: 0x1234_5678_9abc_def0, word: tuning_word(0.0404), step: 0 };
             let mut wave = Wave::default();
@@ -177,7 +181,7 @@ mod tests {
                 [(Envelope::Flat(1.0), 1.0), (Envelope::Flat(-0.37), 1.0), (Envelope::Flat(3.9), 0.25), (edge, 0.25)]
             {
                 let mut codes = std::vec![0; samples];
-                let sum = wave.write(peak * Wave::OF_STEPS, BASE, &envelope, None, &mut codes);
+                let sum = wave.write(peak * Wave::STEPS_PEAK_CODES, BASE, &envelope, None, &mut codes);
                 assert_eq!(sum, codes.iter().map(|&code| i32::from(code)).sum::<i32>());
                 for (n, &code) in codes.iter().enumerate() {
                     let level = match envelope {

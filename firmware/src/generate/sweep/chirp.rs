@@ -1,47 +1,52 @@
-//! Chirp: the frequency runs from one value to another, linearly or exponentially, and then stays, begins again or comes back.
+//! Chirp: the frequency runs from one value to another, linearly or exponentially, and then stays,
+//! restarts or returns.
 //!
-//! The phase has 64 bits, so has its increment `w`, and so has the increment `s` of the increment. A leg takes a whole number of blocks `B` of
-//! `N` samples; block `b` plays `w(b), w(b) + s(b), w(b) + 2 s(b), ...`:
+//! The phase has 64 bits, and so have its increment `w` and the increment `s` of that increment. A
+//! leg takes a whole number of blocks `B` of `N` samples; block `b` plays
+//! `w(b), w(b) + s(b), w(b) + 2 s(b), ...`:
 //!
 //! ```text
-//! linear        w(b) = from + b N S,              s = S,                     S = (to - from) / (B N), with 32 bits more
+//! linear        w(b) = from + b N S,              s = S,                     S = (to - from) / (B N), with 32 more bits
 //! exponential   e(b + 1) = e(b) + e(b) R,         s = (e(b + 1) - e(b)) / N,   R = (to / from)^(1 / B) - 1
 //!               w(b) = e(b) + e(b) M - s (N - 1) / 2,   so that a block advances the phase as the exponential does: its mean over N samples
 //!                                                 is e(b) (1 + M), M = R / (N ((1 + R)^(1 / N) - 1)) - 1
 //! ```
 //!
-//! Within a block the exponential is replaced by its chord, which is off by `R^2 / 8` of the frequency at most: 7e-10 for a decade in a
-//! million samples. Each leg begins from its exact end, so that nothing adds up over legs; within a leg of an hour rounding adds up
-//! to less than 2e-5 Hz of an exponential from 20 to 200 kHz, and nothing of a linear one.
+//! Within a block the exponential is replaced by its chord, which is off by `R^2 / 8` of the
+//! frequency at most: 7e-10 for a decade in a million samples. Each leg begins at an exact word, so
+//! that errors do not accumulate over legs. Within a leg of an hour, rounding adds up to less than
+//! 2e-5 Hz for an exponential from 20 to 200 kHz, and to nothing for a linear chirp.
 
 use crate::generate::nco::tuning_word;
-use crate::generate::sweep::HIGHEST;
+use crate::generate::sweep::MAX_FREQUENCY_REL;
 use crate::seam::config::{Around, Chirp as Config, ChirpKind, Config as Whole, Then, TrackingMode};
 use crate::seam::error::Error;
 use crate::seam::features::{self, Waveforms};
 
 /// 2^64.
-const ONE: f64 = 18_446_744_073_709_551_616.0;
-/// The most that an exponential chirp may grow by in a block, as a logarithm: beyond, its chord runs away from it.
-const STEEPEST: f64 = 0.5;
-/// About a tracked resonance, the phase must follow the frequency: in one time constant of the resonance the chirp may move by this part of
-/// the phase's own scale, `1 / (2 pi tau)`.
-const QUASI_STATIC: f64 = 0.1;
+const TWO_POW_64: f64 = 18_446_744_073_709_551_616.0;
+/// Largest growth of an exponential chirp in a block, as a logarithm: beyond it, the chord deviates
+/// too much.
+const MAX_GROWTH_LOG: f64 = 0.5;
+/// Largest change of frequency of a chirp about a tracked resonance in one time constant `tau`,
+/// relative to the scale of the phase, `1 / (2 pi tau)`: the phase must follow the frequency.
+const MAX_RATE_REL: f64 = 0.1;
 
-/// One way from one end to the other.
+/// One run from one end to the other.
 #[derive(Clone, Copy, Debug)]
 struct Leg {
-    /// Word at its beginning; of a chirp about the resonance, the offset.
+    /// Word at the beginning; for a chirp about the resonance, its offset.
     from: i64,
     law: Law,
 }
 
-/// How the word grows.
+/// Law of growth of the word.
 #[derive(Clone, Copy, Debug)]
 enum Law {
-    /// By so much a sample, 2^96 a turn.
+    /// Growth by this step a sample, 2^96 a turn.
     Linear { step: i128 },
-    /// By `growth` of itself a block, and its mean over a block lies `lead` of it above its beginning; both times 2^64.
+    /// Growth by `growth` of itself a block. Its mean over a block is above its beginning by `lead`
+    /// of itself. Both are times 2^64.
     Exponential { growth: i128, lead: i128 },
 }
 
@@ -53,9 +58,9 @@ pub(crate) struct Chirp {
     then: Then,
     around: Around,
     samples: i64,
-    /// Blocks in a leg.
+    /// Number of blocks in a leg.
     blocks: u64,
-    /// On the second leg.
+    /// `true` on the second leg.
     back: bool,
     block: u64,
     /// Word at the beginning of the next block.
@@ -63,7 +68,8 @@ pub(crate) struct Chirp {
 }
 
 impl Chirp {
-    /// Checks a chirp: both ends within what the sample rate permits, none at or through 0 Hz.
+    /// Builds a chirp. Checks that both ends are within the sample rate, and that none is at or
+    /// below 0 Hz.
     pub(crate) fn build(config: &Config, whole: &Whole) -> Result<Self, Error> {
         let enabled = features::waveforms()?;
         config.check()?;
@@ -76,7 +82,7 @@ impl Chirp {
             Around::Resonance => f64::from(whole.drive.frequency_hz),
         };
         for (setting, hz) in [(Config::START_HZ, start), (Config::STOP_HZ, stop)] {
-            setting.check_within(hz, 1.0 - centre, HIGHEST * sample_hz - centre)?;
+            setting.check_within(hz, 1.0 - centre, MAX_FREQUENCY_REL * sample_hz - centre)?;
         }
         let tracked = whole.tracking.mode != TrackingMode::Off;
         match config.around {
@@ -85,11 +91,11 @@ impl Chirp {
             Around::Resonance if config.kind == ChirpKind::Exponential => return Err(Error::ExponentialAroundResonance),
             Around::Resonance => {
                 let tau_s = f64::from(whole.tracking.nominal_q) / (core::f64::consts::PI * centre);
-                let shortest = core::f64::consts::TAU * tau_s * tau_s * (stop - start).abs() / QUASI_STATIC;
+                let shortest = core::f64::consts::TAU * tau_s * tau_s * (stop - start).abs() / MAX_RATE_REL;
                 Config::TIME_S.check_within(config.time_s, shortest, f64::INFINITY)?;
             }
             Around::Zero if config.kind == ChirpKind::Exponential => {
-                let shortest = libm::log(stop / start).abs() / STEEPEST * block_s;
+                let shortest = libm::log(stop / start).abs() / MAX_GROWTH_LOG * block_s;
                 Config::TIME_S.check_within(config.time_s, shortest, f64::INFINITY)?;
             }
             Around::Zero => {}
@@ -111,7 +117,7 @@ impl Chirp {
         Ok(chirp)
     }
 
-    /// Goes back to the beginning.
+    /// Returns to the beginning.
     pub(crate) fn restart(&mut self) {
         self.begin(false);
     }
@@ -120,7 +126,8 @@ impl Chirp {
         (self.back, self.block, self.word) = (back, 0, self.legs[usize::from(back)].from);
     }
 
-    /// Word of the next block's first sample and its increment; `held` is the word of the tracked resonance.
+    /// Returns the word of the next block's first sample, and its increment; `held` is the word of
+    /// the tracked resonance.
     #[inline(never)]
     pub(crate) fn next(&mut self, held: u64) -> (u64, u64) {
         let base = match self.around {
@@ -154,7 +161,7 @@ impl Chirp {
 }
 
 impl Leg {
-    /// From and to in cycles a sample.
+    /// Creates a leg between two frequencies, cycles a sample.
     fn new(kind: ChirpKind, from: f64, to: f64, blocks: f64, samples: u16) -> Self {
         let samples = f64::from(samples);
         let word = |cycles: f64| if cycles < 0.0 { -(tuning_word(-cycles) as i64) } else { tuning_word(cycles) as i64 };
@@ -167,7 +174,7 @@ impl Leg {
                 let rate = libm::log(to / from) / blocks;
                 let growth = libm::expm1(rate);
                 let lead = if rate == 0.0 { 0.0 } else { growth / (samples * libm::expm1(rate / samples)) - 1.0 };
-                Law::Exponential { growth: (growth * ONE) as i128, lead: (lead * ONE) as i128 }
+                Law::Exponential { growth: (growth * TWO_POW_64) as i128, lead: (lead * TWO_POW_64) as i128 }
             }
         };
         Leg { from: word(from), law }
@@ -179,7 +186,7 @@ mod tests {
     use super::*;
     use crate::generate::nco::cycles_per_sample;
 
-    /// Of the mathematics, in double precision: frequency (Hz) and phase (turns) after a leg of `seconds`.
+    /// Returns the exact phase after a leg of `seconds`, turns.
     fn exact(kind: ChirpKind, from: f64, to: f64, seconds: f64) -> f64 {
         match kind {
             ChirpKind::Linear => 0.5 * (from + to) * seconds,
@@ -205,51 +212,54 @@ mod tests {
         chirp
     }
 
-    /// Runs a leg; returns the frequency at its end, Hz, and how far the phase is from the exact one, turns.
+    /// Runs a leg. Returns the frequency at its end, Hz, and the deviation of the phase from the
+    /// exact one, turns.
     fn run(kind: ChirpKind, from: f64, to: f64, blocks: u64) -> (f64, f64) {
         let mut chirp = chirp(kind, from, to, blocks, Then::Hold);
         let mut turns = 0.0;
         for _ in 0..blocks {
             let (word, step) = chirp.next(0);
-            turns += 32.0 * cycles_per_sample(word) + 496.0 * (step as i64 as f64 / ONE);
+            turns += 32.0 * cycles_per_sample(word) + 496.0 * (step as i64 as f64 / TWO_POW_64);
         }
-        // Samples are half a sample early of the continuous integral: the sum of f(n) over n misses half of what the frequency gains.
+        // Samples are half a sample early: their sum of f(n) lacks half of the rise in frequency.
         let sum = exact(kind, from, to, blocks as f64 * 32e-6) - 0.5e-6 * (to - from);
         (cycles_per_sample(chirp.next(0).0) * 1e6, turns - sum)
     }
 
     #[test]
-    fn a_decade_in_a_million_samples_ends_where_it_should() {
+    fn a_decade_in_a_million_samples_ends_at_its_frequency() {
         for kind in [ChirpKind::Linear, ChirpKind::Exponential] {
             for (from, to) in [(20e3, 200e3), (200e3, 20e3), (39e3, 41e3)] {
                 let (end, phase) = run(kind, from, to, 31_250);
                 assert!((end - to).abs() < 1e-6, "{kind:?} {from} to {to} ends at {end}");
-                // The exponential's sum and its integral differ in the third order, too: 1e-6 turns.
+                // The sum and the integral of an exponential differ in the third order, too: 1e-6
+                // turns.
                 assert!(phase.abs() < 2e-5, "{kind:?} {from} to {to}: {phase} turns");
             }
         }
     }
 
     #[test]
-    fn a_millisecond_or_an_hour_are_as_exact() {
+    fn a_millisecond_and_an_hour_are_as_exact() {
         for kind in [ChirpKind::Linear, ChirpKind::Exponential] {
             assert!((run(kind, 20e3, 200e3, 31).0 - 200e3).abs() < 1e-6);
         }
-        // An hour, of which the last block is looked at: the linear word is a product, the exponential one a sum over 1e8 blocks.
+        // The last block of an hour: the linear word is a product, the exponential one a sum over
+        // 1e8 blocks.
         let mut hour = chirp(ChirpKind::Linear, 20e3, 200e3, 112_500_000, Then::Hold);
         hour.block = 112_499_999;
         hour.next(0);
-        assert!((hour.word as f64 / ONE * 1e6 - 200e3).abs() < 1e-7);
+        assert!((hour.word as f64 / TWO_POW_64 * 1e6 - 200e3).abs() < 1e-7);
         let mut slow = chirp(ChirpKind::Exponential, 20e3, 200e3, 112_500_000, Then::Hold);
         (0..112_500_000).for_each(|_| {
             slow.next(0);
         });
-        let off_hz = slow.word as f64 / ONE * 1e6 - 200e3;
+        let off_hz = slow.word as f64 / TWO_POW_64 * 1e6 - 200e3;
         assert!(off_hz.abs() < 2e-5 && off_hz.abs() > 2e-6, "{off_hz}");
     }
 
     #[test]
-    fn what_comes_then() {
+    fn a_chirp_holds_repeats_or_returns() {
         let starts = |then| {
             let mut chirp = chirp(ChirpKind::Linear, 20e3, 40e3, 4, then);
             core::array::from_fn::<f64, 10, _>(|_| libm::round(cycles_per_sample(chirp.next(0).0) * 1e6))

@@ -1,19 +1,20 @@
-//! Hold: the frequency stays where it was put until the scan, the tracker or an order moves it.
+//! Hold: the frequency is constant until the scan, the tracker or an order changes it.
 
 use crate::generate::nco::{cycles_per_sample, tuning_word};
-use crate::generate::sweep::HIGHEST;
+use crate::generate::sweep::MAX_FREQUENCY_REL;
 use crate::seam::config::Drive;
 use crate::seam::error::Error;
 
-/// Offsets are rounded to 2^30 words, 6e-5 Hz at 1 Msps, so that they fit into 32 bits up to an eighth of the sample rate.
-const COARSE: u32 = 30;
+/// Binary logarithm of the resolution of offsets, tuning words. 2^30 words are 6e-5 Hz at 1 Msps,
+/// so that offsets up to an eighth of the sample rate fit into 32 bits.
+const OFFSET_STEP_BITS: u32 = 30;
 
-/// A held frequency, as an offset from the nominal one.
+/// Held frequency, as an offset from the nominal one.
 #[derive(Clone, Debug)]
 pub struct Hold {
     nominal_hz: f32,
     nominal_word: u64,
-    /// Of an offset: steps of [`COARSE`] words in a hertz.
+    /// Number of steps of 2^[`OFFSET_STEP_BITS`] words in a hertz of offset.
     steps_per_hz: f32,
     hz_per_high_word: f32,
     offset_hz: f32,
@@ -21,40 +22,42 @@ pub struct Hold {
 }
 
 impl Hold {
-    /// `frequency_hz` nominal frequency at `sample_hz` samples a second.
+    /// Builds a hold at the nominal frequency `frequency_hz`, for `sample_hz` samples a second.
     pub fn build(frequency_hz: f32, sample_hz: f32) -> Result<Self, Error> {
-        Drive::FREQUENCY_HZ.check_within(frequency_hz.into(), 0.0, f64::from(sample_hz) * HIGHEST)?;
+        Drive::FREQUENCY_HZ.check_within(frequency_hz.into(), 0.0, f64::from(sample_hz) * MAX_FREQUENCY_REL)?;
         let nominal_word = tuning_word(f64::from(frequency_hz) / f64::from(sample_hz));
         Ok(Hold {
             nominal_hz: frequency_hz,
             nominal_word,
-            steps_per_hz: (1.0 / (f64::from(sample_hz) * cycles_per_sample(1 << COARSE))) as f32,
+            steps_per_hz: (1.0 / (f64::from(sample_hz) * cycles_per_sample(1 << OFFSET_STEP_BITS))) as f32,
             hz_per_high_word: (f64::from(sample_hz) * cycles_per_sample(1 << 32)) as f32,
             offset_hz: 0.0,
             word: nominal_word,
         })
     }
 
-    /// Moves to `offset_hz` from the nominal frequency.
+    /// Sets the frequency to `offset_hz` from the nominal one.
     pub fn retune(&mut self, offset_hz: f32) {
         if offset_hz != self.offset_hz {
             self.offset_hz = offset_hz;
-            // The offset alone goes through f32, so that its rounding is relative to the offset and not to the frequency.
-            self.word = self.nominal_word.wrapping_add_signed(i64::from((offset_hz * self.steps_per_hz) as i32) << COARSE);
+            // The offset alone goes through f32, so that its rounding is relative to the offset and
+            // not to the frequency.
+            self.word =
+                self.nominal_word.wrapping_add_signed(i64::from((offset_hz * self.steps_per_hz) as i32) << OFFSET_STEP_BITS);
         }
     }
 
-    /// The tuning word of the frequency held.
+    /// Returns the tuning word of the held frequency.
     pub fn word(&self) -> u64 {
         self.word
     }
 
-    /// How far the frequency of a tuning word is from the nominal one, Hz, in steps of 2e-4.
+    /// Returns the offset of a tuning word from the nominal frequency, Hz, in steps of 2e-4.
     pub(crate) fn offset_of(&self, word: u64) -> f32 {
         (word.wrapping_sub(self.nominal_word) >> 32) as i32 as f32 * self.hz_per_high_word
     }
 
-    /// The nominal frequency, Hz.
+    /// Returns the nominal frequency, Hz.
     pub fn nominal_hz(&self) -> f32 {
         self.nominal_hz
     }

@@ -1,4 +1,4 @@
-//! Order by order: which way a run takes, what begins it again, and which fault stays.
+//! Tests of the modes that each order leads through, and of the faults that stay.
 
 use super::*;
 
@@ -9,12 +9,12 @@ fn asks(request: Request) -> Orders {
     Orders { request, attempt: 1, sequence: 1, ..Orders::default() }
 }
 
-/// A supervisor in this mode.
+/// Returns a supervisor in this mode.
 fn within(mode: Mode) -> Supervisor {
     Supervisor { mode, fault: (mode == Mode::Fault).then_some(Fault::OverCurrent), ..Supervisor::new(Acquisition::Scanned) }
 }
 
-/// The modes from an order on until nothing moves, each when the stage before is done.
+/// Returns the modes from an order to the last one, if every stage completes.
 fn way(supervisor: &mut Supervisor, orders: &Orders) -> std::vec::Vec<Mode> {
     assert!(supervisor.judge(orders, None));
     let mut modes = std::vec![supervisor.mode()];
@@ -28,8 +28,8 @@ fn way(supervisor: &mut Supervisor, orders: &Orders) -> std::vec::Vec<Mode> {
 }
 
 #[test]
-fn each_mode_of_tracking_comes_to_run_by_its_way() {
-    let runs = |mode: TrackingMode| way(&mut Supervisor::new(Acquisition::of(mode)), &asks(Request::Run));
+fn each_tracking_mode_reaches_run_through_its_stages() {
+    let runs = |mode: TrackingMode| way(&mut Supervisor::new(Acquisition::from_tracking(mode)), &asks(Request::Run));
     assert_eq!(runs(TrackingMode::Off), [Mode::SelfTest, Mode::Run]);
     assert_eq!(runs(TrackingMode::PhaseLock), [Mode::SelfTest, Mode::Scan, Mode::Lock, Mode::Run]);
     assert_eq!(runs(TrackingMode::ZeroPhase), [Mode::SelfTest, Mode::Scan, Mode::Lock, Mode::Run]);
@@ -37,14 +37,14 @@ fn each_mode_of_tracking_comes_to_run_by_its_way() {
 }
 
 #[test]
-fn a_scan_and_a_calibration_are_done_once_for_each_order() {
+fn a_scan_or_calibration_is_done_once_per_attempt() {
     for (request, mode) in [(Request::Scan, Mode::Scan), (Request::Calibrate, Mode::Calibrate)] {
         for acquisition in [Acquisition::Nominal, Acquisition::Scanned, Acquisition::Observed] {
             let mut supervisor = Supervisor::new(acquisition);
             assert_eq!(way(&mut supervisor, &asks(request)), [Mode::SelfTest, mode, Mode::Idle]);
             assert!(!supervisor.judge(&Orders { sequence: 2, ..asks(request) }, None));
             assert_eq!(supervisor.mode(), Mode::Idle);
-            // Another attempt repeats it, and a run is none of both.
+            // Another attempt repeats it; a run may begin after either.
             assert_eq!(way(&mut supervisor, &Orders { attempt: 2, ..asks(request) }), [Mode::SelfTest, mode, Mode::Idle]);
             assert!(supervisor.judge(&Orders { attempt: 2, ..asks(Request::Run) }, None));
         }
@@ -52,7 +52,7 @@ fn a_scan_and_a_calibration_are_done_once_for_each_order() {
 }
 
 #[test]
-fn an_order_ends_what_it_is_not_for() {
+fn an_order_ends_a_stage_of_another_request() {
     use Request::{Calibrate, Idle, Run, Scan};
     for mode in MODES {
         for request in [Idle, Scan, Run, Calibrate] {
@@ -80,7 +80,7 @@ fn an_order_ends_what_it_is_not_for() {
 }
 
 #[test]
-fn a_finding_is_news_only_while_something_is_driven() {
+fn a_found_fault_counts_only_under_drive() {
     for mode in MODES {
         let mut supervisor = within(mode);
         supervisor.judge(&asks(Request::Run), Some(Fault::LoadOpen));
@@ -98,7 +98,7 @@ fn a_finding_is_news_only_while_something_is_driven() {
 }
 
 #[test]
-fn the_stop_comes_before_the_host_and_the_host_before_a_finding() {
+fn emergency_stop_precedes_host_loss_precedes_other_faults() {
     let of = |emergency_stop: bool, host_lost: bool| {
         let mut supervisor = within(Mode::Run);
         supervisor.judge(&Orders { emergency_stop, host_lost, ..asks(Request::Run) }, Some(Fault::LoadOpen));
@@ -107,7 +107,7 @@ fn the_stop_comes_before_the_host_and_the_host_before_a_finding() {
     assert_eq!(of(true, true), (Mode::Fault, Some(Fault::EmergencyStop)));
     assert_eq!(of(false, true), (Mode::Fault, Some(Fault::HostLost)));
     assert_eq!(of(false, false), (Mode::Fault, Some(Fault::LoadOpen)));
-    // A stop counts in silence, too.
+    // An emergency stop also counts in silence.
     let mut idle = within(Mode::Idle);
     idle.judge(&Orders { emergency_stop: true, ..asks(Request::Idle) }, None);
     assert_eq!((idle.mode(), idle.fault()), (Mode::Fault, Some(Fault::EmergencyStop)));
@@ -126,25 +126,25 @@ fn the_first_fault_stays_until_a_new_order_clears_it() {
     let stays = (false, Mode::Fault, Some(Fault::LoadOpen), false);
     assert_eq!(judge(asks(Request::Run), Some(Fault::OverCurrent)), stays);
     assert_eq!(judge(Orders { emergency_stop: true, ..asks(Request::Idle) }, None), stays);
-    // An order that was obeyed before clears nothing, nor does a new one that does not say so.
+    // An order obeyed before does not clear the fault, nor does a new order without `clear_fault`.
     assert_eq!(judge(Orders { clear_fault: true, ..asks(Request::Idle) }, None), stays);
     assert_eq!(judge(Orders { sequence: 2, ..asks(Request::Idle) }, None), stays);
     let clears = Orders { sequence: 3, clear_fault: true, ..asks(Request::Idle) };
-    // As long as the stop is pressed, it is a fault again.
+    // While the stop is pressed, a new order clears the fault and raises it again.
     let pressed = judge(Orders { emergency_stop: true, ..clears }, None);
     assert_eq!(pressed, (false, Mode::Fault, Some(Fault::EmergencyStop), true));
     assert_eq!(judge(Orders { sequence: 4, ..clears }, None), (false, Mode::Idle, None, false));
 }
 
 #[test]
-fn an_order_to_clear_leaves_a_run_alone() {
+fn clearing_a_fault_does_not_disturb_a_run() {
     let mut supervisor = within(Mode::Run);
     assert!(!supervisor.judge(&Orders { sequence: 9, clear_fault: true, ..asks(Request::Run) }, None));
     assert_eq!(supervisor.mode(), Mode::Run);
 }
 
 #[test]
-fn a_stage_goes_on_goes_back_or_fails() {
+fn a_stage_continues_goes_back_or_fails() {
     let after = |progress: Progress| {
         let mut supervisor = within(Mode::Lock);
         supervisor.advance(&asks(Request::Run), progress);

@@ -1,12 +1,14 @@
-//! The energy budget: so much electrical energy for each metre of belt, and no more.
+//! The energy budget: the largest electrical energy for each metre of belt.
 //!
 //! ```text
 //! E(n + 1) = max(0, E(n) + P T - e dx),    P = Re(V I*) / 2
 //! ```
 //!
-//! with the new ground `dx` of the block. Over any stretch of belt the drive then gets at most `e (dx + L)`, where `L` is `CONTACT_M`,
-//! the contact's own length: more is a fault. A belt that stands gets `e L` in all, and a belt slower than `P / e` not much more. It rests
-//! on the encoder: what an encoder that lies allows is for the force channel to see, and for `limits.on_time_s` to end.
+//! with the new ground `dx` of the block and the limit `e`, J/m. Over any stretch `dx` of belt the
+//! drive gets at most `e (dx + L)`, with the contact length `L` = `CONTACT_M`; more is a fault. A
+//! belt at rest gets `e L` in total, a belt slower than `P / e` not much more. The budget depends
+//! on the encoder: a false count must be detected by the force channel, or is ended by
+//! `limits.on_time_s`.
 
 use crate::seam::config::Config;
 use crate::seam::error::Error;
@@ -15,18 +17,18 @@ use crate::seam::fault::Fault;
 /// Length of the contact along the belt, m (thesis 3.2: a tip of 10 mm).
 pub(crate) const CONTACT_M: f32 = 0.01;
 
-/// The budget.
+/// State of the energy budget.
 #[derive(Clone, Debug)]
 pub(crate) struct EnergyPerLength {
     block_s: f32,
-    /// What a count gives, J; infinite without a limit.
+    /// Energy allowed for one count of new ground, J; infinite without a limit.
     joule_per_count: f32,
     most_j: f32,
     spent_j: f32,
 }
 
 impl EnergyPerLength {
-    /// Checks the limit: without counts that are worth something there can be none.
+    /// Builds the budget. Returns an error if a limit is set but the length of a count is not.
     pub(crate) fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         let limit = config.limits.energy_j_per_m;
         let joule_per_count = match (limit, config.front_end.metre_per_count) {
@@ -38,17 +40,17 @@ impl EnergyPerLength {
         Ok(EnergyPerLength { block_s, joule_per_count, most_j, spent_j: 0.0 })
     }
 
-    /// Takes the power, W, and the new ground, counts, of one block.
+    /// Adds one block: its power, W, and its new ground, counts.
     pub(super) fn step(&mut self, power_w: f32, fresh: u32) -> Option<Fault> {
         if self.most_j == f32::INFINITY {
             return None;
         }
         let spent_j = self.spent_j + power_w * self.block_s - fresh as f32 * self.joule_per_count;
-        // What is not a number has spent everything.
+        // An energy that is not a number is kept, and is over the limit below.
         self.spent_j = if spent_j < 0.0 { 0.0 } else { spent_j };
         let within = self.spent_j <= self.most_j;
         if !within {
-            // The fault ends the drive; what comes after it begins from zero.
+            // The fault ends the drive; the next drive starts from zero.
             self.spent_j = 0.0;
         }
         (!within).then_some(Fault::EnergyPerLength)
@@ -59,22 +61,22 @@ impl EnergyPerLength {
 mod tests {
     use super::*;
 
-    /// 100 J/m at 100 counts a millimetre: a millijoule a count, and a joule over the contact.
+    /// Returns a budget of 100 J/m at 100 counts/mm: 1 mJ a count, and 1 J for the contact length.
     fn budget() -> EnergyPerLength {
         EnergyPerLength { block_s: 32e-6, joule_per_count: 1e-3, most_j: 1.0, spent_j: 0.0 }
     }
 
     #[test]
-    fn a_standing_belt_gets_what_its_contact_bears() {
+    fn a_belt_at_rest_gets_the_energy_of_the_contact_length() {
         let mut budget = budget();
-        // 500 W: a joule in 2 ms.
+        // At 500 W, 1 J is spent in 2 ms.
         let blocks = (0..1000).position(|_| budget.step(500.0, 0).is_some());
         assert_eq!(blocks, Some(62));
     }
 
     #[test]
-    fn a_moving_belt_bears_its_speed_times_the_limit() {
-        // A count every 10 blocks is 31 mm/s: 3.1 W.
+    fn a_moving_belt_allows_speed_times_limit() {
+        // A count every 10 blocks is 31 mm/s, which allows 3.1 W.
         for (watt, trips) in [(3.1, false), (3.3, true)] {
             let mut budget = budget();
             let tripped = (0..300_000).any(|n: u32| budget.step(watt, u32::from(n.is_multiple_of(10))).is_some());
@@ -83,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_power_that_is_not_a_number_is_over_the_limit() {
+    fn a_nan_power_is_over_the_limit() {
         assert_eq!(budget().step(f32::NAN, 1), Some(Fault::EnergyPerLength));
     }
 
@@ -94,9 +96,9 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_needs_a_belt_whose_counts_are_worth_something() {
+    fn a_limit_needs_the_length_of_a_count() {
         assert_eq!(built(Some(100.0), None).err(), Some(Error::EnergyWithoutBelt));
-        // Without one a belt bears everything.
+        // Without a limit no power is a fault.
         for metre in [None, Some(1e-5)] {
             let mut free = built(None, metre).unwrap();
             assert_eq!([1e9, f32::INFINITY, f32::NAN].map(|watt| free.step(watt, 0)), [None; 3]);
@@ -104,8 +106,9 @@ mod tests {
     }
 
     #[test]
-    fn the_limit_is_for_each_metre() {
-        // A count in each block: a millijoule in 32 us is 31.25 W. A metre that is paid out gives back what it bears, and no more.
+    fn the_limit_is_per_metre() {
+        // One count a block: 1 mJ in 32 us is 31.25 W. A metre without drive restores the budget,
+        // but saves nothing beyond it.
         for (watt, trips) in [(31.0, false), (31.5, true)] {
             let mut budget = built(Some(100.0), Some(1e-5)).unwrap();
             assert_eq!((0..1000).find_map(|_| budget.step(0.0, 1000)), None);
@@ -114,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn the_budget_may_be_spent_to_its_end_and_begins_from_zero_after_a_fault() {
+    fn the_full_budget_is_allowed_and_a_fault_resets_it() {
         let mut budget = EnergyPerLength { block_s: 1.0, joule_per_count: 1.0, most_j: 4.0, spent_j: 0.0 };
         assert_eq!([2.0, 2.0].map(|watt| budget.step(watt, 0)), [None; 2]);
         assert_eq!(budget.step(0.25, 0), Some(Fault::EnergyPerLength));

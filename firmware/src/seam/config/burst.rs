@@ -1,4 +1,4 @@
-//! When the drive is ON, and how it gets there.
+//! Schedule and edges of the bursts.
 
 use config_macro::settings;
 use heapless::Vec;
@@ -10,41 +10,42 @@ use super::{Choice, Config};
 use crate::seam::config::{Parameter, Range};
 use crate::seam::error::Error;
 
-/// The most ON windows a burst schedule can list.
+/// Largest number of ON windows of a burst schedule.
 pub const MAX_WINDOWS: usize = 8;
 
-/// When the drive is ON, counted from the order to run, or to calibrate before it.
+/// Schedule and edges of the bursts, from the order to run, or from a calibration before it.
 #[settings(table = "burst", scene = Burst)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Burst {
-    /// When the drive is ON.
+    /// Schedule of ON and OFF.
     #[setting(controller, default)]
     pub schedule: Schedule,
-    /// Beginnings of the ON windows, s.
+    /// Start times of the ON windows, s.
     #[setting(scene, min = 0.0, max = 1e5)]
     pub on_s: Vec<f64, MAX_WINDOWS>,
-    /// Ends of the ON windows, s.
+    /// End times of the ON windows, s.
     #[setting(scene, min = 0.0, max = 1e5)]
     pub off_s: Vec<f64, MAX_WINDOWS>,
-    /// Period of a repeated burst, s.
+    /// Period of periodic bursts, s.
     #[setting(scene, min = 1e-5, max = 1e5)]
     pub period_s: Option<f64>,
-    /// Part of the period that is ON.
+    /// Fraction of the period that is ON.
     #[setting(scene, min = 0.0, max = 1.0, key = 20, read = duty, write = set_duty)]
     pub duty: Option<f64>,
-    /// How the envelope gets there.
+    /// Shape of the edges.
     #[setting(default, key = 25)]
     pub edge: Edge,
     /// Length of a soft edge, drive periods.
     #[setting(default = 5.0, min = 0.5, max = 1e4, key = 26)]
     pub edge_cycles: f32,
-    /// What has rung up is rung down at the end of each burst, by drive against it within `limits.voltage_v`.
+    /// Stops the vibration at the end of each burst by driving against it, within
+    /// `limits.voltage_v`.
     #[setting(default, key = 27, quiet)]
     pub brake: bool,
 }
 
 impl Burst {
-    /// The period as a parameter: zero is a drive that is always on.
+    /// Period as a parameter; zero means that the drive is always on.
     pub(crate) const PERIOD: &'static [Parameter] = &[Parameter {
         key: 19,
         name: Self::PERIOD_S.name,
@@ -58,7 +59,8 @@ impl Burst {
         },
     }];
 
-    /// The ends of the windows as parameters, which are counted from one. A window from zero to zero is none, and windows take the place of a period.
+    /// Ends of the windows as parameters, numbered from one. A window from zero to zero is absent.
+    /// Windows replace a period.
     pub(crate) const WINDOWS: &'static [Parameter] = &[
         window::<0, ON>(40, "burst.on_1_s"),
         window::<0, OFF>(41, "burst.off_1_s"),
@@ -78,7 +80,7 @@ impl Burst {
         window::<7, OFF>(55, "burst.off_8_s"),
     ];
 
-    /// Whether the schedule is within its ranges. That a period has a sample at least is for the build to say.
+    /// Checks the ranges of the schedule. The build checks that a period has at least one sample.
     pub(super) fn check_schedule(&self) -> Result<(), Error> {
         match &self.schedule {
             Schedule::Continuous => Ok(()),
@@ -94,35 +96,36 @@ impl Burst {
     }
 }
 
-/// When the drive is ON.
+/// Schedule of ON and OFF.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Schedule {
     /// The drive is on throughout a run.
     #[default]
     Continuous,
-    /// In each window from `.0` to `.1`, s.
+    /// ON in each window, given as its start and its end, s.
     Windows(Vec<(f64, f64), MAX_WINDOWS>),
-    /// For the first part `duty` of every `period_s`.
+    /// ON for the first part `duty` of every `period_s`.
     Periodic {
         /// Period, s.
         period_s: f64,
-        /// Part of the period that is ON, 0 to 1.
+        /// Fraction of the period that is ON, 0 to 1.
         duty: f64,
     },
 }
 
-/// How the envelope gets from OFF to ON and back.
+/// Shape of the edges between OFF and ON.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "scene", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Edge {
-    // Where the first lane passes zero, and for whole periods.
+    // It changes at zero crossings of the first lane, and lasts whole periods.
     /// The envelope changes at once.
     #[default]
     Hard,
-    /// Along a raised cosine.
+    /// The envelope is a raised cosine.
     Soft,
-    /// As fast as `limits.voltage_v` allows, up by a larger drive and down by drive against the residual vibration. For sines whose resonance is tracked.
+    /// The vibration changes as fast as `limits.voltage_v` allows: a larger drive at the start, a
+    /// drive against the residual vibration at the end. For sines with a tracked resonance.
     Boost,
 }
 
@@ -131,7 +134,7 @@ impl Choice for Edge {
     const NAMES: &'static [&'static str] = &["hard", "soft", "boost"];
 }
 
-/// The period in s, and the ON part of it; a drive that is always on has none.
+/// Returns the period, s, and its ON fraction; zero and one without a period.
 fn periodic(config: &Config) -> (f64, f64) {
     match config.burst.schedule {
         Schedule::Periodic { period_s, duty } => (period_s, duty),
@@ -139,7 +142,7 @@ fn periodic(config: &Config) -> (f64, f64) {
     }
 }
 
-/// The duty as a parameter: of a period only, after which it therefore comes.
+/// Returns the duty as a parameter. It applies only to a period, and is therefore set after it.
 fn duty(config: &Config) -> f32 {
     periodic(config).1 as f32
 }
@@ -150,11 +153,12 @@ fn set_duty(config: &mut Config, value: f32) {
     }
 }
 
-/// The beginning of a window, and its end.
+/// Start of a window.
 const ON: bool = false;
+/// End of a window.
 const OFF: bool = true;
 
-/// One end of window `N`.
+/// Creates the parameter of one end of window `N`.
 const fn window<const N: usize, const END: bool>(key: u8, name: &'static str) -> Parameter {
     Parameter { key, name, range: Range::Within(0.0, Burst::ON_S.max as f32), read: end::<N, END>, write: set_end::<N, END> }
 }
@@ -171,7 +175,7 @@ fn set_end<const N: usize, const END: bool>(config: &mut Config, value: f32) {
     set_window_end(&mut config.burst.schedule, N, END, value.into());
 }
 
-/// Sets one end of window `n`; the last windows that are none are left out.
+/// Sets one end of window `n`, and removes absent windows at the end of the list.
 fn set_window_end(schedule: &mut Schedule, n: usize, end: bool, value: f64) {
     let mut windows = match schedule {
         Schedule::Windows(windows) => core::mem::take(windows),

@@ -1,4 +1,4 @@
-//! The drive.
+//! Frequency, amplitude and waveform of the drive.
 
 use config_macro::settings;
 #[cfg(feature = "scene")]
@@ -16,57 +16,62 @@ pub struct Drive {
     /// Nominal frequency: the centre of the scan, Hz.
     #[setting(min = 100.0, max = 450e3, key = 4)]
     pub frequency_hz: f32,
-    /// The amplitude asked for while running.
+    /// Amplitude set point in a run.
     #[setting(controller)]
     pub amplitude: Amplitude,
     /// Peak drive voltage, V.
     #[setting(scene, min = 1e-3, max = 1e4, key = 5, read = amplitude_v, write = set_amplitude_v)]
     pub amplitude_v: Option<f32>,
-    /// Peak tip velocity, held by the motional-current loop, m/s. Needs `tracking.nominal_force_factor_n_per_v`.
+    /// Peak tip velocity, held by the motional-current loop, m/s. Needs
+    /// `tracking.nominal_force_factor_n_per_v`.
     #[setting(scene, min = 1e-6, max = 100.0)]
     pub velocity_m_per_s: Option<f32>,
     /// Peak voltage of self-test and scan, V. Default: `amplitude_v`.
     #[setting(scene, min = 1e-3, max = 1e4)]
     pub scan_v: Option<f32>,
-    /// Peak voltage of self-test and scan, and where the amplitude loop starts from, V.
+    /// Peak voltage of self-test and scan, and start value of the amplitude loop, V.
     #[setting(controller)]
     pub scan_volts: f32,
-    /// How far beside the resonance to drive while running, Hz; beside `frequency_hz` where nothing is tracked.
+    /// Offset of the drive from the resonance in a run, Hz; from `frequency_hz` if nothing is
+    /// tracked.
     #[setting(scene, default, min = -450e3, max = 450e3, quiet)]
     pub detune_hz: f32,
-    /// Waveform while running.
+    /// Waveform in a run.
     #[setting(default, key = 64)]
     pub shape: ShapeKind,
-    /// Lower end of a noise's band, Hz. Default: 0.75 of `frequency_hz`.
+    /// Lower end of the noise band, Hz. Default: 0.75 of `frequency_hz`.
     #[setting(scene, min = 100.0, max = 450e3)]
     pub noise_low_hz: Option<f32>,
-    /// Upper end of a noise's band, Hz. Default: 1.25 of `frequency_hz`.
+    /// Upper end of the noise band, Hz. Default: 1.25 of `frequency_hz`.
     #[setting(scene, min = 100.0, max = 450e3)]
     pub noise_high_hz: Option<f32>,
-    /// The band of a noise, from and to, Hz.
+    /// Noise band, from and to, Hz.
     #[setting(controller)]
     pub noise_band_hz: (f32, f32),
-    /// Adds random steps of up to one code before rounding, so that rounding leaves noise in place of harmonics.
+    /// Adds random steps of up to one code before rounding, so that rounding causes noise instead
+    /// of harmonics.
     #[setting(default, key = 28, quiet)]
     pub dither: bool,
-    /// Time in which the amplitude rises from the scan's to what is asked for when a lock has been found, s. Zero: at once.
+    /// Rise time of the amplitude from that of the scan to the set point, after a lock, s. Zero: at
+    /// once.
     #[setting(default, min = 0.0, max = 100.0, key = 91, quiet)]
     pub soft_start_s: f32,
-    /// Drive lanes; the stack hangs on the first.
+    /// Number of drive lanes; the stack is connected to the first.
     #[setting(scene, default = 1, min = 1, max = 4)]
     pub lanes: u8,
-    /// Of noise and dither.
+    /// Seed of noise and dither.
     #[setting(controller)]
     pub seed: u64,
 }
 
 impl Drive {
-    /// The scan's voltage.
+    /// Peak voltage of the scan, V.
     pub(crate) const SCAN_VOLTS: Setting = Setting { name: "drive.scan_volts", ..Self::SCAN_V };
-    /// The amplitude as a motional current, A.
+    /// Amplitude as a motional current, A peak.
     pub(crate) const MOTIONAL_CURRENT_A: Setting = Setting { name: "drive.motional_current_a", ..Limits::CURRENT_A };
 
-    /// Parameters that are no field by themselves. An amplitude is of one kind: zero is that it is of the other.
+    /// Parameters that are not a single field. The amplitude is a voltage or a current; the other
+    /// one reads as zero.
     pub(crate) const OTHERS: &'static [Parameter] = &[
         Parameter {
             key: 6,
@@ -98,7 +103,7 @@ impl Drive {
         },
     ];
 
-    /// A plain sine; the band of a noise is as wide as half the frequency.
+    /// Creates a plain sine. Its noise band is half as wide as the frequency.
     pub fn sine(frequency_hz: f32, amplitude: Amplitude, scan_volts: f32) -> Self {
         let noise_band_hz = (0.75 * frequency_hz, 1.25 * frequency_hz);
         Drive {
@@ -114,7 +119,7 @@ impl Drive {
     }
 }
 
-/// Waveform while running; self-test, scan and calibration are by sines.
+/// Waveform in a run. Self-test, scan and calibration use sines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "scene", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -124,9 +129,10 @@ pub enum ShapeKind {
     Sine,
     /// A band-limited square wave.
     Square,
-    /// A band-limited sawtooth that rises.
+    /// A band-limited rising sawtooth.
     Sawtooth,
-    /// Gaussian noise within a band, clipped at the peak, which is four times its rms. Nothing can be tracked by it.
+    /// Gaussian noise within a band, clipped at the peak, which is four times its rms. It cannot be
+    /// tracked.
     Noise,
 }
 
@@ -135,7 +141,7 @@ impl Choice for ShapeKind {
     const NAMES: &'static [&'static str] = &["sine", "square", "sawtooth", "noise"];
 }
 
-/// The voltage as a parameter: zero where the amplitude is a motional current.
+/// Returns the voltage as a parameter; zero if the amplitude is a motional current.
 fn amplitude_v(config: &Config) -> f32 {
     if let Amplitude::Volts(volts) = config.drive.amplitude { volts } else { 0.0 }
 }

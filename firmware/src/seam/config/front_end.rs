@@ -1,4 +1,4 @@
-//! What the converters and sensors of a board are worth.
+//! Scales of the converters and sensors of a board.
 
 use config_macro::settings;
 use serde::{Deserialize, Serialize};
@@ -7,40 +7,42 @@ use serde::{Deserialize, Serialize};
 #[settings(table = "front_end")]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrontEnd {
-    /// Volts at the stack per voltage code.
+    /// Voltage at the stack per voltage code, V.
     #[setting(min = 1e-9, max = 1e3, key = 1, scale)]
     pub volt_per_lsb: f32,
-    /// Amperes into the stack per current code.
+    /// Current into the stack per current code, A.
     #[setting(min = 1e-9, max = 1e3, key = 2, scale)]
     pub ampere_per_lsb: f32,
-    /// The sense code at zero (before the self-test has measured the offset).
+    /// Sense code at zero, before the self-test has measured the offset.
     pub sense_mid_code: u16,
-    /// The largest sense code.
+    /// Largest sense code.
     pub sense_max_code: u16,
-    /// Volts at the amplifier's output per drive code.
+    /// Voltage at the amplifier's output per drive code, V.
     #[setting(min = 1e-9, max = 1e3, key = 3, scale)]
     pub drive_volt_per_lsb: f32,
-    /// The drive code at zero volts.
+    /// Drive code at zero volts.
     pub drive_mid_code: u16,
-    /// The largest drive code.
+    /// Largest drive code.
     pub drive_max_code: u16,
-    /// Drive converters, each with its amplifier, that the board has.
+    /// Number of the board's drive converters, each with its amplifier.
     #[setting(min = 1, max = 4)]
     pub drive_lanes: u8,
-    /// Belt that passes from one count of its encoder to the next, m. Absent: there is no encoder.
+    /// Length of belt per count of its encoder, m. Absent: there is no encoder.
     #[setting(min = 0.9e-7, max = 1.1e-2, key = 56)]
     pub metre_per_count: Option<f32>,
     /// Bandwidth of the force channel, Hz. Absent: there is no force channel.
     #[setting(min = 1.0, max = 1e5, key = 58)]
     pub force_hz: Option<f32>,
-    /// Force per code of the force channel, N, where the board converts it. Absent: there is no force channel.
+    /// Force per code of the force channel, N, if the board converts it. Absent: there is no force
+    /// channel.
     #[setting(min = 1e-9, max = 1e3, key = 57)]
     pub newton_per_lsb: Option<f32>,
 }
 
 #[cfg(test)]
 impl FrontEnd {
-    /// The front end of the unit tests: converters of 12 bits, four lanes, no encoder and no force channel.
+    /// Front end of the unit tests: converters of 12 bits, four lanes, no encoder and no force
+    /// channel.
     pub(crate) const OF_TESTS: Self = FrontEnd {
         volt_per_lsb: 0.01,
         ampere_per_lsb: 0.002,

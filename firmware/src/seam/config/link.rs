@@ -1,13 +1,15 @@
-//! What a user sets of the link.
+//! Settings of the link to the host.
 
 use config_macro::settings;
 use serde::{Deserialize, Serialize};
 
-/// The link to the host. A host that vanishes silences the drive: that it goes on for ever has to be chosen.
+/// Link to the host. If the host disappears, the drive is silenced; a drive without a timeout must
+/// be chosen.
 #[settings(table = "link")]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Link {
-    /// How long the host may be silent while the drive is on, s; zero is for ever. Until an order says otherwise.
+    /// Longest time for which the host may be silent while the drive is on, s; zero is unlimited.
+    /// An order may change it.
     #[setting(default = 1.0, min = 0.0, max = 3600.0, key = 21)]
     pub patience_s: f32,
 }

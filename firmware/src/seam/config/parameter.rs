@@ -1,9 +1,9 @@
-//! A setting that a host may set over the link, for the time after the next reset.
+//! Parameters: settings that a host may set over the link, effective after the next reset.
 
 use crate::seam::config::Config;
 use crate::seam::refusal::Refusal;
 
-/// Keys of parameters on which others depend, or which depend on others.
+/// Keys of parameters that are related to others.
 pub mod keys {
     /// `limits.belt_stop_ms`.
     pub const BELT_STOP: u8 = 13;
@@ -35,14 +35,14 @@ pub mod keys {
     pub const RESTRAINT_ENABLED: u8 = 83;
 }
 
-/// A number of the configuration.
+/// Numeric setting of the configuration.
 #[derive(Clone, Copy)]
 pub struct Parameter {
-    /// Key of the parameter on the link and in the stored settings; never used again for another one.
+    /// Key of the parameter on the link and in the stored settings; never reused for another one.
     pub key: u8,
     /// Path of the setting in the configuration, with its unit.
     pub name: &'static str,
-    /// Range of the values that the parameter may have.
+    /// Range of allowed values.
     pub range: Range,
     /// Reads the parameter from a configuration.
     pub read: fn(&Config) -> f32,
@@ -50,35 +50,37 @@ pub struct Parameter {
     pub write: fn(&mut Config, f32),
 }
 
-/// A table that a configuration may be without.
+/// Optional table of a configuration.
 pub(crate) trait Optional: Sized + 'static {
-    /// The table's parameters where there is none.
+    /// Values of the parameters if the table is absent.
     const DEFAULT: Self;
 
-    /// The table of a configuration.
+    /// Returns the table of a configuration.
     fn of(config: &Config) -> Option<&Self>;
 
-    /// The table of a configuration, to be changed.
+    /// Returns the table of a configuration, to be changed.
     fn of_mut(config: &mut Config) -> Option<&mut Self>;
 }
 
-/// The values that a parameter may have.
+/// Range of allowed values of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
-    /// From the first to the second.
+    /// From the first value to the second.
     Within(f32, f32),
-    /// A scale factor of the front end, from the first to the second. The ceilings of the limits that are judged by it follow it.
+    /// A scale factor of the front end, from the first value to the second. It also scales the
+    /// ceilings of the limits that depend on it.
     Scale(f32, f32),
-    /// A limit, from the first to its ceiling, and not beyond the second; the ceiling may be infinity, which is no limit.
+    /// A limit, from the first value to its ceiling, but not beyond the second. An infinite ceiling
+    /// means no limit.
     UpToCeiling(f32, f32),
-    /// One of these, by its place.
+    /// One of these names, by its index.
     Choice(&'static [&'static str]),
-    /// A whole number from the first to the second.
+    /// A whole number from the first value to the second.
     Whole(u8, u8),
 }
 
 impl Range {
-    /// The smallest and the largest value, where this is the ceiling of a limit.
+    /// Returns the smallest and the largest value. `ceiling` applies to a limit.
     pub fn of(self, ceiling: f32) -> (f32, f32) {
         match self {
             Range::Within(least, most) | Range::Scale(least, most) => (least, most),
@@ -89,19 +91,19 @@ impl Range {
     }
 }
 
-/// A setting that is one of a few, which have names in a scene and places over the link.
+/// Setting with a few values, which have names in a scene and indices on the link.
 pub(crate) trait Choice: Copy + PartialEq + 'static {
-    /// All of them.
+    /// All values.
     const ALL: &'static [Self];
-    /// Their names, as a scene has them.
+    /// Names of the values in a scene.
     const NAMES: &'static [&'static str];
 
-    /// The place of this one.
+    /// Returns the index of this value.
     fn place(self) -> f32 {
         Self::ALL.iter().position(|choice| *choice == self).unwrap_or(0) as f32
     }
 
-    /// The one at a place; the first where there is none.
+    /// Returns the value at an index; the first value if the index is out of range.
     fn at(place: f32) -> Self {
         Self::ALL.get(place as usize).copied().unwrap_or(Self::ALL[0])
     }
@@ -113,17 +115,18 @@ impl Choice for bool {
 }
 
 impl Parameter {
-    /// A parameter that is true or false.
+    /// Creates a parameter that is true or false.
     pub(crate) const fn flag(key: u8, name: &'static str, read: fn(&Config) -> f32, write: fn(&mut Config, f32)) -> Self {
         Parameter { key, name, range: Range::Choice(<bool as Choice>::NAMES), read, write }
     }
 
-    /// Whether it is a limit: what is stored of it is never exceeded.
+    /// Returns `true` if the parameter is a limit: the stored value is never exceeded.
     pub fn is_limit(&self) -> bool {
         matches!(self.range, Range::UpToCeiling(..))
     }
 
-    /// Refuses a value that it may not have, where `built_in` is built in, or of a limit its ceiling. That is never refused.
+    /// Checks that a value is allowed. `built_in` is the built-in value, or the ceiling of a limit;
+    /// it is always allowed.
     pub fn check(&self, value: f32, built_in: f32) -> Result<(), Refusal> {
         let (least, most) = self.range.of(built_in);
         let is_whole = !matches!(self.range, Range::Choice(_) | Range::Whole(..)) || value == libm::truncf(value);

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::Choice;
 use crate::seam::block::MAX_LANES;
 
-/// The most frequencies at which lanes are calibrated.
+/// Largest number of frequencies at which lanes are calibrated.
 pub const MAX_TRIM_POINTS: usize = 5;
 
 /// Lane offsets and trims of a multi-phase drive.
@@ -19,7 +19,8 @@ pub struct Phasing {
     /// Turning direction of a four-phase drive.
     #[setting(default, key = 63)]
     pub direction: Direction,
-    /// How far lanes 1 and 3 lead lanes 0 and 2, turns: a quarter runs forward, zero stands. Takes the place of `direction`.
+    /// Phase by which lanes 1 and 3 lead lanes 0 and 2, turns: 0.25 runs forward, zero is a
+    /// standing wave. Replaces `direction`.
     #[setting(scene, min = -0.25, max = 0.25)]
     pub quadrature_turns: Option<f32>,
     /// Phase correction of each lane, turns.
@@ -28,19 +29,21 @@ pub struct Phasing {
     /// Gain correction of each lane.
     #[setting(min = 0.0, max = 2.0)]
     pub gain_trim: Vec<f32, MAX_LANES>,
-    /// First measure what each lane adds, and trim the lanes by it; then run. The controller listens to one lane after the other, at
-    /// `drive.scan_v` and over the window of `tracking.span`. Windows of a burst count from its beginning all the same.
+    /// Calibrates the lanes before the run: measures each lane and trims it. The controller listens
+    /// to one lane after the other, at `drive.scan_v` and over the window of `tracking.span`. The
+    /// windows of a burst count from the start of the calibration.
     #[setting(scene, default)]
     pub calibrate: bool,
-    /// The other lanes are watched beside the first: faults 24 and 29. Needs the multiplexer at the sense channels. Of a stator; a stack hangs on the first lane alone.
+    /// Checks the other lanes in addition to the first: faults 24 and 29. Needs the multiplexer at
+    /// the sense channels. For a stator; a stack is connected to the first lane only.
     #[setting(default = true, key = 92)]
     pub watch: bool,
-    /// What a calibration has found, on top of these.
+    /// Trims from a calibration, in addition to these.
     #[setting(controller)]
     pub calibration: Vec<TrimPoint, MAX_TRIM_POINTS>,
 }
 
-/// Trims of all lanes at rising frequencies; straight lines between them, and the nearest beyond.
+/// Trims of all lanes at rising frequencies: interpolated between them, constant beyond them.
 pub type LaneTrims = Vec<TrimPoint, MAX_TRIM_POINTS>;
 
 /// Trims of all lanes at one frequency.
@@ -48,16 +51,16 @@ pub type LaneTrims = Vec<TrimPoint, MAX_TRIM_POINTS>;
 pub struct TrimPoint {
     /// Frequency at which the trims were measured, Hz.
     pub hz: f32,
-    /// Trims, lane by lane.
+    /// Trims of lanes 0 to 3.
     pub lanes: [Trim; MAX_LANES],
 }
 
 /// Correction of one lane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trim {
-    /// Added to the lane's phase, turns.
+    /// Phase added to that of the lane, turns.
     pub phase_turns: f32,
-    /// Multiplies the lane's gain.
+    /// Factor of the lane's gain.
     pub gain: f32,
 }
 

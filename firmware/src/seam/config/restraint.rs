@@ -1,34 +1,35 @@
-//! When a crash makes friction LOW.
+//! Conditions under which a crash makes friction LOW.
 
 use config_macro::settings;
 use serde::{Deserialize, Serialize};
 
 use super::{Config, Optional};
 
-/// When a crash makes the friction of a D-ring LOW: once, for a light occupant, and never back.
+/// Conditions under which a crash makes the friction of a D-ring LOW: once, for a light occupant,
+/// and never HIGH again.
 #[settings(table = "restraint", scene = Restraint, optional)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Restraint {
-    /// Belt force that is a crash, N. Needs `sensors.force_hz`.
+    /// Belt force above which there is a crash, N. Needs `sensors.force_hz`.
     #[setting(default = 1000.0, min = 1.0, max = 1e5, key = 84)]
     pub sensed_n: f32,
-    /// How long it must last, ms.
+    /// Time for which the force must last, ms.
     #[setting(default = 0.5, min = 0.0, max = 100.0, key = 85)]
     pub confirm_ms: f32,
-    /// How long after that LOW may come at the latest, ms.
+    /// Latest time of LOW after the confirmed crash, ms.
     #[setting(default = 40.0, min = 0.0, max = 1e3, key = 86)]
     pub latest_ms: f32,
-    /// Belt force from which on LOW would come too late, N.
-    // What the limiter lets through at LOW is reached.
+    /// Belt force above which LOW would come too late, N.
+    // The force that the limiter transmits at LOW is then already reached.
     #[setting(default = 3000.0, min = 1.0, max = 1e5, key = 87)]
     pub latest_n: f32,
     /// Torso mass below which the occupant is light, kg.
     #[setting(default = 17.5, min = 0.0, max = 1e3, key = 88)]
     pub light_below_kg: f32,
-    /// The smallest torso mass that the seat can have read, kg.
+    /// Smallest plausible torso mass from the seat, kg.
     #[setting(default = 5.0, min = 0.0, max = 1e3, key = 89)]
     pub least_kg: f32,
-    /// The largest torso mass that the seat can have read, kg.
+    /// Largest plausible torso mass from the seat, kg.
     #[setting(default = 60.0, min = 0.0, max = 1e3, key = 90)]
     pub most_kg: f32,
 }
@@ -58,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parameters_of_no_restraint_are_its_defaults() {
+    fn parameters_without_a_restraint_are_its_defaults() {
         assert_eq!(Restraint::DEFAULT, Restraint::default());
     }
 }

@@ -1,4 +1,4 @@
-//! What the frequency does while running.
+//! Sweep of the frequency in a run.
 
 use config_macro::settings;
 #[cfg(feature = "scene")]
@@ -7,42 +7,42 @@ use serde::{Deserialize, Serialize};
 
 use super::{Choice, Config, Optional, Parameter, Range, keys};
 
-/// What the frequency does while running.
+/// Sweep of the frequency in a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Sweep {
-    /// The frequency stays where it is tracked, or where it was put.
+    /// The frequency is the tracked one, or the nominal one.
     #[default]
     Hold,
     /// The frequency follows a chirp.
     Chirp(Chirp),
 }
 
-/// A chirp while running.
+/// Chirp in a run.
 #[settings(table = "sweep", scene = Sweep, optional)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Chirp {
-    /// How it gets from one end to the other.
+    /// Law of the frequency from one end to the other.
     #[setting(default, key = 69)]
     pub kind: ChirpKind,
-    /// Where it begins, Hz; about a resonance, as an offset from it.
+    /// Start frequency, Hz; about a resonance, the offset from it.
     #[setting(min = -450e3, max = 450e3, key = 70)]
     pub start_hz: f32,
-    /// Where it ends, Hz.
+    /// End frequency, Hz; about a resonance, the offset from it.
     #[setting(min = -450e3, max = 450e3, key = 71)]
     pub stop_hz: f32,
-    /// How long that takes, s; whole blocks.
+    /// Duration of the chirp, s; rounded to whole blocks.
     #[setting(min = 1e-5, max = 1e5)]
     pub time_s: f64,
-    /// What follows the end of the chirp.
+    /// Behaviour after the end of the chirp.
     #[setting(default, key = 72)]
     pub then: Then,
-    /// What the frequencies count from.
+    /// Reference of the frequencies.
     #[setting(default, key = 73)]
     pub around: Around,
 }
 
 impl Chirp {
-    /// The time as a parameter: zero is no chirp. Rounded to a millionth of it, of which single precision has room for no more.
+    /// Duration as a parameter; zero means no chirp. Rounded to single precision.
     pub(crate) const TIME: &'static [Parameter] = &[Parameter {
         key: keys::SWEEP_TIME,
         name: Self::TIME_S.name,
@@ -72,7 +72,7 @@ impl Optional for Chirp {
     }
 }
 
-/// How a chirp gets from one end to the other.
+/// Law of the frequency in a chirp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "scene", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -84,7 +84,7 @@ pub enum ChirpKind {
     Exponential,
 }
 
-/// What follows the end of a chirp.
+/// Behaviour after the end of a chirp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "scene", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -94,19 +94,19 @@ pub enum Then {
     Hold,
     /// The same chirp is repeated.
     Repeat,
-    /// The way back, and so on.
+    /// The chirp runs back and forth.
     UpDown,
 }
 
-/// What the frequencies of a chirp count from.
+/// Reference of the frequencies of a chirp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "scene", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Around {
-    /// From 0 Hz. Nothing is tracked.
+    /// Frequencies are absolute. Nothing is tracked.
     #[default]
     Zero,
-    /// From the resonance, which is tracked meanwhile. Linear only.
+    /// Frequencies are offsets from the resonance, which is tracked during the chirp. Linear only.
     Resonance,
 }
 

@@ -1,21 +1,25 @@
-//! Is the loop locked?
+//! The lock detector.
 //!
-//! Locked: the phase stays within 5 degrees for [`LOCK_BLOCKS`]. Lost: it stays beyond 45 degrees for the time a load step
-//! may take to settle, longer than any that is followed. In between, the last verdict stands.
+//! Locked: the phase stays within 5 degrees for [`LOCK_BLOCKS`]. Lost: it stays beyond 45 degrees
+//! for longer than the settling time of any load step that is followed. In between, the state is
+//! kept.
 
 use crate::seam::units::Turns;
 
-/// Blocks within the inner bound that make a lock.
+/// Number of consecutive blocks within the inner bound that make a lock.
 pub(crate) const LOCK_BLOCKS: u32 = 8;
+/// Largest phase of a lock, turns.
 const INNER_TURNS: f32 = 5.0 / 360.0;
+/// Phase beyond which a lock is lost, turns.
 const OUTER_TURNS: f32 = 45.0 / 360.0;
-/// How long the phase may be beyond the outer bound, in time constants of the resonance and at least, in blocks.
+/// Time beyond the outer bound after which a lock is lost, time constants of the resonance.
 const LOST_TIME_CONSTANTS: f32 = 4.0;
+/// Smallest number of blocks beyond the outer bound after which a lock is lost.
 const LOST_BLOCKS: u32 = 80;
-/// Blocks outside that one between the bounds makes up for.
-const FORGIVEN: u32 = 4;
+/// Number of outside blocks cancelled by a block between the bounds.
+const CANCELLED_BLOCKS: u32 = 4;
 
-/// State of the lock, by the phase.
+/// State of the lock, from the phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lock {
     /// The lock is being acquired.
@@ -26,7 +30,7 @@ pub(crate) enum Lock {
     Lost,
 }
 
-/// The detector.
+/// State of the detector.
 #[derive(Clone, Debug)]
 pub(crate) struct LockDetector {
     lost_blocks: u32,
@@ -42,7 +46,7 @@ impl Default for LockDetector {
 }
 
 impl LockDetector {
-    /// Starts seeking, on a resonance with this time constant, in blocks.
+    /// Starts to seek on a resonance with this time constant, blocks.
     pub(crate) fn restart(&mut self, time_constant_blocks: f32) {
         *self = LockDetector {
             lost_blocks: LOST_BLOCKS.max((LOST_TIME_CONSTANTS * time_constant_blocks) as u32),
@@ -50,15 +54,15 @@ impl LockDetector {
         };
     }
 
-    /// Takes one block's phase.
+    /// Takes one block's phase, and returns the state.
     pub(crate) fn update(&mut self, phase: Turns) -> Lock {
         let size = phase.0.abs();
         self.inside = if size < INNER_TURNS { self.inside.saturating_add(1) } else { 0 };
         self.outside = match size {
             size if size > OUTER_TURNS => self.outside.saturating_add(1),
             size if size < INNER_TURNS => 0,
-            // A phase that passes by on its way from one side to the other forgives little.
-            _ => self.outside.saturating_sub(FORGIVEN),
+            // A phase that only passes from one side to the other cancels few blocks.
+            _ => self.outside.saturating_sub(CANCELLED_BLOCKS),
         };
         if self.inside >= LOCK_BLOCKS {
             self.state = Lock::Locked;
@@ -68,12 +72,12 @@ impl LockDetector {
         self.state
     }
 
-    /// Whether the last phase was within the outer bound.
+    /// Returns `true` if no block counts as outside.
     pub(crate) fn agrees(&self) -> bool {
         self.outside == 0
     }
 
-    /// The verdict so far.
+    /// Returns the present state.
     pub(crate) fn state(&self) -> Lock {
         self.state
     }
@@ -84,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn locks_inside_and_forgives_a_step() {
+    fn locks_inside_and_tolerates_a_step() {
         let mut detector = LockDetector::default();
         (0..LOCK_BLOCKS).for_each(|_| assert_ne!(detector.update(Turns(0.01)), Lock::Lost));
         assert_eq!(detector.state(), Lock::Locked);

@@ -1,35 +1,39 @@
-//! When the observer is trusted: from when on, and when no longer.
+//! Use of the observer: from its start to a lock, and the next attempts after a lost lock.
 //!
-//! It leads as soon as its deviation is small enough to be worth following, and is locked when that has been within 5 degrees of motional phase for
-//! 8 blocks. Wherever the drive is no sine, the [phase loop](super::phase_loop) leads.
+//! The observer sets the frequency as soon as its deviation is small enough. It is locked when the
+//! deviation has been below 5 degrees of motional phase for 8 blocks. If the drive is not a sine,
+//! the [phase loop](super::phase_loop) sets the frequency.
 //!
-//! A lock that is lost, or not found in time, is sought again: nearby, then in the whole window, then from the self-test on, which names what
-//! has broken, and then by a scan.
+//! A lock that is lost, or not found in time, is sought again: nearby, then in the whole window,
+//! then after another self-test, which identifies the broken part, and at last by a scan.
 
 use crate::seam::phasor::Phasor;
 use crate::track::tracker::PlayedBlock;
 use crate::track::tracker::lock_detector::LOCK_BLOCKS;
 use crate::track::tracker::observer::{Observer, Played, Prior};
 
-/// Deviation, relative to the nominal frequency, below which the estimate is worth following.
-const WORTH: f32 = 5e-3;
-/// A lock is within 5 degrees of motional phase, rad, or within this part of the frequency if that is more.
-const INNER: (f32, f32) = (0.087_488_66, 1e-4);
-/// So many times below the nominal Q, which may be wrong by two and loaded by a few, there is nothing left to lock to.
-const LEAST_Q: f32 = 10.0;
-/// Blocks that the observer may take to lock.
-const TIMEOUT: u32 = 128;
-/// Blocks for which a lock may stand at the edge of the window that has gone there before it could have timed out.
-const AT_EDGE: u32 = 256;
-/// A lock that was lost sooner than this, in blocks, is not sought the same way again.
-const LASTED: u32 = 3000;
-/// How far from where it was a resonance is sought first that was lost, or that is driven again, relative to the frequency.
-pub(crate) const NEARBY: f32 = 5e-3;
+/// Deviation below which the drive follows the estimate, relative to the nominal frequency.
+const FOLLOW_DEVIATION_REL: f32 = 5e-3;
+/// Largest deviation of a lock, rad of motional phase: 5 degrees.
+const LOCK_DEVIATION_RAD: f32 = 0.087_488_66;
+/// Largest deviation of a lock relative to the nominal frequency, if that is more.
+const LOCK_DEVIATION_REL: f32 = 1e-4;
+/// Factor below the nominal Q at which there is nothing to lock to: the nominal Q may be wrong by
+/// two, and the load may lower it a few times.
+const MAX_Q_RATIO: f32 = 10.0;
+/// Longest time until a lock, driven blocks.
+const TIMEOUT_BLOCKS: u32 = 128;
+/// Longest time at the edge of the window of a lock that has gone there within its timeout, blocks.
+const EDGE_BLOCKS: u32 = 256;
+/// Shortest duration of a lock, blocks, after which it is sought nearby again.
+const LASTED_BLOCKS: u32 = 3000;
+/// Standard deviation of a resonance that was lost or is driven again, relative to the frequency.
+pub(crate) const NEARBY_REL: f32 = 5e-3;
 
-/// Where a lock is sought.
+/// Kind of an attempt to lock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Retry {
-    /// Where the lock was lost.
+    /// Near the lost lock.
     Nearby,
     /// In the whole window.
     Window,
@@ -39,43 +43,47 @@ pub(crate) enum Retry {
     Scan,
 }
 
-/// The observer, and how far it is trusted.
+/// Observer, with the state of its lock.
 #[derive(Clone, Debug)]
 pub(crate) struct Observed {
     observer: Observer,
     nominal_hz: f32,
     window_hz: f32,
-    /// [`WORTH`] and [`INNER`] of it, Hz.
-    worth_hz: f32,
-    inner_hz: f32,
+    /// [`FOLLOW_DEVIATION_REL`] of the nominal frequency, Hz.
+    follow_hz: f32,
+    /// [`LOCK_DEVIATION_REL`] of the nominal frequency, Hz.
+    lock_hz: f32,
     prior: Prior,
     seek: Retry,
-    shown_hz: f32,
-    /// Blocks since it began, those at the end of which it was within the bound of a lock, and those at the edge of the window.
+    followed_hz: f32,
+    /// Driven blocks since the start.
     blocks: u32,
+    /// Consecutive driven blocks within the bound of a lock.
     inside: u32,
+    /// Consecutive driven blocks at the edge of the window.
     at_edge: u32,
     locked: bool,
     confident: bool,
-    /// The last block was of a sine.
+    /// `true` if the last block was a sine.
     pure: bool,
-    /// What the least Q that may be locked to decays by in a block.
+    /// Decay per block of the smallest Q that may be locked to.
     most_decay: f32,
 }
 
 impl Observed {
-    /// For a nominal frequency and a window of `window_hz` to each side, with a block every `block_s` seconds.
+    /// Creates the observer for a nominal frequency, a window of ± `window_hz` and blocks of
+    /// `block_s`, s.
     pub(crate) fn new(nominal_hz: f32, block_s: f32, window_hz: f32) -> Self {
         let prior = Prior { offset_hz: (0.0, 0.0), q: 1.0, lm_h: (1.0, 0.1), axis: Phasor::new(1.0, 0.0), noise_a: 1.0 };
         Observed {
             observer: Observer::new(nominal_hz, block_s),
             nominal_hz,
             window_hz,
-            worth_hz: WORTH * nominal_hz,
-            inner_hz: INNER.1 * nominal_hz,
+            follow_hz: FOLLOW_DEVIATION_REL * nominal_hz,
+            lock_hz: LOCK_DEVIATION_REL * nominal_hz,
             prior,
             seek: Retry::Scan,
-            shown_hz: 0.0,
+            followed_hz: 0.0,
             blocks: 0,
             inside: 0,
             at_edge: 0,
@@ -86,22 +94,22 @@ impl Observed {
         }
     }
 
-    /// Begins with what is known; `seek` says how that has come about.
+    /// Starts from a prior; `seek` is the kind of the attempt.
     pub(crate) fn start(&mut self, prior: &Prior, seek: Retry) {
         self.observer.start(prior);
-        (self.seek, self.shown_hz) = (seek, prior.offset_hz.0);
-        self.most_decay = LEAST_Q * self.observer.decay_of(prior.q);
+        (self.seek, self.followed_hz) = (seek, prior.offset_hz.0);
+        self.most_decay = MAX_Q_RATIO * self.observer.decay_of(prior.q);
         if seek != Retry::Nearby {
-            // For the next time: the same, anywhere in the window.
+            // The next attempt uses the same prior in the whole window.
             self.prior = Prior { offset_hz: (0.0, self.window_hz), ..*prior };
         }
         (self.blocks, self.inside, self.at_edge, self.locked) = (0, 0, 0, false);
     }
 
-    /// Begins again where there is more hope, and says where; nowhere after a scan.
+    /// Starts the next attempt to lock, and returns its kind; `None` after a scan.
     pub(crate) fn retry_lock(&mut self, was_locked: bool) -> Option<Retry> {
         let next = match self.seek {
-            _ if was_locked && self.blocks > LASTED => Retry::Nearby,
+            _ if was_locked && self.blocks > LASTED_BLOCKS => Retry::Nearby,
             Retry::Nearby => Retry::Window,
             Retry::Window => Retry::Calibrate,
             Retry::Calibrate => Retry::Scan,
@@ -115,25 +123,26 @@ impl Observed {
         Some(next)
     }
 
-    /// Whether its lock has not come from a scan.
-    pub(crate) fn has_a_scan_left(&self) -> bool {
+    /// Returns `true` if the lock does not come from a scan.
+    pub(crate) fn can_scan(&self) -> bool {
         self.seek != Retry::Scan
     }
 
-    /// Leaves the lock to a scan, unless it has come from one. Returns whether it does.
-    pub(crate) fn leave_to_a_scan(&mut self) -> bool {
+    /// Hands the lock over to a scan, unless it comes from one. Returns `true` if a scan must
+    /// follow.
+    pub(crate) fn hand_over_to_scan(&mut self) -> bool {
         core::mem::replace(&mut self.seek, Retry::Scan) != Retry::Scan
     }
 
-    /// The prior for a resonance that is near where it was.
+    /// Returns the prior for a resonance near its last frequency.
     fn nearby(&self) -> Prior {
-        Prior { offset_hz: (self.observer.offset_hz(), NEARBY * self.nominal_hz), ..self.prior }
+        Prior { offset_hz: (self.observer.offset_hz(), NEARBY_REL * self.nominal_hz), ..self.prior }
     }
 
-    /// Begins with the prior that the clamped branch gives, in the whole window or nearby.
+    /// Starts from the prior of the clamped branch, in the whole window or nearby.
     pub(crate) fn start_cold(&mut self, prior: &Prior) {
         let seek = match self.seek {
-            // The second time after a lock was lost.
+            // The second attempt after a lost lock.
             Retry::Calibrate => Retry::Calibrate,
             _ if prior.offset_hz.1 < self.window_hz => Retry::Nearby,
             _ => Retry::Window,
@@ -142,65 +151,69 @@ impl Observed {
         self.start(prior, seek);
     }
 
-    /// Forgets what it was seeking.
+    /// Resets the attempts.
     pub(crate) fn restart(&mut self) {
         (self.seek, self.locked, self.inside) = (Retry::Scan, false, 0);
     }
 
-    /// Follows one block. `fits`: the motional phase, as far as it was measured, does not speak against a lock.
+    /// Follows one block. `fits` is `false` if the measured motional phase contradicts a lock.
     #[inline]
     pub(crate) fn follow(&mut self, motional_current: Phasor, v: Phasor, played: &PlayedBlock, fits: bool) {
         self.pure = played.pure;
         let steady_v = played.envelope.filter(|_| played.pure).map(|envelope| played.volts * envelope);
         self.observer.follow(motional_current, v, Played { offset_hz: played.offset_hz, steady_v });
         self.blocks = self.blocks.saturating_add(played.driven.into());
-        if self.observer.is_within(self.worth_hz) {
-            self.shown_hz = self.observer.ahead_hz();
+        if self.observer.is_within(self.follow_hz) {
+            self.followed_hz = self.observer.ahead_hz();
         }
-        self.confident = self.pure && self.observer.is_as_good_as(INNER.0, self.inner_hz);
+        self.confident = self.pure && self.observer.is_within_phase(LOCK_DEVIATION_RAD, self.lock_hz);
         let within =
-            self.confident && fits && self.observer.decays_by() < self.most_decay && self.shown_hz.abs() < self.window_hz;
-        self.at_edge = if self.shown_hz.abs() < self.window_hz { 0 } else { self.at_edge.saturating_add(played.driven.into()) };
+            self.confident && fits && self.observer.decays_by() < self.most_decay && self.followed_hz.abs() < self.window_hz;
+        self.at_edge =
+            if self.followed_hz.abs() < self.window_hz { 0 } else { self.at_edge.saturating_add(played.driven.into()) };
         self.inside = if within { self.inside.saturating_add(played.driven.into()) } else { 0 };
         self.locked |= self.inside >= LOCK_BLOCKS;
     }
 
-    /// The frequency to drive, as an offset from the nominal one, Hz; `None` where the phase loop is to lead.
+    /// Returns the frequency to drive, as an offset from the nominal one, Hz; `None` if the phase
+    /// loop must set it.
     pub(crate) fn offset_hz(&self) -> Option<f32> {
-        self.pure.then_some(self.shown_hz)
+        self.pure.then_some(self.followed_hz)
     }
 
-    /// It has locked.
+    /// Returns `true` if the observer has locked.
     pub(crate) fn locked(&self) -> bool {
         self.locked
     }
 
-    /// It is sure of itself, whatever else speaks against it.
+    /// Returns `true` if the deviation is small enough for a lock, even if the motional phase
+    /// disagrees.
     pub(crate) fn is_confident(&self) -> bool {
         self.confident
     }
 
-    /// It is sure of itself, and has been for some blocks in which nothing spoke against it.
+    /// Returns `true` if the last blocks, enough for a lock, were within its bound and not
+    /// contradicted.
     pub(crate) fn has_converged(&self) -> bool {
         self.inside >= LOCK_BLOCKS
     }
 
-    /// A lock that has gone to the edge of the window so soon was none.
+    /// Returns `true` for a false lock: it went to the edge of the window soon after the start.
     pub(crate) fn is_astray(&self) -> bool {
-        self.at_edge > AT_EDGE && self.blocks < TIMEOUT + AT_EDGE
+        self.at_edge > EDGE_BLOCKS && self.blocks < TIMEOUT_BLOCKS + EDGE_BLOCKS
     }
 
-    /// It has taken too long.
+    /// Returns `true` if the attempt has taken too long.
     pub(crate) fn timed_out(&self) -> bool {
-        self.blocks > TIMEOUT
+        self.blocks > TIMEOUT_BLOCKS
     }
 
-    /// Takes a quality factor that was measured at the resonance, and its standard deviation.
+    /// Applies a quality factor measured at the resonance, with its standard deviation.
     pub(crate) fn take_q(&mut self, q: (f32, f32)) {
         self.observer.take_q(q);
     }
 
-    /// The observer.
+    /// Returns the observer.
     pub(crate) fn observer(&self) -> &Observer {
         &self.observer
     }

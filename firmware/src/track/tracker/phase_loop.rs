@@ -1,8 +1,9 @@
-//! Phase-locked PI, normalised by Q.
+//! A phase-locked PI loop, normalised by Q.
 //!
-//! About the resonance, the phase answers a detuning as `phi = -2 pi tau df / (1 + tau s)`, `tau = Q / (pi f)`. A PI with
-//! its zero at `1 / tau`, `Kp = B` Hz/rad and `Ki = B / tau`, cancels that pole and leaves a first-order loop of bandwidth
-//! `B` at any Q. The blocks on the way (three of 32 us) cost 0.1 rad of phase margin at B = 200 Hz.
+//! Near the resonance the phase answers a detuning with `phi = -2 pi tau df / (1 + tau s)`,
+//! `tau = Q / (pi f)`. A PI with its zero at `1 / tau`, `Kp = B` Hz/rad and `Ki = B / tau`, cancels
+//! that pole and leaves a first-order loop of bandwidth `B` at any Q. The delay of three blocks of
+//! 32 us costs 0.1 rad of phase margin at B = 200 Hz.
 
 use crate::seam::compare::within;
 use crate::seam::config::Tracking;
@@ -10,21 +11,21 @@ use crate::seam::error::Error;
 use crate::seam::phasor::{Phasor, argument};
 use crate::seam::units::Turns;
 
-/// The loop.
+/// State of the loop.
 #[derive(Clone, Debug)]
 pub(crate) struct PhaseLoop {
     window_hz: f32,
     bandwidth_hz: f32,
     block_s: f32,
-    /// `block_s / tau`: how far the integral follows the proportional part in one block.
+    /// `block_s / tau`: change of the integral in one block, relative to the proportional part.
     integral_gain: f32,
     integral_hz: f32,
-    /// The last output, offset from the nominal frequency.
+    /// Last output, as an offset from the nominal frequency, Hz.
     offset_hz: f32,
 }
 
 impl PhaseLoop {
-    /// A loop about `frequency_hz`, updated every `block_s` seconds.
+    /// Builds a loop around `frequency_hz`, updated every `block_s` seconds.
     pub(crate) fn build(tracking: &Tracking, frequency_hz: f32, block_s: f32) -> Result<Self, Error> {
         Tracking::BANDWIDTH_HZ.check_within(tracking.bandwidth_hz.into(), 0.0, 0.02 / f64::from(block_s))?;
         Ok(PhaseLoop {
@@ -37,56 +38,58 @@ impl PhaseLoop {
         })
     }
 
-    /// Starts from a known resonance: its offset from the nominal frequency and its time constant.
+    /// Starts at a known resonance: its offset from the nominal frequency, Hz, and its time
+    /// constant, s.
     pub(crate) fn seed(&mut self, offset_hz: f32, time_constant_s: f32) {
         self.integral_hz = offset_hz;
         self.offset_hz = offset_hz;
         self.integral_gain = self.block_s / time_constant_s;
     }
 
-    /// Follows one block's phase error and returns it.
+    /// Updates the loop with one block's phase error, and returns the phase.
     pub(crate) fn update(&mut self, error: Phasor) -> Turns {
         let phase = argument(error);
         let proportional = self.bandwidth_hz * core::f32::consts::TAU * phase.0;
-        // The integral is clamped to the window, which is all the anti-windup a first-order loop needs.
+        // The integral is clamped to the window: sufficient anti-windup for a first-order loop.
         self.integral_hz = within(self.integral_hz + self.integral_gain * proportional, -self.window_hz, self.window_hz);
         self.offset_hz = within(self.integral_hz + proportional, -self.window_hz, self.window_hz);
         phase
     }
 
-    /// The resonance now has another time constant.
+    /// Sets the time constant of the resonance, s.
     pub(crate) fn set_time_constant(&mut self, time_constant_s: f32) {
         self.integral_gain = self.block_s / time_constant_s;
     }
 
-    /// Goes along with who leads, so that it could take over at any time, and returns one block's phase error.
+    /// Follows the observer's frequency, so that the loop can take over at any time, and returns
+    /// the phase of one block.
     pub(crate) fn accompany(&mut self, error: Phasor, offset_hz: f32) -> Turns {
         self.integral_hz = within(offset_hz, -self.window_hz, self.window_hz);
         self.offset_hz = self.integral_hz;
         argument(error)
     }
 
-    /// Forgets the proportional part: the frequency to hold while there is nothing to follow.
+    /// Drops the proportional part: the integral is the frequency to hold without a measured phase.
     pub(crate) fn hold(&mut self) {
         self.offset_hz = self.integral_hz;
     }
 
-    /// The largest offset, Hz.
+    /// Returns the largest offset, Hz.
     pub(crate) fn window_hz(&self) -> f32 {
         self.window_hz
     }
 
-    /// The frequency to drive, as an offset from the nominal one, Hz.
+    /// Returns the frequency to drive, as an offset from the nominal one, Hz.
     pub(crate) fn offset_hz(&self) -> f32 {
         self.offset_hz
     }
 
-    /// The smoothed frequency estimate, as an offset from the nominal one, Hz.
+    /// Returns the smoothed frequency estimate, as an offset from the nominal one, Hz.
     pub(crate) fn estimate_hz(&self) -> f32 {
         self.integral_hz
     }
 
-    /// Whether the window stops the loop from going where it wants.
+    /// Returns `true` if the window limits the loop.
     pub(crate) fn limited(&self) -> bool {
         self.offset_hz.abs() >= self.window_hz
     }
@@ -99,8 +102,8 @@ mod tests {
 
     const BLOCK_S: f32 = 32e-6;
 
-    /// Closes the loop on the linear phase response of a resonance `detuning` away, with two blocks of delay, and
-    /// returns how many blocks it takes to stay within `tolerance_hz`.
+    /// Closes the loop on the linear phase response of a resonance `detuning` away, with two blocks
+    /// of delay. Returns the number of blocks until it stays within `tolerance_hz`.
     fn settle(q: f32, assumed_q: f32, detuning: f32, tolerance_hz: f32) -> usize {
         let tracking = Tracking {
             mode: TrackingMode::PhaseLock,

@@ -1,18 +1,18 @@
-//! Priors: the knowledge with which an observer begins.
+//! Prior of the observer.
 
 use crate::seam::phasor::Phasor;
 
-/// What is known before the start.
+/// Knowledge of the resonance before the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prior {
-    /// Offset from the nominal frequency, Hz, and how far off that may be.
+    /// Offset from the nominal frequency, and its standard deviation, Hz.
     pub offset_hz: (f32, f32),
-    /// Quality factor, within a factor of two.
+    /// Quality factor, known to a factor of two.
     pub q: f32,
-    /// Motional inductance, H, and its standard deviation.
+    /// Motional inductance, and its standard deviation, H.
     pub lm_h: (f32, f32),
     /// Direction of the motional admittance at resonance.
     pub axis: Phasor,
-    /// Rms of a block's motional current by noise, A, both components.
+    /// Rms noise of a block's motional current, A, of both components together.
     pub noise_a: f32,
 }

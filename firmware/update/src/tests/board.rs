@@ -1,4 +1,5 @@
-//! A board of flash only: a first stage, an image that receives updates, and a host.
+//! Simulated board that consists only of flash: a first stage, an image that receives updates, and
+//! a host.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -8,7 +9,7 @@ use std::vec::Vec;
 use firmware::board::update::{CHUNK, Standing, UpdateState, UpdateVerb, Updates as _};
 use firmware::seam::refusal::Refusal;
 
-use super::flash::{Area, PAGE, Part, Torn};
+use super::flash::{Area, DamagedRead, FlashPart, PAGE_BYTES};
 use crate::check::{Depth, Target};
 use crate::first_stage::{Decision, decide};
 use crate::identity::{Identity, board};
@@ -16,88 +17,89 @@ use crate::key::{DEVELOPMENT, DEVELOPMENT_SEED};
 use crate::manifest::{MANIFEST, Manifest};
 use crate::receive::Receiver;
 
-/// Pages of the slot; the store has one more.
-pub const SLOT: usize = 5;
+/// Number of pages of the slot; the store has one more.
+pub const SLOT_PAGES: usize = 5;
 pub const ORIGIN: u32 = 0x0800_4200;
 pub const PROTOCOL: u8 = 2;
-/// Bytes of both images: most of the slot, and no whole number of words.
-const LENGTH: usize = SLOT * PAGE - MANIFEST - 77;
+/// Length of both images, bytes: most of the slot, and not a whole number of words.
+const IMAGE_BYTES: usize = SLOT_PAGES * PAGE_BYTES - MANIFEST - 77;
 
-/// What a board starts.
+/// Returns the requirements of the board.
 pub fn target() -> Target {
-    let room = (SLOT * PAGE - MANIFEST) as u32;
+    let room = (SLOT_PAGES * PAGE_BYTES - MANIFEST) as u32;
     Target { board: board("test-board"), origin: ORIGIN, room, key: DEVELOPMENT }
 }
 
-/// The manifest of an image of this version, not signed, and the image.
+/// Returns an image of this version and its manifest without a signature.
 pub fn image(version: u16) -> (Manifest, Vec<u8>) {
-    let bytes: Vec<u8> = (0..LENGTH).map(|n| (n * usize::from(version) % 251) as u8).collect();
+    let bytes: Vec<u8> = (0..IMAGE_BYTES).map(|n| (n * usize::from(version) % 251) as u8).collect();
     let identity = Identity { board: board("test-board"), version: [0, 0, version], protocol: PROTOCOL };
     (Manifest::of(identity, ORIGIN, &bytes), bytes)
 }
 
-/// An update file.
+/// Returns an update file.
 pub fn file((manifest, image): (Manifest, Vec<u8>)) -> Vec<u8> {
     [manifest.signed_by(&DEVELOPMENT_SEED).encode().as_slice(), &image].concat()
 }
 
-/// The update to this version, 1 to 3, signed once.
+/// Returns the update to this version, 1 to 3; each is signed only once.
 pub fn update_to(version: u16) -> &'static [u8] {
     static FILES: OnceLock<[Vec<u8>; 3]> = OnceLock::new();
     &FILES.get_or_init(|| [1, 2, 3].map(|version| file(image(version))))[usize::from(version) - 1]
 }
 
-/// The board.
+/// Simulated board.
 #[derive(Clone, Debug)]
 pub struct Board {
-    pub part: Rc<RefCell<Part>>,
+    pub part: Rc<RefCell<FlashPart>>,
 }
 
 impl Board {
-    /// A board with an image of version 1 in its slot.
-    pub fn new(reads: Torn) -> Self {
-        let mut part = Part::new(2 * SLOT + 2, reads);
+    /// Creates a board with an image of version 1 in its slot.
+    pub fn new(reads: DamagedRead) -> Self {
+        let mut part = FlashPart::new(2 * SLOT_PAGES + 2, reads);
         part.load(0, update_to(1));
         Board { part: Rc::new(RefCell::new(part)) }
     }
 
-    /// Another board, in the same state.
+    /// Returns an independent board in the same state.
     pub fn copy(&self) -> Self {
         Board { part: Rc::new(RefCell::new(self.part.borrow().clone())) }
     }
 
     fn area(&self, page: usize, pages: usize) -> Area {
-        Area { part: self.part.clone(), from: page * PAGE, size: pages * PAGE }
+        Area { part: self.part.clone(), from: page * PAGE_BYTES, size: pages * PAGE_BYTES }
     }
 
     pub fn slot(&self) -> Area {
-        self.area(0, SLOT)
+        self.area(0, SLOT_PAGES)
     }
 
     pub fn store(&self) -> Area {
-        self.area(SLOT, SLOT + 1)
+        self.area(SLOT_PAGES, SLOT_PAGES + 1)
     }
 
     pub fn state(&self) -> Area {
-        self.area(2 * SLOT + 1, 1)
+        self.area(2 * SLOT_PAGES + 1, 1)
     }
 
-    /// A reset; the version that starts, `None` where none does or the power goes.
+    /// Resets the board and returns the version that starts. Returns `None` if none starts or if
+    /// the power fails.
     pub fn start(&self) -> Option<u16> {
         let decision = decide(&mut self.slot(), &mut self.store(), &mut self.state(), &target());
         if self.part.borrow().is_off() || decision == Decision::Nothing {
             return None;
         }
-        let manifest = target().image(&mut self.slot(), 0, Depth::Checksum).expect("what starts is whole");
+        let manifest = target().image(&mut self.slot(), 0, Depth::Checksum).expect("a started image is complete");
         Some(manifest.identity.version[2])
     }
 
-    /// The image that runs.
+    /// Returns the receiver of the running image.
     pub fn receiver(&self) -> Receiver<Area, Area> {
         Receiver::new(self.store(), self.state(), self.slot(), target(), PROTOCOL)
     }
 
-    /// Sends an update and has it checked and installed; the state in which that ended.
+    /// Sends an update, then orders its check and its installation. Returns the final state.
     pub fn update(&self, file: &[u8]) -> Result<UpdateState, Refusal> {
         let mut receiver = self.receiver();
         receiver.obey(&UpdateVerb::Begin(file.len() as u32))?;
@@ -112,7 +114,7 @@ impl Board {
             if let state @ UpdateState::Refused(_) = receiver.report().state {
                 return Ok(state);
             }
-            // A copy, as if the answer were lost.
+            // A repeated chunk, as after a lost answer.
             receiver.obey(&write)?;
         }
         receiver.obey(&UpdateVerb::Check)?;
@@ -123,7 +125,7 @@ impl Board {
         Ok(receiver.report().state)
     }
 
-    /// The host has spoken to the image that runs, which serves blocks.
+    /// Confirms the running image, as after a dialogue with the host while blocks are served.
     pub fn confirm(&self) -> Standing {
         let mut receiver = self.receiver();
         receiver.confirm();

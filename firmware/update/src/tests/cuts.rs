@@ -1,23 +1,24 @@
-//! The power goes at each operation of the flash, once or twice: the board starts, the old image or the new one.
+//! Power cuts at each operation of the flash, once or several times: the old or the new image
+//! always starts.
 
 use std::vec::Vec;
 
 use firmware::board::update::{CHUNK, Standing, UpdateState, UpdateVerb, Updates};
 
 use super::board::{Board, target, update_to};
-use super::flash::Torn;
+use super::flash::DamagedRead;
 use crate::check::Depth;
 
-const TORN: [Torn; 2] = [Torn::Zeros, Torn::Bits];
+const DAMAGED_READS: [DamagedRead; 2] = [DamagedRead::Zeros, DamagedRead::Bits];
 
-/// An update from version 1 to 2 until it is confirmed, or until the power goes.
+/// Updates from version 1 to 2 and confirms it, unless the power fails.
 fn update(board: &Board) {
     if board.update(update_to(2)).is_ok() && board.start().is_some() {
         board.confirm();
     }
 }
 
-/// Operations of the flash that something takes.
+/// Returns the number of flash operations of an action.
 fn operations(board: &Board, act: impl Fn(&Board)) -> u64 {
     let board = board.copy();
     let before = board.part.borrow().operations;
@@ -26,7 +27,7 @@ fn operations(board: &Board, act: impl Fn(&Board)) -> u64 {
     after - before
 }
 
-/// The same with the power cut in the operation `n`, counted from one.
+/// Runs an action with the power cut in operation `n`, counted from one.
 fn cut(board: &Board, n: u64, act: impl Fn(&Board)) -> Board {
     let board = board.copy();
     {
@@ -41,32 +42,32 @@ fn cut(board: &Board, n: u64, act: impl Fn(&Board)) -> Board {
 
 #[test]
 fn an_update_starts_on_trial_and_stays_once_confirmed() {
-    let board = Board::new(Torn::Zeros);
+    let board = Board::new(DamagedRead::Zeros);
     assert_eq!(board.start(), Some(1));
     assert_eq!(board.update(update_to(2)), Ok(UpdateState::Marked));
     assert_eq!(board.start(), Some(2));
     assert_eq!(board.confirm(), Standing::Confirmed);
     assert_eq!([board.start(), board.start()], [Some(2); 2]);
-    // And the next one over it.
+    // A further update replaces it.
     assert_eq!(board.update(update_to(3)), Ok(UpdateState::Marked));
     assert_eq!(board.start(), Some(3));
 }
 
 #[test]
 fn an_image_that_is_not_confirmed_is_rolled_back() {
-    let board = Board::new(Torn::Zeros);
+    let board = Board::new(DamagedRead::Zeros);
     board.update(update_to(2)).expect("received");
     assert_eq!([board.start(), board.start(), board.start()], [Some(2), Some(1), Some(1)]);
     let mut receiver = board.receiver();
     assert_eq!(receiver.report().standing, Standing::RolledBack);
-    // It can be updated as before.
+    // The board can still be updated.
     update(&board);
     assert_eq!(board.start(), Some(2));
 }
 
 #[test]
-fn a_cut_at_any_operation_of_an_update_leaves_a_board_that_starts() {
-    for reads in TORN {
+fn the_board_starts_after_a_cut_at_any_operation() {
+    for reads in DAMAGED_READS {
         let fresh = Board::new(reads);
         let mut versions = [0; 3];
         let count = operations(&fresh, update);
@@ -74,7 +75,8 @@ fn a_cut_at_any_operation_of_an_update_leaves_a_board_that_starts() {
             let board = cut(&fresh, n, update);
             let version = board.start().unwrap_or_else(|| panic!("{reads:?}, cut at {n} of {count}: nothing starts"));
             versions[usize::from(version)] += 1;
-            // What the cut has left does not keep the next update from its end: looked at after some, as signatures take their time.
+            // The next update must succeed after any cut. Only some cuts are tested, because
+            // signatures take time.
             board.confirm();
             if n % 16 != 0 {
                 continue;
@@ -88,8 +90,8 @@ fn a_cut_at_any_operation_of_an_update_leaves_a_board_that_starts() {
 }
 
 #[test]
-fn a_cut_at_any_operation_of_the_return_leaves_the_former_image() {
-    for reads in TORN {
+fn a_cut_during_the_rollback_leaves_the_former_image() {
+    for reads in DAMAGED_READS {
         let trial = Board::new(reads);
         trial.update(update_to(2)).expect("received");
         assert_eq!(trial.start(), Some(2));
@@ -103,14 +105,15 @@ fn a_cut_at_any_operation_of_the_return_leaves_the_former_image() {
 }
 
 #[test]
-fn a_second_cut_within_what_follows_the_first_does_no_harm_either() {
+fn further_cuts_do_no_harm() {
     let start = |board: &Board| {
         board.start();
     };
     let (mut seed, mut cuts) = (1_u64, 0);
-    for reads in TORN {
+    for reads in DAMAGED_READS {
         let fresh = Board::new(reads);
-        // Every fifth of the first, and one of the second for each; a third in the same way.
+        // The first cut is at every fifth operation, each followed by two more cuts at random
+        // operations.
         for n in (1..=operations(&fresh, update)).step_by(5) {
             let mut board = cut(&fresh, n, update);
             for _ in 0..2 {
@@ -129,20 +132,20 @@ fn a_second_cut_within_what_follows_the_first_does_no_harm_either() {
 }
 
 #[test]
-fn a_damaged_slot_is_replaced_by_what_the_store_holds() {
-    // The former image stands a page further after a swap.
-    let board = Board::new(Torn::Zeros);
+fn a_damaged_slot_is_replaced_from_the_store() {
+    // After a swap the former image is one page further on.
+    let board = Board::new(DamagedRead::Zeros);
     update(&board);
     board.part.borrow_mut().damage(1000);
     assert_eq!(board.start(), Some(1));
-    // An update that was received and not installed.
-    let board = Board::new(Torn::Zeros);
+    // An update that was received but not installed.
+    let board = Board::new(DamagedRead::Zeros);
     let mut receiver = board.receiver();
     receive(&mut receiver, update_to(2));
     board.part.borrow_mut().damage(1000);
     assert_eq!(board.start(), Some(2));
-    // Nothing to take: nothing starts, whatever the slot holds.
-    let board = Board::new(Torn::Zeros);
+    // Without an image in the store nothing starts, for any content of the slot.
+    let board = Board::new(DamagedRead::Zeros);
     board.part.borrow_mut().damage(1000);
     assert_eq!(board.start(), None);
     assert!(target().image(&mut board.slot(), 0, Depth::Checksum).is_err());
@@ -151,9 +154,9 @@ fn a_damaged_slot_is_replaced_by_what_the_store_holds() {
 fn receive(receiver: &mut impl Updates, file: &[u8]) {
     let mut bytes: Vec<u8> = file.to_vec();
     bytes.resize(file.len().next_multiple_of(CHUNK), 0xff);
-    receiver.obey(&UpdateVerb::Begin(file.len() as u32)).expect("taken");
+    receiver.obey(&UpdateVerb::Begin(file.len() as u32)).expect("accepted");
     for (n, piece) in bytes.chunks_exact(CHUNK).enumerate() {
         let chunk = core::array::from_fn(|row| core::array::from_fn(|n| piece[32 * row + n]));
-        receiver.obey(&UpdateVerb::Write((n * CHUNK) as u32, chunk)).expect("taken");
+        receiver.obey(&UpdateVerb::Write((n * CHUNK) as u32, chunk)).expect("accepted");
     }
 }

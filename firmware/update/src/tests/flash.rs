@@ -1,4 +1,5 @@
-//! NOR flash as an STM32G4 has it: double words that are written once, or over by zeros (RM0440 3.3.7); what a power cut has left is damaged.
+//! NOR flash like that of an STM32G4: double words can be written once, or overwritten with zeros
+//! (RM0440 3.3.7). Words cut by a power failure are damaged.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -7,20 +8,20 @@ use std::vec::Vec;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 
-/// Bytes of a page: less than the part's, so that every operation can be cut.
-pub const PAGE: usize = 512;
-const WORD: usize = 8;
+/// Size of a page, bytes: smaller than on the STM32G4, so that every operation can be cut.
+pub const PAGE_BYTES: usize = 512;
+const WORD_BYTES: usize = 8;
 
-/// What a damaged word reads as.
+/// Result of reading a damaged word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Torn {
-    /// Zeros: the driver's answer to an error that cannot be corrected.
+pub enum DamagedRead {
+    /// Zeros: the driver's answer to an uncorrectable error.
     Zeros,
-    /// Some of its bits: an error that was not found.
+    /// Some of the new bits: an undetected error.
     Bits,
 }
 
-/// Why nothing was done.
+/// Error of an access that was not performed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Failed;
 
@@ -30,59 +31,60 @@ impl NorFlashError for Failed {
     }
 }
 
-/// A flash with its supply.
+/// Flash with its supply.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub struct FlashPart {
     pub bytes: Vec<u8>,
     written: Vec<bool>,
-    torn: Vec<bool>,
-    /// Erases and words so far.
+    damaged: Vec<bool>,
+    /// Number of erases and written words so far.
     pub operations: u64,
-    /// The operation that is cut.
+    /// Number of the operation during which the power fails.
     pub cut: Option<u64>,
     off: bool,
-    reads: Torn,
+    reads: DamagedRead,
     seed: u64,
 }
 
-impl Part {
-    /// An erased one.
-    pub fn new(pages: usize, reads: Torn) -> Self {
-        let words = pages * PAGE / WORD;
-        let (bytes, written, torn) = (vec![0xff; pages * PAGE], vec![false; words], vec![false; words]);
-        Part { bytes, written, torn, operations: 0, cut: None, off: false, reads, seed: 1 }
+impl FlashPart {
+    /// Creates an erased flash.
+    pub fn new(pages: usize, reads: DamagedRead) -> Self {
+        let words = pages * PAGE_BYTES / WORD_BYTES;
+        let (bytes, written, damaged) = (vec![0xff; pages * PAGE_BYTES], vec![false; words], vec![false; words]);
+        FlashPart { bytes, written, damaged, operations: 0, cut: None, off: false, reads, seed: 1 }
     }
 
-    /// Whether the power was cut.
+    /// Returns `true` after a power cut.
     pub fn is_off(&self) -> bool {
         self.off
     }
 
-    /// The power comes back, and stays.
+    /// Restores the power, without a further cut.
     pub fn power(&mut self) {
         (self.off, self.cut) = (false, None);
     }
 
-    /// Stores bytes as a probe does.
+    /// Stores bytes like a probe.
     pub fn load(&mut self, at: usize, bytes: &[u8]) {
         self.bytes[at..at + bytes.len()].copy_from_slice(bytes);
-        self.written[at / WORD..(at + bytes.len()).div_ceil(WORD)].fill(true);
+        self.written[at / WORD_BYTES..(at + bytes.len()).div_ceil(WORD_BYTES)].fill(true);
     }
 
     /// Damages a word.
     pub fn damage(&mut self, at: usize) {
-        self.torn[at / WORD] = true;
+        self.damaged[at / WORD_BYTES] = true;
         self.bytes[at] ^= 3;
     }
 
-    /// Counts an operation; whether it is cut.
-    fn is_cut(&mut self) -> bool {
+    /// Counts an operation. Returns `true` if the power fails during it.
+    fn count_operation(&mut self) -> bool {
         self.operations += 1;
         self.off = self.cut == Some(self.operations);
         self.off
     }
 
-    /// Some bits of those that differ. Numbers of Marsaglia's xorshift (J. Stat. Softw. 8, 2003).
+    /// Changes a random part of the differing bits. Random numbers of Marsaglia's xorshift (J.
+    /// Stat. Softw. 8, 2003).
     fn some(&mut self, from: u8, to: u8) -> u8 {
         self.seed ^= self.seed << 13;
         self.seed ^= self.seed >> 7;
@@ -97,10 +99,10 @@ impl Part {
     }
 }
 
-/// A part of the flash.
+/// Area of the flash.
 #[derive(Clone, Debug)]
 pub struct Area {
-    pub part: Rc<RefCell<Part>>,
+    pub part: Rc<RefCell<FlashPart>>,
     pub from: usize,
     pub size: usize,
 }
@@ -118,7 +120,7 @@ impl ReadNorFlash for Area {
             return Err(Failed);
         }
         for (at, byte) in (self.from + offset as usize..).zip(into) {
-            *byte = if part.torn[at / WORD] && part.reads == Torn::Zeros { 0 } else { part.bytes[at] };
+            *byte = if part.damaged[at / WORD_BYTES] && part.reads == DamagedRead::Zeros { 0 } else { part.bytes[at] };
         }
         Ok(())
     }
@@ -129,20 +131,20 @@ impl ReadNorFlash for Area {
 }
 
 impl NorFlash for Area {
-    const WRITE_SIZE: usize = WORD;
-    const ERASE_SIZE: usize = PAGE;
+    const WRITE_SIZE: usize = WORD_BYTES;
+    const ERASE_SIZE: usize = PAGE_BYTES;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Failed> {
-        assert!(from.is_multiple_of(PAGE as u32) && to.is_multiple_of(PAGE as u32) && to as usize <= self.size);
-        for page in (from as usize..to as usize).step_by(PAGE) {
+        assert!(from.is_multiple_of(PAGE_BYTES as u32) && to.is_multiple_of(PAGE_BYTES as u32) && to as usize <= self.size);
+        for page in (from as usize..to as usize).step_by(PAGE_BYTES) {
             let (at, mut part) = (self.from + page, self.part.borrow_mut());
             if part.off {
                 return Err(Failed);
             }
-            let cut = part.is_cut();
-            part.change(at, &[0xff; PAGE], cut);
-            part.written[at / WORD..(at + PAGE) / WORD].fill(cut);
-            part.torn[at / WORD..(at + PAGE) / WORD].fill(cut);
+            let cut = part.count_operation();
+            part.change(at, &[0xff; PAGE_BYTES], cut);
+            part.written[at / WORD_BYTES..(at + PAGE_BYTES) / WORD_BYTES].fill(cut);
+            part.damaged[at / WORD_BYTES..(at + PAGE_BYTES) / WORD_BYTES].fill(cut);
             if cut {
                 return Err(Failed);
             }
@@ -152,20 +154,20 @@ impl NorFlash for Area {
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Failed> {
         assert!(
-            (offset as usize).is_multiple_of(WORD)
-                && bytes.len().is_multiple_of(WORD)
+            (offset as usize).is_multiple_of(WORD_BYTES)
+                && bytes.len().is_multiple_of(WORD_BYTES)
                 && offset as usize + bytes.len() <= self.size
         );
-        for (at, word) in (self.from + offset as usize..).step_by(WORD).zip(bytes.chunks_exact(WORD)) {
+        for (at, word) in (self.from + offset as usize..).step_by(WORD_BYTES).zip(bytes.chunks_exact(WORD_BYTES)) {
             let mut part = self.part.borrow_mut();
-            let overwrites = part.written[at / WORD] && word != [0; WORD];
+            let overwrites = part.written[at / WORD_BYTES] && word != [0; WORD_BYTES];
             if part.off || overwrites {
-                assert!(!overwrites, "a word is written twice, and not by zeros");
+                assert!(!overwrites, "a word is written twice, and not with zeros");
                 return Err(Failed);
             }
-            let cut = part.is_cut();
+            let cut = part.count_operation();
             part.change(at, word, cut);
-            (part.written[at / WORD], part.torn[at / WORD]) = (true, cut);
+            (part.written[at / WORD_BYTES], part.damaged[at / WORD_BYTES]) = (true, cut);
             if cut {
                 return Err(Failed);
             }

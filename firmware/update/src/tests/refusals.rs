@@ -1,18 +1,20 @@
-//! What is no update for this board is refused by name, and nothing that starts is changed.
+//! Files that are not a valid update for this board are refused with their defect, and no image
+//! changes.
 
 use std::vec::Vec;
 
 use firmware::board::update::{UpdateDefect as Defect, UpdateState};
 
 use super::board::{Board, ORIGIN, PROTOCOL, file, image, target};
-use super::flash::{PAGE, Torn};
+use super::flash::{DamagedRead, PAGE_BYTES};
 use crate::identity::board;
 use crate::key::{DEVELOPMENT, DEVELOPMENT_SEED, public};
 use crate::manifest::{MANIFEST, Manifest, SIGNED};
 
-/// Why a file is refused; the slot, the state and what starts are those of before.
+/// Returns the defect of a refused file. Checks that the slot, the state and the started image do
+/// not change.
 fn refused(file: &[u8]) -> Defect {
-    let board = Board::new(Torn::Zeros);
+    let board = Board::new(DamagedRead::Zeros);
     let parts = |board: &Board| {
         let (slot, state, part) = (board.slot(), board.state(), board.part.borrow());
         [slot, state].map(|area| part.bytes[area.from..area.from + area.size].to_vec())
@@ -25,7 +27,7 @@ fn refused(file: &[u8]) -> Defect {
     defect
 }
 
-/// A file whose manifest was changed before it was signed.
+/// Returns a file whose manifest was changed before it was signed.
 fn with(change: impl FnOnce(&mut Manifest)) -> Vec<u8> {
     let (mut manifest, image) = image(2);
     change(&mut manifest);
@@ -33,7 +35,7 @@ fn with(change: impl FnOnce(&mut Manifest)) -> Vec<u8> {
 }
 
 #[test]
-fn another_board_protocol_place_or_length_is_refused_by_name() {
+fn another_board_protocol_origin_or_length_is_refused() {
     assert_eq!(refused(&with(|manifest| manifest.identity.board = board("another"))), Defect::OtherBoard);
     assert_eq!(refused(&with(|manifest| manifest.identity.protocol = PROTOCOL - 1)), Defect::OlderProtocol(PROTOCOL - 1));
     assert_eq!(refused(&with(|manifest| manifest.origin = 0x0800_0000)), Defect::OtherOrigin(0x0800_0000));
@@ -41,14 +43,14 @@ fn another_board_protocol_place_or_length_is_refused_by_name() {
     let mut long = file(image(2));
     long.resize(target().room as usize + MANIFEST + 1, 0);
     assert_eq!(refused(&long), Defect::Length(long.len() as u32));
-    assert_eq!(refused(&[0x7f; 3 * PAGE]), Defect::NotAnUpdate);
+    assert_eq!(refused(&[0x7f; 3 * PAGE_BYTES]), Defect::NotAnUpdate);
     assert_eq!(refused(&[]), Defect::Length(0));
 }
 
 #[test]
-fn every_damaged_byte_of_a_file_is_found() {
+fn every_damaged_byte_of_a_file_is_detected() {
     let whole = file(image(2));
-    // All of the manifest that is used, and every 31st byte of the image.
+    // All used bytes of the manifest, and every 31st byte of the image.
     for at in (0..SIGNED + 64 + 4).chain((MANIFEST..whole.len()).step_by(31)) {
         let mut damaged = whole.clone();
         damaged[at] ^= 0x10;
@@ -64,10 +66,10 @@ fn an_unsigned_file_or_one_signed_by_another_key_is_refused() {
     assert_eq!(refused(&unsigned), Defect::Unsigned);
     let stranger = [manifest.signed_by(&[7; 32]).encode().as_slice(), &image].concat();
     assert_eq!(refused(&stranger), Defect::WrongSignature);
-    // A signature of this key, of another image.
+    // A signature by the right key, but of another image.
     let other = Manifest { signature: super::board::image(3).0.signed_by(&DEVELOPMENT_SEED).signature, ..manifest };
     assert_eq!(refused(&[other.encode().as_slice(), &image].concat()), Defect::WrongSignature);
-    // A checksum can be made to fit: the digest is signed.
+    // A forged checksum does not help: the digest is signed.
     let mut forged = image.clone();
     forged[100] ^= 1;
     let checksum = Manifest::of(manifest.identity, ORIGIN, &forged).checksum;
@@ -80,8 +82,8 @@ fn the_first_stage_starts_no_image_that_was_only_marked() {
     use embassy_boot::BlockingFirmwareState;
     use embedded_storage::nor_flash::NorFlash as _;
     let (manifest, image) = image(2);
-    for file in [[manifest.signed_by(&[7; 32]).encode().as_slice(), &image].concat(), [0xff; 3 * PAGE].to_vec()] {
-        let board = Board::new(Torn::Zeros);
+    for file in [[manifest.signed_by(&[7; 32]).encode().as_slice(), &image].concat(), [0xff; 3 * PAGE_BYTES].to_vec()] {
+        let board = Board::new(DamagedRead::Zeros);
         let mut bytes = file;
         bytes.resize(bytes.len().next_multiple_of(8), 0xff);
         board.store().write(0, &bytes).expect("written");

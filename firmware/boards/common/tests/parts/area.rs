@@ -7,7 +7,7 @@ const WORD: u32 = 8;
 const AREA: Area = Area { start: 0x0807_c000, size: 8 * PAGE };
 
 #[test]
-fn nothing_beyond_the_pages_or_off_the_grid_has_an_address() {
+fn addresses_must_be_aligned_and_within_the_area() {
     assert_eq!(AREA.address(0, AREA.size, PAGE), Some(AREA.start));
     assert_eq!(AREA.address(PAGE, PAGE, PAGE), Some(AREA.start + PAGE));
     for (offset, length, grid) in

@@ -1,4 +1,4 @@
-//! Blocks that were missed, by a cycle counter.
+//! Missed blocks, counted by a cycle counter.
 
 use boards_common::beat::Beat;
 
@@ -6,7 +6,7 @@ fn are_counted<const CYCLES_PER_BLOCK: u32>() {
     let mut beat = Beat::<CYCLES_PER_BLOCK>::default();
     let start = u32::MAX - CYCLES_PER_BLOCK;
     let at = |blocks: f32| start.wrapping_add((blocks * CYCLES_PER_BLOCK as f32) as u32);
-    // The last one: one was missed, and the next came early after a late one.
+    // The last call: one block was missed, and the call is early after a late one.
     let missed = [0.0, 1.0, 2.4, 3.0, 5.0, 9.4, 10.0, 10.4, 12.0].map(|blocks| beat.missed(at(blocks)));
     assert_eq!(missed, [0, 0, 0, 0, 1, 3, 0, 0, 1], "{CYCLES_PER_BLOCK}");
 }

@@ -1,10 +1,10 @@
-//! What the status LED shows.
+//! Flashes of the status LED.
 
 use boards_common::led::is_lit;
 use firmware::seam::fault::Fault;
 use firmware::seam::mode::Mode;
 
-/// Lengths of the flashes that begin within so many milliseconds.
+/// Returns the lengths of the flashes within a time, ms.
 fn flashes(mode: Mode, fault: Option<Fault>, within: u32) -> Vec<u32> {
     let lit: Vec<bool> = (0..within).map(|ms| is_lit(mode, fault, ms)).collect();
     lit.chunk_by(|a, b| a == b).filter(|run| run[0]).map(|run| run.len() as u32).collect()

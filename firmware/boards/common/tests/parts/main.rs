@@ -1,4 +1,4 @@
-//! Each part of what boards share, by itself.
+//! Unit tests of each shared part of the boards.
 
 mod area;
 mod beat;

@@ -10,14 +10,14 @@ fn words_hold_both_channels() {
     let mut sense = SenseBlock::default();
     packing::sense(&[0x1ffe_0003, 0x0000_1fff], |word| *word, &mut sense);
     assert_eq!((&sense.v[..], &sense.i[..]), (&[0x0003, 0x1fff][..], &[0x1ffe, 0x0000][..]));
-    // Nothing of the one before stays.
+    // Nothing of the previous block remains.
     const ODD: usize = 97;
     let ring: [u32; ODD] = core::array::from_fn(|n| (n << 16 | (n + 1)) as u32);
     packing::sense(&ring, |word| *word, &mut sense);
     assert_eq!((sense.v.len(), sense.v[0], sense.i[ODD - 1]), (ODD, 1, ODD as u16 - 1));
 }
 
-/// The words of a pair of lanes, in the order in which they play.
+/// Returns the words of a pair of lanes, in the order in which they play.
 fn words<const AHEAD: usize>(drive: &DriveBlock, pair: usize) -> Vec<u32> {
     let samples = drive.lanes.first().map_or(0, |codes| codes.len());
     let (head, tail) = ([const { Cell::new(0) }; AHEAD], vec![Cell::new(0); samples - AHEAD]);
@@ -34,7 +34,7 @@ fn words_hold_both_lanes() {
         drops_queue: false,
     };
     assert_eq!(words::<1>(&drive, 0), [0x0003_0001, 0x0004_0002]);
-    // The fourth lane is not there, nor is a third pair.
+    // The fourth lane and the third pair do not exist.
     assert_eq!(words::<1>(&drive, 1), [0x0800_0005, 0x0800_0006]);
     assert_eq!(words::<1>(&drive, 2), [0x0800_0800; 2]);
     assert_eq!(words::<0>(&drive, 0), words::<1>(&drive, 0));

@@ -1,10 +1,10 @@
-//! Bytes received into a ring.
+//! Reading bytes from a ring.
 
 use boards_common::position::position;
 use boards_common::reader::Reader;
 
 #[test]
-fn bytes_are_taken_once_and_in_order_around_the_rings_end() {
+fn bytes_are_read_once_and_in_order_across_the_wrap() {
     const ROOM: usize = 8;
     let mut reader = Reader::<ROOM>::default();
     let (mut ring, mut filled, mut taken) = ([0; ROOM], 0usize, Vec::new());

@@ -1,10 +1,11 @@
-//! The rings: positions, halves, slots, late blocks. For the lengths of a block of several boards, and DACs that fetch words early.
+//! Positions, halves and slots of rings, and late blocks, for the block lengths of several boards
+//! and for DACs that fetch words early.
 
 use boards_common::half::Half;
 use boards_common::position::position;
 use firmware::seam::block::LATENCY_BLOCKS;
 
-/// DMA's own count: it begins at the size, and again after one.
+/// Returns the counter of DMA: it starts at the size, and restarts there after one.
 fn remaining<const RING: usize>(moved: usize) -> usize {
     RING - moved % RING
 }
@@ -12,19 +13,22 @@ fn remaining<const RING: usize>(moved: usize) -> usize {
 #[test]
 fn a_position_counts_up_while_dma_counts_down() {
     assert_eq!([200, 199, 101, 100, 1].map(position::<200>), [0, 1, 99, 100, 199]);
-    // A state that it may show for a moment after a restart.
+    // DMA may show this value for a moment after a restart.
     assert_eq!(position::<200>(0), 0);
     assert!((0..3 * 128).all(|moved| position::<128>(remaining::<128>(moved)) == moved % 128));
 }
 
-/// A DAC and an ADC in lockstep, with an interrupt whenever a half of the ADC's ring is full, that leaves the number of the block and the sample:
-/// what plays while the ADC converts sample `n` of block `k` is what was left for it `LATENCY_BLOCKS` before.
+/// Simulates a DAC and an ADC in lockstep, with an interrupt whenever a half of the ADC's ring is
+/// full.
+///
+/// The interrupt writes the number of the block and the sample. While the ADC converts sample `n`
+/// of block `k`, the DAC must play the value that was written for it `LATENCY_BLOCKS` earlier.
 fn plays_its_own_samples<const RING: usize, const AHEAD: usize>() {
     let block = Half::<RING>::BLOCK;
     let mut ring = [usize::MAX; RING];
     let (mut fetched, mut held, mut played) = (0, vec![usize::MAX; AHEAD], Vec::new());
     for trigger in 0..8 * block {
-        // The trigger plays what was held first, and then asks for the next one.
+        // The trigger plays the oldest held word, then requests the next one.
         held.push(ring[fetched % RING]);
         played.push(held.remove(0));
         fetched += 1;
@@ -73,11 +77,12 @@ fn the_places_of_a_half_are_its_slots_in_order() {
 fn a_block_is_late_once_its_first_sample_may_have_been_fetched() {
     const BLOCK: usize = 100;
     const RING: usize = 2 * BLOCK;
-    // The first half begins in the last place of the ring: in time while DMA is in the second half before that.
+    // The first half begins in the last place of the ring: it is in time while DMA is in the second
+    // half before that place.
     let in_time = |half: Half<RING>| (0..RING).filter(|&next| half.is_in_time::<1>(next)).collect::<Vec<_>>();
     assert_eq!(in_time(Half::First), (BLOCK - 1..RING - 1).collect::<Vec<_>>());
     assert_eq!(in_time(Half::Second), (0..BLOCK - 1).chain([RING - 1]).collect::<Vec<_>>());
-    // Four words early: in the fourth place before the end.
+    // With four words early it begins in the fourth place before the end.
     let in_time = |half: Half<RING>| (0..RING).filter(|&next| half.is_in_time::<4>(next)).collect::<Vec<_>>();
     assert_eq!(in_time(Half::First), (BLOCK - 4..RING - 4).collect::<Vec<_>>());
 }

@@ -1,4 +1,4 @@
-//! The guard below the stack.
+//! Guard region below the stack.
 
 use boards_common::stack_guard::StackGuard;
 
@@ -6,9 +6,9 @@ const GUARD: StackGuard = StackGuard::new(0x2000_8000, 16 << 10);
 
 #[test]
 fn the_guard_is_a_region_without_access() {
-    // SIZE = 13 of 2^(13 + 1) bytes, AP = 0, XN, enabled.
+    // SIZE = 13 for 2^(13 + 1) bytes, AP = 0, XN, enabled.
     assert_eq!((GUARD.start(), GUARD.end(), GUARD.attributes()), (0x2000_8000, 0x2000_c000, 0x1000_001b));
-    // The smallest: SIZE = 4.
+    // The smallest region: SIZE = 4.
     assert_eq!(StackGuard::new(0x2400_0020, 32).attributes(), 0x1000_0009);
 }
 

@@ -1,35 +1,37 @@
-//! Whether the rings are in step, at any moment at which the interrupt may look.
+//! Check that the rings are in step, at every moment at which the interrupt may look.
 //!
-//! The boards here: how long a ring is, the cycles of a sample, by how many cycles the DAC's ring moves after the ADC's, and the cycles from one look to
-//! the next, which a waiting loop does not fix.
+//! The boards of these tests differ in the length of a ring, the cycles of a sample, and the delay
+//! from the ADC's ring to the DAC's. They also differ in the cycles between two looks, which a
+//! waiting loop does not fix exactly.
 
 use std::ops::RangeInclusive;
 
 use boards_common::step::Step;
 
-/// A board, and what the interrupt does on it.
+/// Timing of a board and its interrupt.
 struct Timing {
     cycles_per_sample: u32,
-    /// From the ADC's ring to the DAC's, cycles.
+    /// Delay from the step of the ADC's ring to that of the DAC's, cycles.
     apart: u32,
-    /// From one look to the next, cycles: a third of a sample, within what `Step` permits.
+    /// Time between two looks, cycles: about a third of a sample, within the limits of `Step`.
     between: RangeInclusive<u32>,
 }
 
-/// The Nucleo-G474RE: a loop takes three to five cycles, and what looks some ten.
+/// The Nucleo-G474RE: a waiting loop takes three to five cycles per turn, a look about ten.
 const NUCLEO: Timing = Timing { cycles_per_sample: 170, apart: 8, between: 45..=80 };
-/// A processor of 150 MHz with converters at 500 kHz.
+/// A board with a 150 MHz processor and converters at 500 kHz.
 const SLOWER: Timing = Timing { cycles_per_sample: 300, apart: 40, between: 41..=129 };
 
 impl Timing {
-    /// The positions at a cycle, where the DAC's ring has not fetched what it has lost.
+    /// Returns the positions at a cycle, if the DAC's ring has lost this number of transfers.
     fn at<const RING: usize>(&self, cycle: u32, lost: usize) -> (usize, usize) {
         let place = |cycle: u32| (cycle / self.cycles_per_sample) as usize % RING;
         let dac = place(cycle + 7 * self.cycles_per_sample - self.apart);
         (place(cycle + self.cycles_per_sample), (dac + RING - lost) % RING)
     }
 
-    /// Whether the rings are in step at a cycle, where looking takes `before` cycles until the first look after it and `between` from one to the next.
+    /// Returns `true` if the check finds the rings in step at a cycle. The first repeated look is
+    /// `before` cycles later, and the next ones `between` cycles apart.
     fn is_in_step<const RING: usize>(
         &self,
         step: &mut Step<RING>,
@@ -46,7 +48,7 @@ impl Timing {
         step.holds(self.at::<RING>(cycle, lost), again)
     }
 
-    fn rings_in_step_are_so<const RING: usize>(&self) {
+    fn check_rings_in_step<const RING: usize>(&self) {
         for began in 0..self.cycles_per_sample {
             for between in self.between.clone() {
                 let mut step = Step::<RING>::default();
@@ -58,7 +60,7 @@ impl Timing {
         }
     }
 
-    fn a_loss_is_seen<const RING: usize>(&self) {
+    fn check_loss_is_detected<const RING: usize>(&self) {
         for lost in [1, 3, RING - 1] {
             let mut seen = 0;
             for cycle in 0..self.cycles_per_sample {
@@ -73,21 +75,22 @@ impl Timing {
 }
 
 #[test]
-fn rings_in_step_are_so_at_any_cycle_however_long_the_first_look_took() {
-    NUCLEO.rings_in_step_are_so::<200>();
-    SLOWER.rings_in_step_are_so::<128>();
+fn rings_in_step_are_accepted_at_any_cycle() {
+    NUCLEO.check_rings_in_step::<200>();
+    SLOWER.check_rings_in_step::<128>();
 }
 
 #[test]
-fn a_lost_trigger_is_seen_at_all_cycles_but_those_between_the_two_rings() {
-    NUCLEO.a_loss_is_seen::<200>();
-    SLOWER.a_loss_is_seen::<128>();
+fn a_lost_trigger_is_detected_except_between_the_two_rings() {
+    NUCLEO.check_loss_is_detected::<200>();
+    SLOWER.check_loss_is_detected::<128>();
 }
 
 const BLOCK: usize = 100;
 const RING: usize = 2 * BLOCK;
 
-/// Positions in both rings at a time in samples: the DAC is two ahead, and moves an eighth of a sample before the ADC; `lost` samples of each are lost.
+/// Returns the positions in both rings at a time in samples, if `lost` samples of each are lost.
+/// The DAC is two samples ahead and moves an eighth of a sample before the ADC.
 fn positions(at: f64, lost: (usize, usize)) -> (usize, usize) {
     let (adc, dac) = (at + RING as f64, at + RING as f64 + 2.125);
     ((adc as usize - lost.0) % RING, (dac as usize - lost.1) % RING)
@@ -95,8 +98,9 @@ fn positions(at: f64, lost: (usize, usize)) -> (usize, usize) {
 
 #[test]
 fn streams_are_in_step_until_one_has_lost_a_sample() {
-    // Each block is looked at somewhere in its first sample, the first one too. In the moment in which the DAC has moved and the ADC has not, what one has lost
-    // may not show: the next block shows it.
+    // Each block, also the first, is checked at some moment in its first sample. In the moment
+    // after the DAC has moved and before the ADC has, a loss may not be visible; the next block
+    // detects it.
     for first in 0..20 {
         for part in 0..20 {
             for lost in [(0, 0), (1, 0), (0, 1), (2, 0), (0, 3)] {

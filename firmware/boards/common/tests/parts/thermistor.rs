@@ -1,11 +1,11 @@
-//! Temperature of a thermistor.
+//! Temperature measured by a thermistor.
 
 use boards_common::thermistor::Thermistor;
 
-/// 10 kOhm below 10 kOhm, B 3950 K: the most common one.
+/// The most common thermistor: 10 kOhm, pulled up by 10 kOhm, B 3950 K.
 const THERMISTOR: Thermistor = Thermistor { ohm_at_25_c: 10e3, beta_k: 3950.0, pull_up_ohm: 10e3, codes: 4096.0 };
 
-/// The logarithm is micromath's, in f32: 0.0027 K. A step of the converter is up to 0.6 K at the ends.
+/// Micromath's logarithm in f32 costs 0.0027 K. A step of the converter is up to 0.6 K at the ends.
 #[test]
 fn a_thermistor_is_read_within_milli_kelvins() {
     let exact = |code: u16| {
@@ -21,7 +21,7 @@ fn a_thermistor_is_read_within_milli_kelvins() {
 
 #[test]
 fn a_broken_thermistor_counts_as_too_hot() {
-    // Short, open, and beyond what a converter has.
+    // Shorted, nearly shorted, and open.
     assert_eq!([0, 1, 4095].map(|code| THERMISTOR.celsius(code)), [155.0; 3]);
 }
 

@@ -1,8 +1,9 @@
-//! The check of the encoder's wires.
+//! Check of the encoder's wires.
 
 use boards_common::wires::Wires;
 
-/// Looks at wires over so many blocks; a channel's period is so many blocks, and what is broken is low.
+/// Checks the wires over this number of blocks and returns the first block in which a line counts
+/// as broken. A period of a channel takes `period` blocks; a broken wire is low.
 fn looks(period: usize, blocks: usize, broken: [bool; 4]) -> Option<usize> {
     let mut wires = Wires::default();
     (0..blocks).find(|&block| {
@@ -14,10 +15,10 @@ fn looks(period: usize, blocks: usize, broken: [bool; 4]) -> Option<usize> {
 }
 
 #[test]
-fn a_broken_wire_is_found_in_motion_and_two_even_at_rest() {
+fn one_broken_wire_is_found_in_motion_and_two_at_rest() {
     for wire in 0..4 {
         let broken = core::array::from_fn(|n| n == wire);
-        // Within a period, however long, and within 24 blocks of a period of four.
+        // Within one period of any length, and within 24 blocks for a period of four.
         for period in [4, 40, 400] {
             let found = looks(period, 2 * period + 24, broken);
             assert!(found.is_some(), "wire {wire}, period {period}");
@@ -27,7 +28,7 @@ fn a_broken_wire_is_found_in_motion_and_two_even_at_rest() {
 }
 
 #[test]
-fn whole_wires_are_never_broken_even_if_read_on_an_edge() {
+fn intact_wires_are_accepted_even_during_an_edge() {
     assert_eq!(looks(4, 1000, [false; 4]), None);
     assert_eq!(looks(400, 1000, [false; 4]), None);
     let mut wires = Wires::default();
@@ -36,7 +37,7 @@ fn whole_wires_are_never_broken_even_if_read_on_an_edge() {
 }
 
 #[test]
-fn a_line_that_is_mended_is_trusted_again_but_not_at_once() {
+fn a_repaired_line_is_accepted_after_a_delay() {
     let mut wires = Wires::default();
     assert!((0..20).fold(false, |_, _| wires.look([(false, false), (true, false)])));
     let sound = (0..100).position(|_| !wires.look([(true, false), (true, false)]));

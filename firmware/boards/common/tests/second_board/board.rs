@@ -1,4 +1,4 @@
-//! What such a board writes itself: its constants, its statics, and its interrupt.
+//! Code of the example board: its constants, its statics, and its interrupt.
 
 use boards_common::position::position;
 use boards_common::{beat, half, packing, step};
@@ -11,38 +11,40 @@ use hal_mock::loop_back::{self, LoopBack};
 
 use crate::part::Part;
 
-/// Samples in a block, and in a ring.
+/// Number of samples in a block.
 pub const BLOCK: usize = 64;
+/// Number of samples in a ring.
 pub const RING: usize = 2 * BLOCK;
-/// Words that wait for the DACs.
+/// Number of words that the DACs fetch before they play them.
 pub const AHEAD: usize = 4;
-/// Samples a second.
+/// Sample rate, Hz.
 const SAMPLE_HZ: u32 = 500_000;
-/// Cycles of a sample and of a block, at 150 MHz.
+/// Processor cycles per sample, at 150 MHz.
 pub const CYCLES_PER_SAMPLE: u32 = 150_000_000 / SAMPLE_HZ;
+/// Processor cycles per block.
 pub const CYCLES_PER_BLOCK: u32 = CYCLES_PER_SAMPLE * BLOCK as u32;
-/// The code of zero.
+/// Code of zero volts.
 pub const SILENCE: u16 = 2048;
 
 type Half = half::Half<RING>;
 type Step = step::Step<RING>;
 type Beat = beat::Beat<CYCLES_PER_BLOCK>;
 
-/// A capacitor in place of the stack, on two lanes.
+/// Returns the settings: a capacitor instead of the stack, on two lanes.
 fn config() -> Config {
     let mut config = Config { sample_hz: SAMPLE_HZ as f32, block_samples: BLOCK as u16, lanes: 2, ..loop_back::config() };
-    // It has no multiplexer at its converters.
+    // This board has no multiplexer at its converters.
     config.phasing.watch = false;
     config
 }
 
-/// The board, with the background's ends of the queues.
+/// Simulated board, with the background's ends of the queues.
 pub struct Board {
-    /// The part.
+    /// Simulated microcontroller.
     pub part: Part,
-    /// What the controller has answered.
+    /// Answers of the controller, one per block.
     pub answers: Vec<DriveBlock>,
-    /// The streams have lost a sample, and no block follows.
+    /// `true` if a stream has lost a sample and no further block follows.
     pub has_ended: bool,
     task: BlockTask<'static>,
     beat: Beat,
@@ -55,12 +57,12 @@ pub struct Board {
 }
 
 impl Board {
-    /// A board in silence.
+    /// Creates a silent board.
     pub fn new() -> Self {
         let config = config();
         let queues: &mut Queues<9, 5> = Box::leak(Box::default());
         let (ends, background) = queues.split(Box::leak(Box::<Loans<5>>::default()));
-        let task = BlockTask::build(&config, ends).expect("it builds");
+        let task = BlockTask::build(&config, ends).expect("the settings are valid");
         let drive = task.silence();
         Board {
             part: Part::new(LoopBack::of(&config)),
@@ -77,25 +79,25 @@ impl Board {
         }
     }
 
-    /// Orders something of the controller.
+    /// Sends an order to the controller.
     pub fn order(&mut self, orders: Orders) {
         self.background.orders.enqueue(orders).expect("there is room");
     }
 
-    /// The report of the last block.
+    /// Returns the report of the last block.
     pub fn latest(&self) -> &Telemetry {
         &self.latest
     }
 
-    /// Blocks that were missed before the last one, as the controller was told.
+    /// Returns the number of missed blocks before the last one, as reported to the controller.
     pub fn missed(&self) -> Option<u32> {
         self.sense.slow.missed_blocks
     }
 
-    /// Waits for the interrupt, serves it in so many cycles, and reads the reports.
+    /// Waits for the interrupt, serves it in `cycles`, and reads the reports.
     pub fn block(&mut self, cycles: u32) {
         self.part.wait_for_interrupt();
-        // From the trigger to the first look.
+        // Time from the trigger to the first look.
         self.part.advance(20);
         self.interrupt(cycles);
         while let Some(report) = self.background.reports.dequeue() {
@@ -104,13 +106,13 @@ impl Board {
         }
     }
 
-    /// Serves no interrupt for so many cycles, from the next one on.
+    /// Waits for the next interrupt and leaves it unserved for `cycles`.
     pub fn mask(&mut self, cycles: u32) {
         self.part.wait_for_interrupt();
         self.part.advance(cycles);
     }
 
-    /// The block interrupt.
+    /// Runs the block interrupt.
     fn interrupt(&mut self, cycles: u32) {
         let began = self.part.cycle_count();
         let positions = |part: &Part| (position::<RING>(part.adc_remaining()), position::<RING>(part.dac_remaining()));
@@ -136,7 +138,7 @@ impl Board {
         self.answers.push(self.drive.clone());
     }
 
-    /// Silence in both halves.
+    /// Writes silence to both halves.
     fn silence(&self) {
         self.part.codes.iter().for_each(|place| place.set(packing::word(SILENCE, SILENCE)));
     }

@@ -1,8 +1,9 @@
-//! A part with an ADC and two DACs, both served by DMA in rings, on a clock of cycles.
+//! Simulated microcontroller with an ADC and two DACs, each served by DMA in a ring, on a clock of
+//! cycles.
 //!
 //! ```text
-//! trigger n      the DACs play the word that has waited longest, and one more is fetched
-//! 30 cycles on   what plays has been converted, and is written; half and end of the ring are the interrupt
+//! trigger n          the DACs play the oldest held word, and one more is fetched
+//! 30 cycles later    the played value has been converted and is written; half and end of the ring cause the interrupt
 //! ```
 
 use std::cell::Cell;
@@ -15,10 +16,10 @@ use hal_mock::loop_back::LoopBack;
 
 use crate::board::{AHEAD, BLOCK, CYCLES_PER_SAMPLE, RING, SILENCE};
 
-/// From a trigger to the end of its conversion, cycles.
-const CONVERSION: u32 = 30;
+/// Time from a trigger to the end of its conversion, cycles.
+const CONVERSION_CYCLES: u32 = 30;
 
-/// A stream of the part.
+/// Sample stream of the microcontroller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stream {
     /// Voltage and current.
@@ -27,13 +28,13 @@ pub enum Stream {
     Dac,
 }
 
-/// The part.
+/// Simulated microcontroller.
 pub struct Part {
-    /// The ring of the ADC.
+    /// Ring of the ADC.
     pub samples: [Cell<u32>; RING],
-    /// The ring of the DACs.
+    /// Ring of the DACs.
     pub codes: [Cell<u32>; RING],
-    /// All words that have played.
+    /// All words played so far.
     pub played: Vec<u32>,
     now: u64,
     load: LoopBack,
@@ -46,14 +47,14 @@ pub struct Part {
 }
 
 impl Part {
-    /// A part in silence, before its first trigger.
+    /// Creates a silent microcontroller before its first trigger.
     pub fn new(load: LoopBack) -> Self {
         let silence = word(SILENCE, SILENCE);
         Part {
             samples: [const { Cell::new(0) }; RING],
             codes: [const { Cell::new(word(SILENCE, SILENCE)) }; RING],
             played: Vec::new(),
-            // Its counter wraps soon.
+            // The cycle counter wraps soon after the start.
             now: u64::from(u32::MAX) / u64::from(CYCLES_PER_SAMPLE) * u64::from(CYCLES_PER_SAMPLE)
                 - 10_000 * u64::from(CYCLES_PER_SAMPLE),
             load,
@@ -66,32 +67,33 @@ impl Part {
         }
     }
 
-    /// The counter of cycles, which wraps.
+    /// Returns the cycle counter, which wraps.
     pub fn cycle_count(&self) -> u32 {
         self.now as u32
     }
 
-    /// Transfers until the ring of the ADC starts again.
+    /// Returns the number of transfers until the ADC's ring restarts.
     pub fn adc_remaining(&self) -> usize {
         RING - self.converted % RING
     }
 
-    /// Transfers until the ring of the DACs starts again.
+    /// Returns the number of transfers until the DACs' ring restarts.
     pub fn dac_remaining(&self) -> usize {
         RING - self.fetched % RING
     }
 
-    /// From now on one trigger does not reach this stream.
+    /// Makes one future trigger miss this stream.
     pub fn lose_a_trigger(&mut self, stream: Stream) {
         self.loses = Some(stream);
     }
 
-    /// Lets cycles pass.
+    /// Simulates this number of cycles.
     pub fn advance(&mut self, cycles: u32) {
         (0..cycles).for_each(|_| self.cycle());
     }
 
-    /// Lets cycles pass until half or end of the ADC's ring is reached; none where that was before, and takes note of it.
+    /// Simulates cycles until half or end of the ADC's ring is reached, and acknowledges the
+    /// interrupt. Returns at once if it is already pending.
     pub fn wait_for_interrupt(&mut self) {
         while !self.is_pending {
             self.cycle();
@@ -102,7 +104,7 @@ impl Part {
     fn cycle(&mut self) {
         match (self.now % u64::from(CYCLES_PER_SAMPLE)) as u32 {
             0 if self.loses.take_if(|lost| *lost == Stream::Dac).is_none() => self.play(),
-            CONVERSION if self.loses.take_if(|lost| *lost == Stream::Adc).is_none() => self.convert(),
+            CONVERSION_CYCLES if self.loses.take_if(|lost| *lost == Stream::Adc).is_none() => self.convert(),
             _ => {}
         }
         self.now += 1;

@@ -1,8 +1,9 @@
-//! The non-maskable interrupt: [`Alarm`] names its reason.
+//! Handler of the non-maskable interrupt. [`Alarm`] classifies its reason.
 //!
-//! A damaged word of the settings makes its read fail. Everything else ends the run. The hardware has dropped the enable by then: the break of TIM1
-//! has the crystal's failure, the flash's and the RAM's (`supply.rs`).
-#![expect(unsafe_code, reason = "the handler of an exception")]
+//! A damaged word of the settings makes its read fail. Every other reason ends the run. The
+//! hardware has already dropped the enable: the failures of crystal, flash and RAM are inputs of
+//! the break of TIM1 (`supply.rs`).
+#![expect(unsafe_code, reason = "the handler of an exception is unsafe")]
 
 use boards_common::note::Cause;
 use cortex_m_rt::exception;
@@ -11,10 +12,12 @@ use stm32_metapac::{FLASH, RCC, SYSCFG};
 
 use super::{flash, panic, protection};
 
-// SAFETY: marked because nothing masks it; it uses registers and atomics only, and ends the run where an invariant may be broken.
+// SAFETY: unsafe because this interrupt cannot be masked. The handler uses only registers and
+// atomics, and ends the run if an invariant may be broken.
 #[exception]
 unsafe fn NonMaskableInt() {
-    // FLASH_ECCR (3.7.6): ECCD of the lower and ECCD2 of the upper half of a line, the bank, and the offset within it.
+    // FLASH_ECCR (3.7.6): ECCD for the lower and ECCD2 for the upper half of a line, the bank, and
+    // the offset within the bank.
     let status = FLASH.eccr().read();
     let word = (status.eccd() || status.eccd2()).then(|| Word {
         in_system_memory: status.sysf_ecc(),
@@ -22,12 +25,12 @@ unsafe fn NonMaskableInt() {
         offset: status.addr_ecc(),
     });
     // RCC_CIFR.CSSF (7.4.6), SYSCFG_CFGR2.SPF (10.2.8), FLASH_OPTR.DBANK (3.7.7).
-    let alarm = Alarm::of(RCC.cifr().read().cssf(), SYSCFG.cfgr2().read().spf(), word, FLASH.optr().read().dbank());
+    let alarm = Alarm::from_flags(RCC.cifr().read().cssf(), SYSCFG.cfgr2().read().spf(), word, FLASH.optr().read().dbank());
     match alarm {
         Alarm::Settings => {
             protection::drop_enable();
             flash::mark_damaged();
-            // A one clears ECCD (3.7.6).
+            // Writing one clears ECCD (3.7.6).
             FLASH.eccr().write_value(status);
         }
         Alarm::Code(address) => panic::end(Cause::DamagedCode, "", address),

@@ -1,4 +1,5 @@
-//! The amplifier's supply: PB15 by ADC4, a hundred times a second. The processor's own is watched in `supply.rs`.
+//! Supply voltage of the amplifier: ADC4 measures PB15 a hundred times a second. `supply.rs`
+//! watches the processor's own supply.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,27 +11,28 @@ use super::adc;
 use super::clocks::CYCLES_PER_US;
 use super::pins::Pin;
 
-/// ADC4_IN5 is PB15 (DS12288, pin description).
+/// Input of the amplifier's supply: ADC4_IN5 is PB15 (DS12288, pin description).
 const CHANNEL: u8 = 5;
-/// Cycles between two measurements: 10 ms.
-const EVERY: u32 = 10_000 * CYCLES_PER_US;
+/// Time between two measurements, cycles: 10 ms.
+const PERIOD_CYCLES: u32 = 10_000 * CYCLES_PER_US;
 
-/// The latest measurement was out of the window.
-static OUT: AtomicBool = AtomicBool::new(false);
+/// `true` if the latest measurement was outside the permitted range.
+static IS_OUT: AtomicBool = AtomicBool::new(false);
 
-/// Whether the latest measurement was out of the window.
+/// Returns `true` if the latest measurement was outside the permitted range.
 pub fn is_out() -> bool {
-    OUT.load(Ordering::Relaxed)
+    IS_OUT.load(Ordering::Relaxed)
 }
 
-/// The watch.
+/// Periodic measurement of the amplifier's supply.
 pub struct AmplifierSupply {
     window: Option<SupplyWindow>,
     measured: u32,
 }
 
 impl AmplifierSupply {
-    /// Measures once, after the clock of ADC3 to ADC5 was set (`temperature.rs`); where there is no window, never.
+    /// Measures for the first time. If there is no permitted range, it never measures. The clock of
+    /// ADC3 to ADC5 must be set before (`temperature.rs`).
     pub fn start(window: Option<SupplyWindow>) -> Self {
         if window.is_some() {
             Pin::new(GPIOB, 15).analog();
@@ -41,9 +43,9 @@ impl AmplifierSupply {
         supply
     }
 
-    /// Measures when a measurement is due; 30 us of waiting then.
+    /// Measures if a measurement is due, which takes 30 us.
     pub fn poll(&mut self) {
-        if DWT::cycle_count().wrapping_sub(self.measured) >= EVERY {
+        if DWT::cycle_count().wrapping_sub(self.measured) >= PERIOD_CYCLES {
             self.measure();
         }
     }
@@ -51,7 +53,7 @@ impl AmplifierSupply {
     fn measure(&mut self) {
         self.measured = DWT::cycle_count();
         if let Some(window) = &self.window {
-            OUT.store(!window.holds(adc::convert(ADC4, CHANNEL)), Ordering::Relaxed);
+            IS_OUT.store(!window.holds(adc::convert(ADC4, CHANNEL)), Ordering::Relaxed);
         }
     }
 }

@@ -1,7 +1,10 @@
-//! The block interrupt: reads a block of samples, runs the controller, writes the block that plays two blocks later. At top priority, every 100 us.
+//! The block interrupt: reads a block of samples, runs the controller, writes the block that plays
+//! two blocks later. It has the highest priority and runs every 100 us.
 //!
-//! It runs from the core-coupled RAM (`ccmram.x`). A block that comes late, or takes too long, is reported to the controller with the next one, which
-//! mutes: fault 11. A stream that has lost a sample cannot be repaired while it runs: the enable drops, no block follows, and the watchdog resets the part.
+//! It runs from the core-coupled RAM (`ccmram.x`). A block that is late or takes too long is
+//! reported to the controller with the next block; the controller then mutes the drive with fault
+//! 11. A stream that has lost a sample cannot be repaired while it runs: the enable drops, no
+//! further block follows, and the watchdog resets the processor.
 
 use core::cell::RefCell;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -22,23 +25,25 @@ use super::force::ForceChannel;
 use super::pins::Pin;
 use super::{adc, amplifier_supply, count, panic, protection, temperature};
 
-/// The most cycles that a block has taken.
-static WORST: AtomicU32 = AtomicU32::new(0);
-/// The state that the interrupt takes over when it is raised for the first time.
+/// Duration of the longest block, cycles.
+static WORST_CYCLES: AtomicU32 = AtomicU32::new(0);
+/// State that the interrupt takes over when it runs for the first time.
 static HANDOVER: Mutex<RefCell<Option<&'static mut BlockInterrupt>>> = Mutex::new(RefCell::new(None));
 
-/// The most cycles that a block has taken, of 17 000.
+/// Returns the duration of the longest block, cycles, of the 17 000 of a block.
 pub fn worst_cycles() -> u32 {
-    WORST.load(Ordering::Relaxed)
+    WORST_CYCLES.load(Ordering::Relaxed)
 }
 
-/// What `delay` is told to take a third of a sample together with the two positions that are read: its loop takes three to five cycles for each of these.
-const A_THIRD: u32 = CYCLES_PER_SAMPLE / 14;
+/// Argument of `delay` with which the wait and the reads of two positions take a third of a sample.
+/// The loop of `delay` takes three to five cycles per unit.
+const THIRD_OF_SAMPLE_DELAY: u32 = CYCLES_PER_SAMPLE / 14;
 
-/// The sense multiplexer's address: the lane whose voltage and current are measured.
-const LISTEN: [Pin; 2] = [Pin::new(GPIOC, 8), Pin::new(GPIOC, 9)];
+/// Address pins of the sense multiplexer, which select the lane whose voltage and current are
+/// measured.
+const MULTIPLEXER_PINS: [Pin; 2] = [Pin::new(GPIOC, 8), Pin::new(GPIOC, 9)];
 
-/// The state of the block interrupt.
+/// State of the block interrupt.
 pub struct BlockInterrupt {
     task: BlockTask<'static>,
     lanes: Lanes,
@@ -48,14 +53,14 @@ pub struct BlockInterrupt {
     step: Step,
     sense: SenseBlock,
     drive: DriveBlock,
-    /// The last block was not written in time.
+    /// `true` if the last block was not written in time.
     late: bool,
 }
 
 impl BlockInterrupt {
-    /// The state before the first block.
+    /// Creates the state before the first block.
     pub fn new(task: BlockTask<'static>, lanes: Lanes, encoder: Option<Encoder>, force: Option<ForceChannel>) -> Self {
-        LISTEN.into_iter().for_each(Pin::output);
+        MULTIPLEXER_PINS.into_iter().for_each(Pin::output);
         let drive = task.silence();
         BlockInterrupt {
             task,
@@ -73,10 +78,10 @@ impl BlockInterrupt {
     /// Runs one block.
     fn block(&mut self) {
         let began = DWT::cycle_count();
-        // DMA has just left the half of the ring that it is not in.
+        // DMA has just left the half of the ring opposite to its position.
         let (adc, dac) = (adc::next(), self.lanes.next());
         let again = || {
-            delay(A_THIRD);
+            delay(THIRD_OF_SAMPLE_DELAY);
             (adc::next(), self.lanes.next())
         };
         if adc::CHANNEL.acknowledge() || adc::is_overrun() || !self.lanes.are_fed() || !self.step.holds((adc, dac), again) {
@@ -86,7 +91,7 @@ impl BlockInterrupt {
         let half = Half::at(adc).other();
         self.multiplex();
         packing::sense(half.filled(adc::SAMPLES.places()), Place::read, &mut self.sense);
-        let broken = protection::look();
+        let broken = protection::check_breaks();
         self.sense.slow = SlowSense {
             belt: self.encoder.as_mut().map(Encoder::read),
             temperature: Some(temperature::latest()),
@@ -96,11 +101,12 @@ impl BlockInterrupt {
                 amplifier_fault: broken.amplifier_fault,
                 supply: amplifier_supply::is_out(),
             }),
-            // The cycle counter stands while a debugger has halted the processor.
-            missed_blocks: Some(self.beat.missed(began) + u32::from(self.late) + u32::from(broken.stood)),
+            // The cycle counter does not count while a debugger has halted the processor, so
+            // `stalled` counts as a missed block.
+            missed_blocks: Some(self.beat.missed(began) + u32::from(self.late) + u32::from(broken.stalled)),
         };
         if broken.cut {
-            // Before the controller has had its time.
+            // Silent at once, without waiting for the controller.
             self.lanes.silence();
         }
         self.task.run(&self.sense, &mut self.drive);
@@ -111,19 +117,20 @@ impl BlockInterrupt {
             self.lanes.write(half, &self.drive);
         }
         self.late = !half.is_in_time::<AHEAD>(self.lanes.next());
-        WORST.fetch_max(DWT::cycle_count().wrapping_sub(began), Ordering::Relaxed);
+        WORST_CYCLES.fetch_max(DWT::cycle_count().wrapping_sub(began), Ordering::Relaxed);
         count::count_block();
     }
 
-    /// Connects the lane that is measured while the block plays that the last call returned, which begins.
+    /// Selects the lane to measure in the block that begins, which plays the answer of the previous
+    /// call.
     fn multiplex(&mut self) {
-        for (bit, pin) in LISTEN.into_iter().enumerate() {
+        for (bit, pin) in MULTIPLEXER_PINS.into_iter().enumerate() {
             pin.set(self.drive.listen >> bit & 1 == 1);
         }
     }
 }
 
-/// Gives the interrupt its state, before it is enabled.
+/// Passes its state to the interrupt. Must be called before the interrupt is enabled.
 pub fn hand_over(state: &'static mut BlockInterrupt) {
     masked::free(|token| HANDOVER.borrow(token).replace(Some(state)));
 }

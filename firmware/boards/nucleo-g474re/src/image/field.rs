@@ -1,5 +1,6 @@
-//! Updates over the link: the image that runs stores another one in the second bank, and marks it for the first stage.
-#![expect(unsafe_code, reason = "a constant that the linker must not drop")]
+//! Updates over the link: the running image stores another image in the second bank and marks it
+//! for the first stage.
+#![expect(unsafe_code, reason = "a constant that the linker must keep")]
 
 use cortex_m::singleton;
 use firmware::board::link::VERSION;
@@ -14,7 +15,7 @@ use update::receive::Receiver;
 use super::flash::{Damage, Pages};
 use super::watchdog;
 
-/// What this image is, for its manifest: read from the ELF file by name.
+/// Identity of this image for its manifest, read from the ELF file by symbol name.
 // SAFETY: no other symbol has this name.
 #[used]
 #[unsafe(no_mangle)]
@@ -29,15 +30,16 @@ static SONOGLIDE_IDENTITY: [u8; SIZE] = Identity {
 }
 .encode();
 
-/// The receiver of this board, which lets the watchdog wait while a signature is checked.
+/// Receiver of updates of this board. It relaxes the watchdog while a signature is checked.
 struct Field(Receiver<Pages, Pages>);
 
-/// Starts what receives updates. Called once.
+/// Starts the receiver of updates. Called once.
 pub fn start() -> &'static mut dyn Updates {
     if key::IS_DEVELOPMENT {
         defmt::warn!("this image accepts updates signed by the development key, which is public");
     }
-    // SAFETY: a constant. Volatile, so that it is where the ELF file says, and what a probe may have made of it.
+    // SAFETY: reads a constant. The read is volatile, so that the constant is kept at the address
+    // in the ELF file, and a change by a probe is read.
     let identity = Identity::decode(&unsafe { core::ptr::read_volatile(&raw const SONOGLIDE_IDENTITY) });
     let target = Target { board: board(BOARD), origin: ORIGIN, room: SLOT.size - MANIFEST, key: key::PUBLIC };
     let [slot, store, state] = [SLOT, STORE, STATE].map(|area| Pages::new(area, Damage::Zeros));

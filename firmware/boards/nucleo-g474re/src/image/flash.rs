@@ -1,13 +1,17 @@
-//! Parts of the flash that are written while the board runs: the settings, and what an update needs. RM0440 3.3 (flash of category 3).
+//! Flash areas that are written while the board runs: the settings and the areas of an update.
+//! RM0440 3.3 (flash of category 3).
 //!
-//! Written in double words, once after each erase; a page is erased in 22 ms (DS12288), while the code goes on from the first bank. If the option
-//! bytes make one bank of the two, nothing is written: an erase would stall the block interrupt.
+//! The flash is written in double words, once after each erase. Erasing a page takes 22 ms
+//! (DS12288), while the code continues from the first bank. If the option bytes select one bank
+//! instead of two, nothing is written, because an erase would stall the block interrupt.
 //!
-//! A word whose write was cut by power reads as an error of two bits, which raises the non-maskable interrupt (`alarm.rs`): that read fails, or gives
-//! zeros where the reader has checksums of its own, and the processor goes on.
+//! If power fails during a write, the word later reads as an error of two bits, which raises the
+//! non-maskable interrupt (`alarm.rs`). That read then fails, or returns zeros if the reader has
+//! its own checksums. The processor continues.
 //!
-//! The data cache is off while the flash is open: a read of one bank while the other one is written or erased may leave wrong data in it (ES0430
-//! 2.2.2). It is reset before it is on again, because it may hold what the pages held before.
+//! The data cache is off while the flash is open: reading one bank while the other is written or
+//! erased may leave wrong data in the cache (ES0430 2.2.2). The cache is reset before it is enabled
+//! again, because it may hold the former contents of the pages.
 #![expect(unsafe_code, reason = "the flash is written and read at its addresses")]
 
 use core::ptr;
@@ -19,26 +23,26 @@ use nucleo_g474re::pages::{FLASH as FIRST_BANK, PAGE, SECOND_BANK, SETTINGS, WOR
 use stm32_metapac::FLASH;
 use stm32_metapac::flash::regs::Sr;
 
-use super::watchdog::nurse;
+use super::watchdog::keep_alive;
 
-/// Pages of a bank (RM0440 3.3.1).
-const PAGES_OF_A_BANK: u32 = (SECOND_BANK - FIRST_BANK) / PAGE;
-/// FLASH_KEYR (3.7.3).
-const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
+/// Number of pages of a bank (RM0440 3.3.1).
+const PAGES_PER_BANK: u32 = (SECOND_BANK - FIRST_BANK) / PAGE;
+/// Keys for FLASH_KEYR (3.7.3).
+const UNLOCK_KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 
-/// A read since the last look has met a word that cannot be corrected.
+/// `true` if a read has found an uncorrectable word since this was last cleared.
 static DAMAGED: AtomicBool = AtomicBool::new(false);
 
-/// What has failed.
+/// Error of a flash access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlashError {
-    /// Beyond the end.
+    /// The access exceeds the end of the area.
     Beyond,
-    /// Not on the grid of pages or words.
+    /// The access is not aligned to pages or words.
     Unaligned,
-    /// A word that cannot be read.
+    /// A word cannot be read.
     Damaged,
-    /// The flash has refused.
+    /// The flash has refused or failed the operation.
     Refused,
 }
 
@@ -52,32 +56,33 @@ impl NorFlashError for FlashError {
     }
 }
 
-/// Marks the read that is under way as failed: the non-maskable interrupt has found a word that cannot be corrected.
+/// Marks the current read as failed. Called when the non-maskable interrupt reports an
+/// uncorrectable word.
 pub fn mark_damaged() {
     DAMAGED.store(true, Ordering::Relaxed);
 }
 
-/// Pages of the flash.
+/// Pages of an area of the flash.
 #[derive(Clone, Copy)]
 pub struct Pages {
     area: Area,
     damage: Damage,
 }
 
-/// What the read of a word gives that cannot be corrected.
+/// Result of reading an uncorrectable word.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Damage {
     /// The read fails.
     Fails,
-    /// The word reads as zeros: its reader has a checksum over it, or takes any value.
+    /// The word reads as zeros: its reader checks a checksum, or accepts any value.
     Zeros,
 }
 
 impl Pages {
-    /// The pages of the settings.
+    /// Pages of the settings.
     pub const SETTINGS: Pages = Pages::new(SETTINGS, Damage::Fails);
 
-    /// Pages of an area.
+    /// Creates the pages of an area.
     pub const fn new(area: Area, damage: Damage) -> Self {
         Pages { area, damage }
     }
@@ -91,14 +96,15 @@ impl ReadNorFlash for Pages {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
-        // Looking through all pages takes longer than the watchdog waits.
-        nurse();
+        // Reading all pages takes longer than the period of the watchdog.
+        keep_alive();
         let at = self.area.address(offset, bytes.len() as u32, 1).ok_or(FlashError::Beyond)?;
         let words = bytes.chunks_mut(WORD as usize).zip((at..).step_by(WORD as usize));
         for (word, at) in words {
             DAMAGED.store(false, Ordering::Relaxed);
             for (byte, at) in word.iter_mut().zip(at..) {
-                // SAFETY: within the area, which is always mapped; volatile, because it changes by other means than writes.
+                // SAFETY: the address is within the area, which is always mapped; volatile, because
+                // erases and the hardware change it too.
                 *byte = unsafe { ptr::read_volatile(at as *const u8) };
             }
             compiler_fence(Ordering::SeqCst);
@@ -124,13 +130,13 @@ impl NorFlash for Pages {
     fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         let length = to.checked_sub(from).ok_or(FlashError::Beyond)?;
         let at = self.area.address(from, length, PAGE).ok_or(FlashError::Unaligned)?;
-        let _open = Open::now()?;
+        let _open = Open::unlock()?;
         for page in (at..at + length).step_by(PAGE as usize) {
             // RM0440 3.3.6: FLASH_CR.PER, BKER, PNB, then STRT (3.7.5).
             FLASH.cr().modify(|w| {
                 w.set_per(true);
                 w.set_bker(page >= SECOND_BANK);
-                w.set_pnb(((page - FIRST_BANK) / PAGE % PAGES_OF_A_BANK) as u8);
+                w.set_pnb(((page - FIRST_BANK) / PAGE % PAGES_PER_BANK) as u8);
             });
             FLASH.cr().modify(|w| w.set_strt(true));
             let done = finish();
@@ -142,14 +148,15 @@ impl NorFlash for Pages {
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
         let at = self.area.address(offset, bytes.len() as u32, WORD).ok_or(FlashError::Unaligned)?;
-        let _open = Open::now()?;
+        let _open = Open::unlock()?;
         let (words, _) = bytes.as_chunks::<{ WORD as usize }>();
         for (word, at) in words.iter().zip((at..).step_by(WORD as usize)) {
             let [a, b, c, d, e, f, g, h] = *word;
             let (low, high) = (u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]));
             // RM0440 3.3.7: FLASH_CR.PG, then the two halves of a double word.
             FLASH.cr().modify(|w| w.set_pg(true));
-            // SAFETY: two aligned words within the area, which no code that runs and no reference is in; the flash is open for it.
+            // SAFETY: two aligned words within the area, which contains no running code and no
+            // reference; the flash is open for it.
             unsafe {
                 ptr::write_volatile(at as *mut u32, low);
                 ptr::write_volatile((at + 4) as *mut u32, high);
@@ -162,26 +169,30 @@ impl NorFlash for Pages {
     }
 }
 
-/// The flash, unlocked and without its data cache until this is dropped.
+/// The flash while it is unlocked, with its data cache off; dropping this value restores both.
 struct Open;
 
 impl Open {
-    /// Waits for what is under way, clears old errors, unlocks and switches the data cache off: FLASH_SR (3.7.4), FLASH_KEYR (3.7.3). Only with two banks: FLASH_OPTR.DBANK (3.7.7).
-    fn now() -> Result<Self, FlashError> {
+    /// Waits for the current operation, clears old errors, unlocks the flash and switches the data
+    /// cache off.
+    ///
+    /// FLASH_SR (3.7.4), FLASH_KEYR (3.7.3). Fails unless there are two banks: FLASH_OPTR.DBANK
+    /// (3.7.7).
+    fn unlock() -> Result<Self, FlashError> {
         if !FLASH.optr().read().dbank() {
             return Err(FlashError::Refused);
         }
         while FLASH.sr().read().bsy() {
-            nurse();
+            keep_alive();
         }
         FLASH.sr().write_value(errors());
         if FLASH.cr().read().lock() {
-            KEYS.into_iter().for_each(|key| FLASH.keyr().write_value(key));
+            UNLOCK_KEYS.into_iter().for_each(|key| FLASH.keyr().write_value(key));
         }
         if FLASH.cr().read().lock() {
             return Err(FlashError::Refused);
         }
-        // FLASH_ACR.DCEN (3.7.1): see above.
+        // FLASH_ACR.DCEN (3.7.1): see the module documentation.
         FLASH.acr().modify(|w| w.set_dcen(false));
         Ok(Open)
     }
@@ -190,24 +201,24 @@ impl Open {
 impl Drop for Open {
     fn drop(&mut self) {
         FLASH.cr().modify(|w| w.set_lock(true));
-        // FLASH_ACR.DCRST, which wants the cache off (3.7.1).
+        // FLASH_ACR.DCRST, which requires the cache to be off (3.7.1).
         FLASH.acr().modify(|w| w.set_dcrst(true));
         FLASH.acr().modify(|w| w.set_dcrst(false));
         FLASH.acr().modify(|w| w.set_dcen(true));
     }
 }
 
-/// Waits until the flash is done, and says how it went: FLASH_SR.BSY and its errors (3.7.4).
+/// Waits until the flash is done and returns the result: FLASH_SR.BSY and its errors (3.7.4).
 fn finish() -> Result<(), FlashError> {
     while FLASH.sr().read().bsy() {
-        nurse();
+        keep_alive();
     }
     let failed = FLASH.sr().read().0 & errors().0 != 0;
     FLASH.sr().write_value(errors());
     if failed { Err(FlashError::Refused) } else { Ok(()) }
 }
 
-/// The flags of failure.
+/// Returns the error flags of FLASH_SR.
 fn errors() -> Sr {
     let mut flags = Sr(0);
     flags.set_operr(true);

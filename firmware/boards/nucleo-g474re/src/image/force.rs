@@ -1,10 +1,11 @@
-//! The force channel: ADC3 adds up sixteen conversions of PB0 in each block. RM0440 21.4.30 (oversampler).
+//! Force channel: ADC3 adds up sixteen conversions of PB0 in each block. RM0440 21.4.30
+//! (oversampler).
 //!
 //! ```text
 //! 16 * (47.5 + 12.5) cycles of 42.5 MHz = 22.6 us of a block
 //! ```
 //!
-//! The reading of a block is the sum that was started by the block before. Mid-scale is zero force.
+//! The reading of a block is the sum that the previous block started. Mid-scale is zero force.
 
 use nucleo_g474re::config::{FORCE_CONVERSIONS, force_n};
 use stm32_metapac::adc::vals::{SampleTime, Trovs};
@@ -13,25 +14,26 @@ use stm32_metapac::{ADC3, GPIOB};
 use super::adc;
 use super::pins::Pin;
 
-/// ADC3_IN12 is PB0 (DS12288, pin description).
+/// Input of the force sensor: ADC3_IN12 is PB0 (DS12288, pin description).
 const CHANNEL: u8 = 12;
-/// ADC_CFGR2.OVSR (21.7.5): 2^(n + 1) conversions.
+/// Value n of ADC_CFGR2.OVSR (21.7.5) for 2^(n + 1) conversions.
 const OVERSAMPLING: u8 = 3;
 const _: () = assert!(FORCE_CONVERSIONS == 1 << (OVERSAMPLING + 1));
 
-/// The force channel.
+/// Force channel with its latest reading.
 pub struct ForceChannel {
     newton_per_lsb: f32,
     latest_n: Option<f32>,
 }
 
 impl ForceChannel {
-    /// Starts the channel, after the clock of ADC3 to ADC5 was set (`temperature.rs`). Its first reading comes with the second block.
+    /// Starts the channel. The clock of ADC3 to ADC5 must be set before (`temperature.rs`). The
+    /// first reading comes with the second block.
     pub fn start(newton_per_lsb: f32) -> Self {
         Pin::new(GPIOB, 0).analog();
         adc::wake(ADC3);
         adc::sequence(ADC3, CHANNEL, SampleTime::CYCLES47_5);
-        // ADC_CFGR2 (21.7.5): sums of sixteen, not shifted, all by one trigger.
+        // ADC_CFGR2 (21.7.5): sums of sixteen, not shifted, one trigger for all.
         ADC3.cfgr2().modify(|w| {
             w.set_ovsr(OVERSAMPLING);
             w.set_ovss(0);
@@ -41,8 +43,10 @@ impl ForceChannel {
         ForceChannel { newton_per_lsb, latest_n: None }
     }
 
-    /// The force, N, and begins the next reading: ADC_ISR.EOC, which reading ADC_DR clears (21.7.1, 21.7.16), ADC_CR.ADSTART (21.7.3). A channel that does not
-    /// convert has no reading.
+    /// Returns the force, N, and starts the next reading. Returns `None` if the channel has not
+    /// finished its conversions.
+    ///
+    /// Reading ADC_DR clears ADC_ISR.EOC (21.7.1, 21.7.16); ADC_CR.ADSTART (21.7.3).
     pub fn read(&mut self) -> Option<f32> {
         self.latest_n = ADC3.isr().read().eoc().then(|| force_n(ADC3.dr().read().0 as u16, self.newton_per_lsb));
         if !ADC3.cr().read().adstart() {

@@ -1,4 +1,4 @@
-//! The status LED at PA9. The board's own, LD2, hangs on PA5, which is a drive lane.
+//! Status LED at PA9. The board's own LED, LD2, is at PA5, which is a drive lane.
 
 use boards_common::led::is_lit;
 use firmware::seam::mode::Mode;
@@ -11,12 +11,13 @@ use super::pins::Pin;
 
 const LED: Pin = Pin::new(GPIOA, 9);
 
-/// Makes the pin an output: off.
+/// Makes the pin an output with the LED off.
 pub fn start() {
     LED.output();
 }
 
-/// Shows what the latest report says; before the first one the board is idle. The time is that of the blocks.
+/// Shows the state of the latest report; before the first one, the board is idle. The count of
+/// blocks gives the time.
 pub fn show(latest: Option<&Telemetry>) {
     let (mode, fault) = latest.map_or((Mode::Idle, None), |report| (report.mode, report.fault));
     LED.set(is_lit(mode, fault, count::blocks() / (1000 / BLOCK as u32)));

@@ -1,8 +1,8 @@
-//! The temperature, a few times a second: the processor's own by ADC5 and, where there is a thermistor at the heat sink, the hotter of the two;
-//! that one by ADC4. RM0440 21.4.31 (sensor), 21.4.33 (reference).
+//! Temperature, measured ten times a second: ADC5 measures the processor, ADC4 a thermistor at the
+//! heat sink if there is one. The hotter one counts. RM0440 21.4.31 (sensor), 21.4.33 (reference).
 //!
-//! Sensor and reference want 5 us of sampling at least (DS12288); [`adc::convert`] takes 15 us.
-#![expect(unsafe_code, reason = "the factory's calibration is read from its place")]
+//! Sensor and reference need at least 5 us of sampling (DS12288); [`adc::convert`] takes 15 us.
+#![expect(unsafe_code, reason = "the factory's calibration is read from its address")]
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -17,27 +17,31 @@ use super::adc;
 use super::clocks::CYCLES_PER_US;
 use super::pins::Pin;
 
-/// ADC5_IN4 is the sensor, ADC5_IN18 the reference (RM0440 21.4.11, table of inputs).
+/// Input of the sensor: ADC5_IN4 (RM0440 21.4.11, table of inputs).
 const SENSOR: u8 = 4;
+/// Input of the reference: ADC5_IN18 (RM0440 21.4.11, table of inputs).
 const REFERENCE: u8 = 18;
-/// ADC4_IN4 is PB14 (DS12288, pin description).
+/// Input of the thermistor: ADC4_IN4 is PB14 (DS12288, pin description).
 const THERMISTOR: u8 = 4;
-/// Addresses of the factory's measurements (DS12288: TS_CAL1, TS_CAL2, VREFINT_CAL).
+/// Address of the factory's code of the sensor at 30 degrees Celsius (DS12288).
 const TS_CAL1: *const u16 = 0x1fff_75a8 as *const u16;
+/// Address of the factory's code of the sensor at 130 degrees Celsius (DS12288).
 const TS_CAL2: *const u16 = 0x1fff_75ca as *const u16;
+/// Address of the factory's code of the reference (DS12288).
 const VREFINT_CAL: *const u16 = 0x1fff_75aa as *const u16;
-/// Cycles between two measurements: a tenth of a second.
-const EVERY: u32 = 100_000 * CYCLES_PER_US;
+/// Time between two measurements, cycles: a tenth of a second.
+const PERIOD_CYCLES: u32 = 100_000 * CYCLES_PER_US;
 
-/// The latest temperature, as bits of degrees Celsius.
-static LATEST: AtomicU32 = AtomicU32::new(0);
+/// Latest temperature, as the bits of a value in degrees Celsius.
+static LATEST_C_BITS: AtomicU32 = AtomicU32::new(0);
 
-/// The latest measurement, degrees Celsius; there is one before the first block.
+/// Returns the latest temperature, degrees Celsius. It is measured for the first time before the
+/// first block.
 pub fn latest() -> f32 {
-    f32::from_bits(LATEST.load(Ordering::Relaxed))
+    f32::from_bits(LATEST_C_BITS.load(Ordering::Relaxed))
 }
 
-/// The sensor.
+/// Temperature measurement of the processor and the heat sink.
 pub struct Thermometer {
     calibration: Calibration,
     thermistor: Option<Thermistor>,
@@ -45,7 +49,7 @@ pub struct Thermometer {
 }
 
 impl Thermometer {
-    /// Starts the sensor and its ADC, and that of a thermistor.
+    /// Starts the sensor and its ADC, and the ADC of a thermistor.
     pub fn start(thermistor: Option<Thermistor>) -> Self {
         // ADCx_CCR (21.8.2), while its ADCs are off: HCLK / 4, sensor and reference on.
         ADC345_COMMON.ccr().write(|w| {
@@ -58,18 +62,18 @@ impl Thermometer {
             Pin::new(GPIOB, 14).analog();
             adc::wake(ADC4);
         }
-        // t_START of the sensor is 120 us at most (DS12288).
+        // t_START of the sensor is at most 120 us (DS12288).
         delay(120 * CYCLES_PER_US);
-        // SAFETY: three aligned half-words of the part's read-only memory.
+        // SAFETY: reads three aligned half-words of read-only memory.
         let [low, high, reference] = [TS_CAL1, TS_CAL2, VREFINT_CAL].map(|at| unsafe { at.read_volatile() });
         let mut thermometer = Thermometer { calibration: Calibration { low, high, reference }, thermistor, measured: 0 };
         thermometer.measure();
         thermometer
     }
 
-    /// Measures when a measurement is due; 60 us of waiting then, and 30 us more with a thermistor.
+    /// Measures if a measurement is due, which takes 60 us, and 30 us more with a thermistor.
     pub fn poll(&mut self) {
-        if DWT::cycle_count().wrapping_sub(self.measured) >= EVERY {
+        if DWT::cycle_count().wrapping_sub(self.measured) >= PERIOD_CYCLES {
             self.measure();
         }
     }
@@ -78,6 +82,6 @@ impl Thermometer {
         self.measured = DWT::cycle_count();
         let own = celsius(&self.calibration, adc::convert(ADC5, SENSOR), adc::convert(ADC5, REFERENCE));
         let hottest = self.thermistor.map_or(own, |thermistor| thermistor.celsius(adc::convert(ADC4, THERMISTOR)).max(own));
-        LATEST.store(hottest.to_bits(), Ordering::Relaxed);
+        LATEST_C_BITS.store(hottest.to_bits(), Ordering::Relaxed);
     }
 }

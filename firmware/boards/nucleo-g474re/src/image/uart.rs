@@ -1,7 +1,9 @@
-//! The link: LPUART1 on PA2 and PA3, which the Nucleo's ST-LINK shows the host as a serial port (UM2505). 921 600 baud, 8N1. RM0440 38.
+//! Link to the host: LPUART1 on PA2 and PA3, which the Nucleo's ST-LINK provides as a serial port
+//! (UM2505). 921 600 baud, 8N1. RM0440 38.
 //!
-//! Bytes come by DMA into a ring, so that none is lost while the background task does something else for up to 5 ms; they leave through the transmitter's
-//! buffer of eight, one at each poll. Nothing here waits but a flush, before a reset.
+//! DMA writes received bytes to a ring, so that none is lost while the background task is busy for
+//! up to 5 ms. Bytes are sent through the transmitter's buffer of eight, one at each poll. Only a
+//! flush waits, before a reset.
 
 use core::convert::Infallible;
 
@@ -15,27 +17,27 @@ use stm32_metapac::usart::regs::Brr;
 use stm32_metapac::{GPIOA, LPUART1};
 
 use super::clocks::SYSTEM_HZ;
-use super::dma::{Channel, Ring, Way};
+use super::dma::{Channel, Direction, Ring};
 use super::pins::Pin;
 
-/// Speed of the link, bits a second.
+/// Speed of the link, bit/s.
 pub const BAUD: u32 = 921_600;
-/// What divides the clock.
+/// Divider of the clock.
 const DIVIDER: u32 = match divider(SYSTEM_HZ, BAUD) {
     Some(divider) => divider,
-    None => panic!("this baud rate cannot be had"),
+    None => panic!("the clock cannot produce this baud rate"),
 };
-/// Room for twice the longest frame.
+/// Size of the receive ring, bytes: twice the longest frame.
 const ROOM: usize = 512;
 
 static RECEIVED: Ring<u8, ROOM> = Ring::new(0);
-const CHANNEL: Channel = Channel::of_second(0);
-/// Request of LPUART1's receiver (RM0440 13.3.2, table of requests).
+const CHANNEL: Channel = Channel::of_dma2(0);
+/// DMA request number of LPUART1's receiver (RM0440 13.3.2, table of requests).
 const REQUEST: u8 = 34;
-/// LPUART1_TX, PA2, and LPUART1_RX, PA3 (DS12288, alternate functions).
+/// Alternate function of LPUART1_TX, PA2, and LPUART1_RX, PA3 (DS12288, alternate functions).
 const FUNCTION: u8 = 12;
 
-/// The link.
+/// Link to the host.
 pub struct Link {
     reader: Reader<ROOM>,
 }
@@ -44,17 +46,19 @@ impl Link {
     /// Starts the link.
     pub fn start() -> Self {
         Pin::new(GPIOA, 2).alternate(FUNCTION, Pupdr::FLOATING);
-        // Idle is high, also without a cable.
+        // The idle level is high, also without a cable.
         Pin::new(GPIOA, 3).alternate(FUNCTION, Pupdr::PULL_UP);
-        // LPUART_BRR (38.7.5), whose 20 bits are more than the description of the part knows; RCC_CCIPR.LPUART1SEL is PCLK1 after reset (7.4.26).
+        // LPUART_BRR (38.7.5): raw, because `stm32-metapac` describes fewer than its 20 bits.
+        // RCC_CCIPR.LPUART1SEL is PCLK1 after reset (7.4.26).
         LPUART1.brr().write_value(Brr(DIVIDER));
-        // LPUART_CR3 (38.7.4): the receiver asks for DMA, and goes on after an overrun: the frames have checksums.
+        // LPUART_CR3 (38.7.4): the receiver uses DMA and continues after an overrun. The checksums
+        // of the frames detect the loss.
         LPUART1.cr3().write(|w| {
             w.set_dmar(true);
             w.set_ovrdis(true);
         });
-        CHANNEL.start(REQUEST, LPUART1.rdr().as_ptr().cast(), &RECEIVED, Way::In, Pl::MEDIUM);
-        // LPUART_CR1 (38.7.1): with its buffers.
+        CHANNEL.start(REQUEST, LPUART1.rdr().as_ptr().cast(), &RECEIVED, Direction::In, Pl::MEDIUM);
+        // LPUART_CR1 (38.7.1): the FIFOs are enabled.
         LPUART1.cr1().write(|w| {
             w.set_fifoen(true);
             w.set_te(true);
@@ -64,13 +68,14 @@ impl Link {
         Link { reader: Reader::default() }
     }
 
-    /// LPUART_ISR.TXFNF (38.7.7), which has the place of TXE.
+    /// Returns `true` if the transmitter has room: LPUART_ISR.TXFNF (38.7.7), which is at the
+    /// position of TXE.
     fn has_room(&self) -> bool {
         LPUART1.isr().read().txe()
     }
 }
 
-/// The place in the ring that is filled next.
+/// Returns the place in the ring that DMA fills next.
 fn filled() -> usize {
     position::<ROOM>(CHANNEL.remaining().into())
 }
@@ -115,7 +120,8 @@ impl Write for Link {
     }
 
     fn flush(&mut self) -> Result<(), Infallible> {
-        // The transmitter sends what it has by itself: a hundred microseconds at most. LPUART_ISR.TC (38.7.7).
+        // Waits until the transmitter is empty, which takes at most a hundred microseconds.
+        // LPUART_ISR.TC (38.7.7).
         while !LPUART1.isr().read().tc() {}
         Ok(())
     }

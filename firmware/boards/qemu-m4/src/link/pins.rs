@@ -1,4 +1,4 @@
-//! Pins and watchdog that the host sees, and sets, with each block.
+//! Pins and watchdog that the host reads and sets with each block.
 
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -17,7 +17,7 @@ pub fn press(stop: bool) {
     STOP.store(stop, Ordering::Relaxed);
 }
 
-/// What the host can see.
+/// Returns the state of the board that the host receives with each block.
 pub fn seen(failed: bool) -> Board {
     Board {
         enable: ENABLE.load(Ordering::Relaxed),
@@ -46,7 +46,7 @@ impl OutputPin for Enable {
     }
 }
 
-/// The emergency stop's contact: low is pressed.
+/// Contact of the emergency stop: low while it is pressed.
 pub struct Stop;
 
 impl ErrorType for Stop {
@@ -63,7 +63,7 @@ impl InputPin for Stop {
     }
 }
 
-/// Counts how often it is fed. A reset waits until the block is answered.
+/// Watchdog that counts its feeds. A reset waits until the block is answered.
 pub struct VirtualWatchdog;
 
 impl Watchdog for VirtualWatchdog {

@@ -1,10 +1,10 @@
-//! Which parameter acts beside which.
+//! Dependencies between parameters.
 
 use super::*;
 
 #[test]
-fn what_is_built_in_may_be_taken_away_without_what_it_needs() {
-    // An energy for each metre is built in, with its belt; the belt is gone by what is set.
+fn a_built_in_part_can_be_removed_without_its_need() {
+    // An energy limit per metre is built in, with its belt; the set values remove the belt.
     let built_in = with(&[(14, 100.0), (56, 1e-5), (83, 1.0), (59, 10e3)]);
     let check = |(key, value): (u8, f32), set: &[(u8, f32)]| {
         let mut values = built_in;
@@ -14,9 +14,9 @@ fn what_is_built_in_may_be_taken_away_without_what_it_needs() {
     let no_belt = [(56, f32::INFINITY)];
     assert_eq!([check((14, f32::INFINITY), &no_belt), check((83, 0.0), &no_belt)], [Ok(()); 2]);
     assert_eq!(check((14, 50.0), &no_belt), Err(Refusal::NotConfigured));
-    // Zero is no absence of a number that is none of a part.
+    // For a plain number, zero does not mean that a part is not present.
     assert_eq!(check((13, 0.0), &no_belt), Err(Refusal::NotConfigured));
-    // What is built in is never refused, but for a belt's scale that goes where something needs it.
+    // A built-in value is never refused, except a missing belt scale that something needs.
     let plain = values_of(&config());
     assert!((0..PARAMETERS.len()).all(|place| check_need(place, plain[place], &plain, &plain) == Ok(())));
     assert_eq!([check((14, 100.0), &no_belt), check((56, 1e-5), &[])], [Ok(()); 2]);
@@ -24,8 +24,8 @@ fn what_is_built_in_may_be_taken_away_without_what_it_needs() {
 }
 
 #[test]
-fn each_parameter_of_a_part_needs_its_part_and_no_other() {
-    // A part by the beginning of its names, and what it acts with.
+fn each_parameter_needs_only_its_own_part() {
+    // Beginning of the names of a part, and the parameter that the part needs.
     let parts = [
         ("friction.", "friction.enabled"),
         ("restraint.", "restraint.enabled"),

@@ -1,28 +1,29 @@
-//! Two copies in flash: whatever is cut off or damaged, what is read is what was stored last, or nothing.
+//! Two copies in flash: after any interruption or damage, the last stored record is read, or none.
 
 use super::*;
 
 const BYTES: usize = 4 * 2048;
 
-/// A flash whose bits only fall until they are erased, of four pages.
+/// Flash whose bits only fall until they are erased.
 #[derive(Clone)]
 struct Nor {
     bytes: std::vec::Vec<u8>,
-    /// Words and pages that it writes or erases before power goes.
+    /// Number of words and pages that can be written or erased before power fails.
     left: usize,
-    /// Words that it has written, and how many more lose a bit.
+    /// Number of words written so far.
     written: usize,
-    /// Pages that it has erased.
+    /// Number of pages erased so far.
     erased: usize,
+    /// Number of the next words that lose a bit as they are written.
     weak: usize,
 }
 
 impl Nor {
     fn blank() -> Self {
-        Nor::of_pages(4)
+        Nor::with_pages(4)
     }
 
-    fn of_pages(count: usize) -> Self {
+    fn with_pages(count: usize) -> Self {
         Nor { bytes: std::vec![0xFF; count * 2048], left: usize::MAX, written: 0, erased: 0, weak: 0 }
     }
 
@@ -76,13 +77,13 @@ impl NorFlash for Nor {
     }
 }
 
-/// A record that differs from that of every other number.
+/// Returns a record that differs from that of every other number.
 fn record(n: u32) -> Record {
     let parameters = (0..40 + n as u8 % 20).map(|key| (key + 100, n as f32 + f32::from(key) / 64.0)).collect();
     Record { trims: longest().trims, parameters }
 }
 
-/// A flash in which so many records have been stored, one after the other.
+/// Returns a flash in which this number of records have been stored, one after the other.
 fn stored(count: u32) -> Nor {
     let mut settings = Settings::new(Nor::blank()).unwrap();
     (1..=count).for_each(|n| settings.store(&record(n)).unwrap());
@@ -100,7 +101,7 @@ fn each_store_counts_and_the_same_record_is_not_written_again() {
     // There is nothing to clear.
     settings.clear().unwrap();
     assert_eq!(settings.flash.written, 0);
-    // The pages are used in turns: some are closed, and some erased again.
+    // The pages are used in turn: some are closed, and some are erased again.
     for n in 1..=40 {
         settings.store(&record(n)).unwrap();
         assert_eq!((settings.stores(), settings.record()), (n, (record(n), StoredState::Stored)));
@@ -113,7 +114,7 @@ fn each_store_counts_and_the_same_record_is_not_written_again() {
 }
 
 #[test]
-fn wherever_power_goes_one_of_two_records_is_whole() {
+fn one_record_is_intact_whenever_power_fails() {
     for count in 1..=6 {
         let begun = stored(count);
         let (mut cut, mut seen) = (0, [0; 3]);
@@ -125,7 +126,7 @@ fn wherever_power_goes_one_of_two_records_is_whole() {
             let place = [record(count), record(99)].iter().position(|one| *one == found);
             assert!(place.is_some() && matches!(state, StoredState::Stored | StoredState::OneCopy), "{count} {cut}: {state:?}");
             seen[if state == StoredState::OneCopy { 2 } else { place.unwrap() }] += 1;
-            // And the next store writes both again.
+            // The next store writes both halves again.
             let mut next = Settings::new(flash).unwrap();
             next.store(&record(100)).unwrap();
             assert_eq!(next.record(), (record(100), StoredState::Stored), "{count} {cut}");
@@ -140,13 +141,13 @@ fn wherever_power_goes_one_of_two_records_is_whole() {
 }
 
 #[test]
-fn where_a_half_has_more_pages_some_are_closed() {
-    // Four pages a half, of which each takes four records.
-    let mut settings = Settings::new(Nor::of_pages(8)).unwrap();
+fn larger_halves_use_closed_pages() {
+    // Four pages in each half, and four records in each page.
+    let mut settings = Settings::new(Nor::with_pages(8)).unwrap();
     for n in 1..=40 {
         settings.store(&record(n)).unwrap();
         assert_eq!((settings.stores(), settings.record()), (n, (record(n), StoredState::Stored)));
-        // A page that was closed is damaged where it says so: one copy less, and the next store makes it anew.
+        // A damaged mark of a closed page costs one copy, and the next store writes it again.
         if n % 7 == 0 {
             let whole = settings.flash.clone();
             let ends = (0..4).flat_map(|page| [2048 * page, 2048 * page + 2040]);
@@ -161,7 +162,7 @@ fn where_a_half_has_more_pages_some_are_closed() {
             }
         }
     }
-    // Nothing was erased but in turns: a page takes three records at least.
+    // Pages are erased only in turn: a page takes three records at least.
     let erased = settings.flash.erased;
     assert!((10..=28).contains(&erased), "{erased}");
 }
@@ -214,7 +215,7 @@ fn damage_to_both_copies_never_brings_back_an_older_record() {
             if state == StoredState::Damaged {
                 damaged += 1;
                 assert_eq!(found, Record::default());
-                // A store makes both anew, with a number beyond all that were there.
+                // A store writes both copies again, with a number above all earlier ones.
                 if damaged % 16 == 0 {
                     let mut settings = Settings::new(flash).unwrap();
                     settings.store(&record(77)).unwrap();
@@ -229,7 +230,7 @@ fn damage_to_both_copies_never_brings_back_an_older_record() {
 }
 
 #[test]
-fn what_is_written_but_no_record_is_not_blank() {
+fn data_other_than_a_record_is_not_blank() {
     let state = |places: &[usize]| {
         let mut flash = Nor::blank();
         places.iter().for_each(|&at| flash.bytes[at] = 0xE7);
@@ -243,14 +244,14 @@ fn what_is_written_but_no_record_is_not_blank() {
 }
 
 #[test]
-fn a_word_that_does_not_take_is_erased_and_written_again() {
+fn a_word_that_fails_to_write_is_erased_and_written_again() {
     for count in 0..5 {
         for weak in [1, 2, 5, 40] {
             let mut settings = Settings::new(Nor { weak, ..stored(count) }).unwrap();
             settings.store(&record(50)).unwrap();
             assert_eq!(settings.record(), (record(50), StoredState::Stored), "{count} {weak}");
         }
-        // A flash that never takes it says so, and one that does nothing at all.
+        // A flash that never takes the data reports an error, and so does one that does nothing.
         let mut settings = Settings::new(Nor { weak: usize::MAX, ..stored(count) }).unwrap();
         assert_eq!(settings.store(&record(50)), Err(NotStored));
         let mut settings = Settings::new(Nor { left: 0, ..stored(count) }).unwrap();
@@ -259,9 +260,9 @@ fn a_word_that_does_not_take_is_erased_and_written_again() {
 }
 
 #[test]
-fn the_number_of_a_write_is_beyond_all_that_were_written() {
+fn the_next_number_is_above_those_of_all_valid_writes() {
     let next = |first: (u32, Content), second: (u32, Content)| {
-        let found = [first, second].map(|(number, content)| Found { number, content, same: false });
+        let found = [first, second].map(|(number, content)| HalfValue { number, content, is_expected: false });
         Halves { newest: found[1].is_newer_than(&found[0]).into(), found }.next_number()
     };
     let rows = [

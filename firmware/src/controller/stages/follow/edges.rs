@@ -1,8 +1,10 @@
-//! How a burst's edges are prepared: the brake of a plain burst, and the strokes of a boosted one.
+//! Preparation of a burst's edges: the brake of a plain burst, and the strokes of a boosted one.
 //!
-//! Strokes are planned from what is known in place: the resonance's damping and inductance, which the tracker has identified; what the
-//! [source](crate::sense::source) adds to the damping; and the residual vibration, by the motional current that was measured last. The steady current of a drive of one
-//! volt is then `S = beta g / a`, `a = alpha + Re(beta z)`, and the residual vibration, as the drive that would hold it, is `R = Re(I_m / S)`.
+//! Strokes are planned from values known on the board: damping and inductance of the resonance,
+//! identified by the tracker; the additional damping by the [source](crate::sense::source); and the
+//! residual vibration, from the last measured motional current. The steady current per volt of
+//! drive is then `S = beta g / a`, `a = alpha + Re(beta z)`. The residual vibration, as the drive
+//! that would hold it, is `R = Re(I_m / S)`.
 
 use crate::controller::chain::{Chain, Measured};
 use crate::generate::burst::Brake;
@@ -19,30 +21,30 @@ use crate::track::tracked_transducer::LEARN_BLOCKS;
 
 /// Interval at which strokes are planned again, blocks.
 const RENEW_BLOCKS: u64 = 64;
-/// Of a steady drive, one block of so many is listened to for the source.
-const STEADY: u64 = 8;
-/// Part of the current limit that an edge may draw: steps of the converter draw more than their fundamental.
-const CURRENT: f32 = 0.85;
-/// A drive further from the resonance than this part of the half bandwidth is not boosted.
-const BESIDE: f32 = 0.1;
+/// Interval at which blocks of a steady drive are used for the source, blocks.
+const STEADY_INTERVAL_BLOCKS: u64 = 8;
+/// Largest fundamental current of an edge, relative to the current limit: the steps of the
+/// converter draw more than their fundamental.
+const MAX_CURRENT_REL: f32 = 0.85;
+/// Largest detuning of a drive that is boosted, half bandwidths.
+const MAX_DETUNING_REL: f32 = 0.1;
 
 /// Use of a block of a boosted burst for the tracker.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockInfo {
-    /// What it drives had rung up before.
+    /// `true` if the ring-up was complete before the block.
     pub(crate) rung_up: bool,
-    /// The block is informative to the tracker.
-    pub(crate) telling: bool,
-    /// Nothing was paid back in it.
+    /// `true` if the tracker can use the block.
+    pub(crate) informative: bool,
+    /// `true` if no volt-seconds of a burst were compensated in the block.
     even: bool,
 }
-
 impl BlockInfo {
-    /// Of a plain burst.
-    const PLAIN: BlockInfo = BlockInfo { rung_up: false, telling: true, even: true };
+    /// Use of a block of a plain burst.
+    const PLAIN: BlockInfo = BlockInfo { rung_up: false, informative: true, even: true };
 }
 
-/// What is known for boosted edges.
+/// State of the planning of edges.
 #[derive(Clone, Debug)]
 pub(crate) struct Edges {
     source: Source,
@@ -52,17 +54,17 @@ pub(crate) struct Edges {
     planned: u64,
     stage: Stage,
     infos: [BlockInfo; LATENCY_BLOCKS],
-    /// Nothing is owed after the last block.
+    /// `true` if no volt-seconds remain to be compensated after the last block.
     even: bool,
-    /// The drive that the present brake or boost is for, V.
+    /// Drive for which the present brake or boost was planned, V peak.
     braked_volts: f32,
 }
 
-/// How far the next strokes are planned, a part a block.
+/// Progress of the planning of strokes, one part a block.
 #[derive(Clone, Copy, Debug)]
 enum Stage {
     Idle,
-    /// Calculates the rate of the ring-up at the highest voltage, 1/s.
+    /// The next part computes the largest drive, at this decay rate, 1/s.
     Ceiling(f32),
     Strokes(Planner),
 }
@@ -81,23 +83,23 @@ impl Edges {
         }
     }
 
-    /// The drive that the present brake or boost is for, V.
+    /// Returns the drive for which the present brake or boost was planned, V peak.
     pub(crate) fn volts(&self) -> f32 {
         self.braked_volts
     }
 
-    /// Whether nothing is being planned.
+    /// Returns `true` if no planning is in progress.
     pub(crate) fn are_idle(&self) -> bool {
         matches!(self.stage, Stage::Idle)
     }
 
-    /// Forgets the transducer. The source is what it was.
+    /// Resets the transducer; the source is kept.
     pub(crate) fn restart(&mut self) {
         (self.per_ampere, self.stage) = (None, Stage::Idle);
     }
 }
 
-/// Whether edges can be what they are asked to be.
+/// Checks that a boosted edge is compatible with the rest of the configuration.
 pub(crate) fn check(config: &Config) -> Result<(), Error> {
     let tracked = matches!(config.tracking.mode, TrackingMode::Observer | TrackingMode::PhaseLock);
     if config.burst.edge != Edge::Boost {
@@ -114,29 +116,31 @@ pub(crate) fn check(config: &Config) -> Result<(), Error> {
 }
 
 impl Edges {
-    /// Use of the measured block for the tracker.
+    /// Returns the use of the measured block for the tracker.
     #[inline]
     pub(crate) fn block_info(&self, block: u64, boosts: bool) -> BlockInfo {
         if boosts { self.infos[(block % LATENCY_BLOCKS as u64) as usize] } else { BlockInfo::PLAIN }
     }
 
-    /// Records the use of the block that has been written, of a drive of `volts` and this mean envelope.
+    /// Records the use of the block that has been written, with its drive, V, and its mean
+    /// envelope.
     #[inline(never)]
     pub(crate) fn record(&mut self, block: u64, generator: &SignalGenerator, volts: f32, level: f32) {
-        let (rung_up, telling) = (generator.burst.was_rung_up(volts), generator.burst.is_telling());
+        let (rung_up, informative) = (generator.burst.was_rung_up(volts), generator.burst.is_telling());
         let even = core::mem::replace(&mut self.even, generator.shaper.is_even()) || level != 0.0;
-        self.infos[(block % LATENCY_BLOCKS as u64) as usize] = BlockInfo { rung_up, telling, even };
+        self.infos[(block % LATENCY_BLOCKS as u64) as usize] = BlockInfo { rung_up, informative, even };
     }
 
-    /// Prepares the boosted edge that may come next under this gate.
+    /// Prepares the next boosted edge under this gate.
     #[inline(never)]
     pub(crate) fn prepare_boost(&mut self, chain: &mut Chain, measured: &Measured, gate: Gate) {
         let Measured { orders, sensed, motional, played, .. } = *measured;
         let (block, burst) = (chain.block, &mut chain.generator.burst);
         if played.flat && played.pure && self.block_info(block, true).even {
-            // Silence contains nothing but noise, and a steady drive little information.
+            // Silence contains only noise, and a steady drive little information.
             if played.envelope > 1.0
-                || played.envelope > 0.0 && (chain.supervisor.mode() == Mode::Lock || block.is_multiple_of(STEADY))
+                || played.envelope > 0.0
+                    && (chain.supervisor.mode() == Mode::Lock || block.is_multiple_of(STEADY_INTERVAL_BLOCKS))
             {
                 self.source.update(played.volts * played.envelope, sensed.v, motional);
             }
@@ -152,7 +156,7 @@ impl Edges {
         if fresh && matches!(self.stage, Stage::Idle) {
             return;
         }
-        // Planning has the blocks in which there is nothing else to do.
+        // Planning uses blocks without other work.
         let samples = chain.generator.samples as u64;
         let next = (block + LATENCY_BLOCKS as u64) * samples;
         let learns = chain.track.since_learned(block) >= LEARN_BLOCKS - 1;
@@ -172,17 +176,17 @@ impl Edges {
         }
     }
 
-    /// The decay rate of the vibration, and the level that a steady drive holds.
+    /// Computes the decay rate of the vibration, and its level under a steady drive.
     fn plan_rate(&mut self, chain: &mut Chain, orders: &Orders) {
-        let transducer = chain.track.transducer_by_now();
+        let transducer = chain.track.latest_transducer();
         let Some((lm_h, time_constant_s)) = transducer.map(|it| (it.lm_h, it.time_constant_s())) else { return };
         let Some((gain, impedance)) = self.source.seen() else { return };
         let beta = chain.track.tracker.branch().axis * (0.5 / lm_h);
         let rate = 1.0 / time_constant_s + (beta * impedance).re;
         let driven = beta * gain;
         self.planned = chain.block;
-        let beside = (orders.detune.0 * core::f32::consts::TAU).abs() > BESIDE * rate;
-        // No number is no rate.
+        let beside = (orders.detune.0 * core::f32::consts::TAU).abs() > MAX_DETUNING_REL * rate;
+        // Also rejects a rate that is not a number.
         if rate > 0.0 && self.braked_volts > 0.0 && !beside {
             self.per_ampere = Some(driven.conj() * (rate / driven.norm_sqr()));
             self.stage = Stage::Ceiling(rate);
@@ -191,16 +195,17 @@ impl Edges {
         }
     }
 
-    /// The most that an edge may drive with: by the voltage limit, and by what the clamped branch draws beside the motional current.
-    // Not inlined: a block in 64 has it, and the fast memory of a board has no room for it.
+    /// Computes the largest drive of an edge: from the voltage limit, and from the current limit
+    /// less the motional current.
+    // Not inlined: it runs in one block of 64, and the fast memory of a board has no room for it.
     #[inline(never)]
     fn plan_ceiling(&mut self, chain: &mut Chain, rate: f32) {
-        let resonance_hz = chain.track.transducer_by_now().map(|transducer| transducer.series_resonance_hz);
+        let resonance_hz = chain.track.latest_transducer().map(|transducer| transducer.series_resonance_hz);
         let (Some(resonance_hz), Some(per_ampere)) = (resonance_hz, self.per_ampere) else { return };
         let SignalGenerator { burst, amplitude, samples, .. } = &mut chain.generator;
         burst.set_rate(rate / self.sample_hz, *samples);
         let volts = self.braked_volts;
-        let most = CURRENT * amplitude.most_amperes();
+        let most = MAX_CURRENT_REL * amplitude.most_amperes();
         let left = most * most - volts * volts / per_ampere.norm_sqr();
         let clamped = libm::sqrtf(larger(left, 0.0) / chain.track.tracker.branch().y0.norm_sqr());
         let ceiling = smaller(clamped, amplitude.most_volts());
@@ -210,16 +215,18 @@ impl Edges {
         self.stage = Stage::Strokes(Planner::new(half_cycles, volts, ceiling, beside));
     }
 
-    /// The brake for the residual vibration. It is planned again where the drive has changed, because its level counts from the drive.
+    /// Prepares the brake for the residual vibration. A changed drive needs a new brake, because
+    /// the brake's level is relative to the drive.
     pub(crate) fn prepare_brake(&mut self, chain: &mut Chain, gate: Gate) {
-        const SAME: f32 = 0.01;
+        /// Relative change of the drive after which the brake is planned again.
+        const REPLAN_REL: f32 = 0.01;
         let SignalGenerator { burst, amplitude, .. } = &mut chain.generator;
         let volts = amplitude.volts();
         if burst.is_under_way(gate) {
-            // It brakes what it was made for.
+            // A brake in progress is kept.
         } else if !burst.brakes(gate) || volts == 0.0 {
             burst.set_brake(None);
-        } else if burst.brake().is_none() || (volts - self.braked_volts).abs() > SAME * volts {
+        } else if burst.brake().is_none() || (volts - self.braked_volts).abs() > REPLAN_REL * volts {
             burst.set_brake(Some(Brake::of(chain.track.periods(), amplitude.headroom())));
             self.braked_volts = volts;
         }

@@ -1,4 +1,4 @@
-//! The friction switch: it orders amplitude and gate of a run, where the host does not.
+//! The friction switch in a run: it sets amplitude and gate, unless the host does.
 
 use super::Follow;
 use crate::act::friction::{FrictionSwitch, Sensed, SetPoint};
@@ -9,12 +9,12 @@ use crate::seam::mode::Mode;
 use crate::seam::phasor::magnitude;
 
 impl Follow {
-    /// Gives the friction switch one measured block of a run.
+    /// Passes one measured block of a run to the friction switch.
     #[inline]
     pub(crate) fn switch_friction(&mut self, chain: &mut Chain, measured: &Measured) {
         let Measured { orders, sense, motional, played, .. } = *measured;
         let Some(friction) = &mut self.friction else { return };
-        if !is_free(orders) {
+        if !leaves_to_switch(orders) {
             return;
         }
         let boosts = chain.generator.burst.boosts();
@@ -30,15 +30,16 @@ impl Follow {
         }
     }
 
-    /// Gate and amplitude of the orders, or in a run what the friction switch has made of them last.
+    /// Returns gate and amplitude: those of the orders, or in a run those of the friction switch.
     #[inline]
     pub(crate) fn ordered(&self, chain: &Chain, orders: &Orders) -> (Gate, Option<Amplitude>) {
         let running = chain.supervisor.mode() == Mode::Run;
         let Some(friction) = &self.friction else { return (orders.gate, orders.amplitude) };
-        if !running || !is_free(orders) {
+        if !running || !leaves_to_switch(orders) {
             return (orders.gate, orders.amplitude);
         }
-        // A schedule that repeats is the switch's own; windows are the user's, except while surveying.
+        // A periodic schedule belongs to the switch; a schedule of windows belongs to the user,
+        // except during a survey.
         let on = if chain.generator.burst.repeats() || friction.is_surveying() { Gate::On } else { Gate::Scheduled };
         let (amplitude, gate) = match friction.set_point() {
             SetPoint::Silence => (None, Gate::Off),
@@ -48,13 +49,13 @@ impl Follow {
         (gate, amplitude.map(Amplitude::MotionalCurrent))
     }
 
-    /// Why the friction misses its set point.
+    /// Returns the limit for which the friction misses its set point.
     pub(crate) fn friction_limit(&self, orders: &Orders) -> Option<Limit> {
-        self.friction.as_ref().filter(|_| is_free(orders)).and_then(FrictionSwitch::limit)
+        self.friction.as_ref().filter(|_| leaves_to_switch(orders)).and_then(FrictionSwitch::limit)
     }
 }
 
-/// Whether an order leaves amplitude and gate to the switch.
-fn is_free(orders: &Orders) -> bool {
+/// Returns `true` if the orders leave amplitude and gate to the friction switch.
+fn leaves_to_switch(orders: &Orders) -> bool {
     orders.amplitude.is_none() && orders.gate == Gate::Scheduled
 }

@@ -1,19 +1,23 @@
-//! What a round says, by the motional admittance above (`+`) and below (`-`) the resonance.
+//! Evaluation of a round, from the motional admittance above (`+`) and below (`-`) the resonance.
 //!
-//! With `r + j m = (Y - Y0(f)) / axis`, the motional admittance as it is thought to be, the motional resistance is `r / (r^2 + m^2)`. It does not depend on
-//! the frequency; what is thought of C0 is wrong by the susceptance `b` that makes it the same on both sides:
+//! With the assumed motional admittance `r + j m = (Y - Y0(f)) / axis`, the motional resistance is
+//! `r / (r^2 + m^2)`. It does not depend on frequency. The error of C0 is the susceptance `b` that
+//! makes the resistance equal on both sides:
 //!
 //! ```text
 //! F(b) = r+ (r-^2 + (m- - b u-)^2) - r- (r+^2 + (m+ - b u+)^2) = 0,    u = f / f_nominal
 //! ```
 //!
-//! The phase of what is left turns by the quality factor of the resonance, whatever the strength is taken for that the calibration has seen from afar:
+//! The phase of the remainder changes with the quality factor of the resonance, independently of
+//! the strength found at power-on:
 //!
 //! ```text
 //! Q = (m- / r- - m+ / r+) (u+ + u-) / (4 (u+ - u-))
 //! ```
 //!
-//! With steps of `x` half bandwidths and a noise `s` of `Y` in each average, `b` is known to `s (1 + x^2) / (2 sqrt(2) x)`, and Q to `s (1 + x^2) Rm / (sqrt(2) x)`, relative.
+//! With steps of `x` half bandwidths and a noise `s` of `Y` in each average, the standard deviation
+//! of `b` is `s (1 + x^2) / (2 sqrt(2) x)`, and the relative one of Q is
+//! `s (1 + x^2) Rm / (sqrt(2) x)`.
 
 use crate::find::clamped::reading::Measured;
 use crate::seam::phasor::Phasor;
@@ -22,8 +26,9 @@ use crate::seam::phasor::Phasor;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Side {
     motional: Phasor,
-    /// How far from the nominal frequency, relative to it: less is lost in rounding than of the frequency itself.
-    beside: f32,
+    /// Sum of the relative offsets from the nominal frequency; rounds less than the frequency
+    /// itself.
+    offset: f32,
     blocks: f32,
     last: Option<Phasor>,
     scatter: f32,
@@ -31,47 +36,48 @@ pub(super) struct Side {
 }
 
 impl Side {
-    /// Takes the motional admittance of a block at `relative` times the nominal frequency.
-    pub(super) fn take(&mut self, y: Phasor, relative: f32) {
+    /// Adds the motional admittance of a block at `relative` times the nominal frequency.
+    pub(super) fn add(&mut self, y: Phasor, relative: f32) {
         if let Some(last) = self.last.replace(y) {
-            // Of one part; two of them, and a difference has twice the variance.
+            // Variance per component: a difference has twice the variance, in two components.
             self.scatter += 0.25 * (y - last).norm_sqr();
             self.pairs += 1.0;
         }
         self.motional += y;
-        self.beside += relative - 1.0;
+        self.offset += relative - 1.0;
         self.blocks += 1.0;
     }
 
-    /// The next block does not follow the one before.
+    /// Marks the next block as not adjacent to the previous one.
     pub(super) fn pause(&mut self) {
         self.last = None;
     }
 
     fn mean(&self) -> (Phasor, f32) {
-        (self.motional / self.blocks, self.beside / self.blocks)
+        (self.motional / self.blocks, self.offset / self.blocks)
     }
 
-    /// Variance of one part of the mean.
+    /// Returns the variance of one component of the mean.
     fn variance(&self) -> f32 {
         self.scatter / (self.pairs * self.blocks)
     }
 }
 
-/// What both sides say.
+/// Result of both sides.
 pub(super) struct Balance {
-    /// By how much the clamped susceptance is larger than was thought, S, and the variance of that.
+    /// Error of the assumed clamped susceptance, S; positive if the true one is larger.
     pub(super) susceptance: f32,
+    /// Variance of that error, S^2.
     pub(super) variance: f32,
     /// Motional conductance, S.
     pub(super) conductance: f32,
-    /// Quality factor.
+    /// Quality factor of the resonance.
     pub(super) q: Measured,
 }
 
 impl Balance {
-    /// Of both sides, unless they say nothing.
-    pub(super) fn of(below: &Side, above: &Side) -> Option<Self> {
+    /// Evaluates both sides; `None` if they contain too few blocks or no finite result.
+    pub(super) fn from_sides(below: &Side, above: &Side) -> Option<Self> {
         if below.pairs == 0.0 || above.pairs == 0.0 {
             return None;
         }
@@ -92,11 +98,11 @@ impl Balance {
         let (tb, ta) = (mb / yb.re, ma / ya.re);
         let turned = tb - ta;
         let q = 0.25 * turned * (ub + ua) / (xa - xb);
-        // Of a tangent, by both parts of the admittance.
+        // Variance of a tangent, from both components of the admittance.
         let of_tangent = |t: f32, re: f32, variance: f32| (1.0 + t * t) * variance / (re * re);
         let relative = (of_tangent(tb, yb.re, variances.0) + of_tangent(ta, ya.re, variances.1)) / (turned * turned);
-        let says = b.is_finite() && variance.is_finite() && variance > 0.0 && q.is_finite();
-        says.then(|| Balance {
+        let is_valid = b.is_finite() && variance.is_finite() && variance > 0.0 && q.is_finite();
+        is_valid.then(|| Balance {
             susceptance: b,
             variance,
             conductance: 0.5 * (yb.re + ya.re),

@@ -8,8 +8,8 @@ const HZ: f64 = 40_404.0;
 const VOLTS: f32 = 3.0;
 const BLOCK: usize = 32;
 
-/// A resonance: displacement and velocity turn by its own frequency, and at both ends of a sample the velocity is driven and damped by half. Its
-/// amplitude is one under a steady drive of one volt.
+/// Resonance: displacement and velocity rotate at its own frequency, and the velocity is driven and
+/// damped by half at both ends of a sample. The amplitude is one under a steady drive of one volt.
 struct Plant {
     alpha: f64,
     omega: f64,
@@ -18,12 +18,12 @@ struct Plant {
 }
 
 impl Plant {
-    fn of(q: f64) -> Self {
+    fn new(q: f64) -> Self {
         let omega = core::f64::consts::TAU * HZ * 1e-6;
         Plant { alpha: omega / (2.0 * q), omega, x: 0.0, v: 0.0 }
     }
 
-    /// One sample at so many volts. Returns the amplitude.
+    /// Advances by one sample at this voltage, V. Returns the amplitude.
     fn step(&mut self, volts: f64) -> f64 {
         let retained = libm::exp(-self.alpha);
         let kick = |v: f64| retained * v + (1.0 - retained) * volts;
@@ -39,7 +39,7 @@ struct Bench {
     burst: Burst,
     plant: Plant,
     block: u64,
-    /// Volts of every sample, and the amplitude after it.
+    /// Voltage of each sample, V, and the amplitude after it.
     played: std::vec::Vec<(f64, f64)>,
 }
 
@@ -47,9 +47,9 @@ impl Bench {
     fn new(q: f64, ceiling: f32) -> Self {
         let config = Config { edge: Edge::Boost, ..Config::default() };
         let mut burst = Burst::build(&config, HZ as f32, 1e6).unwrap();
-        let plant = Plant::of(q);
+        let plant = Plant::new(q);
         let per_time_constant = (2.0 * q / core::f64::consts::PI) as f32;
-        burst.set_strokes(Some(Strokes::of(per_time_constant, VOLTS, ceiling)));
+        burst.set_strokes(Some(Strokes::plan(per_time_constant, VOLTS, ceiling)));
         burst.set_rate(plant.alpha as f32, BLOCK);
         burst.set_drive(VOLTS);
         burst.update(0.0);
@@ -79,7 +79,7 @@ impl Bench {
         self.played.last().unwrap().1
     }
 
-    /// The amplitude right after the last sample of drive.
+    /// Returns the amplitude right after the last sample of drive.
     fn left(&self) -> f64 {
         self.played.iter().rfind(|played| played.0 != 0.0).unwrap().1
     }
@@ -88,7 +88,7 @@ impl Bench {
         self.played.iter().fold(0.0, |most, played| most.max(played.1))
     }
 
-    /// Half cycles of the drive that are left over, in volts.
+    /// Returns the sum of the drive's half cycles, which should cancel, V.
     fn left_over(&self) -> f64 {
         let sum: f64 = self.played.iter().map(|played| played.0).sum();
         sum * 0.5 * core::f64::consts::TAU * HZ * 1e-6
@@ -96,27 +96,28 @@ impl Bench {
 }
 
 #[test]
-fn boost_and_brake_land_at_any_q() {
+fn boost_and_brake_reach_their_targets_at_any_q() {
     for q in [20.0, 65.0, 200.0, 500.0] {
         let mut bench = Bench::new(q, 15.466);
         bench.blocks(Gate::On, 40);
         let landed = bench.amplitude();
-        // The hold of a sample takes 0.7 %.
+        // The zero-order hold of a sample reduces the amplitude by 0.7 %.
         let steady = bench.blocks(Gate::On, 1000).amplitude();
         let (landed, most) = (landed / steady, bench.loudest() / steady);
         bench.blocks(Gate::Off, 100);
         let left = bench.left() / steady;
-        // Measured: 0.1 % of overshoot and 1.04 % left at Q 20, by the samples that its three half cycles are rounded to; 0.03 and 0.4 % at Q 65.
+        // Measured: 0.1 % overshoot and 1.04 % remaining at Q 20, because its three half cycles are
+        // rounded to samples; 0.03 and 0.4 % at Q 65.
         assert!((landed - 1.0).abs() < 3e-4 && most < 1.0015 && left < 0.012, "Q {q}: {landed} {most} {left}");
-        // Boost, drive and brake cancel: to a fiftieth of the boost's own half cycle.
+        // Boost, drive and brake cancel, to a fiftieth of the boost's own half cycle.
         assert!(bench.left_over().abs() < 0.3, "Q {q}: {} V", bench.left_over());
     }
 }
 
-/// Gates that open and close at any time: the level is never passed by more than it takes, what a brake leaves is little, and volt-seconds cancel
-/// as far as a DC-offset correction can do the rest.
+/// Gates that open and close at any time: the level is hardly exceeded, a brake leaves little, and
+/// a DC-offset correction can cancel the remaining volt-seconds.
 #[test]
-fn a_gate_that_turns_round_early_is_followed() {
+fn gates_that_reverse_at_any_time_are_followed() {
     let mut seed = 1u32;
     let mut random = |most: u32| {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -132,17 +133,17 @@ fn a_gate_that_turns_round_early_is_followed() {
         let (most, left) = (bench.loudest() / f64::from(VOLTS), bench.left() / f64::from(VOLTS));
         let loudest = bench.played.iter().fold(0.0f64, |most, played| most.max(played.0.abs()));
         assert!(most < 1.02 && left < 0.01 && loudest < 15.467, "Q {q}: {most} {left} {loudest} V");
-        // Of 200 bursts together.
+        // Sum over 200 bursts.
         assert!(bench.left_over().abs() < 30.0, "Q {q}: {} V", bench.left_over());
     }
 }
 
-/// Without headroom a boost is what the ceiling allows, and says so; the brake still brakes.
+/// Without headroom a boost is limited to the ceiling and reports it; the brake still works.
 #[test]
-fn without_headroom_the_burst_is_limited_and_says_so() {
+fn without_headroom_the_burst_is_limited_and_reports_it() {
     let mut bench = Bench::new(65.0, 3.0);
     bench.blocks(Gate::On, 200);
-    // Less what the hold of a sample takes.
+    // Reduced by the zero-order hold of a sample.
     assert!(bench.burst.limited() && (bench.amplitude() / 3.0 - 0.993).abs() < 2e-3, "{}", bench.amplitude());
     bench.blocks(Gate::Off, 100);
     assert!(bench.left() / 3.0 < 5e-3, "{}", bench.left());

@@ -1,4 +1,4 @@
-//! When the gate is open, to the sample.
+//! Opening and closing of the gate, to the sample.
 
 use super::*;
 
@@ -30,7 +30,7 @@ fn windows_and_periods_open_and_close_to_the_sample() {
         for (now, open, stays) in expected {
             assert_eq!(periodic.gate(begins + now), (open, stays), "{begins} {now}");
         }
-        // Two periods later exactly, and far away.
+        // Exactly two periods later, and much later.
         assert_eq!(periodic.gate(begins + 7000), (true, 250));
         assert_eq!(periodic.gate(begins + 9_000_123), (true, 127));
     }
@@ -38,7 +38,7 @@ fn windows_and_periods_open_and_close_to_the_sample() {
 }
 
 #[test]
-fn an_empty_window_and_a_period_of_less_than_a_sample_are_refused() {
+fn empty_windows_and_periods_below_a_sample_are_refused() {
     // A sample takes 20 us.
     let build = |schedule: ScheduleConfig| Schedule::build(&schedule, 50e3).map(drop);
     assert_eq!(build(window(1e-3, 1e-3)), Err(Error::BurstWindows));
@@ -49,7 +49,7 @@ fn an_empty_window_and_a_period_of_less_than_a_sample_are_refused() {
 }
 
 #[test]
-fn a_duty_that_is_set_acts_from_the_next_period_on_and_is_spread_over_a_period_of_the_drive() {
+fn a_set_duty_acts_from_the_next_period_and_is_spread() {
     let mut periodic = burst(ScheduleConfig::Periodic { period_s: 1e-3, duty: 0.25 }, Edge::Hard);
     assert!(periodic.repeats() && !configured(Edge::Hard, false).repeats());
     assert_eq!(periodic.schedule.gate(3), (true, 247));

@@ -1,4 +1,5 @@
-//! From a start to a lock, block by block, with a resonance whose envelope flows exactly; and where a lock is sought that was lost.
+//! Tests from a start to a lock with the exact envelope of a resonance, and of the attempts after a
+//! lost lock.
 
 use num_complex::Complex64;
 
@@ -9,7 +10,7 @@ const BLOCK_S: f64 = 32e-6;
 const LM_H: f64 = 0.8e-3;
 const WINDOW_HZ: f32 = 1000.0;
 
-/// A drive at the edge, of which nothing is seen.
+/// A block at the edge of the window in which nothing is measured.
 const SILENT_AT_EDGE: PlayedBlock =
     PlayedBlock { offset_hz: WINDOW_HZ, volts: 3.0, envelope: Some(1.0), pure: false, on: true, driven: true, rung_up: false };
 
@@ -22,7 +23,7 @@ fn exp(x: Complex64) -> Complex64 {
     Complex64::new(x.im.cos(), x.im.sin()) * x.re.exp()
 }
 
-/// A resonance that is driven with 3 V where the observer says, two blocks late.
+/// A resonance driven with 3 V at the observer's frequency, with a delay of two blocks.
 struct Rig {
     observed: Observed,
     resonance_hz: f64,
@@ -39,7 +40,7 @@ impl Rig {
         Rig { observed, resonance_hz, q, current: Complex64::default(), queue: [0.0; 2], block: 0 }
     }
 
-    /// One block, of which this is said.
+    /// Runs one block. `change` modifies the description of the played block.
     fn tick(&mut self, fits: bool, change: impl FnOnce(&mut PlayedBlock)) {
         let played_hz = self.queue[self.block % 2];
         let w0 = std::f64::consts::TAU * self.resonance_hz;
@@ -63,7 +64,7 @@ impl Rig {
         self.block += 1;
     }
 
-    /// Blocks until it is locked, of so many.
+    /// Returns the number of blocks until the lock, if within `blocks`.
     fn locks(&mut self, blocks: usize) -> Option<usize> {
         (1..=blocks).find(|_| {
             self.tick(true, |_| {});
@@ -73,7 +74,7 @@ impl Rig {
 }
 
 #[test]
-fn it_leads_to_the_resonance_and_locks_after_eight_good_blocks() {
+fn it_finds_the_resonance_and_locks_after_eight_good_blocks() {
     for off in [-700.0, 0.0, 700.0] {
         let mut rig = Rig::new(NOMINAL_HZ + off, 65.0);
         let mut confident = 0;
@@ -89,7 +90,7 @@ fn it_leads_to_the_resonance_and_locks_after_eight_good_blocks() {
 }
 
 #[test]
-fn a_phase_that_speaks_against_it_and_blocks_without_drive_do_not_count() {
+fn contradicting_phases_and_silent_blocks_do_not_count() {
     let mut rig = Rig::new(NOMINAL_HZ + 300.0, 65.0);
     (0..60).for_each(|_| rig.tick(false, |_| {}));
     assert!(rig.observed.is_confident() && !rig.observed.locked());
@@ -100,13 +101,13 @@ fn a_phase_that_speaks_against_it_and_blocks_without_drive_do_not_count() {
     assert!(!rig.observed.locked());
     rig.tick(true, |_| {});
     assert!(rig.observed.locked());
-    // A lock that was found stays, whatever a block says; that it has converged does not.
+    // A lock is kept if one block contradicts it, but convergence is not.
     rig.tick(false, |_| {});
     assert!(rig.observed.locked() && !rig.observed.has_converged());
 }
 
 #[test]
-fn a_drive_that_is_no_sine_leaves_the_lead_to_the_phase_loop() {
+fn without_a_sine_the_phase_loop_sets_the_frequency() {
     let mut rig = Rig::new(NOMINAL_HZ, 65.0);
     assert!(rig.locks(60).is_some() && rig.observed.offset_hz().is_some());
     rig.tick(true, |played| played.pure = false);
@@ -116,8 +117,8 @@ fn a_drive_that_is_no_sine_leaves_the_lead_to_the_phase_loop() {
 }
 
 #[test]
-fn what_is_shown_is_followed_only_where_it_is_worth_it() {
-    // Half a per cent of the nominal frequency: 200 Hz of deviation.
+fn only_a_good_estimate_is_followed() {
+    // The bound is half a per cent of the nominal frequency: a deviation of 200 Hz.
     let mut rig = Rig::new(NOMINAL_HZ + 400.0, 65.0);
     for _ in 0..12 {
         let before = rig.observed.offset_hz();
@@ -128,8 +129,8 @@ fn what_is_shown_is_followed_only_where_it_is_worth_it() {
 }
 
 #[test]
-fn a_resonance_that_is_too_damped_or_beyond_the_window_is_no_lock() {
-    // A tenth of the nominal Q of 65.
+fn no_lock_if_too_damped_or_beyond_the_window() {
+    // The bound is a tenth of the nominal Q of 65.
     for (q, locks) in [(8.0, true), (5.0, false)] {
         let mut rig = Rig::new(NOMINAL_HZ, q);
         rig.observed.start(&prior(0.0, WINDOW_HZ, 65.0), Retry::Window);
@@ -141,7 +142,7 @@ fn a_resonance_that_is_too_damped_or_beyond_the_window_is_no_lock() {
 }
 
 #[test]
-fn it_has_taken_too_long_after_128_driven_blocks() {
+fn it_times_out_after_128_driven_blocks() {
     let mut rig = Rig::new(NOMINAL_HZ, 65.0);
     (0..50).for_each(|_| rig.tick(true, |played| played.driven = false));
     (0..128).for_each(|_| rig.tick(false, |_| {}));
@@ -153,56 +154,56 @@ fn it_has_taken_too_long_after_128_driven_blocks() {
 }
 
 #[test]
-fn a_new_lock_that_stands_at_the_edge_of_the_window_was_none() {
+fn a_new_lock_at_the_edge_of_the_window_is_false() {
     let mut rig = Rig::new(NOMINAL_HZ + 2.0 * f64::from(WINDOW_HZ), 65.0);
-    rig.observed.shown_hz = WINDOW_HZ;
-    (0..AT_EDGE).for_each(|_| rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true));
+    rig.observed.followed_hz = WINDOW_HZ;
+    (0..EDGE_BLOCKS).for_each(|_| rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true));
     assert!(!rig.observed.is_astray());
     rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true);
     assert!(rig.observed.is_astray());
-    // Within the window nothing stands at its edge.
-    rig.observed.shown_hz = 0.9 * WINDOW_HZ;
+    // A lock within the window is not astray.
+    rig.observed.followed_hz = 0.9 * WINDOW_HZ;
     rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true);
     assert!(!rig.observed.is_astray());
     rig.observed.blocks = 0;
-    (0..=AT_EDGE).for_each(|_| rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true));
+    (0..=EDGE_BLOCKS).for_each(|_| rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true));
     assert!(!rig.observed.is_astray());
-    (rig.observed.shown_hz, rig.observed.blocks) = (WINDOW_HZ, 0);
-    (0..=AT_EDGE).for_each(|_| rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true));
+    (rig.observed.followed_hz, rig.observed.blocks) = (WINDOW_HZ, 0);
+    (0..=EDGE_BLOCKS).for_each(|_| rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true));
     assert!(rig.observed.is_astray());
-    // One that has lasted is at a resonance that has gone there.
-    rig.observed.blocks = TIMEOUT + AT_EDGE;
+    // A resonance may drift to the edge after a long lock.
+    rig.observed.blocks = TIMEOUT_BLOCKS + EDGE_BLOCKS;
     assert!(!rig.observed.is_astray());
     rig.observed.start(&prior(0.0, WINDOW_HZ, 65.0), Retry::Window);
     assert!(!rig.observed.is_astray());
 }
 
 #[test]
-fn a_lost_lock_is_sought_nearby_then_in_the_window_then_from_the_self_test_on_and_then_by_a_scan() {
+fn retries_are_nearby_window_self_test_scan() {
     let mut rig = Rig::new(NOMINAL_HZ + 400.0, 65.0);
-    assert!(rig.locks(60).is_some() && rig.observed.has_a_scan_left());
-    // A lock that has lasted is sought where it was, one that has not is not.
-    rig.observed.blocks = LASTED + 1;
+    assert!(rig.locks(60).is_some() && rig.observed.can_scan());
+    // A lock that has lasted is sought nearby; a shorter one is not.
+    rig.observed.blocks = LASTED_BLOCKS + 1;
     assert_eq!(rig.observed.retry_lock(true), Some(Retry::Nearby));
-    // It knows where: 200 Hz about it, and nothing is locked yet.
+    // The prior is 200 Hz around the lost lock; nothing is locked yet.
     let observed = &rig.observed;
     assert!((observed.offset_hz().unwrap() - 400.0).abs() < 20.0 && !observed.locked());
     assert!((observed.observer().deviation_hz() - 200.0 / 2f32.sqrt()).abs() < 1.0, "{}", observed.observer().deviation_hz());
-    rig.observed.blocks = LASTED;
+    rig.observed.blocks = LASTED_BLOCKS;
     assert_eq!(rig.observed.retry_lock(true), Some(Retry::Window));
     let observed = &rig.observed;
     assert_eq!((observed.offset_hz(), observed.blocks), (Some(0.0), 0));
     assert!((observed.observer().deviation_hz() - WINDOW_HZ / 2f32.sqrt()).abs() < 1.0, "{}", observed.observer().deviation_hz());
-    rig.observed.blocks = LASTED + 1;
+    rig.observed.blocks = LASTED_BLOCKS + 1;
     assert_eq!(rig.observed.retry_lock(false), Some(Retry::Calibrate));
-    assert!(rig.observed.has_a_scan_left());
+    assert!(rig.observed.can_scan());
     assert_eq!(rig.observed.retry_lock(false), Some(Retry::Scan));
-    assert!(!rig.observed.has_a_scan_left());
+    assert!(!rig.observed.can_scan());
     assert_eq!(rig.observed.retry_lock(false), None);
 }
 
 #[test]
-fn what_was_known_of_the_window_is_kept_for_the_next_time() {
+fn the_prior_of_the_window_is_kept_for_the_next_attempt() {
     let mut rig = Rig::new(NOMINAL_HZ, 65.0);
     rig.observed.start(&prior(50.0, 20.0, 30.0), Retry::Nearby);
     assert_eq!((rig.observed.prior.q, rig.observed.prior.offset_hz), (65.0, (0.0, WINDOW_HZ)));
@@ -211,7 +212,7 @@ fn what_was_known_of_the_window_is_kept_for_the_next_time() {
 }
 
 #[test]
-fn silence_moves_nothing_and_is_no_resonance() {
+fn silence_does_not_move_the_estimate() {
     let mut rig = Rig::new(NOMINAL_HZ + 300.0, 65.0);
     (0..100).for_each(|_| rig.tick(true, |_| {}));
     let before = rig.observed.observer().offset_hz();
@@ -226,36 +227,36 @@ fn silence_moves_nothing_and_is_no_resonance() {
 }
 
 #[test]
-fn a_scan_is_left_once() {
+fn a_lock_is_handed_over_to_a_scan_once() {
     let mut rig = Rig::new(NOMINAL_HZ, 65.0);
-    assert!(rig.observed.has_a_scan_left() && rig.observed.leave_to_a_scan());
-    assert!(!rig.observed.has_a_scan_left() && !rig.observed.leave_to_a_scan());
-    // A new attempt has come from none, and what was locked is not.
+    assert!(rig.observed.can_scan() && rig.observed.hand_over_to_scan());
+    assert!(!rig.observed.can_scan() && !rig.observed.hand_over_to_scan());
+    // After a reset there is neither a lock nor another scan.
     let mut locked = Rig::new(NOMINAL_HZ, 65.0);
     assert!(locked.locks(60).is_some());
     locked.observed.restart();
-    assert!(!locked.observed.locked() && !locked.observed.has_converged() && !locked.observed.has_a_scan_left());
+    assert!(!locked.observed.locked() && !locked.observed.has_converged() && !locked.observed.can_scan());
 }
 
 #[test]
-fn a_cold_start_is_nearby_or_in_the_window_by_what_is_known() {
+fn a_cold_start_is_nearby_if_the_prior_is_narrow() {
     let begins = |seek: Retry, deviation_hz: f32| {
         let mut observed = Observed::new(NOMINAL_HZ as f32, BLOCK_S as f32, WINDOW_HZ);
         observed.seek = seek;
         observed.start_cold(&prior(50.0, deviation_hz, 65.0));
         (observed.seek, observed.prior.offset_hz, observed.offset_hz())
     };
-    // Later it is sought in the whole window.
+    // The next attempt uses the whole window.
     let whole = (0.0, WINDOW_HZ);
     assert_eq!(begins(Retry::Scan, 999.0), (Retry::Nearby, whole, Some(50.0)));
     assert_eq!(begins(Retry::Scan, 1000.0), (Retry::Window, whole, Some(50.0)));
     assert_eq!(begins(Retry::Window, 10.0), (Retry::Nearby, whole, Some(50.0)));
-    // The second time after a lock was lost it leads to a scan.
+    // The second attempt after a lost lock leads to a scan.
     assert_eq!(begins(Retry::Calibrate, 10.0), (Retry::Calibrate, whole, Some(50.0)));
 }
 
 #[test]
-fn a_quality_factor_that_was_measured_is_passed_on() {
+fn a_measured_quality_factor_is_passed_on() {
     let mut rig = Rig::new(NOMINAL_HZ, 65.0);
     (0..300).for_each(|_| rig.tick(true, |_| {}));
     let before = rig.observed.observer().lm_h();

@@ -1,4 +1,4 @@
-//! Against the exact flow of the envelope, in double precision.
+//! Tests against the exact envelope of the motional current, in double precision.
 
 use std::vec::Vec;
 
@@ -10,16 +10,16 @@ const NOMINAL_HZ: f64 = 40e3;
 const BLOCK_S: f64 = 32e-6;
 const LM_H: f64 = 0.7916e-3;
 const VOLTS: f64 = 3.0;
-/// One code of two conversions, as a phasor of 32 samples: 4 A are 2048 codes.
+/// Noise of one code in two conversions, as a phasor of 32 samples, A: 4 A are 2048 codes.
 const NOISE_A: f64 = 5e-4;
-/// The same of the voltage: 20 V.
+/// Noise of the voltage, V: 20 V are 2048 codes.
 const NOISE_V: f64 = 2.6e-3;
 
 fn exp(x: Complex64) -> Complex64 {
     Complex64::new(x.im.cos(), x.im.sin()) * x.re.exp()
 }
 
-/// An envelope that is driven where the observer says, two blocks late.
+/// A resonance driven at the observer's frequency, with a delay of two blocks.
 struct Loop {
     observer: Observer,
     resonance_hz: f64,
@@ -30,7 +30,7 @@ struct Loop {
     shown_hz: f64,
     random: u64,
     block: usize,
-    /// Times the gate has opened.
+    /// Number of times the gate has opened.
     opened: usize,
 }
 
@@ -60,7 +60,7 @@ impl Loop {
         }
     }
 
-    /// About normal: twelve uniform numbers.
+    /// Returns an approximately normal number: the sum of twelve uniform ones.
     fn normal(&mut self) -> f64 {
         let mut uniform = || {
             self.random = self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -69,13 +69,13 @@ impl Loop {
         (0..12).map(|_| uniform()).sum::<f64>() - 6.0
     }
 
-    /// One block. Returns how far from the resonance it was driven, Hz.
+    /// Runs one block. Returns the distance of the drive from the resonance, Hz.
     fn tick(&mut self) -> f64 {
         let played = self.played_hz[self.block % 2];
         let w0 = std::f64::consts::TAU * self.resonance_hz;
         let s = -Complex64::new(w0 / (2.0 * self.q), std::f64::consts::TAU * (NOMINAL_HZ + played) - w0);
         let settled = -self.volts / (2.0 * LM_H * s);
-        // Exact at the block's middle, from its beginning.
+        // Exact at the middle of the block, from the state at its beginning.
         let middle = settled + (self.current - settled) * exp(s * (0.5 * BLOCK_S));
         self.current = settled + (self.current - settled) * exp(s * BLOCK_S);
         let noise = Complex64::new(self.normal(), self.normal()) * (NOISE_A / 2f64.sqrt());
@@ -94,13 +94,13 @@ impl Loop {
         NOMINAL_HZ + played - self.resonance_hz
     }
 
-    /// Blocks until the drive stays within `hz` for the rest of `blocks`.
+    /// Returns the number of blocks until the drive stays within `hz` for the rest of `blocks`.
     fn settle(&mut self, blocks: usize, hz: f64) -> usize {
         (0..blocks).map(|_| self.tick()).collect::<Vec<_>>().iter().rposition(|error| error.abs() > hz).map_or(0, |last| last + 1)
     }
 }
 
-/// At most 11 blocks to 20 Hz, 0.35 ms, and 40 to 4 Hz, whatever Q is.
+/// At most 11 blocks (0.35 ms) to 20 Hz and 40 to 4 Hz, at any Q.
 #[test]
 fn a_cold_start_takes_a_dozen_blocks() {
     for q in [20.0, 65.0, 200.0, 500.0] {
@@ -123,7 +123,8 @@ fn a_wrong_nominal_inductance_is_learned() {
     }
 }
 
-/// The load comes down: the gate opens once, and frequency and damping are known again six blocks after the block of the step.
+/// A load step opens the gate once. Frequency and damping are known again six blocks after the
+/// step.
 #[test]
 fn a_step_opens_the_gate() {
     let mut run = Loop::new(40_300.0, 65.0, 1.0);
@@ -136,9 +137,9 @@ fn a_step_opens_the_gate() {
     assert!((f64::from(run.observer.damping()) / alpha - 1.0).abs() < 3e-3, "{} of {alpha}", run.observer.damping());
 }
 
-/// A rate that was learned must not outlive a step: it would take a millisecond to unlearn.
+/// A rate must not outlive a step: it would take a millisecond to unlearn.
 #[test]
-fn the_gate_forgets_the_rate() {
+fn the_gate_resets_the_rate() {
     let mut run = Loop::new(40_000.0, 65.0, 1.0);
     run.settle(100, 4.0);
     for _ in 0..600 {
@@ -150,7 +151,7 @@ fn the_gate_forgets_the_rate() {
     assert!(run.observer.rate.abs() < 1e-5, "{}", run.observer.rate);
 }
 
-/// 10 kHz/s: without the second integrator the drive lags by 2.9 Hz, with it by 0.3 Hz.
+/// At 10 kHz/s the drive lags by 2.9 Hz without the second integrator, and by 0.3 Hz with it.
 #[test]
 fn a_ramp_is_followed() {
     let mut run = Loop::new(39_800.0, 65.0, 1.0);
@@ -164,8 +165,8 @@ fn a_ramp_is_followed() {
     assert!(worst < 1.5, "{worst}");
 }
 
-/// The errors are a sixth to a third of the deviation that it states, over 60 starts: this resonance neither wanders nor leaks, which it
-/// reckons with.
+/// Over 60 starts the errors are a sixth to a third of the stated deviation: unlike the model, this
+/// resonance neither wanders nor leaks.
 #[test]
 fn the_deviation_bounds_the_errors() {
     for after in [12, 20, 60] {
@@ -182,9 +183,9 @@ fn the_deviation_bounds_the_errors() {
     }
 }
 
-/// Noise alone has turns, too. An observer that follows them is 20 Hz away after a second.
+/// Noise has a random phase. An observer that follows it is 20 Hz off after a second.
 #[test]
-fn silence_moves_nothing() {
+fn silence_does_not_move_the_estimate() {
     let mut run = Loop::new(40_100.0, 65.0, 1.0);
     run.settle(200, 4.0);
     let before = run.observer.offset_hz();
@@ -192,11 +193,11 @@ fn silence_moves_nothing() {
     run.settle(31_250, 4.0);
     let moved = run.observer.offset_hz() - before;
     assert!(moved.abs() < 0.5, "{moved} Hz");
-    // What it does not measure it may not claim to know.
+    // The stated deviation grows without a measurement.
     assert!((15.0..25.0).contains(&run.observer.deviation_hz()), "{}", run.observer.deviation_hz());
 }
 
-/// `Rm = 2 alpha Lm`, of a resonance that a few blocks ring down.
+/// `Rm = 2 alpha Lm`, for resonances that ring down in a few blocks.
 #[test]
 fn the_steady_current_shows_the_motional_resistance() {
     for q in [3.4, 6.0, 20.0, 65.0] {
@@ -210,13 +211,13 @@ fn the_steady_current_shows_the_motional_resistance() {
     }
 }
 
-/// The strength gives way; where the resonance is, and the resistance, stay.
+/// The strength is corrected; resonance and resistance are kept.
 #[test]
-fn a_quality_factor_measured_at_the_resonance_counts() {
+fn a_measured_quality_factor_corrects_the_strength() {
     let mut follows = Loop::new(NOMINAL_HZ + 300.0, 65.0, 1.0);
     follows.settle(400, 1.0);
     let before = (follows.observer.lm_h(), follows.observer.offset_hz());
-    // What agrees changes nothing.
+    // A value that agrees changes nothing.
     follows.observer.take_q((65.3, 0.1));
     assert_eq!(follows.observer.lm_h(), before.0);
     follows.observer.take_q((58.5, 0.1));
@@ -224,14 +225,14 @@ fn a_quality_factor_measured_at_the_resonance_counts() {
     let (ratio, moved) = (observer.lm_h() / before.0, observer.offset_hz() - before.1);
     assert!((ratio - 0.9).abs() < 5e-3 && moved.abs() < 1e-3, "{ratio} {moved}");
     assert!((observer.q() / 58.5 - 1.0).abs() < 1e-3, "{}", observer.q());
-    // The model holds as well as before: the gate stays shut.
+    // The model still fits: the gate stays closed.
     let opened = follows.opened;
     follows.settle(200, 1.0);
     assert_eq!(follows.opened, opened);
 }
 
 #[test]
-fn what_is_no_quality_factor_changes_nothing() {
+fn an_invalid_quality_factor_is_ignored() {
     let mut follows = Loop::new(NOMINAL_HZ, 65.0, 1.0);
     follows.settle(400, 1.0);
     let before = follows.observer.lm_h();
@@ -241,19 +242,19 @@ fn what_is_no_quality_factor_changes_nothing() {
     }
 }
 
-/// Five deviations, and sixteen blocks after a start or another opening.
+/// The limit is five deviations, from the 17th block after a start or another opening.
 #[test]
-fn the_gate_opens_beyond_five_deviations_once_it_is_armed() {
+fn the_armed_gate_opens_beyond_five_deviations() {
     let mut observer = Observer::new(NOMINAL_HZ as f32, BLOCK_S as f32);
     let variance = 4.0;
     for (calm, deviations, opens) in [(17, 5.1, true), (17, 4.9, false), (16, 50.0, false), (u32::MAX, 5.1, true)] {
         observer.calm = calm;
         let innovation = Phasor::new(0.6, -0.8) * (deviations * 2.0);
-        assert_eq!(observer.is_surprised(innovation, variance), opens, "{calm} {deviations}");
+        assert_eq!(observer.exceeds_gate(innovation, variance), opens, "{calm} {deviations}");
     }
 }
 
-/// From the block of a jump on, the resonance may be anywhere within 300 Hz, in both parts of the pole; and nothing of the rate is left.
+/// After a jump both components of the pole are uncertain by 300 Hz, and the rate is reset.
 #[test]
 fn the_gate_opens_to_three_hundred_hertz() {
     let mut run = Loop::new(40_300.0, 65.0, 1.0);
@@ -268,18 +269,18 @@ fn the_gate_opens_to_three_hundred_hertz() {
     assert_eq!((run.observer.rate, run.observer.covariance.pole_strength), (0.0, Phasor::default()));
     run.tick();
     assert!(!run.observer.has_opened() && run.observer.deviation_hz() < opened);
-    // One that knows less already keeps its doubt.
+    // A larger deviation is kept.
     let mut vague = Loop::new(40_300.0, 65.0, 1.0);
     vague.observer.covariance.pole = 1.0;
     vague.observer.open(Phasor::default(), 1e-6);
     assert!(vague.observer.covariance.pole >= 1.0);
-    // The current is known to twice its noise.
+    // The standard deviation of the current is twice its noise.
     assert!((vague.observer.covariance.current / 4e-6 - 1.0).abs() < 1e-6);
 }
 
-/// Where the drive changes, the block before says nothing of the current: its deviation is that of its noise, and the pole is known as before.
+/// After an edge the current is as uncertain as its noise, and the pole is kept.
 #[test]
-fn an_edge_of_the_drive_forgets_the_current_and_no_more() {
+fn an_edge_of_the_drive_resets_only_the_current() {
     let mut run = Loop::new(40_300.0, 65.0, 1.0);
     run.settle(300, 4.0);
     let before = run.observer.covariance.pole;
