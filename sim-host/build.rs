@@ -10,7 +10,8 @@ fn git(arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| text.trim().to_owned())
 }
 
-/// The commit, if this package is one that the checkout has, and not one that was unpacked into another.
+/// The commit, if this package is one that the checkout has, and not one that was unpacked into
+/// another.
 fn commit() -> Option<String> {
     git(&["ls-files", "--error-unmatch", "build.rs"])?;
     let commit = git(&["rev-parse", "--short=12", "HEAD"])?;

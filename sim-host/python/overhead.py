@@ -1,9 +1,9 @@
-"""What Python adds to the run of a kinematic scene, which itself takes well below a millisecond: `sim-host/python/check` runs this.
+"""Overhead of Python in the run of a kinematic scene, which itself takes well below a millisecond. Run by `sim-host/python/check`.
 
-    scene.run()                       less the run in compiled code (`Result.run_s`)
-    scene.run() and its metrics       less the same: with the summary made, read, and one metric looked up
+    scene.run()                       minus the run in compiled code (`Result.run_s`)
+    scene.run() and its metrics       minus the same: the summary is made and read, and one metric is looked up
 
-Medians of wall times. Of the first, the least tenth must stay within the target: what other work on the machine adds comes on top of some runs and not of all.
+Medians of wall times. The lowest decile of the first must be within the target, as other work on the machine disturbs some runs but not all.
 """
 
 import statistics

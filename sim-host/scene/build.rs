@@ -1,4 +1,4 @@
-//! Lists the built-in scenes: every `scenes/NAME.toml` is one, in alphabetical order.
+//! Lists the built-in scenes, one for every `scenes/NAME.toml`, in alphabetical order.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ fn main() -> io::Result<()> {
     println!("cargo:rerun-if-changed={}", folder.display());
     let mut files = fs::read_dir(&folder)?.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<PathBuf>>>()?;
     files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
-    // By names: with its extension, `lock.toml` would come after `lock-any.toml`.
+    // Sorted by stem: with its extension, `lock.toml` would come after `lock-any.toml`.
     files.sort_by(|one, other| one.file_stem().cmp(&other.file_stem()));
     let mut list = "&[\n".to_owned();
     for file in &files {

@@ -1,6 +1,6 @@
 //! The command line. Data goes to standard output, everything else to standard error.
 
-/// Writes a line to standard error. A reader of it that has gone away is no failure, where `eprintln!` would panic.
+/// Writes a line to standard error and ignores errors: `eprintln!` panics if the reader is gone.
 macro_rules! say {
     ($($text:tt)*) => {{
         use std::io::Write as _;
@@ -20,6 +20,7 @@ mod examples;
 mod exit;
 mod explain;
 mod groups;
+mod hint;
 mod import;
 mod interrupts;
 mod junit;
@@ -52,15 +53,16 @@ use scene::resolved::resolved_toml;
 use scene::{builtin, schema, suite};
 use sim::output::{Folder, OutputError, Owner};
 
-/// Version and, where the program was built in a checkout, its commit.
+/// Version, followed by the commit if the program was built in a checkout.
 const VERSION: &str = env!("SIM_HOST_VERSION");
 
-/// The scene that lends sensors, amplifier and limits to a transducer that is given by its numbers.
-const LENDER: &str = "lock-cold";
+/// Scene that provides sensors, amplifier and limits if a transducer is given by its numbers.
+const DEFAULT_SCENE: &str = "lock-cold";
 
-/// Sonoglide's simulator: the firmware's own controller against a simulated stack and friction contact.
+/// Sonoglide simulator: the firmware's controller with a simulated piezo stack and friction
+/// contact.
 ///
-/// Without a command it runs the flagship scene, prints its table and writes its report.
+/// Without a command it runs the scene experiment-1, prints its tables and writes its report.
 #[derive(Parser)]
 #[command(name = "sim-host", version = VERSION, arg_required_else_help = false)]
 struct CommandLine {
@@ -73,63 +75,79 @@ struct CommandLine {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run a scene, judge its expectations, and write its report.
+    /// Run a scene, check its expectations and write a report.
     #[command(after_help = EXIT_CODES)]
     Run(Box<RunArgs>),
-    /// Run a scene at many points, with some keys at many values, in parallel: metrics as Parquet and CSV, Sobol indices, figures and a report.
+    /// Run a scene at many points in parallel.
+    ///
+    /// Writes the metrics as Parquet and CSV, with Sobol indices, figures and a report.
     #[command(after_help = EXIT_CODES)]
     Sweep(Box<sweep::SweepArgs>),
-    /// Join the shards of a sweep that ran in several processes or on several machines.
+    /// Join the shards of a sweep.
     Merge(sweep::MergeArgs),
-    /// List the built-in scenes, one line each.
+    /// List the built-in scenes.
     List,
-    /// Show a scene fully resolved, as TOML with units and meanings.
+    /// Print a scene with all values, units and descriptions, as TOML.
     Show {
         #[command(flatten)]
         scene: SceneArgs,
     },
-    /// Validate a scene only.
+    /// Check that a scene is valid.
     Check {
         #[command(flatten)]
         scene: SceneArgs,
     },
-    /// Advise on a transducer, by a scene or by its numbers: settings to paste, and the lock time, jitter and bandwidth to expect.
+    /// Recommend controller settings for a transducer.
+    ///
+    /// Takes a scene or the numbers of a transducer. Prints settings to paste into a scene, and the
+    /// expected lock time, jitter and bandwidth.
     #[command(after_help = EXIT_CODES)]
     Advise(advise::AdviseArgs),
-    /// Compare two runs, or a run and a measurement: metrics with tolerances, figures laid over each other.
+    /// Compare two runs, or a run with a measurement.
     #[command(after_help = EXIT_CODES)]
     Compare(compare::CompareArgs),
-    /// Say what a metric, fault, limit, key or file means: unit, window, sign, columns, remedy. Without a word: all that can be explained.
+    /// Explain a metric, fault, limit, key, file or term.
+    ///
+    /// Without a name it lists everything that can be explained.
     Explain {
-        /// A metric, the number or name of a fault or limit, a key of a scene, or a file of a run.
-        #[arg(value_name = "METRIC|FAULT|LIMIT|KEY|FILE")]
+        /// A metric, the number or name of a fault or limit, a scene key, a file of a run, or a
+        /// term of the glossary.
+        #[arg(value_name = "METRIC|FAULT|LIMIT|KEY|FILE|TERM")]
         word: Vec<String>,
     },
-    /// Import measured data: parameters with standard deviations, a report, and a ready scene (docs/import.md).
+    /// Import measured admittance or friction data.
+    ///
+    /// Writes fitted parameters with standard deviations, a report and a scene
+    /// (docs/measured-data.md).
     #[command(after_help = EXIT_CODES)]
     Import(Box<import::ImportArgs>),
-    /// Show which frequencies a signal has when: short-time spectrum, wavelets or Wigner-Ville distribution of a trace, a capture, or any table (docs/figures.md).
+    /// Compute the time-frequency spectrum of a signal.
+    ///
+    /// Reads a trace, a capture or any table, and applies the short-time Fourier transform,
+    /// wavelets or the Wigner-Ville distribution (docs/figures.md).
     Spectrum(Box<spectrum::SpectrumArgs>),
-    /// Print the JSON Schema of a scene, for editors.
+    /// Print the JSON Schema of scenes.
     Schema {
-        /// Of a suite of cases and targets instead (docs/suites.md).
+        /// Print the schema of suites instead (docs/ci.md).
         #[arg(long)]
         suite: bool,
     },
-    /// Talk to a driver board, or to a simulated one.
+    /// Talk to a real or simulated driver board.
     #[command(after_help = EXIT_CODES)]
     Link(Box<link::LinkArgs>),
-    /// Run a suite of your own, and compare each case with its targets (docs/suites.md).
+    /// Run your own suite of cases and compare each case with its targets.
+    ///
+    /// docs/ci.md describes the format.
     #[command(after_help = EXIT_CODES)]
     Validate(Box<validate::ValidateArgs>),
-    /// Print completions of commands and options for a shell.
+    /// Print shell completions.
     Completions {
-        /// The shell.
+        /// Shell.
         shell: Shell,
     },
-    /// Print the manual page.
+    /// Print or write the manual pages.
     Man {
-        /// Write it into this folder, with a page for each command.
+        /// Write the manual page of the program and one page per command into this folder.
         #[arg(short, long = "output", value_name = "DIR")]
         output: Option<PathBuf>,
     },
@@ -137,9 +155,9 @@ enum Command {
 
 #[derive(Args, Default)]
 struct SceneArgs {
-    /// A built-in scene's name, a TOML file, or `-` for standard input.
+    /// Name of a built-in scene, TOML file, or `-` for standard input.
     scene: String,
-    /// Change one value, as `a.b=v`. Repeatable.
+    /// Change one value, as `a.b=v` (repeatable).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
 }
@@ -150,13 +168,20 @@ impl SceneArgs {
     }
 }
 
-/// Parses the arguments of this process, does what they say, and gives the exit code.
+/// Parses the arguments of this process, runs the command and returns the exit code.
 pub fn main() -> ExitCode {
-    let matches = command().get_matches();
+    let matches = command().try_get_matches().unwrap_or_else(|error| {
+        let arguments: Vec<String> = std::env::args().skip(1).collect();
+        if let Some(meant) = hint::meant(error.kind(), &arguments) {
+            say!("error: {meant}");
+            std::process::exit(Exit::Usage as i32);
+        }
+        error.exit()
+    });
     let line = CommandLine::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let color = Color::new(line.color);
     let done = match line.command {
-        None => run::run(&RunArgs::of_flagship(), color),
+        None => run::run(&RunArgs::flagship(), color),
         Some(Command::Run(args)) => run::run(&args, color),
         Some(Command::Sweep(args)) => sweep::run(&args, color),
         Some(Command::Merge(args)) => sweep::merge(&args, color),
@@ -177,12 +202,12 @@ pub fn main() -> ExitCode {
     done.unwrap_or_else(|error| exit::report(&error, color)).into()
 }
 
-/// The command line, with groups of commands and examples in its help.
+/// Returns the command line with its groups of commands and its examples.
 fn command() -> clap::Command {
     groups::add(examples::add(CommandLine::command()))
 }
 
-/// Whether each stream gets colour: asked for, or a terminal with no `NO_COLOR`.
+/// Use of colour for each stream: as `--color` states, or on a terminal without `NO_COLOR`.
 #[derive(Clone, Copy)]
 struct Color {
     stdout: bool,
@@ -200,7 +225,7 @@ impl Color {
     }
 }
 
-/// Opens the given folder of a result, or else its default one.
+/// Opens the given folder of a result, or its default folder.
 fn open(dir: Option<&Path>, default: &str, owner: Owner) -> Result<Folder, OutputError> {
     let folder = match dir {
         Some(dir) => Folder::open(dir, owner),
@@ -212,15 +237,15 @@ fn open(dir: Option<&Path>, default: &str, owner: Owner) -> Result<Folder, Outpu
     Ok(folder)
 }
 
-/// Says that this build lacks a part, and how to get a build that has it.
-fn without(part: &str) -> String {
+/// Returns the message that this build lacks a part, with the commands that build it.
+fn missing_part(part: &str) -> String {
     format!(
-        "this build has no {part}; a build with `--features full` has: `cargo run --release --features full -- …` in a checkout, or \
+        "this build has no {part}; build with `--features full`: `cargo run --release --features full -- …` in a checkout, or \
          `cargo install --path sim-host --features full`"
     )
 }
 
-/// Time since the first call: the clock of what is timed.
+/// Time since the first call, used as the clock of all timing.
 fn clock() -> Duration {
     static START: LazyLock<Instant> = LazyLock::new(Instant::now);
     START.elapsed()
@@ -231,7 +256,7 @@ fn print(text: &str) -> anyhow::Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// The built-in scenes: name and title.
+/// Returns one line for each built-in scene: name and title.
 fn list() -> String {
     let width = builtin::all().iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     let title = |name: &str| load(name, &[]).map(|loaded| loaded.scene.title).unwrap_or_default();

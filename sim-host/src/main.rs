@@ -1,4 +1,4 @@
-//! `sim-host`: Sonoglide's simulator at the command line.
+//! `sim-host`: the Sonoglide simulator on the command line.
 #![forbid(unsafe_code)]
 
 mod cli;

@@ -1,4 +1,5 @@
-//! The program as a user meets it: results, files, signals. What it prints word by word: `commands.rs`; what README and docs print: `documented.rs`.
+//! The program as a user meets it: results, files, signals. `commands.rs` compares its output with
+//! snapshots; `documented.rs` runs the commands of README and docs.
 
 #[path = "command_line/ci.rs"]
 mod ci;
@@ -50,7 +51,7 @@ fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).expect("text")
 }
 
-/// A folder that goes with the test.
+/// Folder that is removed after the test.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -82,7 +83,7 @@ impl Drop for Folder {
 }
 
 #[test]
-fn a_run_leaves_all_its_files_and_a_page_that_needs_nothing_else() {
+fn a_run_writes_all_files_and_a_self_contained_page() {
     let folder = Folder::new("run");
     let output = sim_host(&["run", "lock", "-o", folder.text()]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
@@ -101,7 +102,7 @@ fn a_run_leaves_all_its_files_and_a_page_that_needs_nothing_else() {
 }
 
 #[test]
-fn json_goes_to_standard_output_and_nothing_else_does() {
+fn only_json_goes_to_standard_output() {
     let output = sim_host(&["run", "lock", "--no-report", "--format", "json", "--seed", "5"]);
     let summary: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert_eq!((summary["scene"].as_str(), summary["seed"].as_u64()), (Some("lock"), Some(5)));
@@ -109,7 +110,7 @@ fn json_goes_to_standard_output_and_nothing_else_does() {
 }
 
 #[test]
-fn a_contact_study_has_its_numbers_and_nothing_of_a_controller() {
+fn a_contact_study_has_no_values_of_a_controller() {
     let folder = Folder::new("contact");
     let output = sim_host(&["run", "contact", "--format", "json", "-o", folder.text()]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
@@ -127,10 +128,10 @@ fn a_contact_study_has_its_numbers_and_nothing_of_a_controller() {
 }
 
 #[test]
-fn a_contact_study_says_how_it_was_solved() {
+fn a_contact_study_reports_its_method() {
     let sets = ["excitation.sliding_m_per_s=0.02", "excitation.frequency_hz=12978.69", "duration_s=2e-3"];
     let sets = sets.iter().flat_map(|set| ["--set", set]);
-    let arguments: Vec<&str> = ["run", "contact", "--no-report", "-q", "--set", "integrator.window_periods=[10,20]"].into();
+    let arguments: Vec<&str> = ["run", "contact", "--no-report", "--set", "integrator.window_periods=[10,20]"].into();
     let output = sim_host(&arguments.into_iter().chain(sets).collect::<Vec<_>>());
     let text = stdout(&output);
     for part in
@@ -138,7 +139,7 @@ fn a_contact_study_says_how_it_was_solved() {
     {
         assert!(text.contains(part), "`{part}` is missing in\n{text}");
     }
-    assert_eq!(code(&output), 0, "expectations of other inputs do not count");
+    assert_eq!(code(&output), 0, "expectations of a base with other inputs must not count");
 }
 
 #[test]
@@ -149,14 +150,14 @@ fn a_missed_expectation_is_exit_code_4() {
 }
 
 #[test]
-fn many_runs_leave_a_table_and_any_of_them_runs_by_itself() {
+fn many_runs_write_a_table_and_each_can_be_repeated() {
     let folder = Folder::new("runs");
     let many = ["run", "lock-cold", "--set", "runs=3"];
     let output = sim_host(&[&many[..], &["--format", "json", "-o", folder.text()]].concat());
     let summary: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert_eq!((&summary["metrics"]["runs_completed"], &summary["runs"]), (&Value::from(3.0), &Value::from(3)));
     let report = folder.read("report.html");
-    assert!(report.contains("--run ") && report.contains("Published figures"), "the worst run and its command");
+    assert!(report.contains("--run ") && report.contains("Published figures"), "the report lacks the worst run or its command");
     let table = folder.read("runs.csv");
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
     let column = |name: &str| rows[0].iter().position(|head| *head == name).unwrap_or_else(|| panic!("no {name} in {table}"));
@@ -164,16 +165,17 @@ fn many_runs_leave_a_table_and_any_of_them_runs_by_itself() {
     let alone = sim_host(&[&many[..], &["--format", "json", "--no-report", "--run", "2"]].concat());
     let alone: Value = serde_json::from_str(&stdout(&alone)).expect("JSON");
     assert_eq!(alone["seed"].to_string(), rows[2][column("seed")]);
-    // A number that was read from JSON may be off by its last bit.
+    // Reading a number from JSON may change its last bit.
     let (bias, row) = (alone["metrics"]["frequency_bias_hz"].as_f64().expect("a number"), rows[2][column("frequency_bias_hz")]);
     assert!((bias - row.parse::<f64>().expect("a number")).abs() <= f64::EPSILON * bias.abs(), "{bias} {row}");
     assert_eq!(code(&sim_host(&[&many[..], &["--no-report", "--run", "0"]].concat())), 3);
 }
 
 #[test]
-fn a_bench_that_moved_is_answered_with_its_new_command() {
+fn a_moved_bench_is_reported_with_its_new_command() {
     let benches = include_str!("../evidence/src/bench.rs");
-    let names: Vec<&str> = benches.split("name: \"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    let names: Vec<&str> =
+        benches.split("bench(").filter_map(|rest| rest.trim_start().strip_prefix('"')?.split('"').next()).collect();
     assert!(names.len() >= 20, "{names:?}");
     for name in names {
         let moved = sim_host(&["validate", name, "--quick"]);
@@ -185,7 +187,7 @@ fn a_bench_that_moved_is_answered_with_its_new_command() {
 }
 
 #[test]
-fn a_part_that_this_build_lacks_is_named_with_the_build_that_has_it() {
+fn a_missing_feature_is_reported_with_its_build_command() {
     let (board, pdf) = (cfg!(feature = "board-model"), cfg!(feature = "pdf"));
     for (command, has) in [
         (&["run", "dummy-load", "--board", "--no-report"][..], board),
@@ -200,12 +202,12 @@ fn a_part_that_this_build_lacks_is_named_with_the_build_that_has_it() {
     }
 }
 
-/// The example of docs/suites.md, with less runs.
+/// Runs the example of docs/ci.md, with fewer runs.
 #[test]
-fn a_suite_of_a_user_is_run_and_judged() {
-    let page = include_str!("../../docs/suites.md");
-    let (_, text) = page.split_once("```toml\n").expect("an example");
-    let (text, _) = text.split_once("```").expect("its end");
+fn a_users_suite_runs_and_is_checked() {
+    let page = include_str!("../../docs/ci.md");
+    let mut blocks = page.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
+    let text = blocks.find(|block| block.contains("scene = \"lock-cold\"")).expect("the example");
     let folder = Folder::new("suite");
     let file = folder.write("lock.toml", text);
     let run = |more: &[&str]| sim_host(&[&["validate", &file, "--quick", "-q"], more].concat());
@@ -227,7 +229,7 @@ fn a_suite_of_a_user_is_run_and_judged() {
 }
 
 #[test]
-fn a_closed_standard_error_is_no_panic() {
+fn a_closed_standard_error_does_not_panic() {
     let folder = Folder::new("closed-stderr");
     let file = folder.write("bad.toml", "[x]\n");
     let (reader, writer) = std::io::pipe().expect("a pipe");
@@ -236,7 +238,7 @@ fn a_closed_standard_error_is_no_panic() {
     assert_eq!(status.expect("sim-host starts").code(), Some(3));
 }
 
-/// A transducer by its numbers, as JSON: the keys are a contract.
+/// Checks the JSON keys of an advice, which are a stable interface.
 #[test]
 fn advice_has_its_keys() {
     let numbers = ["--frequency-hz", "40e3", "--q", "65", "--c0-f", "300e-9", "--lm-h", "0.7916e-3"];
@@ -266,7 +268,7 @@ fn advice_has_its_keys() {
 }
 
 #[test]
-fn what_show_prints_is_a_scene() {
+fn the_output_of_show_is_a_scene() {
     let shown = sim_host(&["show", "experiment-1", "--set", "rig.slider.load_n=2"]);
     let folder = Folder::new("show");
     let scene = folder.write("shown.toml", &stdout(&shown));
@@ -275,7 +277,7 @@ fn what_show_prints_is_a_scene() {
 }
 
 #[test]
-fn list_and_schema_know_every_scene_and_key() {
+fn list_and_schema_contain_scenes_and_keys() {
     let list = stdout(&sim_host(&["list"]));
     assert!(["experiment-1 ", "lock-step", "transducer-skymen-60w"].iter().all(|name| list.contains(name)), "{list}");
     let schema: Value = serde_json::from_str(&stdout(&sim_host(&["schema"]))).expect("JSON");
@@ -309,7 +311,7 @@ fn a_trace_holds_the_signals_asked_for() {
 
 #[cfg(unix)]
 #[test]
-fn an_interrupted_run_keeps_what_it_has_and_says_so() {
+fn an_interrupted_run_keeps_and_marks_its_results() {
     interrupted("lock", &["duration_s=900", "controller.burst.off_s=[0.22,900]"]);
     interrupted("contact", &["duration_s=900", "integrator.method=rk4"]);
 }
@@ -329,7 +331,7 @@ fn interrupted(scene: &str, sets: &[&str]) {
     assert!(Command::new("kill").args(["-INT", &pid]).status().expect("kill").success());
     let asked = std::time::Instant::now();
     let output = child.wait_with_output().expect("it ends");
-    // A second is waited for, and not a part of the run: that would be twenty. Others work on this machine, too.
+    // The limit allows for a busy machine; completing the run would take twenty seconds.
     assert!(asked.elapsed().as_secs() < 10, "{scene}: {:?}", asked.elapsed());
     assert_eq!(code(&output), 130, "{}", stderr(&output));
     assert!(stdout(&output).contains("INTERRUPTED"));

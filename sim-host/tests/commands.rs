@@ -1,8 +1,9 @@
-//! The program as a newcomer meets it: what it prints for what is typed, word by word (`tests/commands/*.md`).
+//! Snapshots of the program's output for commands of a new user (`tests/commands/*.md`).
 //!
-//! `TRYCMD=overwrite cargo test -p sonoglide-sim-host --test commands` writes down what it prints now; read the difference before it is committed.
+//! `TRYCMD=overwrite cargo test -p sonoglide-sim-host --test commands` writes the current output.
+//! Check the difference before committing it.
 
 #[test]
-fn what_is_typed_is_answered_as_written_down() {
+fn commands_print_their_snapshots() {
     trycmd::TestCases::new().case("tests/commands/*.md");
 }

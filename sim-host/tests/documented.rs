@@ -1,7 +1,9 @@
-//! Every command that README, docs and help print is run, and every scene in them is checked: what a reader copies works.
+//! Runs every command that README, docs and help print, and checks every scene in them.
 //!
-//! Scenes of many runs are shortened to two, so their expectations may be missed (exit code 4); of single runs they may not, unless the page
-//! changes values. Measured files that the pages name are made of a circuit and of a contact. Commands of `cargo test` are not run again: their packages, modules and tests have to be there.
+//! Scenes of many runs are shortened to two runs, so they may miss expectations (exit code 4).
+//! Single runs may not, unless the page changes values. Measured files that the pages name are
+//! synthesised from a circuit and a contact. `cargo test` commands are not run; their packages,
+//! modules and tests must exist.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -12,8 +14,13 @@ use std::process::{Command, Stdio};
 use import::admittance::circuit::{Branch, Equivalent};
 use rayon::prelude::*;
 
-/// Commands that need what a test has not, by how they begin, and why they are not run.
-const NOT_RUN: [(&str, &str); 20] = [
+#[path = "documented/help.rs"]
+mod help;
+#[path = "documented/marks.rs"]
+mod marks;
+
+/// Beginnings of commands that cannot run in a test, with the reason.
+const NOT_RUN: [(&str, &str); 19] = [
     ("run \"$scene\"", "a line of a script; tests/command_line/ci.rs runs it"),
     ("link PORT", "a placeholder"),
     ("link file:", "needs the image of `cargo field`; tests/flash.rs makes the file"),
@@ -22,8 +29,8 @@ const NOT_RUN: [(&str, &str); 20] = [
     ("link sim:lock serve", "waits for a client; tests/command_line/link.rs has one"),
     ("link board:dummy-load --board-speed 8 --gdb 127.0.0.1:3333 serve", "waits for a debugger; tests/images/debugger has one"),
     ("link sim:lock script rig.txt", "the reader's own script"),
-    ("compare ", "compares what other commands of the page have left; tests/command_line/compare.rs has both"),
-    ("merge mu-1 mu-2", "joins what other commands of the page have left; tests/command_line/sweep.rs joins shards"),
+    ("compare ", "compares results of other commands of the page; tests/command_line/compare.rs has both"),
+    ("merge mu-1 mu-2", "joins results of other commands of the page; tests/command_line/sweep.rs joins shards"),
     (
         "sweep lock-cold --set runs=100 --over controller.drive.amplitude_v=2:4:80",
         "half a minute each; tests/command_line/sweep.rs has shards",
@@ -35,7 +42,6 @@ const NOT_RUN: [(&str, &str); 20] = [
     ("COMMAND --help", "a placeholder"),
     ("run my-scene.toml", "the reader's own scene; the scenes of the page are checked"),
     ("check my-scene.toml", "the reader's own scene"),
-    ("advise --frequency-hz F", "placeholders"),
     ("validate ", "the reader's own suite; tests/command_line.rs has one"),
 ];
 
@@ -43,14 +49,17 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Pages that readers find at the top of the repository.
+/// Pages at the root of the repository.
 const AT_THE_TOP: [&str; 2] = ["CONTRIBUTING.md", "README.md"];
 
-/// Returns name and text of the pages at the top and of docs; the name is the path from `docs`.
+/// Returns name and text of the pages at the root and in docs; the name is the path from `docs`.
 fn pages() -> Vec<(String, String)> {
-    let entries = ["docs", "docs/evidence"].map(|folder| fs::read_dir(root().join(folder)).expect("docs"));
+    let entries = ["docs", "docs/dev", "docs/evidence"].map(|folder| fs::read_dir(root().join(folder)).expect("docs"));
     let docs = entries.into_iter().flatten().map(|entry| entry.expect("a page").path());
-    let mut paths: Vec<_> = docs.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
+    // A list of past changes keeps their commands and names.
+    let is_page =
+        |path: &PathBuf| path.extension().is_some_and(|end| end == "md") && !path.to_string_lossy().contains("/changelog-");
+    let mut paths: Vec<_> = docs.filter(is_page).collect();
     paths.extend(AT_THE_TOP.map(|name| root().join(name)));
     paths.sort();
     let name = |path: &Path| {
@@ -60,7 +69,7 @@ fn pages() -> Vec<(String, String)> {
     paths.iter().map(|path| (name(path), fs::read_to_string(path).expect("text"))).collect()
 }
 
-/// The examples in the help of each command: `--help` of it, and these lines.
+/// Returns the example lines in the help of each command, named `COMMAND --help`.
 fn helps() -> Vec<(String, String)> {
     let help = |arguments: &[&str]| {
         let output = Command::new(env!("CARGO_BIN_EXE_sim-host")).args(arguments).output().expect("sim-host starts");
@@ -80,13 +89,14 @@ fn helps() -> Vec<(String, String)> {
     found
 }
 
-/// What stands as code on a page: spans between backticks within a line, indented or fenced lines, and comments that name a command.
+/// Returns the code on a page: spans in backticks, indented or fenced lines, and comments that name
+/// a command.
 fn code(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     for line in text.lines() {
         let bare = line.trim().trim_start_matches("$ ").trim_start_matches("<!-- ").trim_end_matches(" -->");
         if bare.starts_with("sim-host ") || bare.starts_with("cargo ") {
-            // What stands behind two spaces or more is a comment, or the next column of a table.
+            // Two spaces separate a command from a comment or from the next column of a table.
             found.extend(bare.split("  ").next().filter(|command| command.contains(' ')).map(str::to_owned));
         } else {
             found.extend(line.split('`').skip(1).step_by(2).map(str::to_owned));
@@ -95,7 +105,8 @@ fn code(text: &str) -> Vec<String> {
     found
 }
 
-/// The arguments of all `sim-host` commands, each once, with the page that it stands on first; in the order of the pages, as a reader types them.
+/// Returns the arguments of all `sim-host` commands, each once, with its first page. They are in
+/// the order of the pages.
 fn commands() -> Vec<(String, String)> {
     let mut commands = Vec::new();
     let mut known = BTreeSet::new();
@@ -110,7 +121,7 @@ fn commands() -> Vec<(String, String)> {
     commands
 }
 
-/// A folder that goes with the test, with the files that documented commands name.
+/// Folder with the files that documented commands name; removed after the test.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -121,19 +132,45 @@ impl Folder {
         Folder(path)
     }
 
-    /// Puts the measured files into the folder.
+    /// Writes the measured files into the folder.
     fn measured(&self) {
         for (name, text) in measured_files() {
             fs::write(self.0.join(name), text).expect("a measured file");
         }
     }
 
-    /// Exit code and standard error of a command in this folder.
+    /// Writes the twins that the pages commission: scenes and marks of pages build on them.
+    fn twins(&self) {
+        let builds = |command: &str| command.starts_with("link sim:") && command.contains(" commission ");
+        for (command, page) in commands().iter().filter(|(command, _)| builds(command)) {
+            let (code, errors) = self.run(&shlex::split(command).unwrap_or_default());
+            assert_eq!(code, 0, "{page}: {command}\n{errors}");
+        }
+    }
+
+    /// Runs a command in this folder and returns its exit code and standard error.
     fn run(&self, arguments: &[String]) -> (i32, String) {
+        let (code, _, errors) = self.output(arguments);
+        (code, errors)
+    }
+
+    /// Runs a command in this folder and returns its exit code, standard output and standard error.
+    fn output(&self, arguments: &[String]) -> (i32, String, String) {
         let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
         let command = command.args(arguments).current_dir(&self.0).stdin(Stdio::null());
         let output = command.output().expect("sim-host starts");
-        (output.status.code().unwrap_or(-1), String::from_utf8_lossy(&output.stderr).into_owned())
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (output.status.code().unwrap_or(-1), text(&output.stdout), text(&output.stderr))
+    }
+
+    /// Writes the scenes of the pages into the folder: one titled "my belt" as my-belt.toml.
+    fn scenes(&self) {
+        for (_, text) in scenes() {
+            let title = text.lines().find_map(|line| line.strip_prefix("title = \"my "));
+            if let Some(name) = title.and_then(|rest| rest.split('"').next()) {
+                fs::write(self.0.join(format!("my-{}.toml", name.replace(' ', "-"))), text).expect("a scene");
+            }
+        }
     }
 }
 
@@ -143,11 +180,11 @@ impl Drop for Folder {
     }
 }
 
-/// The measured files that the pages name, as a reader would have them: name and text.
+/// Returns name and text of the measured files that the pages name.
 fn measured_files() -> Vec<(&'static str, String)> {
     let branch = Branch { hz: 40e3, q: 120.0, siemens: 0.02 };
     let circuit = Equivalent { c0_f: 4e-9, loss_tangent: 0.005, branches: vec![branch] };
-    // A little noise, the same in every run.
+    // A little noise, identical in every run.
     let noise = |n: usize, k: f64| 1e-3 * (n as f64 * k).sin();
     let lines = |of: &dyn Fn(usize, f64) -> (f64, f64)| -> String {
         let line = |n: usize| {
@@ -222,7 +259,7 @@ fn measured_files() -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Page by page, each in a folder of its own.
+/// Runs the pages in parallel, each in its own folder.
 #[test]
 fn every_documented_command_works() {
     let mut pages: Vec<(String, Vec<String>)> = Vec::new();
@@ -235,25 +272,19 @@ fn every_documented_command_works() {
             None => pages.push((page, vec![command])),
         }
     }
-    let wrong: Vec<String> = pages.par_iter().enumerate().flat_map_iter(|(at, page)| wrong_of(at, page)).collect();
+    let wrong: Vec<String> = pages.par_iter().enumerate().flat_map_iter(|(at, page)| failing_commands(at, page)).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The commands of a page that do not end as they should, run in their order.
-fn wrong_of(at: usize, (page, commands): &(String, Vec<String>)) -> Vec<String> {
+/// Runs the commands of a page in their order and returns those that end wrongly.
+fn failing_commands(at: usize, (page, commands): &(String, Vec<String>)) -> Vec<String> {
     let folder = Folder::new(&format!("documented-{at}"));
-    // A scene that a page calls "my belt" is run as my-belt.toml.
-    for (_, text) in scenes() {
-        let title = text.lines().find_map(|line| line.strip_prefix("title = \"my "));
-        if let Some(name) = title.and_then(|rest| rest.split('"').next()) {
-            fs::write(folder.0.join(format!("my-{}.toml", name.replace(' ', "-"))), text).expect("a scene");
-        }
-    }
+    folder.scenes();
     folder.measured();
     let mut wrong = Vec::new();
     for command in commands {
         let mut words = shlex::split(command).unwrap_or_else(|| panic!("{page}: {command}"));
-        // A verb alone, in a sentence, is its name.
+        // A command alone, in a sentence, is only its name.
         let named = words.len() == 1 && !["list", "schema", "man"].contains(&words[0].as_str())
             || words.len() == 2 && words[0] == "import";
         if named {
@@ -268,10 +299,10 @@ fn wrong_of(at: usize, (page, commands): &(String, Vec<String>)) -> Vec<String> 
             let _ = writeln!(std::io::stderr(), "SKIPPED `sim-host {command}`: {errors}");
         } else if lacks(&words) {
             if code != 2 || !errors.contains("--features full") {
-                wrong.push(format!("{page}: `sim-host {command}` does not name the build that has it\n{errors}"));
+                wrong.push(format!("{page}: `sim-host {command}` does not name the build that supports it\n{errors}"));
             }
         } else if !(code == 0 || code == 4 && (shortened || changed)) {
-            wrong.push(format!("{page}: `sim-host {command}` ends with {code}\n{errors}"));
+            wrong.push(format!("{page}: `sim-host {command}` has the exit code {code}\n{errors}"));
         }
     }
     wrong
@@ -283,7 +314,8 @@ fn lacks(words: &[String]) -> bool {
     !cfg!(feature = "board-model") && (needs("--board") || needs("board:")) || !cfg!(feature = "pdf") && needs("pdf")
 }
 
-/// Makes a scene of many runs one of two, a verified advice one of two draws, and keeps pictures out; whether anything was shortened.
+/// Reduces a scene of many runs to two runs and a verified advice to two draws, and suppresses
+/// reports. Returns `true` if anything was reduced.
 fn shorten(folder: &Folder, words: &mut Vec<String>) -> bool {
     if let Some(at) = words.iter().position(|word| word == "--verify") {
         words[at + 1] = "2".into();
@@ -309,7 +341,7 @@ fn shorten(folder: &Folder, words: &mut Vec<String>) -> bool {
     many
 }
 
-/// The scenes printed on the pages: those with a base or a controller of their own.
+/// Returns the scenes printed on the pages: those with a base.
 fn scenes() -> Vec<(String, String)> {
     let mut scenes = Vec::new();
     for (page, text) in pages() {
@@ -330,14 +362,8 @@ fn scenes() -> Vec<(String, String)> {
 fn every_documented_scene_is_valid() {
     let folder = Folder::new("scenes");
     folder.measured();
-    // A scene of a page may lie over the twin that a command before it has left.
-    for (command, page) in
-        commands().iter().filter(|(command, _)| command.starts_with("link sim:") && command.contains(" commission "))
-    {
-        let (code, errors) = folder.run(&shlex::split(command).unwrap_or_default());
-        assert_eq!(code, 0, "{page}: {command}\n{errors}");
-    }
-    assert!(scenes().len() >= 2, "README prints scenes");
+    folder.twins();
+    assert!(scenes().len() >= 2, "README prints no scenes");
     for (at, (page, text)) in scenes().into_iter().enumerate() {
         let file = format!("{at}.toml");
         fs::write(folder.0.join(&file), &text).expect("a scene");
@@ -346,16 +372,16 @@ fn every_documented_scene_is_valid() {
     }
 }
 
-/// Programs of the workspace that are run by `-p`: the package is a member, and the bench is one of its own.
+/// Checks programs of the workspace that are run by `-p`: the package and the bench exist.
 #[test]
-fn every_documented_program_is_there() {
-    let benches = include_str!("../evidence/src/bench.rs");
+fn every_documented_program_exists() {
+    let benches = include_str!("../evidence/src/bench.rs").split_whitespace().collect::<String>();
     let mut checked = 0;
     for (page, text) in pages() {
         for line in code(&text).iter().filter_map(|line| line.strip_prefix("cargo run --release -p sonoglide-evidence -- ")) {
             let mut words = line.split_whitespace().filter(|word| *word != "show");
             let name = words.next().filter(|name| !name.starts_with("--"));
-            let is_there = |name: &str| name == "NAME" || benches.contains(&format!("name: \"{name}\""));
+            let is_there = |name: &str| name == "NAME" || benches.contains(&format!("bench(\"{name}\","));
             assert!(name.is_none_or(is_there), "{page}: there is no bench {name:?}");
             checked += 1;
         }
@@ -364,13 +390,13 @@ fn every_documented_program_is_there() {
 }
 
 #[test]
-fn nothing_is_left_out_that_is_not_documented() {
+fn every_excluded_command_is_documented() {
     for (start, why) in NOT_RUN {
         assert!(commands().iter().any(|(command, _)| command.starts_with(start)), "no page has `sim-host {start}` ({why})");
     }
 }
 
-/// The text of all Rust sources under a folder.
+/// Appends the text of all Rust sources in a folder.
 fn sources(folder: &Path, into: &mut String) {
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
@@ -384,7 +410,7 @@ fn sources(folder: &Path, into: &mut String) {
 }
 
 #[test]
-fn every_documented_test_is_there() {
+fn every_documented_test_exists() {
     let manifest = fs::read_to_string(root().join("Cargo.toml")).expect("a manifest");
     let members = manifest.lines().find(|line| line.starts_with("members = ")).expect("the members");
     let folders: Vec<String> = members.split('"').skip(1).step_by(2).map(str::to_owned).collect();
@@ -409,7 +435,7 @@ fn every_documented_test_is_there() {
                     let item = line.strip_prefix("mod ").or_else(|| line.strip_prefix("fn "));
                     item.is_some_and(|name| name.contains(part))
                 });
-                assert!(there, "{page}: `{line}` finds nothing: no module or test has `{part}` in its name");
+                assert!(there, "{page}: `{line}` finds nothing: no module or test contains `{part}` in its name");
             }
             checked += 1;
         }
@@ -417,9 +443,9 @@ fn every_documented_test_is_there() {
     assert!(checked > 10, "{checked} commands");
 }
 
-/// A path in a page is of the repository, from its root or from the page's folder; the name of a file alone is one of its sources.
+/// Checks that the files on a page exist. Paths are relative to the root or to the page's folder.
 #[test]
-fn every_documented_file_is_there() {
+fn every_documented_file_exists() {
     for (page, text) in pages() {
         let docs = if AT_THE_TOP.contains(&page.as_str()) { root() } else { root().join("docs") };
         let path = docs.join(&page);
@@ -435,65 +461,4 @@ fn every_documented_file_is_there() {
             assert!(root().join(path).exists(), "{page}: there is no {path}");
         }
     }
-}
-
-/// Returns the generated blocks of a page, or all of its text if it has none.
-fn generated(text: &str) -> String {
-    let blocks = text.split("<!-- begin: ").skip(1).map(|rest| rest.split("<!-- end -->").next().unwrap_or(rest));
-    let blocks = blocks.collect::<Vec<_>>().join("\n");
-    if blocks.is_empty() { text.to_owned() } else { blocks }
-}
-
-/// Reads the numbers of a text without signs, each with half a unit of its last digit. Joins thousands; skips names such as `C0`.
-fn numbers(text: &str) -> Vec<(f64, f64)> {
-    let text: Vec<char> = text.chars().collect();
-    let is_digit = |at: usize| text.get(at).is_some_and(char::is_ascii_digit);
-    let is_joint = |at: usize| {
-        text[at].is_whitespace() && at > 0 && is_digit(at - 1) && (1..=3).all(|n| is_digit(at + n)) && !is_digit(at + 4)
-    };
-    let joined: String = (0..text.len()).filter(|&at| !is_joint(at)).map(|at| text[at]).collect();
-    let number = |word: &str| {
-        let word = word.trim_matches(['.', '-']);
-        let (mantissa, exponent) = word.split_once('e').unwrap_or((word, "0"));
-        let decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-        let half = 0.5 * 10f64.powi(exponent.parse::<i32>().ok()? - decimals as i32);
-        let value = word.parse::<f64>().ok()?;
-        word.starts_with(|first: char| first.is_ascii_digit()).then_some((value, half))
-    };
-    joined.split(|c: char| !(c.is_alphanumeric() || "_.-".contains(c))).filter_map(number).collect()
-}
-
-#[test]
-fn numbers_are_read_with_their_rounding() {
-    let read = numbers("27 of 61 200, C0 2.5 at Q 65.");
-    assert_eq!(read, [(27.0, 0.5), (61_200.0, 0.5), (2.5, 0.05), (65.0, 0.5)]);
-}
-
-/// Checks numbers in prose between `<!-- from: PAGE: TEXT -->` and `<!-- /from -->`: each occurs, rounded, in a line of the page's generated
-/// blocks that contains TEXT when the bars between its cells are left out.
-#[test]
-fn marked_numbers_are_those_of_their_page() {
-    let pages = pages();
-    let mut checked = 0;
-    for (page, text) in &pages {
-        for marked in text.split("<!-- from: ").skip(1) {
-            let parts = marked.split_once(" -->").and_then(|(from, rest)| {
-                let (source, row) = from.split_once(": ")?;
-                Some((source, row, rest.split_once("<!-- /from -->")?.0))
-            });
-            let (source, row, claim) = parts.unwrap_or_else(|| panic!("{page}: incomplete mark `{marked:.60}`"));
-            let table = pages.iter().find(|(name, _)| name == source).map(|(_, text)| generated(text));
-            let table = table.unwrap_or_else(|| panic!("{page}: there is no page {source}"));
-            let cells = |line: &str| line.replace('|', " ").split_whitespace().collect::<Vec<_>>().join(" ");
-            let found: Vec<_> = table.lines().filter(|line| cells(line).contains(row)).flat_map(numbers).collect();
-            let claimed = numbers(claim);
-            assert!(!claimed.is_empty(), "{page}: `{claim}` has no number");
-            for (value, half) in claimed {
-                let there = found.iter().any(|(found, _)| (found - value).abs() <= half * (1.0 + 1e-9));
-                assert!(there, "{page}: `{claim}` differs from {source}: no line with `{row}` contains {value}");
-                checked += 1;
-            }
-        }
-    }
-    assert!(checked > 50, "{checked} numbers");
 }

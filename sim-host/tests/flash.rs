@@ -1,4 +1,5 @@
-//! The aliases of `.cargo/config.toml` with a `probe-rs` that only records its arguments, and the commands of the pages on flashing and updating.
+//! Aliases of `.cargo/config.toml` with a `probe-rs` that only records its arguments, and commands
+//! of the pages on flashing and updating.
 #![cfg(unix)]
 
 use std::fs;
@@ -9,15 +10,16 @@ use std::process::{Command, Output};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 /// Pages whose `cargo` commands must be aliases.
-const PAGES: [&str; 2] = ["flash.md", "update.md"];
+const PAGES: [&str; 2] = ["first-power.md", "dev/update.md"];
 
-/// Target folder of the thumb images, which other tests fill too.
+/// Returns the target folder of the Thumb images, which other tests fill too.
 fn target() -> PathBuf {
     let folder = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| Path::new(ROOT).join("target"), PathBuf::from);
     folder.join("pil")
 }
 
-/// Temporary folder with a `probe-rs` that appends its arguments to the file `flashed`, and succeeds.
+/// Makes a temporary folder with a `probe-rs` that appends its arguments to the file `flashed`, and
+/// succeeds.
 fn folder_with_probe(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("sonoglide-{name}-{}", std::process::id()));
     fs::create_dir_all(&folder).expect("a folder");
@@ -42,7 +44,7 @@ fn aliases() -> Vec<String> {
 }
 
 #[test]
-fn every_alias_does_its_work_and_every_documented_one_exists() {
+fn every_alias_works_and_documented_ones_exist() {
     if let Some(missing) = pil::missing_to_build() {
         let _ = writeln!(std::io::stderr(), "SKIPPED: {missing}");
         return;
@@ -65,14 +67,14 @@ fn every_alias_does_its_work_and_every_documented_one_exists() {
             assert!(known, "docs/{page}: there is no `cargo {verb}`");
         }
     }
-    // The file of an update is made of the image that `cargo field` has just built, by the command of the page.
+    // The page's command makes the update file from the image that `cargo field` has just built.
     std::os::unix::fs::symlink(target(), folder.join("target")).expect("a link");
-    let page = fs::read_to_string(Path::new(ROOT).join("docs/update.md")).expect("the page");
+    let page = fs::read_to_string(Path::new(ROOT).join("docs/dev/update.md")).expect("the page");
     let command = page.lines().find_map(|line| line.strip_prefix("    sim-host link file:")).expect("the command");
     fs::write(folder.join("my.key"), "01".repeat(32)).expect("a key");
     let words = shlex::split(&format!("link file:{command}")).expect("words");
     let made = Command::new(env!("CARGO_BIN_EXE_sim-host")).args(words).current_dir(&folder).output().expect("sim-host starts");
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
     assert!(fs::metadata(folder.join("my-firmware.update")).expect("a file").len() > 100_000);
-    fs::remove_dir_all(&folder).expect("the folder goes");
+    fs::remove_dir_all(&folder).expect("the folder is removed");
 }

@@ -1,5 +1,6 @@
-//! Writes the register map of the part from the metadata of `stm32-metapac`, which is made from ST's own description: addresses as constants
-//! that patterns can name, and a table of every register with its fields.
+//! Writes the register map of the STM32G474 from the metadata of `stm32-metapac`, which is made
+//! from ST's own description: addresses as constants for patterns, and a table of every register
+//! with its fields.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,26 +10,26 @@ use std::{env, fs};
 use stm32_metapac::metadata::ir::{Access, Array, BitOffset, Block, BlockItemInner, FieldSet, IR, Register};
 use stm32_metapac::metadata::{METADATA, PeripheralRccRegister};
 
-/// Names, lowest bits and widths.
+/// Fields: name, lowest bit and width.
 type Fields = &'static [(&'static str, u32, u32)];
 
-/// Registers whose fields the metadata has wrong: RM0440 6.4.5, where R1MODE is bit 8 and not 0, and 38.7.5, where BRR has 20 bits. ST's SVD agrees
-/// with the manual in both.
+/// Registers with wrong fields in the metadata: RM0440 6.4.5, where R1MODE is bit 8 and not 0, and
+/// 38.7.5, where BRR has 20 bits. ST's SVD agrees with the manual in both.
 const CORRECTIONS: &[(&str, &str, Fields)] = &[("PWR", "CR5", &[("R1MODE", 8, 1)]), ("LPUART1", "BRR", &[("BRR", 0, 20)])];
 
 /// GPIOx_BRR.
 static BRR: Register = Register { access: Access::Write, bit_size: 16, fieldset: None };
 
-/// The same name in the ways that metadata writes it: `TIM_GP16` and `TimGp16`.
+/// Returns a name without its spelling in the metadata: `TIM_GP16` and `TimGp16` become equal.
 fn plain(name: &str) -> String {
     name.replace('_', "").to_lowercase()
 }
 
 fn block<'a>(ir: &'a IR, name: &str) -> &'a Block {
-    ir.blocks.iter().find(|block| plain(block.name) == plain(name)).expect("a block that is named")
+    ir.blocks.iter().find(|block| plain(block.name) == plain(name)).expect("a block of this name")
 }
 
-/// Offsets of the elements of an array, and what follows the name of each.
+/// Returns the offset and the name suffix of each element of an array.
 fn elements(array: Option<&Array>) -> Vec<(u32, String)> {
     match array {
         None => vec![(0, String::new())],
@@ -37,7 +38,7 @@ fn elements(array: Option<&Array>) -> Vec<(u32, String)> {
     }
 }
 
-/// Every register of a block: offset, name, description.
+/// Collects every register of a block: offset, name, description.
 fn registers<'a>(ir: &'a IR, of: &'a Block, at: u32, prefix: &str, into: &mut BTreeMap<u32, (String, Vec<&'a Register>)>) {
     for item in of.items {
         for (offset, suffix) in elements(item.array.as_ref()) {
@@ -57,13 +58,13 @@ fn registers<'a>(ir: &'a IR, of: &'a Block, at: u32, prefix: &str, into: &mut BT
             }
         }
     }
-    // Last: a block has its own view of what it extends.
+    // Last, because a block has its own view of the registers that it extends.
     if let Some(base) = of.extends {
         registers(ir, block(ir, base), at, prefix, into);
     }
 }
 
-/// Every field: name, lowest bit, width.
+/// Collects every field: name, lowest bit, width.
 fn fields(ir: &IR, set: &FieldSet, into: &mut Vec<(String, u32, u32)>) {
     if let Some(base) = set.extends.and_then(|base| ir.fieldsets.iter().find(|set| set.name == base)) {
         fields(ir, base, into);
@@ -83,7 +84,7 @@ fn fields(ir: &IR, set: &FieldSet, into: &mut Vec<(String, u32, u32)>) {
     }
 }
 
-/// Address and bit of a field of RCC.
+/// Returns address and bit of a field of RCC.
 fn field_of_rcc(of: Option<&PeripheralRccRegister>) -> Option<(u32, u32)> {
     let of = of?;
     let rcc = METADATA.peripherals.iter().find(|peripheral| peripheral.name == "RCC")?;
@@ -103,7 +104,8 @@ fn main() -> std::fmt::Result {
         let mut found = BTreeMap::new();
         registers(of.ir, block(of.ir, of.block), 0, "", &mut found);
         if of.kind == "gpio" {
-            // GPIOx_BRR (RM0440 9.4.11), which the metadata does not have: the upper half of BSRR at an address of its own.
+            // GPIOx_BRR (RM0440 9.4.11) is missing in the metadata: the upper half of BSRR at its
+            // own address.
             found.insert(0x28, ("BRR".to_owned(), vec![&BRR]));
         }
         writeln!(bases, "    pub const {}: u32 = {:#x};", peripheral.name, peripheral.address)?;

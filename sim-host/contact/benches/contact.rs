@@ -8,10 +8,10 @@ use sonoglide_contact::method::{midpoint, rk4, rk4_events};
 use sonoglide_contact::table_4_1::{PERIODS, standard, table_4_1};
 use sonoglide_contact::{Law, Problem, closed, coulomb, linexp};
 
-/// kappa of the thesis's contact (table 4.1).
+/// kappa of the thesis's contact (Table 4.1).
 const THESIS: f64 = 0.404_517;
 
-/// Points along the velocity ratio.
+/// Number of velocity ratios.
 const POINTS: u32 = 1024;
 
 fn points(kappa: f64) -> Vec<(f64, f64)> {
@@ -41,7 +41,8 @@ fn located_events(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// A step of the oscillator with Dahl friction, of the methods with a fixed number of steps a period, and of the midpoint rule on a Stribeck curve.
+/// One step of the oscillator with Dahl friction, with the methods of a fixed number of steps per
+/// period, and with the midpoint rule.
 fn steps(criterion: &mut Criterion) {
     const STEPS: u32 = 1000;
     let problem = table_4_1(0.5, 20.0);
@@ -54,8 +55,9 @@ fn steps(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Contacts with a mass, side by side: neighbours in the velocity ratio, and ones that reverse at different times.
-fn abreast(criterion: &mut Criterion) {
+/// Contacts with a mass, batched: neighbours in the velocity ratio, and contacts that reverse at
+/// different times.
+fn batched(criterion: &mut Criterion) {
     const COUNT: u32 = 8;
     let mut group = criterion.benchmark_group("linexp, eight contacts, a period and contact");
     group.throughput(Throughput::Elements(u64::from(COUNT) * PERIODS as u64)).sample_size(20);
@@ -71,7 +73,7 @@ fn abreast(criterion: &mut Criterion) {
             let run = |_| {
                 let began = Instant::now();
                 if lanes {
-                    black_box(linexp::run_abreast(black_box(&problems), steps, order, &|| ()));
+                    black_box(linexp::run_batched(black_box(&problems), steps, order, &|| ()));
                 } else {
                     black_box(problems.iter().map(alone).collect::<Vec<_>>());
                 }
@@ -89,10 +91,10 @@ fn abreast(criterion: &mut Criterion) {
         );
         let name = format!("order {order}, {steps} steps, Kt {stiffness_n_per_m:.1e} N/m");
         let near: Vec<&Problem> = near.iter().collect();
-        group.bench_function(name, |bencher| bencher.iter(|| linexp::run_abreast(&near, steps, order, &|| ())));
+        group.bench_function(name, |bencher| bencher.iter(|| linexp::run_batched(&near, steps, order, &|| ())));
     }
     group.finish();
 }
 
-criterion_group!(benches, closed_form, located_events, steps, abreast);
+criterion_group!(benches, closed_form, located_events, steps, batched);
 criterion_main!(benches);

@@ -1,21 +1,23 @@
-//! Which method, and how finely: the cheapest that meets the tolerance, with the reason, and an error estimate.
+//! Choice of the method and its settings: the cheapest that meets the tolerance, with the reason
+//! and an error estimate.
 //!
-//! | problem | method | because |
+//! | problem | method | reason |
 //! |---|---|---|
-//! | kinematic, Coulomb or Dahl, window in the steady state | closed | nothing is cheaper than no steps |
+//! | kinematic, Coulomb or Dahl, window in the steady state | closed | no steps are needed |
 //! | Dahl, Coulomb | linexp | cheapest at every tolerance from 1e-3 to 1e-12 (`evidence precision`) |
-//! | Dahl, bristles shorter than round-off | linexp of Coulomb's law | its limit, with a note |
+//! | Dahl, bristles shorter than round-off | linexp for Coulomb's law | the limit of Dahl's law; gives a note |
 //! | LuGre, bristles too short for the steps of Runge-Kutta | midpoint, then rk4-events | bounded at any stiffness |
-//! | other LuGre | rk4-events, then midpoint | order four, stable from a number of steps on that is known |
-//! | LuGre at tight tolerances, and whatever these have no answer to | taylor | at round-off at any stiffness, and dear |
+//! | other LuGre | rk4-events, then midpoint | fourth order, stable above a known number of steps |
+//! | LuGre at tight tolerances, and cases that the methods above cannot solve | taylor | round-off accuracy at any stiffness, but expensive |
 //!
-//! A tolerance of the whole record is met by the Taylor series, all of whose settings have the same moments, and by linexp where bristles are too
-//! stiff for a series.
+//! A tolerance of the whole record is met by the Taylor series, whose settings all share the same
+//! moments. If the bristles are too stiff for a series, linexp meets it.
 //!
-//! `frozen` is never chosen: it costs what linexp costs, and leaves out what linexp has. How finely is found by runs on a
-//! `ladder` of settings: `refine` estimates the error of each from how the runs close in on each other. The coarsest that meets the
-//! tolerance has the answer; of a long periodic run the settings are compared on a `pilot` alone. `evidence contacts` holds all of
-//! it against random contacts.
+//! `frozen` is never chosen: it costs as much as linexp and neglects the coupling. The settings are
+//! found by runs on a `ladder`: `refine` estimates the error of each run from the differences
+//! between the runs. The coarsest run that meets the tolerance gives the solution. For a long
+//! periodic run the settings are compared on a short `pilot` only. `evidence contacts` tests this
+//! choice on random contacts.
 
 use std::time::Duration;
 
@@ -35,7 +37,8 @@ pub use ladder::stable_steps;
 pub use many::solve_many;
 use runs::Runs;
 
-/// What the tolerance of a contact study is of: the mean friction ratio, or the whole record. Default: mean.
+/// Quantity that the tolerance of a contact study limits: the mean friction ratio, or the whole
+/// record. Default: mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "schema",
@@ -43,29 +46,32 @@ use runs::Runs;
     serde(rename_all = "kebab-case")
 )]
 pub enum ToleranceOf {
-    /// The mean friction ratio over the window.
+    /// Mean friction ratio over the window.
     #[default]
     Mean,
-    /// The whole record, from the start on: friction over the Coulomb force, displacement and velocity over their largest, at every moment that is shown.
+    /// Whole record from the start: friction over the Coulomb force, displacement and velocity over
+    /// their maximum, at every recorded moment.
     Record,
 }
 
-/// How a problem is to be solved.
+/// Method and accuracy with which a problem is to be solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numerics {
     /// Integration method that solves the problem.
     pub method: Method,
-    /// Steps a period; none: the method's own choice, and finer where the tolerance needs it.
+    /// Steps per period. `None`: the method's default, refined if the tolerance requires it.
     pub steps_per_period: Option<u32>,
-    /// Order of the Taylor series, or of linexp; none: the method's own choice.
+    /// Order of the Taylor series or of linexp. `None`: the method's default.
     pub order: Option<u32>,
-    /// Largest error of the mean friction ratio, or of the record.
+    /// Largest permitted error of the mean friction ratio or of the record.
     pub tolerance: f64,
-    /// What the tolerance is of.
+    /// Quantity that the tolerance limits.
     pub tolerance_of: ToleranceOf,
-    /// Whether the energies are added up, too, in a run of their own; without them there are friction and power ratio.
+    /// `true` if the energies are added up, too, in a separate run. Otherwise only the friction and
+    /// power ratios are computed.
     pub energies: bool,
-    /// Whether the run goes on behind the window, for the peaks and reversals that are of all of it.
+    /// `true` if the run continues after the window, so that peaks and reversals cover the whole
+    /// run.
     pub whole_run: bool,
 }
 
@@ -83,51 +89,56 @@ impl Default for Numerics {
     }
 }
 
-/// Solution of a contact problem, with the settings that it was solved by.
+/// Solution of a contact problem, with the settings used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
-    /// The method that was used.
+    /// Method used.
     pub method: Method,
-    /// Why this one, in words.
+    /// Reason for the choice of this method.
     pub why: String,
-    /// Steps per period of the method; none in closed form.
+    /// Steps per period of the method; `None` in closed form.
     pub steps_per_period: Option<u32>,
-    /// Order of the method, where it can be chosen.
+    /// Order of the method; `None` if it has a fixed order.
     pub order: Option<u32>,
     /// Friction and power ratios of the solution.
     pub ratios: Ratios,
-    /// The sums behind them; none in closed form.
+    /// Sums from which the ratios are computed; `None` in closed form.
     pub tally: Option<Tally>,
-    /// Estimated error of the friction ratio, by runs in other steps; in closed form what is left of the start.
+    /// Estimated error of the friction ratio, from runs with other steps. In closed form: the
+    /// remaining influence of the start.
     pub error_estimate: Option<f64>,
-    /// Estimated error of the record, by the same runs, where the tolerance is of it.
+    /// Estimated error of the record, from the same runs; `None` unless the tolerance limits the
+    /// record.
     pub record_error_estimate: Option<f64>,
-    /// Whether the estimated error is within the tolerance.
+    /// `true` if the estimated error is within the tolerance.
     pub tolerance_met: bool,
-    /// What is wrong with the answer, in words: a tolerance that is not met.
+    /// Warnings for the user, such as a tolerance that is not met.
     pub warnings: Vec<String>,
-    /// States that were integrated.
+    /// Number of states that were integrated.
     pub states: usize,
-    /// Wall time from the question to the answer over the periods run, ns: choice of the settings, error estimate, energies, and whoever
-    /// watches. None without a clock.
+    /// Wall time of the whole solution per period of the problem, ns: choice of the settings, error
+    /// estimate, energies and the observer. `None` without a clock.
     pub ns_per_period: Option<f64>,
 }
 
-/// A monotonic clock: time since some fixed moment. The library has none of its own, so that it runs where there is none.
+/// Monotonic clock: time since some fixed moment. The caller provides it, so that the library also
+/// runs on targets without a clock.
 pub type Clock = fn() -> Duration;
 
 /// Error of the closed forms.
 const ROUND_OFF: f64 = 1e-14;
 
-/// Solves a problem. `watch` sees the state after every step; in closed form, over one steady period.
+/// Solves a problem. `watch` receives the state after every step; in closed form, over one steady
+/// period.
 ///
 /// # Errors
-/// If the method cannot do this problem, or its numbers grow without bound.
+/// Fails if the method does not apply to this problem, or if its values grow without bound.
 pub fn solve(problem: &Problem, numerics: &Numerics, watch: &mut impl FnMut(&State)) -> Result<Solution, SolveError> {
     solve_with(problem, numerics, &|| (), None, watch)
 }
 
-/// Solves a problem as [`solve`] does; `pause` is called every now and then in the runs without a watch. With a `clock` all of it is timed.
+/// Solves a problem as [`solve`] does. `pause` is called from time to time in the unobserved runs.
+/// With a `clock`, the whole solution is timed.
 ///
 /// # Errors
 /// The errors of [`solve`].
@@ -145,7 +156,7 @@ pub fn solve_with(
     Ok(solution)
 }
 
-/// Solves a problem that nobody watches: what a run has found is not run again.
+/// Solves a problem without an observer, so that no run has to be repeated for it.
 ///
 /// # Errors
 /// The errors of [`solve`].
@@ -153,11 +164,11 @@ pub fn solve_unwatched(problem: &Problem, numerics: &Numerics, pause: &dyn Fn())
     by_method(problem, numerics, &pause, None::<&mut fn(&State)>)
 }
 
-/// The way to solve a problem.
+/// Chosen way to solve a problem.
 enum Plan {
-    /// The steady state, with the reason for taking it.
+    /// Closed form of the steady state, with the reason for its choice.
     Closed(ClosedForm, &'static str),
-    /// Steps in time, by this method or by one that is chosen.
+    /// Time steps, by this method; `None`: a method still to be chosen.
     Stepped(Option<Method>),
 }
 
@@ -166,17 +177,17 @@ impl Plan {
         let unsuited = |method: Method, reason: &str| Err(SolveError::Unsuited { method: method.name(), reason: reason.into() });
         match numerics.method {
             Method::Closed if numerics.tolerance_of == ToleranceOf::Record => {
-                unsuited(Method::Closed, "it has one steady period, and no record from the start on; linexp and taylor have")
+                unsuited(Method::Closed, "it gives one steady period, not a record from the start; use linexp or taylor")
             }
             Method::Closed if !of_whole_periods(problem) => {
-                unsuited(Method::Closed, "the window is not whole periods under one load; linexp has any window")
+                unsuited(Method::Closed, "the window is not a whole number of periods under one load; linexp accepts any window")
             }
-            Method::Closed => Ok(Plan::Closed(ClosedForm::new(problem)?, "asked for")),
+            Method::Closed => Ok(Plan::Closed(ClosedForm::new(problem)?, "requested")),
             Method::Auto => {
                 let may_be_closed =
                     numerics.tolerance_of == ToleranceOf::Mean && problem.waveform.is_periodic() && of_whole_periods(problem);
                 let form = may_be_closed.then(|| ClosedForm::new(problem).ok()).flatten();
-                // The rest of the start is far below the tolerance.
+                // The remaining influence of the start must be far below the tolerance.
                 let form = form.filter(|form| form.start_left(periods_before(problem)) < 0.1 * numerics.tolerance);
                 let why = "kinematic, and the window lies in the steady state: closed form";
                 Ok(form.map_or(Plan::Stepped(None), |form| Plan::Closed(form, why)))
@@ -187,7 +198,7 @@ impl Plan {
     }
 }
 
-/// Periods before the window.
+/// Returns the number of periods before the window.
 fn periods_before(problem: &Problem) -> f64 {
     problem.window_s.0 * problem.waveform.frequency_hz()
 }
@@ -200,12 +211,13 @@ fn by_method<W: FnMut(&State)>(
 ) -> Result<Solution, SolveError> {
     match Plan::new(problem, numerics)? {
         Plan::Closed(form, why) => Ok(in_closed_form(problem, numerics, &form, why, watch)),
-        Plan::Stepped(None) => stepped::chosen(problem, numerics, runs, watch),
-        Plan::Stepped(Some(method)) => stepped::solve(problem, numerics, (method, "asked for".to_owned()), runs, watch),
+        Plan::Stepped(None) => stepped::solve_automatically(problem, numerics, runs, watch),
+        Plan::Stepped(Some(method)) => stepped::solve(problem, numerics, (method, "requested".to_owned()), runs, watch),
     }
 }
 
-/// Returns the closed form by which [`solve`] solves a problem: it shows one steady period. None if it takes steps.
+/// Returns the closed form that [`solve`] would use, which describes one steady period; `None` if
+/// it would take time steps.
 pub fn closed_form(problem: &Problem, numerics: &Numerics) -> Option<ClosedForm> {
     match Plan::new(problem, numerics) {
         Ok(Plan::Closed(form, _)) => Some(form),
@@ -213,7 +225,8 @@ pub fn closed_form(problem: &Problem, numerics: &Numerics) -> Option<ClosedForm>
     }
 }
 
-/// Whether the means of a window are those of a period: it is whole periods, all under one load.
+/// Returns `true` if the means over the window equal those over a period: the window is a whole
+/// number of periods under one load.
 pub(crate) fn of_whole_periods(problem: &Problem) -> bool {
     let (from, to) = (problem.window_s.0 * problem.waveform.frequency_hz(), problem.window_s.1 * problem.waveform.frequency_hz());
     (to - from - (to - from).round()).abs() < 1e-9 * to && problem.load_steps.is_empty()
@@ -230,7 +243,9 @@ fn in_closed_form<W: FnMut(&State)>(
         form.show(problem, watch);
     }
     let left = form.start_left(periods_before(problem));
-    let early = format!("the window begins before the steady state, which this is: up to {left:.1e} of the start is left there");
+    let early = format!(
+        "the closed form is the steady state, but up to {left:.1e} of the initial difference remains when the window begins"
+    );
     let tolerance_met = left.max(ROUND_OFF) <= numerics.tolerance;
     Solution {
         method: Method::Closed,

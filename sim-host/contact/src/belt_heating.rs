@@ -1,24 +1,31 @@
-//! Heating of a ring over which a belt slides: the temperature of the surface where they touch.
+//! Temperature rise of the contact surface between a ring and the belt that slides over it.
 //!
 //! ```text
-//! q = P / (R theta w)                                   heat a time and area, P the friction's power
-//! ring   T(t) = (e_r sqrt(pi))^-1 int q_r(s) / sqrt(t - s) ds        half-space that stands, e = sqrt(k rho c)
-//! belt   T    = (4/3) sqrt(t_c / pi) q_b / e_b,  t_c = R theta / v    half-space that comes fresh: mean over the contact
-//! q_r + q_b = q,  both temperatures are one
+//! q = P / (R theta w)                                   heat per time and area, P the power of
+//! friction
+//! ring   T(t) = (e_r sqrt(pi))^-1 int q_r(s) / sqrt(t - s) ds        half-space at rest, e =
+//! sqrt(k rho c)
+//! belt   T    = (4/3) sqrt(t_c / pi) q_b / e_b,  t_c = R theta / v    half-space that enters cold:
+//! mean over the contact
+//! q_r + q_b = q,  both temperatures are equal
 //! ```
 //!
-//! The belt's side is the limit of a source that moves fast (J. C. Jaeger, *Moving sources of heat and the temperature at sliding contacts*, 1942): heat has no time
-//! to flow ahead. It holds where the Péclet number `v R theta / alpha` is far above ten; of polyester over a D-ring it is above ten from 0.05 mm/s on. Both mean
-//! temperatures being one is Blok's postulate (1937). Both bodies are half-spaces as long as heat gets no deeper than they are thick: `sqrt(alpha t)` is 0.9 mm of
-//! steel in 60 ms and 0.03 mm of polyester in 10 ms.
+//! The belt's side is the limit of a fast moving source (J. C. Jaeger, *Moving sources of heat and
+//! the temperature at sliding contacts*, 1942): heat has no time to flow ahead of it. This requires
+//! a Péclet number `v R theta / alpha` far above ten; for polyester over a D-ring it exceeds ten
+//! above 0.05 mm/s. The equality of both mean temperatures is Blok's postulate (1937).
 //!
-//! The temperature is that of the nominal contact, over which the heat is taken to be even. Fibres that carry the load are hotter than that, and nothing here says by how
-//! much. The capstan's tension, and the heat with it, is larger at the end towards the higher tension, by its share of the mean: `x / (1 - exp(-x))` times with
-//! `x = mu theta`, 1.44 of a passive belt with 0.3 over 150 degrees.
+//! Both bodies act as half-spaces while heat does not penetrate their thickness: `sqrt(alpha t)` is
+//! 0.9 mm in steel after 60 ms and 0.03 mm in polyester after 10 ms.
+//!
+//! The temperature is that of the nominal contact, with the heat spread evenly over it. Fibres that
+//! carry the load are hotter; this model does not give their temperature. The capstan's tension,
+//! and with it the heat, is largest at the end with the higher tension: `x / (1 - exp(-x))` times
+//! the mean with `x = mu theta`. That is 1.44 for a passive belt with 0.3 over 150 degrees.
 
 use std::f64::consts::PI;
 
-/// Thermal effusivity sqrt(k rho c), W s^0.5/(m^2 K), and diffusivity, m^2/s, of a material.
+/// Thermal properties of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Thermal effusivity sqrt(k rho c), W s^0.5/(m^2 K).
@@ -28,7 +35,8 @@ pub struct Material {
 }
 
 impl Material {
-    /// A material by its conductivity, W/(m K), density, kg/m^3, and heat capacity, J/(kg K).
+    /// Creates a material from its conductivity, W/(m K), density, kg/m^3, and heat capacity, J/(kg
+    /// K).
     pub fn new(conductivity: f64, density: f64, capacity: f64) -> Self {
         Material {
             effusivity: (conductivity * density * capacity).sqrt(),
@@ -36,18 +44,18 @@ impl Material {
         }
     }
 
-    /// Carbon steel, as tabulated: 50 W/(m K), 7850 kg/m^3, 460 J/(kg K).
+    /// Returns carbon steel, from tables: 50 W/(m K), 7850 kg/m^3, 460 J/(kg K).
     pub fn steel() -> Self {
         Material::new(50.0, 7850.0, 460.0)
     }
 
-    /// Solid polyester (PET), as tabulated: 0.2 W/(m K), 1380 kg/m^3, 1300 J/(kg K).
+    /// Returns solid polyester (PET), from tables: 0.2 W/(m K), 1380 kg/m^3, 1300 J/(kg K).
     pub fn polyester() -> Self {
         Material::new(0.2, 1380.0, 1300.0)
     }
 }
 
-/// A belt around a ring.
+/// Contact of a belt with a ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeltOnRing {
     /// Length of the contact along the sliding, R theta, m.
@@ -61,12 +69,14 @@ pub struct BeltOnRing {
 }
 
 impl BeltOnRing {
-    /// Temperature rise of the surface, K, at the end of each step of `step_s` seconds, in which so much power, W, was turned into heat at such a speed, m/s.
+    /// Computes the temperature rise of the surface, K, at the end of each step of `step_s`
+    /// seconds. A step is the power turned into heat, W, and the sliding speed, m/s.
     ///
-    /// Heat of a step is taken to be even: of constant power the ring's side is exact. A belt that does not slide takes none.
+    /// The heat flow is taken as constant within a step; for constant power the ring's side is
+    /// exact. A belt that does not slide takes no heat.
     pub fn rises_k(&self, step_s: f64, steps: &[(f64, f64)]) -> Vec<f64> {
         let own = 2.0 * (step_s / PI).sqrt() / self.ring.effusivity;
-        // sqrt(t_n - t_(k-1)) - sqrt(t_n - t_k), in steps
+        // sqrt(t_n - t_(k-1)) - sqrt(t_n - t_k), in units of sqrt(step_s)
         let weights: Vec<f64> = (0..steps.len()).map(|past| ((past + 1) as f64).sqrt() - (past as f64).sqrt()).collect();
         let mut into_ring: Vec<f64> = Vec::with_capacity(steps.len());
         let mut rises = Vec::with_capacity(steps.len());
@@ -84,13 +94,14 @@ impl BeltOnRing {
         rises
     }
 
-    /// Rise of the belt's surface by a heat, K m^2/W; none of a belt that stands.
+    /// Returns the rise of the belt's surface per heat flow, K m^2/W; `None` for a belt at rest.
     fn of_belt(&self, speed_m_per_s: f64) -> Option<f64> {
         let speed = speed_m_per_s.abs();
         (speed > 0.0).then(|| 4.0 / 3.0 * (self.arc_m / (PI * speed)).sqrt() / self.belt.effusivity)
     }
 
-    /// Speed over that at which heat flows through the belt along the contact.
+    /// Returns the Péclet number: the sliding speed over the speed at which heat diffuses along the
+    /// contact.
     pub fn peclet(&self, speed_m_per_s: f64) -> f64 {
         speed_m_per_s.abs() * self.arc_m / self.belt.diffusivity_m2_per_s
     }
@@ -100,7 +111,7 @@ impl BeltOnRing {
 mod tests {
     use super::*;
 
-    /// A D-ring of 10 mm under webbing of 47 mm over 150 degrees.
+    /// D-ring of 10 mm radius under webbing of 47 mm width over 150 degrees.
     fn d_ring() -> BeltOnRing {
         BeltOnRing { arc_m: 0.026_18, width_m: 0.047, ring: Material::steel(), belt: Material::polyester() }
     }
@@ -110,9 +121,9 @@ mod tests {
         contact.rises_k(time_s / f64::from(steps), &of_step).last().copied().unwrap()
     }
 
-    /// 2 q sqrt(t / pi) / e: whatever the steps, of a belt that takes nothing.
+    /// Independent of the steps, a belt that takes no heat gives 2 q sqrt(t / pi) / e.
     #[test]
-    fn a_belt_that_insulates_leaves_a_half_space() {
+    fn an_insulating_belt_gives_the_half_space() {
         let contact = BeltOnRing { belt: Material { effusivity: 1e-9, ..Material::polyester() }, ..d_ring() };
         let heat = 5000.0 / (contact.arc_m * contact.width_m);
         let exact = 2.0 * heat * (0.05 / PI).sqrt() / Material::steel().effusivity;
@@ -121,19 +132,19 @@ mod tests {
             assert!((found / exact - 1.0).abs() < 1e-9, "{steps}: {found} {exact}");
         }
         assert_eq!(last(&d_ring(), 500, 0.05, 5000.0, 0.0), last(&d_ring(), 500, 0.05, 5000.0, -0.0));
-        assert!((last(&d_ring(), 500, 0.05, 5000.0, 0.0) / exact - 1.0).abs() < 1e-12, "a belt that stands takes nothing");
+        assert!((last(&d_ring(), 500, 0.05, 5000.0, 0.0) / exact - 1.0).abs() < 1e-12, "a belt at rest takes no heat");
     }
 
-    /// (4/3) q sqrt(t_c / pi) / e_b at once, of a ring that takes nothing.
+    /// A ring that takes no heat gives (4/3) q sqrt(t_c / pi) / e_b at once.
     #[test]
-    fn a_ring_that_insulates_leaves_the_fresh_belt() {
+    fn an_insulating_ring_gives_the_moving_belt() {
         let contact = BeltOnRing { ring: Material { effusivity: 1e-9, ..Material::steel() }, ..d_ring() };
         let heat = 5000.0 / (contact.arc_m * contact.width_m);
         let exact = 4.0 / 3.0 * heat * (contact.arc_m / (2.0 * PI)).sqrt() / Material::polyester().effusivity;
         assert!((last(&contact, 10, 0.05, 5000.0, -2.0) / exact - 1.0).abs() < 1e-9);
     }
 
-    /// `exp(s^2) erfc(s) = (2 / sqrt pi) int exp(-u^2 - 2 u s) du`, by Simpson's rule.
+    /// Computes `exp(s^2) erfc(s) = (2 / sqrt pi) int exp(-u^2 - 2 u s) du` by Simpson's rule.
     fn scaled_erfc(s: f64) -> f64 {
         let (places, end) = (20_000u32, 8.0);
         let h = end / f64::from(places);
@@ -145,7 +156,8 @@ mod tests {
         2.0 / PI.sqrt() * h / 3.0 * (value(0) + inner + value(places))
     }
 
-    /// Of constant heat and speed, by the Laplace transform: `T = C q (1 - exp(t / b^2) erfc(sqrt t / b))` with `C` of the belt and `b = e_r C`.
+    /// For constant heat and speed, the Laplace transform gives
+    /// `T = C q (1 - exp(t / b^2) erfc(sqrt t / b))` with `C` from the belt and `b = e_r C`.
     #[test]
     fn both_sides_together_have_a_closed_form() {
         let (contact, power, speed, time_s) = (d_ring(), 6000.0, 2.5, 0.06);
@@ -156,11 +168,11 @@ mod tests {
         let off = |steps: u32| (last(&contact, steps, time_s, power, speed) / exact - 1.0).abs();
         println!("{exact} K, off by {:e} {:e} {:e}", off(32), off(512), off(4096));
         assert!(off(512) < 2e-3 && off(4096) < 3e-4 && off(4096) < 0.2 * off(512), "{exact}");
-        // Most of the heat is the ring's: 94 K rather than the 660 K of a ring that takes none.
+        // The ring takes most of the heat: 94 K instead of the 660 K for a ring that takes none.
         assert!((80.0..120.0).contains(&exact), "{exact}");
     }
 
-    /// A ramp `q' t` into the ring alone: (4/3) q' t^(3/2) / (e sqrt pi).
+    /// Ramp `q' t` into the ring alone: (4/3) q' t^(3/2) / (e sqrt pi).
     #[test]
     fn a_ramp_is_integrated() {
         let contact = BeltOnRing { belt: Material { effusivity: 1e-9, ..Material::polyester() }, ..d_ring() };

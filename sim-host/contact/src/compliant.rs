@@ -1,32 +1,41 @@
-//! Vibration across a contact with constant stiffness in both directions: how normal oscillation lowers friction through tangential compliance.
+//! Vibration across a contact with constant stiffness in both directions: a normal oscillation
+//! lowers friction through tangential compliance.
 //!
 //! The indentation is given, and the body slides over the contact at constant speed v:
 //!
 //! ```text
 //! u(t) = u0 + a cos(w t)                 indentation
 //! N    = kz u for u > 0, else 0          normal force
-//! f' = kx v   while f < mu N             the tangential spring sticks, and is loaded
-//! f  = mu N   otherwise                  it slips; with contact lost it is relaxed
+//! f' = kx v   while f < mu N             the contact sticks, and the tangential spring is loaded
+//! f  = mu N   otherwise                  it slips; when contact is lost, the spring relaxes
 //! ```
 //!
-//! (M. Popov, V. L. Popov, N. V. Popov, *Reduction of friction by normal oscillations. I. Influence of contact stiffness*, Friction 5 (2017) 45,
-//! doi 10.1007/s40544-016-0136-4; X. Mao, V. L. Popov, J. Starcevic, M. Popov, *II. In-plane system dynamics*, Friction 5 (2017) 194.)
-//! While the normal force rises faster than the spring is loaded the contact sticks, and friction stays below mu N. In units of `mu kz a` and of
-//! the phase, the steady state depends on two numbers,
+//! (M. Popov, V. L. Popov, N. V. Popov, *Reduction of friction by normal oscillations. I. Influence
+//! of contact stiffness*, Friction 5 (2017) 45, doi 10.1007/s40544-016-0136-4; X. Mao, V. L. Popov,
+//! J. Starcevic, M. Popov, *II. In-plane system dynamics*, Friction 5 (2017) 194.)
+//!
+//! While the normal force rises faster than the spring is loaded, the contact sticks, and friction
+//! stays below mu N. In units of `mu kz a` and of the phase, the steady state depends on two
+//! numbers,
 //!
 //! ```text
-//! A = a / u0                             amplitude in mean indentations; contact is lost from one on
-//! s = kx v / (mu kz w a)                 sliding speed over that at which the spring is loaded as fast as the normal force ever rises
+//! A = a / u0                             amplitude in mean indentations; contact is lost above one
+//! s = kx v / (mu kz w a)                 sliding speed over the critical speed, at which the
+//! spring is loaded as fast as the normal force can rise
 //! ```
 //!
-//! and is found from its arcs, without a time step (`arcs`). For A <= 1 the paper approximates it by
-//! `1 - (3/4) A (1 - s)^2 - (1/4) A (1 - s)^4` for s < 1, and one from there on ([`popov_ratio`]); this is off by at most 0.0144 A.
+//! and is computed from its arcs, without time steps (`arcs`). For A <= 1 the paper approximates it
+//! by `1 - (3/4) A (1 - s)^2 - (1/4) A (1 - s)^4` for s < 1, and by one for larger s
+//! ([`popov_ratio`]). The error of this approximation is at most 0.0144 A.
 //!
-//! Beyond A = 1 it matters what is held. With the indentation u0 held, the mean normal force rises; with the mean load W held, the bodies
-//! move apart instead, as in [`super::hertz`]. Once the mean place is a gap, u0 < 0, contact is made after the normal force could have risen the fastest,
-//! and the critical speed falls to `sqrt(1 - (u0 / a)^2)` of the paper's.
+//! Above A = 1 the result depends on the held quantity. With the indentation u0 held, the mean
+//! normal force rises. With the mean load W held, the bodies move apart instead, as in
+//! [`super::hertz`]. If the mean position is a gap, u0 < 0, contact begins after the phase of the
+//! fastest rise of the normal force, and the critical speed falls to `sqrt(1 - (u0 / a)^2)` times
+//! the paper's.
 //!
-//! The model is quasi-static: no inertia of the body or of the contact, stiffnesses independent of the load, no slip of parts of the contact.
+//! The model is quasi-static: no inertia of the body or of the contact, stiffnesses independent of
+//! the load, no partial slip within the contact.
 
 mod arcs;
 pub mod stepped;
@@ -38,26 +47,27 @@ use arcs::{Arcs, Indentation};
 
 const METHOD: &str = "compliant";
 
-/// Points of a period handed out, besides its events.
-const POINTS: u32 = 256;
-/// Error of the ratios, of the larger of one and the ratio: a few roundings of the arcs (test `agrees_with_fifty_digits`).
+/// Number of steps into which a displayed period is divided, in addition to its events.
+const PERIOD_STEPS: u32 = 256;
+/// Error of the ratios, relative to the larger of one and the ratio: a few roundings of the arcs
+/// (test `agrees_with_fifty_digits`).
 const ROUND_OFF: f64 = 1e-14;
 
-/// What presses on the contact.
+/// Quantity that is held while the bodies vibrate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Press {
-    /// The mean normal force is held, N.
+    /// Mean normal force, N.
     Load(f64),
-    /// The mean indentation is held, m; below zero it is a gap on average.
+    /// Mean indentation, m; negative for a mean gap.
     Indentation(f64),
 }
 
-/// A compliant contact whose bodies vibrate across it while they slide.
+/// Compliant contact whose bodies vibrate across it while they slide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompliantProblem {
     /// Coefficient of friction of the contact.
     pub mu: f64,
-    /// What is held while the bodies vibrate.
+    /// Quantity that is held while the bodies vibrate.
     pub press: Press,
     /// Normal stiffness kz, N/m.
     pub normal_n_per_m: f64,
@@ -67,17 +77,20 @@ pub struct CompliantProblem {
     pub amplitude_m: f64,
     /// Frequency of the vibration, Hz.
     pub frequency_hz: f64,
-    /// Sliding speed v, m/s. At zero the solution is the limit of slow sliding, which is the friction that holds.
+    /// Sliding speed v, m/s. At zero the solution is the limit of slow sliding, which is the static
+    /// friction.
     pub sliding_m_per_s: f64,
 }
 
 /// Steady state of a compliant contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompliantSolution {
-    /// Mean friction over that without vibration, `mean f / (mu W)`: W is the load that is held, or `kz u0` of the indentation that is held. None of a
-    /// mean gap, which has no friction without vibration.
+    /// Mean friction over that without vibration, `mean f / (mu W)`, where W is the held load or
+    /// `kz u0` of the held indentation. `None` for a mean gap, which has no friction without
+    /// vibration.
     pub friction_ratio: Option<f64>,
-    /// Mean friction over mu times the mean normal force: ratio of the coefficients of friction. With a load held it is `friction_ratio`.
+    /// Mean friction over mu times the mean normal force: ratio of the coefficients of friction.
+    /// With a held load it equals `friction_ratio`.
     pub coefficient_ratio: f64,
     /// Mean friction, N.
     pub friction_n: f64,
@@ -85,26 +98,27 @@ pub struct CompliantSolution {
     pub mean_normal_n: f64,
     /// Largest normal force, N.
     pub peak_normal_n: f64,
-    /// Mean place u0, m: indentation if positive, a gap on average if negative.
+    /// Mean position u0, m: indentation if positive, a mean gap if negative.
     pub mean_place_m: f64,
-    /// Part of the period in contact.
+    /// Fraction of the period in contact.
     pub contact_share: f64,
-    /// Part of the period in which the contact sticks.
+    /// Fraction of the period in which the contact sticks.
     pub stick_share: f64,
-    /// Sliding speed from which on the contact never sticks, m/s.
+    /// Sliding speed above which the contact never sticks, m/s.
     pub critical_m_per_s: f64,
-    /// Periods after which a run that starts with a relaxed spring is in the steady state; infinite without sliding if contact is never lost.
+    /// Number of periods after which a run with an initially relaxed spring is in the steady state;
+    /// infinite without sliding if contact is never lost.
     pub settle_periods: f64,
-    /// Error of both ratios by round-off.
+    /// Round-off error of both ratios.
     pub error_estimate: f64,
 }
 
-/// A moment of the period.
+/// Moment of the period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompliantPoint {
-    /// Phase of the vibration, turns, from the deepest indentation on.
+    /// Phase of the vibration since the deepest indentation, turns.
     pub phase_turns: f64,
-    /// Indentation u, m; negative is a gap.
+    /// Indentation u, m; negative for a gap.
     pub indentation_m: f64,
     /// Normal force, N.
     pub normal_n: f64,
@@ -112,7 +126,8 @@ pub struct CompliantPoint {
     pub friction_n: f64,
 }
 
-/// Popov's closed form of the friction ratio, for an amplitude of up to one mean indentation; none beyond, where contact is lost.
+/// Returns Popov's closed form of the friction ratio, for an amplitude of up to one mean
+/// indentation; `None` above, because contact is lost.
 ///
 /// `indentations` is A, `speed_ratio` is s: sliding speed over the critical speed.
 pub fn popov_ratio(indentations: f64, speed_ratio: f64) -> Option<f64> {
@@ -120,31 +135,32 @@ pub fn popov_ratio(indentations: f64, speed_ratio: f64) -> Option<f64> {
     (indentations <= 1.0).then(|| 1.0 - indentations * (0.75 * below.powi(2) + 0.25 * below.powi(4)))
 }
 
-/// Friction ratio of an amplitude of A mean indentations at a sliding speed s, with the mean load or the mean indentation held: the law in its two
-/// numbers alone.
+/// Returns the friction ratio for an amplitude of A mean indentations and a sliding speed s, with
+/// the mean load or the mean indentation held.
 pub fn friction_ratio(indentations: f64, speed_ratio: f64, load_is_held: bool) -> f64 {
     if indentations == 0.0 {
         return 1.0;
     }
     let indentation = if load_is_held { Indentation::under(indentations.recip()) } else { Indentation::at(indentations.recip()) };
-    Arcs::of(indentation, speed_ratio).mean_friction() * indentations
+    Arcs::new(indentation, speed_ratio).mean_friction() * indentations
 }
 
 /// Solves for the steady state.
 ///
 /// # Errors
-/// If a number is out of its range, or the bodies never touch.
+/// Fails if a value is out of its range, or if the bodies never touch.
 pub fn solve(problem: &CompliantProblem) -> Result<CompliantSolution, SolveError> {
-    let arcs = Unit::of(problem)?;
+    let arcs = Unit::new(problem)?;
     Ok(arcs.map_or_else(|| without_vibration(problem), |unit| unit.solution(problem)))
 }
 
-/// One steady period, both ends, with the moments at which the contact begins to stick, to slip, to touch and to part.
+/// Returns one steady period, both ends included, with the moments at which the contact begins to
+/// stick, to slip, to touch and to part.
 ///
 /// # Errors
 /// The errors of [`solve`].
 pub fn period(problem: &CompliantProblem) -> Result<Vec<CompliantPoint>, SolveError> {
-    let unit = Unit::of(problem)?;
+    let unit = Unit::new(problem)?;
     let solution = unit.as_ref().map_or_else(|| without_vibration(problem), |unit| unit.solution(problem));
     let (kz, mu) = (problem.normal_n_per_m, problem.mu);
     let point = |phase_turns: f64| match &unit {
@@ -161,7 +177,7 @@ pub fn period(problem: &CompliantProblem) -> Result<Vec<CompliantPoint>, SolveEr
             friction_n: solution.friction_n,
         },
     };
-    let mut phases: Vec<f64> = (0..=POINTS).map(|step| f64::from(step) / f64::from(POINTS)).collect();
+    let mut phases: Vec<f64> = (0..=PERIOD_STEPS).map(|step| f64::from(step) / f64::from(PERIOD_STEPS)).collect();
     let events = unit.iter().flat_map(|unit| unit.arcs.events());
     phases.extend(events.map(|phase| (phase / TAU).rem_euclid(1.0)));
     phases.sort_by(f64::total_cmp);
@@ -169,7 +185,7 @@ pub fn period(problem: &CompliantProblem) -> Result<Vec<CompliantPoint>, SolveEr
     Ok(phases.into_iter().map(point).collect())
 }
 
-/// A contact in units of its vibration.
+/// Contact in units of its vibration.
 struct Unit {
     arcs: Arcs,
     /// Unit of the normal force, kz a, N.
@@ -179,8 +195,8 @@ struct Unit {
 }
 
 impl Unit {
-    /// None of a contact without vibration.
-    fn of(problem: &CompliantProblem) -> Result<Option<Self>, SolveError> {
+    /// Computes the arcs of a problem; `None` for a contact without vibration.
+    fn new(problem: &CompliantProblem) -> Result<Option<Self>, SolveError> {
         let unsuited = |reason: String| Err(SolveError::Unsuited { method: METHOD, reason });
         let (held, name) = match problem.press {
             Press::Load(normal_n) => (normal_n / problem.normal_n_per_m, "load"),
@@ -220,7 +236,7 @@ impl Unit {
         let force_n = problem.normal_n_per_m * problem.amplitude_m;
         let speed_m_per_s = problem.mu * force_n * TAU * problem.frequency_hz / problem.tangential_n_per_m;
         let indentation = if name == "load" { Indentation::under(depth) } else { Indentation::at(depth) };
-        Ok(Some(Unit { arcs: Arcs::of(indentation, problem.sliding_m_per_s / speed_m_per_s), force_n, speed_m_per_s }))
+        Ok(Some(Unit { arcs: Arcs::new(indentation, problem.sliding_m_per_s / speed_m_per_s), force_n, speed_m_per_s }))
     }
 
     fn solution(&self, problem: &CompliantProblem) -> CompliantSolution {
@@ -247,7 +263,7 @@ impl Unit {
     }
 }
 
-/// Steady sliding: friction is mu N.
+/// Returns steady sliding, in which friction is mu N.
 fn without_vibration(problem: &CompliantProblem) -> CompliantSolution {
     let (normal_n, place_m) = match problem.press {
         Press::Load(normal_n) => (normal_n, normal_n / problem.normal_n_per_m),

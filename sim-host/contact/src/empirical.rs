@@ -1,43 +1,51 @@
-//! Vibration across a seat belt: an empirical law, fitted to what the thesis says of its second experiment (3.2, 5.1, 5.2).
+//! Empirical law for vibration across a seat belt, fitted to the results of the thesis's second
+//! experiment (3.2, 5.1, 5.2).
 //!
 //! ```text
 //! R = R0 g(v) (W / W0)^-p (a / a0)^(q min(1, (W0 / W)^s)),   g(v) = (1 + v0 / vs) / (1 + v / vs)
 //! ```
 //!
-//! `R` is the part of the friction that goes when the vibration lasts, `W` the load, `v` the speed of the belt, `a` the amplitude as a
-//! part of the welder's full one; `W0` 270 N, `v0` 25 mm/s, `a0` 0.7. How it is reached in time is the rig's affair, not the law's.
+//! `R` is the fraction of the friction that vibration removes in the long run, `W` the load, `v`
+//! the speed of the belt, `a` the amplitude as a fraction of the welder's full amplitude; `W0` is
+//! 270 N, `v0` 25 mm/s, `a0` 0.7. The law does not describe how `R` builds up in time; that is part
+//! of the rig model.
 //!
-//! | constant | value | from |
+//! | constant | value | source |
 //! |---|---|---|
-//! | `R0` | 0.587 | 58 % after 2 s ON (thesis 3.2.3.1), which is 98.8 % of what lasts with a lag of 0.45 s |
+//! | `R0` | 0.587 | 58 % after 2 s ON (thesis 3.2.3.1), which is 98.8 % of the final value at a lag of 0.45 s |
 //! | `p` | 0.0584 | 55 % at 670 N (thesis 5.2): `ln(58 / 55) / ln(670 / 270)` |
-//! | `q`, `s` | 0.078, 4 | chosen: at 270 N more at 70 % than at 50 %, at 450 N no significant difference (thesis 3.2.3.3) |
-//! | `vs` | 38.3 mm/s | not the thesis's: 62 % at 20.3 and 29 % at 87 mm/s in another experiment (Dong and Dapino, JoVE 2015, 52931) |
+//! | `q`, `s` | 0.078, 4 | chosen: at 270 N the effect is larger at 70 % than at 50 %, at 450 N without significant difference (thesis 3.2.3.3) |
+//! | `vs` | 38.3 mm/s | not from the thesis: 62 % at 20.3 and 29 % at 87 mm/s in another experiment (Dong and Dapino, JoVE 2015, 52931) |
 //!
-//! **Valid** at 270, 450 and 670 N, at 50 and 70 % and at 25 mm/s: at 50 % it rises by 0.2 points between 270 and 315 N, for which nothing stands; these points do not determine it (`thesis/experiment_2` has what fits as
-//! well). Below 50 % it is continued by a straight line to zero, because a power law of 0.078 would leave most of the effect to a
-//! vibration of nothing. Hertz's contact ([`hertz`](super::hertz)) gives trends of this kind, and why it is not used stands there, too.
+//! **Valid** at 270, 450 and 670 N, at 50 and 70 % and at 25 mm/s. These points do not determine
+//! the law (`thesis/experiment_2` shows other laws that fit as well): at 50 % it rises by 0.2
+//! points between 270 and 315 N, which no measurement supports.
+//!
+//! Below 50 % the law continues as a straight line to zero, because a power of 0.078 would keep
+//! most of the effect at almost no vibration. Hertz's contact ([`hertz`](super::hertz)) gives
+//! similar trends; its documentation states why it is not used here.
 
 /// Constants of the empirical friction law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmpiricalLaw {
-    /// Part of the friction that goes at the reference load, amplitude and speed, R0.
+    /// Fraction of the friction that is removed at the reference load, amplitude and speed, R0.
     pub reduction: f64,
     /// Reference load W0, N.
     pub load_n: f64,
-    /// Reference amplitude a0, part of the full one.
+    /// Reference amplitude a0, as a fraction of the full amplitude.
     pub amplitude_fraction: f64,
     /// Reference speed v0, m/s.
     pub speed_m_per_s: f64,
-    /// Speed vs at which half of the effect of a belt that creeps is left, m/s.
+    /// Speed vs at which the effect is half of that on a creeping belt, m/s.
     pub speed_scale_m_per_s: f64,
     /// Exponent p of the load.
     pub load_exponent: f64,
     /// Exponent q of the amplitude, at the reference load.
     pub amplitude_exponent: f64,
-    /// How fast that exponent falls with the load, s.
+    /// Exponent s by which q falls with the load.
     pub amplitude_load_exponent: f64,
-    /// Smallest amplitude that was tested; below it the effect falls in proportion.
+    /// Smallest amplitude that was tested, as a fraction of the full amplitude. Below it the effect
+    /// falls in proportion.
     pub lowest_amplitude_fraction: f64,
 }
 
@@ -55,7 +63,8 @@ impl EmpiricalLaw {
         lowest_amplitude_fraction: 0.5,
     };
 
-    /// The part of the friction that goes, 0 to 1, under a load, N, at a speed, m/s, and an amplitude, part of the full one.
+    /// Returns the fraction of the friction that is removed in the long run, 0 to 1, at a load, N,
+    /// a speed, m/s, and an amplitude as a fraction of the full amplitude.
     pub fn lasting(&self, load_n: f64, speed_m_per_s: f64, amplitude_fraction: f64) -> f64 {
         let relative = load_n / self.load_n;
         let creeping = |speed: f64| 1.0 + speed.abs() / self.speed_scale_m_per_s;
@@ -67,7 +76,8 @@ impl EmpiricalLaw {
     }
 }
 
-/// What is reached of a lasting reduction after `on_s` seconds, with a lag of first order, s; from nothing.
+/// Returns the reduction after `on_s` seconds of vibration, from zero towards `lasting`, with a
+/// first-order lag, s.
 pub fn reached(lasting: f64, on_s: f64, lag_s: f64) -> f64 {
     if lag_s == 0.0 { lasting } else { -lasting * (-on_s / lag_s).exp_m1() }
 }
@@ -82,7 +92,8 @@ mod tests {
         100.0 * reached(LAW.lasting(load_n, 0.025, amplitude), on_s, 0.45)
     }
 
-    /// Computed beforehand, by hand: loads and amplitudes at 2 s, and ON times at 270 N and 70 %.
+    /// Expected values computed by hand: loads and amplitudes at 2 s, and ON times at 270 N and 70
+    /// %.
     #[test]
     fn agrees_with_a_separate_computation() {
         for (load, half, more) in [(270.0, 56.5, 58.0), (450.0, 56.1, 56.3), (670.0, 55.0, 55.0)] {
@@ -94,7 +105,7 @@ mod tests {
         }
     }
 
-    /// The other experiment's two speeds (62 and 29 %): 62.7 and 29.3.
+    /// Two speeds of the other experiment (62 and 29 %): the law gives 62.7 and 29.3.
     #[test]
     fn falls_with_speed_as_another_experiment_does() {
         for (speed, stated, residual) in [(0.0203, 62.0, 0.7), (0.087, 29.0, 0.3)] {
@@ -103,9 +114,10 @@ mod tests {
         }
     }
 
-    /// Without vibration nothing goes; the line below the lowest amplitude meets the law at it; nothing exceeds the friction itself.
+    /// Without vibration the reduction is zero; the straight line joins the law at the lowest
+    /// tested amplitude; no reduction exceeds the friction itself.
     #[test]
-    fn beyond_what_was_tested_it_stays_a_part() {
+    fn reduction_stays_between_zero_and_one() {
         assert_eq!(LAW.lasting(270.0, 0.025, 0.0), 0.0);
         let (below, at) = (LAW.lasting(450.0, 0.025, 0.5 - 1e-9), LAW.lasting(450.0, 0.025, 0.5));
         assert!((below - at).abs() < 1e-8 && (LAW.lasting(450.0, 0.025, 0.25) - 0.5 * at).abs() < 1e-12);
@@ -118,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_lag_all_of_it_is_there() {
+    fn without_lag_the_reduction_is_immediate() {
         assert_eq!(reached(0.5, 0.0, 0.0), 0.5);
         assert!((reached(0.5, 0.45, 0.45) - 0.5 * (1.0 - (-1f64).exp())).abs() < 1e-15);
     }

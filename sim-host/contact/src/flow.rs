@@ -1,16 +1,18 @@
 //! Exact flow of a linear system over a fixed step.
 //!
-//! For `x' = A x + B u` with `u` held, `x(t + h) = exp(A h) x + (integral of exp(A s) ds) B u`. Both come from one matrix
-//! exponential of the augmented matrix (Van Loan 1978), here by scaling and squaring of its Taylor series. Nothing is
-//! approximated: a DAC that really holds makes this exact, and the fast pole of the clamped capacitance limits no step.
+//! For `x' = A x + B u` with `u` held, `x(t + h) = exp(A h) x + (integral of exp(A s) ds) B u`.
+//! Both come from one matrix exponential of the augmented matrix (Van Loan 1978), here by scaling
+//! and squaring of its Taylor series. If a DAC holds `u`, this solution is exact, and the fast pole
+//! of the clamped capacitance does not limit the step.
 //!
-//! Of a matrix that is a polynomial in a parameter, the same arithmetic on polynomials (cut off at a degree) gives the
-//! exponential as one: its Taylor coefficients in that parameter, without any difference quotient.
+//! For a matrix that is a polynomial in a parameter, the same arithmetic on truncated polynomials
+//! gives the exponential as a polynomial. Its coefficients are the Taylor coefficients in that
+//! parameter, without difference quotients.
 
-/// A square matrix, row by row.
+/// Square matrix, in row-major order.
 pub type Matrix<const M: usize> = [[f64; M]; M];
 
-/// Matrix exponential `exp(a)`, to round-off.
+/// Computes the matrix exponential `exp(a)`, to round-off.
 pub fn exponential<const M: usize>(a: &Matrix<M>) -> Matrix<M> {
     let halvings = halvings(a);
     let scale = 0.5f64.powi(halvings);
@@ -24,7 +26,8 @@ pub fn exponential<const M: usize>(a: &Matrix<M>) -> Matrix<M> {
     (0..halvings).fold(sum, |squared, _| product(&squared, &squared))
 }
 
-/// `exp(a0 + a1 s + a2 s^2)` as a polynomial in `s`: its first `K` coefficients, to round-off. The first is bit for bit [`exponential`].
+/// Computes the first `K` coefficients of `exp(a0 + a1 s + a2 s^2)` as a polynomial in `s`, to
+/// round-off. The first equals [`exponential`] bit for bit.
 pub fn exponential_series<const M: usize, const K: usize>(a: &[Matrix<M>; 3]) -> [Matrix<M>; K] {
     let halvings = halvings(&a[0]);
     let scale = 0.5f64.powi(halvings);
@@ -42,7 +45,8 @@ pub fn exponential_series<const M: usize, const K: usize>(a: &[Matrix<M>; 3]) ->
     (0..halvings).fold(sum, |squared, _| series_product(&squared, &squared, K))
 }
 
-/// The product of two polynomials, the second of which has `terms` coefficients, cut off.
+/// Multiplies two polynomials, of which the second has `terms` coefficients, and truncates the
+/// product.
 fn series_product<const M: usize, const K: usize>(a: &[Matrix<M>; K], b: &[Matrix<M>; K], terms: usize) -> [Matrix<M>; K] {
     std::array::from_fn(|degree| {
         let first = product(&a[degree], &b[0]);
@@ -53,10 +57,10 @@ fn series_product<const M: usize, const K: usize>(a: &[Matrix<M>; K], b: &[Matri
     })
 }
 
-/// Terms of the Taylor series, for a norm below 1/8: the last is below 1e-23.
+/// Number of terms of the Taylor series for a norm below 1/8; the last term is below 1e-23.
 const TERMS: i32 = 14;
 
-/// How often to halve until the norm is below 1/8.
+/// Returns the number of halvings that bring the norm below 1/8.
 fn halvings<const M: usize>(a: &Matrix<M>) -> i32 {
     let norm = a.iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
     if norm > 0.125 { (norm * 8.0).log2().ceil() as i32 } else { 0 }
@@ -74,7 +78,7 @@ fn identity<const M: usize>() -> Matrix<M> {
 
 fn product<const M: usize>(a: &Matrix<M>, b: &Matrix<M>) -> Matrix<M> {
     let mut product = [[0.0; M]; M];
-    // A row at a time fills vector registers.
+    // Working row by row lets the compiler use vector registers.
     for (row, factors) in product.iter_mut().zip(a) {
         for (factor, other) in factors.iter().zip(b) {
             row.iter_mut().zip(other).for_each(|(x, y)| *x += factor * y);
@@ -94,7 +98,8 @@ mod tests {
         assert!((e[0][0] - angle.cos()).abs() < 1e-12 && (e[1][0] - angle.sin()).abs() < 1e-12, "{e:?}");
     }
 
-    /// A rotation whose angle moves with `s`: the coefficients are the derivatives of a cosine over the factorials.
+    /// Rotation whose angle is linear in `s`: the coefficients are the derivatives of a cosine over
+    /// the factorials.
     #[test]
     fn a_series_has_the_derivatives() {
         let (angle, slope) = (1.3, 0.4);
@@ -110,8 +115,8 @@ mod tests {
     }
 
     #[test]
-    fn stiff_and_slow_parts_stand_together() {
-        // Squaring twelve times carries the round-off of one up to 2^12 times: 9e-13.
+    fn stiff_and_slow_parts_are_accurate_together() {
+        // Twelve squarings multiply a round-off error near one by up to 2^12: 9e-13.
         let e = exponential(&[[-300.0, 0.0], [0.0, -1e-6]]);
         assert!(e[0][0] < 1e-100 && (e[1][1] - (-1e-6f64).exp()).abs() < 1e-12, "{e:?}");
     }

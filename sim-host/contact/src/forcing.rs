@@ -1,34 +1,35 @@
-//! The forcing within a smooth piece: a cosine of linearly changing frequency, or a straight line.
+//! The forcing within a smooth piece: a cosine whose frequency changes linearly, or a straight
+//! line.
 
 use std::f64::consts::TAU;
 
 use super::turn::sine_cosine;
 
-/// The forcing within a piece, as a function of the time since its beginning.
+/// Forcing within a piece, as a function of the time s since the beginning of the piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Forcing {
     /// `size cos(2 pi (turns + hz s + hz_per_s s^2 / 2))`.
     Cosine {
-        /// Peak.
+        /// Peak value.
         size: f64,
         /// Phase at the beginning, turns.
         turns: f64,
         /// Frequency at the beginning, Hz.
         hz: f64,
-        /// Its slope, Hz/s.
+        /// Rate of change of the frequency, Hz/s.
         hz_per_s: f64,
     },
     /// `value + slope s`.
     Line {
-        /// At the beginning.
+        /// Value at the beginning.
         value: f64,
-        /// Per second.
+        /// Change per second.
         slope: f64,
     },
 }
 
 impl Forcing {
-    /// The forcing `s` seconds after the beginning.
+    /// Returns the forcing `s` seconds after the beginning.
     pub fn value(&self, s: f64) -> f64 {
         match *self {
             Forcing::Cosine { size, turns, hz, hz_per_s } => size * (TAU * (turns + s * (hz + 0.5 * hz_per_s * s))).cos(),
@@ -36,7 +37,7 @@ impl Forcing {
         }
     }
 
-    /// The forcing with its time counted from `s` seconds after its beginning.
+    /// Returns the same forcing with its time counted from `s` seconds after the beginning.
     pub fn later(&self, s: f64) -> Forcing {
         match *self {
             Forcing::Cosine { size, turns, hz, hz_per_s } => {
@@ -47,7 +48,8 @@ impl Forcing {
         }
     }
 
-    /// Largest frequency within `length_s` seconds from the beginning, Hz; none of a line.
+    /// Returns the largest frequency within `length_s` seconds from the beginning, Hz; `None` for a
+    /// line.
     pub fn fastest_hz(&self, length_s: f64) -> Option<f64> {
         match *self {
             Forcing::Cosine { hz, hz_per_s, .. } => Some(hz.max(hz + hz_per_s * length_s)),
@@ -55,15 +57,17 @@ impl Forcing {
         }
     }
 
-    /// Taylor coefficients about `s`: the forcing at `s + d` is the sum of `out[k] d^k`.
+    /// Returns the Taylor coefficients about `s`: the forcing at `s + d` is the sum of
+    /// `out[k] d^k`.
     pub fn taylor<const N: usize>(&self, s: f64) -> [f64; N] {
         self.taylor_in(s, 1.0)
     }
 
-    /// Taylor coefficients about `s` in units of `unit` seconds: the forcing at `s + d unit` is the sum of `out[k] d^k`.
+    /// Returns the Taylor coefficients about `s` in units of `unit` seconds: the forcing at
+    /// `s + d unit` is the sum of `out[k] d^k`.
     ///
-    /// Of a cosine with phase p and p' = w + r d: y = cos p, z = sin p, (k+1) y_{k+1} = -(w z_k + r z_{k-1}),
-    /// (k+1) z_{k+1} = w y_k + r y_{k-1}.
+    /// For a cosine with phase p and p' = w + r d: y = cos p, z = sin p, (k+1) y_{k+1} = -(w z_k +
+    /// r z_{k-1}), (k+1) z_{k+1} = w y_k + r y_{k-1}.
     pub fn taylor_in<const N: usize>(&self, s: f64, unit: f64) -> [f64; N] {
         let mut out = [0.0; N];
         match *self {
@@ -72,7 +76,8 @@ impl Forcing {
                 let (sine, cosine) = sine_cosine(turns + s * (hz + 0.5 * hz_per_s * s));
                 let (mut y, mut z) = (size * cosine, size * sine);
                 if rate == 0.0 {
-                    // Without a slope each coefficient is the quarter turn of the one before.
+                    // At constant frequency, each pair of coefficients is the previous one turned
+                    // by 90 degrees and scaled.
                     for (coefficient, over) in out.iter_mut().zip(INVERSE) {
                         *coefficient = y;
                         let by = omega * over;
@@ -100,7 +105,7 @@ impl Forcing {
     }
 }
 
-/// One over the number of the next coefficient.
+/// `1 / (k + 1)` for each coefficient index k of a series.
 pub(crate) const INVERSE: [f64; 64] = {
     let mut inverse = [0.0; 64];
     let mut k = 0;

@@ -1,27 +1,31 @@
-//! Vibration across the contact: how a normal oscillation lowers friction through Hertz's law.
+//! Vibration across the contact: a normal oscillation lowers friction through Hertz's law.
 //!
-//! Quasi-static: the distance d of the bodies follows the vibration, the mean normal force is the load W,
+//! Quasi-static model: the distance d of the bodies follows the vibration, and the mean normal
+//! force is the load W,
 //!
 //! ```text
 //! N = K d^(3/2) for d > 0, else 0        (Hertz 1881)
-//! d = D + a w(t),  mean N = W            D from the load, not given
+//! d = D + a w(t),  mean N = W            D follows from the load
 //! F ~ real area ~ d                      (adhesion theory; Hess and Soom 1991)
 //! r = mean d+ / d0,  d0 = (W / K)^(2/3)
 //! ```
 //!
-//! As d is concave in N, its mean is below d0: friction falls although the mean load does not. For the sine contact is lost from
-//! `a / d0 = (3 pi / (8 sqrt 2))^(2/3) = 0.885` on, where the reduction is 11.5 %.
+//! Since N is convex in d, the mean of d is below d0: friction falls although the mean load does
+//! not change. For the sine, contact is lost above `a / d0 = (3 pi / (8 sqrt 2))^(2/3) = 0.885`, at
+//! a reduction of 11.5 %.
 //!
-//! Everything depends on a / d0 and the shape alone. For the sine the mean force is a complete elliptic integral, with m = 2 a / (D + a):
+//! The solution depends only on a / d0 and the shape. For the sine the mean force is a complete
+//! elliptic integral, with m = 2 a / (D + a):
 //!
 //! ```text
 //! pi mean (D + a cos p)^(3/2) = (2/3) sqrt(D + a) [4 D E(m) - (D - a) K(m)]                       D >= a
 //!                             = 2 (2 a)^(3/2) k^4 integral of cos^4 / sqrt(1 - k^2 sin^2) over 0 to pi/2,  k^2 = (D + a) / (2 a) < 1
 //! ```
 //!
-//! Square, triangle and sawtooth spend their time at two places or evenly, and are elementary. The mass's own motion on the spring of
-//! the contact (Hess and Soom 1991; Grudzinski and Kostek 2005) is in [`vibration`]; this file holds when the contact's resonance
-//! lies far above the drive.
+//! The square is at one of two places, triangle and sawtooth are spread evenly; both are
+//! elementary. [`vibration`] contains the motion of a mass on the spring of the contact (Hess and
+//! Soom 1991; Grudzinski and Kostek 2005). The quasi-static model holds if the resonance of the
+//! contact lies far above the drive.
 
 pub(crate) mod elliptic;
 mod mean;
@@ -33,10 +37,10 @@ use mean::Spread;
 
 const METHOD: &str = "hertz";
 
-/// Points of a period handed out.
-const POINTS: u32 = 256;
+/// Number of steps into which a displayed period is divided.
+const PERIOD_STEPS: u32 = 256;
 
-/// A loaded contact whose bodies vibrate across it.
+/// Loaded contact whose bodies vibrate across it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HertzProblem {
     /// Static load W of the contact, N.
@@ -49,25 +53,25 @@ pub struct HertzProblem {
     pub shape: Shape,
 }
 
-/// What the vibration does.
+/// Effect of the vibration on a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HertzSolution {
     /// Mean friction over friction without vibration.
     pub friction_ratio: f64,
-    /// Part of the period in contact.
+    /// Fraction of the period in contact.
     pub contact_share: f64,
-    /// Mean distance D, m: deflection if positive, a gap on average if negative.
+    /// Mean distance D, m: a deflection if positive, a mean gap if negative.
     pub mean_deflection_m: f64,
     /// Deflection without vibration d0, m.
     pub static_deflection_m: f64,
 }
 
-/// A moment of the period.
+/// Moment of the period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HertzPoint {
     /// Phase of the vibration, turns.
     pub phase_turns: f64,
-    /// Deflection d, m; negative is a gap.
+    /// Deflection d, m; negative for a gap.
     pub deflection_m: f64,
     /// Normal force at that phase, N.
     pub normal_n: f64,
@@ -77,9 +81,9 @@ pub struct HertzPoint {
 pub fn solve(problem: &HertzProblem) -> Result<HertzSolution, SolveError> {
     let HertzProblem { normal_n, stiffness_n_per_m15, amplitude_m, shape } = *problem;
     let unsuited = |reason: &str| Err(SolveError::Unsuited { method: METHOD, reason: reason.to_owned() });
-    let Some(spread) = Spread::of(shape) else { return unsuited("the vibration is not periodic") };
+    let Some(spread) = Spread::from_shape(shape) else { return unsuited("the vibration is not periodic") };
     if !(normal_n > 0.0 && stiffness_n_per_m15 > 0.0 && amplitude_m >= 0.0 && amplitude_m.is_finite()) {
-        return unsuited("load and stiffness must be above zero and the amplitude not below it");
+        return unsuited("load and stiffness must be positive, and the amplitude must not be negative");
     }
     let static_m = (normal_n / stiffness_n_per_m15).powf(2.0 / 3.0);
     let amplitude = amplitude_m / static_m;
@@ -92,20 +96,21 @@ pub fn solve(problem: &HertzProblem) -> Result<HertzSolution, SolveError> {
     })
 }
 
-/// One period, both ends.
+/// Returns one period, both ends included.
 pub fn period(problem: &HertzProblem, solution: &HertzSolution) -> Vec<HertzPoint> {
     let waveform = Waveform::new(problem.shape, problem.amplitude_m, 1.0, 1.0);
     let point = |step: u32| {
-        let phase_turns = f64::from(step) / f64::from(POINTS);
+        let phase_turns = f64::from(step) / f64::from(PERIOD_STEPS);
         let deflection_m = solution.mean_deflection_m + waveform.value(phase_turns);
         HertzPoint { phase_turns, deflection_m, normal_n: problem.stiffness_n_per_m15 * deflection_m.max(0.0).powf(1.5) }
     };
-    (0..=POINTS).map(point).collect()
+    (0..=PERIOD_STEPS).map(point).collect()
 }
 
-/// Largest a / d0 at which contact is never lost; infinite without vibration, none for a shape that is not periodic.
+/// Returns the largest a / d0 at which contact is never lost; infinite without vibration, `None`
+/// for a shape that is not periodic.
 pub fn contact_loss_threshold(shape: Shape) -> Option<f64> {
-    Spread::of(shape).map(Spread::threshold)
+    Spread::from_shape(shape).map(Spread::threshold)
 }
 
 #[cfg(test)]

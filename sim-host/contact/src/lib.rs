@@ -1,4 +1,5 @@
-//! Contact studies: what vibration does to friction, without a controller, converter or stack (thesis chapter 4).
+//! Contact studies: the effect of vibration on friction, without controller, converter or stack
+//! (thesis chapter 4).
 //!
 //! ```text
 //! scene [excitation] --> problem --> timeline (smooth stretches of forcing) --> method --> tally --> ratios
@@ -6,12 +7,14 @@
 //!                                                             closed | frozen | linexp | taylor | rk4 | rk4-events | midpoint
 //! ```
 //!
-//! A [`problem`] is a motion, a friction law and a forcing, in SI units. Every method walks the same [`timeline`] and fills the same
-//! [`tally`]; which one meets a tolerance at the least cost is chosen in [`auto`](mod@auto).
+//! A [`problem`] is a motion, a friction law and a forcing, in SI units. All methods step through
+//! the same [`timeline`] and fill the same [`tally`]. [`auto`](mod@auto) chooses the method that
+//! meets a tolerance at the lowest cost.
 //!
 //! # Example
 //!
-//! How much does a longitudinal vibration lower the friction of the thesis's contact (Table 4.1), at half its vibration velocity?
+//! Friction of the thesis's contact (Table 4.1) under longitudinal vibration, at a sliding speed of
+//! half the vibration velocity:
 //!
 //! ```
 //! use sonoglide_contact::table_4_1::table_4_1;
@@ -20,7 +23,7 @@
 //! let problem = table_4_1(0.5, 200.0); // velocity ratio, periods
 //! let solution = solve(&problem, &Numerics::default(), &mut |_state| ())?;
 //! let (ratio, error) = (solution.ratios.friction, solution.error_estimate.unwrap());
-//! println!("{} of the friction is left, ± {error:.0e}, by {:?}", ratio, solution.method);
+//! println!("friction ratio {} ± {error:.0e}, by {:?}", ratio, solution.method);
 //! assert!((ratio - 0.664_066).abs() < 1e-6 && error < 1e-7);
 //! # Ok::<(), sonoglide_contact::SolveError>(())
 //! ```
@@ -56,31 +59,31 @@ pub use state::State;
 pub use tally::Tally;
 pub use waveform::{Shape, Waveform};
 
-/// Why a method has no answer.
+/// Reason why a method has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SolveError {
-    /// The method is not made for this problem.
+    /// The method does not apply to this problem.
     #[error("{method} cannot do this: {reason}")]
     Unsuited {
-        /// The method.
+        /// Method name.
         method: &'static str,
-        /// What it lacks.
+        /// Reason, for the user.
         reason: String,
     },
-    /// The numbers grew without bound or became no numbers at all.
+    /// A value grew without bound or became NaN.
     #[error("{method} diverged at {time_s:e} s")]
     Diverged {
-        /// The method.
+        /// Method name.
         method: &'static str,
-        /// When, s.
+        /// Time of the divergence, s.
         time_s: f64,
     },
-    /// No method has an answer.
+    /// No method has a solution.
     #[error("no method can do this: {reason}; {advice}")]
     Refused {
-        /// What every method fails at.
+        /// Reason why every method fails.
         reason: String,
-        /// What to change.
+        /// Change that would make the problem solvable.
         advice: String,
     },
 }

@@ -1,4 +1,4 @@
-//! The methods by name: what each is for, what it starts with, and how it is run.
+//! The integration methods by name: purpose, initial settings and dispatch.
 
 pub mod bristle;
 pub mod coulomb;
@@ -34,29 +34,31 @@ use super::tally::{State, Tally};
     serde(rename_all = "kebab-case")
 )]
 pub enum Method {
-    /// The cheapest that meets the tolerance.
+    /// The cheapest method that meets the tolerance.
     #[default]
     Auto,
     /// Steady state in closed form: kinematic, Coulomb or Dahl.
     Closed,
-    /// Friction on the motion that the oscillator has without it.
+    /// Friction computed on the motion that the oscillator has without friction.
     Frozen,
-    /// Exact linear flow, friction exact in slip, coupled at Gauss-Legendre nodes. Of Coulomb friction: exact from reversal to reversal.
+    /// Exact linear flow, friction exact in slip, coupled at Gauss-Legendre nodes. For Coulomb
+    /// friction: exact from reversal to reversal.
     Linexp,
     /// Taylor series of high order with located reversals.
     Taylor,
-    /// The thesis's Runge-Kutta of fixed step.
+    /// The thesis's Runge-Kutta method with a fixed step.
     Rk4,
     /// Runge-Kutta with located reversals.
     Rk4Events,
-    /// Exponential midpoint, friction exact in slip, for stiff LuGre contacts.
+    /// Exponential midpoint rule, friction exact in slip, for stiff LuGre contacts.
     Midpoint,
-    /// Collocation of high order of a vibration at an angle to the sliding (`excitation.angle_deg`): a period is solved once.
+    /// High-order collocation for a vibration at an angle to the sliding (`excitation.angle_deg`):
+    /// one period is solved as a whole.
     Collocation,
 }
 
 impl Method {
-    /// Name of the method in a scene.
+    /// Returns the name of the method in a scene.
     pub fn name(self) -> &'static str {
         match self {
             Method::Auto => "auto",
@@ -71,9 +73,10 @@ impl Method {
         }
     }
 
-    /// Steps a period to begin with; none in closed form. `kappa` is the vibration amplitude in Dahl lengths.
+    /// Returns the initial number of steps per period; `None` for methods without steps. `kappa` is
+    /// the vibration amplitude in Dahl lengths.
     ///
-    /// Friction's exponent over a step is to be below one, so the step follows from kappa.
+    /// The exponent of friction over one step must stay below one, so the step depends on kappa.
     pub fn steps(self, kappa: f64) -> Option<u32> {
         let by_stiffness = |least: u32| match kappa {
             k if k < 1.0 => least,
@@ -84,7 +87,7 @@ impl Method {
         match self {
             Method::Auto | Method::Closed | Method::Collocation => None,
             Method::Frozen | Method::Linexp => Some(by_stiffness(4)),
-            // A step that is too long for the series is several of it.
+            // A step that is too long for the series is split into several.
             Method::Taylor => Some(6),
             Method::Rk4 => Some(1000),
             Method::Rk4Events => Some(by_stiffness(32)),
@@ -92,7 +95,17 @@ impl Method {
         }
     }
 
-    /// Order to begin with, where it can be chosen.
+    /// Returns the method that replaces this one, if it is deprecated: the next version removes it
+    /// from scenes.
+    pub fn replacement(self) -> Option<Method> {
+        match self {
+            Method::Frozen => Some(Method::Linexp),
+            Method::Rk4 => Some(Method::Rk4Events),
+            _ => None,
+        }
+    }
+
+    /// Returns the initial order; `None` if the method has a fixed order.
     pub fn order(self) -> Option<u32> {
         match self {
             Method::Frozen | Method::Linexp => Some(6),
@@ -101,7 +114,7 @@ impl Method {
         }
     }
 
-    /// Runs a problem; with `accounted`, the energies are added up, too.
+    /// Runs a problem. With `accounted`, the energies are added up, too.
     pub fn run(
         self,
         problem: &Problem,
@@ -132,7 +145,7 @@ impl Method {
         }
     }
 
-    /// States that it integrates.
+    /// Returns the number of states that the method integrates.
     pub fn states(self, problem: &Problem) -> usize {
         let motion = match problem.motion {
             Motion::Kinematic => 0,

@@ -1,6 +1,8 @@
-//! Vibration in the plane of the contact, at any angle to the sliding: along it, across it, or between.
+//! Vibration in the plane of the contact, at any angle to the sliding: along it, across it, or
+//! between.
 //!
-//! The sliding is along x, the vibration is given, at an angle a to x, and friction is a vector against the slip:
+//! The sliding is along x, the vibration is given, at an angle a to x, and friction is a vector
+//! opposite to the slip:
 //!
 //! ```text
 //! slip       w = (Vt + u cos a, u sin a)                 u(t) the vibration velocity, of peak Vv
@@ -10,20 +12,25 @@
 //!            G(|w|) = Fc (1 + (Fs/Fc - 1) exp(-(|w| / Vs)^2))
 //! ```
 //!
-//! At a = 0 these are the laws of [`problem`](super::problem). A bristle of a direction of its own for each of two coordinates would have a yield
-//! surface that is a square; a vector against |w| is the isotropic one (Velenis, Tsiotras and Canudas-de-Wit 2005, *Dynamic tyre friction models for
-//! combined longitudinal and lateral vehicle motion*; Dahl's law is theirs without Stribeck effect and damping).
+//! At a = 0 these are the laws of [`problem`](super::problem). Separate bristles for each of the
+//! two coordinates would have a square yield surface. The vector law with |w| is isotropic
+//! (Velenis, Tsiotras and Canudas-de-Wit 2005, *Dynamic tyre friction models for combined
+//! longitudinal and lateral vehicle motion*; Dahl's law is theirs without Stribeck effect and
+//! damping).
 //!
-//! The friction ratio is `mean F_x / Fc`. Vibration across the sliding lowers it, too, but to a part that is proportional to the velocity ratio only up to
-//! a logarithm (Littmann, Storck and Wallaschek 2001, *Sliding friction in the presence of ultrasonic oscillations: superposition of longitudinal
-//! oscillations*, and Storck, Littmann, Wallaschek and Mracek 2002; Kumar and Hutchings 2004).
+//! The friction ratio is `mean F_x / Fc`. Vibration across the sliding lowers it, too; at small
+//! velocity ratios it is proportional to the velocity ratio times a logarithm (Littmann, Storck and
+//! Wallaschek 2001, *Sliding friction in the presence of ultrasonic oscillations: superposition of
+//! longitudinal oscillations*, and Storck, Littmann, Wallaschek and Mracek 2002; Kumar and
+//! Hutchings 2004).
 //!
 //! | law | method | cost |
 //! |---|---|---|
-//! | Coulomb | [`coulomb`]: complete elliptic integrals, or elementary | nothing |
-//! | Dahl, LuGre | `collocation`: a linear equation with known coefficients, whose solution over a stretch is the same function of its start in every period | one period, however many there are |
+//! | Coulomb | [`coulomb`]: complete elliptic integrals, or elementary | negligible |
+//! | Dahl, LuGre | `collocation`: a linear equation with known coefficients, whose solution over a stretch is the same function of its start in every period | one period, independent of their number |
 //!
-//! A mass on a spring (`Motion::Sdof`) would have two more states and is not made: only a given vibration has an angle.
+//! A mass on a spring (`Motion::Sdof`) would need two more states and is not supported: only a
+//! given vibration can be at an angle.
 
 pub mod coulomb;
 mod marks;
@@ -39,8 +46,8 @@ use super::waveform::Shape;
 use super::{Method, SolveError};
 use run::Means;
 
-/// Moments of the last period that are handed out.
-const MOMENTS: u32 = 256;
+/// Number of steps into which the last period is divided for the caller.
+const PERIOD_STEPS: u32 = 256;
 /// Round-off of the closed forms.
 const ROUND_OFF: f64 = 1e-14;
 
@@ -54,7 +61,8 @@ pub struct Direction {
 }
 
 impl Direction {
-    /// The direction at an angle to the sliding, degrees; exact at 0 and 90, and to round-off near them.
+    /// Returns the direction at an angle to the sliding, degrees; exact at 0 and 90, and accurate
+    /// to round-off near them.
     pub fn from_degrees(angle_deg: f64) -> Self {
         let small = |degrees: f64| degrees.to_radians().sin_cos();
         if angle_deg <= 45.0 {
@@ -67,7 +75,7 @@ impl Direction {
     }
 }
 
-/// A moment of a contact whose vibration is at an angle.
+/// Moment of a contact whose vibration is at an angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moment {
     /// Time of the moment, s.
@@ -82,22 +90,24 @@ pub struct Moment {
     pub friction_n: [f64; 2],
 }
 
-/// What vibration at an angle does to friction.
+/// Effect of a vibration at an angle on friction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaneSolution {
-    /// Means along the sliding, and how they were found.
+    /// Means along the sliding, and the method used.
     pub solution: Solution,
     /// Root mean square of the friction across the sliding over the window, N.
     pub transverse_rms_n: f64,
-    /// The last period, both ends; empty if nobody asked for it.
+    /// Moments of the last period, both ends included; empty unless requested.
     pub last_period: Vec<Moment>,
 }
 
-/// Solves a problem of a given vibration in this direction; `pause` is called every now and then. The last period is handed out if `moments`.
+/// Solves a problem with a given vibration in this direction. `pause` is called from time to time.
+/// With `moments`, the last period is returned, too.
 ///
 /// # Errors
-/// Of a mass, whose vibration is not given; of a method that is not made for the law; of Coulomb friction under a waveform that is not periodic, or over a
-/// window that is not whole periods under one load; of a tolerance of the record.
+/// Fails for an oscillator, whose vibration is not given; for a method that does not apply to the
+/// law; for a tolerance of the record. Coulomb friction also requires a periodic waveform, and a
+/// window of whole periods under one load.
 pub fn solve(
     problem: &Problem,
     direction: Direction,
@@ -116,29 +126,30 @@ pub fn solve(
     Ok(solved)
 }
 
-/// What is not made of a vibration at an angle.
+/// Refuses problems that a vibration at an angle does not support.
 fn refuse(problem: &Problem, numerics: &Numerics) -> Result<(), SolveError> {
     let unsuited = |reason: &str| Err(SolveError::Unsuited { method: numerics.method.name(), reason: reason.to_owned() });
     if problem.motion != Motion::Kinematic {
         return unsuited("only a given vibration can be at an angle to the sliding");
     }
     if numerics.tolerance_of == ToleranceOf::Record {
-        return unsuited("vibration at an angle to the sliding has a tolerance of its mean only");
+        return unsuited("the tolerance of a vibration at an angle to the sliding applies to the mean only");
     }
     match (numerics.method, problem.law) {
         (Method::Auto, _) | (Method::Closed, Law::Coulomb) => Ok(()),
         (Method::Collocation, Law::Dahl { .. } | Law::Lugre { .. }) => Ok(()),
-        (_, Law::Coulomb) => unsuited("Coulomb friction of a vibration at an angle has its closed form only"),
-        _ => unsuited("bristles under a vibration at an angle are for collocation"),
+        (_, Law::Coulomb) => unsuited("Coulomb friction under a vibration at an angle has a closed form only"),
+        _ => unsuited("bristles under a vibration at an angle require collocation"),
     }
 }
 
-/// Power that keeps the vibration up: what friction takes beyond the work of the sliding.
+/// Returns the power that sustains the vibration: the dissipation of friction beyond the work of
+/// the sliding.
 fn input(problem: &Problem, power: Option<f64>, friction: f64) -> Option<f64> {
     power.map(|power| problem.sign.factor() * (power - friction))
 }
 
-/// Coulomb friction, which has no memory.
+/// Solves Coulomb friction, which has no memory.
 fn in_closed_form(
     problem: &Problem,
     direction: Direction,
@@ -147,12 +158,12 @@ fn in_closed_form(
 ) -> Result<PlaneSolution, SolveError> {
     let unsuited = |reason: &str| SolveError::Unsuited { method: Method::Closed.name(), reason: reason.to_owned() };
     if !of_whole_periods(problem) {
-        return Err(unsuited("the window is not whole periods under one load"));
+        return Err(unsuited("the window is not a whole number of periods under one load"));
     }
     let peak = if problem.waveform.shape() == Shape::Still { 0.0 } else { problem.waveform.amplitude() };
     let means = coulomb::means(problem.waveform.shape(), problem.sliding_m_per_s / peak, direction)
-        .ok_or_else(|| unsuited("the vibration is not periodic: bristles, [contact.dahl], go through any"))?;
-    // Over Fc Vt, which is negative where the sliding is.
+        .ok_or_else(|| unsuited("the vibration is not periodic; use bristles, [contact.dahl], which accept any waveform"))?;
+    // The ratio over Fc Vt has the sign of the sliding.
     let power = means.power.map(|power| power.copysign(problem.sliding_m_per_s));
     let ratios = Ratios { friction: means.friction, power, input: input(problem, power, means.friction), ..Ratios::default() };
     let solution = Solution {
@@ -169,11 +180,11 @@ fn in_closed_form(
         states: 0,
         ns_per_period: None,
     };
-    let last_period = if moments { coulomb::period(problem, direction, MOMENTS) } else { Vec::new() };
+    let last_period = if moments { coulomb::period(problem, direction, PERIOD_STEPS) } else { Vec::new() };
     Ok(PlaneSolution { solution, transverse_rms_n: means.transverse_square.sqrt() * problem.coulomb_n.abs(), last_period })
 }
 
-/// Bristles.
+/// Solves friction with bristles.
 fn by_collocation(
     problem: &Problem,
     direction: Direction,
@@ -182,9 +193,9 @@ fn by_collocation(
     moments: bool,
 ) -> Result<PlaneSolution, SolveError> {
     let Means { friction, power, transverse_square, error, panels, coulomb_n } = run::means(problem, direction, pause)?;
-    let last_period = if moments { run::last_period(problem, direction, MOMENTS, pause)? } else { Vec::new() };
+    let last_period = if moments { run::last_period(problem, direction, PERIOD_STEPS, pause)? } else { Vec::new() };
     let tolerance_met = error <= numerics.tolerance;
-    let missed = format!("the tolerance of {:e} is not met: the friction ratio is good to {error:.1e}", numerics.tolerance);
+    let missed = format!("the tolerance of {:e} is not met: the error of the friction ratio is {error:.1e}", numerics.tolerance);
     let ratios = Ratios { friction, power, input: input(problem, power, friction), ..Ratios::default() };
     let solution = Solution {
         method: Method::Collocation,

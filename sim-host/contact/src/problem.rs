@@ -1,22 +1,23 @@
-//! What a contact study is about: a motion, a friction law, a forcing; all in SI units.
+//! The problem of a contact study: motion, friction law and forcing, in SI units.
 //!
 //! ```text
 //! kinematic:  x' = Vv w(t)                                        (no system dynamics)
-//! SDOF:       m x'' + c x' + Ks x = F0 w(t) - F                   (thesis 4.14, 4.36; c is ours)
+//! SDOF:       m x'' + c x' + Ks x = F0 w(t) - F                   (thesis 4.14, 4.36; c is our
+//! addition)
 //! slip:       V = Vt + x'   passive (4.2, 4.25, 4.27)
-//!             V = Vt - x'   literal (4.16), with which friction pumps the oscillator
+//!             V = Vt - x'   literal (4.16); here friction feeds energy into the oscillator
 //! ```
 
 use super::state::State;
 use super::waveform::Waveform;
 
-/// Friction of this part of the force holds the mass at times.
-const HOLDS: f64 = 0.1;
+/// Friction over force amplitude above which friction can hold the mass still at times.
+const HOLDING_FORCE_RATIO: f64 = 0.1;
 
 /// Contact problem: motion, friction law, forcing and time span.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
-    /// What moves the contact besides the sliding.
+    /// Motion of the contact in addition to the sliding.
     pub motion: Motion,
     /// Friction law of the contact.
     pub law: Law,
@@ -24,26 +25,26 @@ pub struct Problem {
     pub coulomb_n: f64,
     /// Sliding speed Vt, m/s.
     pub sliding_m_per_s: f64,
-    /// Which way the vibration counts in the slip.
+    /// Sign of the vibration in the slip velocity.
     pub sign: Sign,
-    /// Force on the oscillator, N; or, in a kinematic motion, the vibration velocity itself, m/s.
+    /// Force on the oscillator, N. In a kinematic motion: the vibration velocity, m/s.
     pub waveform: Waveform,
     /// State at the beginning of the run.
     pub start: State,
-    /// New Coulomb forces on the way: time, s, and force, N; in ascending order of time.
+    /// Changes of the Coulomb force: time, s, and new force, N, in ascending order of time.
     pub load_steps: Vec<(f64, f64)>,
-    /// The means are over this window, s.
+    /// Window over which the means are taken: start and end, s.
     pub window_s: (f64, f64),
     /// End of the run, s.
     pub duration_s: f64,
 }
 
-/// What moves the contact besides the sliding.
+/// Motion of the contact in addition to the sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
-    /// The vibration velocity is given: no system dynamics.
+    /// Prescribed vibration velocity, without system dynamics.
     Kinematic,
-    /// One mass on a spring.
+    /// Single mass on a spring.
     Sdof {
         /// Mass m, kg.
         mass_kg: f64,
@@ -54,7 +55,7 @@ pub enum Motion {
     },
 }
 
-/// A friction law between slip and force.
+/// Friction law: relation between slip and force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
     /// `F = Fc sgn V` (4.1).
@@ -81,7 +82,7 @@ pub enum Law {
 }
 
 impl Law {
-    /// Tangential stiffness Kt of the bristles, N/m; none of Coulomb's law.
+    /// Returns the tangential stiffness Kt of the bristles, N/m; `None` for Coulomb's law.
     pub fn stiffness_n_per_m(&self) -> Option<f64> {
         match *self {
             Law::Coulomb => None,
@@ -90,18 +91,19 @@ impl Law {
     }
 }
 
-/// Which way the vibration counts in the slip velocity.
+/// Sign of the vibration in the slip velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sign {
-    /// `V = Vt + x'`: friction takes energy out.
+    /// `V = Vt + x'`: friction dissipates energy.
     #[default]
     Passive,
-    /// `V = Vt - x'` with `- F` on the mass, as 4.14 and 4.16 are printed: friction pumps the oscillator.
+    /// `V = Vt - x'` with `- F` on the mass, as 4.14 and 4.16 are printed: friction feeds energy
+    /// into the oscillator.
     Literal,
 }
 
 impl Sign {
-    /// Factor of x' in the slip velocity.
+    /// Returns the factor of x' in the slip velocity.
     pub fn factor(self) -> f64 {
         match self {
             Sign::Passive => 1.0,
@@ -111,7 +113,7 @@ impl Sign {
 }
 
 impl Motion {
-    /// Undamped natural frequency, Hz; none without dynamics.
+    /// Returns the undamped natural frequency, Hz; `None` without dynamics.
     pub fn natural_hz(&self) -> Option<f64> {
         match *self {
             Motion::Kinematic => None,
@@ -121,7 +123,8 @@ impl Motion {
 }
 
 impl Motion {
-    /// The fastest of the oscillator by itself, Hz: its natural frequency, or the rate c / m of its damper over 2 pi.
+    /// Returns the fastest rate of the oscillator alone, Hz: the larger of its natural frequency
+    /// and the damper's rate c / m over 2 pi.
     pub fn fastest_hz(&self) -> f64 {
         match *self {
             Motion::Kinematic => 0.0,
@@ -133,12 +136,13 @@ impl Motion {
 }
 
 impl Problem {
-    /// The problem up to the end of its window, which is all that the means are of.
-    pub fn of_window(&self) -> Problem {
+    /// Returns the problem cut off at the end of its window, which is all that the means need.
+    pub fn up_to_window(&self) -> Problem {
         Problem { duration_s: self.duration_s.min(self.window_s.1), ..self.clone() }
     }
 
-    /// Steady vibration velocity Vv of the sine of this amplitude and frequency, friction apart, m/s: `w F0 / |Ks - m w^2 + i w c|`.
+    /// Returns the steady vibration velocity Vv of a sine of this amplitude and frequency without
+    /// friction, m/s: `w F0 / |Ks - m w^2 + i w c|`.
     ///
     /// Infinite at an undamped resonance.
     pub fn vibration_m_per_s(&self) -> f64 {
@@ -152,18 +156,22 @@ impl Problem {
         }
     }
 
-    /// Whether friction is no small part of the force, and holds the mass at times: the Coulomb force, or what the damping of the bristles makes of
-    /// the vibration, `sigma1 Vv`. Nothing holds a motion that is given.
+    /// Returns `true` if friction is a large part of the force and so can hold the mass still at
+    /// times.
+    ///
+    /// Friction here is the larger of the Coulomb force and the force of the bristles' damping,
+    /// `sigma1 Vv`. Always `false` for a prescribed motion.
     pub fn holds(&self) -> bool {
         let damping_n_s_per_m = match self.law {
             Law::Lugre { sigma1, .. } => sigma1,
             _ => 0.0,
         };
         let friction_n = self.coulomb_n.max(damping_n_s_per_m * self.vibration_m_per_s());
-        self.motion != Motion::Kinematic && friction_n > HOLDS * self.waveform.amplitude()
+        self.motion != Motion::Kinematic && friction_n > HOLDING_FORCE_RATIO * self.waveform.amplitude()
     }
 
-    /// `kappa = Kt Vv / (w Fc)`: vibration amplitude in Dahl lengths. Infinite for Coulomb friction.
+    /// Returns `kappa = Kt Vv / (w Fc)`: the vibration amplitude in Dahl lengths. Infinite for
+    /// Coulomb friction.
     pub fn kappa(&self) -> f64 {
         let omega = std::f64::consts::TAU * self.waveform.frequency_hz();
         let by = |stiffness_n_per_m: f64| stiffness_n_per_m * self.vibration_m_per_s() / (omega * self.coulomb_n);

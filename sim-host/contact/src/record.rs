@@ -1,6 +1,7 @@
-//! The record of a run: the states that a trace and the figures show, and how far two runs of a problem are apart in it.
+//! The record of a run: the states that traces and figures show, and the distance between two such
+//! records.
 //!
-//! The **distance** of two records is the largest, over the moments that both have, of
+//! The **distance** of two records is the maximum, over the moments common to both, of
 //!
 //! ```text
 //! |F - F'| / Fc        Fc of the moment
@@ -8,52 +9,54 @@
 //! |v - v'| / max |v|
 //! ```
 //!
-//! Of a run with more moments than there are places for every fifth is stored, or every 25th and so on: five has no factor in common with the
-//! usual numbers of steps a period, so all phases of a period are among them.
+//! If a run has more moments than the record can hold, every fifth is stored, or every 25th and so
+//! on. Five has no factor in common with the usual numbers of steps per period, so all phases of a
+//! period are covered.
 
 use super::problem::Problem;
 use super::state::State;
 
-/// Places for moments: 8 MB.
-const PLACES: usize = 1 << 18;
-/// When all are taken, every such one stays.
-const THINNED: u64 = 5;
-/// Moments closer than this part of a period of the excitation are one.
-const SAME: f64 = 1e-9;
+/// Largest number of stored moments: 8 MB.
+const CAPACITY: usize = 1 << 18;
+/// Factor by which a full record is thinned.
+const THINNING_FACTOR: u64 = 5;
+/// Time difference below which two moments count as the same, as a fraction of the excitation
+/// period.
+const SAME_MOMENT_PERIODS: f64 = 1e-9;
 
 /// States of a run in order of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     moments: Vec<State>,
-    /// One of so many moments is stored.
+    /// Number of moments per stored moment.
     spacing: u64,
     seen: u64,
-    places: usize,
+    capacity: usize,
 }
 
 impl Default for Record {
     fn default() -> Self {
-        Record::of_places(PLACES)
+        Record::with_capacity(CAPACITY)
     }
 }
 
 impl Record {
-    fn of_places(places: usize) -> Self {
-        Record { moments: Vec::new(), spacing: 1, seen: 0, places }
+    fn with_capacity(capacity: usize) -> Self {
+        Record { moments: Vec::new(), spacing: 1, seen: 0, capacity }
     }
 
-    /// A step has ended in this state.
+    /// Adds the state at the end of a step.
     pub fn add(&mut self, state: &State) {
         self.seen += 1;
         if !self.seen.is_multiple_of(self.spacing) {
             return;
         }
-        if self.moments.len() == self.places {
-            self.spacing *= THINNED;
+        if self.moments.len() == self.capacity {
+            self.spacing *= THINNING_FACTOR;
             let mut number = 0;
             self.moments.retain(|_| {
                 number += 1;
-                number % THINNED == 0
+                number % THINNING_FACTOR == 0
             });
             if !self.seen.is_multiple_of(self.spacing) {
                 return;
@@ -62,16 +65,17 @@ impl Record {
         self.moments.push(*state);
     }
 
-    /// The states that are stored.
+    /// Returns the stored states.
     pub fn moments(&self) -> &[State] {
         &self.moments
     }
 
-    /// The distance of two records of a problem; infinite where they have no moment in common, or where one of them is no number.
+    /// Returns the distance of two records of a problem. Infinite if they have no moment in common,
+    /// or if one contains a NaN.
     pub fn distance(&self, other: &Record, problem: &Problem) -> f64 {
         let largest = |of: &dyn Fn(&State) -> f64| self.moments.iter().map(|state| of(state).abs()).fold(0.0, f64::max);
         let (largest_x_m, largest_v_m_per_s) = (largest(&|state| state.x_m), largest(&|state| state.v_m_per_s));
-        let same_s = SAME / problem.waveform.frequency_hz();
+        let same_s = SAME_MOMENT_PERIODS / problem.waveform.frequency_hz();
         let mut loads = problem.load_steps.iter().peekable();
         let mut coulomb_n = problem.coulomb_n;
         let mut others = other.moments.iter().peekable();
@@ -79,7 +83,7 @@ impl Record {
         for state in &self.moments {
             while others.next_if(|other| other.time_s < state.time_s - same_s).is_some() {}
             let Some(other) = others.next_if(|other| other.time_s <= state.time_s + same_s) else { continue };
-            // At the very moment of a new load friction is still that of the load before.
+            // At the moment of a load step itself, friction still belongs to the load before.
             while let Some(&(_, force_n)) = loads.next_if(|(at_s, _)| *at_s < state.time_s - same_s) {
                 coulomb_n = force_n;
             }
@@ -92,7 +96,7 @@ impl Record {
     }
 }
 
-/// A difference over a size; no number is as far as can be.
+/// Returns a difference as a fraction of a reference; infinite for NaN.
 fn part(difference: f64, size: f64) -> f64 {
     match difference.abs() {
         0.0 => 0.0,
@@ -118,11 +122,11 @@ mod tests {
     }
 
     #[test]
-    fn the_distance_is_of_the_moments_that_both_have() {
+    fn distance_uses_common_moments_only() {
         let problem = table_4_1(0.5, 10.0);
         let one = record(120, state);
         assert_eq!(one.distance(&one, &problem), 0.0);
-        // Off only at the odd moments, which the coarse record has not.
+        // Differs only at the odd moments, which the coarse record does not contain.
         let odd = |time_s: f64| (12.0 * 60e3 * time_s).round() as u64 % 2 == 1;
         let off = record(120, |time_s| {
             let state = state(time_s);
@@ -150,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_counts_by_the_load_of_its_moment() {
+    fn friction_is_relative_to_the_load_of_its_moment() {
         let mut problem = table_4_1(0.5, 10.0);
         problem.load_steps = vec![(5.0 / 60e3, 0.1 * problem.coulomb_n)];
         let off = 1e-3 * problem.coulomb_n;
@@ -169,7 +173,7 @@ mod tests {
 
     #[test]
     fn a_long_record_has_every_phase_of_a_period() {
-        let mut record = Record::of_places(100);
+        let mut record = Record::with_capacity(100);
         (1..=12_000u32).for_each(|step| record.add(&state(f64::from(step) / (12.0 * 60e3))));
         let steps: Vec<u64> = record.moments().iter().map(|state| (12.0 * 60e3 * state.time_s).round() as u64).collect();
         assert!(steps.len() > 15 && steps.len() <= 100, "{}", steps.len());

@@ -1,6 +1,6 @@
-//! What a study sees of a run at one moment.
+//! The state of a run at one moment, as an observer receives it.
 
-/// A moment of a run.
+/// State of a run at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// Time of the state, s.
@@ -9,6 +9,6 @@ pub struct State {
     pub x_m: f64,
     /// Velocity x' of the oscillator, m/s.
     pub v_m_per_s: f64,
-    /// Friction F, N. At the beginning of a LuGre run: the force in the bristles.
+    /// Friction F, N. At the start of a LuGre run: the force in the bristles.
     pub force_n: f64,
 }

@@ -1,19 +1,21 @@
-//! What is added up over the window, and the ratios that come of it.
+//! The sums that a method collects over the window, and the ratios computed from them.
 //!
-//! | ratio | is | thesis |
+//! | ratio | definition | thesis |
 //! |---|---|---|
 //! | friction ratio r | mean F / Fc | 4.17 |
 //! | power ratio phi | mean F V / (Fc Vt) | 4.18, 4.27 |
 //! | input ratio phi_iu | mean Fe x' / (Fc Vt) | 4.31 |
-//! | printed power ratio | `1 + phi_iu - phi_su`, phi_su of the mean stored energy | 4.35: wrong, given for comparison |
+//! | printed power ratio | `1 + phi_iu - phi_su`, phi_su from the mean stored energy | 4.35, which is wrong; given for comparison |
 //!
-//! From `m x'' + c x' + Ks x = Fe - F` and `V = Vt + s x'` (s = 1 passive, -1 literal) follows, without approximation,
+//! From `m x'' + c x' + Ks x = Fe - F` and `V = Vt + s x'` (s = 1 passive, -1 literal), the energy
+//! identity follows without approximation:
 //!
 //! ```text
 //! phi = r + s (phi_iu - phi_c - dE / (Fc Vt T))
 //! ```
 //!
-//! with the loss in the damper phi_c and the energy gained by mass and spring dE. What is missing on one side is the **residual**.
+//! Here phi_c is the loss in the damper, and dE the energy gained by mass and spring. The
+//! difference between both sides is the **residual**.
 
 use super::problem::{Motion, Problem};
 pub use super::state::State;
@@ -29,14 +31,15 @@ pub struct Totals {
     pub friction_n_s: f64,
     /// Integral of friction times slip velocity, J.
     pub friction_work_j: f64,
-    /// Integral of the friction that acts on the oscillator, N s. A method that applies friction at chosen moments does not apply
-    /// exactly the integral above.
+    /// Integral of the friction that acts on the oscillator, N s. A method that applies friction
+    /// only at chosen moments does not apply exactly `friction_n_s`.
     pub felt_n_s: f64,
     /// Integral of slip velocity times the friction that acts on the oscillator, J.
     pub felt_work_j: f64,
-    /// Integral of forcing times x', J; in a kinematic motion of friction times x', which is the work that moves it.
+    /// Integral of forcing times x', J. In a kinematic motion: of friction times x', which is the
+    /// work that drives the motion.
     pub input_j: f64,
-    /// Lost in the damper, J.
+    /// Energy lost in the damper, J.
     pub damping_j: f64,
     /// Integral of the kinetic energy m x'^2 / 2, J s.
     pub kinetic_j_s: f64,
@@ -44,36 +47,36 @@ pub struct Totals {
     pub potential_j_s: f64,
 }
 
-/// The sums of a window.
+/// Sums over the window, and peaks over the whole run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Length of the window, s.
     pub time_s: f64,
     /// Integrals over the window.
     pub totals: Totals,
-    /// State at the window's beginning.
+    /// State at the beginning of the window.
     pub first: State,
-    /// State at its end.
+    /// State at the end of the window.
     pub last: State,
-    /// Coulomb force at its end, N: what friction is compared with.
+    /// Coulomb force at the end of the window, N; the reference for the friction ratio.
     pub coulomb_n: f64,
-    /// Largest |x'| at a step's end within the whole run, m/s.
+    /// Largest |x'| at the end of a step in the whole run, m/s.
     pub peak_velocity_m_per_s: f64,
-    /// Largest |x| at a step's end within the whole run, m.
+    /// Largest |x| at the end of a step in the whole run, m.
     pub peak_displacement_m: f64,
-    /// Largest |F| / Fc at a step's end within the whole run, Fc being that of the moment.
+    /// Largest |F| / Fc at the end of a step in the whole run, with the Fc of that moment.
     pub peak_force_ratio: f64,
-    /// Steps of the whole run.
+    /// Number of steps in the whole run.
     pub steps: u64,
-    /// Reversals of the slip that were located, in the whole run.
+    /// Number of located slip reversals in the whole run.
     pub reversals: u64,
-    /// Whether the energies were added up, too; otherwise they are zero.
+    /// `true` if the energies were added up, too; otherwise they are zero.
     pub accounted: bool,
-    /// The friction's integral at some moments of the window, by which two runs are compared.
+    /// Integral of the friction at some moments of the window, for comparing two runs.
     pub marks: Marks,
 }
 
-/// Adds up while a method runs.
+/// Accumulator of the sums while a method runs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Meter {
     /// Integrals since the beginning of the run.
@@ -82,17 +85,18 @@ pub struct Meter {
     pub tally: Tally,
     opened: Option<(Totals, State)>,
     closed: bool,
-    /// Coulomb force of the stretch that is under way, N.
+    /// Coulomb force of the current stretch, N.
     coulomb_n: f64,
 }
 
 impl Meter {
-    /// A meter at zero; whether the method adds up the energies, too.
+    /// Creates a meter at zero. With `accounted`, the method adds up the energies, too.
     pub fn new(accounted: bool) -> Self {
         Meter { tally: Tally { accounted, ..Tally::default() }, ..Meter::default() }
     }
 
-    /// A stretch begins in this state. A force that is new from here on is none of the window that ends here.
+    /// Starts a stretch in this state. If the window ends here, the new Coulomb force does not
+    /// belong to it.
     pub fn at(&mut self, stretch: &Stretch, state: &State, coulomb_n: f64) {
         if stretch.opens {
             self.opened = Some((self.totals, *state));
@@ -106,12 +110,12 @@ impl Meter {
         }
     }
 
-    /// Whether this is within the window.
+    /// Returns `true` within the window.
     pub fn is_open(&self) -> bool {
         self.opened.is_some() && !self.closed
     }
 
-    /// A step has ended in this state, with friction so large a part of the Coulomb force.
+    /// Records the end of a step, with the friction as a fraction of the Coulomb force.
     #[inline]
     pub fn step(&mut self, state: &State, force_ratio: f64) {
         let tally = &mut self.tally;
@@ -121,7 +125,7 @@ impl Meter {
         tally.steps += 1;
     }
 
-    /// The run is over.
+    /// Ends the run and returns its sums.
     pub fn finish(mut self, state: &State, coulomb_n: f64) -> Tally {
         self.close(state, coulomb_n);
         self.tally
@@ -151,27 +155,28 @@ impl Totals {
     }
 }
 
-/// The ratios of a window.
+/// Ratios of a window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ratios {
     /// Mean friction over Coulomb force.
     pub friction: f64,
-    /// Power dissipated over what Coulomb friction dissipates without vibration. None without sliding.
+    /// Dissipated power over the power that Coulomb friction dissipates without vibration. `None`
+    /// without sliding.
     pub power: Option<f64>,
-    /// Power that the forcing brings in, over the same.
+    /// Power delivered by the forcing, over the same reference.
     pub input: Option<f64>,
-    /// Energy that mass and spring have gained, over the same energy.
+    /// Energy gained by mass and spring, over the energy of that reference.
     pub stored: Option<f64>,
-    /// What the damper takes, over the same.
+    /// Energy lost in the damper, over the same reference.
     pub damping: Option<f64>,
     /// The thesis's `1 + phi_iu - phi_su` (4.35).
     pub power_as_printed: Option<f64>,
-    /// What the energy identity misses, over the energy of Coulomb friction without vibration.
+    /// Residual of the energy identity, over the same reference.
     pub energy_residual: Option<f64>,
 }
 
 impl Ratios {
-    /// The ratios of a tally.
+    /// Computes the ratios from a tally.
     pub fn of(problem: &Problem, tally: &Tally) -> Self {
         let totals = &tally.totals;
         let friction = totals.friction_n_s / (tally.coulomb_n * tally.time_s);
@@ -188,7 +193,8 @@ impl Ratios {
             }
         };
         let over = |joule: f64| Some(joule / sliding_j);
-        // A lean run does not add up the work, which is never zero where there is friction and sliding.
+        // A run without energies may not add up the friction work, either. With friction and
+        // sliding, real work is never zero.
         let power = over(totals.friction_work_j).filter(|power| *power != 0.0);
         if !tally.accounted {
             return Ratios { friction, power, ..Ratios::default() };

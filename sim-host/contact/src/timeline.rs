@@ -1,38 +1,42 @@
-//! A problem's time as stretches: each has one smooth forcing, one Coulomb force, and lies inside or outside the window.
+//! Division of a problem's time into stretches: each has one smooth forcing and one Coulomb force,
+//! and lies inside or outside the window.
 
 use super::forcing::Forcing;
 use super::problem::Problem;
 
-/// A smooth stretch of time.
+/// Smooth stretch of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// Beginning of the piece, s.
+    /// Beginning of the stretch, s.
     pub start_s: f64,
     /// Length, s. Whole pieces of a periodic waveform have bit-equal lengths.
     pub length_s: f64,
-    /// Which piece of the period this is, if it is a whole one; none if no other stretch is like it.
+    /// Index of the piece within the period, if the stretch is a whole piece; `None` if no other
+    /// stretch is equal to it.
     pub template: Option<usize>,
-    /// The forcing, from the stretch's beginning on.
+    /// Forcing since the beginning of the stretch.
     pub forcing: Forcing,
-    /// The fastest frequency in it, Hz: of the oscillator or its damper, of a cosine, or of the waveform which a line is a piece of.
+    /// Highest frequency in the stretch, Hz: of the oscillator or its damper, of a cosine, or of
+    /// the waveform to which a line belongs.
     pub fastest_hz: f64,
-    /// The Coulomb force that takes over at its beginning, N.
+    /// New Coulomb force from the beginning of the stretch, N; `None` if it does not change.
     pub load: Option<f64>,
-    /// Whether the window of the means begins here.
+    /// `true` if the window of the means begins here.
     pub opens: bool,
-    /// Whether it ends here.
+    /// `true` if the window of the means ends here.
     pub closes: bool,
 }
 
 impl Stretch {
-    /// Steps in this stretch at so many a period of the fastest.
+    /// Returns the number of steps in this stretch, for `per_period` steps per period of the
+    /// highest frequency.
     pub fn steps(&self, per_period: u32) -> u32 {
-        // A stretch of exactly a period, within round-off, has exactly as many.
+        // A stretch of exactly one period, within round-off, has exactly `per_period` steps.
         ((f64::from(per_period) * self.fastest_hz * self.length_s - 1e-6).ceil() as u32).max(1)
     }
 }
 
-/// What happens at a moment that is no piece's boundary.
+/// Event at a moment that is not the boundary of a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stop {
     Open,
@@ -42,26 +46,27 @@ enum Stop {
     End,
 }
 
-/// The stretches of a problem, in order.
+/// Stretches of a problem, in order of time.
 pub struct Timeline<'a> {
     problem: &'a Problem,
     stops: Vec<(f64, Stop)>,
-    /// Stops that are behind.
+    /// Number of stops already passed.
     passed: usize,
     now_s: f64,
     index: u64,
-    /// Moments closer than this are one.
+    /// Time difference below which two moments count as the same, s.
     same_s: f64,
 }
 
 impl<'a> Timeline<'a> {
-    /// The timeline of a problem, from zero.
+    /// Creates the timeline of a problem, from time zero.
     pub fn new(problem: &'a Problem) -> Self {
         let (from_s, to_s) = problem.window_s;
         let mut stops = vec![(from_s, Stop::Open), (to_s, Stop::Close), (problem.duration_s, Stop::End)];
         stops.extend(problem.load_steps.iter().map(|&(at_s, force)| (at_s, Stop::Load(force))));
         stops.extend(problem.waveform.breaks().into_iter().map(|at_s| (at_s, Stop::Break)));
-        // Of two at one moment, the later in this list counts later; the end is last.
+        // The sort is stable: events at the same moment keep the order of this list, and the end
+        // comes last.
         stops.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1 == Stop::End).cmp(&(b.1 == Stop::End))));
         let same_s = 1e-9 / problem.waveform.frequency_hz();
         Timeline { problem, stops, passed: 0, now_s: 0.0, index: 0, same_s }
@@ -147,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_pieces_are_all_alike() {
+    fn whole_pieces_are_equal() {
         let all = stretches(Shape::Square, |problem| problem.window_s = (1.0 / 60e3, 2.0 / 60e3));
         assert_eq!(all.len(), 40);
         for (index, stretch) in all.iter().enumerate() {
@@ -156,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_follow_the_fastest() {
+    fn steps_follow_the_highest_frequency() {
         for (shape, natural, steps) in [(Shape::Sine, 12e3, 16), (Shape::Sine, 90e3, 24), (Shape::Square, 12e3, 8)] {
             let set = |problem: &mut Problem| {
                 let stiffness_n_per_m = 0.02 * (std::f64::consts::TAU * natural).powi(2);

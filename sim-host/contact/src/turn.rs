@@ -1,15 +1,16 @@
-//! Sine and cosine of an angle in turns: one implementation for a number alone and for numbers side by side, which are to have the same bits.
+//! Sine and cosine of an angle in turns. Scalar and vector code share this implementation, so that
+//! both give the same bits.
 //!
-//! An angle in turns is reduced to an eighth of a turn without any error, so the result is as precise as the polynomials: the series of both, up to
-//! where what they leave out is below a quarter of the last place.
+//! The reduction of the angle to an eighth of a turn is exact, so the accuracy is that of the
+//! polynomials. They are power series whose truncation error is below a quarter of the last place.
 
 use std::f64::consts::TAU;
 
-/// 1.5 2^52: added, it leaves the nearest whole number in the lowest bits.
-pub(crate) const WHOLE: f64 = 6_755_399_441_055_744.0;
-/// Terms of the series behind the first.
+/// 1.5 2^52: adding it to a value puts the nearest integer into the lowest bits.
+pub(crate) const ROUNDING_OFFSET: f64 = 6_755_399_441_055_744.0;
+/// Number of series terms after the leading ones.
 const TERMS: usize = 7;
-/// `(sin a - a) / a^3` in powers of the square.
+/// Coefficients of `(sin a - a) / a^3` in powers of a^2.
 pub(crate) const SINE: [f64; TERMS] = {
     let (mut terms, mut term, mut k) = ([0.0; TERMS], 1.0, 0);
     while k < TERMS {
@@ -19,7 +20,7 @@ pub(crate) const SINE: [f64; TERMS] = {
     }
     terms
 };
-/// `(cos a - 1 + a^2 / 2) / a^4` in powers of the square.
+/// Coefficients of `(cos a - 1 + a^2 / 2) / a^4` in powers of a^2.
 pub(crate) const COSINE: [f64; TERMS] = {
     let (mut terms, mut term, mut k) = ([0.0; TERMS], -0.5, 0);
     while k < TERMS {
@@ -30,11 +31,11 @@ pub(crate) const COSINE: [f64; TERMS] = {
     terms
 };
 
-/// Sine and cosine.
+/// Returns sine and cosine of an angle in turns.
 #[inline]
 pub(crate) fn sine_cosine(turns: f64) -> (f64, f64) {
-    let quarters = turns * 4.0 + WHOLE;
-    let angle = (turns - (quarters - WHOLE) * 0.25) * TAU;
+    let quarters = turns * 4.0 + ROUNDING_OFFSET;
+    let angle = (turns - (quarters - ROUNDING_OFFSET) * 0.25) * TAU;
     let square = angle * angle;
     let sine = angle + angle * square * series(&SINE, square);
     let cosine = (1.0 - 0.5 * square) + square * square * series(&COSINE, square);
@@ -44,7 +45,7 @@ pub(crate) fn sine_cosine(turns: f64) -> (f64, f64) {
     (flip(sine, quarter), flip(cosine, quarter.wrapping_add(1)))
 }
 
-/// By even and odd powers.
+/// Evaluates the series with even and odd powers separated.
 #[inline]
 fn series(c: &[f64; TERMS], x: f64) -> f64 {
     let square = x * x;
@@ -57,9 +58,10 @@ fn series(c: &[f64; TERMS], x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Against the standard library, whose argument is rounded: at angles where that is no more than round-off.
+    /// Compared with the standard library, at angles where the rounding of its argument is at most
+    /// round-off.
     #[test]
-    fn it_is_sine_and_cosine_to_the_last_place() {
+    fn sine_and_cosine_are_exact_to_the_last_place() {
         let mut worst = 0.0f64;
         for n in -300_000..=300_000 {
             let turns = f64::from(n) * 1e-5;
@@ -68,9 +70,9 @@ mod tests {
             worst = worst.max((sine - exact.0).abs()).max((cosine - exact.1).abs());
             assert!((sine * sine + cosine * cosine - 1.0).abs() < 5e-16, "{turns}");
         }
-        // Half of it is the rounding of the standard library's argument.
+        // Half of this error comes from the rounding of the standard library's argument.
         assert!(worst < 4.5e-16, "{worst:e}");
-        // Whole quarters are exact, and a small angle has its relative precision.
+        // Whole quarters are exact; small angles keep their relative precision.
         assert_eq!([0.25, 0.5, 0.75, 7.0, -0.25].map(|turns| sine_cosine(turns).0), [1.0, 0.0, -1.0, 0.0, -1.0]);
         for turns in [1e-3, 1e-9, -1e-20] {
             assert!((sine_cosine(turns).0 / (TAU * turns).sin() - 1.0).abs() < 3e-16);

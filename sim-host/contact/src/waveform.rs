@@ -1,18 +1,19 @@
-//! Forcing over time, in smooth pieces.
+//! Forcing as a function of time, in smooth pieces.
 //!
-//! Every waveform is, piece by piece, a cosine of linearly changing frequency or a straight line; jumps and corners are where pieces
-//! meet. A method that steps from piece to piece therefore never integrates across a jump.
+//! Every waveform consists of pieces: cosines of linearly changing frequency, or straight lines.
+//! Jumps and corners lie only where pieces meet, so a method that steps from piece to piece never
+//! integrates across a jump.
 //!
 //! | shape | pieces | w(t) |
 //! |---|---|---|
-//! | sine | one a period | `cos(w t)` |
-//! | square | two a period | `+1`, then `-1` |
-//! | sawtooth | one a period | rises from `-1` to `+1`, then falls at once |
-//! | triangle | two a period | rises from `-1` to `+1`, then falls back |
-//! | random | one a hold | uniform in `[-1, 1]`, held |
-//! | chirp | one a cycle | `cos` of a phase whose frequency runs linearly from start to stop over the sweep, and stays |
+//! | sine | one per period | `cos(w t)` |
+//! | square | two per period | `+1`, then `-1` |
+//! | sawtooth | one per period | rises from `-1` to `+1`, then drops at once |
+//! | triangle | two per period | rises from `-1` to `+1`, then falls back |
+//! | random | one per hold time | uniform in `[-1, 1]`, held |
+//! | chirp | one per cycle | `cos` of a phase whose frequency changes linearly from start to stop over the sweep, then stays |
 //! | measured | one between two samples | a straight line from sample to sample |
-//! | still | one a period | `0` |
+//! | still | one per period | `0` |
 
 use std::f64::consts::TAU;
 
@@ -22,40 +23,40 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::forcing::Forcing;
 
-/// Shape of a forcing of peak one.
+/// Shape of a forcing with a peak of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// Cosine of constant amplitude.
     Sine,
-    /// Square of duty one half.
+    /// Square wave with a duty cycle of one half.
     Square,
     /// Rising sawtooth of constant amplitude.
     Sawtooth,
     /// Symmetric triangle of constant amplitude.
     Triangle,
-    /// Uniformly distributed values, each held.
+    /// Uniformly distributed values, each held for a fixed time.
     Random {
         /// Hold time, s.
         hold_s: f64,
         /// Seed of the values.
         seed: u64,
     },
-    /// Linear chirp, which repeats.
+    /// Linear frequency sweep.
     Chirp {
         /// First frequency, Hz.
         start_hz: f64,
         /// Last frequency, Hz.
         stop_hz: f64,
-        /// From the first to the last, s.
+        /// Duration of the sweep, s.
         sweep_s: f64,
     },
-    /// As measured, along straight lines from sample to sample.
+    /// Measured samples, joined by straight lines.
     Measured,
     /// No excitation at all.
     Still,
 }
 
-/// A shape with its size and frequency.
+/// Shape with amplitude and frequency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Waveform {
     shape: Shape,
@@ -67,21 +68,22 @@ pub struct Waveform {
     times_s: Vec<f64>,
 }
 
-/// A piece of a waveform, within which the forcing is smooth.
+/// Piece of a waveform within which the forcing is smooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     /// Beginning of the piece, s.
     pub start_s: f64,
     /// Length of the piece, s.
     pub length_s: f64,
-    /// Which of the pieces of a period this is; none if no other is like it.
+    /// Index of this piece within the period; `None` if no other piece is equal to it.
     pub template: Option<usize>,
-    /// The forcing, from the piece's beginning on.
+    /// Forcing since the beginning of the piece.
     pub forcing: Forcing,
 }
 
 impl Waveform {
-    /// A waveform of a peak (N or m/s) and a frequency, Hz, good for `duration_s` seconds.
+    /// Creates a waveform of a peak (N or m/s) and a frequency, Hz, that covers `duration_s`
+    /// seconds.
     pub fn new(shape: Shape, amplitude: f64, frequency_hz: f64, duration_s: f64) -> Self {
         let held = match shape {
             Shape::Random { hold_s, seed } => {
@@ -96,42 +98,44 @@ impl Waveform {
         Waveform { shape, amplitude, frequency_hz, held, times_s: Vec::new() }
     }
 
-    /// A measured waveform, of samples with time, s, and value, N or m/s, in ascending order and the first at zero. After the last it stays. Periods
-    /// are counted by a frequency, Hz.
+    /// Creates a measured waveform from samples of time, s, and value, N or m/s. Times ascend from
+    /// zero. After the last sample the value stays constant. The frequency, Hz, only serves to
+    /// count periods.
     pub fn measured(samples: impl IntoIterator<Item = (f64, f64)>, frequency_hz: f64) -> Self {
         let (times_s, held): (Vec<f64>, Vec<f64>) = samples.into_iter().unzip();
         let amplitude = held.iter().fold(0.0f64, |most, value| most.max(value.abs()));
         Waveform { shape: Shape::Measured, amplitude, frequency_hz, held, times_s }
     }
 
-    /// Shape of the waveform over time.
+    /// Returns the shape of the waveform.
     pub fn shape(&self) -> Shape {
         self.shape
     }
 
-    /// Peak of the waveform: N on an oscillator, m/s in a kinematic motion.
+    /// Returns the peak of the waveform: N on an oscillator, m/s in a kinematic motion.
     pub fn amplitude(&self) -> f64 {
         self.amplitude
     }
 
-    /// Frequency of the waveform, Hz; of a random or measured waveform or a chirp, the one that periods are counted by.
+    /// Returns the frequency of the waveform, Hz. For a random or measured waveform or a chirp: the
+    /// frequency that serves to count periods.
     pub fn frequency_hz(&self) -> f64 {
         self.frequency_hz
     }
 
-    /// Root mean square of the shape at a peak of one.
+    /// Returns the root mean square of a shape with a peak of one.
     pub fn shape_rms(shape: Shape) -> f64 {
         match shape {
             Shape::Sine | Shape::Chirp { .. } => 0.5f64.sqrt(),
             Shape::Square => 1.0,
             Shape::Sawtooth | Shape::Triangle | Shape::Random { .. } => (1.0f64 / 3.0).sqrt(),
-            // Only its samples say.
+            // Depends on the samples.
             Shape::Measured => f64::NAN,
             Shape::Still => 0.0,
         }
     }
 
-    /// Piece number `index` of the waveform.
+    /// Returns piece number `index` of the waveform.
     pub fn piece(&self, index: u64) -> Piece {
         let (count, period_s) = (index as f64, 1.0 / self.frequency_hz);
         let (a, half_s) = (self.amplitude, 0.5 * period_s);
@@ -156,7 +160,7 @@ impl Waveform {
             }
             Shape::Chirp { start_hz, stop_hz, sweep_s } => {
                 let chirp = Sweep { start_hz, stop_hz, sweep_s };
-                // One part of the sweep ends where its frequency stays: a cycle with the end inside is cut there by the timeline.
+                // The timeline cuts the cycle in which the sweep ends at that moment.
                 let (hz, hz_per_s) = chirp.frequency_at(count);
                 (chirp.at_turns(count), chirp.cycle_s(count), None, Forcing::Cosine { size: a, turns: 0.0, hz, hz_per_s })
             }
@@ -166,7 +170,8 @@ impl Waveform {
         Piece { start_s, length_s, template, forcing }
     }
 
-    /// The straight line from a sample to the next; after the last sample, its value a period long.
+    /// Returns the straight line from one sample to the next; after the last sample, its value for
+    /// one period.
     fn between_samples(&self, index: usize) -> Piece {
         let sample = |index: usize| Some((*self.times_s.get(index)?, *self.held.get(index)?));
         match (sample(index), sample(index + 1)) {
@@ -184,12 +189,13 @@ impl Waveform {
         }
     }
 
-    /// Whether one period is like the other.
+    /// Returns `true` if all periods are equal.
     pub fn is_periodic(&self) -> bool {
         matches!(self.shape, Shape::Sine | Shape::Square | Shape::Sawtooth | Shape::Triangle)
     }
 
-    /// Moments at which the forcing changes its form inside a piece, s: the end of a sweep.
+    /// Returns the moments at which the forcing changes its form inside a piece, s: the end of a
+    /// sweep.
     pub fn breaks(&self) -> Vec<f64> {
         match self.shape {
             Shape::Chirp { sweep_s, .. } => vec![sweep_s],
@@ -197,7 +203,7 @@ impl Waveform {
         }
     }
 
-    /// The forcing of piece `index` with its time counted from a moment within the piece.
+    /// Returns the forcing of piece `index` with its time counted from a moment within the piece.
     pub fn forcing_from(&self, index: u64, time_s: f64) -> Forcing {
         match self.shape {
             Shape::Chirp { start_hz, stop_hz, sweep_s } => Sweep { start_hz, stop_hz, sweep_s }.forcing(self.amplitude, time_s),
@@ -208,7 +214,7 @@ impl Waveform {
         }
     }
 
-    /// The forcing at a moment; at a jump, what comes after it.
+    /// Returns the forcing at a moment; at a jump, the value after it.
     pub fn value(&self, time_s: f64) -> f64 {
         let index = match self.shape {
             Shape::Sine => return self.amplitude * (TAU * (self.frequency_hz * time_s).fract()).cos(),
@@ -235,7 +241,7 @@ impl Waveform {
     }
 }
 
-/// A linear sweep of frequency that stays at its end.
+/// Linear frequency sweep that stays at its last frequency.
 struct Sweep {
     start_hz: f64,
     stop_hz: f64,
@@ -247,23 +253,23 @@ impl Sweep {
         (self.stop_hz - self.start_hz) / self.sweep_s
     }
 
-    /// Phase at a moment, turns.
+    /// Returns the phase at a moment, turns.
     fn turns(&self, time_s: f64) -> f64 {
         let swept = time_s.min(self.sweep_s);
         swept * (self.start_hz + 0.5 * self.slope() * swept) + self.stop_hz * (time_s - swept)
     }
 
-    /// When the phase comes to a number of turns, s.
+    /// Returns the time at which the phase reaches a number of turns, s.
     fn at_turns(&self, turns: f64) -> f64 {
         let whole = self.turns(self.sweep_s);
         if turns >= whole {
             return self.sweep_s + (turns - whole) / self.stop_hz;
         }
-        // start t + slope t^2 / 2 = turns, in the form that does not cancel
+        // start t + slope t^2 / 2 = turns, solved in the form that does not cancel
         2.0 * turns / (self.start_hz + (self.start_hz * self.start_hz + 2.0 * self.slope() * turns).max(0.0).sqrt())
     }
 
-    /// Frequency, Hz, and its slope, Hz/s, after so many turns.
+    /// Returns the frequency, Hz, and its slope, Hz/s, after a number of turns.
     fn frequency_at(&self, turns: f64) -> (f64, f64) {
         if turns >= self.turns(self.sweep_s) {
             return (self.stop_hz, 0.0);
@@ -271,8 +277,10 @@ impl Sweep {
         ((self.start_hz * self.start_hz + 2.0 * self.slope() * turns).max(0.0).sqrt(), self.slope())
     }
 
-    /// Length of the cycle that begins after so many whole turns, s, by its mean frequency: as a difference of two late moments it would be off by the
-    /// round-off of these.
+    /// Returns the length of the cycle that begins after a whole number of turns, s.
+    ///
+    /// It follows from the cycle's mean frequency: the difference of two late moments would carry
+    /// their round-off.
     fn cycle_s(&self, turns: f64) -> f64 {
         let (first, last) = (self.frequency_at(turns).0, self.frequency_at(turns + 1.0).0);
         let whole = self.turns(self.sweep_s);

@@ -1,15 +1,18 @@
-//! Webbing that slides over a ring which vibrates as a whole in one direction: friction along the angle of wrap.
+//! Friction along the angle of wrap for webbing that slides over a ring, while the whole ring
+//! vibrates in one direction.
 //!
 //! ```text
 //!            n    outward normal at the middle of the wrap
 //!            |  / d
-//!   shoulder | /  direction of the vibration: `a` in the plane of the wrap, from n towards the shoulder; `g` out of it, towards the ring's axis
+//!   shoulder | /  direction of the vibration: `a` in the plane of the wrap, from n towards the
+//! shoulder; `g` out of it, towards the ring's axis
 //!         .--+--.
-//!        /   |   \      place p: angle from the middle, -wrap/2 at the retractor, +wrap/2 at the shoulder
+//!        /   |   \      position p: angle from the middle, -wrap/2 at the retractor, +wrap/2 at
+//! the shoulder
 //!       |         |
 //! ```
 //!
-//! At the place p the vibration of peak velocity V has three parts,
+//! At the position p the vibration of peak velocity V has three parts,
 //!
 //! ```text
 //! normal       V cos g cos(p - a)
@@ -17,24 +20,29 @@
 //! transverse   V sin g                  across it, along the ring's axis
 //! ```
 //!
-//! and the tension follows `dT/dp = mu r(p, T, v) T`, the capstan of Euler and Eytelwein with a friction ratio `r` that depends on the place. The in-surface
-//! part of it, `r_s`, is the mean of Coulomb friction of a sine at an angle, in closed form ([`sine_friction`]), at the velocity ratio
-//! `v / (V sqrt(tangential^2 + transverse^2))`. It does not depend on the tension: `T1 / T2 = exp(mu int r_s dp)`. Two limits are exact: without vibration
-//! `exp(mu wrap)`, and along the ring's axis `exp(r mu wrap)` with the transverse law.
+//! and the tension follows `dT/dp = mu r(p, T, v) T`, the capstan equation of Euler and Eytelwein
+//! with a friction ratio `r` that depends on the position. Its in-surface part, `r_s`, is the mean
+//! of Coulomb friction under a sine at an angle, in closed form ([`sine_friction`]), at the
+//! velocity ratio `v / (V sqrt(tangential^2 + transverse^2))`. It does not depend on the tension:
+//! `T1 / T2 = exp(mu int r_s dp)`. Two limits are exact: without vibration `exp(mu wrap)`, and
+//! along the ring's axis `exp(r mu wrap)` with the transverse law.
 //!
-//! The [normal part](normal) multiplies it, `r = r_s r_n`, or is granted nothing. **Both are bounds, not a model of what happens between.** That it changes nothing is
-//! exact for a contact that is stiff along the surface and never lost: the normal force is then `W (1 + A cos wt)`, even in time about the moments at which the
-//! in-surface part of the same vibration turns round, and the slip is the same function of time on both sides of the moment at which it is fastest, where
-//! `cos wt` changes sign: `mean (N f) = W mean f` (test `a_stiff_contact_knows_no_normal_part`). That it multiplies means that both act in full.
+//! The [normal part](normal) either multiplies it, `r = r_s r_n`, or has no effect. **Both are
+//! bounds, not a model of the behaviour in between.** No effect is exact for a contact that is
+//! stiff along the surface and never lost. The normal force is then `W (1 + A cos wt)`, and the
+//! slip is symmetric in time about the moments at which it is fastest, when `cos wt` changes sign:
+//! `mean (N f) = W mean f` (test `a_stiff_contact_knows_no_normal_part`). The product means that
+//! both parts act in full.
 //!
 //! | part of the law | cost | error |
 //! |---|---|---|
-//! | [`exponent`] | quadrature with 16 nodes in panels between the kinks, about 100 laws | estimated, 1e-12 asked |
-//! | [`table`] of it over the velocity ratio, inverted | a polynomial of degree 11 a call; with a normal part, whose law has the speed in it, some of them; made in a millisecond, or in tens where the vibration is barely out of the plane | 1e-10 of the ratio |
-//! | [`ode`], for a normal part that depends on the tension in any way | some hundred laws | estimated |
+//! | [`exponent`] | quadrature with 16 nodes in panels between the kinks, about 100 evaluations of the law | estimated, 1e-12 requested |
+//! | [`table`] of it over the velocity ratio, inverted | a polynomial of degree 11 per call; several with a normal part, whose law depends on the speed; built in a millisecond, or in tens of milliseconds if the vibration is barely out of the plane | 1e-10 of the ratio |
+//! | [`ode`], for a normal part that depends on the tension in any way | several hundred evaluations of the law | estimated |
 //!
-//! **Where it holds.** Webbing without bending stiffness and mass; a ring that is round and rigid and moves as a whole; webbing that does not follow the ring's
-//! motion, neither along nor across; Coulomb friction, dry and isotropic; one sliding speed along the wrap (webbing that does not stretch).
+//! **Validity.** Webbing without bending stiffness, mass or stretch; one sliding speed along the
+//! wrap. A round, rigid ring that moves as a whole. Webbing that does not follow the motion of the
+//! ring, neither along nor across. Coulomb friction, dry and isotropic.
 
 mod chebyshev;
 mod corners;
@@ -54,22 +62,24 @@ use super::SolveError;
 use super::plane::Direction;
 use super::plane::coulomb::sine_friction;
 
-/// A ring with webbing around it, and the direction in which it vibrates.
+/// Ring with webbing around it, and the direction in which it vibrates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ring {
     /// Angle of wrap, rad.
     pub wrap_rad: f64,
     /// Coefficient of friction without vibration.
     pub mu: f64,
-    /// The smallest friction ratio to which the in-surface part brings any place, 0 to 1.
+    /// Smallest friction ratio to which the in-surface part can lower friction at a position, 0 to
+    /// 1.
     pub floor: f64,
-    /// Direction of the vibration in the plane of the wrap, from the outward normal at its middle towards the shoulder, rad.
+    /// Direction of the vibration in the plane of the wrap, from the outward normal at its middle
+    /// towards the shoulder, rad.
     pub angle_rad: f64,
-    /// The part of the vibration in the plane of the wrap, and the part along the ring's axis.
+    /// Components of the vibration in the plane of the wrap and along the ring's axis.
     pub plane: Direction,
 }
 
-/// Parts of the vibration at a place, over its peak velocity; none is negative.
+/// Parts of the vibration at a position, over its peak velocity; none is negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parts {
     /// Part across the surface.
@@ -80,7 +90,7 @@ pub struct Parts {
     pub transverse: f64,
 }
 
-/// Which end of the wrap pulls.
+/// End of the wrap that pulls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pull {
     /// Webbing slides towards the shoulder, where the tension is higher.
@@ -90,10 +100,11 @@ pub enum Pull {
 }
 
 impl Ring {
-    /// A ring; angles in degrees, `axis_deg` from 0 in the plane of the wrap to 90 along the ring's axis.
+    /// Creates a ring; angles in degrees, `axis_deg` from 0 in the plane of the wrap to 90 along
+    /// the ring's axis.
     ///
     /// # Errors
-    /// If an angle or a coefficient is out of its range.
+    /// Fails if an angle or a coefficient is out of its range.
     pub fn new(wrap_deg: f64, mu: f64, floor: f64, (angle_deg, axis_deg): (f64, f64)) -> Result<Self, SolveError> {
         let ranges = [
             ("angle of wrap", wrap_deg, 0.0, 720.0, "degrees"),
@@ -112,19 +123,20 @@ impl Ring {
         Ok(Ring { wrap_rad, mu, floor, angle_rad, plane: Direction::from_degrees(axis_deg) })
     }
 
-    /// Parts of the vibration at a place, rad from the middle of the wrap.
+    /// Returns the parts of the vibration at a position, rad from the middle of the wrap.
     pub fn parts(&self, place_rad: f64) -> Parts {
         let (sine, cosine) = (place_rad - self.angle_rad).sin_cos();
         let Direction { along, across } = self.plane;
         Parts { normal: along * cosine.abs(), tangential: along * sine.abs(), transverse: across }
     }
 
-    /// Friction ratio of the in-surface part at a place, at a sliding speed over the peak velocity of the vibration.
+    /// Returns the friction ratio of the in-surface part at a position, at a sliding speed over the
+    /// peak velocity of the vibration.
     pub fn in_surface(&self, place_rad: f64, velocity_ratio: f64) -> f64 {
         self.of_tangential(self.parts(place_rad).tangential, velocity_ratio)
     }
 
-    /// Friction ratio where the vibration has this part along the sliding.
+    /// Returns the friction ratio for a tangential part of the vibration.
     fn of_tangential(&self, tangential: f64, velocity_ratio: f64) -> f64 {
         let size = tangential.hypot(self.plane.across);
         if size == 0.0 || velocity_ratio == f64::INFINITY {
@@ -134,8 +146,9 @@ impl Ring {
         sine_friction(velocity_ratio / size, direction).clamp(self.floor, 1.0)
     }
 
-    /// Places within the wrap at which the law over the place is not smooth, in order, with both ends of the wrap. `more` are parts of the vibration
-    /// across the surface at which the normal part is not.
+    /// Returns the positions within the wrap at which the law is not smooth, in order, with both
+    /// ends of the wrap. `more` lists the normal parts of the vibration at which the effect of the
+    /// normal part is not smooth.
     fn kinks(&self, velocity_ratio: f64, more: &[f64]) -> Vec<f64> {
         let half = 0.5 * self.wrap_rad;
         let mut from_angle = vec![0.0, 0.5 * PI];
@@ -156,7 +169,8 @@ impl Ring {
         kinks
     }
 
-    /// The part along the sliding at which the in-surface part comes to the floor; none if it does so nowhere, or everywhere.
+    /// Returns the tangential part at which the in-surface ratio reaches the floor; `None` if it
+    /// does so nowhere, or everywhere.
     fn tangential_at_floor(&self, velocity_ratio: f64) -> Option<f64> {
         let bare = Ring { floor: 0.0, ..*self };
         let above = |tangential: f64| bare.of_tangential(tangential, velocity_ratio) - self.floor;

@@ -1,9 +1,9 @@
-//! Why a text is no table of numbers.
+//! Errors in reading a table of numbers.
 
-/// Why a text is no table of numbers.
+/// Reason for which a text is not a table of numbers.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TableError {
-    /// There is no line but comments.
+    /// The text has no lines except comments.
     #[error("it is empty")]
     Empty,
     /// No column has numbers.
@@ -21,7 +21,7 @@ pub enum TableError {
         /// Number of the line, from 1.
         line: usize,
     },
-    /// A line that is no numbers stands among those that are.
+    /// A line without numbers is between lines with numbers.
     #[error("`{begins}` interrupts the table of numbers")]
     Interrupted {
         /// Number of the line, from 1.
@@ -29,22 +29,26 @@ pub enum TableError {
         /// Beginning of the line.
         begins: String,
     },
-    /// The heading has another number of columns than the table.
-    #[error("{numbers} numbers, but the heading names {names} columns{}", if *.decimal_comma { "; a decimal comma cannot be told from a comma between fields: export with semicolons" } else { "" })]
+    /// The heading has a different number of columns from the table.
+    #[error("{numbers} numbers, but the heading names {names} columns{}", if *.decimal_comma {
+        "; a decimal comma cannot be distinguished from a comma between fields: export with semicolons"
+    } else {
+        ""
+    })]
     Width {
         /// Number of the first line of the table, from 1.
         line: usize,
-        /// Numbers in each line.
+        /// Number of numbers in each line.
         numbers: usize,
-        /// Columns that the heading names.
+        /// Number of columns in the heading.
         names: usize,
-        /// Whether a decimal comma between commas explains it.
+        /// `true` if a decimal comma between commas explains it.
         decimal_comma: bool,
     },
 }
 
 impl TableError {
-    /// Number of the line that shows it, from 1.
+    /// Returns the number of the line with the error, from 1.
     pub fn line(&self) -> Option<usize> {
         match self {
             TableError::Empty | TableError::NoNumbers | TableError::NoTable { .. } => None,

@@ -1,27 +1,29 @@
-//! What separates fields, what is a comment, and which line is a heading: the same of tables of numbers and of tables with words.
+//! Delimiters, comments and headings, for tables of numbers and tables with words.
 
-/// What separates fields.
+/// Separator between fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Delimiter {
-    /// A sign.
+    /// A single character.
     Sign(char),
-    /// Blanks, as many as there are.
+    /// Any number of blanks.
     Blank,
 }
 
-/// Delimiters, in the order in which they are preferred.
+/// Delimiters, in the order of preference.
 pub(crate) const DELIMITERS: [Delimiter; 4] =
     [Delimiter::Sign(';'), Delimiter::Sign('\t'), Delimiter::Sign(','), Delimiter::Blank];
-/// Signs with which a comment begins.
-const COMMENT: [&str; 4] = ["#", "!", "%", "//"];
+/// Beginnings of a comment.
+const COMMENT_SIGNS: [&str; 4] = ["#", "!", "%", "//"];
 
 impl Delimiter {
-    /// The fields of a line, without quotes; a delimiter behind the last field ends the line.
+    /// Returns the fields of a line, without quotes; a delimiter after the last field ends the
+    /// line.
     pub(crate) fn split(self, line: &str) -> Vec<&str> {
         self.fields(line, true)
     }
 
-    /// The fields of a line, without quotes. `ends` says whether a delimiter behind the last field ends the line, or an empty field is behind it.
+    /// Returns the fields of a line, without quotes. If `ends`, a delimiter after the last field
+    /// ends the line; otherwise an empty field follows it.
     pub(crate) fn fields(self, line: &str, ends: bool) -> Vec<&str> {
         match self {
             Delimiter::Blank => line.split_whitespace().map(unquoted).collect(),
@@ -33,13 +35,13 @@ impl Delimiter {
         }
     }
 
-    /// Whether a comma can be a decimal sign between such delimiters.
+    /// Returns `true` if a comma can be a decimal sign between such delimiters.
     pub(crate) fn leaves_commas(self) -> bool {
         self != Delimiter::Sign(',')
     }
 
-    /// Name of the delimiter, for a message.
-    pub(crate) fn called(self) -> &'static str {
+    /// Returns the name of the delimiter for a message.
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Delimiter::Sign(';') => "semicolons",
             Delimiter::Sign('\t') => "tabs",
@@ -53,16 +55,16 @@ fn unquoted(field: &str) -> &str {
     field.trim().trim_matches('"').trim()
 }
 
-/// A line without its comment sign, and whether it had one.
-pub(crate) fn bare(line: &str) -> (&str, bool) {
+/// Returns a line without its comment sign, and `true` if it had one.
+pub(crate) fn without_comment(line: &str) -> (&str, bool) {
     let line = line.trim();
-    let comment = COMMENT.iter().find_map(|sign| line.strip_prefix(sign));
+    let comment = COMMENT_SIGNS.iter().find_map(|sign| line.strip_prefix(sign));
     (comment.unwrap_or(line), comment.is_some())
 }
 
-/// The last line of a preamble, if it names something.
+/// Returns the last line of a preamble, if it contains names.
 pub(crate) fn heading(before: &[&str], delimiter: Delimiter) -> Option<Vec<String>> {
-    let line = before.iter().rev().map(|line| bare(line).0).find(|line| !line.trim().is_empty())?;
+    let line = before.iter().rev().map(|line| without_comment(line).0).find(|line| !line.trim().is_empty())?;
     let fields: Vec<String> = delimiter.split(line).into_iter().map(str::to_owned).collect();
     fields.iter().any(|field| field.chars().any(char::is_alphabetic)).then_some(fields)
 }

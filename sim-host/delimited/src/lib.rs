@@ -1,5 +1,6 @@
-//! Tables in delimited text: encoding, delimiter, decimal sign, comments, preamble and heading are found from the text alone. [`read`] takes a table of
-//! numbers and nothing else, and names the line that is none; [`read_mixed`] takes columns of words beside those of numbers.
+//! Tables in delimited text: encoding, delimiter, decimal sign, comments, preamble and heading are
+//! found from the text alone. [`read`] accepts only a table of numbers, and reports the first line
+//! that is not one; [`read_mixed`] also accepts columns of words.
 //!
 //! # Example
 //!

@@ -1,10 +1,12 @@
-//! Delimited text: where the table of numbers is, what separates its fields, what its decimal sign is, and which line is its heading.
+//! Tables of numbers in delimited text, with the delimiter, the decimal sign and the heading found
+//! from the text.
 //!
-//! Nothing of it is asked for: every pair of delimiter and decimal sign is tried, and the one that reads the longest run of lines as numbers, with
-//! the same number of fields, is the file's. What stands before that run is a preamble, whose last line with as many fields is the heading.
+//! Every pair of delimiter and decimal sign is tried. The one that reads the longest run of lines
+//! as numbers, with the same number of fields, is used. The lines before that run are a preamble,
+//! whose last line with the same number of fields is the heading.
 
 use crate::error::TableError;
-use crate::form::{Delimiter, bare, heading};
+use crate::form::{Delimiter, heading, without_comment};
 use crate::text::{beginning, number};
 
 /// A table of numbers.
@@ -16,11 +18,12 @@ pub struct Table {
     pub lines: Vec<usize>,
     /// Columns of the table.
     pub columns: Vec<Vec<f64>>,
-    /// Delimiter and decimal sign that were found, for a reader.
+    /// Description of the delimiter and decimal sign found, for a reader.
     pub found: String,
 }
 
-/// Pairs of delimiter and decimal comma, in the order in which they are preferred where they read as much.
+/// Pairs of delimiter and decimal comma, in the order of preference if they read equally many
+/// lines.
 const FORMS: [(Delimiter, bool); 7] = [
     (Delimiter::Sign(';'), true),
     (Delimiter::Sign(';'), false),
@@ -30,20 +33,21 @@ const FORMS: [(Delimiter, bool); 7] = [
     (Delimiter::Blank, true),
     (Delimiter::Blank, false),
 ];
-/// Most columns of a table.
-const MOST_COLUMNS: usize = 64;
+/// Largest number of columns of a table.
+const MAX_COLUMNS: usize = 64;
 
-/// The numbers of a line, if it has nothing else.
+/// Returns the numbers of a line, if it has nothing else.
 fn numbers(line: &str, (delimiter, comma): (Delimiter, bool)) -> Option<Vec<f64>> {
     let fields = delimiter.split(line);
-    (2..=MOST_COLUMNS).contains(&fields.len()).then(|| fields.iter().map(|field| number(field, comma)).collect())?
+    (2..=MAX_COLUMNS).contains(&fields.len()).then(|| fields.iter().map(|field| number(field, comma)).collect())?
 }
 
-/// The longest run of lines of numbers with the same number of fields: index of its first line, and of the line behind the last.
+/// Returns the longest run of lines of numbers with the same number of fields: index of its first
+/// line, of the line after the last, and the number of lines.
 fn longest(lines: &[&str], form: (Delimiter, bool)) -> (usize, usize, usize) {
     let (mut best, mut start, mut width, mut rows) = ((0, 0, 0), 0, 0, 0);
     for (at, line) in lines.iter().enumerate() {
-        let (text, comment) = bare(line);
+        let (text, comment) = without_comment(line);
         if comment || text.is_empty() {
             continue;
         }
@@ -59,14 +63,15 @@ fn longest(lines: &[&str], form: (Delimiter, bool)) -> (usize, usize, usize) {
     best
 }
 
-/// Finds the table of a text. `columns`, names with commas between, stands in place of a heading where it is given.
+/// Finds the table of a text. `columns`, names separated by commas, replaces the heading if given.
 ///
 /// # Errors
-/// [`TableError`], with the line that shows why.
+/// [`TableError`], with the line that causes it.
 pub fn read(text: &str, columns: Option<&str>) -> Result<Table, TableError> {
     let lines: Vec<&str> = text.lines().collect();
     let runs = FORMS.map(|form| (form, longest(&lines, form)));
-    // The first of those that read as much; a comma that separates two columns is not a decimal sign of one.
+    // The first of the pairs that read equally many lines. A comma that separates two columns is
+    // not a decimal sign.
     let best = runs.iter().rev().max_by_key(|(_, (.., rows))| *rows).copied();
     let Some((form, (start, end, rows))) = best.filter(|(_, (.., rows))| *rows > 0) else {
         let begins = lines.iter().find(|line| !line.trim().is_empty()).map_or("nothing".to_owned(), |line| beginning(line));
@@ -83,10 +88,10 @@ pub fn read(text: &str, columns: Option<&str>) -> Result<Table, TableError> {
         header,
         lines: Vec::with_capacity(rows),
         columns: Vec::new(),
-        found: format!("{} between the fields, decimal {}", form.0.called(), if form.1 { "comma" } else { "point" }),
+        found: format!("{} between the fields, decimal {}", form.0.name(), if form.1 { "comma" } else { "point" }),
     };
     for (at, line) in lines.iter().enumerate().take(end).skip(start) {
-        let (text, comment) = bare(line);
+        let (text, comment) = without_comment(line);
         if comment || text.is_empty() {
             continue;
         }
@@ -107,9 +112,9 @@ pub fn read(text: &str, columns: Option<&str>) -> Result<Table, TableError> {
     Ok(table)
 }
 
-/// The line that interrupts a table.
+/// Returns the error for the line that interrupts a table.
 fn broken(lines: &[&str], from: usize, to: usize) -> TableError {
-    let at = (from..to).find(|&at| !bare(lines[at]).0.is_empty()).unwrap_or(from);
+    let at = (from..to).find(|&at| !without_comment(lines[at]).0.is_empty()).unwrap_or(from);
     TableError::Interrupted { line: at + 1, begins: beginning(lines[at]) }
 }
 

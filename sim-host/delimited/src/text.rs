@@ -1,6 +1,6 @@
-//! Text of a measured file: decoded whatever the instrument has written it in, and its numbers.
+//! Text of a measured file: its decoding, and its numbers.
 
-/// The text of a file in UTF-8, UTF-16 with its mark, or Latin-1.
+/// Decodes a file in UTF-8, UTF-16 with byte order mark, or Latin-1.
 pub fn decode(bytes: &[u8]) -> String {
     let wide = |bytes: &[u8], of: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| of([pair[0], pair[1]])).collect();
@@ -14,7 +14,8 @@ pub fn decode(bytes: &[u8]) -> String {
     }
 }
 
-/// A number with a decimal point, or with a decimal comma where that is asked for. Infinities and NaN are none.
+/// Parses a number with a decimal point, or a decimal comma if `comma`. Infinities and NaN are
+/// rejected.
 pub fn number(field: &str, comma: bool) -> Option<f64> {
     let field = field.trim().trim_matches('"').trim();
     let looks = field.starts_with(|first: char| first.is_ascii_digit() || "+-.,".contains(first));
@@ -29,11 +30,11 @@ pub fn number(field: &str, comma: bool) -> Option<f64> {
     parsed.ok().filter(|value| value.is_finite())
 }
 
-/// The beginning of a text, as a message can show it.
+/// Returns the beginning of a text for a message.
 pub fn beginning(text: &str) -> String {
-    const LONGEST: usize = 48;
-    let clean: String = text.trim().chars().map(|c| if c.is_control() { ' ' } else { c }).take(LONGEST + 1).collect();
-    if clean.chars().count() > LONGEST { clean.chars().take(LONGEST).collect::<String>() + " …" } else { clean }
+    const MAX_LETTERS: usize = 48;
+    let clean: String = text.trim().chars().map(|c| if c.is_control() { ' ' } else { c }).take(MAX_LETTERS + 1).collect();
+    if clean.chars().count() > MAX_LETTERS { clean.chars().take(MAX_LETTERS).collect::<String>() + " …" } else { clean }
 }
 
 #[cfg(test)]
@@ -52,7 +53,7 @@ mod tests {
     }
 
     #[test]
-    fn text_of_windows_and_of_old_instruments_is_read() {
+    fn utf16_and_latin1_are_decoded() {
         let wide: Vec<u8> = [0xff, 0xfe].into_iter().chain("f;θ".encode_utf16().flat_map(u16::to_le_bytes)).collect();
         assert_eq!(decode(&wide), "f;θ");
         assert_eq!(decode(b"theta [\xb0]"), "theta [°]");

@@ -1,4 +1,5 @@
-//! Link arguments of the image. They stand here and not in `rustflags`, which the environment's `RUSTFLAGS` would replace.
+//! Sets the linker arguments of the image. They are here and not in `rustflags`, because the
+//! environment's `RUSTFLAGS` would replace those.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,4 +1,4 @@
-//! Computes on the host what the target must play, and gives the linker its scripts.
+//! Computes on the host the codes that the target must play, and passes the linker its scripts.
 
 #[path = "src/stream.rs"]
 mod stream;

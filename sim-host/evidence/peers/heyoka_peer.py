@@ -48,7 +48,7 @@ def equations(c, phasor):
 
 
 def integrator(request):
-    """The compiled integrator for a request, the state it begins with, and what it took to make it."""
+    """The compiled integrator for a request, the initial state, and the cost of making it."""
     key = json.dumps({name: request[name] for name in ("scaled", "tolerance", "phasor", "events", "edges", "high_accuracy")})
     if key in KEPT:
         return KEPT[key]

@@ -73,7 +73,7 @@ class Contact:
         ))
 
     def advance(self, time):
-        """The next leg begins so much later."""
+        """Start the next leg later by this time."""
         self.phase = (self.phase + time * (self.frequency + 0.5 * self.rate * time)) % TURN
         self.passed += time
         self.frequency = self.start + self.rate * self.passed

@@ -1,15 +1,15 @@
-//! Why a campaign against the flashed image has no result.
+//! Errors of campaigns against the flashed image.
 
-/// Why a run, or the campaign, has no result.
+/// Reason why a run or a campaign has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError {
-    /// The board has stopped: a finding of the model.
+    /// The model of the board has stopped with a finding.
     #[error(transparent)]
     Board(#[from] board::BoardError),
-    /// The processor has.
+    /// The processor has stopped.
     #[error(transparent)]
     Stopped(#[from] cortex_m4::Stop),
-    /// It does not answer.
+    /// The board does not answer.
     #[error(transparent)]
     Link(#[from] link::link_error::LinkError),
     /// The scene is not valid.
@@ -21,15 +21,15 @@ pub enum CampaignError {
     /// The image has no such symbol.
     #[error("the image has no symbol {0}")]
     Symbol(&'static str),
-    /// It was ordered to drive, and does not.
+    /// The board does not drive after the order to run.
     #[error("the board has not locked within {0:?}")]
     NoLock(std::time::Duration),
-    /// The image cannot be made an update.
+    /// The image cannot be packed as an update.
     #[error(transparent)]
     Pack(#[from] link::update_file::PackError),
-    /// The board does not come to the phase.
-    #[error("the board does not come to {0}")]
-    NotThere(&'static str),
+    /// The board does not reach a phase.
+    #[error("the board does not reach {0}")]
+    NotReached(&'static str),
     /// The image cannot be read.
     #[error("the image cannot be read: {0}")]
     Io(#[from] std::io::Error),

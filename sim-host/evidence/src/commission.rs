@@ -1,7 +1,8 @@
-//! Commissioning: how many transducers of the random set of [`transducers`](crate::transducers) `sim-host link PORT commission` finds from a band alone.
+//! Runs `sim-host link PORT commission` on the random transducers of
+//! [`transducers`](crate::transducers), given only a frequency band.
 //!
 //! ```text
-//! transducer (draw), its front end, a band --> simulated board --> `commission` --> judged against the plant --> tables, commission.csv
+//! transducer (draw), its front end, a band --> simulated board --> `commission` --> compared with the plant --> tables, commission.csv
 //! ```
 //!
 //! All of it is simulated (SIL).
@@ -10,72 +11,52 @@ mod judged;
 mod tables;
 mod watched_board;
 
-use std::sync::atomic::Ordering;
-
-use rayon::prelude::*;
-
 use self::judged::{Judged, judge};
+use crate::campaign::{self, count, each};
 use crate::evidence::{Error, Evidence, Options};
 use crate::transducers::draw::Transducer;
-use report::Report;
-use sim::study::StudyError;
 
-/// Transducers, and those of the quick variant, where no other number is given: as many of each kind.
-const SET: [u32; 2] = [60, 12];
-/// Part of the transducers that is to be right, and in time.
-const RIGHT: f64 = 0.98;
+/// Default number of transducers, full and quick: equally many of each kind.
+const TRANSDUCERS: [u32; 2] = [60, 12];
+/// Fraction of the transducers that must be right and in time.
+const MIN_RIGHT_REL: f64 = 0.98;
 
-/// A transducer, and what its commissioning has come to.
-struct Tried {
+/// A transducer with the result of its commissioning.
+struct Commissioned {
     transducer: Transducer,
     command: String,
     judged: Judged,
 }
 
-/// Commissions the transducers.
+/// Commissions the transducers, and returns the evidence.
 pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
-    let number = options.count.unwrap_or(SET[usize::from(options.quick)]);
+    let number = options.count.unwrap_or(TRANSDUCERS[usize::from(options.quick)]);
     (options.progress)(&format!("{number} transducers"));
-    let stop = options.stop;
-    let try_one = |number: u32| {
-        if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
-            return Err(StudyError::Interrupted.into());
-        }
+    let set = each(number, options.stop, |number| {
         let transducer = Transducer::draw(number);
         let (command, judged) = judge(&transducer)?;
-        Ok(Tried { transducer, command, judged })
-    };
-    let set = (0..number).into_par_iter().map(try_one).collect::<Result<Vec<Tried>, Error>>()?;
-    let tables = tables::tables(&set);
-    Ok(Evidence {
-        report: Report {
-            title: "Commissioning: how many transducers are found from a band alone".into(),
-            subtitle: "Simulated: `sim-host link PORT commission` against the firmware on the host and the simulated stack"
-                .into(),
-            tables: tables.clone(),
-            ..Report::default()
-        },
-        files: vec![("commission.csv", tables::csv(&set)?)],
-        docs: tables,
-        missed: missed(&set),
-        ..Evidence::default()
-    })
+        Ok(Commissioned { transducer, command, judged })
+    })?;
+    let title = "Commissioning: random transducers found from a band alone";
+    let subtitle = "Simulated: `sim-host link PORT commission` against the firmware on the host and the simulated stack";
+    let files = vec![("commission.csv", tables::csv(&set)?)];
+    Ok(campaign::evidence(title, subtitle, tables::tables(&set), files, missed(&set)))
 }
 
-/// The targets that are missed.
-fn missed(set: &[Tried]) -> Vec<String> {
+/// Returns the targets that are missed.
+fn missed(set: &[Commissioned]) -> Vec<String> {
     let mut missed = Vec::new();
-    let right = set.iter().filter(|tried| tried.judged.is_right() && tried.judged.is_in_time()).count();
-    if (right as f64) < RIGHT * set.len() as f64 {
-        missed.push(format!("{right} of {} right and in time, and {:.0} % are to be", set.len(), 100.0 * RIGHT));
+    let right = count(set, |tried| tried.judged.is_right() && tried.judged.is_in_time());
+    if (right as f64) < MIN_RIGHT_REL * set.len() as f64 {
+        missed.push(format!("{right} of {} right and in time; the target is {:.0} %", set.len(), 100.0 * MIN_RIGHT_REL));
     }
     for tried in set {
-        let Judged { loudest_v, loudest_a, .. } = tried.judged;
-        if tried.judged.is_silent() {
+        let Judged { peak_v_rel, peak_a_rel, .. } = tried.judged;
+        if tried.judged.is_silently_wrong() {
             missed.push(format!("silently wrong: {}", tried.command));
         }
-        if loudest_v > 1.0 || loudest_a > 1.0 {
-            missed.push(format!("too loud, {loudest_v:.3} of the volts, {loudest_a:.3} of the amperes: {}", tried.command));
+        if peak_v_rel > 1.0 || peak_a_rel > 1.0 {
+            missed.push(format!("too high, {peak_v_rel:.3} of the volts, {peak_a_rel:.3} of the amperes: {}", tried.command));
         }
     }
     missed
@@ -83,15 +64,12 @@ fn missed(set: &[Tried]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::run;
-    use crate::evidence::Options;
-
-    /// The quick variant has no silent failure and is never too loud. How many are right stands in docs/evidence/transducers.md.
+    /// The quick variant has no silently wrong result and never exceeds the voltage and current
+    /// limits. docs/evidence/transducers.md gives the number of right ones.
     #[test]
-    fn none_is_silently_wrong_or_too_loud() {
-        let mut options = Options { quick: true, count: None, seed: None, counted: None, stop: None, progress: &mut |_| () };
-        let evidence = run(&mut options).unwrap_or_else(|error| panic!("{error}"));
-        let missed: Vec<_> = evidence.missed.iter().filter(|missed| !missed.contains("right and in time")).collect();
-        assert!(missed.is_empty(), "{missed:?}");
+    fn no_result_is_silently_wrong_or_over_its_limits() {
+        let mut missed = crate::campaign::quick(super::run, None).missed;
+        missed.retain(|missed| !missed.contains("right and in time"));
+        assert_eq!(missed, [""; 0]);
     }
 }

@@ -1,13 +1,14 @@
-//! The crash: the suite `crash.toml`, in which the firmware decides, and two studies of the plant alone.
+//! The crash: the suite `crash.toml`, in which the firmware decides, and studies of the plant
+//! alone.
 //!
 //! ```text
 //! crash.toml   single crashes, and a thousand of each class     --+
-//! scheduled    the switch is thrown at stated moments           --+--> tables: docs/crash.md, report
+//! scheduled    the switch acts at given times                   --+--> tables: docs/evidence/crash.md, report
 //! mass         mass from force and payout, by least squares     --+
-//! wrap         the D-ring along its wrap, by the direction of its vibration -----> tables: docs/evidence/dring.md, by its test
+//! wrap         friction along the wrap of the D-ring, by the direction of its vibration --> tables: docs/evidence/dring.md, by its test
 //! ```
 //!
-//! All of it is simulated (SIL), of assumed people in an assumed belt.
+//! All of it is simulated (SIL), with assumed people in an assumed belt.
 
 pub mod mass;
 pub mod scheduled;
@@ -26,9 +27,9 @@ use sim::study::StudyError;
 /// The text of the suite.
 pub(crate) const SUITE: &str = include_str!("../suites/crash.toml");
 
-/// The scene that everything is made of.
+/// The scene of all studies.
 const SCENE: &str = "dring-crash";
-/// Crashes from which the mass is to be estimated, and in the quick variant.
+/// Number of crashes from which the mass is estimated, full and quick.
 const CRASHES: [u32; 2] = [4000, 500];
 
 /// Runs the suite and both studies.
@@ -41,7 +42,7 @@ pub fn run(options: &mut Options) -> Result<Evidence, Error> {
     })
 }
 
-/// The plant of the scene, and how long an edge of its switch lasts, s.
+/// Returns the plant of the scene, and the duration of a switching edge, s.
 fn plant(sets: &[String]) -> Result<(Bench, f64), Error> {
     let loaded = load(SCENE, &[sets, &["rig.dring.at_s=0.001".to_owned()]].concat())?;
     let dring = loaded.scene.driven().and_then(|scene| scene.dring()).ok_or(StudyError::Incomplete)?;

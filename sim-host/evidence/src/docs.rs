@@ -2,7 +2,8 @@
 //!
 //!     UPDATE_DOCS=1 cargo test -p sonoglide-evidence docs -- --include-ignored
 //!
-//! regenerates them. Those that take minutes are ignored: `cargo test -p sonoglide-evidence --lib -- --ignored` runs them.
+//! regenerates them. Tests that take minutes are ignored:
+//! `cargo test -p sonoglide-evidence --lib -- --ignored` runs them.
 
 use crate::bench::named;
 use crate::evidence::{Evidence, Options};
@@ -18,17 +19,18 @@ fn evidence(name: &str, page: &str) -> Evidence {
     evidence
 }
 
-/// What is missed stands in the page, under "What falls short".
+/// The page lists the missed targets under "What falls short".
 #[test]
 #[ignore = "takes minutes"]
 fn tracking_has_these_numbers() {
-    const KNOWN: [&str; 4] = ["open, while running", "depoled, while running", "cracked, while running", "cracked, at power-on"];
+    const KNOWN_MISSES: [&str; 4] =
+        ["open, while running", "depoled, while running", "cracked, while running", "cracked, at power-on"];
     let missed = evidence("tracking", "evidence/tracking.md").missed;
-    let other: Vec<_> = missed.iter().filter(|missed| !KNOWN.iter().any(|known| missed.contains(known))).collect();
+    let other: Vec<_> = missed.iter().filter(|missed| !KNOWN_MISSES.iter().any(|known| missed.contains(known))).collect();
     assert!(other.is_empty(), "{other:?}");
 }
 
-/// What falls short is in the baseline; a count that is worse is missed.
+/// The baseline contains the counts that fall short; a worse count is missed.
 #[test]
 #[ignore = "takes minutes"]
 fn transducers_have_these_numbers() {
@@ -40,7 +42,7 @@ fn transducers_have_these_numbers() {
     }
 }
 
-/// How many are right stands in the page, under "What falls short".
+/// The page gives the number of right ones under "What falls short".
 #[test]
 #[ignore = "takes minutes"]
 fn commission_has_these_numbers() {
@@ -52,13 +54,13 @@ fn commission_has_these_numbers() {
 #[test]
 #[ignore = "takes minutes"]
 fn import_has_these_numbers() {
-    assert_eq!(evidence("import", "import.md").missed, [""; 0]);
+    assert_eq!(evidence("import", "evidence/import.md").missed, [""; 0]);
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn friction_has_these_numbers() {
-    let evidence = evidence("friction", "friction.md");
+    let evidence = evidence("friction", "evidence/friction.md");
     assert_eq!(evidence.missed, [""; 0]);
     if is_update() {
         let folder = std::env::temp_dir().join(format!("friction-{}", std::process::id()));
@@ -70,16 +72,16 @@ fn friction_has_these_numbers() {
 #[test]
 #[ignore = "takes minutes"]
 fn crash_has_these_numbers() {
-    assert_eq!(evidence("crash", "crash.md").missed, [""; 0]);
+    assert_eq!(evidence("crash", "evidence/crash.md").missed, [""; 0]);
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn guard_has_these_numbers() {
-    assert_eq!(evidence("guard", "guard.md").missed, [""; 0]);
+    assert_eq!(evidence("guard", "evidence/guard.md").missed, [""; 0]);
 }
 
-/// Where QEMU is installed; another test says so where it is not.
+/// Runs if QEMU is installed; another test reports if it is not.
 #[test]
 fn instructions_has_these_counts() {
     if pil::missing().is_none() {
@@ -103,13 +105,14 @@ fn experiment_2_has_these_numbers() {
     block("evidence/experiment-2.md", "evidence thesis", &markdown(&thesis::experiment_2_tables()));
 }
 
-/// Where the models fail stands in the page, under "Where a model fails".
+/// The page lists the failures of the models under "Where a model fails".
 #[test]
 fn measurements_has_these_numbers() {
-    const KNOWN: [&str; 6] =
+    const KNOWN_MISSES: [&str; 6] =
         ["rail-load of", "belt-load of", "belt-amplitude-450 of", "pin-87 of", "tip-vanishes of", "tip-load of"];
     let evidence = evidence("measurements", "evidence/measurements.md");
-    let other: Vec<_> = evidence.missed.iter().filter(|missed| !KNOWN.iter().any(|known| missed.starts_with(known))).collect();
+    let other: Vec<_> =
+        evidence.missed.iter().filter(|missed| !KNOWN_MISSES.iter().any(|known| missed.starts_with(known))).collect();
     assert!(other.is_empty(), "{other:?}");
     if is_update() {
         let folder = std::env::temp_dir().join(format!("measurements-{}", std::process::id()));

@@ -12,23 +12,26 @@ use sim::evidence::run_suite;
 use sim::study::StudyError;
 use sim::study::suite::SuiteResult;
 
-/// Options of a bench, and what it needs from outside.
+/// Options of a bench, with the inputs that its caller provides.
 pub struct Options<'a> {
-    /// Fewer runs and cases.
+    /// `true` for fewer runs and cases.
     pub quick: bool,
-    /// How many runs of each kind and place (`faults`), transducers that are commissioned (`commission`), files that are imported (`import`), millions of bytes sent (`fuzz`) or of samples driven (`soak`), where it is not the usual number.
+    /// Number of runs of each kind and place (`faults`), of transducers to commission
+    /// (`commission`), of files to import (`import`), of millions of bytes sent (`fuzz`) or of
+    /// millions of samples driven (`soak`); `None` for the default.
     pub count: Option<u32>,
-    /// One input alone, by its seed (`fuzz`, `soak`); another set (`contacts`).
+    /// Seed of a single input to run alone (`fuzz`, `soak`), or of another set (`contacts`).
     pub seed: Option<u64>,
-    /// The program to count instructions of, and the options that make it run one method alone (`precision`).
+    /// Program whose instructions are counted, and the options that make it run one method alone
+    /// (`precision`).
     pub counted: Option<(&'a Path, &'a [&'a str])>,
     /// Flag that the caller sets to stop the cases of a suite.
     pub stop: Option<&'a AtomicBool>,
-    /// Called with what comes next.
+    /// Callback that receives the name of each step before it runs.
     pub progress: &'a mut (dyn FnMut(&str) + Send),
 }
 
-/// Why a bench has no result.
+/// Reason why a bench has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A scene or a suite is not valid.
@@ -40,7 +43,7 @@ pub enum Error {
     /// A contact study has no answer.
     #[error(transparent)]
     Contact(#[from] contact::SolveError),
-    /// The reference of the methods is not to be trusted.
+    /// The reference of the methods is not reliable.
     #[error(transparent)]
     Reference(#[from] NoReference),
     /// The firmware refuses a case.
@@ -49,16 +52,16 @@ pub enum Error {
     /// The image of the emulator could not be built or run.
     #[error(transparent)]
     Pil(#[from] pil::PilError),
-    /// The image did not come to its end, or printed something else than counts.
+    /// The image stopped early, or its output is not counts.
     #[error("the image gives no counts: {0}")]
     Counts(String),
-    /// A campaign against the flashed image has no board to begin with.
+    /// A campaign against the flashed image cannot start a board.
     #[error(transparent)]
     Campaign(#[from] crate::campaign_error::CampaignError),
     /// A simulated board has not answered.
     #[error("a simulated board has failed: {0}")]
     Board(String),
-    /// The published data do not fit what is held against them.
+    /// The published data do not fit the models that they are compared with.
     #[error("the published data: {0}")]
     Data(String),
     /// A table of numbers cannot be written.
@@ -66,7 +69,7 @@ pub enum Error {
     Csv(#[from] csv::Error),
 }
 
-/// Runs a built-in suite, by its name and text.
+/// Runs a built-in suite, given by its name and text.
 pub(crate) fn built_in(
     (name, text): (&str, &str),
     options: &mut Options,

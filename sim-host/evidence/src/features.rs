@@ -1,24 +1,25 @@
-//! Features of the controller, and by which scenes each was run at each level.
+//! Features of the controller, and the scenes that ran each of them at each level.
 //!
 //! | level | the controller runs | scenes |
 //! |---|---|---|
 //! | SIL | in the simulator | all built-in ones, and the cases of their comparisons |
-//! | PIL | as thumb code in QEMU | all built-in ones, each by itself |
+//! | PIL | as thumb code in QEMU | all built-in ones, without comparisons |
 //! | flashed image | as the flashed image on the model of its part | those of [`board_scenes`](crate::board_scenes) |
 //! | HIL | on the board | none |
 //!
-//! What a scene has of a feature is read from its settings.
+//! The settings of a scene determine its features.
 
 use firmware::seam::block::Amplitude;
 use firmware::seam::config::{Around, Config, Edge, Prefer, Schedule, ShapeKind, Sweep, TrackingMode};
-use report::{Report, TableBlock};
+use report::TableBlock;
 use scene::load::{LoadError, Loaded, load};
 use scene::{Driven, builtin};
 
 use crate::board_scenes::{self, CASES};
+use crate::campaign;
 use crate::evidence::{Error, Evidence, Options};
 
-/// A feature, and whether a scene has it.
+/// A feature: its name, and a function that returns `true` if a scene has it.
 type Feature = (&'static str, fn(&Driven, &Config) -> bool);
 
 const FEATURES: &[Feature] = &[
@@ -51,7 +52,7 @@ fn sweeps(config: &Config) -> Option<Around> {
     if let Sweep::Chirp(chirp) = &config.sweep { Some(chirp.around) } else { None }
 }
 
-/// The features that a scene has.
+/// Returns for each feature whether a scene has it.
 fn features_of(loaded: &Loaded) -> Vec<bool> {
     loaded.scene.driven().map_or_else(Vec::new, |scene| {
         let config = scene::settings::config(&scene);
@@ -59,25 +60,28 @@ fn features_of(loaded: &Loaded) -> Vec<bool> {
     })
 }
 
-/// A run of one level: its name, and which features it has.
-struct Ran(String, Vec<bool>);
+/// A run at one level: its name, and for each feature `true` if the run has it.
+struct RunFeatures(String, Vec<bool>);
 
-/// Every built-in scene that has a controller.
+/// Loads every built-in scene that has a controller.
 fn scenes() -> Result<Vec<Loaded>, LoadError> {
     let loaded = builtin::all().iter().map(|(name, _)| load(name, &[]));
     Ok(loaded.collect::<Result<Vec<_>, _>>()?.into_iter().filter(|loaded| loaded.scene.driven().is_some()).collect())
 }
 
-/// The cases of the comparison of a scene.
-fn cases(loaded: &Loaded) -> Result<Vec<Ran>, LoadError> {
+/// Returns the cases of the comparison of a scene.
+fn cases(loaded: &Loaded) -> Result<Vec<RunFeatures>, LoadError> {
     let cases = loaded.scene.comparison.iter().flat_map(|comparison| &comparison.case);
-    cases.map(|case| Ok(Ran(format!("{}: {}", loaded.name, case.name), features_of(&loaded.cell(&case.set)?)))).collect()
+    cases.map(|case| Ok(RunFeatures(format!("{}: {}", loaded.name, case.name), features_of(&loaded.cell(&case.set)?)))).collect()
 }
 
-/// How many runs have a feature, and the first of them.
-fn cell(ran: &[Ran], feature: usize) -> String {
-    let with: Vec<&str> =
-        ran.iter().filter(|Ran(_, has)| has.get(feature) == Some(&true)).map(|Ran(name, _)| name.as_str()).collect();
+/// Formats the first run that has a feature, and the number of others.
+fn cell(ran: &[RunFeatures], feature: usize) -> String {
+    let with: Vec<&str> = ran
+        .iter()
+        .filter(|RunFeatures(_, has)| has.get(feature) == Some(&true))
+        .map(|RunFeatures(name, _)| name.as_str())
+        .collect();
     match with.as_slice() {
         [] => "none".to_owned(),
         [only] => format!("`{only}`"),
@@ -85,28 +89,28 @@ fn cell(ran: &[Ran], feature: usize) -> String {
     }
 }
 
-/// The table.
+/// Returns the table of features.
 pub fn evidence(_: &mut Options) -> Result<Evidence, Error> {
     let scenes = scenes()?;
-    let pil: Vec<Ran> = scenes.iter().map(|loaded| Ran(loaded.name.clone(), features_of(loaded))).collect();
+    let pil: Vec<RunFeatures> = scenes.iter().map(|loaded| RunFeatures(loaded.name.clone(), features_of(loaded))).collect();
     let cases = scenes.iter().map(cases).collect::<Result<Vec<_>, _>>()?;
-    let sil: Vec<Ran> =
-        pil.iter().map(|Ran(name, has)| Ran(name.clone(), has.clone())).chain(cases.into_iter().flatten()).collect();
-    let of_board = CASES.iter().map(|case| Ok(Ran(case.name(), features_of(&board_scenes::loaded(case)?))));
+    let sil: Vec<RunFeatures> = pil
+        .iter()
+        .map(|RunFeatures(name, has)| RunFeatures(name.clone(), has.clone()))
+        .chain(cases.into_iter().flatten())
+        .collect();
+    let of_board = CASES.iter().map(|case| Ok(RunFeatures(case.name(), features_of(&board_scenes::loaded(case)?))));
     let board = of_board.collect::<Result<Vec<_>, LoadError>>()?;
     let row = |(place, (name, _)): (usize, &Feature)| {
         vec![(*name).to_owned(), cell(&sil, place), cell(&pil, place), cell(&board, place), "none".to_owned()]
     };
-    let caption = "Scenes by which each feature was run. SIL: the controller in the simulator; a case of a comparison stands behind its scene. PIL: its thumb code in QEMU, \
-                   codes compared with the host's. Flashed image: the image of the driver board on the model of its part, replayed bit for bit. HIL: the board.";
+    let caption = "Scenes by which each feature was run. SIL: the controller in the simulator; `scene: case` is a case of its \
+                   comparison. PIL: its thumb code in QEMU, codes compared with the host's. Flashed image: the image of the \
+                   driver board on the model of its part, replayed bit for bit. HIL: the board.";
     let header = ["feature", "SIL", "PIL", "flashed image on the model", "HIL"];
     let rows = FEATURES.iter().enumerate().map(row).collect();
     let table = TableBlock::new("features", "Features by level", caption, &header, rows);
-    Ok(Evidence {
-        report: Report { title: "Features by level".into(), tables: vec![table.clone()], ..Report::default() },
-        docs: vec![table],
-        ..Evidence::default()
-    })
+    Ok(campaign::evidence("Features by level", "", vec![table], Vec::new(), Vec::new()))
 }
 
 #[cfg(test)]
@@ -116,7 +120,8 @@ mod tests {
     #[test]
     fn every_other_feature_has_a_scene() {
         let scenes = scenes().unwrap();
-        let mut ran: Vec<Ran> = scenes.iter().map(|loaded| Ran(loaded.name.clone(), features_of(loaded))).collect();
+        let mut ran: Vec<RunFeatures> =
+            scenes.iter().map(|loaded| RunFeatures(loaded.name.clone(), features_of(loaded))).collect();
         ran.extend(scenes.iter().flat_map(|loaded| cases(loaded).unwrap()));
         let without: Vec<&str> =
             FEATURES.iter().enumerate().filter(|(place, _)| cell(&ran, *place) == "none").map(|(_, (name, _))| *name).collect();
@@ -125,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn scenes_have_the_features_that_their_settings_say() {
+    fn features_of_a_scene_follow_from_its_settings() {
         let has = |name: &str| {
             let all = features_of(&load(name, &[]).unwrap());
             FEATURES.iter().zip(all).filter(|(_, has)| *has).map(|((name, _), _)| *name).collect::<Vec<_>>()

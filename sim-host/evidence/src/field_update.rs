@@ -1,10 +1,11 @@
-//! Power cuts while a board is updated: by the first stage and the image as they are flashed, on the model of the part.
+//! Cuts the power while the flashed first stage and image update a board, on the model of the part.
 //!
 //! ```text
-//! ELF files --> board with first stage, slot, store --> operations of its flash --> cut at one of them --> who answers? --> table
+//! ELF files --> board with first stage, slot, store --> operations of its flash --> cut at one of them --> which image answers? --> table
 //! ```
 //!
-//! Every operation is cut on simulated flash, by the tests of `sonoglide-update`; here it is a sample of them, by the thumb code.
+//! The tests of `sonoglide-update` cut every operation, on simulated flash. Here a sample of them
+//! is cut, with the thumb code.
 
 pub mod boards;
 mod table;
@@ -14,74 +15,67 @@ mod tests;
 
 use board::Board;
 use rayon::prelude::*;
-use report::Report;
 use stm32g474::FlashOperation;
 
 use self::boards::{FieldImages, Phase, prepared, version_after};
+use crate::campaign;
 use crate::campaign_error::CampaignError;
 use crate::evidence::{Error, Evidence, Options};
 
-/// Cuts of each phase.
+/// Number of cuts of each phase.
 const CUTS: usize = 100;
-const QUICK: usize = 4;
-/// Boards that stand before their cut at once.
-const BATCH: usize = 16;
-/// Cycles before an operation at which a board is left standing.
-const BEFORE: u64 = 2000;
-/// Places of a cut: at the beginning of an operation, within it, after it.
+/// Number of cuts of each phase in the quick variant.
+const QUICK_CUTS: usize = 4;
+/// Number of boards that are kept before their cut at the same time.
+const BATCH_BOARDS: usize = 16;
+/// Number of cycles before an operation at which a board is kept.
+const BEFORE_CYCLES: u64 = 2000;
+/// Number of positions of a cut: at the beginning of an operation, within it, after it.
 const POSITIONS: usize = 3;
-/// Cycles after the beginning, or the end, of an operation.
-const AFTER: u64 = 40;
+/// Number of cycles from the beginning, or the end, of an operation to its cut.
+const AFTER_CYCLES: u64 = 40;
 
-/// The version that answered after a cut, or what was wrong.
+/// The version that answered after a cut, or the reason of the failure.
 pub type Outcome = Result<u16, String>;
 
-/// What the cuts of a phase have come to.
+/// Results of the cuts of a phase.
 #[derive(Clone, Debug)]
-pub struct Tried {
+pub struct PhaseRuns {
     /// The phase.
     pub phase: Phase,
-    /// Operations of the flash in it.
+    /// Number of flash operations in the phase.
     pub operations: usize,
-    /// What each cut has come to.
+    /// Result of each cut.
     pub outcomes: Vec<Outcome>,
 }
 
 /// Runs the campaign.
 pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
-    let cuts = if options.quick { QUICK } else { CUTS };
+    let cuts = if options.quick { QUICK_CUTS } else { CUTS };
     let tried = campaign(&FieldImages::built()?, &Phase::ALL, cuts, &mut |next| (options.progress)(next))?;
     let tables = vec![table::table(&tried)];
     let missed = tried.iter().flat_map(|tried| {
         let failed = tried.outcomes.iter().filter_map(|outcome| outcome.as_ref().err());
         failed.map(|failed| format!("{}: {failed}", tried.phase.name()))
     });
-    Ok(Evidence {
-        missed: missed.collect(),
-        report: Report {
-            title: "Power cuts while a board is updated".into(),
-            subtitle: "Simulated: the part that runs first stage and image".into(),
-            tables: tables.clone(),
-            ..Report::default()
-        },
-        docs: tables,
-        ..Evidence::default()
-    })
+    let subtitle = "Simulated: the part that runs first stage and image";
+    Ok(campaign::evidence("Power cuts while a board is updated", subtitle, tables, Vec::new(), missed.collect()))
 }
 
-/// Cuts each phase so often, at operations spread over it: at their beginning, within them, or after them in turns.
+/// Cuts each phase `cuts` times, at operations spread over it: at their beginning, within them and
+/// after them in turn.
 pub fn campaign(
     images: &FieldImages,
     phases: &[Phase],
     cuts: usize,
     progress: &mut dyn FnMut(&str),
-) -> Result<Vec<Tried>, CampaignError> {
+) -> Result<Vec<PhaseRuns>, CampaignError> {
     let tried = phases.iter().map(|&phase| {
         progress(phase.name());
         let (board, operations) = prepared(images, phase)?;
-        // Each operation at most at its beginning, within it, and after it.
+        // Each operation is cut at most once in each position.
         let cuts = cuts.min(POSITIONS * operations.len());
-        Ok(Tried { phase, operations: operations.len(), outcomes: outcomes(board, phase, &operations, cuts)? })
+        Ok(PhaseRuns { phase, operations: operations.len(), outcomes: outcomes(board, phase, &operations, cuts)? })
     });
     tried.collect()
 }
@@ -89,14 +83,14 @@ pub fn campaign(
 fn outcomes(mut board: Board, phase: Phase, operations: &[FlashOperation], cuts: usize) -> Result<Vec<Outcome>, CampaignError> {
     let mut outcomes = Vec::with_capacity(cuts);
     let numbers: Vec<usize> = (0..cuts).collect();
-    for batch in numbers.chunks(BATCH) {
+    for batch in numbers.chunks(BATCH_BOARDS) {
         let mut standing = Vec::with_capacity(batch.len());
         for &n in batch {
             let operation = operations[n * (operations.len() - 1) / (cuts - 1).max(1)];
             let FlashOperation { first, last, .. } = operation;
-            let at = [first + AFTER, (first + last) / 2, last + AFTER][n % POSITIONS];
-            if board.machine().cycle() < first.saturating_sub(BEFORE) {
-                board.machine_mut().run_until(first.saturating_sub(BEFORE))?;
+            let at = [first + AFTER_CYCLES, (first + last) / 2, last + AFTER_CYCLES][n % POSITIONS];
+            if board.machine().cycle() < first.saturating_sub(BEFORE_CYCLES) {
+                board.machine_mut().run_until(first.saturating_sub(BEFORE_CYCLES))?;
             }
             standing.push((board.clone(), at.max(board.machine().cycle() + 1)));
         }

@@ -1,10 +1,10 @@
-//! The friction switch: the suite `friction.toml`, and the plot of set point against result.
+//! The friction switch: runs the suite `friction.toml`, and plots result over set point.
 
 use crate::evidence::{Error, Evidence, Options, built_in};
 use report::{Axis, Figure, Series, Style};
 use sim::study::suite::{CaseResult, SuiteResult};
 
-/// The text of the suite.
+/// Text of the suite.
 pub(crate) const SUITE: &str = include_str!("../suites/friction.toml");
 
 /// Runs the suite of the friction switch.
@@ -15,7 +15,8 @@ pub fn run(options: &mut Options) -> Result<Evidence, Error> {
     })
 }
 
-/// Set points and true ratios of the contacts at the first speed, by both laws and by bursts.
+/// Plots true ratios over set points for the contacts at the first speed, by both laws and by
+/// bursts.
 fn figure(result: &SuiteResult) -> Figure {
     let series = |case: &CaseResult| {
         let (contact, way) =

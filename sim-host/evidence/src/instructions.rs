@@ -1,12 +1,14 @@
-//! Speed against error on the target: instructions a sample, counted in QEMU, beside errors and spectra, computed here.
+//! Cost and accuracy on the target: instructions a sample, counted in QEMU, with errors and spectra
+//! computed on the host.
 //!
 //! ```text
-//! image `counts` -----> target (ticks of every kernel) --+--> budget (what each may cost)
+//! image `counts` -----> target (ticks of every kernel) --+--> budget (largest cost of each)
 //!                                                        |
 //! controller's sine --> host (error, spectrum) ----------+--> table
 //! ```
 //!
-//! Instructions, not cycles: on a Cortex-M4 most take one, a taken branch two to four, a load two, and flash has wait states.
+//! Instructions, not cycles: on a Cortex-M4 most instructions take one cycle, a taken branch two to
+//! four, a load two, and flash has wait states.
 
 pub mod budget;
 pub mod host;
@@ -16,30 +18,30 @@ pub mod target;
 #[cfg(test)]
 mod tests;
 
+use crate::campaign;
 use crate::evidence::{Error, Evidence, Options};
-use report::Report;
 
 use budget::Judged;
 use host::{Generator, Quality};
 use target::Counted;
 
-/// A way to make the drive's sine: what it costs and how good it is.
+/// A generator of the drive's sine with its cost and quality.
 pub struct Row {
     /// Generator of the sine.
     pub generator: Generator,
     /// Instructions for one sine with its cosine.
     pub instructions: f64,
-    /// How good it is.
+    /// Errors and spectrum of the sine.
     pub quality: Quality,
 }
 
-/// Everything that was counted and computed.
+/// All counts and computed numbers.
 pub struct Measurement {
     /// Every kernel on the target.
     pub counted: Vec<Counted>,
     /// The generators among them.
     pub generators: Vec<Row>,
-    /// The budget, each line with what was counted.
+    /// The budget, each line with its count.
     pub judged: Vec<Judged>,
 }
 
@@ -55,20 +57,12 @@ pub fn measure() -> Result<Measurement, Error> {
     Ok(Measurement { counted, generators, judged })
 }
 
-/// The measurement with its page.
+/// Measures, and returns the evidence.
 pub fn evidence(_: &mut Options) -> Result<Evidence, Error> {
     let measurement = measure()?;
     let tables = table::tables(&measurement);
     let over = measurement.judged.iter().filter(|judged| !judged.holds());
-    Ok(Evidence {
-        report: Report {
-            title: "Instructions: speed against error on the target".into(),
-            subtitle: "Counted by an emulated Cortex-M4F; instructions, not cycles".into(),
-            tables: tables.clone(),
-            ..Report::default()
-        },
-        missed: over.map(|judged| judged.bound.name.clone()).collect(),
-        docs: tables,
-        ..Evidence::default()
-    })
+    let missed = over.map(|judged| judged.bound.name.clone()).collect();
+    let subtitle = "Counted by an emulated Cortex-M4F; instructions, not cycles";
+    Ok(campaign::evidence("Instructions: cost and accuracy on the target", subtitle, tables, Vec::new(), missed))
 }

@@ -1,8 +1,9 @@
-//! The evidence: the thesis recomputed, work against precision, and suites of many cases, each held against its targets.
+//! Evidence for the project's claims: the thesis recomputed, work against precision, and suites of
+//! many cases, each compared with its targets.
 //!
 //! ```text
 //! suites/*.toml --> sim::study::suite --+
-//! code (guard, thesis, precision, ...) --+--> Evidence: tables, figures, what is missed --> terminal, page, docs
+//! code (guard, thesis, precision, ...) --+--> Evidence: tables, figures, missed targets --> terminal, page, docs
 //! ```
 //!
 //! # Example
@@ -16,6 +17,7 @@
 pub mod bench;
 pub mod board_faults;
 mod board_scenes;
+pub mod campaign;
 pub mod campaign_error;
 mod commission;
 mod contacts;

@@ -1,4 +1,4 @@
-//! `evidence`: runs a bench of the project's own evidence and compares it with its targets.
+//! `evidence`: runs the project's own benches and compares the results with their targets.
 //!
 //!     cargo run --release -p sonoglide-evidence -- tracking --quick
 #![forbid(unsafe_code)]
@@ -17,13 +17,13 @@ use sonoglide_evidence::bench::{BENCHES, Bench, named};
 use sonoglide_evidence::evidence::{Evidence, Options};
 use sonoglide_evidence::precision::instructions::run_alone;
 
-/// Exit codes, as those of `sim-host`.
+/// Exit codes, the same as those of `sim-host`.
 const USAGE: u8 = 2;
 const EXPECTATION_MISSED: u8 = 4;
 const INTERRUPTED: u8 = 130;
-/// Set by Ctrl-C, which a second one does not wait for.
+/// `true` after Ctrl-C; a second Ctrl-C exits immediately.
 static STOP: AtomicBool = AtomicBool::new(false);
-/// Arguments by which this program is started to count the instructions of one method.
+/// Arguments with which this program starts itself to count the instructions of one method.
 const ALONE: [&str; 1] = ["--alone"];
 
 /// Runs benches and compares each with its targets: the evidence behind docs/claims.md.
@@ -36,19 +36,21 @@ struct Arguments {
     /// Run the quick variant: fewer runs and cases.
     #[arg(long)]
     quick: bool,
-    /// Number of runs of each kind and place (`faults`), transducers (`commission`), files (`import`), contacts (`contacts`), millions of bytes (`fuzz`) or of samples (`soak`).
+    /// Number of runs of each kind and place (`faults`), transducers (`commission`), files
+    /// (`import`), contacts (`contacts`), or millions of bytes (`fuzz`) or samples (`soak`).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     count: Option<u32>,
-    /// Run one input alone, by the seed that a failure names (`fuzz`, `soak`), or another set of contacts (`contacts`).
+    /// Run one input alone, with the seed from a failure message (`fuzz`, `soak`), or another set
+    /// of contacts (`contacts`).
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
     /// List the benches, or the command of each case of a suite, and run nothing.
     #[arg(long)]
     list: bool,
-    /// Print the tables as Markdown, as the documentation has them.
+    /// Print the tables as Markdown, as in the documentation.
     #[arg(long)]
     markdown: bool,
-    /// Folder for tables and figures; of all benches, for one folder each. Default: `out/NAME`.
+    /// Folder for tables and figures; with all benches, one subfolder each. Default: `out/NAME`.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Write no files.
@@ -63,7 +65,7 @@ struct Arguments {
     /// Do not count the instructions of the methods (`precision`), even if valgrind is installed.
     #[arg(long)]
     no_count: bool,
-    /// Run one method and nothing else, to be counted.
+    /// Run only one method, to count its instructions.
     #[arg(long, value_name = "METHOD,STEPS,PERIODS", hide = true)]
     alone: Option<String>,
 }
@@ -142,7 +144,7 @@ fn one(bench: &Bench, dir: Option<PathBuf>, arguments: &Arguments) -> anyhow::Re
         };
     }
     let dir = (!arguments.no_report).then(|| dir.unwrap_or_else(|| Path::new("out").join(bench.name)));
-    // Before a bench that may take long.
+    // Opened before a bench that may take long.
     let owner = || Owner::new("evidence", std::iter::empty::<&Path>());
     let folder = dir.as_deref().map(|dir| Folder::open(dir, owner())).transpose()?;
     let executable = std::env::current_exe()?;

@@ -1,13 +1,14 @@
-//! Published measurements, and what the models here predict of them.
+//! Published measurements compared with the predictions of the models.
 //!
 //! ```text
 //! measurements/*.toml --> data (number, words, abstract; kind, unit, uncertainty) --+--> verdicts --> tables, figures, measurements.csv
 //! scenes and contacts, parameters fixed beforehand --> predictions -----------------+
-//! laws.toml --> formulas --> beside the models that should have them
+//! laws.toml --> formulas --> compared with the models that should obey them
 //! ```
 //!
-//! No verdict is written down: [`judged`] tells how it follows from a number, its uncertainty and what was fitted to what. A parameter that
-//! was fitted to a datum is named, and agreement with that datum is not counted.
+//! Verdicts are computed, never entered by hand: [`judged`] derives each from a number, its
+//! uncertainty and the data that the model was fitted to. Each parameter that was fitted to a datum
+//! is named, and agreement with that datum is not counted.
 
 mod across;
 mod along;
@@ -25,32 +26,33 @@ mod tests;
 use self::along::Rail;
 use self::data::{Datum, Law, Source};
 use self::judged::{Prediction, Verdict};
+use crate::campaign::{self, cells};
 use crate::evidence::{Error, Evidence, Options};
 use report::Report;
 
 /// A prediction with its datum and its verdict.
 #[derive(Clone, Debug)]
-struct Judged {
+struct JudgedPrediction {
     source: Source,
     datum: Datum,
     prediction: Prediction,
     verdict: Verdict,
 }
 
-/// Everything that was found.
+/// All results of the bench.
 struct Findings {
     sources: Vec<Source>,
-    judged: Vec<Judged>,
+    judged: Vec<JudgedPrediction>,
     laws: Vec<(Law, Vec<laws::Row>)>,
     rail: Rail,
-    crashes: Vec<belt_speed::AtRing>,
+    crashes: Vec<belt_speed::CrashAtRing>,
 }
 
 fn compute(progress: &mut dyn FnMut(&str)) -> Result<Findings, Error> {
     let sources = data::sources().map_err(|error| Error::Data(error.to_string()))?;
-    progress("experiment 1 as its scenes run it");
+    progress("experiment 1, as in its scenes");
     let rail = Rail::run()?;
-    progress("experiment 2 as its scene runs it, and other laws");
+    progress("experiment 2, as in its scene, and other laws");
     let belt = belt::predictions()?;
     progress("pin, Hertz's contact, tip");
     let data: Vec<Datum> = sources.iter().flat_map(|source| source.data.clone()).collect();
@@ -63,8 +65,8 @@ fn compute(progress: &mut dyn FnMut(&str)) -> Result<Findings, Error> {
     Ok(Findings { judged: judge(&sources, &predictions)?, sources, laws, rail, crashes })
 }
 
-/// Verdicts in the order of the data.
-fn judge(sources: &[Source], predictions: &[Prediction]) -> Result<Vec<Judged>, Error> {
+/// Returns the verdicts in the order of the data.
+fn judge(sources: &[Source], predictions: &[Prediction]) -> Result<Vec<JudgedPrediction>, Error> {
     let data: Vec<(&Source, &Datum)> =
         sources.iter().flat_map(|source| source.data.iter().map(move |datum| (source, datum))).collect();
     if let Some(lost) = predictions.iter().find(|prediction| data.iter().all(|(_, datum)| datum.id != prediction.datum)) {
@@ -72,7 +74,7 @@ fn judge(sources: &[Source], predictions: &[Prediction]) -> Result<Vec<Judged>, 
     }
     let of = |(source, datum): &(&Source, &Datum)| {
         let own = predictions.iter().filter(|prediction| prediction.datum == datum.id);
-        let judged = own.map(|prediction| Judged {
+        let judged = own.map(|prediction| JudgedPrediction {
             source: (*source).clone(),
             datum: (*datum).clone(),
             verdict: prediction.verdict(datum),
@@ -86,9 +88,9 @@ fn judge(sources: &[Source], predictions: &[Prediction]) -> Result<Vec<Judged>, 
 impl Findings {
     fn missed(&self) -> Vec<String> {
         let predictions = self.judged.iter().filter(|judged| judged.verdict == Verdict::Misses).map(|judged| {
-            let Judged { source, datum, prediction, .. } = judged;
+            let JudgedPrediction { source, datum, prediction, .. } = judged;
             format!(
-                "{} of {}: {} says {}; stated: {} ({})",
+                "{} of {}: {} predicts {}; stated: {} ({})",
                 datum.id,
                 source.name,
                 prediction.model,
@@ -106,44 +108,19 @@ impl Findings {
     }
 
     fn csv(&self) -> Result<String, Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record([
-            "source",
-            "doi",
-            "datum",
-            "kind",
-            "value",
-            "uncertainty",
-            "unit",
-            "model",
-            "fitted_to",
-            "predicted",
-            "deviation",
-            "verdict",
-        ])?;
         let number = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
-        for Judged { source, datum, prediction, verdict } in &self.judged {
-            writer.write_record([
-                source.name.to_owned(),
-                source.doi.clone().unwrap_or_default(),
-                datum.id.clone(),
-                datum.kind.word().into(),
-                number(datum.value),
-                number(datum.uncertainty),
-                datum.unit.clone().unwrap_or_default(),
-                prediction.model.clone(),
-                prediction.fitted(),
-                prediction.shown(datum),
-                number(prediction.deviation(datum)),
-                verdict.word().into(),
-            ])?;
-        }
-        let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
-        Ok(String::from_utf8_lossy(&bytes).into_owned())
+        let rows = self.judged.iter().map(|JudgedPrediction { source, datum, prediction, verdict }| {
+            let (doi, unit) = (source.doi.clone().unwrap_or_default(), datum.unit.clone().unwrap_or_default());
+            let [value, uncertainty, off] = [datum.value, datum.uncertainty, prediction.deviation(datum)].map(number);
+            let (model, fitted, shown) = (&prediction.model, prediction.fitted(), prediction.shown(datum));
+            let (kind, verdict) = (datum.kind.word(), verdict.word());
+            cells![source.name, doi, datum.id, kind, value, uncertainty, unit, model, fitted, shown, off, verdict]
+        });
+        campaign::csv("source,doi,datum,kind,value,uncertainty,unit,model,fitted_to,predicted,deviation,verdict", rows)
     }
 }
 
-/// Predictions, laws, and where the models fail.
+/// Computes predictions, laws and the failures of the models.
 pub(crate) fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     let found = compute(options.progress)?;
     let tables = vec![
@@ -158,19 +135,10 @@ pub(crate) fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     let all = found.judged.len();
     let summary = [Verdict::Agrees, Verdict::Fitted, Verdict::Misses, Verdict::Open, Verdict::Undetermined];
     let summary = summary.map(|verdict| (verdict.word().to_owned(), format!("{} of {all}", found.count(verdict)))).to_vec();
-    Ok(Evidence {
-        report: Report {
-            title: "Published measurements, and what the models predict of them".into(),
-            subtitle: "Everything on the model's side is simulated; what is measured was measured by others".into(),
-            summary,
-            tables: tables.clone(),
-            figures: figures::all(&found),
-            footer: vec![("command".into(), "evidence measurements".into())],
-            ..Report::default()
-        },
-        docs: tables,
-        files: vec![("measurements.csv", found.csv()?)],
-        missed: found.missed(),
-        ..Evidence::default()
-    })
+    let title = "Published measurements and the predictions of the models";
+    let subtitle = "All model results are simulated; all measurements are by others";
+    let files = vec![("measurements.csv", found.csv()?)];
+    let evidence = campaign::evidence(title, subtitle, tables, files, found.missed());
+    let footer = vec![("command".into(), "evidence measurements".into())];
+    Ok(Evidence { report: Report { summary, figures: figures::all(&found), footer, ..evidence.report }, ..evidence })
 }

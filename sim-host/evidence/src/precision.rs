@@ -1,9 +1,10 @@
-//! Speed against error: every method on one standard case, what is claimed of them, and the cases that are hard.
+//! Speed against error: all methods on one standard case, the claims about them, and the hard
+//! cases.
 //!
 //! ```text
-//! case --> reference (Taylor 28/32, held against an independent method)
+//! case --> reference (Taylor 28/32, checked by an independent method)
 //!   |          |
-//!   +--> work: errors of every method at every step count, times round by round, instructions
+//!   +--> work: errors of every method at every step count, interleaved times, instructions
 //!                  |
 //!                  +--> claims (ratios at equal error)      hard: cases with their invariants
 //! ```
@@ -25,7 +26,7 @@ pub mod work;
 use crate::evidence::{Error, Evidence, Options};
 use study::measure;
 
-/// The measurement with its page and files.
+/// Measures all methods and builds the page and the files.
 pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     let study = measure(options)?;
     let printed = vec![
@@ -35,7 +36,7 @@ pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
         table::claims(&study.claims),
     ];
     let summary = folder::summary(&study);
-    let failed = study.hard.iter().filter(|(_, found)| !found.as_ref().is_ok_and(hard::Found::holds));
+    let failed = study.hard.iter().filter(|(_, found)| !found.as_ref().is_ok_and(hard::HardResult::holds));
     Ok(Evidence {
         report: folder::page(&study),
         printed: Some(printed),

@@ -1,13 +1,14 @@
-//! Chapters 3 and 4 and appendix B of the thesis, recomputed: every figure, every claim in words, every contradiction.
+//! Chapters 3 and 4 and appendix B of the thesis, recomputed: every figure, every claim in words,
+//! every contradiction.
 //!
 //! ```text
-//! experiments (3.1, 3.2) --> scenes --> run, controller and all --------> curves, checks
+//! experiments (3.1, 3.2) --> scenes --> run, including the controller --> curves, checks
 //! case (Table 4.1) --> problems --> contact::solve, in parallel --> curves --> figures (numbered as in the thesis)
 //!                                                                     `-----> checks --> claims with verdicts
 //! ```
 //!
-//! A study holds what belongs to one figure or a few: it computes once and draws and judges from the same numbers. No verdict is
-//! written down anywhere: [`claim`] tells how it follows from checks.
+//! A study covers one figure or a few: it computes once, and draws and judges from the same
+//! numbers. Verdicts are computed, never entered by hand: [`claim`] derives each from checks.
 
 pub mod case;
 pub mod claim;
@@ -58,28 +59,28 @@ pub use errata::{Choice, Erratum};
 pub(crate) use experiment_2::compliant::Belt;
 pub use json::summary;
 
-/// What a study of one figure, or of a few, found.
-pub(crate) struct Part {
+/// Figures and claims of one study.
+pub(crate) struct StudyResult {
     figures: Vec<Figure>,
     claims: Vec<Claim>,
 }
 
-/// Everything that was found.
+/// All results.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Findings {
     /// Figures 3.4 to 3.12, 4.6 to 4.26 and those of appendix B, in order.
     pub figures: Vec<Figure>,
-    /// The claims, in the thesis's order.
+    /// Claims, in the thesis's order.
     pub claims: Vec<Claim>,
     /// Contradictions within the thesis.
     pub errata: Vec<Erratum>,
-    /// What is left open.
+    /// Choices that the thesis leaves open.
     pub choices: Vec<Choice>,
 }
 
-type Study = fn() -> Result<Part, SolveError>;
+type Study = fn() -> Result<StudyResult, SolveError>;
 
-/// The studies with what they are about, in the thesis's order.
+/// Studies with their topics, in the thesis's order.
 const STUDIES: [(&str, Study); 17] = [
     ("experiment 1: figures 3.4, 3.5", experiment_1::study),
     ("experiment 2: figures 3.7-3.12", experiment_2::study),
@@ -100,7 +101,7 @@ const STUDIES: [(&str, Study); 17] = [
     ("appendix B: rotor", motor::rotor_study),
 ];
 
-/// Computes everything; `progress` is called with what comes next, and how far it is of how much.
+/// Computes everything; `progress` is called with the next topic, its number and the total.
 pub fn compute(progress: &mut dyn FnMut(&str)) -> Result<Findings, SolveError> {
     let steps = STUDIES.len() + 1;
     let mut findings = Findings::default();
@@ -117,12 +118,12 @@ pub fn compute(progress: &mut dyn FnMut(&str)) -> Result<Findings, SolveError> {
 }
 
 impl Findings {
-    /// How many claims have a verdict.
+    /// Counts the claims with a verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
         self.claims.iter().filter(|claim| claim.verdict() == verdict).count()
     }
 
-    /// Parameters, claims, contradictions, and what is left open.
+    /// Builds the tables of parameters, claims, contradictions and open choices.
     pub fn tables(&self) -> Vec<TableBlock> {
         let experiments = [vec![experiment_1::table()], experiment_2::tables()].concat();
         let parameters = [table::table_4_1(), motor::table(), errata::equations()];
@@ -130,32 +131,32 @@ impl Findings {
         experiments.into_iter().chain(parameters).chain(found).collect()
     }
 
-    /// Report of all claims and figures.
+    /// Builds the report of all claims and figures.
     pub fn report(&self) -> Report {
         let count =
             |verdict: Verdict| (verdict.word().to_owned(), format!("{} of {} claims", self.count(verdict), self.claims.len()));
         Report {
             title: "Thesis, chapters 3 and 4 and appendix B: figures, claims and contradictions".into(),
-            subtitle: "Both experiments simulated, every figure of the analytical model recomputed, every claim in words judged by its numbers; so for the ultrasonic motor".into(),
+            subtitle: "Both experiments simulated, every figure of the analytical model recomputed, every claim in words \
+                       judged by numbers; the same for the ultrasonic motor"
+                .into(),
             summary: [Verdict::Reproduced, Verdict::Conditional, Verdict::Refuted].map(count).to_vec(),
             paragraphs: vec![
-                "The thesis leaves open the averaging window, the initial conditions, the definition of the velocity ratio where the \
-                 velocity has two frequencies, what is equal among waveforms, the hold time of the random one and the end of the \
-                 chirp; and its equations disagree on the sign of the vibration in the slip. Each figure says what is chosen here; \
-                 where a claim depends on the choice, there is a figure for each."
+                "The thesis leaves open the averaging window, the initial conditions, the velocity ratio of a velocity with \
+                 two frequencies, the quantity that is equal among waveforms, the hold time of the random waveform and the \
+                 end of the chirp. Its equations disagree on the sign of the vibration in the slip. Each figure states the \
+                 choice made here; if a claim depends on the choice, each choice has a figure."
                     .into(),
             ],
             tables: self.tables(),
             figures: self.figures.clone(),
-            footer: vec![
-                ("command".into(), "evidence thesis".into()),
-            ],
+            footer: vec![("command".into(), "evidence thesis".into())],
             ..Report::default()
         }
     }
 }
 
-/// All findings with their page.
+/// Computes all findings and builds their page.
 pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     let findings = compute(options.progress)?;
     let summary = summary(&findings);

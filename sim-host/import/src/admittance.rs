@@ -1,4 +1,4 @@
-//! A measured admittance as an equivalent circuit: [`import`].
+//! Equivalent circuit of a measured admittance: [`import`].
 
 pub(crate) mod bounds;
 pub mod circuit;
@@ -25,10 +25,10 @@ use measured::Measured;
 use options::Options;
 pub use result::{Admittance, Circuit, Mode, Value};
 
-/// The circuit of a measured file.
+/// Fits a circuit to a measured file.
 ///
 /// # Errors
-/// [`ImportError`], with the line or value that shows why.
+/// Returns [`ImportError`], with the line or value that shows the reason.
 pub fn import(path: &Path, options: &Options) -> Result<Admittance, ImportError> {
     let mut measured = Measured::read(path, options)?;
     fixture::correct(&mut measured, options)?;
@@ -36,11 +36,12 @@ pub fn import(path: &Path, options: &Options) -> Result<Admittance, ImportError>
     fit(&name, measured, options.modes)
 }
 
-/// The circuit of a sweep, with so many resonances, or as many as the data ask for.
+/// Fits a circuit to a sweep, with this number of resonances, or with the number that the data
+/// show.
 ///
 /// # Errors
-/// [`ImportError`] where the sweep has no resonance, or too few points.
+/// Returns [`ImportError`] if the sweep has no resonance, or too few points.
 pub fn fit(name: &str, measured: Measured, modes: Option<usize>) -> Result<Admittance, ImportError> {
     let fit = fit::Fitter::new(&measured).fit(modes)?;
-    Admittance::of(name, measured, fit)
+    Admittance::from_fit(name, measured, fit)
 }

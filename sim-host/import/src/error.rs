@@ -1,10 +1,10 @@
-//! Why measured data are refused: each case by its name, with the line or the values that show it.
+//! Reasons why measured data are refused, with the line or the values that show it.
 
 use std::path::PathBuf;
 
 use delimited::TableError;
 
-/// Why a measured file gives no parameters.
+/// Reason why no parameters can be determined from a measured file.
 #[derive(Debug, thiserror::Error)]
 pub enum ImportError {
     /// The file cannot be read.
@@ -15,54 +15,55 @@ pub enum ImportError {
         /// Reason given by the system.
         source: std::io::Error,
     },
-    /// The file has no table of numbers of a known form.
-    #[error("not a known form: {seen}")]
+    /// The file does not contain a table of numbers in a known format.
+    #[error("unknown format: {seen}")]
     UnknownForm {
-        /// What the file contains in place of it, and what would be known.
+        /// Content of the file, and the known formats.
         seen: String,
     },
-    /// A line within the data cannot be used.
+    /// A line of the data cannot be used.
     #[error("line {line}: {what}")]
     BadLine {
         /// Number of the line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Error of the line.
         what: String,
     },
-    /// A column has neither a unit in its heading nor one by option.
+    /// A column has no unit, neither in its heading nor by option.
     #[error("unit missing: {column} has no unit; {help}")]
     UnitMissing {
         /// Heading of the column.
         column: String,
-        /// How the unit can be given.
+        /// Ways to give the unit.
         help: String,
     },
     /// An angle may be in degrees or in radians.
     #[error(
-        "degrees or radians? The angles in {column} reach {largest} at most, which either could be; say so with `--unit deg` or `--unit rad`"
+        "degrees or radians? The largest angle in {column} is {largest}, which can be either; choose with `--unit deg` or \
+         `--unit rad`"
     )]
     AngleDoubtful {
         /// Heading of the column.
         column: String,
-        /// Largest size of an angle, as it stands in the file.
+        /// Largest magnitude of an angle in the file.
         largest: f64,
     },
     /// Two neighbouring points have the same frequency.
     #[error(
-        "neighbouring frequencies are equal: lines {first} and {second} both have {hz} Hz, as an exporter writes that rounds frequencies{step}; \
-         export the sweep with more digits, as no resonance can be fitted to points whose frequency is not known"
+        "neighbouring frequencies are equal: lines {first} and {second} both have {hz} Hz. The exporter has rounded the \
+         frequencies{step}; export the sweep with more digits, because a resonance cannot be fitted to rounded frequencies"
     )]
     FrequenciesEqual {
         /// Number of the first of the two lines.
         first: usize,
-        /// Number of the second.
+        /// Number of the second line.
         second: usize,
         /// The frequency, Hz.
         hz: f64,
-        /// What the frequencies seem to be rounded to; may be empty.
+        /// Step to which the frequencies seem to be rounded; may be empty.
         step: String,
     },
-    /// The frequencies go up and down.
+    /// The frequencies rise and fall.
     #[error("the frequencies are not in order: line {line} goes back to {hz} Hz; give a file with one sweep")]
     FrequenciesUnordered {
         /// Number of the line.
@@ -70,43 +71,43 @@ pub enum ImportError {
         /// Frequency of the line, Hz.
         hz: f64,
     },
-    /// There are fewer points than a fit needs.
+    /// The file has fewer points than a fit needs.
     #[error(
-        "too few points: {points}, and a circuit with {modes} resonance(s) has {parameters} parameters and needs {needed} points"
+        "too few points: {points}; a circuit with {modes} resonance(s) has {parameters} parameters and needs {needed} points"
     )]
     TooFewPoints {
-        /// Points of the file.
+        /// Number of points of the file.
         points: usize,
-        /// Resonances of the circuit.
+        /// Number of resonances of the circuit.
         modes: usize,
-        /// Parameters of the circuit.
+        /// Number of parameters of the circuit.
         parameters: usize,
-        /// Least number of points.
+        /// Minimum number of points.
         needed: usize,
     },
-    /// No resonance stands out of the noise within the sweep.
+    /// No resonance within the sweep exceeds the noise.
     #[error("no resonance in the range from {from_hz} to {to_hz} Hz: {why}")]
     NoResonance {
         /// Beginning of the sweep, Hz.
         from_hz: f64,
         /// End of the sweep, Hz.
         to_hz: f64,
-        /// How that was seen.
+        /// Reason.
         why: String,
     },
-    /// A two-port file does not show how the transducer was connected.
-    #[error("series-through or shunt-through? {why}; say so with `--topology series-through` or `--topology shunt-through`")]
+    /// The connection of the transducer cannot be determined from a two-port file.
+    #[error("series-through or shunt-through? {why}; choose with `--topology series-through` or `--topology shunt-through`")]
     TopologyDoubtful {
-        /// What the file shows.
+        /// Evidence from the file.
         why: String,
     },
     /// A correction by measurements of the fixture is not possible.
     #[error("the fixture cannot be corrected: {0}")]
     Fixture(String),
-    /// The values are those of no passive transducer.
+    /// The values are not those of a passive transducer.
     #[error("not a transducer: {0}")]
     NotATransducer(String),
-    /// The fit has found no parameters.
+    /// The fit has not found parameters.
     #[error("no fit: {0}")]
     NoFit(String),
 }
@@ -117,17 +118,20 @@ impl From<TableError> for ImportError {
         match error {
             TableError::NoTable { .. } => ImportError::UnknownForm {
                 seen: format!(
-                    "{what}; known are Touchstone (.s1p, .s2p) and tables of numbers, with commas, semicolons, tabs or blanks between"
+                    "{what}; expected a table of numbers, separated by commas, semicolons, tabs or blanks. Each line may contain \
+                     only numbers: delete columns with words. An admittance may also be a Touchstone file (.s1p, .s2p)"
                 ),
             },
             TableError::OneLine { .. } | TableError::Empty | TableError::NoNumbers => ImportError::UnknownForm { seen: what },
             TableError::Interrupted { line, .. } => {
-                ImportError::BadLine { line, what: format!("{what}; mend or remove it, or give one sweep a file") }
+                ImportError::BadLine { line, what: format!("{what}; fix or delete the line, or give one sweep per file") }
             }
             TableError::Width { line, decimal_comma: true, .. } => ImportError::BadLine { line, what },
             TableError::Width { line, .. } => ImportError::BadLine {
                 line,
-                what: format!("{what}; give the names with `--columns`, as `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`"),
+                what: format!(
+                    "{what}; name the columns with `--columns`, such as `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`"
+                ),
             },
         }
     }

@@ -1,4 +1,4 @@
-//! A friction log as the parameters of contact models: [`import`].
+//! Contact models fitted to a friction log: [`import`].
 //!
 //! ```text
 //! file -> log (slip, force, normal force, OFF and ON) -> fit of each model to the OFF part -> choice -> contact, friction ratio ON over OFF, scene
@@ -21,20 +21,20 @@ pub use log::{Log, Options};
 pub use models::Model;
 pub use result::{Fitted, Friction};
 
-/// The contact of a measured file.
+/// Fits contact models to a measured file.
 ///
 /// # Errors
-/// [`ImportError`], with the line or value that shows why.
+/// Returns [`ImportError`], with the line or value that shows the reason.
 pub fn import(path: &Path, options: &Options) -> Result<Friction, ImportError> {
     let bytes = std::fs::read(path).map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
     let name = path.file_stem().map_or_else(|| "contact".into(), |stem| stem.to_string_lossy().into_owned());
     fit(&name, Log::parse(&decode(&bytes), options)?)
 }
 
-/// The contact of a log.
+/// Fits contact models to a log.
 ///
 /// # Errors
-/// [`ImportError`] where the log has too few points, or does not slide.
+/// Returns [`ImportError`] if the log has too few points, or does not slide.
 pub fn fit(name: &str, log: Log) -> Result<Friction, ImportError> {
-    Friction::of(name, log)
+    Friction::from_log(name, log)
 }

@@ -1,13 +1,13 @@
-//! Headings of columns: what an analyser calls its quantities, and the unit behind a name.
+//! Recognition of column headings: the quantity that an analyser's name stands for, and the unit.
 
-/// What a column holds.
+/// Quantity of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Quantity {
     /// Frequency.
     Frequency,
-    /// Size of the impedance.
+    /// Magnitude of the impedance.
     Impedance,
-    /// Size of the admittance.
+    /// Magnitude of the admittance.
     Admittance,
     /// Angle of impedance, admittance or reflection.
     Angle,
@@ -23,13 +23,13 @@ pub(crate) enum Quantity {
     ScatteringReal,
     /// Imaginary part of a scattering parameter.
     ScatteringImaginary,
-    /// Size of a scattering parameter in dB.
+    /// Magnitude of a scattering parameter in dB.
     ScatteringDb,
-    /// Size of a scattering parameter.
+    /// Magnitude of a scattering parameter.
     ScatteringSize,
 }
 
-/// What a unit measures.
+/// Dimension of a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Dimension {
     /// Frequency in Hz.
@@ -40,32 +40,32 @@ pub(crate) enum Dimension {
     Admittance,
     /// Angle in rad.
     Angle,
-    /// A number without a unit.
+    /// Number without a unit.
     None,
 }
 
-/// A unit: its dimension, and how many of the SI's one of it is.
+/// Unit of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Unit {
-    /// What it measures.
+    /// Dimension of the unit.
     pub(crate) dimension: Dimension,
-    /// Factor to the SI's unit.
+    /// Factor to the SI unit.
     pub(crate) factor: f64,
 }
 
-/// A column by its heading.
+/// Heading of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Heading {
-    /// The heading as it stands.
+    /// Heading as in the file.
     pub(crate) text: String,
-    /// What the column holds.
+    /// Quantity of the column.
     pub(crate) quantity: Quantity,
     /// Unit, if the heading has one.
     pub(crate) unit: Option<Unit>,
 }
 
 impl Quantity {
-    /// What the unit of the column measures.
+    /// Returns the dimension of the quantity.
     pub(crate) fn dimension(self) -> Dimension {
         match self {
             Quantity::Frequency => Dimension::Frequency,
@@ -77,7 +77,8 @@ impl Quantity {
     }
 }
 
-/// The unit of this name, as `kHz`, `Ω`, `mS` or `deg`; a prefix counts in either case where only one makes sense.
+/// Returns the unit with this name, such as `kHz`, `Ω`, `mS` or `deg`. The case of a prefix is
+/// ignored if only one prefix makes sense.
 pub(crate) fn unit(name: &str) -> Option<Unit> {
     let name = name.trim();
     let small = name.to_lowercase();
@@ -96,7 +97,7 @@ pub(crate) fn unit(name: &str) -> Option<Unit> {
         };
         Some((stem.trim(), dimension))
     })?;
-    // Milli and mega differ in the case only; a frequency in mHz and an admittance in MS do not occur.
+    // Milli and mega differ only in case; a frequency in mHz and an admittance in MS do not occur.
     let mega = dimension == Dimension::Frequency || dimension == Dimension::Impedance && name.starts_with('M');
     let factor = match stem {
         "" => 1.0,
@@ -112,7 +113,7 @@ pub(crate) fn unit(name: &str) -> Option<Unit> {
     of(dimension, factor)
 }
 
-/// What a heading says, if it is known.
+/// Parses a heading; none if it is unknown.
 pub(crate) fn heading(text: &str) -> Option<Heading> {
     let (name, given) = split(text);
     let by_unit = || given.filter(|unit| unit.dimension == Dimension::Angle).map(|_| Quantity::Angle);
@@ -120,7 +121,7 @@ pub(crate) fn heading(text: &str) -> Option<Heading> {
     Some(Heading { text: text.trim().to_owned(), quantity, unit: given.filter(|unit| unit.dimension == quantity.dimension()) })
 }
 
-/// Name and unit of a heading: `f [Hz]`, `R (ohm)`, `G/mS`, `theta_deg`, `Phase, degrees`.
+/// Splits a heading into name and unit: `f [Hz]`, `R (ohm)`, `G/mS`, `theta_deg`, `Phase, degrees`.
 fn split(text: &str) -> (String, Option<Unit>) {
     let text = text.trim().trim_matches('"').trim();
     for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
@@ -142,7 +143,7 @@ fn split(text: &str) -> (String, Option<Unit>) {
     (text.to_owned(), None)
 }
 
-/// What a name without its unit means.
+/// Returns the quantity of a name without its unit.
 fn quantity(name: &str) -> Option<Quantity> {
     let small = name.to_lowercase();
     let bare: String = small.chars().filter(|c| c.is_alphanumeric() || "|'θφ".contains(*c)).collect();
@@ -182,7 +183,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn headings_of_analysers_are_known() {
+    fn headings_of_analysers_are_recognised() {
         let cases = [
             ("Frequency (Hz)", Quantity::Frequency, Some(1.0)),
             ("Freq[kHz]", Quantity::Frequency, Some(1e3)),
@@ -207,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn milli_and_mega_are_told_apart() {
+    fn milli_and_mega_are_distinguished() {
         let factor = |name| unit(name).map(|unit| unit.factor);
         assert_eq!((factor("mS"), factor("MHz"), factor("mOhm"), factor("MOhm")), (Some(1e-3), Some(1e6), Some(1e-3), Some(1e6)));
     }

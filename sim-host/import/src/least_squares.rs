@@ -1,24 +1,26 @@
-//! Least squares by Levenberg and Marquardt, on the normal equations of columns that are scaled to unit length.
+//! Least squares by Levenberg and Marquardt, by normal equations with columns scaled to unit
+//! length.
 //!
 //! ```text
 //! (A + lambda I) d = -g,   A = D J'J D,   g = D J'r,   D = 1 / |column|
 //! ```
 //!
-//! K. Levenberg, Q. Appl. Math. 2 (1944) 164; D. Marquardt, J. SIAM 11 (1963) 431. A problem has a dozen parameters at most, so that a Cholesky factor
-//! of [`nalgebra`] solves it; no product of it goes through kernels that differ between processors, so the result is the same everywhere.
+//! K. Levenberg, Q. Appl. Math. 2 (1944) 164; D. Marquardt, J. SIAM 11 (1963) 431. A problem has a
+//! dozen parameters at most and is solved by a Cholesky factor of [`nalgebra`]. No product uses
+//! kernels that differ between processors, so that the result is the same everywhere.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Residuals at some parameters, and how each parameter changes them.
+/// Residuals at given parameters, and their derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linear {
-    /// The residuals.
+    /// Residuals.
     pub residuals: Vec<f64>,
-    /// For each parameter, the derivatives of all residuals.
+    /// Derivatives of all residuals, for each parameter.
     pub columns: Vec<Vec<f64>>,
 }
 
-/// The least squares found.
+/// Result of a minimisation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Parameters at the minimum.
@@ -27,23 +29,23 @@ pub struct Solution {
     pub linear: Linear,
     /// Sum of the squares of the residuals.
     pub cost: f64,
-    /// Whether the last step was small against a standard deviation.
+    /// `true` if the last step was small relative to a standard deviation.
     pub converged: bool,
 }
 
-/// Steps before a search is given up.
-const MOST_STEPS: usize = 200;
-/// A step of this part of a standard deviation is none.
-const SMALL_STEP: f64 = 1e-5;
-/// Largest damping: no shorter step would change a number.
-const MOST_DAMPING: f64 = 1e14;
+/// Maximum number of steps.
+const MAX_STEPS: usize = 200;
+/// Step that counts as converged, standard deviations.
+const CONVERGED_STEP_SIGMAS: f64 = 1e-5;
+/// Maximum damping, beyond which a step would not change a number.
+const MAX_DAMPING: f64 = 1e14;
 
 impl Linear {
     fn cost(&self) -> f64 {
         self.residuals.iter().map(|r| r * r).sum()
     }
 
-    /// Normal equations: scaled matrix, scaled gradient, scales.
+    /// Returns the normal equations: scaled matrix, scaled gradient, scales.
     pub fn normal(&self) -> (DMatrix<f64>, DVector<f64>, Vec<f64>) {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let columns = &self.columns;
@@ -60,7 +62,8 @@ impl Linear {
 }
 
 impl Solution {
-    /// Covariance of the parameters for residuals of variance one; nothing if the data do not determine them.
+    /// Returns the covariance of the parameters for residuals of variance one; none if the data do
+    /// not determine them.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         let (matrix, _, scales) = self.linear.normal();
         let inverse = factor(matrix)?.inverse();
@@ -70,15 +73,15 @@ impl Solution {
     }
 }
 
-/// The factor of a matrix with ones on its diagonal, unless it is singular to the precision of numbers.
+/// Factorises a matrix with ones on its diagonal; none if it is singular to numerical precision.
 fn factor(matrix: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
-    const LEAST_PIVOT: f64 = 1e-7;
+    const MIN_PIVOT: f64 = 1e-7;
     let n = matrix.nrows();
     let factor = Cholesky::new(matrix)?;
-    (0..n).all(|i| factor.l_dirty()[(i, i)] > LEAST_PIVOT).then_some(factor)
+    (0..n).all(|i| factor.l_dirty()[(i, i)] > MIN_PIVOT).then_some(factor)
 }
 
-/// Minimises the sum of squares from a start; nothing if the start itself has no residuals.
+/// Minimises the sum of squares from a start; none if the residuals at the start are undefined.
 pub fn minimise(start: &[f64], evaluate: impl Fn(&[f64]) -> Option<Linear>) -> Option<Solution> {
     let mut linear = evaluate(start)?;
     let mut parameters = start.to_vec();
@@ -86,7 +89,7 @@ pub fn minimise(start: &[f64], evaluate: impl Fn(&[f64]) -> Option<Linear>) -> O
     let freedom = linear.residuals.len().saturating_sub(start.len()).max(1) as f64;
     let (mut damping, mut converged) = (1e-3, false);
     let (mut matrix, mut gradient, mut scales) = linear.normal();
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         if !cost.is_finite() || cost == 0.0 {
             converged = cost == 0.0;
             break;
@@ -106,18 +109,18 @@ pub fn minimise(start: &[f64], evaluate: impl Fn(&[f64]) -> Option<Linear>) -> O
                 (parameters, linear, cost) = (next, better, new);
                 (matrix, gradient, scales) = linear.normal();
                 damping = (damping * 0.1).max(1e-12);
-                if deviations < SMALL_STEP {
+                if deviations < CONVERGED_STEP_SIGMAS {
                     converged = true;
                     break;
                 }
             }
             None => {
-                if deviations < SMALL_STEP {
+                if deviations < CONVERGED_STEP_SIGMAS {
                     converged = true;
                     break;
                 }
                 damping *= 8.0;
-                if damping > MOST_DAMPING {
+                if damping > MAX_DAMPING {
                     break;
                 }
             }
@@ -130,9 +133,9 @@ pub fn minimise(start: &[f64], evaluate: impl Fn(&[f64]) -> Option<Linear>) -> O
 mod tests {
     use super::*;
 
-    /// Rosenbrock's valley as residuals `10 (y - x^2)`, `1 - x`.
+    /// Rosenbrock's function as residuals `10 (y - x^2)`, `1 - x`.
     #[test]
-    fn a_curved_valley_leads_to_its_end() {
+    fn rosenbrocks_function_is_minimised() {
         let valley = |p: &[f64]| {
             let (x, y) = (p[0], p[1]);
             Some(Linear { residuals: vec![10.0 * (y - x * x), 1.0 - x], columns: vec![vec![-20.0 * x, -1.0], vec![10.0, 0.0]] })
@@ -153,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn parameters_that_cannot_be_told_apart_have_no_covariance() {
+    fn indistinguishable_parameters_have_no_covariance() {
         let same = |p: &[f64]| Some(Linear { residuals: vec![p[0] + p[1] - 1.0; 3], columns: vec![vec![1.0; 3], vec![1.0; 3]] });
         assert!(minimise(&[0.0, 0.0], same).unwrap().covariance().is_none());
     }

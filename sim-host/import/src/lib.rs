@@ -1,4 +1,5 @@
-//! Measured data as parameters: an admittance becomes an equivalent circuit with standard deviations, a friction log a contact, and either a scene that runs.
+//! Import of measured data. An admittance becomes an equivalent circuit with standard deviations,
+//! and a friction log becomes a contact. Both can be written as scenes.
 //!
 //! ```text
 //! file -> text -> table or Touchstone -> sweep -> fixture -> fit -> circuit, figures, scene
@@ -27,7 +28,6 @@ pub mod friction;
 mod heading;
 pub mod least_squares;
 pub mod signal;
-mod stated;
 pub mod synthetic;
 mod touchstone;
 mod traces;

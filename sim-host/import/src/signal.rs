@@ -1,7 +1,7 @@
-//! A signal out of a file: one column of a trace, a capture or a stranger's table, at an even sample rate.
+//! Signals from files: one column of a trace, a capture or any other table, evenly sampled.
 //!
 //! ```text
-//! CSV or other delimited text, NPY, Parquet -> columns by name -> samples and sample time, or why there are none -> time and frequency
+//! CSV or other delimited text, NPY, Parquet -> columns by name -> samples and sample time, or an error -> time and frequency
 //! ```
 
 mod npy;
@@ -14,12 +14,12 @@ use std::path::{Path, PathBuf};
 
 pub use table::Columns;
 
-/// Least number of samples that has times and frequencies.
-pub const LEAST: usize = 64;
-/// How far a step may be from the mean one, as a part of it.
-const UNEVEN: f64 = 0.01;
+/// Minimum number of samples of a signal.
+pub const MIN_SAMPLES: usize = 64;
+/// Largest deviation of a time step from the mean step, relative.
+const MAX_STEP_ERROR_REL: f64 = 0.01;
 
-/// Why a file has no such signal.
+/// Reason why a file does not contain the signal.
 #[derive(Debug, thiserror::Error)]
 pub enum SignalError {
     /// The file cannot be read.
@@ -30,12 +30,12 @@ pub enum SignalError {
         /// Reason given by the system.
         source: std::io::Error,
     },
-    /// The file is of no form that is known.
+    /// The file has no known format.
     #[error("{}: {why}", path.display())]
     Form {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Error of the file.
         why: String,
     },
     /// No column of the file has this name.
@@ -43,84 +43,90 @@ pub enum SignalError {
     Column {
         /// The file.
         path: PathBuf,
-        /// What was asked for.
+        /// Requested name.
         name: String,
-        /// The nearest name, and those there are.
+        /// Nearest name, and the existing names.
         known: String,
     },
-    /// A cell is no number.
-    #[error("{}, {place}: `{name}` is {what}, and a signal has a number in every row", path.display())]
+    /// A cell is not a number.
+    #[error("{}, {place}: `{name}` is {what}, but a signal needs a number in every row", path.display())]
     Cell {
         /// The file.
         path: PathBuf,
-        /// The line or row.
+        /// Line or row.
         place: String,
-        /// The column.
+        /// Name of the column.
         name: String,
-        /// What stands there.
+        /// Content of the cell.
         what: String,
     },
-    /// Nothing says when the samples were taken.
-    #[error("{} does not say when its samples were taken: name the column of times with --time, or give the sample rate with --sample-hz ({columns})", path.display())]
+    /// The times of the samples are not given.
+    #[error(
+        "{} does not contain the times of its samples: name the column of times with --time, or give the sampling rate with \
+         --sample-hz ({columns})",
+        path.display()
+    )]
     Time {
         /// The file.
         path: PathBuf,
-        /// The columns there are.
+        /// Existing columns.
         columns: String,
     },
     /// The samples are not evenly spaced.
     #[error(
-        "uneven sampling: {}, {place}: a step of {step_s:e} s, where the mean step is {mean_s:e} s; resample the signal evenly, or give the rate with --sample-hz if the times are wrong",
+        "uneven sampling: {}, {place}: a step of {step_s:e} s, but the mean step is {mean_s:e} s; resample the signal evenly, or \
+         give the rate with --sample-hz if the times are wrong",
         path.display()
     )]
     Uneven {
         /// The file.
         path: PathBuf,
-        /// The line or row.
+        /// Line or row.
         place: String,
-        /// The step there, s.
+        /// Step there, s.
         step_s: f64,
-        /// The mean step, s.
+        /// Mean step, s.
         mean_s: f64,
     },
-    /// There are too few samples.
-    #[error("too few samples: {count}{part}, and it takes {LEAST} at least to tell one frequency from another")]
+    /// The signal has too few samples.
+    #[error("too few samples: {count}{part}; at least {MIN_SAMPLES} are needed to distinguish frequencies")]
     TooFew {
-        /// How many there are.
+        /// Number of samples.
         count: usize,
-        /// Of which part of the file, if not of all.
+        /// Part of the file, if not the whole file.
         part: String,
     },
-    /// An option asks for what the signal does not have.
+    /// An option does not fit the signal.
     #[error("{0}")]
     Option(String),
 }
 
-/// Which signal of a file.
+/// Choice of a signal in a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Choice {
     /// Name of the column, or its number from 1.
     pub column: Option<String>,
-    /// Name of the column of times, or its number; without it the one that is called so.
+    /// Name of the column of times, or its number; by default the first column with a name of a
+    /// time.
     pub time: Option<String>,
-    /// Sample rate, Hz, in place of a column of times.
+    /// Sampling rate, Hz, instead of a column of times.
     pub sample_hz: Option<f64>,
-    /// First moment that counts, s.
+    /// Beginning of the part to use, s.
     pub from_s: Option<f64>,
-    /// Last moment that counts, s.
+    /// End of the part to use, s.
     pub to_s: Option<f64>,
 }
 
-/// A signal: samples at even steps.
+/// Evenly sampled signal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {
     /// Name of the column.
     pub name: String,
     /// Time of the first sample, s.
     pub start_s: f64,
-    /// Time from sample to sample, s.
+    /// Sampling interval, s.
     pub sample_s: f64,
-    /// The samples.
+    /// Samples.
     pub samples: Vec<f64>,
 }
 
@@ -128,20 +134,20 @@ impl Signal {
     /// Reads a signal from a file.
     ///
     /// # Errors
-    /// If the file has no such signal: each case by name, with the line.
+    /// Returns an error with the line if the file does not contain the signal.
     pub fn read(path: &Path, choice: &Choice) -> Result<Self, SignalError> {
         let bytes = fs::read(path).map_err(|source| SignalError::Unreadable { path: path.to_owned(), source })?;
         let columns = Columns::parse(path, &bytes)?;
-        Self::of(path, &columns, choice)
+        Self::from_columns(path, &columns, choice)
     }
 
-    /// The signal of a table.
+    /// Reads a signal from a table.
     ///
     /// # Errors
-    /// As [`Signal::read`].
-    pub fn of(path: &Path, columns: &Columns, choice: &Choice) -> Result<Self, SignalError> {
+    /// Returns the errors of [`Signal::read`].
+    pub fn from_columns(path: &Path, columns: &Columns, choice: &Choice) -> Result<Self, SignalError> {
         if let Some(hz) = choice.sample_hz.filter(|hz| !(*hz > 0.0 && hz.is_finite())) {
-            return Err(SignalError::Option(format!("--sample-hz {hz} is no sample rate: it must be above zero")));
+            return Err(SignalError::Option(format!("--sample-hz {hz} is not a sampling rate: it must be above zero")));
         }
         let time = match (&choice.time, choice.sample_hz) {
             (_, Some(_)) => None,
@@ -165,14 +171,14 @@ impl Signal {
         whole.part(choice)
     }
 
-    /// What is between the moments that count.
+    /// Returns the part of the signal between the chosen times.
     fn part(self, choice: &Choice) -> Result<Self, SignalError> {
         let last_s = self.start_s + self.sample_s * self.samples.len().saturating_sub(1) as f64;
         let (from_s, to_s) = (choice.from_s.unwrap_or(self.start_s), choice.to_s.unwrap_or(last_s));
         if from_s >= to_s || from_s > last_s || to_s < self.start_s {
             let asked = format!("from {from_s} s to {to_s} s");
             return Err(SignalError::Option(format!(
-                "there is nothing {asked}: the samples are from {} s to {last_s} s",
+                "no samples {asked}: the samples are from {} s to {last_s} s",
                 self.start_s
             )));
         }
@@ -180,25 +186,25 @@ impl Signal {
         let first = (number(from_s) - 1e-6).ceil().max(0.0) as usize;
         let end = ((number(to_s) + 1e-6).floor() as usize + 1).min(self.samples.len());
         let samples = self.samples.get(first..end).unwrap_or_default().to_vec();
-        if samples.len() < LEAST {
+        if samples.len() < MIN_SAMPLES {
             let part = if samples.len() < self.samples.len() { format!(" from {from_s} s to {to_s} s") } else { String::new() };
             return Err(SignalError::TooFew { count: samples.len(), part });
         }
         Ok(Signal { start_s: self.start_s + first as f64 * self.sample_s, samples, ..self })
     }
 
-    /// Sample rate, Hz.
+    /// Returns the sampling rate, Hz.
     pub fn sample_hz(&self) -> f64 {
         1.0 / self.sample_s
     }
 
-    /// Duration, s.
+    /// Returns the duration, s.
     pub fn duration_s(&self) -> f64 {
         self.sample_s * self.samples.len() as f64
     }
 }
 
-/// The first of some times and their step, s, if they are evenly spaced.
+/// Returns the first time and the step, s, if the times are evenly spaced.
 fn even(path: &Path, columns: &Columns, times: &[f64], scale: f64) -> Result<(f64, f64), SignalError> {
     let (Some(first), Some(last)) = (times.first(), times.last()) else {
         return Err(SignalError::TooFew { count: 0, part: String::new() });
@@ -207,11 +213,11 @@ fn even(path: &Path, columns: &Columns, times: &[f64], scale: f64) -> Result<(f6
         return Err(SignalError::TooFew { count: times.len(), part: String::new() });
     }
     let mean = (last - first) / (times.len() - 1) as f64;
-    // A time that is written with few digits is rounded: from place to place that does not add up.
+    // Times with few digits are rounded. The errors of rounding do not accumulate.
     let off = |n: usize| (times[n] - first - mean * n as f64).abs();
     let uneven = (1..times.len()).find(|&n| {
         let step = times[n] - times[n - 1];
-        let is_even = (step - mean).abs() <= UNEVEN * mean.abs();
+        let is_even = (step - mean).abs() <= MAX_STEP_ERROR_REL * mean.abs();
         let is_rounded = || step > 0.0 && off(n) <= 0.5 * mean && off(n - 1) <= 0.5 * mean && rounded(times, mean);
         !is_even && !is_rounded()
     });
@@ -222,8 +228,9 @@ fn even(path: &Path, columns: &Columns, times: &[f64], scale: f64) -> Result<(f6
     Ok((scale * first, scale * mean))
 }
 
-/// Whether no time is further from even steps than a digit that is a fiftieth of a step or coarser could round it: half a step at most, and each step is
-/// one of two neighbouring multiples of that digit.
+/// Returns `true` if rounding explains the deviations from even steps. The digit of rounding must
+/// be at most a step, all times must be multiples of it, and the steps must be two neighbouring
+/// multiples.
 fn rounded(times: &[f64], mean: f64) -> bool {
     let digit = 10f64.powf(mean.log10().floor());
     [digit, 0.1 * digit].into_iter().any(|digit| {
@@ -249,7 +256,7 @@ mod tests {
     }
 
     fn signal(text: &str, choice: &Choice) -> Result<Signal, SignalError> {
-        Signal::of(Path::new("a.csv"), &columns(text), choice)
+        Signal::from_columns(Path::new("a.csv"), &columns(text), choice)
     }
 
     fn force() -> Choice {
@@ -272,23 +279,23 @@ mod tests {
     }
 
     #[test]
-    fn times_that_are_rounded_are_even() {
-        // 781.25 ns written with nine digits after the point.
+    fn rounded_times_count_as_even() {
+        // 781.25 ns, written with nine decimals.
         let text = |n: usize| (n as f64 * 0.78125e-3 * 1e6).round() / 1e6;
         let signal = signal(&table(text, 2000), &force()).unwrap();
         assert!((signal.sample_hz() - 1.28e6).abs() < 10.0, "{}", signal.sample_hz());
     }
 
     #[test]
-    fn each_refusal_says_what_and_where() {
+    fn refusals_state_the_reason_and_the_place() {
         let refused = |text: &str, choice: &Choice| signal(text, choice).unwrap_err().to_string();
         let even = table(|n| n as f64, 100);
         let named = |name: &str| Choice { column: Some(name.into()), ..Choice::default() };
         assert_eq!(
             refused(&even, &named("forc_n")),
-            "a.csv has no column `forc_n`: do you mean `force_n`? It has time_ms, force_n, mode"
+            "a.csv has no column `forc_n`: did you mean `force_n`? It has time_ms, force_n, mode"
         );
-        assert_eq!(refused(&even, &named("mode")), "a.csv, line 2: `mode` is `Run`, and a signal has a number in every row");
+        assert_eq!(refused(&even, &named("mode")), "a.csv, line 2: `mode` is `Run`, but a signal needs a number in every row");
         let jump = table(|n| n as f64 + if n > 50 { 0.5 } else { 0.0 }, 100);
         assert!(
             refused(&jump, &force()).starts_with("uneven sampling: a.csv, line 53: a step of 1.5e-3 s"),
@@ -297,16 +304,16 @@ mod tests {
         );
         let back = table(|n| if n == 10 { 8.0 } else { n as f64 }, 100);
         assert!(refused(&back, &force()).starts_with("uneven sampling: a.csv, line 12"), "{}", refused(&back, &force()));
-        assert!(refused(&table(|n| n as f64, 63), &force()).starts_with("too few samples: 63, and it takes 64"));
+        assert!(refused(&table(|n| n as f64, 63), &force()).starts_with("too few samples: 63; at least 64"));
         let late = Choice { from_s: Some(1.0), ..force() };
-        assert_eq!(refused(&even, &late), "there is nothing from 1 s to 0.099 s: the samples are from 0 s to 0.099 s");
+        assert_eq!(refused(&even, &late), "no samples from 1 s to 0.099 s: the samples are from 0 s to 0.099 s");
         assert!(refused("a,b\n1,2\n2,3\n", &named("b")).contains("--sample-hz (a, b)"));
         let hole = even.replace("20,400,Run", "20,,Run");
-        assert_eq!(refused(&hole, &force()), "a.csv, line 22: `force_n` is empty, and a signal has a number in every row");
+        assert_eq!(refused(&hole, &force()), "a.csv, line 22: `force_n` is empty, but a signal needs a number in every row");
     }
 
     #[test]
-    fn a_rate_stands_in_for_times() {
+    fn a_sampling_rate_replaces_the_times() {
         let text: String = (0..100).map(|n| format!("{n}\n")).collect();
         let signal = signal(&text, &Choice { sample_hz: Some(1e3), ..Choice::default() }).unwrap();
         assert_eq!((signal.sample_s, signal.samples[7]), (1e-3, 7.0));

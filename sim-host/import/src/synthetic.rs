@@ -1,10 +1,12 @@
-//! Synthetic measurements: transducers, sweeps, noise, fixtures and file formats drawn from a seed, with the truth behind each.
+//! Synthetic measurements with known truth: transducers, sweeps, noise, fixtures and file formats
+//! drawn from a seed.
 //!
 //! ```text
-//! seed -> circuit (1 to 3 resonances) -> sweep -> reading -> fixture -> noise (white or with memory) -> file
+//! seed -> circuit (1 to 3 resonances) -> sweep -> reading -> fixture -> noise (white or correlated) -> file
 //! ```
 //!
-//! They are what an import is tested by: [`Example::bounds`] has the Cramér-Rao bound of each number, which no unbiased estimate can be below.
+//! They test the import. [`Example::bounds`] contains the Cramér-Rao bound of each value, which is
+//! the smallest standard deviation of an unbiased estimate.
 
 mod draw;
 mod file;
@@ -23,55 +25,58 @@ use crate::error::ImportError;
 pub use friction::{Bounded, FrictionExample};
 pub use mutate::mutated;
 
-/// A synthetic measurement.
+/// Synthetic measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Example {
-    /// Name of the file, whose ending counts.
+    /// Name of the file, whose extension matters.
     pub name: String,
     /// Content of the file.
     pub bytes: Vec<u8>,
     /// Options that the file needs.
     pub options: Options,
-    /// Content of the files of the open and the shorted fixture, where there is one.
+    /// Contents of the files of the open and the shorted fixture, if there is a fixture.
     pub fixture: Option<[Vec<u8>; 2]>,
-    /// The circuit behind the measurement; the working mode comes first.
+    /// True circuit; the working mode comes first.
     pub truth: Equivalent,
-    /// What the example is like, for a table: format, connection, noise.
+    /// Properties of the example, for a table.
     pub kind: Kind,
     /// Frequencies of the sweep, Hz.
     pub hz: Vec<f64>,
-    /// What lies between transducer and instrument at each frequency; empty where nothing does.
+    /// Network between transducer and instrument at each frequency; empty if there is none.
     pub between: Vec<fixture::Fixture>,
     /// Noise of the measurement.
     pub noise: Noise,
 }
 
-/// What an example is like.
+/// Properties of an example.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
-    /// Form of the file.
+    /// Format of the file.
     pub form: &'static str,
-    /// Whether the noise has a memory.
+    /// `true` if the noise is correlated.
     pub memory: bool,
-    /// Whether there is a fixture to be corrected.
+    /// `true` if there is a fixture to be corrected.
     pub fixture: bool,
 }
 
 /// Noise of a synthetic measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// What the instrument reads.
+    /// Quantity that the instrument reads.
     pub coordinate: Coordinate,
-    /// Standard deviation: of each part of a scattering parameter, or of an immittance's size as a part of it.
+    /// Standard deviation of each part of a scattering parameter, or of the relative magnitude of
+    /// an immittance.
     pub first: f64,
-    /// Standard deviation: of a scattering parameter in proportion to its size, or of an immittance's angle, rad.
+    /// Standard deviation relative to the magnitude of a scattering parameter, or of the angle of
+    /// an immittance, rad.
     pub second: f64,
     /// Correlation of the noise of neighbouring points.
     pub correlation: f64,
 }
 
 impl Noise {
-    /// Standard deviations of real and imaginary part of a residual, in the units of the fit.
+    /// Returns the standard deviations of real and imaginary part of a residual, in the units of
+    /// the fit.
     fn sd(&self, admittance: Complex64) -> [f64; 2] {
         match self.coordinate {
             Coordinate::Scattering(..) => {
@@ -84,15 +89,15 @@ impl Noise {
 }
 
 impl Example {
-    /// The example of a number.
+    /// Draws the example with this number.
     pub fn draw(number: u64) -> Self {
         draw::draw(number)
     }
 
-    /// The sweep as it is read from the example's files.
+    /// Reads the sweep from the files of the example.
     ///
     /// # Errors
-    /// [`ImportError`], as of a file of a user.
+    /// Returns [`ImportError`], as for a file of a user.
     pub fn measured(&self) -> Result<Measured, ImportError> {
         let mut measured = Measured::parse(&self.name, &self.bytes, &self.options)?;
         let read = |bytes: &Vec<u8>| Measured::parse(&self.name, bytes, &self.options);
@@ -102,24 +107,25 @@ impl Example {
         Ok(measured)
     }
 
-    /// The circuit found in the example's files.
+    /// Fits the circuit to the files of the example.
     ///
     /// # Errors
-    /// [`ImportError`], as of a file of a user.
+    /// Returns [`ImportError`], as for a file of a user.
     pub fn import(&self) -> Result<Admittance, ImportError> {
         fit("example", self.measured()?, self.options.modes)
     }
 
-    /// True values of the working mode in the order of [`NAMES`].
+    /// Returns the true values of the working mode in the order of [`NAMES`].
     pub fn true_values(&self) -> [f64; 8] {
         bounds::values(&self.truth)
     }
 
-    /// Cramér-Rao bounds of the standard deviations, in the order of [`NAMES`]; nothing where the sweep does not determine them.
+    /// Returns the Cramér-Rao bounds of the standard deviations, in the order of [`NAMES`]; none if
+    /// the sweep does not determine the values.
     pub fn bounds(&self) -> Option<[f64; 8]> {
-        bounds::of(&self.truth, &self.hz, &self.between, &self.noise, |noise, y| noise.sd(y))
+        bounds::deviations(&self.truth, &self.hz, &self.between, &self.noise, |noise, y| noise.sd(y))
     }
 }
 
-/// Names of the numbers of a working mode.
+/// Names of the values of a working mode.
 pub const NAMES: [&str; 8] = ["series_resonance_hz", "parallel_resonance_hz", "q", "rm_ohm", "lm_h", "cm_f", "c0_f", "coupling"];

@@ -1,7 +1,8 @@
 //! Touchstone files, version 1 (and the data of version 2): `.s1p` and `.s2p`.
 //!
-//! The option line is `# <frequency unit> <parameter> <format> R <ohm>`; without one it is `# GHz S MA R 50` (Touchstone File Format Specification,
-//! version 1.1, IBIS Open Forum). Comments begin with `!`. Of two ports a line has S11, S21, S12, S22 in this order.
+//! The option line is `# <frequency unit> <parameter> <format> R <ohm>`; the default is
+//! `# GHz S MA R 50` (Touchstone File Format Specification, version 1.1, IBIS Open Forum). Comments
+//! begin with `!`. A line of a two-port file contains S11, S21, S12, S22 in this order.
 
 use num_complex::Complex64;
 
@@ -9,20 +10,20 @@ use crate::complex::polar;
 use crate::error::ImportError;
 use delimited::{beginning, number};
 
-/// A file of one or two ports.
+/// Content of a file with one or two ports.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Touchstone {
     /// Number of the line of each point, from 1.
     pub(crate) lines: Vec<usize>,
     /// Frequencies of the points, Hz.
     pub(crate) hz: Vec<f64>,
-    /// Parameters of each port pair: one, or four.
+    /// Parameters of each pair of ports: one, or four.
     pub(crate) parameters: Vec<Vec<Complex64>>,
     /// Kind of the parameters.
     pub(crate) kind: Kind,
     /// Reference resistance, ohm.
     pub(crate) ohm: f64,
-    /// What the option line says, for a reader.
+    /// Description of the option line.
     pub(crate) found: String,
 }
 
@@ -31,9 +32,9 @@ pub(crate) struct Touchstone {
 pub(crate) enum Kind {
     /// Scattering parameters.
     S,
-    /// Impedances over the reference resistance.
+    /// Impedances relative to the reference resistance.
     Z,
-    /// Admittances times the reference resistance.
+    /// Admittances relative to the reference conductance.
     Y,
 }
 
@@ -52,8 +53,8 @@ struct Options {
     ohm: f64,
 }
 
-/// Whether a text is Touchstone by its option line: after comments and blank lines, the first line begins with `#` and names a frequency unit or a
-/// parameter format.
+/// Returns `true` if a text is Touchstone by its option line: after comments and blank lines, the
+/// first line begins with `#` and names a frequency unit or a parameter format.
 pub(crate) fn looks_like(text: &str) -> bool {
     let line = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('!') && !line.starts_with('['));
     let words = line.and_then(|line| line.strip_prefix('#')).map(str::to_uppercase).unwrap_or_default();
@@ -63,7 +64,7 @@ pub(crate) fn looks_like(text: &str) -> bool {
     (words.iter().any(known) || words.first() == Some(&"S")) && words.iter().any(format)
 }
 
-/// Reads a file of so many ports; nothing finds out.
+/// Reads a file with this number of ports; `None` determines it from the first line.
 pub(crate) fn read(text: &str, ports: Option<usize>) -> Result<Touchstone, ImportError> {
     let mut options = None;
     let mut numbers: Vec<(usize, f64)> = Vec::new();
@@ -72,7 +73,7 @@ pub(crate) fn read(text: &str, ports: Option<usize>) -> Result<Touchstone, Impor
         let line_number = at + 1;
         let bare = line.split('!').next().unwrap_or_default().trim();
         if bare.is_empty() || bare.starts_with('[') {
-            // Of version 2: keywords; what follows `[End]` or noise data is no part of the sweep.
+            // Keywords of version 2. The sweep ends at `[End]` or the noise data.
             if ["[end]", "[noise data]"].contains(&bare.to_lowercase().as_str()) {
                 break;
             }
@@ -88,7 +89,8 @@ pub(crate) fn read(text: &str, ports: Option<usize>) -> Result<Touchstone, Impor
         width.get_or_insert(fields.len());
         for field in fields {
             let Some(value) = number(field, false) else {
-                let what = format!("`{}` is no number; in Touchstone a line holds numbers with blanks between", beginning(field));
+                let what =
+                    format!("`{}` is not a number; a Touchstone line contains numbers separated by blanks", beginning(field));
                 return Err(ImportError::BadLine { line: line_number, what });
             };
             numbers.push((line_number, value));
@@ -100,19 +102,19 @@ pub(crate) fn read(text: &str, ports: Option<usize>) -> Result<Touchstone, Impor
         (Some(2), _) | (None, Some(9)) => 9,
         (_, None) => return Err(ImportError::UnknownForm { seen: "Touchstone without a line of numbers".into() }),
         (_, Some(other)) => {
-            let seen = format!("Touchstone with {other} numbers in a line; known are one port (3 numbers) and two (9)");
+            let seen = format!("Touchstone with {other} numbers per line; known are one port (3 numbers) and two ports (9)");
             return Err(ImportError::UnknownForm { seen });
         }
     };
     points(&numbers, width, &options)
 }
 
-/// Cuts the numbers into points.
+/// Splits the numbers into points.
 fn points(numbers: &[(usize, f64)], width: usize, options: &Options) -> Result<Touchstone, ImportError> {
     if let Some((line, _)) = numbers.last().filter(|_| !numbers.len().is_multiple_of(width)) {
         let rest = numbers.len() % width;
         let what = format!(
-            "the file ends within a point: {rest} of {width} numbers; a line is cut short, or it has another number of ports"
+            "the file ends within a point: {rest} of {width} numbers; a line is cut short, or the number of ports is different"
         );
         return Err(ImportError::BadLine { line: *line, what });
     }
@@ -126,7 +128,7 @@ fn points(numbers: &[(usize, f64)], width: usize, options: &Options) -> Result<T
     };
     for point in numbers.chunks_exact(width) {
         if let Some((line, _)) = point.iter().find(|(line, _)| *line != point[0].0).filter(|_| width == 3) {
-            let what = "a point goes over two lines, as after a number too few or too many".to_owned();
+            let what = "a point is split over two lines, as if a number were missing or added".to_owned();
             return Err(ImportError::BadLine { line: *line, what });
         }
         file.lines.push(point[0].0);
@@ -171,12 +173,13 @@ fn option_line(words: &str, line: usize) -> Result<Options, ImportError> {
             "R" => match words.next().and_then(|ohm| number(ohm, false)).filter(|ohm| (1e-3..=1e6).contains(ohm)) {
                 Some(ohm) => options.ohm = ohm,
                 None => {
-                    let what = "the option line has no reference resistance behind `R`".to_owned();
+                    let what = "the option line has no reference resistance after `R`".to_owned();
                     return Err(ImportError::BadLine { line, what });
                 }
             },
             other => {
-                let what = format!("the option line has `{}`; known are Hz to GHz, S, Z, Y, RI, MA, DB, R", beginning(other));
+                let what =
+                    format!("the option line contains `{}`; known are Hz to GHz, S, Z, Y, RI, MA, DB, R", beginning(other));
                 return Err(ImportError::BadLine { line, what });
             }
         }
@@ -201,21 +204,21 @@ mod tests {
     }
 
     #[test]
-    fn without_an_option_line_it_is_gigahertz_and_magnitudes() {
+    fn the_default_is_gigahertz_magnitude_and_angle() {
         let file = read("0.00004 0.5 -90\n", Some(1)).unwrap();
         assert!((file.hz[0] - 40e3).abs() < 1e-9 && file.parameters[0][0].im == -0.5);
     }
 
     #[test]
-    fn a_line_that_is_cut_short_is_named() {
+    fn a_truncated_line_is_reported() {
         let error = read("# Hz S RI\n1 2 3\n2 3\n", Some(1)).unwrap_err().to_string();
         assert!(error.starts_with("line 3: the file ends within a point"), "{error}");
         let error = read("# Hz S RI\n1 2 3\n2 3 x\n", Some(1)).unwrap_err().to_string();
-        assert!(error.starts_with("line 3: `x` is no number"), "{error}");
+        assert!(error.starts_with("line 3: `x` is not a number"), "{error}");
     }
 
     #[test]
-    fn two_ports_are_known_by_nine_numbers() {
+    fn two_ports_are_recognised_by_nine_numbers() {
         let file = read("# Hz S RI R 50\n1 2 3 4 5 6 7\n8 9\n", Some(2)).unwrap();
         assert_eq!((file.parameters.len(), file.parameters[1][0]), (4, Complex64::new(4.0, 5.0)));
         assert!(looks_like("! x\n\n# hz s ri r 50\n") && !looks_like("# f [Hz], R [ohm]\n"));

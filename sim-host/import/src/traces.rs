@@ -1,4 +1,5 @@
-//! Files of two traces: the analysers of the 4294A's kind write one table below the other, each with the frequencies again.
+//! Files with two traces. Analysers like the 4294A write one table below the other, each with the
+//! frequencies.
 //!
 //! ```text
 //! "TRACE: A"
@@ -9,13 +10,14 @@
 //! ...
 //! ```
 //!
-//! What the traces show is a setting of the instrument that the file need not name: `--columns` says it.
+//! The quantities of the traces depend on settings of the instrument, and the file need not name
+//! them. `--columns` gives them.
 
 use delimited::Table;
 
 use crate::error::ImportError;
 
-/// Where the tables of trace A and trace B begin: indices of their marks among the lines.
+/// Returns the indices of the lines that begin trace A and trace B.
 fn marks(lines: &[&str]) -> Option<(usize, usize)> {
     let mark = |name: &str| {
         lines.iter().position(|line| line.trim().trim_matches('"').trim().eq_ignore_ascii_case(&format!("TRACE: {name}")))
@@ -23,41 +25,44 @@ fn marks(lines: &[&str]) -> Option<(usize, usize)> {
     mark("A").zip(mark("B")).filter(|(a, b)| a < b)
 }
 
-/// The two traces as one table of frequency, trace A and trace B; nothing of a text that is no such file.
+/// Joins the two traces in one table of frequency, trace A and trace B; none if the text has
+/// another format.
 ///
 /// # Errors
-/// [`ImportError`], if the traces do not fit each other, or nothing says what they show.
+/// Returns [`ImportError`] if the traces do not fit together, or if their quantities are not given.
 pub(crate) fn joined(text: &str, columns: Option<&str>) -> Result<Option<Table>, ImportError> {
     let lines: Vec<&str> = text.lines().collect();
     let Some((a, b)) = marks(&lines) else { return Ok(None) };
     let Some(columns) = columns else {
-        let seen = "a file of two traces, A and B, which does not say what they show; name frequency and traces with `--columns`, as \
-                    `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`";
+        let seen = "a file with two traces, A and B, which does not name their quantities; name frequency and traces with \
+                    `--columns`, such as `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`";
         return Err(ImportError::UnknownForm { seen: seen.to_owned() });
     };
     let header: Vec<String> = columns.split(',').map(|name| name.trim().to_owned()).collect();
     if header.len() != 3 {
-        let seen =
-            format!("a file of two traces, and `--columns` names {}; name the frequency, trace A and trace B", header.len());
+        let seen = format!(
+            "a file with two traces, but `--columns` names {} columns; name the frequency, trace A and trace B",
+            header.len()
+        );
         return Err(ImportError::UnknownForm { seen });
     }
-    // Lines keep their numbers: those of the other trace are empty.
+    // Line numbers are kept: the lines of the other trace are replaced by empty ones.
     let part = |from: usize, to: usize| -> Result<Table, ImportError> {
         let kept = lines.iter().enumerate().map(|(at, line)| if (from..to).contains(&at) { *line } else { "" });
         Ok(delimited::read(&kept.collect::<Vec<_>>().join("\n"), None)?)
     };
     let (one, other) = (part(a + 1, b)?, part(b + 1, lines.len())?);
     for table in [&one, &other] {
-        // A trace in one number has nothing in its imaginary part.
+        // The imaginary part of a real trace is zero.
         if let Some(row) = table.columns.get(2).and_then(|imaginary| imaginary.iter().position(|value| *value != 0.0)) {
-            let what = "the trace is complex: set the format of both traces to real numbers, and export again".to_owned();
+            let what = "the trace is complex: set the format of both traces to real numbers, and export them again".to_owned();
             return Err(ImportError::BadLine { line: table.lines[row], what });
         }
     }
     let (hz, again) = (&one.columns[0], &other.columns[0]);
     if let Some(row) = (0..hz.len().max(again.len())).find(|row| hz.get(*row) != again.get(*row)) {
         let line = other.lines.get(row).or(one.lines.get(row)).copied().unwrap_or(b + 1);
-        return Err(ImportError::BadLine { line, what: "trace B is not at the frequencies of trace A".to_owned() });
+        return Err(ImportError::BadLine { line, what: "trace B has other frequencies than trace A".to_owned() });
     }
     Ok(Some(Table {
         header: Some(header),
@@ -75,19 +80,19 @@ mod tests {
     const NAMES: Option<&str> = Some("f [Hz], |Z| [ohm], theta [deg]");
 
     #[test]
-    fn two_traces_are_one_table() {
+    fn two_traces_are_joined_in_one_table() {
         let table = joined(FILE, NAMES).unwrap().unwrap();
         assert_eq!(table.columns, [vec![4e4, 4.1e4], vec![80.5, 90.5], vec![-80.0, -70.0]]);
         assert_eq!((table.lines, joined("f,z\n1,2\n2,3\n", None).unwrap()), (vec![6, 7], None));
     }
 
     #[test]
-    fn traces_that_do_not_fit_are_refused_with_the_line() {
+    fn inconsistent_traces_are_refused_with_the_line() {
         let error = |file: &str, names| joined(file, names).unwrap_err().to_string();
-        assert!(error(FILE, None).contains("does not say what they show"));
+        assert!(error(FILE, None).contains("does not name their quantities"));
         assert!(error(FILE, Some("f [Hz], |Z| [ohm]")).contains("`--columns` names 2"));
         assert!(
-            error(&FILE.replace("4.1E+04\t-70", "4.2E+04\t-70"), NAMES).starts_with("line 12: trace B is not at the frequencies")
+            error(&FILE.replace("4.1E+04\t-70", "4.2E+04\t-70"), NAMES).starts_with("line 12: trace B has other frequencies")
         );
         assert!(error(&FILE.replace("90.5\t0.0", "90.5\t1.0"), NAMES).starts_with("line 7: the trace is complex"));
         assert!(error(&FILE.replace("4.1E+04\t90.5\t0.0\n", ""), NAMES).contains("only line 6"));

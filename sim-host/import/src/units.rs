@@ -1,32 +1,38 @@
-//! Units that a heading does not give: by option, or found where only one makes sense.
+//! Units that a heading does not give: from an option, or inferred if only one makes sense.
 
 use crate::error::ImportError;
 use crate::heading::{Dimension, Heading, Quantity, Unit, unit};
 
-/// Series resonances that a scene can have, Hz: where a frequency without a unit must lie.
-const RESONANCES_HZ: (f64, f64) = (100.0, 450e3);
-/// Units that a frequency may be in.
+/// Smallest series resonance that a scene can have, Hz. A frequency without a unit must be in the
+/// same range.
+const MIN_RESONANCE_HZ: f64 = 100.0;
+/// Largest series resonance that a scene can have, Hz.
+const MAX_RESONANCE_HZ: f64 = 450e3;
+/// Units that a frequency can have.
 const FREQUENCIES: [(&str, f64); 4] = [("Hz", 1.0), ("kHz", 1e3), ("MHz", 1e6), ("GHz", 1e9)];
-/// A capacitor's angle comes near a quarter turn: angles that reach this much may be radians.
-const LEAST_RADIANS: f64 = 1.0;
-/// Angles to this are within half a turn in radians; beyond the second, they are none.
-const MOST_RADIANS: (f64, f64) = (3.15, 6.3);
+/// Smallest maximum of angles in radians. The angle of a capacitor is close to a quarter turn.
+const MIN_RADIANS: f64 = 1.0;
+/// Largest maximum of angles that are taken as radians: half a turn.
+const MAX_RADIANS: f64 = 3.15;
+/// Maximum of angles above which they cannot be radians.
+const IMPOSSIBLE_RADIANS: f64 = 6.3;
 /// Largest angle in degrees.
-const MOST_DEGREES: f64 = 360.0;
+const MAX_DEGREES: f64 = 360.0;
 
-/// Units given by option: one for each dimension at most.
+/// Units given by option, at most one per dimension.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Units(Vec<Unit>);
 
 impl Units {
-    /// Units by their names, as `khz`, `ohm`, `mS`, `deg`.
+    /// Parses units by their names, such as `khz`, `ohm`, `mS`, `deg`.
     ///
     /// # Errors
-    /// The name that is no unit, or the second of a dimension.
+    /// Returns an error for a name that is not a unit, or for the second unit of a dimension.
     pub fn parse<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Self, String> {
         let mut units: Vec<Unit> = Vec::new();
         for name in names {
-            let unit = unit(name).ok_or_else(|| format!("`{name}` is no unit; known are Hz, ohm, S with a prefix, deg, rad"))?;
+            let unit =
+                unit(name).ok_or_else(|| format!("`{name}` is not a unit; known are Hz, ohm, S with a prefix, deg, rad"))?;
             if units.iter().any(|known| known.dimension == unit.dimension) {
                 return Err(format!("`{name}` is the second unit of its kind"));
             }
@@ -35,15 +41,15 @@ impl Units {
         Ok(Units(units))
     }
 
-    fn of(&self, dimension: Dimension) -> Option<Unit> {
+    fn get(&self, dimension: Dimension) -> Option<Unit> {
         self.0.iter().find(|unit| unit.dimension == dimension).copied()
     }
 }
 
-/// Brings a column to the SI's unit, in place; what was found rather than given is added to `remarks`.
+/// Converts a column to the SI unit, in place. Adds a remark if the unit was inferred.
 pub(crate) fn to_si(heading: &Heading, values: &mut [f64], units: &Units, remarks: &mut Vec<String>) -> Result<(), ImportError> {
     let dimension = heading.quantity.dimension();
-    let factor = match heading.unit.or(units.of(dimension)) {
+    let factor = match heading.unit.or(units.get(dimension)) {
         Some(unit) => unit.factor,
         None => found(heading, values, remarks)?,
     };
@@ -51,35 +57,38 @@ pub(crate) fn to_si(heading: &Heading, values: &mut [f64], units: &Units, remark
     Ok(())
 }
 
-/// The factor of a column without a unit.
+/// Infers the factor of a column without a unit.
 fn found(heading: &Heading, values: &[f64], remarks: &mut Vec<String>) -> Result<f64, ImportError> {
     let column = format!("the column `{}`", heading.text);
     match heading.quantity {
         Quantity::Frequency => {
             let (least, most) = values.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), &f| (least.min(f), most.max(f)));
-            let fits = |factor: &f64| most * factor >= RESONANCES_HZ.0 && least * factor <= RESONANCES_HZ.1;
+            let fits = |factor: &f64| most * factor >= MIN_RESONANCE_HZ && least * factor <= MAX_RESONANCE_HZ;
             let fitting: Vec<_> = FREQUENCIES.iter().filter(|(_, factor)| fits(factor)).collect();
             match fitting[..] {
                 [&(name, factor)] => {
-                    remarks.push(format!("{column} has no unit: only {name} gives frequencies of a transducer"));
+                    remarks.push(format!("{column} has no unit: only {name} gives plausible frequencies of a transducer"));
                     Ok(factor)
                 }
                 _ => {
                     let names: Vec<_> = fitting.iter().map(|(name, _)| *name).collect();
                     let meant = if names.is_empty() { "none of Hz to GHz gives frequencies from 100 Hz to 450 kHz" } else { "" };
                     let meant = if meant.is_empty() { format!("it may be {}", names.join(" or ")) } else { meant.to_owned() };
-                    Err(ImportError::UnitMissing { column, help: format!("{meant}; say so with `--unit`, as `--unit khz`") })
+                    Err(ImportError::UnitMissing {
+                        column,
+                        help: format!("{meant}; give it with `--unit`, such as `--unit khz`"),
+                    })
                 }
             }
         }
         Quantity::Angle => {
             let largest = values.iter().fold(0.0_f64, |most, angle| most.max(angle.abs()));
-            if largest > MOST_RADIANS.1 && largest <= MOST_DEGREES {
-                remarks.push(format!("{column} has no unit: angles to {largest} are degrees"));
+            if largest > IMPOSSIBLE_RADIANS && largest <= MAX_DEGREES {
+                remarks.push(format!("{column} has no unit: angles up to {largest} are degrees"));
                 Ok(std::f64::consts::PI / 180.0)
-            } else if (LEAST_RADIANS..=MOST_RADIANS.0).contains(&largest) {
+            } else if (MIN_RADIANS..=MAX_RADIANS).contains(&largest) {
                 remarks
-                    .push(format!("{column} has no unit: angles to {largest} are radians, as a capacitance has a quarter turn"));
+                    .push(format!("{column} has no unit: angles up to {largest} are radians; a capacitance has a quarter turn"));
                 Ok(1.0)
             } else {
                 Err(ImportError::AngleDoubtful { column, largest })
@@ -87,9 +96,11 @@ fn found(heading: &Heading, values: &[f64], remarks: &mut Vec<String>) -> Result
         }
         _ if heading.quantity.dimension() == Dimension::None => Ok(1.0),
         Quantity::Conductance | Quantity::Susceptance | Quantity::Admittance => {
-            Err(ImportError::UnitMissing { column, help: "say so with `--unit`, as `--unit s` or `--unit ms`".into() })
+            Err(ImportError::UnitMissing { column, help: "give it with `--unit`, such as `--unit s` or `--unit ms`".into() })
         }
-        _ => Err(ImportError::UnitMissing { column, help: "say so with `--unit`, as `--unit ohm` or `--unit kohm`".into() }),
+        _ => {
+            Err(ImportError::UnitMissing { column, help: "give it with `--unit`, such as `--unit ohm` or `--unit kohm`".into() })
+        }
     }
 }
 
@@ -107,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frequency_without_a_unit_is_found_where_one_unit_makes_sense() {
+    fn the_only_plausible_frequency_unit_is_inferred() {
         assert_eq!(converted("f", &[39e3, 41e3], &[]), Ok(vec![39e3, 41e3]));
         assert_eq!(converted("f", &[39.0, 41.0], &[]), Ok(vec![39e3, 41e3]));
         assert!(converted("f", &[150.0, 300.0], &[]).is_err_and(|error| error.contains("Hz or kHz")));
@@ -115,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn degrees_and_radians_are_told_apart_or_refused() {
+    fn degrees_and_radians_are_distinguished_or_refused() {
         let quarter = std::f64::consts::FRAC_PI_2;
         assert_eq!(converted("theta", &[-90.0, 80.0], &[]).map(|values| (values[0] + quarter).abs() < 1e-12), Ok(true));
         assert_eq!(converted("theta", &[-1.55, 1.2], &[]), Ok(vec![-1.55, 1.2]));
@@ -124,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn an_impedance_without_a_unit_is_refused_by_name() {
+    fn an_impedance_without_a_unit_is_refused() {
         assert!(converted("|Z|", &[1.0], &[]).is_err_and(|error| error.starts_with("unit missing: the column `|Z|`")));
     }
 }

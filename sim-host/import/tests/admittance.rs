@@ -1,4 +1,5 @@
-//! Imports of synthetic and of written-out files: truths are covered, and what is no measurement of a resonance is refused by name.
+//! Imports of synthetic and hand-made files: the results agree with the truth, and unusable files
+//! are refused with the reason.
 
 use sonoglide_import::admittance::measured::Measured;
 use sonoglide_import::admittance::options::Options;
@@ -18,17 +19,17 @@ fn refused(name: &str, text: &str) -> String {
     }
 }
 
-/// Admittance of C0 = 1 nF and, with `g`, a branch of 40 kHz and Q 100.
+/// Returns the admittance of C0 = 1 nF and a branch of 40 kHz, Q 100 and the conductance `g`, S.
 fn admittance(hz: f64, g: f64) -> num_complex::Complex64 {
     let own = num_complex::Complex64::new(1.0, 100.0 * (hz / 40e3 - 40e3 / hz));
     num_complex::Complex64::new(0.0, std::f64::consts::TAU * hz * 1e-9) + g * own.inv()
 }
 
-/// A table of G and B over frequencies.
+/// Returns a table of G and B over frequencies.
 fn table(g: f64, hz: impl Iterator<Item = f64>) -> String {
     let line = |(at, hz): (usize, f64)| {
         let y = admittance(hz, g);
-        // Noise of a part in a thousand, the same in every run.
+        // Reproducible noise of about 0.1 %.
         let noise = |k: f64| 1e-3 * ((at as f64 * k).sin() + (at as f64 * k * 1.7).cos());
         format!("{hz},{:e},{:e}\n", y.re + y.norm() * noise(12.9), y.im + y.norm() * noise(78.2))
     };
@@ -36,7 +37,7 @@ fn table(g: f64, hz: impl Iterator<Item = f64>) -> String {
 }
 
 #[test]
-fn stated_deviations_cover_the_truths_of_many_formats() {
+fn stated_deviations_cover_the_truth_in_many_formats() {
     let within = |value: Value, truth: f64| (value.value - truth).abs() <= 2.0 * value.sd;
     let (mut covered, mut all) = (0, 0);
     let few = (1000..).map(|number| (number, Example::draw(number))).filter(|(_, example)| example.hz.len() <= 401);
@@ -47,13 +48,13 @@ fn stated_deviations_cover_the_truths_of_many_formats() {
         covered += values.iter().zip(truth).filter(|(value, truth)| within(**value, *truth)).count();
         all += values.len();
     }
-    // Numbers of a file are correlated: 320 of them are some 130 that are independent.
+    // The values of a file are correlated: 320 of them correspond to about 130 independent ones.
     let part = covered as f64 / all as f64;
     assert!((0.89..=0.995).contains(&part), "{covered} of {all}");
 }
 
 #[test]
-fn damaged_files_are_no_panic() {
+fn damaged_files_do_not_panic() {
     let small: Vec<Example> = (0..).map(Example::draw).filter(|example| example.hz.len() == 101).take(12).collect();
     for number in 0..150 {
         let example = &small[number as usize % small.len()];
@@ -63,7 +64,7 @@ fn damaged_files_are_no_panic() {
 }
 
 #[test]
-fn without_noise_the_circuit_comes_back() {
+fn the_circuit_is_exact_without_noise() {
     let text: String = (0..101)
         .map(|n| 39e3 + 20.0 * f64::from(n))
         .map(|hz| {
@@ -81,7 +82,7 @@ fn without_noise_the_circuit_comes_back() {
 }
 
 #[test]
-fn every_scene_that_is_written_is_valid() {
+fn written_scenes_are_valid() {
     let few = (2000..).map(|number| (number, Example::draw(number))).filter(|(_, example)| example.hz.len() <= 201);
     for (number, example) in few.take(12) {
         let found: Admittance = example.import().unwrap();
@@ -92,14 +93,14 @@ fn every_scene_that_is_written_is_valid() {
 }
 
 #[test]
-fn a_second_resonance_is_found_and_the_working_mode_named() {
+fn a_second_resonance_and_the_working_mode_are_found() {
     let example = (0..).map(Example::draw).find(|example| example.truth.branches.len() == 2 && example.hz.len() == 401).unwrap();
     let found = example.import().unwrap();
     assert_eq!((found.modes.len(), found.modes.iter().filter(|mode| mode.working).count()), (2, 1));
 }
 
 #[test]
-fn a_circuit_that_does_not_fit_is_said_and_its_deviations_grow() {
+fn a_misfit_is_reported_and_increases_the_deviations() {
     let two = |hz: f64| {
         let other = num_complex::Complex64::new(1.0, 80.0 * (hz / 40.6e3 - 40.6e3 / hz));
         admittance(hz, 2e-3) + 4e-4 * other.inv()
@@ -114,11 +115,11 @@ fn a_circuit_that_does_not_fit_is_said_and_its_deviations_grow() {
 }
 
 #[test]
-fn rounded_frequencies_are_refused_with_their_step() {
+fn rounded_frequencies_are_refused_with_the_step() {
     let hz = (0..40).map(|n| (39e3 + 300.0 * f64::from(n)) / 1e3).map(|khz| khz.round() * 1e3);
     let error = refused("rounded.csv", &table(1e-3, hz));
     assert!(error.starts_with("neighbouring frequencies are equal: lines 2 and 3 both have 39000 Hz"), "{error}");
-    assert!(error.contains("rounds frequencies to 1 kHz"), "{error}");
+    assert!(error.contains("has rounded the frequencies to 1 kHz"), "{error}");
 }
 
 #[test]
@@ -128,23 +129,23 @@ fn a_capacitor_has_no_resonance() {
 }
 
 #[test]
-fn too_few_points_are_counted() {
+fn too_few_points_are_refused_with_their_number() {
     let error = refused("few.csv", &table(1e-3, (0..8).map(|n| 39.6e3 + 100.0 * f64::from(n))));
-    assert!(error.starts_with("too few points: 8, and a circuit with 1 resonance(s) has 5 parameters and needs 9"), "{error}");
+    assert!(error.starts_with("too few points: 8; a circuit with 1 resonance(s) has 5 parameters and needs 9"), "{error}");
 }
 
 #[test]
-fn a_file_of_no_known_form_is_described() {
+fn the_content_of_an_unknown_format_is_reported() {
     let error = refused("letter.csv", "Dear colleague,\nthe transducer is broken.\n");
     assert!(error.contains("it begins with `Dear colleague,`"), "{error}");
     let error = refused("plain.csv", "40000 1 2\n40001 1 2\n");
     assert!(error.contains("3 columns without a heading"), "{error}");
     let error = refused("time.csv", "t [s],u [V]\n0,1\n1,2\n");
-    assert!(error.contains("the columns are `t [s]`, `u [V]`: none is the frequency"), "{error}");
+    assert!(error.contains("the columns are `t [s]`, `u [V]`: no column is the frequency"), "{error}");
 }
 
 #[test]
-fn doubtful_angles_and_missing_units_are_refused_until_they_are_given() {
+fn doubtful_and_missing_units_are_refused() {
     let text = "f [Hz],|Z|,phase\n40000,100,-0.3\n40001,101,-0.2\n";
     let error = refused("z.csv", text);
     assert!(error.starts_with("unit missing: the column `|Z|` has no unit"), "{error}");
@@ -157,7 +158,7 @@ fn doubtful_angles_and_missing_units_are_refused_until_they_are_given() {
 }
 
 #[test]
-fn a_two_port_file_that_is_neither_connection_is_refused() {
+fn an_ambiguous_two_port_file_is_refused() {
     let line = |n: u32| format!("{} 0.1 0.2 0.3 -0.4 0.3 -0.4 0.1 0.2\n", 40_000 + n);
     let error = refused("x.s2p", &format!("# Hz S RI R 50\n{}", (0..40).map(line).collect::<String>()));
     assert!(error.starts_with("series-through or shunt-through?"), "{error}");

@@ -1,19 +1,19 @@
-//! Friction logs made from known contacts: the model and its parameters come back.
+//! Friction logs with known contacts: the import finds the model and its parameters.
 
 use sonoglide_import::friction::{Friction, Log, Model, Options, fit};
 
-/// Samples of a run: time, displacement, velocity.
+/// Returns samples of a run: time, displacement, velocity.
 fn run(points: usize, amplitude_m: f64) -> Vec<(f64, f64, f64)> {
     let at = |n: usize| {
         let t = n as f64 / points as f64;
-        // Several amplitudes, so that both presliding and sliding show.
+        // Several amplitudes, so that the log contains both presliding and sliding.
         let (a, w) = (amplitude_m * (0.15 + t), std::f64::consts::TAU * 6.0);
         (t, a * (w * t).sin(), a * w * (w * t).cos())
     };
     (0..points).map(at).collect()
 }
 
-/// Noise of so many newtons, the same in every run.
+/// Returns reproducible noise of this size, N.
 fn noise(n: usize, size: f64) -> f64 {
     let part = |k: f64| (n as f64 * k + 0.3).sin() * 43_758.545;
     size * 1.7 * ((part(12.989).fract()) + (part(78.233).fract()))
@@ -43,7 +43,7 @@ fn dahl(samples: &[(f64, f64, f64)], fc: f64, kt: f64) -> Vec<f64> {
 }
 
 #[test]
-fn a_dahl_contact_comes_back_with_its_stiffness() {
+fn a_dahl_contact_is_identified_with_its_stiffness() {
     let samples = run(1500, 20e-6);
     let force: Vec<f64> = dahl(&samples, 0.6, 2e5).iter().enumerate().map(|(n, force)| force + noise(n, 0.005)).collect();
     let found = log_of(&samples, &force, |_| false);
@@ -57,8 +57,8 @@ fn a_dahl_contact_comes_back_with_its_stiffness() {
 }
 
 #[test]
-fn friction_that_falls_with_velocity_is_stribeck_and_stiffness_is_not_invented() {
-    // Steps of slip far beyond the presliding.
+fn friction_that_falls_with_velocity_is_stribeck() {
+    // Each step of the slip is much longer than the presliding.
     let samples = run(800, 0.05);
     let steady = |v: f64| v.signum() * (0.4 + 0.2 * (-(v / 0.3).powi(2)).exp()) + 0.02 * v;
     let force: Vec<f64> = samples.iter().enumerate().map(|(n, (.., v))| steady(*v) + noise(n, 0.004)).collect();
@@ -69,7 +69,7 @@ fn friction_that_falls_with_velocity_is_stribeck_and_stiffness_is_not_invented()
 }
 
 #[test]
-fn steady_sliding_is_coulomb_and_on_lowers_it() {
+fn steady_sliding_is_coulomb_with_its_friction_ratio() {
     let samples: Vec<_> = (0..600).map(|n| (f64::from(n) * 0.01, f64::from(n) * 1e-3, 0.1)).collect();
     let on = |t: f64| (2.0..4.0).contains(&t);
     let force: Vec<f64> =
@@ -81,7 +81,7 @@ fn steady_sliding_is_coulomb_and_on_lowers_it() {
 }
 
 #[test]
-fn springs_that_slide_one_after_the_other_are_seen_by_maxwell() {
+fn successively_sliding_springs_fit_the_maxwell_model() {
     let samples = run(1500, 20e-6);
     let mut parts = [(0.0, 1e5, 1e-6), (0.0, 3e4, 8e-6)];
     let slips = std::iter::once(0.0).chain(samples.windows(2).map(|pair| pair[1].1 - pair[0].1));

@@ -1,4 +1,4 @@
-//! The admittance loop of a transducer: of the circuit that was identified, and as measured.
+//! Admittance loop of a transducer: of the identified circuit, and as measured.
 //!
 //! ```text
 //! Y(f) = j 2 pi f C0 + sum over resonances of  G / (1 + j Q (f / fs - fs / f))
@@ -24,10 +24,12 @@ use crate::terminal_plot::TerminalPlot;
 use report::{self, Axis, Figure, Marker, Report, Series, Style};
 use sim::provenance::Provenance;
 
-/// Points of a drawn loop.
-const PLACES: usize = 400;
-/// Ring-up time constants that a place is given to settle, and at least, s.
-const SETTLE: (f64, f64) = (12.0, 2e-3);
+/// Number of points of a drawn loop, less one.
+const LOOP_STEPS: usize = 400;
+/// Settling time of a measured point, ring-up time constants.
+const SETTLE_TIME_CONSTANTS: f64 = 12.0;
+/// Minimum settling time of a measured point, s.
+const MIN_SETTLE_S: f64 = 2e-3;
 
 /// Converts a resonance of a scan report.
 pub fn branch(found: &Resonance) -> Branch {
@@ -38,38 +40,39 @@ pub fn branch(found: &Resonance) -> Branch {
 #[derive(Clone, Debug)]
 pub struct Loop {
     circuit: Equivalent,
-    /// The resonance of the working mode, if a scan has chosen one.
+    /// Resonance of the working mode, if a scan has chosen one.
     chosen: Option<Branch>,
-    /// Frequencies, Hz, and admittances there, S, as measured.
+    /// Measured frequencies, Hz, with the admittances there, S.
     pub measured: Vec<(f64, Complex64)>,
 }
 
 impl Loop {
-    /// The loop of what a scan has found.
-    pub fn of(transducer: Option<&Transducer>, found: &ResonanceReport) -> Self {
+    /// Creates the loop of a scan's result.
+    pub fn from_scan(transducer: Option<&Transducer>, found: &ResonanceReport) -> Self {
         let branches = found.found.iter().flatten().map(branch).collect();
         let chosen = found.chosen.and_then(|place| found.found.get(usize::from(place))?.as_ref()).map(branch);
         let c0_f = transducer.map_or(0.0, |found| found.c0_f.into());
         Loop { circuit: Equivalent { c0_f, loss_tangent: 0.0, branches }, chosen, measured: Vec::new() }
     }
 
-    /// Frequencies that show the loop, denser where it turns: Hz.
+    /// Returns frequencies that show the loop, Hz, denser near the resonance.
     fn places(&self) -> Vec<f64> {
         let Some(about) = &self.chosen else { return Vec::new() };
         let half_hz = about.hz / (2.0 * about.q);
-        // The angle on the circle of a resonance turns evenly.
-        let angle = |n: usize| (n as f64 / PLACES as f64 - 0.5) * std::f64::consts::PI * 0.97;
-        (0..=PLACES).map(|n| about.hz + half_hz * angle(n).tan()).collect()
+        // Equal steps of the angle on the circle of the resonance.
+        let angle = |n: usize| (n as f64 / LOOP_STEPS as f64 - 0.5) * std::f64::consts::PI * 0.97;
+        (0..=LOOP_STEPS).map(|n| about.hz + half_hz * angle(n).tan()).collect()
     }
 
-    /// How far the measured places are from the circuit, in parts of the resonance's conductance.
+    /// Adds the largest distance of the measured points from the circuit, relative to the
+    /// conductance of the resonance.
     pub fn compared(&self, answer: Answer) -> Answer {
         let (Some(about), false) = (&self.chosen, self.measured.is_empty()) else { return answer };
         let apart = |&(hz, y): &(f64, Complex64)| (y - self.circuit.admittance(hz)).norm() / about.siemens;
         let worst = self.measured.iter().map(apart).fold(0.0, f64::max);
         answer
             .line(format!(
-                "{} places measured, {:.0} to {:.0} Hz; at most {:.2} % of the loop's diameter from the circuit",
+                "{} points measured, {:.0} to {:.0} Hz; distance from the circuit at most {:.2} % of the loop's diameter",
                 self.measured.len(),
                 self.measured.iter().map(|(hz, _)| *hz).fold(f64::INFINITY, f64::min),
                 self.measured.iter().map(|(hz, _)| *hz).fold(0.0, f64::max),
@@ -79,11 +82,11 @@ impl Loop {
             .field("worst_distance_percent", 100.0 * worst)
     }
 
-    /// The loop in characters: conductance to the right, susceptance upwards.
+    /// Draws the loop in characters: conductance to the right, susceptance upwards.
     pub fn in_terminal(&self) -> String {
         let places: Vec<Complex64> = self.places().into_iter().map(|hz| 1e3 * self.circuit.admittance(hz)).collect();
         if places.is_empty() {
-            return "no resonance was chosen: there is no loop to draw".into();
+            return "the scan has chosen no resonance: no loop is drawn".into();
         }
         let mut plot = TerminalPlot::new("G [mS]", "B [mS]");
         plot.line(places.iter().map(|y| (y.re, y.im)));
@@ -103,7 +106,7 @@ impl Loop {
         };
         let circuit: Vec<Complex64> = places.iter().map(|&hz| self.circuit.admittance(hz)).collect();
         let measured: Vec<Complex64> = self.measured.iter().map(|(_, y)| *y).collect();
-        let mut series = vec![of(&circuit, "circuit identified", "susceptance_ms", Style::Line)];
+        let mut series = vec![of(&circuit, "identified circuit", "susceptance_ms", Style::Line)];
         if !measured.is_empty() {
             series.push(of(&measured, "measured, settled", "measured_susceptance_ms", Style::Points));
         }
@@ -120,7 +123,7 @@ impl Loop {
             style,
         };
         let drawn: Vec<(f64, Complex64)> = places.iter().copied().zip(circuit).collect();
-        let mut sizes = vec![magnitude(&drawn, "circuit identified", "admittance_ms", Style::Line)];
+        let mut sizes = vec![magnitude(&drawn, "identified circuit", "admittance_ms", Style::Line)];
         if !self.measured.is_empty() {
             sizes.push(magnitude(&self.measured, "measured, settled", "measured_admittance_ms", Style::Points));
         }
@@ -150,35 +153,36 @@ impl Loop {
     }
 }
 
-/// Locks, drives beside the resonance step by step, and takes the admittance where it has settled; then falls silent.
+/// Locks, drives at a number of offsets from the resonance, and measures the settled admittance at
+/// each. Stops the drive at the end.
 pub fn measure(points: u16, reach: f64, about: &Loop, session: &mut Session) -> Result<Vec<(f64, Complex64)>, LinkError> {
     let Some(resonance) = &about.chosen else { return Ok(Vec::new()) };
     let bandwidth_hz = resonance.hz / resonance.q;
-    let settle_s = (SETTLE.0 / (std::f64::consts::PI * bandwidth_hz)).max(SETTLE.1);
+    let settle_s = (SETTLE_TIME_CONSTANTS / (std::f64::consts::PI * bandwidth_hz)).max(MIN_SETTLE_S);
     session.client.order(Command::Gate(Gate::On))?;
     session.client.order(Command::Detune(Hertz(0.0)))?;
     acquire(&LockArgs::default(), session)?;
     let mut measured = Vec::new();
     for n in 0..points {
         let part = if points > 1 { 2.0 * f64::from(n) / f64::from(points - 1) - 1.0 } else { 0.0 };
-        // Evenly round the circle.
+        // Equal steps on the circle.
         let detune_hz = 0.5 * bandwidth_hz * (part * (2.0 * reach).atan()).tan();
         session.client.order(Command::Detune(Hertz(detune_hz as f32)))?;
         session.wait(Duration::from_secs_f64(settle_s))?;
         let report = session.status()?;
         session.check(&report)?;
         if report.mode != Mode::Run {
-            return Err(LinkError::Failed("the run has ended while the admittance was measured".into()));
+            return Err(LinkError::Failed("the run ended while the admittance was measured".into()));
         }
         if report.limit == Some(Limit::FrequencyWindow) {
-            // Beyond the window it would be measured at its edge, again and again.
+            // Beyond the window, the point at its edge would be measured again and again.
             continue;
         }
         let complex = |x: firmware::seam::phasor::Phasor| Complex64::new(x.re.into(), x.im.into());
         measured.push((f64::from(report.frequency.0), complex(report.i) / complex(report.v)));
     }
     session.client.order(Command::Idle)?;
-    session.is_silent();
+    session.mark_silent();
     session.client.order(Command::Detune(Hertz(0.0)))?;
     session.client.order(Command::Gate(Gate::Scheduled))?;
     Ok(measured)
@@ -195,11 +199,12 @@ mod tests {
     }
 
     #[test]
-    fn the_drawn_loop_goes_round_most_of_its_circle() {
+    fn the_drawn_loop_covers_most_of_its_circle() {
         let drawn = one();
         let middle = Complex64::new(0.1625, std::f64::consts::TAU * 40e3 * 300e-9);
         let radii: Vec<f64> = drawn.places().iter().map(|&hz| (drawn.circuit.admittance(hz) - middle).norm()).collect();
-        // C0 takes more at higher frequencies: 0.075 S beside a radius of 0.1625 S, over 1000 Hz a fortieth of that.
+        // The susceptance of C0 increases with the frequency: 0.075 S next to a radius of 0.1625 S,
+        // and over 1000 Hz by a fortieth of that.
         assert!(radii.iter().all(|radius| (radius / 0.1625 - 1.0).abs() < 0.2), "{radii:?}");
         assert!(drawn.in_terminal().lines().count() > 15);
     }

@@ -1,4 +1,4 @@
-//! What a user can ask of a board. The same words are a command line's and a script's.
+//! Commands to a board, with the same grammar on the command line and in a script.
 
 pub mod burst;
 pub mod calibrate;
@@ -24,46 +24,51 @@ use crate::answer::Answer;
 use crate::link_error::LinkError;
 use crate::session::Session;
 
-/// A command to a board.
+/// Command to a board.
 #[derive(Clone, Debug, Subcommand)]
 pub enum Order {
-    /// Who is there: firmware, protocol, and how the link does.
+    /// Identify the board: firmware, protocol version, and quality of the link.
     Identify,
-    /// What the board does now.
+    /// Show the present state of the board.
     Status,
     /// Find the resonances; draw the admittance loop.
     Scan(scan::ScanArgs),
-    /// Find the resonance, lock to it, and drive by the configured schedule; say when and where it locked.
+    /// Find the resonance, lock to it, and drive by the configured schedule; report time and
+    /// frequency of the lock.
     Lock(lock::LockArgs),
-    /// Drive at the resonance: lock where it is not locked yet, open the gate, and set the amplitude.
+    /// Drive at the resonance: lock if necessary, open the gate, and set the amplitude.
     Drive(drive::DriveArgs),
-    /// Open and close the gate of a drive that runs.
+    /// Open and close the gate of a running drive.
     Burst(burst::BurstArgs),
-    /// From an unknown transducer to a tuned controller: find its modes in a band, propose settings, test them, and store them on consent.
+    /// Tune the controller to an unknown transducer: find its modes in a band, propose settings,
+    /// test them, and store them after confirmation.
     Commission(commission::CommissionArgs),
-    /// Hold the friction at a ratio (0.4) or at a force (0.05N); `configured` takes the order back.
+    /// Hold the friction at a ratio (0.4) or at a force (0.05N); `configured` returns to the
+    /// configured set point.
     Friction(friction::FrictionArgs),
-    /// Measure what each lane's amplifier adds, and trim the lanes by it.
+    /// Measure the gain and phase that each lane's amplifier adds, and trim the lanes accordingly.
     Calibrate,
-    /// Watch the board: a line that is renewed in a terminal, a line a report elsewhere. Ctrl-C ends it.
+    /// Watch the board: one line that is updated in a terminal, one line per report elsewhere.
+    /// Ctrl-C ends it.
     Monitor(monitor::MonitorArgs),
-    /// Settings that the board keeps over power-off.
+    /// Show, change and store settings that survive power-off.
     #[command(subcommand)]
     Settings(settings::SettingsOrder),
-    /// The present fault, `clear` to forget it, `log` for what was.
+    /// Show the present fault; `clear` clears it, `log` lists earlier faults.
     Fault(fault::FaultArgs),
     /// Record voltage, current and drive sample by sample around a trigger, as CSV and figure.
     Capture(capture::CaptureArgs),
-    /// What runs and how an update stands; with a file: send it, have it checked and installed. Only in silence.
+    /// Show the running image and the state of an update; with a file: send, verify and install it.
+    /// Only while the drive is silent.
     Update(update::UpdateArgs),
-    /// Fall silent. Also takes a served board from the client that holds it.
+    /// Stop the drive. Also takes a served board from the client that holds it.
     Stop,
-    /// Reset the board. Only in silence.
+    /// Reset the board. Only while the drive is silent.
     Reset,
 }
 
 impl Order {
-    /// Name of the command on the command line.
+    /// Returns the name of the command on the command line.
     pub fn name(&self) -> &'static str {
         match self {
             Order::Identify => "identify",
@@ -110,25 +115,25 @@ impl Order {
     }
 }
 
-/// Fall silent.
+/// Stops the drive.
 fn stop(session: &mut Session) -> Result<Answer, LinkError> {
     session.client.order(Command::Idle)?;
-    session.is_silent();
+    session.mark_silent();
     Ok(Answer::to("stop").line("the drive is silent").field("mode", "idle"))
 }
 
-/// A positive number of seconds.
+/// Reads a number of seconds, from 0 to 1e6.
 pub fn seconds(text: &str) -> Result<f64, String> {
     match text.trim_end_matches('s').trim().parse::<f64>() {
         Ok(seconds) if seconds.is_finite() && (0.0..=1e6).contains(&seconds) => Ok(seconds),
-        _ => Err("seconds from 0 to 1000000, such as 0.5".into()),
+        _ => Err("expected seconds from 0 to 1000000, such as 0.5".into()),
     }
 }
 
-/// A number that is not below zero.
+/// Reads a non-negative number.
 pub fn amount(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(amount) if amount.is_finite() && amount >= 0.0 => Ok(amount),
-        _ => Err("a number that is not below zero".into()),
+        _ => Err("expected a non-negative number".into()),
     }
 }

@@ -1,8 +1,9 @@
-//! A whole board under QEMU, a scene's plant at its converters, and its serial port here.
+//! Complete board under QEMU, with the plant of a scene at its converters, and its serial port.
 //!
-//! The image (`link`, of the package `qemu-m4`) is the block interrupt and the background task as a board has them. Its UART is QEMU's, with a socket at
-//! the other end. The board receives what was sent in the next block, and its answer is here after that block, so that a dialogue is the same every
-//! time. There is no pace of a wire: bytes take no time.
+//! The image (`link`, of the package `qemu-m4`) contains the block interrupt and the background
+//! task, as on a board. Its UART is that of QEMU, connected to a socket. The board receives sent
+//! bytes in the next block, and its answer is available after that block, so that a dialogue is
+//! reproducible. Bytes take no time on the wire.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -25,7 +26,7 @@ use scene::settings;
 use sim::processor::Lost;
 use sim::run::breakable_plant;
 
-/// A board that runs in QEMU, with a simulated plant.
+/// Board that runs in QEMU, with a simulated plant.
 pub struct EmulatedBoard {
     pipes: Pipes,
     config: Config,
@@ -39,8 +40,8 @@ pub struct EmulatedBoard {
 }
 
 impl EmulatedBoard {
-    /// Starts an [image](pil::link_image()) as the board of a scene, just powered. The last `keep` blocks at the converters are
-    /// recorded.
+    /// Starts an [image](pil::link_image()) as the board of a scene, just powered on. The last
+    /// `keep` blocks at the converters are recorded.
     pub fn start(image: &Path, scene: &Driven, keep: usize) -> Result<Self, PilError> {
         let core = CpuAffinity::pin();
         let (serial, at_board) = UnixStream::pair()?;
@@ -54,17 +55,17 @@ impl EmulatedBoard {
         Ok(EmulatedBoard { pipes, config, serial, clock, block_s, beat, played, resets: 0, _core: core })
     }
 
-    /// Configuration of the board's controller.
+    /// Returns the configuration of the board's controller.
     pub fn config(&self) -> &Config {
         &self.config
     }
 
-    /// The plant, with what can break on the way to it.
+    /// Returns the plant with its injected faults and recorded blocks.
     pub fn rig(&self) -> &Rig {
         &self.clock.analog
     }
 
-    /// Time since the power came.
+    /// Returns the time since power-on.
     pub fn now(&self) -> Duration {
         Duration::from_secs_f64(self.clock.blocks() as f64 * self.block_s)
     }
@@ -84,17 +85,18 @@ impl EmulatedBoard {
         Ok(())
     }
 
-    /// What can be seen of its pins and its watchdog.
+    /// Returns the state of its pins and its watchdog.
     pub fn pins(&self) -> &Board {
         &self.played.board
     }
 
-    /// How often the board has reset itself.
+    /// Returns the number of resets of the board by itself.
     pub fn resets(&self) -> u32 {
         self.resets
     }
 
-    /// Stack depth of the board: until its controller was built, and in the blocks since, with block interrupt and background task.
+    /// Returns the maximum stack depth of the board: until its controller was built, and in the
+    /// blocks since, with block interrupt and background task.
     pub fn stack(&mut self) -> Result<Closing, Lost> {
         self.pipes.close()
     }
@@ -104,7 +106,7 @@ impl EmulatedBoard {
         self.beat.pins.stop = pressed;
     }
 
-    /// Waits for the board that has reset itself, and configures it again.
+    /// Waits for a board that has reset itself, and configures it again.
     fn restart(&mut self) -> Result<(), Lost> {
         self.resets += 1;
         self.beat.pins.sent = 0;
@@ -114,7 +116,8 @@ impl EmulatedBoard {
     }
 }
 
-/// Configures a board that was just powered or reset; what it plays until it has answered.
+/// Configures a board that was just powered on or reset. Returns the drive block that it plays
+/// until it has answered.
 fn powered(pipes: &mut Pipes, config: &Config) -> Result<DriveBlock, PilError> {
     let mut opening = Opening::default();
     pipes.ask(config, &mut opening)?;
@@ -122,7 +125,7 @@ fn powered(pipes: &mut Pipes, config: &Config) -> Result<DriveBlock, PilError> {
     Ok(opening.silence)
 }
 
-/// What it has sent: never waits, and gives nothing where nothing has come.
+/// Bytes from the board. A read never waits, and returns zero bytes if none have arrived.
 impl Read for EmulatedBoard {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         match self.serial.read(into) {
@@ -132,7 +135,7 @@ impl Read for EmulatedBoard {
     }
 }
 
-/// What the board is to receive in the next block.
+/// Bytes that the board receives in the next block.
 impl Write for EmulatedBoard {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let count = self.serial.write(bytes)?;

@@ -1,10 +1,11 @@
-//! `expect`: what a script wants of the last answer.
+//! `expect`: a check of the last answer in a script.
 //!
 //! ```text
 //! expect NAME = | != | < | <= | > | >=  VALUE  [+- TOLERANCE]
 //! ```
 //!
-//! NAME is a field as `--format json` shows it; a field within a list is `resonances.0.q`. VALUE is a number, or a word (`run`, `true`, `none`).
+//! NAME is a field as `--format json` shows it; a field within a list is `resonances.0.q`. VALUE is
+//! a number, or a word (`run`, `true`, `none`).
 
 use serde_json::Value;
 
@@ -12,7 +13,7 @@ use crate::answer::Answer;
 use crate::link_error::LinkError;
 use scene::nearest::{listed, nearest};
 
-/// An expectation of one field of the last answer.
+/// Expected value of one field of the last answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expect {
     name: String,
@@ -38,7 +39,8 @@ enum Expected {
 }
 
 impl Expect {
-    /// Parses the words after `expect`. An error names the word that is wrong, by its place; one past the last is that one is missing.
+    /// Parses the words after `expect`. An error contains the index of the wrong word; an index
+    /// after the last word means that a word is missing.
     pub fn parse(words: &[&str]) -> Result<Self, (usize, String)> {
         const FORM: &str = "expect NAME = VALUE [+- TOLERANCE]";
         let name = words.first().ok_or((0, format!("a field is missing: {FORM}")))?;
@@ -49,25 +51,25 @@ impl Expect {
             Some(&"<=") => Relation::AtMost,
             Some(&">") => Relation::More,
             Some(&">=") => Relation::AtLeast,
-            _ => return Err((1, "one of = != < <= > >= stands here".into())),
+            _ => return Err((1, "one of = != < <= > >= is required here".into())),
         };
         let value = words.get(2).ok_or((2, format!("a value is missing: {FORM}")))?;
         let value = value.parse().map_or_else(|_| Expected::Word((*value).to_owned()), Expected::Number);
         if matches!(value, Expected::Word(_)) && !matches!(relation, Relation::Equal | Relation::Unequal) {
-            return Err((2, "only numbers have an order".into()));
+            return Err((2, "only numbers can be compared by < <= > >=".into()));
         }
         let tolerance = match words.get(3..) {
             None | Some([]) => 0.0,
             Some(["+-", tolerance]) => match tolerance.parse::<f64>() {
                 Ok(tolerance) if tolerance >= 0.0 && relation == Relation::Equal => tolerance,
-                _ => return Err((4, "a tolerance is a number, and of `=`".into())),
+                _ => return Err((4, "a tolerance must be a non-negative number, and needs `=`".into())),
             },
-            Some(_) => return Err((3, format!("nothing but a tolerance follows: {FORM}"))),
+            Some(_) => return Err((3, format!("only a tolerance may follow the value: {FORM}"))),
         };
         Ok(Expect { name: (*name).to_owned(), relation, value, tolerance })
     }
 
-    /// Judges an answer by the expectation.
+    /// Compares an answer with the expectation.
     pub fn judge(&self, answer: &Answer) -> Result<Answer, LinkError> {
         let found = find(answer, &self.name).ok_or_else(|| {
             let names = || answer.fields.keys().map(String::as_str);
@@ -91,7 +93,7 @@ impl Expect {
         if holds {
             Ok(Answer::to("expect").line(line).field(&self.name, found.clone()))
         } else {
-            Err(LinkError::Failed(format!("{line}, which is not {}", self.shown())))
+            Err(LinkError::Failed(format!("{line}, expected {}", self.shown())))
         }
     }
 
@@ -113,7 +115,7 @@ impl Expect {
     }
 }
 
-/// A field by its name, or by its way through lists.
+/// Returns a field by its name, or by its path through lists.
 fn find<'a>(answer: &'a Answer, name: &str) -> Option<&'a Value> {
     answer.fields.get(name).or_else(|| {
         let (first, rest) = name.split_once('.')?;
@@ -151,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_so_holds() {
+    fn correct_expectations_pass() {
         for text in [
             "q = 65 +- 0.3",
             "q > 65",
@@ -172,16 +174,16 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_so_says_what_is() {
-        assert_eq!(judged("q = 65 +- 0.1"), Err("q is 65.2, which is not = 65 +- 0.1".into()));
-        assert_eq!(judged("mode = idle"), Err("mode is run, which is not = idle".into()));
-        assert_eq!(judged("fault = 12"), Err("fault is none, which is not = 12".into()));
+    fn a_failed_expectation_shows_the_actual_value() {
+        assert_eq!(judged("q = 65 +- 0.1"), Err("q is 65.2, expected = 65 +- 0.1".into()));
+        assert_eq!(judged("mode = idle"), Err("mode is run, expected = idle".into()));
+        assert_eq!(judged("fault = 12"), Err("fault is none, expected = 12".into())); // words: a value
         assert_eq!(judged("mod = run"), Err("`scan` has no field `mod`; it has `mode`".into()));
-        assert_eq!(judged("q ~ 3"), Err("1: one of = != < <= > >= stands here".into()));
-        assert_eq!(judged("mode > run"), Err("2: only numbers have an order".into()));
+        assert_eq!(judged("q ~ 3"), Err("1: one of = != < <= > >= is required here".into()));
+        assert_eq!(judged("mode > run"), Err("2: only numbers can be compared by < <= > >=".into()));
         assert_eq!(
             judged("q = 65 about 3"),
-            Err("3: nothing but a tolerance follows: expect NAME = VALUE [+- TOLERANCE]".into())
+            Err("3: only a tolerance may follow the value: expect NAME = VALUE [+- TOLERANCE]".into())
         );
     }
 }

@@ -1,15 +1,17 @@
-//! The host's end of the link to a driver board, real or simulated.
+//! Host side of the link to a driver board, real or simulated.
 //!
 //! ```text
 //! command line, script --> commands --> session --> client --> port --> serial device | TCP | simulated board
 //!                             |                        |
-//!                          answer               frames of firmware::board::link: sequence numbers, checks, asking again
+//!                          answer               frames of firmware::board::link: sequence numbers, checksums, repeats
 //! ```
 //!
-//! [`port`] carries bytes and has the clock; the time of a [simulated board](simulated_board) is the one it plays in, and passes only
-//! while a caller waits for it, so that a dialogue is the same every time and as fast as the machine. [`client`] asks and is answered.
-//! [`session`] waits, keeps the board's host timeout from running out, and leaves the drive in the state that the user has asked for. Each
-//! [command](commands) is one file, and gives an [`answer`](answer::Answer), for a reader or as a line of JSON.
+//! A [`port`] carries bytes and provides the clock. The clock of a [simulated
+//! board](simulated_board) is its simulated time. It advances only while a caller waits for it, so
+//! that a dialogue is reproducible and as fast as the machine. A [`client`] sends commands and
+//! receives answers. A [`session`] waits, prevents the host timeout of the board from expiring, and
+//! leaves the drive in the state that the user has chosen. Each [command](commands) is one file. It
+//! returns an [`answer`](answer::Answer), as text or as a line of JSON.
 //!
 //! # Example
 //!
@@ -23,9 +25,9 @@
 //! use sonoglide_link::port::Simulated;
 //! use sonoglide_link::simulated_board::SimulatedBoard;
 //!
-//! static STOP: AtomicBool = AtomicBool::new(false); // set by Ctrl-C, say
+//! static STOP: AtomicBool = AtomicBool::new(false); // set by Ctrl-C, for example
 //! let loaded = load("lock", &[])?;
-//! let board = SimulatedBoard::new(&loaded.scene.driven().expect("the firmware drives it"), 0)?;
+//! let board = SimulatedBoard::new(&loaded.scene.driven().expect("a driven scene"), 0)?;
 //! let port = Simulated::new("sim:lock", Rc::new(RefCell::new(board)), false);
 //! let mut client = Client::new(Box::new(port), &STOP, |note| eprintln!("{note}"));
 //! assert_eq!(client.connect()?.converters.sample_hz, 1_000_000);

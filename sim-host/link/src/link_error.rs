@@ -1,4 +1,4 @@
-//! What goes wrong between a host and a board, each as a sentence that says what to do.
+//! Errors between a host and a board, each with a remedy.
 
 use std::io;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use report::ReportError;
 use scene::diagnostic::Report;
 use sim::output::OutputError;
 
-/// Errors of a dialogue with a board.
+/// Error of a dialogue with a board.
 #[derive(Debug, thiserror::Error)]
 pub enum LinkError {
     /// The port cannot be opened.
@@ -18,57 +18,58 @@ pub enum LinkError {
     Open {
         /// The port.
         port: String,
-        /// Why, and what to do.
+        /// Reason and remedy.
         why: String,
     },
-    /// Nothing comes back.
+    /// No byte arrives.
     #[error(
-        "{port} is open, but nothing answers there (asked {tries} times in {seconds:.1} s). Is the board powered and flashed (`cargo flash`), and \
-         is this its port?"
+        "{port} is open, but nothing answers there (asked {tries} times in {seconds:.1} s). Is the board powered and flashed \
+         (`cargo flash`), and is this the right port?"
     )]
     Silent {
         /// The port.
         port: String,
-        /// How often it was asked.
+        /// Number of requests.
         tries: u32,
-        /// For how long, s.
+        /// Duration of the requests, s.
         seconds: f64,
     },
-    /// Something else comes back.
+    /// Bytes arrive that are not frames.
     #[error(
-        "{port} answers, but not as a Sonoglide board: {count} bytes and no whole frame among them, beginning with {bytes}. Another device, or \
-         another baud rate?"
+        "{port} answers, but not as a Sonoglide board: {count} bytes without a valid frame, beginning with {bytes}. Is it \
+         another device, or another baud rate?"
     )]
     Stranger {
         /// The port.
         port: String,
-        /// How many bytes have come.
+        /// Number of received bytes.
         count: usize,
-        /// The first of them, readable.
+        /// First bytes, as readable text.
         bytes: String,
     },
-    /// The board speaks another version.
-    #[error("the board at {port} speaks version {board} of the link's protocol, this program version {ours}: {}", older(*board, *ours))]
+    /// The board has another protocol version.
+    #[error("the board at {port} speaks version {board} of the link's protocol, this program version {ours}: \
+             {}", older(*board, *ours))]
     Version {
         /// The port.
         port: String,
-        /// The board's.
+        /// Version of the board.
         board: u8,
-        /// Ours.
+        /// Version of this program.
         ours: u8,
     },
-    /// The connection is gone and does not come back.
+    /// The connection is lost and could not be restored.
     #[error("lost {port}: {why}")]
     Lost {
         /// The port.
         port: String,
-        /// Why.
+        /// Reason.
         why: String,
     },
     /// The board obeys another session.
     #[error(
-        "the board at {port} obeys another session now: another client has connected since, or the board was reset (`fault log` says by what). \
-         The command was not carried out. Connect again once the other client has ended"
+        "the board at {port} obeys another session now: another client has connected since, or the board was reset (`fault log` \
+         shows the cause). The command was not carried out. Connect again once the other client has ended"
     )]
     Displaced {
         /// The port.
@@ -79,27 +80,27 @@ pub enum LinkError {
     Refused {
         /// The refused command.
         command: String,
-        /// Why the board refuses it.
+        /// Reason of the board.
         refusal: Refusal,
     },
-    /// The board answers something else than what was asked.
-    #[error("the board has answered `{command}` with something else: {reply}. Is its firmware older than this program?")]
+    /// The answer of the board does not belong to the command.
+    #[error("the board has answered `{command}` with an unexpected reply: {reply}. Is its firmware older than this program?")]
     Unexpected {
-        /// What was asked.
+        /// The command.
         command: String,
-        /// What came.
+        /// The reply.
         reply: String,
     },
-    /// An argument cannot be what is meant.
+    /// An argument is not valid.
     #[error("{0}")]
     Usage(String),
-    /// An input is missing or refused: a file, a scene or a name.
+    /// An input is missing or not valid: a file, a scene or a name.
     #[error("{0}")]
     Input(String),
-    /// The command was carried out, and has failed.
+    /// The command was carried out and has failed.
     #[error("{0}")]
     Failed(String),
-    /// A script is wrong: a report with line and caret.
+    /// A script is not valid: a report with line and caret.
     #[error("{0}")]
     Script(Report),
     /// A line of a script has failed.
@@ -107,7 +108,7 @@ pub enum LinkError {
     At {
         /// The script and its line.
         place: String,
-        /// What has happened.
+        /// The error of that line.
         error: Box<LinkError>,
     },
     /// A file cannot be written.
@@ -115,16 +116,16 @@ pub enum LinkError {
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         io: io::Error,
     },
     /// The folder of a result cannot be written.
     #[error(transparent)]
     Folder(#[from] OutputError),
     /// A figure cannot be drawn.
-    #[error("{}", whole(.0))]
+    #[error("{}", with_causes(.0))]
     Figure(#[from] ReportError),
-    /// Standard output is gone.
+    /// Standard output is closed.
     #[error(transparent)]
     Output(#[from] io::Error),
     /// Ctrl-C has interrupted the command.
@@ -132,25 +133,25 @@ pub enum LinkError {
     Interrupted,
 }
 
-/// Which of the two is to be renewed.
+/// Returns the remedy for two different protocol versions.
 fn older(board: u8, ours: u8) -> &'static str {
-    if board < ours { "flash the board again (`cargo flash`)" } else { "take the program that belongs to its firmware" }
+    if board < ours { "flash the board again (`cargo flash`)" } else { "use the program that belongs to its firmware" }
 }
 
-/// An error with its causes.
-fn whole(error: &dyn std::error::Error) -> String {
+/// Returns an error with its causes.
+fn with_causes(error: &dyn std::error::Error) -> String {
     let causes = std::iter::successors(error.source(), |cause| cause.source());
     causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
 }
 
 impl LinkError {
-    /// Whether board or link are not there, or not any more.
+    /// Returns `true` if the board or the link is missing or lost.
     pub fn is_lost(&self) -> bool {
         use LinkError::{Displaced, Lost, Open, Silent, Stranger, Version};
         matches!(self.cause(), Open { .. } | Silent { .. } | Stranger { .. } | Version { .. } | Lost { .. } | Displaced { .. })
     }
 
-    /// What has happened, wherever that was.
+    /// Returns the error without the line of the script.
     pub fn cause(&self) -> &LinkError {
         if let LinkError::At { error, .. } = self { error.cause() } else { self }
     }

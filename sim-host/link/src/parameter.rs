@@ -1,4 +1,4 @@
-//! A parameter of the board, by its name, and what the board says of it.
+//! Parameters of the board by name, with their values as text.
 
 use firmware::board::command::{Command, Reply, Verb};
 use firmware::board::parameters::{PARAMETERS, ParameterReport};
@@ -8,22 +8,22 @@ use crate::client::{Client, unexpected};
 use crate::link_error::LinkError;
 use scene::nearest::{listed, nearest};
 
-/// The parameter of this name.
+/// Returns the parameter with this name.
 pub fn parameter(name: &str) -> Result<&'static Parameter, LinkError> {
     PARAMETERS.iter().find(|parameter| parameter.name == name).ok_or_else(|| {
         let names = || PARAMETERS.iter().map(|parameter| parameter.name);
-        // The last part alone is enough to be understood, not to be obeyed.
+        // A name without its group is only suggested, not accepted.
         let ends: Vec<&str> = names().filter(|known| known.rsplit('.').next() == Some(name)).collect();
         let similar = if ends.is_empty() { nearest(name, names()) } else { ends };
         let hint = match similar.as_slice() {
-            [] => "`settings get` lists them".to_owned(),
+            [] => "`settings get` lists all settings".to_owned(),
             similar => format!("did you mean {}?", listed(similar.iter().take(3).copied(), "or")),
         };
         LinkError::Input(format!("there is no setting `{name}`; {hint}"))
     })
 }
 
-/// What the board says of a parameter.
+/// Requests the board's report of a parameter.
 pub fn report(parameter: &Parameter, client: &mut Client) -> Result<ParameterReport, LinkError> {
     match client.ask(Command::Settings(Verb::Get(parameter.key)))? {
         Reply::Parameter(report) => Ok(report),
@@ -31,7 +31,7 @@ pub fn report(parameter: &Parameter, client: &mut Client) -> Result<ParameterRep
     }
 }
 
-/// The value of a parameter, as a user writes it: a number, or one of its names.
+/// Reads the value of a parameter from text: a number, or one of its names.
 pub fn read(parameter: &Parameter, text: &str) -> Result<f32, LinkError> {
     let number = || match text {
         "none" => Some(f32::INFINITY),
@@ -41,15 +41,15 @@ pub fn read(parameter: &Parameter, text: &str) -> Result<f32, LinkError> {
         Range::Choice(names) => {
             (names.iter().position(|name| *name == text).map(|place| place as f32), listed(names.iter().copied(), "or"))
         }
-        _ => (None, "a number, or `none` where there may be none".to_owned()),
+        _ => (None, "a number, or `none` for a setting that may be absent".to_owned()),
     };
-    place.or_else(number).ok_or_else(|| LinkError::Usage(format!("{} is {wanted}, not `{text}`", parameter.name)))
+    place.or_else(number).ok_or_else(|| LinkError::Usage(format!("{} must be {wanted}, not `{text}`", parameter.name)))
 }
 
-/// A parameter's value as a reader wants it.
+/// Returns a parameter's value as text.
 pub fn shown(parameter: &Parameter, value: f32) -> String {
     match parameter.range {
-        // A value between two names has none.
+        // A fractional value has no name.
         Range::Choice(names) => match names.iter().zip(0_u8..).find(|(_, place)| f32::from(*place) == value) {
             Some((name, _)) => (*name).to_owned(),
             None => number(value),
@@ -60,18 +60,18 @@ pub fn shown(parameter: &Parameter, value: f32) -> String {
 
 fn number(value: f32) -> String {
     match value {
-        // Below all limits is not without one.
+        // Negative infinity is not `none`.
         f32::INFINITY => "none".into(),
         _ if value.is_infinite() || value == 0.0 || (1e-3..1e6).contains(&value.abs()) => value.to_string(),
         _ => format!("{value:e}"),
     }
 }
 
-/// What a parameter can be.
+/// Returns the permitted values of a parameter as text.
 pub fn range(parameter: &Parameter, min: f32, max: f32) -> String {
     match (parameter.range, max) {
         (Range::Choice(names), _) => listed(names.iter().copied(), "or"),
-        (_, max) if min == max => "as built".into(),
+        (_, max) if min == max => "fixed by the image".into(),
         (_, max) if max.is_infinite() => format!("{} and more", number(min)),
         _ => format!("{} to {}", number(min), number(max)),
     }
@@ -82,18 +82,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ranges_read_well() {
+    fn ranges_are_formatted() {
         let current = parameter("limits.current_a").unwrap();
         let shown = |min, max| range(current, min, max);
         assert_eq!(
             (shown(0.001, f32::INFINITY), shown(1e-12, 1e-3), shown(2.0, 2.0)),
-            ("0.001 and more".into(), "1e-12 to 0.001".into(), "as built".into())
+            ("0.001 and more".into(), "1e-12 to 0.001".into(), "fixed by the image".into())
         );
         assert_eq!(range(parameter("burst.edge").unwrap(), 0.0, 2.0), "`hard`, `soft` or `boost`");
     }
 
     #[test]
-    fn what_is_shown_of_a_value_is_read_as_that_value() {
+    fn a_formatted_value_is_parsed_as_the_same_value() {
         for name in ["limits.power_w", "burst.edge", "friction.enabled"] {
             let parameter = parameter(name).unwrap();
             for value in [f32::INFINITY, f32::NEG_INFINITY, 0.0, 0.7, 1.0, -1.0, 300.0] {
@@ -107,10 +107,10 @@ mod tests {
         let edge = parameter("burst.edge").unwrap();
         assert_eq!(["hard", "boost", "1", "7"].map(|text| read(edge, text).unwrap()), [0.0, 2.0, 1.0, 7.0]);
         assert_eq!(shown(edge, 2.0), "boost");
-        assert_eq!(read(edge, "soft ").unwrap_err().to_string(), "burst.edge is `hard`, `soft` or `boost`, not `soft `");
+        assert_eq!(read(edge, "soft ").unwrap_err().to_string(), "burst.edge must be `hard`, `soft` or `boost`, not `soft `");
         let limit = parameter("limits.power_w").unwrap();
         assert_eq!(["none", "1e2"].map(|text| read(limit, text).unwrap()), [f32::INFINITY, 100.0]);
         let refused = read(limit, "much").unwrap_err().to_string();
-        assert_eq!(refused, "limits.power_w is a number, or `none` where there may be none, not `much`");
+        assert_eq!(refused, "limits.power_w must be a number, or `none` for a setting that may be absent, not `much`");
     }
 }

@@ -1,4 +1,4 @@
-//! Where a board is: a stream of bytes, and the time that passes there.
+//! Ports to a board: a stream of bytes, and the board's clock.
 
 mod listed;
 mod serial;
@@ -14,39 +14,42 @@ pub use listed::listed;
 pub use serial::{BAUD, Serial};
 pub use simulated::{InProcess, Simulated};
 pub use stream::Stream;
-pub(crate) use tcp::HELD;
+pub(crate) use tcp::HELD_MESSAGE;
 pub use tcp::Tcp;
 
 use crate::link_error::LinkError;
 
-/// Bytes to and from a board.
+/// Stream of bytes to and from a board.
 pub trait Port {
-    /// What the user calls it.
+    /// Returns the name of the port, as the user gave it.
     fn name(&self) -> &str;
 
     /// Sends all of these bytes.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// Takes what has come, and waits up to `wait` where nothing has. Nothing in time is 0 bytes; a port that is gone is an error.
+    /// Reads received bytes, and waits up to `wait` if there are none. Returns 0 if nothing arrives
+    /// in time; a lost port is an error.
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize>;
 
-    /// Time since the port was opened, as it passes for the board.
+    /// Returns the time since the port was opened, by the board's clock.
     fn now(&self) -> Duration;
 
-    /// Opens it again after it was lost.
+    /// Reopens the port after it was lost.
     fn reopen(&mut self) -> Result<(), LinkError>;
 
-    /// A number for the session that a client is about to begin, by which it knows the answer to its own request. Where others may be at the same board it
-    /// is drawn by [`chance`]; at a board in this process it depends on the board's time alone, so that a dialogue is the same each time.
+    /// Returns a number for the session that a client is about to begin, by which it recognizes the
+    /// answer to its own request. If other clients may use the same board, it is random
+    /// ([`chance`]). At a board in this process it depends only on the board's time, so that a
+    /// dialogue is reproducible.
     fn nonce(&mut self) -> u32;
 
-    /// Whether the board's time stands still while the client does something else.
+    /// Returns `true` if the board's time stops while the client does something else.
     fn stands_still(&self) -> bool {
         false
     }
 }
 
-/// A number that no other program draws, but by chance: from the operating system.
+/// Returns a random number from the operating system.
 pub fn chance() -> u32 {
     RandomState::new().build_hasher().finish() as u32
 }
@@ -81,12 +84,13 @@ impl<P: Port + ?Sized> Port for Box<P> {
     }
 }
 
-/// Whether this only means that nothing has come yet.
+/// Returns `true` if the error only means that no byte has arrived yet.
 fn is_timeout(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
 }
 
-/// Reads until something has come or `wait` is over; `read` returns soon, with a timeout where nothing has come, and is given the time left.
+/// Reads until bytes arrive or `wait` is over. `read` gets the remaining time, and fails with a
+/// timeout if no byte has arrived.
 fn within(wait: Duration, mut read: impl FnMut(Duration) -> io::Result<usize>) -> io::Result<usize> {
     let until = Instant::now() + wait;
     loop {
@@ -101,7 +105,7 @@ fn within(wait: Duration, mut read: impl FnMut(Duration) -> io::Result<usize>) -
     }
 }
 
-/// The error of a stream whose other end is closed.
+/// Returns the error of a stream whose other end is closed.
 fn ended() -> io::Error {
     io::Error::new(io::ErrorKind::UnexpectedEof, "the other end has closed the connection")
 }

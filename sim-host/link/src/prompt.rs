@@ -1,5 +1,5 @@
-//! What a prompt knows of its commands: which words may come next, with their units, and what they mean. The commands are those of a script, read by the
-//! same parser; who edits the line is not here.
+//! Completion and help for a prompt: the next possible words with their units and meanings. The
+//! commands are those of a script, read by the same parser. The line editor is elsewhere.
 
 use clap::{Arg, Command};
 use firmware::board::parameters::PARAMETERS;
@@ -8,22 +8,22 @@ use scene::schema::unit_of;
 
 use crate::script::grammar;
 
-/// Words that only a prompt has, and what they do.
-pub const OWN: [(&str, &str); 2] =
-    [("help", "What there is to say; `help COMMAND`: how to say it"), ("exit", "Leave, as Ctrl-D does; the drive falls silent")];
-/// Words of a script that are no commands of a board.
-const OF_SCRIPTS: [(&str, &str); 1] = [("expect", "Check the last answer: `expect NAME OP VALUE [+- TOLERANCE]`")];
+/// Words that exist only at a prompt, with their meanings.
+pub const PROMPT_WORDS: [(&str, &str); 2] =
+    [("help", "List the commands; `help COMMAND` explains one"), ("exit", "Leave, like Ctrl-D; the drive stops")];
+/// Words of a script that are not commands to a board.
+const SCRIPT_WORDS: [(&str, &str); 1] = [("expect", "Check the last answer: `expect NAME OP VALUE [+- TOLERANCE]`")];
 
-/// A word that may come next.
+/// Candidate for the next word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Candidate {
     /// The word.
     pub word: String,
-    /// What it is: a meaning, or a unit.
+    /// Meaning or unit of the word.
     pub meaning: String,
 }
 
-/// The words that may stand at the end of a line, and where the present beginning of that word is.
+/// Returns the candidates for the last word of a line, and the index at which that word begins.
 pub fn candidates(line: &str) -> (usize, Vec<Candidate>) {
     let start = line.rfind(char::is_whitespace).map_or(0, |space| space + line[space..].chars().next().map_or(1, char::len_utf8));
     let mut before: Vec<&str> = line[..start].split_whitespace().collect();
@@ -36,7 +36,8 @@ pub fn candidates(line: &str) -> (usize, Vec<Candidate>) {
     (start, all)
 }
 
-/// What the value of a setting is, where the line ends after its name: its unit, and its names or its default range.
+/// Returns a hint for a line that ends after the name of a setting: the unit of its value, or its
+/// permitted names.
 pub fn hint(line: &str) -> Option<String> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let ["settings", "set", name] = words[..] else { return None };
@@ -47,7 +48,7 @@ pub fn hint(line: &str) -> Option<String> {
     })
 }
 
-/// The table of commands, or how one is said. None where there is no such command.
+/// Returns the table of commands, or the help of one command; none if there is no such command.
 pub fn help(command: Option<&str>) -> Option<String> {
     let grammar = grammar();
     if let Some(name) = command {
@@ -55,16 +56,16 @@ pub fn help(command: Option<&str>) -> Option<String> {
         return Some(found.render_help().to_string());
     }
     let commands = grammar.get_subcommands().map(|command| (command.get_name().to_owned(), about(command)));
-    let others = OF_SCRIPTS.into_iter().chain(OWN).map(|(name, meaning)| (name.to_owned(), meaning.to_owned()));
+    let others = SCRIPT_WORDS.into_iter().chain(PROMPT_WORDS).map(|(name, meaning)| (name.to_owned(), meaning.to_owned()));
     Some(commands.chain(others).map(|(name, meaning)| format!("  {name:11} {meaning}\n")).collect())
 }
 
-/// The words that may follow others.
+/// Returns the words that may follow others.
 fn following(before: &[&str]) -> Vec<Candidate> {
     let grammar = grammar();
     match before {
         [] => {
-            let others = OF_SCRIPTS.into_iter().chain(OWN).map(|(word, meaning)| candidate(word, meaning));
+            let others = SCRIPT_WORDS.into_iter().chain(PROMPT_WORDS).map(|(word, meaning)| candidate(word, meaning));
             subcommands(&grammar).into_iter().chain(others).collect()
         }
         ["help"] => subcommands(&grammar),
@@ -79,7 +80,7 @@ fn following(before: &[&str]) -> Vec<Candidate> {
                 Ok(command) | Err(command) => command,
             };
             let last = words.last().and_then(|word| word.strip_prefix("--"));
-            // The value of an option, where it is one of a few words.
+            // An option that takes one of a few words.
             if let Some(argument) = last.and_then(|name| command.get_arguments().find(|known| known.get_long() == Some(name)))
                 && argument.get_action().takes_values()
             {
@@ -112,7 +113,7 @@ fn values(argument: &Arg) -> Vec<Candidate> {
     argument.get_possible_values().iter().map(|value| candidate(value.get_name(), &meaning(value))).collect()
 }
 
-/// The names that the value of a setting has.
+/// Returns the names that the value of a setting can have.
 fn names_of(name: &str) -> Vec<Candidate> {
     let found = PARAMETERS.iter().find(|parameter| parameter.name == name);
     match found.map(|parameter| parameter.range) {
@@ -121,7 +122,7 @@ fn names_of(name: &str) -> Vec<Candidate> {
     }
 }
 
-/// Unit of a setting; `1` of a ratio or a count.
+/// Returns the unit of a setting; `1` for a ratio or a count.
 fn unit(parameter: &Parameter) -> String {
     if matches!(parameter.range, Range::Choice(_)) {
         "name".into()
@@ -139,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn commands_options_settings_and_their_names_are_completed() {
+    fn commands_options_and_settings_are_completed() {
         assert_eq!(words("sc"), ["scan"]);
         assert_eq!(words("! sc"), ["scan"]);
         assert!(words("").iter().any(|word| word == "exit") && words("").iter().any(|word| word == "lock"));
@@ -155,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn settings_have_their_units() {
+    fn settings_are_completed_with_their_units() {
         let of = |line: &str| candidates(line).1.into_iter().map(|found| found.meaning).collect::<Vec<_>>();
         assert_eq!(of("settings get limits.voltage_v"), ["V"]);
         assert_eq!(hint("settings set limits.voltage_v ").as_deref(), Some("<V>"));
@@ -164,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn help_is_made_of_the_commands_themselves() {
+    fn help_lists_every_command() {
         let all = help(None).expect("a table");
         assert!(grammar().get_subcommands().all(|command| all.contains(command.get_name())), "{all}");
         assert!(help(Some("drive")).expect("help").contains("--volts") && help(Some("drvie")).is_none());

@@ -1,28 +1,29 @@
-//! The bytes received, to be shown if they turn out to be no frame of the link.
+//! Received bytes, to be shown if they are not frames of the link.
 
-/// Most bytes that are stored.
-const MOST: usize = 256;
+/// Maximum number of stored bytes.
+const MAX_STORED_BYTES: usize = 256;
 
-/// The first bytes received since the last frame, and their number.
+/// First received bytes and their total number.
 #[derive(Clone, Debug, Default)]
 pub struct RawFrame {
     first: Vec<u8>,
     count: usize,
-    /// Since the last zero.
+    /// Bytes since the last zero.
     frame: Vec<u8>,
 }
 
 impl RawFrame {
-    /// Takes a byte. At the zero that closes a frame, gives the first of what the frame says: its protocol version.
+    /// Takes a byte. At the zero that ends a frame, returns the protocol version, which is the
+    /// first byte of the decoded frame.
     ///
-    /// COBS puts a one before a zero, and anything else before the first byte itself.
+    /// COBS encodes a leading zero as a one; otherwise the version follows the first code byte.
     pub fn take(&mut self, byte: u8) -> Option<u8> {
         self.count += 1;
-        if self.first.len() < MOST {
+        if self.first.len() < MAX_STORED_BYTES {
             self.first.push(byte);
         }
         if byte != 0 {
-            if self.frame.len() < MOST {
+            if self.frame.len() < MAX_STORED_BYTES {
                 self.frame.push(byte);
             }
             return None;
@@ -36,12 +37,12 @@ impl RawFrame {
         version
     }
 
-    /// Bytes that have come.
+    /// Returns the number of received bytes.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// The first of them, readable.
+    /// Returns the first bytes as readable text.
     pub fn shown(&self) -> String {
         let first = &self.first[..self.first.len().min(24)];
         let rest = if self.count > first.len() { "…" } else { "" };
@@ -61,18 +62,18 @@ mod tests {
     use firmware::board::link::{VERSION, encode};
 
     #[test]
-    fn a_frame_tells_its_version_whatever_it_says() {
+    fn the_version_of_any_frame_is_found() {
         let mut raw = RawFrame::default();
         let frame = encode(300, 0, Command::Identify(7)).unwrap();
         let versions: Vec<u8> = frame.iter().filter_map(|&byte| raw.take(byte)).collect();
         assert_eq!(versions, [VERSION]);
-        // A version of nothing is stuffed as a one.
+        // Version 0 is encoded as a one.
         assert_eq!([1, 5, 7, 0].iter().filter_map(|&byte| raw.take(byte)).collect::<Vec<u8>>(), [0]);
         assert_eq!([0, 0].iter().filter_map(|&byte| raw.take(byte)).count(), 0);
     }
 
     #[test]
-    fn what_a_stranger_says_is_shown() {
+    fn the_output_of_another_device_is_shown() {
         let mut raw = RawFrame::default();
         assert!(b"ok\r\n\xff login: please say who you are".iter().all(|&byte| raw.take(byte).is_none()));
         assert_eq!((raw.count(), raw.shown()), (35, r#""ok\r\n\xff login: please say …""#.into()));

@@ -1,14 +1,14 @@
-//! What each refusal means for who is refused.
+//! Names of the refusals, and their messages for the user.
 
 use firmware::seam::refusal::Refusal;
 
-/// Why the board does not do this, and what to do.
+/// Returns a message with the reason of a refusal and the remedy.
 pub fn sentence(command: &str, refusal: Refusal) -> String {
     let (why, what) = words(refusal);
     format!("the board refuses `{command}`: {why}. {what}")
 }
 
-/// The refusal's name, for programs.
+/// Returns the name of a refusal, for programs.
 pub fn name(refusal: Refusal) -> &'static str {
     match refusal {
         Refusal::Damaged => "damaged",
@@ -32,50 +32,56 @@ pub fn name(refusal: Refusal) -> &'static str {
 
 fn words(refusal: Refusal) -> (&'static str, &'static str) {
     match refusal {
-        Refusal::Damaged => ("every copy of it arrived damaged", "Look at cable, ground and baud rate (921600)"),
+        Refusal::Damaged => ("every copy of it arrived damaged", "Check cable, ground and baud rate (921600)"),
         Refusal::Version => ("it is of another protocol version", "Flash the firmware that belongs to this program"),
         Refusal::Unknown => ("it does not know this command", "Its firmware is older than this program: flash it again"),
         Refusal::NotPlausible => {
-            ("a number in it cannot be", "Give a finite number, not below zero, and within the range that `settings get` shows")
+            ("it contains an impossible number", "Give a finite, non-negative number within the range that `settings get` shows")
         }
         Refusal::Busy => (
-            "earlier orders have not been taken yet: its block stream stands still, or commands come too fast",
-            "Try again; if it stays so, the converters have stopped: power it off and on, and `fault log` says why",
+            "earlier orders are still waiting: the block stream has stopped, or commands arrive too fast",
+            "Try again; if it persists, the converters have stopped: power the board off and on, then read `fault log`",
         ),
         Refusal::Driving => ("this is done only while the drive is silent", "Send `stop` first"),
         Refusal::Flash => (
-            "its flash does not do it",
-            "Try again after `reset`; if it stays so, the flash is worn out or its pages are protected",
+            "its flash memory has failed",
+            "Try again after `reset`; if it persists, the flash is worn out or its pages are protected",
         ),
         Refusal::OutOfRange => (
             "a number in it is beyond its range",
-            "`settings get` shows the ranges; a capture has 1024 samples, of a lane that the board has",
+            "`settings get` shows the ranges; a capture has 1024 samples of one lane of the board",
         ),
-        Refusal::NoSuchKey => ("its firmware has no such setting", "`settings get` lists what it has; or flash it again"),
+        Refusal::NoSuchKey => {
+            ("its firmware has no such setting", "`settings get` lists its settings; newer firmware may have it")
+        }
         Refusal::NotCaptured => ("its capture is not full yet", "Wait for the trigger, or arm it with another one"),
         Refusal::NotConfigured => (
-            "nothing of it is configured for that",
-            "An image with a friction switch, and settings for its contact, would have it",
+            "the board is not configured for it",
+            "`friction` needs a friction switch: [controller.friction] in a scene, `friction.enabled` and its contact at a \
+             board. An update needs a first stage, and an occupant the restraint of a belt",
         ),
         Refusal::LeftOut => (
-            "its image leaves out that part of the controller",
-            "Flash an image with every part, as `cargo fw` builds it unless told otherwise",
+            "its image does not contain that part of the controller",
+            "Flash an image with every part, as `cargo fw` builds it by default",
         ),
         Refusal::NoBeltScale => (
-            "it serves the D-ring of a belt, and would not know when that belt stops",
-            "Set `front_end.metre_per_count`, the length of belt that a count of its encoder stands for, in m; then `settings store` and `reset`",
+            "it drives at the D-ring of a belt, but without a belt scale it cannot detect a stop of the belt",
+            "Set `front_end.metre_per_count`, the length of belt per count of its encoder, in m; then `settings store` and \
+            `reset`",
         ),
         Refusal::LimitsUnsure => (
-            "a limit that was stored may not act: its stored settings could not be read when it started, or nothing here judges one of them",
-            "`settings get` shows what acts. Set the limits again and send `settings store`, or `settings clear` for those of the image; then `reset`",
+            "a stored limit may be inactive: the stored settings could not be read at start-up, or this image cannot check one \
+             of them",
+            "`settings get` shows the active values. Set the limits again and send `settings store`, or restore those of the \
+             image by `settings clear`; then `reset`",
         ),
         Refusal::DoesNotBuild(_) => (
-            "the set values do not fit together",
-            "`settings get` shows them; a drive, for one, must be within `limits.voltage_v`",
+            "the new values do not fit together",
+            "`settings get` shows them; for example, every drive voltage must be within `limits.voltage_v`",
         ),
         Refusal::Session => (
-            "it is of another session: another client has connected since, or the board was reset",
-            "End the other client, or see by `fault log` what has reset the board; then connect again",
+            "it belongs to another session: another client has connected since, or the board was reset",
+            "End the other client, or read the cause of the reset from `fault log`; then connect again",
         ),
     }
 }

@@ -1,4 +1,4 @@
-//! What the codes of a board's converters are worth, as the board says.
+//! Scale factors of a board's converter codes.
 
 use firmware::board::command::Converters;
 
@@ -9,7 +9,7 @@ use crate::parameter::{parameter, report};
 /// Scale factors from codes to volts and amperes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// Samples a second, Hz.
+    /// Sampling rate, Hz.
     pub sample_hz: f64,
     /// Duration of a block, s.
     pub block_s: f64,
@@ -19,14 +19,14 @@ pub struct Scale {
     pub ampere_per_lsb: f64,
     /// Volts at the amplifier's output per drive code.
     pub drive_volt_per_lsb: f64,
-    /// The sense code at zero.
+    /// Sense code at zero.
     pub sense_mid_code: f64,
-    /// The drive code at zero.
+    /// Drive code at zero.
     pub drive_mid_code: f64,
 }
 
 impl Scale {
-    /// Asks the board for its scale factors.
+    /// Requests the scale factors from the board.
     pub fn ask(converters: &Converters, client: &mut Client) -> Result<Self, LinkError> {
         let sample_hz = f64::from(converters.sample_hz);
         let mut acts = |name: &str| Ok::<f64, LinkError>(report(parameter(name)?, client)?.acts.into());
@@ -41,17 +41,17 @@ impl Scale {
         })
     }
 
-    /// A voltage code, V.
+    /// Converts a voltage code to V.
     pub fn volts(&self, code: u16) -> f64 {
         (f64::from(code) - self.sense_mid_code) * self.volt_per_lsb
     }
 
-    /// A current code, A.
+    /// Converts a current code to A.
     pub fn amperes(&self, code: u16) -> f64 {
         (f64::from(code) - self.sense_mid_code) * self.ampere_per_lsb
     }
 
-    /// A drive code, V.
+    /// Converts a drive code to V.
     pub fn drive_volts(&self, code: u16) -> f64 {
         (f64::from(code) - self.drive_mid_code) * self.drive_volt_per_lsb
     }

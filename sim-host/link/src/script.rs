@@ -1,16 +1,16 @@
-//! Scripts: commands line by line, as a CI rig wants them.
+//! Scripts: one command per line, for automated tests of a board.
 //!
 //! ```text
-//! # what follows a hash is for readers
+//! # a comment
 //! scan
 //! expect series_resonance_hz = 40400 +- 2
 //! drive --volts 3
 //! wait 0.2
-//! ! settings store        # must be refused: it drives
+//! ! settings store        # must be refused while the drive is on
 //! ```
 //!
-//! All lines are read before the first is done: a script with a mistake does nothing. The first that fails ends it; a line after `!` fails if
-//! it does not.
+//! All lines are read before the first is executed: a script with a mistake does nothing. The first
+//! line that fails ends the script. A line after `!` must fail.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -25,21 +25,21 @@ use crate::link_error::LinkError;
 use crate::session::Session;
 use scene::diagnostic::{Place, Problem, Report, Source};
 
-/// A script of commands, waits and expectations.
+/// Script of commands, waits and expectations.
 #[derive(Clone, Debug)]
 pub struct Script {
     name: String,
     lines: Vec<Line>,
 }
 
-/// A line that does something.
+/// Line of a script with a command.
 #[derive(Clone, Debug)]
 pub struct Line {
     /// Number of the line, from one.
     pub number: usize,
     /// Text of the line, without its comment.
     pub text: String,
-    /// It must fail.
+    /// `true` if the command must fail.
     fails: bool,
     step: Step,
 }
@@ -51,7 +51,7 @@ enum Step {
     Expect(Expect),
 }
 
-/// The words of a line, as clap has them.
+/// Returns the grammar of a line as a clap command.
 pub(crate) fn grammar() -> clap::Command {
     <Words as clap::CommandFactory>::command().name("link")
 }
@@ -67,7 +67,7 @@ struct Words {
 enum Word {
     #[command(flatten)]
     Order(Order),
-    /// Let time pass.
+    /// Wait for a number of seconds.
     Wait {
         #[arg(value_parser = seconds)]
         time: f64,
@@ -75,7 +75,7 @@ enum Word {
 }
 
 impl Script {
-    /// Reads a script; `name` is what messages call it.
+    /// Reads a script. `name` is its name in messages.
     pub fn parse(name: &str, text: &str) -> Result<Self, LinkError> {
         let (mut lines, mut problems) = (Vec::new(), Vec::new());
         let mut start = 0;
@@ -99,12 +99,13 @@ impl Script {
         Err(LinkError::Script(Report::new(vec![Source { name: name.to_owned(), text: text.to_owned() }], problems)))
     }
 
-    /// Whether no line does anything.
+    /// Returns `true` if the script contains no command.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
 
-    /// Runs the script, and calls `report` with each line and its result. Ends with the first line that fails.
+    /// Runs the script, and calls `report` with each line and its result. Ends with the first line
+    /// that fails.
     pub fn run(
         &self,
         session: &mut Session,
@@ -130,7 +131,7 @@ impl Script {
 }
 
 impl Line {
-    /// Name of the line's command.
+    /// Returns the name of the line's command.
     pub fn name(&self) -> &'static str {
         match &self.step {
             Step::Order(order) => order.name(),
@@ -140,19 +141,19 @@ impl Line {
     }
 }
 
-/// Of a line that must fail.
+/// Inverts the result of a line that must fail. A lost link and Ctrl-C remain errors.
 fn opposite(done: Result<Answer, LinkError>) -> Result<Answer, LinkError> {
     match done {
-        Ok(answer) => Err(LinkError::Failed(format!("`{}` was to fail, and has not", answer.command))),
+        Ok(answer) => Err(LinkError::Failed(format!("`{}` should have failed but succeeded", answer.command))),
         Err(error) if error.is_lost() || matches!(error, LinkError::Interrupted) => Err(error),
         Err(error) => {
             let refusal = if let LinkError::Refused { refusal, .. } = &error { crate::refusal::name(*refusal) } else { "failed" };
-            Ok(Answer::to("!").line(format!("as it must: {error}")).field("refusal", refusal).field("error", error.to_string()))
+            Ok(Answer::to("!").line(format!("as expected: {error}")).field("refusal", refusal).field("error", error.to_string()))
         }
     }
 }
 
-/// What is wrong with a line: where, what, and what to do.
+/// Mistake in a line: its place, a message, and a hint.
 type Mistake = (Range<usize>, String, Option<String>);
 
 fn line(number: usize, text: &str) -> Result<Option<Line>, Mistake> {
@@ -182,7 +183,7 @@ fn line(number: usize, text: &str) -> Result<Option<Line>, Mistake> {
     Ok(Some(Line { number, text: text.trim().to_owned(), fails, step }))
 }
 
-/// A line without its comment: a `#` between quotes begins none.
+/// Returns a line without its comment. A `#` within quotes does not begin a comment.
 fn before_comment(line: &str) -> &str {
     let mut quoted = false;
     let comment = line.find(|letter| {
@@ -192,7 +193,7 @@ fn before_comment(line: &str) -> &str {
     &line[..comment.unwrap_or(line.len())]
 }
 
-/// Words with their places; quotes keep spaces in a word.
+/// Splits a line into words with their places. Quotes keep spaces in a word.
 fn words(text: &str) -> Result<Vec<(String, Range<usize>)>, Mistake> {
     let mut words: Vec<(String, Range<usize>)> = Vec::new();
     let (mut open, mut quoted) = (false, None);
@@ -227,7 +228,7 @@ fn words(text: &str) -> Result<Vec<(String, Range<usize>)>, Mistake> {
     }
 }
 
-/// The word that clap does not like.
+/// Converts an error of clap to a mistake at the word that it refuses.
 fn mistake(error: &clap::Error, words: &[(String, Range<usize>)], text: &str) -> Mistake {
     let context = |kind: ContextKind| match error.get(kind) {
         Some(ContextValue::String(word)) => Some(word.clone()),
@@ -260,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn comments_and_empty_lines_do_nothing_and_quotes_keep_spaces() {
+    fn comments_are_skipped_and_quotes_keep_spaces() {
         let script = Script::parse("rig.txt", "# a rig\n\nscan -o \"my folder\" # loop\n! settings store\nwait 0.5\n").unwrap();
         let lines: Vec<(usize, &str, &str)> =
             script.lines.iter().map(|line| (line.number, line.name(), line.text.as_str())).collect();
@@ -269,15 +270,15 @@ mod tests {
     }
 
     #[test]
-    fn all_mistakes_are_named_with_line_and_caret_before_anything_is_done() {
+    fn all_mistakes_are_reported_with_line_and_caret() {
         let text = mistakes("identify\nscna\ndrive --volts much\n  expect q ~ 3\nwait\nscan -o \"x\n!\n");
         for part in [
             "rig.txt:2:1",
             "a similar subcommand exists: 'scan'",
             "rig.txt:3:15",
-            "a number that is not below zero",
+            "expected a non-negative number",
             "rig.txt:4:12",
-            "one of = != < <= > >= stands here",
+            "one of = != < <= > >= is required here",
             "rig.txt:5:1",
             "rig.txt:6:9",
             "this quote is not closed",

@@ -1,10 +1,12 @@
-//! `serve`: a board in this process at a TCP port, in real time, for clients that come and go.
+//! `serve`: a board in this process at a TCP port, in real time, for successive clients.
 //!
-//! One client holds the board at a time. The others wait for a moment, in which the holder may go, and are then told who holds the board. The board runs on
-//! with or without a client, as a real one does.
+//! One client holds the board at a time. Other clients wait for a moment, in case the holder
+//! leaves, and are then sent the address of the holder. The board runs with or without a client, as
+//! a real one does.
 //!
-//! A holder that has sent nothing for the idle limit loses the board. A client that announces an order to stop
-//! ([`Client::announce_stop`](crate::client::Client::announce_stop)) takes the board from its holder: silence can always be ordered.
+//! A holder that has sent nothing for the idle limit loses the board. A client that announces an
+//! order to stop ([`Client::announce_stop`](crate::client::Client::announce_stop)) takes the board
+//! from its holder, so that every client can stop the drive.
 
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
@@ -14,28 +16,33 @@ use std::time::{Duration, Instant};
 use firmware::board::command::Command;
 use firmware::board::link::{Frame, MAX_FRAME, Receiver};
 
-use crate::port::{HELD, InProcess};
+use crate::port::{HELD_MESSAGE, InProcess};
 
 /// Pause between two turns.
-const TURN: Duration = Duration::from_micros(500);
-/// How long a turn may take.
-const LONGEST: Duration = Duration::from_millis(10);
-/// Reads of a turn at most.
-const READS: usize = 16;
-/// Bytes that may be on the wire to the board before more are lost: many times the longest frame.
-const ROOM: usize = 4096;
-/// Time that a client waits for the holder to go: bytes that a program has sent as it ended are read first.
-const HELD_AFTER: Duration = Duration::from_millis(500);
-/// Time that the connection of such a client stays open, so that it can read who holds the board.
-const AWAY_AFTER: Duration = Duration::from_millis(1500);
-/// Most clients that wait at a time; more remain in the backlog of the operating system.
-const MOST_WAITING: usize = 16;
-/// How far the board may fall behind before it gives up catching up.
-const BEHIND: Duration = Duration::from_millis(200);
+const TURN_PAUSE: Duration = Duration::from_micros(500);
+/// Maximum time for the blocks of a turn.
+const MAX_TURN: Duration = Duration::from_millis(10);
+/// Maximum number of reads per turn.
+const MAX_READS: usize = 16;
+/// Maximum number of bytes on the wire to the board, many times the longest frame. Further bytes
+/// are lost.
+const MAX_WIRE_BYTES: usize = 4096;
+/// Time that a client waits for the holder to leave. In this time the last bytes of a program that
+/// has ended are read.
+const HOLDER_WAIT: Duration = Duration::from_millis(500);
+/// Time for which a refused connection stays open, so that the client can read the address of the
+/// holder.
+const REFUSED_WAIT: Duration = Duration::from_millis(1500);
+/// Maximum number of waiting clients; more remain in the backlog of the operating system.
+const MAX_WAITING: usize = 16;
+/// Delay of the board relative to real time after which it no longer catches up.
+const MAX_DELAY: Duration = Duration::from_millis(200);
 
-/// Plays until `stop` is set. A client that has sent nothing for `idle_limit` loses the board; zero is never.
+/// Serves the board until `stop` is set. A client that has sent nothing for `idle_limit` loses the
+/// board; zero means no limit.
 ///
-/// `note` is called when a client comes or goes, when none can be accepted, and when the machine is too slow.
+/// `note` is called when a client connects or leaves, when no client can be accepted, and when the
+/// machine is too slow.
 pub fn serve(
     board: &mut impl InProcess,
     listener: &TcpListener,
@@ -45,80 +52,81 @@ pub fn serve(
 ) -> io::Result<()> {
     listener.set_nonblocking(true)?;
     let mut client: Option<Client> = None;
-    let mut door = Door::default();
+    let mut queue = ClientQueue::default();
     let (mut began, mut slow) = (Instant::now(), false);
     while !stop.load(Ordering::Relaxed) {
-        door.accept(listener, note);
+        queue.accept(listener, note);
         if let Some(holder) = &mut client {
             if !exchange(board, holder) {
-                note("the client has gone");
+                note("the client has disconnected");
                 client = None;
-            } else if !idle_limit.is_zero() && holder.heard.elapsed() > idle_limit {
+            } else if !idle_limit.is_zero() && holder.last_activity.elapsed() > idle_limit {
                 note(&format!("the client has sent nothing for {} s and loses the board", idle_limit.as_secs_f64()));
                 client = None;
-            } else if let Some(next) = door.take(announces_stop) {
-                note(&format!("a client from {} orders the drive to stop and takes the board", address(&next.stream)));
+            } else if let Some(next) = queue.take(announces_stop) {
+                note(&format!("a client at {} orders the drive to stop and takes the board", address(&next.stream)));
                 client = Some(next);
             }
         }
         match &client {
-            Some(holder) => door.refuse(&holder.stream),
+            Some(holder) => queue.refuse(&holder.stream),
             None => {
-                client = door.take(|_| true);
-                client.iter().for_each(|client| note(&format!("a client from {}", address(&client.stream))));
+                client = queue.take(|_| true);
+                client.iter().for_each(|client| note(&format!("a client has connected from {}", address(&client.stream))));
             }
         }
         if board.is_held()? {
-            // Its time stands, and what a debugger took is not to be caught up with.
+            // A debugger has stopped the board's time, which is not caught up afterwards.
             began = Instant::now().checked_sub(board.now()).unwrap_or(began);
-            std::thread::sleep(TURN);
+            std::thread::sleep(TURN_PAUSE);
             continue;
         }
         let due = began.elapsed();
-        if due > board.now() + BEHIND {
+        if due > board.now() + MAX_DELAY {
             began += due - board.now();
             if !std::mem::replace(&mut slow, true) {
-                note("this machine is slower than the board: the board's time passes more slowly");
+                note("this machine is slower than the board: simulated time lags behind real time");
             }
         }
-        // However far the board is behind, its client is not kept waiting.
+        // The length of a turn is limited, so that a late board still answers its client.
         let turn = Instant::now();
-        while board.now() < due.min(began.elapsed()) && turn.elapsed() < LONGEST && !board.is_held()? {
+        while board.now() < due.min(began.elapsed()) && turn.elapsed() < MAX_TURN && !board.is_held()? {
             board.block()?;
         }
-        std::thread::sleep(TURN);
+        std::thread::sleep(TURN_PAUSE);
     }
     Ok(())
 }
 
-/// A connection to a client.
+/// Connection to a client.
 struct Client {
     stream: TcpStream,
-    /// When it came, or when its last byte went to the board.
-    heard: Instant,
-    /// It was told that another client holds the board.
-    told: bool,
+    /// Time of the connection, or of the last byte sent to the board.
+    last_activity: Instant,
+    /// `true` once the client was sent the address of the holder.
+    refused: bool,
 }
 
-/// Clients that come in.
+/// Queue of waiting clients.
 #[derive(Default)]
-struct Door {
-    /// The clients that wait, the first first.
+struct ClientQueue {
+    /// Waiting clients in the order of their arrival.
     waiting: Vec<Client>,
-    /// `accept` fails, and this was noted.
+    /// `true` while `accept` fails and this was reported.
     failing: bool,
 }
 
-impl Door {
-    /// Lets clients in, and closes the connections of those that were told who holds the board.
+impl ClientQueue {
+    /// Accepts clients, and closes the connections of those that were refused.
     ///
-    /// A failure, such as too few file descriptors, is noted once, and the next turn tries again.
+    /// A failure, such as too few file descriptors, is reported once, and the next turn tries
+    /// again.
     fn accept(&mut self, listener: &TcpListener, note: fn(&str)) {
-        self.waiting.retain(|client| !client.told || client.heard.elapsed() < AWAY_AFTER);
-        // Those that were refused do not keep a `stop` out.
-        while self.waiting.iter().filter(|client| !client.told).count() < MOST_WAITING {
+        self.waiting.retain(|client| !client.refused || client.last_activity.elapsed() < REFUSED_WAIT);
+        // Refused clients do not count, so that a `stop` can still enter.
+        while self.waiting.iter().filter(|client| !client.refused).count() < MAX_WAITING {
             match accepted(listener) {
-                Ok(Some(stream)) => self.waiting.push(Client { stream, heard: Instant::now(), told: false }),
+                Ok(Some(stream)) => self.waiting.push(Client { stream, last_activity: Instant::now(), refused: false }),
                 Ok(None) => return self.failing = false,
                 Err(_) if self.failing => return,
                 Err(error) => {
@@ -129,19 +137,19 @@ impl Door {
         }
     }
 
-    /// Takes the client that has waited longest of those that fit.
+    /// Takes the client that has waited longest, of those that fit.
     fn take(&mut self, fits: impl Fn(&TcpStream) -> bool) -> Option<Client> {
-        let place = self.waiting.iter().position(|client| !client.told && fits(&client.stream))?;
+        let place = self.waiting.iter().position(|client| !client.refused && fits(&client.stream))?;
         Some(self.waiting.remove(place))
     }
 
-    /// Tells the clients that have waited long enough who holds the board.
+    /// Sends the address of the holder to the clients that have waited long enough.
     fn refuse(&mut self, holder: &TcpStream) {
-        for client in self.waiting.iter_mut().filter(|client| !client.told && client.heard.elapsed() > HELD_AFTER) {
-            // In one piece; a client that does not read it has gone.
-            let said = format!("{HELD}{}\n", address(holder));
+        for client in self.waiting.iter_mut().filter(|client| !client.refused && client.last_activity.elapsed() > HOLDER_WAIT) {
+            // Sent in one piece; an error means that the client has left.
+            let said = format!("{HELD_MESSAGE}{}\n", address(holder));
             let _ = client.stream.write_all(said.as_bytes()).and_then(|()| client.stream.shutdown(Shutdown::Write));
-            client.told = true;
+            client.refused = true;
         }
     }
 }
@@ -158,31 +166,33 @@ fn accepted(listener: &TcpListener) -> io::Result<Option<TcpStream>> {
     }
 }
 
-/// Returns whether an order to stop is among the first bytes of a client. The bytes are left for the board.
+/// Returns `true` if the first bytes of a client contain an order to stop. The bytes remain for the
+/// board.
 fn announces_stop(stream: &TcpStream) -> bool {
     let (mut bytes, mut receiver) = ([0; MAX_FRAME], Receiver::default());
     let count = stream.peek(&mut bytes).unwrap_or(0);
     bytes[..count].iter().any(|&byte| matches!(receiver.take(byte), Some(Ok(Frame { body: Command::Idle, .. }))))
 }
 
-/// Where a client is.
+/// Returns the address of a client.
 fn address(stream: &TcpStream) -> String {
-    stream.peer_addr().map_or_else(|_| "an address that is gone".into(), |address| address.to_string())
+    stream.peer_addr().map_or_else(|_| "an unknown address".into(), |address| address.to_string())
 }
 
-/// Carries bytes both ways. False: the client has gone.
+/// Transfers bytes in both directions. Returns `false` if the client has disconnected.
 fn exchange(board: &mut impl InProcess, client: &mut Client) -> bool {
     let mut bytes = [0; 1024];
     let count = board.receive(&mut bytes);
-    // What a full socket does not take is lost, as on a wire without a receiver.
+    // Bytes that do not fit into a full socket are lost, as on a wire without a receiver.
     let sent = count == 0 || waits(client.stream.write_all(&bytes[..count])).is_some();
-    // However much a client sends, it does not keep the board from its next block; what is beyond the wire's room is lost.
-    for _ in 0..READS {
+    // The number of reads is limited, so that the next block is not late. Bytes that exceed the
+    // capacity of the wire are lost.
+    for _ in 0..MAX_READS {
         match waits(client.stream.read(&mut bytes)) {
             Some(Some(0)) | None => return false,
             Some(Some(count)) => {
-                client.heard = Instant::now();
-                if board.waiting() < ROOM {
+                client.last_activity = Instant::now();
+                if board.waiting() < MAX_WIRE_BYTES {
                     board.send(&bytes[..count]);
                 }
             }
@@ -192,7 +202,8 @@ fn exchange(board: &mut impl InProcess, client: &mut Client) -> bool {
     sent
 }
 
-/// The result of a read or write; `Some(None)` if nothing can be moved now, `None` if the connection is over.
+/// Returns the result of a read or write: `Some(None)` if no byte can be transferred now, `None` if
+/// the connection has ended.
 fn waits<T>(done: io::Result<T>) -> Option<Option<T>> {
     match done {
         Ok(value) => Some(Some(value)),
@@ -207,14 +218,14 @@ mod tests {
 
     use super::*;
 
-    /// A board that sends back what it is sent, and takes five times its own time.
+    /// Board that echoes its input and runs at a fifth of real time.
     #[derive(Default)]
-    struct Slow {
+    struct SlowBoard {
         wire: VecDeque<u8>,
         now: Duration,
     }
 
-    impl InProcess for Slow {
+    impl InProcess for SlowBoard {
         fn send(&mut self, bytes: &[u8]) {
             self.wire.extend(bytes);
         }
@@ -241,15 +252,15 @@ mod tests {
     }
 
     #[test]
-    fn a_board_that_is_slower_than_real_answers_all_the_same() {
+    fn a_board_slower_than_real_time_still_answers() {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();
         let stop = AtomicBool::new(false);
         let waits = std::thread::scope(|scope| {
-            scope.spawn(|| serve(&mut Slow::default(), &listener, &stop, Duration::ZERO, |_| ()).unwrap());
+            scope.spawn(|| serve(&mut SlowBoard::default(), &listener, &stop, Duration::ZERO, |_| ()).unwrap());
             let mut client = TcpStream::connect(address).unwrap();
-            // Until the board is further behind than it may be.
-            std::thread::sleep(2 * BEHIND);
+            // Until the board is late by more than the limit.
+            std::thread::sleep(2 * MAX_DELAY);
             let waits: Vec<Duration> = (0..5)
                 .map(|_| {
                     let began = Instant::now();
@@ -261,7 +272,7 @@ mod tests {
             stop.store(true, Ordering::Relaxed);
             waits
         });
-        // Turns that catch up become longer and longer.
+        // If turns were not limited, they would become longer and longer.
         assert!(waits.iter().all(|wait| *wait < Duration::from_millis(500)), "{waits:?}");
     }
 }

@@ -1,4 +1,5 @@
-//! A user's stay at a board: waits without the board thinking that its host has gone, and leaves the drive as the user wants it left.
+//! Session of a user with a board. It keeps the host timeout of the board from expiring, and stops
+//! the drive at its end unless the user has chosen otherwise.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -18,55 +19,59 @@ use crate::words;
 use sim::output::{Folder, OutputError, Owner};
 use sim::provenance::Provenance;
 
-/// How often a message keeps the board from missing its host while that waits, s; at least, and at most.
-const KEEP_ALIVE: (f64, f64) = (2e-3, 0.2);
-/// Messages within the host timeout.
-const SIGNS: f64 = 5.0;
-/// How often work beside the board is polled.
-const LOOK: Duration = Duration::from_millis(10);
-/// How often silence is ordered again.
-const SILENCES: u32 = 3;
+/// Shortest time between messages that keep the host timeout from expiring, s.
+const MIN_KEEP_ALIVE_S: f64 = 2e-3;
+/// Longest time between such messages, s.
+const MAX_KEEP_ALIVE_S: f64 = 0.2;
+/// Number of messages within the host timeout.
+const MESSAGES_PER_TIMEOUT: f64 = 5.0;
+/// Polling interval for the end of work on another thread.
+const POLL_INTERVAL: Duration = Duration::from_millis(10);
+/// Number of repeats of a failed order to stop.
+const STOP_REPEATS: u32 = 3;
 
-/// Options of a session as a whole.
+/// Options of a session.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SessionOptions {
-    /// Host timeout: how long the board may drive without a message from its host, s; `None`: the board's own setting; 0: for ever.
+    /// Host timeout, s: longest time for which the board drives without a message from its host.
+    /// `None` means the setting of the board, 0 no timeout.
     pub host_timeout_s: Option<f32>,
-    /// The drive goes on when the session ends.
+    /// `true` if the drive continues when the session ends.
     pub stay: bool,
 }
 
-/// A session with one board: it keeps the board's host timeout from running out, and silences the drive at its end.
+/// Session with one board. It serves the board's host timeout and stops the drive at its end.
 pub struct Session {
-    /// Client that the session speaks through.
+    /// Client of the board.
     pub client: Client,
     /// Identity of the connected board.
     pub identity: Identity,
     options: SessionOptions,
-    /// The host timeout in force, s.
+    /// Active host timeout, s.
     host_timeout_s: f32,
-    /// How often the board is to receive a message.
+    /// Longest time between messages to the board.
     keep_alive: Duration,
-    /// The user has ordered the drive on.
+    /// `true` if the user has started the drive.
     driving: bool,
-    /// The board sends telemetry by itself.
+    /// `true` if the board sends periodic telemetry.
     streams: bool,
-    /// No further command comes: what drives then is left as the options say.
+    /// `true` if no further command follows, so that the session ends after this one.
     pub ends_with_command: bool,
-    /// The last command's answer.
+    /// Answer to the last command.
     pub last: Answer,
-    /// What watches the session while it waits.
+    /// Callbacks for progress.
     pub live: Live,
-    /// Where the reports of this session come from.
+    /// Provenance for the reports of this session.
     pub provenance: Provenance,
-    /// Files that the session reads, such as the scene of a simulated board: no command replaces them.
+    /// Files that the session reads, such as the scene of a simulated board. No command overwrites
+    /// them.
     pub inputs: Vec<PathBuf>,
-    /// The scale of the board's codes, once it has been read.
+    /// Scale of the board's codes, once it has been read.
     pub(super) scale: Option<Scale>,
 }
 
 impl Session {
-    /// Connects, and says how patient the board is to be.
+    /// Connects, and sets the host timeout.
     pub fn begin(mut client: Client, options: SessionOptions) -> Result<Self, LinkError> {
         let identity = client.connect()?;
         let mut session = Session {
@@ -74,7 +79,7 @@ impl Session {
             identity,
             options,
             host_timeout_s: 0.0,
-            keep_alive: Duration::from_secs_f64(KEEP_ALIVE.1),
+            keep_alive: Duration::from_secs_f64(MAX_KEEP_ALIVE_S),
             driving: false,
             streams: false,
             ends_with_command: false,
@@ -93,8 +98,8 @@ impl Session {
         dir.map(|dir| Folder::open(dir, Owner::new(&format!("link {command}"), &self.inputs))).transpose()
     }
 
-    /// Agrees with the board on the host timeout, and on how often it must receive a message. A drive that another host has chosen to leave on is
-    /// not cut short by a client that only reads.
+    /// Agrees with the board on the host timeout, and on the interval of the messages. A client
+    /// that only reads does not end a drive that another host has left running.
     pub fn agree_on_host_timeout(&mut self) -> Result<(), LinkError> {
         let configured = report(parameter("link.patience_s")?, &mut self.client)?;
         if matches!(
@@ -106,7 +111,7 @@ impl Session {
                 | StoredState::OneCopy
                 | StoredState::Unfinished
         ) {
-            // All further commands meet other settings than were stored.
+            // All later commands act on other settings than the stored ones.
             self.client.note(&words::stored(configured.stored));
         }
         let requested_s = if self.options.stay { Some(0.0) } else { self.options.host_timeout_s };
@@ -117,49 +122,54 @@ impl Session {
             self.client.order(Command::Patience(host_timeout_s))?;
         }
         if host_timeout_s > 0.0 {
-            self.keep_alive = Duration::from_secs_f64((f64::from(host_timeout_s) / SIGNS).clamp(KEEP_ALIVE.0, KEEP_ALIVE.1));
+            self.keep_alive = Duration::from_secs_f64(
+                (f64::from(host_timeout_s) / MESSAGES_PER_TIMEOUT).clamp(MIN_KEEP_ALIVE_S, MAX_KEEP_ALIVE_S),
+            );
         }
         Ok(())
     }
 
-    /// Called before the drive is ordered on: the drive, and with it the host timeout, belong to this session from now on.
-    pub fn begins_to_drive(&mut self) -> Result<(), LinkError> {
+    /// Sets the host timeout before a command starts the drive, which belongs to this session from
+    /// now on.
+    pub fn begin_drive(&mut self) -> Result<(), LinkError> {
         self.driving = true;
         self.client.order(Command::Patience(self.host_timeout_s))
     }
 
-    /// The drive is silent.
-    pub fn is_silent(&mut self) {
+    /// Records that the drive is silent.
+    pub fn mark_silent(&mut self) {
         self.driving = false;
     }
 
-    /// What becomes of a drive that a command leaves on.
-    pub fn what_becomes_of_it(&self) -> &'static str {
+    /// Describes the end of a drive that a command leaves running.
+    pub fn end_of_drive(&self) -> &'static str {
         match (self.ends_with_command, self.options.stay) {
-            (_, true) if self.client.stands_still() => "it ends with this program, which the board is a part of, or by `stop`",
-            (_, true) => "it goes on when this program ends (--stay); `stop` ends it",
+            (_, true) if self.client.stands_still() => "it ends with this program, which contains the board, or by `stop`",
+            (_, true) => "it continues when this program ends (--stay); `stop` ends it",
             (true, false) => {
-                "it falls silent now, with the end of this command; `--stay` leaves it on, and at the prompt or in a script it goes on"
+                "it stops now, at the end of this command; `--stay` keeps it running, as does the prompt or a script until it \
+                 ends"
             }
             (false, false) => "`stop` ends it",
         }
     }
 
-    /// Whether the user has ordered the drive on.
+    /// Returns `true` if the user has started the drive.
     pub fn is_driving(&self) -> bool {
         self.driving
     }
 
-    /// Leaves: the drive falls silent if this user has ordered it on, unless it is to stay. Says what it does now.
+    /// Ends the session: stops the drive if this user has started it, unless `stay` is set. Returns
+    /// a message about the drive.
     pub fn leave(&mut self) -> Result<Option<&'static str>, LinkError> {
-        self.client.part();
-        // Whether it succeeds or not, it is not tried again.
+        self.client.ignore_ctrl_c();
+        // Even if the stop fails, it is not repeated when the session is dropped.
         let driving = std::mem::take(&mut self.driving);
         let said = match (driving, self.options.stay) {
             (false, _) => None,
-            (true, true) => Some("the drive goes on (--stay); `stop` ends it"),
+            (true, true) => Some("the drive continues (--stay); `stop` ends it"),
             (true, false) => {
-                self.silence()?;
+                self.order_stop()?;
                 Some("the drive is silent now")
             }
         };
@@ -167,10 +177,10 @@ impl Session {
         Ok(said)
     }
 
-    /// Orders silence, more than once where the board has no room for the order.
-    fn silence(&mut self) -> Result<(), LinkError> {
+    /// Orders the drive to stop, and repeats the order if the board refuses it.
+    fn order_stop(&mut self) -> Result<(), LinkError> {
         let mut ordered = self.client.order(Command::Idle);
-        for _ in 0..SILENCES {
+        for _ in 0..STOP_REPEATS {
             if ordered.is_ok() {
                 break;
             }
@@ -179,14 +189,15 @@ impl Session {
         ordered
     }
 
-    /// The latest block's report, as soon as there is one.
+    /// Returns the report of the latest block, and waits for the first one after a start.
     pub fn status(&mut self) -> Result<Telemetry, LinkError> {
         let until = self.client.now() + self.keep_alive;
         loop {
             match self.client.status()? {
                 Some(report) => return Ok(report),
                 None if self.client.now() >= until => {
-                    let why = "the board has not played a block yet: its converters stand still. Power it off and on, and look at `fault log`";
+                    let why = "the board has not played a block yet: its converters have stopped. \
+                        Power it off and on, then read `fault log`";
                     return Err(LinkError::Failed(why.into()));
                 }
                 None => {}
@@ -194,12 +205,12 @@ impl Session {
         }
     }
 
-    /// Waits while telemetry is received and the host timeout is served.
+    /// Waits, while telemetry is received and the host timeout is served.
     pub fn wait(&mut self, time: Duration) -> Result<(), LinkError> {
         self.watch(time, 0, |_| None::<()>).map(drop)
     }
 
-    /// Does some work that takes a while, with the board looked after meanwhile.
+    /// Does some work of this program while the host timeout is served.
     pub fn meanwhile<T: Send>(&mut self, work: impl FnOnce() -> T + Send) -> Result<T, LinkError> {
         if self.client.stands_still() {
             return Ok(work());
@@ -211,17 +222,18 @@ impl Session {
                 looked_after = self.client.status().map(drop);
                 let until = self.client.now() + self.keep_alive;
                 while !work.is_finished() && self.client.now() < until {
-                    std::thread::sleep(LOOK.min(self.keep_alive));
+                    std::thread::sleep(POLL_INTERVAL.min(self.keep_alive));
                 }
             }
-            // Whatever the board does, the work is done to its end.
+            // The work is completed even if the link fails.
             let done = work.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
             looked_after.map(|()| done)
         })
     }
 
-    /// Looks at reports, one every so many blocks and as the line carries, until `look` has seen enough; `None`: not in time. Zero: no
-    /// telemetry, only what a sign of life brings.
+    /// Passes reports to `look` until it returns a value, or `None` after `at_most`. The board
+    /// sends a report every `every` blocks, as far as the line permits. With zero it sends none,
+    /// and `look` only gets the answers to the messages that serve the host timeout.
     pub fn watch<T>(
         &mut self,
         at_most: Duration,
@@ -237,13 +249,13 @@ impl Session {
         seen
     }
 
-    /// Telemetry every so many blocks from now on, or none.
+    /// Requests telemetry every `every` blocks from now on; zero ends it.
     fn stream(&mut self, every: u32) -> Result<(), LinkError> {
         if every > 0 || self.streams {
             self.client.order(Command::TelemetryEvery(every))?;
         }
         self.streams = every > 0;
-        self.client.forget_telemetry();
+        self.client.discard_telemetry();
         Ok(())
     }
 
@@ -273,7 +285,7 @@ impl Session {
         }
     }
 
-    /// Fails if the board has.
+    /// Returns an error if the board has a fault.
     pub fn check(&mut self, report: &Telemetry) -> Result<(), LinkError> {
         match report.fault {
             Some(fault) if report.mode == Mode::Fault => {
@@ -284,7 +296,7 @@ impl Session {
         }
     }
 
-    /// What the board's codes are worth.
+    /// Returns the scale of the board's codes.
     pub fn scale(&mut self) -> Result<Scale, LinkError> {
         let scale = match self.scale {
             Some(scale) => scale,
@@ -296,11 +308,11 @@ impl Session {
 }
 
 impl Drop for Session {
-    /// Nothing that this program fails by leaves a drive behind.
+    /// Stops the drive if the program fails.
     fn drop(&mut self) {
         if self.driving && !self.options.stay {
-            self.client.part();
-            let _ = self.silence();
+            self.client.ignore_ctrl_c();
+            let _ = self.order_stop();
         }
     }
 }
@@ -308,19 +320,19 @@ impl Drop for Session {
 /// Callbacks for the progress of a command.
 #[derive(Clone, Copy, Default)]
 pub struct Live {
-    /// Called with the line of each stage.
+    /// Called with a line at the beginning of each stage.
     pub stage: Option<fn(&str)>,
-    /// Called with each report: a line, and fields.
+    /// Called with each report, as a line and as fields.
     pub report: Option<fn(&str, &Value)>,
 }
 
 impl Live {
-    /// Calls back that a stage has begun.
+    /// Reports that a stage has begun.
     pub fn stage(&self, line: &str) {
         self.stage.into_iter().for_each(|call| call(line));
     }
 
-    /// Calls back with a report.
+    /// Passes on a report.
     pub fn report(&self, line: &str, fields: impl FnOnce() -> Value) {
         if let Some(call) = self.report {
             call(line, &fields());

@@ -1,13 +1,16 @@
-//! A plot in characters: two dots wide and four high each (Unicode's Braille patterns), which makes a dot about as high as it is wide.
+//! Plots in characters. Each character is a Braille pattern of Unicode, two dots wide and four
+//! high, so that the distance of dots is about the same in both directions.
 
-/// Characters of the plot, across and down.
+/// Width of the plot, characters.
 const COLUMNS: usize = 56;
+/// Height of the plot, lines.
 const ROWS: usize = 18;
-/// First of the patterns, and the bit of each dot by column and row.
-const PATTERNS: u32 = 0x2800;
-const BITS: [[u32; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
+/// Code point of the empty Braille pattern.
+const FIRST_PATTERN: u32 = 0x2800;
+/// Bit of each dot of a pattern, by column and row.
+const DOT_BITS: [[u32; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
 
-/// A plot of points in a plane; one unit across is as long as one unit up, unless it is stretched.
+/// Plot of points in a plane. Both axes have the same scale, unless it is stretched.
 #[derive(Clone, Debug, Default)]
 pub struct TerminalPlot {
     labels: (String, String),
@@ -17,28 +20,28 @@ pub struct TerminalPlot {
 }
 
 impl TerminalPlot {
-    /// An empty plot with labels of its axes.
+    /// Creates an empty plot with the labels of its axes.
     pub fn new(across: &str, up: &str) -> Self {
         TerminalPlot { labels: (across.into(), up.into()), ..TerminalPlot::default() }
     }
 
-    /// Each axis fills its side, whatever its unit.
+    /// Scales each axis separately to its side.
     pub fn stretched(mut self) -> Self {
         self.stretched = true;
         self
     }
 
-    /// Adds a line, as dots close to each other.
+    /// Adds a line, given by closely spaced points.
     pub fn line(&mut self, points: impl IntoIterator<Item = (f64, f64)>) {
         self.line.extend(points);
     }
 
-    /// Adds points that stand out: as an `o` each.
+    /// Adds points that are drawn as an `o` each.
     pub fn marks(&mut self, points: impl IntoIterator<Item = (f64, f64)>) {
         self.marks.extend(points);
     }
 
-    /// The plot, line by line.
+    /// Returns the plot as text.
     pub fn drawn(&self) -> String {
         let all = || self.line.iter().chain(&self.marks).filter(|(x, y)| x.is_finite() && y.is_finite());
         let ends = |values: &mut dyn Iterator<Item = f64>| {
@@ -52,7 +55,7 @@ impl TerminalPlot {
         let (across, up) = ((x.1 - x.0) / wide, (y.1 - y.0) / high);
         let units = if self.stretched { (across, up) } else { (across.max(up), across.max(up)) };
         let units = (units.0.max(f64::MIN_POSITIVE), units.1.max(f64::MIN_POSITIVE));
-        // In the middle of what the longer side leaves.
+        // Centres the shorter side.
         let (left, top) = (0.5 * (x.0 + x.1 - units.0 * wide), 0.5 * (y.0 + y.1 + units.1 * high));
         let dot = |&(x, y): &(f64, f64)| {
             let place = |distance: f64, most: f64| distance.round().clamp(0.0, most) as usize;
@@ -60,10 +63,12 @@ impl TerminalPlot {
         };
         let mut cells = vec![[0_u32; COLUMNS]; ROWS];
         for (x, y) in self.line.iter().filter(|(x, y)| x.is_finite() && y.is_finite()).map(dot) {
-            cells[y / 4][x / 2] |= BITS[x % 2][y % 4];
+            cells[y / 4][x / 2] |= DOT_BITS[x % 2][y % 4];
         }
-        let mut rows: Vec<Vec<char>> =
-            cells.iter().map(|row| row.iter().map(|bits| char::from_u32(PATTERNS + bits).unwrap_or(' ')).collect()).collect();
+        let mut rows: Vec<Vec<char>> = cells
+            .iter()
+            .map(|row| row.iter().map(|bits| char::from_u32(FIRST_PATTERN + bits).unwrap_or(' ')).collect())
+            .collect();
         for (x, y) in self.marks.iter().filter(|(x, y)| x.is_finite() && y.is_finite()).map(dot) {
             rows[y / 4][x / 2] = 'o';
         }
@@ -97,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_and_one_point_are_no_trouble() {
+    fn an_empty_plot_and_a_single_point_are_drawn() {
         let mut plot = TerminalPlot::new("x", "y");
         assert_eq!(plot.drawn(), "(nothing to draw)");
         plot.marks([(1.0, 1.0), (f64::NAN, 0.0)]);

@@ -1,7 +1,7 @@
-//! The file of a field update: what the slot of a board is to hold, a manifest and the image behind it.
+//! File of a field update: a manifest followed by the image, as in the slot of a board.
 //!
 //! ```text
-//! ELF file of `cargo field` -> bytes from ORIGIN on + SONOGLIDE_IDENTITY -> manifest, signed -> file
+//! ELF file of `cargo field` -> bytes from ORIGIN on + SONOGLIDE_IDENTITY -> signed manifest -> file
 //! ```
 
 use nucleo_g474re::slots::{MANIFEST, ORIGIN, SLOT};
@@ -11,28 +11,29 @@ use object::{LittleEndian, Object as _, ObjectSymbol as _};
 use update::identity::{Identity, SIZE, SYMBOL};
 use update::manifest::Manifest;
 
-/// Why an ELF file cannot be made an update.
+/// Reason why an ELF file cannot be packed as an update.
 #[derive(Debug, thiserror::Error)]
 pub enum PackError {
-    /// The file is no ELF file of 32 bits.
-    #[error("this is no ELF file for the board: {0}")]
+    /// The file is not a 32-bit ELF file.
+    #[error("this is not an ELF file for the board: {0}")]
     Elf(#[from] object::Error),
-    /// Something of it lies outside of the slot.
+    /// A segment lies outside the slot.
     #[error(
-        "this image is not linked for the slot behind the first stage ({ORIGIN:#010x}): it has {len} bytes at {address:#010x}. Build it with `cargo field`"
+        "this image is not linked for the slot after the first stage ({ORIGIN:#010x}): it has {len} bytes at {address:#010x}. \
+         Build it with `cargo field`"
     )]
     Elsewhere {
-        /// Address of what lies elsewhere.
+        /// Address of the segment.
         address: u32,
-        /// Its bytes.
+        /// Length of the segment, bytes.
         len: usize,
     },
-    /// It does not say what it is.
-    #[error("this image does not say what it is: it has no constant `{SYMBOL}`. Build it with `cargo field`")]
+    /// The image does not contain its identity.
+    #[error("this image does not contain its identity, the constant `{SYMBOL}`. Build it with `cargo field`")]
     Anonymous,
 }
 
-/// Makes the file of an update; not signed where no seed of a key is given.
+/// Packs an ELF file as an update. It is not signed if no seed of a key is given.
 pub fn pack(elf: &[u8], seed: Option<&[u8; 32]>) -> Result<Vec<u8>, PackError> {
     let file: ElfFile32<'_, LittleEndian> = ElfFile32::parse(elf)?;
     let room = (SLOT.size - MANIFEST) as usize;
@@ -55,7 +56,7 @@ pub fn pack(elf: &[u8], seed: Option<&[u8; 32]>) -> Result<Vec<u8>, PackError> {
     Ok([manifest.encode().as_slice(), &image].concat())
 }
 
-/// The offset, in an ELF file, of the constant that says what the image is; a test makes another version of an image there.
+/// Returns the offset of the identity in an ELF file, at which a test can change the version.
 pub fn identity_offset(elf: &[u8]) -> Result<usize, PackError> {
     let file: ElfFile32<'_, LittleEndian> = ElfFile32::parse(elf)?;
     let symbol = file.symbols().find(|symbol| symbol.name() == Ok(SYMBOL)).ok_or(PackError::Anonymous)?;
@@ -68,7 +69,7 @@ pub fn identity_offset(elf: &[u8]) -> Result<usize, PackError> {
     Ok((header.p_offset(LittleEndian) + address - header.p_paddr(LittleEndian)) as usize)
 }
 
-/// What is loaded.
+/// Returns the loaded segments.
 fn segments<'a>(file: &'a ElfFile32<'_, LittleEndian>) -> impl Iterator<Item = &'a ProgramHeader32<LittleEndian>> {
     file.elf_program_headers().iter().filter(|header| header.p_type(LittleEndian) == PT_LOAD && header.p_filesz(LittleEndian) > 0)
 }

@@ -1,4 +1,4 @@
-//! QEMU as a child process: started with two pipes, watched, and never left behind.
+//! QEMU as a child process: started with two pipes, watched, and always ended.
 
 use std::io::{self, PipeReader, PipeWriter, Read};
 use std::os::fd::OwnedFd;
@@ -15,36 +15,36 @@ use command_fds::{CommandFdExt, FdMapping};
 
 use super::machine::{ARGUMENTS, NO_SERIAL, PROGRAM, SERIAL};
 
-/// How long QEMU may take for an answer, at first.
-const PATIENCE: Duration = Duration::from_secs(30);
-/// The watchdog looks this often within that time.
-const LOOKS: u32 = 8;
-/// How long QEMU may take to end by itself once its pipe has ended.
-const FAREWELL: Duration = Duration::from_secs(2);
-/// Most bytes of QEMU's standard error that are stored.
-const KEPT_BYTES: u64 = 16 * 1024;
+/// Default time limit for an answer of QEMU.
+const ANSWER_LIMIT: Duration = Duration::from_secs(30);
+/// Number of checks by the watchdog within the time limit.
+const CHECKS_PER_LIMIT: u32 = 8;
+/// Time for QEMU to end on its own after its pipe has ended.
+const END_GRACE: Duration = Duration::from_secs(2);
+/// Largest number of bytes of QEMU's standard error that are stored.
+const MAX_STDERR_BYTES: u64 = 16 * 1024;
 
 /// QEMU, running an image. Killed when dropped.
 pub struct Emulator {
     shared: Arc<Shared>,
-    /// Closing it ends the watchdog.
+    /// Channel whose end stops the watchdog.
     _awake: Sender<()>,
-    words: Option<JoinHandle<String>>,
+    stderr_text: Option<JoinHandle<String>>,
     process_id: u32,
 }
 
-/// What is at the other end of the machine's serial port.
+/// Other end of the machine's serial port.
 pub enum Serial {
     /// The machine has no serial port.
     None,
-    /// A stream of bytes, of which the other end stays here.
+    /// A stream of bytes, whose other end stays in this process.
     Socket(UnixStream),
 }
 
-/// What the watchdog sees.
+/// State shared with the watchdog.
 struct Shared {
     child: Mutex<Child>,
-    /// Questions and answers so far: odd while QEMU owes an answer.
+    /// Number of questions and answers so far: odd while an answer of QEMU is due.
     turns: AtomicU64,
     patience_ms: AtomicU64,
     stalled: AtomicBool,
@@ -56,45 +56,45 @@ impl Emulator {
         let (child_reads, to_child) = io::pipe()?;
         let (from_child, child_writes) = io::pipe()?;
         let mut child = spawn(image, serial, child_reads.into(), child_writes.into())?;
-        let words = child.stderr.take().map(|stderr| thread::spawn(|| listen(stderr)));
+        let stderr_text = child.stderr.take().map(|stderr| thread::spawn(|| listen(stderr)));
         let (awake, asleep) = channel();
         let process_id = child.id();
         let shared = Arc::new(Shared {
             child: Mutex::new(child),
             turns: AtomicU64::new(0),
-            patience_ms: AtomicU64::new(PATIENCE.as_millis() as u64),
+            patience_ms: AtomicU64::new(ANSWER_LIMIT.as_millis() as u64),
             stalled: AtomicBool::new(false),
         });
         let watched = Arc::clone(&shared);
         thread::spawn(move || watched.watch(&asleep));
-        Ok((Emulator { shared, _awake: awake, words, process_id }, to_child, from_child))
+        Ok((Emulator { shared, _awake: awake, stderr_text, process_id }, to_child, from_child))
     }
 
-    /// Said before QEMU is asked, and again when it has answered.
+    /// Marks the beginning of a question to QEMU, and the end of its answer.
     pub fn turn(&self) {
         self.shared.turns.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// How long QEMU may take for an answer from now on.
+    /// Sets the time limit for answers of QEMU from now on.
     pub fn set_patience(&self, patience: Duration) {
         self.shared.patience_ms.store(patience.as_millis() as u64, Ordering::Relaxed);
     }
 
-    /// The process identifier of QEMU.
+    /// Returns the process identifier of QEMU.
     pub fn process_id(&self) -> u32 {
         self.process_id
     }
 
-    /// What has become of QEMU, in words, after a pipe of it has failed or ended.
-    pub fn obituary(&mut self) -> String {
+    /// Describes how QEMU ended, after one of its pipes has failed or ended.
+    pub fn describe_end(&mut self) -> String {
         let stalled = self.shared.stalled.load(Ordering::Relaxed);
-        let how = match self.shared.end(FAREWELL) {
-            _ if stalled => "QEMU gave no answer for too long and was stopped".to_owned(),
+        let how = match self.shared.end(END_GRACE) {
+            _ if stalled => "QEMU did not answer within the time limit and was stopped".to_owned(),
             Some(status) => format!("QEMU ended with {status}"),
             None => "QEMU closed its pipes and had to be killed".to_owned(),
         };
-        let words = self.words.take().and_then(|words| words.join().ok()).unwrap_or_default();
-        if words.trim().is_empty() { how } else { format!("{how}: {}", words.trim()) }
+        let stderr_text = self.stderr_text.take().and_then(|stderr_text| stderr_text.join().ok()).unwrap_or_default();
+        if stderr_text.trim().is_empty() { how } else { format!("{how}: {}", stderr_text.trim()) }
     }
 }
 
@@ -109,7 +109,7 @@ impl Shared {
         self.child.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for QEMU to end, and kills it when it takes longer than `grace`. `None` is killed.
+    /// Waits for QEMU to end, and kills it after `grace`. Returns `None` if it was killed.
     fn end(&self, grace: Duration) -> Option<ExitStatus> {
         let until = Instant::now() + grace;
         loop {
@@ -119,7 +119,7 @@ impl Shared {
             }
             if Instant::now() >= until {
                 let mut child = self.child();
-                // Either fails only on a child that is no more.
+                // Both fail only if the child has already ended.
                 let _ = child.kill();
                 let _ = child.wait();
                 return None;
@@ -128,8 +128,8 @@ impl Shared {
         }
     }
 
-    /// Kills QEMU when it owes an answer for too long, which ends the read that waits for it. A thread of its own costs nothing
-    /// a block, where a time limit on each read would cost a system call.
+    /// Kills QEMU if its answer is overdue, which ends the read that waits for it. A separate
+    /// thread costs nothing a block; a time limit on each read would cost a system call.
     fn watch(&self, asleep: &Receiver<()>) {
         let (mut seen, mut since) = (0, Instant::now());
         loop {
@@ -140,19 +140,19 @@ impl Shared {
                 (seen, since) = (turns, Instant::now());
             } else if since.elapsed() >= patience {
                 self.stalled.store(true, Ordering::Relaxed);
-                // Fails only on a child that is no more.
+                // Fails only if the child has already ended.
                 let _ = self.child().kill();
                 return;
             }
-            if asleep.recv_timeout(patience / LOOKS) != Err(RecvTimeoutError::Timeout) {
+            if asleep.recv_timeout(patience / CHECKS_PER_LIMIT) != Err(RecvTimeoutError::Timeout) {
                 return;
             }
         }
     }
 }
 
-/// Starts QEMU with the pipes as its files 3 and 4, and the serial port as its file 5. This process's ends of them close with the command,
-/// so that a pipe ends when QEMU does.
+/// Starts QEMU with the pipes as its files 3 and 4, and the serial port as its file 5. The ends of
+/// this process close with the command, so that a pipe ends when QEMU does.
 fn spawn(image: &Path, serial: Serial, reads: OwnedFd, writes: OwnedFd) -> io::Result<Child> {
     let mut command = Command::new(PROGRAM);
     let mut files = vec![FdMapping { parent_fd: reads, child_fd: 3 }, FdMapping { parent_fd: writes, child_fd: 4 }];
@@ -168,10 +168,11 @@ fn spawn(image: &Path, serial: Serial, reads: OwnedFd, writes: OwnedFd) -> io::R
     command.spawn()
 }
 
-/// Keeps the beginning of what QEMU says, and reads the rest away, so that it never waits for a reader.
+/// Stores the beginning of QEMU's standard error and discards the rest, so that QEMU never waits
+/// for a reader.
 fn listen(mut stderr: ChildStderr) -> String {
     let mut stored = Vec::new();
-    let mut first = (&mut stderr).take(KEPT_BYTES);
+    let mut first = (&mut stderr).take(MAX_STDERR_BYTES);
     let _ = first.read_to_end(&mut stored).and_then(|_| io::copy(&mut stderr, &mut io::sink()));
     String::from_utf8_lossy(&stored).into_owned()
 }

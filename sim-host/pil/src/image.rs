@@ -1,4 +1,4 @@
-//! The image: whether it can be built and run here, and building it.
+//! Building the image, and checking the requirements for it.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -9,21 +9,23 @@ use serde_json::Value;
 use super::PilError;
 use super::machine::PROGRAM;
 
-/// The environment variable that names a ready image, which is then used instead of building one.
+/// Environment variable that names a ready image, which is then used instead of building one.
 pub const IMAGE_VARIABLE: &str = "SONOGLIDE_PIL_IMAGE";
 
 const TARGET: &str = "thumbv7em-none-eabihf";
 /// Package of the emulated images.
-const QEMU: &str = "sonoglide-qemu-m4";
+const QEMU_PACKAGE: &str = "sonoglide-qemu-m4";
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// Environment variables that the caller sets for host code; they are meant neither for the image nor for its directory.
+/// Environment variables that the caller sets for host code; they must affect neither the image nor
+/// its directory.
 const NOT_INHERITED: [&str; 4] = ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_RUSTFLAGS", "CARGO_BUILD_TARGET"];
 
-/// Why there can be no processor in the loop here, and what to install. `None`: nothing is missing.
+/// Returns the reason why the processor in the loop is not available here, and the packages to
+/// install. `None`: nothing is missing.
 pub fn missing() -> Option<String> {
     if !cfg!(target_os = "linux") {
-        return Some("QEMU is fed through inherited pipes, which works on Linux only".into());
+        return Some("the processor in the loop needs Linux, as QEMU uses inherited pipes".into());
     }
     let path = env::var_os("PATH").unwrap_or_default();
     if !env::split_paths(&path).any(|folder| folder.join(PROGRAM).is_file()) {
@@ -38,11 +40,13 @@ pub fn missing() -> Option<String> {
     missing_to_build()
 }
 
-/// Why no image can be built here, and what to install. `None`: nothing is missing.
+/// Returns the reason why no image can be built here, and the packages to install. `None`: nothing
+/// is missing.
 pub fn missing_to_build() -> Option<String> {
     if !Path::new(WORKSPACE).join("firmware/boards/qemu-m4").is_dir() {
         return Some(format!(
-            "the source of the image is not here; run in a checkout of Sonoglide (`cargo run --release --`), or name a built image (--board=ELF, {IMAGE_VARIABLE})"
+            "the source of the image is not here; run in a checkout of Sonoglide (`cargo run --release --`), or name a built image \
+             (--board=ELF, {IMAGE_VARIABLE})"
         ));
     }
     if has_core_library() {
@@ -51,10 +55,11 @@ pub fn missing_to_build() -> Option<String> {
     Some(format!("the core library for {TARGET} is not installed; install it with `rustup target add {TARGET}`"))
 }
 
-/// The image to run: the one that [`IMAGE_VARIABLE`] names, or else the present source, built.
+/// Returns the image to run: the one named by [`IMAGE_VARIABLE`], otherwise one built from the
+/// present source.
 ///
-/// It is built in a target directory of its own, so that it waits for no other build. Source that has changed since this program
-/// was built shows as a difference between the two.
+/// It is built in a separate target directory, so that it waits for no other build. If the source
+/// has changed since this program was built, the two differ.
 pub fn image() -> Result<PathBuf, PilError> {
     if let Some(reason) = missing() {
         return Err(PilError::Missing(reason));
@@ -63,13 +68,13 @@ pub fn image() -> Result<PathBuf, PilError> {
         let ready = PathBuf::from(ready);
         return match ready.is_file() {
             true => Ok(ready),
-            false => Err(PilError::Missing(format!("{IMAGE_VARIABLE} names {}, which is not there", ready.display()))),
+            false => Err(PilError::Missing(format!("{IMAGE_VARIABLE} names {}, which does not exist", ready.display()))),
         };
     }
-    build(QEMU, "qemu-m4")
+    build(QEMU_PACKAGE, "qemu-m4")
 }
 
-/// The image that counts the instructions of kernels, built from the present source.
+/// Builds the image that counts the instructions of kernels from the present source.
 pub fn counting_image() -> Result<PathBuf, PilError> {
     match missing() {
         Some(reason) => Err(PilError::Missing(reason)),
@@ -77,29 +82,29 @@ pub fn counting_image() -> Result<PathBuf, PilError> {
     }
 }
 
-/// The image that is a whole board, with its link, built from the present source.
+/// Builds the image of a whole board, with its link, from the present source.
 pub fn link_image() -> Result<PathBuf, PilError> {
     match missing() {
         Some(reason) => Err(PilError::Missing(reason)),
-        None => build(QEMU, "link"),
+        None => build(QEMU_PACKAGE, "link"),
     }
 }
 
-/// The image of the tests that run on the target, built from the present source.
+/// Builds the image of the tests that run on the target from the present source.
 pub fn test_image() -> Result<PathBuf, PilError> {
     if let Some(reason) = missing() {
         return Err(PilError::Missing(reason));
     }
-    // The file of a test has a name that cargo alone knows.
+    // Only cargo knows the name of a test's file.
     let (_, messages) = cargo("pil", &["-p", "on-target", "--test", "on_target", "--message-format", "json-render-diagnostics"])?;
     let artifact = |line: &str| {
         let message: Value = serde_json::from_str(line).ok()?;
         (message["target"]["name"] == "on_target").then(|| message["executable"].as_str().map(PathBuf::from))?
     };
-    messages.lines().find_map(artifact).ok_or_else(|| PilError::Build("cargo names no file of the tests".into()))
+    messages.lines().find_map(artifact).ok_or_else(|| PilError::Build("cargo reports no file for the tests".into()))
 }
 
-/// The image that is flashed, as `cargo fw` builds it from the present source.
+/// Builds the image that is flashed, as by `cargo fw`, from the present source.
 pub fn board_image() -> Result<PathBuf, PilError> {
     if let Some(reason) = missing_to_build() {
         return Err(PilError::Missing(reason));
@@ -108,12 +113,13 @@ pub fn board_image() -> Result<PathBuf, PilError> {
     Ok(folder.join(TARGET).join("board/nucleo-g474re"))
 }
 
-/// The first stage, and the image for the slot behind it, as `cargo first-stage` and `cargo field` build them from the present source.
+/// Builds the first stage and the image for the slot after it, as by `cargo first-stage` and
+/// `cargo field`, from the present source.
 pub fn field_images() -> Result<[PathBuf; 2], PilError> {
     if let Some(reason) = missing_to_build() {
         return Err(PilError::Missing(reason));
     }
-    // The first stage has a profile of its own: it must be small, and the image fast.
+    // The first stage has a separate profile: it must be small, and the image fast.
     let build = |image: &str, profile: &str| -> Result<PathBuf, PilError> {
         let (folder, _) = cargo(profile, &["-p", "sonoglide-nucleo-g474re", "--features", "slot", "--bin", image])?;
         Ok(folder.join(TARGET).join(profile).join(image))
@@ -127,7 +133,8 @@ fn build(package: &str, image: &str) -> Result<PathBuf, PilError> {
     Ok(folder.join(TARGET).join("pil").join(image))
 }
 
-/// Builds something for the target in a profile; returns the target directory, and what cargo prints.
+/// Builds something for the target in a profile. Returns the target directory, and the output of
+/// cargo.
 fn cargo(profile: &str, what: &[&str]) -> Result<(PathBuf, String), PilError> {
     let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| Path::new(WORKSPACE).join("target"), PathBuf::from).join("pil");
     let built = run("CARGO", "cargo", |cargo| {
@@ -140,7 +147,7 @@ fn cargo(profile: &str, what: &[&str]) -> Result<(PathBuf, String), PilError> {
     }
 }
 
-/// Whether the compiler of this workspace can build for the target.
+/// Returns `true` if the compiler of this workspace can build for the target.
 fn has_core_library() -> bool {
     let asked = run("RUSTC", "rustc", |rustc| rustc.args(["--print", "target-libdir", "--target", TARGET]));
     let Some(folder) = asked.ok().filter(|output| output.status.success()) else { return false };
@@ -149,7 +156,8 @@ fn has_core_library() -> bool {
     names.into_iter().any(|name| name.to_string_lossy().starts_with("libcore-"))
 }
 
-/// Runs a tool of the toolchain in the workspace, where `rust-toolchain.toml` says which one.
+/// Runs a tool of the toolchain in the workspace, so that `rust-toolchain.toml` selects the
+/// version.
 fn run(variable: &str, name: &str, arguments: impl Fn(&mut Command) -> &mut Command) -> std::io::Result<Output> {
     let mut command = Command::new(env::var_os(variable).unwrap_or_else(|| name.into()));
     for inherited in NOT_INHERITED {

@@ -1,13 +1,15 @@
-//! Processor in the loop: the controller as thumb code under QEMU, behind the same [`Processor`](sim::processor::Processor)
-//! as the controller in this process.
+//! Processor in the loop: the controller as thumb code under QEMU, with the same interface
+//! [`Processor`](sim::processor::Processor) as the controller in this process.
 //!
-//! The image (package `qemu-m4`) reads what the converters saw from one inherited pipe and writes the codes to another, by
-//! semihosting, one [record](firmware::board::lockstep) a block. Host and emulator take turns, so both are pinned to one core: a
-//! switch there takes less than waking another core. While the guest waits it executes nothing, so that a
-//! run is the same, instruction for instruction, however busy the machine is.
+//! The image (package `qemu-m4`) reads the samples of the converters from one inherited pipe and
+//! writes the codes to another, by semihosting, one [record](firmware::board::lockstep) a block.
+//! Host and emulator take turns, so both are pinned to one core: a switch there is faster than
+//! waking another core. While the guest waits it executes nothing, so a run is the same,
+//! instruction for instruction, at any load of the machine.
 //!
-//! What it shows is arithmetic and code generation: that the thumb code returns the codes that the host returns, bit for bit, and how
-//! many instructions it takes for them, to within a tick of the emulated timer (about 6). It shows nothing about time.
+//! It tests arithmetic and code generation: the thumb code must return the codes of the host, bit
+//! for bit. It also counts the instructions for them, to within a tick of the emulated timer (about
+//! 6). It does not measure time.
 //!
 //! # Example
 //!
@@ -46,10 +48,10 @@ pub use image::{
 };
 pub use qemu::Qemu;
 
-/// Why there is no processor in the loop.
+/// Reason for which there is no processor in the loop.
 #[derive(Debug, thiserror::Error)]
 pub enum PilError {
-    /// Something that it needs is not installed.
+    /// A requirement is not installed.
     #[error("no processor in the loop: {0}")]
     Missing(String),
     /// The image could not be built.

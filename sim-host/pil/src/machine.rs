@@ -3,9 +3,9 @@
 /// Program of the emulator.
 pub const PROGRAM: &str = "qemu-system-arm";
 
-/// Arguments of the emulator, before the image: an STM32F405, with flash and RAM where the reference board has them, and
-/// semihosting on this host's files. The machine's time passes by instructions, one nanosecond each, by which the image counts
-/// them.
+/// Arguments of the emulator, before the image: an STM32F405, with flash and RAM at the addresses
+/// of the reference board, and semihosting on this host's files. The machine's time advances by one
+/// nanosecond per instruction; the image uses it to count instructions.
 pub const ARGUMENTS: [&str; 10] = [
     "-M",
     "netduinoplus2",
@@ -22,5 +22,5 @@ pub const ARGUMENTS: [&str; 10] = [
 /// Arguments of a machine without a serial port to the host.
 pub const NO_SERIAL: [&str; 2] = ["-serial", "null"];
 
-/// Arguments of a machine whose first serial port is the socket that it has inherited as its file 5.
+/// Arguments of a machine whose first serial port is the socket inherited as file 5.
 pub const SERIAL: [&str; 4] = ["-chardev", "socket,id=link,fd=5", "-serial", "chardev:link"];

@@ -1,4 +1,4 @@
-//! The way to QEMU and back: a record there, and the one that answers it.
+//! Exchange of records with QEMU: one there, and one back.
 
 use std::io::{self, PipeReader, PipeWriter, Read, Write};
 use std::path::Path;
@@ -23,17 +23,17 @@ impl Pipes {
         Ok(Pipes { to, from, buffer: lockstep::BUFFER, emulator })
     }
 
-    /// The running QEMU process.
+    /// Returns the running QEMU process.
     pub fn emulator(&self) -> &Emulator {
         &self.emulator
     }
 
-    /// Sends a record and waits for the one that answers it.
+    /// Sends a record and waits for its answer.
     pub fn ask(&mut self, question: &impl Record, answer: &mut impl Record) -> Result<(), Lost> {
         self.exchange(|buffer| lockstep::encode(question, buffer).ok(), answer)
     }
 
-    /// Asks what the run has needed so far.
+    /// Requests the memory that the run has used so far.
     pub fn close(&mut self) -> Result<Closing, Lost> {
         let mut closing = Closing::default();
         self.exchange(|_| Some(&lockstep::CLOSE), &mut closing)?;
@@ -45,7 +45,7 @@ impl Pipes {
         record: impl FnOnce(&mut lockstep::Buffer) -> Option<&[u8]>,
         answer: &mut impl Record,
     ) -> Result<(), Lost> {
-        let bytes = record(&mut self.buffer).ok_or_else(|| Lost("a question is too long".into()))?;
+        let bytes = record(&mut self.buffer).ok_or_else(|| Lost("a record is too long".into()))?;
         self.emulator.turn();
         let body = match self.to.write_all(bytes) {
             Ok(()) => lockstep::receive(&mut self.buffer, |bytes| self.from.read(bytes)),
@@ -54,8 +54,8 @@ impl Pipes {
         self.emulator.turn();
         match body {
             Ok(Some(body)) => lockstep::decode(body, answer)
-                .map_err(|_| Lost("its answer cannot be read: the image is not of this source".into())),
-            Ok(None) | Err(_) => Err(Lost(self.emulator.obituary())),
+                .map_err(|_| Lost("its answer cannot be decoded: the image was built from another source".into())),
+            Ok(None) | Err(_) => Err(Lost(self.emulator.describe_end())),
         }
     }
 }

@@ -17,7 +17,8 @@ use sim::processor::{Lost, Memory, Processor};
 
 /// The controller as thumb code under QEMU.
 ///
-/// While it lives, the thread that started it is pinned to one core with QEMU; it cannot move to another thread.
+/// While it exists, the thread that started it is pinned to one core with QEMU; it cannot move to
+/// another thread.
 pub struct Qemu {
     pipes: Pipes,
     image: PathBuf,
@@ -30,7 +31,7 @@ pub struct Qemu {
 impl Qemu {
     /// Starts an [image](fn@super::image) and builds its controller.
     pub fn start(image: &Path, config: &Config) -> Result<Self, PilError> {
-        // Before the pipes' process is started, which inherits it.
+        // Pinned before QEMU is started, which inherits it.
         let core = CpuAffinity::pin();
         let mut pipes = Pipes::start(image, Serial::None)?;
         let mut opening = Opening::default();
@@ -48,12 +49,13 @@ impl Qemu {
         }
     }
 
-    /// Sets how long QEMU may take for an answer; 30 s by default. A longer time is for a debugger on the guest.
+    /// Sets the time limit for answers of QEMU; 30 s by default. A longer limit is for a debugger
+    /// on the guest.
     pub fn set_patience(&mut self, patience: Duration) {
         self.pipes.emulator().set_patience(patience);
     }
 
-    /// Process id of QEMU.
+    /// Returns the process id of QEMU.
     pub fn process_id(&self) -> u32 {
         self.pipes.emulator().process_id()
     }
@@ -79,7 +81,7 @@ impl Processor for Qemu {
     fn memory(&mut self) -> Result<Option<Memory>, Lost> {
         let closing = self.pipes.close()?;
         let unreadable =
-            |error: &dyn std::error::Error| Lost(format!("its image {} cannot be read: {error}", self.image.display()));
+            |error: &dyn std::error::Error| Lost(format!("the image {} cannot be read: {error}", self.image.display()));
         let elf = std::fs::read(&self.image).map_err(|error| unreadable(&error))?;
         let Size { flash, ram } = Size::of(&elf).map_err(|error| unreadable(&error))?;
         let Closing { stack_power_up_bytes: stack_power_up, stack_blocks_bytes: stack_blocks } = closing;

@@ -1,14 +1,14 @@
-//! How much memory an image takes, by the sections of its ELF file.
+//! Memory use of an image, by the sections of its ELF file.
 
 use object::{Object as _, ObjectSection as _, SectionFlags, SectionKind, elf};
 
-/// Where the RAM of the machine begins and ends: all that is loaded stands in the flash as well.
+/// Address range of the machine's RAM. All loaded data are in the flash as well.
 const RAM: std::ops::Range<u64> = 0x2000_0000..0x4000_0000;
 
-/// Bytes of an image.
+/// Memory use of an image, bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Size {
-    /// Vectors, code, constants, and what static variables begin with.
+    /// Size of vectors, code, constants, and initial values of static variables, bytes.
     pub flash: u64,
     /// Size of the static variables, bytes.
     pub ram: u64,

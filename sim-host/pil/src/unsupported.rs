@@ -11,21 +11,21 @@ use firmware::seam::telemetry::Telemetry;
 use super::{PilError, missing};
 use sim::processor::{Lost, Processor};
 
-/// The controller as thumb code under QEMU; there is none on this system.
+/// The controller as thumb code under QEMU; not available on this system.
 pub struct Qemu(Infallible);
 
 impl Qemu {
-    /// Fails, and says why.
+    /// Fails with the reason.
     pub fn start(_image: &Path, _config: &Config) -> Result<Self, PilError> {
         Err(PilError::Missing(missing().unwrap_or_default()))
     }
 
-    /// There is nothing to wait for.
+    /// Has no effect.
     pub fn set_patience(&mut self, _patience: Duration) {
         match self.0 {}
     }
 
-    /// There is no process.
+    /// Never returns, as there is no process.
     pub fn process_id(&self) -> u32 {
         match self.0 {}
     }

@@ -1,12 +1,14 @@
-//! How a belt, or the slider of experiment 1, moves: at a speed with a ripple, until it comes to a stand.
+//! Motion of a belt, or of the slider of experiment 1: a speed with a ripple, until it stops.
 //!
 //! ```text
 //! v(t) = s(t) (V + r V n(t)),    n = a cos(2 pi f t) + b sin(2 pi f t)
 //! ```
 //!
-//! with `a` and `b` Gaussian, of unit variance and a memory of `MEMORY_PERIODS` periods (Ornstein and Uhlenbeck 1930, stepped exactly): a
-//! ripple of rms `r` in a narrow band about `f`, which sinks below a level `L` deviations away `f exp(-L^2 / 2)` times a second
-//! (Rice 1944). `s` is one, and falls to zero along a straight line where the belt stops. The speed is held over a step.
+//! `a` and `b` are Gaussian with unit variance and a memory of `MEMORY_PERIODS` periods (Ornstein
+//! and Uhlenbeck 1930, stepped exactly). This gives a ripple of rms `r` in a narrow band about `f`.
+//! It falls below a level `L` standard deviations away `f exp(-L^2 / 2)` times a second (Rice
+//! 1944). `s` is one, and falls linearly to zero when the belt stops. The speed is constant during
+//! a step.
 
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -30,28 +32,33 @@ pub struct BeltMotion {
 struct Ripple {
     rms: f64,
     hz: f64,
-    /// The step that `decay` (of a quadrature over one step) and `fresh` (scale of the new random part) are computed for, s.
+    /// Step for which `decay` and `fresh` are computed, s.
     step_s: f64,
+    /// Decay of a quadrature over one step.
     decay: f64,
+    /// Scale of the new random part.
     fresh: f64,
     quadratures: [f64; 2],
     random: Xoshiro256PlusPlus,
 }
 
-/// A stop: from when on, and how long it takes, s.
+/// A stop.
 #[derive(Clone, Copy, Debug)]
 struct Halt {
+    /// Beginning of the stop, s.
     at_s: f64,
+    /// Duration of the stop, s.
     takes_s: f64,
 }
 
 impl BeltMotion {
-    /// A belt that moves at this speed, m/s, without a ripple.
+    /// Creates a belt that moves at this speed, m/s, without a ripple.
     pub fn new(speed_m_per_s: f64) -> Self {
         BeltMotion { nominal_m_per_s: speed_m_per_s, ripple: None, halt: None, time_s: 0.0, speed_m_per_s, position_m: 0.0 }
     }
 
-    /// The belt with a ripple of this rms, as a part of the speed, about this frequency, Hz. The seed determines the ripple.
+    /// Adds a ripple of this rms (relative to the speed) about this frequency, Hz. The seed
+    /// determines the ripple.
     pub fn with_ripple(mut self, rms: f64, hz: f64, seed: u64) -> Self {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let quadratures = std::array::from_fn(|_| StandardNormal.sample(&mut random));
@@ -59,7 +66,7 @@ impl BeltMotion {
         self
     }
 
-    /// The speed without its ripple, m/s.
+    /// Returns the speed without its ripple, m/s.
     pub fn nominal_m_per_s(&self) -> f64 {
         self.nominal_m_per_s
     }
@@ -69,12 +76,12 @@ impl BeltMotion {
         self.nominal_m_per_s = speed_m_per_s;
     }
 
-    /// Brings the belt to a stand, from `at_s` on, within `takes_s`; for good.
+    /// Stops the belt permanently: the speed falls to zero within `takes_s`, from `at_s` on.
     pub fn halt(&mut self, at_s: f64, takes_s: f64) {
         self.halt = Some(Halt { at_s, takes_s });
     }
 
-    /// Moves on by `step_s`. Returns the speed of that step, m/s.
+    /// Advances by `step_s`. Returns the speed during that step, m/s.
     pub fn advance(&mut self, step_s: f64) -> f64 {
         let ripple = self.ripple.as_mut().map_or(0.0, |ripple| ripple.next(self.time_s, step_s));
         let part = self.halt.map_or(1.0, |halt| halt.part(self.time_s));
@@ -84,12 +91,12 @@ impl BeltMotion {
         self.speed_m_per_s
     }
 
-    /// Speed of the belt in the last step, m/s.
+    /// Returns the speed of the belt in the last step, m/s.
     pub fn speed_m_per_s(&self) -> f64 {
         self.speed_m_per_s
     }
 
-    /// How far it has come at the end of the last step, m.
+    /// Returns the position at the end of the last step, m.
     pub fn position_m(&self) -> f64 {
         self.position_m
     }
@@ -111,7 +118,7 @@ impl Ripple {
 }
 
 impl Halt {
-    /// What is left of the speed.
+    /// Returns the factor by which the speed is reduced, 1 before the stop and 0 after it.
     fn part(self, time_s: f64) -> f64 {
         let since_s = time_s - self.at_s;
         if since_s < 0.0 { 1.0 } else { (1.0 - since_s / self.takes_s.max(f64::MIN_POSITIVE)).max(0.0) }
@@ -132,23 +139,25 @@ mod tests {
             belt.advance(STEP_S);
         });
         assert_eq!(belt.speed_m_per_s(), 0.0);
-        // Half of the speed over the stop; the step that stands for a slope's beginning is half a step too long.
+        // The mean speed during the stop is one half; the step in which the slope begins counts
+        // half a step too much.
         let expected = 0.05 * STEP_S * (1000.0 + 250.0 + 0.5);
         assert!((belt.position_m() - expected).abs() < 1e-12, "{} for {expected}", belt.position_m());
         belt.halt(0.0, 0.0);
         assert_eq!(belt.advance(STEP_S), 0.0);
     }
 
-    /// Measured: rms 0.1979 for 0.2; 3.05 times a second below two deviations, by Rice 2.71 (of the rms as it is).
+    /// Measured: rms 0.1979 for 0.2; 3.05 times a second below two standard deviations. Rice: 2.71
+    /// (for the nominal rms).
     #[test]
-    fn the_ripple_has_its_size_and_dips_as_often_as_rice_says() {
+    fn ripple_has_its_rms_and_the_dip_rate_of_rice() {
         let (mut belt, seconds) = (BeltMotion::new(1.0).with_ripple(0.2, 20.0, 3), 200.0);
         let (mut sum, mut dips, mut above) = (0.0, 0, true);
         let steps = (seconds / 1e-4) as usize;
         for _ in 0..steps {
             let speed = belt.advance(1e-4);
             sum += (speed - 1.0).powi(2);
-            // With a little hysteresis against the roughness of what has a short memory.
+            // A little hysteresis, as a process with a short memory is rough.
             if above && speed < 0.59 {
                 (dips, above) = (dips + 1, false);
             } else if speed > 0.61 {

@@ -1,27 +1,28 @@
-//! What breaks in a stack.
+//! Failures of a stack.
 //!
-//! | fault | what it does |
+//! | fault | effect |
 //! |---|---|
-//! | shorted | 50 milliohm across it, a spark that has carbonised its way: the voltage collapses behind the source resistance |
-//! | depoled | C0 falls by a third and every coupling to a tenth (Cm to a hundredth, Lm and Rm to a hundredfold; resonance and Q stay) |
+//! | shorted | 50 milliohm across it, a spark that has carbonised its path: the voltage at the stack collapses, as nearly all of it drops across the source resistance |
+//! | depoled | C0 falls by a third and every coupling to a tenth (Cm to a hundredth, Lm and Rm rise a hundredfold; resonance and Q remain) |
 //! | cracked | Q falls to a fifth, and a second mode appears 1.5 % below, with a fifth of Cm and the same Q |
 //!
-//! The depoled stack's clamped capacitance is that of unpoled ceramic of the lead zirconate titanate family, whose permittivity is some
-//! tens of per cent below that of poled one; the cracked one's mode is the crack's own half of the stack. The sizes are assumptions.
+//! The clamped capacitance of the depoled stack is that of unpoled lead zirconate titanate, whose
+//! permittivity is some tens of per cent below that of poled ceramic. The mode of the cracked stack
+//! belongs to the part of the stack on one side of the crack. The sizes are assumptions.
 
 use crate::circuit::Branch;
 use crate::circuit::Circuit;
 use crate::parts::Parts;
 
-/// What a short is left with, ohm.
+/// Resistance of a short, ohm.
 pub const SHORT_OHM: f64 = 0.05;
-/// What a depoled stack keeps of its clamped capacitance.
+/// Clamped capacitance of a depoled stack, relative to a sound one.
 pub const DEPOLED_CAPACITANCE: f64 = 2.0 / 3.0;
-/// What a depoled stack keeps of its coupling: of its force factor.
+/// Coupling (force factor) of a depoled stack, relative to a sound one.
 pub const DEPOLED_COUPLING: f64 = 0.1;
-/// What a cracked stack keeps of its quality factor.
+/// Quality factor of a cracked stack, relative to a sound one.
 pub const CRACKED_Q: f64 = 0.2;
-/// Where the mode of a crack is, relative to the series resonance.
+/// Resonance of the mode of a crack, relative to the series resonance.
 pub const CRACK_RESONANCE: f64 = 0.985;
 /// The motional capacitance of that mode, relative to that of the working mode.
 pub const CRACK_STRENGTH: f64 = 0.2;
@@ -37,18 +38,18 @@ pub enum Breakage {
     Cracked,
 }
 
-/// Something that breaks in a certain block.
+/// A breakage that is scheduled for a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scheduled {
-    /// In which block, counted from zero: so from its beginning.
+    /// Block at whose beginning it occurs, counted from zero.
     pub at_block: u64,
     /// The part that breaks.
     pub breakage: Breakage,
 }
 
 impl Breakage {
-    /// The elements of a stack that breaks.
-    pub fn of(self, parts: Parts) -> Parts {
+    /// Returns the elements of a stack after this breakage.
+    pub fn apply(self, parts: Parts) -> Parts {
         match self {
             Breakage::Shorted => Parts { leak_s: parts.leak_s + 1.0 / SHORT_OHM, ..parts },
             Breakage::Depoled => {
@@ -74,7 +75,7 @@ impl Breakage {
                 let cm_f = CRACK_STRENGTH * circuit.cm_f;
                 let lm_h = 1.0 / ((std::f64::consts::TAU * hz).powi(2) * cm_f);
                 let mut further = parts.further;
-                further.push(Branch::at(hz, circuit.q(), lm_h));
+                further.push(Branch::new(hz, circuit.q(), lm_h));
                 Parts { circuit, further, ..parts }
             }
         }

@@ -1,13 +1,15 @@
-//! A carriage: a mass that slides past the tip as the forces on it say.
+//! A carriage: a mass that slides past the tip under the forces that act on it.
 //!
 //! ```text
 //! m v' = P + k (y - x) + c (y' - v) - F,    x' = v,    y' = pull from `pull_at_s` on, before that 0
 //! ```
 //!
-//! `F` is the friction at the tip, positive against a positive `v`. What turns is a carriage too: at the radius `r` of the contact `m = J / r^2` and `P = M / r`. The friction changes with
-//! the vibration, so the carriage goes in the steps of the contact, some twenty or more in a period: first the way with the speed that it has, then the
-//! speed with the mean friction of that step and the spring as it is then (symplectic Euler, whose energy does not drift). Its error is of the order of the step times the carriage's
-//! own `sqrt(k / m)`. Units: kg, m, s, N.
+//! `F` is the friction at the tip, positive against a positive `v`. A rotating body is a carriage
+//! too: with the contact at radius `r`, `m = J / r^2` and `P = M / r`. The friction changes with
+//! the vibration, so the carriage is stepped with the contact, twenty or more times a period. Each
+//! step first updates the position with the present speed, then the speed with the mean friction of
+//! that step and the spring force at the new position (symplectic Euler, whose energy does not
+//! drift). Its error is of the order of the step times `sqrt(k / m)`. Units: kg, m, s, N.
 
 use crate::stribeck::Stribeck;
 
@@ -19,22 +21,23 @@ pub struct Carriage {
     time_s: f64,
     position_m: f64,
     speed_m_per_s: f64,
-    /// Way of the spring's end, m, and its speed in the last step, m/s.
+    /// Position of the spring's end, m.
     end_m: f64,
+    /// Speed of the spring's end in the last step, m/s.
     end_m_per_s: f64,
 }
 
-/// What moved a carriage, at the end of a block.
+/// Forces on a carriage at the end of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CarriageTruth {
-    /// Force that moves it: constant force, spring and damper, N.
+    /// Sum of the constant force, spring and damper, N.
     pub pull_n: f64,
-    /// Way of the spring's end, m.
+    /// Position of the spring's end, m.
     pub end_m: f64,
 }
 
 impl Carriage {
-    /// The carriage of a scene, at rest on a relaxed contact.
+    /// Creates the carriage of a scene, at rest on a relaxed contact.
     pub fn new(contact: &scene::Lugre, carriage: &scene::Carriage) -> Self {
         Carriage {
             scene: carriage.clone(),
@@ -47,22 +50,22 @@ impl Carriage {
         }
     }
 
-    /// Force of the contact's bristles at present, N.
+    /// Returns the present force of the contact's bristles, N.
     pub fn force(&self) -> f64 {
         self.contact.force()
     }
 
-    /// How far it has come, m.
+    /// Returns the position, m.
     pub fn position_m(&self) -> f64 {
         self.position_m
     }
 
-    /// Its speed, m/s.
+    /// Returns the speed, m/s.
     pub fn speed_m_per_s(&self) -> f64 {
         self.speed_m_per_s
     }
 
-    /// What moves it at present.
+    /// Returns the present forces on the carriage.
     pub fn truth(&self) -> CarriageTruth {
         CarriageTruth { pull_n: self.pull_n(), end_m: self.end_m }
     }
@@ -72,7 +75,8 @@ impl Carriage {
         self.scene.force_n + spring_n + self.scene.damping_n_s_per_m * (self.end_m_per_s - self.speed_m_per_s)
     }
 
-    /// Slides for `step_s` seconds, in which the tip moves by `moved` metres, from velocity `v0` to `v1`. Returns the mean friction, N.
+    /// Slides for `step_s` seconds, while the tip moves by `moved` metres and its velocity goes
+    /// from `v0` to `v1`. Returns the mean friction, N.
     #[inline(never)]
     pub fn slide(&mut self, v0: f64, v1: f64, moved: f64, step_s: f64) -> f64 {
         let speed = self.speed_m_per_s;

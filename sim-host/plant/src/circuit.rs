@@ -1,10 +1,11 @@
-//! The stack's equivalent circuit (Butterworth 1914, Van Dyke 1928), in either of the forms a scene may state it.
+//! Equivalent circuit of a stack (Butterworth 1914, Van Dyke 1928), from either form in which a
+//! scene can state it.
 //!
 //! `omega^2 = 1 / (Lm Cm)`, `Q = omega Lm / Rm`, `k^2 = Cm / (C0 + Cm)`.
 
 use scene::Bvd;
 
-/// The equivalent circuit in the form the equations need.
+/// Equivalent circuit, as the elements in the equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circuit {
     /// Clamped capacitance of the transducer, F.
@@ -19,7 +20,7 @@ pub struct Circuit {
     pub force_factor_n_per_v: f64,
 }
 
-/// A series branch of the equivalent circuit: that of one mode.
+/// Series branch of one mode in the equivalent circuit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branch {
     /// Motional capacitance of the mode, F.
@@ -31,14 +32,14 @@ pub struct Branch {
 }
 
 impl Branch {
-    /// The branch of a further mode: `Cm = 1 / (omega^2 Lm)`, `Rm = omega Lm / Q`. Its force factor does not matter, as it does not move
-    /// the tip along the friction.
-    pub fn of(mode: &scene::Mode) -> Self {
-        Self::at(mode.series_resonance_hz, mode.q, mode.lm_h)
+    /// Returns the branch of a further mode: `Cm = 1 / (omega^2 Lm)`, `Rm = omega Lm / Q`. Its
+    /// force factor does not matter, as the mode does not move the tip along the friction.
+    pub fn from_mode(mode: &scene::Mode) -> Self {
+        Self::new(mode.series_resonance_hz, mode.q, mode.lm_h)
     }
 
-    /// The branch with this resonance, Hz, quality factor and inductance, H.
-    pub fn at(series_resonance_hz: f64, q: f64, lm_h: f64) -> Self {
+    /// Creates the branch with this resonance, Hz, quality factor and inductance, H.
+    pub fn new(series_resonance_hz: f64, q: f64, lm_h: f64) -> Self {
         let omega = std::f64::consts::TAU * series_resonance_hz;
         Branch { cm_f: 1.0 / (omega * omega * lm_h), lm_h, rm_ohm: omega * lm_h / q }
     }
@@ -53,20 +54,21 @@ impl Branch {
         self.omega() / std::f64::consts::TAU
     }
 
-    /// Quality factor at series resonance.
+    /// Returns the quality factor at series resonance.
     pub fn q(&self) -> f64 {
         self.omega() * self.lm_h / self.rm_ohm
     }
 
-    /// The branch with another series resonance, Hz, at constant inductance and quality factor.
+    /// Returns the branch with another series resonance, Hz, at constant inductance and quality
+    /// factor.
     pub fn with_series_resonance(self, hz: f64) -> Self {
-        Self::at(hz, self.q(), self.lm_h)
+        Self::new(hz, self.q(), self.lm_h)
     }
 }
 
 impl Circuit {
-    /// From either form of a scene's stack. A scene that has passed its rules gives one of them in full.
-    pub fn of(bvd: &Bvd) -> Self {
+    /// Converts either form of a scene's stack. A validated scene gives one of them in full.
+    pub fn from_bvd(bvd: &Bvd) -> Self {
         let of_resonance = |hz: f64, q: f64, k: f64| {
             let cm_f = bvd.c0_f * k * k / (1.0 - k * k);
             let omega = std::f64::consts::TAU * hz;
@@ -80,7 +82,7 @@ impl Circuit {
         Circuit { c0_f: bvd.c0_f, cm_f, lm_h, rm_ohm, force_factor_n_per_v: bvd.force_factor_n_per_v }
     }
 
-    /// The motional branch of the circuit.
+    /// Returns the motional branch of the circuit.
     fn branch(&self) -> Branch {
         Branch { cm_f: self.cm_f, lm_h: self.lm_h, rm_ohm: self.rm_ohm }
     }
@@ -95,23 +97,24 @@ impl Circuit {
         self.branch().series_resonance_hz()
     }
 
-    /// Quality factor at series resonance.
+    /// Returns the quality factor at series resonance.
     pub fn q(&self) -> f64 {
         self.branch().q()
     }
 
-    /// The circuit with another series resonance, at constant inductance and quality factor.
+    /// Returns the circuit with another series resonance, at constant inductance and quality
+    /// factor.
     pub fn with_series_resonance(self, hz: f64) -> Self {
         let Branch { cm_f, lm_h, rm_ohm } = self.branch().with_series_resonance(hz);
         Circuit { cm_f, lm_h, rm_ohm, ..self }
     }
 
-    /// The circuit with another quality factor, at constant resonance.
+    /// Returns the circuit with another quality factor, at constant resonance.
     pub fn with_q(self, q: f64) -> Self {
         Circuit { rm_ohm: self.omega() * self.lm_h / q, ..self }
     }
 
-    /// Time constant of the ring-up, s.
+    /// Returns the time constant of the ring-up, s.
     pub fn time_constant_s(&self) -> f64 {
         2.0 * self.lm_h / self.rm_ohm
     }
@@ -145,7 +148,7 @@ mod tests {
             amplitude_rm_per_a2: 0.0,
             amplitude_rm_most: None,
         };
-        let circuit = Circuit::of(&bvd);
+        let circuit = Circuit::from_bvd(&bvd);
         assert!((circuit.cm_f / A3.cm_f - 1.0).abs() < 1e-12);
         assert!((circuit.lm_h / A3.lm_h - 1.0).abs() < 1e-12);
         assert!((circuit.rm_ohm / A3.rm_ohm - 1.0).abs() < 1e-12);

@@ -1,12 +1,13 @@
-//! Converters: what the controller can see and do, and no more.
+//! Converters: everything that the controller can measure and set.
 //!
-//! A DAC code is held for a sample. An ADC conversion adds an offset and white Gaussian noise (both in LSB, before rounding),
-//! rounds and saturates; the conversions of one sample are summed, as a hardware oversampler does.
+//! A DAC code is held for a sample. An ADC conversion adds an offset and white Gaussian noise (both
+//! in LSB, before rounding), rounds and saturates. The conversions of one sample are summed, as in
+//! a hardware oversampler.
 
 use wide::f64x2;
 
 use crate::noise::Noise;
-use crate::quad::{Four, LANES, Portable, Quad, Wide};
+use crate::quad::{LANES, Portable, Quad, Registers, Wide};
 use scene::{Amplifier, Sensors};
 
 /// DAC of one lane, whose output is held between samples.
@@ -17,33 +18,33 @@ pub struct Dac {
 }
 
 impl Dac {
-    /// The DAC before this amplifier.
+    /// Creates the DAC that drives this amplifier.
     pub fn new(sensors: &Sensors, amplifier: &Amplifier) -> Self {
         let mid_code = f64::from(1u32 << (sensors.dac_bits - 1));
         Dac { mid_code, volt_per_lsb: amplifier.full_scale_v / mid_code }
     }
 
-    /// Code at zero volts.
+    /// Returns the code at zero volts.
     pub fn mid_code(&self) -> u16 {
         self.mid_code as u16
     }
 
-    /// Volts at the amplifier's output for one code.
+    /// Returns the volts at the amplifier's output for one code.
     pub fn volt_per_lsb(&self) -> f64 {
         self.volt_per_lsb
     }
 
-    /// What a code drives, V.
+    /// Returns the voltage of a code, V.
     #[inline]
     pub fn volts(&self, code: u16) -> f64 {
         (f64::from(code) - self.mid_code) * self.volt_per_lsb
     }
 }
 
-/// The two channels of the ADC, voltage and current, side by side; each with a noise of its own.
+/// The two channels of the ADC, voltage and current, with independent noise.
 #[derive(Clone, Debug)]
 pub struct Adc {
-    /// Of voltage and current in turn, as the numbers of two conversions are.
+    /// Scales of voltage and current in turn, in the order of the values of two conversions.
     lsb_per_unit: Quad,
     zero: Quad,
     noise_lsb: f64,
@@ -52,7 +53,7 @@ pub struct Adc {
 }
 
 impl Adc {
-    /// The channels of these sensors.
+    /// Creates the channels of these sensors.
     pub fn new(sensors: &Sensors, seed: u64) -> Self {
         let mid = f64::from(1u32 << (sensors.adc_bits - 1));
         let (v, i) = (mid / sensors.v_full_scale_v, mid / sensors.i_full_scale_a);
@@ -74,31 +75,32 @@ impl Adc {
         self.digitize(scaled, 1)
     }
 
-    /// Voltages and currents of two conversions in LSB, before their noise.
+    /// Returns the voltages and currents of two conversions in LSB, before their noise.
     #[inline(always)]
-    pub(crate) fn scaled<F: Four>(&self, values: Wide<F>) -> Wide<F> {
+    pub(crate) fn scaled<F: Registers>(&self, values: Wide<F>) -> Wide<F> {
         let four = values.four();
         values * self.lsb_per_unit.wide(four) + self.zero.wide(four)
     }
 
-    /// The sums of so many conversions' codes, 1 or 2.
+    /// Returns the sums of the codes of `conversions` conversions, 1 or 2.
     #[inline(always)]
-    pub(crate) fn digitize<F: Four>(&mut self, scaled: Wide<F>, conversions: usize) -> [u16; 2] {
+    pub(crate) fn digitize<F: Registers>(&mut self, scaled: Wide<F>, conversions: usize) -> [u16; 2] {
         let four = scaled.four();
         let noisy = scaled + self.noise.quad(conversions).wide(four) * Wide::splat(four, self.noise_lsb);
         let [v, i, later_v, later_i] = codes(noisy, Wide::splat(four, self.top));
         if conversions > 1 { [v + later_v, i + later_i] } else { [v, i] }.map(|code| code as u16)
     }
 
-    /// What one channel's numbers are multiplied by, what is added, what the noise is multiplied by, and the largest code.
+    /// Returns one channel's factor, its offset, the factor of the noise, and the largest code.
     pub(crate) fn scales(&self, channel: usize) -> [f64; 4] {
         [self.lsb_per_unit[channel], self.zero[channel], self.noise_lsb, self.top]
     }
 }
 
-/// Codes from zero to the top. Truncation rounds to nearest because of the half in the zero; what is no number is zero.
+/// Returns codes from zero to the top. Truncation rounds to nearest because of the half in the
+/// zero; NaN becomes zero.
 #[inline(always)]
-pub(crate) fn codes<F: Four>(noisy: Wide<F>, top: Wide<F>) -> [i32; LANES] {
+pub(crate) fn codes<F: Registers>(noisy: Wide<F>, top: Wide<F>) -> [i32; LANES] {
     noisy.larger(Wide::splat(noisy.four(), 0.0)).smaller(top).truncated()
 }
 

@@ -1,15 +1,16 @@
 //! Dahl's friction, integrated exactly in slip.
 //!
-//! `dF/dz = Kt (1 - (F / Fc) sgn V)`, exponent one (Dahl 1968; thesis 4.9). Between reversals of `V` this is linear in the
-//! slip `z`, whatever the motion in time:
+//! `dF/dz = Kt (1 - (F / Fc) sgn V)`, exponent one (Dahl 1968; thesis 4.9). Between reversals of
+//! `V` this is linear in the slip `z`, for any motion in time:
 //!
 //! ```text
 //! F(z) = s Fc + (F0 - s Fc) exp(-Kt |z| / Fc),   s = sgn V
 //! ```
 //!
-//! so a step needs the slip only, never a small time step, and `|F| <= Fc` holds for any stiffness. A reversal inside a step is
-//! located on the quadratic through both velocities and the slip (error of fourth order), and the step is split there.
-//! The time mean over the step is the trapezium with end corrections (fourth order).
+//! Therefore a step needs only its slip, never a small time step, and `|F| <= Fc` holds for any
+//! stiffness. A reversal inside a step is located on the quadratic through both velocities and the
+//! slip (fourth-order error), and the step is split there. The time mean over the step is the
+//! trapezium rule with end corrections (fourth order).
 
 /// Contact with Dahl friction.
 #[derive(Clone, Debug)]
@@ -24,23 +25,25 @@ pub struct Dahl {
 }
 
 impl Dahl {
-    /// A relaxed contact of stiffness `kt`, N/m, and Coulomb force `fc`, N.
+    /// Creates a relaxed contact of stiffness `kt`, N/m, and Coulomb force `fc`, N.
     pub fn new(kt: f64, fc: f64) -> Self {
         Dahl { kt, fc, per_metre: kt / fc, force: 0.0 }
     }
 
-    /// Changes the Coulomb force; the bristles keep their force, and the next slip leads it to the new bound.
+    /// Changes the Coulomb force. The bristles keep their force, and the next slip moves it towards
+    /// the new bound.
     pub fn set_coulomb_force(&mut self, fc: f64) {
         self.fc = fc;
         self.per_metre = self.kt / fc;
     }
 
-    /// Friction now, N, in the direction of the slip that made it.
+    /// Returns the present friction, N, in the direction of the slip that caused it.
     pub fn force(&self) -> f64 {
         self.force
     }
 
-    /// Slips by `slip` metres within `step` seconds, from velocity `v0` to `v1`. Returns the time mean of the friction, N.
+    /// Slips by `slip` metres within `step` seconds, from velocity `v0` to `v1`. Returns the time
+    /// mean of the friction, N.
     #[inline(always)]
     pub fn slip(&mut self, v0: f64, v1: f64, slip: f64, step: f64) -> f64 {
         if self.fc == 0.0 {
@@ -68,24 +71,27 @@ impl Dahl {
     }
 }
 
-/// Where in the step, 0 to 1, the velocity passes zero, and the slip until then.
+/// Returns the fraction of the step, 0 to 1, at which the velocity passes zero, and the slip until
+/// then.
 #[inline(always)]
 fn reversal(v0: f64, v1: f64, slip: f64, step: f64) -> (f64, f64) {
     let curve = 3.0 * (v0 + v1) - 6.0 * slip / step;
     let slope = v1 - v0 - curve;
-    // v0 + slope s + curve s^2 = 0; this form of the root does not cancel. The other sign lies outside the step.
+    // v0 + slope s + curve s^2 = 0; this form of the root does not cancel. The other sign lies
+    // outside the step.
     let root = (slope * slope - 4.0 * curve * v0).max(0.0).sqrt();
     let part = (-2.0 * v0 / (slope + root.copysign(slope))).clamp(0.0, 1.0);
     (part, step * part * (v0 + part * (slope / 2.0 + part * curve / 3.0)))
 }
 
-/// `exp(-x)` for `x >= 0`. Steps are small, so the short series is the usual way.
+/// Computes `exp(-x)` for `x >= 0`. Steps are small, so the short series is the usual path.
 #[inline(always)]
 fn decay(x: f64) -> f64 {
     if x > 0.125 {
         return libm::exp(-x);
     }
-    // Taylor to the eighth power: the ninth is below 2e-14. In pairs of powers (Estrin 1960), since what comes next waits for it.
+    // Taylor to the eighth power; the ninth is below 2e-14. Powers in pairs (Estrin 1960) shorten
+    // the chain of dependencies.
     let (x2, x4) = (x * x, x * x * (x * x));
     let low = (1.0 - x) + x2 * (1.0 / 2.0 - x * (1.0 / 6.0));
     let high = (1.0 / 24.0 - x * (1.0 / 120.0)) + x2 * ((1.0 / 720.0 - x * (1.0 / 5040.0)) + x2 * (1.0 / 40320.0));
@@ -101,7 +107,8 @@ mod tests {
 
     const TAU: f64 = std::f64::consts::TAU;
 
-    /// Time mean of F / Fc in the steady state of `V = xi + cos t` (units of the vibration velocity), by `steps` a period.
+    /// Returns the time mean of F / Fc in the steady state of `V = xi + cos t` (in units of the
+    /// vibration velocity), with `steps` steps a period.
     fn steady_ratio(xi: f64, kappa: f64, steps: usize) -> f64 {
         let mut contact = Dahl::new(kappa, 1.0);
         let step = TAU / steps as f64;
@@ -118,7 +125,8 @@ mod tests {
         mean
     }
 
-    /// Independent of this code: 40-digit closed form of steady kinematic Dahl friction, kappa = 0.404517.
+    /// Independent of this code: 40-digit closed form of steady kinematic Dahl friction, kappa =
+    /// 0.404517.
     #[test]
     fn agrees_with_the_closed_form() {
         let kappa = 0.056e6 * 0.053_429_6 / (TAU * 60e3 * 0.019_62);
@@ -147,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn no_coulomb_force_is_no_friction() {
+    fn zero_coulomb_force_gives_zero_friction() {
         assert_eq!(Dahl::new(1e6, 0.0).slip(1.0, -1.0, 0.1, 1.0), 0.0);
     }
 }

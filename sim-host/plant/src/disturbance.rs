@@ -1,33 +1,36 @@
-//! Plant values that change on the way: steps, ramps, sines and measured courses, from a scene's `[[disturbance]]`.
+//! Plant values that change during a run: steps, ramps, sines and measured profiles, from a scene's
+//! `[[disturbance]]`.
 
 use scene::{Disturbance, DisturbedKey};
 
-/// One change on its way.
+/// One change in progress.
 #[derive(Clone, Debug)]
 pub struct Change {
     disturbance: Disturbance,
-    /// What a ramp or a sine has added so far. Only the difference is added next, so that changes of one key add up.
+    /// Sum that a ramp or a sine has added so far. Only the difference is added next, so that
+    /// changes of one key add up.
     added: f64,
     done: bool,
 }
 
 impl Change {
-    /// A change that has not begun.
+    /// Creates a change that has not begun.
     pub fn new(disturbance: Disturbance) -> Self {
         Change { disturbance, added: 0.0, done: false }
     }
 
-    /// Key of the scene whose value changes.
+    /// Returns the key of the scene whose value changes.
     pub fn key(&self) -> DisturbedKey {
         self.disturbance.key
     }
 
-    /// Whether it has nothing more to say.
+    /// Returns `true` if it makes no further changes.
     pub fn is_over(&self) -> bool {
         self.done
     }
 
-    /// The key's next value at `time_s`, if this change moves it; `present` is what it is so far.
+    /// Returns the key's next value at `time_s`, if this change affects it; `present` is its value
+    /// so far.
     pub fn next(&mut self, time_s: f64, present: f64) -> Option<f64> {
         let change = &self.disturbance;
         let since = time_s - change.at_s;
@@ -54,7 +57,7 @@ mod tests {
     use scene::load::load;
 
     #[test]
-    fn a_measured_course_is_followed_from_its_beginning_on() {
+    fn a_measured_profile_is_followed() {
         let profile = "disturbance.0={at_s=0.1, key=\"rig.slider.speed_m_per_s\", profile={from_s=2, time_s=[1,3,5], values=[0.01,0.03,0.02]}}";
         let loaded = load("belt-stop-slow", &[profile.to_owned()]).unwrap_or_else(|error| panic!("{error}"));
         let mut change = Change::new(loaded.scene.disturbance[0].clone());

@@ -7,7 +7,8 @@
 //! In the frame of the vehicle, which the pulse `a(t)` decelerates:
 //!
 //! ```text
-//! m x'' = m a(t) - Ts                       torso, once that is more than nothing: then it leaves the back of its seat for good.
+//! m x'' = m a(t) - Ts                       torso, once that is positive: then it leaves the back
+//! of its seat permanently.
 //!                                           Nothing else holds it: no airbag, no lap belt
 //! Ts = T0 + ks [(x - p) beyond slack]       shoulder span
 //! Tr = T0 + kr (p - s)                      retractor span
@@ -17,11 +18,13 @@
 //! spool: s' = 0 below the limiter's force, Tr = limiter and s' = p' > 0 at it; it winds loose webbing up at Tr = T0
 //! ```
 //!
-//! States: `x`, `v`, `s`, and `p`, which is integrated only where the friction depends on the speed of sliding; else it follows from the
-//! others or stands. `mu` is what the [actuator] leaves of it at that speed.
+//! States: `x`, `v`, `s`, and `p`. `p` is integrated only if the friction depends on the sliding
+//! speed; otherwise it follows from the others or is constant. `mu` is the friction coefficient as
+//! reduced by the [actuator] at that speed.
 //!
-//! Validity: webbing without mass, a torso that is one mass, a rigid pulse, friction without a rise at rest. Between events the motion is
-//! smooth and is integrated by the classical Runge-Kutta method of order four; each [event](motion) is located to 1e-12 s.
+//! Validity: massless webbing, the torso as a single mass, a rigid pulse, friction that does not
+//! rise at rest. Between events the motion is smooth and is integrated by the classical
+//! fourth-order Runge-Kutta method; each [event](motion) is located to 1e-12 s.
 
 pub mod actuator;
 pub mod capstan;
@@ -40,7 +43,7 @@ use self::capstan::Capstan;
 use self::pulse::{Course, Pulse};
 use self::span::Span;
 
-/// Everything about a crash that stays as it is.
+/// Constants of a crash.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bench {
     /// Mass of the torso, kg.
@@ -55,12 +58,12 @@ pub struct Bench {
     pub capstan: Capstan,
     /// Force at which the load limiter lets the spool turn, N.
     pub limiter_n: f64,
-    /// What lowers the friction.
+    /// Actuator that lowers the friction.
     pub actuator: Actuator,
 }
 
 impl Bench {
-    /// The bench of a scene; the pulse begins at the scene's time.
+    /// Creates the bench of a scene; the pulse begins at the scene's time.
     pub fn of(scene: &scene::Dring) -> Self {
         Bench {
             torso_kg: scene.torso_mass_kg(),
@@ -88,15 +91,15 @@ impl Bench {
                 mu_low: scene.mu_low.min(scene.mu_high),
             },
             limiter_n: scene.limiter_n,
-            actuator: Actuator::of(scene),
+            actuator: Actuator::from_dring(scene),
         }
     }
 
-    /// The bench with a passive belt, whose friction is never lowered.
+    /// Returns the bench with a passive belt, whose friction is never lowered.
     pub fn passive(&self) -> Self {
         Bench { actuator: Actuator::None, ..self.clone() }
     }
 }
 
-/// Standard gravity as the design of belts has it, m/s^2.
+/// Standard gravity as rounded in belt design, m/s^2.
 pub const G_M_PER_S2: f64 = 9.81;

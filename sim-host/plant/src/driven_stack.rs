@@ -1,16 +1,20 @@
-//! A stack and what its tip rubs on.
+//! A stack and the surface on which its tip slides.
 //!
 //! ```text
 //! DAC hold -> amplifier -> stack <-> tip motion <-> friction contact <-> slider -> sensors -> ADC
 //! ```
 //!
-//! A horn on a belt has no contact along its vibration: the belt ([`Webbing`]) damps it, and is pulled once a block.
+//! A horn on a belt has no contact along its vibration: the belt ([`Webbing`]) damps it, and its
+//! pull is computed once a block.
 //!
-//! Plant states: five of amplifier and stack and two of each further mode, one of the contact or of the belt, two of the load cell, one of a stack that heats
-//! itself, three of a [`Carriage`] (place, speed, end of its spring); a rigid slider costs none. The
-//! friction at the tip comes back into the stack's motional branch. A sample is one step or several, as the contact needs: the
-//! linear part by its exact flow with the friction held at its last value, the contact exactly in the slip that results, and then
-//! the stack is corrected by what the mean friction over the step was instead. Second order in the coupling, exact without it.
+//! Plant states: five of amplifier and stack, two of each further mode, one of the contact or of
+//! the belt, two of the load cell, one of a stack that heats itself, three of a [`Carriage`]
+//! (position, speed, end of its spring), none of a rigid slider. The friction at the tip acts back
+//! on the stack's motional branch. A sample is one step or several, as the contact requires. The
+//! linear part advances by its exact flow with the friction held at its last value, then the
+//! contact exactly in the resulting slip. Finally the stack is corrected by the difference between
+//! the mean friction over the step and the held value. Second order in the coupling, exact without
+//! it.
 
 pub mod abreast;
 mod changes;
@@ -30,10 +34,10 @@ use crate::encoder::Encoder;
 use crate::energy::Energy;
 use crate::force_channel::ForceChannel;
 use crate::load_cell::LoadCell;
-use crate::quad::{Four, Portable, Quad};
+use crate::quad::{Portable, Quad, Registers};
 use crate::sliding::{Sliding, steps_per_sample};
-use crate::stack::{Held, Stack};
-use crate::sums::{Rubbing, Step, Sums};
+use crate::stack::{HeldDrive, Stack};
+use crate::sums::{Step, StepFriction, Sums};
 use crate::timing::Timing;
 use crate::truth::{Sample, TipMotion, Truth};
 use crate::webbing::Webbing;
@@ -59,18 +63,20 @@ pub struct DrivenStack {
     time_s: f64,
     energy: Energy,
     truth: Truth,
-    /// The samples of the last block, where they are recorded.
+    /// The samples of the last block, if they are recorded.
     samples: Option<Vec<Sample>>,
-    /// The last step, and the drive that it was made with, V; whether nothing moved in it.
+    /// The last step.
     last: Step,
+    /// Drive voltage of the last step, V.
     held_v: f64,
+    /// `true` if nothing moved in the last step.
     at_rest: bool,
-    /// What the converters have seen in the last sample that was held, in LSB, of two conversions or one.
-    seen: Vec<(Quad, usize)>,
+    /// Inputs of the converters in the last held sample, in LSB, for two conversions or one.
+    inputs: Vec<(Quad, usize)>,
 }
 
 impl DrivenStack {
-    /// The stack of a scene, at rest, with the contact at its tip.
+    /// Creates the stack of a scene, at rest, with the contact at its tip.
     pub fn new(scene: &Driven, stack: &scene::Stack, sliding: Option<(&Dahl, &Slider)>) -> Self {
         let sensors = scene.sensors;
         let (elements, parts) = Elements::new(scene, stack);
@@ -80,11 +86,11 @@ impl DrivenStack {
             conversions: sensors.oversample.into(),
             skew_s: sensors.skew_s,
         };
-        // Streams far from those of the converters.
+        // Seed offsets far from those of the converters.
         let [ripple_seed, force_seed] = [1, 3].map(|stream| scene.seed ^ (stream << 61));
-        let sliding = Sliding::of(scene, sliding, ripple_seed);
+        let sliding = Sliding::from_scene(scene, sliding, ripple_seed);
         let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
-        let delay = Delay::of(scene.amplifier.delay_s * sensors.sample_hz);
+        let delay = Delay::from_samples(scene.amplifier.delay_s * sensors.sample_hz);
         let late_s = delay.as_ref().map_or(0.0, Delay::fraction) / sensors.sample_hz;
         let mut plant = DrivenStack {
             dac: Dac::new(sensors, scene.amplifier),
@@ -108,61 +114,61 @@ impl DrivenStack {
             last: Step::default(),
             held_v: 0.0,
             at_rest: false,
-            seen: Vec::new(),
+            inputs: Vec::new(),
         };
         if let (Some(belt), Some(at_s)) = (plant.belt(), scene.belt_stops_s()) {
-            // From the block that it falls into, as every fault.
+            // The stop begins with the block that contains its time, as for every fault.
             belt.halt((at_s / block_s).floor() * block_s - 0.5 * block_s, 0.0);
         }
         plant
     }
 
-    /// The truth about the last block.
+    /// Returns the truth about the last block.
     pub fn truth(&self) -> &Truth {
         &self.truth
     }
 
-    /// The stack's circuit as it is now.
+    /// Returns the stack's circuit as it is now.
     pub fn circuit(&self) -> Circuit {
         *self.stack.circuit()
     }
 
-    /// The energy budget since the beginning.
+    /// Returns the energy budget since the beginning.
     pub fn energy(&self) -> Energy {
         self.energy
     }
 
-    /// Duration of one sample, s.
+    /// Returns the duration of one sample, s.
     pub fn sample_s(&self) -> f64 {
         self.timing.sample_s
     }
 
-    /// States that are integrated in time.
+    /// Returns the number of states that are integrated in time.
     pub fn states(&self) -> usize {
         let one = |is: bool| usize::from(is);
         let carriage = 3 * one(self.carriage().is_some());
         self.stack.states() + 2 + one(self.sliding.is_some() || self.webbing.is_some()) + carriage + one(self.elements.heats())
     }
 
-    /// Keeps the next blocks sample by sample, or stops doing so.
+    /// Starts or stops recording blocks sample by sample.
     pub fn keep_samples(&mut self, keep: bool) {
         if keep != self.samples.is_some() {
             self.samples = keep.then(Vec::new);
         }
     }
 
-    /// The samples of the last block, if they are recorded.
+    /// Returns the samples of the last block, if they are recorded.
     pub fn samples(&self) -> &[Sample] {
         self.samples.as_deref().unwrap_or(&[])
     }
 
-    /// One step with the drive held.
+    /// Makes one step with the drive held.
     #[inline(always)]
-    fn step(stack: &mut Stack, sliding: Option<&mut Sliding>, drive: &Held, step_s: f64) -> Step {
+    fn step(stack: &mut Stack, sliding: Option<&mut Sliding>, drive: &HeldDrive, step_s: f64) -> Step {
         let friction = match sliding {
             None => {
                 stack.advance(drive, 0.0);
-                Rubbing::default()
+                StepFriction::default()
             }
             Some(sliding) => {
                 let held = sliding.force();
@@ -171,13 +177,14 @@ impl DrivenStack {
                 let moved = stack.tip_displacement() - position;
                 let mean = sliding.slide(v0, stack.tip_velocity(), moved, step_s);
                 stack.correct_force(mean - held);
-                Rubbing { mean_n: mean, work_j: mean * moved, changed: sliding.force() != held }
+                StepFriction { mean_n: mean, work_j: mean * moved, changed: sliding.force() != held }
             }
         };
         Step::from_stack(stack, friction)
     }
 
-    /// Whether nothing has moved in the last step, and friction is what it was: so it goes on while nothing is changed from outside.
+    /// Returns `true` if nothing moved in the last step and the friction did not change. The state
+    /// then remains constant until an input changes.
     fn is_still(&self) -> bool {
         !self.last.friction.changed && self.stack.is_still() && self.carriage().is_none()
     }
@@ -187,18 +194,18 @@ impl DrivenStack {
         self.at_rest
     }
 
-    /// What moves: the slider, or the belt under a horn.
+    /// Returns the moving part: the slider, or the belt under a horn.
     fn belt(&mut self) -> Option<&mut BeltMotion> {
         let belt = self.webbing.as_mut().map(|webbing| &mut webbing.belt);
         belt.or(self.sliding.as_mut().and_then(Sliding::slider_mut).map(|slider| &mut slider.belt))
     }
 
-    /// The carriage on the tip.
+    /// Returns the carriage on the tip.
     fn carriage(&self) -> Option<&Carriage> {
         self.sliding.as_ref().and_then(Sliding::carriage)
     }
 
-    /// The slow sensors at the end of a block.
+    /// Reads the slow sensors at the end of a block.
     fn slow(&mut self) -> SlowSense {
         let position_m = self.truth.belt_position_m;
         let force_n = self.truth.friction_mean_n;
@@ -210,7 +217,7 @@ impl DrivenStack {
         }
     }
 
-    /// Closes a block of `steps` steps: work done, and the truth about it.
+    /// Closes a block of `steps` steps: updates the energy budget and the truth.
     fn account(&mut self, sums: &Sums, steps: f64) {
         self.stack.settle();
         let circuit = *self.stack.circuit();
@@ -268,7 +275,7 @@ impl DrivenStack {
         self.time_s += block_s;
     }
 
-    /// Begins a block: what changes in the plant changes between two blocks.
+    /// Begins a block. The elements of the plant change only between two blocks.
     pub(crate) fn begin(&mut self) -> Sums {
         self.at_rest = false;
         self.disturb();
@@ -282,15 +289,15 @@ impl DrivenStack {
         Sums::new()
     }
 
-    /// Plays one code, and returns the codes of voltage and current that were sampled meanwhile.
+    /// Plays one code. Returns the codes of voltage and current that were sampled meanwhile.
     #[inline(always)]
     pub(crate) fn play(&mut self, code: u16, sums: &mut Sums) -> (u16, u16) {
         self.play_in(Portable, code, sums)
     }
 
-    /// The same in certain registers.
+    /// Plays one code with these registers.
     #[inline(always)]
-    fn play_in<F: Four>(&mut self, four: F, code: u16, sums: &mut Sums) -> (u16, u16) {
+    fn play_in<F: Registers>(&mut self, four: F, code: u16, sums: &mut Sums) -> (u16, u16) {
         let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
         let volts = self.dac.volts(code);
         let (volts, before) = self.delay.as_mut().map_or((volts, volts), |delay| delay.pass(volts));
@@ -298,9 +305,9 @@ impl DrivenStack {
         self.held_v = volts;
         let (mut v, mut i, mut friction) = (0, 0, 0.0);
         if held && self.at_rest {
-            // Nothing moves: the steps are all like the last one, and so is what is seen.
+            // Nothing moves: all steps equal the last one, and so do the inputs of the converters.
             (0..steps).for_each(|_| sums.add(&self.last));
-            for &(scaled, conversions) in &self.seen {
+            for &(scaled, conversions) in &self.inputs {
                 let [voltage, current] = self.adc.digitize(scaled.wide(four), conversions);
                 v += voltage;
                 i += current;
@@ -308,7 +315,7 @@ impl DrivenStack {
             friction += steps as f64 * self.last.friction.mean_n;
         } else {
             let mut drive = self.stack.held(volts);
-            self.seen.clear();
+            self.inputs.clear();
             for step in 0..steps {
                 if before != volts {
                     drive = self.stack.held_late(step, volts, before);
@@ -317,11 +324,11 @@ impl DrivenStack {
                 sums.add(&self.last);
                 let force = self.last.friction.mean_n;
                 friction += force;
-                let (adc, seen) = (&mut self.adc, &mut self.seen);
+                let (adc, inputs) = (&mut self.adc, &mut self.inputs);
                 self.stack.sample(four, step, &drive, force, |both, conversions| {
                     let scaled = adc.scaled(both);
                     if held {
-                        seen.push((scaled.quad(), conversions));
+                        inputs.push((scaled.quad(), conversions));
                     }
                     let [voltage, current] = adc.digitize(scaled, conversions);
                     v += voltage;
@@ -331,7 +338,7 @@ impl DrivenStack {
             self.at_rest = held && self.is_still();
         }
         if let Some(samples) = &mut self.samples {
-            // The pull of a belt hardly changes from one block to the next, and has no value within it.
+            // The pull of a belt is computed once a block and hardly changes from one to the next.
             let pull_n = self.webbing.as_ref().map_or(0.0, |_| self.truth.friction_mean_n);
             samples.push(Sample {
                 voltage_v: self.stack.voltage(),

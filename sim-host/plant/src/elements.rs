@@ -1,5 +1,6 @@
-//! The elements of a stack on their way through a run: what the scene's disturbances say, what breaks, and what temperature and
-//! amplitude make of it. A stack that heats itself has a temperature of its own, others have that of their surroundings.
+//! Elements of a stack during a run, as changed by the scene's disturbances, breakages, temperature
+//! and amplitude. A stack that heats itself has its own temperature; others have that of their
+//! surroundings.
 
 use crate::breakage::{Breakage, Scheduled};
 use crate::circuit::Branch;
@@ -12,7 +13,7 @@ use crate::truth::HeatTruth;
 use crate::webbing::{damped, with_damping};
 use scene::{DisturbedKey, Driven, FaultKind};
 
-/// What a stack's elements are made from.
+/// The quantities from which a stack's elements are computed.
 #[derive(Clone, Debug)]
 pub struct Elements {
     /// The working mode at rest and at ambient temperature.
@@ -20,22 +21,22 @@ pub struct Elements {
     shift: Option<Shift>,
     /// Temperature of the surroundings over ambient, K.
     surroundings_k: f64,
-    /// The stack's own temperature, of one that heats itself.
+    /// Thermal model of a stack that heats itself.
     body: Option<Body>,
     breaks: Vec<Scheduled>,
-    /// What the disturbances of a block have made of the further modes and the leak.
+    /// Further modes and leak as changed by the disturbances of a block.
     disturbed: Option<Parts>,
-    /// What changing the elements has added to the energy in the stack, J.
+    /// Energy that changes of the elements have added to the stack, J.
     pub disturbed_j: f64,
 }
 
 impl Elements {
-    /// The elements of a scene's stack, and its parts at rest.
+    /// Creates the elements of a scene's stack, and its parts at rest.
     pub fn new(scene: &Driven, stack: &scene::Stack) -> (Self, Parts) {
-        let mut parts = Parts::of(stack);
+        let mut parts = Parts::from_stack(stack);
         parts.circuit = damped(parts.circuit, scene);
         let rest = parts.circuit;
-        let shift = Shift::of(&stack.bvd);
+        let shift = Shift::from_bvd(&stack.bvd);
         if let Some(shift) = shift {
             parts.circuit = shift.apply(&rest, stack.temperature_k, 0.0);
         }
@@ -56,12 +57,12 @@ impl Elements {
         (elements, parts)
     }
 
-    /// Gives the stack what the disturbances have set, what breaks in block `block`, and what temperature and amplitude make of it: once
-    /// for all of it.
+    /// Applies the disturbances, the breakages of block `block`, and the effects of temperature and
+    /// amplitude to the stack, all in one update.
     pub fn begin(&mut self, block: u64, stack: &mut Stack) {
         let due = self.breaks.extract_if(.., |scheduled| scheduled.at_block <= block).map(|scheduled| scheduled.breakage);
         let mut due: Vec<Breakage> = due.collect();
-        if self.body.as_mut().is_some_and(Body::loses_its_polarisation) {
+        if self.body.as_mut().is_some_and(Body::take_depolarisation) {
             due.push(Breakage::Depoled);
         }
         if self.disturbed.is_none() && due.is_empty() && self.shift.is_none() {
@@ -69,7 +70,7 @@ impl Elements {
         }
         let mut parts = self.disturbed.take().unwrap_or_else(|| stack.parts().clone());
         for breakage in due {
-            parts = breakage.of(Parts { circuit: self.rest, ..parts });
+            parts = breakage.apply(Parts { circuit: self.rest, ..parts });
             self.rest = parts.circuit;
         }
         let shifted = |shift: Shift| shift.apply(&self.rest, self.temperature_k(), stack.oscillation_a());
@@ -79,17 +80,18 @@ impl Elements {
         self.disturbed_j += stack.stored_j() - stored;
     }
 
-    /// Temperature over ambient, K.
+    /// Returns the temperature over ambient, K.
     fn temperature_k(&self) -> f64 {
         self.body.as_ref().map_or(self.surroundings_k, Body::temperature_k)
     }
 
-    /// Whether the losses heat the stack.
+    /// Returns `true` if the losses heat the stack.
     pub fn heats(&self) -> bool {
         self.body.is_some()
     }
 
-    /// Ends a block of a stack that heats itself, with the losses in its motional branches and in the conductance beside C0, W.
+    /// Ends a block of a stack that heats itself, with the losses in its motional branches and in
+    /// the conductance in parallel with C0, W.
     pub fn heat(&mut self, motional_w: f64, dielectric_w: f64, stack: &Stack) {
         if let Some(body) = &mut self.body {
             let slope = |shift: Shift| shift.rm_per_k(stack.circuit(), body.temperature_k());
@@ -98,12 +100,12 @@ impl Elements {
         }
     }
 
-    /// How the stack heated itself in the last block, if it does.
+    /// Returns the thermal state after the last block, if the stack heats itself.
     pub fn heat_truth(&self) -> Option<HeatTruth> {
         self.body.as_ref().map(Body::truth)
     }
 
-    /// The present value of a key, if it is one of a stack.
+    /// Returns the present value of a key, if it belongs to a stack.
     pub fn value(&self, key: DisturbedKey, stack: &Stack) -> Option<f64> {
         match key {
             DisturbedKey::SeriesResonance => Some(self.rest.series_resonance_hz()),
@@ -120,7 +122,7 @@ impl Elements {
         self.disturbed.get_or_insert_with(|| stack.parts().clone());
     }
 
-    /// Sets a key, if it is one of a stack, for the block that is about to begin.
+    /// Sets a key, if it belongs to a stack, for the block that is about to begin.
     pub fn set(&mut self, key: DisturbedKey, value: f64, stack: &Stack) {
         let mut parts = self.disturbed.take().unwrap_or_else(|| stack.parts().clone());
         match key {
@@ -138,13 +140,13 @@ impl Elements {
     }
 }
 
-/// What a scene's fault breaks in a stack, if it does.
+/// Returns the breakage of a stack that a scene's fault causes, if any.
 fn breakage(kind: FaultKind) -> Option<Breakage> {
     match kind {
         FaultKind::Short => Some(Breakage::Shorted),
         FaultKind::Depoled => Some(Breakage::Depoled),
         FaultKind::Cracked => Some(Breakage::Cracked),
-        // Of the converters and what is around them.
+        // Faults of the converters and around them.
         FaultKind::Open
         | FaultKind::Swapped
         | FaultKind::SensorStuck
@@ -157,12 +159,12 @@ fn breakage(kind: FaultKind) -> Option<Breakage> {
         | FaultKind::EncoderLies
         | FaultKind::ForceStuck
         | FaultKind::Overtemperature => None,
-        // Of a motor.
+        // Faults of a motor.
         FaultKind::LaneOpen | FaultKind::LaneWeak | FaultKind::LaneReversed | FaultKind::LanesExchanged => None,
     }
 }
 
-/// Which further mode a key is of.
+/// Returns the index of the further mode that a key belongs to.
 fn further(key: DisturbedKey) -> Option<usize> {
     match key {
         DisturbedKey::FurtherResonance0 => Some(0),

@@ -1,7 +1,9 @@
-//! The encoder on a belt: two channels in quadrature, every edge of which is a count, up as the belt pays out and down as it is drawn back.
+//! The encoder on a belt: two channels in quadrature. Every edge is a count, up as the belt pays
+//! out and down as it is drawn back.
 //!
-//! `counts = floor(position / pitch + phase)`, with the phase where the belt happened to lie. Ideal edges: a real encoder's are off by a
-//! part of a count, which moves a count in time and never loses one.
+//! `counts = floor(position / pitch + phase)`, with the phase by the initial position of the belt.
+//! The edges are ideal: those of a real encoder are off by a fraction of a count, which shifts a
+//! count in time but never loses one.
 
 use firmware::seam::block::BeltSense;
 
@@ -13,12 +15,13 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// An encoder of so many counts a millimetre, of which the belt has passed a part `phase` of a count.
+    /// Creates an encoder of `counts_per_mm` counts a millimetre. At position zero the belt has
+    /// passed a fraction `phase` of a count.
     pub fn new(counts_per_mm: f64, phase: f64) -> Self {
         Encoder { counts_per_m: 1e3 * counts_per_mm, phase }
     }
 
-    /// What its decoder says where the belt has come `position_m` far.
+    /// Returns the reading of the decoder with the belt at `position_m`.
     pub fn read(&self, position_m: f64) -> BeltSense {
         // Through 64 bits, which wrap to 32 as the decoder's counter does.
         let counts = (position_m * self.counts_per_m + self.phase).floor() as i64;
@@ -31,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts_both_ways_and_over_the_end_of_its_counter() {
+    fn counts_in_both_directions_and_wraps() {
         let encoder = Encoder::new(100.0, 0.5);
         let counts = [0.0, 4e-6, 6e-6, 1e-3, -4e-6, -6e-6].map(|position| encoder.read(position).counts);
         assert_eq!(counts, [0, 0, 1, 100, 0, -1]);

@@ -1,9 +1,11 @@
-//! A flow that moves with one element of its network, as a Taylor series about the network it was made for.
+//! A flow that follows one changing element of its network, as a Taylor series about the network
+//! for which it was computed.
 //!
-//! What drifts is one thing at a time: a resonance (by temperature, amplitude, load), a damping, the clamped capacitance. Along such a
-//! path the network is a polynomial in the relative change `s`, and so its exponential has a series in `s` that converges for
-//! any change. The coefficients up to the fourth are exact ([`exponential_series`]); the fifth says how far they
-//! reach: up to where its term is `NEGLECTED`. Beyond, a new series is made.
+//! Usually one thing drifts at a time: a resonance (by temperature, amplitude, load), a damping,
+//! the clamped capacitance. Along such a path the network is a polynomial in the relative change
+//! `s`, so its exponential has a series in `s` that converges for any change. The coefficients up
+//! to the fourth are exact ([`exponential_series`]). The fifth sets the range: up to the `s` at
+//! which its term is `MAX_NEGLECTED_TERM`. Outside that range a new series is computed.
 
 use crate::network::{DRIVE, FORCE, FURTHER, I, V0, VC, network};
 use crate::parts::Parts;
@@ -11,21 +13,23 @@ use crate::step_flow::{Layout, StepFlow};
 use contact::flow::{Matrix, exponential_series};
 use scene::Amplifier;
 
-/// Coefficients of the series that are used.
-const USED: usize = 5;
-/// Coefficients that are made: one more, for the bound.
-const MADE: usize = USED + 1;
-/// Largest first neglected term, of a flow whose voltages are of the order of one: near the round-off of the exponential itself.
-const NEGLECTED: f64 = 1e-15;
-/// Farthest reach of a series.
-const FARTHEST: f64 = 0.1;
-/// Two numbers that are the same but for their round-off.
-const SAME: f64 = 1e-9;
+/// Number of coefficients of the series that are used.
+const COEFFICIENTS: usize = 5;
+/// Number of coefficients that are computed: one more, for the bound.
+const COEFFICIENTS_COMPUTED: usize = COEFFICIENTS + 1;
+/// Largest first neglected term, for a flow with voltages of order one: near the round-off of the
+/// exponential itself.
+const MAX_NEGLECTED_TERM: f64 = 1e-15;
+/// Largest range of a series, relative change.
+const MAX_RANGE_REL: f64 = 0.1;
+/// Relative difference below which two numbers count as equal (round-off).
+const ROUND_OFF_REL: f64 = 1e-9;
 
-/// What moves, and by how much: elements relative to where the series was made.
+/// The element that changes; `s` is its change relative to the centre of the series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Path {
-    /// The working mode's resonance at constant inductance and quality factor: `1/Cm` with `(1 + s)^2`, `Rm` with `1 + s`.
+    /// The working mode's resonance at constant inductance and quality factor: `1/Cm` with
+    /// `(1 + s)^2`, `Rm` with `1 + s`.
     Resonance,
     /// The working mode's damping: `Rm` with `1 + s`.
     Damping,
@@ -36,7 +40,8 @@ pub enum Path {
 }
 
 impl Path {
-    /// The path that leads from one network to another, and how far along it that is; none if more than one thing is different.
+    /// Returns the path from one network to another, and the distance along it; `None` if more than
+    /// one thing differs.
     pub fn between(from: &Parts, to: &Parts) -> Option<(Path, f64)> {
         let (a, b) = (&from.circuit, &to.circuit);
         if from.leak_s != to.leak_s || a.lm_h != b.lm_h || a.force_factor_n_per_v != b.force_factor_n_per_v {
@@ -45,7 +50,7 @@ impl Path {
         let moved: Vec<usize> = (0..from.further.len()).filter(|&k| from.further[k] != to.further[k]).collect();
         let of_resonance = |cm: [f64; 2], rm: [f64; 2]| {
             let s = (cm[0] / cm[1]).sqrt() - 1.0;
-            (rm[1] / (rm[0] * (1.0 + s)) - 1.0).abs().le(&SAME).then_some(s)
+            (rm[1] / (rm[0] * (1.0 + s)) - 1.0).abs().le(&ROUND_OFF_REL).then_some(s)
         };
         match (a.c0_f != b.c0_f, a.cm_f != b.cm_f, a.rm_ohm != b.rm_ohm, moved.as_slice()) {
             (true, false, false, []) => Some((Path::Clamped, a.c0_f / b.c0_f - 1.0)),
@@ -60,7 +65,7 @@ impl Path {
         }
     }
 
-    /// The network as a polynomial in the relative change.
+    /// Returns the network as a polynomial in the relative change.
     fn series<const N: usize>(self, parts: &Parts, amplifier: &Amplifier) -> [Matrix<N>; 3] {
         let still: Matrix<N> = network(parts, amplifier);
         let [mut first, mut second] = [[[0.0; N]; N]; 2];
@@ -85,25 +90,25 @@ pub struct Expansion {
     parts: Parts,
     path: Path,
     reach: f64,
-    /// Of each degree those of every number of the flow, in order.
-    coefficients: [Vec<f64>; USED],
+    /// Coefficients by degree, for every number of the flow in order.
+    coefficients: [Vec<f64>; COEFFICIENTS],
 }
 
 impl Expansion {
-    /// The series of the flow of `parts` along `path`, and the flow itself.
+    /// Creates the series of the flow of `parts` along `path`, and the flow itself.
     pub fn new(parts: &Parts, path: Path, amplifier: &Amplifier, layout: &Layout) -> (Self, StepFlow) {
         match parts.further.len() {
-            0 => Self::of_size::<FURTHER>(parts, path, amplifier, layout),
-            1 => Self::of_size::<{ FURTHER + 2 }>(parts, path, amplifier, layout),
-            2 => Self::of_size::<{ FURTHER + 4 }>(parts, path, amplifier, layout),
-            3 => Self::of_size::<{ FURTHER + 6 }>(parts, path, amplifier, layout),
-            _ => Self::of_size::<{ FURTHER + 8 }>(parts, path, amplifier, layout),
+            0 => Self::with_size::<FURTHER>(parts, path, amplifier, layout),
+            1 => Self::with_size::<{ FURTHER + 2 }>(parts, path, amplifier, layout),
+            2 => Self::with_size::<{ FURTHER + 4 }>(parts, path, amplifier, layout),
+            3 => Self::with_size::<{ FURTHER + 6 }>(parts, path, amplifier, layout),
+            _ => Self::with_size::<{ FURTHER + 8 }>(parts, path, amplifier, layout),
         }
     }
 
-    fn of_size<const N: usize>(parts: &Parts, path: Path, amplifier: &Amplifier, layout: &Layout) -> (Self, StepFlow) {
+    fn with_size<const N: usize>(parts: &Parts, path: Path, amplifier: &Amplifier, layout: &Layout) -> (Self, StepFlow) {
         let network: [Matrix<N>; 3] = path.series(parts, amplifier);
-        let mut known: Vec<(f64, [Matrix<N>; MADE])> = Vec::new();
+        let mut known: Vec<(f64, [Matrix<N>; COEFFICIENTS_COMPUTED])> = Vec::new();
         let mut over = |seconds: f64| match known.iter().find(|(time, _)| *time == seconds) {
             Some((_, series)) => *series,
             None => {
@@ -112,17 +117,19 @@ impl Expansion {
                 series
             }
         };
-        let mut flows: Vec<_> = (0..USED).map(|degree| StepFlow::new(layout, &mut |seconds| over(seconds)[degree])).collect();
-        let most = known.iter().map(|(_, series)| size(&series[USED], parts)).fold(0.0, f64::max);
-        let reach = (NEGLECTED / most).powf(1.0 / USED as f64).min(FARTHEST);
-        let mut coefficients = [const { Vec::new() }; USED];
+        let mut flows: Vec<_> =
+            (0..COEFFICIENTS).map(|degree| StepFlow::new(layout, &mut |seconds| over(seconds)[degree])).collect();
+        let most = known.iter().map(|(_, series)| size(&series[COEFFICIENTS], parts)).fold(0.0, f64::max);
+        let reach = (MAX_NEGLECTED_TERM / most).powf(1.0 / COEFFICIENTS as f64).min(MAX_RANGE_REL);
+        let mut coefficients = [const { Vec::new() }; COEFFICIENTS];
         for (flow, coefficients) in flows.iter_mut().zip(&mut coefficients) {
             flow.each(|numbers| coefficients.extend_from_slice(numbers));
         }
         (Expansion { parts: parts.clone(), path, reach, coefficients }, flows.swap_remove(0))
     }
 
-    /// Moves a flow of the same shape to that of `parts`, if the series reaches so far. Returns whether it did.
+    /// Changes a flow of the same shape to that of `parts`. Returns `false` if that is outside the
+    /// range of the series.
     pub fn lead(&self, parts: &Parts, flow: &mut StepFlow) -> bool {
         let Some((_, s)) = self.distance(parts).filter(|(path, s)| *path == self.path && s.abs() <= self.reach) else {
             return false;
@@ -138,14 +145,15 @@ impl Expansion {
         true
     }
 
-    /// What moves from the network of the series to another; along its own path if they are the same.
+    /// Returns the path and distance from the network of the series to another; along its own path
+    /// if they are the same.
     fn distance(&self, parts: &Parts) -> Option<(Path, f64)> {
         if self.parts == *parts { Some((self.path, 0.0)) } else { Path::between(&self.parts, parts) }
     }
 }
 
-/// The largest entry of a matrix that takes states to states, every one as a voltage: currents times the reactance of their
-/// branch, forces over the force factor.
+/// Returns the largest entry of a matrix that maps states to states, with every state expressed as
+/// a voltage: currents times the reactance of their branch, forces over the force factor.
 fn size<const N: usize>(matrix: &Matrix<N>, parts: &Parts) -> f64 {
     let circuit = &parts.circuit;
     let volts = |index: usize| match index {
@@ -179,11 +187,11 @@ mod tests {
     }
 
     fn parts(further: usize) -> Parts {
-        let further = (0..further).map(|k| Branch::at(41e3 + 3e3 * k as f64, 90.0, 4e-3)).collect();
+        let further = (0..further).map(|k| Branch::new(41e3 + 3e3 * k as f64, 90.0, 4e-3)).collect();
         Parts { circuit: A3, leak_s: 1e-3, further }
     }
 
-    /// The elements `s` along a path.
+    /// Returns the elements at `s` along a path.
     fn along(path: Path, parts: &Parts, s: f64) -> Parts {
         let mut to = parts.clone();
         let circuit = parts.circuit;
@@ -199,16 +207,16 @@ mod tests {
         to
     }
 
-    /// Every number of a flow.
+    /// Returns every number of a flow.
     fn numbers(flow: &mut StepFlow) -> Vec<f64> {
         let mut numbers = Vec::new();
         flow.each(|some| numbers.extend_from_slice(some));
         numbers
     }
 
-    /// As far as it reaches, to both sides, the series is the exact flow in every number of it.
+    /// Within its range, on both sides, the series equals the exact flow in every number.
     #[test]
-    fn the_series_is_the_exact_flow_as_far_as_it_reaches() {
+    fn the_series_is_exact_within_its_range() {
         let amplifier = Amplifier::default();
         let mut worst = 0.0f64;
         for (path, modes, steps, late_s) in [
@@ -220,11 +228,11 @@ mod tests {
         ] {
             let (parts, layout) = (parts(modes), layout(steps, late_s, modes));
             let (expansion, mut flow) = Expansion::new(&parts, path, &amplifier, &layout);
-            assert_eq!(numbers(&mut flow), numbers(&mut StepFlow::of(&parts, &amplifier, &layout)), "{path:?}");
+            assert_eq!(numbers(&mut flow), numbers(&mut StepFlow::from_parts(&parts, &amplifier, &layout)), "{path:?}");
             for s in [-0.999 * expansion.reach, 0.37 * expansion.reach, 0.999 * expansion.reach] {
                 let to = along(path, &parts, s);
                 assert!(expansion.lead(&to, &mut flow), "{path:?} {s}");
-                let (got, exact) = (numbers(&mut flow), numbers(&mut StepFlow::of(&to, &amplifier, &layout)));
+                let (got, exact) = (numbers(&mut flow), numbers(&mut StepFlow::from_parts(&to, &amplifier, &layout)));
                 for (got, exact) in got.iter().zip(&exact) {
                     worst = worst.max((got - exact).abs() / exact.abs().max(1e-3));
                 }
@@ -233,12 +241,12 @@ mod tests {
             let beyond = along(path, &parts, 1.01 * expansion.reach);
             assert!(!expansion.lead(&beyond, &mut flow), "{path:?}");
         }
-        // Measured 2.8e-12, most of it the round-off of nine squarings in both.
+        // Measured 2.8e-12, mostly the round-off of nine squarings in both.
         assert!(worst < 1e-11, "{worst:e}");
     }
 
     #[test]
-    fn two_things_that_move_are_no_path() {
+    fn two_changes_at_once_have_no_path() {
         let from = parts(2);
         let path = |to: &Parts| Path::between(&from, to).map(|(path, _)| path);
         assert_eq!(path(&along(Path::Clamped, &along(Path::Resonance, &from, 1e-3), 1e-3)), None);

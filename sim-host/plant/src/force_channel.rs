@@ -1,5 +1,5 @@
-//! The force channel of the controller: a second-order Butterworth low-pass like the load cell's, faster, with noise, read once a
-//! block.
+//! The force channel of the controller: a second-order Butterworth low-pass like that of the load
+//! cell but faster, with noise, read once a block.
 
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -16,12 +16,13 @@ pub struct ForceChannel {
 }
 
 impl ForceChannel {
-    /// A channel of this bandwidth that is read every `step_s` seconds, with noise of this rms on each reading, N.
+    /// Creates a channel of this bandwidth that is read every `step_s` seconds, with noise of this
+    /// rms on each reading, N.
     pub fn new(bandwidth_hz: f64, step_s: f64, noise_n: f64, seed: u64) -> Self {
         ForceChannel { cell: LoadCell::new(bandwidth_hz, step_s), noise_n, random: Xoshiro256PlusPlus::seed_from_u64(seed) }
     }
 
-    /// Feels a mean force over one step and returns the reading at its end, N.
+    /// Applies a mean force over one step. Returns the reading at its end, N.
     pub fn measure(&mut self, force_n: f64) -> f32 {
         let normal: f64 = StandardNormal.sample(&mut self.random);
         (self.cell.measure(force_n) + self.noise_n * normal) as f32

@@ -1,13 +1,16 @@
-//! The plant: what is behind the converters.
+//! The simulated plant: everything between DAC and ADC.
 //!
-//! A stack with what its tip rubs on ([`driven_stack`]; [`webbing`] for a belt under a horn, [`carriage`] for what slides as forces say), the stator of a travelling-wave motor with its
-//! rotor ([`motor`]), or a stack and the seat belt whose friction it lowers ([`dring`]); a scene pays for the one it names.
+//! The plant is one of: a stack with the surface on which its tip slides ([`driven_stack`];
+//! [`webbing`] for a belt under a horn, [`carriage`] for a body that slides under forces); the
+//! stator of a travelling-wave motor with its rotor ([`motor`]); a stack and the seat belt whose
+//! friction it lowers ([`dring`]). A run costs only the plant that its scene names.
 //!
-//! The truth ([`Truth`]) never passes through [`Analog`]: the controller sees codes.
+//! The truth ([`Truth`]) never passes through [`Analog`]: the controller receives only codes.
 //!
 //! # Example
 //!
-//! One block of a drive into the stack of a built-in scene (`scene` is the package `sonoglide-scene`):
+//! One block of a drive into the stack of a built-in scene (`scene` is the package
+//! `sonoglide-scene`):
 //!
 //! ```
 //! use firmware::seam::block::{DriveBlock, SenseBlock};
@@ -21,8 +24,8 @@
 //! drive.lanes[0].iter_mut().enumerate().for_each(|(n, code)| *code = if n % 25 < 12 { 2148 } else { 1948 });
 //! let mut sense = SenseBlock::default();
 //! plant.exchange(&drive, &mut sense);
-//! assert_eq!(sense.v.len(), 32); // what the controller sees
-//! assert!(plant.truth().tip_velocity_m_per_s != 0.0); // what it never sees
+//! assert_eq!(sense.v.len(), 32); // received by the controller
+//! assert!(plant.truth().tip_velocity_m_per_s != 0.0); // hidden from it
 //! ```
 #![forbid(unsafe_code)]
 
@@ -75,16 +78,17 @@ use crate::shift::Shift;
 use crate::truth::{MotorTruth, Sample, Truth};
 use scene::{Driven, Transducer};
 
-/// The circuit of what a scene drives, at the beginning of its run: of a stator, what its first lane shows while all play.
+/// Returns the circuit of a scene's transducer at the beginning of its run. For a stator, this is
+/// the circuit at its first lane while all lanes play.
 pub fn circuit_of(scene: &Driven) -> Circuit {
     match scene.transducer {
         Transducer::Stack(stack, _) => {
-            let rest = Circuit::of(&stack.bvd);
-            let shifted = Shift::of(&stack.bvd).map_or(rest, |shift| shift.apply(&rest, stack.temperature_k, 0.0));
+            let rest = Circuit::from_bvd(&stack.bvd);
+            let shifted = Shift::from_bvd(&stack.bvd).map_or(rest, |shift| shift.apply(&rest, stack.temperature_k, 0.0));
             webbing::damped(shifted, scene)
         }
         Transducer::Stator(stator, _) => {
-            Model::of(stator).circuit(scene.controller.drive.lanes, scene.controller.phasing.direction)
+            Model::from_stator(stator).circuit(scene.controller.drive.lanes, scene.controller.phasing.direction)
         }
     }
 }
@@ -94,13 +98,13 @@ pub fn circuit_of(scene: &Driven) -> Circuit {
 pub enum Plant {
     /// A plant around a piezo stack.
     Stack(Box<DrivenStack>),
-    /// Around the stator of a motor.
+    /// A plant around the stator of a motor.
     Motor(Box<Motor>),
-    /// Around a stack whose drive lowers the friction of a seat belt.
+    /// A plant around a stack whose drive lowers the friction of a seat belt.
     Crash(Box<Crash>),
 }
 
-/// The same of any plant.
+/// Evaluates the same expression for any plant.
 macro_rules! of_any {
     ($plant:expr, $inner:ident => $value:expr) => {
         match $plant {
@@ -112,7 +116,7 @@ macro_rules! of_any {
 }
 
 impl Plant {
-    /// The plant of a scene, at rest.
+    /// Creates the plant of a scene, at rest.
     pub fn new(scene: &Driven) -> Self {
         match scene.transducer {
             Transducer::Stack(stack, sliding) => {
@@ -126,12 +130,12 @@ impl Plant {
         }
     }
 
-    /// The truth about the last block.
+    /// Returns the truth about the last block.
     pub fn truth(&self) -> &Truth {
         of_any!(self, plant => plant.truth())
     }
 
-    /// What only a motor has of the truth about the last block.
+    /// Returns the part of the truth about the last block that only a motor has.
     pub fn motor_truth(&self) -> Option<&MotorTruth> {
         match self {
             Plant::Motor(motor) => Some(motor.motor_truth()),
@@ -139,22 +143,22 @@ impl Plant {
         }
     }
 
-    /// The circuit that the sense channels measure, as it is now.
+    /// Returns the circuit that the sense channels measure, as it is now.
     pub fn circuit(&self) -> Circuit {
         of_any!(self, plant => plant.circuit())
     }
 
-    /// The energy budget since the beginning.
+    /// Returns the energy budget since the beginning.
     pub fn energy(&self) -> Energy {
         of_any!(self, plant => plant.energy())
     }
 
-    /// Duration of one sample, s.
+    /// Returns the duration of one sample, s.
     pub fn sample_s(&self) -> f64 {
         of_any!(self, plant => plant.sample_s())
     }
 
-    /// What a crash has come to.
+    /// Returns the result of a crash, if the plant is one.
     pub fn playback(&self) -> Option<&Playback> {
         match self {
             Plant::Crash(crash) => Some(crash.playback()),
@@ -162,17 +166,17 @@ impl Plant {
         }
     }
 
-    /// States that are integrated in time.
+    /// Returns the number of states that are integrated in time.
     pub fn states(&self) -> usize {
         of_any!(self, plant => plant.states())
     }
 
-    /// Keeps the next blocks sample by sample, or stops doing so.
+    /// Starts or stops recording blocks sample by sample.
     pub fn keep_samples(&mut self, keep: bool) {
         of_any!(self, plant => plant.keep_samples(keep));
     }
 
-    /// The samples of the last block, if they are recorded.
+    /// Returns the samples of the last block, if they are recorded.
     pub fn samples(&self) -> &[Sample] {
         of_any!(self, plant => plant.samples())
     }

@@ -1,5 +1,6 @@
-//! The load cell and its conditioner: a second-order Butterworth low-pass, moved by its exact flow. The thesis records a span
-//! of 80 Hz: the mean survives, the edges of a burst do not.
+//! The load cell and its conditioner: a second-order Butterworth low-pass, advanced by its exact
+//! flow. The thesis records a bandwidth of 80 Hz: the mean is preserved, the edges of a burst are
+//! not.
 
 use contact::flow::{Matrix, exponential};
 
@@ -12,14 +13,14 @@ pub struct LoadCell {
 }
 
 impl LoadCell {
-    /// A cell of this bandwidth that is read every `step_s` seconds, at rest.
+    /// Creates a cell of this bandwidth that is read every `step_s` seconds, at rest.
     pub fn new(bandwidth_hz: f64, step_s: f64) -> Self {
         let corner = std::f64::consts::TAU * bandwidth_hz * step_s;
         let flow = exponential(&[[0.0, corner, 0.0], [-corner, -corner * std::f64::consts::SQRT_2, corner], [0.0; 3]]);
         LoadCell { flow, reading: 0.0, slope: 0.0 }
     }
 
-    /// Feels a mean force over one step and returns the reading at its end, N.
+    /// Applies a mean force over one step. Returns the reading at its end, N.
     pub fn measure(&mut self, force: f64) -> f64 {
         let [reading, slope, _] = self.flow.map(|row| row[0] * self.reading + row[1] * self.slope + row[2] * force);
         (self.reading, self.slope) = (reading, slope);

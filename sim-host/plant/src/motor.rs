@@ -5,15 +5,16 @@
 //!                                              |-> multiplexer -> sensors -> ADC
 //! ```
 //!
-//! | states | of |
+//! | states | part |
 //! |---|---|
 //! | 12 | four amplifiers of two, and the voltages of their electrodes |
 //! | 4 | the two modes |
 //! | 1 | the rotor |
-//! | 2 | the load cell, which feels the friction on the rotor |
+//! | 2 | the load cell, which measures the friction on the rotor |
 //!
-//! The linear part moves by its exact flow with nothing held but what a converter holds; the friction is a closed form of the state
-//! at an instant and counts with the mean of a step's ends ([`rotor`]). Second order in the coupling, exact without it.
+//! The linear part advances by its exact flow; only the outputs of the converters are held. The
+//! friction is a closed form of the instantaneous state; a step uses the mean of its two ends
+//! ([`rotor`]). Second order in the coupling, exact without it.
 
 mod account;
 pub mod crest;
@@ -44,18 +45,19 @@ use crate::motor::lane_fault::{LaneFault, lane_faults};
 use crate::motor::lanes::{Lanes, Played};
 use crate::motor::linear::Linear;
 use crate::motor::model::Model;
-use crate::motor::rotor::{Dragged, Rotor};
+use crate::motor::rotor::{Rotor, RotorFriction};
 use crate::motor::wave::Tone;
 use crate::sums::Sums;
 use crate::timing::Timing;
 use crate::truth::{MotorTruth, Sample, Truth};
 use scene::{Amplifier, Direction, DisturbedKey, Driven, Stator};
 
-/// Steps in a period, unless the scene says otherwise. Two in a sample at 40 kHz and 1 MHz, so that the converter's first images do
-/// not fold into the energy budget.
+/// Default number of steps in a period. Two in a sample at 40 kHz and 1 MHz, so that the
+/// converter's first images do not fold into the energy budget.
 const STEPS_PER_PERIOD: u32 = 32;
-/// A resonance that moves by less than this part waits until it has moved by more: a new flow costs as much as a block.
-const SMALLEST_CHANGE: f64 = 1e-6;
+/// Relative change of the resonance below which the flow is not recomputed, as a new flow costs as
+/// much as a block.
+const MIN_CHANGE_REL: f64 = 1e-6;
 
 /// The plant around the stator of a motor.
 #[derive(Clone, Debug)]
@@ -69,25 +71,27 @@ pub struct Motor {
     linear: Linear,
     rotor: Option<Rotor>,
     load_cell: LoadCell,
-    /// Nominal values of the controller, for comparison with the truth.
+    /// Nominal frequency of the controller, for comparison with the truth, Hz.
     nominal_hz: f64,
+    /// Nominal direction of the controller.
     direction: Direction,
     played_lanes: u8,
     changes: Vec<Change>,
-    /// Faults of lanes that are still to come, each with the block that it happens in.
+    /// Future faults of lanes, each with its block.
     lane_faults: Vec<(u64, LaneFault)>,
     block: u64,
-    /// The resonance as disturbed so far, Hz; the model follows in steps that are worth it.
-    asked_hz: f64,
+    /// Resonance including all disturbances, Hz; the model follows in steps of at least
+    /// `MIN_CHANGE_REL`.
+    disturbed_hz: f64,
     time_s: f64,
     energy: Energy,
     truth: Truth,
     motor_truth: MotorTruth,
-    /// The samples of the last block, where they are recorded.
+    /// The samples of the last block, if they are recorded.
     samples: Option<Vec<Sample>>,
 }
 
-/// What a block adds up to besides [`Sums`].
+/// Sums over a block in addition to [`Sums`].
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
     sums: Sums,
@@ -97,10 +101,10 @@ pub(crate) struct Block {
 }
 
 impl Motor {
-    /// The motor of a scene, at rest.
+    /// Creates the motor of a scene, at rest.
     pub fn new(scene: &Driven, stator: &Stator, rotor: Option<&scene::Rotor>) -> Self {
         let sensors = scene.sensors;
-        let model = Model::of(stator);
+        let model = Model::from_stator(stator);
         let per_period = f64::from(scene.integrator.steps_per_period.unwrap_or(STEPS_PER_PERIOD));
         let timing = Timing {
             sample_s: 1.0 / sensors.sample_hz,
@@ -126,7 +130,7 @@ impl Motor {
             changes: scene.disturbance.iter().cloned().map(Change::new).collect(),
             lane_faults: lane_faults(scene, block_s),
             block: 0,
-            asked_hz: model.series_resonance_hz,
+            disturbed_hz: model.series_resonance_hz,
             model,
             time_s: 0.0,
             energy: Energy::default(),
@@ -136,49 +140,49 @@ impl Motor {
         }
     }
 
-    /// What only a motor has of the truth about the last block.
+    /// Returns the part of the truth about the last block that only a motor has.
     pub fn motor_truth(&self) -> &MotorTruth {
         &self.motor_truth
     }
 
-    /// The truth about the last block.
+    /// Returns the truth about the last block.
     pub fn truth(&self) -> &Truth {
         &self.truth
     }
 
-    /// The circuit that lane 0 shows now, with all lanes playing.
+    /// Returns the present circuit at lane 0, with all lanes playing.
     pub fn circuit(&self) -> Circuit {
         self.model.circuit(self.played_lanes, self.direction)
     }
 
-    /// The energy budget since the beginning.
+    /// Returns the energy budget since the beginning.
     pub fn energy(&self) -> Energy {
         self.energy
     }
 
-    /// Duration of one sample, s.
+    /// Returns the duration of one sample, s.
     pub fn sample_s(&self) -> f64 {
         self.timing.sample_s
     }
 
-    /// States that are integrated in time.
+    /// Returns the number of states that are integrated in time.
     pub fn states(&self) -> usize {
         network::STATES + 2 + usize::from(self.rotor.is_some())
     }
 
-    /// Keeps the next blocks sample by sample, or stops doing so.
+    /// Starts or stops recording blocks sample by sample.
     pub fn keep_samples(&mut self, keep: bool) {
         if keep != self.samples.is_some() {
             self.samples = keep.then(Vec::new);
         }
     }
 
-    /// The samples of the last block, if they are recorded.
+    /// Returns the samples of the last block, if they are recorded.
     pub fn samples(&self) -> &[Sample] {
         self.samples.as_deref().unwrap_or(&[])
     }
 
-    /// Sets what the scene's disturbances say for the block that begins now.
+    /// Applies the scene's disturbances for the block that begins now.
     fn disturb(&mut self) {
         let mut changes = std::mem::take(&mut self.changes);
         for change in &mut changes {
@@ -190,7 +194,7 @@ impl Motor {
         self.changes = changes;
     }
 
-    /// Lets the faults of lanes happen that the block which begins now is due for.
+    /// Applies the faults of lanes that are due in the block that begins now.
     fn break_lanes(&mut self) {
         let block = self.block;
         let due: Vec<_> = self.lane_faults.extract_if(.., |(at_block, _)| *at_block <= block).map(|(_, fault)| fault).collect();
@@ -208,10 +212,10 @@ impl Motor {
 
     fn value(&self, key: DisturbedKey) -> f64 {
         match (key, &self.rotor) {
-            (DisturbedKey::StatorResonance, _) => self.asked_hz,
+            (DisturbedKey::StatorResonance, _) => self.disturbed_hz,
             (DisturbedKey::Torque, Some(rotor)) => rotor.torque_nm(),
             (DisturbedKey::Preload, Some(rotor)) => rotor.preload_n(),
-            // Of scenes with a stack or an excitation.
+            // Keys of scenes with a stack or an excitation.
             _ => 0.0,
         }
     }
@@ -219,8 +223,8 @@ impl Motor {
     fn set(&mut self, key: DisturbedKey, value: f64) {
         match (key, &mut self.rotor) {
             (DisturbedKey::StatorResonance, _) => {
-                self.asked_hz = value;
-                if (value / self.model.series_resonance_hz - 1.0).abs() > SMALLEST_CHANGE {
+                self.disturbed_hz = value;
+                if (value / self.model.series_resonance_hz - 1.0).abs() > MIN_CHANGE_REL {
                     let stored = self.stored_j();
                     self.model.series_resonance_hz = value;
                     self.linear.remake(&self.model, &self.amplifier, self.timing, self.lanes.rest());
@@ -233,24 +237,24 @@ impl Motor {
         }
     }
 
-    /// Energy that the two modes hold, J.
+    /// Returns the energy in the two modes, J.
     fn stored_j(&self) -> f64 {
         let (q, s) = (self.linear.amplitudes(), self.linear.velocities());
         let of_mode = |mode: usize| self.model.mass_kg * s[mode].powi(2) + self.model.stiffness_n_per_m(mode) * q[mode].powi(2);
         0.5 * (of_mode(0) + of_mode(1))
     }
 
-    /// Step `step` of a sample with the lanes as played. Returns the friction in it.
+    /// Makes step `step` of a sample with the lanes as played. Returns the friction in it.
     #[inline]
-    fn step(&mut self, step: usize, played: &Played, step_s: f64, block: &mut Block) -> Dragged {
+    fn step(&mut self, step: usize, played: &Played, step_s: f64, block: &mut Block) -> RotorFriction {
         let before = self.linear.amplitudes();
         self.linear.advance(step, played);
-        let mut dragged = Dragged::default();
+        let mut dragged = RotorFriction::default();
         if let Some(rotor) = &mut self.rotor {
             let slow = rotor.speed();
             dragged = rotor.drag(&mut self.linear, step_s);
             let after = self.linear.amplitudes();
-            let Dragged { force_n, modes_n, normal_n } = dragged;
+            let RotorFriction { force_n, modes_n, normal_n } = dragged;
             let sums = &mut block.sums;
             sums.friction += force_n;
             sums.friction_on_tip -= modes_n[0] * (after[0] - before[0]) + modes_n[1] * (after[1] - before[1]);
@@ -269,7 +273,7 @@ impl Motor {
 }
 
 impl Motor {
-    /// Begins a block: what changes in the plant changes between two blocks.
+    /// Begins a block. The parameters of the plant change only between two blocks.
     pub(crate) fn begin(&mut self) -> Block {
         self.disturb();
         self.break_lanes();
@@ -280,14 +284,14 @@ impl Motor {
         Block { sums: Sums::new(), tone: Tone::default(), normal: 0.0, rotor_work: 0.0 }
     }
 
-    /// Plays one code on each lane, and returns the codes of voltage and current that were sampled meanwhile, of the lane `listen`. A lane without a code
-    /// is held at zero volts.
+    /// Plays one code on each lane. Returns the codes of voltage and current that were sampled
+    /// meanwhile at the lane `listen`. A lane without a code is held at zero volts.
     pub(crate) fn play(&mut self, codes: &[Option<u16>; MAX_LANES], listen: usize, block: &mut Block) -> (u16, u16) {
         let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
         let volts: [f64; MAX_LANES] = codes.map(|code| code.map_or(0.0, |code| self.dac.volts(code)));
         let played = self.lanes.play(&volts);
         let (mut v, mut i, mut friction) = (0, 0, 0.0);
-        let mut last = Dragged::default();
+        let mut last = RotorFriction::default();
         for step in 0..steps {
             last = self.step(step, &played, step_s, block);
             friction += last.force_n;
@@ -308,7 +312,7 @@ impl Motor {
         (v, i)
     }
 
-    /// Ends a block in which this was played.
+    /// Ends the block that played `drive`.
     pub(crate) fn end(&mut self, drive: &DriveBlock, block: &Block) {
         let samples = drive.lanes.first().map_or(0, |lane| lane.len());
         self.account(drive, block, (samples * self.timing.steps as usize) as f64);
@@ -318,7 +322,7 @@ impl Motor {
 impl Analog for Motor {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         let count = drive.lanes.first().map_or(0, |lane| lane.len());
-        // As the board's multiplexer stands while these codes play.
+        // The position of the board's multiplexer while these codes play.
         let listen = usize::from(drive.listen).min(MAX_LANES - 1);
         let mut block = self.begin();
         sense.v.clear();

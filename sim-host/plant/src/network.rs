@@ -1,4 +1,5 @@
-//! Amplifier and stack as a linear network of five states, and two more for each further mode: the equations.
+//! Amplifier and stack as a linear network of five states, plus two for each further mode: the
+//! equations.
 //!
 //! ```text
 //!  DAC (held) -> Butterworth low-pass -> e --[ Rs ]--+------ v0 ------+
@@ -18,9 +19,11 @@
 //! | `ik` current of a further mode | A | `Lk ik' = v0 - Rk ik - vk` |
 //! | `vk` its capacitor | V | `Ck vk' = ik` |
 //!
-//! `phi` is the force factor, N/V: tip velocity `i / phi`, tip displacement `Cm vc / phi`. `F`, the friction on the tip in the
-//! direction against positive motion, comes back into the motional branch as the voltage `F / phi`: at 10 N and mu 0.3 that is
-//! 0.5 V of a 3 V drive. A further mode has no part in the tip's motion along the friction. `G` is what leaks beside C0. Equivalent circuit: Butterworth 1914, Van Dyke 1928; force factor: Mason 1948.
+//! `phi` is the force factor, N/V: tip velocity `i / phi`, tip displacement `Cm vc / phi`. `F` is
+//! the friction on the tip, positive against positive motion. It acts back on the motional branch
+//! as the voltage `F / phi`: at 10 N and mu 0.3 that is 0.5 V of a 3 V drive. A further mode does
+//! not contribute to the tip's motion along the friction. `G` is the leakage in parallel with C0.
+//! Equivalent circuit: Butterworth 1914, Van Dyke 1928; force factor: Mason 1948.
 
 use crate::circuit::Circuit;
 use crate::parts::Parts;
@@ -34,13 +37,16 @@ pub(super) const D: usize = 1;
 pub(super) const V0: usize = 2;
 pub(super) const I: usize = 3;
 pub(super) const VC: usize = 4;
-/// The two inputs, which do not change during a step: drive, V, and friction, N.
+/// Index of the drive input, V, which is constant during a step.
 pub(super) const DRIVE: usize = STATES;
+/// Index of the friction input, N, which is constant during a step.
 pub(super) const FORCE: usize = STATES + 1;
-/// The first state of the first further mode, its current; that of its capacitor follows, and then the next mode.
+/// Index of the current of the first further mode. The voltage of its capacitor follows, then the
+/// next mode.
 pub(super) const FURTHER: usize = STATES + 2;
 
-/// `x' = A x` for states and inputs together; the rows of the inputs are zero. `N` is `FURTHER` and two for each further mode.
+/// Returns `A` of `x' = A x` for states and inputs together; the rows of the inputs are zero. `N`
+/// is `FURTHER` plus two for each further mode.
 pub fn network<const N: usize>(parts: &Parts, amplifier: &Amplifier) -> Matrix<N> {
     let Circuit { c0_f, cm_f, lm_h, rm_ohm, force_factor_n_per_v } = parts.circuit;
     let corner = std::f64::consts::TAU * amplifier.bandwidth_hz;

@@ -1,48 +1,56 @@
-//! The converters' noise: two streams of normal numbers a run, one for each channel, drawn ahead.
+//! Noise of the converters: two streams of normal numbers a run, one for each channel, drawn in
+//! advance.
 //!
-//! What a stream holds follows from its seed only, however many numbers are drawn at a time and whoever draws them ([`Abreast`] for several runs
-//! at once): xoshiro256++ (Blackman and Vigna 2019) and the ziggurat of `rand_distr`.
+//! A stream depends only on its seed. The number of values drawn at a time does not matter, nor
+//! does the type that draws them ([`NoiseBatch`] for several runs at once). The generator is
+//! xoshiro256++ (Blackman and Vigna 2019) with the ziggurat of `rand_distr`.
 
 mod abreast;
 mod generator;
 
-pub(crate) use abreast::Abreast;
+pub(crate) use abreast::NoiseBatch;
 
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::noise::generator::Generator;
 use crate::quad::Quad;
 
-/// Pairs of normal numbers that are drawn at a time: what the generators work with stays in registers.
-pub(crate) const DRAWN: usize = 64;
+/// Number of pairs of normal numbers drawn at a time, during which the states of the generators
+/// stay in registers.
+pub(crate) const PAIRS_PER_DRAW: usize = 64;
 
 /// Normal numbers of voltage and current in turn.
 #[derive(Clone, Debug)]
 pub struct Noise {
     random: [Generator; 2],
-    drawn: [[f64; 2]; DRAWN],
-    /// The first of those drawn that has not been taken.
+    drawn: [[f64; 2]; PAIRS_PER_DRAW],
+    /// Index of the first drawn number that has not been used.
     next: usize,
 }
 
 impl Noise {
-    /// The two streams of a seed. They never meet: their seeds are the halves of a 64-bit space apart.
+    /// Creates the two streams of a seed. They never overlap: their seeds differ by half of a
+    /// 64-bit space.
     pub fn new(seed: u64) -> Self {
-        Noise { random: [seed, seed ^ (1 << 63)].map(Generator::of), drawn: [[0.0; 2]; DRAWN], next: DRAWN }
+        Noise {
+            random: [seed, seed ^ (1 << 63)].map(Generator::from_seed),
+            drawn: [[0.0; 2]; PAIRS_PER_DRAW],
+            next: PAIRS_PER_DRAW,
+        }
     }
 
-    /// The next of each stream.
+    /// Returns the next number of each stream.
     #[inline(always)]
     pub fn pair(&mut self) -> [f64; 2] {
-        if self.next >= DRAWN {
+        if self.next >= PAIRS_PER_DRAW {
             self.draw();
         }
-        let pair = self.drawn[self.next % DRAWN];
+        let pair = self.drawn[self.next % PAIRS_PER_DRAW];
         self.next += 1;
         pair
     }
 
-    /// The next two of each stream, or only the next.
+    /// Returns the next two numbers of each stream, or only the next.
     #[inline(always)]
     pub fn quad(&mut self, pairs: usize) -> Quad {
         let [v, i] = self.pair();
@@ -69,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_streams_are_those_of_the_library() {
+    fn both_streams_match_the_library() {
         let seed = 0x9e37_79b9_7f4a_7c15;
         let mut library = [seed, seed ^ (1 << 63)].map(Xoshiro256PlusPlus::seed_from_u64);
         let mut noise = Noise::new(seed);

@@ -1,4 +1,5 @@
-//! The elements of a stack's network: the circuit of the working mode, the leakage, and the further modes.
+//! The elements of a stack's network: the circuit of the working mode, the leakage, and the further
+//! modes.
 
 use crate::circuit::{Branch, Circuit};
 
@@ -14,17 +15,18 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// The elements of a scene's stack at rest and at ambient temperature. The dielectric loss is a conductance that has the stated loss
-    /// tangent at the series resonance: `G = tan(delta) omega C0`, and keeps its value whatever changes on the way.
-    pub fn of(stack: &scene::Stack) -> Self {
-        let circuit = Circuit::of(&stack.bvd);
+    /// Returns the elements of a scene's stack at rest and at ambient temperature. The dielectric
+    /// loss is a conductance that has the stated loss tangent at the series resonance:
+    /// `G = tan(delta) omega C0`. It stays constant when other elements change.
+    pub fn from_stack(stack: &scene::Stack) -> Self {
+        let circuit = Circuit::from_bvd(&stack.bvd);
         let leak_s = stack.bvd.loss_tangent * circuit.omega() * circuit.c0_f;
-        Parts { circuit, leak_s, further: stack.mode.iter().map(Branch::of).collect() }
+        Parts { circuit, leak_s, further: stack.mode.iter().map(Branch::from_mode).collect() }
     }
 }
 
 impl From<Circuit> for Parts {
-    /// The working mode alone, without leakage.
+    /// Converts the working mode alone, without leakage.
     fn from(circuit: Circuit) -> Self {
         Parts { circuit, leak_s: 0.0, further: Vec::new() }
     }

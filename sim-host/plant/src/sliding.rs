@@ -1,4 +1,4 @@
-//! The contact on its slider or carriage: who presses, who moves, and how many steps that needs.
+//! The contact on its slider or carriage: the load, the motion, and the number of steps.
 
 use crate::belt_motion::BeltMotion;
 use crate::carriage::Carriage;
@@ -6,24 +6,25 @@ use crate::circuit::Circuit;
 use crate::dahl::Dahl;
 use scene::{self, Driven, Slider};
 
-/// What a driven tip slides on.
+/// The surface on which a driven tip slides.
 #[derive(Clone, Debug)]
 pub enum Sliding {
     /// A slider of given speed.
     Slider(OnSlider),
-    /// A carriage that moves as forces say.
+    /// A carriage that moves under forces.
     Carriage(Box<Carriage>),
 }
 
 impl Sliding {
-    /// What the tip of a scene's stack slides on, at rest; none if it slides on nothing. The seed is of a speed's ripple.
-    pub fn of(scene: &Driven, slider: Option<(&scene::Dahl, &Slider)>, seed: u64) -> Option<Self> {
+    /// Returns the surface of a scene's stack, at rest, if it has one. The seed determines the
+    /// ripple of the speed.
+    pub fn from_scene(scene: &Driven, slider: Option<(&scene::Dahl, &Slider)>, seed: u64) -> Option<Self> {
         let carriage = || scene.carriage().map(|(contact, carriage)| Carriage::new(contact, carriage));
         let slider = slider.map(|(contact, slider)| OnSlider::new(contact, slider, seed));
         slider.map(Sliding::Slider).or_else(|| carriage().map(Box::new).map(Sliding::Carriage))
     }
 
-    /// Friction at present, N; of a carriage, of the bristles alone.
+    /// Returns the present friction, N; for a carriage, that of the bristles alone.
     #[inline(always)]
     pub fn force(&self) -> f64 {
         match self {
@@ -32,7 +33,8 @@ impl Sliding {
         }
     }
 
-    /// Slides for `step_s` seconds, in which the tip moves by `moved` metres, from velocity `v0` to `v1`. Returns the mean friction, N.
+    /// Slides for `step_s` seconds, while the tip moves by `moved` metres and its velocity goes
+    /// from `v0` to `v1`. Returns the mean friction, N.
     #[inline(always)]
     pub fn slide(&mut self, v0: f64, v1: f64, moved: f64, step_s: f64) -> f64 {
         match self {
@@ -41,23 +43,23 @@ impl Sliding {
         }
     }
 
-    /// The slider of given speed, if it is one.
+    /// Returns the slider of given speed, if it is one.
     pub fn slider(&self) -> Option<&OnSlider> {
         if let Sliding::Slider(slider) = self { Some(slider) } else { None }
     }
 
-    /// The slider of given speed, if it is one.
+    /// Returns the slider of given speed, if it is one.
     pub fn slider_mut(&mut self) -> Option<&mut OnSlider> {
         if let Sliding::Slider(slider) = self { Some(slider) } else { None }
     }
 
-    /// The carriage, if it is one.
+    /// Returns the carriage, if it is one.
     pub fn carriage(&self) -> Option<&Carriage> {
         if let Sliding::Carriage(carriage) = self { Some(carriage) } else { None }
     }
 }
 
-/// A contact and what moves it: `V = speed + tip velocity`, `N = load + own weight`.
+/// A contact with its load and motion: `V = speed + tip velocity`, `N = load + own weight`.
 #[derive(Clone, Debug)]
 pub struct OnSlider {
     dahl: Dahl,
@@ -69,7 +71,7 @@ pub struct OnSlider {
 }
 
 impl OnSlider {
-    /// The contact of a scene, relaxed. The seed is of the speed's ripple.
+    /// Creates the relaxed contact of a scene. The seed determines the ripple of the speed.
     pub fn new(contact: &scene::Dahl, slider: &Slider, seed: u64) -> Self {
         let mut sliding = OnSlider {
             dahl: Dahl::new(contact.stiffness_n_per_m, 0.0),
@@ -82,7 +84,7 @@ impl OnSlider {
         sliding
     }
 
-    /// Load on the lever, N.
+    /// Returns the load on the lever, N.
     pub fn load_n(&self) -> f64 {
         self.load_n
     }
@@ -93,12 +95,13 @@ impl OnSlider {
         self.dahl.set_coulomb_force(self.mu * (load_n + self.self_weight_n));
     }
 
-    /// Friction at present, N.
+    /// Returns the present friction, N.
     pub fn force(&self) -> f64 {
         self.dahl.force()
     }
 
-    /// Slides for `step_s` seconds, in which the tip moves by `moved` metres, from velocity `v0` to `v1`. Returns the mean friction, N.
+    /// Slides for `step_s` seconds, while the tip moves by `moved` metres and its velocity goes
+    /// from `v0` to `v1`. Returns the mean friction, N.
     #[inline(always)]
     pub fn slide(&mut self, v0: f64, v1: f64, moved: f64, step_s: f64) -> f64 {
         let speed = self.belt.speed_m_per_s();
@@ -106,10 +109,11 @@ impl OnSlider {
     }
 }
 
-/// Steps in a sample: as many as the contact needs, and none for a stack alone, whose flow is exact.
+/// Returns the number of steps a sample that the contact requires; one for a stack alone, whose
+/// flow is exact.
 ///
-/// The measure is `kappa = Kt Vv / (omega Fc)`, the vibration amplitude in Dahl lengths: 16 steps a period are enough below 1, 32
-/// below 10, 64 below 100, 128 above. A scene may ask for more, or for fewer.
+/// The criterion is `kappa = Kt Vv / (omega Fc)`, the vibration amplitude in Dahl lengths: 16 steps
+/// a period below 1, 32 below 10, 64 below 100, otherwise 128. A scene can set another number.
 pub fn steps_per_sample(scene: &Driven, sliding: Option<(&scene::Dahl, &Slider)>, circuit: &Circuit) -> u32 {
     let slider =
         sliding.map(|(contact, slider)| (contact.stiffness_n_per_m, contact.mu * (slider.load_n + slider.self_weight_n)));

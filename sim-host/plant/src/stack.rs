@@ -1,8 +1,9 @@
-//! Amplifier and stack: a linear network, moved by its exact flow.
+//! Amplifier and stack: a linear network, advanced by its exact flow.
 //!
-//! [`network`](crate::network) has the equations. Everything that the network does within a step follows from one matrix
-//! exponential; what the converters see between two steps, from others ([`StepFlow`]). A network that drifts has them as a
-//! series in what drifts ([`Expansion`]). A stack without further modes, or a drive without a delay, pays for neither.
+//! [`network`](crate::network) contains the equations. The change of the network over a step is one
+//! matrix exponential; the values at the converters within a step are others ([`StepFlow`]). For a
+//! network that drifts they are a series in the drifting element ([`Expansion`]). Further modes and
+//! delays cost nothing if they are absent.
 
 pub(crate) mod lanes;
 
@@ -12,20 +13,21 @@ use crate::circuit::Circuit;
 use crate::expansion::{Expansion, Path};
 use crate::network::{I, STATES, V0, VC};
 use crate::parts::Parts;
-use crate::quad::{Four, Wide};
+use crate::quad::{Registers, Wide};
 use crate::step_flow::{Layout, Pairs, StepFlow, TOTAL};
 use crate::timing::Timing;
 use scene::Amplifier;
 
-/// What round-off changes in a step, of the largest state.
-const STILL: f64 = 1e-14;
+/// Change of a state in a step by round-off, relative to the largest state.
+const STILL_CHANGE_REL: f64 = 1e-14;
 
 /// The drive's part of a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Held {
+pub struct HeldDrive {
     pairs: Pairs,
     volts: f64,
-    /// What the drive was in the sample before, less what it is, V: of a drive that is late by a fraction of a sample.
+    /// Drive of the previous sample minus the present one, V, for a drive that is late by a
+    /// fraction of a sample.
     before: f64,
     step: usize,
 }
@@ -41,29 +43,31 @@ pub struct Stack {
     x: Pairs,
     /// The state at the beginning of the last step.
     before: Pairs,
-    /// Current and capacitor voltage of each further mode, now and at the beginning of the last step.
+    /// Present current and capacitor voltage of each further mode.
     further: Vec<[f64; 2]>,
+    /// Current and capacitor voltage of each further mode at the beginning of the last step.
     further_before: Vec<[f64; 2]>,
     flow: StepFlow,
-    /// How often the flow was made anew.
+    /// Number of times that the flow was recomputed.
     remade: u64,
     expansion: Option<Box<Expansion>>,
-    /// What moved at the last change.
+    /// Element that changed last.
     moved: Option<Path>,
 }
 
 impl Stack {
-    /// A stack at rest.
+    /// Creates a stack at rest.
     pub fn new(parts: Parts, amplifier: &Amplifier, timing: Timing) -> Self {
         Self::with_late_drive(parts, amplifier, timing, 0.0)
     }
 
-    /// A stack at rest whose drive is late by `late_s`, less than a sample: so long the one before goes on.
+    /// Creates a stack at rest whose drive is late by `late_s`, less than a sample: the previous
+    /// value is held for that time.
     pub fn with_late_drive(parts: Parts, amplifier: &Amplifier, timing: Timing, late_s: f64) -> Self {
         let modes = parts.further.len();
         let layout = Layout { timing, late_s, source_ohm: amplifier.source_ohm, further: modes };
         let mut stack = Stack {
-            flow: StepFlow::of(&parts, amplifier, &layout),
+            flow: StepFlow::from_parts(&parts, amplifier, &layout),
             remade: 0,
             parts,
             amplifier: amplifier.clone(),
@@ -81,17 +85,18 @@ impl Stack {
         stack
     }
 
-    /// The circuit of the working mode in its present state.
+    /// Returns the present circuit of the working mode.
     pub fn circuit(&self) -> &Circuit {
         &self.parts.circuit
     }
 
-    /// All elements as they are now.
+    /// Returns all present elements.
     pub fn parts(&self) -> &Parts {
         &self.parts
     }
 
-    /// Changes the elements, of as many modes or more; a new one is at rest. Of every mode what it moves goes on as it did.
+    /// Changes the elements. There must be at least as many modes as before; new ones are at rest.
+    /// The mechanical motion of every mode continues unchanged.
     pub fn set(&mut self, parts: Parts) {
         if self.parts == parts {
             return;
@@ -101,7 +106,7 @@ impl Stack {
         self.x[1] *= f64x2::new([1.0, factor]);
         self.x[2] *= f64x2::new([old.cm_f / new.cm_f * factor, 1.0]);
         for ((state, old), new) in self.further.iter_mut().zip(&self.parts.further).zip(&parts.further) {
-            // A current moves the mass that its inductance is the image of.
+            // The velocity of the mode is unchanged; the inductance represents its mass.
             let factor = (old.lm_h / new.lm_h).sqrt();
             *state = [state[0] * factor, state[1] * factor * old.cm_f / new.cm_f];
         }
@@ -114,8 +119,8 @@ impl Stack {
         self.scale_tip();
     }
 
-    /// Brings the flow to the present elements: by the series where it reaches, by a new one where the same moves again, or
-    /// else exactly.
+    /// Updates the flow to the present elements: by the series within its range, by a new series if
+    /// the same element changes again, otherwise exactly.
     fn remake(&mut self, moved: Option<Path>) {
         self.remade += 1;
         let last = std::mem::replace(&mut self.moved, moved);
@@ -129,7 +134,7 @@ impl Stack {
                 self.flow = flow;
                 self.expansion = Some(Box::new(expansion));
             }
-            None => self.flow = StepFlow::of(&self.parts, &self.amplifier, &self.layout),
+            None => self.flow = StepFlow::from_parts(&self.parts, &self.amplifier, &self.layout),
         }
     }
 
@@ -139,15 +144,16 @@ impl Stack {
         self.tip_per_volt = cm_f / force_factor_n_per_v;
     }
 
-    /// What the drive does in every step during which it is held at `volts`.
+    /// Returns the effect of the drive on every step during which it is held at `volts`.
     #[inline(always)]
-    pub fn held(&self, volts: f64) -> Held {
-        Held { pairs: self.flow.drive.map(|row| row * volts), volts, before: 0.0, step: 0 }
+    pub fn held(&self, volts: f64) -> HeldDrive {
+        HeldDrive { pairs: self.flow.drive.map(|row| row * volts), volts, before: 0.0, step: 0 }
     }
 
-    /// What the drive does in step `step` of a sample into which the one before, `before`, goes on for a while.
+    /// Returns the effect of the drive on step `step` of a sample that begins with the previous
+    /// value, `before`.
     #[inline]
-    pub fn held_late(&self, step: usize, volts: f64, before: f64) -> Held {
+    pub fn held_late(&self, step: usize, volts: f64, before: f64) -> HeldDrive {
         let mut held = self.held(volts);
         if let Some(late) = self.flow.late.get(step) {
             held.before = before - volts;
@@ -157,9 +163,9 @@ impl Stack {
         held
     }
 
-    /// Moves by one step with the drive held and the friction held at `newtons`.
+    /// Advances by one step with the drive held and the friction held at `newtons`.
     #[inline(always)]
-    pub fn advance(&mut self, drive: &Held, newtons: f64) {
+    pub fn advance(&mut self, drive: &HeldDrive, newtons: f64) {
         let flow = &self.flow;
         let now = self.x.map(f64x2::to_array);
         let [[e, d], [v0, i], [vc, _]] = now;
@@ -167,7 +173,7 @@ impl Stack {
         let held = &drive.pairs;
         let amplifier = held[0] + ce[0] * e + cd[0] * d;
         let row = |r: usize| held[r] + flow.force[r] * newtons + ce[r] * e + cd[r] * d + cv[r] * v0 + ci[r] * i + cc[r] * vc;
-        // One by one: a copy of all at once would read across what was just written.
+        // One by one: a copy of all at once would read data that was just written.
         let x = [amplifier, row(1), row(2)];
         for (n, next) in x.into_iter().enumerate() {
             self.before[n] = f64x2::new(now[n]);
@@ -178,8 +184,8 @@ impl Stack {
         }
     }
 
-    /// The further modes' part of a step.
-    fn advance_further(&mut self, drive: &Held, newtons: f64) {
+    /// Computes the further modes' part of a step.
+    fn advance_further(&mut self, drive: &HeldDrive, newtons: f64) {
         std::mem::swap(&mut self.further, &mut self.further_before);
         let [[e, d], [v0, i], [vc, _]] = self.before.map(f64x2::to_array);
         let before = &self.further_before;
@@ -200,7 +206,7 @@ impl Stack {
         }
     }
 
-    /// Adds what a friction larger by `newtons` over the step just made would have done.
+    /// Adds the effect of additional friction of `newtons` during the last step.
     #[inline(always)]
     pub fn correct_force(&mut self, newtons: f64) {
         self.x[1] += self.flow.force[1] * newtons;
@@ -210,15 +216,16 @@ impl Stack {
         }
     }
 
-    /// Ends what has rung down to nothing: below 1e-150 V or A, far below any noise. Left alone it decays into denormal numbers,
-    /// which take this arithmetic to half its speed.
+    /// Sets states below 1e-150 V or A to zero, far below any noise. Otherwise they decay into
+    /// denormal numbers, which halve the speed of this arithmetic.
     pub fn settle(&mut self) {
         let ended = |x: f64| if x.abs() < 1e-150 { 0.0 } else { x };
         self.x = self.x.map(|pair| f64x2::new(pair.to_array().map(ended)));
         self.further.iter_mut().for_each(|state| *state = state.map(ended));
     }
 
-    /// Whether the last step has changed no state by more than round-off of the largest, or of a volt or ampere.
+    /// Returns `true` if the last step changed no state by more than the round-off of the largest
+    /// state, or of 0.1 V or A.
     pub fn is_still(&self) -> bool {
         let pairs = self.x.iter().zip(&self.before).map(|(x, before)| (*x, *before));
         let further = self.further.iter().zip(&self.further_before).map(|(x, before)| (f64x2::new(*x), f64x2::new(*before)));
@@ -228,10 +235,10 @@ impl Stack {
             largest = largest.max(x.abs());
         }
         let [moved, largest] = [moved, largest].map(|both| both.to_array().into_iter().fold(0.0, f64::max));
-        moved <= STILL * largest
+        moved <= STILL_CHANGE_REL * largest
     }
 
-    /// States of the network.
+    /// Returns the number of states of the network.
     pub fn states(&self) -> usize {
         STATES + 2 * self.further.len()
     }
@@ -240,50 +247,52 @@ impl Stack {
         self.x[n / 2].to_array()[n % 2]
     }
 
-    /// Voltage at the stack, V.
+    /// Returns the voltage at the stack, V.
     #[inline]
     pub fn voltage(&self) -> f64 {
         self.state(V0)
     }
 
-    /// Total current into the stack, A.
+    /// Returns the total current into the stack, A.
     #[inline]
     pub fn current(&self) -> f64 {
         self.state(TOTAL)
     }
 
-    /// Motional current of the working mode, A.
+    /// Returns the motional current of the working mode, A.
     #[inline]
     pub fn motional_current(&self) -> f64 {
         self.state(I)
     }
 
-    /// Voltage of the motional capacitor, V: the displacement times `phi / Cm`.
+    /// Returns the voltage of the motional capacitor, V: the displacement times `phi / Cm`.
     #[inline]
     pub fn motional_voltage(&self) -> f64 {
         self.state(VC)
     }
 
-    /// Velocity of the tip, m/s.
+    /// Returns the velocity of the tip, m/s.
     #[inline]
     pub fn tip_velocity(&self) -> f64 {
         self.motional_current() * self.tip_per_ampere
     }
 
-    /// Displacement of the tip, m.
+    /// Returns the displacement of the tip, m.
     #[inline]
     pub fn tip_displacement(&self) -> f64 {
         self.motional_voltage() * self.tip_per_volt
     }
 
-    /// Amplitude of the motional current, A: the present one and a quarter period later, taken together.
+    /// Returns the amplitude of the motional current, A, from its present value and that a quarter
+    /// period later.
     pub fn motional_amplitude(&self) -> f64 {
         let circuit = &self.parts.circuit;
         self.motional_current().hypot(self.motional_voltage() * circuit.cm_f * circuit.omega())
     }
 
-    /// Amplitude of the motional current, A, of an oscillation at any frequency: `Im^2 = i^2 - q i'`, with the charge `q` (Kaiser 1990).
-    /// What resonates need not oscillate at its resonance.
+    /// Returns the amplitude of the motional current, A, for an oscillation at any frequency:
+    /// `Im^2 = i^2 - q i'`, with the charge `q` (Kaiser 1990). A driven resonator need not
+    /// oscillate at its resonance.
     pub fn oscillation_a(&self) -> f64 {
         let Circuit { cm_f, lm_h, rm_ohm, .. } = self.parts.circuit;
         let (i, vc) = (self.motional_current(), self.motional_voltage());
@@ -291,12 +300,12 @@ impl Stack {
         (i * i - cm_f * vc * slope).max(0.0).sqrt()
     }
 
-    /// Amplitude of the tip velocity, m/s.
+    /// Returns the amplitude of the tip velocity, m/s.
     pub fn tip_amplitude(&self) -> f64 {
         self.motional_amplitude() / self.parts.circuit.force_factor_n_per_v
     }
 
-    /// Energy that the motional branches hold, J.
+    /// Returns the energy in the motional branches, J.
     pub fn stored_j(&self) -> f64 {
         let circuit = &self.parts.circuit;
         let first = 0.5 * (circuit.lm_h * self.motional_current().powi(2) + circuit.cm_f * self.motional_voltage().powi(2));
@@ -304,21 +313,23 @@ impl Stack {
         further.fold(first, |sum, (branch, [i, vc])| sum + 0.5 * (branch.lm_h * i * i + branch.cm_f * vc * vc))
     }
 
-    /// Returns the sum of the currents of the further modes, A, and the power lost in them, W; zeros without such modes.
+    /// Returns the sum of the currents of the further modes, A, and the power lost in them, W;
+    /// zeros without such modes.
     #[inline]
     pub fn further(&self) -> (f64, f64) {
         let modes = self.parts.further.iter().zip(&self.further);
         modes.fold((0.0, 0.0), |(sum, lost), (branch, [i, _])| (sum + i, lost + branch.rm_ohm * i * i))
     }
 
-    /// Hands voltage and current at the conversions within step `step` of a sample to `convert`, those of two conversions at a time, and how
-    /// many there are. The step has just been made with this drive and a mean friction of `newtons`.
+    /// Passes voltage and current at the conversions within step `step` of a sample to `convert`,
+    /// for two conversions at a time, with their number. The step has just been made with this
+    /// drive and a mean friction of `newtons`.
     #[inline(always)]
-    pub(crate) fn sample<F: Four>(
+    pub(crate) fn sample<F: Registers>(
         &self,
         four: F,
         step: usize,
-        drive: &Held,
+        drive: &HeldDrive,
         newtons: f64,
         mut convert: impl FnMut(Wide<F>, usize),
     ) {

@@ -1,6 +1,7 @@
-//! The flow of a stack's network over a step, as the numbers that a step multiplies by.
+//! The flow of a stack's network over a step, as the coefficients of a step.
 //!
-//! Everything is linear in the matrix exponentials that it is made from, so that Taylor coefficients of those make coefficients of this.
+//! Everything is linear in the underlying matrix exponentials, so Taylor coefficients of those give
+//! Taylor coefficients of the flow.
 
 use wide::f64x2;
 
@@ -11,22 +12,25 @@ use crate::timing::Timing;
 use contact::flow::{Matrix, exponential};
 use scene::Amplifier;
 
-/// A sixth row that is no state: the total current `(e - v0) / Rs`, which the flow gives for nothing.
+/// Index of the total current `(e - v0) / Rs`, a sixth row that is not a state; the flow provides
+/// it at no cost.
 pub(super) const TOTAL: usize = STATES;
 
-/// The states and the total current, in pairs that fill vector registers: (e, d), (v0, i), (vc, total).
+/// The states and the total current, in pairs that fill vector registers: (e, d), (v0, i), (vc,
+/// total).
 pub(super) type Pairs = [f64x2; 3];
 
 fn pairs(rows: [f64; 6]) -> Pairs {
     [f64x2::new([rows[E], rows[D]]), f64x2::new([rows[V0], rows[I]]), f64x2::new([rows[VC], rows[TOTAL]])]
 }
 
-/// When what happens within a sample, and through which resistance the current is seen.
+/// Times within a sample, and the resistance through which the current is measured.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// How a sample is divided.
+    /// Division of a sample.
     pub timing: Timing,
-    /// How long the sample before goes on into this one, s: what a delay of the drive is beyond whole samples.
+    /// Time for which the previous value is held into this sample, s: the fraction of the drive's
+    /// delay beyond whole samples.
     pub late_s: f64,
     /// Source resistance of the amplifier, ohm.
     pub source_ohm: f64,
@@ -34,67 +38,69 @@ pub struct Layout {
     pub further: usize,
 }
 
-/// Two looks at voltage and current (v, i, v, i) some time into a step, along the exact flow from its beginning, with drive and
-/// friction as they are held. Looking back from its end would be unstable: the clamped capacitance settles within nanoseconds.
+/// Coefficients of voltage and current (v, i, v, i) at two times within a step, by the exact flow
+/// from its beginning, with drive and friction held. The flow back from the end would be unstable:
+/// the clamped capacitance settles within nanoseconds.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Look {
-    /// Conversions that these are, 1 or 2; of one, the second half is zero.
+    /// Number of conversions, 1 or 2; with one, the second half is zero.
     pub(super) conversions: usize,
     pub(super) state: [Quad; STATES],
     pub(super) drive: Quad,
     pub(super) force: Quad,
-    /// Response to what the drive was before, less what it is.
+    /// Response to the previous drive minus the present one.
     pub(super) late: Quad,
-    /// For each further mode, of its current and its voltage.
+    /// Responses to current and voltage of each further mode.
     pub(super) further: Vec<[Quad; 2]>,
 }
 
-/// What a further mode does and suffers in a step. Its own states are a pair: current, voltage of its capacitor.
+/// Coefficients of a further mode in a step. Its states are a pair: current, voltage of its
+/// capacitor.
 #[derive(Clone, Debug)]
 pub(super) struct Further {
-    /// What its current and its voltage do to the first five states and the total current.
+    /// Effect of its current and its voltage on the first five states and the total current.
     pub(super) onto: [Pairs; 2],
-    /// What the first five states do to it.
+    /// Effect of the first five states on it.
     pub(super) state: [f64x2; STATES],
     pub(super) drive: f64x2,
     pub(super) force: f64x2,
-    /// For each step of a sample, what a late drive does to it.
+    /// Effect of a late drive on it, for each step of a sample.
     pub(super) late: Vec<f64x2>,
-    /// What current and voltage of every further mode do to it.
+    /// Effect of current and voltage of every further mode on it.
     pub(super) modes: Vec<[f64x2; 2]>,
 }
 
 /// The flow over a step.
 #[derive(Clone, Debug, Default)]
 pub struct StepFlow {
-    /// Columns of the flow: one for each state. The stack does not act back on the amplifier, so that the later three
-    /// have no first pair.
+    /// Columns of the flow, one for each state. The stack does not act back on the amplifier, so
+    /// the last three have no first pair.
     pub(super) state: [Pairs; STATES],
     /// Response to the drive, held over the step, V.
     pub(super) drive: Pairs,
     /// Response to the friction, held over the step, N.
     pub(super) force: Pairs,
-    /// For each step of a sample, response to what the drive was before, less what it is. Nothing in it without a delay that
-    /// has a fraction of a sample.
+    /// Response to the previous drive minus the present one, for each step of a sample. Empty
+    /// without a fractional delay.
     pub(super) late: Vec<Pairs>,
-    /// For each step of a sample, the conversions that fall into it.
+    /// Conversions in each step of a sample.
     pub(super) looks: Vec<Vec<Look>>,
     pub(super) further: Vec<Further>,
 }
 
 impl StepFlow {
-    /// The flow of a network, exactly.
-    pub fn of(parts: &Parts, amplifier: &Amplifier, layout: &Layout) -> Self {
+    /// Computes the exact flow of a network.
+    pub fn from_parts(parts: &Parts, amplifier: &Amplifier, layout: &Layout) -> Self {
         match parts.further.len() {
-            0 => Self::of_size::<FURTHER>(parts, amplifier, layout),
-            1 => Self::of_size::<{ FURTHER + 2 }>(parts, amplifier, layout),
-            2 => Self::of_size::<{ FURTHER + 4 }>(parts, amplifier, layout),
-            3 => Self::of_size::<{ FURTHER + 6 }>(parts, amplifier, layout),
-            _ => Self::of_size::<{ FURTHER + 8 }>(parts, amplifier, layout),
+            0 => Self::with_size::<FURTHER>(parts, amplifier, layout),
+            1 => Self::with_size::<{ FURTHER + 2 }>(parts, amplifier, layout),
+            2 => Self::with_size::<{ FURTHER + 4 }>(parts, amplifier, layout),
+            3 => Self::with_size::<{ FURTHER + 6 }>(parts, amplifier, layout),
+            _ => Self::with_size::<{ FURTHER + 8 }>(parts, amplifier, layout),
         }
     }
 
-    fn of_size<const N: usize>(parts: &Parts, amplifier: &Amplifier, layout: &Layout) -> Self {
+    fn with_size<const N: usize>(parts: &Parts, amplifier: &Amplifier, layout: &Layout) -> Self {
         let a: Matrix<N> = network(parts, amplifier);
         let mut known: Vec<(f64, Matrix<N>)> = Vec::new();
         Self::new(layout, &mut |seconds| match known.iter().find(|(time, _)| *time == seconds) {
@@ -107,14 +113,16 @@ impl StepFlow {
         })
     }
 
-    /// The flow made from `over`, the matrix that takes the states over so many seconds.
+    /// Computes the flow from `over`, which returns the transition matrix of the states over the
+    /// given seconds.
     pub(super) fn new<const N: usize>(layout: &Layout, over: &mut impl FnMut(f64) -> Matrix<N>) -> Self {
         let step_s = layout.timing.step_s();
         let step = over(step_s);
         let total = |m: &Matrix<N>, c: usize| (m[E][c] - m[V0][c]) / layout.source_ohm;
         let column = |m: &Matrix<N>, c: usize| pairs(std::array::from_fn(|r| if r == TOTAL { total(m, c) } else { m[r][c] }));
         let late_steps = if layout.late_s > 0.0 { layout.timing.steps as usize } else { 0 };
-        // How long the earlier drive goes on in each step, and its response less that of the present one.
+        // Time for which the previous drive continues in each step, and the difference of its
+        // response from that of the present one.
         let lates: Vec<_> = (0..late_steps).map(|n| late(over, layout.late_s - n as f64 * step_s, step_s)).collect();
         let branch = |k: usize| [FURTHER + 2 * k, FURTHER + 2 * k + 1];
         let row = |m: &Matrix<N>, k: usize, c: usize| f64x2::new(branch(k).map(|r| m[r][c]));
@@ -136,7 +144,7 @@ impl StepFlow {
         }
     }
 
-    /// Hands every number of the flow to `with`, always in the same order, two or four at a time.
+    /// Passes every number of the flow to `with`, always in the same order, two or four at a time.
     pub(super) fn each(&mut self, mut with: impl FnMut(&mut [f64])) {
         let mut pair = |pair: &mut f64x2| with(pair.as_mut_array());
         self.state.iter_mut().flatten().for_each(&mut pair);
@@ -155,7 +163,8 @@ impl StepFlow {
     }
 }
 
-/// The matrix over `seconds` less that over what is left after `late_s` of them, in which a drive acts that is late by so much.
+/// Returns the matrix over `seconds` minus that over the time after `late_s`: the response to a
+/// drive that is late by `late_s`.
 fn late<const N: usize>(over: &mut impl FnMut(f64) -> Matrix<N>, late_s: f64, seconds: f64) -> Matrix<N> {
     if late_s <= 0.0 {
         return [[0.0; N]; N];

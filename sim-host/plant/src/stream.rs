@@ -1,7 +1,8 @@
-//! A plant sample by sample, as the pins of a part play and sample it, in place of whole blocks.
+//! A plant played sample by sample, as by the pins of a microcontroller, instead of in whole
+//! blocks.
 //!
-//! The codes are the same, bit for bit: what a sample is depends on no later code, and what changes between two blocks changes where the
-//! blocks of the scene begin.
+//! The codes are the same, bit for bit: a sample does not depend on later codes, and changes
+//! between two blocks occur where the blocks of the scene begin.
 
 use firmware::seam::block::{DriveBlock, MAX_LANES, SlowSense};
 
@@ -13,33 +14,34 @@ use crate::sums::Sums;
 #[derive(Clone, Debug)]
 pub struct Stream {
     plant: Plant,
-    /// The block that is under way, as it has been played.
+    /// The block in progress, as played so far.
     drive: DriveBlock,
     block_samples: usize,
     open: Open,
     slow: SlowSense,
 }
 
-/// What the block that is under way has added up to.
+/// Sums of the block in progress.
 #[derive(Clone, Debug)]
 enum Open {
-    /// None is under way.
+    /// No block is in progress.
     Between,
     Stack(Sums),
     Motor(Box<Block>),
 }
 
 impl Stream {
-    /// Begins with the plant as it is, on so many lanes; `block_samples` codes are a block.
+    /// Creates a stream for a plant on `lanes` lanes; `block_samples` codes are a block.
     pub fn new(plant: Plant, lanes: usize, block_samples: usize) -> Self {
         let drive = DriveBlock::silent(lanes, 0, 0);
         Stream { plant, drive, block_samples, open: Open::Between, slow: SlowSense::default() }
     }
 
-    /// Plays one code on each lane, and returns the codes of voltage and current that were sampled meanwhile, of the lane `listen`.
+    /// Plays one code on each lane. Returns the codes of voltage and current that were sampled
+    /// meanwhile at the lane `listen`.
     pub fn play(&mut self, codes: [u16; MAX_LANES], listen: u8) -> (u16, u16) {
         for (lane, code) in self.drive.lanes.iter_mut().zip(codes) {
-            // A block has no more samples than there is room for.
+            // A block never has more samples than its capacity.
             let _ = lane.push(code);
         }
         if matches!(self.open, Open::Between) {
@@ -76,12 +78,12 @@ impl Stream {
         self.drive.lanes.iter_mut().for_each(|lane| lane.clear());
     }
 
-    /// The slow sensors at the end of the last whole block.
+    /// Returns the slow sensors at the end of the last whole block.
     pub fn slow(&self) -> &SlowSense {
         &self.slow
     }
 
-    /// The plant.
+    /// Returns the plant.
     pub fn plant(&self) -> &Plant {
         &self.plant
     }
@@ -96,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn samples_are_those_of_blocks() {
+    fn samples_equal_those_of_blocks() {
         for (name, lanes) in [
             ("lock", 1),
             ("friction-ratio", 1),

@@ -4,13 +4,16 @@
 //! dz/dt = V - |V| z / G(V),   Kt G(V) = Fc + (Fs - Fc) exp(-(V / Vs)^2),   F = Kt z + sigma1 dz/dt + sigma2 V
 //! ```
 //!
-//! (Canudas de Wit, Olsson, Åström and Lischinsky 1995.) While `G` is held, `Kt z` is Dahl's force with the Coulomb force `Kt G`, which [`Dahl`] integrates exactly in
-//! slip; here `G` is held over a step at the step's mean velocity. The mean of `dz/dt` over a step is what `z` gains in it, whatever its course. Units: N, m, s.
+//! (Canudas de Wit, Olsson, Åström and Lischinsky 1995.) While `G` is constant, `Kt z` is Dahl's
+//! force with the Coulomb force `Kt G`, which [`Dahl`] integrates exactly in slip. Here `G` is
+//! constant during a step, at the step's mean velocity. The mean of `dz/dt` over a step is the
+//! change of `z`, for any motion. Units: N, m, s.
 
 use crate::dahl::Dahl;
 
-/// Beyond so many squares of the Stribeck velocity nothing is left of the peak: `exp(-40)` is 4e-18.
-const GONE: f64 = 40.0;
+/// Squared speed, in units of the Stribeck velocity, above which the peak is neglected: `exp(-40)`
+/// is 4e-18.
+const NEGLIGIBLE_SPEED_SQUARE: f64 = 40.0;
 
 /// A contact whose static friction is more than its kinetic friction.
 #[derive(Clone, Debug)]
@@ -18,8 +21,9 @@ pub struct Stribeck {
     bristles: Dahl,
     /// Bristle stiffness Kt, N/m.
     kt: f64,
-    /// Kinetic friction, and by how much the static one is more, N.
+    /// Kinetic friction, N.
     kinetic_n: f64,
+    /// Static minus kinetic friction, N.
     peak_n: f64,
     /// One over the Stribeck velocity, s/m.
     per_speed: f64,
@@ -28,7 +32,7 @@ pub struct Stribeck {
 }
 
 impl Stribeck {
-    /// The contact of a scene under a normal force, N; relaxed.
+    /// Creates the relaxed contact of a scene under a normal force, N.
     pub fn new(contact: &scene::Lugre, normal_n: f64) -> Self {
         Stribeck {
             bristles: Dahl::new(contact.stiffness_n_per_m, contact.static_mu * normal_n),
@@ -41,15 +45,16 @@ impl Stribeck {
         }
     }
 
-    /// Force of the bristles at present, N, in the direction of the slip that made it.
+    /// Returns the present force of the bristles, N, in the direction of the slip that caused it.
     pub fn force(&self) -> f64 {
         self.bristles.force()
     }
 
-    /// Slips by `slip` metres within `step_s` seconds, from velocity `v0` to `v1`. Returns the time mean of the friction, N.
+    /// Slips by `slip` metres within `step_s` seconds, from velocity `v0` to `v1`. Returns the time
+    /// mean of the friction, N.
     pub fn slip(&mut self, v0: f64, v1: f64, slip: f64, step_s: f64) -> f64 {
         let square = (slip / step_s * self.per_speed).powi(2);
-        let peak_n = if square < GONE { self.peak_n * libm::exp(-square) } else { 0.0 };
+        let peak_n = if square < NEGLIGIBLE_SPEED_SQUARE { self.peak_n * libm::exp(-square) } else { 0.0 };
         self.bristles.set_coulomb_force(self.kinetic_n + peak_n);
         let before = self.bristles.force();
         let mean = self.bristles.slip(v0, v1, slip, step_s);
@@ -62,7 +67,8 @@ impl Stribeck {
 mod tests {
     use super::*;
 
-    /// Under a steady slip the force is that of the Stribeck curve, at any speed and in either direction.
+    /// Under a steady slip the force follows the Stribeck curve, at any speed and in either
+    /// direction.
     #[test]
     fn the_steady_force_is_the_stribeck_curve() {
         let contact = lugre();
@@ -73,14 +79,15 @@ mod tests {
                 force = friction.slip(speed, speed, speed * 1e-4, 1e-4);
             }
             let curve = 200.0 * (0.25 + 0.1 * (-(speed / 3e-4f64).powi(2)).exp()) * speed.signum() + 20.0 * speed;
-            // The slowest has come by twenty bristle lengths.
+            // The slowest has moved by twenty bristle lengths.
             assert!((force - curve).abs() < 5e-3, "{speed}: {force} for {curve}");
         }
     }
 
-    /// Against the differential equation itself, stepped by the midpoint rule a hundred times finer: a tip that vibrates over a slow carriage.
+    /// A tip that vibrates over a slow carriage, against the differential equation itself, stepped
+    /// by the midpoint rule a hundred times finer.
     #[test]
-    fn a_vibrating_contact_is_that_of_the_differential_equation() {
+    fn a_vibrating_contact_matches_the_differential_equation() {
         const TAU: f64 = std::f64::consts::TAU;
         let (contact, normal, period) = (lugre(), 200.0, 25e-6);
         let velocity = |t: f64| 2e-3 + 0.05 * libm::cos(TAU * t / period);

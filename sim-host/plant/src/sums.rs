@@ -1,6 +1,6 @@
-//! What is added up over the steps of one block.
+//! Sums over the steps of one block.
 
-use crate::quad::{Four, Quad, Wide};
+use crate::quad::{Quad, Registers, Wide};
 use crate::stack::Stack;
 
 /// Sums over the steps of a block.
@@ -8,8 +8,9 @@ use crate::stack::Stack;
 pub(super) struct Sums {
     pub(super) lost: f64,
     pub(super) current_peak: f64,
-    /// Power into the further modes, and lost in them.
+    /// Sum of the power into the further modes, W.
     pub(super) further_supplied: f64,
+    /// Sum of the power lost in the further modes, W.
     pub(super) further_lost: f64,
     pub(super) in_phase: f64,
     pub(super) quadrature: f64,
@@ -23,7 +24,7 @@ pub(super) struct Sums {
 
 /// Friction in one step.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Rubbing {
+pub(super) struct StepFriction {
     /// Mean friction, N.
     pub(super) mean_n: f64,
     /// Work on the tip, J.
@@ -34,23 +35,27 @@ pub(super) struct Rubbing {
 
 /// Result of one step.
 ///
-/// Absent parts are zero, not an `Option`: the compiler multiplies the payload before it tests the flag, and an unset payload is often a subnormal number, which costs 150 cycles.
+/// Absent parts are zero, not an `Option`: the compiler multiplies the payload before it tests the
+/// flag, and an unset payload is often a subnormal number, which costs 150 cycles.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Step {
     /// Friction; zero without a contact.
-    pub(super) friction: Rubbing,
-    /// Voltage at the stack, V, current of its working mode, A, and voltage of that one's capacitor, V, at the end.
+    pub(super) friction: StepFriction,
+    /// Voltage at the stack at the end, V.
     pub(super) voltage: f64,
+    /// Current of the working mode at the end, A.
     pub(super) current: f64,
+    /// Voltage of the working mode's capacitor at the end, V.
     pub(super) motional_voltage: f64,
-    /// Sum of the currents of the further modes, A, and power lost in them, W; zero without such modes.
+    /// Sum of the currents of the further modes, A, and power lost in them, W; zero without such
+    /// modes.
     pub(super) further: (f64, f64),
 }
 
 impl Step {
     /// Reads the state of a stack after a step.
     #[inline(always)]
-    pub(super) fn from_stack(stack: &Stack, friction: Rubbing) -> Self {
+    pub(super) fn from_stack(stack: &Stack, friction: StepFriction) -> Self {
         Step {
             friction,
             voltage: stack.voltage(),
@@ -82,11 +87,15 @@ impl Sums {
     #[inline(always)]
     pub(super) fn add(&mut self, step: &Step) {
         let Step {
-            friction: Rubbing { mean_n: mean, work_j, .. }, voltage: v, current: i, further: (further, further_lost), ..
+            friction: StepFriction { mean_n: mean, work_j, .. },
+            voltage: v,
+            current: i,
+            further: (further, further_lost),
+            ..
         } = *step;
         self.friction += mean;
         self.friction_on_tip += work_j;
-        // Not f64::min, which handles not-a-number and costs three times as much.
+        // Not f64::min, which handles NaN and costs three times as much.
         self.friction_min = if mean < self.friction_min { mean } else { self.friction_min };
         self.friction_max = if mean > self.friction_max { mean } else { self.friction_max };
         self.in_phase += v * i;
@@ -99,29 +108,29 @@ impl Sums {
     }
 }
 
-/// The sums of several stacks without contact and further modes, side by side.
+/// Batched sums of several stacks without contact and further modes.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct SumsAbreast {
+pub(super) struct BatchSums {
     lost: Quad,
     current_peak: Quad,
     in_phase: Quad,
     quadrature: Quad,
 }
 
-/// The same in registers.
+/// Batched sums in registers.
 #[derive(Clone, Copy)]
-pub(super) struct SumsIn<F: Four> {
+pub(super) struct BatchSumsIn<F: Registers> {
     lost: Wide<F>,
     current_peak: Wide<F>,
     in_phase: Wide<F>,
     quadrature: Wide<F>,
 }
 
-impl SumsAbreast {
-    /// Takes them into registers.
+impl BatchSums {
+    /// Loads the sums into registers.
     #[inline(always)]
-    pub(super) fn wide<F: Four>(&self, four: F) -> SumsIn<F> {
-        SumsIn {
+    pub(super) fn wide<F: Registers>(&self, four: F) -> BatchSumsIn<F> {
+        BatchSumsIn {
             lost: self.lost.wide(four),
             current_peak: self.current_peak.wide(four),
             in_phase: self.in_phase.wide(four),
@@ -129,15 +138,15 @@ impl SumsAbreast {
         }
     }
 
-    /// Gives a stack the sums of its lane; it has none of its own yet.
+    /// Copies the sums of a lane to its stack, which has none of its own yet.
     pub(super) fn give(&self, lane: usize, sums: &mut Sums) {
         (sums.lost, sums.current_peak) = (self.lost[lane], self.current_peak[lane]);
         (sums.in_phase, sums.quadrature) = (self.in_phase[lane], self.quadrature[lane]);
     }
 }
 
-impl<F: Four> SumsIn<F> {
-    /// Adds a step of each, as [`Sums::add`] does.
+impl<F: Registers> BatchSumsIn<F> {
+    /// Adds a step of each stack, as in [`Sums::add`].
     #[inline(always)]
     pub(super) fn add(&mut self, v: Wide<F>, i: Wide<F>, motional_voltage: Wide<F>) {
         self.in_phase = self.in_phase + v * i;
@@ -146,10 +155,10 @@ impl<F: Four> SumsIn<F> {
         self.current_peak = i.abs().larger(self.current_peak);
     }
 
-    /// Puts them into memory.
+    /// Stores the sums in memory.
     #[inline(always)]
-    pub(super) fn stored(&self) -> SumsAbreast {
-        SumsAbreast {
+    pub(super) fn stored(&self) -> BatchSums {
+        BatchSums {
             lost: self.lost.quad(),
             current_peak: self.current_peak.quad(),
             in_phase: self.in_phase.quad(),

@@ -1,4 +1,4 @@
-//! What a stack can do, driven open loop through its converters, against formulas and against itself.
+//! Tests of a stack, driven open loop through its converters, against formulas and other runs.
 
 mod abreast;
 mod delay;
@@ -18,13 +18,13 @@ use crate::Plant;
 use crate::truth::Sample;
 use scene::load::{Loaded, load};
 
-/// The scene `lock` with changes; a DAC of 16 bits, so that rounding hides nothing.
+/// Loads the scene `lock` with changes, and a DAC of 16 bits, so that rounding hides nothing.
 fn scene(sets: &[&str]) -> Loaded {
     let sets: Vec<String> = ["sensors.dac_bits=16"].iter().chain(sets).map(|set| (*set).to_owned()).collect();
     load("lock", &sets).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A plant and a sine into it.
+/// A plant driven by a sine.
 struct Bench {
     plant: Plant,
     turns: f64,
@@ -33,7 +33,7 @@ struct Bench {
 }
 
 impl Bench {
-    fn of(loaded: &Loaded) -> Self {
+    fn new(loaded: &Loaded) -> Self {
         let driven = loaded.scene.driven().unwrap();
         let volt = driven.amplifier.full_scale_v / 32768.0;
         Bench { plant: Plant::new(&driven), turns: 0.0, volt }
@@ -49,7 +49,8 @@ impl Bench {
         }
     }
 
-    /// Plays a sine for so many samples, in phase with what was before, and shows each block.
+    /// Plays a sine for `samples` samples, in phase with the previous one, and passes each block to
+    /// `each`.
     fn sine(&mut self, hz: f64, volts: f64, samples: usize, mut each: impl FnMut(&[Sample])) {
         self.plant.keep_samples(true);
         let step = hz * self.plant.sample_s();
@@ -66,7 +67,8 @@ impl Bench {
         }
     }
 
-    /// Peak phasors of voltage and motional current over so many samples, which must hold whole periods.
+    /// Returns the peak phasors of voltage and motional current over `samples` samples, which must
+    /// be whole periods.
     fn phasors(&mut self, hz: f64, volts: f64, samples: usize) -> (Complex64, Complex64) {
         let (mut voltage, mut current, mut n) = (Complex64::ZERO, Complex64::ZERO, 0);
         let step = hz * self.plant.sample_s();

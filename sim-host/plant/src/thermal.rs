@@ -1,62 +1,67 @@
-//! The stack as one body that its losses heat.
+//! The stack as one body heated by its losses.
 //!
 //! ```text
 //! C dT/dt = P - (T - Ts) / R,    over a block with constant P:  T <- T1 + (T - T1) exp(-h / (R C)),   T1 = Ts + R P
 //! ```
 //!
-//! `T` is the temperature over ambient and `Ts` that of the surroundings, K, `P` the loss of the block, W. The loss grows with temperature, at a
-//! constant motional current by the part `s = d ln Rm / dT`. With `g = R s Pm`, `Pm` the motional loss, it comes to
+//! `T` is the temperature over ambient and `Ts` that of the surroundings, K, `P` the loss of the
+//! block, W. The loss grows with temperature: at constant motional current by `s = d ln Rm / dT`.
+//! With `g = R s Pm`, `Pm` the motional loss, the temperature tends to
 //!
 //! ```text
-//! T = (Ts + R (P - s Pm T0)) / (1 - g),   where T0 is the temperature at which P and Pm are measured
+//! T = (Ts + R (P - s Pm T0)) / (1 - g),   T0: temperature at which P and Pm are measured
 //! ```
 //!
-//! as long as `g < 1`. From one on a kelvin brings more loss than leaves with it, and nothing is steady: thermal runaway. A drive of constant
-//! voltage has none at resonance, where more resistance takes less power; a controller that holds the tip velocity does.
+//! as long as `g < 1`. From `g = 1` on, each kelvin adds more loss than the heat that it removes,
+//! and there is no steady state: thermal runaway. A drive of constant voltage at resonance is
+//! stable, as more resistance draws less power. A controller that holds the tip velocity can run
+//! away.
 //!
-//! At its Curie point a ceramic has lost its polarisation. From about half of it on (in degrees Celsius; a maker's rule of thumb, `docs/plant.md`)
-//! it does so slowly: that is said, and not simulated.
+//! At its Curie point a ceramic has lost its polarisation. Above about half of it (in degrees
+//! Celsius; a manufacturer's rule of thumb, `docs/dev/plant.md`) the loss is slow: it is reported
+//! but not simulated.
 
 use crate::truth::HeatTruth;
 use scene::Thermal;
 
-/// The temperature of a stack on its way.
+/// Temperature of a stack over time.
 #[derive(Clone, Debug)]
 pub struct Body {
     thermal: Thermal,
-    /// What remains of a difference over a block.
+    /// Fraction of a temperature difference that remains after a block.
     remains: f64,
     temperature_k: f64,
     depoled: bool,
     truth: HeatTruth,
 }
 
-/// What a block has lost in a stack.
+/// Losses of a stack in a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Losses {
-    /// In the resistances of the motional branches, W.
+    /// Losses in the resistances of the motional branches, W.
     pub motional_w: f64,
-    /// In the conductance beside the clamped capacitance, W.
+    /// Loss in the conductance in parallel with the clamped capacitance, W.
     pub dielectric_w: f64,
-    /// By which part the motional loss grows with a kelvin at the same current, 1/K.
+    /// Relative increase of the motional loss per kelvin at the same current, 1/K.
     pub per_k: f64,
 }
 
 impl Body {
-    /// A body that begins at the temperature of its surroundings, K over ambient, in blocks of so many seconds.
+    /// Creates a body at the temperature of its surroundings, K over ambient, for blocks of
+    /// `block_s` seconds.
     pub fn new(thermal: Thermal, surroundings_k: f64, block_s: f64) -> Self {
         let remains = (-block_s / thermal.time_constant_s()).exp();
         let truth = HeatTruth { temperature_k: surroundings_k, lasting_k: surroundings_k, ..HeatTruth::default() };
         Body { thermal, remains, temperature_k: surroundings_k, depoled: false, truth }
     }
 
-    /// Temperature over ambient, K.
+    /// Returns the temperature over ambient, K.
     pub fn temperature_k(&self) -> f64 {
         self.temperature_k
     }
 
-    /// Whether it has come to its Curie point since this was last asked, for the first time.
-    pub fn loses_its_polarisation(&mut self) -> bool {
+    /// Returns `true` once, on the first call after the body has reached its Curie point.
+    pub fn take_depolarisation(&mut self) -> bool {
         let hot = self.thermal.ambient_c + self.temperature_k >= self.thermal.curie_c;
         hot && !std::mem::replace(&mut self.depoled, true)
     }
@@ -74,7 +79,7 @@ impl Body {
         self.truth = HeatTruth { temperature_k: self.temperature_k, heating_w, gain, lasting_k, depoled: self.depoled };
     }
 
-    /// How it heated itself in the last block.
+    /// Returns the thermal state after the last block.
     pub fn truth(&self) -> HeatTruth {
         self.truth
     }
@@ -93,7 +98,8 @@ mod tests {
         depoling_c: None,
     };
 
-    /// Blocks of any length come to `T = R P (1 - exp(-t / (R C)))`, and back to the surroundings.
+    /// Blocks of any length give `T = R P (1 - exp(-t / (R C)))`, and return to the temperature of
+    /// the surroundings.
     #[test]
     fn a_constant_loss_heats_by_the_closed_form() {
         let losses = Losses { motional_w: 1.5, dielectric_w: 0.5, per_k: 0.0 };
@@ -109,18 +115,20 @@ mod tests {
         }
     }
 
-    /// A part of the motional loss goes elsewhere; of the dielectric one, none does.
+    /// Part of the motional loss does not heat the body; all of the dielectric loss does.
     #[test]
-    fn what_is_lost_elsewhere_does_not_heat() {
+    fn only_the_heating_fraction_heats() {
         let mut body = Body::new(Thermal { heating_fraction: 0.25, ..THERMAL }, 0.0, 1.0);
         body.heat(&Losses { motional_w: 2.0, dielectric_w: 0.1, per_k: 0.01 }, 0.0);
         assert!((body.truth().heating_w - 0.6).abs() < 1e-12 && (body.truth().gain - 0.1).abs() < 1e-12);
     }
 
-    /// At constant current, `P = P0 (1 + c T) + Pd`, it comes to `R (P0 + Pd) / (1 - R P0 c)`, with the time constant `R C / (1 - g)`; what is said beforehand
-    /// agrees from the beginning on. With a gain above one it leaves as `exp((g - 1) t / (R C))`, and no end is said.
+    /// At constant current, `P = P0 (1 + c T) + Pd`, the temperature tends to
+    /// `R (P0 + Pd) / (1 - R P0 c)`, with the time constant `R C / (1 - g)`; the predicted value
+    /// agrees from the beginning. With a gain above one the temperature diverges as
+    /// `exp((g - 1) t / (R C))`, and no end is predicted.
     #[test]
-    fn loss_that_grows_with_temperature_has_an_end_or_none() {
+    fn growing_loss_settles_or_runs_away() {
         const DIELECTRIC_W: f64 = 0.2;
         for (cold_w, per_k) in [(1.0, 0.01), (1.0, 0.04), (2.0, 0.024), (2.0, 0.03), (1.0, -0.02)] {
             let block_s = 1e-4;
@@ -139,7 +147,7 @@ mod tests {
             }
             let seconds = f64::from(blocks) * block_s;
             let expected = end_k + (3.0 - end_k) * ((gain - 1.0) * seconds).exp();
-            // The loss stands still within a block: the error is of its first order.
+            // The loss is constant within a block: the error is of first order in the block length.
             assert!((body.temperature_k() / expected - 1.0).abs() < 3e-4, "{gain}: {} {expected}", body.temperature_k());
         }
     }
@@ -147,10 +155,10 @@ mod tests {
     #[test]
     fn polarisation_is_lost_once_at_the_curie_point() {
         let mut body = Body::new(THERMAL, 299.0, 1.0);
-        assert!(!body.loses_its_polarisation());
+        assert!(!body.take_depolarisation());
         body.heat(&Losses::default(), 301.0);
         body.heat(&Losses::default(), 301.0);
-        assert!(body.temperature_k() > 300.0 && body.loses_its_polarisation() && !body.loses_its_polarisation());
+        assert!(body.temperature_k() > 300.0 && body.take_depolarisation() && !body.take_depolarisation());
         body.heat(&Losses::default(), 0.0);
         assert!(body.truth().depoled);
     }

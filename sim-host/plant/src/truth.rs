@@ -1,15 +1,15 @@
-//! The truth: what the plant did, which the controller never sees.
+//! The truth: states of the plant that the controller never receives.
 
 use crate::carriage::CarriageTruth;
 
 /// The truth about one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Truth {
-    /// Friction: mean over the block, and its extremes at the steps, N.
+    /// Mean friction over the block, N.
     pub friction_mean_n: f64,
-    /// Smallest friction within the block, N.
+    /// Smallest friction at the steps of the block, N.
     pub friction_min_n: f64,
-    /// Largest friction within the block, N.
+    /// Largest friction at the steps of the block, N.
     pub friction_max_n: f64,
     /// The load cell's reading at the block's end, N.
     pub load_cell_n: f64,
@@ -19,30 +19,30 @@ pub struct Truth {
     pub series_resonance_hz: f64,
     /// Mean power into the motional branch, W.
     pub power_w: f64,
-    /// Mean product of voltage and quarter-period-later current, W: with `power_w` it makes the motional phase, which only a mean
-    /// over whole periods shows.
+    /// Mean product of the voltage and the current a quarter period later, W. With `power_w` it
+    /// gives the motional phase, but only as a mean over whole periods.
     pub quadrature_w: f64,
     /// Heat in the motional resistance, W.
     pub lost_w: f64,
-    /// Power that the tip gives to friction, W.
+    /// Power from the tip into friction, W.
     pub friction_on_tip_w: f64,
-    /// Power that the slider's drive gives to friction, W; a rotor takes power, which is less than zero here.
+    /// Power from the slider's drive into friction, W; negative for a rotor, which takes power.
     pub friction_on_slider_w: f64,
-    /// How far belt or slider have come at the block's end, m.
+    /// Position of belt or slider at the block's end, m.
     pub belt_position_m: f64,
     /// Speed of belt or slider at the block's end, m/s.
     pub belt_speed_m_per_s: f64,
-    /// What only a stack has.
+    /// Motion of the tip, for a stack.
     pub tip: Option<TipMotion>,
-    /// What only a horn on a belt has.
+    /// Vibration of the horn, for a horn on a belt.
     pub horn: Option<HornTruth>,
-    /// What only a carriage has.
+    /// Forces on the carriage, if there is one.
     pub carriage: Option<CarriageTruth>,
-    /// What only a stack that heats itself has.
+    /// Thermal state, for a stack that heats itself.
     pub heat: Option<HeatTruth>,
 }
 
-/// How the tip of a stack moved within a block, whatever the waveform.
+/// Motion of a stack's tip within a block, for any waveform.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TipMotion {
     /// Mean square of its velocity, m²/s².
@@ -51,28 +51,29 @@ pub struct TipMotion {
     pub peak_m_per_s: f64,
 }
 
-/// How a stack heated itself in a block.
+/// Thermal state of a stack that heats itself, for one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HeatTruth {
     /// Temperature over ambient at the block's end, K.
     pub temperature_k: f64,
     /// Losses that heat it, mean over the block, W.
     pub heating_w: f64,
-    /// By how much the loss grows with a kelvin at the same motional current, over what leaves with that kelvin. From one on nothing is
-    /// steady: thermal runaway.
+    /// Increase of the loss per kelvin at the same motional current, relative to the additional
+    /// heat flow per kelvin. At one or above there is no steady state: thermal runaway.
     pub gain: f64,
-    /// Temperature over ambient to which it would come at the motional current of this block, K; not a number where there is none.
+    /// Final temperature over ambient at the motional current of this block, K; NaN if there is
+    /// none.
     pub lasting_k: f64,
-    /// Whether it has been at its Curie point, and has no polarisation any more.
+    /// `true` if it has reached its Curie point and lost its polarisation.
     pub depoled: bool,
 }
 
-/// How the horn on a belt vibrated at the end of a block, and what that would do if it lasted.
+/// Vibration of the horn on a belt at the end of a block, and its lasting effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HornTruth {
-    /// Amplitude, part of the full one.
+    /// Amplitude, relative to the full one.
     pub amplitude_fraction: f64,
-    /// Part of the friction that goes in the end.
+    /// Reduction of the friction in the steady state, relative.
     pub lasting_reduction: f64,
 }
 
@@ -81,7 +82,7 @@ pub struct HornTruth {
 pub struct MotorTruth {
     /// Amplitude of the wave that turns the rotor forwards, m, at the block's end.
     pub forward_m: f64,
-    /// Amplitude of the wave that runs the other way, m.
+    /// Amplitude of the wave in the other direction, m.
     pub backward_m: f64,
     /// Surface speed at the crests of the forward wave alone, m/s.
     pub forward_m_per_s: f64,
@@ -93,13 +94,13 @@ pub struct MotorTruth {
     pub rotor_m_per_s: f64,
     /// Torque of the friction on the rotor, mean over the block, N m.
     pub torque_nm: f64,
-    /// Half angle over which the crests of the stronger wave touch, degrees.
+    /// Half the angle over which the crests of the stronger wave touch, degrees.
     pub contact_deg: f64,
     /// Normal force, mean over the block, N.
     pub normal_n: f64,
-    /// How far the contact's spring, which is left out, would move the resonance, Hz.
+    /// Shift of the resonance that the omitted spring of the contact would cause, Hz.
     pub normal_shift_hz: f64,
-    /// Largest phase error of a lane as played, degrees; not of silence.
+    /// Largest phase error of a lane as played, degrees; `None` in silence.
     pub lane_phase_error_deg: Option<f64>,
     /// Largest amplitude error of a lane as played, per cent.
     pub lane_gain_error_percent: Option<f64>,
@@ -114,11 +115,12 @@ pub struct Sample {
     pub motional_current_a: f64,
     /// Tip velocity of the sample, m/s.
     pub tip_velocity_m_per_s: f64,
-    /// Envelope of the tip velocity, `sqrt(v^2 + (w_s x)^2)`; of a stator that of the stronger wave's crests, m/s.
+    /// Envelope of the tip velocity, `sqrt(v^2 + (w_s x)^2)`; for a stator, that of the stronger
+    /// wave's crests, m/s.
     pub tip_envelope_m_per_s: f64,
     /// Friction, mean over the sample, N.
     pub friction_n: f64,
-    /// What only a motor has.
+    /// Additional truth of a motor.
     pub motor: Option<MotorSample>,
 }
 

@@ -4,12 +4,15 @@
 //! pull = mu W (1 - r) in the direction of the belt,   lag r' = R(W, v, a) - r,   horn damped by c = damping W
 //! ```
 //!
-//! `R` is the fitted law ([`empirical`](contact::empirical)) at the amplitude `a` that the tip of the stack really has, `r` what is
-//! reached of it. One state, moved by its exact flow once a block with the amplitude of the block's end: a stack rings up in
-//! milliseconds, the pull takes a good second. The damping is part of the motional resistance, `Rm + c / phi^2`, and costs no state.
+//! `R` is the fitted law ([`empirical`](contact::empirical)) at the true amplitude `a` of the
+//! stack's tip, `r` the reduction reached so far. One state, advanced by its exact flow once a
+//! block with the amplitude at the block's end: the stack settles in milliseconds, the pull takes
+//! over a second. The damping is part of the motional resistance, `Rm + c / phi^2`, and adds no
+//! state.
 //!
-//! The lag is that of the whole pull, air cylinder, belt and load cell together: the thesis names inertia, and nothing in it tells them
-//! apart. The speed stays, although less friction speeds the real belt up.
+//! The lag is that of the whole pull, air cylinder, belt and load cell together. The thesis
+//! attributes it to inertia, and its data cannot separate them. The speed is constant, although
+//! less friction speeds up the real belt.
 
 use crate::belt_motion::BeltMotion;
 use crate::circuit::Circuit;
@@ -23,9 +26,9 @@ pub struct Webbing {
     law: EmpiricalLaw,
     mu: f64,
     load_n: f64,
-    /// Belt that the horn presses on.
+    /// Belt under the horn.
     pub belt: BeltMotion,
-    /// Where it last went, one or minus one; zero before it moves.
+    /// Last direction of motion, one or minus one; zero before it moves.
     way: f64,
     full_amplitude_m: f64,
     lag_s: f64,
@@ -35,7 +38,8 @@ pub struct Webbing {
 }
 
 impl Webbing {
-    /// The belt of a scene, not yet vibrated. The seed is of the speed's ripple.
+    /// Creates the belt of a scene before any vibration. The seed determines the ripple of the
+    /// speed.
     pub fn new(contact: &Empirical, belt: &Belt, seed: u64) -> Self {
         Webbing {
             law: contact.law(),
@@ -51,18 +55,20 @@ impl Webbing {
         }
     }
 
-    /// Force of the horn on the belt, N.
+    /// Returns the force of the horn on the belt, N.
     pub fn load_n(&self) -> f64 {
         self.load_n
     }
 
-    /// Changes the force of the horn on the belt, N. Returns by how much that changes the horn's damping, N s/m.
+    /// Changes the force of the horn on the belt, N. Returns the change of the horn's damping, N
+    /// s/m.
     pub fn set_load(&mut self, load_n: f64) -> f64 {
         let before_n = std::mem::replace(&mut self.load_n, load_n);
         self.damping_s_per_m * (load_n - before_n)
     }
 
-    /// Pulls the belt for a block in which the horn vibrates with an amplitude, m. Returns the mean pull, N.
+    /// Pulls the belt for a block in which the horn vibrates with an amplitude, m. Returns the mean
+    /// pull, N.
     pub fn pull(&mut self, amplitude_m: f64, block_s: f64) -> f64 {
         let amplitude_fraction = amplitude_m / self.full_amplitude_m;
         let lasting = self.law.lasting(self.load_n, self.belt.speed_m_per_s(), amplitude_fraction);
@@ -76,25 +82,25 @@ impl Webbing {
             lasting
         };
         self.truth = HornTruth { amplitude_fraction, lasting_reduction: lasting };
-        // A belt that comes to a stand goes on resisting what pulls it.
+        // A belt that has stopped still resists the pull.
         let speed = self.belt.speed_m_per_s();
         self.way = if speed == 0.0 { self.way } else { speed.signum() };
         self.way * self.mu * self.load_n * (1.0 - mean)
     }
 
-    /// What the horn did in the last block.
+    /// Returns the vibration of the horn in the last block.
     pub fn truth(&self) -> HornTruth {
         self.truth
     }
 }
 
-/// A stack's circuit with the damping of the belt under its tip, if there is one.
+/// Returns a stack's circuit with the damping of the belt under its tip, if there is one.
 pub fn damped(circuit: Circuit, scene: &Driven) -> Circuit {
     let damping_n_s_per_m = scene.belt().map_or(0.0, |(_, belt)| belt.damping_s_per_m * belt.load_n);
     with_damping(circuit, damping_n_s_per_m)
 }
 
-/// A circuit with so much more damping at its tip, N s/m.
+/// Returns a circuit with additional damping at its tip, N s/m.
 pub fn with_damping(circuit: Circuit, n_s_per_m: f64) -> Circuit {
     Circuit { rm_ohm: circuit.rm_ohm + n_s_per_m / circuit.force_factor_n_per_v.powi(2), ..circuit }
 }
@@ -119,7 +125,7 @@ mod tests {
         Webbing::new(&Empirical::default(), &belt, 1)
     }
 
-    /// Blocks of any length come to the same exponential, and back.
+    /// Blocks of any length follow the same exponential, up and down.
     #[test]
     fn the_pull_follows_with_the_lag() {
         for block_s in [50e-6, 0.1] {
@@ -135,7 +141,7 @@ mod tests {
 
     /// The mean over one long block is that over many short ones.
     #[test]
-    fn the_mean_of_a_block_is_the_mean() {
+    fn block_mean_is_independent_of_its_length() {
         let (mut one, mut many) = (webbing(0.45), webbing(0.45));
         let long = one.pull(60e-6, 0.3);
         let short = (0..3000).map(|_| many.pull(60e-6, 1e-4)).sum::<f64>() / 3000.0;
@@ -145,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_is_against_the_belt_and_none_before_it_moves() {
+    fn friction_opposes_the_belt_after_its_first_motion() {
         let mut belt = webbing(0.0);
         let forward = belt.pull(60e-6, 1e-3);
         belt.belt = BeltMotion::new(-0.025);

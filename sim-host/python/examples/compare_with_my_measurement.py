@@ -1,7 +1,7 @@
 """Compare with a measurement: which stiffness of the contact fits measured friction best, and is the fit as good as the measurement?
 
-The measurement is made up here: friction ratios at seven sliding speeds of a contact whose stiffness this program is not told, with a noise of 0.01.
-Put your own columns in its place.
+The measurement is synthetic: friction ratios at seven sliding speeds of a contact with an unknown stiffness, with a noise of 0.01.
+Replace it by your own columns.
 """
 
 import numpy as np
@@ -23,7 +23,8 @@ stiffness = np.unique(sweep[KEY])
 chi_squared = np.sum(((predicted - measured) / SD) ** 2, axis=1)
 best = int(np.argmin(chi_squared))
 
-# One parameter: all stiffnesses whose chi squared is within 1 of the least are within a standard deviation.
+# One parameter: all stiffnesses whose chi squared is within 1 of the minimum are within one
+# standard deviation.
 within = stiffness[chi_squared <= chi_squared[best] + 1]
 print(f"stiffness {stiffness[best]:.3g} N/m, one standard deviation from {within[0]:.3g} to {within[-1]:.3g}")
 print("velocity ratio   measured   predicted   difference over sd")

@@ -1,6 +1,6 @@
 """Fit my transducer: the circuit of a measured impedance with standard deviations, and does the controller lock to it?
 
-The measurement is made up here: an impedance over 40 kHz with a noise of 0.1 %, as an analyser exports it. Put the path of your own file in its place.
+The measurement is synthetic: an impedance over 40 kHz with a noise of 0.1 %, in the format of an analyser. Replace the path by that of your own file.
 """
 
 from pathlib import Path
@@ -29,7 +29,8 @@ print(f"residuals {np.sqrt(np.mean(np.abs(found.residual) ** 2) / 2):.2f} standa
 row = found.correlation.names.index("q")
 print("correlation of q:", ", ".join(f"{name} {c:+.2f}" for name, c in zip(found.correlation.names, found.correlation.matrix[row])))
 
-# The scene has the circuit as the truth, and its rounded values as what the controller is told.
+# The scene has the circuit as the truth, and its rounded values as the nominal values of the
+# controller.
 result = found.scene().run()
 print(f"the controller finds {result['series_resonance_hz']:.1f} Hz and Q {result['q']:.1f}; fault code {result['fault_code']:.0f}")
 assert result["fault_code"] == 0

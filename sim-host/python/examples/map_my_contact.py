@@ -1,4 +1,4 @@
-"""Map a contact: how much does friction drop, over the velocity ratio and the stiffness of the contact? And where is it halved?"""
+"""Map a contact: how much does friction drop, over the velocity ratio and the stiffness of the contact? At which velocity ratio is it halved?"""
 
 import numpy as np
 
@@ -15,9 +15,9 @@ sweep = contact.sweep(
 ratio = sweep["friction_ratio"].reshape(sweep.shape)
 speed, stiffness = (np.unique(sweep[key]) for key in sweep.keys_swept)
 
-print("contact stiffness [N/m]   velocity ratio at which half of the friction is left")
+print("contact stiffness [N/m]   velocity ratio at half the friction")
 for column, stiffness_n_per_m in enumerate(stiffness):
-    # The friction ratio grows with the sliding speed, so it can be read the other way round.
+    # The friction ratio grows with the sliding speed, so the inverse can be interpolated.
     halved = np.interp(0.5, ratio[:, column], speed, left=np.nan, right=np.nan)
     print(f"{stiffness_n_per_m:24.3g}   {halved:.3f}")
 
@@ -26,4 +26,4 @@ coulomb = 2 / np.pi * np.arcsin(speed)
 off = np.max(np.abs(ratio[:, -1] - coulomb))
 print(f"the stiffest contact is within {off:.3f} of Coulomb's law")
 assert off < 0.02, "the limit of a stiff contact is Coulomb's law"
-print(f"rows, figures and report: {sweep.folder} (goes with this program; output='my-map' keeps it)")
+print(f"rows, figures and report: {sweep.folder} (deleted when this program ends; output='my-map' keeps them)")

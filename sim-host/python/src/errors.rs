@@ -12,35 +12,35 @@ create_exception!(
     sonoglide,
     SceneError,
     PyValueError,
-    "A scene or a value of it is wrong; the text names line, column and the nearest name."
+    "A scene or one of its values is invalid; the text contains line, column and the nearest name."
 );
 create_exception!(sonoglide, RunError, PyRuntimeError, "A run has no result, or its folder cannot be written.");
 create_exception!(
     sonoglide,
     MeasurementError,
     PyValueError,
-    "A measured file is refused; the text says why, with the line or the column."
+    "A measured file is refused; the text contains the reason, with the line or the column."
 );
-create_exception!(sonoglide, LinkError, PyRuntimeError, "A board does not answer, refuses an order, or was lost.");
+create_exception!(sonoglide, LinkError, PyRuntimeError, "A board does not answer, refuses a command, or was lost.");
 
-/// A scene that cannot be loaded, with the report of everything that is wrong with it.
-pub fn of_scene(error: &LoadError) -> PyErr {
+/// Converts the error of a scene that cannot be loaded, with the report of all its errors.
+pub fn scene_error(error: &LoadError) -> PyErr {
     SceneError::new_err(match error {
         LoadError::Invalid(report) => report.render(false),
         error => error.to_string(),
     })
 }
 
-/// A measured file that is refused, as the command line says it.
-pub fn of_import(path: &Path, error: &import::error::ImportError) -> PyErr {
+/// Converts the error of a measured file that is refused, with the message of the command line.
+pub fn import_error(path: &Path, error: &import::error::ImportError) -> PyErr {
     MeasurementError::new_err(match error {
         import::error::ImportError::Unreadable { .. } => error.to_string(),
         error => format!("{}: {error}", path.display()),
     })
 }
 
-/// A run without a result, with every cause.
-pub fn of_run(error: &(dyn Error + 'static)) -> PyErr {
+/// Converts the error of a run without a result, with every cause.
+pub fn run_error(error: &(dyn Error + 'static)) -> PyErr {
     let causes = std::iter::successors(Some(error), |&error| error.source());
     RunError::new_err(causes.map(ToString::to_string).collect::<Vec<_>>().join(": "))
 }

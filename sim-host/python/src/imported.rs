@@ -12,17 +12,18 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::errors::of_import;
+use crate::errors::import_error;
 use crate::interruptible;
 
-/// A result: as JSON, the scene of it as TOML, and arrays by name, 64-bit floating-point numbers as bytes in the machine's order.
+/// A result: JSON, its scene as TOML, and arrays by name, as 64-bit floating-point numbers in bytes
+/// in the machine's order.
 type Parts<'py> = (String, Option<String>, Vec<(&'static str, Bound<'py, PyBytes>)>);
 
 fn bytes<'py>(py: Python<'py>, numbers: impl Iterator<Item = f64>) -> Bound<'py, PyBytes> {
     PyBytes::new(py, &numbers.flat_map(f64::to_ne_bytes).collect::<Vec<u8>>())
 }
 
-/// Name of a file, as results call their source.
+/// Returns the name of a file, as it is given as the source in results.
 fn source(path: &Path) -> String {
     path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
@@ -34,15 +35,15 @@ fn topology(name: Option<&str>) -> PyResult<Option<Topology>> {
         Some("series-through") => Topology::SeriesThrough,
         Some("shunt-through") => Topology::ShuntThrough,
         Some(other) => {
-            let message = format!("topology: `{other}` is none; known are one-port, series-through, shunt-through");
+            let message = format!("topology: `{other}` is unknown; known are one-port, series-through, shunt-through");
             return Err(PyValueError::new_err(message));
         }
     }))
 }
 
-/// The circuit of a measured admittance.
+/// Fits the circuit of a measured admittance.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "those of the command line")]
+#[expect(clippy::too_many_arguments, reason = "same as on the command line")]
 pub fn import_admittance<'py>(
     py: Python<'py>,
     path: PathBuf,
@@ -66,7 +67,7 @@ pub fn import_admittance<'py>(
     }
     let options = Options { z0_ohm, topology: self::topology(topology)?, units, columns, open, short, series_ohm, modes };
     let found = interruptible::run(py, &AtomicBool::new(false), || admittance::import(&path, &options))?;
-    let found = found.map_err(|error| of_import(&path, &error))?;
+    let found = found.map_err(|error| import_error(&path, &error))?;
     let measured = &found.measured;
     let fitted = || measured.hz.iter().map(|hz| found.equivalent.admittance(*hz));
     let arrays = vec![
@@ -81,7 +82,7 @@ pub fn import_admittance<'py>(
     Ok((found.json(None).to_string(), found.scene(&source(&path)), arrays))
 }
 
-/// The contact of a friction log.
+/// Fits the contact of a friction log.
 #[pyfunction]
 pub fn import_friction<'py>(
     py: Python<'py>,
@@ -94,11 +95,11 @@ pub fn import_friction<'py>(
         return Err(PyValueError::new_err("normal_n: from 1e-9 to 1e6 N"));
     }
     if on_s.iter().any(|(from, to)| from.partial_cmp(to).is_none_or(|order| order.is_ge())) {
-        return Err(PyValueError::new_err("on: pairs of rising times in s"));
+        return Err(PyValueError::new_err("on_s: pairs of ascending times in s"));
     }
     let options = friction::Options { columns, normal_n, on_s };
     let found = interruptible::run(py, &AtomicBool::new(false), || friction::import(&path, &options))?;
-    let found = found.map_err(|error| of_import(&path, &error))?;
+    let found = found.map_err(|error| import_error(&path, &error))?;
     let (log, fitted) = (&found.log, &found.chosen().force_n);
     let arrays = vec![
         ("time_s", bytes(py, log.time_s.iter().copied())),

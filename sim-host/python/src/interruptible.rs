@@ -1,4 +1,5 @@
-//! Work that Python waits for: on a thread of its own, without the interpreter's lock, and ended by a signal.
+//! Work that Python waits for: on a separate thread, without the interpreter's lock, and ended by a
+//! signal.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -9,15 +10,16 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// How often Python is asked for signals. A result that is there is not waited for.
-const LOOK: Duration = Duration::from_millis(20);
+/// Interval of the checks for Python signals. A result is returned without waiting for the next
+/// check.
+const SIGNAL_CHECK_INTERVAL: Duration = Duration::from_millis(20);
 
-/// Does some work beside Python. A signal whose handler raises, as that of Ctrl-C does, sets `stop`; the work then has to come to its end, and what
-/// the handler has raised is the error.
+/// Does some work in parallel with Python. A signal whose handler raises, such as Ctrl-C, sets
+/// `stop`. The work must then end, and the exception of the handler is the error.
 pub fn run<T: Send>(py: Python<'_>, stop: &AtomicBool, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     thread::scope(|threads| {
         let (sender, receiver) = channel();
-        // Nobody has left who would not hear of it: this scope waits for the thread.
+        // The receiver exists as long as the thread: this scope waits for it.
         let thread = threads.spawn(move || sender.send(work()).is_ok());
         let received = wait(py, stop, &Mutex::new(receiver));
         match py.detach(|| thread.join()) {
@@ -27,9 +29,10 @@ pub fn run<T: Send>(py: Python<'_>, stop: &AtomicBool, work: impl FnOnce() -> T 
     })
 }
 
-/// Waits for a result of another thread. With a signal it sets `stop`, waits for the end, and gives what the signal's handler has raised.
+/// Waits for a result of another thread. On a signal it sets `stop`, waits for the end, and returns
+/// the exception of the signal's handler.
 pub fn wait<T: Send>(py: Python<'_>, stop: &AtomicBool, results: &Mutex<Receiver<T>>) -> PyResult<T> {
-    let next = || results.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(LOOK);
+    let next = || results.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(SIGNAL_CHECK_INTERVAL);
     let mut raised = None;
     loop {
         match (py.detach(next), &mut raised) {

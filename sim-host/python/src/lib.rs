@@ -1,11 +1,13 @@
-//! The native half of the Python package `sonoglide`: scenes, runs and the link to a board, as the other half wraps them (`package/sonoglide/`).
+//! The native part of the Python package `sonoglide`: scenes, runs and the link to a board, as
+//! wrapped by the Python part (`package/sonoglide/`).
 //!
 //! ```text
 //! sonoglide.Scene, Result, Sweep, Link (Python: dictionaries, NumPy, pictures in a notebook)
 //!     --> sonoglide._native (here: texts and bytes) --> scene, sim, link, as the command line calls them
 //! ```
 //!
-//! Work runs on a thread of its own without the interpreter's lock, and a signal such as Ctrl-C ends it (`interruptible`).
+//! Work runs on a separate thread without the interpreter's lock, and a signal such as Ctrl-C ends
+//! it (`interruptible`).
 
 mod errors;
 mod imported;

@@ -1,7 +1,7 @@
-//! A board, real or simulated, and what is asked of it.
+//! A session with a board, real or simulated.
 //!
-//! The session with the board lives on a thread of its own: it waits while the board works, and keeps the board's host timeout from running out while
-//! Python does something else.
+//! The session runs on a separate thread. It waits while the board works, and prevents the board's
+//! host timeout while Python does something else.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -21,15 +21,15 @@ use ::link::simulated_board::SimulatedBoard;
 use pyo3::prelude::*;
 use scene::load::{Loaded, load};
 
-use crate::errors::{LinkError, of_scene};
+use crate::errors::{LinkError, scene_error};
 use crate::interruptible;
 
-/// What a simulated board is called: `sim:SCENE`.
-const SIMULATED: &str = "sim:";
-/// How often a board is looked after while nothing is asked of it.
-const LOOK_AFTER: Duration = Duration::from_millis(100);
+/// Prefix of a simulated board: `sim:SCENE`.
+const SIMULATED_PREFIX: &str = "sim:";
+/// Interval of the status requests to an idle board.
+const STATUS_INTERVAL: Duration = Duration::from_millis(100);
 
-/// What the thread of a session answers: text for a reader and fields as JSON, or what is wrong.
+/// Reply of a session's thread: text for a reader and fields as JSON, or an error message.
 type Reply = Result<(String, String), String>;
 
 /// A session with a board.
@@ -44,16 +44,20 @@ pub struct Link {
 
 #[pymethods]
 impl Link {
-    /// Connects: `sim:SCENE`, a serial device, or `tcp:HOST:PORT`. `changes` are of a simulated board's scene.
+    /// Connects to `sim:SCENE`, a serial device, or `tcp:HOST:PORT`. `changes` apply to the scene
+    /// of a simulated board.
     #[new]
     fn connect(py: Python<'_>, port: &str, changes: Vec<String>, host_timeout_s: Option<f32>, stay: bool) -> PyResult<Self> {
         let options = SessionOptions { host_timeout_s, stay };
-        let scene =
-            port.strip_prefix(SIMULATED).map(|scene| load(scene, &changes).map_err(|error| of_scene(&error))).transpose()?;
+        let scene = port
+            .strip_prefix(SIMULATED_PREFIX)
+            .map(|scene| load(scene, &changes).map_err(|error| scene_error(&error)))
+            .transpose()?;
         if scene.is_none() && !changes.is_empty() {
-            return Err(LinkError::new_err("changes are of a simulated board's scene, `sim:SCENE`"));
+            return Err(LinkError::new_err("changes need a simulated board, `sim:SCENE`"));
         }
-        // A client reads its flag for as long as it lives, which only the thread knows: a byte for each connection.
+        // A client reads its flag during its whole life, which only the thread knows: one leaked
+        // byte per connection.
         let stop: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));
         let (orders, received) = channel();
         let (sender, replies) = channel();
@@ -63,7 +67,8 @@ impl Link {
             let open = || -> Result<Session, Error> {
                 let port: Box<dyn Port> = match (scene, name.strip_prefix("tcp:")) {
                     (Some(loaded), _) => {
-                        let none = || Error::Usage(format!("`{}` has no [controller]: there is nothing to talk to", loaded.name));
+                        let none =
+                            || Error::Usage(format!("`{}` has no [controller], so there is no board to talk to", loaded.name));
                         let driven = loaded.scene.driven().ok_or_else(none)?;
                         let refused = |why| Error::Usage(format!("the firmware refuses this scene: {why}"));
                         let board = SimulatedBoard::new(&driven, 0).map_err(refused)?;
@@ -89,13 +94,14 @@ impl Link {
         Ok(link)
     }
 
-    /// The port as it was named.
+    /// Returns the port, as given by the caller.
     #[getter]
     fn port(&self) -> &str {
         &self.port
     }
 
-    /// Runs a line of a script, such as `scan` or `drive --volts 3`: text for a reader, and fields as JSON.
+    /// Runs a line of a script, such as `scan` or `drive --volts 3`. Returns text for a reader, and
+    /// fields as JSON.
     fn run(&self, py: Python<'_>, line: &str) -> PyResult<(String, String)> {
         let closed = || LinkError::new_err(format!("the link to {} is closed", self.port));
         self.stop.store(false, Ordering::Relaxed);
@@ -106,11 +112,12 @@ impl Link {
         self.reply(py)
     }
 
-    /// Ends the session; the drive falls silent unless it is to stay.
+    /// Ends the session; the drive stops unless `stay` is set.
     fn close(&self, py: Python<'_>) {
         self.orders.lock().unwrap_or_else(PoisonError::into_inner).take();
         let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
-        // The session silences its drive as it ends; a thread that panicked has none any more.
+        // The session stops its drive as it ends; a thread that panicked has already lost its
+        // session.
         py.detach(|| thread.map(JoinHandle::join));
     }
 }
@@ -121,21 +128,21 @@ impl Link {
     }
 }
 
-/// Answers orders until nobody can give any, and looks after the board meanwhile.
+/// Answers commands until the channel closes, and keeps the link alive meanwhile.
 fn serve(session: Result<Session, Error>, orders: &Receiver<String>, replies: &Sender<Reply>) {
     let mut session = match session {
         Ok(session) => session,
         Err(error) => {
-            let _ = replies.send(Err(said(&error)));
+            let _ = replies.send(Err(message(&error)));
             return;
         }
     };
-    let mut heard = replies.send(Ok((String::new(), "{}".to_owned()))).is_ok();
-    while heard {
-        match orders.recv_timeout(LOOK_AFTER) {
-            Ok(line) => heard = replies.send(run(&mut session, &line)).is_ok(),
+    let mut connected = replies.send(Ok((String::new(), "{}".to_owned()))).is_ok();
+    while connected {
+        match orders.recv_timeout(STATUS_INTERVAL) {
+            Ok(line) => connected = replies.send(run(&mut session, &line)).is_ok(),
             Err(RecvTimeoutError::Timeout) => {
-                // A board that is lost meanwhile is found to be so by the next order.
+                // The next command detects a board that is lost meanwhile.
                 if !session.client.stands_still() {
                     let _ = session.client.status();
                 }
@@ -143,12 +150,12 @@ fn serve(session: Result<Session, Error>, orders: &Receiver<String>, replies: &S
             Err(RecvTimeoutError::Disconnected) => break,
         }
     }
-    // Whatever happens here, the session's own end silences the drive again.
+    // In any case the end of the session stops the drive again.
     let _ = session.leave();
 }
 
 fn run(session: &mut Session, line: &str) -> Reply {
-    let script = Script::parse("order", line).map_err(|error| said(&error))?;
+    let script = Script::parse("order", line).map_err(|error| message(&error))?;
     let mut answer = Answer::default();
     let ran = script.run(session, |_, done| {
         if let Ok(done) = done {
@@ -158,12 +165,12 @@ fn run(session: &mut Session, line: &str) -> Reply {
     });
     match ran {
         Ok(()) => Ok((answer.text, serde_json::Value::Object(answer.fields).to_string())),
-        Err(error) => Err(said(error.cause())),
+        Err(error) => Err(message(error.cause())),
     }
 }
 
-/// An error as the command line shows it.
-fn said(error: &Error) -> String {
+/// Formats an error as on the command line.
+fn message(error: &Error) -> String {
     match error {
         Error::Script(report) => report.render(false),
         error => error.to_string(),

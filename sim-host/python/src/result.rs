@@ -1,4 +1,4 @@
-//! What a run has come to, apart from the run itself: texts, and columns of numbers as bytes. What takes time is made when it is asked for.
+//! Result of a run: strings, and columns of numbers as bytes. Slow parts are computed on request.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
@@ -13,7 +13,7 @@ use sim::provenance::Provenance;
 use sim::study::{Detached, Study};
 use sim::{output, tables};
 
-use crate::errors::{RunError, of_run};
+use crate::errors::{RunError, run_error};
 
 /// A table: identifier, title, caption, header, rows.
 type TableParts = (String, String, String, Vec<String>, Vec<Vec<String>>);
@@ -22,7 +22,7 @@ type TableParts = (String, String, String, Vec<String>, Vec<Vec<String>>);
 #[pyclass(frozen, module = "sonoglide._native")]
 pub struct Result {
     loaded: Arc<Loaded>,
-    /// The study; none only while somebody looks at it, who holds the lock, and after a panic there.
+    /// The study; `None` only while it is in use under the lock, and after a panic there.
     study: Mutex<Option<Detached>>,
     report: OnceLock<Report>,
     passed: bool,
@@ -30,13 +30,13 @@ pub struct Result {
 }
 
 impl Result {
-    /// A study of a scene, and the wall time that its run took.
+    /// Creates the result of a study of a scene, with the wall time of its run.
     pub fn new(loaded: Arc<Loaded>, study: Detached, passed: bool, took: Duration) -> Self {
         Result { loaded, study: Mutex::new(Some(study)), report: OnceLock::new(), passed, took }
     }
 
-    /// Looks at the study, without the interpreter's lock.
-    fn of_study<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&Study) -> T + Send) -> PyResult<T> {
+    /// Evaluates the study, without the interpreter's lock.
+    fn with_study<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&Study) -> T + Send) -> PyResult<T> {
         py.detach(|| {
             let mut kept = self.study.lock().unwrap_or_else(PoisonError::into_inner);
             let study = kept.take().and_then(|study| study.of(&self.loaded.scene))?;
@@ -44,15 +44,15 @@ impl Result {
             *kept = Some(study.detached());
             Some(seen)
         })
-        .ok_or_else(|| RunError::new_err("an earlier error has taken the result of this run away"))
+        .ok_or_else(|| RunError::new_err("the result of this run was lost in an earlier error"))
     }
 
-    /// The report, with the data of its figures; made once.
+    /// Returns the report, with the data of its figures; it is computed once.
     fn report(&self, py: Python<'_>) -> PyResult<&Report> {
         if let Some(report) = self.report.get() {
             return Ok(report);
         }
-        let made = self.of_study(py, |study| tables::report(study, &Provenance::default()))?;
+        let made = self.with_study(py, |study| tables::report(study, &Provenance::default()))?;
         Ok(self.report.get_or_init(|| made))
     }
 
@@ -63,49 +63,49 @@ impl Result {
 
 #[pymethods]
 impl Result {
-    /// The summary as JSON, as `summary.json` has it.
+    /// Returns the summary as JSON, as in `summary.json`.
     #[getter]
     fn summary(&self, py: Python<'_>) -> PyResult<String> {
-        self.of_study(py, |study| output::summary(study).to_string())
+        self.with_study(py, |study| output::summary(study).to_string())
     }
 
-    /// Figures of the machine as JSON, as `machine.json` has them.
+    /// Returns the figures of the machine as JSON, as in `machine.json`.
     #[getter]
     fn machine(&self, py: Python<'_>) -> PyResult<String> {
-        self.of_study(py, |study| output::machine(study).to_string())
+        self.with_study(py, |study| output::machine(study).to_string())
     }
 
-    /// Whether every expectation of the scene holds.
+    /// Returns `true` if every expectation of the scene is met.
     #[getter]
     fn passed(&self) -> bool {
         self.passed
     }
 
-    /// Wall time of the run itself, s: without what is made of its result.
+    /// Returns the wall time of the run itself, s, without evaluation of the result.
     #[getter]
     fn run_s(&self) -> f64 {
         self.took.as_secs_f64()
     }
 
-    /// Title of the report.
+    /// Returns the title of the report.
     #[getter]
     fn title(&self, py: Python<'_>) -> PyResult<String> {
-        self.of_study(py, tables::title)
+        self.with_study(py, tables::title)
     }
 
-    /// The numbers that come first: label, and value with its unit.
+    /// Returns the headline numbers: label, and value with its unit.
     #[getter]
     fn headline(&self, py: Python<'_>) -> PyResult<Vec<(String, String)>> {
-        self.of_study(py, tables::headline)
+        self.with_study(py, tables::headline)
     }
 
-    /// Remarks on the run and notes of the scene.
+    /// Returns remarks on the run and notes of the scene.
     #[getter]
     fn notes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         Ok(self.report(py)?.paragraphs.clone())
     }
 
-    /// Tables: identifier, title, caption, header, rows.
+    /// Returns the tables: identifier, title, caption, header, rows.
     #[getter]
     fn tables(&self, py: Python<'_>) -> PyResult<Vec<TableParts>> {
         let table = |table: &report::TableBlock| {
@@ -114,42 +114,43 @@ impl Result {
         Ok(self.report(py)?.tables.iter().map(table).collect())
     }
 
-    /// The signals of the run: name, unit, meaning.
+    /// Returns the signals of the run: name, unit, meaning.
     #[getter]
     fn signals(&self, py: Python<'_>) -> PyResult<Vec<(String, String, String)>> {
-        let heads = self.of_study(py, columns::heads)?;
+        let heads = self.with_study(py, columns::heads)?;
         Ok(heads.into_iter().map(|head| (head.name, head.unit, head.meaning)).collect())
     }
 
-    /// The values of a signal, by its place: 64-bit floating-point numbers as bytes in the machine's order, or texts.
+    /// Returns the values of a signal by its index: 64-bit floating-point numbers as bytes in the
+    /// machine's order, or strings.
     fn signal<'py>(&self, py: Python<'py>, place: usize) -> PyResult<Bound<'py, PyAny>> {
-        let values = self.of_study(py, |study| columns::values(study, place))?;
+        let values = self.with_study(py, |study| columns::values(study, place))?;
         match values.ok_or_else(|| PyIndexError::new_err(format!("there is no signal {place}")))? {
             Values::Numbers(numbers) => bytes_of(py, &numbers).map(Bound::into_any),
             Values::Texts(texts) => Ok(texts.into_pyobject(py)?.into_any()),
         }
     }
 
-    /// The figures: identifier, title, caption.
+    /// Returns the figures: identifier, title, caption.
     #[getter]
     fn figures(&self, py: Python<'_>) -> PyResult<Vec<(String, String, String)>> {
         let texts = |figure: &Figure| (figure.id.clone(), figure.title.clone(), figure.caption.clone());
         Ok(self.report(py)?.figures.iter().map(texts).collect())
     }
 
-    /// A figure as SVG, by its place.
+    /// Returns a figure as SVG, by its index.
     fn svg(&self, py: Python<'_>, place: usize) -> PyResult<String> {
         let figure = self.figure(py, place)?;
-        py.detach(|| report::svg(figure)).map_err(|error| of_run(&error))
+        py.detach(|| report::svg(figure)).map_err(|error| run_error(&error))
     }
 
-    /// The data of a figure as CSV, by its place.
+    /// Returns the data of a figure as CSV, by its index.
     fn csv(&self, py: Python<'_>, place: usize) -> PyResult<String> {
-        report::csv(self.figure(py, place)?).map_err(|error| of_run(&error))
+        report::csv(self.figure(py, place)?).map_err(|error| run_error(&error))
     }
 }
 
-/// 64-bit floating-point numbers as bytes in the machine's order.
+/// Converts 64-bit floating-point numbers to bytes in the machine's order.
 pub fn bytes_of<'py>(py: Python<'py>, numbers: &[f64]) -> PyResult<Bound<'py, PyBytes>> {
     PyBytes::new_with(py, size_of_val(numbers), |bytes| {
         bytes

@@ -1,4 +1,4 @@
-//! A scene: what is to be run.
+//! A scene to run.
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -11,11 +11,11 @@ use scene::resolved::{resolved_json, resolved_toml};
 use sim::output::{self, Folder, Owner, Presentation};
 use sim::study::{self, Options};
 
-use crate::errors::{SceneError, of_run, of_scene};
+use crate::errors::{SceneError, run_error, scene_error};
 use crate::interruptible;
 use crate::result::Result;
 
-/// A scene that is valid as a whole. It does not change: `changed` makes another.
+/// A valid scene. It is immutable: `changed` returns another one.
 #[pyclass(frozen, module = "sonoglide._native")]
 pub struct Scene {
     /// Shared with the results of its runs.
@@ -23,7 +23,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The scene as it was loaded.
+    /// Returns the loaded scene.
     pub fn loaded(&self) -> &Loaded {
         &self.loaded
     }
@@ -37,83 +37,84 @@ impl From<Loaded> for Scene {
 
 #[pymethods]
 impl Scene {
-    /// A built-in scene by name, or a TOML file by path, with changes as `key=value`.
+    /// Loads a built-in scene by name, or a TOML file by path, with changes as `key=value`.
     #[staticmethod]
     fn load(source: &str, changes: Vec<String>) -> PyResult<Self> {
-        load(source, &changes).map(Scene::from).map_err(|error| of_scene(&error))
+        load(source, &changes).map(Scene::from).map_err(|error| scene_error(&error))
     }
 
-    /// A scene from its text as TOML; `name` is what messages and results call it.
+    /// Creates a scene from TOML text; `name` is its name in messages and results.
     #[staticmethod]
     fn from_toml(text: &str, name: &str, changes: Vec<String>) -> PyResult<Self> {
-        load_text(name, text, &changes).map(Scene::from).map_err(|error| of_scene(&error))
+        load_text(name, text, &changes).map(Scene::from).map_err(|error| scene_error(&error))
     }
 
-    /// A scene from a dictionary, as JSON.
+    /// Creates a scene from a dictionary as JSON.
     #[staticmethod]
     fn from_json(text: &str, name: &str, changes: Vec<String>) -> PyResult<Self> {
         let table: toml::Table = serde_json::from_str(text).map_err(|error| SceneError::new_err(error.to_string()))?;
         Self::from_toml(&table.to_string(), name, changes)
     }
 
-    /// A scene from what `state` gives.
+    /// Creates a scene from the value of `state`.
     #[staticmethod]
     fn from_state(state: (String, String, String, Vec<String>)) -> PyResult<Self> {
         let (name, origin, input, changes) = state;
-        let loaded = load_text(&origin, &input, &changes).map_err(|error| of_scene(&error))?;
+        let loaded = load_text(&origin, &input, &changes).map_err(|error| scene_error(&error))?;
         Ok(Loaded { name, ..loaded }.into())
     }
 
-    /// What makes this scene, and no other: name, origin, text, changes.
+    /// Returns the data that define this scene: name, origin, text, changes.
     fn state(&self) -> (String, String, String, Vec<String>) {
         let Loaded { name, origin, input, sets, .. } = &*self.loaded;
         (name.clone(), origin.clone(), input.clone(), sets.clone())
     }
 
-    /// The scene with further changes.
+    /// Returns the scene with further changes.
     fn changed(&self, changes: Vec<String>) -> PyResult<Self> {
         let Loaded { name, origin, input, sets, .. } = &*self.loaded;
-        let loaded = load_text(origin, input, &[sets.clone(), changes].concat()).map_err(|error| of_scene(&error))?;
+        let loaded = load_text(origin, input, &[sets.clone(), changes].concat()).map_err(|error| scene_error(&error))?;
         Ok(Loaded { name: name.clone(), ..loaded }.into())
     }
 
-    /// Name of the scene.
+    /// Returns the name of the scene.
     #[getter]
     fn name(&self) -> &str {
         &self.loaded.name
     }
 
-    /// Title of the scene.
+    /// Returns the title of the scene.
     #[getter]
     fn title(&self) -> &str {
         &self.loaded.scene.title
     }
 
-    /// The scene with all its defaults as TOML, every key with its unit and meaning.
+    /// Returns the scene with all its defaults as TOML, every key with its unit and meaning.
     fn to_toml(&self) -> String {
         resolved_toml(&self.loaded.scene)
     }
 
-    /// The scene with all its defaults, as JSON.
+    /// Returns the scene with all its defaults, as JSON.
     fn to_json(&self) -> String {
         resolved_json(&self.loaded.scene).to_string()
     }
 
-    /// Runs the scene, its grid and its comparison. With `output` the folder is written as the command line writes it.
+    /// Runs the scene, its grid and its comparison. With `output` it writes the folder as the
+    /// command line does.
     fn run(&self, py: Python<'_>, output: Option<PathBuf>) -> PyResult<Result> {
         let stop = AtomicBool::new(false);
         interruptible::run(py, &stop, || {
             let folder = output
                 .map(|dir| Folder::open(&dir, Owner::new("run", self.loaded.files())))
                 .transpose()
-                .map_err(|error| of_run(&error))?;
+                .map_err(|error| run_error(&error))?;
             let options = Options { stop: Some(&stop), clock: Some(clock), ..Options::default() };
             let began = clock();
-            let study = study::run(&self.loaded, options).map_err(|error| of_run(&error))?;
+            let study = study::run(&self.loaded, options).map_err(|error| run_error(&error))?;
             let took = clock() - began;
-            // What a signal has cut short is not written: nobody sees its result.
+            // A run cut short by a signal is not written, as its result is discarded.
             if let Some(folder) = folder.filter(|_| !study.interrupted) {
-                output::write_into(&self.loaded, &study, &folder, &Presentation::default()).map_err(|error| of_run(&error))?;
+                output::write_into(&self.loaded, &study, &folder, &Presentation::default()).map_err(|error| run_error(&error))?;
             }
             let passed = study.passes();
             Ok(Result::new(Arc::clone(&self.loaded), study.detached(), passed, took))
@@ -121,7 +122,7 @@ impl Scene {
     }
 }
 
-/// Time since the first call.
+/// Returns the time since the first call.
 fn clock() -> Duration {
     static START: LazyLock<Instant> = LazyLock::new(Instant::now);
     START.elapsed()

@@ -1,4 +1,4 @@
-//! A sweep: metrics of a scene at many points, in a folder as the command line makes it.
+//! A sweep: metrics of a scene at many points, in a folder as on the command line.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -11,12 +11,12 @@ use sim::output::sweep::{PlanFile, RowsFile, Shard, SweepFolder, join};
 use sim::study::sweep::design::Design;
 use sim::study::sweep::{self, SweepError};
 
-use crate::errors::{RunError, SceneError, of_run, of_scene};
+use crate::errors::{RunError, SceneError, run_error, scene_error};
 use crate::interruptible;
 use crate::result::bytes_of;
 use crate::scene::Scene;
 
-/// Points of a sweep and what is to be read at each. It does not change, and runs nothing by itself.
+/// Points of a sweep and the metrics to read at each. It is immutable.
 #[pyclass(frozen, module = "sonoglide._native")]
 pub struct Sweep {
     loaded: Loaded,
@@ -27,13 +27,14 @@ pub struct Sweep {
 
 impl Sweep {
     fn plan(&self) -> PyResult<sweep::Sweep<'_>> {
-        sweep::Sweep::new(&self.loaded, self.design.clone(), &self.metrics).map_err(|error| of_sweep(&error))
+        sweep::Sweep::new(&self.loaded, self.design.clone(), &self.metrics).map_err(|error| sweep_error(&error))
     }
 }
 
 #[pymethods]
 impl Sweep {
-    /// Every combination of some axes, each as the command line writes it; with `draws` a sample of their ranges; or the points of a CSV.
+    /// Creates a sweep over every combination of some axes, in the syntax of the command line; with
+    /// `draws` over a sample of their ranges; or over the points of a CSV.
     #[new]
     fn new(scene: &Scene, axes: Vec<String>, draws: Option<u64>, points: Option<&str>, metrics: Vec<String>) -> PyResult<Self> {
         let design = match (points, draws) {
@@ -43,53 +44,55 @@ impl Sweep {
             }
             (None, None) => axes.iter().map(|axis| axis.parse()).collect::<Result<_, _>>().and_then(Design::product),
         };
-        let design = design.map_err(|error| of_sweep(&error))?;
+        let design = design.map_err(|error| sweep_error(&error))?;
         let sweep = Sweep { loaded: scene.loaded().clone(), design, metrics, done: AtomicU64::new(0) };
-        // What is wrong with it is said here, and not where it runs.
+        // Errors are reported here, before anything runs.
         sweep.plan()?;
         Ok(sweep)
     }
 
-    /// How many points there are.
+    /// Returns the number of points.
     #[getter]
     fn count(&self) -> u64 {
         self.design.count()
     }
 
-    /// How many points have been run in this process.
+    /// Returns the number of points that have been run in this process.
     #[getter]
     fn done(&self) -> u64 {
         self.done.load(Ordering::Relaxed)
     }
 
-    /// The points that a folder has no part of, in ranges. The folder is made if it is not there.
+    /// Returns the points that are missing in a folder, as ranges. The folder is created if it does
+    /// not exist.
     fn missing(&self, folder: PathBuf) -> PyResult<Vec<(u64, u64)>> {
-        let open = SweepFolder::open(&folder, &self.plan()?, Shard::WHOLE, &[]).map_err(|error| of_run(&error))?;
-        let missing = open.missing().map_err(|error| of_run(&error))?;
+        let open = SweepFolder::open(&folder, &self.plan()?, Shard::WHOLE, &[]).map_err(|error| run_error(&error))?;
+        let missing = open.missing().map_err(|error| run_error(&error))?;
         Ok(missing.into_iter().map(|range| (range.start, range.end)).collect())
     }
 
-    /// Runs in this process what a folder lacks, with so many threads or as many as there are processors.
+    /// Runs the missing points of a folder in this process, with `jobs` threads; 0 means one per
+    /// processor.
     fn run(&self, py: Python<'_>, folder: PathBuf, jobs: usize) -> PyResult<()> {
         let (plan, stop) = (self.plan()?, AtomicBool::new(false));
         let done = || {
             self.done.fetch_add(1, Ordering::Relaxed);
         };
         interruptible::run(py, &stop, || {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build().map_err(|error| of_run(&error))?;
-            let open = SweepFolder::open(&folder, &plan, Shard::WHOLE, &[]).map_err(|error| of_run(&error))?;
-            pool.install(|| open.run(&plan, &stop, &done)).map(drop).map_err(|error| of_run(&error))
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build().map_err(|error| run_error(&error))?;
+            let open = SweepFolder::open(&folder, &plan, Shard::WHOLE, &[]).map_err(|error| run_error(&error))?;
+            pool.install(|| open.run(&plan, &stop, &done)).map(drop).map_err(|error| run_error(&error))
         })?
     }
 
-    /// Runs some points with one thread: the name of their part's file, and its bytes.
+    /// Runs some points with one thread. Returns the name of their part's file, and its bytes.
     fn part<'py>(&self, py: Python<'py>, from: u64, to: u64, scratch: PathBuf) -> PyResult<(String, Bound<'py, PyBytes>)> {
         let (sweep, stop) = (self.plan()?, AtomicBool::new(false));
         let written = interruptible::run(py, &stop, || -> PyResult<Option<(PathBuf, Vec<u8>)>> {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|error| of_run(&error))?;
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|error| run_error(&error))?;
             let part = pool.install(|| PlanFile::new(&sweep).write_part(&sweep, from..to, &scratch, (&stop, &|| ())));
-            let Some(part) = part.map_err(|error| of_run(&error))? else { return Ok(None) };
-            let bytes = std::fs::read(&part.path).map_err(|error| of_run(&error))?;
+            let Some(part) = part.map_err(|error| run_error(&error))? else { return Ok(None) };
+            let bytes = std::fs::read(&part.path).map_err(|error| run_error(&error))?;
             Ok(Some((part.path, bytes)))
         })??;
         let (path, bytes) = written.ok_or_else(|| RunError::new_err("the part was stopped"))?;
@@ -97,27 +100,30 @@ impl Sweep {
         Ok((name, PyBytes::new(py, &bytes)))
     }
 
-    /// Joins the parts in a folder, and writes the result beside them: how many points have none.
+    /// Joins the parts in a folder, and writes the result next to them. Returns the number of
+    /// points without a result.
     fn join(&self, py: Python<'_>, folder: PathBuf) -> PyResult<u64> {
         let joined = py
             .detach(|| join(std::slice::from_ref(&folder), &folder, &Presentation::default()))
-            .map_err(|error| of_run(&error))?;
+            .map_err(|error| run_error(&error))?;
         Ok(joined.failures)
     }
 
-    /// A column of numbers of a folder's result: 64-bit floating-point numbers as bytes in the machine's order, NaN where a point has none.
+    /// Returns a column of numbers of a folder's result: 64-bit floating-point numbers as bytes in
+    /// the machine's order, NaN for a missing value.
     #[staticmethod]
     fn column<'py>(py: Python<'py>, folder: PathBuf, name: &str) -> PyResult<Bound<'py, PyBytes>> {
-        let values =
-            RowsFile::open(&folder.join("sweep.parquet")).and_then(|file| file.column(name)).map_err(|error| of_run(&error))?;
+        let values = RowsFile::open(&folder.join("sweep.parquet"))
+            .and_then(|file| file.column(name))
+            .map_err(|error| run_error(&error))?;
         bytes_of(py, &values.iter().map(|value| value.unwrap_or(f64::NAN)).collect::<Vec<_>>())
     }
 }
 
-/// A sweep that cannot be made.
-fn of_sweep(error: &SweepError) -> PyErr {
+/// Converts the error of an invalid sweep.
+fn sweep_error(error: &SweepError) -> PyErr {
     match error {
-        SweepError::Scene(error) => of_scene(error),
+        SweepError::Scene(error) => scene_error(error),
         error => SceneError::new_err(error.to_string()),
     }
 }

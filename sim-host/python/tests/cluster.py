@@ -1,4 +1,4 @@
-"""A sweep with one thread, and the same on a Dask cluster of two worker processes, one of which is killed midway. The argument is the folder of both."""
+"""Runs a sweep with one thread, and the same on a Dask cluster of two worker processes, one of which is killed midway. The argument is the folder of both."""
 
 import os
 import signal

@@ -39,7 +39,7 @@ def test_a_friction_log_is_a_contact(tmp_path):
     assert found.scene().to_dict()["excitation"] and {model.model for model in found.models} >= {"coulomb", "dahl"}
 
 
-def test_refusals_are_those_of_the_command_line(tmp_path):
+def test_refusals_match_the_command_line(tmp_path):
     path = sweep(tmp_path / "mine.csv")
     with pytest.raises(MeasurementError, match="cannot be read"):
         import_admittance(tmp_path / "none.csv")

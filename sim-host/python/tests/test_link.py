@@ -21,7 +21,7 @@ def test_a_capture_leaves_its_files(tmp_path):
         assert (tmp_path / "capture of today" / "capture.csv").exists()
 
 
-def test_what_a_board_refuses_is_an_exception():
+def test_a_refusal_is_an_exception():
     with Link("sim:lock") as board:
         with pytest.raises(LinkError, match="did you mean|similar|unrecognized"):
             board.run("scann")
@@ -32,7 +32,7 @@ def test_what_a_board_refuses_is_an_exception():
         board.status()
 
 
-def test_a_board_that_is_not_there_is_an_exception():
+def test_a_missing_board_is_an_exception():
     with pytest.raises(LinkError, match="/dev/no-such-port"):
         Link("/dev/no-such-port")
     with pytest.raises(LinkError, match="no \\[controller\\]"):

@@ -29,14 +29,14 @@ def test_a_driven_scene_locks_and_its_values_can_be_changed():
     assert result.signals["time_s"].values.size == result.signals["mode"].values.size
 
 
-def test_a_scene_comes_from_a_dictionary_or_a_text_as_well():
+def test_a_scene_from_a_dictionary_or_text():
     scene = Scene.load("contact-kinematic")
     again = Scene.from_dict(scene.to_dict())
     assert again.to_dict() == scene.to_dict() == Scene.from_toml(scene.to_toml()).to_dict()
     assert again.run().metrics == scene.run().metrics
 
 
-def test_what_is_wrong_is_said_with_its_place():
+def test_errors_name_their_place():
     with pytest.raises(SceneError, match=r"contact\.dahl\.mu"):
         Scene.load("contact", {"contact.dahl.mux": 0.1})
     with pytest.raises(SceneError, match="experiment-1"):
@@ -51,13 +51,13 @@ def test_what_is_wrong_is_said_with_its_place():
         Scene.load("contact-kinematic").run()["frictoin_ratio"]
 
 
-def test_values_are_those_of_numpy_as_well():
+def test_numpy_values_are_accepted():
     scene = Scene.load("contact", {"excitation.velocity_ratio": np.float64(0.25), "integrator.window_periods": np.array([10, 20])})
     assert scene.to_dict()["excitation"]["velocity_ratio"] == 0.25
     assert scene.to_dict()["integrator"]["window_periods"] == [10, 20]
 
 
-def test_a_folder_is_that_of_the_command_line(tmp_path):
+def test_a_folder_matches_the_command_line(tmp_path):
     folder = tmp_path / "run"
     Scene.load("contact-kinematic").run(folder)
     assert {"manifest.json", "summary.json", "report.html", "trace.csv"} <= {path.name for path in folder.iterdir()}
@@ -67,7 +67,7 @@ def test_a_folder_is_that_of_the_command_line(tmp_path):
         Scene.load("contact-kinematic").run(tmp_path / "other")
 
 
-def test_other_threads_go_on_while_a_scene_runs():
+def test_other_threads_run_during_a_scene():
     ticks, done = 0, threading.Event()
 
     def run() -> None:
@@ -100,13 +100,13 @@ def test_a_signal_ends_a_run():
         signal.signal(signal.SIGALRM, former)
 
 
-def test_a_kinematic_scene_costs_little_beside_its_run():
+def test_a_kinematic_scene_has_little_overhead():
     scene = Scene.load("contact-kinematic")
     scene.run()
     began = time.process_time()
     for _ in range(20):
         scene.run()
-    # The run with its tables and figures' data, on a machine that may be busy.
+    # Includes tables and the data of figures, on a machine that may be busy.
     assert (time.process_time() - began) / 20 < 0.05
 
 

@@ -12,7 +12,7 @@ OVER = {"excitation.velocity_ratio": "0.1:0.9:9", "contact.dahl.mu": [0.1, 0.2, 
 KINEMATIC = Scene.load("contact-kinematic")
 
 
-def test_a_point_is_a_run_of_its_own():
+def test_a_point_equals_a_single_run():
     sweep = KINEMATIC.sweep(OVER, metrics=["friction_ratio"])
     assert sweep.shape == (9, 3) and sweep.keys_swept == list(OVER) and sweep.units["friction_ratio"] == "1"
     ratio = sweep["friction_ratio"].reshape(sweep.shape)
@@ -21,7 +21,7 @@ def test_a_point_is_a_run_of_its_own():
     assert ratio[4, 1] == pytest.approx(alone["friction_ratio"], rel=1e-13)
 
 
-def test_a_table_is_that_of_every_library():
+def test_tables_agree_across_libraries():
     sweep = KINEMATIC.sweep(OVER, metrics=["friction_ratio", "power_ratio"])
     for ratio in (
         sweep.to_arrow()["friction_ratio"].to_numpy(),
@@ -44,7 +44,7 @@ def test_a_point_without_a_result_has_its_reason():
     assert sweep.failures[0][0] == 0 and "window_periods" in sweep.failures[0][1]
 
 
-def test_what_is_wrong_is_said_before_anything_is_run(tmp_path: Path):
+def test_errors_come_before_any_run(tmp_path: Path):
     for over, metrics, why in [
         ({"contact.dahl.mux": [0.1, 0.2]}, ["friction_ratio"], "contact.dahl.mu"),
         ({"contact.dahl.mu": [0.1, 0.2]}, ["frictoin_ratio"], "friction_ratio"),
@@ -53,10 +53,10 @@ def test_what_is_wrong_is_said_before_anything_is_run(tmp_path: Path):
     ]:
         with pytest.raises(SceneError, match=why):
             KINEMATIC.sweep(over, metrics=metrics)
-    with pytest.raises(ValueError, match="one of the two"):
+    with pytest.raises(ValueError, match="either keys"):
         KINEMATIC.sweep()
     KINEMATIC.sweep(OVER, metrics=["friction_ratio"], output=tmp_path / "sweep")
-    with pytest.raises(RunError, match="other points"):
+    with pytest.raises(RunError, match="different points"):
         KINEMATIC.sweep({"contact.dahl.mu": [0.1]}, metrics=["friction_ratio"], output=tmp_path / "sweep")
 
 
@@ -66,7 +66,7 @@ def test_a_scene_can_be_sent_to_another_process():
 
 
 def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(tmp_path: Path):
-    """In a process of its own: a real scheduler and two worker processes on this machine, one of which is killed midway."""
+    """Runs in a separate process: a real scheduler and two worker processes on this machine, one of which is killed midway."""
     pytest.importorskip("distributed")
     script = Path(__file__).with_name("cluster.py")
     done = subprocess.run([sys.executable, script, tmp_path], capture_output=True, text=True, timeout=240)

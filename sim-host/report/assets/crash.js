@@ -1,4 +1,4 @@
-// Draws the crash view of a report from the data in the page. Nothing moves by itself.
+// Draws the crash view of a report from the data in the page. Nothing moves on its own.
 "use strict";
 (() => {
 function draw(data, stage) {
@@ -22,25 +22,26 @@ function draw(data, stage) {
 
   const farthest = Math.max(largest((f) => f.mm[0]), largest((f) => f.mm[1]));
   const strongest = Math.max(largest((f) => f.newton[0]), largest((f) => f.newton[1]));
-  // Pixels for a millimetre: two to three times as many as the rest of the picture has, so that the motion is seen.
+  // Pixels per millimetre, two to three times the scale of the rest of the picture, so that the
+  // motion is visible.
   const scale = Math.min(0.55, 78 / farthest);
 
   // ---- one belt, from the side; the car drives to the right
   const RING = { x: 92, y: 92 }, REEL = { x: 92, y: 262 }, HIP = { x: 186, y: 246 }, LONG = 118;
   function belt(svg, side) {
-    make(svg, "text", { x: 8, y: 22, class: "title", style: `fill:${colours[side]}` }, side ? "With the controller" : "Belt as it is today");
+    make(svg, "text", { x: 8, y: 22, class: "title", style: `fill:${colours[side]}` }, side ? "With the controller" : "Today's belt");
     const status = make(svg, "text", { x: 8, y: 43, class: "quiet" });
     make(svg, "path", { d: "M0 296H400", stroke: PALE, "stroke-width": 3 });
     make(svg, "path", { d: "M92 60V296", stroke: PALE, "stroke-width": 9, "stroke-linecap": "round" });
     make(svg, "text", { x: RING.x - 14, y: 180, "text-anchor": "end", class: "quiet" }, "pillar");
     // The seat.
     make(svg, "path", { d: "M138 120L150 262H232", fill: "none", stroke: "#c3ccd3", "stroke-width": 20, "stroke-linecap": "round", "stroke-linejoin": "round" });
-    // Where the chest began, and how far it is.
+    // Initial position of the chest, and its displacement.
     const chest0 = 206;
     make(svg, "path", { d: `M${chest0} 84V306`, stroke: GREY, "stroke-width": 1, "stroke-dasharray": "3 4" });
     const way = make(svg, "path", { stroke: colours[side], "stroke-width": 2.5, fill: "none" });
     const wayText = make(svg, "text", { y: 324, "text-anchor": "middle" });
-    // The person: legs stay, the torso leans about the hip.
+    // The person: the legs stay, the torso leans about the hip.
     make(svg, "path", { d: `M${HIP.x} ${HIP.y}H262L292 292`, fill: "none", stroke: "#5b6f80", "stroke-width": 25, "stroke-linecap": "round", "stroke-linejoin": "round" });
     const torso = make(svg, "path", { fill: "none", stroke: "#7d93a6", "stroke-width": 46, "stroke-linecap": "round" });
     const head = make(svg, "circle", { r: 23, fill: "#e3c4a4" });
@@ -69,7 +70,8 @@ function draw(data, stage) {
       const f = frames[index], mm = f.mm[side], newton = f.newton[side];
       const low = side === 1 ? f.low : 0;
       const dx = mm * scale;
-      // The torso turns about the hip, so that the shoulder goes as far forward as the arrow says.
+      // The torso turns about the hip, so that the shoulder moves as far forward as the arrow
+      // shows.
       const sine = (dx - 12) / LONG, cosine = Math.sqrt(1 - sine * sine);
       const from = (along, ahead) => ({ x: HIP.x - 4 + along * sine + ahead * cosine, y: HIP.y - 8 - along * cosine + ahead * sine });
       const top = from(LONG - 22, 0), shoulder = from(LONG - 2, 2), front = from(LONG - 34, 24), neck = from(LONG + 34, 8);
@@ -85,7 +87,7 @@ function draw(data, stage) {
       set(spoke, { transform: `translate(${REEL.x} ${REEL.y}) rotate(${-f.payout_mm[side] * 3})` });
       halo.forEach((circle, n) => set(circle, { opacity: low * (0.8 - 0.22 * n) }));
       set(ring, { stroke: low > 0.5 ? SWITCHED : "#444" });
-      status.textContent = low > 0.5 ? "drive ON: the ring is slippery" : "drive OFF: the ring has its friction";
+      status.textContent = low > 0.5 ? "drive ON: the ring is slippery" : "drive OFF: the ring has full friction";
       const end = chest0 + dx;
       set(way, { d: `M${chest0} 304H${end}` + (dx > 8 ? `m-6 -4l6 4l-6 4` : "") });
       set(wayText, { x: Math.max(chest0 + 40, (chest0 + end) / 2) });
@@ -106,7 +108,7 @@ function draw(data, stage) {
     const L = 58, R = 930, T = 34, B = 210, end = frames[last].ms;
     const x = (ms) => L + (R - L) * ms / end, y = (newton) => B - (B - T) * newton / (1.05 * strongest);
     make(svg, "text", { x: L, y: 18, class: "title" }, "Force at the shoulder over time");
-    [["Belt as it is today", PASSIVE, 0], ["With the controller", SWITCHED, 1]].forEach(([name, colour, n]) => {
+    [["Today's belt", PASSIVE, 0], ["With the controller", SWITCHED, 1]].forEach(([name, colour, n]) => {
       make(svg, "rect", { x: 560 + 190 * n, y: 7, width: 14, height: 12, fill: colour, opacity: n ? 1 : 0.35 });
       make(svg, "text", { x: 580 + 190 * n, y: 18 }, name);
     });
@@ -137,7 +139,7 @@ function draw(data, stage) {
     };
   }
 
-  // ---- the moments that matter, in words
+  // ---- descriptions of the important moments
   const first = (holds) => { const n = frames.findIndex(holds); return n < 0 ? last : n; };
   const top = (side) => largest((f) => f.newton[side]), way = (side) => largest((f) => f.mm[side]);
   const same = Math.abs(top(1) / top(0) - 1) < 0.005;
@@ -146,18 +148,18 @@ function draw(data, stage) {
     { at: 0, text: `The car hits something and begins to brake. ${data.occupant[0].toUpperCase() + data.occupant.slice(1)}, a torso of ${data.torso_kg.toFixed(0)} kg. ` +
       `Nothing holds it yet: there are ${data.slack_mm.toFixed(0)} mm of slack between it and the belt.` },
     { at: first((f) => f.newton[0] > 150), text: "The slack is taken up. The belt begins to pull, and webbing begins to slide over the ring." },
-    ...(data.low_ms > 0 ? [{ at: first((f) => f.ms >= data.low_ms), text: "The force in the belt shows the crash. Before it, the seat had said that the person is light, " +
-      "so the controller switches ultrasound on, once. The ring on the right becomes slippery within 3 ms." }] : []),
-    ...(data.low_ms === null ? [{ at: first((f) => f.newton[0] > 400), text: "The force in the belt shows the crash. The seat has not said that the person is light, " +
-      "so the controller leaves the ring as it is: this person needs the whole force." }] : []),
-    ...(same ? [] : [{ at: first((f) => f.newton[1] > 0.97 * top(1)), text: `Right: the reel gives way, and ${kilonewton(top(1))} is all that reaches the shoulder. ` +
-      "Left: the reel still holds, because friction at the ring takes part of the pull; the force goes on rising." }]),
-    { at: first((f) => f.newton[0] >= 0.999 * top(0)), text: `${same ? "Both belts pull" : "Left: the belt pulls"} with ${kilonewton(top(0))} now, the most in this crash` +
+    ...(data.low_ms > 0 ? [{ at: first((f) => f.ms >= data.low_ms), text: "The belt force shows that this is a crash. The seat had reported a light person, " +
+      "so the controller switches the ultrasound on, once. The ring on the right becomes slippery within 3 ms." }] : []),
+    ...(data.low_ms === null ? [{ at: first((f) => f.newton[0] > 400), text: "The belt force shows that this is a crash. The seat has not reported a light person, " +
+      "so the controller does not change the ring: this person needs the full force." }] : []),
+    ...(same ? [] : [{ at: first((f) => f.newton[1] > 0.97 * top(1)), text: `Right: the reel yields, and only ${kilonewton(top(1))} reaches the shoulder. ` +
+      "Left: the reel still holds, because friction at the ring takes part of the pull; the force continues to rise." }]),
+    { at: first((f) => f.newton[0] >= 0.999 * top(0)), text: `${same ? "Both belts pull" : "Left: the belt pulls"} with ${kilonewton(top(0))}, the largest force in this crash` +
       (same ? "." : `; on the right it was never more than ${kilonewton(top(1))}, ${per(1 - top(1) / top(0))} less.`) },
-    { at: first((f) => f.mm[0] >= 0.9999 * way(0)), text: `${same ? "The torso is" : "Left: the torso is"} as far forward as it gets, ${way(0).toFixed(0)} mm.` },
-    ...(same ? [] : [{ at: first((f) => f.mm[1] >= 0.9999 * way(1)), text: `Right: as far as it gets, ${way(1).toFixed(0)} mm, ${(way(1) - way(0)).toFixed(0)} mm further than on the left. ` +
-      "That is the price of the lower force; there must be room for it." }]),
-    { at: last, text: same ? "The torso goes back. Both belts did exactly the same." : `The torso goes back. In short: ${per(1 - top(1) / top(0))} less force at the shoulder, for ${(way(1) - way(0)).toFixed(0)} mm more way.` },
+    { at: first((f) => f.mm[0] >= 0.9999 * way(0)), text: `${same ? "The torso is" : "Left: the torso is"} at its most forward position, ${way(0).toFixed(0)} mm.` },
+    ...(same ? [] : [{ at: first((f) => f.mm[1] >= 0.9999 * way(1)), text: `Right: the most forward position, ${way(1).toFixed(0)} mm, ${(way(1) - way(0)).toFixed(0)} mm further than on the left. ` +
+      "That is the price of the lower force; the car must have room for it." }]),
+    { at: last, text: same ? "The torso moves back. Both belts did exactly the same." : `The torso moves back. In short: ${per(1 - top(1) / top(0))} less force at the shoulder, for ${(way(1) - way(0)).toFixed(0)} mm more displacement.` },
   ].sort((a, b) => a.at - b.at);
 
   // ---- controls
@@ -201,13 +203,14 @@ function draw(data, stage) {
     const to = Number(button.dataset.go) > 0 ? moments.find((m) => m.at > index) : moments.filter((m) => m.at < index).at(-1);
     if (to) show(to.at);
   }));
-  // The end says most to who only looks; a fragment such as #crash-ms=40 shows that moment.
+  // By default show the moment of the largest force; a fragment such as #crash-ms=40 selects
+  // another moment.
   const asked = /crash-ms=(\d+)/.exec(location.hash);
   show(asked ? first((f) => f.ms >= Number(asked[1])) : first((f) => f.newton[0] >= 0.999 * top(0)));
 }
 
 const source = document.getElementById("crash-data");
 if (source) draw(JSON.parse(source.textContent), document.getElementById("crash-stage"));
-// A page whose crash comes later draws it by itself.
+// A page that loads its crash later calls this itself.
 globalThis.sonoglideCrash = draw;
 })();

@@ -16,7 +16,7 @@
     return sign + whole + (fraction ? "." + fraction : "");
   }
 
-  // As many decimals as the step itself needs: a quarter needs two.
+  // Number of decimals that the step needs: a quarter needs two.
   const decimalsOf = (step) => {
     const whole = (x) => Math.abs(x - Math.round(x)) < 1e-6 * x;
     let decimals = 0;
@@ -62,7 +62,7 @@
     return ticks.filter((v) => v >= low && v <= high);
   }
 
-  // A value to a ten-thousandth of its axis, or to five digits on a logarithmic one.
+  // Formats a value to a ten-thousandth of its axis, or to five digits on a logarithmic one.
   function reading(v, scale) {
     if (v == null) return "–";
     const own = v === 0 ? 0 : Math.floor(Math.log10(Math.abs(v)));
@@ -118,7 +118,7 @@
 
   function xRange(figure, whole) {
     const shown = figure.x.range;
-    // What the plot asks for without a zoom is the extent of the data.
+    // Without a zoom the plot requests the extent of the data.
     return (u, low, high) =>
       low == null || (low <= whole[0] && high >= whole[1]) ? shown : [low, high];
   }
@@ -162,7 +162,7 @@
     });
   }
 
-  // Where the samples in view lie on the screen.
+  // Returns the screen positions of the visible samples.
   function samples(figure, u, x, y) {
     const { min, max } = u.scales.x;
     const points = figure.markers.map(([mx, my]) => [x(mx), y(my)]);
@@ -175,7 +175,7 @@
     return points;
   }
 
-  // The place beside a marker where its label covers the fewest samples.
+  // Returns the place next to a marker at which its label covers the fewest samples.
   function labelPlace(x, y, width, box, busy) {
     let best = null;
     for (const [side, shift] of [[1, -1], [-1, -1], [1, 1], [-1, 1], [1, 0], [-1, 0]]) {
@@ -225,7 +225,7 @@
     });
   }
 
-  // The plot's columns: each curve, and for a band the edges after it.
+  // Returns the plot's columns: each curve, with the edges of a band after it.
   function columns(figure) {
     const series = [{ label: figure.x.label, value: (u, v) => reading(v, u.scales.x) }];
     const tables = [], bands = [];
@@ -249,10 +249,10 @@
     return { series, bands, data: tables.length ? uPlot.join(tables) : [[]] };
   }
 
-  // The colour that stands for a curve in the legend.
+  // Returns the colour of a curve in the legend.
   const marker = (series) => series.tint ?? series.stroke();
 
-  // Draws one plot into a place within its figure.
+  // Draws one plot into its element within a figure.
   function mount(figure, place) {
     const { series, bands, data } = columns(figure);
     const xs = data[0];
@@ -268,7 +268,7 @@
         y: { distr: figure.y.log ? 3 : 1, range: yRange(figure) },
       },
       axes: [axis(figure.x, false), axis(figure.y, true)],
-      // The plots of one figure have one axis, and are read and zoomed together.
+      // The plots of one figure share the horizontal axis, the cursor and the zoom.
       cursor: { drag: { x: true, y: false }, points: { size: 7 }, sync: { key: place.closest("figure").id } },
       legend: { live: true, markers: { width: 0, fill: (u, i) => marker(u.series[i]) } },
       hooks: {
@@ -283,6 +283,6 @@
 
   const source = document.getElementById("figure-data");
   if (source) JSON.parse(source.textContent).forEach((figure) => mount(figure, document.getElementById("plot-" + figure.id)));
-  // A page whose figures come later draws them by itself.
+  // A page that loads its figures later calls this itself.
   globalThis.sonoglidePlot = mount;
 })();

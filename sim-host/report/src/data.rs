@@ -1,4 +1,4 @@
-//! The data of figures as CSV, and what makes a figure malformed.
+//! The data of figures as CSV, and the check for malformed figures.
 
 pub(crate) mod data_file;
 
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{Figure, HeatMap, Series, Style};
 
-/// Why a report could not be written.
+/// Reason for which a report could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// The directory or a file cannot be written.
@@ -16,7 +16,7 @@ pub enum ReportError {
     Write {
         /// The directory or file.
         path: PathBuf,
-        /// What the system said.
+        /// The error from the system.
         source: io::Error,
     },
     /// A picture cannot be drawn.
@@ -24,23 +24,24 @@ pub enum ReportError {
     Draw {
         /// The picture's file.
         path: PathBuf,
-        /// What the plotting library said.
+        /// The error from the plotting library.
         reason: String,
     },
-    /// Pictures of this format take what was not given: [`crate::Drawing::pdf`].
-    #[error("no {format} files are drawn here: nothing is given that makes them")]
+    /// Pictures of this format need a converter that was not given: [`crate::Drawing::pdf`].
+    #[error("cannot draw {format} files: the program has no converter for them")]
     Format {
-        /// Ending of the files.
+        /// File extension.
         format: &'static str,
     },
-    /// A figure's id cannot be the stem of its files.
+    /// A figure's id cannot be used as a file name.
     #[error("figure id {id:?} is empty, used twice, or has characters other than a-z A-Z 0-9 _ -")]
     Id {
         /// The id.
         id: String,
     },
-    /// A map has no cells, or columns of different lengths, or curves above it that its table has no room for.
-    #[error("figure {figure}: the columns of the map differ in length, or there are none, or curves above them")]
+    /// A map has no cells, columns of different lengths, or additional curves, which its table
+    /// cannot contain.
+    #[error("figure {figure}: the map has no columns, columns of different lengths, or additional curves")]
     Map {
         /// The figure's id.
         figure: String,
@@ -55,7 +56,7 @@ pub enum ReportError {
     },
 }
 
-/// The data of a figure as CSV, as a report has it beside the figure.
+/// Returns the data of a figure as CSV, as in the figure's file of a report.
 ///
 /// # Errors
 /// If the figure is malformed.
@@ -63,8 +64,8 @@ pub fn csv(figure: &Figure) -> Result<String, ReportError> {
     check(std::slice::from_ref(figure))?;
     let path = PathBuf::from(format!("{}.csv", figure.id));
     let mut bytes = Vec::new();
-    data_file::write(figure, &mut bytes).map_err(io::Error::from).map_err(failure(&path))?;
-    String::from_utf8(bytes).map_err(|error| failure(&path)(io::Error::new(io::ErrorKind::InvalidData, error)))
+    data_file::write(figure, &mut bytes).map_err(io::Error::from).map_err(write_error(&path))?;
+    String::from_utf8(bytes).map_err(|error| write_error(&path)(io::Error::new(io::ErrorKind::InvalidData, error)))
 }
 
 pub(crate) fn check(figures: &[Figure]) -> Result<(), ReportError> {
@@ -99,12 +100,12 @@ pub(crate) fn check(figures: &[Figure]) -> Result<(), ReportError> {
     Ok(())
 }
 
-pub(crate) fn failure(path: &Path) -> impl FnOnce(io::Error) -> ReportError {
+pub(crate) fn write_error(path: &Path) -> impl FnOnce(io::Error) -> ReportError {
     |source| ReportError::Write { path: path.to_owned(), source }
 }
 
 impl Series {
-    /// The vectors that run beside `x`: y, then the edges of a band.
+    /// Returns the vectors parallel to `x`: y, then the edges of a band.
     pub(crate) fn columns(&self) -> Vec<&[f64]> {
         match &self.style {
             Style::Band { lower, upper } => vec![&self.y, lower, upper],
@@ -114,14 +115,14 @@ impl Series {
 }
 
 impl Figure {
-    /// The curves of all its plots, from the upper one down.
+    /// Returns the curves of all its plots, from top to bottom.
     pub(crate) fn all_series(&self) -> impl Iterator<Item = &Series> {
         self.series.iter().chain(self.panels.iter().flat_map(|panel| &panel.series))
     }
 }
 
 impl HeatMap {
-    /// Columns and rows.
+    /// Returns the numbers of columns and rows.
     pub(crate) fn size(&self) -> (usize, usize) {
         (self.columns.len(), self.columns.first().map_or(0, Vec::len))
     }

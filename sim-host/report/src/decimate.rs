@@ -2,13 +2,13 @@
 //!
 //! Drawing a million samples across a thousand pixels gains nothing, and taking every n-th sample
 //! loses exactly the spikes a reader looks for. So the trace is cut into runs of consecutive
-//! samples, and each run keeps the samples that hold its extremes. Within a pixel's width the
+//! samples, and each run keeps the samples that hold its extremes. At the resolution of a pixel the
 //! result looks the same as the whole.
 
-/// Points a drawn curve may have before it is thinned.
-pub const LIMIT: usize = 4000;
+/// Number of points above which a curve is thinned.
+pub const MAX_POINTS: usize = 4000;
 
-/// Indices worth drawing, ascending, about `limit` of them.
+/// Returns the indices worth drawing, ascending, about `limit` of them.
 ///
 /// Every column keeps its extremes in each run. Passing x as a column keeps the ends of each run of
 /// a trace in time, and the leftmost and rightmost points of a locus. A run that holds a value that
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn short_traces_are_left_alone() {
+    fn short_traces_are_unchanged() {
         assert_eq!(keep(&[&[3.0, 1.0, 2.0]], 3), [0, 1, 2]);
         assert!(keep(&[&[]], 10).is_empty());
         assert!(keep(&[], 10).is_empty());
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn a_trace_of_gaps_only_stays_one() {
+    fn a_trace_of_gaps_keeps_a_sample() {
         let indices = keep(&[&vec![f64::NAN; 5_000]], 100);
         assert!(!indices.is_empty());
     }

@@ -1,6 +1,6 @@
 //! Numbers as text in tables.
 
-/// A number with four significant digits.
+/// Formats a number with four significant digits.
 pub fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 { "0".into() } else { "none".into() };
@@ -15,9 +15,43 @@ pub fn significant(value: f64) -> String {
     }
 }
 
+/// Formats a number and its standard deviation, such as `40012.34` and `0.56`: the deviation has
+/// two digits.
+pub fn stated(value: f64, sd: f64) -> (String, String) {
+    if sd <= 0.0 || !value.is_finite() || !sd.is_finite() {
+        return (significant(value), if sd == 0.0 { "0".into() } else { "none".into() });
+    }
+    let decimals = decimals(sd);
+    (format!("{value:.decimals$}"), format!("{sd:.decimals$}"))
+}
+
+/// Formats a number to the last digit of a standard deviation with two digits.
+pub fn rounded_to(value: f64, sd: f64) -> String {
+    stated(value, sd).0
+}
+
+/// Number of decimals that show two digits of a standard deviation.
+fn decimals(sd: f64) -> usize {
+    let exponent = format!("{sd:.1e}").rsplit('e').next().and_then(|text| text.parse::<i32>().ok()).unwrap_or(0);
+    (1 - exponent).clamp(0, 12) as usize
+}
+
+/// Returns the nearest number with `digits` digits.
+pub fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::significant;
+    use super::*;
+
+    #[test]
+    fn the_deviation_has_two_digits() {
+        assert_eq!(stated(40_012.336, 0.556), ("40012.34".into(), "0.56".into()));
+        assert_eq!(stated(123.4, 17.0), ("123".into(), "17".into()));
+        assert_eq!(stated(5.0, 0.0), ("5".into(), "0".into()));
+        assert_eq!(rounded(0.012_345_678, 4), 0.01235);
+    }
 
     #[test]
     fn four_digits() {

@@ -1,20 +1,21 @@
-//! How figures are drawn: in which formats, and how large in print.
+//! Options for drawing figures: formats and printed size.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// How the figures of a report are drawn. By default as SVG and PNG of 1600 by 900 points, for screens.
+/// Options for the figures of a report. By default SVG and PNG of 1600 by 900 points, for screens.
 #[derive(Debug, Clone)]
 pub struct Drawing {
-    /// Size in print; without it a size for screens.
+    /// Printed size; without it a size for screens.
     pub size: Option<PrintSize>,
     /// Formats of the files, each once.
     pub formats: Vec<PictureFormat>,
-    /// What makes PDF of SVG, where that is to be had. A program that never names it is linked without it, which is megabytes.
+    /// Converter from SVG to PDF, if available. It adds megabytes; a program that never names it is
+    /// linked without it.
     pub pdf: Option<ToPdf>,
 }
 
-/// Makes a PDF document of an SVG document, or says why not.
+/// Converts an SVG document to PDF, or returns the reason for the failure.
 pub type ToPdf = fn(&str) -> Result<Vec<u8>, String>;
 
 impl Default for Drawing {
@@ -35,10 +36,10 @@ pub enum PictureFormat {
 }
 
 impl PictureFormat {
-    /// All of them.
+    /// All formats.
     pub const ALL: [PictureFormat; 3] = [PictureFormat::Svg, PictureFormat::Png, PictureFormat::Pdf];
 
-    /// Ending of its files.
+    /// Returns the file extension.
     pub fn ending(self) -> &'static str {
         match self {
             PictureFormat::Svg => "svg",
@@ -53,30 +54,33 @@ impl FromStr for PictureFormat {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let known = Self::ALL.into_iter().find(|format| format.ending() == text.trim());
-        known.ok_or_else(|| "must be svg, png or pdf, or several of them with commas between".to_owned())
+        known.ok_or_else(|| "must be svg, png or pdf, or several of them separated by commas".to_owned())
     }
 }
 
-/// Size of a figure in print, mm. Letters are as large as in a paper, 7 to 8 points, whatever the size.
+/// Printed size of a figure, mm. Letters are as large as in a paper, 7 to 8 points, at any size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PrintSize {
-    /// Width, mm: 88 of a column, 180 of a page with two of them.
+    /// Width, mm: 88 for one column, 180 for a page with two columns.
     pub width_mm: f64,
-    /// Height, mm; without it one that suits the width and the figure.
+    /// Height, mm; by default it follows from the width and the figure.
     pub height_mm: Option<f64>,
 }
 
-/// Below this letters and axes leave no room for the curves, mm.
-const SMALLEST_MM: f64 = 40.0;
-/// The largest sheet: A3 along its longer side, mm.
-const LARGEST_MM: f64 = 420.0;
+/// Smallest side, mm; below it letters and axes leave no room for the curves.
+const MIN_SIDE_MM: f64 = 40.0;
+/// Largest side, mm: the longer side of A3.
+const MAX_SIDE_MM: f64 = 420.0;
 
 impl FromStr for PrintSize {
     type Err = String;
 
-    /// `88mm`, `180mm`, `120x80mm`, `12cmx8cm`, `3.5in`; a number without a unit takes the one that follows, or else millimetres.
+    /// Parses `88mm`, `180mm`, `120x80mm`, `12cmx8cm`, `3.5in`. A number without a unit has the
+    /// unit of the number after it, otherwise millimetres.
     fn from_str(text: &str) -> Result<Self, String> {
-        let form = || "must be a width in print, as 88mm (one column) or 180mm (two), or width x height, as 120x80mm".to_owned();
+        let form = || {
+            "must be a width in print, such as 88mm (one column) or 180mm (two), or width x height, such as 120x80mm".to_owned()
+        };
         let mut parts = text.split(['x', 'X', '×']);
         let lengths: Vec<(f64, Option<f64>)> =
             parts.by_ref().map(|part| length(part.trim())).collect::<Option<_>>().ok_or_else(form)?;
@@ -89,8 +93,8 @@ impl FromStr for PrintSize {
         let of = |(value, own): (f64, Option<f64>)| value * own.unwrap_or(unit);
         let size = PrintSize { width_mm: of(width), height_mm: height.map(of) };
         let sides = [Some(size.width_mm), size.height_mm];
-        match sides.into_iter().flatten().find(|side| !(SMALLEST_MM..=LARGEST_MM).contains(side)) {
-            Some(side) => Err(format!("{side} mm is outside {SMALLEST_MM} to {LARGEST_MM} mm: a size in print, not in pixels")),
+        match sides.into_iter().flatten().find(|side| !(MIN_SIDE_MM..=MAX_SIDE_MM).contains(side)) {
+            Some(side) => Err(format!("{side} mm is outside {MIN_SIDE_MM} to {MAX_SIDE_MM} mm: printed size, not pixels")),
             None => Ok(size),
         }
     }
@@ -105,7 +109,7 @@ impl fmt::Display for PrintSize {
     }
 }
 
-/// A length and its unit in mm, if it has one.
+/// Parses a length; the unit is in mm, if there is one.
 fn length(text: &str) -> Option<(f64, Option<f64>)> {
     let units = [("mm", 1.0), ("cm", 10.0), ("in", 25.4)];
     let found = units.iter().find_map(|&(unit, mm)| Some((text.strip_suffix(unit)?, Some(mm))));
@@ -130,12 +134,12 @@ mod tests {
     }
 
     #[test]
-    fn sizes_that_are_none_are_refused() {
+    fn invalid_sizes_are_refused() {
         for text in ["", "mm", "wide", "88mmx", "1x2x3", "88px", "nan", "-88mm"] {
             assert!(text.parse::<PrintSize>().is_err(), "{text}");
         }
         let error = "1600x900".parse::<PrintSize>().unwrap_err();
-        assert_eq!(error, "1600 mm is outside 40 to 420 mm: a size in print, not in pixels");
+        assert_eq!(error, "1600 mm is outside 40 to 420 mm: printed size, not pixels");
     }
 
     #[test]

@@ -1,8 +1,7 @@
-//! What a report is made of: plain data, filled in by the instruments and studies.
+//! Contents of a report: plain data, filled in by the instruments and studies.
 //!
-//! Nothing here knows how it will be drawn. The same [`Figure`] becomes an SVG for a paper, a PNG
-//! for a README, a CSV for the reader's own tools and a panel of the HTML page, so the four can
-//! never disagree.
+//! The data do not depend on how they are drawn. The same [`Figure`] becomes an SVG for a paper, a
+//! PNG for a README, a CSV for other tools and a panel of the HTML page, so the four always agree.
 
 use super::crash_view::CrashView;
 use super::table::TableBlock;
@@ -24,11 +23,11 @@ pub struct Report {
     pub crash: Option<CrashView>,
     /// Figures, each also written to its own files.
     pub figures: Vec<Figure>,
-    /// Tables to look things up in, shown after the figures.
+    /// Reference tables, shown after the figures.
     pub appendix: Vec<TableBlock>,
-    /// Where the numbers come from: label and value (version, seed, hash of the inputs).
+    /// Origin of the numbers: label and value (version, seed, hash of the inputs).
     pub footer: Vec<(String, String)>,
-    /// The run was stopped early; the page says so at its top.
+    /// `true` if the run was stopped early; the page states this at its top.
     pub interrupted: bool,
 }
 
@@ -39,7 +38,7 @@ pub struct Figure {
     pub id: String,
     /// Short heading drawn above the plot.
     pub title: String,
-    /// What the reader should see in it; shown in the page, not in the image.
+    /// Explanation for the reader; shown in the page, not in the image.
     pub caption: String,
     /// Horizontal axis of the figure.
     pub x: Axis,
@@ -55,20 +54,22 @@ pub struct Figure {
     pub markers: Vec<Marker>,
     /// Horizontal reference lines: y and label.
     pub hlines: Vec<(f64, String)>,
-    /// One unit of x is drawn as long as one unit of y, as a locus in a plane needs.
+    /// `true` if one unit of x is drawn as long as one unit of y, as for a locus in a plane.
     ///
-    /// Has no meaning, and no effect, on logarithmic axes.
+    /// Has no effect on logarithmic axes.
     pub equal_aspect: bool,
-    /// The page shows a plot that can be zoomed instead of the static picture.
+    /// `true` if the page shows a zoomable plot instead of the static picture.
     ///
-    /// Needs x in ascending order; a locus stays static whatever is asked.
+    /// Needs x in ascending order; a locus is always static.
     pub interactive: bool,
-    /// Further plots below over the same horizontal axis, each with a vertical axis of its own; none beside a map.
+    /// Further plots below over the same horizontal axis, each with its own vertical axis; empty
+    /// for a map.
     pub panels: Vec<Panel>,
-    /// Lines are samples, at even steps, of signals that hold nothing near half the sample rate: they are drawn through the values that such signals have
-    /// between the samples, where joined samples would be a polygon. The CSV has the samples.
+    /// `true` if lines are evenly sampled signals without content near half the sample rate. They
+    /// are then drawn through interpolated values instead of as polygons. The CSV has the samples.
     pub band_limited: bool,
-    /// What runs along each curve of a locus and is on neither axis, such as the frequency: a column of the CSV.
+    /// Quantity along each curve of a locus that is on neither axis, such as the frequency: a
+    /// column of the CSV.
     pub along: Option<Along>,
 }
 
@@ -79,8 +80,8 @@ pub struct Panel {
     pub y: Axis,
     /// Curves of the panel.
     pub series: Vec<Series>,
-    /// Its curves are of the same things as those of the uppermost plot, in the same order: coloured alike, and named once. Otherwise they are coloured
-    /// on from those above.
+    /// `true` if its curves show the same items as those of the uppermost plot, in the same order:
+    /// same colours, named once. Otherwise the colours continue from the plots above.
     pub repeats: bool,
     /// Horizontal reference lines: y and label.
     pub hlines: Vec<(f64, String)>,
@@ -91,24 +92,27 @@ pub struct Panel {
 pub struct Along {
     /// Name of the column in the CSV, with the unit, such as `frequency_hz`.
     pub csv_column: String,
-    /// For each series, one value for each of its points.
+    /// Values for each series, one for each of its points.
     pub values: Vec<Vec<f64>>,
 }
 
-/// Values over a plane as colours, in cells of equal size on the figure's axes, which end where the map does.
+/// Values over a plane as colours, in cells of equal size; the figure's axes end at the edges of
+/// the map.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HeatMap {
     /// Outer edges of the first and the last column.
     pub x: (f64, f64),
     /// Outer edges of the lowest and the highest row.
     pub y: (f64, f64),
-    /// For each column, the values from the lowest row to the highest; what is not finite is drawn as the floor.
+    /// Values by column, from the lowest row to the highest; a value that is not finite has the
+    /// lowest colour.
     pub columns: Vec<Vec<f64>>,
-    /// Values of the darkest and the lightest colour; what lies beyond has the colour of the end.
+    /// Values of the darkest and the lightest colour; values beyond have the colour of that end.
     pub range: (f64, f64),
     /// Quantity and unit of the values, such as `power [dB]`.
     pub label: String,
-    /// Name of the columns in the CSV, with the unit; the row's place on the vertical axis follows it.
+    /// Name of the columns in the CSV, with the unit; the row's position on the vertical axis is
+    /// appended.
     pub csv_column: String,
 }
 
@@ -117,18 +121,19 @@ pub struct HeatMap {
 pub struct Axis {
     /// Quantity and unit, such as `friction [N]`.
     pub label: String,
-    /// Logarithmic scale; values that are not positive leave a gap.
+    /// `true` for a logarithmic scale; values that are not positive leave a gap.
     pub log: bool,
-    /// Interval shown; without it the data decide.
+    /// Interval shown; by default that of the data.
     pub range: Option<(f64, f64)>,
-    /// Names of the places 0, 1, 2, …, which then are the only ticks; for linear axes.
+    /// Names of the positions 0, 1, 2, …, which then are the only ticks; for linear axes.
     pub names: Vec<String>,
-    /// Values of either sign are drawn by their size, as a logarithmic axis of errors needs; the CSV keeps their signs.
+    /// `true` if values are drawn by their magnitude, as for errors on a logarithmic axis; the CSV
+    /// keeps their signs.
     pub magnitude: bool,
 }
 
 impl Axis {
-    /// A linear axis of a quantity in a unit, `1` of a ratio.
+    /// Creates a linear axis of a quantity in a unit, `1` for a ratio.
     pub fn of(quantity: &str, unit: &str) -> Self {
         let label = if unit == "1" { quantity.to_owned() } else { format!("{quantity} [{}]", unit.replace("um", "µm")) };
         Axis { label, ..Axis::default() }
@@ -146,11 +151,11 @@ pub struct Series {
     pub x: Vec<f64>,
     /// Ordinates, one for each x.
     pub y: Vec<f64>,
-    /// How the curve is drawn.
+    /// Style of the curve.
     pub style: Style,
 }
 
-/// How a [`Series`] is drawn.
+/// Style of a [`Series`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum Style {
     /// Points joined by a solid line.
@@ -172,11 +177,11 @@ pub enum Style {
 /// A shaded interval of x.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Span {
-    /// Where the interval begins.
+    /// Beginning of the interval.
     pub from: f64,
-    /// Where the shaded span ends.
+    /// End of the interval.
     pub to: f64,
-    /// What holds within it, such as `ON`.
+    /// State within the interval, such as `ON`.
     pub label: String,
 }
 
@@ -187,6 +192,6 @@ pub struct Marker {
     pub x: f64,
     /// Ordinate of the point.
     pub y: f64,
-    /// Text beside the point.
+    /// Text next to the point.
     pub label: String,
 }

@@ -1,10 +1,10 @@
-//! Reports: figures as SVG, PNG and CSV, and one page that shows them all.
+//! Reports: figures as SVG, PNG and CSV, and one page with all of them.
 //!
-//! A [`Report`] is plain data. [`write()`] turns it into a directory that can be archived or sent as
-//! it is: for each figure three files with the same stem (a vector picture for papers, a bitmap for
-//! everything else, the numbers for the reader's own tools; [`write_drawn()`] has other sizes and formats), and `report.html`, which holds the whole
-//! report in one file. The page loads nothing from anywhere, so it opens from a disk, from a mail, or
-//! ten years from now.
+//! A [`Report`] is plain data. [`write()`] turns it into a directory that can be archived or sent.
+//! For each figure it has three files with the same stem: a vector picture for papers, a bitmap for
+//! everything else, and the numbers for other tools ([`write_drawn()`] has other sizes and
+//! formats). `report.html` contains the whole report in one file. The page loads nothing, so it
+//! opens from a disk, from a mail, or ten years from now.
 //!
 //! # Example
 //!
@@ -47,7 +47,7 @@ mod table;
 pub use crash_view::{CrashView, Instant};
 #[cfg(feature = "data")]
 pub use data::{ReportError, csv};
-pub use digits::significant;
+pub use digits::{rounded, rounded_to, significant, stated};
 pub use drawing::{Drawing, PictureFormat, PrintSize, ToPdf};
 pub use figure::{Along, Axis, Figure, HeatMap, Marker, Panel, Report, Series, Span, Style};
 #[cfg(feature = "pdf")]

@@ -31,7 +31,7 @@ use rayon::prelude::*;
 use self::draw::Canvas;
 #[cfg(feature = "pdf")]
 pub use self::pdf::pdf;
-use crate::data::{ReportError, check, data_file, failure};
+use crate::data::{ReportError, check, data_file, write_error};
 use crate::drawing::{Drawing, PictureFormat};
 use crate::{Figure, Report};
 
@@ -43,37 +43,37 @@ pub fn write(report: &Report, dir: &Path) -> Result<(), ReportError> {
     write_drawn(report, dir, &Drawing::default())
 }
 
-/// Writes `report.html` and, for each figure, its pictures as they are asked for and `ID.csv`.
+/// Writes `report.html` and, for each figure, `ID.csv` and the pictures in the requested formats.
 ///
 /// The directory is created if it does not exist; files of the same name are replaced. The page is
-/// written last, so a page that exists has its figures beside it.
+/// written last, so a page that exists has all its figure files.
 ///
 /// # Errors
-/// If a figure is malformed, which is found out before anything is written, or if a file cannot be
+/// If a figure is malformed, which is checked before anything is written, or if a file cannot be
 /// written.
 pub fn write_drawn(report: &Report, dir: &Path, drawing: &Drawing) -> Result<(), ReportError> {
     check(&report.figures)?;
-    drawn(drawing)?;
-    fs::create_dir_all(dir).map_err(failure(dir))?;
+    check_formats(drawing)?;
+    fs::create_dir_all(dir).map_err(write_error(dir))?;
     let path = dir.join("report.html");
     let figures = || report.figures.par_iter().try_for_each(|figure| write_figure(figure, dir, drawing));
-    let (figures, page) = rayon::join(figures, || page::page(report, &drawing.formats).map_err(undrawn(&path)));
+    let (figures, page) = rayon::join(figures, || page::page(report, &drawing.formats).map_err(draw_error(&path)));
     figures?;
     let page = page?;
-    fs::write(&path, page).map_err(failure(&path))
+    fs::write(&path, page).map_err(write_error(&path))
 }
 
-/// A figure as an SVG document, as [`write()`] writes it.
+/// Returns a figure as an SVG document, as [`write()`] writes it.
 ///
 /// # Errors
 /// If the figure is malformed or cannot be drawn.
 pub fn svg(figure: &Figure) -> Result<String, ReportError> {
     check(std::slice::from_ref(figure))?;
-    draw::svg(figure, Canvas::default()).map_err(undrawn(Path::new(&format!("{}.svg", figure.id))))
+    draw::svg(figure, Canvas::default()).map_err(draw_error(Path::new(&format!("{}.svg", figure.id))))
 }
 
-/// Whether all that this takes is there.
-fn drawn(drawing: &Drawing) -> Result<(), ReportError> {
+/// Checks that every requested format can be drawn.
+fn check_formats(drawing: &Drawing) -> Result<(), ReportError> {
     let missing = drawing.formats.iter().find(|&&format| format == PictureFormat::Pdf && drawing.pdf.is_none());
     missing.map_or(Ok(()), |format| Err(ReportError::Format { format: format.ending() }))
 }
@@ -83,7 +83,9 @@ fn write_figure(figure: &Figure, dir: &Path, drawing: &Drawing) -> Result<(), Re
     let file = |extension: &str| dir.join(format!("{}.{extension}", figure.id));
 
     let path = file("csv");
-    File::create(&path).and_then(|target| data_file::write(figure, target).map_err(io::Error::from)).map_err(failure(&path))?;
+    File::create(&path)
+        .and_then(|target| data_file::write(figure, target).map_err(io::Error::from))
+        .map_err(write_error(&path))?;
 
     let canvas = Canvas::file(drawing.size);
     let to_pdf = drawing.pdf.unwrap_or(|_| Err("no PDF writer".to_owned()));
@@ -94,12 +96,12 @@ fn write_figure(figure: &Figure, dir: &Path, drawing: &Drawing) -> Result<(), Re
             PictureFormat::Png => draw::png(figure, canvas),
             PictureFormat::Pdf => draw::svg(figure, canvas).and_then(|svg| to_pdf(&svg)),
         };
-        fs::write(&path, picture.map_err(undrawn(&path))?).map_err(failure(&path))?;
+        fs::write(&path, picture.map_err(draw_error(&path))?).map_err(write_error(&path))?;
     }
     Ok(())
 }
 
-fn undrawn(path: &Path) -> impl FnOnce(String) -> ReportError {
+fn draw_error(path: &Path) -> impl FnOnce(String) -> ReportError {
     |reason| ReportError::Draw { path: path.to_owned(), reason }
 }
 
@@ -109,7 +111,7 @@ mod tests {
     use crate::{HeatMap, Series};
 
     #[test]
-    fn without_what_makes_pdf_it_is_refused_before_anything_is_written() {
+    fn pdf_without_a_converter_writes_nothing() {
         let dir = std::env::temp_dir().join("report-without-pdf-that-must-not-exist");
         let drawing = Drawing { formats: vec![PictureFormat::Svg, PictureFormat::Pdf], ..Drawing::default() };
         let refused = write_drawn(&Report::default(), &dir, &drawing);
@@ -117,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn malformed_figures_are_refused_before_anything_is_written() {
+    fn malformed_figures_write_nothing() {
         let dir = std::env::temp_dir().join("report-that-must-not-exist");
         let figure = |id: &str| Figure { id: id.into(), ..Figure::default() };
         let map = |columns: Vec<Vec<f64>>| Figure { map: Some(HeatMap { columns, ..HeatMap::default() }), ..figure("map") };

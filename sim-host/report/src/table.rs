@@ -1,4 +1,4 @@
-//! Tables: plain text cells, shown in a terminal, in Markdown and in the page alike.
+//! Tables: plain text cells, shown in a terminal, in Markdown and in the page.
 
 /// A table of text cells.
 ///
@@ -10,7 +10,7 @@ pub struct TableBlock {
     pub id: String,
     /// Heading of the table.
     pub title: String,
-    /// What the reader should see in it.
+    /// Explanation for the reader.
     pub caption: String,
     /// Column headings, with units.
     pub header: Vec<String>,
@@ -19,13 +19,14 @@ pub struct TableBlock {
 }
 
 impl TableBlock {
-    /// A table of these cells.
+    /// Creates a table of these cells.
     pub fn new(id: &str, title: &str, caption: impl Into<String>, header: &[impl ToString], rows: Vec<Vec<String>>) -> Self {
         let header = header.iter().map(ToString::to_string).collect();
         TableBlock { id: id.into(), title: title.into(), caption: caption.into(), header, rows }
     }
 
-    /// The table as a section of Markdown: heading, cells, caption. A table without a title has no heading.
+    /// Returns the table as a section of Markdown: heading, cells, caption. A table without a title
+    /// has no heading.
     pub fn markdown(&self) -> String {
         let escaped = |cells: &[String]| cells.iter().map(|cell| cell.replace('|', "\\|")).collect::<Vec<_>>();
         let line = |cells: &[String]| format!("| {} |\n", escaped(cells).join(" | "));
@@ -36,12 +37,12 @@ impl TableBlock {
         format!("{heading}{}{rule}|\n{rows}{caption}", line(&self.header))
     }
 
-    /// The table as text, with its title above and its caption below.
+    /// Returns the table as text, with its title above and its caption below.
     #[cfg(feature = "terminal")]
     pub fn terminal(&self, color: bool) -> String {
         use comfy_table::{Cell, Color, ColumnConstraint, Table, Width, presets};
         /// Widest column of prose.
-        const WIDEST: u16 = 44;
+        const MAX_WIDTH: u16 = 44;
         let coloured = |cell: &String| match cell.as_str() {
             "PASS" if color => Cell::new(cell).fg(Color::Green),
             "MISS" if color => Cell::new(cell).fg(Color::Red),
@@ -54,7 +55,7 @@ impl TableBlock {
             table.add_row(row.iter().map(coloured));
         }
         for column in table.column_iter_mut() {
-            column.set_constraint(ColumnConstraint::UpperBoundary(Width::Fixed(WIDEST)));
+            column.set_constraint(ColumnConstraint::UpperBoundary(Width::Fixed(MAX_WIDTH)));
         }
         if color {
             table.enforce_styling();
@@ -66,12 +67,12 @@ impl TableBlock {
     }
 }
 
-/// The cell that says whether a target is reached.
+/// Returns the cell for a target that is reached or missed.
 pub fn verdict(holds: bool) -> &'static str {
     if holds { "PASS" } else { "MISS" }
 }
 
-/// Tables as sections of Markdown, one after the other.
+/// Returns tables as sections of Markdown, one after the other.
 pub fn markdown(tables: &[TableBlock]) -> String {
     tables.iter().map(TableBlock::markdown).collect::<Vec<_>>().join("\n")
 }

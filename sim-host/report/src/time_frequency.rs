@@ -1,8 +1,9 @@
-//! Time-frequency analysis: where in time a signal holds which frequency.
+//! Time-frequency analysis: the frequency content of a signal over time.
 //!
-//! The Fourier transform of a sweep says which frequencies there were, not when (thesis 4.4). The short-time transform
-//! ([`stft()`]) cuts the signal into windows; the Wigner-Ville distribution ([`wigner_ville()`]) needs none, is sharper, and pays with
-//! terms between any two components. Wavelets ([`wavelet()`]) have as many cycles at each frequency.
+//! The Fourier transform of a sweep shows its frequencies, but not their times (thesis 4.4). The
+//! short-time transform ([`stft()`]) divides the signal into windows. The Wigner-Ville distribution
+//! ([`wigner_ville()`]) needs no windows and is sharper, but has cross terms between any two
+//! components. Wavelets ([`wavelet()`]) have the same number of cycles at each frequency.
 
 mod analytic;
 mod map;

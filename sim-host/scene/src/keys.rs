@@ -1,4 +1,4 @@
-//! Keys of a scene, one file for each table.
+//! Keys of a scene, one file per table.
 
 pub mod carriage;
 pub mod circuit;

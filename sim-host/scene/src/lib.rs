@@ -1,7 +1,9 @@
-//! A scene: everything a run needs, as one TOML file. The same file is command-line input, test case and snapshot.
+//! Scene: everything a run needs, as one TOML file. The same file is command-line input, test case
+//! and snapshot.
 //!
-//! These types are the one description of what a scene may say. The JSON Schema, the checks on keys, types and ranges, and
-//! the comments of `sim-host show` are all derived from them; the rules add what a schema cannot say.
+//! These types are the only description of the contents of a scene. The JSON Schema, the checks on
+//! keys, types and ranges, and the comments of `sim-host show` are all derived from them. The rules
+//! add the checks that a schema cannot express.
 //!
 //! # Example
 //!
@@ -12,7 +14,7 @@
 //! let scene = loaded.scene.driven().expect("the firmware drives it");
 //! assert_eq!(scene.controller.drive.amplitude_v, Some(2.5));
 //!
-//! // Every mistake is named, with the place and the nearest name.
+//! // Every mistake is reported, with its place and the nearest name.
 //! let wrong = load("lock", &["controller.drive.amplitud_v=2.5".to_owned()]).unwrap_err();
 //! assert!(wrong.to_string().contains("amplitude_v"));
 //! # Ok::<(), sonoglide_scene::load::LoadError>(())
@@ -62,16 +64,16 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 pub use views::{Body, Driven, Excited, Kind, Transducer};
 
-/// A scene: either the firmware drives a stack, or a contact is studied by itself.
+/// A scene, in which either the firmware drives a transducer or a contact is studied alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
-    /// One line that says what the scene shows.
+    /// One line that states what the scene shows.
     pub title: String,
-    /// Where its numbers come from.
+    /// Source of the numbers.
     #[serde(default)]
     pub source: String,
-    /// What a reader of the report should know, a paragraph each: what was chosen, and why.
+    /// Notes for the reader of the report, one paragraph each: choices and their reasons.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
     /// Simulated time of the run, s.
@@ -81,12 +83,13 @@ pub struct Scene {
     #[serde(default = "default::seed")]
     #[schemars(range(max = 9_007_199_254_740_992_u64))] // every JSON reader keeps it exactly
     pub seed: u64,
-    /// How often the scene is run. More than once: each run has a seed of its own and draws what `[[vary]]` names; metrics are
-    /// medians and 95th percentiles.
+    /// Number of runs. If there are several, each has its own seed and draws the keys of
+    /// `[[vary]]`; metrics are then medians and 95th percentiles.
     #[serde(default = "default::runs", skip_serializing_if = "is_one")]
     #[schemars(range(min = 1, max = 100_000))]
     pub runs: u32,
-    /// The settings of the firmware that drives the transducer. A scene has this table or `[excitation]`.
+    /// The settings of the firmware that drives the transducer. A scene has this table or
+    /// `[excitation]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub controller: Option<Controller>,
     /// The excitation of a contact study. A scene has this table or `[controller]`.
@@ -101,45 +104,46 @@ pub struct Scene {
     /// The piezo stack that the firmware drives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stack: Option<Stack>,
-    /// The stator of a travelling-wave motor that the firmware drives. A driven scene has this, or `[stack]`.
+    /// The stator of a travelling-wave motor that the firmware drives. A driven scene has this or
+    /// `[stack]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stator: Option<Stator>,
     /// The friction contact. Needs a rig that presses on it and moves it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact: Option<Contact>,
-    /// What presses on the contact and moves it.
+    /// The mechanism that presses on the contact and moves it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rig: Option<Rig>,
-    /// How finely the contact is stepped.
+    /// Solver of a contact study: method, step and tolerance.
     #[serde(default)]
     pub integrator: Integrator,
-    /// What changes on the way.
+    /// Changes of plant values during the run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub disturbance: Vec<Disturbance>,
-    /// What breaks on the way.
+    /// Faults during the run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fault: Vec<Fault>,
-    /// What differs from run to run, if there are several.
+    /// Numbers that are drawn anew in each run, if there are several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub vary: Vec<Vary>,
-    /// Metrics over the values of some keys, run beside the scene itself.
+    /// Metrics over the values of some keys, run in addition to the scene itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<Grid>,
-    /// Cases beside each other, at equal peak, rms or power; run after the scene itself.
+    /// Comparison of cases at equal peak, rms or power; run after the scene itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub comparison: Option<Comparison>,
-    /// What is recorded besides the standard figures.
+    /// Signals that are recorded in addition to the standard figures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trace: Option<Trace>,
-    /// Measured curves over the figures.
+    /// Measured curves that are drawn over the figures.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub overlay: Vec<Overlay>,
-    /// What must come out.
+    /// Expected values of metrics.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub expect: Vec<Expect>,
 }
 
-/// Serde asks by reference.
+/// Returns `true` for the default. Serde passes a reference.
 fn is_one(runs: &u32) -> bool {
     *runs == 1
 }

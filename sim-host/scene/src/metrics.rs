@@ -1,7 +1,9 @@
-//! The table of all metrics: name, unit, meaning, window and sign. Names are a contract: units last, and one meaning in every scene.
+//! The table of all metrics: name, unit, meaning, window and sign.
 //!
-//! A scene's expectations are checked against this table before anything is run; what is measured, reported and explained is read from it, and the
-//! page `docs/data.md` is generated from it. A run has the metrics that mean something in its scene, and no others.
+//! Names are a contract: the unit comes last, and a name has the same meaning in every scene. A
+//! scene's expectations are checked against this table before the run. Measurement, report and
+//! `explain` read it, and `docs/metrics-and-files.md` is generated from it. A run has only the
+//! metrics that are meaningful in its scene.
 
 pub mod figures;
 mod table;
@@ -12,62 +14,63 @@ use crate::nearest::{listed, nearest, short};
 
 pub use table::METRICS;
 
-/// A metric of a run, as the tables describe it.
+/// A metric of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Metric {
     /// Name of the metric, of one run and of the median of several.
     pub name: &'static str,
-    /// Unit of the metric; `1` of a ratio or a count.
+    /// Unit of the metric; `1` for a ratio or a count.
     pub unit: &'static str,
-    /// Which values it may have.
+    /// Range of values, which determines the statistics over several runs.
     pub sign: Sign,
-    /// What part of a run it is measured over.
+    /// Part of a run that it is measured over.
     pub window: Window,
     /// Meaning of the metric.
     pub meaning: &'static str,
 }
 
-/// Which values a metric may have, and so what several runs make of it.
+/// Range of values of a metric, which determines its statistics over several runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sign {
     /// The metric is zero or more.
     Magnitude,
     /// The metric may have either sign.
     Signed,
-    /// Either sign, and best at zero: of several runs, percentile and maximum are of the absolute value.
+    /// Either sign, best at zero. Over several runs, percentile and maximum are of the absolute
+    /// value.
     Error,
-    /// 0 or 1 of one run; of several, the number of runs that have it.
+    /// 0 or 1 in one run; over several runs, the number of runs in which it is 1.
     Flag,
-    /// A number that stands for something: of several runs there is one only where all have the same.
+    /// A code number. Over several runs it exists only if all runs have the same.
     Code,
     /// A count over several runs.
     Count,
 }
 
 impl Sign {
-    /// Which values these are, in words.
+    /// Describes the range of values in words.
     pub fn meaning(self) -> &'static str {
         match self {
             Sign::Magnitude => "zero or more",
             Sign::Signed => "either sign",
             Sign::Error => "either sign, best at zero",
-            Sign::Flag => "0 or 1; of several runs, how many have it",
-            Sign::Code => "a number that stands for something; of several runs, if it is the same in all",
-            Sign::Count => "how many of several runs",
+            Sign::Flag => "0 or 1; over several runs, the number of runs in which it is 1",
+            Sign::Code => "a code number; over several runs, only if all have the same",
+            Sign::Count => "number of runs, out of several",
         }
     }
 }
 
-/// What part of a run a metric is measured over.
+/// Part of a run that a metric is measured over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Window {
     /// All steady blocks of the run.
     Steady,
-    /// The drive is OFF.
+    /// The blocks with the drive OFF.
     Off,
-    /// The drive is ON.
+    /// The blocks with the drive ON.
     On,
-    /// The blocks with drive ON and OFF, by the load cell.
+    /// The blocks with the drive ON or OFF, for the load cell.
     LoadCell,
     /// The end of the first ON window of a belt under a horn.
     EndOfOn,
@@ -79,13 +82,13 @@ pub enum Window {
     Run,
     /// The edges of bursts.
     Edges,
-    /// From the lock stage on.
+    /// From the lock stage to the end.
     Lock,
-    /// From the last step disturbance on.
+    /// From the last step disturbance to the end.
     Step,
-    /// From one event to another, as the meaning says.
+    /// From one event to another; the meaning of the metric names them.
     Event,
-    /// The latest estimate of scan or observer.
+    /// The latest estimate of the scan or the observer.
     Identified,
     /// The crash, from the beginning of its pulse.
     Crash,
@@ -119,7 +122,7 @@ impl Window {
         Window::Runs,
     ];
 
-    /// Short name of the window.
+    /// Returns the short name of the window.
     pub fn name(self) -> &'static str {
         match self {
             Window::Steady => "steady",
@@ -142,36 +145,37 @@ impl Window {
         }
     }
 
-    /// What part of a run it is.
+    /// Describes the part of a run.
     pub fn meaning(self) -> &'static str {
         match self {
             Window::Steady => {
-                "blocks of the run with envelope one, from 20 ms after an edge, the last step disturbance or the last set point on (or after a third of \
-                 what is left of the run, if that is less)"
+                "blocks of the run with envelope one, starting 20 ms after an edge, the last step disturbance or the last set \
+                 point (or after a third of the remaining run, if that is shorter)"
             }
             Window::Off => {
-                "blocks of the run without drive, from 20 ms after the edge on, while the belt moves; of a belt under a horn, the last 2 ms before its \
-                 first ON window; of a contact study, the end of its window"
+                "blocks of the run without drive, starting 20 ms after the edge, while the belt moves; for a belt under a \
+                 horn, the last 2 ms before its first ON window; for a contact study, the end of its window"
             }
             Window::On => {
-                "steady blocks; of the friction switch, whole burst periods from 50 ms after the last set point on; of a belt under a horn, the last 2 ms \
-                 of its first ON window; of a contact study, its window (`integrator.window_periods`)"
+                "steady blocks; for the friction switch, whole burst periods starting 50 ms after the last set point; for a \
+                 belt under a horn, the last 2 ms of its first ON window; for a contact study, its window \
+                 (`integrator.window_periods`)"
             }
-            Window::LoadCell => "as OFF and ON, but from 50 ms after an edge on: the cell is slow",
+            Window::LoadCell => "as OFF and ON, but starting 50 ms after an edge, because the cell is slow",
             Window::EndOfOn => "the last 2 ms of the first ON window",
             Window::SetPoint => {
-                "whole burst periods from 50 ms after the survey, or after the last set point, to the next set point or the end"
+                "whole burst periods starting 50 ms after the survey or the last set point, until the next set point or the end"
             }
             Window::Periods => "the window of a contact study, `integrator.window_periods`",
-            Window::Run => "the whole run; of a driven one, its blocks of mode `Run`",
-            Window::Edges => "the edges of the first 64 bursts of the run, each from its first DAC sample on; the worst of them",
+            Window::Run => "the whole run; for a driven scene, its blocks in mode `Run`",
+            Window::Edges => "the edges of the first 64 bursts of the run, each from its first DAC sample; the worst of them",
             Window::Lock => {
-                "from the first DAC sample of the lock stage to the first disturbance, or to the first OFF of more than 20 ms; only of a lock stage that is not \
-                 preceded by a scan, which finds the frequency before"
+                "from the first DAC sample of the lock stage to the first disturbance, or to the first OFF of more than 20 ms; \
+                 only if no scan precedes the lock stage (a scan already finds the frequency)"
             }
             Window::Step => "from the last step disturbance to the end of the run",
-            Window::Event => "from one event to another, as the meaning says",
-            Window::Identified => "the latest estimate of scan or observer",
+            Window::Event => "from one event to another, as named in the meaning",
+            Window::Identified => "the latest estimate of the scan or the observer",
             Window::Crash => "from the beginning of the pulse to the end of the run",
             Window::End => "the end of the run",
             Window::Blocks => "all calls of `process`, with `--pil`",
@@ -180,11 +184,12 @@ impl Window {
     }
 }
 
-/// Metrics that have another name now: the former one, and the present one. A former name is read where a run has no metric of that name.
+/// Renamed metrics: former and present name. A former name is accepted if a run has no metric of
+/// that name.
 pub const RENAMED: &[(&str, &str)] =
     &[("reduction_percent", "shoulder_force_reduction_percent"), ("input_power_w", "drive_power_w")];
 
-/// A figure that depends on the machine: none of a run's metrics, because it differs from run to run.
+/// A figure that depends on the machine. It is not a metric, because it differs from run to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MachineFigure {
     /// Name of the figure.
@@ -195,29 +200,30 @@ pub struct MachineFigure {
     pub meaning: &'static str,
 }
 
-/// All figures of the machine, in `machine.json` and in `machine` of `--format json`. A figure that a run does not have is absent.
+/// All machine figures, in `machine.json` and in `machine` of `--format json`. If a run does not
+/// have a figure, it is absent.
 pub const MACHINE: &[MachineFigure] = &[
     MachineFigure { name: "wall_s", unit: "s", meaning: "Wall time of the simulation itself" },
     MachineFigure {
         name: "simulated_s_per_wall_s",
         unit: "1",
-        meaning: "Simulated time over wall time; of several runs, of all together",
+        meaning: "Simulated time divided by wall time; for several runs, the sum of all",
     },
     MachineFigure {
         name: "ns_per_period",
         unit: "ns",
-        meaning: "Wall time for a period of the excitation, of a contact study: all from the question to the answer",
+        meaning: "Wall time per period of the excitation, for a contact study, from start to result",
     },
     MachineFigure { name: "processors", unit: "1", meaning: "Processors that the program may use at the same time" },
     MachineFigure { name: "system", unit: "", meaning: "Operating system and processor that the program was built for" },
 ];
 
-/// The figure of the machine of this name.
+/// Returns the machine figure with this name.
 pub fn machine_figure(name: &str) -> Option<&'static MachineFigure> {
     MACHINE.iter().find(|figure| figure.name == name)
 }
 
-/// Names of a metric over several runs besides its median.
+/// Names of a metric's statistics over several runs, except the median.
 #[derive(Debug)]
 pub struct OfRuns {
     /// The metric of one run.
@@ -228,37 +234,38 @@ pub struct OfRuns {
     pub max: String,
 }
 
-/// For each metric, its names over several runs.
+/// Names over several runs, for each metric.
 pub static OF_RUNS: LazyLock<Vec<OfRuns>> = LazyLock::new(|| {
     let of =
         |metric: &'static Metric| OfRuns { metric, p95: format!("{}_p95", metric.name), max: format!("{}_max", metric.name) };
     METRICS.iter().map(of).collect()
 });
 
-/// The metric of this name.
+/// Returns the metric with this name.
 pub fn metric(name: &str) -> Option<&'static Metric> {
     METRICS.iter().find(|metric| metric.name == name)
 }
 
-/// The metric of one run that a percentile or maximum of several is made of.
+/// Returns the metric that a percentile or maximum over several runs is computed from.
 pub fn of_one_run(name: &str) -> Option<&'static Metric> {
     OF_RUNS.iter().find(|of| of.p95 == name || of.max == name).map(|of| of.metric)
 }
 
-/// The present name of a metric with a former one.
+/// Returns the present name of a renamed metric.
 pub fn renamed(name: &str) -> Option<&'static str> {
     RENAMED.iter().find(|(former, _)| *former == name).map(|&(_, present)| present)
 }
 
-/// Whether an expectation may name this: a metric, of one run or of several, or its former name.
+/// Returns `true` for a name that an expectation may use: a metric of one run or of several, or a
+/// former name.
 pub fn is_known(name: &str) -> bool {
     metric(name).or_else(|| of_one_run(name)).is_some() || renamed(name).is_some()
 }
 
-/// The present name of a metric, of one run or of several, that is called by this name.
+/// Returns the present name of a metric, of one run or of several, for a present or former name.
 ///
 /// # Errors
-/// What to say of a name that there is not, with those that are near.
+/// If the name is unknown: a message with the nearest names.
 pub fn known(name: &str) -> Result<&'static str, String> {
     let of_several = || OF_RUNS.iter().flat_map(|of| [of.p95.as_str(), of.max.as_str()]).find(|known| *known == name);
     let found = metric(name).map(|metric| metric.name).or_else(of_several).or_else(|| renamed(name));
@@ -273,12 +280,13 @@ pub fn known(name: &str) -> Result<&'static str, String> {
     })
 }
 
-/// The names of all metrics.
+/// Returns the names of all metrics.
 pub fn names() -> impl Iterator<Item = &'static str> + Clone {
     METRICS.iter().map(|metric| metric.name)
 }
 
-/// The place of a metric in the table; percentile and maximum come after their metric. None of an unknown name.
+/// Returns the position of a metric in the table, or `None` if the name is unknown. Percentile and
+/// maximum have the position of their metric.
 pub fn rank(name: &str) -> Option<usize> {
     let place = |name: &str| METRICS.iter().position(|metric| metric.name == name);
     place(name).or_else(|| place(of_one_run(name)?.name))

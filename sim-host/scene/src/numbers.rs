@@ -1,18 +1,19 @@
-//! Many scenes of contact studies that differ in a few numbers: set in the scene itself, not in its text.
+//! Fast variation of a few numbers of a contact study, without reading the scene's text again.
 //!
-//! A scene made of a text is parsed, laid over others, walked through by its schema, judged by the rules and read; a point of a map of a
-//! million needs none of that again, if nothing but numbers changes which no rule looks at. Which these are is the table here; what a rule does
-//! look at (a zero, a resonance, the range of the schema) is looked at for every value. The others are made of their text.
+//! A scene read from text is parsed, merged with its bases, walked by its schema, checked by the
+//! rules and converted. A point of a map of a million needs none of these if only numbers change
+//! that no rule checks. The table in this file lists these numbers. The few remaining checks (zero,
+//! resonance, range of the schema) are made for every value. All other scenes are read from text.
 
 use super::problem::resonates;
 use super::schema::Schema;
 use super::{Excitation, Excited, Model, Scene};
 
-/// A number of a scene.
-type Place = fn(&mut Scene) -> Option<&mut f64>;
+/// Access to a number of a scene.
+type Accessor = fn(&mut Scene) -> Option<&mut f64>;
 
-/// The numbers that no rule looks at, but for their being zero and for what [`Numbers::set`] sees to.
-const PLACES: [(&str, Place); 12] = [
+/// Keys of the numbers that need no check of the rules, except those that [`Numbers::set`] makes.
+const ACCESSORS: [(&str, Accessor); 12] = [
     ("contact.coulomb.mu", |scene| Some(&mut scene.contact.as_mut()?.coulomb.as_mut()?.mu)),
     ("contact.coulomb.normal_n", |scene| scene.contact.as_mut()?.coulomb.as_mut()?.normal_n.as_mut()),
     ("contact.dahl.mu", |scene| Some(&mut scene.contact.as_mut()?.dahl.as_mut()?.mu)),
@@ -31,16 +32,18 @@ fn excitation(scene: &mut Scene) -> Option<&mut Excitation> {
     scene.excitation.as_mut()
 }
 
-/// A scene, and those of its numbers that change.
+/// A scene and access to its numbers that change.
 #[derive(Clone, Debug)]
 pub struct Numbers {
     scene: Scene,
-    places: Vec<(Place, f64, f64)>,
+    places: Vec<(Accessor, f64, f64)>,
 }
 
 impl Numbers {
-    /// The numbers of these keys in a valid scene that gives them; none if the scene is no contact study under one load whose vibration is along the sliding, or a key is not one of
-    /// those that can be set so.
+    /// Returns access to the numbers of these keys in a valid scene that gives them.
+    ///
+    /// Returns `None` if a key cannot be set in this way, or if the scene is not a contact study
+    /// with constant load and vibration along the sliding.
     pub fn of(mut scene: Scene, keys: &[&str]) -> Option<Self> {
         let one_load = scene.disturbance.is_empty() && scene.fault.is_empty();
         let along =
@@ -48,7 +51,7 @@ impl Numbers {
         scene.excited().filter(|scene| one_load && along(scene))?;
         let mut places = Vec::with_capacity(keys.len());
         for key in keys {
-            let (_, place) = PLACES.iter().find(|(name, _)| name == key)?;
+            let (_, place) = ACCESSORS.iter().find(|(name, _)| name == key)?;
             place(&mut scene)?;
             let (least, most) = Schema::root().at(key)?.range();
             places.push((*place, least.unwrap_or(f64::MIN), most.unwrap_or(f64::MAX)));
@@ -56,8 +59,8 @@ impl Numbers {
         Some(Numbers { scene, places })
     }
 
-    /// Sets the numbers, in the order of their keys, and shows the scene. None of values that the rules have to judge: such a scene is to be made of
-    /// its text.
+    /// Sets the numbers, in the order of their keys, and returns the scene. Returns `None` if the
+    /// rules must check the values: then the scene must be read from text.
     pub fn set(&mut self, values: &[f64]) -> Option<&Scene> {
         if values.len() != self.places.len() {
             return None;

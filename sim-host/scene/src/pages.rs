@@ -1,4 +1,4 @@
-//! Pages and files that the schema of a scene writes.
+//! Pages and files that are generated from the schema of a scene.
 
 pub mod all_keys;
 pub mod keys_page;

@@ -1,4 +1,5 @@
-//! A contact study's scene as the kernel's problem, in SI units; all defaults of the scene are resolved here.
+//! Conversion of a contact study's scene to a problem for `contact`, in SI units, with defaults
+//! resolved.
 
 use std::f64::consts::TAU;
 
@@ -6,22 +7,26 @@ use super::{Body, Disturbance, Excited, Match, Model, Profile, Sign, VibrationVe
 use contact::plane::Direction;
 use contact::{self, Law, Motion, Numerics, Problem, Shape, SolveError, State, ToleranceOf};
 
-/// What a mass weighs unless a scene says what presses on the contact, m/s^2.
+/// Acceleration of gravity, m/s^2: the weight of a mass is the normal force unless the scene gives
+/// one.
 pub const GRAVITY_M_PER_S2: f64 = 9.81;
-/// An undamped oscillator whose stiffness and inertia balance to this part of the stiffness is at resonance: its steady amplitude would
-/// be ten thousand times the static one and more, and no run is long enough to come to it.
-const BALANCED: f64 = 1e-4;
-/// Stiffness of a contact whose friction is nothing beside any force, N/m.
-const NEARLY_NO_CONTACT_N_PER_M: f64 = 1e-9;
-/// Steps a period at which the largest velocity at a step's end is the peak of a sine within 5e-6 of itself, (pi / 1000)^2 / 2.
-const PEAK_STEPS: u32 = 1000;
+/// Relative difference of stiffness and inertia below which an undamped oscillator is at resonance.
+/// Its steady amplitude would be at least 10 000 times the static one, and no run is long enough to
+/// reach it.
+const RESONANCE_BALANCE_REL: f64 = 1e-4;
+/// Stiffness of a contact with negligible friction, N/m.
+const NEGLIGIBLE_STIFFNESS_N_PER_M: f64 = 1e-9;
+/// Steps per period at which the largest velocity at the end of a step is the peak of a sine to
+/// within 5e-6, (pi / 1000)^2 / 2.
+const PEAK_STEPS_PER_PERIOD: u32 = 1000;
 
-/// Metrics that need the energies, which cost ten times what the motion does.
-const ENERGIES: [&str; 5] = ["input_ratio", "stored_ratio", "damper_ratio", "power_ratio_as_printed", "energy_residual"];
-/// Most periods of a study that has the energies whether or not anything is expected of them.
-const ENERGY_PERIODS: f64 = 4096.0;
+/// Metrics that need the energies, which cost ten times as much as the motion.
+const ENERGY_METRICS: [&str; 5] = ["input_ratio", "stored_ratio", "damper_ratio", "power_ratio_as_printed", "energy_residual"];
+/// Largest number of periods up to which the energies are always computed.
+const MAX_ENERGY_PERIODS: f64 = 4096.0;
 
-/// The law of a contact whose vibration is along the motion; none of one whose vibration is across it.
+/// Returns the friction law of a contact that vibrates along the motion, `None` if it vibrates
+/// across it.
 pub fn law(model: &Model) -> Option<Law> {
     match *model {
         Model::Coulomb(_) => Some(Law::Coulomb),
@@ -37,13 +42,16 @@ pub fn law(model: &Model) -> Option<Law> {
     }
 }
 
-/// The direction of a vibration at an angle to the sliding; none of one along it.
+/// Returns the direction of a vibration at an angle to the sliding, `None` if it is along it.
 pub fn direction(study: &Excited) -> Option<Direction> {
     let angle_deg = study.excitation.angle_deg;
     (angle_deg != 0.0).then(|| Direction::from_degrees(angle_deg))
 }
 
-/// The problem of a study with a friction law. Fails where the velocity ratio is of a peak that the motion does not have.
+/// Builds the problem of a study with a friction law.
+///
+/// # Errors
+/// If the velocity ratio refers to a peak that cannot be computed.
 pub fn problem(study: &Excited, law: Law) -> Result<Problem, SolveError> {
     let mu = study.model.mu();
     let mut load_steps: Vec<_> = study.disturbance.iter().flat_map(loads).map(|(at_s, normal_n)| (at_s, mu * normal_n)).collect();
@@ -75,8 +83,8 @@ pub fn problem(study: &Excited, law: Law) -> Result<Problem, SolveError> {
     Ok(Problem { sliding_m_per_s, ..problem })
 }
 
-/// Normal forces that a disturbance sets, with their times, s and N. Between two samples of a measured course the force is their mean, which is that of
-/// the straight line.
+/// Returns the normal forces of a disturbance with their times, s and N. Between two samples of a
+/// measured profile the force is their mean, which equals the mean of the straight line.
 fn loads(disturbance: &Disturbance) -> Vec<(f64, f64)> {
     let step = disturbance.to.map(|to| (disturbance.at_s, to));
     let samples: Vec<_> = disturbance.profile.iter().flat_map(Profile::played).collect();
@@ -85,25 +93,26 @@ fn loads(disturbance: &Disturbance) -> Vec<(f64, f64)> {
     step.into_iter().chain(means).chain(last).collect()
 }
 
-/// The problem with the sine of the scene's peak and frequency, by which velocity ratio and kappa are counted.
+/// Returns the problem with a sine of the scene's peak and frequency, the reference of velocity
+/// ratio and kappa.
 pub fn sine(study: &Excited, problem: &Problem) -> Problem {
     Problem { waveform: waveform(study, Shape::Sine, peak(study)), ..problem.clone() }
 }
 
-/// Metrics that are of the whole run, not of its window.
-const WHOLE_RUN: [&str; 4] = ["peak_velocity_m_per_s", "peak_displacement_m", "peak_force_ratio", "reversals"];
+/// Metrics of the whole run, not of its window.
+const WHOLE_RUN_METRICS: [&str; 4] = ["peak_velocity_m_per_s", "peak_displacement_m", "peak_force_ratio", "reversals"];
 
-/// How the problem is to be solved: for all that a study reports, or for some metrics. The energies of a study of many periods are added up
-/// where one of its expectations is about them.
+/// Returns the numerical settings, for all metrics of a study (`None`) or for some. A study of many
+/// periods computes the energies only if one of its expectations needs them.
 pub fn numerics(study: &Excited, metrics: Option<&[&str]>) -> Numerics {
     let integrator = &study.integrator;
     let lugre = matches!(study.model, Model::Lugre(_));
-    // The work of Dahl's and Coulomb's friction telescopes between reversals, and costs nothing.
-    let is_energy = |metric: &str| ENERGIES.contains(&metric) || (lugre && metric == "power_ratio");
+    // The work of Dahl's and Coulomb's friction telescopes between reversals, at no cost.
+    let is_energy = |metric: &str| ENERGY_METRICS.contains(&metric) || (lugre && metric == "power_ratio");
     let energies = match metrics {
         Some(metrics) => metrics.iter().any(|metric| is_energy(metric)),
         None => {
-            let few = study.duration_s * study.excitation.frequency_hz <= ENERGY_PERIODS;
+            let few = study.duration_s * study.excitation.frequency_hz <= MAX_ENERGY_PERIODS;
             few || study.expect.iter().any(|expect| is_energy(&expect.metric))
         }
     };
@@ -116,13 +125,13 @@ pub fn numerics(study: &Excited, metrics: Option<&[&str]>) -> Numerics {
         tolerance: integrator.tolerance.unwrap_or(default.tolerance),
         tolerance_of,
         energies,
-        // A record is of the whole run.
+        // A record covers the whole run.
         whole_run: tolerance_of == ToleranceOf::Record
-            || metrics.is_none_or(|metrics| metrics.iter().any(|metric| WHOLE_RUN.contains(metric))),
+            || metrics.is_none_or(|metrics| metrics.iter().any(|metric| WHOLE_RUN_METRICS.contains(metric))),
     }
 }
 
-/// Normal force at the beginning, N.
+/// Returns the normal force at the beginning, N.
 pub fn normal_n(study: &Excited) -> f64 {
     let weight_n = match study.body {
         Body::Kinematic(_) => 0.0,
@@ -131,10 +140,11 @@ pub fn normal_n(study: &Excited) -> f64 {
     study.model.normal_n().unwrap_or(weight_n)
 }
 
-/// Whether an oscillator without damping is excited at its own frequency: its steady vibration has no bound.
+/// Returns `true` if an undamped oscillator is excited at its resonance: its steady vibration is
+/// unbounded.
 pub fn resonates(mass_kg: f64, stiffness_n_per_m: f64, damping_ratio: f64, frequency_hz: f64) -> bool {
     let inertia = mass_kg * (TAU * frequency_hz).powi(2);
-    damping_ratio == 0.0 && (stiffness_n_per_m - inertia).abs() < BALANCED * stiffness_n_per_m
+    damping_ratio == 0.0 && (stiffness_n_per_m - inertia).abs() < RESONANCE_BALANCE_REL * stiffness_n_per_m
 }
 
 fn motion(body: &Body) -> Motion {
@@ -155,7 +165,7 @@ fn shape(study: &Excited) -> Shape {
         Waveform::Square => Shape::Square,
         Waveform::Sawtooth => Shape::Sawtooth,
         Waveform::Triangle => Shape::Triangle,
-        // The rules see to what these two need.
+        // The rules ensure that the keys of these two are present.
         Waveform::Random => Shape::Random { hold_s: excitation.hold_time_s.unwrap_or(study.duration_s), seed: study.seed },
         Waveform::Chirp => Shape::Chirp {
             start_hz: excitation.start_hz.unwrap_or(excitation.frequency_hz),
@@ -171,7 +181,7 @@ fn waveform(study: &Excited, shape: Shape, peak: f64) -> contact::Waveform {
     contact::Waveform::new(shape, peak, study.excitation.frequency_hz, study.duration_s)
 }
 
-/// The peak that the scene names: a force, N, or a velocity, m/s.
+/// Returns the peak that the scene gives: a force, N, or a velocity, m/s.
 fn peak(study: &Excited) -> f64 {
     match study.body {
         Body::Kinematic(kinematic) => kinematic.vibration_m_per_s,
@@ -179,7 +189,8 @@ fn peak(study: &Excited) -> f64 {
     }
 }
 
-/// The peak of the waveform: the scene's, or the one whose rms is that of the sine with the scene's.
+/// Returns the peak of the waveform: the scene's peak, or the peak that gives the rms of a sine
+/// with it.
 fn matched_peak(study: &Excited) -> f64 {
     let rms = contact::Waveform::shape_rms(shape(study));
     match study.excitation.matched {
@@ -188,7 +199,8 @@ fn matched_peak(study: &Excited) -> f64 {
     }
 }
 
-/// The window of the means, s. A window that ends within round-off of the run's end ends with it.
+/// Returns the window of the means, s. A window that ends within round-off of the end of the run
+/// ends with it.
 fn window_s(study: &Excited) -> (f64, f64) {
     let second = |periods: f64| periods / study.excitation.frequency_hz;
     match study.integrator.window_periods.as_deref() {
@@ -197,10 +209,10 @@ fn window_s(study: &Excited) -> (f64, f64) {
     }
 }
 
-/// Largest velocity of the run without friction, m/s.
+/// Returns the largest velocity of the run without friction, m/s.
 fn peak_without_friction_m_per_s(problem: &Problem) -> Result<f64, SolveError> {
-    let alone = Problem { law: Law::Dahl { stiffness_n_per_m: NEARLY_NO_CONTACT_N_PER_M }, ..problem.clone() };
-    let fine = Numerics { method: contact::Method::Rk4, steps_per_period: Some(PEAK_STEPS), ..Numerics::default() };
+    let alone = Problem { law: Law::Dahl { stiffness_n_per_m: NEGLIGIBLE_STIFFNESS_N_PER_M }, ..problem.clone() };
+    let fine = Numerics { method: contact::Method::Rk4, steps_per_period: Some(PEAK_STEPS_PER_PERIOD), ..Numerics::default() };
     let solution = contact::solve(&alone, &fine, &mut |_| ())?;
     let start = problem.start.v_m_per_s.abs();
     Ok(solution.tally.map_or(start, |tally| tally.peak_velocity_m_per_s.max(start)))
@@ -211,8 +223,8 @@ mod tests {
     use super::*;
     use crate::load::load;
 
-    /// What becomes of the built-in scene with changes.
-    fn of(changes: &[&str]) -> Problem {
+    /// Returns the problem of the built-in scene with changes.
+    fn changed(changes: &[&str]) -> Problem {
         let sets: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
         let scene = load("contact", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
         let study = scene.excited().unwrap();
@@ -220,34 +232,34 @@ mod tests {
     }
 
     #[test]
-    fn table_4_1_is_the_kernel_s() {
+    fn table_4_1_matches_the_contact_crate() {
         let mut kernels = contact::table_4_1::table_4_1(0.5, 200.0);
         kernels.coulomb_n = 0.1 * (0.02 * GRAVITY_M_PER_S2);
-        assert_eq!(of(&[]), kernels);
+        assert_eq!(changed(&[]), kernels);
     }
 
     #[test]
-    fn the_ratio_is_of_the_sine_whatever_the_waveform() {
-        let sine = of(&[]).sliding_m_per_s;
+    fn velocity_ratio_refers_to_the_sine() {
+        let sine = changed(&[]).sliding_m_per_s;
         for waveform in ["square", "still", "triangle"] {
-            let square = of(&[&format!("excitation.waveform={waveform}"), "excitation.match=rms"]);
+            let square = changed(&[&format!("excitation.waveform={waveform}"), "excitation.match=rms"]);
             assert_eq!(square.sliding_m_per_s, sine, "{waveform}");
         }
-        assert_eq!(of(&["excitation.waveform=square", "excitation.match=rms"]).waveform.amplitude(), 384.0 * 0.5f64.sqrt());
-        assert_eq!(of(&["excitation.sliding_m_per_s=0.1"]).sliding_m_per_s, 0.1);
+        assert_eq!(changed(&["excitation.waveform=square", "excitation.match=rms"]).waveform.amplitude(), 384.0 * 0.5f64.sqrt());
+        assert_eq!(changed(&["excitation.sliding_m_per_s=0.1"]).sliding_m_per_s, 0.1);
     }
 
-    /// From rest the mass swings at its own frequency too: x' = F0 w / (Ks - m w^2) (sin w t - (wn / w) sin wn t), in a denser
-    /// sampling than the method's.
+    /// From rest the mass also vibrates at its own frequency: x' = F0 w / (Ks - m w^2) (sin w t -
+    /// (wn / w) sin wn t). The sampling is denser than the method's.
     #[test]
-    fn the_peak_is_that_of_the_run_without_friction() {
+    fn peak_velocity_is_without_friction() {
         let (wn, w) = ((133e6f64 / 0.02).sqrt(), TAU * 60e3);
         let amplitude = 384.0 * w / (133e6 - 0.02 * w * w);
         let steps = 5_000_000;
         let at = |step: u32| f64::from(step) / f64::from(steps) * 200.0 / 60e3;
         let velocity = |t: f64| amplitude * (wn / w * (wn * t).sin() - (w * t).sin());
         let peak = (0..=steps).map(|step| velocity(at(step)).abs()).fold(0.0, f64::max);
-        let sliding = of(&["excitation.velocity_ratio_of=peak"]).sliding_m_per_s;
+        let sliding = changed(&["excitation.velocity_ratio_of=peak"]).sliding_m_per_s;
         assert!((sliding / (0.5 * peak) - 1.0).abs() < 1e-5, "{sliding} {}", 0.5 * peak);
     }
 
@@ -259,12 +271,14 @@ mod tests {
         };
         let sets = [step(0, "2e-3", "0.5"), step(1, "1e-3", "2")].concat();
         let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
-        assert_eq!(of(&sets).load_steps, [(1e-3, 0.2), (2e-3, 0.05)]);
+        assert_eq!(changed(&sets).load_steps, [(1e-3, 0.2), (2e-3, 0.05)]);
     }
 
     #[test]
-    fn damping_is_a_part_of_the_critical() {
-        let Motion::Sdof { damping_n_s_per_m, .. } = of(&["rig.sdof.damping_ratio=0.01"]).motion else { panic!("no mass") };
+    fn damping_is_relative_to_critical() {
+        let Motion::Sdof { damping_n_s_per_m, .. } = changed(&["rig.sdof.damping_ratio=0.01"]).motion else {
+            panic!("not an oscillator")
+        };
         assert!((damping_n_s_per_m - 2.0 * 0.01 * 0.02 * TAU * 12_978.69).abs() < 1e-5, "{damping_n_s_per_m}");
     }
 }

@@ -1,4 +1,4 @@
-//! Reading of a scene: from text to typed keys, or to a report of all mistakes.
+//! Reading of a scene: text to typed keys, or to a report of all mistakes.
 
 pub mod builtin;
 pub mod diagnostic;

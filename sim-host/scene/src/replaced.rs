@@ -1,11 +1,11 @@
-//! Numbers of a scene that another part of it replaces before they have an effect.
+//! Numbers of a scene that another part of the scene replaces before they have an effect.
 
 use super::Scene;
 
 /// Part of a scene that replaces a number before it has an effect.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Replaced {
-    /// Path of the part: `vary.0.to`.
+    /// Path of the part, for example `vary.0.to`.
     pub by: String,
     /// Predicate of a sentence about the number's key.
     pub why: String,
@@ -25,11 +25,13 @@ impl Scene {
         Some(Replaced {
             by: format!("vary.{number}.to"),
             why: format!("is drawn in each run, from `vary.{number}.from` to `vary.{number}.to`"),
-            help: "remove it here, or from [[vary]] (`vary = []` removes all); `spread` and `factor` draw about it".to_owned(),
+            help: "remove it here, or from [[vary]] (`vary = []` removes all entries); `spread` and `factor` vary about the \
+                   value of the scene"
+                .to_owned(),
         })
     }
 
-    /// Returns the `[[disturbance]]` that replaces a number from the beginning of the run on.
+    /// Returns the `[[disturbance]]` that replaces a number from the beginning of the run.
     pub(super) fn replaced_in_time(&self, key: &str, others: &[&str]) -> Option<Replaced> {
         let begins_at_once = |number: usize| {
             let at_s = format!("disturbance.{number}.at_s");
@@ -44,8 +46,8 @@ impl Scene {
         let entry = format!("disturbance.{number}");
         Some(Replaced {
             by: format!("{entry}.{by}"),
-            why: format!("{why} `{entry}.{by}` from the beginning of the run on"),
-            help: format!("what can vary is `{entry}.{what}`, or another key; a list in a scene takes the place of its base's"),
+            why: format!("{why} `{entry}.{by}` from the beginning of the run"),
+            help: format!("vary `{entry}.{what}`, or another key; a list in a scene replaces the list of its base"),
         })
     }
 }

@@ -1,12 +1,14 @@
-//! A scene's `[controller]` as the firmware's configuration. Scale factors come from the scene's converters, as they would from
-//! the settings store of a calibrated board; everything else is what the user knows beforehand, not the plant's truth.
+//! Conversion of a scene's `[controller]` to the firmware's configuration.
+//!
+//! Scale factors come from the scene's converters, as from the settings store of a calibrated
+//! board. Everything else is the user's prior knowledge, not the true values of the plant.
 
 use firmware::seam::block::{Amplitude, Target};
 use firmware::seam::config::{self, Config, FrontEnd, LaneTrims, Link, Schedule};
 
 use crate as scene;
 
-/// The firmware's configuration for a scene that has passed its rules.
+/// Returns the firmware's configuration for a scene that has passed its rules.
 pub fn config(scene: &scene::Driven) -> Config {
     let controller = scene.controller;
     let tracking = &controller.tracking;
@@ -33,13 +35,13 @@ pub fn config(scene: &scene::Driven) -> Config {
     }
 }
 
-/// The lanes; those beside the first have nothing to watch where a stack hangs on that.
+/// Returns the phasing. If lane 0 drives a stack, the other lanes have nothing to watch.
 fn phasing(scene: &scene::Driven) -> config::Phasing {
     let phasing = scene.controller.phasing.with(LaneTrims::new());
     config::Phasing { watch: phasing.watch && scene.stator().is_some(), ..phasing }
 }
 
-/// The converters' scale factors.
+/// Returns the scale factors of the converters.
 pub fn front_end(sensors: &scene::Sensors, amplifier: &scene::Amplifier) -> FrontEnd {
     let conversions = u32::from(sensors.oversample);
     let (sense_half, drive_half) = (1u32 << (sensors.adc_bits - 1), 1u32 << (sensors.dac_bits - 1));
@@ -55,17 +57,18 @@ pub fn front_end(sensors: &scene::Sensors, amplifier: &scene::Amplifier) -> Fron
         drive_lanes: amplifier.lanes,
         metre_per_count: sensors.encoder_counts_per_mm.map(|counts| (1e-3 / counts) as f32),
         force_hz: sensors.force_hz.map(|hz| hz as f32),
-        // A reading of the plant is in newtons.
+        // The plant gives its readings in newtons.
         newton_per_lsb: None,
     }
 }
 
-/// A code as the firmware has it. It fits: the rules see to the sense codes, and a DAC has 16 bits at most.
+/// Converts a code to the firmware's type. It fits: the rules check the sense codes, and a DAC has
+/// at most 16 bits.
 fn code(code: u32) -> u16 {
     u16::try_from(code).unwrap_or(u16::MAX)
 }
 
-/// The drive; a scan that has no voltage of its own has that of the drive.
+/// Returns the drive settings. Without its own voltage, a scan uses that of the drive.
 fn drive(scene: &scene::Driven) -> config::Drive {
     let drive = &scene.controller.drive;
     let scan_v = drive.scan_v.or(drive.amplitude_v).unwrap_or(1.0);
@@ -74,7 +77,8 @@ fn drive(scene: &scene::Driven) -> config::Drive {
     drive.with(amplitude(scene), scan_v as f32, noise_band_hz, scene.seed)
 }
 
-/// A velocity is held by the motional current, which is force factor times velocity.
+/// Returns the set point. A velocity is controlled through the motional current, which is force
+/// factor times velocity.
 fn amplitude(scene: &scene::Driven) -> Amplitude {
     let controller = scene.controller;
     match scene.ordered_velocity_m_per_s() {
@@ -87,7 +91,7 @@ fn force_factor(tracking: &scene::Tracking) -> f64 {
     tracking.nominal_force_factor_n_per_v.unwrap_or(1.0)
 }
 
-/// When the drive is ON, `later_s` seconds later than the burst says.
+/// Returns the times at which the drive is ON, each `later_s` seconds after its burst window.
 fn schedule(burst: &scene::Burst, later_s: f64) -> Schedule {
     match (burst.period_s, burst.duty) {
         (Some(period_s), Some(duty)) => Schedule::Periodic { period_s, duty },
@@ -105,7 +109,7 @@ fn target(friction: &scene::Friction) -> Target {
 mod tests {
     use super::*;
 
-    fn of_bits(adc_bits: u8, dac_bits: u8, oversample: u8) -> FrontEnd {
+    fn front_end_of_bits(adc_bits: u8, dac_bits: u8, oversample: u8) -> FrontEnd {
         let sensors = scene::Sensors { adc_bits, dac_bits, oversample, ..scene::Sensors::default() };
         front_end(&sensors, &scene::Amplifier::default())
     }
@@ -114,7 +118,7 @@ mod tests {
     fn codes_of_every_width_are_exact() {
         for (bits, oversample) in (6..=16).flat_map(|bits| (1..=4).map(move |oversample| (bits, oversample))) {
             let (max, mid) = (((1u32 << bits) - 1) * u32::from(oversample), (1u32 << (bits - 1)) * u32::from(oversample));
-            let made = of_bits(bits, bits, oversample);
+            let made = front_end_of_bits(bits, bits, oversample);
             assert_eq!(u32::from(made.drive_max_code), (1 << bits) - 1);
             if max <= 65535 {
                 assert_eq!((u32::from(made.sense_max_code), u32::from(made.sense_mid_code)), (max, mid), "{bits} x {oversample}");

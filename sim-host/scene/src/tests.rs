@@ -1,4 +1,4 @@
-//! Scenes that are wrong in every way, and what a user reads about them.
+//! Invalid scenes of all kinds, and their messages.
 
 mod angle;
 mod belt;
@@ -14,14 +14,13 @@ mod motor;
 mod numbers;
 mod profile;
 mod rules;
-mod settings_page;
 mod vary;
 mod whole;
 
 use super::load::load_text;
 use super::{Controller, Scene};
 
-/// A scene of these tests' own, so that line numbers stay what they are.
+/// Returns a scene for these tests only, so that its line numbers do not change.
 fn example() -> &'static str {
     include_str!("tests/example.toml")
 }
@@ -34,20 +33,20 @@ fn loaded(changes: &[&str]) -> Scene {
     load_text("experiment-1", example(), &sets(changes)).unwrap_or_else(|error| panic!("{error}")).scene
 }
 
-/// The controller of the example with changes.
+/// Returns the controller of the example with changes.
 fn driven(changes: &[&str]) -> Controller {
     loaded(changes).controller.unwrap()
 }
 
-/// The report on a text.
+/// Returns the report on a text.
 fn report(text: &str, changes: &[&str]) -> String {
     match load_text("a.toml", text, &sets(changes)) {
-        Ok(_) => panic!("nothing is wrong with\n{text}\n{changes:?}"),
+        Ok(_) => panic!("there is no problem in\n{text}\n{changes:?}"),
         Err(error) => error.to_string(),
     }
 }
 
-/// The report on the example with one line replaced.
+/// Returns the report on the example with one line replaced.
 fn with_line(old: &str, new: &str) -> String {
     let line = example().lines().find(|line| line.starts_with(old)).unwrap_or_else(|| panic!("no line `{old}`"));
     report(&example().replacen(line, new, 1), &[])

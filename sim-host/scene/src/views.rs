@@ -1,4 +1,4 @@
-//! The two kinds of scene, each as what it certainly has.
+//! The two kinds of scene, driven and excited, with their required tables.
 
 use std::f64::consts::TAU;
 use std::ops::Deref;
@@ -12,8 +12,8 @@ use super::{
     Scene, Sdof, Sensors, Slider, Stack, Stator,
 };
 
-/// Largest error of the mean friction ratio of a contact study that names none.
-const TOLERANCE: f64 = 1e-7;
+/// Default of `integrator.tolerance`: largest error of the mean friction ratio of a contact study.
+const DEFAULT_TOLERANCE: f64 = 1e-7;
 
 /// A scene, by its kind.
 #[derive(Clone, Copy, Debug)]
@@ -38,17 +38,17 @@ pub struct Driven<'a> {
     pub transducer: Transducer<'a>,
 }
 
-/// What the firmware drives.
+/// The transducer that the firmware drives.
 #[derive(Clone, Copy, Debug)]
 pub enum Transducer<'a> {
-    /// A stack, and the contact at its tip with what moves it, if there are any.
+    /// A stack, with the optional contact at its tip and the slider that moves it.
     Stack(&'a Stack, Option<(&'a Dahl, &'a Slider)>),
-    /// The stator of a motor, and its rotor, if there is one.
+    /// The stator of a motor, with the optional rotor.
     Stator(&'a Stator, Option<&'a Rotor>),
 }
 
 impl<'a> Driven<'a> {
-    /// The contact at a stack's tip and what moves it.
+    /// Returns the contact at a stack's tip and the slider that moves it.
     pub fn sliding(&self) -> Option<(&'a Dahl, &'a Slider)> {
         match self.transducer {
             Transducer::Stack(_, sliding) => sliding,
@@ -56,42 +56,43 @@ impl<'a> Driven<'a> {
         }
     }
 
-    /// When a fault brings the belt to a stand, s.
+    /// Returns the time at which a fault stops the belt, s.
     pub fn belt_stops_s(&self) -> Option<f64> {
         let stops = |kind| matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderLies);
         self.scene.fault.iter().filter(|fault| stops(fault.kind)).map(|fault| fault.at_s).reduce(f64::min)
     }
 
-    /// The belt under a stack's horn, and how it rubs.
+    /// Returns the belt under a stack's horn and its friction law.
     pub fn belt(&self) -> Option<(&'a Empirical, &'a Belt)> {
         let contact = self.scene.contact.as_ref()?.empirical.as_ref()?;
         Some((contact, self.scene.rig.as_ref()?.belt.as_ref()?))
     }
 
-    /// The carriage on a stack's tip, and how it rubs.
+    /// Returns the carriage on a stack's tip and its friction law.
     pub fn carriage(&self) -> Option<(&'a Lugre, &'a Carriage)> {
         let contact = self.scene.contact.as_ref()?.lugre.as_ref()?;
         Some((contact, self.scene.rig.as_ref()?.carriage.as_ref()?))
     }
 
-    /// The peak tip velocity that is ordered, m/s: by itself, or as an amplitude at the nominal frequency.
+    /// Returns the set point of the peak tip velocity, m/s: given directly, or as an amplitude at
+    /// the nominal frequency.
     pub fn ordered_velocity_m_per_s(&self) -> Option<f64> {
         let drive = &self.controller.drive;
         let of_belt = |(_, belt): (_, &Belt)| TAU * drive.frequency_hz * belt.amplitude_fraction * belt.full_amplitude_m;
         self.belt().map(of_belt).or(drive.velocity_m_per_s)
     }
 
-    /// How much later than its burst says the drive is ON, s.
+    /// Returns the delay from the start of a burst window to the drive, s.
     pub fn trigger_delay_s(&self) -> f64 {
         self.belt().map_or(0.0, |(_, belt)| belt.trigger_delay_s)
     }
 
-    /// The belt over a D-ring, whose friction a stack's drive lowers.
+    /// Returns the belt over a D-ring, whose friction the stack reduces.
     pub fn dring(&self) -> Option<&'a Dring> {
         self.scene.rig.as_ref().and_then(|rig| rig.dring.as_ref())
     }
 
-    /// The stator of a motor.
+    /// Returns the stator of a motor.
     pub fn stator(&self) -> Option<&'a Stator> {
         match self.transducer {
             Transducer::Stack(..) => None,
@@ -99,7 +100,7 @@ impl<'a> Driven<'a> {
         }
     }
 
-    /// The rotor of a motor.
+    /// Returns the rotor of a motor.
     pub fn rotor(&self) -> Option<&'a Rotor> {
         match self.transducer {
             Transducer::Stack(..) => None,
@@ -108,34 +109,34 @@ impl<'a> Driven<'a> {
     }
 }
 
-/// A scene in which a contact is studied by itself.
+/// A scene in which a contact is studied alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Excited<'a> {
     scene: &'a Scene,
-    /// What shakes the contact.
+    /// The excitation of the contact.
     pub excitation: &'a Excitation,
     /// The friction model of the contact.
     pub model: Model<'a>,
-    /// What it is part of.
+    /// The body that the contact belongs to.
     pub body: Body<'a>,
 }
 
-/// What a studied contact is part of.
+/// The body that a studied contact belongs to.
 #[derive(Clone, Copy, Debug)]
 pub enum Body<'a> {
-    /// A vibration that is given, whatever the friction.
+    /// A prescribed vibration, independent of the friction.
     Kinematic(&'a Kinematic),
     /// One mass on a spring.
     Sdof(&'a Sdof),
 }
 
 impl Scene {
-    /// The scene by its kind; none if it lacks what its rules demand.
+    /// Returns the scene by its kind, or `None` if a required table is missing.
     pub fn kind(&self) -> Option<Kind<'_>> {
         self.driven().map(Kind::Driven).or_else(|| self.excited().map(Kind::Excited))
     }
 
-    /// The scene as one in which the firmware drives.
+    /// Returns the scene as one in which the firmware drives.
     pub fn driven(&self) -> Option<Driven<'_>> {
         let dahl = self.contact.as_ref().and_then(|contact| contact.dahl.as_ref());
         let slider = self.rig.as_ref().and_then(|rig| rig.slider.as_ref());
@@ -151,7 +152,7 @@ impl Scene {
         })
     }
 
-    /// The scene as a contact study.
+    /// Returns the scene as a contact study.
     pub fn excited(&self) -> Option<Excited<'_>> {
         let rig = self.rig.as_ref()?;
         let kinematic = rig.kinematic.as_ref().map(Body::Kinematic);
@@ -159,8 +160,8 @@ impl Scene {
         Some(Excited { scene: self, excitation: self.excitation.as_ref()?, model: self.contact.as_ref()?.model()?, body })
     }
 
-    /// The scene that a tree is, with the defaults of its kind.
-    pub(super) fn of_tree(root: &Node) -> Result<Self, toml::de::Error> {
+    /// Converts a tree to a scene, with the defaults of its kind.
+    pub(super) fn from_tree(root: &Node) -> Result<Self, toml::de::Error> {
         let mut scene: Scene = root.to_toml().try_into()?;
         for (index, overlay) in scene.overlay.iter_mut().enumerate() {
             let samples = |key: &str| root.at(&format!("overlay.{index}.{key}"))?.samples().cloned();
@@ -174,7 +175,7 @@ impl Scene {
         Ok(scene.complete())
     }
 
-    /// Shows each profile, with its path.
+    /// Calls `show` with the path of each profile and the profile.
     fn profiles(&mut self, mut show: impl FnMut(&str, &mut Profile)) {
         for (index, disturbance) in self.disturbance.iter_mut().enumerate() {
             disturbance.profile.iter_mut().for_each(|profile| show(&format!("disturbance.{index}.profile"), profile));
@@ -185,14 +186,14 @@ impl Scene {
         dring.for_each(|profile| show("rig.dring.pulse", profile));
     }
 
-    /// Writes out the defaults of the tables and keys that this kind of scene has, and no others.
+    /// Fills in the defaults of the tables and keys that this kind of scene has, and of no others.
     fn complete(mut self) -> Self {
         if self.controller.is_some() {
             self.amplifier.get_or_insert_default();
             self.sensors.get_or_insert_default();
         } else if self.excitation.is_some() {
             self.integrator.method.get_or_insert(Method::Auto);
-            self.integrator.tolerance.get_or_insert(TOLERANCE);
+            self.integrator.tolerance.get_or_insert(DEFAULT_TOLERANCE);
             self.contact.iter_mut().for_each(super::Contact::complete);
         }
         self

@@ -1,8 +1,9 @@
-//! What a map of a contact study costs, a point: `cargo bench -p sonoglide-sim --bench maps`.
+//! Cost per point of the maps of a contact study: `cargo bench -p sonoglide-sim --bench maps`.
 //!
-//! Times are of the processor on one thread, so that others on the machine count for little; two cores take half of that. The kinematic map is a
-//! whole million of points; of the others every fiftieth row is run, each with all its columns, so that neighbours are what they are in the whole
-//! map. A thousand points of each map must be, to the last bit, what they are when they are run alone through the text of their scenes.
+//! Times are processor times of one thread, so that other load on the machine matters little; two
+//! cores halve them. The kinematic map is run in full, a million points. Of the other maps every
+//! fiftieth row is run with all its columns, so that neighbours are those of the full map. A
+//! thousand points of each map must equal, to the last bit, a separate run from the scene text.
 
 use std::fs;
 use std::hint::black_box;
@@ -15,23 +16,23 @@ use scene::numbers::Numbers;
 use scene::{Grid, Over, problem};
 use sonoglide_sim::study::grid;
 
-/// Columns of a map, and rows of a whole one.
+/// Number of columns of a map, and of rows of a full map.
 const SIDE: u32 = 1000;
-/// Of a map that is sampled, so many rows are run.
+/// Number of rows that are run of a sampled map.
 const ROWS: u32 = 20;
 
 const STIFFNESS: &str = "contact.dahl.stiffness_n_per_m";
 const RATIO: &str = "excitation.velocity_ratio";
 const MU: &str = "contact.dahl.mu";
 
-/// Processor time of this thread, s; wall time where the system does not say.
+/// Returns the processor time of this thread, s, or the wall time if the system does not report it.
 fn cpu_s(began: Instant) -> f64 {
     let text = fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     let ns: Option<f64> = text.split(' ').next().and_then(|ns| ns.parse().ok());
     ns.map_or_else(|| began.elapsed().as_secs_f64(), |ns| 1e-9 * ns)
 }
 
-/// Microseconds a point that `work` takes.
+/// Returns the processor time of `work` per point, us, and its result.
 fn micros<T>(points: usize, work: impl FnOnce() -> T) -> (f64, T) {
     let began = Instant::now();
     let before = cpu_s(began);
@@ -61,7 +62,8 @@ fn loaded(scene: &str, sets: &[&str]) -> Loaded {
     load(scene, &sets).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A map, measured: microseconds a point. A thousand of its points, run alone, must be the same to the last bit.
+/// Measures the time per point of a map and compares a thousand of its points, run alone, bit by
+/// bit.
 fn measured(name: &str, loaded: &Loaded, grid: &Grid) {
     let points: u32 = grid.over.iter().filter_map(|over| over.points).product();
     let points = points as usize;
@@ -69,7 +71,7 @@ fn measured(name: &str, loaded: &Loaded, grid: &Grid) {
     let (micros, result) = micros(points, || grid::run(loaded, grid, &never).expect("a result").expect("not stopped"));
     let template = loaded.template().expect("a template");
     for sample in 0..1000 {
-        // A step that has no divisor in common with either side.
+        // The step is coprime to both sides.
         let place = sample * 7919 % points;
         let axes =
             grid.over.iter().zip(result.design.values(place as u64)).map(|(over, value)| format!("{}={value:?}", over.key));
@@ -80,10 +82,10 @@ fn measured(name: &str, loaded: &Loaded, grid: &Grid) {
         let alone = solve_unwatched(&problem, &numerics, &|| ()).expect("an answer").ratios.friction;
         assert_eq!(result.rows.metrics[0][place], Some(alone), "{name}, point {place}");
     }
-    println!("{name:44} {micros:8.2} us a point   a million on two cores {:6.1} s", micros / 2.0);
+    println!("{name:44} {micros:8.2} us per point   a million on two cores {:6.1} s", micros / 2.0);
 }
 
-/// The parts of a kinematic point, and how much of a contact with a mass lanes save.
+/// Measures the parts of a kinematic point, and the speed-up by lanes of a contact with a mass.
 fn parts() {
     let kinematic = loaded("contact-kinematic", &[]);
     let template = kinematic.template().expect("a template");
@@ -102,7 +104,7 @@ fn parts() {
             black_box(problem::problem(&study, problem::law(&study.model).expect("a law")).expect("a problem"));
         }
     });
-    println!("a point's scene of its text {text:8.2} us, of its numbers with its problem {set:5.2} us");
+    println!("scene of a point: from its text {text:8.2} us, from its numbers, with its problem, {set:5.2} us");
 
     let sdof = loaded("contact", &["integrator.tolerance=1e-6", "duration_s=0.00334", "integrator.window_periods=[100, 200]"]);
     let template = sdof.template().expect("a template");
@@ -115,20 +117,20 @@ fn parts() {
             (problem, problem::numerics(&study, Some(&["friction_ratio"])))
         };
         let (problems, numerics): (Vec<_>, Vec<_>) = (0..256).map(problem).unzip();
-        let (abreast, many) = micros(problems.len(), || solve_many(&problems, &numerics[0], &|| ()));
+        let (batched, many) = micros(problems.len(), || solve_many(&problems, &numerics[0], &|| ()));
         let (alone, one) = micros(problems.len(), || {
             problems.iter().map(|problem| solve_unwatched(problem, &numerics[0], &|| ())).collect::<Vec<_>>()
         });
         assert_eq!(many, one);
         println!(
-            "256 neighbours at Kt {stiffness:7.1e} N/m: alone {alone:7.1} us, abreast {abreast:6.1} us, {:4.1} times",
-            alone / abreast
+            "256 neighbours at Kt {stiffness:7.1e} N/m: alone {alone:7.1} us, batched {batched:6.1} us, {:4.1} times",
+            alone / batched
         );
     }
 }
 
 fn main() {
-    // `cargo test --benches` only asks whether it compiles.
+    // `cargo test --benches` only checks that it compiles.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }

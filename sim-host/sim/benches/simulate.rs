@@ -1,6 +1,7 @@
 //! Speed of the simulation: `cargo bench -p sonoglide-sim`.
 //!
-//! Throughput is in samples of simulated time; at 1 Msps, 10 Melem/s is ten simulated seconds a wall second, on one core.
+//! Throughput is in samples of simulated time on one core. At 1 Msps, 10 Melem/s is ten simulated
+//! seconds per second of wall time.
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use firmware::controller::Controller;
@@ -21,7 +22,7 @@ fn scene(name: &str, sets: &[&str]) -> Scene {
     load(name, &sets).unwrap_or_else(|error| panic!("{error}")).scene
 }
 
-/// The flagship, whole: controller, stack and contact live.
+/// Runs the complete experiment-1: controller, stack and contact.
 fn experiment_1(criterion: &mut Criterion) {
     let scene = scene("experiment-1", &[]);
     let scene = scene.driven().expect("a driven scene");
@@ -32,7 +33,8 @@ fn experiment_1(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Cold starts on one thread: each by itself, and several side by side as a Monte Carlo has them, with their scenes and metrics.
+/// Runs cold starts on one thread: one alone, and several batched as in a Monte Carlo, with their
+/// scenes and metrics.
 fn cold_starts(criterion: &mut Criterion) {
     const RUNS: u32 = 16;
     let sets = [format!("runs={RUNS}")];
@@ -50,7 +52,8 @@ fn cold_starts(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// A crash, whole, with one coefficient for the wrap, and by the place along it: with the table that each run makes for its ring.
+/// Runs a complete crash with one coefficient for the wrap, and with the coefficient as a function
+/// of the position along it; each run builds the table of its ring.
 fn crashes(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("crash");
     group.sample_size(20);
@@ -65,10 +68,11 @@ fn crashes(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Blocks replayed in one iteration.
+/// Number of blocks replayed per iteration.
 const BLOCKS: usize = 500;
 
-/// Controller, plant, and what passed between them over [`BLOCKS`] blocks in which the drive is ON and tracked.
+/// Controller, plant, and the signals between them over [`BLOCKS`] blocks with the drive ON and
+/// tracked.
 struct Recorded {
     controller: Controller,
     plant: Plant,
@@ -108,7 +112,7 @@ fn recorded(scene: &Scene) -> Recorded {
     Recorded { controller: start, plant, sensed, played }
 }
 
-/// The two halves by themselves, replayed.
+/// Replays the controller and the plant separately.
 fn halves(criterion: &mut Criterion) {
     let with_contact = recorded(&scene("experiment-1", &[]));
     let alone = recorded(&scene("lock", &[]));

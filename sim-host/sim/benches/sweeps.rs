@@ -1,12 +1,12 @@
-//! What a sweep costs on top of its solves: `cargo bench -p sonoglide-sim --bench sweeps`.
+//! Overhead of a sweep over its solves: `cargo bench -p sonoglide-sim --bench sweeps`.
 //!
 //! ```text
-//! solves   the points' problems or runs alone, made and solved side by side as the sweep does it
-//! rows     the same with scenes, metrics and, of several runs, statistics: what `Sweep::rows` gives
-//! whole    the same with the parts, the tables, the figures and the page: what `sim-host sweep` does
+//! solves   only the problems or runs of the points, created and solved in batches as in the sweep
+//! rows     with scenes, metrics and, for several runs, statistics: the result of `Sweep::rows`
+//! whole    with the parts, tables, figures and page: the work of `sim-host sweep`
 //! ```
 //!
-//! Times are of the processor on one thread, each the least of some rounds in turn.
+//! Times are processor times of one thread, each the minimum of several rounds.
 
 use std::fs;
 use std::hint::black_box;
@@ -18,17 +18,17 @@ use scene::load::{Loaded, load};
 use scene::problem;
 use sonoglide_sim::output::Presentation;
 use sonoglide_sim::output::sweep::{Shard, SweepFolder, join};
-use sonoglide_sim::run::{LANES, run_abreast};
+use sonoglide_sim::run::{LANES, run_batch};
 use sonoglide_sim::study::monte_carlo::draw::Draws;
 use sonoglide_sim::study::sweep::Sweep;
 use sonoglide_sim::study::sweep::design::Design;
 
-/// Rounds of which the least counts.
+/// Number of rounds, of which the minimum counts.
 const ROUNDS: u32 = 3;
-/// Contacts that are solved beside each other.
-const BESIDE: usize = 512;
+/// Number of contacts in a batch.
+const BATCH: usize = 512;
 
-/// Processor time of this thread, s; wall time where the system does not say.
+/// Returns the processor time of this thread, s, or the wall time if the system does not report it.
 fn cpu_s(began: Instant) -> f64 {
     let text = fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     let ns: Option<f64> = text.split(' ').next().and_then(|ns| ns.parse().ok());
@@ -42,11 +42,12 @@ fn timed<T>(work: impl FnOnce() -> T) -> f64 {
     cpu_s(began) - before
 }
 
-/// Rows of all points, and the whole sweep in a folder of its own.
+/// Computes the rows of all points.
 fn rows(sweep: &Sweep) {
     black_box(sweep.rows(0..sweep.design.count(), &AtomicBool::new(false), &|| ()).expect("rows").expect("not stopped"));
 }
 
+/// Runs a complete sweep in its own folder.
 fn whole(sweep: &Sweep) {
     let dir = std::env::temp_dir().join(format!("sonoglide-sweeps-{}", std::process::id()));
     let folder = SweepFolder::open(&dir, sweep, Shard::WHOLE, &[]).expect("a folder");
@@ -55,13 +56,13 @@ fn whole(sweep: &Sweep) {
     fs::remove_dir_all(&dir).expect("removed");
 }
 
-/// The problems of all points of a map, made and solved.
+/// Creates and solves the problems of all points of a map.
 fn solve_contacts(sweep: &Sweep, metrics: &[&str]) {
     let template = sweep.loaded.template().expect("a template");
     let scene = template.scene(&sweep.sets(0)).expect("valid");
     let mut numbers = scene::numbers::Numbers::of(scene, &sweep.design.keys()).expect("numbers");
     let points: Vec<u64> = (0..sweep.design.count()).collect();
-    for group in points.chunks(BESIDE) {
+    for group in points.chunks(BATCH) {
         let mut numerics = None;
         let mut problem = |point: &u64| {
             let scene = numbers.set(&sweep.design.values(*point)).expect("valid");
@@ -74,7 +75,7 @@ fn solve_contacts(sweep: &Sweep, metrics: &[&str]) {
     }
 }
 
-/// The runs of all points of a Monte Carlo, side by side, without their metrics.
+/// Runs all points of a Monte Carlo in batches, without their metrics.
 fn run_draws(sweep: &Sweep) {
     for point in 0..sweep.design.count() {
         let changed = sweep.loaded.changed(&sweep.sets(point)).expect("valid");
@@ -83,7 +84,7 @@ fn run_draws(sweep: &Sweep) {
         let scenes: Vec<_> = (1..=changed.scene.runs).map(scene).collect();
         for group in scenes.chunks(LANES) {
             let driven: Vec<_> = group.iter().filter_map(|scene| scene.driven()).collect();
-            black_box(run_abreast(&driven, None));
+            black_box(run_batch(&driven, None));
         }
     }
 }
@@ -117,7 +118,7 @@ fn sweep<'a>(loaded: &'a Loaded, axes: &[&str], metrics: &[&str]) -> Sweep<'a> {
 }
 
 fn main() {
-    // `cargo test --benches` only asks whether it compiles.
+    // `cargo test --benches` only checks that it compiles.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }

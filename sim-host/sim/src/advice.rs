@@ -1,13 +1,15 @@
-//! Advice: from an identified transducer, settings for the tracker, and what the observer will do with them.
+//! Advice: tracker settings for an identified transducer, and a prediction of the observer's
+//! behaviour with them.
 //!
 //! ```text
-//! scene or numbers --> case --> settings --> the case as advised --> prediction (rehearsed, with the bound) --> warnings
+//! scene or numbers --> case --> settings --> advised case --> prediction (rehearsed, with the bound) --> warnings
 //!                                                   |
 //!                                                   +--> verification (many runs of the whole controller)
 //! ```
 //!
-//! Nothing is predicted by a rule of thumb: the firmware's own tracker is run on the linear model of the ring-up (`rehearsal.rs`). How well
-//! that agrees with the whole controller on the whole plant is stated in docs/advise.md.
+//! The prediction uses no rule of thumb: the firmware's own tracker runs on the linear model of the
+//! ring-up (`rehearsal.rs`). docs/your-transducer.md states its agreement with the whole controller
+//! on the whole plant.
 
 pub mod case;
 pub mod prediction;
@@ -42,28 +44,28 @@ pub struct Advice {
     pub prediction: Prediction,
     /// Warnings about the case and its settings.
     pub warnings: Vec<String>,
-    /// The prediction, put to the test.
+    /// Measurements that verify the prediction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verified: Option<Verified>,
 }
 
-/// Why there is no advice.
+/// Reason that no advice can be given.
 #[derive(Debug, thiserror::Error)]
 pub enum AdviceError {
-    /// There is nothing to advise on.
+    /// The case does not permit advice.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// The firmware would not take the settings.
+    /// The firmware refuses the settings.
     #[error("the firmware refuses these settings")]
     Refused,
 }
 
-/// Advises on a case, and gives the case with the settings that are advised.
+/// Advises on a case; returns the advice, and the case with the advised settings.
 pub fn advise(case: &Case) -> Result<(Advice, Case), AdviceError> {
     let (settings, advised) = settings::advise(case)?.ok_or(AdviceError::Refused)?;
     let parts = advised.parts().ok_or(AdviceError::Refused)?;
-    let transducer = Full::of(&parts.circuit);
+    let transducer = Full::from_circuit(&parts.circuit);
     let prediction = prediction::predict(&advised).ok_or(AdviceError::Refused)?;
-    let warnings = warnings::of(case, &parts, &transducer, &settings, &prediction);
+    let warnings = warnings::collect(case, &parts, &transducer, &settings, &prediction);
     Ok((Advice { transducer, settings, prediction, warnings, verified: None }, advised))
 }

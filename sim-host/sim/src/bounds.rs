@@ -1,4 +1,4 @@
-//! The Cramer-Rao bounds of a scene, at its own values: none of what it varies is drawn.
+//! Cramer-Rao bounds of a scene at its own values; varied values are not drawn.
 
 use firmware::seam::block::LATENCY_BLOCKS;
 
@@ -8,25 +8,27 @@ use plant::circuit::Circuit;
 use plant::circuit_of;
 use scene::{DisturbedKey, Driven};
 
-/// Blocks from the end of the last measured one to the beginning of the first that plays its estimate: in between plays one that was
-/// decided before.
+/// Number of blocks from the end of the last measured one to the beginning of the first that plays
+/// its estimate; the block between them was decided before.
 const DECIDED_BLOCKS: f64 = LATENCY_BLOCKS as f64 - 1.0;
-/// Blocks from the end of the last measured one to the end of the first that plays its estimate, where a block's error counts.
+/// Number of blocks from the end of the last measured one to the end of the first that plays its
+/// estimate, at which the error of a block is counted.
 pub const PLAYED_BLOCKS: f64 = LATENCY_BLOCKS as f64;
 
 /// Lower bounds of lock time and tracking error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bounds {
-    /// Time to play the resonance within 20 Hz and within 4 Hz at 95 %, ms: from rest, or from the step if there is one.
+    /// Time to play the resonance within 20 Hz and within 4 Hz at 95 %, ms: from rest, or from the
+    /// step if there is one.
     pub times_ms: [Option<f64>; 2],
-    /// Error of an estimate that takes the resonance for constant, while it follows the scene's ramp, Hz rms.
+    /// Tracking error on the scene's ramp of an estimate for a constant resonance, Hz rms.
     pub ramp_hz: Option<f64>,
 }
 
 impl Bounds {
-    /// The bounds of a scene.
-    pub fn of(scene: &Driven) -> Self {
-        let Some(setting) = Setting::of(scene).map(|cold| after_the_step(scene, &cold)) else { return Bounds::default() };
+    /// Computes the bounds of a scene.
+    pub fn new(scene: &Driven) -> Self {
+        let Some(setting) = Setting::from_scene(scene).map(|cold| after_the_step(scene, &cold)) else { return Bounds::default() };
         let rate = scene.disturbance.iter().find_map(|change| change.rate_per_s);
         let known = Setting { prior: PriorKnowledge { voltage: Knowledge::Unknown, ..PriorKnowledge::LM_AND_C0 }, ..setting };
         Bounds {
@@ -36,8 +38,8 @@ impl Bounds {
     }
 }
 
-/// The stack that a step of the scene makes, driven at the resonance it had; the moment of the step, Lm and C0 are known by then. Without
-/// a step, the cold start.
+/// Returns the stack after a step of the scene, driven at its previous resonance; the time of the
+/// step, Lm and C0 are then known. Without a step, returns the cold start.
 fn after_the_step(scene: &Driven, cold: &Setting) -> Setting {
     let steps = scene.disturbance.iter().filter_map(|change| Some((change.key, change.to?)));
     let before = circuit_of(scene);

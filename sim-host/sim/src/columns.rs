@@ -1,4 +1,5 @@
-//! The signals of a study as columns: names, units, meanings and values, for a program that has no use for a file.
+//! Signals of a study as columns with names, units, meanings and values, for programs that need no
+//! file.
 
 use crate::data::{Cell, Column, OVERVIEW, PERIODS, RowColumn, fixed, signals};
 use crate::record::Record;
@@ -10,14 +11,14 @@ use contact::State;
 /// The values of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// Numbers.
+    /// Numeric values.
     Numbers(Vec<f64>),
     /// Words.
     Texts(Vec<String>),
 }
 
-/// What the signals of a study are: of a driven run what its `[trace]` asks for, or those of every block that was recorded; of a contact study those of
-/// its last periods. None of several runs.
+/// Returns the columns of the signals of a study. A driven run has those of its `[trace]`, or those
+/// of every recorded block; a contact study has those of its last periods. Several runs have none.
 pub fn heads(study: &Study) -> Vec<Column> {
     match &study.outcome {
         Outcome::Driven(run) => match &run.record.trace {
@@ -29,7 +30,8 @@ pub fn heads(study: &Study) -> Vec<Column> {
     }
 }
 
-/// The values of a signal, by its place among [`heads`]; each signal of a study is as long as the others. None where there is no such signal.
+/// Returns the values of a signal by its index in [`heads`]; all signals of a study have the same
+/// length. `None` if the index is too large.
 pub fn values(study: &Study, place: usize) -> Option<Values> {
     match &study.outcome {
         Outcome::Driven(run) => match &run.record.trace {
@@ -60,7 +62,7 @@ fn recorded(record: &Record, column: &RowColumn) -> Values {
     let cells = || record.rows.iter().map(column.value);
     let text = |cell: Cell| if let Cell::Text(text) = cell { Some(text) } else { None };
     let number = |cell: Cell| if let Cell::Number(number) = cell { number } else { f64::NAN };
-    // A column that has a unit is one of numbers.
+    // A column with a unit contains numbers.
     match column.unit {
         "" => Values::Texts(cells().filter_map(text).collect()),
         _ => Values::Numbers(cells().map(number).collect()),
@@ -83,7 +85,7 @@ mod tests {
     use crate::study::{self, Options};
     use scene::load::load;
 
-    /// Columns are as long as each other, of every kind of study, and their names are those of the file.
+    /// Columns of every kind of study have equal lengths and the names of the file.
     #[test]
     fn columns_are_those_of_the_trace_file() {
         let traced = ["trace.signals=[\"friction_n\", \"frequency_hz\"]", "trace.every=100"];

@@ -1,12 +1,13 @@
-//! Two results side by side: metrics with tolerances, and figures laid over each other.
+//! Comparison of two results: metrics with tolerances, and overlaid figures.
 //!
 //! ```text
 //! folder of a run, or a measurement --> Side --+
-//!                                              +--> Comparison (a row a metric) --> table, report, verdict
+//!                                              +--> Comparison (a row per metric) --> table, report, verdict
 //! folder of a run, or a measurement --> Side --+
 //! ```
 //!
-//! A run at one level beside one at another (SIL, PIL, the flashed image, a board), one version beside another, or a run beside what was measured.
+//! It compares runs at two levels (SIL, PIL, the flashed image, a board), two versions, or a run
+//! with a measurement.
 
 mod figures;
 mod side;
@@ -23,95 +24,96 @@ use crate::numbers::{number, precise};
 use report::{Report, TableBlock, verdict};
 use scene::metrics::metric;
 
-/// Why two results cannot be compared.
+/// Reason that two results cannot be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
-    /// There is no such folder or file, or it is no result.
+    /// The folder or file does not exist, or is not a result.
     #[error("`{path}` {why}")]
     NoResult {
-        /// As it was named.
+        /// Path as given.
         path: String,
-        /// What is missing.
+        /// Missing part.
         why: String,
     },
     /// A line of a measurement cannot be read.
     #[error("{file}, line {line}: {why}")]
     Line {
-        /// The file.
+        /// File of the measurement.
         file: String,
-        /// The line, from 1.
+        /// Line number, from 1.
         line: u64,
-        /// What is wrong.
+        /// Reason.
         why: String,
     },
     /// A tolerance cannot be read.
-    #[error("`{text}` is no tolerance: {why} (for example `1%`, `friction_ratio=0.01`, `lock_time_20hz_ms=5%`)")]
+    #[error("`{text}` is not a tolerance: {why} (for example `1%`, `friction_ratio=0.01`, `lock_time_20hz_ms=5%`)")]
     Tolerance {
-        /// As it was written.
+        /// Text as written.
         text: String,
-        /// What is wrong.
+        /// Reason.
         why: String,
     },
     /// A metric that is to be compared is missing.
     #[error("{of} has no metric `{metric}`")]
     Missing {
-        /// The side that lacks it.
+        /// Side without the metric.
         of: String,
-        /// The metric.
+        /// Name of the metric.
         metric: String,
     },
-    /// The two have nothing in common.
+    /// The two sides have no metric in common.
     #[error("{a} and {b} have no metric in common")]
     NothingInCommon {
-        /// The first side.
+        /// First side.
         a: String,
-        /// The second.
+        /// Second side.
         b: String,
     },
 }
 
-/// A metric on both sides.
+/// A metric of both sides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Name of the metric.
     pub metric: String,
-    /// Value of the first side; none where it does not have the metric.
+    /// Value of the first side, if it has the metric.
     pub a: Option<f64>,
-    /// Value of the second side.
+    /// Value of the second side, if it has the metric.
     pub b: Option<f64>,
-    /// The most that the two may differ by.
+    /// Maximum allowed difference.
     pub allowed: f64,
 }
 
 impl Row {
-    /// By how much the second is above the first, if both have the metric.
+    /// Returns the second value minus the first, if both sides have the metric.
     pub fn difference(&self) -> Option<f64> {
-        // Two statistics that are infinite are the same.
+        // Two infinite statistics are equal.
         self.a.zip(self.b).map(|(a, b)| if a == b { 0.0 } else { b - a })
     }
 
-    /// Whether the difference is within the tolerance; none where one side lacks the metric.
+    /// Returns `true` if the difference is within the tolerance; `None` if one side lacks the
+    /// metric.
     pub fn holds(&self) -> Option<bool> {
         self.difference().map(|difference| difference.abs() <= self.allowed)
     }
 }
 
-/// Two results side by side.
+/// Comparison of two results.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// The first result.
+    /// First result.
     pub a: Side,
-    /// The second.
+    /// Second result.
     pub b: Side,
-    /// Their metrics, in the order of the table of metrics.
+    /// Metrics of both, in the order of the table of metrics.
     pub rows: Vec<Row>,
 }
 
 impl Comparison {
-    /// Compares two results in some metrics; without names, in all that either has.
+    /// Compares two results in the named metrics; without names, in all that either side has.
     ///
     /// # Errors
-    /// If a named metric is missing on a side, or the two have none in common.
+    /// If a named metric is missing on a side, or if the two sides have no metric in common.
     pub fn new(a: Side, b: Side, tolerances: &Tolerances, names: &[String]) -> Result<Self, CompareError> {
         for side in [&a, &b] {
             if let Some(missing) = names.iter().find(|name| side.metric(name).is_none()) {
@@ -140,17 +142,17 @@ impl Comparison {
         Ok(Comparison { a, b, rows })
     }
 
-    /// Whether every metric that both have is within its tolerance.
+    /// Returns `true` if every metric of both sides is within its tolerance.
     pub fn holds(&self) -> bool {
         self.rows.iter().all(|row| row.holds() != Some(false))
     }
 
-    /// Whether both have played the same drive codes; none where either played none.
+    /// Returns `true` if both have played the same drive codes; `None` if either has played none.
     pub fn same_drive(&self) -> Option<bool> {
         self.a.drive_hash.as_ref().zip(self.b.drive_hash.as_ref()).map(|(a, b)| a == b)
     }
 
-    /// The metrics as a table.
+    /// Returns the metrics as a table.
     pub fn table(&self) -> TableBlock {
         let shown = |value: Option<f64>, fine: bool| {
             value.map_or_else(|| "–".to_owned(), |value| if fine { precise(value) } else { number(value) })
@@ -174,14 +176,14 @@ impl Comparison {
 
     fn caption(&self) -> String {
         let drive = match self.same_drive() {
-            Some(true) => "Both have played the same drive codes, bit for bit.",
-            Some(false) => "The drive codes that they have played differ.",
+            Some(true) => "Both played identical drive codes.",
+            Some(false) => "The drive codes differ.",
             None => "",
         };
         format!("A is {}; B is {}. {drive}", self.a.description(), self.b.description()).trim_end().to_owned()
     }
 
-    /// The table, and the figures that both have, laid over each other.
+    /// Returns the report: the table, and the overlaid figures that both have.
     pub fn report(&self) -> Report {
         let beyond = self.rows.iter().filter(|row| row.holds() == Some(false)).count();
         let compared = self.rows.iter().filter(|row| row.holds().is_some()).count();
@@ -199,7 +201,7 @@ impl Comparison {
         }
     }
 
-    /// The comparison for programs.
+    /// Returns the comparison as JSON.
     pub fn json(&self) -> Value {
         let row = |row: &Row| {
             json!({

@@ -1,4 +1,5 @@
-//! The bound of resonance tracking: the least error with which voltage and current determine the series resonance, and how soon.
+//! Bound of resonance tracking: the minimum error with which voltage and current determine the
+//! series resonance, and the time needed.
 //!
 //! ```text
 //! circuit, drive, start --> response (exact current, derivatives) --> information (sum over samples + prior) --> bound
@@ -6,13 +7,15 @@
 //!                                                                            +--> ramp: lag against jitter
 //! ```
 //!
-//! Cramer-Rao's bound of a stack (Butterworth 1914, Van Dyke 1928) that is driven by a sine of constant frequency at its terminals, whose
-//! voltage and current are measured by converters with white noise. Unknown are resonance, Q, Lm and C0, each with its prior, and
-//! amplitude and phase of the voltage, which are either known (a calibrated amplifier) or measured by a converter, too. The bound does
-//! not depend on the firmware.
+//! This is the Cramer-Rao bound of a stack (Butterworth 1914, Van Dyke 1928) driven at its
+//! terminals by a sine of constant frequency. Converters with white noise measure its voltage and
+//! current. Resonance, Q, Lm and C0 are unknown, each with its prior. Amplitude and phase of the
+//! voltage are either known (a calibrated amplifier) or also measured by a converter. The bound
+//! does not depend on the firmware.
 //!
-//! A bound for unbiased estimates of constants. An estimate that is drawn towards its prior does no better on average (van
-//! Trees 1968). Beside the model: one mode, no offset of the converters, no skew, no aliases, and the drive does not follow the estimate.
+//! The bound holds for unbiased estimates of constants. An estimate that is drawn towards its prior
+//! is not better on average (van Trees 1968). The model excludes further modes, converter offsets,
+//! skew and aliases, and a drive that follows the estimate.
 
 mod information;
 mod ramp;
@@ -32,15 +35,15 @@ use plant::circuit_of;
 use response::{PARAMETERS, Parameter, Response};
 use scene::{Driven, Sensors, Transducer};
 
-/// Where a curve begins, s.
+/// Beginning of a curve, s.
 const FIRST_S: f64 = 25e-6;
-/// Where a curve ends, s.
+/// End of a curve, s.
 const LAST_S: f64 = 5e-3;
 /// Number of points of a curve.
 const POINTS: u32 = 60;
-/// Longest time in which an accuracy is looked for, s.
+/// Maximum time to reach an accuracy, s.
 const LONGEST_S: f64 = 20e-3;
-/// Standard deviations to either side that hold 95 % of a Gaussian.
+/// Number of standard deviations to either side that contain 95 % of a Gaussian distribution.
 pub const DEVIATIONS_95: f64 = 1.96;
 
 /// A sinusoidal voltage at the terminals.
@@ -50,7 +53,7 @@ pub struct Drive {
     pub volts: f64,
     /// Frequency of the drive, Hz.
     pub hz: f64,
-    /// Phase of the cosine at t = 0, rad; minus a quarter of a turn is a sine, which begins at zero.
+    /// Phase of the cosine at t = 0, rad; minus a quarter turn is a sine, which begins at zero.
     pub phase_rad: f64,
 }
 
@@ -63,12 +66,12 @@ impl Drive {
 /// State of the stack at t = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Start {
-    /// A stack at rest, whose drive begins.
+    /// At rest when the drive begins.
     Rest,
-    /// A stack that has been driven for long.
+    /// Driven until settled.
     Settled,
-    /// A stack that has been driven for long with this circuit, and measured for long: its total current is known, and its
-    /// motional current as far as C0 is.
+    /// Driven with this circuit and measured until settled: its total current is known, and its
+    /// motional current as accurately as C0.
     Jump(Circuit),
 }
 
@@ -83,14 +86,15 @@ pub struct PriorKnowledge {
     pub lm: Knowledge,
     /// Prior of C0, relative.
     pub c0: Knowledge,
-    /// Prior of the voltage, relative, and of its phase, rad. Where the voltage is not known it is measured.
+    /// Prior of the voltage, relative, and of its phase, rad. An unknown voltage is measured.
     pub voltage: Knowledge,
-    /// Prior of the motional current and charge at t = 0, as currents, A. `Unknown` stands for a window of a continuing drive.
+    /// Prior of the motional current and charge at t = 0, as currents, A. `Unknown` denotes a
+    /// window of a continuing drive.
     pub state: Knowledge,
 }
 
 impl PriorKnowledge {
-    /// No prior but of the initial state and the drive, which are known.
+    /// No priors, except that initial state and drive are known.
     pub const NONE: Self = PriorKnowledge {
         resonance_hz: Knowledge::Unknown,
         q: Knowledge::Unknown,
@@ -99,11 +103,12 @@ impl PriorKnowledge {
         voltage: Knowledge::Known,
         state: Knowledge::Known,
     };
-    /// Lm and C0 are known, too.
+    /// As [`Self::NONE`], but Lm and C0 are known.
     pub const LM_AND_C0: Self = PriorKnowledge { lm: Knowledge::Known, c0: Knowledge::Known, ..PriorKnowledge::NONE };
 
-    /// Prior of a stack before a cold start: its resonance within a part of the nominal one, Q within a factor of two, Lm within a
-    /// tenth; and C0 within a quarter of a per cent, because it has been calibrated. The voltage is measured.
+    /// Returns the prior of a stack before a cold start: its resonance within `span` (relative) of
+    /// the nominal one, Q within a factor of two, Lm within 10 %, and C0 within 0.25 %, because it
+    /// has been calibrated. The voltage is measured.
     pub fn cold(nominal_hz: f64, span: f64) -> Self {
         PriorKnowledge {
             resonance_hz: Knowledge::either_side(nominal_hz * span),
@@ -121,7 +126,7 @@ impl PriorKnowledge {
     }
 }
 
-/// An experiment: a driven circuit, how it is sampled, and the priors.
+/// An experiment: driven circuit, sampling and priors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
     /// True circuit of the stack.
@@ -142,18 +147,20 @@ pub struct Setting {
     pub prior: PriorKnowledge,
 }
 
-/// Noise of a sample, the mean of its conversions, in the unit of the range's end: the converter's own and that of rounding.
+/// Returns the noise of a sample, the mean of its conversions, in the unit of `full_scale`: that of
+/// the converter and of rounding.
 pub fn noise(sensors: &Sensors, full_scale: f64) -> f64 {
     let lsb = full_scale / f64::from(1u32 << (sensors.adc_bits - 1));
     lsb * ((sensors.noise_lsb.powi(2) + 1.0 / 12.0) / f64::from(sensors.oversample)).sqrt()
 }
 
 impl Setting {
-    /// A cold start of a scene's stack, driven at the nominal frequency from rest. `None` for a stator, and where no voltage is given.
+    /// Creates a cold start of a scene's stack, driven at the nominal frequency from rest. `None`
+    /// for a stator, or if the scene gives no voltage.
     ///
-    /// The drive is that behind the amplifier's source resistance, which is counted to the stack's own; through it C0 draws its current,
-    /// too, which is left out (`omega C0 R`: 2 % at 0.3 ohm, 300 nF and 40 kHz).
-    pub fn of(scene: &Driven) -> Option<Setting> {
+    /// The amplifier's source resistance is added to the stack's own resistance. The current of C0
+    /// through it is neglected (`omega C0 R`: 2 % at 0.3 ohm, 300 nF and 40 kHz).
+    pub fn from_scene(scene: &Driven) -> Option<Setting> {
         let Transducer::Stack(..) = scene.transducer else { return None };
         let (drive, tracking, sensors) = (&scene.controller.drive, &scene.controller.tracking, scene.sensors);
         let circuit = circuit_of(scene);
@@ -170,7 +177,7 @@ impl Setting {
         })
     }
 
-    /// Information after each sample, with its time, s: without the priors.
+    /// Returns the information after each sample, without the priors, and its time, s.
     fn information(&self) -> impl Iterator<Item = (f64, Information)> {
         let response = Response::new(&self.circuit, &self.drive, &self.start);
         let (current, voltage) = (self.current_noise_a.powi(2), self.voltage_noise_v.powi(2));
@@ -185,7 +192,8 @@ impl Setting {
         })
     }
 
-    /// Bound after each sample: time, s, and least error of the resonance, Hz rms; infinite as long as the samples do not determine it.
+    /// Returns the bound after each sample: time, s, and minimum error of the resonance, Hz rms;
+    /// infinite as long as the samples do not determine it.
     fn bounds(&self) -> impl Iterator<Item = (f64, f64)> {
         let prior = self.prior.of_each();
         let mut weight = [0.0; PARAMETERS];
@@ -194,7 +202,8 @@ impl Setting {
     }
 }
 
-/// The least error of the resonance, Hz rms, against the time measured, s: from 25 us to 5 ms, evenly on a logarithmic axis.
+/// Returns the minimum error of the resonance, Hz rms, against the time measured, s: from 25 us to
+/// 5 ms with logarithmic spacing.
 pub fn bound(setting: &Setting) -> Vec<(f64, f64)> {
     let step = (LAST_S / FIRST_S).powf(f64::from(POINTS - 1).recip());
     let mut times = (0..POINTS).map(|n| FIRST_S * step.powi(n as i32)).peekable();
@@ -211,19 +220,21 @@ pub fn bound(setting: &Setting) -> Vec<(f64, f64)> {
     curve
 }
 
-/// The least error of the resonance after a time, Hz rms; infinite if the samples do not determine it by then.
+/// Returns the minimum error of the resonance after a time, Hz rms; infinite if the samples do not
+/// determine it by then.
 pub fn bound_at(setting: &Setting, time_s: f64) -> f64 {
     let half_s = 0.5 / setting.sample_hz;
     setting.bounds().take_while(|point| point.0 < time_s + half_s).last().map_or(f64::INFINITY, |point| point.1)
 }
 
-/// The least error, Hz rms, in steady state by a window of this length, s: by the phase alone, without a transient.
+/// Returns the minimum steady-state error of a window of this length, s, in Hz rms: from the phase
+/// alone, without a transient.
 pub fn steady(setting: &Setting, memory_s: f64) -> f64 {
     bound_at(&Setting { start: Start::Settled, ..*setting }, memory_s)
 }
 
-/// From when on the resonance can be played within so many Hz at 95 %, s: the time to measure it, and `latency_blocks` until the estimate is
-/// played. `None` if that takes longer than 20 ms.
+/// Returns the time after which the resonance can be played within `hz` at 95 %, s: the time to
+/// measure it, and `latency_blocks` until the estimate is played. `None` if it exceeds 20 ms.
 pub fn time_to(setting: &Setting, hz: f64, latency_blocks: f64) -> Option<f64> {
     let mut bounds = setting.bounds().take_while(|point| point.0 < LONGEST_S);
     bounds.find(|point| DEVIATIONS_95 * point.1 <= hz).map(|point| point.0 + latency_blocks * setting.block_s)

@@ -1,6 +1,8 @@
-//! The data that a run leaves: every file, its columns, units and scale. `docs/data.md` is generated from here and from the
+//! Data that a run writes: every file with its columns, units and scale.
+//! `docs/metrics-and-files.md` is generated from this module and from the
 //! [table of metrics](scene::metrics); the files are written from the same columns.
 
+mod faults_page;
 mod page;
 
 use std::fmt;
@@ -9,6 +11,7 @@ use crate::record::Row;
 use scene::metrics::MACHINE;
 use scene::schema::Schema;
 
+pub use faults_page::faults_page;
 pub use page::page;
 pub use scene::figures::{FIGURES, FigureData};
 
@@ -17,18 +20,18 @@ pub use scene::figures::{FIGURES, FigureData};
 pub struct Column {
     /// Name of the column.
     pub name: String,
-    /// Unit of the column; `1` of a ratio or a count, empty of a text.
+    /// Unit of the column; `1` for a ratio or a count, empty for text.
     pub unit: String,
     /// Meaning of the column.
     pub meaning: String,
 }
 
-/// A file that a run leaves.
+/// A file that a run writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DataFile {
     /// Name of the file.
     pub name: &'static str,
-    /// Kinds of runs that leave the file.
+    /// Kinds of runs that write the file.
     pub of: &'static str,
     /// Contents of the file.
     pub meaning: &'static str,
@@ -62,26 +65,26 @@ pub(crate) struct RowColumn {
     pub(crate) value: fn(&Row) -> Cell,
 }
 
-/// A row of the list below.
+/// Creates a column of the list below.
 const fn column(name: &'static str, unit: &'static str, meaning: &'static str, value: fn(&Row) -> Cell) -> RowColumn {
     RowColumn { name, unit, meaning, value }
 }
 
-/// The table of a whole driven run, where its scene asks for no trace.
+/// Columns of the table of a whole driven run, if its scene has no trace.
 pub(crate) const OVERVIEW: &[RowColumn] = &[
     column("time_s", "s", "End of the block", |row| Cell::Number(row.time_s)),
     column("mode", "", "Mode of the controller after it had measured this block", |row| Cell::Text(format!("{:?}", row.mode))),
-    column("fault_code", "1", "Number of the fault; 0 is none", |row| Cell::Number(row.fault.into())),
-    column("limit_code", "1", "Number of the limit; 0 is none", |row| Cell::Number(row.limit.into())),
-    column("frequency_command_hz", "Hz", "Frequency that was played", |row| Cell::Number(row.frequency_hz)),
+    column("fault_code", "1", "Number of the fault; 0 means no fault", |row| Cell::Number(row.fault.into())),
+    column("limit_code", "1", "Number of the limit; 0 means no limit", |row| Cell::Number(row.limit.into())),
+    column("frequency_command_hz", "Hz", "Drive frequency", |row| Cell::Number(row.frequency_hz)),
     column("resonance_estimate_hz", "Hz", "The controller's estimate of the resonance", |row| {
         Cell::Number(row.resonance_estimate_hz)
     }),
-    column("series_resonance_true_hz", "Hz", "Series resonance of the simulated transducer by itself", |row| {
+    column("series_resonance_true_hz", "Hz", "Series resonance of the simulated transducer alone", |row| {
         Cell::Number(row.truth.series_resonance_hz)
     }),
-    column("drive_v", "V", "Peak drive voltage that was played, times the mean envelope", |row| Cell::Number(row.drive_v)),
-    column("envelope", "1", "Mean envelope that was played, 0 to 1", |row| Cell::Number(row.envelope)),
+    column("drive_v", "V", "Peak drive voltage, times the mean envelope", |row| Cell::Number(row.drive_v)),
+    column("envelope", "1", "Mean envelope of the drive, 0 to 1", |row| Cell::Number(row.envelope)),
     column("motional_current_estimate_a", "A", "The controller's estimate of the motional current, amplitude", |row| {
         Cell::Number(row.motional_current_a)
     }),
@@ -95,25 +98,25 @@ pub(crate) const OVERVIEW: &[RowColumn] = &[
     }),
 ];
 
-/// The last periods of a contact study, step by step: name, unit, meaning.
+/// Columns of the last periods of a contact study, step by step: name, unit, meaning.
 pub(crate) const PERIODS: [(&str, &str, &str); 4] = [
     ("time_s", "s", "End of the step"),
-    ("displacement_m", "m", "Displacement of the vibration, without the sliding"),
+    ("displacement_m", "m", "Displacement by the vibration, without the sliding motion"),
     ("velocity_m_per_s", "m/s", "Velocity of the vibration"),
     ("friction_n", "N", "Friction"),
 ];
 
-/// A column of fixed texts.
+/// Creates a column from fixed texts.
 pub(crate) fn fixed((name, unit, meaning): (&str, &str, &str)) -> Column {
     Column { name: name.into(), unit: unit.into(), meaning: meaning.into() }
 }
 
-/// Fields of a JSON file.
+/// Creates the fields of a JSON file.
 fn fields(fields: &[(&str, &str, &str)]) -> Vec<Column> {
     fields.iter().copied().map(fixed).collect()
 }
 
-/// The signals that a scene's `[trace]` may ask for.
+/// Returns the signals that the `[trace]` of a scene may list.
 pub(crate) fn signals() -> Vec<Column> {
     let choices = Schema::root().at("trace.signals").and_then(Schema::items).map_or_else(Vec::new, Schema::described_choices);
     let time = fixed(("time_s", "s", "End of the sample"));
@@ -127,7 +130,7 @@ pub(crate) fn signals() -> Vec<Column> {
     std::iter::once(time).chain(choices.into_iter().map(signal)).collect()
 }
 
-/// All files that a run leaves in its folder, beside those of its figures.
+/// Returns all files that a run writes into its folder, except those of its figures.
 pub fn files() -> Vec<DataFile> {
     let machine = MACHINE.iter().map(|figure| fixed((figure.name, figure.unit, figure.meaning))).collect();
     let overview = OVERVIEW.iter().map(|column| fixed((column.name, column.unit, column.meaning))).collect();
@@ -135,83 +138,88 @@ pub fn files() -> Vec<DataFile> {
         DataFile {
             name: "manifest.json",
             of: "every run",
-            meaning: "Everything that the run depended on, and its files. It is moved into the folder last: a folder without it holds no run. Every command that \
-                      writes a folder leaves a manifest. The same command replaces the listed files, and no others. It leaves a folder as it is that holds files of \
-                      another command, a file that was changed after it was written, or an input of the command. It then uses another folder within `out` and \
-                      names it, or refuses the folder that `-o` gives. Runs of the same scene have the same manifest, except for the checksums of `machine.json` \
-                      and `report.html`, and its own",
+            meaning: "Everything that the run depends on, and its files. It is moved into the folder last: a folder without it \
+                      contains no run. Every command that writes a folder writes a manifest. The same command replaces the \
+                      listed files, and no others. A folder is not changed if it contains files of another command, a file that \
+                      was changed after it was written, or an input of the command. The command then uses another folder within \
+                      `out` and names it, or refuses the folder given by `-o`. Runs of the same scene have the same manifest, \
+                      except for the checksums of `machine.json` and `report.html`, and its own",
             columns: fields(&[
                 ("program", "", "`sim-host`"),
                 ("version", "", "Version of the program"),
                 (
                     "commit",
                     "",
-                    "Commit that the program was built from, with `+` where files had been changed; absent where it was built outside of a checkout",
+                    "Commit of the program's source, with `+` if files were changed; absent if it was built outside a checkout",
                 ),
                 ("scene", "", "Name of the scene"),
                 ("seed", "1", "Seed of all noise"),
-                ("level", "", "Where the controller ran"),
+                ("level", "", "Level at which the controller ran"),
                 ("input_hash", "", "Hash of the scene's text (CRC-64/XZ)"),
-                ("set", "", "What was changed by `--set`"),
+                ("set", "", "Changes by `--set`"),
                 ("resolved_scene", "", "The scene with all its defaults"),
                 (
                     "inherited",
                     "",
-                    "Of a scene that lies over another: its name in `base`, the values changed, and whether title, source, notes and expectations are still its own",
+                    "If the scene has a `base`: its name, the values changed, and which of title, source, notes and expectations \
+                     still apply",
                 ),
                 ("overlays_not_drawn", "", "As in `summary.json`"),
-                ("drive_hash", "", "Hash of every DAC code played; of several runs, of their hashes"),
-                ("interrupted", "", "Whether the run was stopped before its end"),
-                ("complete", "", "Whether the run is whole"),
+                ("drive_hash", "", "Hash of every DAC code played; for several runs, of their hashes"),
+                ("interrupted", "", "`true` if the run was stopped before its end"),
+                ("complete", "", "`true` if the run is complete"),
                 ("command", "", "Command that wrote the files: `run`, `import admittance`, `link commission` and so on"),
                 ("files", "", "All other files of the run"),
-                ("checksums", "", "CRC-64/XZ of each file, and of the manifest with an empty string in this place"),
+                ("checksums", "", "CRC-64/XZ of each file, and of the manifest with an empty string here"),
                 ("former", "", "Only while `complete` is false: checksums of the files of the previous run"),
             ]),
         },
         DataFile {
             name: "summary.json",
             of: "every run",
-            meaning: "The result: what `--format json` prints, without `machine`. The same, byte for byte, of every run of the same scene",
+            meaning: "The result: the output of `--format json`, without `machine`. It is identical, byte for byte, for every \
+                      run of the same scene",
             columns: fields(&[
                 ("scene", "", "Name of the scene"),
                 ("seed", "1", "Seed of all noise"),
                 (
                     "metrics",
                     "",
-                    "The metrics by their names; what has no meaning in the scene is absent, and a statistic that is infinite is null",
+                    "The metrics by name; a metric without a meaning in the scene is absent, and an infinite statistic is null",
                 ),
                 (
                     "expect",
                     "",
-                    "The expectations: `metric`, `value`, `limit`, `pass`, `source`; of a comparison also `case` and `match`; `counts` is false of one of a \
-                     base scene whose inputs were changed",
+                    "The expectations: `metric`, `value`, `limit`, `pass`, `source`; for a comparison also `case` and `match`; \
+                     `counts` is false for one inherited from a base scene whose inputs were changed",
                 ),
                 (
                     "grid",
                     "",
                     "The grid, if the scene has one: `keys` and `metrics`, each with its value at every point, and `failures`",
                 ),
-                ("comparison", "", "The comparison, if the scene has one: its cases for each of what is equal"),
+                ("comparison", "", "The comparison, if the scene has one: its cases for each matched quantity"),
                 (
                     "overlays_not_drawn",
                     "",
-                    "Measured curves of the scene that lie over no figure of the run, and why, if there are such",
+                    "Measured curves of the scene that match no figure of the run, with the reason, if there are any",
                 ),
-                ("drive_hash", "", "As in `manifest.json`; not of a contact study"),
+                ("drive_hash", "", "As in `manifest.json`; absent for a contact study"),
                 (
                     "solution",
                     "",
-                    "Of a contact study, how it was solved: `method`, `why`, `order`, `steps_per_period`, `error_estimate`, `tolerance_met`, `warnings`; and `record_error_estimate`, where the tolerance is of the record",
+                    "Solution of a contact study: `method`, `why`, `order`, `steps_per_period`, `error_estimate`, \
+                     `tolerance_met`, `warnings`; and `record_error_estimate`, if the tolerance applies to the record",
                 ),
-                ("runs", "1", "Of several runs, how many came to their end"),
-                ("interrupted", "", "Whether the run was stopped before its end"),
+                ("runs", "1", "Number of completed runs, if there are several"),
+                ("interrupted", "", "`true` if the run was stopped before its end"),
             ]),
         },
         DataFile {
             name: "machine.json",
             of: "every run",
-            meaning: "What depends on the machine, and differs from run to run; `--format json` has it as `machine`. A figure that a run does not have is absent",
+            meaning: "Figures that depend on the machine and differ from run to run; `--format json` contains them as `machine`. \
+                      A figure that does not apply is absent",
             columns: machine,
         },
         DataFile {
@@ -223,8 +231,8 @@ pub fn files() -> Vec<DataFile> {
         DataFile {
             name: "trace.csv",
             of: "a driven run with `[trace]`",
-            meaning: "The signals that the scene asks for, one row for every `trace.every` samples from `trace.from_s` to `trace.to_s`; by `trace.format` also \
-                      `trace.npy`, an array of records for NumPy, or `trace.parquet`",
+            meaning: "The signals of `trace.signals`, one row for every `trace.every` samples from `trace.from_s` to \
+                      `trace.to_s`; by `trace.format` also `trace.npy`, an array of records for NumPy, or `trace.parquet`",
             columns: signals(),
         },
         DataFile {
@@ -236,30 +244,31 @@ pub fn files() -> Vec<DataFile> {
         DataFile {
             name: "runs.csv",
             of: "a scene with `runs`",
-            meaning: "One row for each run. After the seed, a column for each key of `[[vary]]` with the value drawn; after `locked`, one for each metric that any run \
-                      has, empty where a run has none",
+            meaning: "One row for each run. After the seed, a column for each key of `[[vary]]` with the drawn value; after \
+                      `locked`, one for each metric that any run has, empty if a run lacks it",
             columns: fields(&[
                 ("run", "1", "Number of the run, from 1: `--run` with this number repeats it"),
-                ("seed", "1", "Its seed"),
-                ("locked", "1", "1 if it came to a true lock, else 0"),
+                ("seed", "1", "Seed of the run"),
+                ("locked", "1", "1 if the run reached a true lock, else 0"),
             ]),
         },
         DataFile {
             name: "grid.csv",
             of: "a scene with `[grid]`",
-            meaning: "One row for each point. Between its number and the hash a column for each key with its value, and one for each metric; empty where the point has none",
+            meaning: "One row for each point. Between its number and the hash, a column for each key and each metric; empty if \
+                      the point lacks the metric",
             columns: fields(&[
                 ("point", "1", "Number of the point, from 0; the last key changes fastest"),
-                ("drive_hash", "", "Hash of every DAC code played; not of a contact study"),
-                ("fault_code", "1", "Fault that the run ended in, 0 without; not of a contact study"),
-                ("failure", "", "Why a point has no result"),
+                ("drive_hash", "", "Hash of every DAC code played; absent for a contact study"),
+                ("fault_code", "1", "Fault that ended the run, or 0; absent for a contact study"),
+                ("failure", "", "Reason that a point has no result"),
             ]),
         },
         DataFile {
             name: "report.html",
             of: "every run",
-            meaning: "The report: tables, figures, all metrics and all inputs, in one page that needs no other file, with version, commit, date and command. Only the \
-                      date differs from run to run; `SOURCE_DATE_EPOCH` sets it",
+            meaning: "The report: tables, figures, all metrics and all inputs, in one self-contained page, with version, \
+                      commit, date and command. Only the date differs from run to run; `SOURCE_DATE_EPOCH` sets it",
             columns: Vec::new(),
         },
     ]

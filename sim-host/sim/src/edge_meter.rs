@@ -1,65 +1,72 @@
-//! Both edges of each burst, to the sample: when the DAC's first and last samples play, and the envelope of the true tip velocity from there on.
+//! Both edges of each burst, with a resolution of one sample: the times of the DAC's first and last
+//! samples, and the envelope of the true tip velocity after them.
 //!
-//! The envelope is that of the plant's own state, `sqrt(v^2 + (w_s x)^2)` of velocity and displacement at the series resonance: the amplitude that
-//! the energy of the mode holds. It needs no filter, is late by nothing, and is right within a fraction of a period; a drive that works on it makes
-//! it rise in two steps a period, of which it shows the steps.
+//! The envelope is computed from the plant's own state, `sqrt(v^2 + (w_s x)^2)` with velocity and
+//! displacement at the series resonance: the amplitude that corresponds to the energy of the mode.
+//! It needs no filter, has no delay, and is correct within a fraction of a period. A drive that
+//! does work on the mode raises it in two steps per period, which remain visible.
 //!
-//! The **first sample** of a burst is the first code that is not silence, after the gate has opened. Its **end** is the first code, after the gate
-//! has closed, that does not go on with the wave `c(n) = 2 cos(w) c(n - 1) - c(n - 2)`: silence, a brake, or a ramp down. It is **silent** after its
-//! last code above what a burst pays back.
+//! The **first sample** of a burst is the first code other than silence after the gate has opened.
+//! Its **end** is the first code, after the gate has closed, that does not continue the wave
+//! `c(n) = 2 cos(w) c(n - 1) - c(n - 2)`: silence, a brake, or a ramp down. The burst is **silent**
+//! after its last code above the compensation of a burst.
 
 use crate::schedule::first_window;
 use scene::{Burst, Driven};
 
-/// Most bursts that are recorded: the first that are played while running.
-const MOST: usize = 64;
-/// Time constants of the plant that are recorded after an edge.
-const WATCHED: f64 = 8.0;
-/// The most codes that a burst pays back in a sample.
-const PAID_BACK: f64 = 32.0;
-/// A wave goes on as long as it is within so many codes of its prediction, and within this part of its amplitude.
-const GOES_ON: (f64, f64) = (4.0, 0.02);
+/// Maximum number of recorded bursts: the first that are played in `Run`.
+const MAX_BURSTS: usize = 64;
+/// Duration recorded after an edge, in time constants of the plant.
+const WATCHED_TIME_CONSTANTS: f64 = 8.0;
+/// Largest code of a burst's compensation, codes.
+const COMPENSATION_CODES: f64 = 32.0;
+/// Maximum deviation from the prediction at which a wave continues, codes.
+const CONTINUES_CODES: f64 = 4.0;
+/// Additional deviation at which a wave continues, relative to its amplitude.
+const CONTINUES_REL: f64 = 0.02;
 
-/// The two edges of a burst as they were played.
+/// Two edges of a burst, as played.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Edges {
-    /// When the gate opened and closed, s.
+    /// Times at which the gate opened and closed, s.
     pub gate_s: (f64, f64),
-    /// The beginning of the first sample, s.
+    /// Beginning of the first sample, s.
     pub first_s: Option<f64>,
-    /// The envelope at the end of each sample from the first on, m/s.
+    /// Envelope at the end of each sample from the first on, m/s.
     pub rising: Vec<f64>,
-    /// The beginning of the first sample that does not go on with the wave, s.
+    /// Beginning of the first sample that does not continue the wave, s.
     pub end_s: Option<f64>,
-    /// The envelope at the end of each sample from that on, m/s.
+    /// Envelope at the end of each sample from the end on, m/s.
     pub falling: Vec<f64>,
-    /// How many of these were played until it fell silent.
-    pub loud: usize,
+    /// Number of samples from the end until the burst is silent.
+    pub samples_to_silence: usize,
 }
 
-/// Watches the edges of bursts.
+/// Meter of the edges of bursts.
 #[derive(Clone, Debug)]
 pub struct EdgeMeter {
     burst: Option<Burst>,
     sample_s: f64,
     watched: usize,
     mid: f64,
-    /// The burst that is being watched, and those that were.
+    /// Burst being recorded.
     now: Option<Edges>,
+    /// Recorded bursts.
     pub(crate) done: Vec<Edges>,
-    /// The last two codes about the middle, and the largest of late.
+    /// Last two codes relative to mid-scale.
     before: [f64; 2],
     largest: f64,
 }
 
 impl EdgeMeter {
-    /// A meter for the bursts of a scene whose plant has this time constant of vibration, s.
+    /// Creates a meter for the bursts of a scene; `time_constant_s` is that of the plant's
+    /// vibration.
     pub fn new(scene: &Driven, time_constant_s: f64) -> Self {
         let sample_s = 1.0 / scene.sensors.sample_hz;
         EdgeMeter {
             burst: scene.controller.burst.clone(),
             sample_s,
-            watched: (WATCHED * time_constant_s / sample_s) as usize,
+            watched: (WATCHED_TIME_CONSTANTS * time_constant_s / sample_s) as usize,
             mid: f64::from(1u32 << (scene.sensors.dac_bits - 1)),
             now: None,
             done: Vec::new(),
@@ -68,11 +75,12 @@ impl EdgeMeter {
         }
     }
 
-    /// Whether the block of `samples` samples that begins with sample number `first` is to be looked at, sample by sample. Only what is played while
-    /// `running` counts.
-    pub fn records(&mut self, first: u64, samples: u64, running: bool) -> bool {
+    /// Starts a burst whose gate opens in the block of `samples` samples from sample number
+    /// `first`, and returns `true` if the block must be passed to [`Self::record_block`]. Only
+    /// blocks played while `running` count.
+    pub fn begin_block(&mut self, first: u64, samples: u64, running: bool) -> bool {
         let (from_s, to_s) = (first as f64 * self.sample_s, (first + samples) as f64 * self.sample_s);
-        if let Some(burst) = self.burst.as_ref().filter(|_| running && self.done.len() < MOST) {
+        if let Some(burst) = self.burst.as_ref().filter(|_| running && self.done.len() < MAX_BURSTS) {
             let next = first_window(burst, from_s - 0.5 * self.sample_s).filter(|window| window.0 < to_s);
             if let Some(gate_s) = next {
                 self.done.extend(self.now.take());
@@ -84,21 +92,21 @@ impl EdgeMeter {
         watches(&now.rising) && to_s < now.gate_s.1 || to_s >= now.gate_s.1 - 4.0 * self.sample_s && watches(&now.falling)
     }
 
-    /// Takes a block: its codes, the envelope at the end of each sample, and its frequency, Hz.
-    pub fn take(&mut self, first: u64, codes: &[u16], envelope: impl Iterator<Item = f64>, frequency_hz: f64) {
+    /// Evaluates a block: its codes, the envelope at the end of each sample, and its frequency, Hz.
+    pub fn record_block(&mut self, first: u64, codes: &[u16], envelope: impl Iterator<Item = f64>, frequency_hz: f64) {
         let Some(now) = &mut self.now else { return };
         let forward = 2.0 * (std::f64::consts::TAU * frequency_hz * self.sample_s).cos();
         for ((n, &code), envelope) in (first..).zip(codes).zip(envelope) {
             let (begins_s, code) = (n as f64 * self.sample_s, f64::from(code) - self.mid);
-            // A time is a product, and that of the gate may be another.
+            // Times are products, so the time of the gate may differ by rounding.
             let after = |at_s: f64| begins_s > at_s - 0.5 * self.sample_s;
-            let begins = code != 0.0 && (self.before[0] == 0.0 || code.abs() > PAID_BACK);
+            let begins = code != 0.0 && (self.before[0] == 0.0 || code.abs() > COMPENSATION_CODES);
             if now.first_s.is_none() && after(now.gate_s.0) && begins {
                 now.first_s = Some(begins_s);
                 self.largest = 0.0;
             }
             let predicted = forward * self.before[0] - self.before[1];
-            let breaks = (code - predicted).abs() > GOES_ON.0 + GOES_ON.1 * self.largest;
+            let breaks = (code - predicted).abs() > CONTINUES_CODES + CONTINUES_REL * self.largest;
             if now.end_s.is_none() && now.first_s.is_some() && after(now.gate_s.1) && breaks {
                 now.end_s = Some(begins_s);
             }
@@ -107,8 +115,8 @@ impl EdgeMeter {
             }
             if now.end_s.is_some() && now.falling.len() < self.watched {
                 now.falling.push(envelope);
-                if code.abs() > PAID_BACK {
-                    now.loud = now.falling.len();
+                if code.abs() > COMPENSATION_CODES {
+                    now.samples_to_silence = now.falling.len();
                 }
             }
             self.largest = self.largest.max(code.abs());
@@ -116,7 +124,7 @@ impl EdgeMeter {
         }
     }
 
-    /// Every burst that was watched.
+    /// Returns every recorded burst.
     pub fn finish(mut self) -> Vec<Edges> {
         self.done.extend(self.now.take());
         self.done
@@ -129,7 +137,8 @@ mod tests {
 
     const OMEGA: f64 = std::f64::consts::TAU * 0.0404;
 
-    /// A burst of 5 periods of 300 codes from sample 1010 on, with or without a brake of two more, and 10 samples paid back.
+    /// Returns code `n` of a burst of 5 periods of 300 codes from sample 1010 on, with or without a
+    /// brake of two further periods, and 10 samples of compensation.
     fn code(n: usize, brake: bool) -> f64 {
         let wave = |n: usize| (300.0 * (OMEGA * (n as f64 - 1009.5)).sin()).round();
         match n {
@@ -156,13 +165,13 @@ mod tests {
 
     #[test]
     fn edges_are_found_to_the_sample() {
-        for (brake, loud) in [(false, 0), (true, 49)] {
+        for (brake, samples_to_silence) in [(false, 0), (true, 49)] {
             let mut meter = meter();
             for block in 0..60u64 {
                 let first = 32 * block;
-                if meter.records(first, 32, true) {
+                if meter.begin_block(first, 32, true) {
                     let codes: Vec<u16> = (0..32).map(|n| (2048.0 + code(first as usize + n, brake)) as u16).collect();
-                    meter.take(first, &codes, (0..32).map(|n| (first + n) as f64), 40.4e3);
+                    meter.record_block(first, &codes, (0..32).map(|n| (first + n) as f64), 40.4e3);
                 }
             }
             let edges = meter.finish();
@@ -171,7 +180,11 @@ mod tests {
             let (first, end) = (edges.first_s.unwrap() * 1e6, edges.end_s.unwrap() * 1e6);
             assert!((first - 1010.0).abs() < 0.01 && (end - 1134.0).abs() < 1.01, "{first} {end}");
             assert_eq!((edges.rising[0], edges.falling[0]), (first.round(), end.round()));
-            assert!(edges.loud.abs_diff(loud) <= 1, "{} samples of brake", edges.loud);
+            assert!(
+                edges.samples_to_silence.abs_diff(samples_to_silence) <= 1,
+                "{} samples of braking",
+                edges.samples_to_silence
+            );
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Evidence: the tables, figures and missed targets of a suite or of a bench, and the folder that they are written to.
+//! Evidence: tables, figures and missed targets of a suite or a bench, and the folder with them.
 
 use std::sync::atomic::AtomicBool;
 
@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 #[cfg(feature = "files")]
 use crate::output::{Folder, OutputError};
 use crate::study::StudyError;
-use crate::study::suite::{self, Judged, Progress, SuiteResult};
+use crate::study::suite::{self, Progress, SuiteResult, TargetResult};
 
 /// Result of a suite or a bench.
 #[derive(Default)]
@@ -21,11 +21,11 @@ pub struct Evidence {
     pub printed: Option<Vec<TableBlock>>,
     /// Tables for the documentation.
     pub docs: Vec<TableBlock>,
-    /// Machine-readable result, if it is more than the tables.
+    /// Machine-readable result; null if the tables contain all of it.
     pub summary: Value,
     /// Further files for the folder: name and text.
     pub files: Vec<(&'static str, String)>,
-    /// Targets that are missed.
+    /// Targets that were missed.
     pub missed: Vec<String>,
 }
 
@@ -53,7 +53,8 @@ impl Evidence {
         }
     }
 
-    /// Writes tables, figures and further files into a folder, with `footer` first in the page's provenance.
+    /// Writes tables, figures and further files into a folder; `footer` comes first in the
+    /// provenance of the page.
     #[cfg(feature = "files")]
     pub fn write(&self, footer: Vec<(String, String)>, name: &str, quick: bool, folder: &Folder) -> Result<(), OutputError> {
         let dir = folder.unfinished();
@@ -66,7 +67,8 @@ impl Evidence {
     }
 }
 
-/// Runs a suite; `more` adds figures and tables of its own. `stop` ends it, and `progress` is called with the name of each case.
+/// Runs a suite. `more` adds its own figures and tables, `stop` ends the suite, and `progress` is
+/// called with the name of each case.
 pub fn run_suite<E: From<StudyError>>(
     loaded: &LoadedSuite,
     stop: Option<&AtomicBool>,
@@ -87,7 +89,7 @@ pub fn run_suite<E: From<StudyError>>(
 
 /// Returns targets and metrics as JSON.
 fn summary(result: &SuiteResult) -> Value {
-    let target = |judged: &Judged| {
+    let target = |judged: &TargetResult| {
         let worst = judged.worst.as_ref().map(|(case, value)| json!({ "case": case, "value": value }));
         json!({
             "metric": judged.metric, "limit": judged.limit, "cases": judged.cases, "worst": worst, "pass": judged.holds(),

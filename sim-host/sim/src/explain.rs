@@ -1,4 +1,8 @@
-//! What a word means: a metric, a figure of the machine, a fault, a limit, a key of a scene, a file or a column of it.
+//! Explanation of a word: a metric, a machine figure, a fault, a limit, a key of a scene, a choice
+//! of a key, a term of the glossary, a file or a column of it.
+
+mod glossary;
+mod notes;
 
 use firmware::seam::fault::{Fault, Limit};
 
@@ -6,80 +10,91 @@ use crate::data::{FIGURES, FigureData, files};
 use scene::all_keys::{Key, Repeats, keys};
 use scene::metrics::{MACHINE, METRICS, Metric, RENAMED, machine_figure, metric, of_one_run, renamed};
 use scene::nearest::nearest;
+use scene::schema::{Kind, Schema};
 
-/// Most suggestions for a word that nothing is called.
-const SUGGESTIONS: usize = 3;
-/// Ends of the names of a figure's files.
+use glossary::TERMS;
+pub use glossary::page as glossary_page;
+pub(crate) use notes::note;
+
+/// Maximum number of suggestions for an unknown word.
+const MAX_SUGGESTIONS: usize = 3;
+/// File name extensions of a figure.
 const FIGURE_FILES: [&str; 3] = [".csv", ".svg", ".png"];
 
-/// What there is to say of a word, a text for each thing that is called so. If nothing is, the nearest names.
+/// Explains a word, with one text for each thing of this name.
 ///
 /// # Errors
-/// If nothing is called so.
+/// If nothing has this name; the error contains the nearest names.
 ///
 /// ```
 /// use sonoglide_sim::explain::explain;
 ///
-/// let said = explain("friction_ratio").expect("a metric");
-/// assert!(said[0].starts_with("friction_ratio: metric"));
+/// let texts = explain("friction_ratio").expect("a metric");
+/// assert!(texts[0].starts_with("friction_ratio: metric"));
 /// assert!(explain("fault 21").expect("a fault")[0].contains("over-current"));
 /// assert_eq!(explain("frictoin_ratio").unwrap_err()[0], "friction_ratio");
 /// ```
 pub fn explain(word: &str) -> Result<Vec<String>, Vec<String>> {
     let word = word.trim().trim_matches(['`', '[', ']']);
     let keys = keys();
-    let mut said: Vec<String> = Vec::new();
-    said.extend(metric(word).or_else(|| of_one_run(word)).map(|metric| of_metric(word, metric)));
+    let mut texts: Vec<String> = Vec::new();
+    texts.extend(metric(word).or_else(|| of_one_run(word)).map(|metric| of_metric(word, metric)));
     if let Some(present) = renamed(word).and_then(metric) {
-        said.push(format!(
-            "{word}: former name of {}\n  where a run has no metric `{word}`, it is read as `{}`",
+        texts.push(format!(
+            "{word}: former name of {}\n  if a run has no metric `{word}`, it is read as `{}`",
             present.name, present.name
         ));
     }
     let machine = machine_figure(word);
-    said.extend(machine.map(|figure| {
-        paragraph(
-            &format!("{word}: figure of the machine"),
-            figure.meaning,
-            &[("unit", figure.unit), ("stands in", "machine.json")],
-        )
+    texts.extend(machine.map(|figure| {
+        paragraph(&format!("{word}: machine figure"), figure.meaning, &[("unit", figure.unit), ("file", "machine.json")])
     }));
-    said.extend(
+    texts.extend(
         Fault::ALL
             .iter()
             .filter(|fault| is_called(word, "fault", fault.code(), fault.called(), &format!("{fault:?}")))
-            .map(|fault| numbered("fault", fault.code(), fault.called(), fault.meaning(), fault.remedy())),
+            .map(|fault| numbered(("fault", fault.code(), fault.called()), fault.meaning(), fault.remedy(), fault.place())),
     );
-    said.extend(
+    texts.extend(
         Limit::ALL
             .iter()
             .filter(|limit| is_called(word, "limit", limit.code(), limit.called(), &format!("{limit:?}")))
-            .map(|limit| numbered("limit", limit.code(), limit.called(), limit.meaning(), limit.remedy())),
+            .map(|limit| numbered(("limit", limit.code(), limit.called()), limit.meaning(), limit.remedy(), limit.place())),
     );
-    let ends_so = |path: &str| path == word || path.strip_suffix(word).is_some_and(|tables| tables.ends_with('.'));
-    said.extend(keys.iter().filter(|key| ends_so(&key.path)).map(of_key));
-    said.extend(of_files(word));
-    if said.is_empty() { Err(suggestions(word, &keys)) } else { Ok(said) }
+    // The key of a list of tables may have an index: `fault.0.kind`.
+    let names = word.split('.').filter(|name| name.parse::<u16>().is_err()).collect::<Vec<_>>().join(".");
+    let ends_so = |path: &str| path == names || path.strip_suffix(&names).is_some_and(|tables| tables.ends_with('.'));
+    texts.extend(keys.iter().filter(|key| ends_so(&key.path)).map(of_key));
+    texts.extend(of_choices(word));
+    texts.extend(
+        TERMS
+            .iter()
+            .filter(|(names, ..)| glossary::is_named(names, word))
+            .map(|(names, meaning, more)| paragraph(&format!("{names}: term"), meaning, &[("see", &format!("docs/{more}.md"))])),
+    );
+    texts.extend(of_files(word));
+    if texts.is_empty() { Err(suggestions(word, &keys)) } else { Ok(texts) }
 }
 
-/// Everything that can be explained, as lists of names.
+/// Lists all names that can be explained.
 pub fn list() -> String {
     let names = |title: &str, names: Vec<String>| format!("{title}\n  {}\n\n", names.join("\n  "));
     let mut text = names("metrics", METRICS.iter().map(|metric| metric.name.to_owned()).collect());
-    text += &names("figures of the machine", MACHINE.iter().map(|figure| figure.name.to_owned()).collect());
+    text += &names("machine figures", MACHINE.iter().map(|figure| figure.name.to_owned()).collect());
     text += &names("faults", Fault::ALL.iter().map(|fault| format!("{} {}", fault.code(), fault.called())).collect());
     text += &names("limits", Limit::ALL.iter().map(|limit| format!("{} {}", limit.code(), limit.called())).collect());
     let mut named: Vec<String> = files().iter().map(|file| file.name.to_owned()).collect();
     named.dedup();
     named.extend(FIGURES.iter().map(|figure| format!("{}.csv", figure.id)));
     text += &names("files", named);
+    text += &names("terms", TERMS.iter().map(|(names, ..)| names.split(", ").next().unwrap_or(names).to_owned()).collect());
     text + &names("keys of a scene", keys().into_iter().filter(|key| key.table.is_none()).map(|key| key.path).collect())
 }
 
 fn of_metric(word: &str, metric: &Metric) -> String {
     let several = match word {
-        word if word.ends_with("_p95") && word != metric.name => "of several runs, the value that 95 % of them do not exceed",
-        word if word.ends_with("_max") && word != metric.name => "of several runs, the largest value",
+        word if word.ends_with("_p95") && word != metric.name => "for several runs, the value that 95 % of them do not exceed",
+        word if word.ends_with("_max") && word != metric.name => "for several runs, the largest value",
         _ => metric.sign.meaning(),
     };
     let former = RENAMED.iter().filter(|(_, present)| *present == metric.name).map(|(former, _)| *former);
@@ -92,11 +107,30 @@ fn of_metric(word: &str, metric: &Metric) -> String {
     paragraph(&format!("{word}: metric"), metric.meaning, &lines)
 }
 
-fn numbered(kind: &str, code: u8, called: &str, meaning: &str, remedy: &str) -> String {
-    paragraph(&format!("{kind} {code}: {called}"), meaning, &[("remedy", remedy)])
+fn numbered((kind, code, called): (&str, u8, &str), meaning: &str, remedy: &str, place: &str) -> String {
+    let [cause, check, command] = note(code);
+    let example = if command.is_empty() { String::new() } else { format!("sim-host {command}") };
+    let lines = [("cause", cause), ("check", check), ("remedy", remedy), ("example", &example), ("see", place)];
+    paragraph(&format!("{kind} {code}: {called}"), meaning, &lines)
 }
 
-/// Whether a word is the number or the name of a fault or limit, with or without its kind before.
+/// Explains a value of keys with choices, such as the kind of a fault.
+fn of_choices(word: &str) -> Vec<String> {
+    let mut texts = Vec::new();
+    for (path, table) in Schema::tables() {
+        for (name, schema) in table.properties().filter(|(_, schema)| schema.kind() == Kind::Choice) {
+            let path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+            let meanings = schema.described_choices().into_iter().filter(|(choice, _)| *choice == word);
+            texts.extend(
+                meanings.map(|(_, meaning)| paragraph(&format!("{word}: value of `{path}`"), &meaning.replace('\n', " "), &[])),
+            );
+        }
+    }
+    texts
+}
+
+/// Returns `true` if a word is the number or the name of a fault or limit, optionally after its
+/// kind.
 fn is_called(word: &str, kind: &str, code: u8, called: &str, variant: &str) -> bool {
     let word = word.strip_prefix(kind).map_or(word, |rest| rest.trim_start_matches([' ', '-', '_']));
     let plain = |name: &str| name.to_lowercase().replace(['-', '_', ' '], "");
@@ -106,7 +140,7 @@ fn is_called(word: &str, kind: &str, code: u8, called: &str, variant: &str) -> b
 fn of_key(key: &Key) -> String {
     let title = match key.table {
         Some(Repeats::Once) => format!("[{}]: table of a scene", key.path),
-        Some(Repeats::Several) => format!("[[{}]]: tables of a scene, any number", key.path),
+        Some(Repeats::Several) => format!("[[{}]]: tables of a scene, may repeat", key.path),
         None => format!("{}: key of a scene", key.path),
     };
     let unit = key.unit.as_deref().unwrap_or_default();
@@ -114,31 +148,31 @@ fn of_key(key: &Key) -> String {
 }
 
 fn of_files(word: &str) -> Vec<String> {
-    let mut said = Vec::new();
+    let mut texts = Vec::new();
     for file in files() {
         if file.name == word {
-            let mut text = paragraph(&format!("{word}: of {}", file.of), file.meaning, &[]);
+            let mut text = paragraph(&format!("{word}: file of {}", file.of), file.meaning, &[]);
             for column in &file.columns {
                 let unit = if column.unit.is_empty() { String::new() } else { format!(" [{}]", column.unit) };
                 text += &format!("\n  {}{unit}: {}", column.name, column.meaning);
             }
-            said.push(text);
+            texts.push(text);
         }
-        // Metrics and figures of the machine have said more already.
+        // Metrics and machine figures are already explained above.
         let known = metric(word).is_some() || machine_figure(word).is_some();
-        said.extend(file.columns.iter().filter(|column| column.name == word && !known).map(|column| {
-            paragraph(&format!("{word}: in {} of {}", file.name, file.of), &column.meaning, &[("unit", &column.unit)])
+        texts.extend(file.columns.iter().filter(|column| column.name == word && !known).map(|column| {
+            paragraph(&format!("{word}: field of {} of {}", file.name, file.of), &column.meaning, &[("unit", &column.unit)])
         }));
     }
     let id = FIGURE_FILES.iter().find_map(|end| word.strip_suffix(end)).unwrap_or(word);
-    said.extend(FigureData::of(id).filter(|_| id != word || said.is_empty()).map(|figure| {
+    texts.extend(FigureData::of(id).filter(|_| id != word || texts.is_empty()).map(|figure| {
         let columns = figure.columns.join(", ");
         paragraph(&format!("{id}.csv, {id}.svg, {id}.png: a figure"), figure.meaning, &[("x", figure.x), ("columns", &columns)])
     }));
-    said
+    texts
 }
 
-/// A title, a sentence, and what else there is to say; what is empty is left out.
+/// Formats a title, a sentence and labelled lines; empty lines are omitted.
 fn paragraph(title: &str, meaning: &str, lines: &[(&str, &str)]) -> String {
     let mut text = format!("{title}\n  {meaning}");
     for (label, line) in lines.iter().filter(|(_, line)| !line.is_empty()) {
@@ -153,9 +187,10 @@ fn suggestions(word: &str, keys: &[Key]) -> Vec<String> {
     let files = files();
     let numbered = Fault::ALL.iter().map(|fault| fault.called()).chain(Limit::ALL.iter().map(|limit| limit.called()));
     let files = files.iter().map(|file| file.name);
-    let mut near: Vec<&str> = nearest(word, metrics.chain(ends).chain(files).chain(numbered));
+    let terms = TERMS.iter().flat_map(|(names, ..)| names.split(", "));
+    let mut near: Vec<&str> = nearest(word, metrics.chain(ends).chain(files).chain(numbered).chain(terms));
     near.dedup();
-    near.into_iter().take(SUGGESTIONS).map(str::to_owned).collect()
+    near.into_iter().take(MAX_SUGGESTIONS).map(str::to_owned).collect()
 }
 
 #[cfg(test)]
@@ -181,21 +216,25 @@ mod tests {
             ("machine.json", "wall_s [s]"),
             ("trace.csv", "time_s [s]"),
             ("hysteresis.csv", "columns   friction_n"),
+            ("fault.0.kind", "fault.kind: key of a scene"),
+            ("encoder_lies", "value of `fault.kind`"),
+            ("22", "see       docs/faults.md#fault-22"),
+            ("SIL", "term"),
         ] {
             assert!(first(word).contains(says), "{word}: {}", first(word));
         }
-        assert!(explain("speed_m_per_s").is_ok_and(|said| said.len() >= 2), "of slider and belt");
+        assert!(explain("speed_m_per_s").is_ok_and(|texts| texts.len() >= 2), "a key of slider and belt");
     }
 
     #[test]
-    fn whatever_is_listed_is_explained() {
+    fn every_listed_name_is_explained() {
         for name in list().lines().filter_map(|line| line.strip_prefix("  ")) {
             assert!(explain(name).is_ok() || name.split_once(' ').is_some_and(|(code, _)| explain(code).is_ok()), "{name}");
         }
     }
 
     #[test]
-    fn a_slip_is_answered_with_the_nearest_names() {
+    fn misspelt_words_get_the_nearest_names() {
         assert_eq!(explain("overshot_percent").unwrap_err(), ["overshoot_percent"]);
         assert!(explain("xyzzy plugh").unwrap_err().is_empty());
     }

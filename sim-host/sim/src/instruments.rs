@@ -1,7 +1,9 @@
-//! Instruments: what is measured of a run, and how that is shown. One phenomenon has one folder, with its metrics, its tables and its figures.
+//! Instruments: measurements of a run and their presentation. Each phenomenon has one folder with
+//! its metrics, tables and figures.
 //!
-//! [`DRIVEN`] lists the instruments of a driven run. Metrics, reports and figures walk this list; an instrument of which a scene has nothing adds
-//! nothing. What is shown of a contact study and of many runs stands with them, in [`study`](crate::study).
+//! [`DRIVEN`] lists the instruments of a driven run. Metrics, reports and figures iterate over this
+//! list; an instrument that does not apply to a scene adds nothing. The presentation of contact
+//! studies and of several runs is in [`study`](crate::study).
 
 pub mod belt;
 mod belt_stop;
@@ -30,12 +32,12 @@ use crate::record::{Record, Window};
 use report::{Figure, TableBlock};
 use scene::Driven;
 
-/// A metric that comes first in a report: label, metric, unit.
+/// Headline metric of a report: label, metric, unit.
 pub type Line = (&'static str, &'static str, &'static str);
 
 /// One phenomenon of a driven run.
 pub trait Instrument: Sync {
-    /// The stretches of a run of this scene that are to be recorded sample by sample.
+    /// Returns the windows of a run of this scene that must be recorded sample by sample.
     fn windows(&self, _scene: &Driven) -> Vec<Window> {
         Vec::new()
     }
@@ -43,22 +45,22 @@ pub trait Instrument: Sync {
     /// Adds the metrics of a run.
     fn metrics(&self, _run: &View, _metrics: &mut Metrics) {}
 
-    /// The metrics that come first in a report.
+    /// Returns the headline metrics of a report.
     fn headline(&self) -> &'static [Line] {
         &[]
     }
 
-    /// Sentences that a reader needs before the numbers.
+    /// Returns sentences that a reader needs before the numbers.
     fn remarks(&self, _run: &View) -> Vec<String> {
         Vec::new()
     }
 
-    /// The tables of a run and its metrics.
+    /// Returns the tables of a run and its metrics.
     fn tables(&self, _run: &View, _metrics: &Metrics) -> Vec<TableBlock> {
         Vec::new()
     }
 
-    /// The figures of a run, the most telling first.
+    /// Returns the figures of a run, the most important first.
     fn figures(&self, _run: &View) -> Vec<Figure> {
         Vec::new()
     }
@@ -84,27 +86,28 @@ pub static DRIVEN: [&dyn Instrument; 16] = [
     &processor::ProcessorLoad,
 ];
 
-/// The windows of all instruments, for a run of this scene.
+/// Returns the windows of all instruments for a run of this scene.
 pub fn windows(scene: &Driven) -> Vec<Window> {
     DRIVEN.iter().flat_map(|instrument| instrument.windows(scene)).collect()
 }
 
-/// The metrics of a driven run.
+/// Returns the metrics of a driven run.
 pub fn measure(scene: &Driven, record: &Record) -> Metrics {
     metrics(&View::new(scene, record))
 }
 
-/// The windows that a run needs for its metrics alone: those of its figures where these are held against a measurement.
+/// Returns the windows that a run needs only for its metrics: those of its figures if they are
+/// compared with a measurement.
 pub fn windows_of_metrics(scene: &Driven) -> Vec<Window> {
     if scene.overlay.is_empty() { Vec::new() } else { windows(scene) }
 }
 
-/// The metrics of a driven run that is looked at already.
+/// Returns the metrics of a driven run from its view.
 pub fn metrics(view: &View) -> Metrics {
     overlaid(view).0
 }
 
-/// The metrics of a driven run, and its figures with the measured curves over them where the scene has such.
+/// Returns the metrics of a driven run, and its figures with measured curves if the scene has any.
 pub fn overlaid(view: &View) -> (Metrics, Option<Overlaid>) {
     let mut metrics = Metrics::default();
     for instrument in DRIVEN {
@@ -116,7 +119,7 @@ pub fn overlaid(view: &View) -> (Metrics, Option<Overlaid>) {
     (metrics, overlaid)
 }
 
-/// The figures of a driven run, the most telling first.
+/// Returns the figures of a driven run, the most important first.
 pub fn figures(view: &View) -> Vec<Figure> {
     DRIVEN.iter().flat_map(|instrument| instrument.figures(view)).collect()
 }

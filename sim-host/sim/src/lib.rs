@@ -1,4 +1,5 @@
-//! Runs of a scene: the firmware's controller against the plant, what is measured, and how the results are shown.
+//! Runs of a scene: the firmware's controller against the plant, measurements, and presentation of
+//! the results.
 //!
 //! ```text
 //! scene [controller] --> settings --> processor (the firmware's controller, here or in an emulator)
@@ -7,13 +8,13 @@
 //!   |                                     | v
 //!   +------------------------------> plant (stack, contact, rig) --> record ---+
 //!                                                                              v
-//! scene [excitation] --> problem --> contact (solved by itself) --> playback --> instruments (metrics, tables, figures) --> report
+//! scene [excitation] --> problem --> contact (solved alone) --> playback --> instruments (metrics, tables, figures) --> report
 //! ```
 //!
 //! # Example
 //!
-//! The controller holds a resonance that jumps (`scene` is the package `sonoglide-scene`). No clock, thread or terminal is needed; a caller that
-//! has them passes them in [`study::Options`].
+//! The controller follows a resonance that jumps (`scene` is the package `sonoglide-scene`). No
+//! clock, thread or terminal is needed; a caller that has them passes them in [`study::Options`].
 //!
 //! ```
 //! use scene::load::load;

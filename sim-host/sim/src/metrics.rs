@@ -1,23 +1,24 @@
-//! Numbers from a study, by the names of the [table of metrics](scene::metrics). What cannot be said of a study is absent, never zero.
+//! Metrics of a study, by the names of the [table of metrics](scene::metrics). A metric that does
+//! not apply to a study is absent, never zero.
 
 use scene::metrics::{rank, renamed};
 
-/// Named numbers, in the order of the table.
+/// Named metrics, in the order of the table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metrics(Vec<(&'static str, f64)>);
 
 impl Metrics {
-    /// The value of a metric, if this study has it.
+    /// Returns the value of a metric, if this study has it.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.0.iter().find(|(have, _)| *have == name).map(|&(_, value)| value)
     }
 
-    /// The value of a metric by its name or, where this study has none of that name, by its former name.
+    /// Returns the value of a metric by its name or, if this study lacks it, by its former name.
     pub fn find(&self, name: &str) -> Option<f64> {
         self.get(name).or_else(|| self.get(renamed(name)?))
     }
 
-    /// All of them, in order.
+    /// Iterates over all metrics, in order.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
         self.0.iter().copied()
     }

@@ -1,18 +1,18 @@
-//! Numbers as tables show them.
+//! Formatting of numbers for tables.
 
 use std::collections::BTreeSet;
 
-/// A number with four significant digits.
+/// Formats a number with four significant digits.
 pub fn number(value: f64) -> String {
     digits(value, 4)
 }
 
-/// A number with seven significant digits, to be compared with others.
+/// Formats a number with seven significant digits, for comparison with others.
 pub(crate) fn precise(value: f64) -> String {
     digits(value, 7)
 }
 
-/// Numbers with as few significant digits as tell them apart, but at least four.
+/// Formats numbers with the fewest significant digits, at least four, that distinguish them.
 pub(crate) fn distinct(values: &[f64]) -> Vec<String> {
     let wanted = values.iter().map(|value| value.to_bits()).collect::<BTreeSet<_>>().len();
     let texts = |count: usize| values.iter().map(|&value| digits(value, count)).collect::<Vec<_>>();
@@ -28,7 +28,7 @@ fn digits(value: f64, digits: usize) -> String {
     if !(1e-3..1e7).contains(&size) {
         return format!("{value:.*e}", digits - 1);
     }
-    // Digits after the point such that there are as many in all; whole numbers keep none.
+    // The decimals complete the number of digits; whole numbers have none.
     let before = size.log10().floor() as i32 + 1;
     let after = (digits as i32 - before).max(0) as usize;
     let text = format!("{value:.after$}");
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_read_well() {
+    fn numbers_have_their_significant_digits() {
         assert_eq!(number(67.440_118), "67.44");
         assert_eq!(number(0.144), "0.144");
         assert_eq!(number(2.0008e-8), "2.001e-8");

@@ -1,4 +1,4 @@
-//! What a study leaves in its folder: manifest, summary, trace, report and figures.
+//! Output of a study into its folder: manifest, summary, trace, report and figures.
 
 mod folder;
 mod grid_file;
@@ -26,24 +26,24 @@ use scene::resolved::resolved_json;
 pub use crate::summary::{machine, printed, summary};
 pub use folder::{Folder, Owner, default_dir};
 
-/// What went wrong with the folder.
+/// Error of writing a folder.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// A file cannot be written.
     #[error("cannot write `{path}`")]
     Write {
-        /// The file or folder.
+        /// File or folder.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         #[source]
         io: io::Error,
     },
     /// A file in the folder may not be replaced.
     #[error("`{path}` {why}, and is not replaced: move it, or choose another folder with -o")]
     Taken {
-        /// The file.
+        /// File.
         path: PathBuf,
-        /// Why, as a predicate.
+        /// Reason, as a predicate.
         why: String,
     },
     /// Another run is being written into the folder.
@@ -51,47 +51,48 @@ pub enum OutputError {
         "another run is being written into `{path}`, by process {process}: wait for its end, or choose another folder with -o"
     )]
     Held {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// Who writes it.
+        /// Process that writes it.
         process: String,
     },
     /// After the run, a file in the folder may not be replaced.
     #[error(
-        "`{path}` {why}, and is not replaced; the whole result is in `{run}`: move one of the two, or choose another folder with -o"
+        "`{path}` {why}, and is not replaced; the complete result is in `{run}`: move one of the two, or choose another folder \
+         with -o"
     )]
     InTheWay {
-        /// The file.
+        /// File.
         path: PathBuf,
-        /// Why, as a predicate.
+        /// Reason, as a predicate.
         why: String,
-        /// Where the result is.
+        /// Folder of the result.
         run: PathBuf,
     },
-    /// A figure or the report.
+    /// A figure or the report cannot be written.
     #[error(transparent)]
     Report(#[from] ReportError),
     /// The trace cannot be written.
     #[error("cannot write the trace")]
     Trace(#[from] csv::Error),
-    /// The table of several runs.
+    /// The table of several runs cannot be written.
     #[error("cannot write the table of the runs")]
     Runs(#[source] csv::Error),
-    /// The table of the grid.
+    /// The table of the grid cannot be written.
     #[error("cannot write the table of the grid")]
     Grid(#[source] csv::Error),
 }
 
-/// What a folder's pages show beside the results: how figures are drawn, and where they come from.
+/// Presentation of a folder's results: size and formats of the figures, and provenance.
 #[derive(Clone, Debug, Default)]
 pub struct Presentation {
     /// Size and formats of the figures.
     pub drawing: Drawing,
-    /// The command, the commit and the date.
+    /// Command, commit and date.
     pub provenance: Provenance,
 }
 
-/// The manifest: everything that the run depended on.
+/// Returns the manifest: everything that the run depended on.
 fn manifest(loaded: &Loaded, study: &Study, provenance: &Provenance) -> Value {
     let mut manifest = json!({
         "scene": study.name, "seed": study.scene.seed,
@@ -107,12 +108,12 @@ fn manifest(loaded: &Loaded, study: &Study, provenance: &Provenance) -> Value {
     with_own(with_not_drawn(manifest, study), study)
 }
 
-/// Writes everything into `dir`, which is created if it does not exist, and replaces the run that it holds.
+/// Writes a study into `dir`, which is created if needed, and replaces the run in it.
 pub fn write(loaded: &Loaded, study: &Study, dir: &Path) -> Result<(), OutputError> {
     write_into(loaded, study, &Folder::open(dir, Owner::new("run", loaded.files()))?, &Presentation::default())
 }
 
-/// Writes everything into a folder, and replaces the run that it holds.
+/// Writes a study into a folder, and replaces the run in it.
 pub fn write_into(loaded: &Loaded, study: &Study, folder: &Folder, shown: &Presentation) -> Result<(), OutputError> {
     let dir = folder.unfinished();
     for (name, json) in [("summary.json", summary(study)), ("machine.json", machine(study))] {

@@ -1,10 +1,11 @@
-//! Measured curves over the figures of a run, and how far the simulated ones are from them.
+//! Measured curves in the figures of a run, and their deviations from the simulated curves.
 //!
 //! ```text
 //! r_i = y(x_i) - y_i        rms = sqrt(sum r_i^2 / n),  largest = max |r_i|
 //! ```
 //!
-//! with `y(x)` along straight lines between the points of the simulated curve, and only the measured points within its ends.
+//! `y(x)` is interpolated linearly between the points of the simulated curve. Only measured points
+//! within its range count.
 
 use crate::metrics::Metrics;
 use crate::numbers::number;
@@ -14,28 +15,29 @@ use scene::figures::MEASURED;
 use scene::metrics;
 use scene::schema::unit_of;
 
-/// A measured curve and the simulated one.
+/// Deviation of a simulated curve from a measured one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Residual {
     /// Name of the measured curve in the legend.
     pub name: String,
-    /// The figure that both are in.
+    /// Id of the figure with both curves.
     pub figure: String,
     /// Column of the simulated curve.
     pub quantity: String,
-    /// Measured points within the ends of the simulated curve.
+    /// Number of measured points within the range of the simulated curve.
     pub points: usize,
     /// Root mean square of the differences, in the unit of the quantity.
     pub rms: f64,
-    /// Largest size of a difference.
+    /// Largest absolute difference.
     pub largest: f64,
 }
 
-/// The metrics of a unit: how many of it one of the quantity's unit is, root mean square, largest.
-type OfUnit = (&'static str, f64, &'static str, &'static str);
+/// Metrics of a unit: symbol, factor to the unit of the metrics, names of root mean square and
+/// largest.
+type UnitMetrics = (&'static str, f64, &'static str, &'static str);
 
-/// Units that residuals are given in.
-const UNITS: [OfUnit; 14] = [
+/// Units of residuals.
+const UNITS: [UnitMetrics; 14] = [
     ("N", 1.0, "overlay_rms_n", "overlay_max_n"),
     ("m/s", 1.0, "overlay_rms_m_per_s", "overlay_max_m_per_s"),
     ("Hz", 1.0, "overlay_rms_hz", "overlay_max_hz"),
@@ -52,23 +54,25 @@ const UNITS: [OfUnit; 14] = [
     ("1", 1.0, "overlay_rms", "overlay_max"),
 ];
 
-/// Unit of a curve, by the name of its column. A susceptance is in siemens, whose letter is that of the second.
+/// Returns the unit of a curve from the name of its column. A susceptance is in siemens, although
+/// its suffix `_s` denotes seconds elsewhere.
 fn unit(quantity: &str) -> String {
     if quantity.starts_with("susceptance") { "S".into() } else { unit_of(quantity).unwrap_or_else(|| "1".into()) }
 }
 
-/// Figures of a run with the measured curves over them.
+/// Figures of a run with measured curves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlaid {
-    /// The figures.
+    /// Figures of the run.
     pub figures: Vec<Figure>,
-    /// Each measured curve that lies over one, against the simulated curve.
+    /// Residuals of the measured curves that were drawn.
     pub residuals: Vec<Residual>,
-    /// Which measured curves lie over none, and why: a sentence each.
+    /// Measured curves that were not drawn, with the reasons: one sentence each.
     pub not_drawn: Vec<String>,
 }
 
-/// Lays the measured curves over the figures that they belong to. `hz` is the frequency by which an axis in periods of the excitation is counted.
+/// Draws the measured curves in their figures. `hz` is the excitation frequency, for an axis in
+/// periods of the excitation.
 pub fn lay(mut figures: Vec<Figure>, overlays: &[Overlay], hz: Option<f64>) -> Overlaid {
     let (mut residuals, mut not_drawn) = (Vec::new(), Vec::new());
     for overlay in overlays {
@@ -80,7 +84,7 @@ pub fn lay(mut figures: Vec<Figure>, overlays: &[Overlay], hz: Option<f64>) -> O
     Overlaid { figures, residuals, not_drawn }
 }
 
-/// Why a measured curve lies over none of these figures.
+/// Returns the sentence that states why a measured curve was not drawn.
 fn not_drawn_because(figures: &[Figure], overlay: &Overlay, hz: Option<f64>) -> String {
     let has = |figure: &&Figure| figure.series.iter().any(|series| series.csv_column == overlay.quantity);
     let named = overlay.figure.as_ref().filter(|id| figures.iter().all(|figure| figure.id != **id));
@@ -95,12 +99,13 @@ fn not_drawn_because(figures: &[Figure], overlay: &Overlay, hz: Option<f64>) -> 
                 (Some((from, to)), Some((least, most))) => {
                     let [from, to, least, most] = [from, to, least, most].map(number);
                     format!(
-                        "its points are from {from} to {to}, and the curve of the figure `{id}` is from {least} to {most}, {axis}"
+                        "its points range from {from} to {to}, but the curve of figure `{id}` ranges from {least} to {most}, \
+                         {axis}"
                     )
                 }
                 _ => format!(
-                    "the figure `{id}` is along {axis}, and the points along {}",
-                    overlay.x_unit.as_deref().unwrap_or("a number")
+                    "the axis of figure `{id}` is {axis}, but the unit of the points is {}",
+                    overlay.x_unit.as_deref().unwrap_or("none")
                 ),
             }
         }
@@ -117,7 +122,7 @@ fn over(figure: &mut Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Resid
     let x = places(figure, overlay, hz)?;
     let mut points: Vec<(f64, f64)> = x.into_iter().zip(overlay.values.iter().copied()).collect();
     if figure.interactive {
-        // A plot that can be zoomed needs them in order.
+        // A plot with zoom needs sorted points.
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
     }
     let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
@@ -131,13 +136,13 @@ fn over(figure: &mut Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Resid
         rms,
         largest,
     });
-    // A long record does not make the run a small part of its own figure.
+    // A long measurement must not compress the run to a small part of its figure.
     if x.iter().any(|x| *x < least || *x > most) {
         figure.x.range.get_or_insert((least, most));
     }
     let csv_column = format!("{MEASURED}{}", overlay.quantity);
     figure.series.push(Series { name: overlay.legend(), csv_column, x, y, style: Style::Points });
-    // A curve that goes back and forth along its axis has no difference at a place, and is drawn all the same.
+    // A curve that is not monotonic in x has no residual, but is drawn.
     Some(residual.unwrap_or_else(|| Residual {
         name: overlay.legend(),
         figure: figure.id.clone(),
@@ -148,7 +153,7 @@ fn over(figure: &mut Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Resid
     }))
 }
 
-/// The measured points along the axis of a figure; none where they are along another quantity.
+/// Converts the measured points to the axis of a figure; `None` if they have another quantity.
 fn places(figure: &Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Vec<f64>> {
     let axis = figure.x.label.rsplit_once('[').and_then(|(_, rest)| rest.split(']').next());
     match (axis, hz) {
@@ -159,20 +164,21 @@ fn places(figure: &Figure, overlay: &Overlay, hz: Option<f64>) -> Option<Vec<f64
     }
 }
 
-/// The least and the largest place, if there are any.
+/// Returns the smallest and the largest place, if there are any.
 fn ends(places: &[f64]) -> Option<(f64, f64)> {
     let finite = places.iter().copied().filter(|x| x.is_finite());
     finite.fold(None, |ends: Option<(f64, f64)>, x| Some(ends.map_or((x, x), |(least, most)| (least.min(x), most.max(x)))))
 }
 
-/// Number of points, root mean square and largest difference; none where the curve goes back along its axis, or no point is within its ends.
+/// Returns number of points, root mean square and largest difference; `None` if the curve is not
+/// monotonic in x, or if no point is within its range.
 fn residual(simulated: &Series, x: &[f64], y: &[f64]) -> Option<(usize, f64, f64)> {
     let ascends = simulated.x.is_sorted_by(|a, b| a <= b);
     let value = |place: f64| {
         let after = simulated.x.partition_point(|&x| x <= place);
         let (before, after) = (after.checked_sub(1)?, after.min(simulated.x.len().checked_sub(1)?));
         let [(x0, y0), (x1, y1)] = [before, after].map(|at| (simulated.x[at], simulated.y[at]));
-        // The last place itself is within; what lies beyond it is not.
+        // The last place itself is within the range.
         let part = if place == x0 { 0.0 } else { (place - x0) / (x1 - x0) };
         (0.0..=1.0).contains(&part).then_some(if part == 0.0 { y0 } else { y0 + (y1 - y0) * part })
     };
@@ -190,19 +196,19 @@ fn residual(simulated: &Series, x: &[f64], y: &[f64]) -> Option<(usize, f64, f64
     Some((differences.len(), (squares / differences.len() as f64).sqrt(), largest))
 }
 
-/// Whether a metric holds a measured curve against a simulated one.
+/// Returns `true` if a metric compares a measured curve with a simulated one.
 pub fn is_metric(name: &str) -> bool {
     let name = metrics::of_one_run(name).map_or(name, |metric| metric.name);
     UNITS.iter().any(|(.., rms, max)| [*rms, *max].contains(&name))
 }
 
-/// Puts the residuals into the metrics: of several overlays in one unit, the worst.
+/// Adds the residuals to the metrics: for several overlays in one unit, the worst.
 pub(crate) fn put<'a>(residuals: impl IntoIterator<Item = &'a Residual>, metrics: &mut Metrics) {
     let residuals: Vec<&Residual> = residuals.into_iter().collect();
     if residuals.is_empty() {
         return;
     }
-    let names = |which: fn(&OfUnit) -> &'static str| {
+    let names = |which: fn(&UnitMetrics) -> &'static str| {
         let mut names: Vec<&'static str> = UNITS.iter().map(which).collect();
         names.dedup();
         names
@@ -223,7 +229,7 @@ pub(crate) fn put<'a>(residuals: impl IntoIterator<Item = &'a Residual>, metrics
     }
 }
 
-/// The residuals as a table.
+/// Returns the residuals as a table.
 pub fn table(residuals: &[Residual]) -> TableBlock {
     let rows = residuals.iter().map(|residual| {
         let unit = unit(&residual.quantity);
@@ -231,7 +237,7 @@ pub fn table(residuals: &[Residual]) -> TableBlock {
         let cells = [residual.name.clone(), residual.figure.clone(), residual.quantity.clone(), residual.points.to_string()];
         cells.into_iter().chain([shown(residual.rms), shown(residual.largest)]).collect()
     });
-    let caption = "Simulated less measured, at the measured points that lie within the ends of the simulated curve";
+    let caption = "Simulated minus measured, at the measured points within the range of the simulated curve";
     let header = ["measured curve", "figure", "simulated curve", "points", "rms", "largest"];
     TableBlock::new("overlays", "Measured and simulated", caption, &header, rows.collect())
 }
@@ -245,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn differences_are_taken_at_the_measured_points_within_the_curve() {
+    fn residuals_use_points_within_the_simulated_range() {
         let curve = line(&[0.0, 1.0, 2.0], &[0.0, 2.0, 2.0]);
         let (points, rms, largest) = residual(&curve, &[-1.0, 0.0, 0.5, 2.0, 2.1], &[9.0, 0.0, 1.5, 1.0, 9.0]).unwrap();
         assert_eq!((points, largest), (3, 1.0));
@@ -255,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn a_curve_that_no_figure_has_is_named_with_the_reason() {
+    fn curve_without_a_figure_is_reported_with_the_reason() {
         let figure = Figure {
             id: "friction".into(),
             x: report::Axis { label: "time [s]".into(), ..report::Axis::default() },
@@ -279,8 +285,8 @@ mod tests {
         let why = [
             "no figure `hysteresis`",
             "no figure of this run has the curve `load_cell_n`",
-            "is along time [s], and the points along m",
-            "its points are from 2.5 to 2.5, and the curve of the figure `friction` is from 0 to 1, time [s]",
+            "the axis of figure `friction` is time [s], but the unit of the points is m",
+            "its points range from 2.5 to 2.5, but the curve of figure `friction` ranges from 0 to 1, time [s]",
         ];
         for (said, why) in laid.not_drawn.iter().zip(why) {
             assert!(said.contains(why) && said.ends_with("Figures of this run: `friction`."), "{said}");
@@ -299,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_curves_in_one_unit_the_worse_counts() {
+    fn worst_of_two_curves_in_one_unit_counts() {
         let of = |quantity: &str, rms: f64| Residual {
             name: String::new(),
             figure: String::new(),

@@ -1,19 +1,20 @@
-//! Where the controller runs: here, or as thumb code in an emulator. The rest of a run does not know which.
+//! Processor of the controller: this process, or an emulator of thumb code. The rest of a run is
+//! independent of it.
 
 use firmware::controller::Controller;
 use firmware::seam::block::{DriveBlock, Orders, SenseBlock};
 use firmware::seam::config::Config;
 use firmware::seam::telemetry::Telemetry;
 
-/// Something that runs the controller, one block a call.
+/// Processor that runs the controller, one block per call.
 pub trait Processor {
-    /// A block of silence, which plays until the first call has returned.
+    /// Returns a block of silence, which plays until the first call has returned.
     fn silence(&self) -> DriveBlock;
 
-    /// One block. Fails only where the controller runs elsewhere and is lost.
+    /// Processes one block. Fails only if the controller runs in another process that is lost.
     fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost>;
 
-    /// The same, with the report in the place of an earlier one.
+    /// Processes one block and overwrites the report.
     fn process_into(
         &mut self,
         orders: &Orders,
@@ -25,77 +26,80 @@ pub trait Processor {
         Ok(())
     }
 
-    /// The sample of the block after the latest one from which a [dropped](DriveBlock::drops_queue) queue was silent, where that was measured.
+    /// Returns the sample of the block after the latest one from which a
+    /// [dropped](DriveBlock::drops_queue) queue was silent, if measured.
     fn silent_from(&self) -> Option<usize> {
         None
     }
 
-    /// Instructions that the latest block has taken, where they are counted.
+    /// Returns the instructions of the latest block, if counted.
     fn instructions(&self) -> Option<u32> {
         None
     }
 
-    /// Cycles that the latest block has taken of the processor, with what surrounds the controller there, where they are counted.
+    /// Returns the processor cycles of the latest block, including the code around the controller,
+    /// if counted.
     fn cycles(&self) -> Option<u32> {
         None
     }
 
-    /// What the processor's time has gone to, where its part is modelled.
+    /// Returns the load of the processor, if its part is modelled.
     fn load(&self) -> Option<Load> {
         None
     }
 
-    /// What the controller has needed of its memory so far, where that is measured.
+    /// Returns the memory that the controller has used so far, if measured.
     fn memory(&mut self) -> Result<Option<Memory>, Lost> {
         Ok(None)
     }
 }
 
-/// What the time of a part went to that runs the block interrupt and a background task.
+/// Load of a part that runs the block interrupt and a background task.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Load {
-    /// Cycles of a block.
+    /// Duration of a block, cycles.
     pub block_cycles: u32,
-    /// Of the block interrupt's instruction fetches those from flash, 0 to 1.
+    /// Fraction of the block interrupt's instruction fetches that are from flash, 0 to 1.
     pub flash_fetches: f64,
-    /// The longest time with interrupts masked, cycles.
+    /// Longest time with interrupts masked, cycles.
     pub longest_masked: u32,
-    /// What each function took of the block interrupts, the most cycles first; empty where it was not asked for.
+    /// Share of each function in the block interrupts, the most cycles first; empty if not
+    /// requested.
     pub functions: Vec<InFunction>,
 }
 
-/// What a function took.
+/// Share of a function.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InFunction {
-    /// Its name.
+    /// Name of the function.
     pub name: String,
-    /// Instructions executed in it.
+    /// Number of instructions executed in it.
     pub instructions: u64,
-    /// Cycles of them.
+    /// Cycles of these instructions.
     pub cycles: u64,
-    /// Fetches of them from flash, of 8 bytes each.
+    /// Number of fetches from flash for them, of 8 bytes each.
     pub flash_fetches: u64,
 }
 
-/// What a controller on a processor of its own needs of its memory, bytes.
+/// Memory of a controller on its own processor, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
-    /// The deepest that the stack was until the controller was built.
+    /// Maximum stack depth until the controller was built.
     pub stack_power_up: u32,
-    /// The deepest that it was in the blocks.
+    /// Maximum stack depth in the blocks.
     pub stack_blocks: u32,
-    /// Flash: code, constants, and what the static variables begin with.
+    /// Flash: code, constants, and initial values of the static variables.
     pub flash: u64,
-    /// Static variables, the controller among them.
+    /// Static variables, including the controller.
     pub ram: u64,
 }
 
-/// The processor is gone.
+/// Error of a lost processor.
 #[derive(Debug, thiserror::Error)]
 #[error("the processor that runs the controller is lost: {0}")]
 pub struct Lost(pub String);
 
-/// The controller in this process.
+/// Controller in this process.
 pub struct Here(Controller);
 
 impl Here {

@@ -1,18 +1,18 @@
-//! Where a report comes from, as far as a program knows and a study does not: the command, the commit, the date.
+//! Provenance of a report: command, commit and date, which the program knows and a study does not.
 
-/// What a report says of its origin beside the scene and its seed.
+/// Provenance of a report in addition to the scene and its seed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Provenance {
-    /// The command that makes it again.
+    /// Command that reproduces the report.
     pub command: Option<String>,
-    /// The commit that the program was built from.
+    /// Commit of the program's source.
     pub commit: Option<String>,
-    /// When it was made.
+    /// Date of the report.
     pub date: Option<String>,
 }
 
 impl Provenance {
-    /// What stands at the foot of a report: label and value.
+    /// Returns the footer of a report: labels and values.
     pub fn footer(&self) -> Vec<(String, String)> {
         let version = ("sim-host", Some(crate::VERSION.to_owned()));
         let known = [version, ("commit", self.commit.clone()), ("date", self.date.clone()), ("command", self.command.clone())];
@@ -20,7 +20,7 @@ impl Provenance {
     }
 }
 
-/// A command as a shell reads it back: words with anything but plain characters are quoted.
+/// Formats a command for a shell: words with special characters are quoted.
 pub fn command_line<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+%@".contains(c);
     let quoted = |word: &str| {
@@ -34,13 +34,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn commands_are_read_back_as_they_were() {
+    fn commands_are_quoted_for_a_shell() {
         let words = ["sim-host", "run", "my scene.toml", "--set", "trace.signals=[\"friction_n\"]", "it's", ""];
         assert_eq!(command_line(words), r#"sim-host run 'my scene.toml' --set 'trace.signals=["friction_n"]' 'it'\''s' ''"#);
     }
 
     #[test]
-    fn what_is_not_known_is_not_said() {
+    fn unknown_provenance_is_omitted() {
         let labels = |of: &Provenance| of.footer().into_iter().map(|(label, _)| label).collect::<Vec<_>>();
         assert_eq!(labels(&Provenance::default()), ["sim-host"]);
         let known = Provenance { commit: Some("1a2b".into()), ..Provenance::default() };

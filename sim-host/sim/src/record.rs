@@ -1,4 +1,5 @@
-//! What a run leaves behind: one row a block, three ways (command, estimate, truth), and a few windows sample by sample.
+//! Record of a run: one row per block with command, estimate and truth, and several windows sample
+//! by sample.
 
 use firmware::generate::nco::cycles_per_sample;
 use firmware::seam::block::SlowSense;
@@ -19,7 +20,7 @@ use plant::truth::{MotorTruth, Sample, Truth};
 /// Record of one block: command, estimate, measurement and truth.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// Place of the row in its record.
+    /// Index of the row in its record.
     pub number: u32,
     /// Time at the block's end, s.
     pub time_s: f64,
@@ -29,29 +30,29 @@ pub struct Row {
     pub fault: u8,
     /// Limit number of the controller, or zero.
     pub limit: u8,
-    /// Whether it called itself locked.
+    /// `true` if the controller reported a lock.
     pub locked: bool,
-    /// Command: frequency that was playing in this block, Hz.
+    /// Command: frequency that played in this block, Hz.
     pub frequency_hz: f64,
-    /// Command: peak drive voltage that was playing, V; times the mean envelope.
+    /// Command: peak drive voltage that played, V, times the mean envelope.
     pub drive_v: f64,
-    /// Command: mean envelope that was playing.
+    /// Command: mean envelope that played.
     pub envelope: f64,
-    /// How much of the end of this block was dropped by a fault, and silent, s.
+    /// Time at the end of this block that a fault dropped and made silent, s.
     pub dropped_s: f64,
-    /// What the codes that were playing drive.
+    /// Swing of the codes that played.
     pub swing: Swing,
     /// Estimate: resonance of the transducer, Hz.
     pub resonance_estimate_hz: f64,
     /// Estimate: motional current, A.
     pub motional_current_a: f64,
-    /// Estimate: phase that the tracker drives to zero, degrees.
+    /// Estimate: phase that the tracker controls to zero, degrees.
     pub phase_deg: f64,
-    /// Estimate: the friction, where it is switched.
+    /// Estimate: friction, if it is switched.
     pub friction: Option<FrictionEstimate>,
-    /// Sensed: admittance, S; only where there was a voltage.
+    /// Sensed: admittance, S; only if there was a voltage.
     pub admittance_s: Option<(f64, f64)>,
-    /// Sensed: counts of the belt's encoder, if there is one whose lines are whole.
+    /// Sensed: counts of the belt's encoder, if there is one with intact lines.
     pub belt_counts: Option<i32>,
     /// Sensed: force channel, N.
     pub force_n: Option<f64>,
@@ -59,18 +60,18 @@ pub struct Row {
     pub truth: Truth,
 }
 
-/// A stretch of time that is recorded sample by sample.
+/// Time window that is recorded sample by sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Window {
     /// Contents of the window, as a title.
     pub title: String,
-    /// The moment it is about, s.
+    /// Time of the edge that the window shows, s.
     pub edge_s: f64,
     /// Beginning of the window, s.
     pub from_s: f64,
     /// End of the window, s.
     pub to_s: f64,
-    /// What it waits for, from `from_s` on; then it takes as long as it was to.
+    /// Trigger that the window waits for from `from_s` on; its duration is kept.
     pub trigger: Option<Trigger>,
     /// Time of the first sample's end, s.
     pub start_s: f64,
@@ -78,27 +79,28 @@ pub struct Window {
     pub samples: Vec<Sample>,
 }
 
-/// The beginning of a sweep: a block of this mean frequency that does not follow one of that.
+/// Trigger at the beginning of a sweep: the first block's frequency, not preceded by the second's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trigger {
     /// Mean frequency of a sweep's first block, Hz.
     pub first_hz: f64,
-    /// Mean frequency of a sweep's second block, Hz. A sweep that comes back has its first and second block at its end, too, the
-    /// other way round.
+    /// Mean frequency of a sweep's second block, Hz. A sweep that runs back ends with its second
+    /// and first block.
     pub second_hz: f64,
     /// Mean frequency of the block before, Hz.
     pub before_hz: f64,
 }
 
 impl Window {
-    /// Takes the beginning of a block, s, and its mean frequency, Hz, and opens the window if they are those of its trigger.
+    /// Checks the beginning of a block, s, and its mean frequency, Hz, and opens the window if they
+    /// match its trigger.
     pub fn record_frequency(&mut self, begins_s: f64, frequency_hz: f64) {
         let Some(trigger) = &mut self.trigger else { return };
         let near_hz = 0.25 * (trigger.second_hz - trigger.first_hz).abs();
         let near = |hz: f64, other_hz: f64| (hz - other_hz).abs() <= near_hz;
         let begins = near(frequency_hz, trigger.first_hz) && !near(trigger.before_hz, trigger.second_hz);
         trigger.before_hz = frequency_hz;
-        // The time of a block is a product, and that of the window a sum of others.
+        // The times of block and window are computed differently and may differ by rounding.
         if begins && begins_s > self.from_s - 1e-9 {
             self.to_s += begins_s - self.from_s;
             (self.from_s, self.trigger) = (begins_s, None);
@@ -106,14 +108,14 @@ impl Window {
     }
 }
 
-/// What blocks have taken of a processor: instructions, or cycles.
+/// Instructions or cycles taken by blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Taken {
-    /// Number of blocks that were counted.
+    /// Number of blocks counted.
     pub blocks: u64,
-    /// Of all blocks together.
+    /// Sum over all blocks.
     pub total: u64,
-    /// Of the block that has taken most.
+    /// Maximum of a block.
     pub worst: u32,
 }
 
@@ -126,87 +128,88 @@ impl Taken {
     }
 }
 
-/// The record of a run.
+/// Record of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     /// Duration of one sample, s.
     pub sample_s: f64,
     /// Samples in a block.
     pub block_samples: usize,
-    /// Blocks from one row to the next: one, unless the run is long.
+    /// Number of blocks per row: one, unless the run is long.
     pub every: u64,
-    /// Every block, or every few.
+    /// Rows of every block, or of every few blocks.
     pub rows: Vec<Row>,
-    /// What only a motor has of the truth about each row's block; empty without one.
+    /// True state of a motor in each row's block; empty without a motor.
     pub motors: Vec<MotorTruth>,
     /// Windows sample by sample.
     pub windows: Vec<Window>,
-    /// The edges of bursts.
+    /// Edges of bursts.
     pub edges: Vec<Edges>,
-    /// What the scene's `[trace]` asks for.
+    /// Signals of the scene's `[trace]`.
     pub trace: Option<Tracer>,
     /// Last telemetry of the controller.
     pub last: Telemetry,
     /// Energy budget of the plant.
     pub energy: Energy,
-    /// What a crash came to.
+    /// Playback of a crash.
     pub crash: Option<Playback>,
-    /// States that were integrated.
+    /// Number of integrated states.
     pub plant_states: usize,
-    /// Instructions of all blocks, where they are counted.
+    /// Instructions of all blocks, if counted.
     pub instructions: Option<Taken>,
-    /// Cycles of all blocks, where they are counted.
+    /// Cycles of all blocks, if counted.
     pub cycles: Option<Taken>,
-    /// What the processor's time went to, where its part is modelled.
+    /// Load of the processor, if its part is modelled.
     pub load: Option<Load>,
-    /// What the controller has needed of its processor's memory, where that is measured.
+    /// Memory of the controller's processor, if measured.
     pub memory: Option<Memory>,
     /// Hash of every drive code played.
     pub drive_hash: u64,
-    /// Whether the run was stopped before its end.
+    /// `true` if the run was stopped before its end.
     pub interrupted: bool,
     /// Wall time of the simulation itself, s.
     pub wall_s: Option<f64>,
 }
 
 impl Record {
-    /// Simulated time over wall time, if the run was timed.
+    /// Returns simulated time over wall time, if the run was timed.
     pub fn simulated_s_per_wall_s(&self) -> Option<f64> {
         let simulated_s = self.rows.last().map_or(0.0, |row| row.time_s);
         self.wall_s.map(|wall_s| simulated_s / wall_s)
     }
 }
 
-/// What was commanded for a block, until it plays.
+/// Command of a block, until it plays.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Command {
     word: u64,
     drive_v: f64,
     envelope: f64,
-    /// How much of its end was dropped, s.
+    /// Time at the end of the block that was dropped, s.
     pub dropped_s: f64,
 }
 
 impl Command {
-    /// Frequency of the command, Hz.
+    /// Returns the frequency of the command, Hz.
     pub fn frequency_hz(&self, sample_hz: f64) -> f64 {
         cycles_per_sample(self.word) * sample_hz
     }
 
-    /// What a report says of the codes that came with it.
-    pub fn of(telemetry: &Telemetry) -> Self {
+    /// Extracts the command from the telemetry that accompanied its codes.
+    pub fn from_telemetry(telemetry: &Telemetry) -> Self {
         let (drive_v, envelope) = (telemetry.drive.0.into(), telemetry.envelope.into());
         Command { word: telemetry.tuning_word, drive_v, envelope, dropped_s: 0.0 }
     }
 }
 
 impl Row {
-    /// Whether the controller drives beside the resonance on purpose, to measure the clamped branch there.
+    /// Returns `true` if the controller drives off resonance on purpose, to measure the clamped
+    /// branch.
     pub fn probes(&self) -> bool {
         self.limit == Limit::Probing as u8
     }
 
-    /// The row of a block in which `command` played.
+    /// Creates the row of a block in which `command` played.
     pub fn new(
         number: u32,
         (time_s, sample_hz): (f64, f64),
@@ -243,7 +246,7 @@ impl Row {
     }
 }
 
-/// The hash of a text, by the same function as the drive's: identifies an input.
+/// Returns the hash of a text, by the same function as the drive's; it identifies an input.
 pub fn text_hash(text: &str) -> u64 {
     crc::Crc::<u64>::new(&crc::CRC_64_XZ).checksum(text.as_bytes())
 }
@@ -252,9 +255,10 @@ pub fn text_hash(text: &str) -> u64 {
 mod tests {
     use super::*;
 
-    /// Opens at the first block of a sweep up, however it got there; 1 kHz a block from 20 kHz.
+    /// The window opens at the first block of an upward sweep from any previous frequency; the
+    /// sweep has 1 kHz per block from 20 kHz.
     #[test]
-    fn a_window_opens_where_a_sweep_begins() {
+    fn window_opens_at_the_beginning_of_a_sweep() {
         let trigger = Trigger { first_hz: 20.5e3, second_hz: 21.5e3, before_hz: 0.0 };
         let opens = |frequencies: &[f64]| {
             let mut window = Window { from_s: 2.0, to_s: 5.0, trigger: Some(trigger), ..Window::default() };

@@ -1,11 +1,11 @@
-//! A run: one controller, one plant, block after block, and the record of it.
+//! A run of one controller and one plant, block by block, and its record.
 
-mod abreast;
+mod batch;
 mod recorder;
 mod script;
 mod session;
 
-pub use abreast::{LANES, run_abreast};
+pub use batch::{LANES, run_batch};
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -20,13 +20,13 @@ use plant::Plant;
 use scene::settings;
 use scene::{self, Driven};
 
-/// Why a run did not happen.
+/// Error of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The firmware refuses its configuration.
     #[error("the firmware refuses this scene's settings: {0}")]
     Config(#[from] firmware::seam::error::Error),
-    /// The processor was lost on the way.
+    /// The processor was lost during the run.
     #[error(transparent)]
     Lost(#[from] Lost),
     /// There is no processor for the controller.
@@ -34,21 +34,21 @@ pub enum RunError {
     NoProcessor(Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// How far a run looks beyond its own metrics.
+/// Options of a run in addition to its metrics.
 #[derive(Default)]
 pub struct Watch<'a> {
-    /// Stretches of time to record sample by sample.
+    /// Time windows to record sample by sample.
     pub windows: Vec<Window>,
     /// Flag that the caller sets to stop the run.
     pub stop: Option<&'a AtomicBool>,
-    /// Called with the simulated time, s, every now and then.
+    /// Function called repeatedly with the simulated time, s.
     pub progress: Option<&'a mut dyn FnMut(f64)>,
-    /// Times the run; without it the record has no wall time.
+    /// Clock that times the run; without it the record has no wall time.
     pub clock: Option<Clock>,
 }
 
-/// Blocks between two looks at the stop flag and calls of the progress function.
-const LOOK_EVERY: u64 = 256;
+/// Number of blocks between checks of the stop flag and calls of the progress function.
+const CHECK_INTERVAL_BLOCKS: u64 = 256;
 
 /// Runs a scene with the controller in this process.
 pub fn run(scene: &Driven, watch: Watch) -> Result<Record, RunError> {
@@ -62,7 +62,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, watch: Watch) -> Re
     let began = clock.map(|clock| clock());
     let mut session = Session::new(scene, windows, &processor.silence());
     while let Some(block) = session.next() {
-        if block.is_multiple_of(LOOK_EVERY) {
+        if block.is_multiple_of(CHECK_INTERVAL_BLOCKS) {
             if let Some(progress) = &mut progress {
                 progress(session.time_s());
             }
@@ -78,7 +78,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, watch: Watch) -> Re
     Ok(record)
 }
 
-/// The plant of a scene, with the faults of its converters to come.
+/// Builds the plant of a scene, with the scheduled faults of its converters.
 pub fn breakable_plant(scene: &Driven) -> FaultInjector<Plant> {
     let plant = Plant::new(scene);
     let block_s = plant.sample_s() * f64::from(scene.controller.block_samples);
@@ -87,14 +87,14 @@ pub fn breakable_plant(scene: &Driven) -> FaultInjector<Plant> {
     plant
 }
 
-/// The faults of a scene that are not of the plant itself, in blocks of this length, s.
+/// Returns the faults of a scene that are not in the plant itself, for blocks of this length, s.
 pub fn faults(scene: &Driven, block_s: f64) -> impl Iterator<Item = Scheduled> {
     let scheduled =
         move |fault: &scene::Fault| kind(fault.kind).map(|kind| Scheduled { at_block: (fault.at_s / block_s) as u64, kind });
     scene.fault.iter().filter_map(scheduled)
 }
 
-/// A scene's fault as the injector's; none if it breaks the plant itself.
+/// Converts a scene's fault to the injector's; `None` if it is in the plant itself.
 fn kind(kind: scene::FaultKind) -> Option<FaultKind> {
     match kind {
         scene::FaultKind::Open => Some(FaultKind::Open),

@@ -1,8 +1,8 @@
-//! The ON windows that a scene orders; whether they were played is another matter.
+//! ON windows that a scene commands; they are not necessarily played.
 
 use scene::{Burst, Driven};
 
-/// The first ON window, from and to in seconds, that begins after a moment.
+/// Returns the first ON window, from and to in seconds, that begins after a time.
 pub fn first_window(burst: &Burst, after_s: f64) -> Option<(f64, f64)> {
     if let (Some(period_s), Some(duty)) = (burst.period_s, burst.duty) {
         let on_s = period_s * ((after_s / period_s).floor() + 1.0);
@@ -11,7 +11,8 @@ pub fn first_window(burst: &Burst, after_s: f64) -> Option<(f64, f64)> {
     burst.on_s.iter().copied().zip(burst.off_s.iter().copied()).find(|window| window.0 > after_s)
 }
 
-/// The first ON window of a scene, from and to in seconds, that begins after a moment: with the delay of its trigger.
+/// Returns the first ON window of a scene, from and to in seconds, that begins after a time, with
+/// the delay of its trigger.
 pub fn first_on(scene: &Driven, after_s: f64) -> Option<(f64, f64)> {
     let delay_s = scene.trigger_delay_s();
     let (on_s, off_s) = first_window(scene.controller.burst.as_ref()?, after_s - delay_s)?;

@@ -1,4 +1,4 @@
-//! A study: a scene, run; its metrics held against what was expected; and its grid and its comparison, if it has them.
+//! A study: the run of a scene, its expectations and, if it has them, its grid and its comparison.
 
 pub mod across;
 pub mod answer;
@@ -36,44 +36,44 @@ use scene::load::{Inherited, LoadError, Loaded};
 use scene::metrics;
 use scene::{Driven, Equal, Expect, Kind, Scene, shown};
 
-/// Why a study has no result.
+/// Reason that a study has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// The scene was not loaded, and lacks what loading would have asked for.
+    /// The scene was not loaded, and lacks parts that loading would have required.
     #[error("the scene is neither a driven one nor a contact study")]
     Incomplete,
-    /// The scene of a grid's cell, of a comparison's case or of one of several runs is invalid.
+    /// The scene of a grid cell, of a comparison's case or of one of several runs is invalid.
     #[error("the scene {0} is not valid")]
     Cell(String, #[source] LoadError),
-    /// A grid's cell, a comparison's case or one of several runs has no result.
+    /// A grid cell, a comparison's case or one of several runs has no result.
     #[error("the scene {0} has no result")]
     EmptyCell(String, #[source] Box<StudyError>),
-    /// The run did not happen.
+    /// The run failed.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// The contact study has no answer.
-    #[error("the contact study has no answer")]
+    /// The contact study has no solution.
+    #[error("the contact study has no solution")]
     Contact(#[from] SolveError),
-    /// The scene's grid has no points.
-    #[error("the scene's grid")]
+    /// The scene's grid is invalid.
+    #[error("the scene's grid is not valid")]
     Grid(#[source] sweep::SweepError),
-    /// The cases of a suite were stopped from outside.
+    /// The cases of a suite were stopped by the caller.
     #[error("interrupted")]
     Interrupted,
 }
 
-/// The result of a study.
+/// Result of a study.
 #[derive(Clone, Debug)]
 pub struct Study<'a> {
     /// Name of the scene.
     pub name: String,
-    /// Name, file or `<stdin>`, as a user calls the scene.
+    /// Name, file or `<stdin>`, as given by the user.
     pub origin: String,
-    /// What was changed by hand, as `key=value`.
+    /// Changes by `--set`, as `key=value`.
     pub changes: Vec<String>,
-    /// Which of the scene's runs it is, if it is one of several.
+    /// Number of the run, if it is one of several.
     pub run_number: Option<u32>,
-    /// The scene as it was run.
+    /// Scene as it was run.
     pub scene: &'a Scene,
     /// Result of the scene, by its kind.
     pub outcome: Outcome<'a>,
@@ -81,62 +81,63 @@ pub struct Study<'a> {
     pub metrics: Metrics,
     /// Expectations of the scene with their results.
     pub judged: Vec<Judged>,
-    /// What the scene has of the one that it is laid over; nothing where it lies over none.
+    /// Parts that the scene inherits from its base; `None` without a base.
     pub inherited: Option<Inherited>,
     /// Results of the scene's grid.
     pub grid: Option<GridResult>,
     /// Results of the scene's comparison.
     pub comparison: Option<ComparisonResult>,
-    /// The figures of the scene's run with the measured curves over them, where the scene has such.
+    /// Figures of the scene's run with measured curves, if the scene has any.
     pub overlaid: Option<Overlaid>,
-    /// Whether it was stopped before its end.
+    /// `true` if the study was stopped before its end.
     pub interrupted: bool,
 }
 
 /// Result of a scene, by its kind.
 #[derive(Clone, Debug)]
 pub enum Outcome<'a> {
-    /// A run in which the firmware drove.
+    /// A run driven by the firmware.
     Driven(Box<Run<'a>>),
-    /// A contact was studied by itself.
+    /// A study of a contact alone.
     Contact(Box<Solved<'a>>),
-    /// Many runs of either kind.
+    /// Several runs of either kind.
     MonteCarlo(Box<MonteCarlo>),
 }
 
 /// An expectation and its result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judged {
-    /// Metric that is expected.
+    /// Expected metric.
     pub metric: String,
-    /// The case it is of, and what is equal there; none of the scene's own run.
+    /// Case of a comparison and its matched quantity; `None` for the scene's own run.
     pub case: Option<(String, Equal)>,
     /// Value of the metric, if the run has one.
     pub value: Option<f64>,
-    /// The limit, as text.
+    /// Limit, as text.
     pub limit: String,
-    /// How far from a value it may be, if that is the limit.
+    /// Tolerance about a value, if that is the limit.
     pub tolerance: Option<f64>,
-    /// Whether it holds. A metric that the run does not have holds nothing.
+    /// `true` if the expectation is met; `false` if the run lacks the metric.
     pub pass: bool,
-    /// Whether it counts: not one of a base scene whose inputs were changed.
+    /// `true` if the expectation counts: `false` for one of a base scene whose inputs were changed.
     pub counts: bool,
-    /// Where the limit comes from.
+    /// Source of the limit.
     pub source: String,
 }
 
 impl Study<'_> {
-    /// Whether every expectation that counts holds.
+    /// Returns `true` if every expectation that counts is met.
     pub fn passes(&self) -> bool {
         self.judged.iter().all(|judged| judged.pass || !judged.counts)
     }
 
-    /// Whether every expectation holds, also those of a base scene whose inputs were changed.
+    /// Returns `true` if every expectation is met, including those of a base scene whose inputs
+    /// were changed.
     pub fn holds(&self) -> bool {
         self.judged.iter().all(|judged| judged.pass)
     }
 
-    /// The driven run, if it was one.
+    /// Returns the driven run, if there is one.
     pub fn run(&self) -> Option<&Run<'_>> {
         match &self.outcome {
             Outcome::Driven(run) => Some(run),
@@ -144,7 +145,7 @@ impl Study<'_> {
         }
     }
 
-    /// The runs, if there were many.
+    /// Returns the runs, if there are several.
     pub fn monte_carlo(&self) -> Option<&MonteCarlo> {
         match &self.outcome {
             Outcome::MonteCarlo(runs) => Some(runs),
@@ -153,41 +154,44 @@ impl Study<'_> {
     }
 }
 
-/// A processor other than this process for the controllers of a study: each run of a scene has one of its own.
+/// Source of processors other than this process for the controllers of a study: each run of a scene
+/// has its own.
 #[derive(Clone, Copy)]
 pub struct Start<'a> {
-    /// What it is.
+    /// Level of the processor.
     pub level: Level,
-    /// Starts one for a scene.
+    /// Function that starts one for a scene.
     pub processor: &'a Starting<'a>,
 }
 
-/// Starts a processor for a scene.
+/// Function that starts a processor for a scene.
 pub type Starting<'a> = dyn Fn(&Driven) -> Result<Box<dyn Processor>, RunError> + Sync + 'a;
 
-/// What a study is given from outside. By default nothing: controllers run in this process, to the end, untimed.
+/// Options of a study. By default, controllers run in this process, to the end, untimed.
 #[derive(Default)]
 pub struct Options<'a> {
-    /// Starts the processors of the scene's own runs; without it their controllers run in this process, as those of cells always do.
+    /// Source of processors for the scene's own runs. Without it, their controllers run in this
+    /// process, as those of cells always do.
     pub start: Option<Start<'a>>,
-    /// Set from outside to stop the study.
+    /// Flag that the caller sets to stop the study.
     pub stop: Option<&'a AtomicBool>,
-    /// Called with the simulated time, s, or of several runs with how many have come to their end.
+    /// Function called with the simulated time, s, or for several runs, with the number of
+    /// completed ones.
     pub progress: Option<&'a mut (dyn FnMut(f64) + Send)>,
-    /// Times the scene's own runs. Wall times are none of a study's results without it.
+    /// Clock that times the scene's own runs. Without it, the results contain no wall times.
     pub clock: Option<Clock>,
 }
 
-/// What a value is held against.
+/// Limit of a value.
 pub(crate) struct Limit {
     min: Option<f64>,
     max: Option<f64>,
-    /// The limit in words.
+    /// Limit in words.
     pub(crate) text: String,
 }
 
 impl Limit {
-    /// From a least and a largest value, or from a value and how far from it another may be.
+    /// Creates a limit from a minimum and a maximum, or from a value and its tolerance.
     fn new((min, max): (Option<f64>, Option<f64>), value: (Option<f64>, Option<f64>)) -> Self {
         if let (Some(value), Some(tolerance)) = value {
             let text = format!("{} ± {}", shown(value), shown(tolerance));
@@ -202,7 +206,7 @@ impl Limit {
         Limit { min, max, text }
     }
 
-    /// How far a value is beyond the limit; not above zero where it holds.
+    /// Returns the distance of a value beyond the limit; not above zero if the limit is met.
     fn beyond(&self, value: f64) -> f64 {
         let below = self.min.map_or(f64::NEG_INFINITY, |min| min - value);
         let above = self.max.map_or(f64::NEG_INFINITY, |max| value - max);
@@ -222,12 +226,13 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
         _ if scene.runs > 1 => {
             let (runs, metrics) = monte_carlo::run(loaded, options, stop)?;
             let cut = runs.runs.len() < scene.runs as usize;
-            let figures = || monte_carlo::figures::of(scene, &runs);
+            let figures = || monte_carlo::figures::all(scene, &runs);
             let overlaid = (!scene.overlay.is_empty()).then(|| overlay::lay(figures(), &scene.overlay, None));
             (Outcome::MonteCarlo(Box::new(runs)), metrics, overlaid, cut, None)
         }
         Kind::Driven(scene) => {
-            // One run is one thread: the cells of grid and comparison have the others meanwhile.
+            // A single run takes one thread; the cells of grid and comparison use the others
+            // meanwhile.
             let Options { start, progress, clock, .. } = options;
             let run = || driven::run(scene, (start, clock), stop, progress.map(|progress| progress as &mut dyn FnMut(f64)));
             let (run, cells) = rayon::join(run, || cells(loaded, stop));
@@ -247,14 +252,14 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
         Some(cells) => cells,
         None => self::cells(loaded, stop)?,
     };
-    // How many runs come out in some way is nothing that one run has.
+    // A single run has no metrics that count runs.
     let has = |expect: &&Expect| scene.runs > 1 || !expect.metric.starts_with("runs_");
-    // One of several runs is what its scene says of all of them.
+    // One of several runs is not judged as inherited: its scene defines all of them.
     let inherited = loaded.inherited().filter(|_| loaded.run.is_none());
     let counts = !inherited.as_ref().is_some_and(|inherited| inherited.expect);
     let judged = |expect| Judged { counts, ..judge(expect, &metrics, comparison.as_ref()) };
     let judged = scene.expect.iter().filter(has).map(judged).collect();
-    // Stopped within the grid or the comparison: the scene is whole, and they are missing.
+    // If stopped within the grid or the comparison, the run is complete, and they are missing.
     let interrupted = cut || stop.load(Ordering::Relaxed);
     let (name, origin, changes) = (loaded.name.clone(), loaded.origin.clone(), loaded.sets.clone());
     let run_number = loaded.run;
@@ -275,7 +280,7 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
     })
 }
 
-/// The results of a scene's grid and of its comparison, as far as it has them.
+/// Returns the results of a scene's grid and of its comparison, if it has them.
 fn cells(loaded: &Loaded, stop: &AtomicBool) -> Result<(Option<GridResult>, Option<ComparisonResult>), StudyError> {
     let grid = loaded.scene.grid.as_ref().map(|grid| grid::run(loaded, grid, stop)).transpose()?;
     let comparison = loaded.scene.comparison.as_ref().map(|comparison| comparison::run(loaded, comparison, stop)).transpose()?;
@@ -287,7 +292,7 @@ fn judge(expect: &Expect, metrics: &Metrics, comparison: Option<&ComparisonResul
     let case = expect.case.clone().zip(expect.matched);
     let value = match &case {
         Some((name, equal)) => comparison.and_then(|found| found.case(name, *equal)?.metric(&expect.metric)),
-        // Of one run, percentile and maximum of a metric are the metric.
+        // For a single run, percentile and maximum of a metric equal the metric.
         None => metrics.find(&expect.metric).or_else(|| {
             let once = metrics.get("runs_completed").is_none();
             metrics::of_one_run(&expect.metric).filter(|_| once).and_then(|metric| metrics.find(metric.name))

@@ -1,4 +1,4 @@
-//! The result of a study as JSON: what `--format json` prints, `summary.json` and `machine.json`.
+//! Result of a study as JSON: the output of `--format json`, `summary.json` and `machine.json`.
 
 mod comparison;
 mod grid;
@@ -9,14 +9,14 @@ use crate::study::answer::Answer;
 use crate::study::{Outcome, Study};
 use crate::tables;
 
-/// What `--format json` prints: the summary, with what depends on the machine beside it.
+/// Returns the output of `--format json`: the summary, and the machine figures.
 pub fn printed(study: &Study) -> Value {
     let mut printed = summary(study);
     printed["machine"] = machine(study);
     printed
 }
 
-/// The figures of the machine, as `machine.json` holds them: all that differs from run to run.
+/// Returns the machine figures, as in `machine.json`: everything that differs from run to run.
 pub fn machine(study: &Study) -> Value {
     let (wall_s, speed, ns) = match &study.outcome {
         Outcome::Driven(run) => (run.record.wall_s, run.record.simulated_s_per_wall_s(), None),
@@ -37,7 +37,8 @@ pub fn machine(study: &Study) -> Value {
     figures.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect::<serde_json::Map<_, _>>().into()
 }
 
-/// The summary, as `summary.json` holds it. It is the same, byte for byte, of every run of the same scene.
+/// Returns the summary, as in `summary.json`. It is identical, byte for byte, for every run of the
+/// same scene.
 pub fn summary(study: &Study) -> Value {
     let endless = study.monte_carlo().into_iter().flat_map(|runs| &runs.endless).map(|&name| (name.to_owned(), Value::Null));
     let metrics: serde_json::Map<String, Value> =
@@ -68,7 +69,7 @@ pub fn summary(study: &Study) -> Value {
     with_own(with_not_drawn(summary, study), study)
 }
 
-/// Adds which measured curves are not shown, if there are such.
+/// Adds the measured curves that are not shown, if there are any.
 pub(crate) fn with_not_drawn(mut of: Value, study: &Study) -> Value {
     let not_drawn = tables::not_drawn(study);
     if !not_drawn.is_empty() {
@@ -77,7 +78,8 @@ pub(crate) fn with_not_drawn(mut of: Value, study: &Study) -> Value {
     of
 }
 
-/// Adds what only this kind of study has: the hash of what was played, or how the answer was come by.
+/// Adds the fields of this kind of study: the hash of the codes, or the description of the
+/// solution.
 pub(crate) fn with_own(mut of: Value, study: &Study) -> Value {
     match &study.outcome {
         Outcome::Driven(run) => of["drive_hash"] = json!(format!("{:016x}", run.record.drive_hash)),

@@ -1,11 +1,11 @@
-//! How far a block of codes swings: what was driven, in volts.
+//! Swing of a block of codes: the drive voltage.
 
 use firmware::seam::block::DriveBlock;
 
 use plant::converter::Dac;
 use scene::Driven;
 
-/// Peak and mean square of what a block drives, at the amplifier's output for the codes as they are held.
+/// Peak and mean square of the drive in a block, at the amplifier's output for the held codes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Swing {
     /// Largest voltage to either side, V.
@@ -14,17 +14,17 @@ pub struct Swing {
     pub square_v2: f64,
 }
 
-/// Measures blocks of the first lane, on which the stack hangs.
+/// Meter of blocks of the first lane, which drives the stack.
 #[derive(Clone, Debug)]
 pub struct SwingMeter(Dac);
 
 impl SwingMeter {
-    /// For the DAC of a scene.
+    /// Creates a meter for the DAC of a scene.
     pub fn new(scene: &Driven) -> Self {
         SwingMeter(Dac::new(scene.sensors, scene.amplifier))
     }
 
-    /// The swing of a block.
+    /// Returns the swing of a block.
     pub fn measure(&self, drive: &DriveBlock) -> Swing {
         let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
         let silence = self.0.mid_code();
@@ -33,7 +33,7 @@ impl SwingMeter {
         }
         let (peak_v, sum) = codes.iter().fold((0.0, 0.0), |(peak, sum), &code| {
             let volts = self.0.volts(code);
-            // Not f64::max, which minds not-a-number.
+            // `f64::max` would also handle NaN, which takes longer.
             (if volts.abs() > peak { volts.abs() } else { peak }, sum + volts * volts)
         });
         Swing { peak_v, square_v2: sum / codes.len().max(1) as f64 }
@@ -46,7 +46,7 @@ mod tests {
     use scene::{Amplifier, Sensors};
 
     #[test]
-    fn a_square_of_codes_has_its_peak_for_its_rms() {
+    fn square_wave_has_equal_peak_and_rms() {
         let meter = SwingMeter(Dac::new(&Sensors::default(), &Amplifier::default()));
         let mut drive = DriveBlock::silent(1, 32, 2048);
         assert_eq!(meter.measure(&drive), Swing::default());

@@ -1,4 +1,4 @@
-//! A study in words and tables: the same for the terminal and for the report.
+//! Remarks and tables of a study: the same for the terminal and for the report.
 
 mod comparison;
 mod driven;
@@ -11,10 +11,10 @@ use crate::numbers::{number, precise};
 use crate::overlay;
 use crate::provenance::Provenance;
 use crate::study::{Outcome, Study, contact, monte_carlo};
-use report::{Report, TableBlock};
+use report::{Report, TableBlock, rounded_to};
 use scene::metrics;
 
-/// The report of a study.
+/// Returns the report of a study.
 pub fn report(study: &Study, provenance: &Provenance) -> Report {
     let preface = match &study.outcome {
         Outcome::Driven(run) => driven::preface(run),
@@ -35,13 +35,13 @@ pub fn report(study: &Study, provenance: &Provenance) -> Report {
     }
 }
 
-/// The title of a study; where it is of other inputs, it says so.
+/// Returns the title of a study, marked if it is from a base with other inputs.
 pub fn title(study: &Study) -> String {
     let of_base = study.inherited.as_ref().is_some_and(|inherited| inherited.title);
     if of_base { format!("{} (with changed inputs)", study.scene.title) } else { study.scene.title.clone() }
 }
 
-/// The tables that answer the scene's question: expectations, comparison, what was found, grid.
+/// Returns the main tables of a scene: expectations, comparison, results and grid.
 pub fn tables(study: &Study) -> Vec<TableBlock> {
     let mut tables = vec![expectations(study)];
     tables.extend(comparison::tables(study));
@@ -56,15 +56,26 @@ pub fn tables(study: &Study) -> Vec<TableBlock> {
     tables
 }
 
-/// What a reader must know before the numbers.
+/// Returns remarks that a reader must know before the numbers.
 pub fn remarks(study: &Study) -> Vec<String> {
     let mut remarks = Vec::new();
     let changes = study.changes.join(", ");
     if let Some(number) = study.run_number {
-        remarks.push(format!("Run {number} of the scene's runs, by itself, as drawn: {changes}. Notes are those of all runs."));
+        remarks.push(format!(
+            "Single run {number} of the scene's runs, with its drawn values: {changes}. The notes are those of \
+                              all runs."
+        ));
     } else if !changes.is_empty() {
-        remarks.push(format!("Changed by hand: {changes}."));
+        remarks.push(format!("Changed inputs: {changes}."));
     }
+    if study.scene.runs == 1 && !study.scene.vary.is_empty() && study.run_number.is_none() {
+        remarks.push("`[[vary]]` has no effect in a single run; set `runs` to draw its values.".to_owned());
+    }
+    let method = study.scene.integrator.method;
+    remarks.extend(method.and_then(|method| {
+        let (old, new) = (method.name(), method.replacement()?.name());
+        Some(format!("`integrator.method = \"{old}\"` is deprecated; the next version removes it. Use \"{new}\"."))
+    }));
     remarks.extend(inputs::remark(study));
     remarks.extend(renamed(study));
     remarks.extend(match &study.outcome {
@@ -76,24 +87,25 @@ pub fn remarks(study: &Study) -> Vec<String> {
     remarks
 }
 
-/// Measured curves that the scene has and its run does not show, and why: a sentence each.
+/// Returns the measured curves of the scene that its run does not show, with reasons: one sentence
+/// each.
 pub fn not_drawn(study: &Study) -> Vec<String> {
-    let several = "Figures of several runs are of all of them; the metrics `overlay_…` are of each run.";
+    let several = "Figures of several runs show all of them together; the metrics `overlay_…` are computed for each run.";
     let more = study.monte_carlo().map_or_else(String::new, |_| format!(" {several}"));
     study.overlaid.iter().flat_map(|overlaid| &overlaid.not_drawn).map(|said| format!("{said}{more}")).collect()
 }
 
-/// Expectations that name a metric by its former name.
+/// Returns a remark for each expectation that uses a former name of a metric.
 fn renamed(study: &Study) -> Vec<String> {
     let former = |name: &str| {
         let present =
             metrics::renamed(name).filter(|present| study.metrics.get(name).is_none() && study.metrics.get(present).is_some())?;
-        Some(format!("The expectation of `{name}` is judged by `{present}`, as this metric is called now."))
+        Some(format!("The expectation of `{name}` is checked against `{present}`, its present name."))
     };
     study.judged.iter().filter_map(|judged| former(&judged.metric)).collect()
 }
 
-/// The numbers that come first.
+/// Returns the headline numbers.
 pub fn headline(study: &Study) -> Vec<(String, String)> {
     let (first, lines) = match &study.outcome {
         Outcome::Driven(run) => (driven::fault(run), driven::headline()),
@@ -106,7 +118,7 @@ pub fn headline(study: &Study) -> Vec<(String, String)> {
     first.into_iter().chain(lines.iter().filter_map(tile)).collect()
 }
 
-/// How the study was run, in one line.
+/// Describes in one line how the study was run.
 pub fn manner(study: &Study) -> String {
     match &study.outcome {
         Outcome::Driven(run) => driven::manner(run),
@@ -115,7 +127,7 @@ pub fn manner(study: &Study) -> String {
     }
 }
 
-/// How far the study came, and of what.
+/// Returns the reached and the full duration, or number of runs, in words.
 pub fn reached(study: &Study) -> String {
     let reached_s = match &study.outcome {
         Outcome::Driven(run) => driven::reached_s(run),
@@ -125,12 +137,12 @@ pub fn reached(study: &Study) -> String {
     format!("{} s of {} s", number(reached_s), study.scene.duration_s)
 }
 
-/// The modes that a controller went through, and when.
+/// Returns the modes of the controller with their times.
 pub fn modes(study: &Study) -> Option<String> {
     study.run().map(driven::modes)
 }
 
-/// Where the controller ran, and so what the result can show.
+/// Returns the level at which the controller ran, which determines the meaning of the result.
 pub fn level(study: &Study) -> String {
     match &study.outcome {
         Outcome::Driven(run) => run.level.to_string(),
@@ -174,31 +186,63 @@ fn expectations(study: &Study) -> TableBlock {
     let base = study.inherited.as_ref().filter(|_| study.judged.iter().any(|judged| !judged.counts));
     let caption = base.map_or_else(String::new, |inherited| {
         format!(
-            "Expectations of the base scene `{}`, whose inputs were changed: they do not count. Those that are stated again (`[[expect]]`, or \
-             `expect = []` for none) do.",
+            "Expectations of the base scene `{}` do not count, because its inputs were changed. Expectations of this scene do \
+             (`[[expect]]`, or `expect = []` for none).",
             inherited.base
         )
     });
     TableBlock::new("expectations", "Expected", &caption, &["", "metric", "value", "expected", "source"], rows)
 }
 
-/// Every metric of a study.
+/// Returns the headline of a study as one line.
+pub fn headline_line(study: &Study) -> String {
+    headline(study).iter().map(|(label, value)| format!("{label} {value}")).collect::<Vec<_>>().join(" | ")
+}
+
+/// Returns only the result of a study: the headline, the number of expectations that hold, and
+/// those that do not.
+pub fn in_short(study: &Study) -> String {
+    let mut text = if study.interrupted { format!("INTERRUPTED after {}\n", reached(study)) } else { String::new() };
+    text += &format!("{}\n", headline_line(study));
+    let counted: Vec<_> = study.judged.iter().filter(|judged| judged.counts).collect();
+    if !counted.is_empty() {
+        let holding = counted.iter().filter(|judged| judged.pass).count();
+        text += &format!("{holding} of {} expectations hold\n", counted.len());
+    }
+    for judged in counted.iter().filter(|judged| !judged.pass) {
+        let value = judged.value.map_or_else(|| "no such value".to_owned(), number);
+        text += &format!("MISS {}: {value}, expected {}\n", judged.metric, judged.limit);
+    }
+    text
+}
+
+/// Returns a table of every metric of a study.
 pub fn all_metrics(study: &Study) -> TableBlock {
-    let row = |(name, value): (&str, f64)| vec![name.to_owned(), precise(value), described(name).0];
+    let row = |(name, value): (&str, f64)| vec![name.to_owned(), shown(study, name, value), described(name).0];
     TableBlock::new("metrics", "All metrics", "", &["metric", "value", "unit"], study.metrics.iter().map(row).collect())
 }
 
-/// Every metric of a study, with what it means.
+/// Returns a table of every metric of a study, with its meaning.
 fn dictionary(study: &Study) -> TableBlock {
     let row = |(name, value): (&str, f64)| {
         let (unit, meaning) = described(name);
-        vec![name.to_owned(), precise(value), unit, meaning]
+        vec![name.to_owned(), shown(study, name, value), unit, meaning]
     };
     let header = ["metric", "value", "unit", "meaning"];
     TableBlock::new("metrics", "All metrics", "", &header, study.metrics.iter().map(row).collect())
 }
 
-/// Unit and meaning of a metric.
+/// Formats a metric: to the digits of its standard deviation if the study has that metric too
+/// (`q_sd`, `c0_sd_f`), else with four.
+fn shown(study: &Study, name: &str, value: f64) -> String {
+    let deviation = match name.rsplit_once('_') {
+        Some((quantity, unit)) if metrics::metric(&format!("{quantity}_sd_{unit}")).is_some() => format!("{quantity}_sd_{unit}"),
+        _ => format!("{name}_sd"),
+    };
+    study.metrics.get(&deviation).map_or_else(|| number(value), |sd| rounded_to(value, sd))
+}
+
+/// Returns unit and meaning of a metric.
 fn described(name: &str) -> (String, String) {
     let known = metrics::metric(name).or_else(|| metrics::of_one_run(name));
     known.map_or_else(Default::default, |metric| (metric.unit.to_owned(), metric.meaning.to_owned()))

@@ -1,11 +1,11 @@
-//! The signals that a scene's `[trace]` asks for, as they are played and measured.
+//! Signals of a scene's `[trace]`, as played and measured.
 
 use firmware::seam::block::{DriveBlock, SenseBlock};
 
 use plant::truth::Sample;
 use scene::{Signal, Trace};
 
-/// Takes blocks as they are played, and records what the scene asks for.
+/// Recorder of the signals of a scene's `[trace]`.
 #[derive(Clone, Debug)]
 pub struct Tracer {
     signals: Vec<Signal>,
@@ -30,7 +30,7 @@ pub struct Played<'a> {
 }
 
 impl Tracer {
-    /// A tracer for a scene's `[trace]`.
+    /// Creates a tracer for a scene's `[trace]`.
     pub fn new(trace: &Trace, duration_s: f64, sample_s: f64) -> Self {
         let number = |seconds: f64| (seconds / sample_s).round() as u64;
         Tracer {
@@ -42,22 +42,22 @@ impl Tracer {
         }
     }
 
-    /// The signals, in the order of the columns after the time.
+    /// Returns the signals, in the order of the columns after the time.
     pub fn signals(&self) -> &[Signal] {
         &self.signals
     }
 
-    /// The recorded rows: time, s, then the signals.
+    /// Returns the recorded rows: time, s, then the signals.
     pub fn rows(&self) -> &[Vec<f64>] {
         &self.rows
     }
 
-    /// Whether any of `samples` samples from `first` on are to be recorded.
+    /// Returns `true` if any of `samples` samples from `first` on must be recorded.
     pub fn records(&self, first: u64, samples: u64) -> bool {
         first < self.samples.end && first + samples > self.samples.start
     }
 
-    /// Records the samples of a block that the scene asks for.
+    /// Records the selected samples of a block.
     pub fn record(&mut self, played: &Played) {
         for (n, sample) in played.samples.iter().enumerate() {
             let number = played.first + n as u64;

@@ -1,4 +1,4 @@
-//! The trace of a study as CSV, whoever it is written for. Units are in the column names.
+//! Trace of a study as CSV, for a file or for memory. Units are in the column names.
 
 use std::io::Write;
 
@@ -8,20 +8,20 @@ use crate::study::contact::Solved;
 use crate::study::{Outcome, Study};
 use crate::trace::Tracer;
 
-/// Most rows of the table of a whole run.
-const ROWS: usize = 3000;
+/// Maximum number of rows of the table of a whole run.
+const MAX_ROWS: usize = 3000;
 
-/// The trace of a study as the text of `trace.csv`; nothing of several runs.
+/// Returns the trace of a study as the text of `trace.csv`; empty for several runs.
 ///
 /// # Errors
-/// If it cannot be written.
+/// If the trace cannot be written.
 pub fn text(study: &Study) -> Result<Vec<u8>, csv::Error> {
     let mut text = Vec::new();
     write(study, csv::Writer::from_writer(&mut text))?;
     Ok(text)
 }
 
-/// Names of the columns: the time, then the signals.
+/// Returns the names of the columns: the time, then the signals.
 pub(crate) fn columns(tracer: &Tracer) -> Vec<String> {
     std::iter::once("time_s".to_owned()).chain(tracer.signals().iter().map(|signal| signal.name())).collect()
 }
@@ -34,7 +34,7 @@ pub(crate) fn write<W: Write>(study: &Study, mut file: csv::Writer<W>) -> Result
             None => overview(&run.record, &mut file)?,
         },
         Outcome::Contact(solved) => last_periods(solved, &mut file)?,
-        // What several runs leave is `runs.csv`.
+        // Several runs write `runs.csv` instead.
         Outcome::MonteCarlo(_) => {}
     }
     file.flush()?;
@@ -61,7 +61,7 @@ fn last_periods<W: Write>(solved: &Solved, file: &mut csv::Writer<W>) -> Result<
 fn overview<W: Write>(record: &Record, file: &mut csv::Writer<W>) -> Result<(), csv::Error> {
     file.write_record(OVERVIEW.iter().map(|column| column.name))?;
     let rows = &record.rows;
-    for row in rows.iter().step_by(rows.len().div_ceil(ROWS).max(1)) {
+    for row in rows.iter().step_by(rows.len().div_ceil(MAX_ROWS).max(1)) {
         file.write_record(OVERVIEW.iter().map(|column| (column.value)(row).to_string()))?;
     }
     Ok(())

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::progress::Progress;
-use super::{Color, Exit, Format, LENDER, mistake};
+use super::{Color, DEFAULT_SCENE, Exit, Format, mistake};
 use scene::circuit::Given;
 use scene::load::load;
 use sim::advice::case::{Case, CaseError, Numbers, Wishes};
@@ -13,61 +13,65 @@ use sim::advice::{Advice, AdviceError, advise, table as tables};
 /// Arguments of the command.
 #[derive(Args)]
 pub(super) struct AdviseArgs {
-    /// A scene: its stack, sensors, amplifier and limits. With the numbers of a transducer it lends all but the stack; without a name, the
-    /// defaults do.
+    /// Scene with stack, sensors, amplifier and limits (default: lock-cold). If a transducer is
+    /// given by its numbers, they replace the stack.
     scene: Option<String>,
-    /// Change one value of the scene, as `a.b=v`. Repeatable.
+    /// Change one value of the scene, as `a.b=v` (repeatable).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// Series resonance of the transducer, Hz.
+    /// Series resonance frequency, Hz.
     #[arg(long, value_name = "HZ", value_parser = frequency)]
     frequency_hz: Option<f64>,
-    /// Its quality factor.
+    /// Quality factor.
     #[arg(long, value_name = "Q", value_parser = quality)]
     q: Option<f64>,
-    /// Its clamped capacitance, F. Beside it any complete set does: Q or Rm, and two of series and parallel resonance, Lm, and Cm or coupling.
+    /// Clamped capacitance, F.
+    ///
+    /// Needs also --q or --rm-ohm, and two of --frequency-hz, --parallel-resonance-hz, --lm-h, and
+    /// --cm-f or --coupling; or both --q and --rm-ohm, and one of these.
     #[arg(long, value_name = "F", value_parser = farad)]
     c0_f: Option<f64>,
-    /// In place of the clamped one, its capacitance far below the resonance, F.
+    /// Capacitance far below the resonance, F; instead of --c0-f.
     #[arg(long, value_name = "F", value_parser = farad, conflicts_with = "c0_f")]
     ct_f: Option<f64>,
-    /// Its motional inductance, H.
+    /// Motional inductance, H.
     #[arg(long, value_name = "H", value_parser = henry)]
     lm_h: Option<f64>,
-    /// Its parallel resonance, Hz.
+    /// Parallel resonance frequency, Hz.
     #[arg(long, value_name = "HZ", value_parser = frequency)]
     parallel_resonance_hz: Option<f64>,
-    /// Its motional resistance, ohm.
+    /// Motional resistance, ohm.
     #[arg(long, value_name = "OHM", value_parser = ohm)]
     rm_ohm: Option<f64>,
-    /// Its motional capacitance, F.
+    /// Motional capacitance, F.
     #[arg(long, value_name = "F", value_parser = motional)]
     cm_f: Option<f64>,
-    /// Its effective coupling k.
+    /// Effective coupling factor k.
     #[arg(long, value_name = "K", value_parser = coupling)]
     coupling: Option<f64>,
-    /// Peak drive voltage asked for, V. Default: the scene's.
+    /// Peak drive voltage, V. Default: that of the scene.
     #[arg(long, value_name = "V", value_parser = volts)]
     volts: Option<f64>,
-    /// Noise of a conversion, LSB rms. Default: the scene's.
+    /// Noise of a conversion, LSB rms. Default: that of the scene.
     #[arg(long, value_name = "LSB", value_parser = lsb)]
     noise_lsb: Option<f64>,
-    /// Samples in a block. Default: as advised.
+    /// Samples per block. Default: as recommended.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(8..=64))]
     block_samples: Option<u16>,
-    /// Run the whole controller so many times, and print the results beside the prediction.
+    /// Run the whole controller RUNS times and print the results next to the prediction.
     #[arg(long, value_name = "RUNS", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     verify: Option<u32>,
-    /// What to print on standard output.
+    /// Format of standard output.
     #[arg(long, value_enum, default_value_t = Format::Human)]
     format: Format,
 }
 
-/// What a complete set of numbers is.
-const COMPLETE: &str = "beside --c0-f or --ct-f give --q or --rm-ohm, and two of --frequency-hz, --parallel-resonance-hz, --lm-h, and --cm-f or --coupling; or both --q and --rm-ohm, and one of these";
+/// Description of a complete set of numbers.
+const COMPLETE: &str = "in addition to --c0-f or --ct-f give --q or --rm-ohm, and two of --frequency-hz, \
+                        --parallel-resonance-hz, --lm-h, and --cm-f or --coupling; or both --q and --rm-ohm, and one of these";
 
 impl AdviseArgs {
-    /// The numbers of a transducer.
+    /// Returns the numbers of the transducer.
     fn given(&self) -> Given {
         Given {
             c0_f: self.c0_f,
@@ -83,18 +87,19 @@ impl AdviseArgs {
     }
 }
 
-/// Advises, and prints.
+/// Computes and prints the advice.
 pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<Exit> {
     let given = args.given();
     if args.scene.is_none() && given == Given::default() {
-        let which = "which transducer? Name a scene (`sim-host list`), or give its numbers: --frequency-hz 40e3 --q 65 --c0-f 300e-9 --lm-h 0.79e-3";
+        let which = "no transducer: name a scene (`sim-host list`) or give its numbers: \
+                     --frequency-hz 40e3 --q 65 --c0-f 300e-9 --lm-h 0.79e-3";
         return Err(mistake(Exit::Usage, which));
     }
-    let loaded = load(args.scene.as_deref().unwrap_or(LENDER), &args.sets)?;
+    let loaded = load(args.scene.as_deref().unwrap_or(DEFAULT_SCENE), &args.sets)?;
     let circuit = (given != Given::default()).then(|| given.resolve()).transpose();
     let circuit = circuit.map_err(|error| mistake(Exit::Usage, format!("{error}; {COMPLETE}")))?;
     let numbers = circuit.map(|circuit| Numbers {
-        // As they were given, where they were: not by way of the elements.
+        // Given numbers are used directly, without rounding by a conversion to circuit elements.
         frequency_hz: given.series_resonance_hz.unwrap_or_else(|| circuit.series_resonance_hz()),
         q: given.q.unwrap_or_else(|| circuit.q()),
         c0_f: circuit.c0_f,
@@ -119,10 +124,10 @@ pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<Exit> {
 fn human(advice: &Advice, color: Color) -> String {
     let tables: String = tables::tables(advice).iter().map(|block| block.terminal(color.stdout)).collect();
     let warnings: String = advice.warnings.iter().map(|warning| format!("note: {warning}\n")).collect();
-    format!("{tables}{warnings}\nTo paste into a scene:\n\n{}", advice.settings.snippet)
+    format!("{tables}{warnings}\nSettings to paste into a scene:\n\n{}", advice.settings.snippet)
 }
 
-/// A number within a range, or what it should have been.
+/// Parses a number within a range. The error states the quantity and the range.
 fn within(text: &str, what: &str, (least, most): (f64, f64)) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| format!("not a number; give {what} from {least:e} to {most:e}"))?;
     if (least..=most).contains(&value) { Ok(value) } else { Err(format!("give {what} from {least:e} to {most:e}")) }

@@ -1,4 +1,5 @@
-//! The flashed image on the model of its microcontroller: as the board of `link board:SCENE`, and as the processor of `run --board`.
+//! The flashed image on the model of its microcontroller: as the board of `link board:SCENE`, and
+//! as the processor of `run --board`.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -20,19 +21,19 @@ use update::key::DEVELOPMENT_SEED;
 use super::link::{LinkArgs, STOP, listen, note, with_board};
 use super::{Color, Exit, mistake};
 
-/// Returns the values that a scene takes on the board if it does not give them.
+/// Returns the settings that a scene takes on the board if it does not give them.
 pub(super) fn defaults() -> Vec<String> {
     configure::defaults().to_vec()
 }
 
-/// The flashed image as the processor of a run.
+/// Flashed image that is the processor of a run.
 pub(super) struct Flashed {
     elf: Vec<u8>,
     options: board::Options,
 }
 
 impl Flashed {
-    /// Reads the image, or builds it from the present source if no file is named.
+    /// Reads the image, or builds it from the current source if no file is named.
     pub(super) fn new(file: Option<&Path>, scene: &Driven, speed: Option<f64>, profile: bool) -> anyhow::Result<Self> {
         configure::stored(scene).map_err(|error| mistake(Exit::Input, error.to_string()))?;
         let file = file.map_or_else(board_image, |file| Ok(file.to_owned()))?;
@@ -48,18 +49,18 @@ impl Flashed {
     }
 }
 
-/// Talks to the flashed image on a model of its part, with a port for a debugger where one is asked for.
+/// Talks to the flashed image on a model of its microcontroller, with an optional port for GDB.
 pub(super) fn talk(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkError> {
-    // Before the image is built.
-    let listener = args.gdb.as_deref().map(|address| listen("the port for GDB, ", address, args.allow_remote)).transpose()?;
+    // A wrong address is reported before the image is built, which takes long.
+    let listener = args.gdb.as_deref().map(|address| listen("the GDB port ", address, args.allow_remote)).transpose()?;
     let board = started(args, scene)?;
     let Some(listener) = listener else { return with_board(args, Rc::new(RefCell::new(board)), color) };
     let debugged = Debugged::new(board, listener, note)?;
-    note(&format!("a debugger finds the board by: target remote {}", debugged.address()?));
+    note(&format!("GDB connects with: target remote {}", debugged.address()?));
     with_board(args, Rc::new(RefCell::new(DebuggedBoard::new(debugged, &STOP))), color)
 }
 
-/// The flashed image on a model of its part, with a scene's plant at its pins.
+/// Starts the flashed image on a model of its microcontroller, with a scene's plant at its pins.
 fn started(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
     if args.slot {
         return in_slot(args, scene);
@@ -71,7 +72,7 @@ fn started(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
     Board::start(&read(&image)?, scene, options(args.board_speed)).map_err(|error| LinkError::Input(error.to_string()))
 }
 
-/// The same behind the first stage, signed by the development key.
+/// Starts the first stage with the image in its slot, signed by the development key.
 fn in_slot(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
     let refused = |error: &dyn std::fmt::Display| LinkError::Input(error.to_string());
     let [first_stage, image] = pil::field_images().map_err(|error| lost(args, &error))?;
@@ -80,7 +81,7 @@ fn in_slot(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
     Board::start_in_slot(&read(&first_stage)?, &slot, &elf, scene, options(args.board_speed)).map_err(|error| refused(&error))
 }
 
-/// The error for an image that cannot be built here.
+/// Returns the error for an image that cannot be built here.
 fn lost(args: &LinkArgs, error: &PilError) -> LinkError {
     LinkError::Open { port: args.port.clone(), why: error.to_string() }
 }

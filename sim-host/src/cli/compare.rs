@@ -12,17 +12,17 @@ use sim::output::{OutputError, Owner};
 
 /// Arguments of the command.
 #[derive(Args)]
-#[command(mut_arg("output", |arg| arg.help("Folder for a report, with the figures that both have laid over each other")))]
+#[command(mut_arg("output", |arg| arg.help("Folder for a report with the figures of both results overlaid")))]
 pub(super) struct CompareArgs {
-    /// The folder of a run, or a CSV of measured metrics with the columns metric, value and sd.
+    /// Folder of a run, or CSV of measured metrics with the columns metric, value and sd.
     a: PathBuf,
-    /// The other one.
+    /// Second folder or CSV.
     b: PathBuf,
-    /// How far two values may be apart: `1%` or `0.01` for all metrics, `METRIC=0.5` or `METRIC=2%` for one. Repeatable. Default: not at all, or two
-    /// standard deviations of what was measured.
+    /// Tolerance: `1%` or `0.01` for all metrics, `METRIC=0.5` or `METRIC=2%` for one (repeatable).
+    /// Default: 0, or two standard deviations of a measured value.
     #[arg(long = "tolerance", value_name = "[METRIC=]X[%]")]
     tolerances: Vec<String>,
-    /// Compare these metrics only, and miss them where they are not there.
+    /// Compare only these metrics, and fail if one is missing.
     #[arg(long = "metric", value_name = "METRIC,…", value_delimiter = ',')]
     metrics: Vec<String>,
     #[command(flatten)]
@@ -31,7 +31,7 @@ pub(super) struct CompareArgs {
     drawing: DrawingArgs,
 }
 
-/// Compares, prints, and says by the exit code whether all is within its tolerance.
+/// Compares, prints, and returns `Exit::Missed` if a value is outside its tolerance.
 pub(super) fn run(args: &CompareArgs, color: Color) -> anyhow::Result<Exit> {
     let compared = compared(args)?;
     if let Some(dir) = &args.result.output {

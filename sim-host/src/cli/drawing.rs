@@ -1,4 +1,4 @@
-//! Arguments of figures: their size and their formats.
+//! Arguments of figures: size and formats.
 
 use clap::Args;
 
@@ -12,33 +12,34 @@ const PDF: Option<report::ToPdf> = Some(report::pdf);
 #[cfg(not(feature = "pdf"))]
 const PDF: Option<report::ToPdf> = None;
 
-/// Reads a format, and refuses one that this build cannot write before anything is run.
+/// Parses a format. A format that this build cannot write is refused here, before anything runs.
 fn format(text: &str) -> Result<PictureFormat, String> {
     match text.parse()? {
-        PictureFormat::Pdf if PDF.is_none() => Err(super::without("writer of PDF figures")),
+        PictureFormat::Pdf if PDF.is_none() => Err(super::missing_part("writer of PDF figures")),
         format => Ok(format),
     }
 }
 
-/// How the figures of a report are drawn.
+/// Options of the figures of a report.
 #[derive(Args, Default)]
 pub(super) struct DrawingArgs {
-    /// Size of the figures in print: a width, `88mm` of a column or `180mm` of two, or width x height, `120x80mm`; with letters as large as a paper's, and no
-    /// title. Default: 1600 x 900 pixels.
+    /// Size of the figures in print: a width (`88mm` for one column, `180mm` for two), or width x
+    /// height (`120x80mm`). Letters have the size of a paper's; titles are left out. Default: 1600
+    /// x 900 pixels.
     #[arg(long, value_name = "SIZE")]
     figure_size: Option<PrintSize>,
-    /// Formats of the figures: `svg`, `png`, `pdf`, or several with commas between. Default: svg,png.
+    /// Formats of the figures: `svg`, `png`, `pdf`, separated by commas. Default: svg,png.
     #[arg(long, value_name = "FORMAT,…", value_delimiter = ',', value_parser = format)]
     figure_format: Vec<PictureFormat>,
 }
 
 impl DrawingArgs {
-    /// How a report is shown, and where it comes from.
+    /// Returns the options of a report and its provenance.
     pub(super) fn presentation(&self) -> Presentation {
         Presentation { drawing: self.drawing(), provenance: provenance() }
     }
 
-    /// How figures are drawn: each format once.
+    /// Returns the options of figures, with each format once.
     pub(super) fn drawing(&self) -> Drawing {
         let mut formats = Vec::new();
         for &format in &self.figure_format {

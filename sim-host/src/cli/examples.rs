@@ -2,18 +2,18 @@
 
 use clap::Command;
 
-/// For each command, examples with what they do.
+/// Examples of each command: arguments and description.
 const EXAMPLES: [(&str, &[(&str, &str)]); 16] = [
     (
         "run",
         &[
-            ("run lock", "a cold start, with its report in out/lock"),
+            ("run lock", "cold start, with a report in out/lock"),
             (
                 "run contact --set excitation.velocity_ratio=0.2",
-                "how much friction is left at a fifth of the vibration velocity?",
+                "friction at a sliding speed of a fifth of the vibration velocity",
             ),
             ("run lock-cold --set runs=20 --format json", "twenty cold starts, as JSON"),
-            ("run burst --junit burst.xml", "expectations as test cases, for CI"),
+            ("run burst --junit burst.xml", "expectations as JUnit test cases, for CI"),
         ],
     ),
     (
@@ -23,41 +23,41 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 16] = [
                 "sweep contact-kinematic --over excitation.velocity_ratio=0.1:0.9:9 --metric friction_ratio -o curve",
                 "a curve of nine points",
             ),
-            ("sweep plan lock --over stack.bvd.q=20:200:1000:log", "what a thousand locks would take"),
+            ("sweep plan lock --over stack.bvd.q=20:200:1000:log", "estimate the cost of a thousand locks"),
         ],
     ),
-    ("merge", &[("merge mu-1 mu-2 -o mu", "one result of the shards in two folders")]),
+    ("merge", &[("merge mu-1 mu-2 -o mu", "join the shards in two folders")]),
     ("list", &[("list", "all built-in scenes")]),
-    ("show", &[("show experiment-1 --set rig.slider.load_n=2", "every key with unit and meaning")]),
-    ("check", &[("check experiment-1 --set rig.slider.load_n=2", "is it valid?")]),
+    ("show", &[("show experiment-1 --set rig.slider.load_n=2", "every key with its unit and meaning")]),
+    ("check", &[("check experiment-1 --set rig.slider.load_n=2", "check a changed scene")]),
     (
         "advise",
-        &[("advise --frequency-hz 40e3 --q 65 --rm-ohm 3 --c0-f 300e-9", "settings for a transducer by what an analyser prints")],
+        &[("advise --frequency-hz 40e3 --q 65 --rm-ohm 3 --c0-f 300e-9", "settings from the values of an impedance analyser")],
     ),
-    ("compare", &[("compare out/lock out/lock-pil --tolerance 1%", "two runs of a scene")]),
+    ("compare", &[("compare out/lock out/lock-pil --tolerance 1%", "compare two runs of a scene")]),
     ("explain", &[("explain friction_ratio", "a metric"), ("explain fault 21", "a fault"), ("explain trace.csv", "a file")]),
-    ("import", &[("import admittance transducer.s1p -o transducer", "a circuit with standard deviations, and a scene")]),
-    ("spectrum", &[("spectrum trace.csv --column friction_n", "which frequencies friction has when")]),
-    ("schema", &[("schema", "for an editor that completes and checks TOML")]),
+    ("import", &[("import admittance transducer.s1p -o transducer", "fit an equivalent circuit and write a scene")]),
+    ("spectrum", &[("spectrum trace.csv --column friction_n", "frequencies of the friction force over time")]),
+    ("schema", &[("schema", "for editors that complete and check TOML")]),
     (
         "link",
         &[
-            ("link sim:lock status", "of a simulated board"),
+            ("link sim:lock status", "status of a simulated board"),
             ("link /dev/ttyACM0 lock", "find and hold the resonance of a transducer"),
         ],
     ),
     (
         "validate",
         &[
-            ("validate my-suite.toml", "each case against its targets"),
+            ("validate my-suite.toml", "compare each case with its targets"),
             ("validate my-suite.toml --list", "the command of each case"),
         ],
     ),
-    ("completions", &[("completions bash", "source them, or put them where the shell looks")]),
-    ("man", &[("man", "the manual page"), ("man -o pages", "with one of each command")]),
+    ("completions", &[("completions bash", "source the output, or save it where the shell looks for completions")]),
+    ("man", &[("man", "the manual page"), ("man -o pages", "manual pages of the program and of each command")]),
 ];
 
-/// Adds the examples to the help of the commands, before what stands there.
+/// Adds the examples to the help of the commands, before other text at its end.
 pub(super) fn add(command: Command) -> Command {
     EXAMPLES.iter().fold(command, |command, (name, examples)| {
         command.mut_subcommand(name, |command| {
@@ -73,7 +73,7 @@ mod tests {
     use super::EXAMPLES;
 
     #[test]
-    fn every_command_has_examples_and_each_can_be_read() {
+    fn every_command_has_examples_that_parse() {
         let command = super::super::command();
         for subcommand in command.get_subcommands().filter(|command| command.get_name() != "help") {
             assert!(EXAMPLES.iter().any(|(name, _)| *name == subcommand.get_name()), "{}", subcommand.get_name());

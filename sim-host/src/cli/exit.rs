@@ -1,4 +1,4 @@
-//! Exit codes: one for each kind of error, in every command.
+//! Exit codes: one for each kind of error, the same in every command.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -21,25 +21,30 @@ use sim::study::StudyError;
 use sim::study::sweep::SweepError;
 
 /// Exit codes, for the help of commands.
-pub(super) const EXIT_CODES: &str = "Exit codes: 0 done; 1 the command failed; 2 usage; 3 an input is missing or refused: a scene, file, folder, key, \
-metric or other name; 4 the run finished but an expectation was missed; 5 QEMU or board not found or lost; 130 interrupted, with the results so far \
-written and marked.";
+pub(super) const EXIT_CODES: &str = "Exit codes:
+  0    success
+  1    the command failed
+  2    wrong usage
+  3    an input is missing or invalid (scene, file, folder, key, metric or other name)
+  4    the run finished, but missed an expectation
+  5    QEMU or the board was not found, or the connection was lost
+  130  interrupted; partial results are marked";
 
-/// Outcome of a command. The number is the exit code.
+/// Outcome of a command; its number is the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Exit {
     Done = 0,
-    /// The command failed: a run without a result, a refused order, a file that cannot be written.
+    /// Command failed: a run without a result, a refused command, a file that cannot be written.
     Failed = 1,
-    /// An option, a value or a combination is wrong, or the folder of the result holds something else.
+    /// Wrong option, value or combination, or the result folder contains something else.
     Usage = 2,
-    /// An input is missing or refused: a scene, file, folder, key, metric or other name.
+    /// Missing or refused input: a scene, file, folder, key, metric or other name.
     Input = 3,
-    /// The run finished, but an expectation was missed.
+    /// Run finished, but an expectation was missed.
     Missed = 4,
-    /// QEMU, board or link was not found, or was lost.
+    /// QEMU, board or link not found, or lost.
     Lost = 5,
-    /// The results so far are written, and marked.
+    /// Interrupted; the results so far are written and marked.
     Interrupted = 130,
 }
 
@@ -49,7 +54,7 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// A mistake that a command finds by itself.
+/// Error that a command detects itself.
 #[derive(Debug)]
 struct Mistake(Exit, String);
 
@@ -61,27 +66,27 @@ impl fmt::Display for Mistake {
 
 impl Error for Mistake {}
 
-/// A mistake of this kind.
+/// Returns an error with this exit code and message.
 pub(super) fn mistake(exit: Exit, text: impl Into<String>) -> anyhow::Error {
     Mistake(exit, text.into()).into()
 }
 
-/// Prints an error to standard error, and returns the outcome by its kind.
+/// Prints an error to standard error and returns its outcome.
 pub(super) fn report(error: &anyhow::Error, color: Color) -> Exit {
-    // A reader that has gone away (`sim-host list | head -1`) is not an error.
+    // A closed reader (`sim-host list | head -1`) is not an error.
     if error.downcast_ref::<io::Error>().is_some_and(|io| io.kind() == io::ErrorKind::BrokenPipe) {
         return Exit::Done;
     }
     match (error.downcast_ref(), error.downcast_ref()) {
         (Some(LoadError::Invalid(report)), _) | (_, Some(LinkError::Script(report))) => say!("{}", report.render(color.stderr)),
         (_, Some(LinkError::Interrupted)) => say!("interrupted"),
-        _ => say!("error: {}", whole(error)),
+        _ => say!("error: {}", with_causes(error)),
     }
     error.chain().find_map(exit).unwrap_or(Exit::Failed)
 }
 
-/// An error with its causes, each once: some messages contain that of their cause.
-fn whole(error: &anyhow::Error) -> String {
+/// Formats an error with its causes. A cause that the message already contains is left out.
+fn with_causes(error: &anyhow::Error) -> String {
     error
         .chain()
         .map(ToString::to_string)
@@ -89,7 +94,8 @@ fn whole(error: &anyhow::Error) -> String {
         .unwrap_or_default()
 }
 
-/// The outcome by the kind of an error; `None` if its cause decides, or if the command failed although its arguments and inputs are right.
+/// Returns the outcome for a kind of error. `None`: the cause decides, or the command failed
+/// although its arguments and inputs are right.
 fn exit(error: &(dyn Error + 'static)) -> Option<Exit> {
     use Exit::{Input, Interrupted, Lost, Usage};
     if let Some(Mistake(exit, _)) = error.downcast_ref() {

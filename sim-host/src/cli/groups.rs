@@ -1,8 +1,8 @@
-//! Commands in groups, in the help of the program.
+//! Groups of commands in the help of the program.
 
 use clap::Command;
 
-/// The groups with the commands of each; the last has all that no other one has.
+/// Groups with their commands. The last group takes all commands that no other group contains.
 const GROUPS: [(&str, &[&str]); 4] = [
     ("First steps", &["run", "sweep", "import", "advise", "link", "explain"]),
     ("Scenes", &["list", "show", "check", "schema"]),
@@ -32,7 +32,7 @@ pub(super) fn add(command: Command) -> Command {
     ))
 }
 
-/// The names of the group that a command is in.
+/// Returns the commands of the group that contains a command.
 fn group(name: &str) -> &'static [&'static str] {
     GROUPS.iter().map(|(_, names)| *names).find(|names| names.contains(&name)).unwrap_or_default()
 }
@@ -42,7 +42,7 @@ mod tests {
     use super::GROUPS;
 
     #[test]
-    fn the_help_lists_every_command_once_and_the_first_steps_first() {
+    fn the_help_lists_every_command_once_in_its_group() {
         let mut command = super::super::command();
         let help = command.render_long_help().to_string();
         let listed: Vec<&str> = help.lines().filter_map(|line| line.strip_prefix("  ")?.split("  ").next()).collect();

@@ -1,4 +1,4 @@
-//! `sim-host import`: measured data as parameters, with a report and a ready scene.
+//! `sim-host import`: fits parameters to measured data and writes a report and a scene.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,24 +22,31 @@ use sim::output::{Folder, Owner};
 #[derive(Args)]
 pub(super) struct ImportArgs {
     #[command(subcommand)]
-    what: What,
+    kind: ImportKind,
 }
 
 #[derive(Subcommand)]
-enum What {
-    /// A measured admittance or impedance over frequency (Touchstone .s1p or .s2p, or a table): the equivalent circuit with standard deviations.
+enum ImportKind {
+    /// Fit an equivalent circuit to an admittance or impedance sweep.
+    ///
+    /// Reads Touchstone (.s1p or .s2p) or a table. Prints the circuit with standard deviations.
     Admittance(AdmittanceArgs),
-    /// A friction log (time or displacement, force, velocity; OFF and ON parts): contact models with standard deviations, and the friction ratio.
+    /// Fit contact models to a friction log.
+    ///
+    /// Reads time or displacement, force and velocity, with parts without (OFF) and with vibration
+    /// (ON). Prints the models with standard deviations, and the friction ratio.
     Friction(FrictionArgs),
 }
 
-/// What every import has.
+/// Arguments that every import has.
 #[derive(Args)]
-#[command(mut_arg("output", |arg| arg.help("Folder for report, figures and scene. The files of an earlier import of the same kind are replaced if none has changed. Default: `out/` and the name of the file; if that folder may not be replaced, the same name with `-admittance` or `-friction` behind")))]
+#[command(mut_arg("output", |arg| arg.help("Folder for report, figures and scene; unchanged files of an earlier import of the \
+same kind are replaced. Default: `out/` and the name of the file, with `-admittance` or `-friction` appended if that folder may \
+not be replaced")))]
 struct Common {
-    /// The measured file.
+    /// Measured file.
     file: PathBuf,
-    /// Names of a table's columns, in place of its heading, as `"f [Hz], |Z| [ohm], theta [deg]"`.
+    /// Column names that replace the table's heading, as `"f [Hz], |Z| [ohm], theta [deg]"`.
     #[arg(long, value_name = "NAMES")]
     columns: Option<String>,
     #[command(flatten)]
@@ -50,25 +57,27 @@ struct Common {
 struct AdmittanceArgs {
     #[command(flatten)]
     common: Common,
-    /// Unit of a column that names none, as `khz`, `ohm`, `ms`, `deg`. Repeatable.
+    /// Unit of a column that states none, as `khz`, `ohm`, `ms`, `deg` (repeatable).
     #[arg(long = "unit", value_name = "UNIT")]
     units: Vec<String>,
-    /// Reference resistance of scattering parameters in a table, ohm; a Touchstone file says its own.
+    /// Reference resistance of scattering parameters in a table, ohm. Touchstone files state their
+    /// own.
     #[arg(long, value_name = "OHM", default_value_t = 50.0, value_parser = ohm)]
     z0: f64,
-    /// How the transducer was connected to a network analyser. Default: of an .s1p one port, of an .s2p what its data show.
+    /// Connection of the transducer to the network analyser. Default: one port for .s1p; for .s2p
+    /// derived from the data.
     #[arg(long, value_enum)]
     topology: Option<Connection>,
-    /// A sweep of the open fixture, in the form of FILE, to be taken away.
+    /// Sweep of the open fixture, in the form of FILE, for compensation.
     #[arg(long, value_name = "FILE")]
     open: Option<PathBuf>,
-    /// A sweep of the shorted fixture, in the form of FILE, to be taken away.
+    /// Sweep of the shorted fixture, in the form of FILE, for compensation.
     #[arg(long, value_name = "FILE")]
     short: Option<PathBuf>,
-    /// A resistance in series with the transducer that is no part of it, ohm.
+    /// External resistance in series with the transducer, ohm; it is subtracted.
     #[arg(long, value_name = "OHM", default_value_t = 0.0, value_parser = resistance)]
     series_ohm: f64,
-    /// How many resonances to fit. Default: as many as the data ask for, three at most.
+    /// Number of resonances to fit. Default: chosen from the data, at most three.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=MOST_MODES as i64))]
     modes: Option<u8>,
 }
@@ -77,21 +86,21 @@ struct AdmittanceArgs {
 struct FrictionArgs {
     #[command(flatten)]
     common: Common,
-    /// Normal force, N, where no column has it.
+    /// Normal force, N, if no column contains it.
     #[arg(long, value_name = "N", value_parser = newtons)]
     normal_n: Option<f64>,
-    /// When the vibration is ON, s, where no column says it. Repeatable.
+    /// Time with vibration ON, s, if no column states it (repeatable).
     #[arg(long, value_name = "FROM:TO", value_parser = span)]
     on: Vec<(f64, f64)>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Connection {
-    /// Reflection S11 of one port.
+    /// Reflection S11 at one port.
     OnePort,
-    /// Between two ports: S21.
+    /// Transducer between two ports: S21.
     SeriesThrough,
-    /// From the line between two ports to ground: S21.
+    /// Transducer from the line between two ports to ground: S21.
     ShuntThrough,
 }
 
@@ -112,18 +121,18 @@ fn newtons(text: &str) -> Result<f64, String> {
 
 fn span(text: &str) -> Result<(f64, f64), String> {
     let ends = text.split_once(':').and_then(|(from, to)| Some((from.parse::<f64>().ok()?, to.parse::<f64>().ok()?)));
-    ends.filter(|(from, to)| from < to).ok_or_else(|| "give two rising times in s with a colon between, as 2:4".to_owned())
+    ends.filter(|(from, to)| from < to).ok_or_else(|| "give two increasing times in s, as 2:4".to_owned())
 }
 
-/// Imports, writes the folder of the result, and prints.
+/// Imports, writes the result folder, and prints the result.
 pub(super) fn run(args: &ImportArgs, color: Color) -> anyhow::Result<Exit> {
-    match &args.what {
-        What::Admittance(args) => of_admittance(args, color),
-        What::Friction(args) => of_friction(args, color),
+    match &args.kind {
+        ImportKind::Admittance(args) => import_admittance(args, color),
+        ImportKind::Friction(args) => import_friction(args, color),
     }
 }
 
-fn of_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<Exit> {
+fn import_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<Exit> {
     let common = &args.common;
     let units = Units::parse(args.units.iter().flat_map(|units| units.split(',')));
     let units = units.map_err(|error| mistake(Exit::Usage, format!("--unit: {error}")))?;
@@ -153,7 +162,7 @@ fn of_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<Exit> {
     })
 }
 
-fn of_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<Exit> {
+fn import_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<Exit> {
     let common = &args.common;
     let options = friction::Options { columns: common.columns.clone(), normal_n: args.normal_n, on_s: args.on.clone() };
     let owner = Owner::new("import friction", [&common.file]);
@@ -166,21 +175,21 @@ fn of_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<Exit> {
     })
 }
 
-/// What an import has found, as far as its folder and its output need it.
+/// Result of an import, as its folder and its output need it.
 struct Imported {
     /// Name of the measured file.
     source: String,
-    /// The scene of the result, if it has one.
+    /// Scene of the result, if it has one.
     scene: Option<String>,
-    /// The report of the result.
+    /// Report of the result.
     report: Report,
-    /// The result for programs, which does not say yet where its scene is.
+    /// Result as JSON, still without the path of its scene.
     json: Value,
-    /// What the reader should be careful about.
+    /// Warnings about the result.
     warnings: Vec<String>,
 }
 
-/// Writes and prints what an import has found.
+/// Writes and prints the result of an import.
 fn finish<T>(
     (common, owner): (&Common, Owner),
     imported: Result<T, ImportError>,
@@ -212,13 +221,13 @@ fn finish<T>(
     if let Some(folder) = folder.filter(|_| !common.report.result.quiet) {
         say!("report: {}", folder.dir().join("report.html").display());
         if let Some(scene) = &written {
-            say!("scene: {scene}, to be run by `sim-host run {scene}`");
+            say!("scene: {scene}; run it with `sim-host run {scene}`");
         }
     }
     Ok(Exit::Done)
 }
 
-/// The name of a file without its ending, as that of a scene and of a folder.
+/// Returns the name of a file without its extension, as a valid name of a scene and folder.
 fn stem(file: &Path) -> String {
     let stem = file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let clean: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' }).collect();
@@ -226,18 +235,18 @@ fn stem(file: &Path) -> String {
     if clean.is_empty() { "measured".into() } else { clean }
 }
 
-/// Whether a scene is one that can be run; says why where it is not.
+/// Returns `true` if the scene can be run, or else prints the reason.
 fn is_valid(name: &str, text: &str) -> bool {
     match load_text(name, text, &[]) {
         Ok(_) => true,
         Err(error) => {
-            say!("note: no scene is written: its values are outside of what a scene can have\n{error}");
+            say!("note: no scene is written, because its values are outside the limits of a scene\n{error}");
             false
         }
     }
 }
 
-/// The result for programs, with where its scene is.
+/// Returns the result as JSON with the path of its scene.
 fn with_scene(json: &Value, scene: Option<&str>) -> Value {
     let mut json = json.clone();
     json["scene"] = json!(scene);

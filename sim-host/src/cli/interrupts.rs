@@ -1,24 +1,27 @@
-//! Requests to end this program: Ctrl-C, SIGTERM, and the hang-up of a closed terminal.
+//! Requests to end this program: Ctrl-C, SIGTERM, and SIGHUP of a closed terminal.
 //!
-//! The first one sets a flag, so that what is under way ends in order: a drive is silenced, a result is written and marked as interrupted.
-//! Requests that follow at once are the same request: a terminal that closes sends two, one by the kernel and one by the shell. A later
-//! one ends the program, whatever is under way.
+//! The first request sets a flag, so that the current work ends in order: a drive is silenced, and
+//! a result is written and marked as interrupted. Requests within the following second are ignored:
+//! a terminal that closes sends two, one from the kernel and one from the shell. A later request
+//! ends the program immediately.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::Exit;
 
-/// How long after the first request further ones are taken for the same.
-const SAME: Duration = Duration::from_secs(1);
+/// Time after the first request during which further requests are ignored.
+const REPEAT_WINDOW: Duration = Duration::from_secs(1);
 
 /// Sets `stop` at the first request to end.
 pub(super) fn set(stop: &'static AtomicBool) -> std::io::Result<()> {
-    set_apart(stop, stop)
+    set_with_end(stop, stop)
 }
 
-/// The same, with `end` set as well where the request is not Ctrl-C, which may end no more than what is under way. Whoever goes on takes `stop` back.
-pub(super) fn set_apart(stop: &'static AtomicBool, end: &'static AtomicBool) -> std::io::Result<()> {
+/// Sets `stop` at every request, and also `end` at any request but Ctrl-C.
+///
+/// Ctrl-C may end only the current work; a caller that continues then clears `stop`.
+pub(super) fn set_with_end(stop: &'static AtomicBool, end: &'static AtomicBool) -> std::io::Result<()> {
     let mut first = Instant::now();
     listen(move |is_ctrl_c| {
         let again = stop.swap(true, Ordering::Relaxed);
@@ -27,7 +30,7 @@ pub(super) fn set_apart(stop: &'static AtomicBool, end: &'static AtomicBool) -> 
         }
         if !again {
             first = Instant::now();
-        } else if first.elapsed() >= SAME {
+        } else if first.elapsed() >= REPEAT_WINDOW {
             std::process::exit(Exit::Interrupted as i32)
         }
     })
@@ -40,7 +43,7 @@ fn listen(mut request: impl FnMut(bool) + Send + 'static) -> std::io::Result<()>
     use signal_hook::iterator::Signals;
 
     let mut signals = Signals::new([SIGINT, SIGTERM])?;
-    // A program that is started with `nohup` is to outlive the terminal.
+    // A program that is started with `nohup` must outlive the terminal.
     if !ignores_hang_up() {
         signals.add_signal(SIGHUP)?;
     }
@@ -55,7 +58,7 @@ fn listen(mut request: impl FnMut(bool) + Send + 'static) -> Result<(), ctrlc::E
     ctrlc::set_handler(move || request(true))
 }
 
-/// Whether this program was started with the hang-up signal ignored, as far as the system says so.
+/// Returns `true` if the system reports that SIGHUP was ignored when this program was started.
 #[cfg(unix)]
 fn ignores_hang_up() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

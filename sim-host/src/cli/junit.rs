@@ -1,4 +1,4 @@
-//! Expectations of a run as JUnit test cases, the form in which CI systems take results.
+//! Expectations of a run as JUnit test cases, the format that CI systems read.
 
 use std::fs;
 use std::io;
@@ -9,7 +9,8 @@ use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use scene::shown;
 use sim::study::{Judged, Study};
 
-/// Writes a test suite of a run: a test case an expectation. A run that was interrupted has one that says so.
+/// Writes the test suite of a run, with one test case per expectation. An interrupted run has a
+/// failed test case in addition.
 pub(super) fn write(study: &Study, path: &Path) -> anyhow::Result<()> {
     let mut suite = TestSuite::new(study.name.as_str());
     for judged in &study.judged {
@@ -34,10 +35,10 @@ fn case(judged: &Judged) -> TestCase {
     }
     if !judged.counts {
         let mut status = TestCaseStatus::skipped();
-        status.set_message("an expectation of the base scene, whose inputs were changed");
+        status.set_message("expectation of the base scene, whose inputs were changed");
         return TestCase::new(name, status);
     }
-    let value = judged.value.map_or_else(|| "no such value in this run".to_owned(), shown);
+    let value = judged.value.map_or_else(|| "no value in this run".to_owned(), shown);
     let source = if judged.source.is_empty() { String::new() } else { format!(" ({})", judged.source) };
     failure(&name, &format!("{value}, expected {}{source}", judged.limit), NonSuccessKind::Failure)
 }

@@ -29,66 +29,74 @@ use link::simulated_board::SimulatedBoard;
 use scene::Driven;
 use scene::load::load;
 
-/// Set by Ctrl-C, and by any other request to end.
+/// `true` after Ctrl-C or any other request to end.
 pub(super) static STOP: AtomicBool = AtomicBool::new(false);
-/// Set by such a request as ends a prompt, too: any but Ctrl-C.
+/// `true` after a request that also ends a prompt: any but Ctrl-C.
 static END: AtomicBool = AtomicBool::new(false);
-/// The reader of standard output has closed it: the command under way ends as by Ctrl-C, and nothing more is printed.
+/// `true` after the reader of standard output has closed it: the current command ends as by Ctrl-C,
+/// and nothing more is printed.
 static CLOSED: AtomicBool = AtomicBool::new(false);
 
-/// What a simulated board is called: `sim:SCENE`.
+/// Prefix of a simulated board: `sim:SCENE`.
 const SIMULATED: &str = "sim:";
-/// What the flashed image on a model of its part is called: `board:SCENE`.
+/// Prefix of the flashed image on a model of its microcontroller: `board:SCENE`.
 const MODELLED: &str = "board:";
-/// What the file of an update is called, in place of a board: `file:OUT`.
+/// Prefix of an update file, which replaces a board: `file:OUT`.
 const FILE: &str = "file:";
 
 /// Arguments of the command.
 #[derive(Args, Clone)]
 pub(super) struct LinkArgs {
-    /// A serial device (/dev/ttyACM0, COM3), `tcp:HOST:PORT`, `sim:SCENE`: a simulated board in this process, or `board:SCENE`: the image that is
-    /// flashed, on a model of its part. For `update` also `file:OUT`: makes the file of an update of an ELF file.
+    /// Board: a serial device (/dev/ttyACM0, COM3), `tcp:HOST:PORT`, `sim:SCENE` or `board:SCENE`.
+    ///
+    /// `sim:SCENE` is a simulated board in this process. `board:SCENE` runs the flashed image on a
+    /// model of its microcontroller. `file:OUT` makes `update` write an update file from an ELF
+    /// file.
     pub(super) port: String,
-    /// What to do there; without it commands are read from a prompt, or line by line from standard input.
+    /// Command. Without one, commands are read from a prompt, or line by line from standard input.
     #[command(subcommand)]
     order: Option<LinkOrder>,
-    /// Of a simulated board: change one value of its scene, as `a.b=v`. Repeatable.
-    #[arg(long = "set", value_name = "KEY=VALUE", global = true)]
+    /// Simulated board: change one value of its scene, as `a.b=v` (repeatable).
+    #[arg(long = "set", value_name = "KEY=VALUE", global = true, hide_short_help = true)]
     sets: Vec<String>,
-    /// Of a simulated board: seed of all noise.
-    #[arg(long, value_name = "N", global = true)]
+    /// Simulated board: seed of all noise.
+    #[arg(long, value_name = "N", global = true, hide_short_help = true)]
     seed: Option<u64>,
-    /// Of sim:SCENE: the file of the board's flash, so that it keeps its settings; made where it is not there yet.
-    #[arg(long, value_name = "FILE", global = true)]
+    /// sim:SCENE: file that keeps the board's flash between runs; created if missing.
+    #[arg(long, value_name = "FILE", global = true, hide_short_help = true)]
     flash: Option<PathBuf>,
-    /// Of board:SCENE: the image, an ELF file, in place of the one that is built from the present source.
-    #[arg(long, value_name = "ELF", global = true)]
+    /// board:SCENE: image, an ELF file. Default: built from the current source.
+    #[arg(long, value_name = "ELF", global = true, hide_short_help = true)]
     pub(super) image: Option<PathBuf>,
-    /// Of board:SCENE: let the block interrupt take a part of its time only, as if the processor were so many times as fast there.
-    #[arg(long, value_name = "X", global = true, value_parser = times)]
+    /// board:SCENE: run the block interrupt as if the processor were X times faster.
+    #[arg(long, value_name = "X", global = true, hide_short_help = true, value_parser = times)]
     pub(super) board_speed: Option<f64>,
-    /// Of board:SCENE: the board has a first stage, and the image runs in the slot behind it, so that it can be updated.
-    #[arg(long, global = true)]
+    /// board:SCENE: run the image in its slot, started by the first stage, so that it can be
+    /// updated.
+    #[arg(long, global = true, hide_short_help = true)]
     pub(super) slot: bool,
-    /// Of board:SCENE: a port for GDB, as HOST:PORT; port 0 takes a free one. Standard error names it.
-    #[arg(long, value_name = "ADDRESS", global = true)]
+    /// board:SCENE: listen for GDB at HOST:PORT; port 0 takes a free one. The address is printed on
+    /// standard error.
+    #[arg(long, value_name = "ADDRESS", global = true, hide_short_help = true)]
     pub(super) gdb: Option<String>,
-    /// Let `serve` and --gdb listen at an address that other machines can reach. There is no password: anyone there can drive the board.
-    #[arg(long, global = true)]
+    /// Let `serve` and --gdb listen at an address that other machines can reach. There is no
+    /// password: anyone who reaches it can drive the board.
+    #[arg(long, global = true, hide_short_help = true)]
     pub(super) allow_remote: bool,
-    /// A simulated board is not faster than a real one.
-    #[arg(long, global = true)]
+    /// Run a simulated board no faster than a real one.
+    #[arg(long, global = true, hide_short_help = true)]
     real_time: bool,
-    /// What to print on standard output: text, or a line of JSON for each answer.
+    /// Format of standard output: text, or one line of JSON per answer.
     #[arg(long, value_enum, default_value_t = Format::Human, global = true)]
     format: Format,
-    /// Host timeout, s: so long without a message from this program, the board stops its drive (fault 12). Default: the board's setting.
+    /// Host timeout, s: the board stops its drive (fault 12) after this time without a message from
+    /// this program. Default: the board's setting.
     #[arg(long, alias = "patience", value_name = "S", value_parser = amount, global = true, conflicts_with = "stay")]
     host_timeout: Option<f32>,
-    /// The drive goes on when this program ends, and the board waits for no host.
+    /// Keep the drive on when this program ends, without a host timeout.
     #[arg(long, global = true)]
     stay: bool,
-    /// Files of the scene of a simulated board.
+    /// Scene files of a simulated board.
     #[arg(skip)]
     inputs: Vec<PathBuf>,
 }
@@ -97,64 +105,69 @@ pub(super) struct LinkArgs {
 enum LinkOrder {
     #[command(flatten)]
     Order(Order),
-    /// Do what a file says, a command a line; ends with the first that fails.
+    /// Run the commands of a file, one per line; stop at the first that fails.
     Script {
-        /// The file; `-` is standard input.
+        /// File, or `-` for standard input.
         file: String,
     },
-    /// Put the board of this process at a TCP port, in real time, until Ctrl-C. One client holds it at a time; `stop` is taken from any.
+    /// Serve the simulated board at a TCP port, in real time, until Ctrl-C.
+    ///
+    /// One client holds the board at a time; `stop` is accepted from any client.
     Serve {
-        /// Where to listen; port 0 takes a free one. The address is printed. Other machines need --allow-remote.
+        /// Address to listen at; port 0 takes a free one. The address is printed. Addresses that
+        /// other machines can reach need --allow-remote.
         #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:0")]
         listen: String,
-        /// Take the board from a client that has sent nothing for this long; 0 is never. The commands of `link` send something at least every 0.2 s.
+        /// Idle time after which a client loses the board, s; 0 is never. The commands of `link`
+        /// send something at least every 0.2 s.
         #[arg(long, value_name = "S", default_value = "30", value_parser = seconds)]
         idle_limit: f64,
     },
-    /// Let time pass, with the board looked after.
+    /// Wait while the connection to the board is kept alive.
     Wait {
+        /// Time to wait, s.
         #[arg(value_parser = seconds)]
         time: f64,
     },
 }
 
-/// Connects, does what is asked, and leaves the drive as it is to be left.
+/// Connects, runs the command, and stops the drive or keeps it on as the options state.
 pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<Exit> {
     if std::env::args().any(|argument| argument.split('=').next() == Some("--patience")) {
-        say!("note: `--patience` is `--host-timeout` now; the old name goes with the next version");
+        say!("note: `--patience` is now `--host-timeout`; the next version removes the old name");
     }
     let modelled = args.port.strip_prefix(MODELLED);
     if modelled.is_none() && (args.image.is_some() || args.board_speed.is_some() || args.slot || args.gdb.is_some()) {
-        let usage = "--image, --board-speed, --slot and --gdb are of the modelled part, board:SCENE";
+        let usage = "--image, --board-speed, --slot and --gdb need board:SCENE";
         return Err(LinkError::Usage(usage.into()).into());
     }
     if args.flash.is_some() && !args.port.starts_with(SIMULATED) {
-        let usage = "--flash is of a simulated board, sim:SCENE; any other has a flash of its own";
+        let usage = "--flash needs sim:SCENE; other boards have their own flash";
         return Err(LinkError::Usage(usage.into()).into());
     }
     if let Some(out) = args.port.strip_prefix(FILE) {
         let Some(LinkOrder::Order(order @ Order::Update(update))) = &args.order else {
-            let usage = "`file:OUT` is not a board: `update ELF` makes the file of an update there";
+            let usage = "`file:OUT` is not a board: it takes only `update ELF`, which writes the update file";
             return Err(LinkError::Usage(usage.into()).into());
         };
         let made = update::make(update, Path::new(out));
-        return done(tell("", order.name(), &made, args.format).and(made.map(drop)));
+        return to_exit(print_answer("", order.name(), &made, args.format).and(made.map(drop)));
     }
     let Some(scene) = modelled.or(args.port.strip_prefix(SIMULATED)) else {
         if !args.sets.is_empty() || args.seed.is_some() || args.real_time {
-            let usage = "--set, --seed and --real-time are of a board in this process, sim:SCENE or board:SCENE";
+            let usage = "--set, --seed and --real-time need sim:SCENE or board:SCENE";
             return Err(LinkError::Usage(usage.into()).into());
         }
-        return done(open(&args.port).and_then(|port| with_port(args, port, color)));
+        return to_exit(open(&args.port).and_then(|port| with_port(args, port, color)));
     };
     let mut sets = args.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
     let defaults = if modelled.is_some() { board_model::defaults() } else { Vec::new() };
     let loaded = load(scene, &sets)?.with_defaults(&defaults)?;
-    let none = || LinkError::Input(format!("`{}` has no [controller]: there is nothing to talk to", loaded.name));
+    let none = || LinkError::Input(format!("`{}` has no [controller], which a board needs", loaded.name));
     let driven = loaded.scene.driven().ok_or_else(none)?;
     let args = &LinkArgs { inputs: loaded.files(), ..args.clone() };
-    done(if modelled.is_some() { board_model::talk(args, &driven, color) } else { simulated(args, &driven, color) })
+    to_exit(if modelled.is_some() { board_model::talk(args, &driven, color) } else { simulated(args, &driven, color) })
 }
 
 fn open(port: &str) -> Result<Box<dyn Port>, LinkError> {
@@ -164,7 +177,7 @@ fn open(port: &str) -> Result<Box<dyn Port>, LinkError> {
     })
 }
 
-/// Talks to a simulated board, and stores its flash where it has a file.
+/// Talks to a simulated board, and stores its flash if a file is given.
 fn simulated(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkError> {
     let flash = args.flash.as_deref().map(flash_file::read).transpose()?.flatten();
     let board = match flash {
@@ -178,6 +191,7 @@ fn simulated(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkEr
     done.and(stored)
 }
 
+/// Serves a board of this process, or runs the command or prompt on it.
 pub(super) fn with_board(args: &LinkArgs, board: Rc<RefCell<impl InProcess + 'static>>, color: Color) -> Result<(), LinkError> {
     if let Some(LinkOrder::Serve { listen: address, idle_limit }) = &args.order {
         let listener = listen("tcp:", address, args.allow_remote)?;
@@ -187,18 +201,19 @@ pub(super) fn with_board(args: &LinkArgs, board: Rc<RefCell<impl InProcess + 'st
         serve(&mut *board.borrow_mut(), &listener, &STOP, Duration::from_secs_f64(*idle_limit), note)?;
         return Err(LinkError::Interrupted);
     }
-    // What has no end of its own is watched, and who watches has a clock.
+    // A command without an end of its own is watched by a user, so it runs in real time.
     let endless = match &args.order {
         Some(LinkOrder::Order(Order::Monitor(order))) => order.is_endless(),
         Some(LinkOrder::Order(Order::Drive(order))) => order.goes_on() && !args.stay,
-        None => prompt::is_watched(),
+        None => prompt::is_interactive(),
         _ => false,
     };
     let port = Simulated::new(&args.port, board, args.real_time || endless);
     with_port(args, Box::new(port), color)
 }
 
-/// Listens at an address, as `HOST:PORT`, if only this machine can reach it or other machines are allowed. `what` precedes the address in errors.
+/// Listens at an address, as `HOST:PORT`, if only this machine can reach it or other machines are
+/// allowed. `what` precedes the address in errors.
 pub(super) fn listen(what: &str, address: &str, allow_remote: bool) -> Result<TcpListener, LinkError> {
     let open = |error: io::Error| {
         let why = match error.kind() {
@@ -212,7 +227,7 @@ pub(super) fn listen(what: &str, address: &str, allow_remote: bool) -> Result<Tc
     if addresses.iter().any(|address| !address.ip().to_canonical().is_loopback()) {
         let danger = format!("other machines can reach {address}, and anyone there can drive the board without a password");
         if !allow_remote {
-            return Err(LinkError::Usage(format!("{danger}; `--allow-remote` allows that")));
+            return Err(LinkError::Usage(format!("{danger}; `--allow-remote` allows this")));
         }
         note(&format!("warning: {danger}"));
     }
@@ -220,16 +235,17 @@ pub(super) fn listen(what: &str, address: &str, allow_remote: bool) -> Result<Tc
 }
 
 fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), LinkError> {
-    // A script that cannot be read needs no board.
+    // An unreadable script is reported before the board is contacted.
     let script = match &args.order {
         Some(LinkOrder::Script { file }) => Some(read(file)?),
         Some(LinkOrder::Serve { .. }) => {
-            return Err(LinkError::Usage("serve is of a board in this process: `sim-host link sim:SCENE serve`".into()));
+            return Err(LinkError::Usage("`serve` needs a simulated board: `sim-host link sim:SCENE serve`".into()));
         }
         _ => None,
     };
-    // Not before the script is read, which may come from a pipe that never ends; before anything is asked of the board.
-    if args.order.is_none() { interrupts::set_apart(&STOP, &END) } else { interrupts::set(&STOP) }?;
+    // After the script is read, which may come from an endless pipe, and before the first message
+    // to the board.
+    if args.order.is_none() { interrupts::set_with_end(&STOP, &END) } else { interrupts::set(&STOP) }?;
     let mut client = Client::new(port, &STOP, note);
     if matches!(args.order, Some(LinkOrder::Order(Order::Stop))) {
         client.announce_stop()?;
@@ -242,25 +258,26 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), L
         session.inputs.push(file.into());
     }
     let done = match (&args.order, script) {
-        (None, _) => prompt::talk(args, &mut session, color),
-        (Some(LinkOrder::Order(order)), _) => one(order, args, &mut session),
+        (None, _) => prompt::run(args, &mut session, color),
+        (Some(LinkOrder::Order(order)), _) => run_one(order, args, &mut session),
         (Some(LinkOrder::Wait { time }), _) => {
             let waited = session.wait(Duration::from_secs_f64(*time)).map(|()| Answer::to("wait").field("s", *time));
-            tell("", "wait", &waited, args.format).and(waited.map(drop))
+            print_answer("", "wait", &waited, args.format).and(waited.map(drop))
         }
-        (_, Some(script)) => script.run(&mut session, |line, done| tell(&line.text, line.name(), done, args.format)),
+        (_, Some(script)) => script.run(&mut session, |line, done| print_answer(&line.text, line.name(), done, args.format)),
         _ => Ok(()),
     };
     let interrupted = matches!(done, Err(LinkError::Interrupted));
     if io::stdout().is_terminal() && interrupted {
         note("");
     }
-    // Whatever has happened, the drive is left as the user wants it left, as far as the link goes.
+    // In every case the drive ends in the state that the options state, if the link still
+    // works.
     let drove = session.is_driving();
     let left = session.leave();
     match &left {
         Ok(Some(what)) => note(what),
-        Err(_) if drove => note("the drive may still be on: the board has not been ordered to stop"),
+        Err(_) if drove => note("warning: the drive may still be on; the board received no stop command"),
         _ if interrupted => {
             if let Ok(report) = session.status()
                 && let Ok(what) = monitor::what_it_does(&report, &mut session)
@@ -273,12 +290,12 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), L
     done.and(left.map(drop))
 }
 
-/// One command; a drive that goes on is watched until Ctrl-C.
-fn one(order: &Order, args: &LinkArgs, session: &mut Session) -> Result<(), LinkError> {
+/// Runs one command. If it leaves the drive on, watches the board until Ctrl-C.
+fn run_one(order: &Order, args: &LinkArgs, session: &mut Session) -> Result<(), LinkError> {
     session.ends_with_command = true;
     let done = order.run(session);
     if args.format == Format::Json || done.is_ok() {
-        tell("", order.name(), &done, args.format)?;
+        print_answer("", order.name(), &done, args.format)?;
     }
     done?;
     if let Order::Drive(drive) = order
@@ -291,8 +308,8 @@ fn one(order: &Order, args: &LinkArgs, session: &mut Session) -> Result<(), Link
     Ok(())
 }
 
-/// Prints what has come of a command.
-fn tell(text: &str, name: &str, done: &Result<Answer, LinkError>, format: Format) -> Result<(), LinkError> {
+/// Prints the result of a command.
+fn print_answer(text: &str, name: &str, done: &Result<Answer, LinkError>, format: Format) -> Result<(), LinkError> {
     let mut out = io::stdout().lock();
     match (format, done) {
         (Format::Json, Ok(answer)) => writeln!(out, "{}", answer.json())?,
@@ -302,7 +319,7 @@ fn tell(text: &str, name: &str, done: &Result<Answer, LinkError>, format: Format
                 writeln!(out, "> {text}")?;
             }
             if let Ok(answer) = done {
-                // The line of a monitor stays where it is.
+                // The line of a monitor stays on the screen.
                 if name == "monitor" && io::stdout().is_terminal() {
                     writeln!(out)?;
                 }
@@ -313,20 +330,20 @@ fn tell(text: &str, name: &str, done: &Result<Answer, LinkError>, format: Format
     Ok(out.flush()?)
 }
 
-/// Callbacks that print stages and reports.
+/// Returns callbacks that print stages and reports.
 fn live(format: Format) -> Live {
     let stage = io::stderr().is_terminal().then_some((|line| note(&format!("{line}…"))) as fn(&str));
     let report: fn(&str, &Value) = match format {
-        Format::Json => |_, fields| say(&format!("{fields}\n")),
-        // The line is renewed in place, and what was longer is wiped.
-        Format::Human if io::stdout().is_terminal() => |line, _| say(&format!("\r{line}\x1b[K")),
-        Format::Human => |line, _| say(&format!("{line}\n")),
+        Format::Json => |_, fields| print_report(&format!("{fields}\n")),
+        // The line is overwritten in place, and the rest of a longer one erased.
+        Format::Human if io::stdout().is_terminal() => |line, _| print_report(&format!("\r{line}\x1b[K")),
+        Format::Human => |line, _| print_report(&format!("{line}\n")),
     };
     Live { stage, report: Some(report) }
 }
 
-/// Says something on standard output; to print would end this program where it is closed, and leave the drive on.
-fn say(text: &str) {
+/// Prints to standard output. `print!` would panic if it is closed, and leave the drive on.
+fn print_report(text: &str) {
     let mut out = io::stdout().lock();
     if write!(out, "{text}").and_then(|()| out.flush()).is_err() {
         CLOSED.store(true, Ordering::Relaxed);
@@ -334,7 +351,7 @@ fn say(text: &str) {
     }
 }
 
-/// Says something on standard error, if anybody is there.
+/// Prints a line to standard error, and ignores errors.
 pub(super) fn note(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
@@ -349,7 +366,7 @@ fn read(file: &str) -> Result<Script, LinkError> {
     Script::parse(name, &text)
 }
 
-fn done(done: Result<(), LinkError>) -> anyhow::Result<Exit> {
+fn to_exit(done: Result<(), LinkError>) -> anyhow::Result<Exit> {
     match done.as_ref().map_err(LinkError::cause) {
         Err(LinkError::Interrupted) if CLOSED.load(Ordering::Relaxed) => Ok(Exit::Done),
         Err(LinkError::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(Exit::Done),

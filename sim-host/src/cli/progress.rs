@@ -1,16 +1,17 @@
-//! Progress on standard error, of simulated seconds or of runs: a bar on a terminal, else a line every ten seconds.
+//! Progress on standard error, in simulated seconds or runs: a bar on a terminal, otherwise a line
+//! every ten seconds.
 
 use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// How often a line is written where there is no terminal.
+/// Time between two lines if standard error is not a terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 /// Steps of the bar.
 const STEPS: u64 = 1000;
 
-/// Progress towards a simulated time, s, or towards so many runs.
+/// Progress towards a simulated time, s, or towards a number of runs.
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
     began: Instant,
@@ -31,7 +32,7 @@ impl Progress {
         Progress { bar, began: Instant::now(), last_line: Instant::now(), whole, runs, quiet }
     }
 
-    /// It has come so far.
+    /// Shows the simulated time, s, or the number of runs that has been reached.
     pub(super) fn at(&mut self, reached: f64) {
         if let Some(bar) = &self.bar {
             bar.set_position((STEPS as f64 * reached / self.whole) as u64);
@@ -39,8 +40,8 @@ impl Progress {
             self.last_line = Instant::now();
             let left_s = self.began.elapsed().as_secs_f64() * (self.whole / reached - 1.0);
             match self.runs {
-                true => say!("{reached} of {} runs, about {left_s:.0} s to go", self.whole),
-                false => say!("simulated {reached:.2} s of {} s, about {left_s:.0} s to go", self.whole),
+                true => say!("{reached} of {} runs, about {left_s:.0} s remain", self.whole),
+                false => say!("simulated {reached:.2} s of {} s, about {left_s:.0} s remain", self.whole),
             }
         }
     }

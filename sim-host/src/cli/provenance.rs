@@ -1,12 +1,12 @@
-//! Where what this process writes comes from: the command, the commit, the date.
+//! Provenance of the output of this process: command, commit and date.
 
 use chrono::{DateTime, SecondsFormat, Utc};
 use sim::provenance::{Provenance, command_line};
 
-/// The commit that the program was built from, with `+` where files had been changed since.
+/// Commit that the program was built from, with `+` if files had changed since.
 const COMMIT: Option<&str> = option_env!("SIM_HOST_COMMIT");
 
-/// Where what this process writes comes from.
+/// Returns the provenance of the output of this process.
 pub(super) fn provenance() -> Provenance {
     let arguments: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
     let words = std::iter::once("sim-host").chain(anywhere(&arguments));
@@ -16,7 +16,7 @@ pub(super) fn provenance() -> Provenance {
     Provenance { command: Some(command_line(words)), commit: COMMIT.map(str::to_owned), date: Some(date) }
 }
 
-/// Arguments without the folder of the result: they make the same one in any folder.
+/// Removes the output folder from arguments: the result is the same in any folder.
 fn anywhere(arguments: &[String]) -> Vec<&str> {
     let mut kept = Vec::new();
     let mut words = arguments.iter().map(String::as_str);
@@ -35,7 +35,7 @@ mod tests {
     use super::anywhere;
 
     #[test]
-    fn a_command_is_repeated_without_its_folder() {
+    fn provenance_omits_the_output_folder() {
         let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
         for text in ["run lock -o out -q", "run lock --output out -q", "run lock --output=out -q", "run lock -oout -q"] {
             assert_eq!(anywhere(&words(text)), ["run", "lock", "-q"], "{text}");

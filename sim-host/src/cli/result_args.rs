@@ -1,24 +1,25 @@
-//! Arguments of a result: where it goes, and how it is printed. What the folder holds is said by each command, in the help of `--output`.
+//! Arguments of a result: its folder and its format. The help of `--output` of each command states
+//! the contents of the folder.
 
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use sim::output::{Folder, OutputError, Owner};
 
-/// Where a result goes, and how it is printed.
+/// Folder and format of a result.
 #[derive(Args, Default)]
 pub(super) struct ResultArgs {
     #[arg(short, long = "output", value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
-    /// What to print on standard output.
+    /// Format of standard output.
     #[arg(long, value_enum, default_value_t = Format::Human)]
     pub(super) format: Format,
-    /// Say nothing but the result.
+    /// Print only the result.
     #[arg(short, long)]
     pub(super) quiet: bool,
 }
 
-/// The same of a command that writes a folder unless it is told not to.
+/// Folder and format of a result that is written to a folder unless `--no-report` is given.
 #[derive(Args, Default)]
 pub(super) struct ReportArgs {
     #[command(flatten)]
@@ -29,18 +30,19 @@ pub(super) struct ReportArgs {
 }
 
 impl ReportArgs {
-    /// Opens the folder of the result, by default that of a name within `out`; `None` if no files are to be written.
+    /// Opens the folder of the result, by default `out/` followed by `default`; `None` if no files
+    /// are to be written.
     pub(super) fn open(&self, default: &str, owner: Owner) -> Result<Option<Folder>, OutputError> {
         (!self.no_report).then(|| super::open(self.result.output.as_deref(), default, owner)).transpose()
     }
 }
 
-/// What is printed on standard output.
+/// Format of standard output.
 #[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
-    /// Tables for a reader.
+    /// Tables.
     #[default]
     Human,
-    /// The summary, as JSON.
+    /// Summary as JSON.
     Json,
 }

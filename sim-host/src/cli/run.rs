@@ -20,13 +20,16 @@ use sim::study::monte_carlo::draw::Draws;
 use sim::study::{self, Level, Options, Start, Study};
 use sim::tables;
 
-/// Set by Ctrl-C, and by any other request to end.
+/// `true` after Ctrl-C or any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// The scene that runs if none is named.
+/// Scene that runs if none is named.
 const FLAGSHIP: &str = "experiment-1";
-/// What the folder of a run holds.
-const FOLDER: &str = "Folder for manifest, summary, trace, report and figures. The files of an earlier run in it are replaced; other files stay. A folder with files of another command, changed files, or an input of this run is not written to. Default: `out/SCENE`, followed by `-run-R`, `-pil` or `-board`; if that folder may not be replaced, the same name with `-run` behind";
+/// Help of `--output`.
+const FOLDER: &str = "Folder for manifest, summary, trace, report and figures. Files of an earlier run are replaced, other \
+                      files stay; a folder with files of another command, edited files, or an input of this run is refused. \
+                      Default: `out/SCENE` with `-run-R`, `-pil` or `-board` appended, and `-run` if that folder may not be \
+                      replaced";
 
 /// Arguments of the command.
 #[derive(Args, Default)]
@@ -37,7 +40,7 @@ pub(super) struct RunArgs {
     /// Seed of all noise; the same as `--set seed=N`.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Of a scene with several `runs`: only this one of them, from 1, with its full report.
+    /// Run only run R of a scene with several `runs`, counted from 1, with its full report.
     #[arg(long, value_name = "R")]
     run: Option<u32>,
     #[command(flatten)]
@@ -47,38 +50,38 @@ pub(super) struct RunArgs {
     junit: Option<PathBuf>,
     #[command(flatten)]
     drawing: DrawingArgs,
-    /// Run the controller as thumb code in QEMU, in lockstep with the same plant.
+    /// Run the controller as Thumb code in QEMU, in lockstep with the same plant.
     #[arg(long)]
     pil: bool,
-    /// Run the image that is flashed, on a model of its part, and replay what its controller saw. Without a file the image is built from the present
-    /// source.
+    /// Run the flashed image on a model of its microcontroller, and replay the inputs of its
+    /// controller. Without a file the image is built from the current source.
     #[arg(long, value_name = "ELF", num_args = 0..=1, require_equals = true, conflicts_with = "pil")]
     board: Option<Option<PathBuf>>,
-    /// With --board: let the block interrupt take a part of its time only, as if the processor were so many times as fast there.
+    /// With --board: run the block interrupt as if the processor were X times faster.
     #[arg(long, value_name = "X", requires = "board", value_parser = times)]
     board_speed: Option<f64>,
-    /// With --board: what each function takes of the block interrupt.
+    /// With --board: print the time of each function in the block interrupt.
     #[arg(long, requires = "board")]
     profile: bool,
-    /// Say more: all metrics, and the modes that the controller goes through.
+    /// Print all metrics and the modes of the controller.
     #[arg(short, long)]
     verbose: bool,
 }
 
-/// How many times as fast a processor is.
+/// Parses the factor by which a processor is faster.
 pub(super) fn times(text: &str) -> Result<f64, String> {
     let times = text.parse::<f64>().ok().filter(|times| (0.01..=100.0).contains(times));
     times.ok_or_else(|| "must be from 0.01 to 100".to_owned())
 }
 
 impl RunArgs {
-    /// Those of a program that is started without any.
-    pub(super) fn of_flagship() -> Self {
+    /// Returns the arguments of a program that is started without any.
+    pub(super) fn flagship() -> Self {
         RunArgs { scene: SceneArgs { scene: FLAGSHIP.into(), sets: Vec::new() }, ..Self::default() }
     }
 }
 
-/// Runs a scene and says how it went.
+/// Runs a scene, writes its folder and prints its result.
 pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<Exit> {
     let mut sets = args.scene.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
@@ -91,24 +94,24 @@ pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<Exit> {
             let last = if loaded.scene.runs == 1 { String::new() } else { loaded.scene.runs.to_string() };
             Err(mistake(Exit::Input, format!("there is no run {number}: `{}` {have}{last}", loaded.name)))
         }
-        Some(number) => run_loaded(args, &one_of(&loaded, number)?, color),
+        Some(number) => run_loaded(args, &single_run(&loaded, number)?, color),
     }
 }
 
-/// One of a scene's runs as a scene of its own.
-fn one_of(loaded: &Loaded, number: u32) -> Result<Loaded, LoadError> {
+/// Makes a scene of one of the runs of a scene.
+fn single_run(loaded: &Loaded, number: u32) -> Result<Loaded, LoadError> {
     let draws = Draws::of(&loaded.scene);
     let one = loaded.cell(&draws.draw(number).sets(&draws.keys))?;
     Ok(Loaded { run: Some(number), ..one })
 }
 
 fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<Exit> {
-    // Not before the scene is read, which may come from a pipe that never ends.
+    // After the scene is read, which may come from an endless pipe.
     interrupts::set(&STOP)?;
     let image = image(args, loaded)?;
     let run = args.run.map_or_else(String::new, |number| format!("-run-{number}"));
-    let default = format!("{}{run}{}", loaded.name, image.as_ref().map_or("", Image::ending));
-    // Before a run that may take long.
+    let default = format!("{}{run}{}", loaded.name, image.as_ref().map_or("", Image::suffix));
+    // A refused folder is reported before a run that may take long.
     let folder = args.report.open(&default, Owner::new("run", loaded.files()))?;
     let start = image.as_ref().map(|image| move |scene: &Driven| image.start(scene));
     let start = start.as_ref().zip(image.as_ref()).map(|(start, image)| Start { level: image.level(), processor: start });
@@ -128,6 +131,7 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
         tables::not_drawn(&study).iter().for_each(|said| say!("warning: {said}"));
     }
     super::print(&match args.report.result.format {
+        Format::Human if args.report.result.quiet => tables::in_short(&study),
         Format::Human => human(&study, args, color),
         Format::Json => format!("{:#}\n", output::printed(&study)),
     })?;
@@ -143,17 +147,17 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     })
 }
 
-/// An image that runs the controller in place of this process.
+/// Image that runs the controller outside this process.
 enum Image {
-    /// The controller under QEMU.
+    /// Controller in QEMU.
     Emulated(PathBuf),
-    /// The flashed image on the model of its microcontroller.
+    /// Flashed image on the model of its microcontroller.
     Flashed(Flashed),
 }
 
 impl Image {
-    /// What a run's default folder ends in.
-    fn ending(&self) -> &'static str {
+    /// Suffix of the default folder of a run.
+    fn suffix(&self) -> &'static str {
         match self {
             Image::Emulated(_) => "-pil",
             Image::Flashed(_) => "-board",
@@ -175,14 +179,14 @@ impl Image {
     }
 }
 
-/// The image that the arguments ask for, if they do.
+/// Returns the image that the arguments select, if any.
 fn image(args: &RunArgs, loaded: &Loaded) -> anyhow::Result<Option<Image>> {
     let option = if args.pil { "--pil" } else { "--board" };
     if !args.pil && args.board.is_none() {
         return Ok(None);
     }
     let Some(scene) = loaded.scene.driven() else {
-        let why = format!("{option} runs the controller as thumb code, and `{}` has no [controller]", loaded.name);
+        let why = format!("{option} runs the controller as Thumb code, but `{}` has no [controller]", loaded.name);
         return Err(mistake(Exit::Input, why));
     };
     match &args.board {
@@ -197,13 +201,12 @@ fn image(args: &RunArgs, loaded: &Loaded) -> anyhow::Result<Option<Image>> {
 fn human(study: &Study, args: &RunArgs, color: Color) -> String {
     let mut text = format!("{}\n\n", tables::title(study));
     if study.interrupted {
-        text += &format!("INTERRUPTED after {}: what follows is of that part only.\n\n", tables::reached(study));
+        text += &format!("INTERRUPTED after {}: the results cover that part only.\n\n", tables::reached(study));
     }
     for remark in tables::remarks(study) {
         text += &format!("{remark}\n\n");
     }
-    let headline: Vec<String> = tables::headline(study).iter().map(|(label, value)| format!("{label} {value}")).collect();
-    text += &format!("{}\n\n", headline.join(" | "));
+    text += &format!("{}\n\n", tables::headline_line(study));
     if let Some(modes) = tables::modes(study).filter(|_| args.verbose) {
         text += &format!("{modes}\n");
     }

@@ -1,4 +1,4 @@
-//! What shells and readers of manuals are given: completions and manual pages, made of the command line itself.
+//! Shell completions and manual pages, generated from the command line.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +17,7 @@ pub(super) fn completions(shell: Shell) -> anyhow::Result<Exit> {
     print(&String::from_utf8(text)?)
 }
 
-/// Prints the manual page of the program, or writes it and one of each command into a folder.
+/// Prints the manual page of the program, or writes it and one page per command into a folder.
 pub(super) fn manual(dir: Option<&Path>) -> anyhow::Result<Exit> {
     let Some(dir) = dir else {
         let mut text = Vec::new();

@@ -18,37 +18,39 @@ use sim::output::{Owner, npy};
 #[derive(Args)]
 #[command(mut_arg("output", |arg| arg.help("Folder for report, figure, CSV and NPY. Default: `out/FILE-METHOD`")))]
 pub(super) struct SpectrumArgs {
-    /// A trace, a link capture, or any table: CSV or other delimited text, NPY, Parquet.
+    /// Trace, link capture, or any table: CSV or other delimited text, NPY, Parquet.
     file: PathBuf,
-    /// The column to analyse, by its name or its number from 1. Default: the only one besides the times.
+    /// Column to analyse, by its name or its number from 1. Default: the only one besides the
+    /// times.
     #[arg(short, long, value_name = "NAME")]
     column: Option<String>,
-    /// How times and frequencies are told apart.
+    /// Method of the time-frequency analysis.
     #[arg(short, long, value_enum, default_value_t = Methods::Stft)]
     method: Methods,
-    /// The column of times. Default: the first that is called so, as `time_s` or `t [ms]`; its unit is in its name, or else it is in s.
+    /// Column of times. Default: the first with such a name, as `time_s` or `t [ms]`. The name
+    /// states the unit; without one it is s.
     #[arg(long, value_name = "NAME", conflicts_with = "sample_hz")]
     time: Option<String>,
-    /// Sample rate, for a file without times, Hz.
+    /// Sample rate of a file without times, Hz.
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     sample_hz: Option<f64>,
-    /// Begin here, s.
+    /// Start of the analysed part, s.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     from_s: Option<f64>,
-    /// End here, s.
+    /// End of the analysed part, s.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     to_s: Option<f64>,
-    /// Show these frequencies only, Hz.
+    /// Frequencies to show, Hz.
     #[arg(long, value_name = "LOW:HIGH", value_parser = band)]
     band: Option<(f64, f64)>,
-    /// Length of a window, s, of the short-time transform. Default: one that suits the number of samples.
+    /// Window length of the short-time transform, s. Default: chosen from the number of samples.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     window_s: Option<f64>,
     /// Cycles of a wavelet. Default: 0.95 (Morlet's wavelet with the angular centre frequency 6).
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     cycles: Option<f64>,
-    /// Length of the window of times of the Wigner-Ville distribution, s; 0 leaves the terms between components in. Default: one that suits the number of
-    /// samples.
+    /// Length of the time window of the Wigner-Ville distribution, s; 0 keeps the cross terms
+    /// between components. Default: chosen from the number of samples.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     smooth_s: Option<f64>,
     #[command(flatten)]
@@ -59,11 +61,12 @@ pub(super) struct SpectrumArgs {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Methods {
-    /// Short-time Fourier transform: windows of one length.
+    /// Short-time Fourier transform: windows of equal length.
     Stft,
-    /// Morlet's wavelets: as many cycles at each frequency.
+    /// Morlet wavelets: the same number of cycles at each frequency.
     Wavelet,
-    /// Smoothed pseudo Wigner-Ville distribution: sharpest, with terms between components.
+    /// Smoothed pseudo Wigner-Ville distribution: highest resolution, with cross terms between
+    /// components.
     WignerVille,
 }
 
@@ -77,7 +80,7 @@ impl Methods {
     }
 }
 
-/// Two frequencies, each in Hz or with a `k` or `M` behind it.
+/// Parses two frequencies, each in Hz or with the suffix `k` or `M`.
 fn band(text: &str) -> Result<(f64, f64), String> {
     let hertz = |text: &str| {
         let text = text.trim();
@@ -92,7 +95,7 @@ fn band(text: &str) -> Result<(f64, f64), String> {
     ends.ok_or_else(|| "must be two frequencies in Hz, as 20e3:60e3 or 20k:60k".to_owned())
 }
 
-/// Reads, analyses, prints and writes.
+/// Reads a signal, computes its spectrum, and prints and writes the result.
 pub(super) fn run(args: &SpectrumArgs, color: Color) -> anyhow::Result<Exit> {
     let choice = Choice {
         column: args.column.clone(),

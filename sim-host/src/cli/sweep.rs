@@ -18,47 +18,48 @@ use sim::output::sweep::{FolderError, Joined, Shard, SweepFolder, join};
 use sim::study::sweep::design::Design;
 use sim::study::sweep::{Sweep, SweepError, is_of_overlays};
 
-/// Set by Ctrl-C, and by any other request to end.
+/// `true` after Ctrl-C or any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Before a scene: only say what the sweep takes.
+/// Word before a scene that requests only an estimate of the sweep's cost.
 const PLAN: &str = "plan";
-/// All metrics.
+/// Value of `--metric` that selects all metrics.
 const ALL: &str = "all";
 
 #[derive(Args)]
 #[command(override_usage = "sim-host sweep [plan] <SCENE> --over <KEY=START:STOP:N[:log]>… [OPTIONS]\n       \
                             sim-host sweep [plan] <SCENE> --sample sobol:<N> --over <KEY=LEAST:MOST[:log]>… [OPTIONS]\n       \
                             sim-host sweep [plan] <SCENE> --points <FILE> [OPTIONS]",
-          mut_arg("output", |arg| arg.help("Folder of the sweep. The same command again goes on where the sweep in it was left. Default: `out/SCENE-sweep`")))]
+          mut_arg("output", |arg| arg.help("Folder of the sweep. Continues an unfinished one. Default: `out/SCENE-sweep`")))]
 pub(super) struct SweepArgs {
-    /// A built-in scene's name, a TOML file, or `-` for standard input. With `plan` before it nothing is written: only how many points there are, and
-    /// what they take.
+    /// Name of a built-in scene, TOML file, or `-` for standard input. With `plan` before it, only
+    /// the number of points and their cost are printed.
     #[arg(value_name = "SCENE", num_args = 1..=2, required = true)]
     scene: Vec<String>,
-    /// Change one value at all points, as `a.b=v`. Repeatable.
+    /// Change one value at all points, as `a.b=v` (repeatable).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// A key and its values: evenly spaced, or by equal ratios with `:log`; or some values, as `key=a,b,c`. Repeatable: every combination. With --sample the
-    /// range of a key, as `key=a:b` or `key=a:b:log`.
+    /// Key and its values: a range of N values, with equal ratios if `:log` follows, or a list
+    /// `key=a,b,c` (repeatable; all combinations are run). With --sample a range `key=a:b[:log]`.
     #[arg(long, value_name = "KEY=START:STOP:N[:log]")]
     over: Vec<String>,
-    /// A sample of the ranges given by --over, of N pairs of draws of a scrambled Sobol sequence, which makes N (keys + 2) points: with first-order and
-    /// total Sobol indices. A power of two is best.
+    /// Sample the ranges of --over with N pairs of draws of a scrambled Sobol sequence, for
+    /// first-order and total Sobol indices. Takes N (keys + 2) points; N should be a power of two.
     #[arg(long, value_name = "sobol:N", requires = "over")]
     sample: Option<String>,
-    /// A CSV of points: a first line with the keys, then a line a point.
+    /// CSV of points: a first line with the keys, then one line per point.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["over", "sample"])]
     points: Option<PathBuf>,
-    /// The metrics of each point, or `all` that it has (`sim-host explain` lists them).
+    /// Metrics of each point, or `all` that it has (`sim-host explain` lists them).
     #[arg(long, value_name = "A,B|all", value_delimiter = ',', default_value = ALL)]
     metric: Vec<String>,
     #[command(flatten)]
     result: ResultArgs,
-    /// How many points to run at the same time. Default: as many as there are processors.
+    /// Number of points to run in parallel. Default: the number of processors.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Run only the I-th of N parts of the sweep, counted from 1, into its own folder or a common one; `sim-host merge` joins them.
+    /// Run only part I of N of the sweep, counted from 1, in its own or a common folder.
+    /// `sim-host merge` joins the parts.
     #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
     shard: Shard,
     #[command(flatten)]
@@ -66,9 +67,9 @@ pub(super) struct SweepArgs {
 }
 
 #[derive(Args)]
-#[command(mut_arg("output", |arg| arg.help("Where to put the result. Default: the first folder")))]
+#[command(mut_arg("output", |arg| arg.help("Folder for the result. Default: the first folder")))]
 pub(super) struct MergeArgs {
-    /// The folders of all shards of a sweep.
+    /// Folders of all shards of a sweep.
     #[arg(value_name = "DIR", required = true)]
     dirs: Vec<PathBuf>,
     #[command(flatten)]
@@ -77,14 +78,14 @@ pub(super) struct MergeArgs {
     drawing: DrawingArgs,
 }
 
-/// Runs a sweep, or goes on with it.
+/// Runs a sweep, or continues one.
 pub(super) fn run(args: &SweepArgs, color: Color) -> anyhow::Result<Exit> {
     let (plan, scene) = match &args.scene[..] {
         [plan, scene] if plan == PLAN => (true, scene),
         [scene] => (false, scene),
         _ => {
             let named = args.scene.len();
-            let why = format!("one scene is swept, with `{PLAN}` before it to see what it takes; {named} are named");
+            let why = format!("give one scene, with `{PLAN}` before it for an estimate of the cost; {named} are given");
             return Err(mistake(Exit::Usage, why));
         }
     };
@@ -100,12 +101,12 @@ pub(super) fn run(args: &SweepArgs, color: Color) -> anyhow::Result<Exit> {
     if plan {
         return estimate::run(&sweep, args.shard, args.result.format);
     }
-    // Not before the scene is read, which may come from a pipe that never ends.
+    // After the scene is read, which may come from an endless pipe.
     interrupts::set(&STOP)?;
     pool.install(|| sweep_into(args, &loaded, &sweep, color))
 }
 
-/// The points that the arguments ask for.
+/// Returns the points that the arguments define.
 fn design(args: &SweepArgs) -> Result<Design, SweepError> {
     let sample = |sample: &String| {
         let draws = sample.strip_prefix("sobol:").and_then(|draws| draws.parse().ok());
@@ -122,7 +123,7 @@ fn design(args: &SweepArgs) -> Result<Design, SweepError> {
     }
 }
 
-/// The metrics by name; none of them is all.
+/// Returns the metrics by name; an empty list selects all.
 fn metrics(args: &SweepArgs) -> Vec<String> {
     if args.metric == [ALL] { Vec::new() } else { args.metric.clone() }
 }
@@ -133,14 +134,14 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
         let folder = SweepFolder::open(&dir, sweep, args.shard, args.points.as_slice())?;
         let (whole, left) = (args.shard.count(sweep.design.count()), folder.left()?);
         if left < whole && !args.result.quiet {
-            say!("{}: {} of {whole} points are there already", dir.display(), whole - left);
+            say!("{}: {} of {whole} points are already done", dir.display(), whole - left);
         }
         let progress = Progress::new(left, args.result.quiet);
         let complete = folder.run(sweep, &STOP, &|| progress.point())?;
         drop(progress);
         if !complete {
             say!(
-                "interrupted: {} of {whole} points are in {}; the same command goes on from there",
+                "interrupted: {} of {whole} points are in {}; the same command continues from there",
                 whole - folder.left()?,
                 dir.display()
             );
@@ -155,7 +156,7 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
         None => Ok(Exit::Interrupted),
         Some(None) => {
             if !args.result.quiet {
-                say!("shard {} is complete; when all are, `sim-host merge` joins their folders", args.shard);
+                say!("shard {} is complete; `sim-host merge` joins the folders when all shards are", args.shard);
             }
             Ok(Exit::Done)
         }
@@ -169,7 +170,7 @@ pub(super) fn merge(args: &MergeArgs, color: Color) -> anyhow::Result<Exit> {
     show(&join(&args.dirs, target, &args.drawing.presentation())?, target, &args.result, color)
 }
 
-/// Prints the result of a whole sweep.
+/// Prints the result of a complete sweep.
 fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow::Result<Exit> {
     super::print(&match shown.format {
         Format::Human => joined.tables.iter().map(|table| table.terminal(color.stdout)).collect(),
@@ -184,11 +185,11 @@ fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow
     let (held, other): (Vec<&str>, Vec<&str>) =
         joined.absent.iter().map(String::as_str).partition(|metric| is_of_overlays(metric));
     if !other.is_empty() {
-        say!("no point has {}: it has no meaning in such a scene", other.join(", "));
+        say!("no point has {}: not defined for this scene", other.join(", "));
     }
     if !held.is_empty() {
         say!(
-            "no point has {}: the measured curves lie over no curve of such a run with this unit, as `sim-host run` of the scene says",
+            "no point has {}: no curve of the run covers the measured curves in this unit; `sim-host run` states why",
             held.join(", ")
         );
     }

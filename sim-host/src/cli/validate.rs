@@ -11,20 +11,20 @@ use sim::evidence::{SuiteError, run_suite};
 use sim::output::Owner;
 use sim::study::StudyError;
 
-/// Set by Ctrl-C, and by any other request to end.
+/// `true` after Ctrl-C or any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Arguments of the command.
 #[derive(Args)]
 #[command(mut_arg("output", |arg| arg.help("Folder for tables and figures. Default: `out/SUITE`")))]
 pub(super) struct ValidateArgs {
-    /// A suite of cases and targets, as a TOML file (docs/suites.md).
+    /// Suite of cases and targets, as a TOML file (docs/ci.md).
     #[arg(value_name = "SUITE.toml", required = true, num_args = 1..)]
     suite: Vec<String>,
-    /// Run the quick variant of the suite: fewer runs and cases.
+    /// Run the quick variant of the suite, with fewer runs and cases.
     #[arg(long)]
     quick: bool,
-    /// Print the command of each case, and run nothing.
+    /// Print the command of each case without running it.
     #[arg(long)]
     list: bool,
     /// Print the tables as Markdown.
@@ -34,7 +34,7 @@ pub(super) struct ValidateArgs {
     report: ReportArgs,
 }
 
-/// Benches that were commands of this program until version 0.1; `evidence` has them now.
+/// Benches that were commands of this program until version 0.1, and are now in `evidence`.
 const MOVED: [&str; 20] = [
     "tracking",
     "transducers",
@@ -65,13 +65,13 @@ pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<Exit> {
         let show = if args.suite.len() > 1 { "show " } else { "" };
         return Err(if MOVED.contains(&name) {
             let command = format!("cargo run --release -p sonoglide-evidence -- {show}{name}");
-            mistake(Exit::Usage, format!("`{name}` is now run in a checkout by `{command}`"))
+            mistake(Exit::Usage, format!("`{name}` has moved; run `{command}` in a checkout"))
         } else {
-            mistake(Exit::Input, format!("`{name}` is not a suite: give a TOML file (docs/suites.md)"))
+            mistake(Exit::Input, format!("`{name}` is not a suite: give a TOML file (docs/ci.md)"))
         });
     }
     if args.suite.len() > 1 {
-        return Err(mistake(Exit::Usage, "give one suite at a time"));
+        return Err(mistake(Exit::Usage, "give only one suite"));
     }
     interrupts::set(&STOP)?;
     let loaded = suite::load(name, args.quick)?;
@@ -91,7 +91,7 @@ fn judge(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Res
     let evidence = match run_suite(loaded, Some(&STOP), progress, |_, _| Ok::<(), SuiteError>(())) {
         Ok(evidence) => evidence,
         Err(SuiteError::Study(StudyError::Interrupted)) => {
-            say!("interrupted: the cases are not complete, and nothing is written");
+            say!("interrupted: some cases did not run, so nothing is written");
             return Ok(Exit::Interrupted);
         }
         Err(error) => return Err(error.into()),

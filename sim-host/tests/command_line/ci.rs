@@ -1,4 +1,4 @@
-//! Scenes in CI: the script of docs/ci.md, and the JUnit files that it leaves.
+//! Scenes in CI: the script of docs/ci.md, and the JUnit files that it writes.
 #![cfg(unix)]
 
 use std::path::Path;
@@ -8,7 +8,7 @@ use super::Folder;
 
 const PAGE: &str = include_str!("../../../docs/ci.md");
 
-/// The script of the page, in a folder with these scenes: its exit code.
+/// Runs the script of the page in a folder with these scenes and returns its exit code.
 fn run(folder: &Folder, scenes: &[(&str, &str)]) -> i32 {
     std::fs::create_dir_all(Path::new(folder.text()).join("scenes")).expect("a folder");
     for (name, text) in scenes {
@@ -23,7 +23,7 @@ fn run(folder: &Folder, scenes: &[(&str, &str)]) -> i32 {
 }
 
 #[test]
-fn scenes_that_miss_an_expectation_fail_and_say_which() {
+fn scenes_that_miss_an_expectation_fail_and_name_it() {
     let folder = Folder::new("ci");
     let expect = |most: f64| {
         format!("base = \"contact-kinematic\"\ntitle = \"a < b\"\n[[expect]]\nmetric = \"friction_ratio\"\nmax = {most}\n")

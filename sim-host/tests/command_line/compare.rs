@@ -1,4 +1,4 @@
-//! `sim-host compare`: two folders of runs, and a run and a measurement.
+//! `sim-host compare`: two folders of runs, or a run and a measurement.
 
 use super::{Folder, code, sim_host, stderr, stdout};
 use serde_json::Value;
@@ -27,7 +27,7 @@ fn a_change_beyond_its_tolerance_is_exit_code_4() {
 }
 
 #[test]
-fn a_measurement_is_a_side_and_what_is_none_is_named() {
+fn a_measurement_is_a_side_and_invalid_sides_are_named() {
     let folder = Folder::new("measured");
     let a = run(&folder, "a", &[]);
     let near = folder.write("near.csv", "metric,value,sd\nfriction_ratio,0.68,0.02\n");
@@ -36,8 +36,8 @@ fn a_measurement_is_a_side_and_what_is_none_is_named() {
     assert_eq!([&near, &far, &unknown].map(|file| code(&sim_host(&["compare", &a, file]))), [0, 4, 3]);
     for (kind, arguments, why) in [
         (3, vec!["compare", &a, &unknown], "line 2: there is no metric `frictoin_ratio`; did you mean"),
-        (3, vec!["compare", &a, folder.text()], "holds no run"),
-        (2, vec!["compare", &a, &near, "--tolerance", "much"], "is no tolerance"),
+        (3, vec!["compare", &a, folder.text()], "contains no run"),
+        (2, vec!["compare", &a, &near, "--tolerance", "much"], "is not a tolerance"),
         (3, vec!["compare", &a, &near, "--metric", "q"], "has no metric `q`"),
     ] {
         let output = sim_host(&arguments);

@@ -1,16 +1,16 @@
-//! One exit code for each kind of error, whichever command meets it.
+//! Exit codes: the same for the same kind of error in every command.
 
 use super::{Folder, code, sim_host, stderr};
 
 #[test]
-fn the_same_mistake_has_the_same_exit_code_in_every_command() {
+fn an_error_has_the_same_exit_code_in_every_command() {
     let folder = Folder::new("exits");
     let scene = folder.write("metric.toml", "base = \"lock\"\n[[expect]]\nmetric = \"frictoin_ratio\"\nmax = 1\n");
     let measured = folder.write("measured.csv", "metric,value\nfriction_ratio,0.9\n");
     let axis = ["--over", "contact.dahl.mu=0.1:0.4:4"];
     let kinds: [(&str, i32, Vec<Vec<&str>>); 4] = [
         (
-            "a metric that there is not",
+            "an unknown metric",
             3,
             vec![
                 vec!["run", &scene, "--no-report"],
@@ -19,7 +19,7 @@ fn the_same_mistake_has_the_same_exit_code_in_every_command() {
             ],
         ),
         (
-            "a file or folder that there is not",
+            "a missing file or folder",
             3,
             vec![
                 vec!["run", "none.toml"],
@@ -43,7 +43,7 @@ fn the_same_mistake_has_the_same_exit_code_in_every_command() {
             ],
         ),
         (
-            "arguments that do not fit together",
+            "arguments that contradict each other",
             2,
             vec![
                 vec!["run"],

@@ -1,4 +1,4 @@
-//! The folder of a run holds one run as a whole, and nothing of another.
+//! Folder of a run: it contains one complete run and no file of another.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -8,17 +8,19 @@ use serde_json::Value;
 
 use super::{Folder, code, sim_host, stderr};
 
-/// A driven scene and a contact study that take no time: they share the names of some files, and of no figure.
+/// A driven scene that runs in an instant. It shares the names of some files with `CONTACT`, but no
+/// figure.
 const DRIVEN: [&str; 2] = ["run", "lock"];
+/// A contact study that runs in an instant.
 const CONTACT: [&str; 4] = ["run", "contact", "--set", "integrator.window_periods=[10,20]"];
 
-/// Runs into a folder, or into one within it.
+/// Runs a scene into a folder.
 fn run(scene: &[&str], folder: &Path) {
     let output = sim_host(&[scene, &["-q", "-o", folder.to_str().expect("a path in UTF-8")]].concat());
     assert!([0, 4].contains(&code(&output)), "{}", stderr(&output));
 }
 
-/// Names of all that is in a folder, hidden or not.
+/// Returns the names of all files in a folder, including hidden ones.
 pub(super) fn names(folder: &Path) -> BTreeSet<String> {
     std::fs::read_dir(folder)
         .expect("a folder")
@@ -31,14 +33,14 @@ pub(super) fn manifest(folder: &Path) -> Value {
     serde_json::from_str(&text).expect("JSON")
 }
 
-/// What a manifest lists, and itself.
+/// Returns the files that a manifest lists, and the manifest itself.
 pub(super) fn listed(folder: &Path) -> BTreeSet<String> {
     let manifest = manifest(folder);
     let files = manifest["files"].as_array().expect("a list").iter().map(|file| file.as_str().expect("a name").to_owned());
     files.chain(["manifest.json".to_owned()]).collect()
 }
 
-/// A run that takes longer than anybody waits.
+/// Starts a run that takes longer than any test.
 fn endless(folder: &Path) -> Child {
     Command::new(env!("CARGO_BIN_EXE_sim-host"))
         .args(["run", "lock", "-q", "--set", "duration_s=900", "--set", "controller.burst.off_s=[0.22,900]", "-o"])
@@ -49,16 +51,17 @@ fn endless(folder: &Path) -> Child {
         .expect("sim-host starts")
 }
 
-/// Waits until a run has begun.
-fn begun(folder: &Path) {
+/// Waits until a run has wait_for_run.
+fn wait_for_run(folder: &Path) {
     while !folder.is_dir() || !names(folder).iter().any(|name| name.starts_with(".unfinished-")) {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
 }
 
-/// All that differs between two runs of a scene is in `machine.json`, the date of the report, and the checksums of both and of the manifest.
+/// Checks that two runs of a scene differ only in `machine.json`, the date of the report, the
+/// checksums of both, and the checksum of the manifest.
 #[test]
-fn two_runs_leave_the_same_bytes_but_for_those_of_the_machine() {
+fn two_runs_differ_only_in_machine_and_date() {
     let folder = Folder::new("bytes");
     let several: [&str; 4] = ["run", "lock-cold", "--set", "runs=2"];
     for (name, scene) in [("driven", &DRIVEN[..]), ("contact", &CONTACT), ("several", &several)] {
@@ -76,7 +79,7 @@ fn two_runs_leave_the_same_bytes_but_for_those_of_the_machine() {
     }
 }
 
-/// A file without the date of a report and without the checksums that differ.
+/// Reads a file without the date of a report and without the checksums that differ.
 fn undated(path: &Path) -> Vec<u8> {
     let bytes = std::fs::read(path).expect("a file");
     if path.file_name().is_some_and(|name| name == "manifest.json") {
@@ -98,7 +101,7 @@ fn undated(path: &Path) -> Vec<u8> {
 }
 
 #[test]
-fn a_run_takes_the_place_of_another_and_leaves_foreign_files() {
+fn a_run_replaces_another_and_keeps_foreign_files() {
     let folder = Folder::new("places");
     let (both, alone) = (folder.0.join("both"), folder.0.join("alone"));
     run(&CONTACT, &alone);
@@ -114,11 +117,11 @@ fn a_run_takes_the_place_of_another_and_leaves_foreign_files() {
 }
 
 #[test]
-fn what_is_not_of_a_run_is_not_written_over() {
+fn foreign_files_are_not_overwritten() {
     let folder = Folder::new("strange");
     let path = folder.0.as_path();
     let mine = |name: &str, text: &str| std::fs::write(path.join(name), text).expect("a file");
-    // Known before the run: it is refused at once.
+    // Detected before the run: it is refused at once.
     for (name, text) in
         [("trace.csv", "mine"), ("manifest.json", "{ \"files\": []"), ("manifest.json", "{\"program\": \"another\"}")]
     {
@@ -133,7 +136,7 @@ fn what_is_not_of_a_run_is_not_written_over() {
         assert_eq!((names(path), folder.read(name)), (BTreeSet::from([name.to_owned()]), text.to_owned()));
         std::fs::remove_file(path.join(name)).expect("a file");
     }
-    // Known after it: nothing is lost.
+    // Detected after the run: nothing is lost.
     mine("frequency.csv", "mine");
     let output = sim_host(&["run", "lock", "-q", "-o", folder.text()]);
     assert_eq!(code(&output), 1, "{}", stderr(&output));
@@ -147,7 +150,7 @@ fn what_is_not_of_a_run_is_not_written_over() {
 }
 
 #[test]
-fn a_folder_whose_manifest_cannot_be_trusted_stays_as_it_is() {
+fn a_folder_with_an_invalid_manifest_is_not_changed() {
     let folder = Folder::new("untrusted");
     let inner = folder.0.join("run");
     run(&DRIVEN, &inner);
@@ -158,10 +161,11 @@ fn a_folder_whose_manifest_cannot_be_trusted_stays_as_it_is() {
         manifest[key] = value;
         manifest
     };
-    // Of version 0.1.0, of another command, with a list that leads out of the folder, and with a list that names a file of the user.
+    // Of version 0.1.0, of another command, with a path out of the folder, and with a file of the
+    // user.
     for (manifest, why) in [
-        (changed("checksums", Value::Null), "is of an older version"),
-        (changed("command", "import friction".into()), "is of the command `import friction`"),
+        (changed("checksums", Value::Null), "was written by an older version"),
+        (changed("command", "import friction".into()), "belongs to the command `import friction`"),
         (changed("files", serde_json::json!(["../outside.csv"])), "was changed"),
         (changed("files", serde_json::json!(["notes.txt"])), "was changed"),
     ] {
@@ -179,16 +183,16 @@ fn a_run_that_fails_leaves_no_folder() {
     let path = inner.to_str().expect("a path in UTF-8");
     let output = sim_host(&["run", "contact", "--pil", "-o", path]);
     assert!(code(&output) == 3 && !inner.exists(), "{}", stderr(&output));
-    // A folder that cannot be is known before the run.
+    // An impossible folder is reported before the run.
     std::fs::write(&inner, "a file").expect("a file");
     let output = sim_host(&["run", "lock", "-o", path, "--set", "duration_s=900"]);
     assert!(code(&output) == 1 && stderr(&output).contains("cannot write"), "{}", stderr(&output));
 }
 
-/// Neither by a folder without the right to write, which root has everywhere else, nor by a file in its place.
+/// Checks a folder that even root cannot write to, and a file instead of a folder.
 #[cfg(target_os = "linux")]
 #[test]
-fn where_nothing_can_be_written_the_place_is_named() {
+fn an_unwritable_folder_is_named() {
     for place in ["/proc/sonoglide", "/dev/null/sonoglide"] {
         let output = sim_host(&["run", "lock", "-q", "-o", place]);
         let said = stderr(&output);
@@ -198,22 +202,22 @@ fn where_nothing_can_be_written_the_place_is_named() {
 
 #[cfg(unix)]
 #[test]
-fn an_interrupted_run_takes_the_place_as_a_whole_and_a_killed_one_does_not() {
+fn an_interrupted_run_replaces_files_and_a_killed_one_does_not() {
     let folder = Folder::new("cut");
     let inner = folder.0.join("run");
     run(&CONTACT, &inner);
     let (before, was) = (names(&inner), manifest(&inner));
     let mut killed = endless(&inner);
-    begun(&inner);
+    wait_for_run(&inner);
     killed.kill().expect("it can be killed");
     killed.wait().expect("an end");
-    // What was there is whole, and what was begun is hidden.
+    // The earlier run is complete, and the files of the killed one are hidden.
     let left = names(&inner);
     assert!(left.is_superset(&before) && left.len() == before.len() + 1, "{left:?}");
     assert_eq!(manifest(&inner), was);
     for signal in ["INT", "TERM"] {
         let mut cut = endless(&inner);
-        // Beside that of the killed one.
+        // In addition to that of the killed one.
         while names(&inner).iter().filter(|name| name.starts_with(".unfinished-")).count() < 1 + usize::from(signal == "INT") {
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
@@ -229,12 +233,12 @@ fn an_interrupted_run_takes_the_place_as_a_whole_and_a_killed_one_does_not() {
 
 #[cfg(unix)]
 #[test]
-fn of_two_runs_into_one_folder_at_a_time_the_second_is_refused() {
+fn a_second_run_into_the_same_folder_is_refused() {
     let folder = Folder::new("two");
     let inner = folder.0.join("run");
     let path = inner.to_str().expect("a path in UTF-8");
     let mut first = endless(&inner);
-    begun(&inner);
+    wait_for_run(&inner);
     let second = sim_host(&["run", "lock", "-o", path]);
     assert_eq!(code(&second), 2, "{}", stderr(&second));
     let process = format!("by process {}", first.id());
@@ -242,7 +246,7 @@ fn of_two_runs_into_one_folder_at_a_time_the_second_is_refused() {
     assert_eq!(names(&inner).len(), 1);
     first.kill().expect("it can be killed");
     first.wait().expect("an end");
-    // Several at once: whoever is not refused is there as a whole.
+    // Several at once: a run that is not refused is complete.
     let ended = std::thread::scope(|threads| {
         let runs = [&DRIVEN[..], &CONTACT[..], &DRIVEN[..], &CONTACT[..]]
             .map(|scene| threads.spawn(move || code(&sim_host(&[scene, &["-q", "-o", path]].concat()))));
@@ -252,9 +256,11 @@ fn of_two_runs_into_one_folder_at_a_time_the_second_is_refused() {
     assert_eq!((names(&inner), manifest(&inner)["complete"].as_bool()), (listed(&inner), Some(true)));
 }
 
-/// What a folder may hold whenever a run into it has ended before its time: the run of before as a whole, the new one as a whole, or a manifest that
-/// says that it is neither, and lists all that is there. Returns whether it was whole.
-fn is_told(inner: &Path, before: &BTreeSet<String>, was: &Value, context: &str) -> bool {
+/// Checks the contents of a folder after a run into it has ended early.
+///
+/// It contains the complete earlier run, the complete new run, or a manifest that is marked as
+/// incomplete and lists all files. Returns `true` if it is complete.
+fn check_contents(inner: &Path, before: &BTreeSet<String>, was: &Value, context: &str) -> bool {
     let there: BTreeSet<String> = names(inner).into_iter().filter(|name| !name.starts_with(".unfinished-")).collect();
     let now = manifest(inner);
     match now["complete"].as_bool() {
@@ -265,23 +271,24 @@ fn is_told(inner: &Path, before: &BTreeSet<String>, was: &Value, context: &str) 
     now["complete"] == true
 }
 
-/// A run that cannot make a file longer than so many blocks of 512 bytes, as on a disk that is full; it is told so, or is killed by that.
+/// Runs a scene with files limited to a number of blocks of 512 bytes, as on a full disk. The write
+/// fails if `ignores_signal`, or else the signal kills the run.
 #[cfg(target_os = "linux")]
-fn within_blocks(blocks: u32, told: bool, inner: &Path) -> std::process::Output {
+fn within_blocks(blocks: u32, ignores_signal: bool, inner: &Path) -> std::process::Output {
     let program = env!("CARGO_BIN_EXE_sim-host");
-    let trap = if told { "trap '' XFSZ; " } else { "" };
+    let trap = if ignores_signal { "trap '' XFSZ; " } else { "" };
     let line = format!("{trap}ulimit -c 0; ulimit -f {blocks}; exec \"{program}\" run lock -q -o \"{}\"", inner.display());
     Command::new("sh").args(["-c", &line]).output().expect("`sh` starts")
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_leaves_what_was_there_and_is_named() {
+fn a_full_disk_keeps_the_earlier_run_and_is_reported() {
     let folder = Folder::new("full");
     let inner = folder.0.join("run");
     run(&CONTACT, &inner);
     let (before, mut was) = (names(&inner), manifest(&inner));
-    // From the first byte on, and from each longer file on.
+    // From the first byte, and from each longer file.
     let (mut ended, mut killed) = (0, 0);
     for blocks in [0, 1, 4, 16, 64, 256] {
         let output = within_blocks(blocks, true, &inner);
@@ -296,26 +303,27 @@ fn a_full_disk_leaves_what_was_there_and_is_named() {
             stderr(&output)
         );
         assert_eq!((names(&inner), manifest(&inner)), (before.clone(), was.clone()), "{blocks}");
-        // Ended by the signal as it writes: nothing cleans up, and what was there is whole.
+        // Killed by the signal during a write: nothing cleans up, and the earlier run stays
+        // complete.
         let output = within_blocks(blocks, false, &inner);
         assert_eq!(output.status.code(), None, "{blocks}: {}", stderr(&output));
         killed += 1;
-        assert!(is_told(&inner, &before, &was, "killed") && manifest(&inner) == was, "{blocks}");
-        // The next run finds nothing in its way.
+        assert!(check_contents(&inner, &before, &was, "killed") && manifest(&inner) == was, "{blocks}");
+        // The remains do not disturb the next run.
         let undated_before = undated(&inner.join("manifest.json"));
         run(&CONTACT, &inner);
         assert_eq!((names(&inner), undated(&inner.join("manifest.json"))), (before.clone(), undated_before), "{blocks}");
         was = manifest(&inner);
     }
     assert!(ended >= 4 && killed >= 4, "{ended} {killed}");
-    // A place that takes no files at all.
+    // A place that accepts no files.
     let output = sim_host(&["run", "lock", "-q", "-o", "/proc/none"]);
     assert!(code(&output) == 1 && stderr(&output).contains("cannot write `/proc/none`"), "{}", stderr(&output));
 }
 
 #[cfg(unix)]
 #[test]
-fn a_run_that_is_killed_at_any_moment_leaves_a_folder_that_says_what_it_is() {
+fn a_killed_run_leaves_a_complete_or_marked_folder() {
     let folder = Folder::new("killed");
     let inner = folder.0.join("run");
     let began = std::time::Instant::now();
@@ -334,10 +342,10 @@ fn a_run_that_is_killed_at_any_moment_leaves_a_folder_that_says_what_it_is() {
             .expect("sim-host starts");
         let until = std::time::Instant::now() + 2 * takes;
         if n % 4 == 0 {
-            // Somewhere on its way.
+            // At some moment of the run.
             std::thread::sleep(takes * n / 24);
         } else {
-            // As it moves its files: as soon as the manifest is another, and a little later.
+            // While it moves its files: as soon as the manifest changes, and a little later.
             let text = || std::fs::read(inner.join("manifest.json")).unwrap_or_default();
             let old = text();
             while text() == old && std::time::Instant::now() < until {
@@ -350,7 +358,7 @@ fn a_run_that_is_killed_at_any_moment_leaves_a_folder_that_says_what_it_is() {
         }
         let _ = child.kill();
         child.wait().expect("an end");
-        if is_told(&inner, &before, &was, &n.to_string()) {
+        if check_contents(&inner, &before, &was, &n.to_string()) {
             whole += 1;
         } else {
             cut += 1;
@@ -360,6 +368,6 @@ fn a_run_that_is_killed_at_any_moment_leaves_a_folder_that_says_what_it_is() {
         }
         (before, was) = (names(&inner).into_iter().filter(|name| !name.starts_with(".unfinished-")).collect(), manifest(&inner));
     }
-    println!("{whole} whole, {cut} that say they are not");
-    assert!(whole > 0 && cut > 0, "both have been seen: {whole} {cut}");
+    println!("{whole} complete, {cut} marked as incomplete");
+    assert!(whole > 0 && cut > 0, "both cases must occur: {whole} {cut}");
 }

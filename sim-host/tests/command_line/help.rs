@@ -1,4 +1,4 @@
-//! What shells and readers of manuals are given.
+//! Shell completions and manual pages.
 
 use std::io::Write as _;
 
@@ -17,7 +17,7 @@ fn completions_and_manual_pages_know_all_commands() {
     assert!(folder.read("sim-host-run.1").contains("sim\\-host run lock"));
 }
 
-/// A script for bash that is wrong would be found by the user at every start of a shell.
+/// Checks the syntax of the bash script: a user would meet an error at every start of a shell.
 #[test]
 #[cfg(unix)]
 fn completions_for_bash_can_be_read() {
@@ -26,6 +26,6 @@ fn completions_for_bash_can_be_read() {
     let file = folder.write("completions.bash", &stdout(&sim_host(&["completions", "bash"])));
     match Command::new("bash").args(["-n", &file]).stderr(Stdio::inherit()).status() {
         Ok(status) => assert!(status.success()),
-        Err(_) => writeln!(std::io::stderr(), "SKIPPED: there is no bash").expect("standard error"),
+        Err(_) => writeln!(std::io::stderr(), "SKIPPED: bash is not installed").expect("standard error"),
     }
 }

@@ -1,4 +1,4 @@
-//! `sim-host link` as a user meets it: what is printed where, and exit codes.
+//! `sim-host link`: output, messages and exit codes.
 
 use std::net::TcpListener;
 use std::process::{Command, Stdio};
@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::{Folder, code, sim_host, stderr, stdout};
 
 #[test]
-fn a_script_is_done_line_by_line_and_its_answers_are_lines_of_json() {
+fn a_script_answers_each_line_with_a_line_of_json() {
     let folder = Folder::new("link-script");
     let text =
         format!("scan -o \"{0}/scan\"\nexpect q > 60\nlock\nexpect locked = true\ncapture -o \"{0}\"\nstop\n", folder.text());
@@ -21,7 +21,7 @@ fn a_script_is_done_line_by_line_and_its_answers_are_lines_of_json() {
     assert!(lines.iter().all(|line| line["done"] == true));
     assert!((lines[0]["series_resonance_hz"].as_f64().expect("a number") - 40_519.9).abs() < 2.0);
     assert!(folder.read("scan/admittance.svg").starts_with("<svg") && folder.read("capture.csv").lines().count() == 1025);
-    // The same commands again, and nothing but the answers is printed.
+    // A repetition prints the same answers and nothing else.
     let again = sim_host(&["link", "sim:lock", "script", &script, "--format", "json"]);
     assert_eq!((stdout(&again), stderr(&again)), (stdout(&output), String::new()));
 }
@@ -33,7 +33,7 @@ fn the_first_line_that_fails_ends_a_script() {
     let output = sim_host(&["link", "sim:lock", "script", &script]);
     assert_eq!(code(&output), 1);
     assert!(stdout(&output).ends_with("> expect mode = run\n"), "{}", stdout(&output));
-    assert!(stderr(&output).contains("rig.txt:2: mode is idle, which is not = run"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("rig.txt:2: mode is idle, expected = run"), "{}", stderr(&output));
 }
 
 #[test]
@@ -46,13 +46,13 @@ fn mistakes_have_their_messages_and_exit_codes() {
     let cases: [(&[&str], i32, &str); 12] = [
         (&["/dev/ttyNOT", "status"], 5, "there is no such port"),
         (&[&format!("tcp:{closed}"), "status"], 5, "nothing listens there"),
-        (&["tcp:nowhere", "status"], 5, "this is no `tcp:HOST:PORT`"),
+        (&["tcp:nowhere", "status"], 5, "expected `tcp:HOST:PORT`"),
         (&["sim:lokc", "status"], 3, "try `lock`"),
         (&["sim:contact", "status"], 3, "has no [controller]"),
-        (&["/dev/ttyNOT", "status", "--seed", "3"], 2, "of a board in this process"),
+        (&["/dev/ttyNOT", "status", "--seed", "3"], 2, "need sim:SCENE or board:SCENE"),
         (&["sim:lock", "script", &wrong], 3, "wrong.txt:2:1"),
         (&["sim:lock", "settings", "get", "limit.voltage_v"], 3, "did you mean `limits.voltage_v`?"),
-        (&["sim:lock", "status", "--gdb", &port], 2, "are of the modelled part, board:SCENE"),
+        (&["sim:lock", "status", "--gdb", &port], 2, "--gdb need board:SCENE"),
         (&["board:dummy-load", "status", "--gdb", "nowhere"], 5, "this is not HOST:PORT"),
         (&["board:dummy-load", "status", "--gdb", &port], 5, "another program listens there"),
         (&["sim:lock", "drive", "--volts", "1", "--current", "1"], 2, "cannot be used with"),
@@ -68,7 +68,7 @@ fn mistakes_have_their_messages_and_exit_codes() {
 }
 
 #[test]
-fn a_served_board_is_met_over_tcp() {
+fn a_served_board_is_reached_over_tcp() {
     let mut server = Command::new(env!("CARGO_BIN_EXE_sim-host"))
         .args(["link", "sim:lock", "serve", "--listen", "127.0.0.1:0"])
         .stdout(Stdio::piped())

@@ -1,4 +1,5 @@
-//! Measured courses and curves in scenes: from a file to metrics, files of the run, and the run again without the file.
+//! Measured time series and curves in scenes: from a file to metrics, files of the run, and a
+//! repetition of the run without the file.
 
 use super::{Folder, code, sim_host, stderr, stdout};
 use serde_json::Value;
@@ -24,7 +25,7 @@ fn a_run_follows_a_file_and_is_repeated_without_it() {
     let json: Value = serde_json::from_str(&stdout(&first)).expect("JSON");
     let (rms, max) = (json["metrics"]["overlay_rms_n"].as_f64().unwrap(), json["metrics"]["overlay_max_n"].as_f64().unwrap());
     assert!(rms > 0.0 && rms <= max && max < 5.0, "{rms} {max}");
-    // Of the four points, the last lies beyond the run.
+    // Of the four points, the last is after the end of the run.
     assert!(
         folder.read("out/report.html").contains("Measured and simulated")
             && folder.read("out/report.html").contains("load cell of the rig")
@@ -45,7 +46,7 @@ fn a_run_follows_a_file_and_is_repeated_without_it() {
 }
 
 #[test]
-fn sweeps_grids_and_draws_follow_it_too() {
+fn sweeps_and_draws_follow_a_file() {
     let (folder, scene) = measured("profile-sweep");
     let atlas = format!("{}/atlas", folder.text());
     let key = "disturbance.0.profile.from_s=0:0.05:2";
@@ -94,18 +95,18 @@ fn a_curve_lies_over_a_contact_study() {
             .replace("\"friction_n\"", "\"friction_against_slip_n\""),
     );
     let refused = sim_host(&["check", &axis]);
-    assert!(code(&refused) == 3 && stderr(&refused).contains("the points are along um"), "{}", stderr(&refused));
+    assert!(code(&refused) == 3 && stderr(&refused).contains("the points are over um"), "{}", stderr(&refused));
 }
 
 #[test]
-fn a_curve_that_a_run_cannot_show_is_named() {
+fn a_curve_outside_the_run_is_named() {
     let folder = Folder::new("overlay-missing");
     folder.write("time.csv", "t [us],F [N]\n3310,0.1\n3320,0.15\n");
     let over = "[[overlay]]\nquantity = \"friction_n\"\nfile = \"time.csv\"\nname = \"the rig\"\n";
     let scene = folder.write("a.toml", &format!("base = \"contact-kinematic\"\ntitle = \"closed\"\n\n{over}"));
     let out = format!("{}/out", folder.text());
     let run = sim_host(&["run", &scene, "-o", &out, "--format", "json"]);
-    let why = "The curve `the rig` is not drawn and not compared: its points are from 198.6 to 199.2, and the curve of the figure `friction` is from 0 to 1, time [periods of the excitation].";
+    let why = "The curve `the rig` is not drawn and not compared: its points range from 198.6 to 199.2, but the curve of figure `friction` ranges from 0 to 1, time [periods of the excitation].";
     assert!(code(&run) == 0 && stderr(&run).contains(&format!("warning: {why}")), "{}", stderr(&run));
     assert!(stderr(&run).contains("`--set integrator.method=linexp`"), "{}", stderr(&run));
     for file in ["summary.json", "manifest.json"] {
@@ -113,13 +114,13 @@ fn a_curve_that_a_run_cannot_show_is_named() {
         assert!(json["overlays_not_drawn"][0].as_str().is_some_and(|said| said.starts_with(why)), "{json}");
     }
     assert!(folder.read("out/report.html").contains("is not drawn and not compared"));
-    // In steps it goes through the moments, and the remark is none.
+    // With time steps the run contains these moments, and the remark disappears.
     let steps = sim_host(&["run", &scene, "--no-report", "--format", "json", "--set", "integrator.method=linexp"]);
     let json: Value = serde_json::from_str(&stdout(&steps)).unwrap_or_else(|_| panic!("{}", stderr(&steps)));
     assert!(json["metrics"]["overlay_rms_n"].is_number() && json["overlays_not_drawn"].is_null(), "{json}");
-    // Figures of several runs are over no moments of one of them.
+    // Figures of several runs have no time axis of a single run.
     let many = ["integrator.method=linexp", "runs=2", "vary.0.key=contact.dahl.mu", "vary.0.spread=0.1", "expect=[]"];
     let many: Vec<&str> = many.into_iter().flat_map(|set| ["--set", set]).collect();
     let many = sim_host(&[&["run", &scene, "--no-report"], &many[..]].concat());
-    assert!(stdout(&many).contains("Figures of several runs are of all of them"), "{}{}", stdout(&many), stderr(&many));
+    assert!(stdout(&many).contains("Figures of several runs show all of them"), "{}{}", stdout(&many), stderr(&many));
 }

@@ -1,4 +1,5 @@
-//! A command replaces only the files that the same command wrote, and none that has changed or that it reads.
+//! A command replaces only files that the same command wrote, unless they were edited or are its
+//! inputs.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,7 +8,7 @@ use std::process::{Command, Output};
 use super::folder::{listed, manifest, names};
 use super::{Folder, code, stderr};
 
-/// Every command that writes a folder, without its `-o`; each is quick.
+/// Every command that writes a folder, without `-o`; each is fast.
 const WRITERS: [&str; 11] = [
     "run contact-kinematic",
     "sweep contact-kinematic --over contact.dahl.mu=0.1,0.3 --metric friction_ratio",
@@ -36,7 +37,7 @@ fn done(folder: &Folder, line: &str) -> String {
     stderr(&output)
 }
 
-/// A folder with measured files, a suite, runs and a part of a sweep.
+/// Makes a folder with measured files, a suite, runs and a part of a sweep.
 fn prepared(name: &str) -> Folder {
     let folder = Folder::new(name);
     let admittance = |n: usize| {
@@ -63,7 +64,7 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     names(folder).into_iter().map(|name| (name.clone(), std::fs::read(folder.join(name)).unwrap_or_default())).collect()
 }
 
-/// Runs every command into what every command has left, as it was left and with one file edited.
+/// Runs every command into the result of every command, unchanged and with one edited file.
 #[test]
 fn no_command_removes_a_file_that_it_did_not_write() {
     let folder = prepared("pairs");
@@ -107,7 +108,7 @@ fn a_scene_survives_its_own_run() {
     let folder = prepared("survives");
     for (import, scene) in [(WRITERS[3], "out/mine/mine.toml"), (WRITERS[4], "out/log/log.toml")] {
         let said = done(&folder, import);
-        assert!(said.contains(&format!("to be run by `sim-host run {scene}`")), "{said}");
+        assert!(said.contains(&format!("run it with `sim-host run {scene}`")), "{said}");
         let (dir, edited) = (folder.0.join(scene), format!("{}# my edit\n", folder.read(scene)));
         let dir = dir.parent().expect("a folder");
         for text in [folder.read(scene), edited.clone()] {
@@ -116,14 +117,14 @@ fn a_scene_survives_its_own_run() {
             // The second run replaces the first.
             for _ in 0..2 {
                 let said = done(&folder, &format!("run {scene}"));
-                let beside = format!("{}-run", dir.file_name().expect("a name").display());
-                assert!(said.contains("note: ") && said.contains(&format!("`out/{beside}`")), "{said}");
+                let run_folder = format!("{}-run", dir.file_name().expect("a name").display());
+                assert!(said.contains("note: ") && said.contains(&format!("`out/{run_folder}`")), "{said}");
                 assert_eq!(contents(dir), before);
-                let run = folder.0.join("out").join(beside);
+                let run = folder.0.join("out").join(run_folder);
                 assert_eq!(names(&run), listed(&run));
             }
         }
-        // The same import again does not replace the edited scene either.
+        // A repeated import does not replace the edited scene either.
         let said = done(&folder, import);
         assert!(said.contains("was changed after it was written") && folder.read(scene) == edited, "{said}");
     }
@@ -150,9 +151,9 @@ fn a_run_does_not_replace_what_it_reads() {
     }
 }
 
-/// A name that leads out of `out` does not.
+/// Checks scene names that would lead out of `out`.
 #[test]
-fn no_name_of_a_scene_leads_out_of_the_default_folder() {
+fn no_scene_name_escapes_the_default_folder() {
     let folder = Folder::new("names");
     folder.write("...toml", "base = \"contact-kinematic\"\n");
     done(&folder, "run ...toml");

@@ -1,4 +1,4 @@
-//! The prompt of `sim-host link PORT`: without a terminal, and at one.
+//! Prompt of `sim-host link PORT`, with and without a terminal.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use super::{Folder, code, sim_host, stderr, stdout};
 
-/// `sim-host` with these arguments, and lines on standard input.
+/// Runs `sim-host` with these arguments and lines on standard input.
 fn asked(arguments: &[&str], lines: &str) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_sim-host"))
         .args(arguments)
@@ -18,13 +18,13 @@ fn asked(arguments: &[&str], lines: &str) -> Output {
         .stderr(Stdio::piped())
         .spawn()
         .expect("sim-host starts");
-    // One that leaves before the last line closes its end.
+    // A program that ends before the last line closes its standard input.
     let _ = child.stdin.take().expect("its input").write_all(lines.as_bytes());
     child.wait_with_output().expect("its output")
 }
 
 #[test]
-fn lines_are_done_one_by_one_and_mistakes_have_their_caret() {
+fn lines_run_in_order_and_errors_show_a_caret() {
     let output =
         asked(&["link", "sim:lock"], "scan\nexpect q > 60\nscna\nlock\nsettings get limit.voltage_v\nhelp drive\nexit\nstatus\n");
     let (out, err) = (stdout(&output), stderr(&output));
@@ -39,7 +39,7 @@ fn lines_are_done_one_by_one_and_mistakes_have_their_caret() {
         "'scan'",
         "did you mean `limits.voltage_v`?",
         "the drive is silent now",
-        "2 of 7 lines have failed",
+        "2 of 7 lines failed",
     ] {
         assert!(err.contains(part), "{part}\n{err}");
     }
@@ -47,12 +47,12 @@ fn lines_are_done_one_by_one_and_mistakes_have_their_caret() {
 }
 
 #[test]
-fn a_lock_by_itself_says_what_becomes_of_the_drive() {
+fn a_single_lock_command_reports_the_end_of_its_drive() {
     let output = sim_host(&["link", "sim:lock", "lock"]);
-    assert!(stdout(&output).contains("it falls silent now, with the end of this command"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("it stops now, at the end of this command"), "{}", stdout(&output));
     assert!(stderr(&output).contains("the drive is silent now"), "{}", stderr(&output));
     let stays = sim_host(&["link", "sim:lock", "lock", "--stay"]);
-    assert!(stdout(&stays).contains("it ends with this program, which the board is a part of"), "{}", stdout(&stays));
+    assert!(stdout(&stays).contains("it ends with this program, which contains the board"), "{}", stdout(&stays));
 }
 
 #[test]
@@ -71,17 +71,17 @@ fn a_simulated_board_keeps_its_flash_in_a_file() {
     assert!(get(&["--flash", &flash]).contains("3.5") && get(&[]) == fresh);
     folder.write("board.flash", "no flash");
     let refused = sim_host(&["link", "sim:lock", "status", "--flash", &flash]);
-    assert!(code(&refused) == 3 && stderr(&refused).contains("it has 8 bytes"), "{}", stderr(&refused));
+    assert!(code(&refused) == 3 && stderr(&refused).contains("has 8 bytes"), "{}", stderr(&refused));
     let other = sim_host(&["link", "/dev/ttyNOT", "status", "--flash", &flash]);
-    assert!(code(&other) == 2 && stderr(&other).contains("--flash is of a simulated board"), "{}", stderr(&other));
+    assert!(code(&other) == 2 && stderr(&other).contains("--flash needs sim:SCENE"), "{}", stderr(&other));
 }
 
-/// A program at a terminal of its own.
+/// Program with its own terminal.
 struct AtTerminal {
     child: Child,
     keys: File,
     seen: Arc<Mutex<String>>,
-    /// Bytes of it up to what was waited for last.
+    /// Number of bytes up to the end of the last match.
     read: usize,
 }
 
@@ -92,7 +92,7 @@ impl AtTerminal {
         grantpt(&ours).and_then(|()| unlockpt(&ours)).expect("a terminal");
         let name = ptsname(&ours, Vec::new()).expect("its name");
         let end = || File::options().read(true).write(true).open(name.to_str().expect("a path")).expect("its other end");
-        // In a session of its own, so that the keys of this terminal signal it and nobody else.
+        // In its own session, so that the keys of this terminal signal only this program.
         let child = Command::new("setsid")
             .args(["--ctty", env!("CARGO_BIN_EXE_sim-host")])
             .args(arguments)
@@ -116,7 +116,8 @@ impl AtTerminal {
         AtTerminal { child, keys, seen, read: 0 }
     }
 
-    /// Types, and waits until this stands on the screen after it; without keys, after what was waited for last.
+    /// Types, and waits until `until` appears on the screen after it; without keys, after the last
+    /// match.
     fn types(&mut self, keys: &str, until: &str) {
         let before = if keys.is_empty() { self.read } else { self.seen.lock().expect("the text").len() };
         self.keys.write_all(keys.as_bytes()).expect("typed");
@@ -132,8 +133,8 @@ impl AtTerminal {
         }
     }
 
-    /// Waits for the next prompt: keys that are typed before it are the terminal's, and Ctrl-D among them is lost.
-    fn is_there(&mut self) {
+    /// Waits for the next prompt: the terminal handles keys that come before it, and loses Ctrl-D.
+    fn wait_for_prompt(&mut self) {
         self.types("", "sim:lock> ");
     }
 }
@@ -146,40 +147,40 @@ impl Drop for AtTerminal {
 }
 
 #[test]
-fn at_a_terminal_words_are_completed_and_ctrl_c_silences_and_stays() {
+fn a_terminal_completes_words_and_ctrl_c_silences() {
     let folder = Folder::new("link-prompt");
     let mut prompt = AtTerminal::new(&["link", "sim:lock"], folder.text());
-    prompt.is_there();
+    prompt.wait_for_prompt();
     // A word and its unit.
     prompt.types("settings set limits.vol\t", "limits.voltage_v <V>");
     prompt.types("3\r", "limits.voltage_v = 3");
-    prompt.is_there();
+    prompt.wait_for_prompt();
     prompt.types("lo\t\r", "`stop` ends it");
-    // The line above the prompt is renewed while nothing is typed.
+    // The line above the prompt is updated while nothing is typed.
     prompt.types("", "\x1b[1A");
     prompt.types("\x03", "the drive is silent");
     prompt.types("", "idle ");
-    prompt.is_there();
+    prompt.wait_for_prompt();
     prompt.types("scna\r", "here");
-    prompt.is_there();
-    // While a command runs Ctrl-C is a signal; the second prompt afterwards is that of a session which goes on.
+    prompt.wait_for_prompt();
+    // While a command runs, Ctrl-C is a signal; the next prompt shows that the session continues.
     prompt.types("monitor\r", "Hz");
     prompt.types("\x03", "the drive is silent");
-    prompt.is_there();
-    // The line before last, from the history.
+    prompt.wait_for_prompt();
+    // The line before the last one, from the history.
     prompt.types("\x1b[A\x1b[A\r", "'scna'");
-    prompt.is_there();
+    prompt.wait_for_prompt();
     prompt.types("\x04", "\x1b[?2004l");
     assert_eq!(prompt.child.wait().expect("its end").code(), Some(0), "{}", prompt.seen.lock().expect("the text"));
     assert!(folder.read("sonoglide/link-history").contains("monitor"));
 }
 
 #[test]
-fn a_request_to_end_leaves_the_prompt_and_silences_the_drive() {
+fn sigterm_ends_the_prompt_and_silences_the_drive() {
     let folder = Folder::new("link-prompt-ends");
     let mut prompt = AtTerminal::new(&["link", "sim:lock"], folder.text());
     prompt.types("lock\r", "`stop` ends it");
-    prompt.is_there();
+    prompt.wait_for_prompt();
     let id = prompt.child.id().to_string();
     assert!(Command::new("kill").args(["-TERM", &id]).status().is_ok_and(|status| status.success()));
     prompt.types("", "the drive is silent now");

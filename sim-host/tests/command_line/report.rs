@@ -1,14 +1,14 @@
-//! What a report says of its origin and its inputs, and how its figures are drawn.
+//! Origin and inputs in a report, and options of its figures.
 
 use serde_json::Value;
 
 use super::{Folder, code, sim_host, stderr, stdout};
 
-/// A scene over `contact` with another friction coefficient.
+/// Scene on the base `contact` with another friction coefficient.
 const MINE: &str = "base = \"contact\"\n[contact.dahl]\nmu = 0.15\n[integrator]\nwindow_periods = [10, 20]\n";
 
 #[test]
-fn a_base_with_other_inputs_lends_neither_notes_nor_verdicts() {
+fn a_changed_base_gives_no_notes_or_verdicts() {
     let folder = Folder::new("inherited");
     let scene = folder.write("mine.toml", MINE);
     let page = folder.0.join("page");
@@ -19,7 +19,7 @@ fn a_base_with_other_inputs_lends_neither_notes_nor_verdicts() {
         assert!(text.contains(part), "`{part}` is missing in\n{text}");
     }
     let html = folder.read("page/report.html");
-    assert!(!html.contains("The vibration counts in the slip"), "the notes of the base are left out");
+    assert!(!html.contains("The vibration counts in the slip"), "the report contains notes of the base");
     for part in [
         "Inputs changed from `contact`",
         "<td>contact.dahl.mu</td>",
@@ -32,12 +32,12 @@ fn a_base_with_other_inputs_lends_neither_notes_nor_verdicts() {
     let summary: Value = serde_json::from_str(&folder.read("page/summary.json")).expect("JSON");
     assert_eq!((&summary["expect"][0]["pass"], &summary["expect"][0]["counts"]), (&Value::Bool(false), &Value::Bool(false)));
 
-    // Stated again, an expectation counts.
+    // A repeated expectation counts.
     let again = folder.write("again.toml", &format!("{MINE}[[expect]]\nmetric = \"friction_ratio\"\nmax = 0.1\n"));
     let output = sim_host(&["run", &again, "--no-report"]);
     assert_eq!(code(&output), 4);
     assert!(stdout(&output).contains("MISS"));
-    // So does that of a scene of the user's own, whatever is set.
+    // An expectation of the user's own scene counts with any setting.
     let own = folder.write("own.toml", &stdout(&sim_host(&["show", "contact"])));
     let output =
         sim_host(&["run", &own, "--no-report", "--set", "contact.dahl.mu=0.15", "--set", "integrator.window_periods=[10,20]"]);
@@ -45,7 +45,7 @@ fn a_base_with_other_inputs_lends_neither_notes_nor_verdicts() {
 }
 
 #[test]
-fn a_report_says_where_it_comes_from() {
+fn a_report_states_its_origin() {
     let folder = Folder::new("origin");
     let output = sim_host(&["run", "contact", "--set", "integrator.window_periods=[10,20]", "-q", "-o", folder.text()]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
@@ -59,7 +59,7 @@ fn a_report_says_where_it_comes_from() {
     }
     let version = stdout(&sim_host(&["--version"]));
     assert!(version.starts_with(&format!("sim-host {}", env!("CARGO_PKG_VERSION"))), "{version}");
-    // Built in a checkout, with the same commit everywhere.
+    // The version and the report contain the same commit in a checkout.
     if let Some(commit) = version.split_once(" (").and_then(|(_, rest)| rest.trim_end().strip_suffix(')')) {
         assert!(html.contains(&format!("<dt>commit</dt><dd>{commit}</dd>")), "{commit}");
     }
@@ -89,11 +89,11 @@ fn figures_have_the_size_and_formats_asked_for() {
     let svg = folder.read("friction.svg");
     assert!(svg.starts_with("<svg width=\"87.98mm\" height=\"59.96mm\"") && svg.contains("<text "), "{}", &svg[..100]);
     assert!(!folder.0.join("friction.png").exists() && folder.0.join("friction.csv").exists());
-    // The next run takes the place of all of them.
+    // The next run replaces all of them.
     assert_eq!(code(&sim_host(&scene)), 0);
     assert!(!folder.0.join("friction.pdf").exists() && folder.0.join("friction.png").exists());
     for (option, value, says) in [
-        ("--figure-size", "1600x900", "a size in print, not in pixels"),
+        ("--figure-size", "1600x900", "printed size, not pixels"),
         ("--figure-size", "wide", "must be a width in print"),
         ("--figure-format", "eps", "must be svg, png or pdf"),
     ] {

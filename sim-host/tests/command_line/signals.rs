@@ -1,4 +1,5 @@
-//! Clients of a served board: whatever ends one that drives, the drive falls silent, unless it was ordered to go on; and who may hold the board.
+//! Clients of a served board: the drive is silenced at any end of its client, unless it was told to
+//! stay on; one client holds the board.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
@@ -9,10 +10,10 @@ use serde_json::Value;
 
 use super::{Folder, code, sim_host, stderr, stdout};
 
-/// How long a board may be without its host, s: what a simulated board is built with.
+/// Default host timeout of a simulated board, s.
 const TIMEOUT_S: f64 = 1.0;
 
-/// A process that does not outlive its test.
+/// Process that is killed at the end of its test.
 struct Running {
     child: Child,
     lines: BufReader<ChildStdout>,
@@ -25,7 +26,7 @@ impl Running {
         Running { child, lines }
     }
 
-    /// Reads lines until one has this in it.
+    /// Reads lines until one contains `part`.
     fn until(&mut self, part: &str) -> String {
         loop {
             let mut line = String::new();
@@ -41,7 +42,7 @@ impl Running {
         assert!(sent.expect("`kill` starts").success(), "{name}");
     }
 
-    /// Its exit code; none where a signal has ended it.
+    /// Waits for the end and returns the exit code; `None` if a signal killed the process.
     fn end(&mut self) -> Option<i32> {
         self.child.wait().expect("an end").code()
     }
@@ -54,7 +55,7 @@ impl Drop for Running {
     }
 }
 
-/// A simulated board that is served to others, and its address.
+/// Starts a server of a simulated board and returns its address.
 fn served() -> (Running, String) {
     served_by(program().args(["link", "sim:lock", "serve"]))
 }
@@ -83,8 +84,9 @@ fn mode(address: &str) -> String {
     answer(address, &["status"])["mode"].as_str().expect("a mode").to_owned()
 }
 
-/// Leaves the board without a host until it has stopped the drive by itself. It is asked seldom: who asks is a host.
-fn stops_by_itself(address: &str) {
+/// Leaves the board without a host until it has stopped the drive itself. Polls rarely, because
+/// each poll is a message of a host.
+fn wait_for_host_timeout(address: &str) {
     for attempt in 0..5 {
         std::thread::sleep(Duration::from_secs_f64(TIMEOUT_S * f64::from(2 << attempt)));
         let status = answer(address, &["status"]);
@@ -95,22 +97,23 @@ fn stops_by_itself(address: &str) {
         }
         assert_eq!(status["mode"], "run", "{status}");
     }
-    panic!("the drive goes on without a host");
+    panic!("the drive stays on without a host");
 }
 
-/// Whether a terminal that closes ends what the tests start. What ignores hang-ups, as under `nohup`, hands that on, and its clients outlive the terminal.
+/// Returns `true` if a closing terminal ends the processes of these tests. They inherit an ignored
+/// SIGHUP, as under `nohup`, and then outlive the terminal.
 fn hangs_up() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
     let hangs_up = ignored.is_none_or(|signals| signals & 1 == 0);
     if !hangs_up {
-        let _ = writeln!(std::io::stderr(), "SKIPPED, hang-ups: they are ignored here");
+        let _ = writeln!(std::io::stderr(), "SKIPPED: SIGHUP is ignored here");
     }
     hangs_up
 }
 
 #[test]
-fn a_client_that_is_asked_to_end_silences_the_drive_first() {
+fn a_signal_silences_the_drive_before_the_client_ends() {
     let folder = Folder::new("signals");
     let holds = folder.write("holds.txt", "lock\nstatus\nwait 1000\n");
     let bursts = folder.write("bursts.txt", "lock\nstatus\nburst --on 1000 --off 1\n");
@@ -127,7 +130,8 @@ fn a_client_that_is_asked_to_end_silences_the_drive_first() {
     let hangs_up = hangs_up();
     for (arguments, on, signal) in cases.into_iter().filter(|(.., signal)| hangs_up || *signal != "HUP") {
         let mut client = client(&address, arguments);
-        // A line of a script is shown when it is done: those that take long are known by the line before.
+        // A line of a script is printed when it is done: a long one is recognised by the line
+        // before.
         client.until(if on.starts_with('>') { "> status" } else { on });
         client.signal(signal);
         assert_eq!(client.end(), Some(130), "{arguments:?} {signal}");
@@ -136,7 +140,7 @@ fn a_client_that_is_asked_to_end_silences_the_drive_first() {
 }
 
 #[test]
-fn a_terminal_that_closes_hangs_up_twice_and_the_drive_is_silenced_all_the_same() {
+fn two_hang_ups_of_a_terminal_silence_the_drive() {
     if !hangs_up() {
         return;
     }
@@ -145,22 +149,22 @@ fn a_terminal_that_closes_hangs_up_twice_and_the_drive_is_silenced_all_the_same(
     client.until("the drive is on");
     client.signal("HUP");
     client.signal("CONT");
-    // By now it may have ended in order, and cannot be signalled any more.
+    // The client may have ended already, so that the signal fails.
     let _ = Command::new("kill").args(["-HUP", &client.child.id().to_string()]).stderr(Stdio::null()).status();
     assert_eq!(client.end(), Some(130));
     assert_eq!(mode(&address), "idle");
 }
 
 #[test]
-fn a_client_that_is_killed_or_stands_still_is_missed_by_the_board() {
+fn the_board_detects_a_killed_or_stopped_client() {
     let (_server, address) = served();
     let mut killed = client(&address, &["drive"]);
     killed.until("the drive is on");
     killed.signal("KILL");
     assert_eq!(killed.end(), None);
-    stops_by_itself(&address);
+    wait_for_host_timeout(&address);
 
-    // A connection that stays open and says nothing, as that of a pulled cable.
+    // A connection that stays open without messages, as with a pulled cable.
     let mut still = client(&address, &["drive"]);
     still.until("the drive is on");
     let mut stopped = false;
@@ -168,17 +172,17 @@ fn a_client_that_is_killed_or_stands_still_is_missed_by_the_board() {
         still.signal("STOP");
         std::thread::sleep(Duration::from_secs_f64(TIMEOUT_S * f64::from(2 << attempt)));
         still.signal("CONT");
-        // What was measured before it stood still may come first.
+        // Reports from before the stop may arrive first.
         stopped = (0..5).any(|_| still.until("motional").contains("fault 12"));
         if stopped {
             break;
         }
     }
-    assert!(stopped, "the drive goes on without a host");
+    assert!(stopped, "the drive stays on without a host");
 }
 
 #[test]
-fn a_second_client_is_told_who_holds_the_board_and_changes_nothing() {
+fn a_second_client_is_refused_with_the_holders_address() {
     let (_server, address) = served();
     let mut first = client(&address, &["drive"]);
     first.until("the drive is on");
@@ -193,19 +197,19 @@ fn a_second_client_is_told_who_holds_the_board_and_changes_nothing() {
         );
         assert!(began.elapsed() < Duration::from_secs(3));
     }
-    // The first one drives on, and ends as it would alone; then the next is served.
+    // The first client is not disturbed and ends as usual; then the next one is served.
     (0..3).for_each(|_| drop(first.until(" locked")));
     first.signal("TERM");
     assert_eq!((first.end(), mode(&address).as_str()), (Some(130), "idle"));
 }
 
-/// A connection to a served board over which nothing is sent.
+/// Opens a connection to a served board without sending anything.
 fn silent(address: &str) -> TcpStream {
     TcpStream::connect(address.trim_start_matches("tcp:")).expect("a connection")
 }
 
 #[test]
-fn stop_is_taken_from_anyone_whoever_holds_the_board() {
+fn stop_is_accepted_from_any_client() {
     let (_server, address) = served();
     let mut still = client(&address, &["drive", "--host-timeout", "0"]);
     still.until("the drive is on");
@@ -218,14 +222,14 @@ fn stop_is_taken_from_anyone_whoever_holds_the_board() {
     assert_eq!(mode(&address), "idle");
     still.signal("CONT");
     assert_eq!(still.end(), Some(5), "another client has taken the board");
-    // A holder that has never spoken, too.
+    // Also while a client holds the board that has sent nothing.
     let _holder = silent(&address);
     std::thread::sleep(Duration::from_millis(100));
     answer(&address, &["stop"]);
 }
 
 #[test]
-fn a_silent_client_loses_the_board_and_a_prompt_keeps_it() {
+fn an_idle_client_loses_the_board_and_a_prompt_keeps_it() {
     let (_server, address) = served_by(program().args(["link", "sim:lock", "serve", "--idle-limit", "2"]));
     let _holder = silent(&address);
     std::thread::sleep(Duration::from_millis(100));
@@ -240,14 +244,14 @@ fn a_silent_client_loses_the_board_and_a_prompt_keeps_it() {
     assert_eq!(status(), 5);
     keys.write_all(b"status\n").expect("a line");
     prompt.until("> status");
-    // Neither the board nor its server has missed the host.
+    // Neither the board nor its server has lost the host.
     assert!(prompt.until("mode ").contains("run"));
     drop(keys);
     assert_eq!(prompt.end(), Some(0));
 }
 
 #[test]
-fn a_server_without_file_descriptors_serves_on() {
+fn a_server_recovers_from_missing_file_descriptors() {
     let line = format!("ulimit -n 12; exec \"{}\" link sim:lock serve", env!("CARGO_BIN_EXE_sim-host"));
     let (_server, address) = served_by(Command::new("sh").args(["-c", &line]));
     let many = [(); 16].map(|()| silent(&address));
@@ -257,7 +261,7 @@ fn a_server_without_file_descriptors_serves_on() {
 }
 
 #[test]
-fn only_who_allows_it_listens_to_other_machines() {
+fn remote_addresses_need_allow_remote() {
     let serve = ["link", "sim:lock", "serve", "--listen", "0.0.0.0:0"];
     let gdb = ["link", "board:dummy-load", "status", "--gdb", "0.0.0.0:0"];
     for arguments in [&serve[..], &gdb].into_iter().take(1 + usize::from(cfg!(feature = "board-model"))) {
@@ -274,33 +278,33 @@ fn only_who_allows_it_listens_to_other_machines() {
 }
 
 #[test]
-fn a_drive_goes_on_only_where_that_is_chosen() {
+fn a_drive_continues_only_with_stay() {
     let (_server, address) = served();
     answer(&address, &["drive", "--stay"]);
     std::thread::sleep(Duration::from_secs_f64(2.0 * TIMEOUT_S));
     assert_eq!(mode(&address), "run");
-    // Who looks on leaves it as it is, by whatever it is ended.
+    // A client that only watches leaves the drive on, even if it is killed.
     let mut watches = client(&address, &["monitor", "--every", "0.05"]);
     watches.until(" locked");
     watches.signal("TERM");
     assert_eq!((watches.end(), mode(&address).as_str()), (Some(130), "run"));
-    // Who drives takes it over, and is missed.
+    // A client that drives takes over, and the board detects its loss.
     let mut killed = client(&address, &["drive"]);
     killed.until("the drive is on");
     killed.signal("KILL");
     assert_eq!(killed.end(), None);
-    stops_by_itself(&address);
+    wait_for_host_timeout(&address);
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_client_that_was_started_to_outlive_its_terminal_does() {
+fn a_client_under_nohup_outlives_its_terminal() {
     let (_server, address) = served();
     let line = format!("trap '' HUP; exec \"{}\" link {address} drive", env!("CARGO_BIN_EXE_sim-host"));
     let mut client = Running::new(Command::new("sh").args(["-c", &line]));
     client.until("the drive is on");
     client.signal("HUP");
-    // It watches on.
+    // It continues to watch.
     (0..3).for_each(|_| drop(client.until(" locked")));
     client.signal("TERM");
     assert_eq!(client.end(), Some(130));
@@ -308,7 +312,7 @@ fn a_client_that_was_started_to_outlive_its_terminal_does() {
 }
 
 #[test]
-fn a_client_that_sends_faster_than_the_wire_does_not_keep_the_board_from_its_time() {
+fn a_flood_of_bytes_does_not_delay_the_board() {
     let (_server, address) = served();
     answer(&address, &["drive", "--stay"]);
     let before = answer(&address, &["status"])["block"].as_u64().expect("a block");

@@ -1,10 +1,10 @@
-//! `sim-host spectrum`: traces of a run in each of their forms, tables of others, and what is refused.
+//! `sim-host spectrum`: traces of a run in each format, foreign tables, and errors.
 
 use serde_json::Value;
 
 use super::{Folder, code, sim_host, stderr, stdout};
 
-/// A tone of 5 kHz at 100 kHz, as a stranger writes it.
+/// Returns a tone of 5 kHz, sampled at 100 kHz, in the format of an oscilloscope.
 fn table() -> String {
     let row = |n: i32| {
         format!("{:.2};{:.6}\n", f64::from(n) * 0.01, (std::f64::consts::TAU * 0.05 * f64::from(n)).sin()).replace('.', ",")
@@ -19,7 +19,7 @@ fn found(arguments: &[&str]) -> Value {
 }
 
 #[test]
-fn a_trace_is_analysed_in_each_of_its_forms() {
+fn a_trace_is_analysed_in_each_format() {
     let folder = Folder::new("spectrum-trace");
     let mut strongest = Vec::new();
     for format in ["csv", "npy", "parquet"] {
@@ -47,7 +47,7 @@ fn a_trace_is_analysed_in_each_of_its_forms() {
 }
 
 #[test]
-fn a_table_of_others_gives_figure_table_and_arrays() {
+fn a_foreign_table_gives_figure_table_and_arrays() {
     let folder = Folder::new("spectrum-table");
     let file = folder.write("scope.csv", &table());
     for method in ["stft", "wavelet", "wigner-ville"] {
@@ -66,18 +66,18 @@ fn a_table_of_others_gives_figure_table_and_arrays() {
 }
 
 #[test]
-fn what_cannot_be_analysed_is_refused_with_the_reason() {
+fn unusable_signals_are_refused_with_a_reason() {
     let folder = Folder::new("spectrum-refused");
     let file = folder.write("scope.csv", &table());
     let uneven = folder.write("uneven.csv", &table().replace("5,00;", "5,004;"));
     let few = folder.write("few.csv", &table().lines().take(40).map(|line| format!("{line}\n")).collect::<String>());
     for (kind, arguments, says) in [
-        (3, &["spectrum", &file, "--column", "U"][..], "do you mean `U [V]`? It has t [ms], U [V]"),
+        (3, &["spectrum", &file, "--column", "U"][..], "did you mean `U [V]`? It has t [ms], U [V]"),
         (3, &["spectrum", &uneven], "uneven sampling: "),
-        (3, &["spectrum", &few], "too few samples: 38, and it takes 64"),
+        (3, &["spectrum", &few], "too few samples: 38; at least 64"),
         (3, &["spectrum", "nothing.csv"], "nothing.csv cannot be read"),
         (2, &["spectrum", &file, "--band", "60k:70k"], "the frequencies go up to 50000 Hz"),
-        (2, &["spectrum", &file, "--cycles", "3"], "--cycles is of --method wavelet"),
+        (2, &["spectrum", &file, "--cycles", "3"], "--cycles belongs to --method wavelet"),
         (2, &["spectrum", &file, "--sample-hz", "-1"], "must be above zero"),
     ] {
         let output = sim_host(arguments);

@@ -1,4 +1,5 @@
-//! Sweeps: the same bytes however they are divided and stopped, nothing half-written, and every refusal by name.
+//! Sweeps: identical bytes for any number of threads, shards and interruptions, no partial files,
+//! and clear errors.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -9,9 +10,9 @@ use serde_json::Value;
 
 use super::{Folder, code, sim_host, stderr, stdout};
 
-/// The files that hold the result.
+/// Files that contain the result.
 const RESULTS: [&str; 4] = ["sweep.parquet", "sweep.csv", "failures.csv", "plan.json"];
-/// A sweep of a contact with a closed form, over two keys.
+/// Sweep of a contact with a closed-form solution, over two keys.
 const CONTACT: [&str; 8] = [
     "sweep",
     "contact-kinematic",
@@ -47,7 +48,7 @@ fn within(folder: &Folder, name: &str) -> String {
     format!("{}/{name}", folder.text())
 }
 
-/// Arguments that are refused with this exit code, and what is said.
+/// Checks that a command fails with this exit code and these parts of a message.
 fn refused(kind: i32, arguments: &[&str], says: &[&str]) {
     let output = sim_host(arguments);
     let text = stderr(&output);
@@ -56,7 +57,7 @@ fn refused(kind: i32, arguments: &[&str], says: &[&str]) {
 }
 
 #[test]
-fn threads_and_shards_leave_the_same_bytes() {
+fn threads_and_shards_write_the_same_bytes() {
     let folder = Folder::new("sweep");
     let [one, three, first, second, joined] = ["one", "three", "first", "second", "joined"].map(|name| within(&folder, name));
     sweep(&[&CONTACT[..], &["--jobs", "1"]].concat(), &one);
@@ -64,7 +65,7 @@ fn threads_and_shards_leave_the_same_bytes() {
     same(&one, &three);
     sweep(&[&CONTACT[..], &["--shard", "1/2"]].concat(), &first);
     sweep(&[&CONTACT[..], &["--shard", "2/2"]].concat(), &second);
-    assert!(!names(&first).contains("sweep.csv"), "a shard is not the whole");
+    assert!(!names(&first).contains("sweep.csv"), "a shard is not the whole sweep");
     let output = sim_host(&["merge", &first]);
     assert_eq!(code(&output), 3);
     assert!(stderr(&output).contains("92 of 180 points are missing: 11 to 21, 33 to 44,"), "{}", stderr(&output));
@@ -72,7 +73,7 @@ fn threads_and_shards_leave_the_same_bytes() {
     let said: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert_eq!((said["points"].as_u64(), said["failures"].as_u64()), (Some(180), Some(0)), "{said}");
     same(&one, &joined);
-    // Both in one folder: the last that ends joins them.
+    // Both shards in one folder: the last that ends joins them.
     let common = within(&folder, "common");
     sweep(&[&CONTACT[..], &["--shard", "2/2"]].concat(), &common);
     sweep(&[&CONTACT[..], &["--shard", "1/2"]].concat(), &common);
@@ -84,7 +85,7 @@ fn threads_and_shards_leave_the_same_bytes() {
     assert!(!names(&one).iter().any(|name| name.ends_with(".tmp") || name.starts_with(".shard")));
 }
 
-/// Points that take a tenth of a second, so that a signal comes within the sweep.
+/// Returns a sweep with points of a tenth of a second, so that a signal arrives during the sweep.
 fn slow(folder: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
     command.args(["sweep", "lock", "--over", "stack.bvd.q=50:80:120", "--metric", "lock_time_20hz_ms,frequency_bias_hz"]);
@@ -92,41 +93,41 @@ fn slow(folder: &str) -> Command {
     command
 }
 
-/// Waits until a folder holds a part.
-fn has_a_part(folder: &str) {
+/// Waits until a folder contains a part.
+fn wait_for_part(folder: &str) {
     let began = Instant::now();
     while !names(folder).iter().any(|name| name.starts_with("part-") && name.ends_with(".parquet")) {
-        assert!(began.elapsed() < Duration::from_secs(120), "no part comes");
+        assert!(began.elapsed() < Duration::from_secs(120), "no part appears");
         std::thread::sleep(Duration::from_millis(5));
     }
 }
 
 #[cfg(unix)]
 #[test]
-fn a_sweep_that_is_stopped_goes_on_where_it_was() {
+fn a_stopped_sweep_continues_from_its_last_point() {
     let folder = Folder::new("sweep-stopped");
     let [whole, killed, asked] = ["whole", "killed", "asked"].map(|name| within(&folder, name));
     assert!(slow(&whole).output().expect("sim-host starts").status.success());
     let mut child = slow(&killed).spawn().expect("sim-host starts");
-    has_a_part(&killed);
-    child.kill().expect("killed");
+    wait_for_part(&killed);
+    child.kill().expect("it can be killed");
     child.wait().expect("an end");
     let child = slow(&asked).spawn().expect("sim-host starts");
-    has_a_part(&asked);
+    wait_for_part(&asked);
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
     assert!(sent.expect("`kill` starts").success());
     let output = child.wait_with_output().expect("an end");
     assert_eq!(
-        (code(&output), stderr(&output).contains("the same command goes on from there")),
+        (code(&output), stderr(&output).contains("the same command continues from there")),
         (130, true),
         "{}",
         stderr(&output)
     );
     for stopped in [&killed, &asked] {
-        assert!(!names(stopped).contains("sweep.csv"), "it was stopped within the sweep");
+        assert!(!names(stopped).contains("sweep.csv"), "it was stopped during the sweep");
         let again = slow(stopped).output().expect("sim-host starts");
         assert!(again.status.success(), "{}", stderr(&again));
-        assert!(stderr(&again).contains("of 120 points are there already"), "{}", stderr(&again));
+        assert!(stderr(&again).contains("of 120 points are already done"), "{}", stderr(&again));
         same(&whole, stopped);
     }
     let text = String::from_utf8(bytes(&whole, "sweep.csv")).expect("text");
@@ -143,15 +144,15 @@ fn folders_of_other_sweeps_are_refused() {
     let short = ["sweep", "contact-kinematic", "--over", "contact.dahl.mu=0.1,0.2", "--metric", "friction_ratio"];
     sweep(&short, &one);
     sweep(&[&short[..], &["--set", "excitation.velocity_ratio=0.7"]].concat(), &other);
-    refused(3, &["merge", &one, &other], &["different sweeps", "a scene with other values", "one", "other"]);
+    refused(3, &["merge", &one, &other], &["different sweeps", "different values of the scene", "one", "other"]);
     let more = ["sweep", "contact-kinematic", "--over", "contact.dahl.mu=0.1,0.3", "--metric", "friction_ratio", "-o", &one];
-    refused(2, &more, &["holds another sweep, of other points", "one"]);
-    refused(2, &[&short[..5], &["power_ratio", "-o", &one]].concat(), &["of other metrics"]);
+    refused(2, &more, &["contains another sweep (different points)", "one"]);
+    refused(2, &[&short[..5], &["power_ratio", "-o", &one]].concat(), &["different metrics"]);
     refused(3, &["merge", folder.text()], &["no sweep in", "plan.json"]);
     let stray = within(&folder, "stray");
     std::fs::create_dir(&stray).expect("a folder");
     std::fs::write(format!("{stray}/sweep.csv"), "mine").expect("a file");
-    refused(2, &[&short[..], &["-o", &stray]].concat(), &["sweep.csv", "is there already"]);
+    refused(2, &[&short[..], &["-o", &stray]].concat(), &["sweep.csv", "already exists"]);
     assert_eq!(names(&stray), ["sweep.csv".to_owned()].into());
     let part = names(&one).into_iter().find(|name| name.starts_with("part-")).expect("a part");
     std::fs::write(format!("{one}/{part}"), "not a part").expect("a file");
@@ -159,7 +160,8 @@ fn folders_of_other_sweeps_are_refused() {
     assert_eq!((code(&output), stderr(&output).contains(&part)), (3, true), "{}", stderr(&output));
 }
 
-/// A point whose scene is not valid, or that diverges, is a row without metrics, and a row of the failures with the reason.
+/// Checks a point with an invalid scene: a row without metrics, and a row of the failures with the
+/// reason.
 #[test]
 fn a_bad_point_does_not_end_the_sweep() {
     let folder = Folder::new("sweep-bad");
@@ -175,16 +177,16 @@ fn a_bad_point_does_not_end_the_sweep() {
     assert!(failures.contains("1,0.2,0.0005,") && failures.contains("window_periods"), "{failures}");
 }
 
-/// All runs of each point, and all metrics that any point has.
+/// Checks the columns for all runs of each point, and for all metrics that any point has.
 #[test]
-fn several_runs_have_their_statistics_at_each_point() {
+fn each_point_has_statistics_of_its_runs() {
     let folder = Folder::new("sweep-runs");
     let target = within(&folder, "out");
     sweep(&["sweep", "lock-cold", "--set", "runs=3", "--over", "controller.drive.amplitude_v=3,4"], &target);
     let text = String::from_utf8(bytes(&target, "sweep.csv")).expect("text");
     let head: Vec<&str> = text.lines().next().expect("a head").split(',').collect();
     assert!(["lock_time_20hz_ms", "lock_time_20hz_ms_p95", "runs_locked"].iter().all(|name| head.contains(name)), "{head:?}");
-    assert!(!head.contains(&"rotor_speed_rad_per_s"), "no point has it");
+    assert!(!head.contains(&"rotor_speed_rad_per_s"), "no point has this metric");
 }
 
 #[test]
@@ -206,16 +208,16 @@ fn a_sample_has_indices() {
         let row = text.lines().find(|row| row.starts_with(&format!("friction_ratio,{key},"))).unwrap_or_else(|| panic!("{text}"));
         row.split(',').nth(2).and_then(|cell| cell.parse().ok()).expect("a number")
     };
-    // Of a contact that is hardly elastic the velocity ratio is nearly all.
+    // For a nearly rigid contact the velocity ratio explains nearly all variance.
     assert!(first("excitation.velocity_ratio") > 0.9 && first("contact.dahl.mu") < 0.1, "{text}");
     assert_eq!(String::from_utf8(bytes(&target, "sweep.csv")).expect("text").lines().count(), 64 * 5 + 1);
     assert!(names(&target).contains("parallel-friction_ratio.png"));
 }
 
-/// A disk that is full, by a limit on the size of files.
+/// Simulates a full disk by a limit on the size of files.
 #[cfg(unix)]
 #[test]
-fn what_cannot_be_written_is_named_and_not_left_half() {
+fn write_errors_name_the_file_and_leave_no_part_of_it() {
     let folder = Folder::new("sweep-full");
     let target = within(&folder, "out");
     let script = format!(
@@ -227,12 +229,12 @@ fn what_cannot_be_written_is_named_and_not_left_half() {
     assert_eq!((code(&output), text.contains("cannot write `") && text.contains(&target)), (1, true), "{text}");
     let left: Vec<String> = names(&target).into_iter().filter(|name| name != "plan.json" && !name.starts_with("part-")).collect();
     assert!(left.is_empty(), "{left:?}");
-    // What is there is whole: with room the sweep goes on, and ends.
+    // The existing parts are complete: with enough space the sweep continues to its end.
     sweep(&["sweep", "contact-kinematic", "--over", "contact.dahl.mu=0.01:0.5:20000", "--metric", "friction_ratio"], &target);
 }
 
 #[test]
-fn a_plan_is_told_and_nothing_is_written() {
+fn a_plan_is_printed_and_nothing_is_written() {
     let folder = Folder::new("sweep-plan");
     let target = within(&folder, "out");
     let plan = ["sweep", "plan"].into_iter().chain(CONTACT[1..].iter().copied()).chain(["--format", "json", "-o", &target]);
@@ -262,11 +264,11 @@ fn a_run_is_repeated_from_its_manifest_alone() {
     };
     assert!(hash(&first).is_string() && hash(&first) == hash(&second));
     let output = sim_host(&["check", &format!("{first}/summary.json")]);
-    assert_eq!((code(&output), stderr(&output).contains("no manifest of a run")), (3, true), "{}", stderr(&output));
+    assert_eq!((code(&output), stderr(&output).contains("not the manifest of a run")), (3, true), "{}", stderr(&output));
 }
 
 #[test]
-fn a_trace_has_the_form_that_is_asked_for() {
+fn a_trace_has_the_selected_format() {
     let folder = Folder::new("traces");
     let trace = |format: &str| {
         let target = within(&folder, format);

@@ -1,14 +1,14 @@
-// Sliders and choices of a scene. Each is a key of the scene, and is shown with what it means.
+// Sliders and choices of a scene. Each is a key of the scene, and is shown with its meaning.
 import { make } from "./dom.js";
 import { plain, quantity } from "./format.js";
 
 const STEPS = 400;
 
-/** A value as the scene has it, which may be a list of one, and back. */
+/** Converts a value to the scene's form, which may be a list of one, and back. */
 const written = ({ list }, value) => (list ? `[${plain(value)}]` : plain(value));
 const read = (text) => Number(text.replace(/^\[|\]$/g, ""));
 
-/** Where a value stands on its slider, and back. */
+/** Converts a value to its position on the slider, and back. */
 const place = ({ min, max, log }, value) => STEPS * (log ? Math.log(value / min) / Math.log(max / min) : (value - min) / (max - min));
 function valueAt({ min, max, log, whole }, step) {
   const part = step / STEPS;
@@ -33,7 +33,7 @@ function slider(given, ask, changed) {
     const value = valueAt(given, Number(input.value));
     show(value);
     ask.moved.set(given.key, { value: written(given, value), also: given.with });
-    // A slider of a burst is newer than a switch thrown in the run.
+    // A slider of a burst replaces an earlier switch in the run.
     if (given.list) ask.bursts = null;
     changed();
   });
@@ -53,7 +53,7 @@ function choice(given, ask, changed) {
   return make("div", { class: "control" }, make("label", { for: id }, given.label), select, make("small", { id: `${id}-key` }, make("code", {}, given.key)));
 }
 
-/** Shows the controls of an opened scene. What has the focus keeps it. */
+/** Shows the controls of an opened scene. The focus is kept. */
 export function showControls(where, opened, ask, changed) {
   const focused = document.activeElement?.id;
   where.replaceChildren(

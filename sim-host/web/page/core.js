@@ -1,7 +1,8 @@
-// The simulator, in a worker of its own. A run that is stopped ends with its worker, and the next question begins another.
+// The simulator, in a separate worker. Stopping a run ends its worker, and the next request starts
+// another.
 
-/** A mistake in a scene, or a run without a result, in the words of the command line. */
-export class Said extends Error {}
+/** An error in a scene, or a run without a result, with the message of the command line. */
+export class SimulatorError extends Error {}
 
 export class Core {
   #module = null;
@@ -9,7 +10,7 @@ export class Core {
   #waiting = new Map();
   #count = 0;
 
-  /** The module is compressed text in the page. */
+  /** Creates the simulator from the module, which is compressed text in the page. */
   constructor(packed, script) {
     this.script = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
     this.#module = Core.#compile(packed);
@@ -26,27 +27,27 @@ export class Core {
     const module = await this.#module;
     if (this.#worker) return this.#worker;
     const worker = new Worker(this.script);
-    worker.onmessage = ({ data }) => this.#heard(data);
+    worker.onmessage = ({ data }) => this.#receive(data);
     worker.onerror = (event) => this.#lost(event.message);
     worker.postMessage({ module });
     this.#worker = worker;
     return worker;
   }
 
-  #heard({ id, answer, progress, panic, lost }) {
+  #receive({ id, answer, progress, panic, lost }) {
     if (progress !== undefined) return this.onprogress(progress);
     if (panic !== undefined || lost !== undefined) return this.#lost(panic ?? lost);
     const { resolve, reject } = this.#waiting.get(id);
     this.#waiting.delete(id);
     const { value, error } = JSON.parse(answer);
-    return error === undefined ? resolve(value) : reject(new Said(error));
+    return error === undefined ? resolve(value) : reject(new SimulatorError(error));
   }
 
   #lost(said) {
-    this.stop(new Said(`error: the simulator has stopped: ${said}`));
+    this.stop(new SimulatorError(`error: the simulator has stopped: ${said}`));
   }
 
-  /** Ends whatever runs. */
+  /** Stops all requests. */
   stop(reason = null) {
     this.#worker?.terminate();
     this.#worker = null;
@@ -54,7 +55,7 @@ export class Core {
     this.#waiting.clear();
   }
 
-  /** Asks the simulator, and answers with its value. */
+  /** Sends a request to the simulator. Returns its value. */
   async ask(question, argument) {
     const worker = await this.#start();
     const id = (this.#count += 1);

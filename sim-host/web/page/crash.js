@@ -1,7 +1,7 @@
-// The crash, as a report shows it.
+// The crash view, as in a report.
 import { byId } from "./dom.js";
 
-/** Shows a crash, or takes the last one away. */
+/** Shows a crash, or removes the last one. */
 export function showCrash(crash) {
   const where = byId("crash");
   where.replaceChildren();

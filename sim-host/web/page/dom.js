@@ -1,9 +1,9 @@
-// Elements, in few words.
+// Helper functions for elements.
 
-/** The element of this id. */
+/** Returns the element with this id. */
 export const byId = (id) => document.getElementById(id);
 
-/** A new element with attributes and children; texts stay texts. */
+/** Creates an element with attributes and children; strings become text nodes. */
 export function make(name, attributes = {}, ...children) {
   const node = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) {
@@ -15,10 +15,10 @@ export function make(name, attributes = {}, ...children) {
   return node;
 }
 
-/** A colour of the style sheet. */
+/** Returns a colour of the style sheet. */
 export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
-/** A canvas as wide as its place and so high, cleared, in CSS pixels. */
+/** Prepares a canvas with the width of its container and this height, cleared, in CSS pixels. */
 export function sheet(canvas, height) {
   const ratio = Math.min(3, window.devicePixelRatio || 1);
   const width = canvas.clientWidth;
@@ -31,7 +31,7 @@ export function sheet(canvas, height) {
   return { context, width, height };
 }
 
-/** A table with a caption; columns of numbers are set to the right. */
+/** Creates a table with a caption; columns of numbers are aligned to the right. */
 export function table({ title, caption, header, rows }) {
   const numeric = header.map((_, column) => rows.length > 0 && rows.every((row) => /^[-+−±<>≤≥≈.\s]*\d|^[-–—]?$/.test(row[column] ?? "")));
   const cell = (text, column) => make("td", { class: text.startsWith("PASS") ? "pass" : text.startsWith("MISS") ? "miss" : numeric[column] ? "number" : null }, text);
@@ -43,7 +43,7 @@ export function table({ title, caption, header, rows }) {
     caption ? make("p", { class: "caption" }, caption) : null);
 }
 
-/** Offers a text as a file. */
+/** Offers a text for download as a file. */
 export function download(name, text, type = "text/plain") {
   const address = URL.createObjectURL(new Blob([text], { type }));
   make("a", { href: address, download: name }).click();

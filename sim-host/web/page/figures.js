@@ -1,16 +1,16 @@
-// Tables and figures of a result, as a report has them.
+// Tables and figures of a result, as in a report.
 import { byId, download, make, table } from "./dom.js";
 import { drawMap, drawPath } from "./path.js";
 
 const watched = new ResizeObserver((entries) => entries.forEach(({ target }) => target.draw?.()));
 let plots = [];
 
-/** Key of the curves of a drawn path. */
+/** Creates the legend of a path figure. */
 export function pathLegend(curves) {
   return make("p", { class: "legend" }, ...curves.map(([name, tone, style]) => make("span", {}, make("i", { class: `${tone} ${style}` }), name)));
 }
 
-/** A canvas that is drawn again where its width changes. */
+/** Creates a canvas that is drawn again when its width changes. */
 export function pathCanvas(figure, draw = drawPath) {
   const canvas = make("canvas", { role: "img", "aria-label": `${figure.title}: ${figure.plots[0]?.series.map((curve) => curve.name).join(", ") ?? ""}` });
   const legend = make("div");
@@ -46,22 +46,22 @@ function section(figure, core) {
     make("h3", {}, figure.title), ...body, make("figcaption", {}, make("p", {}, figure.caption), save));
 }
 
-/** Shows tables and figures of a result. Figures are drawn when they come into view. */
+/** Shows tables and figures of a result. Figures are drawn when they become visible. */
 export function showReport(result, core) {
   byId("title").textContent = result.title;
   byId("headline").replaceChildren(...result.headline.map(([label, value]) => make("div", {}, make("dt", {}, label), make("dd", {}, value))));
   const blocks = result.tables.map((block) => make("section", { class: "panel" }, make("h3", {}, block.title), table(block)));
-  const words = make("section", { class: "panel" }, make("h3", {}, "What it is"), result.subtitle ? make("p", {}, result.subtitle) : null, ...result.paragraphs.map((text) => make("p", {}, text)));
+  const words = make("section", { class: "panel" }, make("h3", {}, "About this scene"), result.subtitle ? make("p", {}, result.subtitle) : null, ...result.paragraphs.map((text) => make("p", {}, text)));
   byId("tables").replaceChildren(...blocks, words);
   byId("appendix").replaceChildren(...result.appendix.map((block) => make("section", {}, make("h3", {}, block.title), table(block))));
   plots = [];
   const figures = result.figures.filter((figure) => figure.map || figure.plots.some((plot) => plot.series.length));
   byId("figures").replaceChildren(...figures.map((figure) => section(figure, core)));
-  // The library measures where it draws.
+  // The library measures the element, so it must be in the page first.
   for (const plot of plots) plot();
 }
 
-/** The loop of admittance beside the scope, if the run has identified its transducer. */
+/** Shows the admittance loop next to the scope, if the run has identified its transducer. */
 export function showLoop(result) {
   const loop = result.figures.find((figure) => figure.id === "admittance");
   byId("loop").replaceChildren(...(loop ? [make("h4", {}, loop.title), ...pathCanvas(loop)] : []));

@@ -7,14 +7,14 @@ const FILES = [
   ["scene.toml", "Scene with all keys, TOML", "text/plain"],
 ];
 
-/** Buttons for the files of the last run, which are byte for byte those of the command line. */
+/** Shows buttons for the files of the last run, which are byte for byte those of the command line. */
 export function showFiles(ask, result, core) {
   const traced = result.scope !== null;
   byId("files").replaceChildren(...FILES.filter(([file]) => traced || file !== "trace.csv").map(([file, words, type]) =>
     make("button", { type: "button", "data-file": file, onclick: async () => download(`${ask.name.replace(/\.toml$/, "")}-${file}`, await core.ask("file", file), type) }, words)));
 }
 
-/** A button that copies the text of a field. */
+/** Makes a button copy the text of a field. */
 export function copies(button, field) {
   byId(button).addEventListener("click", async () => {
     byId(field).select();

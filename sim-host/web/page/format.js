@@ -1,15 +1,15 @@
-// Numbers as a reader wants them: four digits, thin spaces, a prefix of the unit.
+// Formatting of numbers: four digits, thin spaces, a prefix of the unit.
 const PREFIXES = [[1e-9, "n"], [1e-6, "µ"], [1e-3, "m"], [1, ""], [1e3, "k"], [1e6, "M"]];
 const PREFIXED = new Set(["s", "m", "m/s", "N", "V", "A", "W", "N/m", "Nm"]);
 
-/** Digits with thin spaces between thousands. */
+/** Inserts thin spaces between thousands. */
 export function grouped(text) {
   const [whole, part] = text.split(".");
   const spaced = whole.replace(/^-?\d{5,}$/, (digits) => digits.replace(/\B(?=(\d{3})+$)/g, "\u202f"));
   return (part === undefined ? spaced : `${spaced}.${part}`).replace("-", "\u2212");
 }
 
-/** A number to so many digits; integers of more digits as they are. */
+/** Formats a number with `count` significant digits; longer integers are unchanged. */
 export function digits(value, count = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";
@@ -19,7 +19,7 @@ export function digits(value, count = 4) {
   return grouped(text.includes(".") ? text.replace(/\.?0+$/, "") : text);
 }
 
-/** A number with its unit, in the multiple that reads best. */
+/** Formats a number with its unit, with the most readable prefix. */
 export function quantity(value, unit, count = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   if (unit === "Hz" || !PREFIXED.has(unit) || value === 0) return `${digits(value, unit === "Hz" ? 8 : count)} ${unit}`.trim();
@@ -28,5 +28,5 @@ export function quantity(value, unit, count = 4) {
   return `${digits(value / factor, count)} ${prefix}${unit}`;
 }
 
-/** A number as a scene's text has it. */
+/** Formats a number as in a scene's text. */
 export const plain = (value) => String(Number(value.toPrecision(9)));

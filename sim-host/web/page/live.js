@@ -1,10 +1,10 @@
-// Playback of a result: a moment that moves, the values at it, and what the reader makes happen there.
+// Playback of a result: the moving time, the values at it, and the reader's actions at it.
 import { byId, make } from "./dom.js";
 import { digits, quantity } from "./format.js";
 
 const SPEEDS = [["1/1000", 1e-3], ["1/100", 1e-2], ["1/10", 0.1], ["1/4", 0.25], ["1", 1], ["4", 4]];
-/** A playback that takes about so long suits a reader, s. */
-const SUITS_S = 4;
+/** Preferred duration of a playback, s. */
+const PLAYBACK_S = 4;
 const MOMENTS = 1000;
 
 export class Live {
@@ -34,15 +34,15 @@ export class Live {
     this.scope.canvas.addEventListener("pointermove", pointed);
   }
 
-  /** Calls with every moment that is shown. */
+  /** Adds a listener that is called with every time that is shown. */
   listen(listener) {
     this.#listeners.push(listener);
   }
 
-  /** Shows a result: from a moment on if it is played, or at its end. */
+  /** Shows a result: played from a time on, or at its end. */
   show(data, from = null) {
     this.pause();
-    const speed = (data.time_s.at(-1) - data.time_s[0]) / SUITS_S;
+    const speed = (data.time_s.at(-1) - data.time_s[0]) / PLAYBACK_S;
     const best = SPEEDS.reduce((best, [, value]) => (Math.abs(Math.log(value / speed)) < Math.abs(Math.log(best / speed)) ? value : best), 1);
     const kept = this.scope.data && from !== null ? [...this.scope.shown] : null;
     this.scope.show(data);
@@ -113,7 +113,7 @@ export class Live {
   }
 }
 
-/** The ON windows with the drive switched at a moment: what was before stays, what comes after is the other. */
+/** Returns the ON windows with the drive switched at a time: unchanged before it, inverted after it. */
 export function switched({ on_s, off_s, period_s }, moment, end) {
   const pairs = period_s ? [] : on_s.map((on, place) => [on, off_s[place] ?? end]);
   // Without a schedule the drive is always ON.
@@ -121,7 +121,7 @@ export function switched({ on_s, off_s, period_s }, moment, end) {
   const isOn = windows.some(([on, off]) => on <= moment && moment < off);
   const before = windows.filter(([on]) => on < moment).map(([on, off]) => [on, Math.min(off, moment)]);
   const after = isOn ? before : [...before, [moment, end]];
-  // One window at least: from the end on nothing is ON.
+  // At least one window: from the end on nothing is ON.
   const kept = (after.length ? after : [[end, end * 1.001]]).slice(-8);
   return { isOn, on_s: kept.map(([on]) => on), off_s: kept.map(([, off]) => off) };
 }

@@ -1,5 +1,5 @@
-// The page: which scene, when it is run, and where its result is shown.
-import { Core, Said } from "./core.js";
+// The page: choice of the scene, its runs, and the display of the result.
+import { Core, SimulatorError } from "./core.js";
 import { showControls } from "./controls.js";
 import { showCrash } from "./crash.js";
 import { byId, make } from "./dom.js";
@@ -11,10 +11,10 @@ import { MotorView } from "./motor.js";
 import { Ask, fromFragment, toFragment } from "./request.js";
 import { Scope } from "./scope.js";
 
-/** A change of a slider waits so long for the next one, ms. */
-const CALM_MS = 180;
-/** What takes longer than this, s, is run when the reader says so. */
-const QUICK_S = 4;
+/** Waiting time after a change of a slider before a run, ms. */
+const SLIDER_DELAY_MS = 180;
+/** Longest run that is repeated automatically after a change, s. */
+const AUTO_RUN_LIMIT_S = 4;
 
 const core = new Core(byId("wasm").textContent, byId("worker-text").textContent);
 const hosts = JSON.parse(byId("hosts").textContent);
@@ -36,16 +36,16 @@ let first = true;
 const say = (words) => { byId("status").textContent = words; };
 const entryOf = (name) => scenes.find((entry) => entry.name === name);
 
-function complain(error) {
+function showError(error) {
   if (error instanceof DOMException && error.name === "AbortError") return say("Stopped.");
-  if (!(error instanceof Said)) console.error(error);
+  if (!(error instanceof SimulatorError)) console.error(error);
   byId("error").textContent = error.message;
   byId("error").hidden = false;
-  say("There is a mistake; see below.");
+  say("There is an error; see below.");
   document.body.dataset.state = "error";
 }
 
-function noComplaint() {
+function hideError() {
   byId("error").hidden = true;
   byId("error").textContent = "";
 }
@@ -57,11 +57,11 @@ async function openScene(given) {
   document.body.dataset.state = "busy";
   const next = new Ask(given);
   next.whole = Boolean(given.whole);
-  noComplaint();
+  hideError();
   try {
     opened = await core.ask("open", next.request);
   } catch (error) {
-    return complain(error);
+    return showError(error);
   }
   ask = next;
   ask.faultCount = opened.fault_count;
@@ -84,17 +84,17 @@ function controls() {
   showControls(byId("sliders"), opened, ask, () => {
     chips();
     clearTimeout(calm);
-    if (lastWall > QUICK_S) return say(`Changed. The last run took ${digits(lastWall, 2)} s: press Run for the next.`);
-    calm = setTimeout(() => run({ keep: true }), CALM_MS);
+    if (lastWall > AUTO_RUN_LIMIT_S) return say(`Changed. The last run took ${digits(lastWall, 2)} s: press Run to run it again.`);
+    calm = setTimeout(() => run({ keep: true }), SLIDER_DELAY_MS);
     return undefined;
   });
   chips();
 }
 
-/** The changes, each with a button that takes it back. */
+/** Shows the changes, each with a button that undoes it. */
 function chips() {
   const chip = (words, back, reopen) => make("li", {}, make("code", {}, words),
-    make("button", { type: "button", "aria-label": `take back: ${words}`, onclick: () => { back(); if (reopen) openScene({ name: ask.name, text: ask.text, sets: ask.base, whole: ask.whole }); else { controls(); run({ keep: true }); } } }, "×"));
+    make("button", { type: "button", "aria-label": `undo: ${words}`, onclick: () => { back(); if (reopen) openScene({ name: ask.name, text: ask.text, sets: ask.base, whole: ask.whole }); else { controls(); run({ keep: true }); } } }, "×"));
   byId("changes").replaceChildren(
     ...ask.base.map((set) => chip(set, () => { ask.base = ask.base.filter((other) => other !== set); }, true)),
     ...[...ask.moved].map(([key, { value }]) => chip(`${key}=${value}`, () => ask.moved.delete(key))),
@@ -104,14 +104,14 @@ function chips() {
   byId("reset").disabled = !ask.changed;
 }
 
-/** Runs the scene as it is now; a run on its way ends first. */
+/** Runs the scene with its present changes, after any run in progress. */
 async function run({ from = null, keep = false } = {}) {
   clearTimeout(calm);
   if (running) { again = { from, keep }; return; }
   running = true;
   byId("stop").disabled = false;
   document.body.dataset.state = "busy";
-  noComplaint();
+  hideError();
   say(`Running ${ask.name} …`);
   const end = opened.kind === "runs" ? Number(ask.moved.get("runs")?.value ?? opened.sliders.find(({ key }) => key === "runs")?.value ?? 1) : opened.duration_s;
   core.onprogress = (reached) => { byId("bar").style.width = `${Math.min(100, (100 * reached) / end)}%`; };
@@ -121,7 +121,7 @@ async function run({ from = null, keep = false } = {}) {
     lastWall = (performance.now() - began) / 1e3;
     if (asked === ask && again === null) await show(result, from, keep);
   } catch (error) {
-    if (asked === ask) complain(error);
+    if (asked === ask) showError(error);
   } finally {
     running = false;
     byId("stop").disabled = true;
@@ -156,7 +156,7 @@ async function show(result, from, keep) {
   history.replaceState(null, "", fragment);
   byId("link").value = location.href;
   const headline = result.headline.slice(0, 3).map(([label, value]) => `${label} ${value}`).join(", ");
-  const missed = result.passes ? "" : " An expectation is missed.";
+  const missed = result.passes ? "" : " An expectation is not met.";
   say(`Done in ${digits(lastWall, 2)} s${headline ? `: ${headline}` : ""}.${missed} ${byId("hash-verdict").textContent}`);
   const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   if (result.scope) {
@@ -184,13 +184,13 @@ function hashes(result) {
   const sets = JSON.stringify(ask.sets);
   const host = entry && hosts[ask.name] && (sets === "[]" ? hosts[ask.name].whole : sets === JSON.stringify(entry.sets) ? hosts[ask.name].opened : null);
   byId("hash-here").textContent = drive_hash ?? "";
-  byId("hash-host").textContent = host ?? "not known of a changed scene: the command below prints it";
+  byId("hash-host").textContent = host ?? "unknown for a changed scene: the command below prints it";
   const verdict = host && drive_hash ? (host === drive_hash ? "Equal to the host's, bit for bit." : "NOT equal to the host's.") : "";
   byId("hash-verdict").textContent = verdict;
   byId("hash-verdict").className = host === drive_hash ? "pass" : "miss";
 }
 
-/** The button says what it does at this moment. */
+/** Labels the button with its action at this time. */
 function showSwitch() {
   if (!opened?.burst) return;
   const { isOn } = switched(ask.burst(opened.burst), scope.moment, opened.duration_s);
@@ -205,7 +205,7 @@ function fill({ scenes: list, version }) {
   for (const entry of scenes) groups.set(entry.group, [...(groups.get(entry.group) ?? []), entry]);
   byId("scene").replaceChildren(
     ...[...groups].map(([group, entries]) => make("optgroup", { label: group }, ...entries.map((entry) => make("option", { value: entry.name, title: entry.title }, entry.name)))),
-    make("option", { value: "" }, "a text of my own"),
+    make("option", { value: "" }, "my own text"),
   );
 }
 
@@ -241,7 +241,7 @@ byId("break").addEventListener("click", () => {
   ask.faults.push({ fault, label, at_s: scope.moment });
   act();
 });
-/** The past stays as it was, bit for bit; from the moment on the run is another. */
+/** Runs the scene from this time on. The part before it is unchanged, bit for bit. */
 function act() {
   chips();
   run({ from: scope.moment });
@@ -257,7 +257,7 @@ copies("copy", "command");
 copies("copy-link", "link");
 
 async function begin() {
-  // Where there is little room, the result comes before the numbers.
+  // On a narrow screen the result comes before the sliders.
   byId("numbers").open = !matchMedia("(max-width: 60rem)").matches;
   try {
     const catalogue = await core.ask("catalogue");
@@ -266,7 +266,7 @@ async function begin() {
     const entry = entryOf(catalogue.first);
     await openScene(given ?? { name: entry.name, sets: entry.sets });
   } catch (error) {
-    complain(error);
+    showError(error);
   }
 }
 begin();

@@ -1,8 +1,9 @@
-// The travelling-wave motor from above: tabs in the colour of their voltage, the wave over them, the rotor as far as it has turned.
+// The travelling-wave motor from above: tabs in the colour of their voltage, the wave over them,
+// the rotor at its angle.
 import { byId, colour, sheet } from "./dom.js";
 import { digits, quantity } from "./format.js";
 
-/** Turns of the phase in a second of the picture; the drive has forty thousand. */
+/** Phase frequency of the animation, Hz; the drive has 40 kHz. */
 const BEAT_HZ = 0.6;
 const TURN = 2 * Math.PI;
 
@@ -40,7 +41,7 @@ export class MotorView {
     const at = this.#index();
     const { forward_um, backward_um, rotor_rad_per_s, rotor_rad } = this.data;
     byId("motor-now").textContent =
-      `forward wave ${digits(forward_um[at], 3)} µm, backward wave ${digits(backward_um[at], 2)} µm; rotor ${quantity(rotor_rad_per_s[at], "rad/s", 3)}, turned by ${digits((rotor_rad[at] * 360) / TURN, 4)}° so far`;
+      `forward wave ${digits(forward_um[at], 3)} µm, backward wave ${digits(backward_um[at], 2)} µm; rotor ${quantity(rotor_rad_per_s[at], "rad/s", 3)}, turned by ${digits((rotor_rad[at] * 360) / TURN, 4)}°`;
   }
 
   #index() {
@@ -58,7 +59,7 @@ export class MotorView {
     const centre = [width / 2, height / 2], outer = 0.40 * size, inner = 0.27 * size;
     const on = drive_v[at] > 0, phase = this.phase * TURN;
     context.translate(...centre);
-    // Tabs: tab j hangs on lane j mod 4, a quarter of a period after the lane before.
+    // Tab j belongs to lane j mod 4, a quarter of a period after the previous lane.
     for (let tab = 0; tab < tabs; tab += 1) {
       const volts = on ? Math.cos(phase - ((tab % 4) * TURN) / 4) : 0;
       const from = ((tab - 0.45) / tabs) * TURN, to = ((tab + 0.45) / tabs) * TURN;
@@ -70,7 +71,7 @@ export class MotorView {
       context.fill();
       context.globalAlpha = 1;
     }
-    // The surface, as a line about the ring.
+    // The surface, as a line around the ring.
     const tall = 0.055 * size, part = (um) => um[at] / this.most;
     context.beginPath();
     for (let n = 0; n <= 360; n += 1) {

@@ -1,10 +1,11 @@
-// Figures whose curves are paths in a plane, such as a loop of admittance, and maps of values as colours: drawn on a canvas.
+// Figures whose curves are paths in a plane, such as an admittance loop, and maps of values as
+// colours: drawn on a canvas.
 import { colour, sheet } from "./dom.js";
 import { digits } from "./format.js";
 
 const MARGIN = { left: 74, right: 14, top: 12, bottom: 40 };
 
-/** Round values between two ends, about so many. */
+/** Returns about `most` round values between two ends. */
 export function ticks(low, high, most) {
   const raw = (high - low) / most, unit = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].find((digit) => digit * unit >= raw) * unit;
@@ -12,7 +13,7 @@ export function ticks(low, high, most) {
   return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, place) => (first + place) * step);
 }
 
-/** Values on a logarithmic axis as their logarithms. */
+/** Returns the scale of an axis; a logarithmic axis uses logarithms. */
 const scaled = (axis) => (value) => (axis.log ? Math.log10(value) : value);
 
 function extent(values, room) {
@@ -59,7 +60,7 @@ export function drawPath(canvas, figure) {
   const [sx, sy] = [scaled(figure.x), scaled(figure.y)];
   const real = (value) => (value === null ? NaN : value);
   const line = series.filter((curve) => curve.style !== "points");
-  // Dots that lie far off do not make the curves small.
+  // Distant dots must not shrink the curves.
   const seen = line.length ? line : series;
   let xs = figure.x.range?.map(sx) ?? extent([...seen.flatMap((curve) => curve.x.map(sx)), ...markers.map(([x]) => sx(x))], 0.08);
   let ys = figure.y.range?.map(sy) ?? extent([...seen.flatMap((curve) => curve.columns[0].map((y) => sy(real(y)))), ...markers.map(([, y]) => sy(y))], 0.08);

@@ -1,23 +1,23 @@
-// What is to be run: a scene and its changes, as the page, the command line and a link say it.
+// A request: a scene and its changes, as used by the page, the command line and a link.
 import { plain } from "./format.js";
 
 const encoder = new TextEncoder();
 
-/** A scene and what the reader has changed of it. */
+/** A scene and the reader's changes of it. */
 export class Ask {
-  /** A built-in scene by its entry, or a text of the reader's own. */
+  /** Creates a request for a built-in scene by its entry, or for the reader's own text. */
   constructor({ name, text = null, sets = [] }) {
     Object.assign(this, { name, text, base: [...sets], moved: new Map(), bursts: null, faults: [], whole: false, faultCount: 0 });
   }
 
-  /** The changes, as `key=value`. */
+  /** Returns the changes as `key=value`. */
   get sets() {
     const given = new Map();
     for (const [key, { value, also }] of this.moved) {
       given.set(key, value);
       for (const [other, number] of also) if (!this.moved.has(other)) given.set(other, plain(number));
     }
-    // A switch thrown in the run is newer than a slider of its bursts.
+    // A switch in the run replaces an earlier slider of its bursts.
     const switched = (key) => this.bursts && /^controller\.burst\.o(n|ff)_s$/.test(key);
     const own = [...given].filter(([key]) => !switched(key)).map(([key, value]) => `${key}=${value}`);
     const list = (times) => `[${times.map(plain).join(", ")}]`;
@@ -27,28 +27,28 @@ export class Ask {
     return [...this.base.filter((set) => !newer.has(set.split("=")[0])), ...own, ...bursts, ...faults];
   }
 
-  /** When the drive is ON: as the scene has it, as sliders have moved it, or as the switch was thrown. */
+  /** Returns the ON and OFF times: those of the scene, as changed by sliders, or by the switch. */
   burst(scene) {
     const moved = (key) => JSON.parse(this.moved.get(`controller.burst.${key}`)?.value ?? "null") ?? scene[key];
     return this.bursts ?? { ...scene, on_s: moved("on_s"), off_s: moved("off_s") };
   }
 
-  /** As the simulator is asked. */
+  /** Returns the request for the simulator. */
   get request() {
     return { name: this.name, text: this.text, sets: this.sets, whole: this.whole };
   }
 
-  /** Whether anything differs from how the page opens it. */
+  /** Returns true if anything differs from the scene as the page opens it. */
   get changed() {
     return this.moved.size > 0 || this.bursts !== null || this.faults.length > 0;
   }
 
-  /** Takes all changes back, those that the page opens it with as well. */
+  /** Undoes all changes, including those with which the page opens it. */
   reset() {
     Object.assign(this, { base: [], moved: new Map(), bursts: null, faults: [] });
   }
 
-  /** The same on the command line. */
+  /** Returns the equivalent command line. */
   get command() {
     const quoted = (text) => (/^[\w.=+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
     return ["sim-host run", quoted(this.text === null ? this.name : this.name), ...this.sets.map((set) => `--set ${quoted(set)}`)].join(" ");
@@ -59,7 +59,7 @@ async function through(bytes, transform) {
   return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(transform)).arrayBuffer());
 }
 
-/** A fragment that carries the scene and its changes: readable where a built-in scene has none, else compressed. */
+/** Returns a fragment with the scene and its changes: readable for an unchanged built-in scene, otherwise compressed. */
 export async function toFragment(ask) {
   if (ask.text === null && ask.sets.length === 0 && !ask.whole) return `#scene=${ask.name}`;
   const state = JSON.stringify({ n: ask.name, t: ask.text, s: ask.sets, w: ask.whole || undefined });
@@ -69,7 +69,7 @@ export async function toFragment(ask) {
   return `#z=${btoa(letters).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "")}`;
 }
 
-/** The scene of a fragment; nothing if it carries none. */
+/** Returns the scene of a fragment; null if it contains none. */
 export async function fromFragment(fragment) {
   const named = /^#scene=([\w-]+)$/.exec(fragment);
   if (named) return { name: named[1], text: null, sets: [], whole: false };

@@ -1,11 +1,12 @@
-// The scope: one plot below the other over one time. What lies before the moment is bright, what comes after it pale.
+// The scope: plots below each other over one time axis. The part before the chosen time is bright,
+// the part after it pale.
 import { colour, sheet } from "./dom.js";
 import { digits, quantity } from "./format.js";
 import { ticks } from "./path.js";
 
 const LEFT = 58, RIGHT = 10, TOP = 24, BELOW = 26, GAP = 26;
 
-/** Signals of a run over time, with a moment and a stretch of time that is shown. */
+/** Signals of a run over time, with a chosen time and a visible interval. */
 export class Scope {
   constructor(canvas) {
     this.canvas = canvas;
@@ -32,7 +33,7 @@ export class Scope {
       const values = signals.at(-1).values.filter((value) => value !== null);
       return `${label} up to ${quantity(values.reduce((most, value) => Math.max(most, value), 0), unit, 3)}`;
     });
-    return `Signals over ${quantity(this.ends[1] - this.ends[0], "s", 3)}: ${lanes.join(", ")}. The table below has their values at the chosen moment.`;
+    return `Signals over ${quantity(this.ends[1] - this.ends[0], "s", 3)}: ${lanes.join(", ")}. The table below has their values at the chosen time.`;
   }
 
   #scale({ range, signals }) {
@@ -47,7 +48,7 @@ export class Scope {
     return [low < 0 ? low - 0.06 * (high - low) : 0, high + 0.1 * (high - low)];
   }
 
-  /** Shows a shorter or longer stretch about the moment. */
+  /** Shortens or lengthens the visible interval around the chosen time. */
   zoom(factor) {
     const [from, to] = this.shown, whole = this.ends[1] - this.ends[0];
     const long = Math.min(whole, Math.max(whole / 4000, (to - from) * factor));
@@ -57,12 +58,12 @@ export class Scope {
     this.draw();
   }
 
-  /** Whether all of the run is shown. */
+  /** Returns true if the whole run is visible. */
   get isWhole() {
     return this.data === null || this.shown[1] - this.shown[0] >= 0.999 * (this.ends[1] - this.ends[0]);
   }
 
-  /** Moves to a moment, s; what is shown follows it. */
+  /** Moves to a time, s; the visible interval follows it. */
   goto(moment) {
     this.moment = moment;
     const [from, to] = this.shown;
@@ -73,7 +74,7 @@ export class Scope {
     this.draw();
   }
 
-  /** The place of the last point before a moment. */
+  /** Returns the index of the last point before a time. */
   index(moment = this.moment) {
     const time = this.data.time_s;
     let low = 0, high = time.length;

@@ -1,4 +1,5 @@
-// The simulator in its worker: the module comes with the first message, then questions come one at a time.
+// The simulator in its worker: the module comes with the first message, requests follow one at a
+// time.
 "use strict";
 self.sonoglideProgress = (reached) => self.postMessage({ progress: reached });
 self.sonoglidePanic = (said) => self.postMessage({ panic: said });

@@ -1,4 +1,4 @@
-//! The built-in scenes as the page lists them.
+//! The list of built-in scenes for the page.
 
 use scene::builtin;
 use scene::load::load;
@@ -11,9 +11,9 @@ pub struct Entry {
     pub name: &'static str,
     /// Title of the scene.
     pub title: String,
-    /// Heading that it stands under.
+    /// Heading in the list.
     pub group: &'static str,
-    /// Whether a controller drives, so that there are codes and a hash of them.
+    /// `true` if a controller drives, so that the run has a drive hash.
     pub driven: bool,
     /// Changes with which the page opens it, as `key=value`.
     pub sets: Vec<String>,
@@ -21,26 +21,26 @@ pub struct Entry {
     pub text: &'static str,
 }
 
-/// The scene that the page begins with: friction falls, and there is something to see within a second.
-pub const FIRST: &str = "experiment-1";
+/// First scene of the page: friction falls, and the result is visible within a second.
+pub const FIRST_SCENE: &str = "experiment-1";
 
-/// Changes with which the page opens a scene, so that its first result does not keep the reader waiting. They are shown as all changes are, and a button
-/// takes them away.
-const OPENED: [(&str, &[&str]); 3] = [
+/// Changes with which the page opens a scene, so that its first result comes quickly. They are
+/// shown like all changes, and a button undoes them.
+const OPENING_CHANGES: [(&str, &[&str]); 3] = [
     // As in the cells of the scene's own grid.
     ("experiment-1", &["duration_s=0.7", "controller.burst.on_s=[0.4]", "controller.burst.off_s=[0.6]"]),
     ("lock-any", &["runs=8"]),
     ("lock-cold", &["runs=8"]),
 ];
 
-/// The built-in scenes, those first that a reader begins with.
+/// Returns the built-in scenes, starting with those for a beginner.
 pub fn scenes() -> Vec<Entry> {
     let mut entries: Vec<Entry> = builtin::all().iter().map(|&(name, text)| entry(name, text)).collect();
     entries.sort_by_key(|entry| GROUPS.iter().position(|&(group, _)| group == entry.group));
     entries
 }
 
-/// Headings, and how the names of the scenes under them begin.
+/// Headings, with the prefixes of the names of their scenes.
 const GROUPS: [(&str, &[&str]); 9] = [
     ("Friction, switched", &["experiment", "friction"]),
     ("Find and hold a resonance", &["lock", "burst", "waveforms", "dummy", "self-heating", "derating"]),
@@ -50,14 +50,14 @@ const GROUPS: [(&str, &[&str]); 9] = [
     ("A knob", &["haptic"]),
     ("A motor", &["usm"]),
     ("Measured transducers", &["transducer"]),
-    ("A contact by itself, without a controller", &["contact"]),
+    ("A contact without a controller", &["contact"]),
 ];
 
 fn entry(name: &'static str, text: &'static str) -> Entry {
     let loaded = load(name, &[]).ok();
     let begins = |starts: &[&str]| starts.iter().any(|start| name.starts_with(start));
     let group = GROUPS.iter().find(|(_, starts)| begins(starts)).map_or("Others", |(group, _)| group);
-    let opened = OPENED.iter().find(|(opened, _)| *opened == name).map_or(&[][..], |(_, sets)| sets);
+    let opened = OPENING_CHANGES.iter().find(|(opened, _)| *opened == name).map_or(&[][..], |(_, sets)| sets);
     Entry {
         name,
         title: loaded.as_ref().map_or_else(String::new, |loaded| loaded.scene.title.clone()),
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_scene_stands_under_a_heading() {
+    fn every_scene_has_a_heading() {
         let others: Vec<_> = scenes().into_iter().filter(|entry| entry.group == "Others").map(|entry| entry.name).collect();
         assert!(others.is_empty(), "{others:?}");
     }
@@ -83,6 +83,6 @@ mod tests {
         for entry in scenes() {
             load(entry.name, &entry.sets).unwrap_or_else(|error| panic!("{error}"));
         }
-        assert!(OPENED.iter().all(|(name, _)| builtin::text(name).is_some()) && builtin::text(FIRST).is_some());
+        assert!(OPENING_CHANGES.iter().all(|(name, _)| builtin::text(name).is_some()) && builtin::text(FIRST_SCENE).is_some());
     }
 }

@@ -1,4 +1,5 @@
-//! The sliders and choices of a scene: the numbers that a reader may want to turn, each a key of the scene, and only those that the scene has.
+//! Sliders and choices of a scene: the values that a reader may want to change. Each is a key of
+//! the scene, and only keys that the scene has are offered.
 
 use plant::circuit_of;
 use scene::Scene;
@@ -6,29 +7,29 @@ use scene::schema::{Schema, last_name, unit_of};
 use serde::Serialize;
 use serde_json::Value;
 
-/// How far a slider goes.
+/// Range of a slider.
 #[derive(Clone, Copy)]
 enum Span {
-    /// From a value less this part to a value more by it.
+    /// From the value less this fraction to the value plus this fraction.
     Around(f64),
-    /// From a value over this factor to a value times it, in equal ratios.
+    /// From the value divided by this factor to the value times it, in equal ratios.
     Times(f64),
     /// From zero to this, or to three times the value if that is more.
     Upto(f64),
-    /// Between these.
+    /// Between these two values.
     Between(f64, f64),
 }
 
-/// The keys that have sliders, in the order of the page: key, label, and how far it goes.
+/// Keys with sliders, in the order of the page: key, label, range.
 const SLIDERS: [(&str, &str, Span); 38] = [
     ("stack.bvd.series_resonance_hz", "Resonance of the stack", Span::Around(0.02)),
     ("stator.series_resonance_hz", "Resonance of the stator", Span::Around(0.01)),
     ("stack.bvd.q", "Quality factor Q of the stack", Span::Times(5.0)),
     ("stator.q", "Quality factor Q of the stator", Span::Times(4.0)),
     ("controller.drive.amplitude_v", "Drive amplitude", Span::Times(4.0)),
-    ("controller.drive.velocity_m_per_s", "Tip velocity that is held", Span::Times(4.0)),
+    ("controller.drive.velocity_m_per_s", "Tip velocity set point", Span::Times(4.0)),
     ("controller.drive.frequency_hz", "Nominal frequency of the controller", Span::Around(0.02)),
-    ("controller.friction.target_ratio", "Friction ratio that is ordered", Span::Between(0.1, 1.0)),
+    ("controller.friction.target_ratio", "Friction ratio set point", Span::Between(0.1, 1.0)),
     ("rig.slider.load_n", "Load on the slider", Span::Upto(20.0)),
     ("rig.slider.speed_m_per_s", "Speed of the slider", Span::Upto(0.2)),
     ("rig.belt.load_n", "Force of the horn on the belt", Span::Times(3.0)),
@@ -39,29 +40,29 @@ const SLIDERS: [(&str, &str, Span); 38] = [
     ("contact.compliant.mu", "Coefficient of friction", Span::Between(0.02, 1.0)),
     ("contact.lugre.mu", "Coefficient of sliding friction", Span::Between(0.02, 0.02)),
     ("contact.lugre.static_mu", "Coefficient of static friction", Span::Times(1.5)),
-    ("contact.lugre.stribeck_m_per_s", "Velocity that the static friction is lost over", Span::Times(10.0)),
+    ("contact.lugre.stribeck_m_per_s", "Stribeck velocity", Span::Times(10.0)),
     ("contact.lugre.stiffness_n_per_m", "Stiffness of the contact", Span::Times(30.0)),
     ("contact.dahl.stiffness_n_per_m", "Stiffness of the contact", Span::Times(30.0)),
-    ("rig.carriage.normal_n", "Force that presses the carriage on", Span::Times(3.0)),
-    ("rig.carriage.pull_m_per_s", "Speed at which the carriage is pulled", Span::Times(10.0)),
-    ("rig.rotor.preload_n", "Force that presses the rotor on", Span::Times(4.0)),
-    ("rig.rotor.torque_nm", "Torque that loads the rotor", Span::Upto(5e-3)),
+    ("rig.carriage.normal_n", "Normal force on the carriage", Span::Times(3.0)),
+    ("rig.carriage.pull_m_per_s", "Pull speed of the carriage", Span::Times(10.0)),
+    ("rig.rotor.preload_n", "Preload of the rotor", Span::Times(4.0)),
+    ("rig.rotor.torque_nm", "Load torque of the rotor", Span::Upto(5e-3)),
     ("rig.rotor.mu", "Coefficient of friction", Span::Between(0.05, 0.6)),
     ("rig.dring.mu_high", "Friction at the ring, drive OFF", Span::Between(0.05, 0.6)),
     ("rig.dring.mu_low", "Friction at the ring, drive ON", Span::Between(0.02, 0.3)),
     ("rig.dring.pulse_g", "Deceleration of the car, in g", Span::Between(5.0, 40.0)),
-    ("rig.dring.limiter_n", "Force at which the reel gives way", Span::Between(500.0, 6000.0)),
+    ("rig.dring.limiter_n", "Force at which the reel yields", Span::Between(500.0, 6000.0)),
     ("excitation.velocity_ratio", "Sliding speed over vibration velocity", Span::Between(0.02, 1.5)),
     ("excitation.sliding_m_per_s", "Sliding speed", Span::Times(10.0)),
     ("excitation.angle_deg", "Angle of the vibration to the sliding", Span::Between(0.0, 90.0)),
     ("excitation.force_n", "Amplitude of the force", Span::Times(5.0)),
-    ("controller.burst.on_s", "The drive comes ON at", Span::Between(0.0, 0.0)),
-    ("controller.burst.off_s", "The drive goes OFF at", Span::Times(1.5)),
+    ("controller.burst.on_s", "Time of drive ON", Span::Between(0.0, 0.0)),
+    ("controller.burst.off_s", "Time of drive OFF", Span::Times(1.5)),
     ("controller.burst.edge_cycles", "Length of a soft edge", Span::Between(0.5, 100.0)),
-    ("runs", "How often it is run", Span::Between(1.0, 200.0)),
+    ("runs", "Number of runs", Span::Between(1.0, 200.0)),
 ];
 
-/// The keys that have a list of choices.
+/// Keys with a list of choices.
 const CHOICES: [(&str, &str); 5] = [
     ("rig.dring.occupant", "Occupant"),
     ("controller.burst.edge", "Edges of bursts"),
@@ -79,13 +80,14 @@ pub struct Slider {
     meaning: &'static str,
     min: f64,
     max: f64,
-    /// In equal ratios rather than equal steps.
+    /// `true` for equal ratios instead of equal steps.
     log: bool,
     whole: bool,
-    /// The key has a list, with this one value.
+    /// `true` if the key has a list with this one value.
     list: bool,
     value: f64,
-    /// Keys with their values that have to be given as well if this one is, as the scene has said it in other words.
+    /// Keys and values that must be given with this one, as the scene describes the stack by other
+    /// values.
     with: Vec<(&'static str, f64)>,
 }
 
@@ -99,7 +101,7 @@ pub struct Choice {
     choices: Vec<(&'static str, &'static str)>,
 }
 
-/// The sliders of a scene, whose resolved values are `resolved`.
+/// Returns the sliders of a scene with the resolved values `resolved`.
 pub fn sliders(scene: &Scene, resolved: &Value) -> Vec<Slider> {
     let circuit = circuit(scene);
     SLIDERS
@@ -110,7 +112,7 @@ pub fn sliders(scene: &Scene, resolved: &Value) -> Vec<Slider> {
             let only = found.and_then(Value::as_array).and_then(|list| if let [only] = &list[..] { Some(only) } else { None });
             let own = only.or(found).and_then(Value::as_f64);
             let derived = || circuit.iter().find(|(known, _)| *known == key).map(|&(_, value)| value);
-            // A scene that is run once does not say so.
+            // The resolved values of a scene with a single run do not contain `runs`.
             let runs = || (key == "runs" && scene.runs > 1).then(|| f64::from(scene.runs));
             let value = own.or_else(derived).or_else(runs)?;
             let with = if own.is_none() || !circuit.is_empty() && key.starts_with("stack.bvd.") {
@@ -141,7 +143,7 @@ pub fn sliders(scene: &Scene, resolved: &Value) -> Vec<Slider> {
         .collect()
 }
 
-/// The choices of a scene.
+/// Returns the choices of a scene.
 pub fn choices(resolved: &Value) -> Vec<Choice> {
     let choice = |&(key, label): &(&'static str, &'static str)| {
         let schema = Schema::root().at(key)?;
@@ -152,7 +154,7 @@ pub fn choices(resolved: &Value) -> Vec<Choice> {
 }
 
 impl Span {
-    /// Least and largest value about one, and whether in equal ratios.
+    /// Returns the smallest and largest value around one, and `true` for equal ratios.
     fn about(self, value: f64) -> (f64, f64, bool) {
         match self {
             Span::Around(part) => (value * (1.0 - part), value * (1.0 + part), false),
@@ -164,7 +166,8 @@ impl Span {
     }
 }
 
-/// Resonance, Q and coupling of a stack that is described by other values than these; nothing where it is described by these.
+/// Returns resonance, Q and coupling of a stack that is described by other values; empty if it is
+/// described by these.
 fn circuit(scene: &Scene) -> Vec<(&'static str, f64)> {
     let Some((driven, stack)) = scene.driven().zip(scene.stack.as_ref()) else { return Vec::new() };
     if stack.bvd.series_resonance_hz.is_some() && stack.bvd.q.is_some() {
@@ -179,7 +182,7 @@ fn circuit(scene: &Scene) -> Vec<(&'static str, f64)> {
     ]
 }
 
-/// The value at a dotted path.
+/// Returns the value at a dotted path.
 pub(crate) fn at<'a>(value: &'a Value, path: &str) -> Option<&'a Value> {
     path.split('.').try_fold(value, |value, name| value.get(name))
 }
@@ -191,7 +194,7 @@ mod tests {
     use scene::load::load;
     use scene::resolved::resolved_json;
 
-    fn of(name: &str) -> Vec<Slider> {
+    fn sliders_of(name: &str) -> Vec<Slider> {
         let loaded = load(name, &[]).unwrap_or_else(|error| panic!("{error}"));
         sliders(&loaded.scene, &resolved_json(&loaded.scene))
     }
@@ -204,12 +207,12 @@ mod tests {
         }
     }
 
-    /// Every slider of every scene does what it says at both ends, or is refused in words.
+    /// Every slider of every scene gives a valid scene at the middle of its range.
     #[test]
-    fn sliders_make_scenes() {
+    fn sliders_give_valid_scenes() {
         for (name, _) in builtin::all() {
-            let sliders = of(name);
-            assert!(!sliders.is_empty(), "{name} has no slider");
+            let sliders = sliders_of(name);
+            assert!(!sliders.is_empty(), "{name} has no sliders");
             for slider in sliders {
                 assert!(slider.min < slider.max && (slider.min..=slider.max).contains(&slider.value), "{name}: {slider:?}");
                 let with = slider.with.iter().map(|(key, value)| format!("{key}={value:e}"));
@@ -223,8 +226,8 @@ mod tests {
     }
 
     #[test]
-    fn a_stack_by_its_elements_has_resonance_and_q_all_the_same() {
-        let sliders = of("experiment-1");
+    fn a_stack_by_its_elements_has_resonance_and_q() {
+        let sliders = sliders_of("experiment-1");
         let q = sliders.iter().find(|slider| slider.key == "stack.bvd.q").expect("a slider of Q");
         assert!((q.value - 64.6).abs() < 0.1 && q.with.len() == 2);
     }

@@ -1,13 +1,14 @@
-//! Figures for the page's plots: curves thinned to what a screen can show, in the form that the script of a report reads.
+//! Figures for the page's plots: curves thinned to the resolution of a screen, in the format of a
+//! report's script.
 
-use report::decimate::{LIMIT, keep};
+use report::decimate::{MAX_POINTS, keep};
 use report::{Axis, Figure, HeatMap, Series, Style};
 use serde_json::{Value, json};
 
 /// Colours of curves, those of Okabe and Ito as in reports.
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#222222"];
 
-/// A figure: heading, caption and its plots from the upper one down.
+/// Converts a figure: heading, caption and its plots from top to bottom.
 pub(crate) fn figure(figure: &Figure) -> Value {
     let plane = figure.equal_aspect && !figure.x.log && !figure.y.log;
     let sorted =
@@ -24,7 +25,7 @@ pub(crate) fn figure(figure: &Figure) -> Value {
         "id": figure.id,
         "title": figure.title,
         "caption": figure.caption,
-        // Where x turns back, what is drawn is a path and no function.
+        // If x is not ascending, the curve is a path instead of a function.
         "path": plane || !sorted,
         "equal": plane,
         "map": figure.map.as_ref().map(map),
@@ -71,9 +72,9 @@ fn curve(figure: &Figure, y: &Axis, place: usize, series: &Series) -> Value {
     .map(|column| if y.magnitude { column.iter().map(|y| y.abs()).collect() } else { column.clone() })
     .collect();
     let columns: Vec<&[f64]> = std::iter::once(&series.x).chain(&sized).map(Vec::as_slice).collect();
-    // An axis without a place for a value would make the script reject the whole curve.
+    // A position that does not exist on the axis would make the script reject the whole curve.
     let placed = |x: f64| x.is_finite() && (x > 0.0 || !figure.x.log);
-    let places: Vec<usize> = keep(&columns, LIMIT).into_iter().filter(|&place| placed(series.x[place])).collect();
+    let places: Vec<usize> = keep(&columns, MAX_POINTS).into_iter().filter(|&place| placed(series.x[place])).collect();
     let value =
         |y_axis: &Axis, value: f64| Some(value).filter(|value| value.is_finite() && (*value > 0.0 || !y_axis.log)).map(rounded);
     let values: Vec<Vec<Option<f64>>> =
@@ -101,7 +102,7 @@ fn map(map: &HeatMap) -> Value {
     json!({ "x": map.x, "y": map.y, "range": map.range, "label": map.label, "columns": columns })
 }
 
-/// Nine significant digits.
+/// Rounds to nine significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.8e}").parse().unwrap_or(value)
 }

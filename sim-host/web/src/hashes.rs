@@ -1,6 +1,7 @@
-//! Prints the drive hashes of the built-in scenes on this machine, as JSON: the page puts its own beside them.
+//! Prints the drive hashes of the built-in scenes on this machine, as JSON. The page compares its
+//! own hashes with them.
 //!
-//! By the names of the scenes: the hash of the scene as the page opens it, and that of the scene as it is where this is another.
+//! By scene name: the hash of the scene as the page opens it, and that of the unchanged scene.
 
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};

@@ -1,4 +1,4 @@
-//! Sonoglide for a page: scenes, runs and their results as JSON.
+//! Sonoglide for a web page: scenes, runs and their results as JSON.
 //!
 //! ```text
 //! page (page/*.js) -- request --> worker (page/worker.js) --> here --> scene, sim: as the command line calls them
@@ -6,8 +6,9 @@
 //!       +------------- opened scene, result, file -------------+
 //! ```
 //!
-//! [`Session`] is what a worker holds: it opens a scene, runs it, and gives the files of the last run. Everything but the module `worker`, which names the
-//! functions that JavaScript calls, is the same on the host, where it is tested.
+//! [`Session`] is the state of a worker: it opens a scene, runs it, and returns the files of the
+//! last run. Everything except the module `worker`, which defines the functions that JavaScript
+//! calls, is the same on the host, where it is tested.
 //!
 //! # Example
 //!
@@ -31,6 +32,6 @@ mod session;
 #[cfg(target_arch = "wasm32")]
 mod worker;
 
-pub use catalogue::{Entry, FIRST, scenes};
+pub use catalogue::{Entry, FIRST_SCENE, scenes};
 pub use request::Request;
 pub use session::Session;

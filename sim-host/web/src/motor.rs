@@ -6,36 +6,36 @@ use report::decimate::keep;
 use serde::Serialize;
 use sim::study::driven::Run;
 
-/// Points over the run, about.
-const POINTS: usize = 3000;
+/// Approximate number of points over the run.
+const MAX_POINTS: usize = 3000;
 
 /// The motor over time.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Motor {
-    /// Waves around the ring.
+    /// Number of waves around the ring.
     waves: f64,
-    /// Electrode tabs around the ring.
+    /// Number of electrode tabs around the ring.
     tabs: u16,
-    /// Electrical lanes; tab `j` hangs on lane `j` mod 4.
+    /// Number of electrical lanes; tab `j` belongs to lane `j` mod 4.
     lanes: u8,
     time_s: Vec<f64>,
     /// Amplitude of the wave that turns the rotor forwards, µm.
     forward_um: Vec<f32>,
-    /// Amplitude of the wave against it, µm.
+    /// Amplitude of the wave in the other direction, µm.
     backward_um: Vec<f32>,
     /// Speed of the rotor, rad/s.
     rotor_rad_per_s: Vec<f32>,
-    /// How far the rotor has turned, rad.
+    /// Angle of the rotor since the beginning, rad.
     rotor_rad: Vec<f32>,
     /// Peak drive voltage, V.
     drive_v: Vec<f32>,
-    /// Half angle over which a crest touches, degrees of the wave.
+    /// Half the angle over which a crest touches, degrees of the wave.
     contact_deg: Vec<f32>,
 }
 
 impl Motor {
-    /// Of a run with a stator.
-    pub(crate) fn of(run: &Run) -> Option<Self> {
+    /// Collects the motor of a run, if it has a stator.
+    pub(crate) fn from_run(run: &Run) -> Option<Self> {
         let stator = run.scene.stator()?;
         let rows = &run.record.rows;
         let motors: Vec<_> = rows.iter().map(|row| run.record.motors.get(row.number as usize)).collect::<Option<_>>()?;
@@ -52,7 +52,7 @@ impl Motor {
                 Some(*angle)
             })
             .collect();
-        let places = keep(&[&time_s, &speed, &forward], POINTS);
+        let places = keep(&[&time_s, &speed, &forward], MAX_POINTS);
         let of = |value: &dyn Fn(usize) -> f64| places.iter().map(|&place| value(place) as f32).collect();
         let pitch_m = stator.tab_width_m + stator.tab_gap_m;
         let around_m = rotor_or_tabs_m(run, f64::from(stator.tabs) * pitch_m);
@@ -71,7 +71,7 @@ impl Motor {
     }
 }
 
-/// The way around the ring, m: by the rotor's radius, or else by the tabs.
+/// Returns the circumference of the ring, m: by the rotor's radius, otherwise by the tabs.
 fn rotor_or_tabs_m(run: &Run, tabs_m: f64) -> f64 {
     run.scene.rotor().map_or(tabs_m, |rotor| TAU * rotor.radius_m)
 }

@@ -1,4 +1,4 @@
-//! What the page shows of a scene before it is run.
+//! Data of a scene that the page shows before a run.
 
 use scene::load::Loaded;
 use scene::resolved::{resolved_json, resolved_toml};
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::controls::{self, at};
 use crate::request::Request;
 
-/// The scene with its sliders, its bursts and what may break.
+/// Returns the scene with its sliders, its bursts and its possible faults.
 pub(crate) fn opened(request: &Request) -> Result<Value, String> {
     let loaded = Request { whole: true, ..request.clone() }.load()?;
     let scene = &loaded.scene;
@@ -31,7 +31,7 @@ pub(crate) fn opened(request: &Request) -> Result<Value, String> {
     }))
 }
 
-/// Kind of a scene in a word.
+/// Returns the kind of a scene as a word.
 fn kind(scene: &Scene) -> &'static str {
     match scene.kind() {
         _ if scene.runs > 1 => "runs",
@@ -40,7 +40,8 @@ fn kind(scene: &Scene) -> &'static str {
     }
 }
 
-/// When the drive is ON, s. Nothing where no schedule says so: of a contact, of a friction switch, and where a crash does.
+/// Returns the times at which the drive is ON, s. Null if no schedule determines them: for a
+/// contact, a friction switch, or a crash.
 fn burst(scene: &Scene, resolved: &Value) -> Value {
     let controller = at(resolved, "controller");
     let decided = |key: &str| controller.is_some_and(|controller| controller.get(key).is_some_and(|table| !table.is_null()));
@@ -51,7 +52,7 @@ fn burst(scene: &Scene, resolved: &Value) -> Value {
     json!({ "on_s": list("on_s"), "off_s": list("off_s"), "period_s": at(resolved, "controller.burst.period_s") })
 }
 
-/// The faults that a scene can have, each with its meaning: those with which it is still a scene.
+/// Returns the faults with which the scene is still valid, each with its meaning.
 fn faults(request: &Request, loaded: &Loaded) -> Vec<Value> {
     if loaded.scene.controller.is_none() || loaded.scene.runs > 1 {
         return Vec::new();
@@ -71,7 +72,7 @@ fn faults(request: &Request, loaded: &Loaded) -> Vec<Value> {
     known.iter().filter_map(possible).collect()
 }
 
-/// The lanes that a fault of a lane happens to.
+/// Returns the lanes for a fault of a lane.
 fn lanes(kind: &str) -> &'static str {
     match serde_json::from_value(json!(kind)) {
         Ok(FaultKind::LaneOpen | FaultKind::LaneWeak | FaultKind::LaneReversed) => ", lane=1",
@@ -84,21 +85,23 @@ fn lanes(kind: &str) -> &'static str {
 mod tests {
     use super::*;
 
-    fn of(name: &str) -> Value {
+    fn open_scene(name: &str) -> Value {
         opened(&Request { name: name.into(), ..Request::default() }).unwrap_or_else(|error| panic!("{error}"))
     }
 
     #[test]
     fn a_stack_can_break_and_a_contact_cannot() {
         let kinds = |value: &Value| value["faults"].as_array().map_or(0, Vec::len);
-        let lock = of("lock");
+        let lock = open_scene("lock");
         assert!(kinds(&lock) > 5 && lock["burst"]["on_s"] == json!([0.15, 0.26]), "{lock}");
-        assert_eq!(kinds(&of("contact")), 0);
-        assert!(of("usm")["faults"].as_array().is_some_and(|faults| faults.iter().any(|fault| fault["kind"] == "lane_open")));
+        assert_eq!(kinds(&open_scene("contact")), 0);
+        assert!(
+            open_scene("usm")["faults"].as_array().is_some_and(|faults| faults.iter().any(|fault| fault["kind"] == "lane_open"))
+        );
     }
 
     #[test]
-    fn mistakes_are_said_in_the_words_of_the_command_line() {
+    fn errors_match_the_command_line() {
         let text = Some("title = \"x\"\nduration = 1".to_owned());
         let error = opened(&Request { name: "mine.toml".into(), text, ..Request::default() }).unwrap_err();
         assert!(error.contains("--> mine.toml:2:1") && error.contains("^^^"), "{error}");

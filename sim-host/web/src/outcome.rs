@@ -1,4 +1,4 @@
-//! The result of a run as the page shows it.
+//! Result of a run, as shown by the page.
 
 use report::TableBlock;
 use serde_json::{Value, json};
@@ -10,11 +10,11 @@ use crate::figures;
 use crate::motor::Motor;
 use crate::scope::Scope;
 
-/// Everything that the page shows of a study.
-pub(crate) fn of(study: &Study) -> Value {
+/// Returns everything that the page shows of a study.
+pub(crate) fn to_json(study: &Study) -> Value {
     let report = tables::report(study, &Provenance::default());
     let (scope, motor) = match &study.outcome {
-        Outcome::Driven(run) => (Some(Scope::driven(run)), Motor::of(run)),
+        Outcome::Driven(run) => (Some(Scope::driven(run)), Motor::from_run(run)),
         Outcome::Contact(solved) => (Some(Scope::contact(solved)), None),
         Outcome::MonteCarlo(_) => (None, None),
     };

@@ -1,4 +1,5 @@
-//! The scope: the signals of a run over time, as command, estimate, sensor and truth beside each other.
+//! The scope: signals of a run over time, with command, estimate, sensor and truth in the same
+//! plot.
 
 use std::f64::consts::TAU;
 
@@ -11,23 +12,23 @@ use sim::record::Row;
 use sim::study::contact::Solved;
 use sim::study::driven::Run;
 
-/// Points of a signal, about.
-const POINTS: usize = 6000;
-/// Room above and below what a lane shows by itself, part of its extent.
-const ROOM: f64 = 0.15;
-/// Most changes of mode, fault and limit that are listed.
-const EVENTS: usize = 60;
+/// Approximate number of points of a signal.
+const MAX_POINTS: usize = 6000;
+/// Room above and below the values of a lane, as a fraction of their extent.
+const ROOM_REL: f64 = 0.15;
+/// Largest number of changes of mode, fault and limit that are listed.
+const MAX_EVENTS: usize = 60;
 
-/// What a scope shows.
+/// Data of a scope.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Scope {
     /// Time of the points, s.
     time_s: Vec<f64>,
     /// Signals, one plot each.
     lanes: Vec<Lane>,
-    /// When the drive was ON, s.
+    /// Intervals in which the drive was ON, s.
     on_s: Vec<(f64, f64)>,
-    /// What happened when: time, s, and words.
+    /// Events: time, s, and description.
     events: Vec<(f64, String)>,
 }
 
@@ -37,7 +38,7 @@ struct Lane {
     id: &'static str,
     label: &'static str,
     unit: &'static str,
-    /// Values between which it is shown, where not all of them matter.
+    /// Range of values that is shown, if not all of them matter.
     range: Option<(f64, f64)>,
     signals: Vec<Signal>,
 }
@@ -49,16 +50,16 @@ struct Signal {
     role: &'static str,
     name: &'static str,
     values: Vec<Option<f32>>,
-    /// Least and largest within each block.
+    /// Smallest and largest value within each block.
     band: Option<[Vec<Option<f32>>; 2]>,
 }
 
-/// A number for a screen; none where there is none.
+/// Converts a number for a screen; `None` if it is not finite.
 fn point(value: f64) -> Option<f32> {
     Some(value as f32).filter(|value| value.is_finite())
 }
 
-/// Rows that are drawn, with their signals.
+/// Drawn rows, with functions for their signals.
 struct Rows<'a>(Vec<&'a Row>);
 
 impl Rows<'_> {
@@ -72,7 +73,7 @@ impl Rows<'_> {
 }
 
 impl Scope {
-    /// Of a run in which the firmware drove.
+    /// Collects a run that was driven by the firmware.
     pub(crate) fn driven(run: &Run) -> Self {
         let view = View::new(&run.scene, &run.record);
         let all = &run.record.rows;
@@ -85,7 +86,7 @@ impl Scope {
             column(|row| row.frequency_hz),
         ];
         let columns: Vec<&[f64]> = std::iter::once(&time_s).chain(&shapes).map(Vec::as_slice).collect();
-        let kept = keep(&columns, POINTS);
+        let kept = keep(&columns, MAX_POINTS);
         let rows = Rows(kept.iter().map(|&place| &all[place]).collect());
         let lanes = [
             drive(&rows),
@@ -103,7 +104,7 @@ impl Scope {
         }
     }
 
-    /// Of a contact study: its last periods.
+    /// Collects the last periods of a contact study.
     pub(crate) fn contact(solved: &Solved) -> Self {
         let states = solved.playback.last_periods();
         let lane = |id, label, unit, value: fn(&contact::State) -> f64| {
@@ -122,7 +123,7 @@ impl Scope {
     }
 }
 
-/// Ten significant digits: what a time needs.
+/// Rounds to ten significant digits, enough for a time.
 fn rounded(value: f64) -> f64 {
     format!("{value:.9e}").parse().unwrap_or(value)
 }
@@ -143,7 +144,7 @@ fn current(rows: &Rows, run: &Run) -> Option<Lane> {
 }
 
 fn velocity(rows: &Rows, run: &Run) -> Option<Lane> {
-    // A friction switch has its own; what is ordered is the most that it may use.
+    // A friction switch has its own set point; the ordered velocity is only its upper limit.
     let set = run.scene.ordered_velocity_m_per_s().filter(|_| run.scene.controller.friction.is_none());
     let set = set.map(|set| rows.signal("command", "set point", move |row| if row.envelope > 0.0 { set } else { 0.0 }));
     let nominal = run.scene.controller.tracking.nominal_force_factor_n_per_v;
@@ -183,7 +184,8 @@ fn rotor(rows: &Rows, run: &Run) -> Option<Lane> {
     Some(Lane { id: "rotor", label: "rotor speed", unit: "rad/s", range: None, signals: vec![truth] })
 }
 
-/// Shown about where it runs: the scan before goes over kilohertz.
+/// Returns the frequency, in a range around the values in mode Run, as the scan before extends over
+/// kilohertz.
 fn frequency(rows: &Rows, run: &Run) -> Option<Lane> {
     let values = |row: &&Row| [row.frequency_hz, row.resonance_estimate_hz, row.truth.series_resonance_hz];
     let running = run.record.rows.iter().filter(|row| row.mode == Mode::Run);
@@ -194,7 +196,7 @@ fn frequency(rows: &Rows, run: &Run) -> Option<Lane> {
         .filter(|hz| hz.is_finite() && *hz > 0.0)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), hz| (low.min(hz), high.max(hz)));
     let least_hz = run.scene.controller.drive.frequency_hz / TAU * 1e-4;
-    let room = ROOM * (ends.1 - ends.0).max(least_hz);
+    let room = ROOM_REL * (ends.1 - ends.0).max(least_hz);
     let signals = vec![
         rows.signal("command", "played", |row| if row.drive_v > 0.0 { row.frequency_hz } else { f64::NAN }),
         rows.signal("estimate", "controller's estimate", |row| {
@@ -206,7 +208,7 @@ fn frequency(rows: &Rows, run: &Run) -> Option<Lane> {
     Some(Lane { id: "frequency", label: "frequency", unit: "Hz", range, signals })
 }
 
-/// Changes of mode, fault and limit in words.
+/// Describes changes of mode, fault and limit.
 fn events(rows: &[Row]) -> Vec<(f64, String)> {
     let mut last = (None, 0, 0);
     let mut events = Vec::new();
@@ -223,10 +225,10 @@ fn events(rows: &[Row]) -> Vec<(f64, String)> {
             events.push((row.time_s, format!("limit {}: {}", row.limit, known.map_or("", |limit| limit.meaning()))));
         }
         if row.limit == 0 && last.2 != 0 {
-            events.push((row.time_s, format!("limit {} is over", last.2)));
+            events.push((row.time_s, format!("limit {} has ended", last.2)));
         }
         last = (Some(row.mode), row.fault, row.limit);
     }
-    events.truncate(EVENTS);
+    events.truncate(MAX_EVENTS);
     events
 }

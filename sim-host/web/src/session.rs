@@ -1,4 +1,4 @@
-//! What a worker holds: the last run, of which the page can ask for files.
+//! State of a worker: the last run, whose files the page can request.
 
 use std::error::Error;
 
@@ -12,10 +12,11 @@ use sim::{figures, summary, trace_table};
 use crate::request::Request;
 use crate::{opened, outcome};
 
-/// How a run is watched: called with the simulated time, s, or of several runs with how many have come to their end.
+/// Observer of a run: called with the simulated time, s, or for several runs with the number of
+/// completed ones.
 pub type Progress<'a> = &'a mut (dyn FnMut(f64) + Send);
 
-/// Opens scenes, runs them, and has the files of the last run.
+/// Opens scenes, runs them, and returns the files of the last run.
 #[derive(Default)]
 pub struct Session {
     last: Option<(Loaded, Detached)>,
@@ -23,15 +24,15 @@ pub struct Session {
 }
 
 impl Session {
-    /// A session that times its runs.
+    /// Creates a session that times its runs.
     pub fn timed(clock: Clock) -> Self {
         Session { clock: Some(clock), ..Session::default() }
     }
 
-    /// What the page shows of a scene before it is run.
+    /// Returns the data of a scene that the page shows before a run.
     ///
     /// # Errors
-    /// Everything that is wrong with the scene, in the words of the command line.
+    /// All errors in the scene, with the messages of the command line.
     pub fn open(&self, request: &Request) -> Result<Value, String> {
         opened::opened(request)
     }
@@ -39,25 +40,27 @@ impl Session {
     /// Runs a scene.
     ///
     /// # Errors
-    /// Everything that is wrong with the scene, or why it has no result, in the words of the command line.
+    /// All errors in the scene, or the reason for which it has no result, with the messages of the
+    /// command line.
     pub fn run(&mut self, request: &Request, progress: Option<Progress>) -> Result<Value, String> {
         let loaded = request.load()?;
         let options = Options { progress, clock: self.clock, ..Options::default() };
         let study = study::run(&loaded, options).map_err(|error| causes(&error))?;
-        let shown = outcome::of(&study);
+        let shown = outcome::to_json(&study);
         let study = study.detached();
         self.last = Some((loaded, study));
         Ok(shown)
     }
 
-    /// A file of the last run, byte for byte as the command line writes it: `summary.json`, `trace.csv`, `scene.toml`, or `ID.csv` of a figure.
+    /// Returns a file of the last run, byte for byte as the command line writes it: `summary.json`,
+    /// `trace.csv`, `scene.toml`, or `ID.csv` of a figure.
     ///
     /// # Errors
     /// If there is no run, or the run has no such file.
     pub fn file(&mut self, name: &str) -> Result<String, String> {
         let (loaded, study) = self.last.take().ok_or("there is no run yet")?;
         let Some(study) = study.of(&loaded.scene) else {
-            return Err("the last run is of another kind than its scene".to_owned());
+            return Err("the last run is of a different kind from its scene".to_owned());
         };
         let text = text(&study, name);
         let study = study.detached();
@@ -82,7 +85,7 @@ fn text(study: &Study, name: &str) -> Result<String, String> {
     }
 }
 
-/// An error with its causes, as the command line prints it.
+/// Formats an error with its causes as on the command line.
 fn causes(error: &dyn Error) -> String {
     let mut said = format!("error: {error}");
     let mut next = error.source();

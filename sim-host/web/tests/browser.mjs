@@ -1,4 +1,5 @@
-// A headless Chromium, spoken to through a pipe: pages, keys, pictures, and whatever the console says.
+// A headless Chromium, controlled through a pipe: pages, keys, pictures, and all messages of the
+// console.
 import { spawn } from "node:child_process";
 import { mkdtemp, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
@@ -11,7 +12,7 @@ export class Browser {
   #waiting = new Map();
   #listeners = [];
 
-  /** Starts a browser with a profile of its own. */
+  /** Starts a browser with a separate profile. */
   static async start(program) {
     const browser = new Browser();
     browser.profile = await mkdtemp(join(tmpdir(), "sonoglide-page-"));
@@ -21,12 +22,12 @@ export class Browser {
     browser.child.stdio[4].setEncoding("utf8").on("data", (text) => {
       const messages = (rest + text).split("\0");
       rest = messages.pop();
-      for (const message of messages) browser.#heard(JSON.parse(message));
+      for (const message of messages) browser.#receive(JSON.parse(message));
     });
     return browser;
   }
 
-  #heard({ id, result, error, method, params, sessionId }) {
+  #receive({ id, result, error, method, params, sessionId }) {
     if (id === undefined) return this.#listeners.forEach((listener) => listener(method, params, sessionId));
     const { resolve, reject } = this.#waiting.get(id);
     this.#waiting.delete(id);
@@ -39,7 +40,7 @@ export class Browser {
     return new Promise((resolve, reject) => this.#waiting.set(id, { resolve, reject }));
   }
 
-  /** A page of a size, at an address. */
+  /** Opens a page of a given size at an address. */
   async page(address, { width = 1280, height = 900, dark = false, still = true } = {}) {
     const { targetId } = await this.send("Target.createTarget", { url: "about:blank" });
     const { sessionId } = await this.send("Target.attachToTarget", { targetId, flatten: true });
@@ -61,7 +62,7 @@ export class Browser {
 }
 
 export class Page {
-  /** What the console has complained of, and what was asked of a network. */
+  /** Errors from the console, and requests to a network. */
   complaints = [];
   requests = [];
 
@@ -80,21 +81,21 @@ export class Page {
     if (method === "Network.requestWillBeSent" && !/^(file|blob|data):/.test(params.request.url)) this.requests.push(params.request.url);
   }
 
-  /** The value of an expression in the page. */
+  /** Returns the value of an expression in the page. */
   async value(expression) {
     const { result, exceptionDetails } = await this.send("Runtime.evaluate", { expression, awaitPromise: true, returnByValue: true });
     if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
     return result.value;
   }
 
-  /** Waits until an expression holds. */
+  /** Waits until an expression is true. */
   async until(expression, limit_ms = 60000) {
     const end = Date.now() + limit_ms;
     for (;;) {
-      // While a page is loading there may be nothing to ask.
+      // While a page is loading, evaluation can fail.
       const value = await this.value(expression).catch(() => null);
       if (value) return value;
-      if (Date.now() > end) throw new Error(`never came: ${expression}; the page says: ${await this.value("document.body.innerText.slice(0, 600)").catch(() => "nothing")}`);
+      if (Date.now() > end) throw new Error(`time limit: ${expression}; the page shows: ${await this.value("document.body.innerText.slice(0, 600)").catch(() => "nothing")}`);
       await new Promise((resolve) => setTimeout(resolve, 20));
     }
   }
@@ -106,7 +107,7 @@ export class Page {
     await this.send("Input.dispatchKeyEvent", { type: "keyUp", ...event, text: undefined });
   }
 
-  /** A picture of the whole page. */
+  /** Writes a picture of the whole page. */
   async picture(path) {
     const { cssContentSize: { width, height } } = await this.send("Page.getLayoutMetrics");
     const clip = { x: 0, y: 0, width, height: Math.min(height, 9000), scale: 1 };

@@ -21,7 +21,7 @@ before(async () => {
 });
 after(() => browser.stop());
 
-/** An opened page; afterwards it must not have complained, nor asked a network. */
+/** Opens a page; afterwards there must be no errors and no network requests. */
 async function opened(options, look, fragment = "") {
   const page = await browser.page(address + fragment, options);
   try {
@@ -43,11 +43,11 @@ test("the page is at most 1.5 MB gzipped", async () => {
   assert.ok(packed <= 1.5e6, `${packed} bytes`);
 });
 
-test("the first result is there within two seconds, and friction falls", () => opened({}, async (page) => {
+test("the first result is shown within two seconds, and friction falls", () => opened({}, async (page) => {
   await page.until(done);
   const wall = Number(await page.value(state("wall")));
   const since = await page.value("performance.now()");
-  console.log(`first run ${wall.toFixed(2)} s, shown ${(since / 1e3).toFixed(2)} s after the page was asked for`);
+  console.log(`first run ${wall.toFixed(2)} s, shown ${(since / 1e3).toFixed(2)} s after the page was requested`);
   assert.ok(wall < 2, `${wall} s`);
   assert.match(await text(page, "headline"), /friction reduction6\d\.\d+ %/);
   assert.equal(await text(page, "hash-verdict"), "Equal to the host's, bit for bit.");
@@ -71,7 +71,7 @@ test("every scene with a controller plays the host's codes, bit for bit", { time
   console.log(`${names.length} scenes equal, ${total.toFixed(1)} s of runs`);
 }));
 
-test("scenes of contacts are solved", () => opened({}, async (page) => {
+test("contact scenes are solved", () => opened({}, async (page) => {
   await page.until(done);
   for (const name of ["contact", "contact-kinematic", "contact-normal"]) {
     await choose(page, name);
@@ -81,7 +81,7 @@ test("scenes of contacts are solved", () => opened({}, async (page) => {
   }
 }));
 
-test("the switch and a fault change what comes after the moment, and nothing before it", () => opened({}, async (page) => {
+test("the switch and a fault change only the part after the chosen time", () => opened({}, async (page) => {
   await page.until(done);
   const at = (part) => page.value(`(() => { const t = document.getElementById('time'); t.value = ${part * 1000}; t.dispatchEvent(new Event('input')); })()`);
   const friction = () => page.value("[...document.querySelectorAll('#now tbody tr')].find((row) => row.cells[0].textContent === 'friction').cells[3].textContent");
@@ -104,7 +104,7 @@ test("the switch and a fault change what comes after the moment, and nothing bef
   assert.match(await page.value("document.getElementById('command').value"), /--set 'fault\.0=\{at_s=0\.455, kind="short"\}'/);
 }));
 
-test("a slider changes its key, and taking it back gives the first result again", () => opened({}, async (page) => {
+test("a slider changes its key, and undoing it restores the first result", () => opened({}, async (page) => {
   await page.until(done);
   const first = await page.value(state("hash"));
   await page.value("(() => { document.body.dataset.state = ''; const s = document.getElementById('slider-rig.slider.load_n'); s.value = 200; s.dispatchEvent(new Event('input')); })()");
@@ -119,7 +119,7 @@ test("a slider changes its key, and taking it back gives the first result again"
   assert.equal(await page.value(state("hash")), first);
 }));
 
-test("a link carries the scene and its changes", () => opened({}, async (page) => {
+test("a link contains the scene and its changes", () => opened({}, async (page) => {
   await page.until(done);
   await page.value("(() => { document.body.dataset.state = ''; const s = document.getElementById('slider-contact.dahl.mu'); s.value = 150; s.dispatchEvent(new Event('input')); })()");
   await page.until(done);
@@ -136,7 +136,7 @@ test("a link carries the scene and its changes", () => opened({}, async (page) =
   }, "#scene=burst");
 }));
 
-test("mistakes of a scene have the words and the caret of the command line", () => opened({}, async (page) => {
+test("errors in a scene have the message and the caret of the command line", () => opened({}, async (page) => {
   await page.until(done);
   const mistaken = (scene) => page.value(`(() => { document.body.dataset.state = ''; document.getElementById('toml').value = ${JSON.stringify(scene)}; document.getElementById('apply').click(); })()`);
   await mistaken('base = "lock"\n\n[controller.drive]\namplitud_v = 3\n');
@@ -151,7 +151,7 @@ test("mistakes of a scene have the words and the caret of the command line", () 
   assert.match(await text(page, "title"), /^mine/);
 }));
 
-test("a motor and a crash have their views, and files are there", () => opened({}, async (page) => {
+test("a motor and a crash have their views, and files can be saved", () => opened({}, async (page) => {
   await page.until(done);
   await choose(page, "usm");
   await page.until(done);
@@ -171,7 +171,7 @@ test("a motor and a crash have their views, and files are there", () => opened({
   assert.equal(JSON.parse(saved).drive_hash, await page.value(state("hash")));
 }));
 
-test("everything is reached by the keyboard, and what has the focus is seen", () => opened({}, async (page) => {
+test("everything can be reached by keyboard, and the focus is visible", () => opened({}, async (page) => {
   await page.until(done);
   await page.value("document.body.focus()");
   const reached = [];
@@ -183,9 +183,9 @@ test("everything is reached by the keyboard, and what has the focus is seen", ()
     reached.push(now);
   }
   const ids = reached.map(({ id }) => id);
-  for (const id of ["skip", "scene", "run", "slider-rig.slider.load_n", "slider-stack.bvd.q", "play", "time", "speed", "switch", "fault", "break", "copy", "link", "summary.json"]) assert.ok(ids.includes(id), `${id} is not reached: ${ids.join(" ")}`);
+  for (const id of ["skip", "scene", "run", "slider-rig.slider.load_n", "slider-stack.bvd.q", "play", "time", "speed", "switch", "fault", "break", "copy", "link", "summary.json"]) assert.ok(ids.includes(id), `${id} is not reachable: ${ids.join(" ")}`);
   assert.deepEqual(reached.filter(({ seen, name }) => !seen || !name.trim()), []);
-  // A slider by its arrows, and the scene again by its keys.
+  // A slider is moved by its arrow keys, and the scene is run by its key.
   const first = await page.value(state("hash"));
   await page.value("document.body.dataset.state = ''; document.getElementById('slider-rig.slider.speed_m_per_s').focus()");
   await page.key("ArrowRight");
@@ -215,7 +215,7 @@ test("axe finds nothing, light and dark, wide and narrow", async (context) => {
   }
 });
 
-test("a phone shows it without scrolling to the side", () => opened({ width: 360, height: 740 }, async (page) => {
+test("a phone shows it without horizontal scrolling", () => opened({ width: 360, height: 740 }, async (page) => {
   await page.until(done);
   for (const scene of ["experiment-1", "usm", "dring-crash", "contact"]) {
     await choose(page, scene);
@@ -227,7 +227,7 @@ test("a phone shows it without scrolling to the side", () => opened({ width: 360
   await page.picture(join(folder, "pictures", "phone.png"));
 }));
 
-test("pictures to look at", async () => {
+test("pictures are taken", async () => {
   for (const [name, options] of [["light", {}], ["dark", { dark: true }], ["tablet", { width: 800 }]]) {
     await opened(options, async (page) => {
       await page.until(done);

@@ -1,4 +1,5 @@
-//! Scenes by the same image on QEMU and on the interpreter: codes played, instructions, stack, and the time that each took.
+//! Comparison of the same image on QEMU and on the interpreter: played codes, instructions, stack,
+//! and the run time of each.
 //!
 //! ```text
 //! cargo run --release -p sonoglide-board --example compare -- lock burst
@@ -21,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("|---|---|---|---|---|---|---|---|");
     for name in std::env::args().skip(1) {
         let loaded = load(&name, &[])?;
-        let scene = loaded.scene.driven().ok_or_else(|| format!("{name}: no firmware drives it"))?;
+        let scene = loaded.scene.driven().ok_or_else(|| format!("{name} has no [controller]"))?;
         let config = scene::settings::config(&scene);
         let play = |processor: &mut dyn Processor| {
             let begin = Instant::now();

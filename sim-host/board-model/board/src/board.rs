@@ -1,4 +1,4 @@
-//! The board: an image on its part, with a scene's plant at the pins.
+//! Driver board: an image on a model of its microcontroller, with a scene's plant at the pins.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -18,51 +18,53 @@ use crate::reset::Reset;
 use crate::variables::{DebugInfoError, Place, ReadError, Variables};
 use crate::wires::Bench;
 
-/// The block interrupt: DMA1 channel 1, interrupt 11 (RM0440 table 97), the exception 16 later.
+/// Exception number of the block interrupt: DMA1 channel 1, interrupt 11 (RM0440 table 97), plus
+/// 16.
 const BLOCK_INTERRUPT: u16 = 16 + 11;
-/// Bits of an interrupt priority that the part has (PM0214 4.3).
+/// Number of implemented bits of an interrupt priority (PM0214 4.3).
 const PRIORITY_BITS: u8 = 4;
-/// Cycles a second once the image has set up its clocks.
-const HZ: u64 = 170_000_000;
+/// Clock frequency after the image has set up its clocks, Hz.
+const CORE_HZ: u64 = 170_000_000;
 
-/// Why a board could not be started, or did not go on.
+/// Error at the start or during the run of a board.
 #[derive(Debug, thiserror::Error)]
 pub enum BoardError {
-    /// The image cannot be loaded.
+    /// Image that cannot be loaded.
     #[error("the image cannot be run: {0}")]
     Image(#[from] ImageError),
-    /// Its variables cannot be read.
+    /// Image whose debug information cannot be read.
     #[error("the image cannot be observed: {0}")]
     DebugInfo(#[from] DebugInfoError),
-    /// The image has no variable of this name.
-    #[error("the image cannot be observed: it has no variable `{0}`, so it is not the driver board's image of this version")]
+    /// Image without a variable of this name.
+    #[error("the image cannot be observed: it has no variable `{0}`, so it is not a driver board image of this version")]
     Unlike(&'static str),
-    /// A variable has another type than here.
+    /// Variable whose type differs from that of this program.
     #[error("the image cannot be observed: {0}")]
     Variable(#[from] ReadError),
-    /// The scene asks for what the image cannot do.
+    /// Scene with settings that the image does not support.
     #[error(transparent)]
     Misfit(#[from] Misfit),
-    /// The board has no place for this plant.
-    #[error("this scene has no place on the board: {0}")]
+    /// Scene with a plant or faults that the board does not support.
+    #[error("this scene cannot run on the board: {0}")]
     Plant(&'static str),
-    /// A finding of the model.
+    /// Finding of the model that stopped the run.
     #[error(transparent)]
     Stopped(#[from] Stop),
 }
 
-/// How a board is started.
+/// Options of a board.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
-    /// Cycles of time for each cycle that the block interrupt costs, in place of one: below one it is shorter than the part would be at it.
+    /// Cycles of time per cycle of cost of the block interrupt; below one it is faster than the
+    /// hardware.
     pub rate: Option<f64>,
-    /// Records each call of the controller, for a replay.
+    /// `true` to record each call of the controller, for a replay.
     pub record: bool,
-    /// Counts what each function takes of the block interrupt.
+    /// `true` to count the cycles of each function in the block interrupt.
     pub profile: bool,
 }
 
-/// A board that runs an image. A clone goes on from the same state.
+/// Board that runs an image. A clone continues from the same state.
 #[derive(Clone, Debug)]
 pub struct Board {
     machine: Machine<Stm32g474<Bench>>,
@@ -72,30 +74,31 @@ pub struct Board {
     rate: f64,
     /// Calls of the controller so far, if recorded.
     pub calls: Vec<Call>,
-    /// Cycles that the block interrupt has cost, entry and return included.
+    /// Cycles of the block interrupt, including entry and return.
     pub load: Taken,
-    /// Its instruction fetches.
+    /// Instruction fetches of the block interrupt.
     fetches: Fetches,
     entered: Option<Passage>,
 }
 
-/// Where the block interrupt of the image has its variables.
+/// Places of the variables of the image's block interrupt.
 #[derive(Clone, Debug)]
 struct BlockVariables {
-    /// The reference to all that the interrupt has, once it has it.
+    /// Reference to the state of the interrupt; empty until the interrupt has it.
     state: Place,
     queues: Place,
-    /// Where the queue of trims was read from at the last call.
+    /// Read position of the queue of trims at the last call.
     trims_head: usize,
 }
 
 impl Board {
     /// Powers a board with this image and with the settings of a scene in its flash.
     pub fn start(elf: &[u8], scene: &Driven, options: Options) -> Result<Self, BoardError> {
-        Board::of_memory(elf, elf, Stm32g474::<Bench>::memory(), scene, options)
+        Board::from_memory(elf, elf, Stm32g474::<Bench>::memory(), scene, options)
     }
 
-    /// Powers a board with a first stage, and with this [update file](link::update_file) in its slot; `elf` is the file that it was made of.
+    /// Powers a board with a first stage, and with this [update file](link::update_file) in its
+    /// slot; `elf` is the source of the update file.
     pub fn start_in_slot(
         first_stage: &[u8],
         slot: &[u8],
@@ -107,11 +110,11 @@ impl Board {
         if let Some(bytes) = memory.get_mut(slots::SLOT.start, slot.len().min(slots::SLOT.size as usize)) {
             bytes.copy_from_slice(&slot[..bytes.len()]);
         }
-        Board::of_memory(first_stage, elf, memory, scene, options)
+        Board::from_memory(first_stage, elf, memory, scene, options)
     }
 
     /// Powers a board that boots the ELF file `boots`, and observes the variables of `elf`.
-    fn of_memory(boots: &[u8], elf: &[u8], mut memory: Memory, scene: &Driven, options: Options) -> Result<Self, BoardError> {
+    fn from_memory(boots: &[u8], elf: &[u8], mut memory: Memory, scene: &Driven, options: Options) -> Result<Self, BoardError> {
         let stored = configure::stored(scene)?;
         if let Some(flash) = memory.get_mut(pages::FLASH, (pages::START + pages::SIZE - pages::FLASH) as usize) {
             configure::store(stored.overrides, flash)?;
@@ -127,7 +130,7 @@ impl Board {
         if options.profile {
             machine.start_profile(Some(BLOCK_INTERRUPT));
         }
-        let found = Variables::of(elf, &[STATE, QUEUES])?;
+        let found = Variables::from_elf(elf, &[STATE, QUEUES])?;
         let place = |name| found.get(name).cloned().ok_or(BoardError::Unlike(name));
         let variables = BlockVariables { state: place(STATE)?, queues: place(QUEUES)?, trims_head: 0 };
         Ok(Board {
@@ -143,7 +146,7 @@ impl Board {
         })
     }
 
-    /// The configuration of the image's controller.
+    /// Returns the configuration of the image's controller.
     pub fn config(&self) -> &Config {
         &self.config
     }
@@ -154,12 +157,12 @@ impl Board {
         self.run_until(self.machine.cycle() + cycles.max(1))
     }
 
-    /// Runs for the time of a block.
+    /// Runs for the duration of a block.
     pub fn run_block(&mut self) -> Result<(), BoardError> {
         self.run_for(self.block_time())
     }
 
-    /// Time of a block.
+    /// Returns the duration of a block.
     pub(crate) fn block_time(&self) -> Duration {
         Duration::from_secs_f64(f64::from(self.config.block_samples) / f64::from(self.config.sample_hz))
     }
@@ -173,7 +176,7 @@ impl Board {
         Ok(())
     }
 
-    /// The block interrupt was entered, or has returned.
+    /// Handles an entry or return of the block interrupt.
     pub(crate) fn pass(&mut self, passage: Passage) -> Result<(), BoardError> {
         if passage.entered {
             self.entered = Some(passage);
@@ -183,11 +186,11 @@ impl Board {
         }
     }
 
-    /// The block interrupt has returned: what it saw and answered stands in its variables.
+    /// Handles the return of the block interrupt: reads its input and answer from its variables.
     fn block_ended(&mut self, returned: Passage) -> Result<(), BoardError> {
         let (mut cycles, mut instructions) = (0, 0);
         if let Some(entered) = self.entered.take() {
-            // What it costs the part, whatever time it was given.
+            // Cost at the speed of the hardware, without the rate.
             cycles = ((returned.at - entered.at) as f64 / self.rate).round() as Cycle;
             instructions = returned.instructions - entered.instructions;
             self.fetches.all += returned.fetches.all - entered.fetches.all;
@@ -195,11 +198,11 @@ impl Board {
             self.load.add(cycles as u32);
         }
         if !self.record && self.machine.chip.wires.first_block().is_some() {
-            // Nothing more is to be known of it; and a fault that is injected may have left values in it that no type has.
+            // No more data is needed, and an injected fault may have left invalid values.
             return Ok(());
         }
         if self.was_reset().is_some_and(|reset| reset.at >= returned.at) {
-            // Power was cut before anybody looked: what stands in the memory is anything.
+            // A power cut came before this read, so the memory is undefined.
             return Ok(());
         }
         let memory = &self.machine.memory;
@@ -219,12 +222,12 @@ impl Board {
         Ok(())
     }
 
-    /// Plans a defect of the part at a cycle that is to come.
+    /// Plans a defect of the microcontroller at a future cycle.
     pub fn inject(&mut self, at: Cycle, defect: Defect) {
         self.machine.chip.inject(at, defect);
     }
 
-    /// What the processor's time has gone to since this was last asked for.
+    /// Returns the use of the processor's time since the last call.
     pub fn take_load(&mut self) -> Load {
         let Fetches { all, waiting } = std::mem::take(&mut self.fetches);
         let profile = self.machine.take_profile();
@@ -247,12 +250,12 @@ impl Board {
         }
     }
 
-    /// Puts bytes on the wire to the board.
+    /// Sends bytes over the serial line to the board.
     pub fn send(&mut self, bytes: &[u8]) {
         self.bench_mut().to_board.extend(bytes);
     }
 
-    /// Takes bytes that have come from the board; 0 where none have.
+    /// Takes bytes from the board and returns their number.
     pub fn receive(&mut self, into: &mut [u8]) -> usize {
         let from: &mut VecDeque<u8> = &mut self.bench_mut().to_host;
         let count = into.len().min(from.len());
@@ -260,48 +263,49 @@ impl Board {
         count
     }
 
-    /// Time since the power came.
+    /// Returns the time since power-on.
     pub fn now(&self) -> Duration {
         Duration::from_secs_f64(self.machine.chip.seconds(self.machine.cycle()))
     }
 
-    /// Why the part was last reset, if it was since it was powered.
+    /// Returns the last reset, if there was one since power-on.
     pub fn was_reset(&self) -> Option<Reset> {
         self.machine.chip.wires.resets.last().copied()
     }
 
-    /// What hangs on the pins.
+    /// Returns the circuit at the pins.
     pub fn bench(&self) -> &Bench {
         &self.machine.chip.wires
     }
 
-    /// What hangs on the pins, to be changed.
+    /// Returns the circuit at the pins, mutable.
     pub fn bench_mut(&mut self) -> &mut Bench {
         &mut self.machine.chip.wires
     }
 
-    /// The processor, its memories and the part.
+    /// Returns the processor, its memories and the chip.
     pub fn machine(&self) -> &Machine<Stm32g474<Bench>> {
         &self.machine
     }
 
-    /// The processor, its memories and the part, to be changed.
+    /// Returns the processor, its memories and the chip, mutable.
     pub fn machine_mut(&mut self) -> &mut Machine<Stm32g474<Bench>> {
         &mut self.machine
     }
 
-    /// Cycles of a block: what the interrupt may take at most.
+    /// Returns the cycles of a block, which is the maximum for its interrupt.
     pub fn block_cycles(&self) -> Cycle {
-        (f64::from(self.config.block_samples) / f64::from(self.config.sample_hz) * HZ as f64) as Cycle
+        (f64::from(self.config.block_samples) / f64::from(self.config.sample_hz) * CORE_HZ as f64) as Cycle
     }
 }
 
-/// The statics of the image that are read: the block interrupt's own, and the queues.
+/// Static of the image with the state of the block interrupt.
 const STATE: &str = "BLOCK_INTERRUPT";
+/// Static of the image with the queues.
 const QUEUES: &str = "QUEUES";
 
 impl BlockVariables {
-    /// The trims that the interrupt has taken from its queue since the last call.
+    /// Returns the trims that the interrupt has taken from its queue since the last call.
     fn trims(&mut self, memory: &Memory) -> Result<Option<LaneTrims>, BoardError> {
         let field = |place: &Place, name| place.field(name).ok_or(BoardError::Unlike(name));
         let queue = field(&self.queues, "trims_in")?;
@@ -314,18 +318,19 @@ impl BlockVariables {
     }
 }
 
-/// Refuses a scene with faults of converters that the board does not have (those of the plant and of its sensors have a place here), and one that
-/// calibrates its lanes, which the order to run does not.
+/// Refuses a scene with converter faults, which the board does not have, and a scene that
+/// calibrates its lanes, because the run command does not calibrate. Faults of the plant and of its
+/// sensors are supported.
 fn check(scene: &Driven) -> Result<(), BoardError> {
     let of_converters = |kind: FaultKind| {
         use FaultKind::{Dropout, LateBlock, Open, Saturation, SensorStuck, Swapped};
         matches!(kind, Dropout | LateBlock | Open | Saturation | SensorStuck | Swapped)
     };
     if scene.fault.iter().any(|fault| of_converters(fault.kind)) {
-        return Err(BoardError::Plant("its faults are those of converters that the board does not have"));
+        return Err(BoardError::Plant("it has faults of converters, which the board model does not support"));
     }
     if scene.controller.phasing.calibrate {
-        return Err(BoardError::Plant("it calibrates its lanes, which a client orders: `link board:SCENE calibrate`"));
+        return Err(BoardError::Plant("it calibrates its lanes; calibrate with `link board:SCENE calibrate` instead"));
     }
     Ok(())
 }

@@ -1,7 +1,8 @@
-//! A scene's configuration as the stored settings of the image.
+//! Conversion of a scene's configuration to stored settings of the image.
 //!
-//! The image has a configuration of its own, and a host may set those of its numbers that are parameters. What a scene asks for beyond that is
-//! refused by name: the image would do something else than the scene says.
+//! The image has a built-in configuration, and a host can set its parameters. Other settings of a
+//! scene that differ from the image are refused by name, because the image would behave
+//! differently.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
@@ -18,33 +19,35 @@ use serde_json::Value;
 
 use crate::sensors::newton_per_lsb;
 
-/// Why an image cannot be configured as a scene asks.
+/// Settings of a scene that the image does not support, one per line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("the image cannot be configured as this scene asks:\n{}", .0.join("\n"))]
+#[error("the image does not support these settings of the scene:\n{}", .0.join("\n"))]
 pub struct Misfit(pub Vec<String>);
 
-/// What an image is configured by, and what it does then.
+/// Stored settings of an image, and the resulting configuration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stored {
-    /// Parameters, to be stored in its flash.
+    /// Parameters to store in its flash.
     pub overrides: Overrides,
-    /// The configuration that it starts with: that of the scene, in the precision of the parameters.
+    /// Resulting configuration: that of the scene, in the precision of the parameters.
     pub config: Config,
 }
 
-/// What a scene that says nothing of it is run with by the image: the length of its blocks, as `key=value`.
+/// Returns the settings that a scene without them takes on the image, as `key=value`: the block
+/// length.
 pub fn defaults() -> [String; 1] {
     [format!("controller.block_samples={}", nucleo_g474re::blocks::BLOCK)]
 }
 
-/// Loads a scene, as [`scene::load::load`] does, for the image.
+/// Loads a scene for the image, as [`scene::load::load`] does.
 pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
     scene::load::load(source, sets)?.with_defaults(&defaults())
 }
 
-/// What has to be stored so that the image does what a scene asks.
+/// Returns the settings with which the image runs a scene.
 ///
-/// Windows of a burst count from the order to run. The scene begins with the block in which the codes of that order's block play.
+/// Windows of a burst count from the run command. The scene begins with the block that plays the
+/// codes of that command's block.
 pub fn stored(scene: &Driven) -> Result<Stored, Misfit> {
     let mut asked = scene::settings::config(scene);
     asked.front_end.newton_per_lsb = newton_per_lsb(scene);
@@ -56,28 +59,29 @@ pub fn stored(scene: &Driven) -> Result<Stored, Misfit> {
     overrides(&asked, &nucleo_g474re::config::config())
 }
 
-/// What has to be stored so that an image with the configuration `built_in` has the configuration `asked`.
+/// Returns the settings that change an image from the configuration `built_in` to `asked`.
 pub fn overrides(asked: &Config, built_in: &Config) -> Result<Stored, Misfit> {
     let defaults = values_of(built_in);
     let mut same = Config { link: built_in.link, ..asked.clone() };
     if asked.drive.shape != ShapeKind::Noise {
         same.drive.noise_band_hz = built_in.drive.noise_band_hz;
         if !asked.drive.dither {
-            // Nothing is drawn by it.
+            // The seed has no effect then.
             same.drive.seed = built_in.drive.seed;
         }
     }
     let asked = &same;
     let (mut values, mut config) = (defaults, built_in.clone());
     if let Some(place) = PARAMETERS.iter().position(|parameter| parameter.key == RESTRAINT_ENABLED) {
-        // A ceiling follows it.
+        // A ceiling depends on it.
         values[place] = (PARAMETERS[place].read)(asked);
     }
     let (mut overrides, mut misfits, mut lower) = (Overrides::new(), Vec::new(), String::new());
     for (place, parameter) in PARAMETERS.iter().enumerate() {
         let (value, ceiling) = ((parameter.read)(asked), ceiling(place, &values, &defaults));
         let checked = parameter.check(value, ceiling);
-        // No scene has a host timeout. Zero that cannot be set is an amplitude of the other kind, and follows from that.
+        // Scenes have no host timeout. A zero that cannot be set is an amplitude of the other kind,
+        // which follows from it.
         if value == defaults[place] && checked.is_ok()
             || value == 0.0 && checked.is_err()
             || parameter.name == Link::PATIENCE_S.name
@@ -85,13 +89,13 @@ pub fn overrides(asked: &Config, built_in: &Config) -> Result<Stored, Misfit> {
             continue;
         }
         values[place] = value;
-        // What cannot be set is named here, and not among the differences below.
+        // A value that cannot be set is named here, and not among the differences below.
         (parameter.write)(&mut config, value);
         if checked.is_ok() {
             let _ = overrides.push((parameter.key, value));
             continue;
         }
-        misfits.push(format!("  {}: {value}, and the image can be set {}", parameter.name, range(parameter.range, ceiling)));
+        misfits.push(format!("  {}: {value}, but the image accepts {}", parameter.name, range(parameter.range, ceiling)));
         if parameter.is_limit() {
             lower += &format!(" --set controller.{}={ceiling}", parameter.name);
         }
@@ -101,19 +105,20 @@ pub fn overrides(asked: &Config, built_in: &Config) -> Result<Stored, Misfit> {
     match (misfits.is_empty(), lower.is_empty()) {
         (true, _) => Ok(Stored { overrides, config }),
         (false, true) => Err(Misfit(misfits)),
-        (false, false) => Err(Misfit(misfits.into_iter().chain([format!("the limits fit with{lower}")]).collect())),
+        (false, false) => Err(Misfit(misfits.into_iter().chain([format!("lower the limits with{lower}")]).collect())),
     }
 }
 
 fn range(range: Range, ceiling: f32) -> String {
     match (range, range.of(ceiling)) {
-        (Range::Choice(names), _) => format!("to {}", names.join(", ")),
-        (Range::UpToCeiling(..), (least, most)) => format!("from {least} to {most}, as a limit can only be lowered"),
-        (_, (least, most)) => format!("from {least} to {most}"),
+        (Range::Choice(names), _) => format!("one of {}", names.join(", ")),
+        (Range::UpToCeiling(..), (least, most)) => format!("{least} to {most}; a limit can only be lowered"),
+        (_, (least, most)) => format!("{least} to {most}"),
     }
 }
 
-/// Names what differs in two configurations, by the paths of its fields. Parameters are of single precision.
+/// Names the differences of two configurations, by the paths of their fields. Numbers are compared
+/// in single precision, the precision of parameters.
 fn differences(path: &str, asked: &Value, image: &Value, found: &mut Vec<String>) {
     match (asked, image) {
         (Value::Object(asked), Value::Object(image)) if asked.keys().eq(image.keys()) => {
@@ -127,7 +132,7 @@ fn differences(path: &str, asked: &Value, image: &Value, found: &mut Vec<String>
         }
         (Value::Number(asked), Value::Number(image)) if single(asked) == single(image) => (),
         _ if asked != image => {
-            found.push(format!("  {path}: {asked}, and the image has {image}, which cannot be set over the link"))
+            found.push(format!("  {path}: {asked}, but the image has {image}, which cannot be set over the link"))
         }
         _ => (),
     }
@@ -137,7 +142,7 @@ fn single(number: &serde_json::Number) -> Option<f32> {
     number.as_f64().map(|number| number as f32)
 }
 
-/// Stores settings in the flash of a part: `flash` is all of it, as it lies at [`pages::FLASH`].
+/// Stores settings in a flash; `flash` is the whole memory at [`pages::FLASH`].
 pub fn store(overrides: Overrides, flash: &mut [u8]) -> Result<(), Misfit> {
     let unstored = || Misfit(vec!["  the settings do not fit into their pages".to_owned()]);
     let from = (pages::START - pages::FLASH) as usize;
@@ -146,10 +151,10 @@ pub fn store(overrides: Overrides, flash: &mut [u8]) -> Result<(), Misfit> {
     settings.store(&Record { parameters: overrides, ..Record::default() }).map_err(|_| unstored())
 }
 
-/// The settings' pages as a flash that never fails.
+/// Pages of the settings as a flash that never fails.
 struct Bytes<'a>(&'a mut [u8]);
 
-/// Beyond the end, or off the grid.
+/// Access outside the pages, or misaligned.
 #[derive(Debug)]
 struct Outside(NorFlashErrorKind);
 
@@ -201,7 +206,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_images_own_configuration_needs_nothing_stored() {
+    fn the_built_in_configuration_needs_no_settings() {
         let built_in = nucleo_g474re::config::config();
         assert_eq!(overrides(&built_in, &built_in).unwrap().overrides, Overrides::new());
     }
@@ -211,12 +216,13 @@ mod tests {
         let loaded = load("dummy-load", &[]).unwrap();
         let asked = scene::settings::config(&loaded.scene.driven().unwrap());
         let stored = overrides(&asked, &nucleo_g474re::config::config()).unwrap().overrides;
-        // The scale factors of the two sense channels, a hair beside the board's, and the nominal values of its load.
+        // The scale factors of the two sense channels, which differ slightly, and the nominal
+        // values of its load.
         assert!(stored.len() < 6, "{stored:?}");
     }
 
     #[test]
-    fn what_is_stored_is_what_the_board_reads() {
+    fn the_board_reads_the_stored_settings() {
         let built_in = nucleo_g474re::config::config();
         let mut asked = built_in.clone();
         asked.drive.frequency_hz = 28e3;
@@ -228,11 +234,11 @@ mod tests {
         let from = (pages::START - pages::FLASH) as usize;
         let (record, state) = Settings::new(Bytes(&mut flash[from..])).unwrap().record();
         assert_eq!((record.parameters, state), (stored, StoredState::Stored));
-        assert!(flash[..from].iter().all(|&byte| byte == 0xff), "nothing else is written");
+        assert!(flash[..from].iter().all(|&byte| byte == 0xff), "only the settings are written");
     }
 
     #[test]
-    fn what_the_image_cannot_do_is_named() {
+    fn unsupported_settings_are_named() {
         let built_in = nucleo_g474re::config::config();
         let mut asked = built_in.clone();
         asked.front_end.drive_max_code = 1023;
@@ -246,7 +252,7 @@ mod tests {
             [1; 4],
             "{misfits:#?}"
         );
-        assert_eq!(misfits.last().unwrap(), "the limits fit with --set controller.limits.current_a=3");
+        assert_eq!(misfits.last().unwrap(), "lower the limits with --set controller.limits.current_a=3");
         assert_eq!(misfits.len(), 5, "{misfits:#?}");
     }
 }

@@ -1,7 +1,8 @@
-//! The same image on the interpreter of the crate `cortex-m4`, in this process and without an emulator.
+//! The image of the emulator on the processor of the crate `cortex-m4`, in this process.
 //!
-//! It is the machine that QEMU emulates for the image: flash, RAM, and files by semihosting. Each instruction takes a nanosecond, as with
-//! QEMU's `-icount shift=0`, and SysTick counts at 168 MHz, so that the image counts its instructions alike on both.
+//! It models the machine that QEMU emulates for the image: flash, RAM, and files by semihosting.
+//! Each instruction takes a nanosecond, as with `-icount shift=0` of QEMU. SysTick counts at 168
+//! MHz, so that the image counts the same number of instructions on both.
 
 use std::io::Read as _;
 use std::path::Path;
@@ -18,41 +19,45 @@ use pil::size::Size;
 
 use crate::semihosting::{Host, Waits};
 
-/// Flash and RAM of the STM32F405, bytes, and its bits of an interrupt priority.
+/// Flash of the STM32F405, bytes.
 const FLASH: usize = 1 << 20;
+/// RAM of the STM32F405, bytes.
 const RAM: usize = 128 << 10;
+/// Implemented bits of an interrupt priority of the STM32F405.
 const PRIORITY_BITS: u8 = 4;
-/// SysTick's counts, 168 MHz, in so many nanoseconds.
-const SYSTICK: (u32, u32) = (21, 125);
-/// More instructions than any answer takes.
-const PATIENCE: Cycle = 1_000_000_000;
+/// Number of SysTick counts in `SYSTICK_NS`, at 168 MHz.
+const SYSTICK_COUNTS: u32 = 21;
+/// Duration of `SYSTICK_COUNTS` counts, ns.
+const SYSTICK_NS: u32 = 125;
+/// Maximum number of instructions for an answer.
+const MAX_INSTRUCTIONS: Cycle = 1_000_000_000;
 
-/// The machine, and room for a record.
+/// Machine with a buffer for a record.
 struct Guest {
     machine: Machine<Host>,
     buffer: lockstep::Buffer,
 }
 
 impl Guest {
-    /// Sends a record and runs until the image waits for the next.
+    /// Sends a record, runs until the image waits for the next one, and decodes its answer.
     fn ask(&mut self, record: impl FnOnce(&mut lockstep::Buffer) -> Option<&[u8]>, answer: &mut impl Record) -> Result<(), Lost> {
-        let bytes = record(&mut self.buffer).ok_or_else(|| Lost("a question is too long".into()))?;
+        let bytes = record(&mut self.buffer).ok_or_else(|| Lost("the record is too long".into()))?;
         self.machine.chip.from_host.extend_from_slice(bytes);
-        match self.machine.run_until(self.machine.cycle() + PATIENCE) {
+        match self.machine.run_until(self.machine.cycle() + MAX_INSTRUCTIONS) {
             Err(stop) if stop.finding.is::<Waits>() => {}
             Err(stop) => return Err(Lost(stop.to_string())),
-            Ok(_) => return Err(Lost("the image gives no answer".into())),
+            Ok(_) => return Err(Lost("the image does not answer".into())),
         }
         let sent = std::mem::take(&mut self.machine.chip.to_host);
         match lockstep::receive(&mut self.buffer, |room| sent.as_slice().read(room)) {
             Ok(Some(body)) => lockstep::decode(body, answer)
-                .map_err(|_| Lost("its answer cannot be read: the image is not of this source".into())),
-            Ok(None) | Err(_) => Err(Lost("the image gives no answer".into())),
+                .map_err(|_| Lost("the answer cannot be decoded: the image is from another version of the source".into())),
+            Ok(None) | Err(_) => Err(Lost("the image does not answer".into())),
         }
     }
 }
 
-/// The controller as thumb code on the interpreter.
+/// Controller as Thumb code on the interpreter.
 pub struct Interpreter {
     guest: Guest,
     size: Size,
@@ -72,7 +77,7 @@ impl Interpreter {
         let machine = Machine::new(&elf, memory, Host::default(), PRIORITY_BITS);
         let mut machine = machine.map_err(|error| Lost(format!("the image cannot be loaded: {error}")))?;
         machine.set_timing(Timing::Instructions);
-        machine.set_systick_clock(SYSTICK.0, SYSTICK.1);
+        machine.set_systick_clock(SYSTICK_COUNTS, SYSTICK_NS);
         let mut guest = Guest { machine, buffer: lockstep::BUFFER };
         let mut opening = Opening::default();
         guest.ask(|buffer| lockstep::encode(config, buffer).ok(), &mut opening)?;

@@ -1,4 +1,5 @@
-//! The flashed image of the driver board, unmodified, on a model of its part, with the plant of a scene at its pins.
+//! The unmodified image of the driver board on a model of its microcontroller, with the plant of a
+//! scene at its pins.
 //!
 //! ```text
 //! ELF ------------> cortex-m4 <--> stm32g474 <--> Bench: amplifier, plant, emergency stop, serial line
@@ -6,13 +7,14 @@
 //!                                   Board: calls of the controller, by the image's variables -> Replay -> a run on the host
 //! ```
 //!
-//! [`Board`] runs it. [`configure`] stores a scene's configuration in its flash. [`variables`] reads what the image holds, by the debug information of its ELF, and
-//! [`recording`] replays on the host what its controller has seen. [`debugger`] holds it for GDB. [`linked`]
-//! connects it to a client. [`interpreter`] runs the image of the emulator on the same processor.
+//! [`Board`] runs the image. [`configure`] stores a scene's configuration in its flash.
+//! [`variables`] reads variables of the image by the debug information of its ELF. [`recording`]
+//! replays the calls of its controller on the host. [`debugger`] connects GDB, and [`linked`] a
+//! client. [`interpreter`] runs the image of the emulator on the same processor.
 //!
 //! # Example
 //!
-//! What of a scene the image takes over as stored settings, and what it has no parameter for:
+//! Settings of a scene that the image can store, and one that it cannot:
 //!
 //! ```
 //! use sonoglide_board::configure::{load, overrides};

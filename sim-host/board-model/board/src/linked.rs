@@ -1,12 +1,14 @@
-//! The flashed image on the model of its part, as a board that the client talks to, and as a processor that runs a scene.
+//! The image on the model of its microcontroller, as a board for a client and as the processor of a
+//! run.
 //!
 //! ```text
 //! scene, ELF --> board (plant at its pins) <-- serial line --> client: run --> recording --> replay: the processor of a run
 //! ```
 //!
-//! The image is not changed and not observed by itself: it receives its orders over its serial line. What it has seen and answered is recorded, and a
-//! run on the host replays it: the same controller returns the same codes to the same input, bit for bit, or the run fails. The rest of the
-//! run (metrics, tables, files) is that of any other processor.
+//! The image is not modified: it receives its commands over its serial line. The input and output
+//! of its controller are recorded, and a run on the host replays them. The same controller must
+//! return the same codes to the same input, bit for bit, or the run fails. Metrics, tables and
+//! files of the run are those of any other processor.
 
 use std::cell::RefCell;
 use std::io;
@@ -50,24 +52,24 @@ impl InProcess for Board {
     }
 }
 
-/// A modelled board that a debugger can hold. It is let go when the client is asked to end.
+/// Modelled board with a debugger, which is disconnected when the client is told to end.
 pub struct DebuggedBoard {
     debugged: Debugged,
     stop: &'static AtomicBool,
 }
 
 impl DebuggedBoard {
-    /// The board as a client meets it; `stop` asks that client to end.
+    /// Creates the board for a client; `stop` tells that client to end.
     pub fn new(debugged: Debugged, stop: &'static AtomicBool) -> Self {
         DebuggedBoard { debugged, stop }
     }
 
-    /// The board and its debugger.
+    /// Returns the board and its debugger.
     pub fn debugged(&self) -> &Debugged {
         &self.debugged
     }
 
-    /// The board and its debugger, to be run by another than a client.
+    /// Returns the board and its debugger, mutable, to be run without a client.
     pub fn debugged_mut(&mut self) -> &mut Debugged {
         &mut self.debugged
     }
@@ -101,73 +103,70 @@ impl InProcess for DebuggedBoard {
     }
 }
 
-/// Why a scene could not be run on the image.
+/// Error of a scene's run on the image.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    /// The board could not be started, or has stopped.
+    /// Board that could not be started, or has stopped.
     #[error(transparent)]
     Board(#[from] BoardError),
-    /// It does not answer as it should.
+    /// Missing or wrong answer of the board.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// It has answered, and never began to drive.
-    #[error("the board was ordered to run, and had not begun after {0:?}")]
+    /// Board that has answered, but does not drive.
+    #[error("the board did not start to drive within {0:?} after the run command")]
     Idle(Duration),
-    /// It was reset on the way.
+    /// Board that was reset before the end.
     #[error(
-        "the board was reset by {cause} before the scene had ended. Its longest block interrupt took {worst_cycles} cycles, and a block has \
-         {block_cycles}{}", too_slow(*worst_cycles, *block_cycles)
+        "the board was reset by {cause} before the end of the scene. Its longest block interrupt took {worst_cycles} cycles, and a \
+         block has {block_cycles}{}", too_slow(*worst_cycles, *block_cycles)
     )]
     Reset {
-        /// What has reset it.
+        /// Cause of the reset.
         cause: Reset,
-        /// Cycles of its longest block interrupt.
+        /// Cycles of the longest block interrupt.
         worst_cycles: u64,
         /// Cycles of a block.
         block_cycles: u64,
     },
-    /// Something else than its controller's codes left the DAC.
-    #[error("sample {0} that left the DAC is not the code that the controller returned for it")]
+    /// Sample of the DAC that differs from the controller's code.
+    #[error("the DAC played another code at sample {0} than the controller returned")]
     Played(usize),
-    /// The host does not return what the image returned.
+    /// Difference between the answers of the host and the image.
     #[error(transparent)]
     Lost(#[from] Lost),
 }
 
-/// What to do about blocks that are too long.
+/// Returns the advice for blocks that are too long.
 fn too_slow(worst: u64, block: u64) -> String {
-    if worst < block {
-        String::new()
-    } else {
-        format!(": `--board-speed {}` lets it take that part of its time", worst.div_ceil(block) + 1)
-    }
+    if worst < block { String::new() } else { format!(": use `--board-speed {}` to scale its time", worst.div_ceil(block) + 1) }
 }
 
-/// The longest that a board may take from its first order to its first block of it.
-const BEGINS_WITHIN: Duration = Duration::from_millis(100);
+/// Maximum time from the run command to the first block of the scene.
+const START_TIMEOUT: Duration = Duration::from_millis(100);
 
-/// Runs a scene on an image, and gives its replay.
+/// Runs a scene on an image and returns its replay.
 pub fn record(elf: &[u8], scene: &Driven, options: Options, stop: &'static AtomicBool) -> Result<Replay, RecordError> {
     record_on(Board::start(elf, scene, Options { record: true, ..options })?, scene, stop)
 }
 
-/// Runs a scene on a board that was started with it, and [records](Options::record), and gives its replay.
+/// Runs a scene on a board that was started with it and [records](Options::record). Returns its
+/// replay.
 pub fn record_on(board: Board, scene: &Driven, stop: &'static AtomicBool) -> Result<Replay, RecordError> {
     let board = Rc::new(RefCell::new(board));
     let mut client = Client::new(Box::new(Simulated::new("the modelled board", board.clone(), false)), stop, |_| ());
     let ordered = order(&mut client, scene);
-    // A board that is reset answers too late, or not at all: the reset is the cause.
+    // After a reset the board answers late or not at all; the reset is the cause to report.
     reset(&board.borrow())?;
     ordered?;
     let ordered = board.borrow().now();
-    // What is masked while it starts delays no block.
+    // Drops masked times of the start, which delay no block.
     board.borrow_mut().take_load();
     let block_s = f64::from(scene.controller.block_samples) / scene.sensors.sample_hz;
     let blocks = (scene.duration_s / block_s).ceil() as usize;
     let mut later = friction_orders(scene);
     loop {
         let played = board.borrow().bench().first_block().map_or(0, |first| board.borrow().calls.len().saturating_sub(first));
-        // Those that the run asks for, and those in which their codes play.
+        // The blocks of the run, and those in which their codes play.
         if played > blocks + LATENCY_BLOCKS || stop.load(Ordering::Relaxed) {
             break;
         }
@@ -177,8 +176,8 @@ pub fn record_on(board: Board, scene: &Driven, stop: &'static AtomicBool) -> Res
         let mut board = board.borrow_mut();
         board.run_block()?;
         reset(&board)?;
-        if board.bench().first_block().is_none() && board.now() > ordered + BEGINS_WITHIN {
-            return Err(RecordError::Idle(BEGINS_WITHIN));
+        if board.bench().first_block().is_none() && board.now() > ordered + START_TIMEOUT {
+            return Err(RecordError::Idle(START_TIMEOUT));
         }
     }
     let mut board = board.borrow_mut();
@@ -191,7 +190,7 @@ pub fn record_on(board: Board, scene: &Driven, stop: &'static AtomicBool) -> Res
     Ok(Replay::new(board.config(), calls, board.bench().first_block().unwrap_or(0), load, cut)?)
 }
 
-/// Orders the board to run, without a host timeout.
+/// Sends the run command, without a host timeout.
 fn order(client: &mut Client, scene: &Driven) -> Result<(), LinkError> {
     client.connect()?;
     let detune = Hertz(scene.controller.drive.detune_hz as f32);
@@ -202,7 +201,8 @@ fn order(client: &mut Client, scene: &Driven) -> Result<(), LinkError> {
     orders.into_iter().try_for_each(|order| client.order(order))
 }
 
-/// Friction ratios that a scene orders while it runs, and when, s; the last one first.
+/// Returns the friction ratios that a scene commands during its run, with their times, s; the last
+/// one first.
 fn friction_orders(scene: &Driven) -> Vec<(f64, Command)> {
     let friction = scene.controller.friction.iter();
     let steps = friction.flat_map(|friction| friction.step_s.iter().zip(&friction.step_ratio).rev());

@@ -1,7 +1,8 @@
-//! What the controller of an image has seen and answered, block by block, and its replay on the host.
+//! Recording of the calls of an image's controller, block by block, and its replay on the host.
 //!
-//! The controller decides by orders, trims and sense blocks alone. A host that runs the same controller on a recording of these returns the same
-//! codes, bit for bit, or the image has computed something else than the source says.
+//! The controller depends only on commands, trims and sense blocks. The same controller on the host
+//! must return the same codes for a recording of these, bit for bit; otherwise the image computes
+//! something else than the source.
 
 use firmware::controller::Controller;
 use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS, MAX_LANES, Orders, SenseBlock};
@@ -10,27 +11,28 @@ use firmware::seam::telemetry::Telemetry;
 use nucleo_g474re::config::SILENCE;
 use sim::processor::{Load, Lost, Processor};
 
-/// Samples of a block within which the board's multiplexer has switched.
-const SWITCHING: usize = 4;
+/// Number of samples at the start of a block in which the board's multiplexer switches.
+const SWITCH_SAMPLES: usize = 4;
 
-/// One call of the controller in the image.
+/// Call of the controller in the image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Call {
-    /// Orders in force.
+    /// Commands in force.
     pub orders: Orders,
-    /// Trims that were taken over before the call.
+    /// Trims that were applied before the call.
     pub trims: Option<LaneTrims>,
-    /// What the converters and the slow sensors gave.
+    /// Samples of the converters and the slow sensors.
     pub sense: SenseBlock,
-    /// What the controller returned, to play two blocks later.
+    /// Codes that the controller returned, to play two blocks later.
     pub drive: DriveBlock,
-    /// Where the controller dropped the queue: the sample of the block that was playing from which silence left the DACs.
+    /// Sample of the playing block from which the DACs are silent, if the controller dropped the
+    /// queue.
     pub silent_from: Option<usize>,
-    /// Instructions and cycles of the interrupt that made the call.
+    /// Instructions and cycles of the interrupt of the call.
     pub taken: (u32, u32),
 }
 
-/// A replay of the calls that an image has made of its controller.
+/// Replay of the recorded calls of an image's controller.
 pub struct Replay {
     controller: Controller,
     calls: std::vec::IntoIter<Call>,
@@ -38,18 +40,22 @@ pub struct Replay {
     taken: (u32, u32),
     silent_from: Option<usize>,
     load: Load,
-    /// The block in which the amplifier was off under a code for the first time.
+    /// First block in which the amplifier was off although a code played.
     cut: Option<u64>,
-    /// The controller has reported a fault.
+    /// `true` after the controller has reported a fault.
     faulted: bool,
-    /// The lanes that the last answers order to be measured: first those of the block before the measured one, and of the measured one.
+    /// Lanes that the last answers select for measurement, beginning with the block before the
+    /// measured one.
     listens: [u8; LATENCY_BLOCKS + 2],
 }
 
 impl Replay {
-    /// A controller with the image's configuration that has seen the first `before` calls; the others follow by [`process`](Processor::process). `load` is
-    /// what the image's processor was busy with, and `cut` the block in which the amplifier was off under a code for the first time: that must be by a
-    /// fault. From there on the plant of a replay, whose amplifier plays to the end, need not give what the board has sampled.
+    /// Creates a controller with the image's configuration and replays the first `before` calls;
+    /// the others follow by [`process`](Processor::process).
+    ///
+    /// `load` is the use of the image's processor. `cut` is the first block in which the amplifier
+    /// was off although a code played, which requires a fault. From there on the plant of the
+    /// replay may differ from the board's samples, because its amplifier plays to the end.
     pub fn new(config: &Config, calls: Vec<Call>, before: usize, load: Load, cut: Option<u64>) -> Result<Self, Lost> {
         let controller = Controller::build(config).map_err(|error| Lost(error.to_string()))?;
         let mut drive = controller.silence();
@@ -71,7 +77,7 @@ impl Replay {
         Ok(replay)
     }
 
-    /// One call; fails where the host returns other codes than the image.
+    /// Replays one call. Fails if the host returns other codes than the image.
     fn next(&mut self, drive: &mut DriveBlock) -> Result<(SenseBlock, Telemetry), Lost> {
         let block = self.block;
         self.block += 1;
@@ -86,18 +92,18 @@ impl Replay {
         self.faulted |= telemetry.fault.is_some();
         if self.is_cut() && !self.faulted {
             return Err(Lost(format!(
-                "the amplifier was off in block {block}, which played, and no fault says why: a trip, or an enable that came too late"
+                "the amplifier was off in block {block}, which played, without a fault: a trip, or a late enable"
             )));
         }
         if *drive != call.drive {
-            return Err(Lost(format!("in block {block} the image computed other codes than the host does from the same input")));
+            return Err(Lost(format!("in block {block} the image computed other codes than the host from the same input")));
         }
         Ok((call.sense, telemetry))
     }
 }
 
 impl Replay {
-    /// Whether the amplifier was off in the block that was processed last, or before.
+    /// Returns `true` if the amplifier was off in the last processed block, or earlier.
     fn is_cut(&self) -> bool {
         self.cut.is_some_and(|cut| self.block > cut)
     }
@@ -108,14 +114,16 @@ impl Processor for Replay {
         self.controller.silence()
     }
 
-    /// The orders are those of the recording. The sense codes have to be the recorded ones: the plant of a replay is that of the recording.
+    /// Replays the next recorded call; `orders` are ignored. The sense codes must equal the
+    /// recorded ones, because the plant is the same.
     fn process(&mut self, _orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost> {
         let (seen, telemetry) = self.next(drive)?;
-        // The plant of a replay listens to another lane from the first sample of a block on, and the board from its interrupt on.
-        let first = if self.listens[0] == self.listens[1] { 0 } else { SWITCHING };
+        // The plant of a replay switches lanes at the first sample of a block, the board in its
+        // interrupt.
+        let first = if self.listens[0] == self.listens[1] { 0 } else { SWITCH_SAMPLES };
         let differs = |seen: &[u16], sense: &[u16]| seen.get(first..) != sense.get(first..);
         if (differs(&seen.v, &sense.v) || differs(&seen.i, &sense.i)) && !self.is_cut() {
-            return Err(Lost(format!("in block {} the plant gives other codes than the board has sampled", self.block - 1)));
+            return Err(Lost(format!("in block {} the plant returns other codes than the board sampled", self.block - 1)));
         }
         Ok(telemetry)
     }
@@ -137,14 +145,15 @@ impl Processor for Replay {
     }
 }
 
-/// Notes from which sample on each queue that was dropped was silent. Returns the first sample at which the codes that left the DACs differ from those that
-/// the controller returned; none where all are the same.
+/// Compares the codes at the DACs with those of the controller, and returns the first sample at
+/// which they differ. Records the first silent sample of each dropped queue.
 ///
-/// A block plays [`LATENCY_BLOCKS`] blocks after its sense block. One that was dropped plays as it was returned, and from some sample on silence.
+/// A block plays [`LATENCY_BLOCKS`] blocks after its sense block. A dropped block plays as it was
+/// returned up to some sample, and then silence.
 pub fn compare(calls: &mut [Call], played: &[[u16; MAX_LANES]]) -> Option<usize> {
     let samples = calls.first()?.drive.lanes.first()?.len();
     for block in LATENCY_BLOCKS..=calls.len() {
-        // The answer of the call between had dropped it, or not.
+        // The answer of the call between them may have dropped it.
         let answered = &calls[block - LATENCY_BLOCKS].drive.lanes;
         let dropped = calls[block - 1].drive.drops_queue;
         let first = block * samples;

@@ -1,20 +1,21 @@
-//! Resets of the part, and their causes.
+//! Resets of the microcontroller and their causes.
 
 use std::fmt;
 
 use cortex_m4::Cycle;
 
-/// A reset of the part.
+/// Reset of the microcontroller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reset {
-    /// When.
+    /// Cycle of the reset.
     pub at: Cycle,
-    /// Its flags in RCC_CSR.
+    /// Flags in RCC_CSR.
     pub(crate) flags: u32,
 }
 
 impl fmt::Display for Reset {
-    /// Its cause, by the flags of RCC_CSR (RM0440 7.4.28): the first one of these, as every reset pulls the pin too.
+    /// Writes the cause from the flags of RCC_CSR (RM0440 7.4.28): the first flag of this list,
+    /// because every reset also pulls the pin.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let causes = [
             (29, "the independent watchdog"),

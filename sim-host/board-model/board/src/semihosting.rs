@@ -1,28 +1,30 @@
-//! The files of a host behind the breakpoints of an image: ARM's semihosting, as far as the image uses it.
+//! Semihosting of ARM, limited to the calls of the image: files of the host through breakpoints.
 
 use cortex_m4::{Access, Breakpoint, Chip, Cycle, Fault, Memory, Ports};
 
-/// The files that the image opens: from the host, to the host, and its messages.
+/// Handle of the file of records from the host.
 const FROM_HOST: u32 = 3;
+/// Handle of the file of records to the host.
 const TO_HOST: u32 = 4;
+/// Handle of the messages.
 const MESSAGES: u32 = 2;
 
-/// The image waits for a record.
+/// Finding that the image waits for a record.
 #[derive(Debug, thiserror::Error)]
 #[error("the image waits for a record")]
 pub struct Waits;
 
-/// The image has ended, or does what it should not.
+/// Finding that the image has ended, or makes an unknown call.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 struct Ended(String);
 
-/// Semihosting, and nothing else.
+/// Chip with semihosting and nothing else.
 #[derive(Default)]
 pub struct Host {
-    /// What the image has still to read.
+    /// Bytes that the image has not read yet.
     pub from_host: Vec<u8>,
-    /// What it has written.
+    /// Bytes that the image has written.
     pub to_host: Vec<u8>,
     messages: String,
 }
@@ -71,7 +73,8 @@ impl Chip for Host {
                     _ => MESSAGES,
                 }))
             }
-            // SYS_WRITE: a file, bytes and how many; the answer is how many are left.
+            // SYS_WRITE: a file, bytes and their number; returns the number of bytes that are not
+            // written.
             0x05 => {
                 let bytes = memory.get(block(1), block(2) as usize).unwrap_or_default();
                 match block(0) {
@@ -80,7 +83,8 @@ impl Chip for Host {
                 }
                 Ok(Some(0))
             }
-            // SYS_READ, alike.
+            // SYS_READ: a file, an address and a number of bytes; returns the number that is not
+            // read.
             0x06 => {
                 let (to, len) = (block(1), block(2) as usize);
                 let count = len.min(self.from_host.len());
@@ -94,7 +98,7 @@ impl Chip for Host {
             }
             // SYS_EXIT and SYS_EXIT_EXTENDED
             0x18 | 0x20 => ended(format!("the image has ended: {}", self.messages.trim())),
-            other => ended(format!("semihosting {other:#04x} is not served")),
+            other => ended(format!("semihosting call {other:#04x} is not supported")),
         }
     }
 }

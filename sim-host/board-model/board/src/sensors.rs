@@ -1,13 +1,13 @@
-//! The slow sensors at the pins: the belt's encoder, the force channel, the temperature.
+//! Slow sensors at the pins: belt encoder, force channel, temperature.
 //!
-//! | sensor | pins | at the pins |
+//! | sensor | pins | signal |
 //! |---|---|---|
-//! | encoder | PB2, PC12; complements PC10, PC11 | two channels in quadrature, a count an edge; TIM5 counts the position |
-//! | force | PB0 | mid-scale is zero, [`newton_per_lsb`] a code of the sum |
-//! | temperature | | that of the die |
+//! | encoder | PB2, PC12; complements PC10, PC11 | two channels in quadrature, one count per edge; TIM5 counts the position |
+//! | force | PB0 | mid-scale is zero, [`newton_per_lsb`] per code of the sum |
+//! | temperature | | temperature of the die |
 //!
-//! What a plant's sensors say at the end of a block stands until the end of the next. Faults of sensors strike on the way, as they do in a simulation
-//! without a part.
+//! The readings of a plant's sensors at the end of a block hold until the end of the next one.
+//! Faults of sensors change them before the pins, as in a simulation without the microcontroller.
 
 use firmware::seam::block::{BeltSense, DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
@@ -16,49 +16,53 @@ use nucleo_g474re::config::{FORCE_CONVERSIONS, SILENCE};
 use scene::Driven;
 use stm32g474::{Drive, Pin};
 
-/// Channels A and B of the encoder, and their complements.
+/// Channel A of the encoder.
 const A: Pin = Pin::new('B', 2);
+/// Channel B of the encoder.
 const B: Pin = Pin::new('C', 12);
+/// Complement of channel A.
 const NOT_A: Pin = Pin::new('C', 10);
+/// Complement of channel B.
 const NOT_B: Pin = Pin::new('C', 11);
-/// Temperature of a die that the scene says nothing of, degrees Celsius.
+/// Default temperature of the die, degrees Celsius.
 const AMBIENT_C: f64 = 30.0;
-/// Noise of a force channel that the scene says nothing of, N.
+/// Default noise of the force channel, N.
 const FORCE_NOISE_N: f64 = 5e-3;
 
-/// Force of a code of the sum of a block's conversions, N: a code of one conversion is the noise of the channel. None where there is no force channel.
+/// Returns the force per code of the sum of a block's conversions, N; `None` without a force
+/// channel. A code of one conversion equals the noise of the channel.
 pub fn newton_per_lsb(scene: &Driven) -> Option<f32> {
     let noise_n = Some(scene.sensors.force_noise_n).filter(|noise_n| *noise_n > 0.0).unwrap_or(FORCE_NOISE_N);
     scene.sensors.force_hz.map(|_| (noise_n / f64::from(FORCE_CONVERSIONS)) as f32)
 }
 
-/// What the plant's sensors have said, on its way through the scene's faults.
+/// Readings of the plant's sensors, as the source of the scene's fault injector.
 #[derive(Clone, Debug, Default)]
-struct Said(SlowSense);
+struct Readings(SlowSense);
 
-impl Analog for Said {
+impl Analog for Readings {
     fn exchange(&mut self, _: &DriveBlock, sense: &mut SenseBlock) {
         sense.slow = self.0;
     }
 }
 
-/// The slow sensors of a scene.
+/// Slow sensors of a scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Sensors {
-    faults: FaultInjector<Said>,
+    faults: FaultInjector<Readings>,
     has_encoder: bool,
     newton_per_lsb: Option<f64>,
     latest: SlowSense,
-    /// Conversions of the force channel since its last reading changed.
+    /// Number of force conversions since the last update.
     conversions: u32,
 }
 
 impl Sensors {
-    /// The sensors of a scene, at rest.
-    pub fn of(scene: &Driven) -> Self {
+    /// Creates the sensors of a scene, at rest.
+    pub fn new(scene: &Driven) -> Self {
         let block_s = f64::from(scene.controller.block_samples) / scene.sensors.sample_hz;
         let front_end = scene::settings::front_end(scene.sensors, scene.amplifier);
-        let mut faults = FaultInjector::new(Said::default(), &front_end, scene.seed);
+        let mut faults = FaultInjector::new(Readings::default(), &front_end, scene.seed);
         sim::run::faults(scene, block_s).for_each(|fault| faults.schedule(fault));
         Sensors {
             faults,
@@ -69,12 +73,13 @@ impl Sensors {
         }
     }
 
-    /// Takes what the plant's sensors say at the end of a block; where the scene is under way, through its faults.
-    pub fn update(&mut self, said: SlowSense, under_way: bool) {
-        self.latest = said;
+    /// Takes the readings of the plant's sensors at the end of a block. During the scene its faults
+    /// are applied.
+    pub fn update(&mut self, readings: SlowSense, under_way: bool) {
+        self.latest = readings;
         self.conversions = 0;
         if under_way {
-            self.faults.inner.0 = said;
+            self.faults.inner.0 = readings;
             let mut sense = SenseBlock::default();
             self.faults.exchange(&DriveBlock::default(), &mut sense);
             self.latest = sense.slow;
@@ -85,17 +90,17 @@ impl Sensors {
         self.latest.belt.unwrap_or_default()
     }
 
-    /// Position of the encoder, edges.
+    /// Returns the position of the encoder, edges.
     pub fn counts(&self) -> i32 {
         self.belt().counts
     }
 
-    /// Temperature of the die, degrees Celsius.
+    /// Returns the temperature of the die, degrees Celsius.
     pub fn celsius(&self) -> f64 {
         self.latest.temperature.map_or(AMBIENT_C, f64::from)
     }
 
-    /// Code that a conversion of the force channel finds: those of a block add up to the reading, to the nearest.
+    /// Returns the code of a force conversion. The codes of a block add up to the rounded reading.
     pub fn force_code(&mut self) -> Option<u16> {
         let sum = f64::from(self.latest.force.unwrap_or(0.0)) / self.newton_per_lsb?;
         let conversions = i64::from(FORCE_CONVERSIONS);
@@ -104,13 +109,13 @@ impl Sensors {
         Some(code.clamp(0, 4095) as u16)
     }
 
-    /// Levels of the encoder's wires at a port, on top of what others do there. One that is broken is low.
+    /// Adds the levels of the encoder's wires at a port to `drive`. A broken wire is low.
     pub fn levels(&self, port: u8, mut drive: Drive) -> Drive {
         if !self.has_encoder {
             return drive;
         }
         let BeltSense { counts, broken } = self.belt();
-        // Up: A, both, B, none.
+        // Order of counts: A, both, B, none.
         let (a, b) = (matches!(counts & 3, 1 | 2), matches!(counts & 3, 2 | 3));
         for (pin, level) in [(A, a && !broken), (NOT_A, !a && !broken), (B, b), (NOT_B, !b)] {
             if pin.port == port {
@@ -127,7 +132,7 @@ mod tests {
     use super::*;
 
     fn sensors(scene: &str) -> Sensors {
-        Sensors::of(&scene::load::load(scene, &[]).unwrap().scene.driven().unwrap())
+        Sensors::new(&scene::load::load(scene, &[]).unwrap().scene.driven().unwrap())
     }
 
     #[test]
@@ -146,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn one_wire_changes_with_each_count_and_complements_contradict() {
+    fn each_count_changes_one_wire_and_complements_differ() {
         let mut sensors = sensors("belt-stop");
         let mut levels = |counts, broken| {
             sensors.update(SlowSense { belt: Some(BeltSense { counts, broken }), ..SlowSense::default() }, false);

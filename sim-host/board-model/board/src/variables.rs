@@ -1,7 +1,8 @@
-//! What the variables of an image hold, by the debug information of its ELF.
+//! Values of an image's variables, by the debug information of its ELF.
 //!
-//! The image is not changed for it: DWARF says where a static stands, and what each byte of its type means. A value is read into any type that
-//! derives `Deserialize`, field by field and by name, so that the host needs to know nothing about the layout that the compiler chose.
+//! The image is not modified: DWARF contains the address of a static and the meaning of each byte
+//! of its type. A value is read into any type that derives `Deserialize`, by field names, so that
+//! the host does not depend on the layout that the compiler chose.
 //!
 //! ```text
 //! ELF .debug_info --> Layout (offsets, variants) --+
@@ -25,44 +26,44 @@ pub use read::{Memory, ReadError};
 
 use layout::Types;
 
-/// Why the variables of an image cannot be read.
+/// Error that prevents reading the variables of an image.
 #[derive(Debug, thiserror::Error)]
 pub enum DebugInfoError {
-    /// The file is no ELF.
-    #[error("this is no ELF file: {0}")]
+    /// File that is not an ELF file.
+    #[error("not an ELF file: {0}")]
     Elf(#[from] object::Error),
-    /// The debug information is absent or damaged.
+    /// Damaged debug information.
     #[error("its debug information cannot be read: {0}")]
     Dwarf(#[from] gimli::Error),
-    /// The image was stripped.
+    /// Image without debug information.
     #[error("it has no debug information (.debug_info): it was stripped, or built without `debug = \"full\"`")]
     Stripped,
 }
 
-/// The statics of an image, by name.
+/// Statics of an image, by name.
 #[derive(Clone, Debug, Default)]
 pub struct Variables {
     statics: HashMap<String, Place>,
 }
 
-/// Where a value stands in the image's memory, and what it is.
+/// Address and type of a value in the image's memory.
 #[derive(Clone, Debug)]
 pub struct Place {
-    /// Address of its first byte.
+    /// Address of the first byte.
     pub address: u32,
-    /// Its type.
+    /// Type of the value.
     pub layout: Arc<Layout>,
 }
 
 impl Place {
-    /// A field of a structure.
+    /// Returns a field of a structure.
     pub fn field(&self, name: &str) -> Option<Place> {
         let Kind::Struct(members) = &self.layout.kind else { return None };
         let member = members.iter().find(|member| member.name == name)?;
         Some(Place { address: self.address + member.offset, layout: member.layout.clone() })
     }
 
-    /// An element of an array, through wrappers of one field.
+    /// Returns an element of an array, through wrappers of one field.
     pub fn element(&self, index: usize) -> Option<Place> {
         match &self.layout.kind {
             Kind::Array(layout, count) if index < *count as usize => {
@@ -76,7 +77,7 @@ impl Place {
         }
     }
 
-    /// What a reference, or an `Option` of one, points to; none while it is `None`.
+    /// Returns the target of a reference or of an `Option` of one; `None` for a null reference.
     pub fn target(&self, memory: &dyn Memory) -> Option<Place> {
         let mut bytes = [0; 4];
         let layout = pointed(&self.layout)?;
@@ -85,13 +86,13 @@ impl Place {
         (address != 0).then_some(Place { address, layout })
     }
 
-    /// The value.
+    /// Reads the value.
     pub fn read<T: DeserializeOwned>(&self, memory: &dyn Memory) -> Result<T, ReadError> {
         read::read(&self.layout, self.address, memory)
     }
 }
 
-/// The type behind a pointer that fills all of `layout`.
+/// Returns the target type of a pointer that fills all of `layout`.
 fn pointed(layout: &Layout) -> Option<Arc<Layout>> {
     match &layout.kind {
         Kind::Pointer(target) => Some(target.clone()),
@@ -102,8 +103,8 @@ fn pointed(layout: &Layout) -> Option<Arc<Layout>> {
 }
 
 impl Variables {
-    /// The statics of an ELF file with these names.
-    pub fn of(elf: &[u8], names: &[&str]) -> Result<Self, DebugInfoError> {
+    /// Finds the statics of an ELF file with these names.
+    pub fn from_elf(elf: &[u8], names: &[&str]) -> Result<Self, DebugInfoError> {
         let file = object::File::parse(elf)?;
         if file.section_by_name(".debug_info").is_none() {
             return Err(DebugInfoError::Stripped);
@@ -131,13 +132,14 @@ impl Variables {
         Ok(Variables { statics })
     }
 
-    /// A static by its name.
+    /// Returns a static by its name.
     pub fn get(&self, name: &str) -> Option<&Place> {
         self.statics.get(name)
     }
 }
 
-/// The fixed address of a variable: `DW_OP_addr`, moved by `DW_OP_plus_uconst` where statics were merged into one.
+/// Returns the fixed address of a variable: `DW_OP_addr`, plus `DW_OP_plus_uconst` if statics were
+/// merged into one.
 fn address_of<R: gimli::Reader<Offset = usize>>(
     entry: &gimli::DebuggingInformationEntry<R>,
     unit: &gimli::Unit<R>,

@@ -1,4 +1,5 @@
-//! What hangs on the pins of the Nucleo-G474RE: amplifier, plant, sense channels, emergency stop and the host's serial line.
+//! Circuit at the pins of the Nucleo-G474RE: amplifier, plant, sense channels, emergency stop and
+//! the host's serial line.
 //!
 //! ```text
 //! DAC1, or DAC3 and DAC4 -> amplifiers, while PA10 is high -> plant -> V (PA0), I (PA1 and PA7), of the lane of PC8 and PC9
@@ -7,8 +8,9 @@
 //! PA6 <- fault output of the amplifier                 PA9 -> status LED
 //! ```
 //!
-//! Offset, noise and rounding of the converters are those of the scene's plant. A plant adds up the conversions of a sample; each of the two that the
-//! part makes finds half of that sum at its pin.
+//! Offset, noise and rounding of the converters are part of the scene's plant. A plant returns the
+//! sum of the conversions of a sample. The pin gives half of that sum to each of the two
+//! conversions of the microcontroller.
 
 use std::collections::VecDeque;
 
@@ -23,102 +25,105 @@ use stm32g474::{Drive, Level, Pin, Received, Wires};
 use crate::reset::Reset;
 use crate::sensors::Sensors;
 
-/// Address of the multiplexer of the sense channels.
+/// Address pins of the multiplexer of the sense channels.
 const LISTEN: [Pin; 2] = [Pin::new('C', 8), Pin::new('C', 9)];
-/// The force channel.
+/// Input of the force channel.
 const FORCE: Pin = Pin::new('B', 0);
 /// Amplifier enable.
 const ENABLE: Pin = Pin::new('A', 10);
-/// The voltage channel.
+/// Input of the voltage channel.
 const VOLTAGE: Pin = Pin::new('A', 0);
-/// The current channel, and the comparator of its negative trip.
+/// Inputs of the current channel, and of the comparator of its negative trip.
 const CURRENT: [Pin; 2] = [Pin::new('A', 1), Pin::new('A', 7)];
 /// Emergency stop: high while it is not pressed.
 const STOP: Pin = Pin::new('C', 3);
-/// The amplifier's fault output, open drain: low while it has one.
+/// Fault output of the amplifier, open drain: low during a fault.
 const AMPLIFIER_FAULT: Pin = Pin::new('A', 6);
-/// The status LED.
+/// Status LED.
 const LED: Pin = Pin::new('A', 9);
-/// Cycles of a sample: 170 MHz, 1 MHz.
+/// Cycles of a sample: 170 MHz / 1 MHz.
 const SAMPLE_CYCLES: Cycle = 170;
-/// Volts of a code of the ADC.
+/// Voltage per code of the ADC, V.
 const VOLT_PER_CODE: f64 = 3.3 / 4096.0;
-/// The code of zero at the sense channels, of one conversion.
+/// Code of zero at the sense channels, for one conversion.
 const ZERO: u16 = 2048;
 
-/// A change of the amplifier's enable, or of the status LED.
+/// Change of the amplifier's enable, or of the status LED.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
-    /// When.
+    /// Cycle of the change.
     pub at: Cycle,
-    /// To what.
+    /// New level.
     pub high: bool,
 }
 
-/// The plant, and when its time runs.
+/// Plant, and state of the scene's time.
 #[derive(Clone, Debug)]
 enum Scene {
-    /// At rest: every block begins with the plant as the scene describes it, until the image has an order.
+    /// At rest: until the image has its command, each block begins with the initial plant of the
+    /// scene.
     Waiting { fresh: Box<Stream>, now: Box<Stream> },
-    /// The scene is under way.
+    /// Scene in progress.
     Running(Box<Stream>),
 }
 
-/// The wires of a board.
+/// Circuit at the pins of a board.
 #[derive(Clone, Debug)]
 pub struct Bench {
     scene: Scene,
-    /// Codes of the two conversions of the present sample, of voltage and of current.
+    /// Codes of the two conversions of the current sample, of voltage and of current.
     conversions: [[u16; CONVERSIONS as usize]; 2],
-    /// When the present sample began.
+    /// First cycle of the current sample.
     began: Cycle,
-    /// Samples played since the DAC was first triggered.
+    /// Number of samples played since the first trigger of the DAC.
     samples: usize,
-    /// Codes that left the DACs in them, of each lane, if they are recorded.
+    /// Codes at the DACs in these samples, of each lane, if they are recorded.
     pub codes: Option<Vec<[u16; MAX_LANES]>>,
-    /// Lanes that play: two at most by DAC1, more by DAC3 and DAC4.
+    /// Number of lanes: up to two by DAC1, more by DAC3 and DAC4.
     lanes: u8,
     sensors: Sensors,
-    /// The lane whose voltage and current are measured.
+    /// Lane whose voltage and current are measured.
     listen: u8,
     block_samples: usize,
-    /// The scene is to begin with the next block.
+    /// `true` if the scene begins with the next block.
     ordered: bool,
     first_block: Option<usize>,
     enabled: bool,
     /// Changes of the enable so far.
     pub edges: Vec<Edge>,
-    /// When the last sample began in which the amplifier was on and had a code other than silence.
+    /// First cycle of the last sample in which the amplifier was on with a code other than silence.
     pub last_driven: Cycle,
-    /// The first sample with a code other than silence while the amplifier was off, which plays zero volts then.
+    /// First sample with a code other than silence while the amplifier was off, which gives zero
+    /// volts.
     pub first_lost: Option<usize>,
-    /// Resets of the part so far.
+    /// Resets of the microcontroller so far.
     pub resets: Vec<Reset>,
-    /// From when on the emergency stop is pressed, or its wire broken.
+    /// Cycle from which the emergency stop is pressed, or its wire broken.
     stop_pressed: Option<Cycle>,
-    /// From when on the amplifier reports a fault.
+    /// Cycle from which the amplifier reports a fault.
     amplifier_failed: Option<Cycle>,
     /// Changes of the status LED so far.
     pub led: Vec<Edge>,
-    /// Analog pins that stand at a voltage from some time on, V.
+    /// Analog pins that are tied to a voltage, V, from a cycle on.
     tied: Vec<(Cycle, Pin, f64)>,
-    /// Changes of the wires by themselves that the part has not looked at yet, in order.
+    /// Cycles of planned changes that the microcontroller has not read yet, in order.
     changes: VecDeque<Cycle>,
-    /// The next so many bytes to the board arrive with a stop bit that is low.
+    /// Number of next bytes to the board that arrive with a low stop bit.
     pub bad_stop_bits: u32,
-    /// The codes that the DACs hold, of each lane.
+    /// Codes in the DACs, of each lane.
     held: [u16; MAX_LANES],
-    /// Bytes on their way to the board.
+    /// Bytes in transit to the board.
     pub to_board: VecDeque<u8>,
     /// Bytes that the board has sent.
     pub to_host: VecDeque<u8>,
 }
 
 impl Bench {
-    /// A board whose plant waits for an order; `block_samples` samples are a block, on so many lanes. What leaves the DACs is recorded if asked for.
+    /// Creates a circuit whose plant waits for the run command, with `block_samples` samples per
+    /// block and `lanes` lanes. `record` records the codes at the DACs.
     pub fn new(scene: &Driven, lanes: u8, block_samples: usize, record: bool) -> Self {
         let plant = Stream::new(Plant::new(scene), lanes.into(), block_samples);
-        let sensors = Sensors::of(scene);
+        let sensors = Sensors::new(scene);
         let scene = Scene::Waiting { fresh: Box::new(plant.clone()), now: Box::new(plant) };
         Bench {
             scene,
@@ -149,62 +154,63 @@ impl Bench {
         }
     }
 
-    /// Lets the scene's time run from the next block on.
+    /// Starts the scene's time at the next block.
     pub fn begin(&mut self) {
         self.ordered = true;
     }
 
-    /// The first block of the scene, counted from the first one that the converters have played; none before it has begun.
+    /// Returns the first block of the scene, counted from the first played block; `None` before the
+    /// scene has begun.
     pub fn first_block(&self) -> Option<usize> {
         self.first_block
     }
 
-    /// Presses the emergency stop at a cycle that is to come; its contact stays open.
+    /// Presses the emergency stop at a future cycle; its contact stays open.
     pub fn press_stop(&mut self, at: Cycle) {
         self.stop_pressed = Some(at);
         self.plan(at);
     }
 
-    /// From a cycle on the amplifier reports a fault; never, or no longer, by none.
+    /// Sets the cycle from which the amplifier reports a fault; `None` clears it.
     pub fn fail_amplifier(&mut self, at: Option<Cycle>) {
         self.amplifier_failed = at;
     }
 
-    /// From a cycle that is to come on an analog pin stands at a voltage, V: a wire that is broken, or shorted to something else.
+    /// Ties an analog pin to a voltage, V, from a future cycle on: a broken wire, or a short.
     pub fn tie(&mut self, at: Cycle, pin: Pin, volts: f64) {
         self.tied.push((at, pin, volts));
         self.plan(at);
     }
 
-    /// The part is to look at the wires at a cycle.
+    /// Plans a change, so that the microcontroller reads the pins at a cycle.
     fn plan(&mut self, at: Cycle) {
         self.changes.push_back(at);
         self.changes.make_contiguous().sort_unstable();
     }
 
-    /// The part has looked at the wires.
-    fn seen(&mut self, at: Cycle) {
+    /// Removes the changes that the microcontroller has read.
+    fn mark_read(&mut self, at: Cycle) {
         while self.changes.front().is_some_and(|change| *change <= at) {
             self.changes.pop_front();
         }
     }
 
-    /// The code that the DAC of the first lane holds, whether the amplifier passes it on or not.
+    /// Returns the code of the first lane's DAC, even if the amplifier is off.
     pub fn code(&self) -> u16 {
         self.held[0]
     }
 
-    /// Samples that were played since the DAC was first triggered.
+    /// Returns the number of samples played since the first trigger of the DAC.
     pub fn samples(&self) -> usize {
         self.samples
     }
 
-    /// Whether the amplifier is on.
+    /// Returns `true` if the amplifier is on.
     pub fn is_enabled(&self) -> bool {
         self.enabled
     }
 
-    /// Where no trigger comes, the DAC holds its code, and the plant goes on all the same.
+    /// Advances the plant with the held code if triggers are missing.
     fn catch_up(&mut self, at: Cycle) {
         while self.samples > 0 && at >= self.began + 2 * SAMPLE_CYCLES {
             self.began += SAMPLE_CYCLES;
@@ -212,7 +218,7 @@ impl Bench {
         }
     }
 
-    /// The plant.
+    /// Returns the plant.
     pub fn plant(&self) -> &Stream {
         match &self.scene {
             Scene::Waiting { now, .. } => now,
@@ -260,13 +266,13 @@ impl Bench {
 
 impl Wires for Bench {
     fn dac(&mut self, at: Cycle, dac: u8, codes: [u16; 2], triggered: bool) {
-        // The other ones have the thresholds of the comparators.
+        // The other DACs give the thresholds of the comparators.
         let place = match (dac, self.lanes > 2) {
             (1, false) | (3, true) => 0,
             (4, true) => 2,
             _ => return,
         };
-        // Of two that step together the second one is put out when the first has been.
+        // Of two DACs with the same trigger the last one completes the sample.
         let last = place + 2 >= usize::from(self.lanes);
         if !triggered || place == 0 {
             self.catch_up(at);
@@ -279,7 +285,7 @@ impl Wires for Bench {
     }
 
     fn volts(&mut self, at: Cycle, pin: Pin) -> f64 {
-        self.seen(at);
+        self.mark_read(at);
         if let Some((.., volts)) = self.tied.iter().rev().find(|(from, tied, _)| *tied == pin && *from <= at) {
             return *volts;
         }
@@ -292,7 +298,7 @@ impl Wires for Bench {
         let channel = match pin {
             VOLTAGE => 0,
             pin if CURRENT.contains(&pin) => 1,
-            // Nothing is connected there: half of the supply.
+            // An unconnected pin has half of the supply.
             _ => return f64::from(ZERO) * VOLT_PER_CODE,
         };
         let conversion = usize::from(at - self.began >= SAMPLE_CYCLES / 2);
@@ -314,7 +320,7 @@ impl Wires for Bench {
     }
 
     fn inputs(&mut self, at: Cycle, port: u8) -> Drive {
-        self.seen(at);
+        self.mark_read(at);
         let closed = port == STOP.port && self.stop_pressed.is_none_or(|pressed| at < pressed);
         let high = if closed { 1 << STOP.number } else { 0 };
         let failed = port == AMPLIFIER_FAULT.port && self.amplifier_failed.is_some_and(|failed| at >= failed);
@@ -347,7 +353,7 @@ impl Wires for Bench {
     }
 
     fn reset(&mut self, at: Cycle, flags: u32) {
-        // Its outputs have no code then (22.4.2): the amplifier is off.
+        // A reset DAC has no output (22.4.2), and the amplifier is off.
         self.catch_up(at);
         self.held = [SILENCE; MAX_LANES];
         self.resets.push(Reset { at, flags });

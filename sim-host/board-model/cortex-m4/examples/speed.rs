@@ -1,4 +1,5 @@
-//! Instructions a second on a loop of typical code: `cargo run --release -p sonoglide-cortex-m4 --example speed`.
+//! Instructions per second on a loop of typical code:
+//! `cargo run --release -p sonoglide-cortex-m4 --example speed`.
 
 #[path = "../tests/programs/support.rs"]
 #[expect(dead_code, reason = "shared with the tests")]
@@ -6,7 +7,8 @@ mod support;
 
 use std::time::Instant;
 
-/// Loads of halfwords, a multiply-accumulate, floating point, stores, an IT block, a call:
+/// Loop with loads of halfwords, a multiply-accumulate, floating point, stores, an IT block and a
+/// call:
 ///
 /// ```text
 ///       cpsid i
@@ -29,7 +31,7 @@ const LOOP: [u16; 40] = [
 ];
 
 fn main() {
-    // CPACR, for the FPU.
+    // Enables the FPU in CPACR.
     let start = [0xF64E, 0x5088, 0xF2CE, 0x0000, 0xF44F, 0x0170, 0x6001];
     let mut machine = support::machine(&[&start[..], &LOOP].concat(), &[]);
     machine.run_until(5).expect("the start runs");
@@ -44,7 +46,7 @@ fn main() {
         let (instructions, cycles) = ((machine.instructions() - before) as f64, (machine.cycle() - cycles) as f64);
         let rate = instructions / begin.elapsed().as_secs_f64() * 1e-6;
         println!(
-            "{wait} wait states: {rate:.0} million instructions a second, {:.2} cycles an instruction",
+            "{wait} wait states: {rate:.0} million instructions per second, {:.2} cycles per instruction",
             cycles / instructions
         );
     }

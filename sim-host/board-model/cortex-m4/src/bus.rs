@@ -1,4 +1,4 @@
-//! The data bus: memories, the processor's own registers, the part, and the bit-band aliases.
+//! Data bus: memories, registers of the processor, registers of the chip, and bit-band aliases.
 
 use crate::chip::{Access, Chip, Fault, Ports, Width};
 use crate::cpu::{Cpu, Trap};
@@ -23,7 +23,7 @@ impl Size {
         }
     }
 
-    /// A value of this size as it stands in a register.
+    /// Extends a value of this size to a register.
     #[inline(always)]
     fn extend(self, value: u32) -> u32 {
         match self {
@@ -36,7 +36,8 @@ impl Size {
     }
 }
 
-/// The bit that a word of a bit-band alias stands for (ARM DDI 0439, 3.7): the address of its byte, and its number in the byte.
+/// Returns the byte address and bit number that a word of a bit-band alias maps to (ARM DDI 0439,
+/// 3.7).
 fn bit_band(address: u32) -> Option<(u32, u32)> {
     let base = address & 0xF000_0000;
     let offset = address.wrapping_sub(base | 0x0200_0000);
@@ -44,7 +45,7 @@ fn bit_band(address: u32) -> Option<(u32, u32)> {
 }
 
 impl Cpu {
-    /// What the part answers instead of a value, as the processor takes it.
+    /// Converts a fault of the chip to a trap of the processor.
     pub(crate) fn trap(&mut self, fault: Fault) -> Trap {
         match fault {
             Fault::Bus => Trap::Bus,
@@ -98,7 +99,7 @@ impl<C: Chip> Machine<C> {
         if !bank.region.writable {
             return self.store_elsewhere(size, address, value);
         }
-        bank.forget(from, size.bytes() as usize);
+        bank.drop_decoded(from, size.bytes() as usize);
         let bytes = &mut bank.region.bytes[from..];
         let value = value.to_le_bytes();
         let stored = match size.bytes() {
@@ -109,7 +110,7 @@ impl<C: Chip> Machine<C> {
         stored.ok_or_else(|| self.bus_fault(address))
     }
 
-    /// An access that may not be unaligned: of `LDM`, `LDRD`, `VLDR` and their kin.
+    /// Loads a word that must be aligned: for `LDM`, `LDRD`, `VLDR` and similar.
     #[inline]
     pub(crate) fn load_aligned(&mut self, address: u32) -> Result<u32, Trap> {
         self.must_be_aligned(Size::Word, address)?;
@@ -131,7 +132,7 @@ impl<C: Chip> Machine<C> {
         Trap::Bus
     }
 
-    /// Refuses what the MPU forbids.
+    /// Returns an error if the MPU forbids the access.
     #[inline(always)]
     fn check(&mut self, address: u32, write: bool) -> Result<(), Trap> {
         let privileged = self.cpu.privileged() && !self.as_user;
@@ -149,7 +150,7 @@ impl<C: Chip> Machine<C> {
         Err(Trap::Memory)
     }
 
-    /// Byte by byte, with the extra cycles of the accesses that it is split into.
+    /// Loads byte by byte, with the extra cycles of the split accesses.
     #[cold]
     fn load_unaligned(&mut self, size: Size, address: u32) -> Result<u32, Trap> {
         self.may_be_unaligned(size, address)?;
@@ -169,7 +170,8 @@ impl<C: Chip> Machine<C> {
         Ok(())
     }
 
-    /// Unaligned accesses fault where CCR says so, and always to device memory (A3.2.1, B3.1).
+    /// Returns an error if unaligned accesses fault: by CCR, and always to device memory (A3.2.1,
+    /// B3.1).
     fn may_be_unaligned(&mut self, size: Size, address: u32) -> Result<(), Trap> {
         if self.cpu.scb.traps_unaligned() || matches!(address >> 29, 2 | 5..) {
             return Err(Trap::Unaligned);
@@ -178,7 +180,7 @@ impl<C: Chip> Machine<C> {
         Ok(())
     }
 
-    /// A load from what is no memory.
+    /// Loads from an address without memory.
     #[inline(never)]
     fn load_elsewhere(&mut self, size: Size, address: u32) -> Result<u32, Trap> {
         self.cpu.fault_address = address;
@@ -192,11 +194,11 @@ impl<C: Chip> Machine<C> {
         let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
         let answer = self.chip.read(access, ports);
         self.cpu.cost += self.chip.access_wait(address);
-        self.look_at_part();
+        self.update_from_chip();
         answer.map(|value| size.extend(value)).map_err(|fault| self.cpu.trap(fault))
     }
 
-    /// A store to what is no writable memory.
+    /// Stores to an address without writable memory.
     #[inline(never)]
     fn store_elsewhere(&mut self, size: Size, address: u32, value: u32) -> Result<(), Trap> {
         self.cpu.fault_address = address;
@@ -216,7 +218,7 @@ impl<C: Chip> Machine<C> {
         let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
         let answer = self.chip.write(access, value, ports);
         self.cpu.cost += self.chip.access_wait(address);
-        self.look_at_part();
+        self.update_from_chip();
         answer.map_err(|fault| self.cpu.trap(fault))
     }
 
@@ -224,16 +226,17 @@ impl<C: Chip> Machine<C> {
         Access { address, width: size.width(), at: self.cpu.cycle, pc: self.cpu.pc }
     }
 
-    /// After the part has done something: its lines may have changed, and when it is due.
-    pub(crate) fn look_at_part(&mut self) {
+    /// Updates the deadline after the chip has acted: its lines and its next event may have
+    /// changed.
+    pub(crate) fn update_from_chip(&mut self) {
         if self.interrupts.has_changed() {
-            self.cpu.attend();
+            self.cpu.schedule_check();
         } else {
             self.cpu.deadline = self.cpu.deadline.min(self.chip.due());
         }
     }
 
-    /// Lets the part know of a read of damaged bytes.
+    /// Reports a read of damaged bytes to the chip.
     #[cold]
     pub(crate) fn report_damage(&mut self, address: u32, len: u32) -> Result<(), Trap> {
         let (first, last) = (address & !7, address.wrapping_add(len - 1) & !7);
@@ -242,16 +245,17 @@ impl<C: Chip> Machine<C> {
                 continue;
             }
             let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
-            // The address of the access, or the word that it reaches into.
+            // Address of the access, or of the next word that it extends into.
             let answer = self.chip.damaged(address.max(word), ports);
-            self.look_at_part();
+            self.update_from_chip();
             answer.map_err(|fault| self.cpu.trap(fault))?;
         }
         Ok(())
     }
 }
 
-/// The processor's own registers: the internal part of the private peripheral bus (B3.1). The external part is the part's.
+/// Returns `true` for the processor's own registers: the internal part of the private peripheral
+/// bus (B3.1). The external part belongs to the chip.
 fn is_private(address: u32) -> bool {
     address >> 18 == 0xE000_0000 >> 18
 }

@@ -1,12 +1,12 @@
-//! The part around the processor, as the processor sees it.
+//! Interface between the processor and the chip around it.
 
 use crate::interrupts::Interrupts;
 use crate::memory::Memory;
 
-/// Cycles of the processor's clock since power-on. Never goes back, not even at a reset.
+/// Cycles of the processor's clock since power-on. Never decreases, not even at a reset.
 pub type Cycle = u64;
 
-/// How wide an access is.
+/// Width of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Width {
     /// 8 bits.
@@ -17,101 +17,109 @@ pub enum Width {
     Word,
 }
 
-/// One access of the data bus to something that is no memory.
+/// Access of the data bus to an address without memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Access {
-    /// The address, aligned to the width.
+    /// Address, aligned to the width.
     pub address: u32,
-    /// How wide the access is.
+    /// Width of the access.
     pub width: Width,
-    /// When it happens.
+    /// Cycle of the access.
     pub at: Cycle,
-    /// The instruction that does it.
+    /// Address of the instruction.
     pub pc: u32,
 }
 
-/// A breakpoint instruction.
+/// Executed breakpoint instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Breakpoint {
-    /// Its number; 0xAB asks for semihosting.
+    /// Number in the instruction; 0xAB is semihosting.
     pub number: u8,
-    /// R0: the operation, in semihosting.
+    /// R0: the operation in semihosting.
     pub r0: u32,
-    /// R1: its argument, in semihosting.
+    /// R1: the argument in semihosting.
     pub r1: u32,
     /// Address of the instruction.
     pub pc: u32,
-    /// When it executes.
+    /// Cycle of the execution.
     pub at: Cycle,
 }
 
-/// Why an access is not answered.
+/// Reason for which an access fails.
 #[derive(Debug)]
 pub enum Fault {
-    /// Nothing answers: the processor takes a bus fault.
+    /// No answer at this address: the processor takes a bus fault.
     Bus,
-    /// The part would go on, but what the program does is wrong or unknown to the model: the run stops with this finding.
+    /// Error of the program, or a behaviour that the model lacks. Hardware would continue; the run
+    /// stops with this finding.
     Stop(Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// What a part can reach besides its own registers.
+/// Access of the chip to memories and lines outside its own registers.
 pub struct Ports<'a> {
     /// Flash and RAM.
     pub memory: &'a mut Memory,
-    /// The lines into the interrupt controller, and to reset.
+    /// Lines to the interrupt controller, and to reset.
     pub interrupts: &'a mut Interrupts,
 }
 
-/// The part around the processor: its peripherals, its DMA, its flash accelerator.
+/// Chip around the processor: its peripherals, DMA and flash accelerator.
 pub trait Chip {
-    /// A load from an address outside the readable memories.
+    /// Loads from an address outside the readable memories.
     fn read(&mut self, access: Access, ports: Ports) -> Result<u32, Fault>;
 
-    /// A store to an address outside the writable memories; flash is one.
+    /// Stores to an address outside the writable memories; flash counts as not writable.
     fn write(&mut self, access: Access, value: u32, ports: Ports) -> Result<(), Fault>;
 
-    /// When something next happens by itself: [`advance`](Chip::advance) is called no later than with the first instruction that ends
-    /// at or after it. Asked again after every access and every `advance`.
+    /// Returns the cycle of the chip's next own event.
+    ///
+    /// [`advance`](Chip::advance) is called no later than with the first instruction that ends at
+    /// or after it. Read again after every access and every `advance`.
     fn due(&self) -> Cycle;
 
-    /// Lets happen, in order, what is due until `now`.
+    /// Executes all events up to `now`, in order.
     fn advance(&mut self, now: Cycle, ports: Ports) -> Result<(), Fault>;
 
-    /// Wait states, in cycles, of fetching the aligned 8 bytes at `address` from a [`Region`](crate::Region) with wait states. Called when the
-    /// fetch enters other 8 bytes than before.
+    /// Returns the wait states, in cycles, of fetching the aligned 8 bytes at `address` from a
+    /// [`Region`](crate::Region) with wait states. Called when the fetch enters a new group of 8
+    /// bytes.
     fn fetch_wait(&mut self, address: u32, at: Cycle) -> u32;
 
-    /// Wait states, in cycles, of a load of data from such a region.
+    /// Returns the wait states, in cycles, of a data load from such a region.
     fn load_wait(&mut self, address: u32, at: Cycle) -> u32;
 
-    /// Wait states, in cycles, of an access to the part's registers.
+    /// Returns the wait states, in cycles, of an access to the chip's registers.
     fn access_wait(&mut self, _address: u32) -> u32 {
         0
     }
 
-    /// Cycles for which other masters of the buses can have held up the processor, at most, since this was asked last. Counted with
-    /// [`Timing::Longest`](crate::Timing::Longest) only.
+    /// Returns the maximum number of cycles that other bus masters can have delayed the processor
+    /// since the last call. Used only with [`Timing::Longest`](crate::Timing::Longest).
     fn held_up(&mut self) -> u32 {
         0
     }
 
-    /// A load or a fetch hit a place that [`Memory::damage`] has named. The part may pend its NMI; the read goes on.
+    /// Reports a load or fetch from a place that [`Memory::damage`] has marked. The chip may pend
+    /// its NMI; the read continues.
     fn damaged(&mut self, address: u32, ports: Ports) -> Result<(), Fault>;
 
-    /// The processor has locked up: a fault within the hard fault or NMI handler.
+    /// Reports that the processor has locked up: a fault within the hard fault or NMI handler.
     fn lockup(&mut self, at: Cycle, ports: Ports) -> Result<(), Fault>;
 
-    /// A breakpoint instruction executes. With a value the program goes on and finds it in R0, as after a semihosting call; without one there is
-    /// no debugger and no host, and the processor takes a hard fault.
+    /// Executes a breakpoint instruction.
+    ///
+    /// `Some`: the program continues with this value in R0, as after a semihosting call. `None`: no
+    /// debugger or host is attached, and the processor takes a hard fault.
     fn breakpoint(&mut self, _breakpoint: Breakpoint, _ports: Ports) -> Result<Option<u32>, Fault> {
         Ok(None)
     }
 
-    /// A debugger halts the processor, or lets it go on.
+    /// Reports that a debugger halts or resumes the processor.
     fn halt(&mut self, _at: Cycle, _halted: bool, _ports: Ports) -> Result<(), Fault> {
         Ok(())
     }
 
-    /// The reset line was pulled, by the part itself or by `SYSRESETREQ`: registers go to their reset values. Memories keep theirs.
+    /// Resets the registers after a reset by the chip itself or by `SYSRESETREQ`. Memories keep
+    /// their contents.
     fn reset(&mut self, at: Cycle, ports: Ports);
 }

@@ -1,4 +1,4 @@
-//! Registers and state of the processor itself.
+//! Registers and state of the processor.
 
 use std::sync::Arc;
 
@@ -20,19 +20,19 @@ pub(crate) struct Flags {
 }
 
 impl Flags {
-    /// As APSR holds them (B1.4.2).
+    /// Converts to the layout of APSR (B1.4.2).
     pub(crate) fn bits(self) -> u32 {
         let bit = |flag: bool, at: u32| u32::from(flag) << at;
         bit(self.n, 31) | bit(self.z, 30) | bit(self.c, 29) | bit(self.v, 28) | bit(self.q, 27) | u32::from(self.ge) << 16
     }
 
-    /// From APSR.
+    /// Converts from the layout of APSR.
     pub(crate) fn from_bits(apsr: u32) -> Flags {
         let bit = |at: u32| apsr >> at & 1 == 1;
         Flags { n: bit(31), z: bit(30), c: bit(29), v: bit(28), q: bit(27), ge: (apsr >> 16 & 15) as u8 }
     }
 
-    /// Whether a condition of four bits holds (A7.3.1).
+    /// Returns `true` if a condition code of four bits holds (A7.3.1).
     #[inline]
     pub(crate) fn hold(self, condition: u8) -> bool {
         match condition {
@@ -55,35 +55,36 @@ impl Flags {
     }
 }
 
-/// Why an instruction did not finish. `Copy` and small, as every access returns it; what goes with it stands in [`Cpu`].
+/// Reason for which an instruction did not finish. Small and `Copy`, because every access returns
+/// it; [`Cpu`] holds the details.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Trap {
     Undefined,
     NoCoprocessor,
-    /// A branch to an even address.
+    /// Branch to an even address.
     InvalidState,
-    /// An `EXC_RETURN` that fits no active exception.
+    /// `EXC_RETURN` that matches no active exception.
     InvalidReturn,
     Unaligned,
     DivideByZero,
-    /// Data at [`Cpu::fault_address`].
+    /// Bus fault of the data at [`Cpu::fault_address`].
     Bus,
     Fetch,
-    /// The MPU forbids the data at [`Cpu::fault_address`].
+    /// MPU violation of the data at [`Cpu::fault_address`].
     Memory,
     MemoryFetch,
     Breakpoint,
-    /// `SVC`: an exception rather than a fault, with the next instruction as the return address.
+    /// `SVC`: an exception instead of a fault, with the next instruction as the return address.
     Supervisor,
-    /// The run ends with [`Cpu::stop`].
+    /// End of the run, with [`Cpu::stop`] as the reason.
     Stop,
 }
 
-/// The load or arithmetic that ended last, for what overlaps with it.
+/// Last load or arithmetic instruction, for instructions that overlap with it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Last {
     pub(crate) register: u8,
-    /// Number of the instruction that follows it.
+    /// Number of the following instruction.
     pub(crate) next: u64,
 }
 
@@ -93,23 +94,23 @@ impl Default for Last {
     }
 }
 
-/// The processor without what surrounds it.
+/// Processor without memories and chip.
 #[derive(Clone, Debug)]
 pub(crate) struct Cpu {
-    /// R0 to R14; the last reads, while an instruction runs, as its address plus 4.
+    /// R0 to R15. While an instruction runs, R15 is its address plus 4.
     pub(crate) r: [u32; 16],
-    /// Address of the instruction that runs, or runs next.
+    /// Address of the current or next instruction.
     pub(crate) pc: u32,
-    /// Where it goes on.
+    /// Address of the following instruction.
     pub(crate) next: u32,
     pub(crate) flags: Flags,
-    /// ITSTATE: 0 outside of an IT block.
+    /// ITSTATE: 0 outside an IT block.
     pub(crate) it: u8,
     /// S0 to S31.
     pub(crate) s: [u32; 32],
     pub(crate) fpscr: u32,
 
-    /// The stack pointer that is not in use: PSP, or MSP while `on_process_stack`.
+    /// Inactive stack pointer: PSP, or MSP while `on_process_stack`.
     pub(crate) other_sp: u32,
     pub(crate) on_process_stack: bool,
     /// CONTROL.nPRIV
@@ -119,7 +120,7 @@ pub(crate) struct Cpu {
     pub(crate) primask: bool,
     pub(crate) faultmask: bool,
     pub(crate) basepri: u8,
-    /// IPSR: the exception that is handled, 0 in thread mode.
+    /// IPSR: number of the active exception, 0 in thread mode.
     pub(crate) ipsr: u16,
 
     pub(crate) nvic: Nvic,
@@ -128,41 +129,41 @@ pub(crate) struct Cpu {
     pub(crate) mpu: Mpu,
     pub(crate) dwt: Dwt,
 
-    /// Floating-point instructions may run without a look at CPACR and the lazy state.
+    /// `true` if floating-point instructions need no check of CPACR and the lazy state.
     pub(crate) float_ready: bool,
-    /// The address that is marked exclusive.
+    /// Address that is marked exclusive.
     pub(crate) exclusive: Option<u32>,
-    /// The event register of `WFE`.
+    /// Event register of `WFE`.
     pub(crate) event: bool,
     pub(crate) asleep: Option<Sleep>,
     pub(crate) locked: bool,
-    /// A debugger's step: interrupts, PendSV and SysTick wait.
+    /// `true` in a debugger's step: interrupts, PendSV and SysTick wait.
     pub(crate) holds_interrupts: bool,
 
     pub(crate) cycle: Cycle,
     pub(crate) instructions: u64,
-    /// Cycles of the instruction that runs.
+    /// Cycles of the current instruction.
     pub(crate) cost: u32,
-    /// Until when instructions run without a look at events.
+    /// Cycle up to which instructions run without a check for events.
     pub(crate) deadline: Cycle,
-    /// An `EXC_RETURN` that the instruction has put into the PC.
+    /// `EXC_RETURN` that the instruction has written to the PC.
     pub(crate) exception_return: Option<u32>,
-    /// Aligned 8 bytes that the last fetch came from, and no aligned address at first.
+    /// Aligned address of the 8 bytes of the last fetch; 1, which is not aligned, before the first.
     pub(crate) fetched: u32,
-    /// Register that the instruction before has computed, or none, or that it was a branch.
+    /// Register that the previous instruction has computed, none, or the mark of a branch.
     pub(crate) computed: u8,
     pub(crate) timing: Timing,
-    /// 32-bit instructions in a row that are not aligned.
+    /// Number of successive 32-bit instructions that are not aligned.
     pub(crate) unaligned: u32,
     pub(crate) last_load: Last,
     pub(crate) last_float: Last,
     pub(crate) fault_address: u32,
-    /// Shared, so that a processor can be cloned.
+    /// Reason of the stop; shared, so that a processor can be cloned.
     pub(crate) stop: Option<Arc<dyn std::error::Error + Send + Sync>>,
     pub(crate) watch: Watch,
 }
 
-/// What the processor sleeps for.
+/// Event that ends the sleep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sleep {
     Interrupt,
@@ -170,7 +171,7 @@ pub(crate) enum Sleep {
 }
 
 impl Cpu {
-    /// The state after power-on, with `bits` implemented bits of interrupt priorities.
+    /// Returns the state after power-on, with `bits` implemented bits of interrupt priorities.
     pub(crate) fn new(priority_bits: u8) -> Cpu {
         Cpu {
             r: [0; 16],
@@ -242,7 +243,7 @@ impl Cpu {
         self.flags.z = result == 0;
     }
 
-    /// `Shift_C` (A2.2.1): the shifted value and the carry out.
+    /// Returns the shifted value and the carry out: `Shift_C` (A2.2.1).
     #[inline]
     pub(crate) fn shift(&self, value: u32, shift: Shift, amount: u8) -> (u32, bool) {
         let carry = self.flags.c;
@@ -263,12 +264,13 @@ impl Cpu {
         }
     }
 
-    /// Whether the processor may do everything: in handlers, and in thread mode unless CONTROL.nPRIV is set.
+    /// Returns `true` in privileged state: in handlers, and in thread mode unless CONTROL.nPRIV is
+    /// set.
     pub(crate) fn privileged(&self) -> bool {
         self.ipsr != 0 || !self.unprivileged
     }
 
-    /// Chooses the stack pointer in use.
+    /// Selects the active stack pointer.
     pub(crate) fn use_process_stack(&mut self, process: bool) {
         if process != self.on_process_stack {
             std::mem::swap(&mut self.r[13], &mut self.other_sp);
@@ -276,12 +278,12 @@ impl Cpu {
         }
     }
 
-    /// Lets events be looked at before the next instruction.
+    /// Forces a check for events before the next instruction.
     #[inline]
-    pub(crate) fn attend(&mut self) {
+    pub(crate) fn schedule_check(&mut self) {
         self.deadline = 0;
     }
 }
 
-/// A program counter with this bit stands for a branch out of Thumb state.
+/// Bit of the program counter that marks a branch out of Thumb state.
 pub(crate) const INVALID: u32 = 1;

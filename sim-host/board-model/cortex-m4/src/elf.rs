@@ -1,4 +1,4 @@
-//! The image: segments into memory, symbols for names.
+//! Image loader: segments to memory, and symbols for names.
 
 use object::elf::{EM_ARM, FileHeader32, PT_LOAD};
 use object::read::elf::{ElfFile32, FileHeader, ProgramHeader};
@@ -6,62 +6,62 @@ use object::{LittleEndian, Object, ObjectSymbol, SymbolKind};
 
 use crate::memory::Memory;
 
-/// Why an image is refused.
+/// Reason for which an image is refused.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImageError {
-    /// The file is no ELF file that can be read.
+    /// File that is not a readable ELF file.
     #[error("not a readable ELF file")]
     Unreadable(#[from] object::read::Error),
-    /// The file is for another word size, byte order or machine.
+    /// File for another word size, byte order or machine.
     #[error("not for a little-endian 32-bit ARM processor")]
     NotArm,
-    /// The entry point is at an even address, as ARM instructions of 32 bits have it.
+    /// Entry point at an even address, which means 32-bit ARM code.
     #[error("the entry point {0:#010x} is not Thumb code")]
     NotThumb(u32),
-    /// There are no symbols, which every finding and profile names functions by.
+    /// Image without symbols, which findings and profiles need for function names.
     #[error("stripped: there is no symbol table")]
     Stripped,
-    /// A segment lies where the part has no memory.
+    /// Segment at an address without memory.
     #[error("the segment of {len} bytes at {address:#010x} lies outside of the part's memories")]
     Outside {
         /// Load address of the segment.
         address: u32,
-        /// Its length in the file.
+        /// Length in the file.
         len: usize,
     },
-    /// Nothing is to be loaded.
+    /// Image without a segment to load.
     #[error("nothing to load")]
     Empty,
 }
 
-/// A function of the image.
+/// Function of the image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Function {
-    /// Address of its first instruction.
+    /// Address of the first instruction.
     pub address: u32,
-    /// Length in bytes; 0 where the image does not say.
+    /// Length in bytes; 0 if the image does not state it.
     pub size: u32,
-    /// Its demangled name.
+    /// Demangled name.
     pub name: String,
 }
 
-/// The functions and objects of the image by address and name.
+/// Functions and objects of the image by address and name.
 #[derive(Clone, Debug, Default)]
 pub struct Symbols {
     /// In order of addresses.
     functions: Vec<Function>,
-    /// All symbols as they are spelt in the file.
+    /// All symbols by their name in the file.
     addresses: std::collections::BTreeMap<String, u32>,
 }
 
 impl Symbols {
-    /// All functions, in order of their addresses.
+    /// Returns all functions, in order of their addresses.
     pub fn functions(&self) -> &[Function] {
         &self.functions
     }
 
-    /// The function that holds `address`.
+    /// Returns the function that contains `address`.
     pub fn function(&self, address: u32) -> Option<&Function> {
         self.index(address).map(|index| &self.functions[index])
     }
@@ -72,15 +72,17 @@ impl Symbols {
         (function.size == 0 || address - function.address < function.size).then_some(index)
     }
 
-    /// The address of a symbol by its name in the file; that of a function without its Thumb bit.
+    /// Returns the address of a symbol by its name in the file; that of a function without its
+    /// Thumb bit.
     pub fn address(&self, name: &str) -> Option<u32> {
         self.addresses.get(name).copied()
     }
 }
 
-/// Writes the segments to the memories; the symbols, and the lowest load address, where the vector table is.
+/// Writes the segments to the memories. Returns the symbols and the lowest load address, which is
+/// the address of the vector table.
 pub(crate) fn load(file: &[u8], memory: &mut Memory) -> Result<(Symbols, u32), ImageError> {
-    // The sixth byte says the byte order: 1 for little-endian.
+    // The sixth byte is the byte order: 1 for little-endian.
     if object::FileKind::parse(file)? != object::FileKind::Elf32 || file.get(5) != Some(&1) {
         return Err(ImageError::NotArm);
     }
@@ -114,7 +116,7 @@ fn symbols(elf: &ElfFile32<'_, LittleEndian>) -> Symbols {
     let mut symbols = Symbols::default();
     for symbol in elf.symbols() {
         let Ok(name) = symbol.name() else { continue };
-        // `$t`, `$d`: marks of code and data.
+        // `$t` and `$d` mark code and data.
         let is_place = !symbol.is_undefined() && !matches!(symbol.kind(), SymbolKind::File | SymbolKind::Section);
         if name.is_empty() || name.starts_with('$') || !is_place {
             continue;
@@ -127,7 +129,7 @@ fn symbols(elf: &ElfFile32<'_, LittleEndian>) -> Symbols {
             symbols.functions.push(Function { address, size: symbol.size() as u32, name });
         }
     }
-    // Of several names for one address that with a size comes last and is found.
+    // If an address has several names, one with a size comes last and is found.
     symbols.functions.sort_by_key(|function| (function.address, function.size));
     symbols
 }

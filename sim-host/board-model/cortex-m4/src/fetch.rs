@@ -1,4 +1,4 @@
-//! Fetching instructions: each is decoded once, next to its bytes.
+//! Fetch of instructions. Each is decoded once, and stored next to its bytes.
 
 use crate::chip::Chip;
 use crate::cpu::{INVALID, Trap};
@@ -7,11 +7,11 @@ use crate::machine::Machine;
 use crate::op::Decoded;
 
 impl<C: Chip> Machine<C> {
-    /// The instruction at `pc`, if it is decoded, and whether its memory has wait states.
+    /// Returns the decoded instruction at `pc`, if any, and `true` if its memory has wait states.
     #[inline(always)]
     pub(crate) fn cached(&self, pc: u32) -> Option<(&Decoded, bool)> {
         let bank = self.memory.banks.get(usize::from(self.memory.by_top[(pc >> 24) as usize]))?;
-        // The lowest bit, INVALID, becomes the highest: no region is that long.
+        // The rotation moves the lowest bit, INVALID, to the top, which is beyond any region.
         let decoded = bank.code.get(pc.wrapping_sub(bank.region.base).rotate_right(INVALID) as usize)?;
         (decoded.len != 0).then_some((decoded, bank.region.waits))
     }
@@ -27,12 +27,12 @@ impl<C: Chip> Machine<C> {
         })
     }
 
-    /// Decodes an instruction into the place next to its bytes.
+    /// Decodes an instruction and stores it next to its bytes.
     fn fetch(&mut self, pc: u32) -> Result<(), Trap> {
         if pc & INVALID != 0 {
             return Err(Trap::InvalidState);
         }
-        // Device memory and the system space hold no code (B3.1).
+        // Code cannot run from device memory or the system space (B3.1).
         if matches!(pc >> 29, 2 | 5..) {
             return Err(Trap::MemoryFetch);
         }
@@ -49,7 +49,8 @@ impl<C: Chip> Machine<C> {
         Ok(())
     }
 
-    /// Wait states of an instruction that lies in the aligned 8 bytes at `first` and `last`, fetched after those at `before`.
+    /// Adds the wait states of an instruction in the aligned 8 bytes at `first` and `last`, fetched
+    /// after those at `before`.
     #[inline]
     pub(crate) fn fetch_wait(&mut self, first: u32, before: u32, last: u32) {
         if first != before {

@@ -1,21 +1,22 @@
-//! The lines from the part to the processor's interrupt controller.
+//! Lines from the chip to the processor's interrupt controller.
 
-/// Most interrupt lines that are modelled: 128 of the 240 that ARMv7-M allows.
+/// Number of modelled interrupt lines: 128 of the 240 that ARMv7-M allows.
 pub const LINES: u16 = 128;
 
 /// Levels of the interrupt lines, the NMI, and the reset.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupts {
-    /// Levels, a bit a line. A line that is high when its handler returns pends it again (ARMv7-M B3.4.1).
+    /// Levels, one bit per line. A line that is high when its handler returns pends it again
+    /// (ARMv7-M B3.4.1).
     level: u128,
     nmi: bool,
     reset: bool,
-    /// Set with every change, taken by the processor.
+    /// `true` after any change, until the processor reads it.
     changed: bool,
 }
 
 impl Interrupts {
-    /// Sets the level of interrupt line `line`, 0 for the first one after the 16 system exceptions.
+    /// Sets the level of interrupt line `line`; 0 is the first one after the 16 system exceptions.
     pub fn set(&mut self, line: u16, high: bool) {
         let bit = 1 << line;
         let level = if high { self.level | bit } else { self.level & !bit };
@@ -23,7 +24,7 @@ impl Interrupts {
         self.level = level;
     }
 
-    /// The levels of all lines, a bit a line.
+    /// Returns the levels of all lines, one bit each.
     pub fn levels(&self) -> u128 {
         self.level
     }
@@ -34,28 +35,28 @@ impl Interrupts {
         self.changed = true;
     }
 
-    /// Pulls the reset line: after the present instruction the part and the processor start again.
+    /// Pulls the reset line: after the current instruction the chip and the processor restart.
     pub fn pull_reset(&mut self) {
         self.reset = true;
         self.changed = true;
     }
 
-    /// Whether something has changed since [`take_changed`](Interrupts::take_changed).
+    /// Returns `true` after a change since [`take_changed`](Interrupts::take_changed).
     pub(crate) fn has_changed(&self) -> bool {
         self.changed
     }
 
-    /// Whether something has changed since the last call.
+    /// Returns `true` after a change since the last call.
     pub(crate) fn take_changed(&mut self) -> bool {
         std::mem::take(&mut self.changed)
     }
 
-    /// Whether the NMI was pended since the last call.
+    /// Returns `true` if the NMI was pended since the last call.
     pub(crate) fn take_nmi(&mut self) -> bool {
         std::mem::take(&mut self.nmi)
     }
 
-    /// Whether the reset line was pulled since the last call.
+    /// Returns `true` if the reset line was pulled since the last call.
     pub(crate) fn take_reset(&mut self) -> bool {
         std::mem::take(&mut self.reset)
     }

@@ -1,15 +1,16 @@
-//! A Cortex-M4 with FPU in software: it runs an unmodified ELF and counts instructions and cycles.
+//! Cortex-M4 with FPU in software: runs an unmodified ELF and counts instructions and cycles.
 //!
 //! ```text
-//! ELF --> Memory <--> processor <--> Chip (registers of the part, in another crate)
+//! ELF --> Memory <--> processor <--> Chip (registers of the microcontroller, in another crate)
 //!                        ^              |
 //!                        +- Interrupts -+
 //! ```
 //!
-//! The crate knows the processor and its private peripherals (NVIC, SCB, SysTick, MPU, DWT's cycle counter). What else a part has stands behind
-//! [`Chip`]: its registers, its DMA, its flash accelerator.
+//! The crate contains the processor and its private peripherals (NVIC, SCB, SysTick, MPU, and the
+//! cycle counter of the DWT). An implementation of [`Chip`] contains the rest of the
+//! microcontroller: its registers, DMA and flash accelerator.
 //!
-//! A program of three instructions, with a part that has memory only:
+//! A program of three instructions, with a chip that has only memory:
 //!
 //! ```
 //! use sonoglide_cortex_m4::{Access, Chip, Cycle, Fault, Machine, Memory, Ports, Region};
@@ -35,33 +36,41 @@
 //! let mut memory = Memory::default();
 //! memory.add(Region { base: 0, bytes, writable: true, waits: false });
 //!
-//! let mut machine = Machine::of_memory(memory, Bare, 0, 4);
+//! let mut machine = Machine::from_memory(memory, Bare, 0, 4);
 //! machine.run_until(2)?;
 //! assert_eq!(machine.register(0), 36);
 //! assert_eq!((machine.instructions(), machine.cycle()), (2, 2));
 //! # Ok::<(), sonoglide_cortex_m4::Stop>(())
 //! ```
 //!
-//! An ELF file is loaded by [`Machine::new`], which also takes over the names of its functions for findings ([`Stop`]) and profiles ([`Profile`]).
+//! [`Machine::new`] loads an ELF file, with the names of its functions for findings ([`Stop`]) and
+//! profiles ([`Profile`]).
 //!
-//! # What is modelled
+//! # Modelled
 //!
-//! * All instructions of ARMv7E-M with FPv4-SP, with all rounding modes, flush-to-zero and cumulative flags. The test `qemu` compares random
-//!   instructions from random states with QEMU, word by word; no difference is known. Where the manual calls an encoding unpredictable, the model
-//!   does something plain, or takes it as undefined.
-//! * Exceptions with priorities, tail-chaining, lazy stacking of floating-point registers, escalation and lockup. An access to a register of the
-//!   processor that is not modelled stops the run.
-//! * Cycles without contention on the buses, as they usually are or as many as the manual allows: [`cycles`], [`Timing`].
-//! * A debugger's halt, steps, and runs to breakpoints, as many as it likes: [`Machine::run_to`], [`Machine::step_over`], [`Machine::stand_until`].
+//! * All instructions of ARMv7E-M with FPv4-SP, with all rounding modes, flush-to-zero and
+//!   cumulative flags. The test `qemu` compares random instructions from random states with QEMU,
+//!   word by word; no difference is known. Encodings that the manual calls unpredictable do
+//!   something simple or are undefined.
+//! * Exceptions with priorities, tail-chaining, lazy stacking of floating-point registers,
+//!   escalation and lockup. An access to a processor register that is not modelled stops the run.
+//! * Cycles without contention on the buses, either the usual number or the maximum of the manual:
+//!   [`cycles`], [`Timing`].
+//! * A debugger's halt, steps, and runs to any number of breakpoints: [`Machine::run_to`],
+//!   [`Machine::step_over`], [`Machine::halt_until`].
 //!
-//! # What is not
+//! # Not modelled
 //!
-//! * Late arrival: an exception that comes during the entry of another waits until that has ended. `LDM`, `STM` and divisions are never abandoned.
-//! * Faults of stores are precise; in the part they may come some instructions later, as the write buffer lets them.
-//! * The MPU checks data, not fetches. The registers of the debug monitor, the breakpoint and the trace units and DWT's counters but CYCCNT do not
-//!   exist, nor do watchpoints.
-//! * A lockup ends with a reset only, not with an NMI.
-//! * Sleep takes no cycles to enter or leave. The reference clock of SysTick is an eighth of the processor's.
+//! * Late arrival: an exception that comes during the entry of another waits for its end. `LDM`,
+//!   `STM` and divisions are never abandoned.
+//! * Imprecise faults: faults of stores are precise. In hardware the write buffer may delay them by
+//!   some instructions.
+//! * MPU checks of fetches; the MPU checks only data.
+//! * Registers of the debug monitor, the breakpoint and trace units, watchpoints, and counters of
+//!   the DWT other than CYCCNT.
+//! * The end of a lockup by an NMI; only a reset ends it.
+//! * Cycles to enter or leave sleep. The reference clock of SysTick is an eighth of the
+//!   processor's.
 #![forbid(unsafe_code)]
 
 mod breakpoints;

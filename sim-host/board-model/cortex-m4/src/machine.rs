@@ -1,4 +1,4 @@
-//! A part with its processor, and the run.
+//! Processor, memories and chip as one machine, and its run loop.
 
 use std::sync::Arc;
 
@@ -12,50 +12,51 @@ use crate::profile::Profile;
 use crate::timing::Timing;
 use crate::watch::Passage;
 
-/// Why a run has stopped before its end.
+/// Error that has stopped a run before its end.
 #[derive(Debug, thiserror::Error)]
 #[error("{finding}, at {pc:#010x} in {function}, cycle {cycle}")]
 pub struct Stop {
-    /// The instruction that ran.
+    /// Address of the current instruction.
     pub pc: u32,
-    /// Its function, or a note that there is no symbol.
+    /// Name of its function, or a note that the code has no symbol.
     pub function: String,
     /// Cycle at which the instruction began.
     pub cycle: Cycle,
-    /// What the part or the processor has found.
+    /// Finding of the chip or the processor.
     #[source]
     pub finding: Arc<dyn std::error::Error + Send + Sync>,
 }
 
-/// The processor with its memories and the part around it. A clone goes on from the same state.
+/// Processor with its memories and the chip around it. A clone continues from the same state.
 #[derive(Clone, Debug)]
 pub struct Machine<C> {
     pub(crate) cpu: Cpu,
     /// Flash and RAM.
     pub memory: Memory,
-    /// The lines from the part to the processor.
+    /// Lines from the chip to the processor.
     pub interrupts: Interrupts,
-    /// The part.
+    /// Chip around the processor.
     pub chip: C,
     pub(crate) symbols: Arc<Symbols>,
-    /// What the part shows at address 0 after reset.
+    /// Address that is mapped to 0 after reset.
     pub(crate) boot: u32,
-    /// The access is one of an unprivileged load or store.
+    /// `true` during an unprivileged load or store.
     pub(crate) as_user: bool,
     pub(crate) profile: Option<Box<Profile>>,
-    /// A debugger is attached.
+    /// `true` if a debugger is attached.
     pub(crate) debugged: bool,
 }
 
 impl<C: Chip> Machine<C> {
-    /// Loads an ELF file into the memories and resets the processor. `priority_bits` is how many bits of an interrupt priority the part implements.
+    /// Loads an ELF file into the memories and resets the processor. `priority_bits` is the number
+    /// of implemented bits of an interrupt priority.
     pub fn new(elf: &[u8], mut memory: Memory, chip: C, priority_bits: u8) -> Result<Machine<C>, ImageError> {
         let (symbols, boot) = elf::load(elf, &mut memory)?;
-        Ok(Machine { symbols: Arc::new(symbols), ..Machine::of_memory(memory, chip, boot, priority_bits) })
+        Ok(Machine { symbols: Arc::new(symbols), ..Machine::from_memory(memory, chip, boot, priority_bits) })
     }
 
-    /// A machine whose program stands in the memories already, its vector table at `boot`.
-    pub fn of_memory(memory: Memory, chip: C, boot: u32, priority_bits: u8) -> Machine<C> {
+    /// Creates a machine whose program is already in the memories, with its vector table at `boot`.
+    pub fn from_memory(memory: Memory, chip: C, boot: u32, priority_bits: u8) -> Machine<C> {
         let mut machine = Machine {
             cpu: Cpu::new(priority_bits),
             memory,
@@ -71,7 +72,7 @@ impl<C: Chip> Machine<C> {
         machine
     }
 
-    /// Starts from the vector table. Cycles and instructions count on.
+    /// Starts from the vector table. The counts of cycles and instructions continue.
     fn start(&mut self) {
         let Cpu { cycle, instructions, mut watch, timing, ref nvic, .. } = self.cpu;
         watch.mask(false, cycle);
@@ -88,17 +89,19 @@ impl<C: Chip> Machine<C> {
         }
     }
 
-    /// Chooses which cycles are counted where the manual leaves them open; [`Timing::Longest`] at first.
+    /// Selects the cycles that are counted if the manual gives a range; [`Timing::Longest`] by
+    /// default.
     pub fn set_timing(&mut self, timing: Timing) {
         self.cpu.timing = timing;
     }
 
-    /// Lets SysTick, where it counts the core clock, count `counts` times in `cycles` cycles: once in each at first.
+    /// Sets the core clock of SysTick to `counts` counts in `cycles` cycles; one per cycle by
+    /// default.
     pub fn set_systick_clock(&mut self, counts: u32, cycles: u32) {
         self.cpu.systick.set_core_clock(counts, cycles);
     }
 
-    /// Resets the part and the processor, as the reset line does.
+    /// Resets the chip and the processor, as the reset line does.
     pub fn reset(&mut self) {
         let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
         self.chip.reset(self.cpu.cycle, ports);
@@ -106,9 +109,10 @@ impl<C: Chip> Machine<C> {
         self.start();
     }
 
-    /// Runs to the first instruction that ends at or after `until`, or to the next passage of the [watched](Machine::watch) exception.
+    /// Runs to the first instruction that ends at or after `until`, or to the next passage of the
+    /// [watched](Machine::watch) exception.
     pub fn run_until(&mut self, until: Cycle) -> Result<Option<Passage>, Stop> {
-        self.cpu.attend();
+        self.cpu.schedule_check();
         let ended = if self.profile.is_some() { self.run::<true>(until) } else { self.run::<false>(until) };
         ended.map_err(|_| self.stop())?;
         Ok(self.cpu.watch.take_passage())
@@ -116,8 +120,8 @@ impl<C: Chip> Machine<C> {
 
     /// Runs one instruction, or sleeps until the next event, at most until `until`.
     pub fn step(&mut self, until: Cycle) -> Result<(), Stop> {
-        self.cpu.attend();
-        let stepped = match self.attend(until) {
+        self.cpu.schedule_check();
+        let stepped = match self.check_events(until) {
             Ok(true) => {
                 let before = self.cpu.instructions;
                 let mut done = Ok(());
@@ -146,16 +150,17 @@ impl<C: Chip> Machine<C> {
 
     fn run<const PROFILE: bool>(&mut self, until: Cycle) -> Result<(), Trap> {
         loop {
-            if self.cpu.cycle >= self.cpu.deadline && !self.attend(until)? {
+            if self.cpu.cycle >= self.cpu.deadline && !self.check_events(until)? {
                 return Ok(());
             }
             self.instruction::<PROFILE>()?;
         }
     }
 
-    /// Looks at events: the part, the timer, exceptions, sleep. False at the end of the run.
+    /// Handles events: the chip, the timer, exceptions, sleep. Returns `false` at the end of the
+    /// run.
     #[inline(never)]
-    pub(crate) fn attend(&mut self, until: Cycle) -> Result<bool, Trap> {
+    pub(crate) fn check_events(&mut self, until: Cycle) -> Result<bool, Trap> {
         loop {
             self.settle()?;
             let now = self.cpu.cycle;
@@ -177,7 +182,7 @@ impl<C: Chip> Machine<C> {
         }
     }
 
-    /// Lets happen what is due, and takes over the lines.
+    /// Executes due events and reads the interrupt lines.
     pub(crate) fn settle(&mut self) -> Result<(), Trap> {
         let now = self.cpu.cycle;
         if self.cpu.stop.is_some() {
@@ -202,7 +207,8 @@ impl<C: Chip> Machine<C> {
         Ok(())
     }
 
-    /// Whether the processor goes on sleeping. An interrupt wakes it even where PRIMASK holds it back (B1.5.19).
+    /// Returns `true` if the processor stays asleep. An interrupt wakes it even if PRIMASK blocks
+    /// it (B1.5.19).
     fn sleeps(&mut self) -> bool {
         let Some(sleep) = self.cpu.asleep else { return false };
         let masked = std::mem::take(&mut self.cpu.primask);
@@ -215,11 +221,12 @@ impl<C: Chip> Machine<C> {
         !wakes
     }
 
-    /// Executes one instruction. One that is not decoded yet is only decoded: it runs with the next call.
+    /// Executes one instruction. An instruction that is not decoded yet is only decoded; the next
+    /// call executes it.
     #[inline(always)]
     pub(crate) fn instruction<const PROFILE: bool>(&mut self) -> Result<(), Trap> {
         let pc = self.cpu.pc;
-        // One copy, from one place: anything else makes the compiler take it apart and put it together again.
+        // A single copy from a single place; otherwise the compiler splits and rebuilds the value.
         let (decoded, waits) = match self.cached(pc) {
             Some((decoded, waits)) => (*decoded, waits),
             None => return self.prepare(pc),

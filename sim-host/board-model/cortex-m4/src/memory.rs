@@ -1,30 +1,31 @@
-//! Flash and RAM, and the instructions decoded from them.
+//! Flash and RAM, with the instructions decoded from them.
 
 use crate::op::Decoded;
 
-/// A memory of the part: bytes that answer at once, or after wait states that the part knows.
+/// Memory of the chip, without wait states or with wait states that the chip states.
 #[derive(Clone, Debug)]
 pub struct Region {
     /// Address of the first byte.
     pub base: u32,
-    /// The bytes, little-endian.
+    /// Contents, little-endian.
     pub bytes: Vec<u8>,
-    /// Stores of the processor reach it. Those to flash go to [`Chip::write`](crate::Chip::write).
+    /// `true` if the processor can store to it. Stores to flash go to
+    /// [`Chip::write`](crate::Chip::write).
     pub writable: bool,
-    /// Fetches and loads ask the part for wait states.
+    /// `true` if fetches and loads have wait states, which the chip returns.
     pub waits: bool,
 }
 
-/// Bytes of a page: what is decoded is dropped instruction by instruction, but only looked for in pages that have any.
-const PAGE: usize = 256;
+/// Bytes of a page. Stores search for decoded instructions only in pages that have any.
+const PAGE_BYTES: usize = 256;
 
-/// A region with the instructions decoded from it.
+/// Region with the instructions decoded from it.
 #[derive(Clone, Debug)]
 pub(crate) struct Bank {
     pub(crate) region: Region,
-    /// An entry a halfword; empty until something of the region runs.
+    /// One entry per halfword; empty until code of the region runs.
     pub(crate) code: Vec<Decoded>,
-    /// Whether something of a page is decoded.
+    /// `true` for each page with decoded instructions.
     pages: Vec<bool>,
 }
 
@@ -33,20 +34,20 @@ impl Bank {
     pub(crate) fn remember(&mut self, from: usize, decoded: Decoded) {
         if self.code.is_empty() {
             self.code = vec![Decoded::NOTHING; self.region.bytes.len() / 2];
-            self.pages = vec![false; self.region.bytes.len() / PAGE + 1];
+            self.pages = vec![false; self.region.bytes.len() / PAGE_BYTES + 1];
         }
         self.code[from / 2] = decoded;
-        self.pages[from / PAGE] = true;
-        self.pages[(from + 3) / PAGE] = true;
+        self.pages[from / PAGE_BYTES] = true;
+        self.pages[(from + 3) / PAGE_BYTES] = true;
     }
 
-    /// Drops what was decoded from the bytes `from..from + len`, which are about to change.
+    /// Drops the instructions decoded from the bytes `from..from + len`, which are about to change.
     #[inline]
-    pub(crate) fn forget(&mut self, from: usize, len: usize) {
-        // Empty as long as nothing was decoded.
-        let Some(pages) = self.pages.get(from / PAGE..=(from + len.max(1) - 1) / PAGE) else { return };
+    pub(crate) fn drop_decoded(&mut self, from: usize, len: usize) {
+        // Empty until something is decoded.
+        let Some(pages) = self.pages.get(from / PAGE_BYTES..=(from + len.max(1) - 1) / PAGE_BYTES) else { return };
         if pages.contains(&true) {
-            // An instruction may begin one halfword before and reach into these bytes.
+            // An instruction may begin one halfword earlier and extend into these bytes.
             let first = (from / 2).saturating_sub(1);
             let last = (from + len).div_ceil(2).min(self.code.len());
             self.code[first..last].fill(Decoded::NOTHING);
@@ -54,13 +55,13 @@ impl Bank {
     }
 }
 
-/// All memories of the part.
+/// All memories of the chip.
 #[derive(Clone, Debug)]
 pub struct Memory {
     pub(crate) banks: Vec<Bank>,
-    /// By the top byte of an address, the first bank that begins there, or one that does not exist.
+    /// First bank for each top byte of an address, or the number of a bank that does not exist.
     pub(crate) by_top: [u8; 256],
-    /// Aligned 8 bytes that read as damaged.
+    /// Addresses of aligned 8 bytes that read as damaged.
     pub(crate) damaged: Vec<u32>,
 }
 
@@ -78,12 +79,12 @@ impl Memory {
         self.banks.push(Bank { region, code: Vec::new(), pages: Vec::new() });
     }
 
-    /// The regions in the order in which they were added.
+    /// Returns the regions in the order in which they were added.
     pub fn regions(&self) -> impl Iterator<Item = &Region> {
         self.banks.iter().map(|bank| &bank.region)
     }
 
-    /// The bytes from `address` on; none where there is no memory, or it ends before.
+    /// Returns `len` bytes at `address`; `None` if a memory does not contain all of them.
     pub fn get(&self, address: u32, len: usize) -> Option<&[u8]> {
         self.banks.iter().find_map(|bank| {
             let from = address.checked_sub(bank.region.base)? as usize;
@@ -91,7 +92,8 @@ impl Memory {
         })
     }
 
-    /// The same, to be written: by DMA, by the programming of flash, by a debugger, by what flips a bit. The processor notices when the code that it runs is changed.
+    /// Returns `len` bytes at `address` for writing, by DMA, flash programming, a debugger, or a
+    /// bit flip. Instructions decoded from them are dropped.
     pub fn get_mut(&mut self, address: u32, len: usize) -> Option<&mut [u8]> {
         self.banks.iter_mut().find_map(|bank| {
             let from = address.checked_sub(bank.region.base)? as usize;
@@ -99,12 +101,13 @@ impl Memory {
             if to > bank.region.bytes.len() {
                 return None;
             }
-            bank.forget(from, len);
+            bank.drop_decoded(from, len);
             bank.region.bytes.get_mut(from..to)
         })
     }
 
-    /// From now on a read of the aligned 8 bytes at `address` is reported to [`Chip::damaged`](crate::Chip::damaged).
+    /// Marks the aligned 8 bytes at `address` as damaged: reads are reported to
+    /// [`Chip::damaged`](crate::Chip::damaged).
     pub fn damage(&mut self, address: u32) {
         let address = address & !7;
         if !self.damaged.contains(&address) {
@@ -112,17 +115,17 @@ impl Memory {
         }
     }
 
-    /// The 8 bytes at `address` are whole again (they were erased).
-    pub fn mend(&mut self, address: u32) {
+    /// Removes the mark of the 8 bytes at `address`, after an erase.
+    pub fn clear_damage(&mut self, address: u32) {
         self.damaged.retain(|damaged| *damaged != address & !7);
     }
 
-    /// Whether the aligned 8 bytes at `word` are damaged.
+    /// Returns `true` if the aligned 8 bytes at `word` are damaged.
     pub(crate) fn is_damaged(&self, word: u32) -> bool {
         self.damaged.contains(&word)
     }
 
-    /// The region that holds `address`: its number, and the byte within.
+    /// Returns the number of the region that contains `address`, and the byte offset in it.
     #[inline]
     pub(crate) fn find(&self, address: u32) -> Option<(usize, usize)> {
         let likely = usize::from(self.by_top[(address >> 24) as usize]);

@@ -1,65 +1,67 @@
-//! Where the cycles go: by function and by exception.
+//! Profile of cycles by function and by exception.
 
 use crate::chip::{Chip, Cycle};
 use crate::machine::Machine;
 
-/// What was spent in a function.
+/// Cost of a function.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spent {
-    /// Instructions executed.
+    /// Executed instructions.
     pub instructions: u64,
-    /// Cycles of them, wait states included.
+    /// Cycles, including wait states.
     pub cycles: Cycle,
-    /// Aligned 8 bytes fetched from a memory with wait states.
+    /// Fetches of aligned 8 bytes from a memory with wait states.
     pub fetches: u64,
 }
 
-/// What was spent in an exception.
+/// Cost of an exception.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Handled {
-    /// How often it was entered.
+    /// Number of entries.
     pub entries: u64,
-    /// Cycles from entry to return, those of exceptions within included.
+    /// Total cycles from entry to return, including nested exceptions.
     pub cycles: Cycle,
-    /// The longest of them.
+    /// Cycles of the longest execution.
     pub longest: Cycle,
 }
 
-/// A profile of a run.
+/// Profile of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Profile {
-    /// By the index of the function; the last one stands for code without a symbol.
+    /// Cost by the index of the function; the last entry is code without a symbol.
     spent: Vec<Spent>,
-    /// The exception in which functions are counted, if not everywhere.
+    /// Exception in which functions are counted; `None` counts everywhere.
     only: Option<u16>,
-    /// By exception number.
+    /// Cost by exception number.
     handled: std::collections::BTreeMap<u16, Handled>,
-    /// Exceptions that are active, with the cycle of their entry.
+    /// Active exceptions, with the cycle of their entry.
     active: Vec<(u16, Cycle)>,
-    /// The function of the last instruction and its addresses.
+    /// Index and addresses of the function of the last instruction.
     last: (usize, std::ops::Range<u32>),
 }
 
 impl Profile {
-    /// By exception number, what was spent in it.
+    /// Returns the cost of each exception by its number.
     pub fn handled(&self) -> impl Iterator<Item = (u16, Handled)> {
         self.handled.iter().map(|(number, handled)| (*number, *handled))
     }
 }
 
 impl<C: Chip> Machine<C> {
-    /// Begins a profile; a former one is dropped. Functions are counted while `only` that exception is handled, or always. It slows the run by about a third.
+    /// Begins a profile and drops an earlier one. Functions are counted only in the exception
+    /// `only`, or always. The run becomes slower by about a third.
     pub fn start_profile(&mut self, only: Option<u16>) {
         let spent = vec![Spent::default(); self.symbols.functions().len() + 1];
         self.profile = Some(Box::new(Profile { spent, only, ..Profile::default() }));
     }
 
-    /// Ends the profile and hands it out.
+    /// Ends the profile and returns it.
     pub fn take_profile(&mut self) -> Option<Profile> {
         self.profile.take().map(|profile| *profile)
     }
 
-    /// The functions that took cycles in a profile of this image, those with the most first; code without a symbol has no name.
+    /// Returns the functions with cycles in a profile of this image, the most expensive first. Code
+    /// without a symbol has no name.
     pub fn functions_of(&self, profile: &Profile) -> Vec<(Option<&str>, Spent)> {
         let functions = self.symbols.functions();
         let name = |index: usize| functions.get(index).map(|function| function.name.as_str());
@@ -104,7 +106,7 @@ impl<C: Chip> Machine<C> {
 
     pub(crate) fn profile_return(&mut self, exception: u16) {
         let Some(profile) = &mut self.profile else { return };
-        // Those entered before the profile began have no beginning.
+        // Exceptions that were entered before the profile began have no start.
         let Some(at) = profile.active.iter().rposition(|(number, _)| *number == exception) else { return };
         let (_, since) = profile.active.remove(at);
         let cycles = self.cpu.cycle - since;

@@ -1,4 +1,4 @@
-//! What the manual leaves open of the cycles of an instruction: the longest, or the usual.
+//! Selection of cycles if the manual gives a range: the maximum, or the usual number.
 //!
 //! | | [`Timing::Longest`] | [`Timing::Usual`] |
 //! |---|---|---|
@@ -6,34 +6,38 @@
 //! | after a branch to a register | 3 | 2 |
 //! | if the target is a 32-bit instruction that is not aligned | | 1 more |
 //! | after a load of the PC, `TBB`, `TBH` | 3 | 3 |
-//! | 32-bit instructions in a row that are not aligned | 1 more for the third and each load or store that follows | 1 more for the third |
+//! | successive 32-bit instructions that are not aligned | 1 more for the third and each load or store that follows | 1 more for the third |
 //! | load relative to the PC | 1 more, and never pipelined | as any load |
 //! | other masters of the buses | [`Chip::held_up`] more | |
 //!
-//! The refill takes 1 to 3 cycles "depending on the alignment and width of the target instruction, and whether the processor manages to speculate the
-//! address early" (ARM DDI 0439, table 3-1); "normally" 1 after an immediate branch, 2 after one to a register, longer to unaligned 32-bit
-//! instructions (ARM DDI 0337E, 18.2, of the Cortex-M3, which has the same pipeline). A load relative to the PC "might" take one more (DDI 0439,
-//! 3.3.2). The rows of unaligned instructions are measured on an STM32L4 (compendium.i-0.nl, "Alignment rules"): three or more take one more
-//! cycle, and a mix with loads and stores can take more than one, so that the bound counts each of these. More is not lost: the fetch brings a word a cycle into a
-//! buffer of three, whatever stands in it (ARM article KA8521).
+//! The refill takes 1 to 3 cycles "depending on the alignment and width of the target instruction,
+//! and whether the processor manages to speculate the address early" (ARM DDI 0439, table 3-1). It
+//! is "normally" 1 after an immediate branch, 2 after one to a register, and longer to unaligned
+//! 32-bit instructions (ARM DDI 0337E, 18.2, of the Cortex-M3, which has the same pipeline). A load
+//! relative to the PC "might" take one more (DDI 0439, 3.3.2).
+//!
+//! The rows of unaligned instructions are measured on an STM32L4 (compendium.i-0.nl, "Alignment
+//! rules"): three or more take one more cycle. A mix with loads and stores can take more than one,
+//! so the bound counts each of these. There is no further loss: the fetch brings one word per cycle
+//! into a buffer of three, for any contents (ARM article KA8521).
 
 use crate::chip::{Chip, Cycle};
 use crate::cpu::{Cpu, INVALID};
 use crate::machine::Machine;
 use crate::op::Decoded;
 
-/// Which cycles are counted where the manual leaves them open.
+/// Cycles that are counted if the manual gives a range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Timing {
-    /// The most that the manual allows.
+    /// Maximum of the manual.
     Longest,
-    /// What is normal by the manual, or measured.
+    /// Normal number of the manual, or a measured one.
     Usual,
-    /// One cycle for each instruction and none for exceptions or wait states: time as an emulator counts it.
+    /// One cycle for each instruction and none for exceptions or wait states, as in an emulator.
     Instructions,
 }
 
-/// Where the address of a branch comes from.
+/// Source of the address of a branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Target {
     Immediate,
@@ -42,7 +46,7 @@ pub(crate) enum Target {
     Loaded,
 }
 
-/// The longest refill of the pipeline.
+/// Longest refill of the pipeline, cycles.
 pub const REFILL: u32 = 3;
 
 impl Timing {
@@ -57,7 +61,8 @@ impl Timing {
 }
 
 impl<C: Chip> Machine<C> {
-    /// Lets time pass for what other masters of the buses have taken. They do so in time, so that the rate of the watched exception does not count.
+    /// Adds the delay by other bus masters. It is real time, so the rate of the watched exception
+    /// does not apply.
     pub(crate) fn hold_up(&mut self) {
         let cycles = self.chip.held_up();
         if self.cpu.timing == Timing::Longest && self.cpu.asleep.is_none() {
@@ -67,7 +72,7 @@ impl<C: Chip> Machine<C> {
 }
 
 impl Cpu {
-    /// Adds the cost of the present instruction to the time.
+    /// Adds the cost of the current instruction to the time.
     #[inline(always)]
     pub(crate) fn spend(&mut self) {
         if self.timing == Timing::Instructions {
@@ -76,14 +81,15 @@ impl Cpu {
         self.cycle += self.watch.time_of(self.cost, self.ipsr);
     }
 
-    /// Adds that of an exception's entry or return.
+    /// Adds the cost of an exception's entry or return to the time.
     pub(crate) fn spend_exception(&mut self) {
         if self.timing != Timing::Instructions {
             self.cycle += self.watch.time_of(self.cost, self.ipsr);
         }
     }
 
-    /// Branches to an address whose lowest bit says Thumb, or returns from an exception (`BXWritePC`, `LoadWritePC`).
+    /// Branches to an address whose lowest bit selects Thumb state, or returns from an exception
+    /// (`BXWritePC`, `LoadWritePC`).
     #[inline]
     pub(crate) fn branch_exchange(&mut self, address: u32, target: Target) {
         if self.ipsr != 0 && address >= 0xF000_0000 {
@@ -93,7 +99,8 @@ impl Cpu {
         }
     }
 
-    /// The same without the return (`BLXWritePC`). An even address clears EPSR.T, and the next instruction faults.
+    /// Branches as [`branch_exchange`](Cpu::branch_exchange), but never returns from an exception
+    /// (`BLXWritePC`). An even address clears EPSR.T, and the next instruction faults.
     #[inline]
     pub(crate) fn branch_to(&mut self, address: u32, target: Target) {
         self.branch(address, target);
@@ -111,7 +118,7 @@ impl Cpu {
         }
     }
 
-    /// Adds what a 32-bit instruction costs more where it is not aligned; whether it loads or stores.
+    /// Adds the extra cycles of a 32-bit instruction that is not aligned.
     #[inline(always)]
     pub(crate) fn fetch_unaligned(&mut self, accesses_memory: bool) {
         self.unaligned += 1;
@@ -123,7 +130,7 @@ impl Cpu {
         }
     }
 
-    /// Adds what a load relative to the PC may cost more.
+    /// Adds the extra cycle that a load relative to the PC may take.
     #[inline(always)]
     pub(crate) fn load_from_code(&mut self) {
         self.cost += u32::from(self.timing == Timing::Longest);

@@ -1,6 +1,7 @@
 //! The five ADCs: power-up, calibration, triggers, oversampling, dual mode. RM0440 21.
 //!
-//! A conversion is three events: its trigger, the instant at which the input is held, and its end. `adc_control.rs` has the registers.
+//! A conversion has three events: its trigger, the hold of its input, and its end. `adc_control.rs`
+//! contains the registers.
 
 use cortex_m4::{Cycle, Fault, Ports};
 use stm32_metapac::adc::regs::{Cfgr, Cfgr2, Cr, Isr, Sqr1};
@@ -20,34 +21,40 @@ pub(crate) const BASES: [u32; 5] = [ADC1, ADC2, ADC3, ADC4, ADC5];
 /// DMA requests (13.3.2, table of requests).
 const REQUESTS: [u8; 5] = [5, 36, 37, 38, 39];
 /// ADC cycles of a conversion after the sampling, 12 bits (21.4.16).
-const CONVERSION: f64 = 12.5;
-/// Margin between the end of a conversion and the next trigger below which [`Rule::AdcTriggerMargin`] speaks, ADC cycles.
-const MARGIN: f64 = 0.25;
+const CONVERSION_CYCLES: f64 = 12.5;
+/// Minimum time from the end of a conversion to the next trigger without
+/// [`Rule::AdcTriggerMargin`], ADC cycles.
+const TRIGGER_MARGIN: f64 = 0.25;
 /// Regular simultaneous mode (ADCx_CCR.DUAL).
 pub(crate) const SIMULTANEOUS: u8 = 6;
 
-/// An ADC.
+/// State of an ADC.
 #[derive(Clone, Debug)]
 pub(crate) struct Adc {
-    /// When its regulator has started up; when it was calibrated.
+    /// Time at which its regulator has started up, ps.
     pub regulated: Option<Ps>,
+    /// Cycle of its calibration.
     pub calibrated: Option<Cycle>,
-    /// A conversion is under way; when it ends, or the last one has ended, to a fraction of a cycle.
+    /// `true` during a conversion.
     pub busy: bool,
+    /// End of the current or last conversion, cycles with a fraction.
     end: f64,
     pub inputs: [Input; 16],
-    /// Core cycles of an ADC cycle, from a trigger to the sampling, and of the sampling of each place of the sequence.
+    /// Core cycles of an ADC cycle.
     pub period: f64,
+    /// Core cycles from a trigger to the sampling.
     pub latency: f64,
+    /// Core cycles of the sampling of each place of the sequence.
     pub sampling: [f64; 16],
     rank: usize,
     held: u32,
     sum: u32,
     count: u32,
-    /// The data register, and whether DMA still has to take it.
+    /// Data register.
     pub data: u32,
+    /// `true` if DMA still has to take the data register.
     pub waits: bool,
-    /// Converts everything to this.
+    /// Code of every conversion, if the ADC is stuck.
     pub stuck: Option<u16>,
 }
 
@@ -74,23 +81,23 @@ impl Default for Adc {
 }
 
 impl Adc {
-    /// Takes it to its reset state.
+    /// Resets the state; a defect stays.
     pub fn reset(&mut self) {
         *self = Adc { stuck: self.stuck, ..Adc::default() };
     }
 
-    /// Ends what is under way.
+    /// Stops the current conversion and sequence.
     pub fn stop(&mut self) {
         (self.busy, self.rank, self.sum, self.count) = (false, 0, 0, 0);
     }
 }
 
-/// The common registers of an ADC.
+/// Returns the address of the common registers of an ADC.
 pub(crate) fn common_of(index: usize) -> u32 {
     if index < 2 { ADC12_COMMON } else { ADC345_COMMON }
 }
 
-/// The first cycle that is not before a time; `f64::ceil` is a call on some hosts.
+/// Rounds a time up to a cycle. `f64::ceil` is a function call on some hosts.
 fn first_cycle(time: f64) -> Cycle {
     let whole = time as Cycle;
     whole + Cycle::from((whole as f64) < time)
@@ -105,17 +112,17 @@ impl<W: Wires> Stm32g474<W> {
         Ccr(self.regs[common_of(index) + common::CCR])
     }
 
-    /// Whether an ADC is the slave of a pair that converts together.
+    /// Returns `true` if an ADC is the slave of a pair that converts together.
     fn is_slave(&self, index: usize) -> bool {
         matches!(index, 1 | 3) && self.adc_ccr(index).dual().to_bits() == SIMULTANEOUS
     }
 
-    /// The ADC that converts with this one.
+    /// Returns the slave that converts together with this ADC.
     pub(crate) fn partner(&self, index: usize) -> Option<usize> {
         (matches!(index, 0 | 2) && self.adc_ccr(index).dual().to_bits() == SIMULTANEOUS).then_some(index + 1)
     }
 
-    /// The timers, from TIM2, that trigger each ADC.
+    /// Returns the timer, counted from TIM2, that triggers each ADC.
     pub(crate) fn adc_triggers(&self) -> [Option<usize>; 5] {
         std::array::from_fn(|index| {
             let cfgr = Cfgr(self.regs[BASES[index] + reg::CFGR]);
@@ -126,7 +133,7 @@ impl<W: Wires> Stm32g474<W> {
         })
     }
 
-    /// A trigger of the regular group (21.4.18).
+    /// Handles a trigger of the regular group (21.4.18).
     pub(crate) fn trigger_adc(&mut self, at: Cycle, index: usize, ports: &mut Ports) -> Result<(), Fault> {
         let now = self.now(at);
         if self.adcs[index].busy && self.adcs[index].end <= at as f64 {
@@ -139,18 +146,18 @@ impl<W: Wires> Stm32g474<W> {
         }
         let adc = &self.adcs[index];
         let latency = adc.latency;
-        if at as f64 - adc.end < MARGIN * adc.period {
+        if at as f64 - adc.end < TRIGGER_MARGIN * adc.period {
             self.report(now, BASES[index] + reg::SMPR, u32::MAX, self.regs[BASES[index] + reg::SMPR], Rule::AdcTriggerMargin)?;
         }
         self.convert(index, at as f64 + latency);
         Ok(())
     }
 
-    /// A conversion, sampling from `from` on.
+    /// Plans a conversion whose sampling starts at `from`.
     fn convert(&mut self, index: usize, from: f64) {
         let adc = &mut self.adcs[index];
         let hold = from + adc.sampling[adc.rank];
-        (adc.busy, adc.end) = (true, hold + CONVERSION * adc.period);
+        (adc.busy, adc.end) = (true, hold + CONVERSION_CYCLES * adc.period);
         let end = first_cycle(adc.end);
         self.agenda.set(Event::AdcHold(index), first_cycle(hold));
         self.agenda.set(Event::AdcEnd(index), end);
@@ -161,7 +168,7 @@ impl<W: Wires> Stm32g474<W> {
         self.convert(index, now.at as f64 + self.adcs[index].latency);
     }
 
-    /// The input is held: 12 bits of it, in units of the reference (21.4.32).
+    /// Holds the input: 12 bits, in units of the reference (21.4.32).
     pub(crate) fn adc_hold(&mut self, at: Cycle, index: usize) {
         for member in [Some(index), self.partner(index)].into_iter().flatten() {
             let rank = self.adcs[index].rank;
@@ -176,7 +183,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// A conversion ends: what follows it, and what is to be done with it (21.4.26, 21.4.30, 21.4.31).
+    /// Ends a conversion, stores its result and plans the next one (21.4.26, 21.4.30, 21.4.31).
     pub(crate) fn adc_end(&mut self, at: Cycle, index: usize, ports: &mut Ports) -> Result<(), Fault> {
         if !self.adcs[index].busy {
             return Ok(());
@@ -192,7 +199,7 @@ impl<W: Wires> Stm32g474<W> {
         self.adcs[index].busy = false;
         let end = self.adcs[index].end;
         if self.adcs[index].count < wanted {
-            // The next one of the sum comes with a trigger of its own, or at once.
+            // The next conversion of the sum needs its own trigger, or follows at once.
             if cfgr2.trovs().to_bits() == 0 {
                 self.convert(index, end);
             }
@@ -216,7 +223,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// A new value in ADC_DR, unless the last one was not read (21.4.26).
+    /// Stores a value in ADC_DR, unless the last one was not read (21.4.26).
     fn result(&mut self, at: Cycle, index: usize, value: u32, last: bool) -> Result<(), Fault> {
         let base = BASES[index];
         let mut isr = Isr(self.regs[base + reg::ISR]);
@@ -238,7 +245,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// Asks DMA to take a value: one for both of a pair, or one each.
+    /// Requests DMA for a value: one request for both of a pair, or one each.
     fn ask_dma(&mut self, at: Cycle, index: usize, ports: &mut Ports) -> Result<(), Fault> {
         let now = self.now(at);
         let pair = self.partner(index).filter(|_| self.adc_ccr(index).mdma().to_bits() != 0);
@@ -255,7 +262,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// A DMA channel is on: a value that waits is taken.
+    /// Transfers a waiting value after a DMA channel was enabled.
     pub(crate) fn serve_adc(&mut self, now: Now, request: u8, ports: &mut Ports) -> Result<(), Fault> {
         for (index, own) in REQUESTS.into_iter().enumerate() {
             if own == request && self.adcs[index].waits {
@@ -265,7 +272,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// The same, where only a flag has changed: most ADCs have no interrupt.
+    /// Updates the interrupt line, if any interrupt is enabled: most ADCs have none.
     pub(crate) fn update_adc_line(&self, index: usize, ports: &mut Ports) {
         if self.regs[BASES[index] + reg::IER] != 0 {
             self.adc_line(index, ports);

@@ -1,4 +1,4 @@
-//! Registers of the ADCs, and the order in which they are to be written. RM0440 21.4.6 to 21.4.10, 21.7, 21.8.
+//! Registers of the ADCs and their required order of writes. RM0440 21.4.6 to 21.4.10, 21.7, 21.8.
 
 use cortex_m4::{Cycle, Fault, Ports};
 use stm32_metapac::adc::regs::{Cfgr, Cr};
@@ -13,13 +13,14 @@ use crate::part::{Now, Stm32g474};
 use crate::time::{Event, US};
 use crate::wires::Wires;
 
-/// Start-up of the regulator (DS12288, T_ADCVREG_STUP).
-const REGULATOR: u64 = 20 * US;
-/// ADC cycles of a calibration, and from enable to ready (DS12288, t_CAL and t_STAB).
-const CALIBRATION: f64 = 116.0;
-const STABLE: f64 = 15.0;
+/// Start-up time of the regulator (DS12288, T_ADCVREG_STUP), ps.
+const REGULATOR_START_UP: u64 = 20 * US;
+/// Duration of a calibration (DS12288, t_CAL), ADC cycles.
+const CALIBRATION_CYCLES: f64 = 116.0;
+/// Time from enable to ready (DS12288, t_STAB), ADC cycles.
+const ENABLE_CYCLES: f64 = 15.0;
 
-/// The timer, TIM2 to TIM5 from 0, that an external trigger's number is (21.4.18, tables).
+/// Returns the timer of an external trigger's number (21.4.18, tables): 0 for TIM2 to 3 for TIM5.
 pub(crate) fn trigger_timer(index: usize, number: u8) -> Option<usize> {
     let adc = if index < 2 { "ADC1" } else { "ADC3" };
     let signal = format!("ADC_EXT_TRG{number}");
@@ -27,7 +28,7 @@ pub(crate) fn trigger_timer(index: usize, number: u8) -> Option<usize> {
     ["TIM2_TRGO", "TIM3_TRGO", "TIM4_TRGO", "TIM5_TRGO"].iter().position(|timer| timer == source)
 }
 
-/// Which ADC a register belongs to.
+/// Returns the ADC of a register.
 fn index_of(address: u32) -> usize {
     match address {
         at if at >= ADC345_COMMON => 4,
@@ -46,7 +47,7 @@ impl<W: Wires> Stm32g474<W> {
         self.adcs[index].data
     }
 
-    /// Reading the data clears EOC (21.7.16).
+    /// Clears EOC, as a read of the data does (21.7.16).
     fn take_result(&mut self, index: usize, ports: &mut Ports) {
         self.regs[BASES[index] + reg::ISR] &= !4;
         self.update_adc_line(index, ports);
@@ -55,7 +56,7 @@ impl<W: Wires> Stm32g474<W> {
     pub(crate) fn read_adc_common(&mut self, _now: Now, address: u32, ports: &mut Ports) -> u32 {
         let master = if address >= ADC345_COMMON { 2 } else { 0 };
         match address - common_of(master) {
-            // CDR (21.8.3): both values, and EOC of both.
+            // CDR (21.8.3) contains both values; a read clears both EOC flags.
             common::CDR => {
                 self.take_result(master, ports);
                 self.take_result(master + 1, ports);
@@ -127,7 +128,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// ADC_CR (21.7.3): most bits are set by software and cleared by the ADC.
+    /// Writes ADC_CR (21.7.3), whose bits are mostly set by software and cleared by the ADC.
     fn write_adc_cr(&mut self, now: Now, index: usize, new: Cr) -> Result<(), Fault> {
         let address = BASES[index] + reg::CR;
         let old = self.adc_cr(index);
@@ -142,7 +143,7 @@ impl<W: Wires> Stm32g474<W> {
         if new.deeppwd() || !new.advregen() {
             self.adcs[index].regulated = None;
         } else if self.adcs[index].regulated.is_none() {
-            self.adcs[index].regulated = Some(time + REGULATOR);
+            self.adcs[index].regulated = Some(time + REGULATOR_START_UP);
         }
         if new.deeppwd() {
             self.adcs[index].calibrated = None;
@@ -158,7 +159,7 @@ impl<W: Wires> Stm32g474<W> {
                 return self.report(now, address, 1 << 31, new.0, Rule::AdcCalibration);
             }
             self.regs[address] |= 1 << 31;
-            self.later(now, index, period, CALIBRATION)?;
+            self.later(now, index, period, CALIBRATION_CYCLES)?;
         }
         if new.aden() && !old.aden() {
             if !started_up {
@@ -169,7 +170,7 @@ impl<W: Wires> Stm32g474<W> {
                 self.report(now, address, 1, new.0, Rule::AdcCalibration)?;
             }
             self.regs[address] |= 1;
-            self.later(now, index, period, STABLE)?;
+            self.later(now, index, period, ENABLE_CYCLES)?;
         }
         if new.adstp().to_bits() != 0 {
             self.regs[address] &= !(1 << 2);
@@ -194,7 +195,7 @@ impl<W: Wires> Stm32g474<W> {
         self.agenda.clear(Event::AdcEnd(index));
     }
 
-    /// Calibrated, or ready, so many ADC cycles later.
+    /// Plans the end of a calibration or enable, `cycles` ADC cycles later.
     fn later(&mut self, now: Now, index: usize, period: Option<f64>, cycles: f64) -> Result<(), Fault> {
         let Some(period) = period else { return self.refuse(now, BASES[index] + reg::CR, "an ADC without a clock") };
         self.agenda.set(Event::AdcReady(index), now.at + (cycles * period).ceil() as Cycle);
@@ -212,11 +213,11 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// ADSTART: at once, or with the first trigger.
+    /// Starts the group (ADSTART): at once, or with the first trigger.
     fn start_group(&mut self, now: Now, index: usize, new: Cr) -> Result<(), Fault> {
         let address = BASES[index] + reg::CR;
         for member in [Some(index), self.partner(index)].into_iter().flatten() {
-            // ADRDY may have been cleared by software; what counts is that it came.
+            // Software may have cleared ADRDY, so the event decides.
             let ready = self.adc_cr(member).aden() && self.agenda.get(Event::AdcReady(member)) == Cycle::MAX;
             if !ready {
                 return self.report(now, address, 1 << 2, new.0, Rule::AdcNotReady);
@@ -230,7 +231,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// Forgets the state of the ADCs that RCC resets: they are reset by pair and by three.
+    /// Resets the state of the ADCs that RCC resets: ADC1 and 2, or ADC3 to 5 together.
     pub(crate) fn reset_adc(&mut self, base: u32) {
         let group: &[usize] = if (ADC1..=ADC2).contains(&base) || base == common_of(0) { &[0, 1] } else { &[2, 3, 4] };
         for index in group {

@@ -1,4 +1,4 @@
-//! What the ADCs convert: channels, sequences. RM0440 21.4.11.
+//! Inputs of the ADCs: channels, sequences. RM0440 21.4.11.
 
 use cortex_m4::Fault;
 use stm32_metapac::adc::regs::{Sqr1, Sqr2, Sqr3, Sqr4};
@@ -10,7 +10,7 @@ use crate::map::at::{adc as reg, adccommon as common};
 use crate::part::{Now, Stm32g474};
 use crate::wires::{Pin, Wires};
 
-/// What an ADC converts.
+/// Input of an ADC channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Input {
     Pin(Pin),
@@ -20,7 +20,7 @@ pub(crate) enum Input {
 }
 
 impl<W: Wires> Stm32g474<W> {
-    /// What is at a channel (21.4.11, table of the inputs).
+    /// Returns the input of a channel (21.4.11, table of the inputs).
     fn input(&self, index: usize, channel: u8) -> Input {
         let internal = match (index, channel) {
             (0, 16) | (4, 4) => Some(Input::Sensor),
@@ -38,7 +38,7 @@ impl<W: Wires> Stm32g474<W> {
         internal.or_else(|| pin().map(Input::Pin)).unwrap_or(Input::Unknown)
     }
 
-    /// The channel of a place in the sequence (21.7.11 to 21.7.14).
+    /// Returns the channel of a place in the sequence (21.7.11 to 21.7.14).
     pub(crate) fn channel(&self, index: usize, rank: usize) -> u8 {
         let base = BASES[index];
         match rank {
@@ -49,7 +49,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// Looks up the sequence when it is started.
+    /// Reads the sequence at its start.
     pub(crate) fn prepare_adc(&mut self, now: Now, index: usize) -> Result<(), Fault> {
         let length = usize::from(Sqr1(self.regs[BASES[index] + reg::SQR1]).l());
         for rank in 0..=length {

@@ -1,4 +1,4 @@
-//! How long the ADCs take. RM0440 21.4.3, 21.4.12, 21.4.16; DS12288, ADC characteristics.
+//! Timing of the ADCs. RM0440 21.4.3, 21.4.12, 21.4.16; DS12288, ADC characteristics.
 
 use cortex_m4::Fault;
 use stm32_metapac::adc::regs::{Smpr, Smpr2};
@@ -12,11 +12,12 @@ use crate::wires::Wires;
 
 /// Sampling times, ADC cycles (21.4.12).
 const SAMPLING: [f64; 8] = [2.5, 6.5, 12.5, 24.5, 47.5, 92.5, 247.5, 640.5];
-/// ADC cycles from a trigger to the start of the sampling, by CKMODE (DS12288, ADC characteristics, t_LATR): the most, where the clock is asynchronous.
+/// ADC cycles from a trigger to the start of the sampling, by CKMODE (DS12288, ADC characteristics,
+/// t_LATR); the maximum for an asynchronous clock.
 const LATENCY: [f64; 4] = [2.5, 2.0, 2.25, 2.125];
 
 impl<W: Wires> Stm32g474<W> {
-    /// Core cycles of an ADC cycle; none without a clock (21.4.3).
+    /// Returns the core cycles of an ADC cycle; `None` without a clock (21.4.3).
     pub(crate) fn adc_period(&self, index: usize) -> Option<f64> {
         let ccr = self.adc_ccr(index);
         match ccr.ckmode().to_bits() {
@@ -35,7 +36,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// Sampling time of a place in the sequence, ADC cycles.
+    /// Returns the sampling time of a place in the sequence, ADC cycles.
     fn sampling(&self, index: usize, rank: usize) -> f64 {
         let channel = self.channel(index, rank);
         let smpr = Smpr(self.regs[BASES[index] + reg::SMPR]);
@@ -45,13 +46,14 @@ impl<W: Wires> Stm32g474<W> {
             Smpr2(self.regs[BASES[index] + reg::SMPR2]).smp(usize::from(channel) - 10)
         };
         match time.to_bits() {
-            // SMPPLUS makes 2.5 cycles 3.5 (21.7.6).
+            // SMPPLUS changes 2.5 cycles to 3.5 (21.7.6).
             0 if smpr.smpplus() => 3.5,
             code => SAMPLING[usize::from(code)],
         }
     }
 
-    /// Works out the times of an ADC: when its group is started, since its registers stay as they are then, and when the clock changes.
+    /// Computes the times of an ADC: when its group is started, after which its registers do not
+    /// change, and when the clock changes.
     pub(crate) fn time_adc(&mut self, now: Now, index: usize) -> Result<(), Fault> {
         let Some(period) = self.adc_period(index) else {
             return self.refuse(now, BASES[index] + reg::CR, "an ADC without a clock");
@@ -63,7 +65,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// The clock has changed under the ADCs that are started.
+    /// Computes the times of all started ADCs after a change of the clock.
     pub(crate) fn retime_adcs(&mut self, now: Now) -> Result<(), Fault> {
         for index in 0..5 {
             if self.adc_cr(index).adstart() {

@@ -1,40 +1,41 @@
-//! The flash accelerator: prefetch, instruction cache, data cache. RM0440 3.3.4.
+//! Flash accelerator: prefetch, instruction cache, data cache. RM0440 3.3.4.
 //!
-//! With two banks the flash is read in words of 64 bits. The instruction cache has 32 lines of four such words, the data cache eight; the line that was
-//! not used for longest is replaced, and its words are filled one by one.
+//! With two banks the flash is read in words of 64 bits. The instruction cache has 32 lines of four
+//! such words, the data cache eight. The least recently used line is replaced, and its words are
+//! filled one by one.
 
 use cortex_m4::Cycle;
 use stm32_metapac::flash::regs::Acr;
 
-/// Lines of the flash: 512 KiB.
+/// Number of lines of the flash: 512 KiB.
 const LINES: usize = 0x8_0000 / 32;
-/// No line of a cache.
+/// Number that marks a missing line of a cache.
 const NONE: u8 = u8::MAX;
 
-/// A line of a cache, between the one that was used after it and the one that was used before it.
+/// Line of a cache, in a list sorted by the last use.
 #[derive(Clone, Copy, Debug)]
 struct Line {
-    /// The line of the flash.
+    /// Line of the flash.
     of: u16,
-    /// A bit for each of the four words.
+    /// One bit for each of the four words.
     valid: u8,
     newer: u8,
     older: u8,
 }
 
-/// A cache of `N` lines of 32 bytes.
+/// Cache of `N` lines of 32 bytes.
 #[derive(Clone, Debug)]
 struct Cache<const N: usize> {
     lines: [Line; N],
     newest: u8,
     oldest: u8,
-    /// For each line of the flash the one of the cache that has it.
+    /// Line of the cache that contains each line of the flash.
     place: Box<[u8]>,
 }
 
 impl<const N: usize> Default for Cache<N> {
     fn default() -> Self {
-        // In a row, none of them in use.
+        // A list of empty lines.
         let lines = std::array::from_fn(|n| Line {
             of: 0,
             valid: 0,
@@ -46,7 +47,7 @@ impl<const N: usize> Default for Cache<N> {
 }
 
 impl<const N: usize> Cache<N> {
-    /// Whether the word is there; if not, it is from now on.
+    /// Returns `true` if the cache contains the word; otherwise adds it.
     #[inline]
     fn hit(&mut self, address: u32) -> bool {
         let newest = &self.lines[usize::from(self.newest)];
@@ -62,7 +63,7 @@ impl<const N: usize> Cache<N> {
         if at == NONE {
             at = self.oldest;
             let line = &mut self.lines[usize::from(at)];
-            // A line that was never used has no words, and its place may be another's.
+            // An unused line has no words, and its flash line may be in another line.
             if line.valid != 0 {
                 self.place[usize::from(line.of)] = NONE;
             }
@@ -76,7 +77,7 @@ impl<const N: usize> Cache<N> {
         hit
     }
 
-    /// Puts a line before all others.
+    /// Marks a line as the most recently used.
     fn use_line(&mut self, at: u8) {
         if at == self.newest {
             return;
@@ -94,13 +95,13 @@ impl<const N: usize> Cache<N> {
     }
 }
 
-/// The accelerator.
+/// Flash accelerator.
 #[derive(Clone, Debug)]
 pub(crate) struct Art {
     control: Acr,
     code: Cache<32>,
     data: Cache<8>,
-    /// The word that was prefetched, and when it is there.
+    /// Address of the prefetched word, and the cycle from which it is available.
     next: (u32, Cycle),
 }
 
@@ -111,7 +112,7 @@ impl Default for Art {
 }
 
 impl Art {
-    /// Takes over FLASH_ACR.
+    /// Applies FLASH_ACR.
     pub fn set(&mut self, control: Acr) {
         if control.icrst() {
             self.code = Cache::default();
@@ -122,12 +123,12 @@ impl Art {
         self.control = control;
     }
 
-    /// Whether the data cache is on.
+    /// Returns `true` if the data cache is on.
     pub fn caches_data(&self) -> bool {
         self.control.dcen()
     }
 
-    /// Wait states of a fetch of the 8 bytes at `address`.
+    /// Returns the wait states of a fetch of the 8 bytes at `address`.
     #[inline]
     pub fn fetch(&mut self, address: u32, at: Cycle) -> u32 {
         let latency = u32::from(self.control.latency().to_bits());
@@ -145,7 +146,7 @@ impl Art {
         wait
     }
 
-    /// Wait states of a load of data.
+    /// Returns the wait states of a data load.
     #[inline]
     pub fn load(&mut self, address: u32) -> u32 {
         if self.control.dcen() && self.data.hit(address) { 0 } else { u32::from(self.control.latency().to_bits()) }
@@ -175,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loop_that_is_too_long_waits_always() {
+    fn a_loop_longer_than_the_cache_always_waits() {
         let mut art = art(false, true);
         let mut round = |at| (0..132).map(|word| art.fetch(0x0800_0000 + 8 * word, at)).sum::<u32>();
         round(0);
@@ -183,19 +184,19 @@ mod tests {
     }
 
     #[test]
-    fn the_line_that_was_not_used_for_longest_is_replaced() {
+    fn the_least_recently_used_line_is_replaced() {
         let mut art = art(false, true);
         let mut waits = |line: u32| art.fetch(0x0800_0000 + 32 * line, 0);
         assert_eq!((0..32).map(&mut waits).sum::<u32>(), 32 * 4);
-        assert_eq!([0, 2, 32].map(&mut waits), [0, 0, 4], "32 takes the place of 1");
-        assert_eq!([0, 2, 3, 32, 1, 4].map(&mut waits), [0, 0, 0, 0, 4, 4], "1 takes the place of 4");
+        assert_eq!([0, 2, 32].map(&mut waits), [0, 0, 4], "32 replaces 1");
+        assert_eq!([0, 2, 3, 32, 1, 4].map(&mut waits), [0, 0, 0, 0, 4, 4], "1 replaces 4");
     }
 
     #[test]
-    fn prefetch_hides_what_time_has_passed() {
+    fn prefetch_reduces_the_wait_by_the_elapsed_time() {
         let mut art = art(true, false);
         assert_eq!(art.fetch(0x0800_0000, 0), 4);
-        // Four instructions of 16 bits after the word was there, one of the five cycles remains.
+        // After four instructions of 16 bits, one of the five cycles remains.
         assert_eq!(art.fetch(0x0800_0008, 4 + 4), 1);
         assert_eq!(art.fetch(0x0800_0010, 100), 0);
     }

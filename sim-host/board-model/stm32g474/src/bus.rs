@@ -1,4 +1,4 @@
-//! The bus: which peripheral answers at an address, and what the lint says to every access.
+//! Bus: dispatch of accesses to the peripherals, and checks of every access.
 
 use cortex_m4::{Access, Chip, Cycle, Fault, Ports, Width};
 
@@ -16,7 +16,7 @@ use crate::timer::Timer;
 use crate::wires::Wires;
 
 impl<W: Wires> Stm32g474<W> {
-    /// The register at an address that a program accesses, if the peripheral has its clock.
+    /// Returns the register at an address that a program accesses, if its peripheral has a clock.
     fn target(&mut self, now: Now, address: u32) -> Result<(&'static Register, u32), Fault> {
         let Some(found) = self.regs.find(address & !3) else {
             return if Registers::covers(address) { self.refuse(now, address, "a register") } else { Err(Fault::Bus) };
@@ -31,7 +31,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(found)
     }
 
-    /// Reads a register as the bus does: by a program, or by DMA.
+    /// Reads a register over the bus: for a program, or for DMA.
     pub(crate) fn load(&mut self, now: Now, register: &Register, ports: &mut Ports) -> Result<u32, Fault> {
         let address = register.address;
         match register.base {
@@ -71,7 +71,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// Writes a register as the bus does.
+    /// Writes a register over the bus.
     pub(crate) fn store(&mut self, now: Now, register: &Register, value: u32, ports: &mut Ports) -> Result<(), Fault> {
         let address = register.address;
         match register.base {
@@ -155,7 +155,7 @@ impl<W: Wires> Chip for Stm32g474<W> {
             return self.report(now, register.address, u32::MAX, value, Rule::ReadOnly);
         }
         let reserved = (value ^ self.regs[register.address]) & !mask;
-        // A status register whose flags a zero clears is written with ones elsewhere, as ST's drivers do.
+        // Flags that a zero clears: programs write ones to the other bits, as ST's drivers do.
         let clears_by_zero = register.name == "SR" && register.peripheral.starts_with("TIM");
         if reserved != 0 && !clears_by_zero && (register.access != map::Access::Write || value & !mask != 0) {
             self.report(now, register.address, reserved, value, Rule::Reserved)?;

@@ -1,4 +1,4 @@
-//! What the manual asks of a change of the core clock. RM0440 3.3.3, 6.1.5, 7.2.7.
+//! Rules of the manual for a change of the core clock. RM0440 3.3.3, 6.1.5, 7.2.7.
 
 use cortex_m4::Fault;
 use stm32_metapac::flash::regs::Acr;
@@ -12,11 +12,12 @@ use crate::rcc::hpre;
 use crate::time::US;
 use crate::wires::Wires;
 
-/// PWR_CR5.R1MODE (6.4.5): cleared, the regulator boosts.
+/// PWR_CR5.R1MODE (6.4.5): the regulator is in boost mode if it is cleared.
 const R1MODE: u32 = 1 << 8;
 
 impl<W: Wires> Stm32g474<W> {
-    /// What the manual asks of a change of the core clock: voltage (6.1.5), wait states (3.3.3), and half the frequency on the way (7.2.7).
+    /// Checks a change of the core clock: voltage (6.1.5), wait states (3.3.3), and the
+    /// intermediate step at half the frequency (7.2.7).
     pub(crate) fn check_clock(&mut self, now: Now, old: Cfgr, new: Cfgr, used: u8) -> Result<(), Fault> {
         let address = RCC + at::rcc::CFGR;
         let (before, system) = (self.time.hz(), self.sysclk(used));
@@ -30,7 +31,7 @@ impl<W: Wires> Stm32g474<W> {
         let time = self.time.ps(now.at);
         if after > 80_000_000 && before <= 80_000_000 {
             let halved = self.rcc.halved.is_some_and(|since| time - since >= US);
-            // 85 MHz on the way to 170 is itself above 80.
+            // 85 MHz, the step before 170, is itself above 80.
             if old.sws().to_bits() != used && after * 2 <= system {
                 self.rcc.halved = Some(time);
             } else if !halved || old.sws().to_bits() != used {
@@ -46,7 +47,8 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// The fastest clock at the present voltage: 170 MHz in boost, 150 MHz in range 1, 26 MHz in range 2 (6.1.5).
+    /// Returns the maximum clock at the current voltage: 170 MHz in boost, 150 MHz in range 1, 26
+    /// MHz in range 2 (6.1.5).
     pub(crate) fn most_hz(&self) -> u64 {
         match (self.range(), self.regs[PWR + at::pwr::CR5] & R1MODE == 0) {
             (1, true) => 170_000_000,
@@ -55,7 +57,8 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// Wait states that a clock needs: steps of 34 MHz in boost, 30 in range 1, 12 in range 2 (3.3.3, table of wait states).
+    /// Returns the wait states that a clock needs: steps of 34 MHz in boost, 30 in range 1, 12 in
+    /// range 2 (3.3.3, table of wait states).
     pub(crate) fn wait_states(&self, hz: u64) -> u8 {
         let step = match self.most_hz() {
             170_000_000 => 34_000_000,

@@ -1,6 +1,7 @@
 //! Comparators and op-amps. RM0440 24 and 25.
 //!
-//! A comparator is looked at when something it sees may have changed: a DAC, a conversion's instant, the wires. Its delay is not modelled.
+//! A comparator is evaluated when one of its inputs may have changed: at a new DAC code, at a
+//! conversion, or at a change of the wires. Its delay is not modelled.
 
 use std::sync::LazyLock;
 
@@ -19,7 +20,8 @@ const COUNT: u32 = 7;
 const VALUE: u32 = 1 << 30;
 const LOCK: u32 = 1 << 31;
 
-/// The DAC channels of INMSEL = 4 and 5, of each comparator: DAC from 1, channel from 0 (24.3.2, table of the inverting inputs).
+/// DAC channels of INMSEL = 4 and 5 of each comparator: DAC from 1, channel from 0 (24.3.2, table
+/// of the inverting inputs).
 const DACS: [[(usize, usize); 2]; 7] = [
     [(3, 0), (1, 0)],
     [(3, 1), (1, 1)],
@@ -30,10 +32,10 @@ const DACS: [[(usize, usize); 2]; 7] = [
     [(4, 0), (2, 0)],
 ];
 
-/// The inputs with a pin of their own, by their names among the signals.
+/// Names of the signals with their own pin.
 const INPUTS: [&str; 4] = ["INP0", "INP1", "INM0", "INM1"];
 
-/// The pins of these inputs, of each comparator.
+/// Pins of these signals, of each comparator.
 static PINS: LazyLock<[[Option<Pin>; 4]; COUNT as usize]> = LazyLock::new(|| {
     std::array::from_fn(|comparator| {
         let name = format!("COMP{}", comparator + 1);
@@ -51,7 +53,7 @@ impl<W: Wires> Stm32g474<W> {
             let bits = (value ^ old) & !VALUE;
             return if bits == 0 { Ok(()) } else { self.report(now, address, bits, value, Rule::Locked) };
         }
-        // Blanking needs the timers' outputs.
+        // Blanking would need the outputs of the timers.
         self.refuse_bits(now, address, value, 7 << 19)?;
         let csr = Csr(value);
         let comparator = (address - COMP1) / 4;
@@ -75,10 +77,10 @@ impl<W: Wires> Stm32g474<W> {
         PINS[comparator as usize][if csr.inmsel().to_bits() == 6 { 2 } else { 3 }]
     }
 
-    /// Voltage at the inverting input (24.3.2).
+    /// Returns the voltage at the inverting input, V (24.3.2).
     fn threshold(&mut self, at: Cycle, comparator: u32, csr: Csr) -> f64 {
         match csr.inmsel().to_bits() {
-            // A quarter to the whole of the reference, by its divider.
+            // Divider of the reference: a quarter to the whole.
             quarter @ 0..=3 => reference_volts() * f64::from(quarter + 1) / 4.0,
             way @ 4..=5 => {
                 let (dac, channel) = DACS[comparator as usize][usize::from(way - 4)];
@@ -91,7 +93,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// Compares again; the breaks follow if an output has changed.
+    /// Evaluates all comparators, and updates the breaks if an output has changed.
     pub(crate) fn compare(&mut self, at: Cycle, ports: &mut Ports) {
         let before = self.compared;
         for comparator in 0..COUNT {
@@ -107,7 +109,8 @@ impl<W: Wires> Stm32g474<W> {
             let plus = self.wires.volts(at, pin);
             let inverted = csr.polarity().to_bits() != 0;
             let was = (before >> comparator & 1 != 0) ^ inverted;
-            // Rises above the threshold, falls by the hysteresis below it: steps of 10 mV (24.6.1, HYST).
+            // Rises above the threshold, falls below it by the hysteresis: steps of 10 mV (24.6.1,
+            // HYST).
             let hysteresis = f64::from(csr.hyst().to_bits()) * 0.01;
             let above = plus > if was { threshold - hysteresis } else { threshold };
             let output = self.stuck_comparators[comparator as usize].unwrap_or(above ^ inverted);
@@ -119,12 +122,13 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// Whether a comparator is on.
+    /// Returns `true` if any comparator is on.
     pub(crate) fn compares(&self) -> bool {
         (0..COUNT).any(|comparator| self.regs[COMP1 + 4 * comparator] & 1 != 0)
     }
 
-    /// OPAMPx_CSR (25.5): a follower does nothing that the wires could not see at the DAC; other modes are refused.
+    /// Writes OPAMPx_CSR (25.5). A follower has no effect beyond the DAC's code; other modes are
+    /// refused.
     pub(crate) fn write_opamp(&mut self, now: Now, address: u32, value: u32) -> Result<(), Fault> {
         if !(address - OPAMP1).is_multiple_of(4) || address >= OPAMP1 + 0x18 {
             return self.refuse(now, address, "the timer-controlled multiplexer");

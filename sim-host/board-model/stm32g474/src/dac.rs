@@ -17,21 +17,23 @@ const REQUESTS: [[u8; 2]; 4] = [[6, 7], [41, 42], [102, 103], [104, 105]];
 /// DAC_SR.DMAUDR of each channel.
 const UNDERRUN: [u32; 2] = [1 << 13, 1 << 29];
 
-/// A DAC.
+/// State of a DAC.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Dac {
-    /// Held codes, those of double data behind them, and those that are put out.
+    /// Held codes.
     held: [u16; 2],
+    /// Second held codes, of double data.
     second: [u16; 2],
+    /// Codes at the output.
     pub output: [u16; 2],
-    /// Double data: the second one is next.
+    /// `true` if the second code of double data is next.
     is_second: [bool; 2],
-    /// A request that DMA has not served.
+    /// `true` while DMA has not served a request.
     waits: [bool; 2],
 }
 
 impl Dac {
-    /// Voltage of a channel, V (22.4.7).
+    /// Returns the voltage of a channel, V (22.4.7).
     pub fn volts(&self, channel: usize, vdda: f64) -> f64 {
         f64::from(self.output[channel]) / 4096.0 * vdda
     }
@@ -41,9 +43,10 @@ fn first(index: usize) -> u32 {
     DAC1 + index as u32 * STRIDE
 }
 
-/// The timer, TIM2 to TIM5 from 0, that a DAC's trigger number is.
+/// Returns the timer of a DAC's trigger number: 0 for TIM2 to 3 for TIM5.
 fn trigger_timer(index: usize, number: u8) -> Option<usize> {
-    // The metadata has the lists of DAC1 and DAC3; DAC2 and DAC4 are wired as DAC1 here, for TIM2 to TIM5.
+    // The metadata has the lists of DAC1 and DAC3. DAC2 and DAC4 are assumed to be as DAC1 for
+    // these timers.
     let dac = if index == 2 { "DAC3" } else { "DAC1" };
     let signal = format!("DAC_CHX_TRG{number}");
     let (.., source) = TRIGGERS.iter().find(|(peripheral, name, _)| *peripheral == dac && *name == signal)?;
@@ -107,7 +110,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// New codes to hold; without a trigger they are put out at once (22.4.5).
+    /// Holds new codes; without a trigger they go to the output at once (22.4.5).
     fn hold(&mut self, now: Now, index: usize, codes: [Option<u16>; 2], ports: &mut Ports) -> Result<(), Fault> {
         let cr = self.dac_cr(index);
         let mut stepped = false;
@@ -177,7 +180,8 @@ impl<W: Wires> Stm32g474<W> {
         let address = first(index) + reg::MCR;
         let cr = self.dac_cr(index);
         let old = self.regs[address];
-        // Each channel's half while that channel is off (22.7.17); HFSEL is not bound to it.
+        // The half of each channel may change only while it is off (22.7.17); HFSEL may always
+        // change.
         let bits = (value.0 ^ old) & (if cr.en(0) { 0x107 } else { 0 } | if cr.en(1) { 0x107 << 16 } else { 0 });
         if bits != 0 {
             self.report(now, address, bits, value.0, Rule::DacEnabled)?;
@@ -188,7 +192,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// The timers, from TIM2, that trigger each DAC.
+    /// Returns the timer, counted from TIM2, that triggers each DAC channel.
     pub(crate) fn dac_triggers(&self) -> [Option<usize>; 8] {
         std::array::from_fn(|entry| {
             let (index, channel) = (entry / 2, entry % 2);
@@ -197,12 +201,12 @@ impl<W: Wires> Stm32g474<W> {
         })
     }
 
-    /// TRGO of a timer: every channel that takes it steps; then DMA fetches what comes next.
+    /// Handles TRGO of a timer: its channels output the next code, and then DMA loads another.
     pub(crate) fn trigger_dacs(&mut self, at: Cycle, _timer: usize, channels: u8, ports: &mut Ports) -> Result<(), Fault> {
         let now = self.now(at);
         for index in 0..4 {
             let both = channels >> (2 * index) & 3;
-            // Both put out what they hold before DMA brings anything: one request can be for both (22.4.8).
+            // Both channels output before any DMA transfer: one request can serve both (22.4.8).
             let asks = [0, 1].map(|channel| both >> channel & 1 != 0 && self.put(index, channel));
             for channel in (0..2).filter(|channel| asks[*channel]) {
                 self.ask(now, index, channel, ports)?;
@@ -214,12 +218,13 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// A trigger of a channel: what is held is put out, and DMA is asked for more (22.4.8).
+    /// Handles a trigger of a channel: outputs its held code and requests the next one by DMA
+    /// (22.4.8).
     fn step(&mut self, now: Now, index: usize, channel: usize, ports: &mut Ports) -> Result<(), Fault> {
         if self.put(index, channel) { self.ask(now, index, channel, ports) } else { Ok(()) }
     }
 
-    /// Puts out what a channel holds; returns whether it then asks DMA for more.
+    /// Outputs the held code of a channel. Returns `true` if it then needs the next one by DMA.
     fn put(&mut self, index: usize, channel: usize) -> bool {
         let double = Mcr(self.regs[first(index) + reg::MCR]).dmadouble(channel);
         let dac = &mut self.dacs[index];
@@ -229,7 +234,7 @@ impl<W: Wires> Stm32g474<W> {
         self.dac_cr(index).dmaen(channel) && (!double || is_second)
     }
 
-    /// Asks DMA for the next code of a channel.
+    /// Requests the next code of a channel by DMA.
     fn ask(&mut self, now: Now, index: usize, channel: usize, ports: &mut Ports) -> Result<(), Fault> {
         let sr = first(index) + reg::SR;
         if self.regs[sr] & UNDERRUN[channel] != 0 {
@@ -244,7 +249,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// A DMA channel is on: a request that stands is served.
+    /// Serves a pending request after a DMA channel was enabled.
     pub(crate) fn serve_dac(&mut self, now: Now, request: u8, ports: &mut Ports) -> Result<(), Fault> {
         for (index, own) in REQUESTS.into_iter().enumerate() {
             for (channel, own) in own.into_iter().enumerate() {
@@ -259,7 +264,7 @@ impl<W: Wires> Stm32g474<W> {
     fn dac_line(&self, index: usize, ports: &mut Ports) {
         let (sr, cr) = (self.regs[first(index) + reg::SR], self.dac_cr(index));
         let high = (0..2).any(|channel| cr.dmaudrie(channel) && sr & UNDERRUN[channel] != 0);
-        // DAC1 and DAC3 share TIM6's line, DAC2 and DAC4 TIM7's.
+        // DAC1 and DAC3 share the line of TIM6, DAC2 and DAC4 that of TIM7.
         ports.interrupts.set(if index.is_multiple_of(2) { line::TIM6_DAC } else { line::TIM7_DAC }, high);
     }
 }

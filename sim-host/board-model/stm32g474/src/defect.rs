@@ -1,4 +1,4 @@
-//! What can be made to fail.
+//! Defects that can be injected.
 
 use cortex_m4::{Cycle, Fault, Ports};
 
@@ -7,111 +7,114 @@ use crate::part::Stm32g474;
 use crate::time::Event;
 use crate::wires::{Pin, Wires};
 
-/// What becomes of the RAM in a brown-out.
+/// Effect of a brown-out on the RAM.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ram {
-    /// It keeps its contents.
+    /// Contents are kept.
     Kept,
-    /// It comes up with other bits.
+    /// Contents are replaced by other bits.
     Lost,
 }
 
-/// A defect of the part or of its supply, from some time on.
+/// Defect of the microcontroller or of its supply, from some cycle on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Defect {
     /// ADC `adc` (1 to 5) converts everything to `code`.
     AdcStuck {
-        /// The ADC.
+        /// Number of the ADC.
         adc: u8,
-        /// The code of 12 bits.
+        /// Code of 12 bits.
         code: u16,
     },
-    /// Timer `timer` (2 to 5) stands: its triggers are lost.
+    /// Timer `timer` (2 to 5) stops: its triggers are lost.
     TimerHalts {
-        /// The timer.
+        /// Number of the timer.
         timer: u8,
     },
-    /// The next `triggers` triggers of timer `timer` (2 to 5) are lost; it counts on.
+    /// The next `triggers` triggers of timer `timer` (2 to 5) are lost; it continues to count.
     TriggersLost {
-        /// The timer.
+        /// Number of the timer.
         timer: u8,
-        /// How many.
+        /// Number of lost triggers.
         triggers: u32,
     },
-    /// Channel `channel` (1 to 8) of DMA `dma` serves no request any more.
+    /// Channel `channel` (1 to 8) of DMA `dma` stops serving requests.
     DmaHalts {
-        /// The DMA controller.
+        /// Number of the DMA controller.
         dma: u8,
-        /// The channel.
+        /// Number of the channel.
         channel: u8,
     },
-    /// Channel `channel` (1 to 8) of DMA `dma` does not see the next `requests` requests.
+    /// Channel `channel` (1 to 8) of DMA `dma` misses the next `requests` requests.
     DmaMisses {
-        /// The DMA controller.
+        /// Number of the DMA controller.
         dma: u8,
-        /// The channel.
+        /// Number of the channel.
         channel: u8,
-        /// How many.
+        /// Number of missed requests.
         requests: u32,
     },
-    /// The next transfer of channel `channel` (1 to 8) of DMA `dma` is not answered by the bus: a transfer error, which switches the channel off.
+    /// The next transfer of channel `channel` (1 to 8) of DMA `dma` has a bus error, which switches
+    /// the channel off.
     DmaFails {
-        /// The DMA controller.
+        /// Number of the DMA controller.
         dma: u8,
-        /// The channel.
+        /// Number of the channel.
         channel: u8,
     },
     /// The output of comparator `comparator` (1 to 7) is stuck.
     ComparatorStuck {
-        /// The comparator.
+        /// Number of the comparator.
         comparator: u8,
-        /// The level of its output, after its polarity.
+        /// Level of its output, after its polarity.
         high: bool,
     },
     /// The oscillator of the watchdog (LSI) has another frequency, Hz.
     LsiHz(u64),
     /// The crystal stops.
     HseStops,
-    /// The PLL loses its lock and stops. Where the system clock comes from it, everything that counts cycles of it stands until the watchdog bites; the run
-    /// ends here where that does not run.
+    /// The PLL loses its lock and stops. If it is the system clock, everything that counts its
+    /// cycles stops until the watchdog resets the chip; without a running watchdog the model ends
+    /// the run.
     PllUnlocks,
-    /// The supply dips: power-on reset; what the flash was writing is damaged.
+    /// The supply dips: power-on reset; data that the flash was writing are damaged.
     BrownOut {
-        /// What becomes of the RAM.
+        /// Effect on the RAM.
         ram: Ram,
     },
-    /// Bits of the flash's double word at `address` flip: one, which is corrected and flagged, or two, which is not.
+    /// One bit of the flash's double word at `address` flips, which is corrected and flagged; or
+    /// two bits, which is an error.
     FlashBits {
-        /// The address.
+        /// Address in the double word.
         address: u32,
-        /// One or two.
+        /// Number of bits: one or two.
         bits: u8,
     },
     /// A bit of the RAM flips.
     RamBit {
         /// Address of the byte.
         address: u32,
-        /// The bit, 0 to 7.
+        /// Number of the bit, 0 to 7.
         bit: u8,
     },
-    /// The next `bytes` bytes that LPUART1 receives have a flipped bit and the flag of noise.
+    /// The next `bytes` bytes that LPUART1 receives have a flipped bit and the noise flag.
     UartNoise {
-        /// How many.
+        /// Number of bytes.
         bytes: u32,
     },
     /// An input pin is stuck at a level.
     PinStuck {
-        /// The pin.
+        /// Stuck pin.
         pin: Pin,
-        /// The level.
+        /// Level of the pin.
         high: bool,
     },
-    /// The supply falls below the threshold of PWR_CR2.PLS, or comes back.
+    /// The supply falls below the threshold of PWR_CR2.PLS (`true`), or recovers (`false`).
     SupplyLow(bool),
 }
 
 impl<W: Wires> Stm32g474<W> {
-    /// Plans a defect.
+    /// Plans a defect at a cycle.
     pub fn inject(&mut self, at: Cycle, defect: Defect) {
         self.defects.push((at, defect));
         self.defects.sort_by_key(|(at, _)| *at);
@@ -123,12 +126,12 @@ impl<W: Wires> Stm32g474<W> {
         self.agenda.set(Event::Defect, next);
     }
 
-    /// A level of an input pin that a defect holds.
+    /// Returns the stuck pins of a port with their levels.
     pub(crate) fn stuck_pins(&self, port: u8) -> impl Iterator<Item = (u8, bool)> {
         self.stuck.iter().filter(move |(pin, _)| pin.port == port).map(|(pin, high)| (pin.number, *high))
     }
 
-    /// A defect sets in.
+    /// Starts the defects that are due.
     pub(crate) fn fail(&mut self, at: Cycle, ports: &mut Ports) -> Result<(), Fault> {
         while self.defects.first().is_some_and(|(due, _)| *due <= at) {
             let (_, defect) = self.defects.remove(0);
@@ -139,7 +142,7 @@ impl<W: Wires> Stm32g474<W> {
                 Defect::DmaFails { dma, channel } => self.dma.fail_next(usize::from((dma - 1) * 8 + channel - 1)),
                 Defect::ComparatorStuck { comparator, high } => {
                     self.stuck_comparators[usize::from(comparator - 1)] = Some(high);
-                    self.look_at_inputs(at, ports)?;
+                    self.update_inputs(at, ports)?;
                 }
                 Defect::LsiHz(hz) => self.change_lsi(at, hz),
                 Defect::TimerHalts { timer } => self.halt_timer(at, usize::from(timer - 2)),
@@ -163,7 +166,7 @@ impl<W: Wires> Stm32g474<W> {
                 Defect::UartNoise { bytes } => self.uart.noise = bytes,
                 Defect::PinStuck { pin, high } => {
                     self.stuck.push((pin, high));
-                    self.look_at_inputs(at, ports)?;
+                    self.update_inputs(at, ports)?;
                 }
                 Defect::SupplyLow(low) => self.supply(at, low, ports),
             }

@@ -1,6 +1,6 @@
 //! Both DMA controllers and their request multiplexer. RM0440 12 and 13.
 //!
-//! A request is served at once: neither arbitration nor the few cycles that a transfer takes are modelled.
+//! A request is served at once: arbitration and the few cycles of a transfer are not modelled.
 
 use cortex_m4::{Fault, Ports};
 use stm32_metapac::bdma::regs::Cr;
@@ -15,22 +15,23 @@ use crate::wires::Wires;
 
 /// Bytes from one channel's registers to the next.
 const STRIDE: u32 = at::dma::CH_1_CR - at::dma::CH_0_CR;
-/// Requests that the multiplexer knows (13.3.2).
+/// Number of requests of the multiplexer (13.3.2).
 const REQUESTS: usize = 128;
 
-/// A channel: what it has taken over when it was enabled.
+/// Channel with the settings that it has read when it was enabled.
 #[derive(Clone, Copy, Debug, Default)]
 struct Channel {
     control: u32,
-    /// Transfers left.
+    /// Number of remaining transfers.
     left: u32,
-    /// Transfers that it begins again with.
+    /// Number of transfers that it restarts with.
     count: u32,
     peripheral: u32,
     memory: u32,
     dead: bool,
-    /// Requests that it is still not to see, and whether its next transfer fails.
+    /// Number of requests that it still misses.
     misses: u32,
+    /// `true` if its next transfer fails.
     fails: bool,
 }
 
@@ -40,7 +41,7 @@ pub(crate) struct Dma {
     channels: [Channel; 16],
     /// Channel of each request, plus one.
     of_request: [u8; REQUESTS],
-    /// Cycles for which transfers can have held up the processor, and it does not know yet.
+    /// Cycles of delay of the processor by transfers, not read by it yet.
     pub(crate) held_up: u32,
 }
 
@@ -51,7 +52,7 @@ impl Default for Dma {
 }
 
 impl Dma {
-    /// What a reset leaves: dead channels.
+    /// Returns the state after a reset, which keeps dead channels.
     pub fn after_reset(&self) -> Self {
         let mut dma = Dma::default();
         for (new, old) in dma.channels.iter_mut().zip(&self.channels) {
@@ -60,27 +61,28 @@ impl Dma {
         dma
     }
 
-    /// A channel serves no request any more.
+    /// Makes a channel stop serving requests.
     pub fn halt(&mut self, channel: usize) {
         self.channels[channel & 15].dead = true;
     }
 
-    /// A channel does not see the next requests.
+    /// Makes a channel miss the next requests.
     pub fn miss(&mut self, channel: usize, requests: u32) {
         self.channels[channel & 15].misses = requests;
     }
 
-    /// The next transfer of a channel fails.
+    /// Makes the next transfer of a channel fail.
     pub fn fail_next(&mut self, channel: usize) {
         self.channels[channel & 15].fails = true;
     }
 }
 
-/// First register of a controller, and of a channel of both.
+/// Returns the first register of the controller of a channel.
 fn controller(channel: usize) -> u32 {
     if channel < 8 { DMA1 } else { DMA2 }
 }
 
+/// Returns the first register of a channel.
 fn registers(channel: usize) -> u32 {
     controller(channel) + at::dma::CH_0_CR + (channel as u32 & 7) * STRIDE
 }
@@ -104,13 +106,15 @@ const LINES: [u16; 16] = [
     line::DMA2_CHANNEL8,
 ];
 
-/// Flags of DMA_ISR: transfer complete, half, error; bit 0 is any of them.
+/// Flag of DMA_ISR: transfer complete. Bit 0 is set with any of the flags.
 const TC: u32 = 2;
+/// Flag of DMA_ISR: half of the transfers complete.
 const HT: u32 = 4;
+/// Flag of DMA_ISR: transfer error.
 const TE: u32 = 8;
 
 impl<W: Wires> Stm32g474<W> {
-    /// The channel of a register, and its offset among the channel's.
+    /// Returns the channel of a register, and its offset in the channel.
     fn channel_of(address: u32) -> Option<(usize, u32)> {
         let (first, base) = if address >= DMA2 { (8, DMA2) } else { (0, DMA1) };
         let offset = (address - base).checked_sub(at::dma::CH_0_CR)?;
@@ -126,12 +130,12 @@ impl<W: Wires> Stm32g474<W> {
 
     pub(crate) fn write_dma(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
         let Some((channel, offset)) = Self::channel_of(address) else {
-            // DMA_IFCR (12.6.2): a one clears; bit 0 of a channel all of its flags.
+            // DMA_IFCR (12.6.2): ones clear flags; bit 0 of a channel clears all of its flags.
             let base = address - at::dma::IFCR;
             let all = (0..8).filter(|n| value >> (4 * n) & 1 != 0).fold(value, |bits, n| bits | 0xf << (4 * n));
             let isr = &mut self.regs[base + at::dma::ISR];
             *isr &= !all;
-            // GIF goes with the last of them.
+            // GIF is cleared with the last of them.
             for n in 0..8 {
                 if *isr >> (4 * n) & 0xe == 0 {
                     *isr &= !(1 << (4 * n));
@@ -143,9 +147,10 @@ impl<W: Wires> Stm32g474<W> {
         };
         let old = self.regs[address];
         let on = self.regs[registers(channel)] & 1 != 0;
-        // CPAR, CMAR, CNDTR, and all of CCR but the enables of interrupts and itself, only while it is off (12.4.3).
+        // CPAR, CMAR, CNDTR, and CCR without its interrupt enables and EN may change only while the
+        // channel is off (12.4.3). Fields written together with a cleared EN have no effect: they
+        // are read-only until then (12.6.3).
         let bits = value ^ self.read_dma(address);
-        // What is written together with a cleared enable has no effect: those fields are read-only until then (12.6.3).
         let value = if on && offset == 0 && value & 1 == 0 { old & !0xf | value & 0xf } else { value };
         let bits = if offset == 0 { (value ^ old) & !0xf } else { bits };
         if on && bits != 0 {
@@ -188,16 +193,17 @@ impl<W: Wires> Stm32g474<W> {
         self.serve_pending(now, channel as usize, ports)
     }
 
-    /// A channel is on: requests that stand are served.
+    /// Serves pending requests of a channel that was enabled.
     fn serve_pending(&mut self, now: Now, channel: usize, ports: &mut Ports) -> Result<(), Fault> {
         let request = self.regs[DMAMUX1 + 4 * channel as u32] & 0x7f;
         if request != 0 && self.dma.channels[channel].control & 1 != 0 {
-            self.standing_requests(now, request as u8, ports)?;
+            self.serve_requests(now, request as u8, ports)?;
         }
         Ok(())
     }
 
-    /// A peripheral asks for a transfer. Returns whether it was made; if not, the request stands.
+    /// Requests a transfer for a peripheral. Returns `true` if it was made; otherwise the request
+    /// is pending.
     pub(crate) fn request(&mut self, now: Now, request: u8, ports: &mut Ports) -> Result<bool, Fault> {
         let Some(channel) = usize::from(self.dma.of_request[usize::from(request)]).checked_sub(1) else { return Ok(false) };
         let state = self.dma.channels[channel];
@@ -229,7 +235,7 @@ impl<W: Wires> Stm32g474<W> {
         } else {
             match self.bus_read(now, peripheral, ports)? {
                 Some(value) => match ports.memory.get_mut(memory, 1 << msize) {
-                    // The flash is no target of DMA.
+                    // DMA cannot write to the flash.
                     Some(bytes) if memory >= 0x1000_0000 => {
                         bytes.copy_from_slice(&value.to_le_bytes()[..1 << msize]);
                         true
@@ -239,12 +245,12 @@ impl<W: Wires> Stm32g474<W> {
                 None => false,
             }
         };
-        self.dma.held_up += contention::of_transfer(peripheral);
+        self.dma.held_up += contention::transfer_delay(peripheral);
         self.count(now, channel, moved, ports)?;
         Ok(true)
     }
 
-    /// After a transfer: CNDTR, flags, interrupt (12.4.3, 12.4.5).
+    /// Updates CNDTR, flags and interrupt after a transfer (12.4.3, 12.4.5).
     fn count(&mut self, now: Now, channel: usize, moved: bool, ports: &mut Ports) -> Result<(), Fault> {
         let state = &mut self.dma.channels[channel];
         let mut flags = 0;

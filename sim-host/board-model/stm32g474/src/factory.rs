@@ -1,19 +1,19 @@
-//! What the factory has written: RM0440 48, DS12288 (calibration values).
+//! Data that the factory has written: RM0440 48, DS12288 (calibration values).
 
 use cortex_m4::Memory;
 
 use crate::part::Config;
 
-/// Raw data of the temperature sensor at 30 °C and 130 °C, and of the reference, each at a supply of 3.0 V: typical values (DS12288).
+/// Raw reading of the temperature sensor at 30 °C and a supply of 3.0 V, typical (DS12288).
 pub const TS_CAL1: u32 = 1035;
-/// At 130 °C.
+/// Raw reading of the temperature sensor at 130 °C and a supply of 3.0 V, typical (DS12288).
 pub const TS_CAL2: u32 = 1376;
-/// Of the reference.
+/// Raw reading of the reference at a supply of 3.0 V, typical (DS12288).
 pub const VREFINT_CAL: u32 = 1655;
-/// The supply that they were measured at, V.
+/// Supply of these readings, V.
 const CALIBRATED_AT: f64 = 3.0;
 
-/// The word at an address of the factory's area; none where the area has nothing that is known.
+/// Returns the word at an address of the factory area; `None` for unknown words.
 pub fn read(address: u32, config: &Config) -> Option<u32> {
     match address {
         0x1fff_75a8 => Some(VREFINT_CAL << 16 | TS_CAL1),
@@ -28,18 +28,18 @@ pub fn read(address: u32, config: &Config) -> Option<u32> {
     }
 }
 
-/// Voltage of the temperature sensor, V.
+/// Returns the voltage of the temperature sensor, V.
 pub fn sensor_volts(celsius: f64) -> f64 {
     let codes = f64::from(TS_CAL1) + (celsius - 30.0) / 100.0 * f64::from(TS_CAL2 - TS_CAL1);
     codes / 4096.0 * CALIBRATED_AT
 }
 
-/// Voltage of the internal reference, V.
+/// Returns the voltage of the internal reference, V.
 pub fn reference_volts() -> f64 {
     f64::from(VREFINT_CAL) / 4096.0 * CALIBRATED_AT
 }
 
-/// Gives the RAM the bits that it comes up with: any, but the same each time.
+/// Fills the RAM with its bits after power-on: arbitrary, but identical each time.
 pub fn scramble(memory: &mut Memory) {
     for (base, len) in [(0x2000_0000, 0x1_8000), (0x1000_0000, 0x8000)] {
         let mut state = 0x9e37_79b9_u32;

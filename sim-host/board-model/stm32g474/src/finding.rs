@@ -1,4 +1,5 @@
-//! The lint: what a program does with the registers that the manual forbids, or that loses something.
+//! Checks of a program's register accesses: accesses that the manual forbids, or that lose
+//! something.
 
 use std::fmt;
 
@@ -6,22 +7,22 @@ use cortex_m4::{Cycle, Fault};
 
 macro_rules! rules {
     ($($(#[doc = $doc:literal])+ $name:ident, $manual:literal, $text:literal;)+) => {
-        /// What a [`Finding`] is about.
+        /// Rule that a [`Finding`] violates.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum Rule {
             $($(#[doc = $doc])+ $name,)+
         }
 
         impl Rule {
-            /// Every rule.
+            /// All rules.
             pub const ALL: &[Rule] = &[$(Rule::$name),+];
 
-            /// The section of RM0440, or the erratum of ES0430, that the rule comes from.
+            /// Returns the section of RM0440, or the erratum of ES0430, that contains the rule.
             pub fn manual(self) -> &'static str {
                 match self { $(Rule::$name => $manual,)+ }
             }
 
-            /// The rule in words.
+            /// Returns a short description of the violation.
             pub fn text(self) -> &'static str {
                 match self { $(Rule::$name => $text,)+ }
             }
@@ -30,95 +31,97 @@ macro_rules! rules {
 }
 
 rules! {
-    /// A peripheral is accessed whose clock is off.
+    /// Access to a peripheral whose clock is off.
     Unclocked, "RM0440 7.2.17", "the clock of the peripheral is off";
-    /// A peripheral is accessed within two cycles of its enable bit being set.
-    ClockSettle, "RM0440 7.2.17", "two cycles after the enable bit have not passed";
-    /// A reserved bit is changed.
+    /// Access to a peripheral less than two cycles after its enable bit was set.
+    ClockSettle, "RM0440 7.2.17", "access less than two cycles after the enable bit";
+    /// Change of a reserved bit.
     Reserved, "RM0440 1.2", "a reserved bit is changed";
-    /// A register that can only be read is written.
+    /// Write to a read-only register.
     ReadOnly, "RM0440 1.2", "the register is read-only";
-    /// An access is narrower than the register allows.
-    Width, "RM0440 22.7", "the register wants accesses of its own width";
+    /// Access that is narrower than the register allows.
+    Width, "RM0440 22.7", "the register requires accesses of its full width";
     /// Fewer wait states of the flash than the clock needs.
     WaitStates, "RM0440 3.3.3", "too few wait states for this clock";
     /// More than 150 MHz without boost, or more than voltage range 2 allows.
     Boost, "RM0440 6.1.5", "the voltage range does not allow this clock";
-    /// The clock passes 80 MHz without a microsecond at half of it.
-    HalfFrequency, "RM0440 7.2.7", "more than 80 MHz must be reached by half the frequency for 1 us";
-    /// RCC_PLLCFGR is written while the PLL is on.
+    /// Clock above 80 MHz without a step of a microsecond at half of it.
+    HalfFrequency, "RM0440 7.2.7", "a clock above 80 MHz requires 1 us at half of it first";
+    /// Write to RCC_PLLCFGR while the PLL is on.
     PllRunning, "RM0440 7.4.4", "the PLL is on";
-    /// An input or output of the PLL is outside its range.
-    PllRange, "RM0440 7.2.4", "a frequency of the PLL is out of its range";
-    /// A clock is selected that is not ready.
-    ClockNotReady, "RM0440 7.4.3", "the clock that is selected is not ready";
-    /// The regulator of an ADC is enabled in deep power-down.
+    /// Input or output of the PLL outside its range.
+    PllRange, "RM0440 7.2.4", "a frequency of the PLL is out of range";
+    /// Selection of a clock that is not ready.
+    ClockNotReady, "RM0440 7.4.3", "the selected clock is not ready";
+    /// Enable of the regulator of an ADC in deep power-down.
     AdcPower, "RM0440 21.4.6", "the ADC is in deep power-down";
-    /// An ADC is calibrated or enabled before its regulator has started up (20 us).
+    /// Calibration or enable of an ADC before its regulator has started up (20 us).
     AdcRegulator, "RM0440 21.4.6", "the regulator of the ADC has not started up";
-    /// An ADC is calibrated while it is on, enabled uncalibrated, or enabled within four cycles of its calibration.
-    AdcCalibration, "RM0440 21.4.8", "calibration comes before the enable, and four ADC cycles between them";
-    /// A conversion is started before the ADC is ready.
+    /// Calibration of an ADC that is on, or enable of an ADC without calibration or within four
+    /// cycles of it.
+    AdcCalibration, "RM0440 21.4.8", "an ADC must be calibrated while off, four ADC cycles before its enable";
+    /// Start of a conversion before the ADC is ready.
     AdcNotReady, "RM0440 21.4.9", "the ADC is not ready";
-    /// A register of an ADC is written that must not be while conversions are started.
+    /// Write to a register of an ADC that must not change while conversions are started.
     AdcStarted, "RM0440 21.4.10", "conversions are started";
-    /// A common register is written while one of the ADCs is on.
+    /// Write to a common register while one of the ADCs is on.
     AdcCommonEnabled, "RM0440 21.8.2", "an ADC of the group is on";
-    /// A channel of the sensor or the reference is converted that is not enabled.
+    /// Conversion of a disabled channel of the sensor or the reference.
     AdcInternalOff, "RM0440 21.8.2", "the internal channel is not enabled";
-    /// A trigger comes while a conversion is under way.
+    /// Trigger during a conversion.
     AdcTriggerLost, "RM0440 21.4.18", "a trigger came during a conversion";
-    /// A trigger comes less than a quarter of an ADC cycle after the conversion before it has ended.
+    /// Trigger less than a quarter of an ADC cycle after the end of the previous conversion.
     AdcTriggerMargin, "DS12288 ADC characteristics", "a trigger came within a quarter of an ADC cycle of the end of a conversion";
-    /// A conversion has ended before the one before it was read.
+    /// End of a conversion before the previous one was read.
     AdcOverrun, "RM0440 21.4.26", "a conversion was not read in time";
-    /// The mode of a DAC is written while it is on.
+    /// Write to the mode of a DAC while it is on.
     DacEnabled, "RM0440 22.7.17", "the DAC is on";
-    /// DAC_MCR.HFSEL does not fit the bus clock.
+    /// DAC_MCR.HFSEL too low for the bus clock.
     DacBusClock, "RM0440 22.7.17", "HFSEL is too low for the bus clock";
-    /// A trigger comes before the DMA has served the one before it.
-    DacUnderrun, "RM0440 22.4.8", "a trigger came before DMA had served the last one";
-    /// A channel of a DMA is configured while it is on.
+    /// Trigger before DMA has served the previous one.
+    DacUnderrun, "RM0440 22.4.8", "a trigger came before DMA served the previous one";
+    /// Configuration of a DMA channel while it is on.
     DmaEnabled, "RM0440 12.4.3", "the channel is on";
-    /// A DMA transfer goes to an address that nothing answers.
-    DmaError, "RM0440 12.4.5", "nothing answers at the address of the transfer";
-    /// The counter of TIM1 is enabled with nothing to count to.
+    /// DMA transfer to an address without an answer.
+    DmaError, "RM0440 12.4.5", "the address of the transfer does not answer";
+    /// Enable of the counter of TIM1 with ARR = 0.
     TimBlocked, "RM0440 28.6.14", "the counter is blocked while ARR is zero";
-    /// A field of TIM1 is changed that BDTR.LOCK protects.
+    /// Change of a field of TIM1 that BDTR.LOCK protects.
     TimLocked, "RM0440 28.6.20", "TIMx_BDTR.LOCK protects the field";
-    /// A comparator, op-amp or SYSCFG register is changed after its lock.
+    /// Change of a comparator, op-amp or SYSCFG register after its lock.
     Locked, "RM0440 24.6.1", "the register is locked until the next reset";
-    /// A register of the flash is written while it is locked, or a wrong key.
+    /// Write to a register of the flash while it is locked, or with a wrong key.
     FlashLocked, "RM0440 3.3.5", "the flash is locked";
-    /// The flash is ordered something while it is busy.
+    /// Command to the flash while it is busy.
     FlashBusy, "RM0440 3.3.6", "the flash is busy";
-    /// The flash is written in the wrong order, width or alignment.
+    /// Write to the flash in the wrong order, width or alignment.
     FlashSequence, "RM0440 3.3.7", "the order, width or alignment of programming is wrong";
-    /// A double word is programmed that is not erased.
+    /// Programming of a double word that is not erased.
     FlashNotErased, "RM0440 3.3.7", "the double word is not erased";
-    /// The flash is programmed or erased with its data cache on.
+    /// Programming or erase of the flash with its data cache on.
     FlashDataCache, "ES0430 2.2.2", "the data cache is on while the flash is changed";
-    /// A cache is reset while it is on.
+    /// Reset of a cache while it is on.
     CacheReset, "RM0440 3.7.1", "a cache is reset while it is on";
-    /// A read has met a double word that cannot be corrected.
+    /// Read of a double word that cannot be corrected.
     EccDouble, "RM0440 3.3.11", "the double word cannot be corrected";
-    /// A register of the watchdog is written without its key.
+    /// Write to a register of the watchdog without its key.
     IwdgLocked, "RM0440 42.3.4", "the key 0x5555 is missing";
-    /// A register of the watchdog is written while the last write is under way.
-    IwdgUpdating, "RM0440 42.4.4", "the last write is still under way";
-    /// The first DMA interrupt comes, and the watchdog is not started. Ignored unless it is asked for.
-    IwdgMissing, "RM0440 42.3", "blocks run, and the watchdog does not";
-    /// The divider of the UART is out of its range.
-    UartDivider, "RM0440 38.4.7", "the divider is out of its range";
-    /// A register of the UART is written that must not be while it is on.
+    /// Write to a register of the watchdog during the last write.
+    IwdgUpdating, "RM0440 42.4.4", "the last write is still in progress";
+    /// First DMA interrupt without a running watchdog. Ignored by default.
+    IwdgMissing, "RM0440 42.3", "blocks run without the watchdog";
+    /// Divider of the UART outside its range.
+    UartDivider, "RM0440 38.4.7", "the divider is out of range";
+    /// Write to a register of the UART that must not change while it is on.
     UartEnabled, "RM0440 38.7.1", "the UART is on";
-    /// A byte is written to a full transmitter, or lost by a full receiver.
+    /// Byte that is written to a full transmitter, or lost by a full receiver.
     UartLost, "RM0440 38.4.5", "a byte is lost";
 }
 
 impl Rule {
-    /// Whether the rule is about something that happens by itself: no instruction does it, and it may come a million times a second.
-    fn comes_by_itself(self) -> bool {
+    /// Returns `true` if the violation is not caused by an instruction. It may occur a million
+    /// times a second.
+    fn is_spontaneous(self) -> bool {
         matches!(
             self,
             Rule::AdcTriggerLost
@@ -138,63 +141,64 @@ impl fmt::Display for Rule {
     }
 }
 
-/// Something that a program does wrong with a register.
+/// Violation of a rule by a program's register access.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{peripheral}_{register}{} = {value:#010x}: {rule} ({manual}; pc {pc:#010x}, cycle {at})",
     if names.is_empty() { String::new() } else { format!(".{}", names.join("+")) }
 )]
 pub struct Finding {
-    /// The peripheral, `ADC1`.
+    /// Peripheral, such as `ADC1`.
     pub peripheral: &'static str,
-    /// The register, `CFGR`.
+    /// Register, such as `CFGR`.
     pub register: &'static str,
-    /// The bits that are wrong; all of them where the access itself is.
+    /// Wrong bits; all bits if the access itself is wrong.
     pub bits: u32,
-    /// Names of the fields that have them.
+    /// Names of the fields with these bits.
     pub names: Vec<&'static str>,
-    /// The value that was written, or the one that tells.
+    /// Written value, or the value that shows the violation.
     pub value: u32,
-    /// What is wrong.
+    /// Violated rule.
     pub rule: Rule,
-    /// Where that is written.
+    /// Section of the manual.
     pub manual: &'static str,
-    /// The instruction that did it, or that ran when it came out.
+    /// Address of the instruction that caused the finding, or ran when it was detected.
     pub pc: u32,
-    /// When, in cycles.
+    /// Cycle of the finding.
     pub at: Cycle,
 }
 
-/// What the model does not know: the run stops, since any answer would be invented.
+/// Behaviour that the model lacks. The run stops, because any answer would be invented.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("not modelled: {what} at {address:#010x} (pc {pc:#010x}, cycle {at})")]
 pub struct NotModelled {
-    /// The address.
+    /// Address of the access.
     pub address: u32,
     /// Peripheral, register, feature.
     pub what: String,
-    /// The instruction.
+    /// Address of the instruction.
     pub pc: u32,
-    /// When, in cycles.
+    /// Cycle of the access.
     pub at: Cycle,
 }
 
-/// What becomes of a finding.
+/// Treatment of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It stops the run.
+    /// The run stops.
     Stop,
-    /// It is collected, and the run goes on as the part would.
+    /// The finding is collected, and the run continues as on hardware.
     Collect,
-    /// Nothing.
+    /// The finding is dropped.
     Ignore,
 }
 
-/// The settings of the lint, and what it has collected.
+/// Treatment of findings by rule, and the collected findings.
 #[derive(Clone, Debug)]
 pub struct Lint {
     verdicts: Vec<Verdict>,
-    /// What was collected, in order. One of the same instruction, or one that comes by itself, is counted once.
+    /// Collected findings, in order. Repetitions by the same instruction, or without an
+    /// instruction, are counted once.
     pub findings: Vec<Finding>,
 }
 
@@ -207,17 +211,17 @@ impl Default for Lint {
 }
 
 impl Lint {
-    /// Sets what becomes of findings of a rule.
+    /// Sets the treatment of findings of a rule.
     pub fn set(&mut self, rule: Rule, verdict: Verdict) {
         self.verdicts[rule as usize] = verdict;
     }
 
-    /// Sets what becomes of all findings.
+    /// Sets the treatment of all findings.
     pub fn set_all(&mut self, verdict: Verdict) {
         self.verdicts.fill(verdict);
     }
 
-    /// What becomes of findings of a rule.
+    /// Returns the treatment of findings of a rule.
     pub fn verdict(&self, rule: Rule) -> Verdict {
         self.verdicts[rule as usize]
     }
@@ -229,7 +233,7 @@ impl Lint {
                 let known = |old: &Finding| {
                     (old.rule, old.peripheral, old.register, old.bits)
                         == (finding.rule, finding.peripheral, finding.register, finding.bits)
-                        && (old.pc == finding.pc || finding.rule.comes_by_itself())
+                        && (old.pc == finding.pc || finding.rule.is_spontaneous())
                 };
                 if !self.findings.iter().any(known) {
                     self.findings.push(finding);

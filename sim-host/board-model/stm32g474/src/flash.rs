@@ -1,4 +1,5 @@
-//! The flash interface: unlock, erase, program, errors, ECC. RM0440 3.3, flash of category 3 with two banks of 128 pages of 2 KiB.
+//! Flash interface: unlock, erase, program, errors, ECC. RM0440 3.3, flash of category 3 with two
+//! banks of 128 pages of 2 KiB.
 
 use cortex_m4::{Access, Cycle, Fault, Ports, Width};
 use stm32_metapac::flash::regs::{Acr, Cr, Eccr, Optr, Sr};
@@ -13,63 +14,64 @@ use crate::wires::Wires;
 const BASE: u32 = 0x0800_0000;
 const BANK: u32 = 0x4_0000;
 const PAGE: u32 = 2048;
-/// Typical times of a page's erase and of a double word's programming (DS12288, flash memory characteristics).
-const ERASE: Ps = 22_000 * US;
-const PROGRAM: Ps = 82 * US;
+/// Typical time of a page erase (DS12288, flash memory characteristics), ps.
+const ERASE_TIME: Ps = 22_000 * US;
+/// Typical time to program a double word (DS12288, flash memory characteristics), ps.
+const PROGRAM_TIME: Ps = 82 * US;
 /// FLASH_KEYR (3.7.3).
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
-/// FLASH_SR's flags that a one clears.
+/// Flags of FLASH_SR that a one clears.
 const SR_FLAGS: u32 = 0xc3fb;
 
-/// An erase of a page, or the programming of a double word.
+/// Erase of a page, or programming of a double word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FlashOperation {
-    /// Whether it is an erase.
+    /// `true` for an erase.
     pub erases: bool,
-    /// The page, or the double word.
+    /// Address of the page or the double word.
     pub address: u32,
-    /// When it begins.
+    /// First cycle.
     pub first: Cycle,
-    /// When it ends, unless power or a reset comes before.
+    /// Last cycle, unless a power loss or a reset comes before.
     pub last: Cycle,
 }
 
-/// What the flash is busy with.
+/// Operation in progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Work {
     Erase { page: u32 },
     Program { address: u32, word: [u8; 8] },
 }
 
-/// What the interface has besides its registers.
+/// State of the interface besides its registers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Flash {
-    /// Keys so far; three: a wrong one, and the flash stays locked until a reset.
+    /// Number of correct keys so far; three after a wrong one, which locks the flash until a reset.
     keys: u8,
     work: Option<Work>,
     until: Cycle,
-    /// The first half of a double word.
+    /// First half of a double word: address and value.
     half: Option<(u32, u32)>,
-    /// Double words with one flipped bit: a read corrects it.
+    /// Double words with one flipped bit, which a read corrects.
     single: Vec<u32>,
     /// Operations so far, if they are recorded.
     log: Option<Vec<FlashOperation>>,
 }
 
 impl Flash {
-    /// What a reset leaves.
+    /// Returns the state after a reset.
     pub fn after_reset(&self) -> Self {
         Flash { single: self.single.clone(), log: self.log.clone(), ..Flash::default() }
     }
 }
 
 impl<W: Wires> Stm32g474<W> {
-    /// Records the operations of the flash from now on.
+    /// Starts to record the operations of the flash.
     pub fn record_flash(&mut self) {
         self.flash.log = Some(Vec::new());
     }
 
-    /// The operations of the flash since they are recorded, in order.
+    /// Returns the recorded operations of the flash, in order.
     pub fn flash_operations(&self) -> &[FlashOperation] {
         self.flash.log.as_deref().unwrap_or_default()
     }
@@ -78,7 +80,8 @@ impl<W: Wires> Stm32g474<W> {
         &mut self.regs[FLASH + at::flash::SR]
     }
 
-    /// Cycles until the bank of an address can be read again: it is being changed (3.3.1, read while write).
+    /// Returns the cycles until the bank of an address can be read again after its erase or
+    /// programming (3.3.1, read while write).
     pub(crate) fn flash_stall(&self, address: u32, at: Cycle) -> u32 {
         let place = match self.flash.work {
             None => return 0,
@@ -172,7 +175,7 @@ impl<W: Wires> Stm32g474<W> {
             return self.refuse(now, address, "an erase with one bank");
         }
         let page = BASE + u32::from(new.bker()) * BANK + u32::from(new.pnb()) * PAGE;
-        self.begin(now, Work::Erase { page }, ERASE)
+        self.begin(now, Work::Erase { page }, ERASE_TIME)
     }
 
     fn begin(&mut self, now: Now, work: Work, time: Ps) -> Result<(), Fault> {
@@ -194,13 +197,13 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// A store to the flash: half of a double word (3.3.7).
+    /// Stores half of a double word to the flash (3.3.7).
     pub(crate) fn program(&mut self, now: Now, access: Access, value: u32, ports: &mut Ports) -> Result<(), Fault> {
         let address = access.address;
         let cr = Cr(self.regs[FLASH + at::flash::CR]);
         let mut flags = Sr(0);
         if self.flash.work.is_some() {
-            // The bus would wait; a program that does not is an error all the same.
+            // Hardware would stall the bus; a program that does not wait is still wrong.
             return self.report(now, FLASH + at::flash::SR, 1 << 16, value, Rule::FlashBusy);
         }
         let second = self.flash.half.take();
@@ -225,10 +228,10 @@ impl<W: Wires> Stm32g474<W> {
             self.flash_line(ports);
             return self.report(now, FLASH + at::flash::SR, 1 << 3, value, Rule::FlashNotErased);
         }
-        self.begin(now, Work::Program { address: first, word }, PROGRAM)
+        self.begin(now, Work::Program { address: first, word }, PROGRAM_TIME)
     }
 
-    /// The erase or the programming has ended.
+    /// Ends an erase or programming.
     pub(crate) fn flash_done(&mut self, _at: Cycle, ports: &mut Ports) {
         match self.flash.work.take() {
             Some(Work::Erase { page }) => {
@@ -236,7 +239,7 @@ impl<W: Wires> Stm32g474<W> {
                     bytes.fill(0xff);
                 }
                 for word in (page..page + PAGE).step_by(8) {
-                    ports.memory.mend(word);
+                    ports.memory.clear_damage(word);
                 }
                 self.flash.single.retain(|word| !(page..page + PAGE).contains(word));
             }
@@ -253,7 +256,7 @@ impl<W: Wires> Stm32g474<W> {
         self.flash_line(ports);
     }
 
-    /// A reset or a dip of the supply in the middle: what was being written reads as damaged (3.3.6, 3.3.7).
+    /// Interrupts an operation by a reset or a supply dip: its data read as damaged (3.3.6, 3.3.7).
     pub(crate) fn flash_loses_power(&mut self, ports: &mut Ports) {
         match self.flash.work.take() {
             Some(Work::Erase { page }) => (page..page + PAGE).step_by(8).for_each(|word| ports.memory.damage(word)),
@@ -268,11 +271,11 @@ impl<W: Wires> Stm32g474<W> {
         self.agenda.clear(Event::Flash);
     }
 
-    /// Bits flip in a double word.
+    /// Flips bits in a double word.
     pub(crate) fn flip_flash(&mut self, address: u32, bits: u8, ports: &mut Ports) {
         let word = address & !7;
         if bits == 1 {
-            // What is read is corrected: the bytes stay.
+            // Reads are corrected, so the bytes do not change.
             self.flash.single.push(word);
         } else if let Some(bytes) = ports.memory.get_mut(word, 8) {
             self.flash.single.retain(|single| *single != word);
@@ -281,12 +284,12 @@ impl<W: Wires> Stm32g474<W> {
         ports.memory.damage(word);
     }
 
-    /// A read has met a damaged word: FLASH_ECCR (3.7.6).
+    /// Sets FLASH_ECCR after a read of a damaged word (3.7.6).
     pub(crate) fn ecc(&mut self, address: u32, ports: &mut Ports) -> Result<(), Fault> {
         let word = address & !7;
         let single = self.flash.single.contains(&word);
         let mut eccr = Eccr(self.regs[FLASH + at::flash::ECCR]);
-        // The first one stays until it is cleared.
+        // The address of the first error stays until it is cleared.
         if !eccr.eccd() && !eccr.eccc() {
             eccr.set_addr_ecc((word - BASE) % BANK);
             eccr.set_bk_ecc((word - BASE) / BANK != 0);

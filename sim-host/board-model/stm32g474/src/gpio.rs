@@ -1,4 +1,4 @@
-//! Pins: modes, levels, and what the wires do to them. RM0440 9.
+//! Pins: modes, levels, and signals of the wires. RM0440 9.
 
 use cortex_m4::{Cycle, Fault, Ports};
 
@@ -12,11 +12,12 @@ use crate::wires::{Level, Pin, Wires};
 const STRIDE: u32 = GPIOB - GPIOA;
 const PORTS: usize = 7;
 
-/// What the pins do to their wires.
+/// Outputs of the pins.
 #[derive(Clone, Debug)]
 pub(crate) struct Gpio {
-    /// Pins that are driven, and their levels, a bit each.
+    /// Driven pins of each port, one bit each.
     driven: [u16; PORTS],
+    /// Levels of these pins.
     high: [u16; PORTS],
     /// Pins and channels of TIM1 with their alternate functions.
     channels: Vec<(Pin, u8, usize)>,
@@ -37,7 +38,7 @@ impl Default for Gpio {
     }
 }
 
-/// The pins, a bit each, whose two bits of a register are `value`.
+/// Returns the pins, one bit each, whose two bits of a register equal `value`.
 fn pairs(register: u32, value: u32) -> u16 {
     let unlike = register ^ (value * 0x5555_5555);
     let mut bits = !(unlike | unlike >> 1) & 0x5555_5555;
@@ -52,18 +53,19 @@ impl<W: Wires> Stm32g474<W> {
         GPIOA + u32::from(port) * STRIDE
     }
 
-    /// MODER of a pin: input, output, alternate, analog (9.4.1).
+    /// Returns MODER of a pin: input, output, alternate, analog (9.4.1).
     fn mode(&self, pin: Pin) -> u32 {
         self.regs[Self::port(pin.port) + reg::MODER] >> (2 * pin.number) & 3
     }
 
-    /// The alternate function that a pin is given to; none if to none.
+    /// Returns the alternate function of a pin; `None` in another mode.
     pub(crate) fn alternate(&self, pin: Pin) -> Option<u8> {
         let afr = self.regs[Self::port(pin.port) + reg::AFR_0 + u32::from(pin.number / 8) * 4];
         (self.mode(pin) == 2).then_some((afr >> (4 * (pin.number % 8)) & 0xf) as u8)
     }
 
-    /// Levels of the pins of a port: what the part drives, what the wires drive, the pulls; a pin that floats is low.
+    /// Returns the levels of the pins of a port: driven by the chip, by the wires, or by the pulls.
+    /// A floating pin is low.
     pub(crate) fn levels(&mut self, at: Cycle, port: u8) -> u16 {
         let wires = self.wires.inputs(at, port);
         let pulls = self.regs[Self::port(port) + reg::PUPDR];
@@ -77,7 +79,7 @@ impl<W: Wires> Stm32g474<W> {
         levels
     }
 
-    /// Level of an input pin.
+    /// Returns the level of an input pin.
     pub(crate) fn input_level(&mut self, at: Cycle, pin: Pin) -> bool {
         self.levels(at, pin.port) >> pin.number & 1 != 0
     }
@@ -95,7 +97,7 @@ impl<W: Wires> Stm32g474<W> {
     pub(crate) fn write_gpio(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
         let port = Self::port(((address - GPIOA) / STRIDE) as u8);
         match address - port {
-            // BSRR (9.4.7): the lower half sets, the upper one clears, and setting wins.
+            // BSRR (9.4.7): the lower half sets, the upper one clears, and set has priority.
             reg::BSRR => {
                 let odr = &mut self.regs[port + reg::ODR];
                 *odr = *odr & !(value >> 16) | value & 0xffff;
@@ -105,7 +107,7 @@ impl<W: Wires> Stm32g474<W> {
             _ => self.regs[address] = value,
         }
         self.pins_changed(now.at);
-        // Only what is in its alternate function can reach a break.
+        // Only pins in an alternate function can reach a break.
         if !matches!(address - port, reg::BSRR | reg::BRR | reg::ODR) {
             self.update_breaks(now.at, ports);
         }
@@ -113,7 +115,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// What a pin does to its wire.
+    /// Returns the output of a pin to its wire.
     fn output_of(&self, pin: Pin) -> Level {
         let port = Self::port(pin.port);
         let open_drain = self.regs[port + reg::OTYPER] >> pin.number & 1 != 0;
@@ -130,11 +132,11 @@ impl<W: Wires> Stm32g474<W> {
         if open_drain && level == Level::High { Level::Floating } else { level }
     }
 
-    /// Tells the wires which outputs have changed.
+    /// Reports changed outputs to the wires.
     pub(crate) fn pins_changed(&mut self, at: Cycle) {
         for port in 0..PORTS {
             let modes = self.regs[Self::port(port as u8) + reg::MODER];
-            // All analog or input, as after reset: nothing is driven.
+            // If all pins are analog or input, as after reset, no pin is driven.
             let candidates = pairs(modes, 1) | pairs(modes, 2);
             let looked_at = candidates | self.gpio.driven[port];
             for number in (0..16).filter(|number| looked_at >> number & 1 != 0) {

@@ -1,4 +1,4 @@
-//! The independent watchdog. RM0440 42.
+//! Independent watchdog. RM0440 42.
 
 use cortex_m4::{Cycle, Fault, Ports};
 use stm32_metapac::dbgmcu::regs::Apb1lfzr;
@@ -16,27 +16,27 @@ const START: u32 = 0xcccc;
 const UNLOCK: u32 = 0x5555;
 const FEED: u32 = 0xaaaa;
 
-/// The watchdog's state.
+/// State of the watchdog.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Iwdg {
     pub running: bool,
     unlocked: bool,
-    /// When the counter was last loaded.
+    /// Time of the last load of the counter.
     loaded: Ps,
-    /// When the last write of PR, RLR or WINR has reached the watchdog's own clock.
+    /// Time at which the last write of PR, RLR or WINR reaches the watchdog's own clock.
     updated: Ps,
-    /// The time that is left while a debugger has halted the processor.
+    /// Remaining time while a debugger has halted the processor.
     held: Option<Ps>,
 }
 
 impl<W: Wires> Stm32g474<W> {
-    /// A tick of the counter: LSI by 4 to 256.
+    /// Returns the duration of a count: LSI divided by 4 to 256.
     fn tick(&self) -> Ps {
         let prescaler = 4_u64 << self.regs[IWDG + at::iwdg::PR].min(6);
         prescaler * 1_000_000_000_000 / self.config.lsi_hz
     }
 
-    /// LSI changes its frequency: what is left of the count lasts accordingly.
+    /// Changes the frequency of LSI; the remaining counts take longer or shorter.
     pub(crate) fn change_lsi(&mut self, at: Cycle, hz: u64) {
         let (before, time) = (self.config.lsi_hz, self.time.ps(at));
         self.config.lsi_hz = hz;
@@ -73,7 +73,7 @@ impl<W: Wires> Stm32g474<W> {
                         let window = self.regs[IWDG + at::iwdg::WINR];
                         let counted = ((time - self.iwdg.loaded) / self.tick()) as u32;
                         let counter = self.regs[IWDG + at::iwdg::RLR].saturating_sub(counted);
-                        // Fed while the counter is above the window: a reset (42.3.2).
+                        // A feed while the counter is above the window causes a reset (42.3.2).
                         if self.iwdg.running && counter > window {
                             self.agenda.set(Event::Iwdg, now.at);
                         } else {
@@ -88,7 +88,7 @@ impl<W: Wires> Stm32g474<W> {
                 if !self.iwdg.unlocked {
                     return self.report(now, address, u32::MAX, value, Rule::IwdgLocked);
                 }
-                // Each register has a flag of its own.
+                // Each register has its own flag.
                 let flag = match register {
                     at::iwdg::PR => 1,
                     at::iwdg::RLR => 2,
@@ -110,7 +110,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// IWDG_SR (42.4.4).
+    /// Returns IWDG_SR (42.4.4).
     pub(crate) fn iwdg_status(&self, at: Cycle) -> u32 {
         if self.time.ps(at) >= self.iwdg.updated { 0 } else { self.regs[IWDG + at::iwdg::SR] }
     }
@@ -119,7 +119,8 @@ impl<W: Wires> Stm32g474<W> {
         self.pull_reset(IWDG_FLAG, ports);
     }
 
-    /// A debugger halts the processor, or lets it go on: the watchdog stands if DBGMCU says so (47.6.5).
+    /// Stops or resumes the watchdog when a debugger halts or resumes the processor, if DBGMCU
+    /// selects it (47.6.5).
     pub(crate) fn halt_iwdg(&mut self, at: Cycle) {
         let now = self.now(at);
         let stands = self.halted && Apb1lfzr(self.regs[DBGMCU + at::dbgmcu::APB1LFZR]).iwdg();

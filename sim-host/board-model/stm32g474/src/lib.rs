@@ -1,4 +1,4 @@
-//! The registers of an STM32G474RE in software, and a lint of how a program uses them.
+//! Registers of an STM32G474RE in software, with checks of their use by a program.
 //!
 //! ```text
 //! processor ── Chip ──> bus ──> RCC PWR FLASH SYSCFG EXTI GPIO DMA TIM ADC DAC COMP OPAMP LPUART IWDG
@@ -6,15 +6,19 @@
 //!                       Lint (Finding)                              Wires: the board at the pins
 //! ```
 //!
-//! [`Stm32g474`] is the [`Chip`](cortex_m4::Chip) around the processor of the crate `cortex-m4`. What hangs on its pins is a [`Wires`].
-//! Names, fields and addresses of the registers are made from the metadata of `stm32-metapac` when the crate is built ([`map`]); what the
-//! registers do is written from RM0440, the data sheet DS12288 and the errata ES0430.
+//! [`Stm32g474`] is the [`Chip`](cortex_m4::Chip) around the processor of the crate `cortex-m4`. An
+//! implementation of [`Wires`] is connected to its pins. Names, fields and addresses of the
+//! registers come from the metadata of `stm32-metapac` at build time ([`map`]). Their behaviour is
+//! written from RM0440, the data sheet DS12288 and the errata ES0430.
 //!
-//! Nothing is stepped: a counter's value and the time of the next trigger, conversion, byte or bite follow from when each was started, and the processor
-//! asks by [`due`](cortex_m4::Chip::due) when it has to call next. Time is counted in cycles of the core clock; what lasts so many seconds moves when that changes.
+//! Nothing is stepped: the value of a counter, and the time of the next trigger, conversion, byte
+//! or watchdog reset, follow from the time of each start. The processor reads the cycle of its next
+//! call by [`due`](cortex_m4::Chip::due). Time is counted in cycles of the core clock; events in
+//! seconds move when that clock changes.
 //!
-//! An address, a register or a feature that the model does not know stops the run ([`NotModelled`]), and so does what a program does wrong
-//! ([`Finding`]), unless its [`Rule`] is set to be collected. A [`Defect`] makes something fail.
+//! An address, register or feature that the model lacks stops the run ([`NotModelled`]). An error
+//! of the program stops it too ([`Finding`]), unless its [`Rule`] is set to be collected. A
+//! [`Defect`] makes something fail. The source calls the microcontroller the chip or the part.
 //!
 //! ```
 //! use cortex_m4::{Access, Chip, Fault, Interrupts, Ports, Width};
@@ -28,7 +32,7 @@
 //!     part.write(access, value, Ports { memory: &mut memory, interrupts: &mut interrupts })
 //! };
 //!
-//! // An output of a port whose clock is off.
+//! // Output to a port whose clock is off.
 //! let Err(Fault::Stop(error)) = write(base::GPIOA + at::gpio::BSRR, 1 << 5, 10) else { panic!("it is not found") };
 //! assert_eq!(error.downcast_ref::<Finding>().unwrap().rule, Rule::Unclocked);
 //!
@@ -36,10 +40,12 @@
 //! write(base::GPIOA + at::gpio::BSRR, 1 << 5, 20).unwrap();
 //! ```
 //!
-//! # What is simplified
+//! # Simplifications
 //!
-//! DMA serves a request at once; comparators act without delay, and look when a DAC, a conversion or the wires change; the regulator follows
-//! PWR_CR1 at once; an encoder is a position, not two wires; timers 2 to 5 count up, and TIM1's counter counts up once, in one-pulse mode.
+//! DMA serves a request at once. Comparators have no delay, and are evaluated when a DAC, a
+//! conversion or the wires change. The regulator follows PWR_CR1 at once. An encoder is a position,
+//! not two wires. Timers 2 to 5 count up, and the counter of TIM1 counts up once, in one-pulse
+//! mode.
 #![forbid(unsafe_code)]
 
 mod adc;

@@ -1,43 +1,43 @@
-//! The register map: what is where, and the present value of every register.
+//! Register map: addresses, and the current value of every register.
 
 use std::ops::{Index, IndexMut};
 
 use crate::reset::RESETS;
 
-/// Who may do what to a register.
+/// Permitted accesses to a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
-    /// Read and written.
+    /// Read and write.
     ReadWrite,
     /// Read only.
     Read,
-    /// Written only.
+    /// Write only.
     Write,
 }
 
-/// A register of the part.
+/// Register of the microcontroller.
 #[derive(Debug)]
 pub struct Register {
-    /// Name of its peripheral, `ADC1`.
+    /// Name of its peripheral, such as `ADC1`.
     pub peripheral: &'static str,
-    /// Name of the register within it, `CFGR`; elements of arrays are numbered from zero.
+    /// Name of the register, such as `CFGR`; elements of arrays are numbered from zero.
     pub name: &'static str,
     /// First address of its peripheral.
     pub base: u32,
     /// Address of the register.
     pub address: u32,
-    /// Who may do what to it.
+    /// Permitted accesses.
     pub access: Access,
-    /// Address and bit, in RCC, that lets the clock through to it.
+    /// Address and bit in RCC that enable its clock.
     pub enable: Option<(u32, u32)>,
-    /// Address and bit, in RCC, that resets it.
+    /// Address and bit in RCC that reset it.
     pub reset: Option<(u32, u32)>,
-    /// Its fields: name, lowest bit, width.
+    /// Fields: name, lowest bit, width.
     pub fields: &'static [(&'static str, u32, u32)],
 }
 
-/// The constants and the table that the build script has written.
-#[expect(missing_docs, clippy::unreadable_literal, reason = "made by the build script from the metadata of the part")]
+/// Constants and table from the build script.
+#[expect(missing_docs, clippy::unreadable_literal, reason = "made by the build script from the metadata of the chip")]
 pub mod generated {
     use super::{Access, Register};
     include!(concat!(env!("OUT_DIR"), "/registers.rs"));
@@ -46,12 +46,12 @@ pub mod generated {
 pub use generated::{REGISTERS, SIGNALS, TRIGGERS, at, base, line};
 
 impl Register {
-    /// The bits that are defined; all others are reserved.
+    /// Returns the defined bits; all others are reserved.
     pub fn mask(&self) -> u32 {
         self.fields.iter().fold(0, |mask, (_, low, width)| mask | ((((1_u64 << width) - 1) as u32) << low))
     }
 
-    /// Names of those fields that have one of `bits`.
+    /// Returns the names of the fields with any of `bits`.
     pub fn names(&self, bits: u32) -> Vec<&'static str> {
         let mut names: Vec<_> = self
             .fields
@@ -64,10 +64,10 @@ impl Register {
     }
 }
 
-/// Words of the address ranges that have registers.
+/// Number of words in the address ranges with registers.
 const WORDS: usize = 0xd100;
 
-/// The place of an address in [`Registers`].
+/// Returns the index of an address in [`Registers`].
 #[inline(always)]
 fn place(address: u32) -> Option<usize> {
     let (from, first, last) = match address >> 20 {
@@ -81,7 +81,7 @@ fn place(address: u32) -> Option<usize> {
     (place < last).then_some(place)
 }
 
-/// The present values of all registers, by address.
+/// Current values of all registers, by address.
 #[derive(Clone, Debug)]
 pub struct Registers {
     values: Vec<u32>,
@@ -105,19 +105,19 @@ impl Default for Registers {
 }
 
 impl Registers {
-    /// The register at an address, and the mask of its bits.
+    /// Returns the register at an address, and the mask of its bits.
     pub fn find(&self, address: u32) -> Option<(&'static Register, u32)> {
         let place = place(address)?;
         let entry = usize::from(self.entries[place]).checked_sub(1)?;
         Some((&REGISTERS[entry], self.masks[place]))
     }
 
-    /// Whether registers of the part are in the range of this address.
+    /// Returns `true` if the address is in a range with registers.
     pub fn covers(address: u32) -> bool {
         place(address).is_some()
     }
 
-    /// Takes the registers of which `which` is true to their reset values.
+    /// Resets the registers for which `which` returns `true`.
     pub fn reset(&mut self, which: impl Fn(&Register) -> bool) {
         for register in REGISTERS {
             if let (Some(place), true) = (place(register.address), which(register)) {
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn addresses_are_those_of_the_manual() {
+    fn addresses_agree_with_the_manual() {
         // RM0440, table of the register boundary addresses.
         for (name, address) in [("TIM1", 0x4001_2c00), ("LPUART1", 0x4000_8000), ("ADC5", 0x5000_0600), ("DMA2", 0x4002_0400)] {
             assert!(REGISTERS.iter().any(|register| register.peripheral == name && register.base == address), "{name}");

@@ -1,4 +1,4 @@
-//! The part: who answers at which address, and what happens when.
+//! The microcontroller: its state and its event loop.
 
 use cortex_m4::{Cycle, Fault, Memory, Ports, Region};
 
@@ -19,18 +19,18 @@ use crate::timer::Timer;
 use crate::uart::{RX_REQUEST, TX_REQUEST, Uart};
 use crate::wires::{Pin, Wires};
 
-/// What differs from one part, or board, to the next.
+/// Properties of an individual microcontroller and its board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Config {
-    /// The crystal at PF0 and PF1, Hz; none: the oscillator never becomes ready.
+    /// Crystal at PF0 and PF1, Hz; with `None` the oscillator never becomes ready.
     pub crystal_hz: Option<u64>,
     /// HSI16, Hz.
     pub hsi_hz: u64,
     /// LSI, Hz: 32 kHz, within 5 % (DS12288).
     pub lsi_hz: u64,
-    /// The analog supply, which is the reference of the converters, V.
+    /// Analog supply, which is the reference of the converters, V.
     pub vdda: f64,
-    /// The unique device identifier.
+    /// Unique device identifier.
     pub id: [u32; 3],
 }
 
@@ -46,28 +46,28 @@ impl Default for Config {
     }
 }
 
-/// When something happens, and in which instruction.
+/// Cycle and address of the current instruction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Now {
     pub at: Cycle,
     pub pc: u32,
 }
 
-/// The registers of an STM32G474RE, behind them what they do, and the board `W` at its pins.
+/// STM32G474RE: its registers and their behaviour, with the board `W` at its pins.
 #[derive(Clone, Debug)]
 pub struct Stm32g474<W> {
-    /// The board.
+    /// Board at the pins.
     pub wires: W,
-    /// The lint: what becomes of findings, and those that were collected.
+    /// Treatment of findings, and the collected ones.
     pub lint: Lint,
     pub(crate) config: Config,
     pub(crate) regs: Registers,
     pub(crate) time: TimeBase,
     pub(crate) agenda: Agenda,
     pub(crate) pc: u32,
-    /// The time of the last access, fetch or event.
+    /// Cycle of the last access, fetch or event.
     pub(crate) last: Cycle,
-    /// The last change of the wires that was looked at.
+    /// Cycle of the last handled change of the wires.
     pub(crate) looked: Cycle,
     pub(crate) rcc: Rcc,
     pub(crate) flash: Flash,
@@ -80,19 +80,19 @@ pub struct Stm32g474<W> {
     pub(crate) uart: Uart,
     pub(crate) iwdg: Iwdg,
     pub(crate) gpio: Gpio,
-    /// Outputs of the comparators, a bit each.
+    /// Outputs of the comparators, one bit each.
     pub(crate) compared: u8,
     pub(crate) stuck_comparators: [Option<bool>; 7],
     pub(crate) halted: bool,
     pub(crate) supply_low: bool,
-    /// Levels of the pins that EXTI looks at.
+    /// Levels of the pins of EXTI.
     pub(crate) exti: u16,
     pub(crate) defects: Vec<(Cycle, Defect)>,
     pub(crate) stuck: Vec<(Pin, bool)>,
 }
 
 impl<W: Wires> Stm32g474<W> {
-    /// A part after power-on, on its board.
+    /// Creates a microcontroller after power-on, on its board.
     pub fn new(config: Config, wires: W) -> Self {
         Stm32g474 {
             wires,
@@ -125,7 +125,8 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// The memories of the part: 512 KiB of erased flash, 96 KiB of RAM, 32 KiB of core-coupled RAM (RM0440 2.2).
+    /// Returns the memories: 512 KiB of erased flash, 96 KiB of RAM, 32 KiB of core-coupled RAM
+    /// (RM0440 2.2).
     pub fn memory() -> Memory {
         let mut memory = Memory::default();
         memory.add(Region { base: 0x0800_0000, bytes: vec![0xff; 0x8_0000], writable: false, waits: true });
@@ -134,22 +135,24 @@ impl<W: Wires> Stm32g474<W> {
         memory
     }
 
-    /// The core clock, Hz.
+    /// Returns the core clock, Hz.
     pub fn hz(&self) -> u64 {
         self.time.hz()
     }
 
-    /// Seconds since power-on at a cycle that is not before the last change of the clock.
+    /// Returns the seconds since power-on at a cycle, which must not precede the last change of the
+    /// clock.
     pub fn seconds(&self, at: Cycle) -> f64 {
         self.time.ps(at) as f64 * 1e-12
     }
 
-    /// The first cycle that is not before a time, if the clock stays as it is.
+    /// Returns the first cycle at or after a time, if the clock does not change.
     pub fn cycle(&self, seconds: f64) -> Cycle {
         self.time.cycle((seconds * 1e12) as u64)
     }
 
-    /// A debugger halts the processor, or lets it go on: DBGMCU says which peripherals stand meanwhile (RM0440 47.6).
+    /// Halts or resumes the processor; a halt stops the peripherals that DBGMCU selects (RM0440
+    /// 47.6).
     pub fn debugger(&mut self, at: Cycle, halted: bool, mut ports: Ports) -> Result<(), Fault> {
         self.run(at, &mut ports)?;
         self.halted = halted;
@@ -159,12 +162,12 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// The present value of a register, without side effect, for tests and displays.
+    /// Returns the current value of a register, without side effects, for tests and displays.
     pub fn peek(&self, address: u32) -> u32 {
         self.regs[address]
     }
 
-    /// Whether the enable pin of TIM1's channel 3 (PA10) is driven high.
+    /// Returns `true` if the amplifier enable, channel 3 of TIM1 (PA10), is driven high.
     pub fn enable_is_high(&self) -> bool {
         self.tim1.level(2) == crate::Level::High
     }
@@ -173,7 +176,7 @@ impl<W: Wires> Stm32g474<W> {
         Now { at, pc: self.pc }
     }
 
-    /// Reports what a program does wrong.
+    /// Reports a violation of a rule.
     pub(crate) fn report(&mut self, now: Now, address: u32, bits: u32, value: u32, rule: Rule) -> Result<(), Fault> {
         if self.lint.verdict(rule) == crate::Verdict::Ignore {
             return Ok(());
@@ -184,7 +187,7 @@ impl<W: Wires> Stm32g474<W> {
         self.lint.take(Finding { peripheral, register, bits, names, value, rule, manual: rule.manual(), pc: now.pc, at: now.at })
     }
 
-    /// Refuses what the model does not know.
+    /// Returns the error for a behaviour that the model lacks.
     pub(crate) fn refuse<T>(&self, now: Now, address: u32, what: &str) -> Result<T, Fault> {
         let name = match self.regs.find(address) {
             Some((register, _)) => format!("{}_{}: {what}", register.peripheral, register.name),
@@ -193,7 +196,7 @@ impl<W: Wires> Stm32g474<W> {
         Err(Fault::Stop(Box::new(NotModelled { address, what: name, pc: now.pc, at: now.at })))
     }
 
-    /// Refuses a write that sets one of `bits`, which the model does not know.
+    /// Returns an error if a write sets one of `bits`, which are not modelled.
     pub(crate) fn refuse_bits(&self, now: Now, address: u32, value: u32, bits: u32) -> Result<(), Fault> {
         if value & bits == 0 {
             return Ok(());
@@ -202,7 +205,7 @@ impl<W: Wires> Stm32g474<W> {
         self.refuse(now, address, &names.join("+"))
     }
 
-    /// Lets happen what is due until `to`.
+    /// Executes all events up to `to`.
     pub(crate) fn run(&mut self, to: Cycle, ports: &mut Ports) -> Result<(), Fault> {
         self.last = to;
         loop {
@@ -213,7 +216,7 @@ impl<W: Wires> Stm32g474<W> {
             }
             if wires <= to && wires <= next && wires != self.looked {
                 self.looked = wires;
-                self.look_at_inputs(wires, ports)?;
+                self.update_inputs(wires, ports)?;
                 continue;
             }
             let Some((at, event)) = self.agenda.take(to) else { return Ok(()) };
@@ -234,16 +237,16 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// The wires have changed by themselves: pins, then comparators.
-    pub(crate) fn look_at_inputs(&mut self, at: Cycle, ports: &mut Ports) -> Result<(), Fault> {
+    /// Updates pins, and then comparators, after the wires have changed.
+    pub(crate) fn update_inputs(&mut self, at: Cycle, ports: &mut Ports) -> Result<(), Fault> {
         self.update_exti(at, ports);
         self.compare(at, ports);
         self.update_breaks(at, ports);
         Ok(())
     }
 
-    /// Requests of a peripheral that stand when a channel begins to serve them.
-    pub(crate) fn standing_requests(&mut self, now: Now, request: u8, ports: &mut Ports) -> Result<(), Fault> {
+    /// Serves the pending requests of a peripheral when its DMA channel is enabled.
+    pub(crate) fn serve_requests(&mut self, now: Now, request: u8, ports: &mut Ports) -> Result<(), Fault> {
         match request {
             RX_REQUEST | TX_REQUEST => self.serve_uart(now, request, ports),
             5 | 36..=39 => self.serve_adc(now, request, ports),
@@ -251,7 +254,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// A reset by the part itself, for a reason that RCC_CSR shows.
+    /// Resets the chip; RCC_CSR shows the flag of the cause.
     pub(crate) fn pull_reset(&mut self, flag: u32, ports: &mut Ports) {
         self.rcc.cause |= flag;
         ports.interrupts.pull_reset();

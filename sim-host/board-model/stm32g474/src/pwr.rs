@@ -14,7 +14,7 @@ use crate::wires::Wires;
 const PVDO: u32 = 1 << 11;
 
 impl<W: Wires> Stm32g474<W> {
-    /// The voltage range, 1 or 2.
+    /// Returns the voltage range, 1 or 2.
     pub(crate) fn range(&self) -> u8 {
         Cr1(self.regs[PWR + at::pwr::CR1]).vos().to_bits()
     }
@@ -31,7 +31,7 @@ impl<W: Wires> Stm32g474<W> {
             at::pwr::CR5 => self.change(now, address, value)?,
             at::pwr::CR2 => {
                 self.refuse_bits(now, address, value, 0xf0)?;
-                // PVD of a locked SYSCFG_CFGR2.PVDL stays on (10.2.10).
+                // SYSCFG_CFGR2.PVDL locks PVD (10.2.10).
                 if self.regs[SYSCFG + at::syscfg::CFGR2] & 4 != 0 && value != self.regs[address] {
                     return self.report(now, address, value ^ self.regs[address], value, Rule::Locked);
                 }
@@ -45,7 +45,8 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// Another voltage: what runs must be allowed at it. VOSF (6.4.7) is not modelled as a time: the regulator is there at once.
+    /// Changes the voltage and checks that it permits the current clock. The settling time (VOSF,
+    /// 6.4.7) is not modelled.
     fn change(&mut self, now: Now, address: u32, value: u32) -> Result<(), Fault> {
         let old = std::mem::replace(&mut self.regs[address], value);
         let hz = self.time.hz();
@@ -58,7 +59,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// The supply falls below the threshold of PVD, or comes back.
+    /// Handles a supply that falls below the threshold of PVD, or recovers.
     pub(crate) fn supply(&mut self, at: Cycle, low: bool, ports: &mut Ports) {
         self.supply_low = low;
         self.update_pvd(ports);
@@ -75,7 +76,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// Whether PVD sees a low supply: PWR_SR2.PVDO.
+    /// Returns PWR_SR2.PVDO: `true` if PVD detects a low supply.
     pub(crate) fn pvd(&self) -> bool {
         self.regs[PWR + at::pwr::SR2] & PVDO != 0
     }

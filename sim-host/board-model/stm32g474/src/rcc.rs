@@ -1,4 +1,4 @@
-//! The clock tree and the resets. RM0440 7.
+//! Clock tree and resets. RM0440 7.
 
 use cortex_m4::{Cycle, Fault, Ports};
 use stm32_metapac::rcc::regs::{Cfgr, Cr, Csr, Pllcfgr};
@@ -11,36 +11,37 @@ use crate::part::{Now, Stm32g474};
 use crate::time::{Event, Ps, US};
 use crate::wires::Wires;
 
-/// HSI16, Hz.
+/// Frequency of HSI16, Hz.
 pub const HSI_HZ: u64 = 16_000_000;
 
-/// The clocks that become ready, as events have them.
+// Indices of the clocks in `Event::Ready`.
 const HSI: usize = 0;
 const HSE: usize = 1;
 const PLL: usize = 2;
 const LSI: usize = 3;
 const HSI48: usize = 4;
-/// Start-up times, typical (DS12288, oscillator characteristics): HSI16, HSE, PLL lock, LSI, HSI48.
+/// Typical start-up times (DS12288, oscillator characteristics): HSI16, HSE, PLL lock, LSI, HSI48.
 const START_UP: [Ps; 5] = [US, 2000 * US, 15 * US, 130 * US, 4 * US];
 
-/// RCC_CSR's flags (7.4.28).
+/// Reset flags of RCC_CSR (7.4.28).
 pub(crate) const FLAGS: u32 = 0xfe << 24;
 
-/// What RCC has besides its registers.
+/// State of RCC besides its registers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rcc {
-    /// Enable register and bits of the last write, and when what they enable may be accessed.
+    /// Enable register and bits of the last write.
     pub enabled: (u32, u32),
+    /// Cycle from which the enabled peripherals may be accessed.
     pub settled: Cycle,
-    /// Flags of the reset that is under way.
+    /// Flags of the current reset.
     pub cause: u32,
     pub power_lost: bool,
-    /// Since when the core has half of a clock above 80 MHz.
+    /// Time since which the core has half of a clock above 80 MHz.
     pub halved: Option<Ps>,
     pub hse_dead: bool,
 }
 
-/// Division of RCC_CFGR.HPRE (7.4.3).
+/// Returns the division of RCC_CFGR.HPRE (7.4.3).
 pub(crate) fn hpre(cfgr: Cfgr) -> u64 {
     match cfgr.hpre().to_bits() {
         code @ 8..=11 => 2 << (code - 8),
@@ -49,7 +50,7 @@ pub(crate) fn hpre(cfgr: Cfgr) -> u64 {
     }
 }
 
-/// Division of RCC_CFGR.PPRE1 or 2.
+/// Returns the division of RCC_CFGR.PPRE1 or 2.
 fn ppre(code: u8) -> u64 {
     if code < 4 { 1 } else { 2 << (code - 4) }
 }
@@ -63,12 +64,13 @@ impl<W: Wires> Stm32g474<W> {
         Cfgr(self.regs[RCC + at::rcc::CFGR])
     }
 
-    /// Core cycles of a cycle of APB1 or 2.
+    /// Returns the core cycles of a cycle of APB1 or 2.
     pub(crate) fn apb(&self, bus: u8) -> u64 {
         ppre(if bus == 1 { self.cfgr().ppre1().to_bits() } else { self.cfgr().ppre2().to_bits() })
     }
 
-    /// Core cycles of a timer's cycle: twice the bus clock where that is divided (7.2.13).
+    /// Returns the core cycles of a timer cycle: a timer has twice the bus clock if that is divided
+    /// (7.2.13).
     pub(crate) fn timer_cycle(&self) -> u64 {
         match self.apb(1) {
             1 => 1,
@@ -76,7 +78,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// SYSCLK, Hz.
+    /// Returns SYSCLK for a selection, Hz.
     pub(crate) fn sysclk(&self, sw: u8) -> u64 {
         match sw {
             1 => self.config.hsi_hz,
@@ -85,12 +87,12 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// The present SYSCLK, Hz.
+    /// Returns the current SYSCLK, Hz.
     pub(crate) fn system_hz(&self) -> u64 {
         self.sysclk(self.cfgr().sws().to_bits())
     }
 
-    /// The PLL's output P, Hz: divided by PLLPDIV, or by 7 or 17 (7.4.4).
+    /// Returns output P of the PLL, Hz: divided by PLLPDIV, or by 7 or 17 (7.4.4).
     pub(crate) fn pll_p(&self) -> u64 {
         let pll = Pllcfgr(self.regs[RCC + at::rcc::PLLCFGR]);
         let divider = match pll.0 >> 27 {
@@ -124,7 +126,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// A clock was switched on or off.
+    /// Handles a clock that is switched on or off.
     fn switch(&mut self, now: Now, clock: usize, was: bool, on: bool) {
         let (register, bit) = Self::ready_bit(clock);
         if on && !was {
@@ -192,14 +194,14 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// Resets those peripherals whose bit has risen.
+    /// Resets the peripherals whose bit has risen.
     fn reset_peripherals(&mut self, now: Now, register: u32, bits: u32, ports: &mut Ports) {
         let hit = |reset: Option<(u32, u32)>| reset.is_some_and(|(at, bit)| at == register && bit & bits != 0);
         self.regs.reset(|register| hit(register.reset));
         let mut bases: Vec<u32> = REGISTERS.iter().filter(|register| hit(register.reset)).map(|register| register.base).collect();
         bases.dedup();
         for base in bases {
-            self.forget(now, base, ports);
+            self.reset_state(now, base, ports);
         }
     }
 
@@ -207,7 +209,7 @@ impl<W: Wires> Stm32g474<W> {
         let address = RCC + at::rcc::CR;
         let used = self.cfgr().sws().to_bits();
         let mut kept = new;
-        // What the core runs from cannot be stopped (7.4.1).
+        // The source of the core clock cannot be stopped (7.4.1).
         let source = Pllcfgr(self.regs[RCC + at::rcc::PLLCFGR]).pllsrc();
         kept.set_hsion(new.hsion() || used == 1 || (used == 3 && source == Pllsrc::HSI));
         kept.set_hseon(new.hseon() || used == 2 || (used == 3 && source == Pllsrc::HSE));
@@ -221,7 +223,8 @@ impl<W: Wires> Stm32g474<W> {
             if !ready {
                 self.report(now, address, 1 << 24, new.0, Rule::ClockNotReady)?;
             }
-            // DS12288, PLL characteristics: input 2.66 to 16 MHz, VCO 96 to 344 MHz, output to 170 MHz.
+            // DS12288, PLL characteristics: input 2.66 to 16 MHz, VCO 96 to 344 MHz, output to 170
+            // MHz.
             let fits = (2_660_000..=16_000_000).contains(&self.pll_input())
                 && (96_000_000..=344_000_000).contains(&self.vco())
                 && self.sysclk(3) <= 170_000_000;
@@ -255,7 +258,7 @@ impl<W: Wires> Stm32g474<W> {
         self.set_clock(now.at)
     }
 
-    /// Takes over the clock that RCC_CFGR names.
+    /// Applies the clock that RCC_CFGR selects.
     pub(crate) fn set_clock(&mut self, at: Cycle) -> Result<(), Fault> {
         let hz = (self.sysclk(self.cfgr().sws().to_bits()) / hpre(self.cfgr())).max(1);
         if hz != self.time.hz() {

@@ -1,9 +1,10 @@
-//! Reset values that are not zero (RM0440, the register sections; checked against ST's SVD where that is right).
+//! Reset values that are not zero (RM0440, register sections; checked against ST's SVD, except for
+//! its errors).
 
 use crate::map::at::{adc, exti, flash, gpio, iwdg, lpuart, pwr, rcc, syscfg, timadv, timgp16, timgp32};
 use crate::map::base::*;
 
-/// Address and value.
+/// Addresses and reset values.
 pub const RESETS: &[(u32, u32)] = &[
     // HSI16 runs and is the system clock; the SVD has other values for CR and CFGR.
     (RCC + rcc::CR, 0x0000_0500),
@@ -25,14 +26,14 @@ pub const RESETS: &[(u32, u32)] = &[
     // Caches on, no wait state.
     (FLASH + flash::ACR, 0x0004_0600),
     (FLASH + flash::CR, 0xc000_0000),
-    // The option bytes as they are delivered: two banks.
+    // Option bytes as delivered: two banks.
     (FLASH + flash::OPTR, 0xffef_f8aa),
     (FLASH + flash::PCROP1SR, 0xffff_ffff),
     (FLASH + flash::PCROP1ER, 0x0fff_0000),
     (FLASH + flash::SEC1R, 0xff00_ff00),
     (FLASH + flash::SEC2R, 0xff00_ff00),
     (SYSCFG + syscfg::CFGR1, 0x7c00_0001),
-    // All pins analog but those of the debugger.
+    // All pins analog except those of the debugger.
     (GPIOA + gpio::MODER, 0xabff_ffff),
     (GPIOA + gpio::OSPEEDR, 0x0c00_0000),
     (GPIOA + gpio::PUPDR, 0x6400_0000),

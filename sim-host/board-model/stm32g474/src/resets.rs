@@ -1,4 +1,4 @@
-//! Clocks that fail, and the flags of resets. RM0440 7.1, 7.2.11.
+//! Clock failures and reset flags. RM0440 7.1, 7.2.11.
 
 use cortex_m4::{Cycle, Fault, Ports};
 use stm32_metapac::rcc::regs::Pllcfgr;
@@ -11,15 +11,15 @@ use crate::rcc::FLAGS;
 use crate::time::Event;
 use crate::wires::Wires;
 
-/// RCC_CSR's flags (RM0440 7.4.28).
+// Flags of RCC_CSR (RM0440 7.4.28).
 const PIN: u32 = 1 << 26;
 const BOR: u32 = 1 << 27;
 const SOFTWARE: u32 = 1 << 28;
-/// The watchdog's.
+/// Flag of the independent watchdog in RCC_CSR.
 pub(crate) const IWDG_FLAG: u32 = 1 << 29;
 
 impl<W: Wires> Stm32g474<W> {
-    /// The crystal stops: with CSS on, the core falls back to HSI, and the NMI says so (7.2.11).
+    /// Stops the crystal: with CSS on, the core switches to HSI, and the NMI is pended (7.2.11).
     pub(crate) fn hse_stops(&mut self, at: Cycle, ports: &mut Ports) -> Result<(), Fault> {
         self.rcc.hse_dead = true;
         let mut cr = self.cr();
@@ -49,7 +49,8 @@ impl<W: Wires> Stm32g474<W> {
         self.set_clock(at)
     }
 
-    /// The PLL unlocks. As the system clock it takes with it what counts its cycles: nothing happens until the watchdog bites, by its own oscillator.
+    /// Unlocks the PLL. If it is the system clock, everything that counts its cycles stops until
+    /// the watchdog, which has its own oscillator, resets the chip.
     pub(crate) fn pll_unlocks(&mut self, at: Cycle) -> Result<(), Fault> {
         self.regs[RCC + at::rcc::CR] &= !(1 << 25);
         if self.cfgr().sws().to_bits() == 3 {
@@ -58,13 +59,14 @@ impl<W: Wires> Stm32g474<W> {
                 return self.refuse(self.now(at), RCC + at::rcc::CR, "the processor without a clock");
             }
             let before = self.time;
-            self.time.stand(at, before.ps(bite));
+            self.time.stop_until(at, before.ps(bite));
             self.agenda.retime(&before, &self.time);
         }
         Ok(())
     }
 
-    /// RCC_CSR after a reset: what pulled it, and the pin, which every reset pulls (7.1.2); after power-on nothing else.
+    /// Sets RCC_CSR after a reset: its cause, and the pin, which every reset pulls (7.1.2).
+    /// Power-on clears older flags.
     pub(crate) fn reset_flags(&mut self, before: &Registers) {
         let cause = std::mem::take(&mut self.rcc);
         let own = if cause.cause == 0 { SOFTWARE } else { cause.cause };

@@ -9,10 +9,10 @@ use crate::part::{Now, Stm32g474};
 use crate::tim1::Tim1;
 use crate::wires::Wires;
 
-/// The line of EXTI from PVDO (15.3.2, table of lines).
+/// EXTI line of PVDO (15.3.2, table of lines).
 pub(crate) const PVD: u32 = 1 << 16;
 
-/// Interrupt lines of EXTI 0 to 15.
+/// Returns the interrupt line of EXTI 0 to 15.
 fn exti_line(number: u32) -> u16 {
     match number {
         0 => line::EXTI0,
@@ -29,13 +29,13 @@ impl<W: Wires> Stm32g474<W> {
     pub(crate) fn write_syscfg(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
         let old = self.regs[address];
         match address - SYSCFG {
-            // CFGR2 (10.2.10): each lock is set once, and stays until a reset.
+            // CFGR2 (10.2.10): a lock stays set until a reset.
             at::syscfg::CFGR2 => {
                 let cleared = old & !value & 0xf;
                 if cleared != 0 {
                     self.report(now, address, cleared, value, Rule::Locked)?;
                 }
-                // SPF: a one clears.
+                // SPF is cleared by a one.
                 self.regs[address] = (old | value) & 0xf | old & !value & 1 << 8;
                 self.update_breaks(now.at, ports);
             }
@@ -47,7 +47,8 @@ impl<W: Wires> Stm32g474<W> {
 
     pub(crate) fn write_exti(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
         match address - EXTI {
-            // Lines of pins and of PVD: those of comparators and others are not connected.
+            // Lines of pins and of PVD are modelled; those of comparators and others are not
+            // connected.
             at::exti::RTSR_0 | at::exti::FTSR_0 => self.refuse_bits(now, address, value, !(0xffff | PVD))?,
             at::exti::RTSR_1 | at::exti::FTSR_1 | at::exti::SWIER_0 | at::exti::SWIER_1 | at::exti::EMR_0 | at::exti::EMR_1 => {
                 self.refuse_bits(now, address, value, u32::MAX)?;
@@ -64,7 +65,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// Looks for edges of the pins that EXTI is to see (15.3.2).
+    /// Detects edges of the pins that are selected for EXTI (15.3.2).
     pub(crate) fn update_exti(&mut self, at: Cycle, ports: &mut Ports) {
         let (rising, falling) = (self.regs[EXTI + at::exti::RTSR_0], self.regs[EXTI + at::exti::FTSR_0]);
         if rising | falling == 0 {
@@ -83,7 +84,7 @@ impl<W: Wires> Stm32g474<W> {
         self.exti_lines(ports);
     }
 
-    /// PVDO has changed: an edge where it is asked for.
+    /// Handles a change of PVDO: an edge, if that edge is enabled.
     pub(crate) fn pvd_edge(&mut self, low: bool, ports: &mut Ports) {
         let edges = self.regs[EXTI + if low { at::exti::RTSR_0 } else { at::exti::FTSR_0 }];
         self.regs[EXTI + at::exti::PR_0] |= edges & PVD;
@@ -103,8 +104,8 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// Forgets what is behind the registers of a peripheral that RCC resets.
-    pub(crate) fn forget(&mut self, now: Now, base: u32, ports: &mut Ports) {
+    /// Resets the internal state of a peripheral that RCC resets.
+    pub(crate) fn reset_state(&mut self, now: Now, base: u32, ports: &mut Ports) {
         match base {
             TIM1 => self.tim1 = Tim1::default(),
             TIM2..=TIM5 => self.reset_timer(now.at, base),

@@ -1,4 +1,5 @@
-//! TIM1 as a switch: channels that are forced or that its counter ends (`tim1_counter.rs`), and breaks that drop them without the processor. RM0440 28.
+//! TIM1 as a switch: channels that are forced or ended by its counter (`tim1_counter.rs`), and
+//! breaks that switch them off without the processor. RM0440 28.
 
 use cortex_m4::{Cycle, Fault, Ports};
 use stm32_metapac::dbgmcu::regs::Apb2fzr;
@@ -14,26 +15,29 @@ use crate::part::{Now, Stm32g474};
 use crate::tim1_counter::Counter;
 use crate::wires::{Level, Pin, Wires};
 
-/// TIM1_SR: break, break 2, system break (28.6.5).
+/// Flag of TIM1_SR: break (28.6.5).
 const BIF: u32 = 1 << 7;
+/// Flag of TIM1_SR: break 2.
 const B2IF: u32 = 1 << 8;
+/// Flag of TIM1_SR: system break.
 const SBIF: u32 = 1 << 13;
 const AOE: u32 = 1 << 14;
 const MOE: u32 = 1 << 15;
 
-/// What TIM1 has besides its registers.
+/// State of TIM1 besides its registers.
 #[derive(Clone, Debug)]
 pub(crate) struct Tim1 {
-    /// The processor has locked up; a read of flash could not be corrected.
+    /// `true` after a lockup of the processor.
     pub lockup: bool,
+    /// `true` after a read of the flash that could not be corrected.
     pub ecc: bool,
-    /// BDTR.LOCK has been written.
+    /// Written value of BDTR.LOCK.
     lock: u8,
-    /// Break 1 and 2 stand.
+    /// `true` while break 1 or 2 is active.
     active: [bool; 2],
     levels: [Level; 4],
     pub counter: Counter,
-    /// The pins that BKIN and BKIN2 can come from, with their alternate functions.
+    /// Possible pins of BKIN and BKIN2, with their alternate functions.
     pins: [Vec<(Pin, u8)>; 2],
 }
 
@@ -59,7 +63,7 @@ impl Default for Tim1 {
 }
 
 impl Tim1 {
-    /// What a channel, from zero, does to its pin.
+    /// Returns the output of a channel, counted from zero.
     pub fn level(&self, channel: usize) -> Level {
         self.levels[channel]
     }
@@ -130,7 +134,8 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// Frozen and forced channels, and both modes of edge-aligned PWM without preload, which one-pulse mode permits (28.6.8).
+    /// Checks the modes: frozen and forced channels, and both modes of edge-aligned PWM without
+    /// preload, in which one-pulse mode is permitted (28.6.8).
     fn check_modes(&mut self, now: Now, address: u32, value: u32) -> Result<(), Fault> {
         for half in [0, 8] {
             let mode = value >> (4 + half) & 7 | value >> (16 + half) & 1 << 3;
@@ -141,12 +146,13 @@ impl<W: Wires> Stm32g474<W> {
         self.refuse_bits(now, address, value, 0x8c8c)
     }
 
-    /// What BDTR.LOCK protects (28.6.20).
+    /// Returns the bits of a register that BDTR.LOCK protects (28.6.20).
     fn locked_bits(&self, address: u32) -> u32 {
         let level = self.tim1.lock;
         let bits = |from: u8, bits: u32| if level >= from { bits } else { 0 };
         match address - TIM1 {
-            // LOCK itself; dead time, breaks and their polarity, automatic output; then OSSI and OSSR.
+            // LOCK itself; dead time, breaks and their polarity, automatic output; then OSSI and
+            // OSSR.
             reg::BDTR => bits(1, 3 << 8 | 0xff | 7 << 12 | 0x3f << 20 | 0xf << 16 | 0xf << 26) | bits(2, 3 << 10),
             reg::CR2 => bits(1, 0x5_ff00),
             reg::AF1 | reg::AF2 => bits(1, u32::MAX),
@@ -157,7 +163,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// AOE: an update sets MOE, unless a break stands (28.6.20).
+    /// Sets MOE at an update if AOE is set; an active break clears it again (28.6.20).
     pub(crate) fn enable_by_update(&mut self) {
         let bdtr = &mut self.regs[TIM1 + reg::BDTR];
         if *bdtr & AOE != 0 {
@@ -165,18 +171,19 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// Whether a debugger has halted the processor, and the counter stands with it (47.6.7).
-    pub(crate) fn tim1_stands(&self) -> bool {
+    /// Returns `true` if a debugger has halted the processor and thereby the counter (47.6.7).
+    pub(crate) fn tim1_is_halted(&self) -> bool {
         self.halted && Apb2fzr(self.regs[DBGMCU + at::dbgmcu::APB2FZR]).tim1()
     }
 
-    /// MOE falls.
+    /// Clears MOE and sets the flag of a break.
     fn break_now(&mut self, flag: u32) {
         self.regs[TIM1 + reg::SR] |= flag;
         self.regs[TIM1 + reg::BDTR] &= !MOE;
     }
 
-    /// Level of a break's sources before its polarity: pins, comparators (28.3.17, AF1 and AF2).
+    /// Returns the level of a break's sources before its polarity: pins and comparators (28.3.17,
+    /// AF1 and AF2).
     fn break_level(&mut self, at: Cycle, number: usize) -> bool {
         let af = self.regs[TIM1 + if number == 0 { reg::AF1 } else { reg::AF2 }];
         let mut level = false;
@@ -192,13 +199,13 @@ impl<W: Wires> Stm32g474<W> {
         level
     }
 
-    /// Level of the pin that carries a break; low if none does.
+    /// Returns the level of the pin of a break; low without a pin.
     fn routed_level(&mut self, at: Cycle, number: usize) -> bool {
         let pin = self.tim1.pins[number].iter().find(|(pin, af)| self.alternate(*pin) == Some(*af)).map(|(pin, _)| *pin);
         pin.is_some_and(|pin| self.input_level(at, pin))
     }
 
-    /// The clock security system has seen the crystal fail: an event that no bit of SYSCFG has to connect (28.3.17).
+    /// Breaks after a failure of the crystal, which needs no bit of SYSCFG (28.3.17).
     pub(crate) fn clock_failure_break(&mut self, at: Cycle, ports: &mut Ports) {
         if self.bdtr().bke(0) {
             self.break_now(SBIF);
@@ -206,20 +213,21 @@ impl<W: Wires> Stm32g474<W> {
         self.update_breaks(at, ports);
     }
 
-    /// Breaks that the system raises by itself (SYSCFG_CFGR2): lockup, low supply, flash; BKE lets them through as it does the first break's (28.6.20).
+    /// Returns `true` if the system requests a break (SYSCFG_CFGR2): lockup, low supply, flash. BKE
+    /// enables it together with break 1 (28.6.20).
     fn system_break(&self) -> bool {
         let cfgr2 = Cfgr2(self.regs[SYSCFG + at::syscfg::CFGR2]);
         (cfgr2.cll() && self.tim1.lockup) || (cfgr2.pvdl() && self.pvd()) || (cfgr2.eccl() && self.tim1.ecc)
     }
 
-    /// Takes over the breaks' inputs, and the outputs that follow.
+    /// Updates the breaks from their inputs, and then the outputs.
     pub(crate) fn update_breaks(&mut self, at: Cycle, ports: &mut Ports) {
         let bdtr = self.bdtr();
         for (number, flag) in [(0, BIF), (1, B2IF)] {
             let active = bdtr.bke(number) && self.break_level(at, number) == (bdtr.bkp(number) == Bkp::ACTIVE_HIGH);
             self.tim1.active[number] = active;
             if active {
-                // While it stands, the flag comes again and MOE cannot be set.
+                // While it is active, the flag is set again and MOE cannot be set.
                 self.break_now(flag);
             }
         }
@@ -232,10 +240,10 @@ impl<W: Wires> Stm32g474<W> {
         self.update_enable(at, ports);
     }
 
-    /// Levels of the channels (28.6.20, table of output control bits).
+    /// Updates the levels of the channels (28.6.20, table of output control bits).
     pub(crate) fn update_enable(&mut self, at: Cycle, _ports: &mut Ports) {
         let (bdtr, ccer, cr2) = (self.bdtr(), CcerAdv(self.regs[TIM1 + reg::CCER]), Cr2Adv(self.regs[TIM1 + reg::CR2]));
-        let stands = self.tim1_stands();
+        let stands = self.tim1_is_halted();
         let level = |high: bool| if high { Level::High } else { Level::Low };
         let levels: [Level; 4] = std::array::from_fn(|channel| {
             let inverted = ccer.ccp(channel);

@@ -1,7 +1,8 @@
-//! The counter of TIM1 in one-pulse mode: it counts up once, and stands at zero. RM0440 28.3.3, 28.3.12, 28.3.22.
+//! Counter of TIM1 in one-pulse mode: it counts up once, and stops at zero. RM0440 28.3.3, 28.3.12,
+//! 28.3.22.
 //!
-//! The counter is not stepped: its value, the next edge of a channel and the end follow from when it was started. What goes round, down, or through
-//! preload registers is refused.
+//! The counter is not stepped: its value, the next edge of a channel and the end follow from its
+//! start. Repeated counting, counting down, and preload registers are refused.
 //!
 //! ```text
 //! CNT = value + floor((t - origin) / step),  step = timer cycle * (PSC + 1);   the end is at CNT = ARR + 1: CNT = 0, CEN = 0, UIF = 1
@@ -23,24 +24,25 @@ pub(crate) const CEN: u32 = 1;
 const URS: u32 = 1 << 2;
 const OPM: u32 = 1 << 3;
 const CKD: u32 = 3 << 8;
-/// TIM1_SR (28.6.5): update, and the lowest flag of compare.
+/// Flag of TIM1_SR: update (28.6.5).
 const UIF: u32 = 1;
+/// Flag of TIM1_SR: compare of channel 1; those of the other channels follow.
 const CC1IF: u32 = 1 << 1;
-/// Timer cycles from CEN to the first cycle that counts (28.3.1).
+/// Timer cycles from CEN to the first counting cycle (28.3.1).
 const START_DELAY: Cycle = 1;
 
-/// The state of the counter behind its registers.
+/// State of the counter besides its registers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Counter {
     running: bool,
-    /// Its value at `origin`.
+    /// Value at `origin`.
     value: u32,
     origin: Cycle,
-    /// Core cycles of a count.
+    /// Core cycles per count.
     step: u64,
-    /// PSC that was taken over by an update.
+    /// PSC of the last update.
     prescaler: u32,
-    /// Compare flags are set up to this value.
+    /// Counter value up to which the compare flags are set.
     seen: u32,
 }
 
@@ -50,14 +52,15 @@ impl Counter {
         self.value + counts as u32
     }
 
-    /// When it comes to a value that is still ahead.
+    /// Returns the cycle at which it reaches a future value.
     fn reaches(&self, value: u32) -> Cycle {
         self.origin + u64::from(value.saturating_sub(self.value)) * self.step
     }
 }
 
 impl<W: Wires> Stm32g474<W> {
-    /// The level of a channel's reference, from zero, that its mode and the counter give it (28.6.8).
+    /// Returns the reference level of a channel, counted from zero, by its mode and the counter
+    /// (28.6.8).
     pub(crate) fn tim1_reference(&self, at: Cycle, channel: usize) -> bool {
         let below = self.tim1.counter.at(at) < self.compare_value(channel);
         match self.tim1_mode(channel) {
@@ -68,7 +71,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// CCMR.OCxM of a channel (28.6.8).
+    /// Returns CCMR.OCxM of a channel (28.6.8).
     fn tim1_mode(&self, channel: usize) -> u32 {
         let ccmr = self.regs[TIM1 + if channel < 2 { reg::CCMR1 } else { reg::CCMR2 }];
         ccmr >> (8 * (channel % 2) + 4) & 7
@@ -79,7 +82,7 @@ impl<W: Wires> Stm32g474<W> {
     }
 
     fn tim1_step(&self) -> u64 {
-        // Twice the bus clock where that is divided (7.2.13).
+        // Twice the bus clock if that is divided (7.2.13).
         let cycle = match self.apb(2) {
             1 => 1,
             divided => divided / 2,
@@ -87,12 +90,12 @@ impl<W: Wires> Stm32g474<W> {
         cycle * (u64::from(self.tim1.counter.prescaler) + 1)
     }
 
-    /// TIM1_CNT (28.6.12).
+    /// Returns TIM1_CNT (28.6.12).
     pub(crate) fn tim1_count(&self, at: Cycle) -> u32 {
         self.tim1.counter.at(at)
     }
 
-    /// Sets the flags of the compare values that the counter has come to (28.6.5).
+    /// Sets the flags of the compare values that the counter has reached (28.6.5).
     pub(crate) fn see_compares(&mut self, at: Cycle) {
         let (seen, count) = (self.tim1.counter.seen, self.tim1.counter.at(at));
         for channel in 0..4 {
@@ -103,7 +106,7 @@ impl<W: Wires> Stm32g474<W> {
         self.tim1.counter.seen = count;
     }
 
-    /// What the model knows of the counter's registers.
+    /// Checks a write to a register of the counter.
     pub(crate) fn check_counter(&mut self, now: Now, address: u32, value: u32) -> Result<(), Fault> {
         let counts = self.regs[TIM1 + reg::CR1] & CEN != 0;
         match address - TIM1 {
@@ -113,7 +116,7 @@ impl<W: Wires> Stm32g474<W> {
                     return Ok(());
                 }
                 if value & OPM == 0 {
-                    return self.refuse(now, address, "a counter that goes round");
+                    return self.refuse(now, address, "a counter without one-pulse mode");
                 }
                 if self.regs[TIM1 + reg::PSC] != self.tim1.counter.prescaler {
                     return self.refuse(now, TIM1 + reg::PSC, "a prescaler without EGR.UG");
@@ -133,10 +136,10 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// The counter goes on from where it is, or stands, under changed conditions.
+    /// Continues the counter from its value, or stops it, under changed conditions.
     pub(crate) fn rebase_counter(&mut self, at: Cycle) {
         self.see_compares(at);
-        let stands = self.tim1_stands() || self.regs[TIM1 + reg::ARR] & 0xffff == 0;
+        let stands = self.tim1_is_halted() || self.regs[TIM1 + reg::ARR] & 0xffff == 0;
         let runs = self.regs[TIM1 + reg::CR1] & CEN != 0 && !stands;
         let step = self.tim1_step();
         let counter = &mut self.tim1.counter;
@@ -148,14 +151,15 @@ impl<W: Wires> Stm32g474<W> {
         *counter = Counter { running: runs, value, origin, step, seen: value, ..*counter };
     }
 
-    /// CNT is written.
+    /// Writes CNT.
     pub(crate) fn set_count(&mut self, at: Cycle, value: u32) {
         let counter = &mut self.tim1.counter;
         (counter.value, counter.seen) = (value & 0xffff, value & 0xffff);
         counter.origin = counter.origin.max(at);
     }
 
-    /// The update at the end of the count, or by UG: the counter is zero, the prescaler is taken over, and AOE sets MOE where no break stands (28.6.20).
+    /// Updates at the end of the count or by UG: the counter becomes zero, the prescaler is loaded,
+    /// and AOE sets MOE if no break is active (28.6.20).
     pub(crate) fn update_counter(&mut self, at: Cycle, by_software: bool) {
         let prescaler = self.regs[TIM1 + reg::PSC] & 0xffff;
         self.tim1.counter = Counter { origin: at, prescaler, ..Counter::default() };
@@ -188,7 +192,7 @@ impl<W: Wires> Stm32g474<W> {
         self.agenda.set(Event::Tim1, next);
     }
 
-    /// A channel has an edge, or the count has ended.
+    /// Handles an edge of a channel or the end of the count.
     pub(crate) fn tim1_due(&mut self, at: Cycle, ports: &mut Ports) {
         self.see_compares(at);
         if self.tim1.counter.at(at) > self.regs[TIM1 + reg::ARR] & 0xffff {
@@ -198,7 +202,7 @@ impl<W: Wires> Stm32g474<W> {
         self.update_breaks(at, ports);
     }
 
-    /// The core clock has changed, or a debugger has halted the processor.
+    /// Updates the counter after a change of the core clock, or a halt by a debugger.
     pub(crate) fn retime_counter(&mut self, at: Cycle) {
         self.rebase_counter(at);
         self.plan_counter(at);

@@ -1,14 +1,14 @@
-//! Cycles and seconds, and when what next happens.
+//! Conversion of cycles and seconds, and the agenda of events.
 
 use cortex_m4::Cycle;
 
 /// Picoseconds since power-on.
 pub type Ps = u64;
 
-/// A microsecond.
+/// One microsecond, ps.
 pub const US: Ps = 1_000_000;
 
-/// The core clock, which changes, against time, which does not.
+/// Relation of the core clock, which can change, to time.
 #[derive(Clone, Copy, Debug)]
 pub struct TimeBase {
     hz: u64,
@@ -17,73 +17,73 @@ pub struct TimeBase {
 }
 
 impl TimeBase {
-    /// From power-on, at so many Hz.
+    /// Creates the relation from power-on, at `hz`.
     pub fn new(hz: u64) -> Self {
         TimeBase { hz, since: 0, base: 0 }
     }
 
-    /// The core clock, Hz.
+    /// Returns the core clock, Hz.
     pub fn hz(&self) -> u64 {
         self.hz
     }
 
-    /// The time of a cycle.
+    /// Returns the time of a cycle.
     pub fn ps(&self, at: Cycle) -> Ps {
         self.base + (u128::from(at.saturating_sub(self.since)) * 1_000_000_000_000 / u128::from(self.hz)) as Ps
     }
 
-    /// The first cycle that is not before a time.
+    /// Returns the first cycle at or after a time.
     pub fn cycle(&self, ps: Ps) -> Cycle {
         self.since + (u128::from(ps.saturating_sub(self.base)) * u128::from(self.hz)).div_ceil(1_000_000_000_000) as Cycle
     }
 
-    /// The clock stands at this cycle until a time.
-    pub fn stand(&mut self, at: Cycle, until: Ps) {
+    /// Stops the clock at this cycle until a time.
+    pub fn stop_until(&mut self, at: Cycle, until: Ps) {
         *self = TimeBase { since: at, base: until.max(self.ps(at)), ..*self };
     }
 
-    /// From this cycle on the core has another clock.
+    /// Changes the core clock at this cycle.
     pub fn set(&mut self, at: Cycle, hz: u64) {
         *self = TimeBase { hz, since: at, base: self.ps(at) };
     }
 }
 
-/// What happens by itself.
+/// Event that occurs without an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// TIM2 to TIM5: a trigger or an interrupt of it.
+    /// TIM2 to TIM5: trigger or interrupt.
     Timer(usize),
-    /// ADC1 to ADC5, counted from zero: the sampled voltage is held.
+    /// ADC1 to ADC5, counted from zero: hold of the sampled voltage.
     AdcHold(usize),
-    /// ADC1 to ADC5: a conversion ends.
+    /// ADC1 to ADC5: end of a conversion.
     AdcEnd(usize),
     /// ADC1 to ADC5: calibrated, or ready.
     AdcReady(usize),
-    /// The transmitter has sent a byte.
+    /// Transmitter: byte sent.
     Sent,
-    /// The receiver has a byte.
+    /// Receiver: byte received.
     Received,
-    /// The receiver's line is idle.
+    /// Receiver: idle line.
     Idle,
-    /// The flash has finished.
+    /// Flash: operation finished.
     Flash,
-    /// The watchdog bites.
+    /// Watchdog: reset.
     Iwdg,
-    /// A clock is ready: HSI, HSE, PLL, LSI, HSI48.
+    /// Clock ready: HSI, HSE, PLL, LSI, HSI48.
     Ready(usize),
-    /// The next defect.
+    /// Next defect.
     Defect,
-    /// TIM1: an edge of a channel, or the end of its count.
+    /// TIM1: edge of a channel, or end of its count.
     Tim1,
 }
 
 const COUNT: usize = 32;
-/// Those whose time is in seconds: they move when the clock changes.
+/// Indices of the events whose time is in seconds: they move when the clock changes.
 const SECONDS: std::ops::Range<usize> = 19..29;
 
 impl Event {
-    /// All, in the order in which they are looked at.
-    fn of(index: usize) -> Self {
+    /// Returns the event of an index; simultaneous events are handled in the order of the indices.
+    fn from_index(index: usize) -> Self {
         match index {
             0..4 => Event::Timer(index),
             4..9 => Event::AdcHold(index - 4),
@@ -118,11 +118,11 @@ impl Event {
     }
 }
 
-/// When each of them happens next.
+/// Next cycle of each event.
 #[derive(Clone, Debug)]
 pub struct Agenda {
     at: [Cycle; COUNT],
-    /// Those that happen at all, a bit each: few.
+    /// Planned events, one bit each: few.
     planned: u32,
     next: Cycle,
     first: usize,
@@ -135,7 +135,7 @@ impl Default for Agenda {
 }
 
 impl Agenda {
-    /// Something happens at `at`, and not when it was to happen before.
+    /// Plans an event at `at`, instead of at its earlier time.
     pub fn set(&mut self, event: Event, at: Cycle) {
         let index = event.index();
         self.at[index] = at;
@@ -151,27 +151,28 @@ impl Agenda {
         }
     }
 
-    /// It does not happen.
+    /// Removes an event.
     pub fn clear(&mut self, event: Event) {
         self.set(event, Cycle::MAX);
     }
 
-    /// When it happens.
+    /// Returns the cycle of an event.
     pub fn get(&self, event: Event) -> Cycle {
         self.at[event.index()]
     }
 
-    /// When something happens.
+    /// Returns the cycle of the next event.
     pub fn next(&self) -> Cycle {
         self.next
     }
 
-    /// Takes what happens next, if that is no later than `now`: of two at the same time the one with the lower index.
+    /// Takes the next event if it is not later than `now`; of simultaneous ones that with the lower
+    /// index.
     pub fn take(&mut self, now: Cycle) -> Option<(Cycle, Event)> {
         if self.next > now {
             return None;
         }
-        let taken = (self.next, Event::of(self.first));
+        let taken = (self.next, Event::from_index(self.first));
         self.at[self.first] = Cycle::MAX;
         self.planned &= !(1 << self.first);
         self.find_first();
@@ -190,7 +191,7 @@ impl Agenda {
         }
     }
 
-    /// The core clock has changed: what is due in seconds moves in cycles.
+    /// Moves the events that are due in seconds after a change of the core clock.
     pub fn retime(&mut self, before: &TimeBase, after: &TimeBase) {
         for slot in &mut self.at[SECONDS] {
             if *slot != Cycle::MAX {

@@ -1,6 +1,7 @@
-//! TIM2 to TIM5: up-counters that trigger others, start each other, and count an encoder. RM0440 29.
+//! TIM2 to TIM5: up-counters that trigger peripherals, start each other, and count an encoder.
+//! RM0440 29.
 //!
-//! The counter is not stepped: its value and its next trigger follow from when it was started.
+//! The counter is not stepped: its value and its next trigger follow from its start.
 
 use cortex_m4::{Cycle, Fault, Ports};
 use stm32_metapac::timer::regs::{Cr1Gp16, Cr2Gp16, SmcrGp16};
@@ -13,46 +14,49 @@ use crate::wires::Wires;
 
 /// Bytes from one timer to the next.
 const STRIDE: u32 = TIM3 - TIM2;
-/// A timer.
+/// State of a timer.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Timer {
     pub running: bool,
-    /// The counter's value at `origin`.
+    /// Value of the counter at `origin`.
     pub value: u32,
     pub origin: Cycle,
-    /// Core cycles of a count.
+    /// Core cycles per count.
     pub step: u64,
     prescaler: u32,
-    /// From when on an update sets the flag.
+    /// Cycle from which an update sets the flag.
     flag_from: Cycle,
     flag: bool,
-    /// Position of the encoder when the counter was zero.
+    /// Position of the encoder at which the counter is zero.
     zero: i32,
-    /// Next rise of TRGO, and next update that an output or an interrupt needs.
+    /// Cycle of the next rise of TRGO.
     pub trigger: Cycle,
+    /// Cycle of the next update that an output or an interrupt needs.
     pub update: Cycle,
     dead: bool,
-    /// Triggers that are still to be lost.
+    /// Number of next triggers that are lost.
     pub lost: u32,
-    /// Who takes TRGO: timers, DAC channels, ADCs, a bit each.
+    /// Timers that TRGO triggers, one bit each.
     pub to_timers: u8,
+    /// DAC channels that TRGO triggers, one bit each.
     pub to_dacs: u8,
+    /// ADCs that TRGO triggers, one bit each.
     pub to_adcs: u8,
 }
 
 impl Timer {
-    /// Takes it to its reset state.
+    /// Resets the state; a defect stays.
     pub fn reset(&mut self) {
         *self = Timer { dead: self.dead, ..Timer::default() };
     }
 
-    /// Counts since `origin`.
+    /// Returns the counts since `origin`.
     pub fn counts(&self, at: Cycle) -> u64 {
         at.saturating_sub(self.origin) / self.step.max(1)
     }
 }
 
-/// First register of a timer.
+/// Returns the first register of a timer.
 pub(crate) fn first(index: usize) -> u32 {
     TIM2 + index as u32 * STRIDE
 }
@@ -67,12 +71,12 @@ impl<W: Wires> Stm32g474<W> {
         matches!(mode, Sms::ENCODER_MODE_1 | Sms::ENCODER_MODE_2 | Sms::ENCODER_MODE_3)
     }
 
-    /// Counts from one update to the next.
+    /// Returns the counts from one update to the next.
     pub(crate) fn period(&self, index: usize) -> u64 {
         u64::from(self.regs[first(index) + at::ARR]) + 1
     }
 
-    /// TIMx_CNT (29.5.12).
+    /// Returns TIMx_CNT (29.5.12).
     fn counter(&mut self, at: Cycle, index: usize) -> u32 {
         if self.is_encoder(index) {
             let position = if self.timer_cr1(index).cen() { self.wires.encoder(at) } else { self.timers[index].zero };
@@ -88,7 +92,7 @@ impl<W: Wires> Stm32g474<W> {
         ((u64::from(timer.value) + timer.counts(at)) % self.period(index)) as u32
     }
 
-    /// Whether there was an update since the flag was cleared last.
+    /// Returns `true` if there was an update since the flag was last cleared.
     pub(crate) fn has_updated(&self, at: Cycle, index: usize) -> bool {
         let timer = &self.timers[index];
         if timer.flag || !timer.running || self.is_encoder(index) {
@@ -108,14 +112,14 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// The counter goes on from where it is, under changed conditions.
+    /// Continues the counter from its value, under changed conditions.
     fn rebase(&mut self, at: Cycle, index: usize) {
         if !self.is_encoder(index) {
             let flag = self.has_updated(at, index);
             let value = self.counter(at, index);
             let timer = &mut self.timers[index];
             (timer.flag, timer.flag_from) = (flag, at);
-            // Keeps the part of a count that has passed.
+            // Keeps the elapsed part of a count.
             let part = if timer.running { at.saturating_sub(timer.origin) % timer.step.max(1) } else { 0 };
             (timer.value, timer.origin) = (value, at - part.min(at));
         }
@@ -124,7 +128,7 @@ impl<W: Wires> Stm32g474<W> {
     pub(crate) fn write_timer(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
         let index = ((address - TIM2) / STRIDE) as usize;
         let offset = address - first(index);
-        // One pulse, down and centre-aligned counting, dithering.
+        // Not modelled: one pulse, down and centre-aligned counting, dithering.
         match offset {
             at::CR1 => self.refuse_bits(now, address, value, 0x1a | 0x60 | 1 << 11 | 1 << 12)?,
             at::DIER => self.refuse_bits(now, address, value, !(1 | 1 << 8))?,
@@ -154,7 +158,7 @@ impl<W: Wires> Stm32g474<W> {
                 self.generate(now, index, ports)?;
             }
             at::PSC => {
-                // Taken over with the next update (29.5.13); a running one would need a look at each.
+                // Loaded at the next update (29.5.13), which is not modelled for a running timer.
                 if self.timers[index].running {
                     return self.refuse(now, address, "a change while the counter runs");
                 }
@@ -188,7 +192,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// UG (29.5.6): the counter starts again from zero, and takes over its prescaler.
+    /// Handles UG (29.5.6): the counter restarts from zero, and loads its prescaler.
     fn generate(&mut self, now: Now, index: usize, ports: &mut Ports) -> Result<(), Fault> {
         self.timers[index].prescaler = self.regs[first(index) + at::PSC];
         self.timers[index].step = self.timer_cycle() * (u64::from(self.timers[index].prescaler) + 1);
@@ -203,7 +207,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// CEN: by a write, or by a trigger.
+    /// Sets CEN, after a write or by a trigger.
     pub(crate) fn start_timer(&mut self, now: Now, index: usize, ports: &mut Ports) -> Result<(), Fault> {
         self.regs[first(index) + at::CR1] |= 1;
         if self.is_encoder(index) {
@@ -223,7 +227,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// The bus clock has changed: counters go on at their new pace.
+    /// Continues the counters at their new rate after a change of the bus clock.
     pub(crate) fn retime_timers(&mut self, at: Cycle) {
         for index in 0..4 {
             self.rebase(at, index);
@@ -232,7 +236,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// A timer stands, and no trigger of it comes any more.
+    /// Stops a timer and its triggers, as a defect.
     pub(crate) fn halt_timer(&mut self, at: Cycle, index: usize) {
         self.rebase(at, index);
         let timer = &mut self.timers[index];
@@ -240,7 +244,7 @@ impl<W: Wires> Stm32g474<W> {
         self.plan_timer(at, index);
     }
 
-    /// Forgets the state of a timer that RCC resets.
+    /// Resets the state of a timer that RCC resets.
     pub(crate) fn reset_timer(&mut self, at: Cycle, base: u32) {
         let index = ((base - TIM2) / STRIDE) as usize;
         self.timers[index].reset();

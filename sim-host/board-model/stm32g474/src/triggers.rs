@@ -1,4 +1,4 @@
-//! When the timers trigger, and whom. RM0440 29.
+//! Triggers of the timers and their receivers. RM0440 29.
 
 use cortex_m4::{Cycle, Fault, Ports};
 use stm32_metapac::timer::regs::{CcmrOutputGp16, Cr2Gp16, DierGp16, SmcrGp16};
@@ -10,20 +10,21 @@ use crate::time::Event;
 use crate::timer::first;
 use crate::wires::Wires;
 
-/// Core cycles from a trigger to the start of the timer that it starts: synchronised, then counted (29.4.22; not measured).
+/// Core cycles from a trigger to the start of the triggered timer: synchronisation, then the first
+/// count (29.4.22; not measured).
 const START_DELAY: Cycle = 3;
 const LINES: [u16; 4] = [line::TIM2, line::TIM3, line::TIM4, line::TIM5];
 /// DMA requests of the updates of TIM2 to TIM5 (13.3.2).
 const UPDATES: [u8; 4] = [60, 65, 71, 76];
 
 impl<W: Wires> Stm32g474<W> {
-    /// First time after `at` at which the counter becomes `value`.
+    /// Returns the first cycle after `at` at which the counter becomes `value`.
     fn next_match(&self, at: Cycle, index: usize, value: u64) -> Cycle {
         let (timer, period) = (&self.timers[index], self.period(index));
         if value >= period {
             return Cycle::MAX;
         }
-        // Counts from origin to the first match, then the first one after `at`.
+        // Counts from origin to the first match, and then to the first one after `at`.
         let to_first = (value + period - u64::from(timer.value) % period) % period;
         let to_first = if to_first == 0 { period } else { to_first };
         let passed = timer.counts(at) + 1;
@@ -31,7 +32,7 @@ impl<W: Wires> Stm32g474<W> {
         timer.origin + (to_first + rounds * period) * timer.step
     }
 
-    /// When TRGO next rises (29.5.2, MMS).
+    /// Returns the cycle of the next rise of TRGO (29.5.2, MMS).
     fn next_trigger(&self, at: Cycle, index: usize) -> Cycle {
         let channel = match Cr2Gp16(self.regs[first(index) + at::CR2]).mms() {
             Mms::UPDATE => return self.next_match(at, index, 0),
@@ -51,7 +52,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// Plans the next event of a timer: only where an output or an interrupt needs it.
+    /// Plans the next event of a timer, if an output or an interrupt needs it.
     pub(crate) fn plan_timer(&mut self, at: Cycle, index: usize) {
         let timer = &self.timers[index];
         let (mut trigger, mut update) = (Cycle::MAX, Cycle::MAX);
@@ -69,7 +70,7 @@ impl<W: Wires> Stm32g474<W> {
 
     pub(crate) fn timer_due(&mut self, at: Cycle, index: usize, ports: &mut Ports) -> Result<(), Fault> {
         let (triggers, updates) = (self.timers[index].trigger <= at, self.timers[index].update <= at);
-        // The next one of each comes a period later; a write in between plans it again.
+        // The next event of each kind is a period later; a write before that plans it again.
         let period = self.period(index) * self.timers[index].step;
         let timer = &mut self.timers[index];
         if triggers {
@@ -94,7 +95,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// TRGO rises.
+    /// Distributes a rise of TRGO.
     pub(crate) fn trigger(&mut self, at: Cycle, index: usize, ports: &mut Ports) -> Result<(), Fault> {
         let timer = &self.timers[index];
         let (timers, dacs, adcs) = (timer.to_timers, timer.to_dacs, timer.to_adcs);
@@ -118,13 +119,14 @@ impl<W: Wires> Stm32g474<W> {
         ports.interrupts.set(LINES[index], enabled && self.has_updated(at, index));
     }
 
-    /// Finds out who takes whose trigger: after each change of what selects one.
+    /// Finds the receivers of each trigger, after a change of any selection.
     pub(crate) fn rewire(&mut self) {
         let dacs = self.dac_triggers();
         let adcs = self.adc_triggers();
         let slaves: [Option<usize>; 4] = std::array::from_fn(|index| {
             let smcr = SmcrGp16(self.regs[first(index) + at::SMCR]);
-            // ITR0 is TIM1, ITR1 to ITR4 are TIM2 to TIM5 (29.4, table of internal triggers): TS 1 to 3, and 8.
+            // ITR0 is TIM1, ITR1 to ITR4 are TIM2 to TIM5 (29.4, table of internal triggers): TS 1
+            // to 3, and 8.
             let source = match smcr.ts().to_bits() {
                 ts @ 1..=3 => usize::from(ts) - 1,
                 8 => 3,

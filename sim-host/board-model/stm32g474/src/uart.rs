@@ -24,25 +24,27 @@ const IDLE: u32 = 1 << 4;
 const RXNE: u32 = 1 << 5;
 const TC: u32 = 1 << 6;
 const TXE: u32 = 1 << 7;
-/// Bytes of both buffers (38.4.3).
-const ROOM: usize = 8;
+/// Capacity of each buffer, bytes (38.4.3).
+const BUFFER_BYTES: usize = 8;
 /// LPUART_PRESC (38.7.11).
 const PRESCALERS: [u64; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
 
-/// The UART.
+/// State of LPUART1.
 #[derive(Clone, Debug)]
 pub(crate) struct Uart {
-    /// Bytes that wait to be sent, and the one that is being sent.
+    /// Bytes that wait to be sent.
     sending: VecDeque<u8>,
+    /// Byte that is being sent.
     shifting: Option<u8>,
-    /// Bytes that were received, and the start of the one that is being received.
+    /// Received bytes.
     received: VecDeque<u8>,
+    /// Start of the byte that is being received.
     receiving: Option<Cycle>,
-    /// The line is free from here on.
+    /// Cycle from which the line is free.
     free: Cycle,
     /// Sticky flags.
     flags: u32,
-    /// Bytes that still get noise.
+    /// Number of next bytes with noise.
     pub noise: u32,
 }
 
@@ -61,7 +63,7 @@ impl Default for Uart {
 }
 
 impl Uart {
-    /// Takes it to its reset state.
+    /// Resets the state; a defect stays.
     pub fn reset(&mut self) {
         *self = Uart { noise: self.noise, ..Uart::default() };
     }
@@ -73,7 +75,7 @@ impl<W: Wires> Stm32g474<W> {
     }
 
     fn room(&self) -> usize {
-        if self.uart_cr1().fifoen() { ROOM } else { 1 }
+        if self.uart_cr1().fifoen() { BUFFER_BYTES } else { 1 }
     }
 
     fn uart_clock(&self) -> u64 {
@@ -85,7 +87,8 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// Duration of a frame: start, eight bits, stop; a second stop bit by CR2.STOP. Baud rate = 256 clock / BRR (38.4.7).
+    /// Returns the duration of a frame: start, eight bits, stop, and a second stop bit by CR2.STOP.
+    /// The baud rate is 256 clock / BRR (38.4.7).
     fn frame(&self) -> Ps {
         let prescaler = PRESCALERS[(self.regs[LPUART1 + reg::PRESC] & 0xf).min(11) as usize];
         let bits = if self.regs[LPUART1 + reg::CR2] >> 12 & 3 == 2 { 11 } else { 10 };
@@ -107,7 +110,7 @@ impl<W: Wires> Stm32g474<W> {
         set(&mut isr, 1 << 21, cr1.ue() && cr1.te());
         set(&mut isr, 1 << 22, cr1.ue() && cr1.re());
         set(&mut isr, 1 << 23, cr1.fifoen() && uart.sending.is_empty());
-        set(&mut isr, 1 << 24, cr1.fifoen() && uart.received.len() == ROOM);
+        set(&mut isr, 1 << 24, cr1.fifoen() && uart.received.len() == BUFFER_BYTES);
         isr
     }
 
@@ -127,7 +130,7 @@ impl<W: Wires> Stm32g474<W> {
     pub(crate) fn write_uart(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
         let old = self.regs[address];
         let on = self.uart_cr1().ue();
-        // Fields that only change while the UART is off (38.7.1 to 38.7.5, 38.7.11).
+        // Fields that may change only while the UART is off (38.7.1 to 38.7.5, 38.7.11).
         let frozen = match address - LPUART1 {
             reg::CR1 => 0x33ff_d600,
             reg::CR2 | reg::BRR | reg::PRESC => u32::MAX,
@@ -138,7 +141,8 @@ impl<W: Wires> Stm32g474<W> {
             self.report(now, address, (value ^ old) & frozen, value, Rule::UartEnabled)?;
         }
         match address - LPUART1 {
-            // Nine bits, parity, addresses, and what needs them; interrupts of the buffers' thresholds.
+            // Not modelled: nine bits, parity, addresses, and interrupts of the buffers'
+            // thresholds.
             reg::CR1 => self.refuse_bits(now, address, value, !0x2000_00fd)?,
             reg::CR2 => self.refuse_bits(now, address, value, !(3 << 12))?,
             reg::CR3 => self.refuse_bits(now, address, value, !(1 | 3 << 6 | 3 << 12))?,
@@ -159,7 +163,7 @@ impl<W: Wires> Stm32g474<W> {
             self.regs[address] = value;
         }
         if address == LPUART1 + reg::CR1 && self.uart_cr1().ue() {
-            // 3 to 4096 clocks a bit (38.4.7).
+            // 3 to 4096 clocks per bit (38.4.7).
             let brr = self.regs[LPUART1 + reg::BRR];
             if !(0x300..=0xf_ffff).contains(&brr) {
                 self.report(now, LPUART1 + reg::BRR, u32::MAX, brr, Rule::UartDivider)?;
@@ -171,7 +175,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// A byte into the transmitter.
+    /// Adds a byte to the transmitter.
     fn send(&mut self, now: Now, byte: u8) -> Result<(), Fault> {
         let cr1 = self.uart_cr1();
         if !cr1.ue() || !cr1.te() || self.uart.sending.len() >= self.room() {
@@ -183,7 +187,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// The next byte onto the line.
+    /// Starts to send the next byte.
     fn shift(&mut self, at: Cycle) {
         if self.uart.shifting.is_none() {
             self.uart.shifting = self.uart.sending.pop_front();
@@ -219,7 +223,7 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// One byte by DMA: its write to TDR must not ask for the next one in turn.
+    /// Requests one byte by DMA, without a nested request by its write to TDR.
     fn request_byte(&mut self, now: Now, ports: &mut Ports) -> Result<bool, Fault> {
         let cr3 = self.regs[LPUART1 + reg::CR3];
         self.regs[LPUART1 + reg::CR3] = cr3 & !(1 << 7);
@@ -228,7 +232,8 @@ impl<W: Wires> Stm32g474<W> {
         served
     }
 
-    /// When the next byte of the wires begins, if the receiver looks.
+    /// Returns the cycle at which the next byte of the wires begins, if the receiver is on and
+    /// free.
     pub(crate) fn next_byte(&self) -> Cycle {
         let cr1 = self.uart_cr1();
         if !cr1.ue() || !cr1.re() || self.uart.receiving.is_some() {
@@ -260,7 +265,7 @@ impl<W: Wires> Stm32g474<W> {
         self.uart.flags |= if framing { FE } else { 0 } | if noise && !cr3.onebit() { NE } else { 0 };
         let now = self.now(at);
         if self.uart.received.len() >= self.room() {
-            // With OVRDIS the new byte takes the place of the last one, and no flag says so (38.7.4).
+            // With OVRDIS the new byte replaces the last one, without a flag (38.7.4).
             if cr3.ovrdis() {
                 self.uart.received.pop_back();
                 self.uart.received.push_back(byte);
@@ -278,13 +283,13 @@ impl<W: Wires> Stm32g474<W> {
         Ok(())
     }
 
-    /// A frame without a byte (38.4.6).
+    /// Sets the idle flag after a frame without a byte (38.4.6).
     pub(crate) fn uart_idle(&mut self, _at: Cycle, ports: &mut Ports) {
         self.uart.flags |= IDLE;
         self.uart_line(ports);
     }
 
-    /// Bytes that DMA is to take, or to bring.
+    /// Lets DMA take received bytes, or bring bytes to send.
     pub(crate) fn serve_uart(&mut self, now: Now, request: u8, ports: &mut Ports) -> Result<(), Fault> {
         if request == TX_REQUEST {
             return self.fill_from_dma(now, ports);
@@ -299,7 +304,8 @@ impl<W: Wires> Stm32g474<W> {
 
     fn uart_line(&self, ports: &mut Ports) {
         let (isr, cr1, cr3) = (self.uart_isr(), self.uart_cr1(), Cr3(self.regs[LPUART1 + reg::CR3]));
-        // IDLEIE, RXNEIE, TCIE, TXEIE have the places of their flags; RXNEIE sees the overrun too.
+        // IDLEIE, RXNEIE, TCIE, TXEIE have the bit positions of their flags; RXNEIE includes the
+        // overrun.
         let high = isr & cr1.0 & (IDLE | RXNE | TC | TXE) != 0
             || (cr1.rxneie() && isr & ORE != 0)
             || (cr3.eie() && isr & (FE | NE | ORE) != 0);

@@ -1,89 +1,95 @@
-//! The settings of a method in order of cost, each about a quarter of the error of the one before: a ladder with rungs.
+//! The settings of a method in order of cost, as the rungs of a ladder; each rung has about a
+//! quarter of the error of the one before.
 //!
-//! | method | rungs (order/steps a period) | a rung's error over that of the rung before |
+//! | method | rungs (order/steps per period) | error of a rung over that of the one before |
 //! |---|---|---|
-//! | linexp, frozen | 2/4 4/4 4/6 6/6 6/8 6/12 6/16 6/24 6/32 ...; of a stiff contact more | 1/4 ... 1/11 |
+//! | linexp, frozen | 2/4 4/4 4/6 6/6 6/8 6/12 6/16 6/24 6/32 ...; more for a stiff contact | 1/4 ... 1/11 |
 //! | rk4-events | steps times 1.5 | 1.5^-4 = 1/5 |
 //! | midpoint | steps times 2 | 1/4 with bristle damping, 1/16 without |
-//! | taylor | order 8, 12, 16 ... 32, whose steps end by their last terms; of an order that is asked for steps times 1.5 | 1e-2 or less |
+//! | taylor | order 8, 12, 16 ... 32, with steps that end by their last terms; at a given order, steps times 1.5 | 1e-2 or less |
 //!
-//! The step of a Runge-Kutta method is bounded by its stability, `|rate| h < 2.785`: the first rung follows from the fastest rate of the
-//! contact, which [`stable_steps`] has.
+//! Stability bounds the step of a Runge-Kutta method, `|rate| h < 2.785`: the first rung follows
+//! from the fastest rate of the contact, which [`stable_steps`] computes.
 
 use std::f64::consts::TAU;
 
 use crate::method::{Method, taylor};
 use crate::problem::{Law, Motion, Problem};
 
-/// Part of the error that is expected to be left on the next rung.
+/// Expected ratio of the errors of two successive rungs.
 pub const CONTRACTION: f64 = 0.25;
-/// What a rung of order six leaves of the error at best, and one of the Taylor series.
-const STRIDE: f64 = 0.125;
-const ORDER_STRIDE: f64 = 1e-2;
-/// Finest step that is tried, per period, where stability needs none finer.
-const FINEST: u32 = 1 << 14;
-/// The same of order six, which is at round-off there.
-const FINEST_OF_ORDER_SIX: f64 = 2048.0;
-/// Most steps of one run of it, where fewer can be expected to do.
-const MOST_STEPS_OF_ORDER_SIX: f64 = 1e7;
-/// Steps a period of the Taylor series: few enough to bound none of them.
-const STEPS_OF_SERIES: f64 = 4.0;
-/// Most steps of one run that stability may ask for.
-const MOST_STEPS: f64 = 1e8;
+/// Smallest ratio of the errors of two successive rungs of order six.
+const BEST_CONTRACTION: f64 = 0.125;
+/// Smallest ratio of the errors of two successive orders of the Taylor series.
+const BEST_ORDER_CONTRACTION: f64 = 1e-2;
+/// Largest number of steps per period that is tried, unless stability requires more.
+const MAX_STEPS_PER_PERIOD: u32 = 1 << 14;
+/// The same for order six, which reaches round-off there.
+const MAX_STEPS_PER_PERIOD_ORDER_SIX: f64 = 2048.0;
+/// Largest number of steps of one run of order six, if fewer can be expected to suffice.
+const MAX_RUN_STEPS_ORDER_SIX: f64 = 1e7;
+/// Steps per period of the Taylor series: so few that they do not limit its own steps.
+const SERIES_STEPS_PER_PERIOD: f64 = 4.0;
+/// Largest number of steps of one run that stability may require.
+const MAX_RUN_STEPS: f64 = 1e8;
 /// Largest change of the slip in a step, in Stribeck velocities.
-const LEAP: f64 = 6.0;
-/// Largest rate times step of the classical Runge-Kutta method on the negative real axis.
-const STABLE: f64 = 2.785;
+const LARGEST_CHANGE_STRIBECK: f64 = 6.0;
+/// Stability limit of the classical Runge-Kutta method on the negative real axis: largest rate
+/// times step.
+const STABILITY_LIMIT: f64 = 2.785;
 
 /// Steps per period and order of a run.
 pub type Setting = (u32, Option<u32>);
 
-/// The settings of a method for one problem.
+/// Settings of a method for one problem.
 #[derive(Clone, Copy, Debug)]
 pub struct Ladder {
     method: Method,
     first_steps: f64,
     order: Option<u32>,
-    /// Whether the order goes with the rung.
+    /// `true` if the order depends on the rung.
     climbs: bool,
-    /// Whether the rungs are orders of the series, all in steps of the same number.
+    /// `true` if the rungs are orders of the series, all with the same number of steps.
     by_order: bool,
     finest: u32,
 }
 
 impl Ladder {
-    /// The ladder of a method; with an order, all its rungs have that.
-    pub fn of(method: Method, problem: &Problem, order: Option<u32>) -> Self {
+    /// Creates the ladder of a method. A given order applies to all rungs.
+    pub fn new(method: Method, problem: &Problem, order: Option<u32>) -> Self {
         let has_order = method.order().is_some() && problem.law != Law::Coulomb;
         let by_order = method == Method::Taylor && order.is_none();
         let climbs = has_order && order.is_none() && method != Method::Taylor;
         let periods = (problem.duration_s * problem.waveform.frequency_hz()).max(1.0);
         let (first_steps, finest) = match method {
-            Method::Linexp if problem.law == Law::Coulomb => (16.0, FINEST),
+            Method::Linexp if problem.law == Law::Coulomb => (16.0, MAX_STEPS_PER_PERIOD),
             Method::Linexp | Method::Frozen => {
                 let first = 4.0 * contact_over_fastest(problem).max(1.0);
                 let fastest = (problem.motion.fastest_hz() / problem.waveform.frequency_hz()).max(1.0);
-                let afforded = MOST_STEPS_OF_ORDER_SIX / (periods * fastest);
-                (first, afforded.min(FINEST_OF_ORDER_SIX).max(32.0 * first).min(f64::from(FINEST)) as u32)
+                let afforded = MAX_RUN_STEPS_ORDER_SIX / (periods * fastest);
+                (
+                    first,
+                    afforded.min(MAX_STEPS_PER_PERIOD_ORDER_SIX).max(32.0 * first).min(f64::from(MAX_STEPS_PER_PERIOD)) as u32,
+                )
             }
             Method::Rk4Events => {
                 let stable = stable_steps(problem).max(stribeck_steps(problem));
-                (stable.max(24.0), FINEST.max((16.0 * stable).min(MOST_STEPS / periods) as u32))
+                (stable.max(24.0), MAX_STEPS_PER_PERIOD.max((16.0 * stable).min(MAX_RUN_STEPS / periods) as u32))
             }
-            Method::Midpoint => (stribeck_steps(problem).max(32.0), FINEST),
-            Method::Taylor if by_order => (STEPS_OF_SERIES, FINEST),
-            _ => (f64::from(method.steps(problem.kappa()).unwrap_or(1)), FINEST),
+            Method::Midpoint => (stribeck_steps(problem).max(32.0), MAX_STEPS_PER_PERIOD),
+            Method::Taylor if by_order => (SERIES_STEPS_PER_PERIOD, MAX_STEPS_PER_PERIOD),
+            _ => (f64::from(method.steps(problem.kappa()).unwrap_or(1)), MAX_STEPS_PER_PERIOD),
         };
         Ladder { method, first_steps, order: order.or(method.order()).filter(|_| has_order), climbs, by_order, finest }
     }
 
-    /// The lower rungs: what is not settled there is not worth a pilot.
+    /// Returns the lower rungs only: if these do not suffice, a pilot does not pay off.
     pub fn lower(self) -> Self {
         let finest = (128.0 * self.first_steps).min(f64::from(self.finest)) as u32;
         Ladder { finest, ..self }
     }
 
-    /// Steps and order of a rung; none above the finest.
+    /// Returns steps and order of a rung; `None` above the finest.
     pub fn setting(&self, rung: usize) -> Option<Setting> {
         if self.by_order {
             return taylor::ORDERS.get(rung).map(|&order| (self.first_steps as u32, Some(order)));
@@ -107,22 +113,24 @@ impl Ladder {
         (steps <= f64::from(self.finest)).then_some((steps as u32, order))
     }
 
-    /// How many rungs two runs are apart that are compared.
+    /// Returns the distance in rungs of two runs that are compared.
     pub fn apart(&self) -> usize {
         if self.by_order { 1 } else { 2 }
     }
 
-    /// What a rung leaves of the error at best: the rungs to be left out are counted by it.
+    /// Returns the smallest ratio of the errors of two successive rungs, from which the number of
+    /// rungs to skip follows.
     pub fn stride(&self) -> f64 {
-        if self.by_order { ORDER_STRIDE } else { STRIDE }
+        if self.by_order { BEST_ORDER_CONTRACTION } else { BEST_CONTRACTION }
     }
 
-    /// The rung of a setting.
+    /// Returns the rung of a setting.
     pub fn position(&self, setting: Setting) -> usize {
         (0..).map_while(|rung| self.setting(rung)).position(|on| on == setting).unwrap_or(0)
     }
 
-    /// The rung on which a contact like the thesis's is somewhat coarser than the tolerance: there the search begins.
+    /// Returns the rung at which the search begins: slightly too coarse for the tolerance in a
+    /// contact like the thesis's.
     pub fn start(&self, tolerance: f64) -> usize {
         let decades = -tolerance.log10();
         match self.method {
@@ -135,8 +143,11 @@ impl Ladder {
     }
 }
 
-/// Fewest steps a period at which classical Runge-Kutta is stable: by the slip in bristle lengths, by bristle damping on the mass, and by
-/// mass and contact spring. The friction `sigma1 z'` has the slope `sigma1 (1 - s f / g)` in the slip velocity, up to `2 sigma1`.
+/// Returns the smallest number of steps per period at which classical Runge-Kutta is stable.
+///
+/// Three rates limit it: slip in bristle lengths, bristle damping on the mass, and mass on contact
+/// stiffness. The friction `sigma1 z'` has the slope `sigma1 (1 - s f / g)` in the slip velocity,
+/// up to `2 sigma1`.
 pub fn stable_steps(problem: &Problem) -> f64 {
     let omega = TAU * problem.waveform.frequency_hz();
     let speed = problem.vibration_m_per_s().min(1e6) + problem.sliding_m_per_s.abs() + problem.start.v_m_per_s.abs();
@@ -151,11 +162,12 @@ pub fn stable_steps(problem: &Problem) -> f64 {
         Motion::Kinematic => (0.0, 0.0),
         Motion::Sdof { mass_kg, .. } => ((2.0 * sigma1 + sigma2) / mass_kg, (2.0 * kt / mass_kg).sqrt()),
     };
-    TAU / omega * bristle.max(damping).max(spring) / STABLE
+    TAU / omega * bristle.max(damping).max(spring) / STABILITY_LIMIT
 }
 
-/// Frequency of the mass on the contact spring, over the fastest in forcing and oscillator, which steps are counted by: settings that do not
-/// follow it may agree on what they are all off by.
+/// Returns the frequency of the mass on the contact stiffness, over the highest frequency of
+/// forcing and oscillator, by which steps are counted. Settings that ignore it may share a common
+/// error.
 fn contact_over_fastest(problem: &Problem) -> f64 {
     match (problem.law, problem.motion) {
         (Law::Dahl { stiffness_n_per_m }, Motion::Sdof { mass_kg, .. }) => {
@@ -166,8 +178,9 @@ fn contact_over_fastest(problem: &Problem) -> f64 {
     }
 }
 
-/// Steps a period without which a step leaps over the Stribeck peak, and two runs agree on what neither has seen: in a step the slip changes
-/// by less than six Stribeck velocities.
+/// Returns the smallest number of steps per period that does not skip the Stribeck peak: within a
+/// step the slip changes by less than six Stribeck velocities. Otherwise two runs may agree because
+/// both miss the peak.
 fn stribeck_steps(problem: &Problem) -> f64 {
     let Law::Lugre { static_ratio, stribeck_m_per_s, .. } = problem.law else { return 1.0 };
     let vibration = problem.vibration_m_per_s().min(1e6);
@@ -175,7 +188,7 @@ fn stribeck_steps(problem: &Problem) -> f64 {
     if static_ratio == 1.0 || !reverses {
         1.0
     } else {
-        (TAU * vibration / (LEAP * stribeck_m_per_s)).min(f64::from(FINEST) / 8.0)
+        (TAU * vibration / (LARGEST_CHANGE_STRIBECK * stribeck_m_per_s)).min(f64::from(MAX_STEPS_PER_PERIOD) / 8.0)
     }
 }
 
@@ -187,7 +200,7 @@ mod tests {
     #[test]
     fn every_rung_costs_more_than_the_one_before() {
         for method in [Method::Linexp, Method::Rk4Events, Method::Midpoint] {
-            let ladder = Ladder::of(method, &standard(), None);
+            let ladder = Ladder::new(method, &standard(), None);
             let rungs: Vec<Setting> = (0..).map_while(|rung| ladder.setting(rung)).collect();
             assert!(rungs.len() >= 9 && rungs[rungs.len() - 1].0 > ladder.finest / 2, "{method:?}: {rungs:?}");
             for pair in rungs.windows(2) {
@@ -198,9 +211,9 @@ mod tests {
     }
 
     #[test]
-    fn the_series_climbs_by_its_order_and_by_steps_where_that_is_given() {
+    fn the_series_climbs_by_order_or_by_steps() {
         let rungs = |order| {
-            let ladder = Ladder::of(Method::Taylor, &standard(), order);
+            let ladder = Ladder::new(Method::Taylor, &standard(), order);
             (0..).map_while(|rung| ladder.setting(rung)).collect::<Vec<Setting>>()
         };
         assert_eq!(rungs(None), taylor::ORDERS.map(|order| (4, Some(order))));
@@ -208,8 +221,8 @@ mod tests {
     }
 
     #[test]
-    fn an_order_that_is_asked_for_stays() {
-        let ladder = Ladder::of(Method::Linexp, &standard(), Some(2));
+    fn a_given_order_applies_to_all_rungs() {
+        let ladder = Ladder::new(Method::Linexp, &standard(), Some(2));
         assert_eq!((0..3).map(|rung| ladder.setting(rung)).collect::<Option<Vec<_>>>().unwrap(), [4, 6, 8].map(|n| (n, Some(2))));
     }
 }

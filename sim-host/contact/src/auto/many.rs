@@ -1,11 +1,12 @@
-//! Many problems at once, each solved as it is alone: the runs that they ask for in the same setting are made side by side.
+//! Solutions of many problems at once, each equal to its single solution: their runs with the same
+//! setting are batched.
 //!
 //! ```text
-//! problems --> asked, one by one: solved, or "I need this run" --> runs of one setting, side by side --> asked again ...
+//! problems --> tried one by one: solved, or "this run is missing" --> runs of one setting, batched --> tried again ...
 //! ```
 //!
-//! What a solution does next follows from the runs it has had, so asking is solving it anew with the runs that there are, until one is
-//! missing. What lanes cannot do is run when it is asked for.
+//! The next run of a solution follows from its runs so far. So each try solves the problem anew
+//! with the known runs, until one is missing. Runs that cannot be batched are computed at once.
 
 use std::cell::RefCell;
 use std::cmp::Ordering;
@@ -20,48 +21,50 @@ use crate::problem::Problem;
 use crate::record::Record;
 use crate::tally::{State, Tally};
 
-/// Solves problems as [`solve_unwatched`](super::solve_unwatched) solves each of them, bit for bit; `pause` is called every now and then.
+/// Solves problems as [`solve_unwatched`](super::solve_unwatched) solves each of them, bit for bit.
+/// `pause` is called from time to time.
 ///
-/// Contacts with a mass and Dahl friction under a periodic forcing are run eight at a time: the more of them there are, and the more alike,
-/// the less one costs. A few hundred of a map at once are as good as all.
+/// Contacts with a mass and Dahl friction under a periodic forcing are run in batches of eight. The
+/// cost per contact falls with their number and similarity; a few hundred points of a map at once
+/// suffice.
 ///
 /// # Errors
-/// Of each problem those of [`solve`](super::solve).
+/// Each problem fails with the errors of [`solve`](super::solve).
 pub fn solve_many(problems: &[Problem], numerics: &Numerics, pause: &dyn Fn()) -> Vec<Result<Solution, SolveError>> {
     let mut solutions: Vec<Option<Result<Solution, SolveError>>> = problems.iter().map(|_| None).collect();
-    let mut asking: Vec<Asking> = (0..problems.len()).map(|index| Asking { index, had: Vec::new() }).collect();
-    while !asking.is_empty() {
+    let mut pending: Vec<Pending> = (0..problems.len()).map(|index| Pending { index, runs: Vec::new() }).collect();
+    while !pending.is_empty() {
         let mut wanted = Vec::new();
-        for asking in asking {
-            let beside = Beside { had: &asking.had, missing: RefCell::new(None), pause };
-            let solution = by_method(&problems[asking.index], numerics, &beside, None::<&mut fn(&State)>);
-            match beside.missing.into_inner() {
-                Some(missing) => wanted.push((missing, asking)),
-                None => solutions[asking.index] = Some(solution),
+        for pending in pending {
+            let known = KnownRuns { runs: &pending.runs, missing: RefCell::new(None), pause };
+            let solution = by_method(&problems[pending.index], numerics, &known, None::<&mut fn(&State)>);
+            match known.missing.into_inner() {
+                Some(missing) => wanted.push((missing, pending)),
+                None => solutions[pending.index] = Some(solution),
             }
         }
         wanted.sort_by(|(one, _), (other, _)| one.order(other));
-        asking = Vec::with_capacity(wanted.len());
-        for alike in wanted.chunk_by_mut(|(one, _), (other, _)| one.is_like(other)) {
-            let problems: Vec<&Problem> = alike.iter().map(|(missing, _)| &missing.problem).collect();
-            let (steps, order) = alike[0].0.setting;
-            let outcomes = linexp::run_abreast(&problems, steps, order.unwrap_or(0), pause);
-            for ((missing, asking), outcome) in alike.iter_mut().zip(outcomes) {
-                asking.had.push((missing.key(), outcome));
+        pending = Vec::with_capacity(wanted.len());
+        for group in wanted.chunk_by_mut(|(one, _), (other, _)| one.is_like(other)) {
+            let problems: Vec<&Problem> = group.iter().map(|(missing, _)| &missing.problem).collect();
+            let (steps, order) = group[0].0.setting;
+            let outcomes = linexp::run_batched(&problems, steps, order.unwrap_or(0), pause);
+            for ((missing, pending), outcome) in group.iter_mut().zip(outcomes) {
+                pending.runs.push((missing.key(), outcome));
             }
         }
-        asking.extend(wanted.into_iter().map(|(_, asking)| asking));
+        pending.extend(wanted.into_iter().map(|(_, pending)| pending));
     }
     solutions.into_iter().flatten().collect()
 }
 
-/// A problem that is not solved yet, and its runs so far.
-struct Asking {
+/// Problem that is not solved yet, with its runs so far.
+struct Pending {
     index: usize,
-    had: Vec<(Key, Result<Tally, SolveError>)>,
+    runs: Vec<(Key, Result<Tally, SolveError>)>,
 }
 
-/// Which run of a problem it is: its setting, and how much of the problem it is of.
+/// Identity of a run of a problem: its setting, and the section of the problem that it covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Key {
     setting: Setting,
@@ -69,17 +72,17 @@ struct Key {
     duration_s: f64,
 }
 
-/// A run that is needed.
+/// Run that is needed.
 struct Missing {
     problem: Problem,
     setting: Setting,
     periods: f64,
-    /// By what contacts reverse at about the same time.
+    /// Velocity ratio and kappa; contacts with similar values reverse at about the same time.
     likeness: [f64; 2],
 }
 
 impl Missing {
-    fn of(problem: &Problem, setting: Setting) -> Self {
+    fn new(problem: &Problem, setting: Setting) -> Self {
         let likeness = [problem.sliding_m_per_s / problem.vibration_m_per_s(), problem.kappa()];
         let periods = (problem.duration_s * problem.waveform.frequency_hz()).round();
         Missing { problem: problem.clone(), setting, periods, likeness }
@@ -94,35 +97,35 @@ impl Missing {
         self.setting.cmp(&other.setting).then(self.periods.total_cmp(&other.periods)).then_with(likeness)
     }
 
-    /// Whether the runs can be side by side.
+    /// Returns `true` if the runs can be batched.
     fn is_like(&self, other: &Self) -> bool {
         let shape = |missing: &Self| discriminant(&missing.problem.waveform.shape());
         self.setting == other.setting && self.periods == other.periods && shape(self) == shape(other)
     }
 }
 
-/// The runs that there are; the first that is missing is noted.
-struct Beside<'a> {
-    had: &'a [(Key, Result<Tally, SolveError>)],
+/// Source of the known runs, which notes the first one that is missing.
+struct KnownRuns<'a> {
+    runs: &'a [(Key, Result<Tally, SolveError>)],
     missing: RefCell<Option<Missing>>,
     pause: &'a dyn Fn(),
 }
 
-impl Runs for Beside<'_> {
+impl Runs for KnownRuns<'_> {
     fn run(&self, problem: &Problem, method: Method, setting: Setting, accounted: bool) -> Result<Tally, SolveError> {
-        if method != Method::Linexp || accounted || !linexp::is_for_lanes(problem) {
+        if method != Method::Linexp || accounted || !linexp::can_be_batched(problem) {
             return self.pause.run(problem, method, setting, accounted);
         }
         let key = Key { setting, window_s: problem.window_s, duration_s: problem.duration_s };
-        if let Some((_, outcome)) = self.had.iter().find(|(had, _)| *had == key) {
+        if let Some((_, outcome)) = self.runs.iter().find(|(runs, _)| *runs == key) {
             return outcome.clone();
         }
-        *self.missing.borrow_mut() = Some(Missing::of(problem, setting));
-        // Of all errors this one ends a solution at once, whatever the method.
+        *self.missing.borrow_mut() = Some(Missing::new(problem, setting));
+        // This error ends a solution at once, for every method.
         Err(SolveError::Unsuited { method: method.name(), reason: String::new() })
     }
 
-    /// Lanes have no record.
+    /// Computes the run at once, because batches have no record.
     fn recorded(&self, problem: &Problem, method: Method, setting: Setting) -> Result<(Tally, Record), SolveError> {
         self.pause.recorded(problem, method, setting)
     }

@@ -1,20 +1,24 @@
-//! Runs on ever higher rungs of a [`Ladder`] until one is known to meet the tolerance, and how large the error of each is.
+//! Runs on ever higher rungs of a [`Ladder`] until one meets the tolerance, with an estimate of the
+//! error of each.
 //!
-//! The **distance** of two runs is the root mean square of what their mean friction differs by, over Fc, on the spans between the
-//! [`Marks`](crate::tally::Marks) of the window: never less than the difference of the means over the whole window, and not small by chance.
-//! With the distances d1 and d2 of three successive runs a, b, c
+//! The **distance** of two runs is the root mean square of the difference of their mean friction,
+//! over Fc, on the spans between the [`Marks`](crate::tally::Marks) of the window. It is never less
+//! than the difference of the means over the whole window, and not small by chance. With the
+//! distances d1 and d2 of three successive runs a, b, c
 //!
 //! ```text
-//! q    = d2 / d1                   contraction that is seen; expected is 1/4 a rung or less
-//! e(c) = d2 q' / (1 - q')          geometric series (Richardson), with q' no smaller than expected, and d2 no smaller than q' d1
-//! e(c) = max(d1, d2)               where the runs do not contract: one more is needed
-//! e(i) = d(i, c) + e(c)            of any coarser run
+//! q    = d2 / d1                   observed contraction; expected is 1/4 per rung or less
+//! e(c) = d2 q' / (1 - q')          geometric series (Richardson), with q' at least the expected
+//! one, and d2 at least q' d1
+//! e(c) = max(d1, d2)               if the runs do not contract: another run is needed
+//! e(i) = d(i, c) + e(c)            for any coarser run
 //! ```
 //!
-//! Where the tolerance is of the whole record, the distance is no less than that of the [records](crate::record).
+//! If the tolerance limits the whole record, the distance is at least that of the
+//! [records](crate::record).
 //!
-//! Of two runs, two rungs apart, all that is known is their distance d: the finer is taken to be off by as much, and has to be better than
-//! the tolerance by more.
+//! Two runs, two rungs apart, give only their distance d. This is taken as the error of the finer
+//! run, with a larger margin to the tolerance.
 
 use super::ladder::{CONTRACTION, Ladder, Setting};
 use crate::SolveError;
@@ -22,83 +26,87 @@ use crate::problem::Problem;
 use crate::record::Record;
 use crate::tally::Tally;
 
-/// Error of a mean over many steps.
+/// Round-off error of a mean over many steps.
 pub const ROUND_OFF_OF_SUMS: f64 = 1e-13;
-/// Runs contract if the distance falls at least by this on a rung.
-const CONTRACTS: f64 = 0.5;
-/// An estimate within this part of the tolerance is enough: by three runs, and by two.
-const MARGIN: f64 = 0.6;
+/// Largest ratio of successive distances, per rung, at which runs count as contracting.
+const CONTRACTING_RATIO: f64 = 0.5;
+/// Fraction of the tolerance within which an estimate from three runs suffices.
+const MARGIN_OF_THREE: f64 = 0.6;
+/// Fraction of the tolerance within which an estimate from two runs suffices.
 const MARGIN_OF_TWO: f64 = 0.5;
-/// Distances below this that do not fall any more are round-off, of a stiff contact or a long run.
-const SMALL: f64 = 1e-9;
-/// Most rungs at once.
-const LONGEST_STRIDE: f64 = 3.0;
+/// Distance below which runs that no longer contract differ by round-off, in a stiff contact or a
+/// long run.
+const ROUND_OFF_DISTANCE: f64 = 1e-9;
+/// Largest number of rungs to go up at once.
+const MAX_STRIDE_RUNGS: f64 = 3.0;
 
-/// A run on a rung.
+/// Run on a rung.
 #[derive(Clone, Debug)]
 pub struct Rung {
     /// Number of the rung.
     pub rung: usize,
-    /// Its steps and order.
+    /// Steps and order of the rung.
     pub setting: Setting,
-    /// What the run added up.
+    /// Sums of the run.
     pub tally: Tally,
-    /// What it has shown, where the tolerance is of that.
+    /// Record of the run; `None` unless the tolerance limits the record.
     pub record: Option<Record>,
 }
 
-/// What a run has left: its sums, and its record where the tolerance is of that.
+/// Result of a run: its sums, and its record if the tolerance limits the record.
 pub type Ran = (Tally, Option<Record>);
 
 /// Successive runs of one problem.
 #[derive(Clone, Debug)]
-pub struct Runs<'a> {
+pub struct Refinement<'a> {
     problem: &'a Problem,
-    /// From coarse to fine.
+    /// Runs from coarse to fine.
     runs: Vec<Rung>,
-    /// Whether two runs are enough.
-    of_two: bool,
-    /// What the errors are multiplied by where they fall unevenly.
-    doubt: f64,
+    /// `true` if two runs are enough.
+    two_suffice: bool,
+    /// Safety factor on the errors, for contacts in which they fall unevenly.
+    safety_factor: f64,
 }
 
-/// The run that was chosen.
+/// Run that was chosen.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// Steps and order of the coarsest run that meets the tolerance; of the finest where none does.
+    /// Steps and order of the coarsest run that meets the tolerance, or of the finest run if none
+    /// does.
     pub setting: Setting,
-    /// What it added up; none where only a part of the problem was run.
+    /// Sums of the run; `None` if only a part of the problem was run.
     pub tally: Option<Tally>,
-    /// Its estimated error.
+    /// Estimated error of the mean friction.
     pub error: f64,
-    /// The same of its record, where the tolerance is of that.
+    /// Estimated error of the record; `None` unless the tolerance limits the record.
     pub record_error: Option<f64>,
-    /// How much larger the error of the second half is than that of the first.
+    /// Error of the second half of the window over that of the first.
     pub growth: f64,
 }
 
 impl Found {
-    /// The error of what the tolerance is of.
+    /// Returns the error of the quantity that the tolerance limits.
     pub fn decisive(&self) -> f64 {
         self.record_error.unwrap_or(self.error)
     }
 }
 
-/// How far two runs are apart.
+/// Function that returns the distance of two runs.
 type Apart<'a> = &'a dyn Fn(&Rung, &Rung) -> f64;
 
-impl<'a> Runs<'a> {
-    /// Three runs or more, on successive rungs; their errors may be larger by a factor than they appear.
-    pub fn of_three(problem: &'a Problem, doubt: f64) -> Self {
-        Runs { problem, runs: Vec::new(), of_two: false, doubt }
+impl<'a> Refinement<'a> {
+    /// Prepares three runs or more, on successive rungs, with `safety_factor` on their
+    /// errors.
+    pub fn from_three_runs(problem: &'a Problem, safety_factor: f64) -> Self {
+        Refinement { problem, runs: Vec::new(), two_suffice: false, safety_factor }
     }
 
-    /// Two runs, and more where they do not agree.
-    pub fn of_two(problem: &'a Problem, doubt: f64) -> Self {
-        Runs { problem, runs: Vec::new(), of_two: true, doubt }
+    /// Prepares two runs, and more if they do not agree.
+    pub fn from_two_runs(problem: &'a Problem, safety_factor: f64) -> Self {
+        Refinement { problem, runs: Vec::new(), two_suffice: true, safety_factor }
     }
 
-    /// How far two runs are apart in what the tolerance is of.
+    /// Returns the distance of two runs in the quantity that the tolerance limits.
     fn apart(&self, one: &Rung, other: &Rung) -> f64 {
         let means = distance(&one.tally, &other.tally).0;
         match (&one.record, &other.record) {
@@ -107,7 +115,7 @@ impl<'a> Runs<'a> {
         }
     }
 
-    /// Climbs until a run has the tolerance, from a rung on, or above those that there are.
+    /// Climbs until a run meets the tolerance, from rung `start`, above any existing runs.
     pub fn climb(
         &mut self,
         ladder: &Ladder,
@@ -119,7 +127,7 @@ impl<'a> Runs<'a> {
         while let Some(setting) = ladder.setting(next) {
             match run(setting) {
                 Ok((tally, record)) => self.runs.push(Rung { rung: next, setting, tally, record }),
-                // A step that is too coarse may diverge where a finer one does not.
+                // A step that is too coarse may diverge although a finer one does not.
                 Err(SolveError::Diverged { .. }) if ladder.setting(next + 2).is_some() => {
                     self.runs.clear();
                     next += 2;
@@ -128,8 +136,8 @@ impl<'a> Runs<'a> {
                 Err(error) => return Err(error),
             }
             let errors = self.errors(&|one, other| self.apart(one, other));
-            let Some(&least) = errors.last().filter(|_| self.runs.len() > 2 || self.of_two) else {
-                next += if self.of_two { ladder.apart() } else { 1 };
+            let Some(&least) = errors.last().filter(|_| self.runs.len() > 2 || self.two_suffice) else {
+                next += if self.two_suffice { ladder.apart() } else { 1 };
                 continue;
             };
             let enough = self.margin() * tolerance;
@@ -137,29 +145,29 @@ impl<'a> Runs<'a> {
                 break;
             }
             let stride = ladder.stride();
-            let seen = self.seen(&|one, other| self.apart(one, other)).unwrap_or(stride).clamp(stride, CONTRACTS);
+            let seen = self.seen(&|one, other| self.apart(one, other)).unwrap_or(stride).clamp(stride, CONTRACTING_RATIO);
             let rungs = (least / enough).ln() / (1.0 / seen).ln();
-            // Of two distances that are infinite nothing is seen, and that is no number.
-            next += (rungs.ceil().min(LONGEST_STRIDE) as usize).max(1);
+            // Two infinite distances give NaN, which counts as one rung.
+            next += (rungs.ceil().min(MAX_STRIDE_RUNGS) as usize).max(1);
         }
         self.coarsest(self.margin() * tolerance).ok_or_else(|| SolveError::Refused {
-            reason: "no step that can be afforded is stable".into(),
-            advice: "give a shorter run, or fewer Dahl lengths in a vibration amplitude".into(),
+            reason: "every affordable step is unstable".into(),
+            advice: "use a shorter run, or fewer Dahl lengths per vibration amplitude".into(),
         })
     }
 
     fn margin(&self) -> f64 {
-        if self.runs.len() > 2 { MARGIN } else { MARGIN_OF_TWO }
+        if self.runs.len() > 2 { MARGIN_OF_THREE } else { MARGIN_OF_TWO }
     }
 
-    /// Whether the last runs differ by round-off: finer ones have more of it.
+    /// Returns `true` if the last runs differ by round-off; finer ones would have more of it.
     fn is_round_off(&self) -> bool {
         let [.., a, b, c, d] = self.runs.as_slice() else { return false };
         let [first, .., last] = [(a, b), (b, c), (c, d)].map(|(one, other)| self.apart(one, other));
-        first < SMALL && last > CONTRACTS * first
+        first < ROUND_OFF_DISTANCE && last > CONTRACTING_RATIO * first
     }
 
-    /// The coarsest run whose error is within the tolerance, or the finest run.
+    /// Returns the coarsest run whose error is within the tolerance, or the finest run.
     fn coarsest(&self, tolerance: f64) -> Option<Found> {
         let errors = self.errors(&|one, other| self.apart(one, other));
         let index = errors.iter().position(|&error| error <= tolerance).unwrap_or(self.runs.len().checked_sub(1)?);
@@ -175,19 +183,19 @@ impl<'a> Runs<'a> {
         Some(Found { error: error(&of_means), record_error: Some(error(&errors)), ..found })
     }
 
-    /// The part of the distance that a rung leaves.
+    /// Returns the observed ratio of successive distances, per rung.
     fn seen(&self, apart: Apart) -> Option<f64> {
         let [.., a, b, c] = self.runs.as_slice() else { return None };
         let (d1, d2) = (apart(a, b), apart(b, c));
         Some((d2.max(ROUND_OFF_OF_SUMS) / d1.max(ROUND_OFF_OF_SUMS)).powf(1.0 / (b.rung - a.rung) as f64))
     }
 
-    /// The same where it is to be believed: the runs contract, and no faster than expected.
+    /// Returns that ratio if the runs contract, limited to the expected contraction.
     fn contraction(&self, apart: Apart) -> Option<f64> {
-        self.seen(apart).filter(|&seen| seen <= CONTRACTS).map(|seen| seen.max(CONTRACTION))
+        self.seen(apart).filter(|&seen| seen <= CONTRACTING_RATIO).map(|seen| seen.max(CONTRACTION))
     }
 
-    /// The estimated error of each run; nothing is known of one run alone.
+    /// Returns the estimated error of each run; empty for a single run.
     fn errors(&self, apart: Apart) -> Vec<f64> {
         let least = self.runs.last().map_or(ROUND_OFF_OF_SUMS, |finest| round_off(&finest.tally));
         let last = match self.runs.as_slice() {
@@ -207,24 +215,26 @@ impl<'a> Runs<'a> {
         };
         let Some((finest, coarser)) = self.runs.split_last() else { return Vec::new() };
         let of = |rung: &Rung| (apart(rung, finest) + last).max(least);
-        coarser.iter().map(of).chain([last.max(least)]).map(|error| self.doubt * error).collect()
+        coarser.iter().map(of).chain([last.max(least)]).map(|error| self.safety_factor * error).collect()
     }
 }
 
-/// What adding up so many steps leaves of a mean: of Fc, and of the mean itself where bristle damping takes it beyond.
+/// Returns the round-off of a mean over the steps of a run: over Fc, or relative to the mean if
+/// bristle damping raises it above Fc.
 fn round_off(tally: &Tally) -> f64 {
     let mean = (tally.totals.friction_n_s / (tally.coulomb_n * tally.time_s)).abs();
     ROUND_OFF_OF_SUMS.max(f64::EPSILON * (tally.steps as f64).sqrt()) * mean.max(1.0)
 }
 
-/// How far the means of two runs of a problem are apart, of Fc; and how much more so in the second half of the window than in the first.
+/// Returns the distance of the means of two runs of a problem, over Fc, and its ratio between the
+/// second and the first half of the window.
 pub fn distance(one: &Tally, other: &Tally) -> (f64, f64) {
     let whole = (one.totals.friction_n_s - other.totals.friction_n_s).abs() / (one.coulomb_n * one.time_s);
     let (a, b) = (one.marks.get(), other.marks.get());
     if a.len() != b.len() || a.len() < 4 {
         return (whole, 1.0);
     }
-    // The last span is from the last mark to the window's end.
+    // The last span is from the last mark to the end of the window.
     let end = |tally: &Tally, first: f64| (tally.first.time_s + tally.time_s, first + tally.totals.friction_n_s);
     let (a_end, b_end) = (end(one, a[0].1), end(other, b[0].1));
     let spans = a.iter().zip(b).zip(a.iter().skip(1).chain([&a_end]).zip(b.iter().skip(1).chain([&b_end])));

@@ -1,4 +1,5 @@
-//! Where the runs of a solution come from: made there and then, or beside those of other problems (`many`).
+//! Source of the runs of a solution: computed on request, or batched with those of other problems
+//! (`many`).
 
 use super::ladder::Setting;
 use crate::SolveError;
@@ -7,25 +8,25 @@ use crate::problem::Problem;
 use crate::record::Record;
 use crate::tally::{State, Tally};
 
-/// Steps between two pauses.
-const PAUSE: u32 = 1 << 16;
+/// Number of steps between two pauses.
+const STEPS_PER_PAUSE: u32 = 1 << 16;
 
-/// What makes runs without a watch.
+/// Source of runs without an observer.
 pub trait Runs {
-    /// The run of a problem by a method in a setting; with `accounted`, the energies are added up, too.
+    /// Runs a problem by a method in a setting. With `accounted`, the energies are added up, too.
     fn run(&self, problem: &Problem, method: Method, setting: Setting, accounted: bool) -> Result<Tally, SolveError>;
 
-    /// The same without energies, and with its record.
+    /// Runs a problem without energies, and returns its record, too.
     fn recorded(&self, problem: &Problem, method: Method, setting: Setting) -> Result<(Tally, Record), SolveError>;
 }
 
-/// Every run when it is asked for, with a pause now and then.
+/// Computes every run on request, with a pause from time to time.
 impl Runs for &dyn Fn() {
     fn run(&self, problem: &Problem, method: Method, setting: Setting, accounted: bool) -> Result<Tally, SolveError> {
         let mut count = 0u32;
         method.run(problem, setting, accounted, &mut |_: &State| {
             count = count.wrapping_add(1);
-            if count.is_multiple_of(PAUSE) {
+            if count.is_multiple_of(STEPS_PER_PAUSE) {
                 self();
             }
         })
@@ -35,7 +36,7 @@ impl Runs for &dyn Fn() {
         let (mut count, mut record) = (0u32, Record::default());
         let tally = method.run(problem, setting, false, &mut |state: &State| {
             count = count.wrapping_add(1);
-            if count.is_multiple_of(PAUSE) {
+            if count.is_multiple_of(STEPS_PER_PAUSE) {
                 self();
             }
             record.add(state);

@@ -1,4 +1,5 @@
-//! What is promised of the choice: tolerances met, estimates honest, and what cannot be said, said.
+//! Properties of the automatic choice: tolerances are met, estimates are reliable, and failures are
+//! reported.
 
 use super::*;
 use crate::table_4_1::table_4_1;
@@ -12,7 +13,8 @@ fn with(change: impl Fn(&mut Problem)) -> Problem {
     problem
 }
 
-/// xi from 0.2 to 0.9, kappa from 0.1 to 4: the accuracy that is promised, at the default and at a tight tolerance.
+/// Velocity ratio from 0.2 to 0.9, kappa from 0.1 to 4: the accuracy at the default tolerance and
+/// at a tight one.
 #[test]
 fn meets_its_tolerance_over_the_map() {
     let base = table_4_1(0.5, 200.0);
@@ -37,9 +39,9 @@ fn meets_its_tolerance_over_the_map() {
     }
 }
 
-/// The energies that flow to and fro between resonance and excitation are known about as well as the friction.
+/// The energies that flow between resonance and excitation are about as accurate as the friction.
 #[test]
-fn energies_are_as_good_as_the_friction() {
+fn energies_are_as_accurate_as_friction() {
     let mut worst = 0.0f64;
     for (xi, periods) in [(0.5, 40.0), (0.5, 200.0), (0.2, 60.0), (0.9, 60.0)] {
         for (window, tolerance) in [(true, 1e-5), (true, 1e-7), (true, 1e-9), (false, 1e-7)] {
@@ -57,7 +59,7 @@ fn energies_are_as_good_as_the_friction() {
 }
 
 #[test]
-fn a_steady_kinematic_question_costs_no_steps() {
+fn a_steady_kinematic_problem_takes_no_steps() {
     let problem = with(|problem| {
         let hz = problem.waveform.frequency_hz();
         problem.waveform = Waveform::new(Shape::Sine, problem.vibration_m_per_s(), hz, problem.duration_s);
@@ -65,7 +67,7 @@ fn a_steady_kinematic_question_costs_no_steps() {
     });
     let solution = solve(&problem, &Numerics::default(), &mut |_| ()).unwrap();
     assert_eq!((solution.method, solution.states), (Method::Closed, 0));
-    // The same by steps.
+    // The same problem by steps.
     let stepped = solve(&problem, &Numerics { method: Method::Linexp, ..Numerics::default() }, &mut |_| ()).unwrap();
     assert!((stepped.ratios.friction - solution.ratios.friction).abs() < 1e-7);
     // A window at the start is not steady.
@@ -74,7 +76,7 @@ fn a_steady_kinematic_question_costs_no_steps() {
 }
 
 #[test]
-fn a_closed_form_is_of_whole_steady_periods() {
+fn closed_form_requires_whole_steady_periods() {
     let kinematic = with(|problem| {
         let hz = problem.waveform.frequency_hz();
         problem.waveform = Waveform::new(Shape::Sine, problem.vibration_m_per_s(), hz, problem.duration_s);
@@ -86,20 +88,21 @@ fn a_closed_form_is_of_whole_steady_periods() {
     assert!(matches!(solve(&half, &closed, &mut |_| ()), Err(SolveError::Unsuited { .. })));
     let early = Problem { window_s: (0.0, period_s), ..kinematic };
     assert!(solve(&early, &closed, &mut |_| ()).unwrap().warnings[0].contains("steady"));
-    // Part of a period has its own mean, and its energies close as well as those of whole ones.
+    // A fraction of a period has its own mean, and its energy balance closes as well as that of
+    // whole periods.
     let solution = solve(&half, &Numerics::default(), &mut |_| ()).unwrap();
     assert!((solution.ratios.friction - 0.817_721_3).abs() < 1e-7 && solution.ratios.energy_residual.unwrap().abs() < 1e-11);
 }
 
 #[test]
-fn frozen_says_what_it_leaves_out() {
+fn frozen_reports_the_neglected_coupling() {
     let frozen = Numerics { method: Method::Frozen, ..Numerics::default() };
     let solution = solve(&with(|_| ()), &frozen, &mut |_| ()).unwrap();
     assert!(solution.warnings[0].contains("left out") && solution.error_estimate.unwrap() > 3e-4, "{solution:?}");
 }
 
 #[test]
-fn an_overdamped_oscillator_is_no_trouble() {
+fn an_overdamped_oscillator_meets_its_tolerance() {
     for damping_n_s_per_m in [2e3, 3e4] {
         let problem = with(|problem| {
             problem.motion = Motion::Sdof { mass_kg: 0.02, stiffness_n_per_m: 133e6, damping_n_s_per_m };
@@ -111,13 +114,13 @@ fn an_overdamped_oscillator_is_no_trouble() {
 }
 
 #[test]
-fn a_tolerance_that_is_not_met_is_said() {
+fn a_missed_tolerance_is_reported() {
     let coarse = Numerics { method: Method::Rk4Events, steps_per_period: Some(8), tolerance: 1e-9, ..Numerics::default() };
     assert!(solve(&with(|_| ()), &coarse, &mut |_| ()).unwrap().warnings[0].contains("not met"));
 }
 
 #[test]
-fn rigid_bristles_have_coulombs_friction_or_a_note() {
+fn rigid_bristles_give_coulomb_friction_or_a_note() {
     for part in [1e-12, 1e-18, 1e-60] {
         let rigid = with(|problem| problem.coulomb_n *= part);
         let solution = solve(&rigid, &Numerics::default(), &mut |_| ()).unwrap();
@@ -133,7 +136,7 @@ fn rigid_bristles_have_coulombs_friction_or_a_note() {
 }
 
 #[test]
-fn bristle_damping_of_any_size_has_an_answer_or_a_reason() {
+fn any_bristle_damping_is_solved_or_refused() {
     for sigma1 in [1e5, 1e6, 1e8] {
         let law = Law::Lugre { stiffness_n_per_m: 56e3, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1, sigma2: 0.0 };
         let damped = Problem { law, ..table_4_1(0.5, 10.0) };
@@ -150,7 +153,7 @@ fn bristle_damping_of_any_size_has_an_answer_or_a_reason() {
 }
 
 #[test]
-fn an_answer_that_nobody_watches_is_the_same() {
+fn unobserved_solutions_are_the_same() {
     for energies in [false, true] {
         let numerics = Numerics { energies, ..Numerics::default() };
         for problem in [with(|_| ()), table_4_1(0.5, 2000.0)] {
@@ -162,9 +165,10 @@ fn an_answer_that_nobody_watches_is_the_same() {
     }
 }
 
-/// What comes behind the window, be it a new load at its very end, moves no mean; peaks and reversals are of all that is run.
+/// Events after the window, even a new load exactly at its end, do not change the means. Peaks and
+/// reversals cover the whole run.
 #[test]
-fn what_is_behind_the_window_moves_no_mean() {
+fn events_after_the_window_do_not_change_means() {
     let short = table_4_1(0.5, 200.0);
     for load_steps in [vec![], vec![(short.duration_s, 2.0 * short.coulomb_n)]] {
         let long = Problem { duration_s: 10.0 * short.duration_s, load_steps, ..short.clone() };
@@ -186,9 +190,10 @@ fn what_is_behind_the_window_moves_no_mean() {
     }
 }
 
-/// Dahl bristles so stiff that no step of linexp that can be afforded is at round-off, and LuGre's at a tolerance that is dear by order four.
+/// Dahl bristles so stiff that no affordable step of linexp reaches round-off, and LuGre bristles
+/// at a tolerance that is expensive with order four.
 #[test]
-fn what_no_other_method_can_do_the_series_does() {
+fn the_series_solves_what_other_methods_cannot() {
     let lugre = Law::Lugre { stiffness_n_per_m: 56e3, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1: 0.05, sigma2: 0.025 };
     for (law, coulomb) in [(Law::Dahl { stiffness_n_per_m: 0.056e6 * 3e6 }, 100.0), (lugre, 1.0)] {
         let problem = Problem { law, ..table_4_1(0.5, 30.0) };

@@ -1,6 +1,6 @@
-//! What must hold for every velocity ratio and every kappa, on random ones.
+//! Properties that hold for every velocity ratio and every kappa, tested on random ones.
 //!
-//! The slack is round-off: what two results each off by 1e-15 may differ in.
+//! The slack is round-off: the possible difference of two results, each with an error of 1e-15.
 
 use proptest::prelude::*;
 
@@ -11,10 +11,14 @@ use super::*;
 
 const SLACK: f64 = 3e-15;
 
-/// Velocity ratios with reversals, some of them next to zero and one.
+/// Generates velocity ratios with reversals, some of them close to zero or one.
 fn xi() -> impl Strategy<Value = f64> {
-    prop_oneof![4 => 0.0..1.0f64, 1 => (-12.0..0.0f64).prop_map(|e| 10f64.powf(e)), 1 => (-14.0..0.0f64).prop_map(|e| 1.0 - 10f64.powf(e))]
-        .prop_filter("between zero and one", |xi| *xi > 0.0 && *xi < 1.0)
+    prop_oneof![
+        4 => 0.0..1.0f64,
+        1 => (-12.0..0.0f64).prop_map(|e| 10f64.powf(e)),
+        1 => (-14.0..0.0f64).prop_map(|e| 1.0 - 10f64.powf(e)),
+    ]
+    .prop_filter("between zero and one", |xi| *xi > 0.0 && *xi < 1.0)
 }
 
 fn kappa() -> impl Strategy<Value = f64> {
@@ -29,7 +33,7 @@ fn sign() -> impl Strategy<Value = Sign> {
     prop_oneof![Just(Sign::Passive), Just(Sign::Literal)]
 }
 
-/// The thesis's contact with the vibration given, at a kappa.
+/// Returns the thesis's contact with a prescribed vibration, at a kappa.
 fn kinematic(shape: Shape, sign: Sign, xi: f64, kappa: f64) -> Problem {
     let mut problem = table_4_1(xi, 4.0);
     let vibration = problem.vibration_m_per_s();
@@ -61,12 +65,12 @@ proptest! {
         let (friction, power) = (friction_ratio(xi, kappa), power_ratio(xi, kappa).unwrap());
         prop_assert!(friction <= limit_ratio(xi) + SLACK && friction >= coulomb_friction_ratio(xi) - SLACK);
         prop_assert!(power >= limit_ratio(xi) * (1.0 - SLACK) && power <= coulomb_power_ratio(xi).unwrap() * (1.0 + SLACK));
-        // What the vibration brings in is not negative: friction is passive.
+        // Friction is passive, so the vibration's input is not negative.
         prop_assert!(input_ratio(xi, kappa).unwrap() * xi > -SLACK);
     }
 
     #[test]
-    fn sliding_back_is_sliding_forth_mirrored(xi in xi(), kappa in kappa(), phase in -3.0..3.0f64) {
+    fn backward_sliding_mirrors_forward_sliding(xi in xi(), kappa in kappa(), phase in -3.0..3.0f64) {
         prop_assert_eq!(friction_ratio(-xi, kappa), -friction_ratio(xi, kappa));
         prop_assert_eq!(power_ratio(-xi, kappa), power_ratio(xi, kappa));
         prop_assert_eq!(Steady::new(-xi, kappa).force(phase), -Steady::new(xi, kappa).force(phase + 0.5));
@@ -96,7 +100,7 @@ proptest! {
     }
 
     #[test]
-    fn coulomb_takes_energy_only(shape in shape(), xi in 0.0..1.5f64, share in 1e-5..0.9f64, damping in 0.0..0.1f64) {
+    fn coulomb_friction_only_dissipates(shape in shape(), xi in 0.0..1.5f64, share in 1e-5..0.9f64, damping in 0.0..0.1f64) {
         let mut problem = table_4_1(xi, 6.0);
         problem.law = Law::Coulomb;
         problem.coulomb_n = 384.0 * share;

@@ -1,6 +1,8 @@
-//! Steady friction of a vibration velocity that is straight piece by piece: square, sawtooth, triangle.
+//! Steady friction of a vibration velocity that consists of straight lines: square, sawtooth,
+//! triangle.
 //!
-//! Over a piece without a reversal the slip z goes one way (sign s), from the speed |v0| to |v1| within the phase T, and
+//! Over a piece without a reversal the slip z keeps its direction (sign s). The speed goes from
+//! |v0| to |v1| within the phase T, and
 //!
 //! ```text
 //! f = s + (f0 - s) exp(-kappa z),        z = |v0| u + (|v1| - |v0|) u^2 / (2 T)
@@ -8,17 +10,18 @@
 //! integral of f   = s T + (f0 - s) I,    I = T (1 - e^(-kappa Z)) / (kappa Z) at constant speed, an error function otherwise
 //! ```
 //!
-//! A period maps f onto `alpha f + beta`, so that the steady state is `beta / (1 - alpha)`. At rest (V = 0) friction stays as it was,
-//! which is Dahl's law; Coulomb friction is the limit of infinite kappa and does the same.
+//! A period maps f to `alpha f + beta`, so the steady state is `beta / (1 - alpha)`. According to
+//! Dahl's law, friction does not change at rest (V = 0). Coulomb friction is the limit of infinite
+//! kappa, with the same behaviour.
 
 use std::f64::consts::TAU;
 
 use super::super::tally::Ratios;
 use super::super::waveform::Shape;
-use super::swing::CUT;
-use super::{NO_MEMORY_LOST, gauss};
+use super::stroke::CUT_EXPONENT;
+use super::{CONSTANT_FRICTION_KAPPA, gauss};
 
-/// A stretch of one direction; velocities over Vv, phase in rad.
+/// Stretch of slip in one direction; velocities over Vv, phase in rad.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     v0: f64,
@@ -27,17 +30,18 @@ struct Piece {
     sign: f64,
 }
 
-/// One steady period.
+/// Steady period.
 #[derive(Clone, Debug)]
 pub(super) struct Lines {
     kappa: f64,
     xi: f64,
     pieces: Vec<Piece>,
-    /// Friction over Fc where each piece begins.
+    /// Friction over Fc at the beginning of each piece.
     begins: Vec<f64>,
 }
 
-/// Vibration velocity over Vv: beginning and end of each straight stretch, and its part of a period.
+/// Returns, for each straight stretch, the vibration velocity over Vv at its beginning and end, and
+/// its fraction of a period.
 fn stretches(shape: Shape) -> Option<&'static [(f64, f64, f64)]> {
     match shape {
         Shape::Square => Some(&[(1.0, 1.0, 0.5), (-1.0, -1.0, 0.5)]),
@@ -48,7 +52,8 @@ fn stretches(shape: Shape) -> Option<&'static [(f64, f64, f64)]> {
 }
 
 impl Lines {
-    /// The steady state of `V = xi + factor w(p)`; none if the shape is not made of lines.
+    /// Computes the steady state of `V = xi + factor w(p)`; `None` if the shape does not consist of
+    /// lines.
     pub(super) fn new(shape: Shape, factor: f64, xi: f64, kappa: f64) -> Option<Self> {
         let mut pieces = Vec::new();
         for &(from, to, part) in stretches(shape)? {
@@ -63,7 +68,7 @@ impl Lines {
             }
         }
         let slip: f64 = pieces.iter().map(Piece::slip).sum();
-        let mut force = if kappa < NO_MEMORY_LOST {
+        let mut force = if kappa < CONSTANT_FRICTION_KAPPA {
             pieces.iter().map(|piece| piece.sign * piece.slip()).sum::<f64>() / slip
         } else {
             let beta = pieces.iter().fold(0.0, |force, piece| piece.after(force, kappa));
@@ -77,12 +82,12 @@ impl Lines {
         Some(Lines { kappa, xi, pieces, begins })
     }
 
-    /// What one period leaves of a difference in friction.
+    /// Returns the fraction of a difference in friction that remains after one period.
     pub(super) fn forget(&self) -> f64 {
         (-self.kappa * self.pieces.iter().map(Piece::slip).sum::<f64>()).exp()
     }
 
-    /// The ratios; `factor` is that of the vibration in the slip.
+    /// Returns the ratios; `factor` is the sign of the vibration in the slip.
     pub(super) fn ratios(&self, factor: f64) -> Ratios {
         let (mut friction, mut power, mut moving) = (0.0, 0.0, 0.0);
         for (piece, begin) in self.pieces.iter().zip(&self.begins) {
@@ -108,7 +113,7 @@ impl Lines {
         }
     }
 
-    /// F / Fc at a phase, turns since the period began.
+    /// Returns F / Fc at a phase, in turns since the beginning of the period.
     pub(super) fn force(&self, phase_turns: f64) -> f64 {
         let mut left = TAU * (phase_turns - phase_turns.floor());
         for (piece, begin) in self.pieces.iter().zip(&self.begins) {
@@ -133,21 +138,21 @@ impl Piece {
     }
 
     fn after(&self, force: f64, kappa: f64) -> f64 {
-        // At rest nothing is forgotten, even at infinite kappa.
+        // At rest friction does not change, even at infinite kappa.
         let forgotten = if self.slip() == 0.0 { 0.0 } else { -(-kappa * self.slip()).exp_m1() };
         force + (self.sign - force) * forgotten
     }
 
-    /// Integral of `exp(-kappa z)` over the slip z.
+    /// Returns the integral of `exp(-kappa z)` over the slip z.
     fn relaxed(&self, kappa: f64) -> f64 {
         match kappa {
-            _ if kappa < NO_MEMORY_LOST => self.slip(),
+            _ if kappa < CONSTANT_FRICTION_KAPPA => self.slip(),
             f64::INFINITY => 0.0,
             _ => -(-kappa * self.slip()).exp_m1() / kappa,
         }
     }
 
-    /// Integrals of `exp(-kappa z)` and of `x' exp(-kappa z)` over the phase.
+    /// Returns the integrals of `exp(-kappa z)` and of `x' exp(-kappa z)` over the phase.
     fn integrals(&self, kappa: f64, xi: f64) -> (f64, f64) {
         let (v0, slope) = (self.v0, (self.v1 - self.v0) / self.phase);
         if slope == 0.0 {
@@ -157,8 +162,9 @@ impl Piece {
         if kappa == f64::INFINITY {
             return (0.0, 0.0);
         }
-        // Phase at which kappa times slip is CUT: |v0| u + |slope| u^2 / 2 when speeding up, less when slowing down.
-        let cut_slip = CUT / kappa;
+        // Phase at which kappa times slip is CUT_EXPONENT, if the piece gets that far: |v0| u ±
+        // |slope| u^2 / 2 = CUT_EXPONENT / kappa.
+        let cut_slip = CUT_EXPONENT / kappa;
         let reach = if self.slip() <= cut_slip {
             self.phase
         } else {

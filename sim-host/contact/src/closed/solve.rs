@@ -1,4 +1,4 @@
-//! The closed form as an answer to a [`Problem`].
+//! The closed form as the solution of a [`Problem`].
 
 use super::super::SolveError;
 use super::super::problem::{Law, Motion, Problem};
@@ -9,38 +9,42 @@ use super::{Steady, forget, friction_ratio, input_ratio, power_ratio};
 
 const METHOD: &str = "closed";
 
-/// Steps of the period that is shown.
-const WATCHED: u32 = 256;
+/// Number of steps into which the displayed period is divided.
+const PERIOD_STEPS: u32 = 256;
 
-/// Steady state of a problem; its integrals are taken only when [`ratios`](Self::ratios) is called.
+/// Steady state of a problem; its integrals are computed only when [`ratios`](Self::ratios) is
+/// called.
 #[derive(Clone, Debug)]
 pub struct ClosedForm {
     /// Velocity ratio Vt / Vv; infinite without vibration.
     pub velocity_ratio: f64,
     /// `Kt Vv / (w Fc)`; infinite for Coulomb friction.
     pub kappa: f64,
-    /// Part of a difference in friction at the start that remains after one period.
+    /// Fraction of a difference in friction at the start that remains after one period.
     pub forget_per_period: f64,
     vibration: Vibration,
-    /// Sign with which friction acts on the motion.
+    /// Sign of the vibration in the slip velocity.
     factor: f64,
 }
 
 /// Vibration over the steady period.
 #[derive(Clone, Debug)]
 enum Vibration {
-    /// None: the sliding alone.
+    /// No vibration: sliding alone.
     Still,
     Sine,
     Lines(Lines),
 }
 
 impl ClosedForm {
-    /// Solves a kinematic problem whose vibration is a sine, square, sawtooth or triangle, with Coulomb or Dahl friction.
+    /// Solves a kinematic problem whose vibration is a sine, square, sawtooth or triangle, with
+    /// Coulomb or Dahl friction.
     ///
-    /// Window and start do not enter: the answer is the limit of every start, to [`start_left`](Self::start_left). The literal
-    /// sign feeds nothing back into a given motion: it only reverses the vibration. A reversed sine, square or triangle is itself
-    /// half a period later, so the ratios stay and the force shifts; a rising sawtooth becomes a falling one.
+    /// Window and start have no effect: the solution is the limit for every start, up to
+    /// [`start_left`](Self::start_left). With a prescribed motion, friction has no feedback, so the
+    /// literal sign only reverses the vibration. A reversed sine, square or triangle is the same
+    /// wave half a period later: the ratios stay and the force shifts. A rising sawtooth becomes a
+    /// falling one.
     ///
     /// # Errors
     /// [`SolveError::Unsuited`] with the reason, for any other problem.
@@ -64,7 +68,8 @@ impl ClosedForm {
         Ok(ClosedForm { velocity_ratio: xi, kappa, forget_per_period, vibration, factor })
     }
 
-    /// Returns the means over whole periods. The residual of their energy identity is the error of the integrals.
+    /// Returns the means over whole periods. The residual of their energy identity is the error of
+    /// the integrals.
     pub fn ratios(&self) -> Ratios {
         match &self.vibration {
             Vibration::Still => sine_ratios(f64::signum(self.velocity_ratio), self.kappa, self.factor),
@@ -73,7 +78,7 @@ impl ClosedForm {
         }
     }
 
-    /// Shows one steady period of the problem from time zero, both ends included.
+    /// Passes one steady period of the problem from time zero to `watch`, both ends included.
     pub fn show(&self, problem: &Problem, watch: &mut impl FnMut(&State)) {
         let (hz, shape) = (problem.waveform.frequency_hz(), problem.waveform.shape());
         let peak = vibration_m_per_s(problem);
@@ -82,8 +87,8 @@ impl ClosedForm {
             _ => (self.velocity_ratio, if self.factor < 0.0 { 0.5 } else { 0.0 }),
         };
         let steady = Steady::new(xi, self.kappa);
-        for step in 0..=WATCHED {
-            let turns = f64::from(step) / f64::from(WATCHED);
+        for step in 0..=PERIOD_STEPS {
+            let turns = f64::from(step) / f64::from(PERIOD_STEPS);
             let force = match &self.vibration {
                 Vibration::Lines(lines) => lines.force(turns),
                 Vibration::Still | Vibration::Sine => steady.force(turns + shift_turns),
@@ -97,7 +102,8 @@ impl ClosedForm {
         }
     }
 
-    /// Returns the largest part of Fc by which friction differs from the steady state after `periods`, for any start (|F| <= Fc).
+    /// Returns an upper bound of the difference from the steady friction after `periods`, as a
+    /// fraction of Fc, for any start (|F| <= Fc).
     pub fn start_left(&self, periods: f64) -> f64 {
         2.0 * self.forget_per_period.powf(periods)
     }
@@ -105,7 +111,8 @@ impl ClosedForm {
 
 fn sine_ratios(xi: f64, kappa: f64, factor: f64) -> Ratios {
     let friction = friction_ratio(xi, kappa);
-    // Over Fc Vt, which is negative where the sliding is. Turned round, x' counts the other way.
+    // Ratios over Fc Vt change sign with the sliding; in the mirrored problem, x' has the opposite
+    // sign.
     let signed = |ratio: Option<f64>| ratio.map(|ratio| ratio * xi.signum());
     let (power, moving) = (signed(power_ratio(xi, kappa)), signed(input_ratio(xi, kappa)));
     let residual = power.zip(moving).map(|(power, moving)| power - (friction + moving));
@@ -120,12 +127,12 @@ fn sine_ratios(xi: f64, kappa: f64, factor: f64) -> Ratios {
     }
 }
 
-/// Peak velocity of the vibration, m/s.
+/// Returns the peak velocity of the vibration, m/s.
 fn vibration_m_per_s(problem: &Problem) -> f64 {
     if problem.waveform.shape() == Shape::Still { 0.0 } else { problem.waveform.amplitude() }
 }
 
-/// Velocity ratio and kappa of a problem that has a closed form.
+/// Returns velocity ratio and kappa of a problem that has a closed form.
 fn coordinates(problem: &Problem) -> Result<(f64, f64), SolveError> {
     suits(problem)?;
     let vibration = vibration_m_per_s(problem);
@@ -139,10 +146,10 @@ fn coordinates(problem: &Problem) -> Result<(f64, f64), SolveError> {
 
 fn suits(problem: &Problem) -> Result<(), SolveError> {
     if problem.motion != Motion::Kinematic {
-        return unsuited("the oscillator's motion depends on friction; only a given vibration has a closed form");
+        return unsuited("the oscillator's motion depends on friction; only a prescribed vibration has a closed form");
     }
     if matches!(problem.law, Law::Lugre { .. }) {
-        return unsuited("LuGre friction has no closed form; Coulomb and Dahl friction have");
+        return unsuited("LuGre friction has no closed form; Coulomb and Dahl friction do");
     }
     if matches!(problem.waveform.shape(), Shape::Random { .. } | Shape::Chirp { .. } | Shape::Measured) {
         return unsuited("the vibration is not periodic");
@@ -151,7 +158,7 @@ fn suits(problem: &Problem) -> Result<(), SolveError> {
         return unsuited("load steps end the steady state");
     }
     if !(problem.coulomb_n > 0.0 && problem.coulomb_n.is_finite()) {
-        return unsuited("there is no Coulomb force to compare with");
+        return unsuited("the Coulomb force must be positive and finite");
     }
     Ok(())
 }
@@ -160,7 +167,7 @@ fn unsuited<T>(reason: &str) -> Result<T, SolveError> {
     Err(SolveError::Unsuited { method: METHOD, reason: reason.to_owned() })
 }
 
-/// Displacement since the period began, over Vv times the period.
+/// Returns the displacement since the beginning of the period, over Vv times the period.
 fn displacement(shape: Shape, turns: f64) -> f64 {
     let rising = |part: f64| part * (2.0 * part - 1.0);
     match shape {
@@ -178,7 +185,7 @@ mod tests {
     use crate::table_4_1::table_4_1;
     use crate::{Sign, Waveform};
 
-    /// The thesis's contact with the vibration given.
+    /// Returns the thesis's contact with a prescribed vibration.
     fn kinematic(shape: Shape, xi: f64, periods: f64) -> Problem {
         let mut problem = table_4_1(xi, periods);
         let vibration = problem.vibration_m_per_s();
@@ -189,7 +196,7 @@ mod tests {
 
     const SHAPES: [Shape; 4] = [Shape::Sine, Shape::Square, Shape::Sawtooth, Shape::Triangle];
 
-    /// Friction at xi = 0.5, five digits of a separate study of the thesis's waveforms.
+    /// Friction at xi = 0.5 to five digits, from a separate study of the thesis's waveforms.
     #[test]
     fn square_and_sawtooth() {
         for (shape, friction, power) in [(Shape::Square, 0.45598, 0.63207), (Shape::Sawtooth, 0.74381, 0.80812)] {
@@ -199,7 +206,8 @@ mod tests {
         }
     }
 
-    /// The layer after a reversal goes with 1 / sqrt kappa on a line that crosses zero; the residual stays round-off.
+    /// On a line that crosses zero, the layer after a reversal scales with 1 / sqrt kappa; the
+    /// residual stays at round-off.
     #[test]
     fn stiff_contacts_tend_to_coulomb() {
         for shape in SHAPES {
@@ -222,9 +230,10 @@ mod tests {
         assert!(ratios.friction.abs() < 1e-16 && (ratios.power.unwrap() - 4.0).abs() < 1e-15, "{ratios:?}");
     }
 
-    /// The period that is handed over has the means that are claimed, closes, and moves as x' says.
+    /// The period passed to the observer has the stated means, is closed, and moves with the
+    /// velocity x'.
     #[test]
-    fn one_period_is_watched() {
+    fn one_period_is_reported() {
         for shape in SHAPES {
             for sign in [Sign::Passive, Sign::Literal] {
                 let problem = Problem { sign, ..kinematic(shape, 0.3, 1.0) };
@@ -253,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_closed_form_is_refused() {
+    fn problems_without_closed_form_are_refused() {
         let good = kinematic(Shape::Sine, 0.5, 10.0);
         assert!(ClosedForm::new(&good).is_ok());
         let lugre = Law::Lugre { stiffness_n_per_m: 1e5, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1: 0.0, sigma2: 0.0 };

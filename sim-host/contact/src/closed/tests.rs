@@ -1,4 +1,4 @@
-//! Against 16 digits, against quadrature of another kind, and against the laws that must hold.
+//! Comparison with 16-digit values, with another kind of quadrature, and with exact properties.
 
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
@@ -8,13 +8,15 @@ use super::*;
 /// 1 - 2^-30.
 const NEAR_ONE: f64 = 1.0 - 1.0 / 1_073_741_824.0;
 
-/// Velocity ratio, kappa, friction ratio, power ratio: of mpmath in 40 to 60 digits, rounded to f64, from the two-exponential form
+/// Velocity ratio, kappa, friction ratio, power ratio: computed with mpmath in 40 to 60 digits,
+/// rounded to f64, from the two-exponential form
 ///
 /// r = [2 ta + (f0 - 1) I1 - (2 pi - 2 ta) + (f1 + 1) I2] / (2 pi),
 /// phi = [S+ + (f0 - 1)(1 - a) / kappa + S- - (f1 + 1)(1 - b) / kappa] / (2 pi xi),
 ///
-/// ta = pi - acos xi, S+ = 2 (xi ta + sin ta), S- = S+ - 2 pi xi, a = exp(-kappa S+), b = exp(-kappa S-),
-/// f1 = (1 - 2 a + a b) / (1 - a b), f0 = -1 + 2 b (1 - a) / (1 - a b), I1 and I2 the integrals of exp(-kappa slip) over the phase.
+/// ta = pi - acos xi, S+ = 2 (xi ta + sin ta), S- = S+ - 2 pi xi, a = exp(-kappa S+), b =
+/// exp(-kappa S-), f1 = (1 - 2 a + a b) / (1 - a b), f0 = -1 + 2 b (1 - a) / (1 - a b), I1 and I2
+/// the integrals of exp(-kappa slip) over the phase.
 #[rustfmt::skip]
 const DIGITS: [(f64, f64, f64, f64); 35] = [
     (0.001, 1e-6, 0.001_570_795_541_396_554_8, 0.001_570_795_753_602_922_3),
@@ -65,7 +67,8 @@ fn sixteen_digits() {
     assert!(worst_friction < 1e-15 && worst_power < 3e-15, "{worst_friction:e} {worst_power:e}");
 }
 
-/// The table of the thesis's contact, kappa = 0.404517: friction of 40 digits, printed to nine.
+/// Table of the thesis's contact, kappa = 0.404517: friction computed in 40 digits, printed to
+/// nine.
 #[test]
 fn thesis_contact() {
     let kappa = crate::table_4_1::table_4_1(0.5, 1.0).kappa();
@@ -82,7 +85,8 @@ fn thesis_contact() {
     }
 }
 
-/// Mean of a steady period by the tanh-sinh rule (Takahasi and Mori 1974) over either way, with no thought of the exponent.
+/// Computes the mean over a steady period by the tanh-sinh rule (Takahasi and Mori 1974) over each
+/// stroke, independent of the exponent.
 fn tanh_sinh_mean(xi: f64, kappa: f64, of: impl Fn(f64, f64) -> f64) -> f64 {
     let steady = Steady::new(xi, kappa);
     let turn = PI - xi.acos();
@@ -118,7 +122,8 @@ fn another_quadrature_agrees() {
     assert!(worst < 3e-15 && worst_input < 3e-15, "{worst:e} {worst_input:e}");
 }
 
-/// Power from the elementary form, friction and input by two quadratures: phi = r + phi_iu, kappa from 0 to 1e12.
+/// Power from the elementary form, friction and input by two quadratures: phi = r + phi_iu, kappa
+/// from 1e-12 to 1e12.
 #[test]
 fn energy_closes_at_every_kappa() {
     let mut worst = 0.0f64;
@@ -134,16 +139,16 @@ fn energy_closes_at_every_kappa() {
     assert!(worst < 3e-15, "{worst:e}");
 }
 
-/// Each rule against the one of 20 nodes, at the largest exponent it is used for.
+/// Compares each rule with the one of 20 nodes, at the largest exponent for which it is used.
 #[test]
 fn node_counts_suffice() {
     for (nodes, exponent) in HALF_RULES.into_iter().take(6) {
         let mut worst = 0.0f64;
         for xi in [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9999] {
-            // kappa at which the forward exponent is the largest allowed
-            let kappa = exponent * (1.0 - 1e-12) / Swing::both(xi, 1.0)[0].exponent();
-            let of = |swing: &Swing| (swing.integral(), swing.integral_by(f64::INFINITY));
-            for (few, many) in Swing::both(xi, kappa).map(|swing| of(&swing)) {
+            // kappa at which the forward exponent is the largest one allowed
+            let kappa = exponent * (1.0 - 1e-12) / Stroke::both(xi, 1.0)[0].exponent();
+            let of = |stroke: &Stroke| (stroke.integral(), stroke.integral_by(f64::INFINITY));
+            for (few, many) in Stroke::both(xi, kappa).map(|stroke| of(&stroke)) {
                 worst = worst.max((few - many).abs());
             }
         }
@@ -160,7 +165,8 @@ fn limits() {
         assert!((power_ratio(xi, 2e-17).unwrap() / limit_ratio(xi) - 1.0).abs() < 2e-15);
         assert!((friction_ratio(xi, 1e30) - coulomb_friction_ratio(xi)).abs() < 5e-16);
         assert!((power_ratio(xi, 1e30).unwrap() / coulomb_power_ratio(xi).unwrap() - 1.0).abs() < 5e-16);
-        // A layer of thickness 1 / kappa after each reversal: at xi = 0.5, r - 1/3 tends to 0.1415 / kappa.
+        // Layer of thickness 1 / kappa after each reversal: at xi = 0.5, r - 1/3 tends to 0.1415 /
+        // kappa.
         let layer = |kappa: f64| kappa * (friction_ratio(xi, kappa) - coulomb_friction_ratio(xi));
         assert!((layer(1e7) / layer(2e7) - 1.0).abs() < 5e-5, "{xi}: {} {}", layer(1e7), layer(2e7));
     }

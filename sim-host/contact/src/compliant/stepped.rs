@@ -1,36 +1,39 @@
-//! The same contact in steps of time, by return mapping: the reference that the arcs are held against.
+//! The same contact in time steps, by return mapping: the reference for the arcs.
 //!
 //! ```text
 //! f = min(f + kx v dt, mu N)       elastic predictor, frictional corrector (J. C. Simo, T. J. R. Hughes, *Computational Inelasticity*, 1998, ch. 1)
 //! ```
 //!
-//! Nothing is located and nothing known of arcs: where the contact sticks comes of the steps. Of second order in the step, and irregularly so, as the
-//! contact begins to stick and to slip anywhere in a step: how far apart runs of three numbers of steps without a common grid are says how well a mean is known.
-//! The mean place under a held load is found by halving, on the steps' own mean force.
+//! No event is located: sticking results from the steps alone. The method is of second order in the
+//! step, but irregular, because the contact begins to stick and to slip anywhere within a step. The
+//! spread of runs with three numbers of steps without a common grid is the uncertainty of a mean.
+//! The mean position under a held load is found by bisection, from the mean force of the steps.
 
 use std::f64::consts::TAU;
 
 use super::{CompliantProblem, Press};
 
-/// A steady period by steps.
+/// Means over a steady period from time steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteppedMeans {
     /// Mean friction over mu times the mean normal force.
     pub coefficient_ratio: f64,
     /// Mean friction, N.
     pub friction_n: f64,
-    /// Part of the period in which the contact sticks, to one step.
+    /// Fraction of the period in which the contact sticks, to one step.
     pub stick_share: f64,
-    /// How far apart `coefficient_ratio` is between runs of other steps, or what the second order leaves of the steps in contact, if that is more.
+    /// Uncertainty of `coefficient_ratio`: the spread of runs with other steps, or the second-order
+    /// error for the number of steps in contact, if that is larger.
     pub unknown: f64,
 }
 
-/// Steps through a period from the deepest indentation on, begun in slip there, and means over the next one: with `steps`, 4/3 and twice as many.
+/// Steps through a period from the deepest indentation, starting in slip, and averages over the
+/// next one. Uses `steps`, 4/3 as many and twice as many.
 pub fn solve(problem: &CompliantProblem, steps: u32) -> SteppedMeans {
     let [coarse, middle, fine] = [steps, steps + steps / 3, 2 * steps].map(|steps| run(problem, steps));
     let ratios = [&coarse, &middle, &fine].map(|run| run.coefficient_ratio);
     let spread = ratios.into_iter().fold(f64::MIN, f64::max) - ratios.into_iter().fold(f64::MAX, f64::min);
-    // Three runs may agree by chance, the more so where contact is short.
+    // Three runs may agree by chance, especially if contact is short.
     let unknown = spread.max(f64::from(fine.touching).powi(-2));
     SteppedMeans {
         coefficient_ratio: fine.coefficient_ratio,
@@ -40,12 +43,12 @@ pub fn solve(problem: &CompliantProblem, steps: u32) -> SteppedMeans {
     }
 }
 
-/// A run.
+/// Result of a run.
 struct Run {
     coefficient_ratio: f64,
     friction_n: f64,
     stick_share: f64,
-    /// Steps in contact.
+    /// Number of steps in contact.
     touching: u32,
 }
 
@@ -72,7 +75,7 @@ fn run(problem: &CompliantProblem, steps: u32) -> Run {
     for period in 0..2 {
         for &cosine in cosines.iter().skip(1).chain(cosines.first()) {
             let now_m = place_m + problem.amplitude_m * cosine;
-            // Contact that is made within a step loads the spring for its part.
+            // If contact begins within a step, the spring is loaded only for the rest of it.
             let part = if before_m < 0.0 && now_m > 0.0 { now_m / (now_m - before_m) } else { 1.0 };
             let (predicted_n, limit_n) = (friction_n + loaded_n * part, problem.mu * force(place_m, cosine));
             before_m = now_m;

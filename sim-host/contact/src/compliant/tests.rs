@@ -1,5 +1,5 @@
-//! The arcs against fifty digits, against steps of time, and in every limit.
-#![expect(clippy::excessive_precision, reason = "as the arithmetic of fifty digits printed them")]
+//! Comparison of the arcs with fifty-digit values, with time steps, and with every limit.
+#![expect(clippy::excessive_precision, reason = "values as printed by 50-digit arithmetic")]
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -7,7 +7,8 @@ use super::stepped;
 use super::{CompliantProblem, CompliantSolution, Press, friction_ratio, period, popov_ratio, solve};
 use crate::SolveError;
 
-/// A contact of 10 N whose amplitude is so many indentations and whose speed is so much of the critical one.
+/// Returns a contact of 10 N, with its amplitude in indentations and its speed over the critical
+/// one.
 fn contact(indentations: f64, speed: f64, load_is_held: bool) -> CompliantProblem {
     let (mu, normal_n, normal_n_per_m, tangential_n_per_m, frequency_hz) = (0.3, 10.0, 1e7, 8e6, 20e3);
     let amplitude_m = indentations * normal_n / normal_n_per_m;
@@ -27,8 +28,9 @@ fn reason(problem: &CompliantProblem) -> String {
     }
 }
 
-/// Amplitude in indentations, speed, whether the load is held; friction ratio and part of the period that sticks: the model's equations in arithmetic of
-/// fifty digits (mpmath), with bisection for every root and the cancelling form of the loss, `1 - loss / mean`.
+/// Amplitude in indentations, speed, `true` if the load is held, friction ratio, and fraction of
+/// the period that sticks. Computed from the model's equations in fifty digits (mpmath), with
+/// bisection for every root and the cancelling form of the loss, `1 - loss / mean`.
 const FIFTY_DIGITS: &[(f64, f64, bool, f64, f64)] = &[
     (0.5, 0.4, false, 0.850_557_462_685_483_9, 0.589_117_125_050_979),
     (1.0, 1e-6, true, 3.139_229_881_047_187_9e-6, 0.999_435_810_121_376),
@@ -47,8 +49,8 @@ const FIFTY_DIGITS: &[(f64, f64, bool, f64, f64)] = &[
     (1.0, 0.999_999_999_9, true, 1.0, 6.752_372_650_626_473e-6),
 ];
 
-/// What 2^18 additions of the reference may round.
-const SUMMED: f64 = (1 << 18) as f64 * f64::EPSILON;
+/// Largest rounding of the 2^18 additions of the reference.
+const SUM_ROUND_OFF: f64 = (1 << 18) as f64 * f64::EPSILON;
 
 #[test]
 fn agrees_with_fifty_digits() {
@@ -58,16 +60,17 @@ fn agrees_with_fifty_digits() {
         let off = (got / ratio - 1.0).abs();
         println!("A {indentations} s {speed} {load_is_held}: {got} off {off:.1e}, stick {}", solution.stick_share);
         assert!(off < 1e-14, "{indentations} {speed} {load_is_held}: {got} {ratio}");
-        // The contact's own numbers are rounded before.
+        // The contact's own numbers are already rounded.
         let full = solution.friction_ratio.unwrap();
         assert!((full / ratio - 1.0).abs() < 3e-14 && (full - ratio).abs() < 3.0 * solution.error_estimate, "{full} {ratio}");
-        // Near the critical speed the stick goes with the root of what the speed, whose own rounding is one part in 1e16, is short of it.
+        // Near the critical speed the stick share is the root of the distance of the speed from it;
+        // the speed is rounded to one part in 1e16.
         let rounded = if speed > 0.99 { 1e-16 / (1.0 - speed) } else { 1e-14 };
         assert!((solution.stick_share / stick - 1.0).abs() < 3.0 * rounded, "{} {stick}", solution.stick_share);
     }
 }
 
-/// The reference knows nothing of arcs. Its own two runs say how well it knows the mean.
+/// The reference does not use arcs; its own runs give the uncertainty of its mean.
 #[test]
 fn agrees_with_steps_of_time() {
     for indentations in [1e-3, 0.3, 0.9, 1.0, 1.0 + 1e-12, 1.2, 3.0, 3.2, 10.0, 1e3] {
@@ -77,7 +80,7 @@ fn agrees_with_steps_of_time() {
                 let (got, steps) = (solved(&problem), stepped::solve(&problem, 1 << 17));
                 let off = (got.coefficient_ratio - steps.coefficient_ratio).abs();
                 let case = format!("A {indentations} s {speed} {load_is_held}: off {off:.1e}, {got:?} {steps:?}");
-                assert!(steps.unknown < 1e-6 && off <= steps.unknown + SUMMED, "{case}");
+                assert!(steps.unknown < 1e-6 && off <= steps.unknown + SUM_ROUND_OFF, "{case}");
                 assert!((got.stick_share - steps.stick_share).abs() < 1e-3, "{case}");
                 assert!((got.friction_n - steps.friction_n).abs() < 1e-5 * problem.mu * got.mean_normal_n, "{case}");
             }
@@ -85,7 +88,8 @@ fn agrees_with_steps_of_time() {
     }
 }
 
-/// From a relaxed spring: the period that `settle_periods` names is the steady one, and the one before it is not.
+/// From a relaxed spring: the period number `settle_periods` is steady, and the preceding ones are
+/// not.
 #[test]
 fn a_run_from_rest_comes_to_the_steady_state() {
     let problem = contact(0.05, 0.2, false);
@@ -116,7 +120,7 @@ fn a_run_from_rest_comes_to_the_steady_state() {
     assert!(means[settled - 3] < 0.999 * solution.friction_n);
 }
 
-/// The paper's approximation is off by at most 0.0144 A of the model, and agrees with it at both ends.
+/// The error of the paper's approximation is at most 0.0144 A, and zero at both ends.
 #[test]
 fn the_closed_form_of_the_paper_is_close() {
     let mut worst = 0.0f64;
@@ -133,7 +137,8 @@ fn the_closed_form_of_the_paper_is_close() {
     assert_eq!(popov_ratio(1.0 + 1e-12, 0.5), None);
 }
 
-/// Just below the critical speed the loss is the fourth-order arc: `A (9 / (4 pi)) (1 - s)^2`, and `3/4` in the paper.
+/// Just below the critical speed the loss is that of the fourth-order arc:
+/// `A (9 / (4 pi)) (1 - s)^2`; the paper has the factor `3/4`.
 #[test]
 fn friction_comes_smoothly_to_the_critical_speed() {
     for short in [1e-3, 1e-5, 1e-7] {
@@ -150,7 +155,7 @@ fn friction_comes_smoothly_to_the_critical_speed() {
 }
 
 #[test]
-fn nothing_jumps_where_contact_begins_to_be_lost() {
+fn solution_is_continuous_at_contact_loss() {
     for speed in [0.0, 1e-6, 0.3, 0.999_999] {
         for load_is_held in [false, true] {
             let at = |indentations: f64| friction_ratio(indentations, speed, load_is_held);
@@ -174,9 +179,9 @@ fn the_ratio_is_monotonic() {
     }
 }
 
-/// The spring is loaded at once, or never.
+/// Limits of the tangential stiffness: the spring is loaded at once, or never.
 #[test]
-fn stiffness_from_nothing_to_everything() {
+fn limits_of_the_tangential_stiffness() {
     let with = |tangential_n_per_m: f64| solved(&CompliantProblem { tangential_n_per_m, ..contact(0.5, 0.3, true) });
     assert_eq!(with(1e300).friction_ratio, Some(1.0));
     let soft = with(1e-3);
@@ -187,7 +192,7 @@ fn stiffness_from_nothing_to_everything() {
 }
 
 #[test]
-fn without_vibration_nothing_is_lost() {
+fn without_vibration_friction_is_unchanged() {
     for amplitude_m in [0.0, 1e-320] {
         let still = solved(&CompliantProblem { amplitude_m, ..contact(0.5, 0.3, true) });
         assert_eq!((still.friction_ratio, still.friction_n, still.stick_share), (Some(1.0), 3.0, 0.0));
@@ -201,7 +206,8 @@ fn without_vibration_nothing_is_lost() {
     assert!((moving.friction_ratio.unwrap() - 0.75).abs() < 1e-9);
 }
 
-/// With the mean load held, the mean place is a gap from `A = pi` on, and the critical speed falls from there on.
+/// With the mean load held, the mean position is a gap above `A = pi`, and the critical speed then
+/// falls.
 #[test]
 fn a_mean_gap_lowers_the_critical_speed() {
     let at = |indentations: f64| solved(&contact(indentations, 0.1, true));
@@ -213,15 +219,15 @@ fn a_mean_gap_lowers_the_critical_speed() {
     assert!((unit(1e3) - half.sin()).abs() < 1e-12 && half < FRAC_PI_2);
     let ratio = |speed: f64| friction_ratio(1e3, speed * half.sin(), true);
     assert!(ratio(0.999) < 1.0 && (ratio(1.001) - 1.0).abs() < 1e-14, "{} {}", ratio(0.999), ratio(1.001));
-    // A gap that is held has no friction without vibration, and yet a mean.
+    // A held gap has no friction without vibration, but a mean with it.
     let gap = CompliantProblem { press: Press::Indentation(-0.5e-6), ..contact(1.0, 0.2, false) };
     let gap = solved(&gap);
     assert!(gap.friction_ratio.is_none() && gap.friction_n > 0.0 && gap.coefficient_ratio < 1.0, "{gap:?}");
 }
 
-/// The points handed out have the means of the arcs, and the limits are kept at each.
+/// The returned points have the means of the arcs, and each respects the limits.
 #[test]
-fn the_period_is_the_solution_s() {
+fn the_period_has_the_means_of_the_solution() {
     for (indentations, speed, load_is_held) in [(0.5, 0.4, true), (3.0, 0.6, true), (3.0, 0.6, false), (50.0, 0.1, true)] {
         let problem = contact(indentations, speed, load_is_held);
         let (solution, points) = (solved(&problem), period(&problem).unwrap());
@@ -243,7 +249,7 @@ fn the_period_is_the_solution_s() {
 }
 
 #[test]
-fn what_is_no_contact_is_refused_by_name() {
+fn invalid_values_are_refused_by_name() {
     let with = |change: &dyn Fn(&mut CompliantProblem)| {
         let mut problem = contact(0.5, 0.3, true);
         change(&mut problem);

@@ -2,7 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-/// K(m) and E(m) of the parameter 0 <= m <= 1, given `1 - m`, which must not be rounded; K(1) is infinite.
+/// Computes K(m) and E(m) of the parameter 0 <= m <= 1 from `1 - m`, which must not be rounded;
+/// K(1) is infinite.
 pub(crate) fn complete(complement: f64) -> (f64, f64) {
     if complement == 0.0 {
         return (f64::INFINITY, 1.0);
@@ -21,11 +22,15 @@ pub(crate) fn complete(complement: f64) -> (f64, f64) {
     (k, k * (1.0 - sum))
 }
 
-/// The general complete integral of Bulirsch (1969, *Numerical calculation of elliptic integrals and elliptic functions III*), of
-/// `(a cos^2 + b sin^2) / ((cos^2 + p sin^2) sqrt(cos^2 + kc^2 sin^2))` over 0 to pi/2, for kc > 0, p > 0; of positive a and b nothing cancels.
+/// Computes the general complete integral of Bulirsch (1969, *Numerical calculation of elliptic
+/// integrals and elliptic functions III*): of
+/// `(a cos^2 + b sin^2) / ((cos^2 + p sin^2) sqrt(cos^2 + kc^2 sin^2))` over 0 to pi/2, for kc > 0,
+/// p > 0.
+///
+/// With positive a and b no terms cancel.
 pub(crate) fn general(kc: f64, p: f64, a: f64, b: f64) -> f64 {
-    /// The means agree to the square of this when the last step begins.
-    const NEAR: f64 = 1e-8;
+    /// Relative difference of the means before the last step; the step squares it.
+    const NEAR_REL: f64 = 1e-8;
     let mut p = p.sqrt();
     let (mut a, mut b) = (a, b / p);
     let (mut qc, mut e, mut em) = (kc, kc, 1.0);
@@ -37,7 +42,7 @@ pub(crate) fn general(kc: f64, p: f64, a: f64, b: f64) -> f64 {
         p += g;
         let before = em;
         em += qc;
-        if (before - qc).abs() <= before * NEAR {
+        if (before - qc).abs() <= before * NEAR_REL {
             return FRAC_PI_2 * (b + a * em) / (em * (em + p));
         }
         qc = 2.0 * e.sqrt();

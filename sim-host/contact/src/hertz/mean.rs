@@ -1,10 +1,11 @@
-//! Means over a period, in units of the static deflection d0 and the load W: amplitude a, lift L = D + a, the largest deflection.
+//! Means over a period, in units of the static deflection d0 and the load W: amplitude a, lift L =
+//! D + a, which is the largest deflection.
 //!
 //! | shape | mean d+ | mean N |
 //! |---|---|---|
-//! | square | the two places | the two places |
+//! | square | mean of the two places | mean of the two places |
 //! | triangle, sawtooth | `(L^2 - l^2) / (4 a)` | `(L^(5/2) - l^(5/2)) / (5 a)`, l = max(L - 2 a, 0) |
-//! | sine | `D + 0`, or `a (sin c - c cos c) / pi` over the contact angle -c to c | elliptic |
+//! | sine | `D`, or `a (sin c - c cos c) / pi` over the contact angle -c to c | elliptic |
 
 use std::f64::consts::PI;
 
@@ -12,7 +13,7 @@ use super::super::closed::gauss;
 use super::super::waveform::Shape;
 use super::elliptic;
 
-/// How a shape spreads its time over places.
+/// Distribution of a shape's time over its positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Spread {
     Still,
@@ -22,7 +23,7 @@ pub(super) enum Spread {
 }
 
 impl Spread {
-    pub(super) fn of(shape: Shape) -> Option<Self> {
+    pub(super) fn from_shape(shape: Shape) -> Option<Self> {
         match shape {
             Shape::Sine => Some(Spread::Cosine),
             Shape::Square => Some(Spread::TwoPlaces),
@@ -32,18 +33,18 @@ impl Spread {
         }
     }
 
-    /// The amplitude at which D = a: from mean N = 1 there.
+    /// Returns the amplitude at which D = a, from mean N = 1 there.
     pub(super) fn threshold(self) -> f64 {
         self.mean_force(2.0, 1.0).powf(-2.0 / 3.0)
     }
 
-    /// The lift at which the mean force is the load.
+    /// Returns the lift at which the mean force is the load.
     pub(super) fn lift(self, amplitude: f64) -> f64 {
         if amplitude == 0.0 || self == Spread::Still {
             return 1.0 + amplitude;
         }
-        // The mean force rises with the lift. It is at most that of the whole time at the top, and at least half of the time at the
-        // mean place: D <= d0 by concavity, L >= d0.
+        // The mean force rises with the lift. Bounds: D <= d0 because the force is convex, and L >=
+        // d0 because the largest force is at least the mean.
         let (mut low, mut high) = (1.0, 1.0 + amplitude);
         let mut lift = high;
         for _ in 0..200 {
@@ -53,7 +54,7 @@ impl Spread {
             } else {
                 low = lift;
             }
-            // d mean N / d L = 1.5 mean sqrt(d+), taken over a short way
+            // d mean N / d L = 1.5 mean sqrt(d+), from a small difference
             let small = 1e-6 * lift;
             let slope = (self.mean_force(lift + small, amplitude) - self.mean_force(lift - small, amplitude)) / (2.0 * small);
             let newton = lift - off / slope;
@@ -66,7 +67,7 @@ impl Spread {
         lift
     }
 
-    /// Mean of d+.
+    /// Returns the mean of d+.
     pub(super) fn mean_deflection(self, lift: f64, amplitude: f64) -> f64 {
         let low = (lift - 2.0 * amplitude).max(0.0);
         match self {
@@ -81,7 +82,7 @@ impl Spread {
         }
     }
 
-    /// Part of the time in contact.
+    /// Returns the fraction of the time in contact.
     pub(super) fn contact_share(self, lift: f64, amplitude: f64) -> f64 {
         match self {
             _ if lift >= 2.0 * amplitude => 1.0,
@@ -92,13 +93,13 @@ impl Spread {
         }
     }
 
-    /// Mean of d+^(3/2).
+    /// Returns the mean of d+^(3/2).
     pub(super) fn mean_force(self, lift: f64, amplitude: f64) -> f64 {
         let low = (lift - 2.0 * amplitude).max(0.0);
         match self {
             Spread::Still => 1.0,
             Spread::TwoPlaces => 0.5 * (lift.powf(1.5) + low.powf(1.5)),
-            // The difference of the powers cancels for small amplitudes; there the mean is by quadrature.
+            // For small amplitudes the difference of the powers cancels; quadrature gives the mean.
             Spread::Even if low > 0.5 * lift => {
                 gauss::whole().iter().map(|node| node.weight * (low + 2.0 * amplitude * node.at).powf(1.5)).sum()
             }
@@ -119,13 +120,14 @@ fn cosine_force(lift: f64, amplitude: f64) -> f64 {
     }
     let modulus = lift / (2.0 * amplitude);
     if modulus > 0.5 {
-        // The reciprocal modulus: E(m > 1) = [E(k^2) - (1 - k^2) K(k^2)] / k, K(m > 1) = k K(k^2)
+        // Reciprocal modulus: E(m > 1) = [E(k^2) - (1 - k^2) K(k^2)] / k, K(m > 1) = k K(k^2)
         let (complement, root) = (1.0 - modulus, modulus.sqrt());
         let (k, e) = elliptic::complete(complement);
         let bracket = 4.0 * (lift - amplitude) * (e - complement * k) / root + (2.0 * amplitude - lift) * root * k;
         return 2.0 / (3.0 * PI) * lift.sqrt() * bracket;
     }
-    // Periodic and smooth: the trapezium over 16 places of a quarter is round-off.
+    // The integrand is periodic and smooth: the trapezium rule with 16 steps over a quarter is
+    // accurate to round-off.
     let places = 16;
     let mean = (0..=places)
         .map(|i| {
@@ -138,12 +140,12 @@ fn cosine_force(lift: f64, amplitude: f64) -> f64 {
     (2.0 * amplitude).powf(1.5) * modulus * modulus * mean
 }
 
-/// Half the phase in contact, from `1 - cos c = L / a`.
+/// Returns half of the phase in contact, from `1 - cos c = L / a`.
 fn contact_angle(lift: f64, amplitude: f64) -> f64 {
     2.0 * (lift / (2.0 * amplitude)).min(1.0).sqrt().asin()
 }
 
-/// `sin c - c cos c`, without cancelling.
+/// Returns `sin c - c cos c`, without cancellation.
 fn sine_less_angle(c: f64) -> f64 {
     if c > 1.0 {
         return c.sin() - c * c.cos();

@@ -1,4 +1,4 @@
-//! Against Hess and Soom's threshold, against a sum over the period, and against the limits.
+//! Comparison with Hess and Soom's threshold, with a sum over the period, and with the limits.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,7 +11,7 @@ fn at(shape: Shape, ratio: f64) -> HertzSolution {
     solve(&HertzProblem { amplitude_m: ratio * static_m, shape, ..LOADED }).unwrap()
 }
 
-/// a / d0 = (3 pi / (8 sqrt 2))^(2/3), where mean d = a.
+/// Threshold a / d0 = (3 pi / (8 sqrt 2))^(2/3), at which mean d = a.
 #[test]
 fn contact_is_lost_at_the_published_amplitude() {
     let exact = (3.0 * PI / (8.0 * 2f64.sqrt())).powf(2.0 / 3.0);
@@ -27,9 +27,9 @@ fn contact_is_lost_at_the_published_amplitude() {
     assert_eq!(contact_loss_threshold(Shape::Random { hold_s: 1.0, seed: 1 }), None);
 }
 
-/// Values of a separate study, in per cent.
+/// Reductions from a separate study, in per cent.
 #[test]
-fn beyond_it() {
+fn reductions_beyond_contact_loss() {
     for (ratio, reduction, near) in
         [(2.0, 23.5, 0.05), (5.0, 33.0, 0.5), (10.0, 39.0, 0.5), (50.0, 50.0, 0.5), (100.0, 54.0, 0.5)]
     {
@@ -40,7 +40,7 @@ fn beyond_it() {
     assert!((at(Shape::Sine, 100.0).contact_share - 0.11).abs() < 5e-3);
 }
 
-/// Independent: sums over the period with the solution's own D. The load must come back.
+/// Independent check: sums over the period with the D of the solution must give back the load.
 #[test]
 fn the_mean_force_is_the_load() {
     let places = 400_000;
@@ -63,11 +63,12 @@ fn the_mean_force_is_the_load() {
     }
 }
 
-/// The elliptic form and the trapezium of the contact arc, on either side of where one takes over, and across the threshold.
+/// Compares the elliptic form with a trapezium sum over the contact arc, on both sides of the
+/// switch between the forms and across the threshold.
 #[test]
-fn the_forms_meet() {
+fn formulas_agree_at_their_boundaries() {
     for modulus in [0.3f64, 0.5, 0.7, 0.9] {
-        // Contact arc by 4000 places, which suffice at these moduli
+        // Contact arc with 4000 places, which suffice at these moduli.
         let mean = (0..4000)
             .map(|i| {
                 let (sine, cosine) = (0.5 * PI * (f64::from(i) + 0.5) / 4000.0).sin_cos();
@@ -88,7 +89,8 @@ fn limits() {
     for shape in [Shape::Sine, Shape::Square, Shape::Sawtooth, Shape::Triangle, Shape::Still] {
         assert!((at(shape, 0.0).friction_ratio - 1.0).abs() < 1e-15, "{shape:?}");
     }
-    // Small amplitudes: a reduction of mean w^2 a^2 / 4, from mean (1 + e)^(3/2) = 1 + 3 e / 2 + 3 e^2 / 8.
+    // Small amplitudes: the reduction is mean w^2 a^2 / 4, from mean (1 + e)^(3/2) = 1 + 3 e / 2 +
+    // 3 e^2 / 8.
     for shape in [Shape::Sine, Shape::Square, Shape::Sawtooth] {
         let lowered = 1.0 - at(shape, 1e-3).friction_ratio;
         let expected = 0.25e-6 * Waveform::shape_rms(shape).powi(2);
@@ -98,7 +100,7 @@ fn limits() {
     for ratio in [0.8, 3.0, 1e3] {
         assert!((at(Shape::Square, ratio).friction_ratio - 0.5f64.cbrt()).abs() < 1e-12, "{ratio}");
     }
-    // Friction falls with amplitude, at every shape.
+    // Friction falls with the amplitude for every shape.
     for shape in [Shape::Sine, Shape::Triangle] {
         let mut before = 1.0;
         for step in 1..200 {
@@ -110,11 +112,11 @@ fn limits() {
 }
 
 #[test]
-fn a_period_for_plots_and_what_is_refused() {
+fn period_for_plots_and_refused_problems() {
     let problem = HertzProblem { amplitude_m: 1e-6, ..LOADED };
     let solution = solve(&problem).unwrap();
     let points = period(&problem, &solution);
-    let mean = points[1..].iter().map(|point| point.normal_n).sum::<f64>() / f64::from(POINTS);
+    let mean = points[1..].iter().map(|point| point.normal_n).sum::<f64>() / f64::from(PERIOD_STEPS);
     assert!((mean / 270.0 - 1.0).abs() < 1e-4 && points.len() == 257, "{mean}");
     assert!((points[64].deflection_m - solution.mean_deflection_m - 1e-6 * (TAU / 4.0).cos()).abs() < 1e-20);
     for bad in [

@@ -1,19 +1,25 @@
-//! A mass on the spring of its contact, driven across it: `m d'' + c d' + Ks (d - d0) = W + F0 cos(w t) - K d+^(3/2)`. The spring Ks that guides
-//! the mass is at rest where the load alone presses.
+//! A mass on the spring of its contact, driven across it:
+//! `m d'' + c d' + Ks (d - d0) = W + F0 cos(w t) - K d+^(3/2)`. The spring Ks guides the mass and
+//! is relaxed at the static deflection d0.
 //!
-//! In units of the static deflection d0 and of the small-amplitude resonance `wn^2 = (3/2) K sqrt(d0) / m` (Hess and Soom 1991; Ks is ours):
+//! In units of the static deflection d0 and of the small-amplitude resonance
+//! `wn^2 = (3/2) K sqrt(d0) / m` (Hess and Soom 1991; Ks is our addition):
 //!
 //! ```text
 //! y'' + 2 zeta y' + s (y - 1) + (2/3) y+^(3/2) = (2/3) (1 + alpha cos(b t))
 //! alpha = F0 / W,  b = w / wn,  zeta = c / (2 m wn),  s = Ks / (m wn^2)
 //! ```
 //!
-//! The spring softens as it opens, so the resonance bends to lower frequencies and the mean deflection falls, by e^2 / 8 for a small
-//! amplitude e. Classical Runge-Kutta of fixed step; where contact is lost or made the force is smooth to its first derivative only,
-//! so a step ends there. Without a spring, mean force over load must come out as one in a periodic motion; the energy must close: both are
-//! handed out. Beyond the first loss of contact the motion need not be periodic; then the means are over what there is.
+//! The spring softens as it opens, so the resonance bends to lower frequencies, and the mean
+//! deflection falls by e^2 / 8 for a small amplitude e.
+//!
+//! The integrator is the classical Runge-Kutta method with a fixed step. At loss and return of
+//! contact the force is continuous only up to its first derivative, so a step ends there. For a
+//! periodic motion without a guiding spring, mean force over load must be one, and the energy
+//! balance must close; the solution contains both. Beyond the first loss of contact the motion need
+//! not be periodic; the means then cover the periods that were run.
 
-/// States: y, y', and the integrals of y+, y+^(3/2), 1 in contact, input and damping.
+/// State vector: y, y', and the integrals of y+, y+^(3/2), 1 in contact, input and damping.
 type Y = [f64; 7];
 
 /// Hertzian contact of a mass that a periodic force drives.
@@ -27,11 +33,11 @@ pub struct DrivenContact {
     pub damping_ratio: f64,
     /// Stiffness of the guiding spring over that of the contact, Ks / (m wn^2).
     pub guide_ratio: f64,
-    /// Where it begins: deflection over d0, and velocity over wn d0.
+    /// Initial deflection over d0, and initial velocity over wn d0.
     pub start: (f64, f64),
-    /// Periods before the means.
+    /// Number of periods before the means.
     pub settle_periods: u32,
-    /// Periods of the means.
+    /// Number of periods of the means.
     pub mean_periods: u32,
     /// Steps per period of the driving force.
     pub steps_per_period: u32,
@@ -42,28 +48,28 @@ pub struct DrivenContact {
 pub struct DrivenMotion {
     /// Mean friction over friction without vibration, by area: mean d+ / d0.
     pub friction_ratio: f64,
-    /// Part of the time in contact.
+    /// Fraction of the time in contact.
     pub contact_share: f64,
     /// Mean normal force over load: one in a periodic motion without a guiding spring.
     pub force_balance: f64,
-    /// Largest and smallest deflection over d0, at steps' ends.
+    /// Largest and smallest deflection over d0, at the ends of steps.
     pub reach: (f64, f64),
-    /// Input less damping less energy gained, over W d0.
+    /// Input minus damping minus energy gained, over W d0.
     pub energy_residual: f64,
 }
 
-/// A moment of the motion.
+/// Moment of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
     /// Periods since the beginning.
     pub periods: f64,
-    /// Deflection over d0; negative is a gap.
+    /// Deflection over d0; negative for a gap.
     pub deflection: f64,
     /// Velocity over wn d0.
     pub velocity: f64,
 }
 
-/// Runs from the start; `watch` sees the end of every step.
+/// Runs from the start; `watch` receives the end of every step.
 pub fn run(contact: &DrivenContact, watch: &mut impl FnMut(&Moment)) -> DrivenMotion {
     let period = std::f64::consts::TAU / contact.frequency_ratio;
     let h = period / f64::from(contact.steps_per_period);
@@ -85,7 +91,7 @@ pub fn run(contact: &DrivenContact, watch: &mut impl FnMut(&Moment)) -> DrivenMo
     }
     let time = f64::from(contact.mean_periods) * period;
     let mean = |i: usize| (y[i] - opened[i]) / time;
-    // Energies over W d0, whose unit of force over mass is 2/3.
+    // Energies over W d0; the unit of force over mass is 2/3.
     let guide = |y: f64| 0.75 * contact.guide_ratio * (y - 1.0) * (y - 1.0);
     let energy = |y: &Y| 0.75 * y[1] * y[1] + 0.4 * y[0].max(0.0).powf(2.5) + guide(y[0]) - y[0];
     let residual = (y[5] - opened[5]) - (y[6] - opened[6]) - (energy(&y) - energy(&opened));
@@ -93,17 +99,17 @@ pub fn run(contact: &DrivenContact, watch: &mut impl FnMut(&Moment)) -> DrivenMo
 }
 
 impl DrivenContact {
-    /// One step, split where contact is lost or made.
+    /// Computes one step, split where contact is lost or made.
     fn step(&self, from: &Y, t: f64, h: f64) -> Y {
         let (mut y, mut t, mut left) = (*from, t, h);
         let mut touching = if y[0] == 0.0 { y[1] > 0.0 } else { y[0] > 0.0 };
-        // Two crossings in a step are the most that fine steps see.
+        // Fine steps contain at most two crossings.
         for _ in 0..4 {
             let end = self.smooth(&y, t, left, touching);
             if end[0] == 0.0 || (end[0] > 0.0) == touching {
                 return end;
             }
-            // Illinois: the part of the step at which y = 0
+            // Illinois method for the fraction of the step at which y = 0.
             let (mut low, mut high) = ((0.0, y[0]), (left, end[0]));
             let mut side = 0;
             for _ in 0..60 {
@@ -171,7 +177,8 @@ mod tests {
         run(contact, &mut |_| ())
     }
 
-    /// A small vibration of amplitude e lowers the mean deflection by e^2 / 8, as mean (1 + y)^(3/2) = 1.
+    /// A small vibration of amplitude e lowers the mean deflection by e^2 / 8, as mean (1 +
+    /// y)^(3/2) = 1.
     #[test]
     fn small_vibrations_lower_the_mean_by_an_eighth_of_the_square() {
         let motion = still(&RESONANT);
@@ -184,7 +191,8 @@ mod tests {
         assert!((motion.force_balance - 1.0).abs() < 1e-6 && motion.energy_residual.abs() < 1e-9, "{motion:?}");
     }
 
-    /// Slowly driven, it follows N = W + F0 cos: r = mean (1 + alpha cos)^(2/3), here by a sum of its own.
+    /// A slow drive is followed quasi-statically, N = W + F0 cos: r = mean (1 + alpha cos)^(2/3),
+    /// here from a separate sum.
     #[test]
     fn slow_drives_are_followed() {
         let slow = DrivenContact { force_ratio: 0.6, frequency_ratio: 0.01, damping_ratio: 0.4, settle_periods: 1, ..RESONANT };
@@ -199,9 +207,10 @@ mod tests {
         assert!((motion.friction_ratio - mean).abs() < 3e-4, "{motion:?} {mean}");
     }
 
-    /// Hess and Soom: up to the loss of contact friction falls by about ten per cent (5 to 12), whatever the drive.
+    /// Hess and Soom: up to the loss of contact friction falls by about ten per cent (5 to 12), for
+    /// any drive.
     #[test]
-    fn up_to_contact_loss_about_ten_per_cent() {
+    fn friction_falls_by_ten_per_cent_up_to_contact_loss() {
         for frequency_ratio in [0.3, 0.6, 0.9, 1.1, 1.5] {
             let mut most = 0.0f64;
             for step in 1..=60 {
@@ -217,7 +226,8 @@ mod tests {
         }
     }
 
-    /// Where contact begins, force grows as time to the power 3/2: with located events the energy still closes faster than h^3.
+    /// At the onset of contact the force grows as time^(3/2). With located events the energy
+    /// residual still falls faster than h^3.
     #[test]
     fn contact_loss_is_located() {
         let lost = DrivenContact { force_ratio: 0.9, frequency_ratio: 1.1, damping_ratio: 0.2, settle_periods: 0, ..RESONANT };
@@ -229,8 +239,9 @@ mod tests {
         assert!((middle.friction_ratio - fine.friction_ratio).abs() < 1e-8, "{middle:?} {fine:?}");
     }
 
-    /// Far above its resonance the mass moves by `F0 / (m w^2)` whatever the contact does, and only the mean force finds its balance: the
-    /// quasi-static closed form, in contact and beyond.
+    /// Far above its resonance the mass moves by `F0 / (m w^2)` independent of the contact, and
+    /// only the mean force is balanced. This is the quasi-static closed form, with and without loss
+    /// of contact.
     #[test]
     fn far_above_resonance_it_is_quasi_static() {
         let problem = HertzProblem { normal_n: 1.0, stiffness_n_per_m15: 1.0, amplitude_m: 0.0, shape: Shape::Sine };
@@ -246,9 +257,10 @@ mod tests {
         }
     }
 
-    /// A spring beside the contact raises the resonance: beside one as stiff, the static amplitude is half, and the energy closes with it.
+    /// A guiding spring as stiff as the contact halves the static amplitude; the energy balance
+    /// still closes.
     #[test]
-    fn a_guiding_spring_takes_its_part() {
+    fn a_guiding_spring_halves_the_amplitude() {
         let slow = DrivenContact { force_ratio: 0.02, frequency_ratio: 0.02, guide_ratio: 1.0, settle_periods: 4, ..RESONANT };
         let motion = still(&DrivenContact { damping_ratio: 0.4, mean_periods: 4, steps_per_period: 10_000, ..slow });
         let e = 0.5 * (motion.reach.0 - motion.reach.1);

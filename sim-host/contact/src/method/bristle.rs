@@ -1,22 +1,27 @@
-//! Bristles over a step whose slip velocity is a parabola: exact in the slip wherever the Stribeck level is constant.
+//! Bristles over a step whose slip velocity is a parabola: exact in the slip while the Stribeck
+//! level is constant.
 //!
-//! With `f = Kt z / Fc` and the slip counted in `dL = (Kt/Fc) |V| dt / g(V)`, LuGre's bristle equation (4.7, 4.9) is linear,
+//! With `f = Kt z / Fc` and the slip counted in `dL = (Kt/Fc) |V| dt / g(V)`, LuGre's bristle
+//! equation (4.7, 4.9) is linear,
 //!
 //! ```text
 //! df/dL = T - f,   T = g(V) sgn V
 //! ```
 //!
-//! and is solved exactly for a T that is a parabola of L (through its values at the beginning, middle and end of the step); where that
-//! would overshoot, for a T that is linear in each half, which is a mean of f and T with positive weights. So at any stiffness `|f|`
-//! never exceeds the larger of Fs / Fc and where it began. The step is cut where the slip crosses zero.
+//! and is solved exactly for a T that is a parabola in L, through its values at the beginning,
+//! middle and end of the step. If that solution would overshoot, T is taken as linear in each half;
+//! the result is then a mean of f and T with positive weights. So `|f|` never exceeds the larger of
+//! Fs / Fc and its initial value, at any stiffness. The step is split at zero crossings of the
+//! slip.
 
 use super::rates::level;
 use crate::problem::Law;
 
-/// From this length on, what a step began with has faded at its end, and rules for smooth functions of time do not hold.
-const FADING: f64 = 2.0;
+/// Slip length L above which the initial force fades within the step, so that rules for smooth
+/// functions of time do not hold.
+const FADING_LENGTH: f64 = 2.0;
 
-/// The bristles of a law at one Coulomb force.
+/// Bristles of a friction law at one Coulomb force.
 #[derive(Clone, Copy, Debug)]
 pub struct Bristle {
     /// Kt / Fc, 1/m.
@@ -25,10 +30,10 @@ pub struct Bristle {
     stribeck_m_per_s: f64,
 }
 
-/// What a step did to the bristles.
+/// Effect of a step on the bristles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Part {
-    /// f at its end.
+    /// Force f at the end of the step.
     pub end: f64,
     /// Integral of f over time, s.
     pub impulse: f64,
@@ -36,9 +41,9 @@ pub struct Part {
     pub work: f64,
     /// Slip in units of L.
     pub length: f64,
-    /// `e^-L`: what is left of f where it began.
+    /// `e^-L`: remaining fraction of the initial f.
     pub left: f64,
-    /// Sign of the first slip; zero if nothing slipped.
+    /// Sign of the first slip; zero without slip.
     pub first: f64,
     /// Sign of the last slip.
     pub sign: f64,
@@ -47,7 +52,7 @@ pub struct Part {
 }
 
 impl Bristle {
-    /// The flow of a law with bristles; none of Coulomb's law.
+    /// Creates the bristles of a law; `None` for Coulomb's law.
     pub fn new(law: Law, coulomb_n: f64) -> Option<Self> {
         match law {
             Law::Coulomb => None,
@@ -60,20 +65,21 @@ impl Bristle {
         }
     }
 
-    /// `g` at a slip velocity.
+    /// Returns `g` at a slip velocity.
     #[inline]
     pub fn level(&self, slip: f64) -> f64 {
         if self.static_ratio == 1.0 { 1.0 } else { level(self.static_ratio, self.stribeck_m_per_s, slip) }
     }
 
-    /// What a force that began at f can be: no larger than Fs / Fc, or than it was.
+    /// Limits a force that began at f to the larger of Fs / Fc and |f|.
     #[inline]
     pub fn within(&self, f: f64, end: f64) -> f64 {
         let bound = self.static_ratio.max(1.0).max(f.abs());
         end.clamp(-bound, bound)
     }
 
-    /// A step of `h` seconds from f with the slip velocities at its beginning, middle and end.
+    /// Advances f by `h` seconds, with the slip velocities at the beginning, middle and end of the
+    /// step.
     #[inline]
     pub fn advance(&self, f: f64, h: f64, slip: [f64; 3]) -> Part {
         let [v0, vm, v1] = slip;
@@ -83,7 +89,7 @@ impl Bristle {
         self.with_reversals(f, h, slip)
     }
 
-    /// Flow over a step where the parabola of the slip velocity may cross zero.
+    /// Advances over a step in which the parabola of the slip velocity may cross zero.
     fn with_reversals(&self, f: f64, h: f64, [v0, vm, v1]: [f64; 3]) -> Part {
         // v0 + b u + c u^2 over u from 0 to 1
         let (b, c) = (4.0 * vm - 3.0 * v0 - v1, 2.0 * (v0 - 2.0 * vm + v1));
@@ -93,7 +99,7 @@ impl Bristle {
         let (one, other) = (q / c, v0 / q);
         let mut cuts = if one < other { [one, other, 1.0] } else { [other, one, 1.0] };
         for cut in &mut cuts[..2] {
-            // No crossing, or one at an end, cuts nothing.
+            // A missing crossing, or one at an end, makes no cut.
             if discriminant <= 0.0 || !(1e-12..1.0 - 1e-12).contains(cut) {
                 *cut = 0.0;
             }
@@ -117,7 +123,7 @@ impl Bristle {
         sum
     }
 
-    /// A step within which the slip keeps its sign, in two halves.
+    /// Advances over a step within which the slip keeps its sign, in two halves.
     #[inline]
     fn between_reversals(&self, f: f64, h: f64, slip: [f64; 3]) -> Part {
         let mean = slip[0] + 4.0 * slip[1] + slip[2];
@@ -129,21 +135,23 @@ impl Bristle {
             return Part { end: f, impulse: f * h, left: 1.0, ..Part::default() };
         };
         let [g0, gm, g1] = slip.map(|v| self.level(v));
-        // What is left of a crossing at an end has the other sign.
+        // Round-off of a crossing at an end has the other sign.
         let [v0, vm, v1] = slip.map(|v| (sign * v).max(0.0));
         let (r0, rm, r1) = (self.per_m * h * v0 / g0, self.per_m * h * vm / gm, self.per_m * h * v1 / g1);
-        // Parabola through the three: Simpson's rule and its half.
+        // Integrals of the parabola through the three points: over the step (Simpson's rule) and
+        // over its first half.
         let length = (r0 + 4.0 * rm + r1) / 6.0;
         let first = ((5.0 * r0 + 8.0 * rm - r1) / 24.0).clamp(0.0, length);
         let second = length - first;
         let (middle, end, left) = relax(f, [sign * g0, sign * gm, sign * g1], first, second);
         let simpson = |a: f64, b: f64, c: f64| h / 6.0 * (a + 4.0 * b + c);
-        let (impulse, work) = if length < FADING {
+        let (impulse, work) = if length < FADING_LENGTH {
             (simpson(f, middle, end), sign * simpson(f * v0, middle * vm, end * v1))
         } else {
-            // f = T + d, d' = -rate d apart from T': what is left of f fades within the step.
+            // f = T + d with d' = -rate d, apart from T': the initial deviation d fades within the
+            // step.
             let faded = |f0: f64, f1: f64, g0: f64, g1: f64, length: f64| {
-                if length < 0.5 * FADING { 0.5 * (f0 + f1 - sign * (g0 + g1)) } else { (f0 - f1) / length }
+                if length < 0.5 * FADING_LENGTH { 0.5 * (f0 + f1 - sign * (g0 + g1)) } else { (f0 - f1) / length }
             };
             let faded = faded(f, middle, g0, gm, first) + faded(middle, end, gm, g1, second);
             let bent = 0.5 * ((g0 + gm) * (middle - f) + (gm + g1) * (end - middle));
@@ -153,7 +161,8 @@ impl Bristle {
     }
 }
 
-/// `df/dL = T - f` over two halves with T at their ends: f in the middle and at the end, and how much of f itself is left there.
+/// Solves `df/dL = T - f` over two halves with T given at their ends. Returns f in the middle and
+/// at the end, and the remaining fraction of the initial f.
 #[inline]
 fn relax(f: f64, [t0, tm, t1]: [f64; 3], first: f64, second: f64) -> (f64, f64, f64) {
     let length = first + second;
@@ -185,7 +194,7 @@ fn relax(f: f64, [t0, tm, t1]: [f64; 3], first: f64, second: f64) -> (f64, f64, 
     (middle, half(middle, tm, t1, second, to_end), left)
 }
 
-/// `phi1 = (1 - e^-L) / L` and `phi2 = (1 - phi1) / L`, given `e^-L`.
+/// Returns `phi1 = (1 - e^-L) / L` and `phi2 = (1 - phi1) / L`, given L and `e^-L`.
 #[inline]
 pub fn means_left(length: f64, left: f64) -> (f64, f64) {
     if length < 1e-2 {
@@ -204,7 +213,7 @@ mod tests {
     const LUGRE: Law =
         Law::Lugre { stiffness_n_per_m: 56e3, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1: 0.0, sigma2: 0.0 };
 
-    /// By so many small steps of the midpoint rule in time: f, its integral and that of f V.
+    /// Integrates f, its integral and that of f V in `n` small steps of the midpoint rule in time.
     fn small_steps(bristle: &Bristle, f: f64, h: f64, [v0, vm, v1]: [f64; 3], n: u32) -> [f64; 3] {
         let (b, c) = (4.0 * vm - 3.0 * v0 - v1, 2.0 * (v0 - 2.0 * vm + v1));
         let dt = h / f64::from(n);
@@ -220,7 +229,7 @@ mod tests {
     #[test]
     fn a_dahl_contact_is_exact_in_the_slip() {
         let bristle = Bristle::new(Law::Dahl { stiffness_n_per_m: 1.0 }, 1.0).unwrap();
-        // 2 forward and 1 back over 3 s: V = 2 - 8 u + 5 u^2 has the integral -1/3.
+        // Over 1 s, V = 2 - 8 u + 5 u^2 with the integral -1/3.
         let part = bristle.advance(0.3, 1.0, [2.0, 2.0 - 4.0 + 1.25, -1.0]);
         let root = (8.0 - 24f64.sqrt()) / 10.0;
         let forward = 2.0 * root - 4.0 * root * root + 5.0 / 3.0 * root.powi(3);
@@ -242,10 +251,10 @@ mod tests {
     }
 
     #[test]
-    fn a_step_agrees_with_many_small_ones_and_improves_fast() {
+    fn a_step_converges_to_many_small_steps() {
         let bristle = Bristle::new(LUGRE, 0.02).unwrap();
         let worst = |h: f64| {
-            // A parabola of the same curve, over a shorter time.
+            // Section of one parabola, over a shorter time.
             let v = |t: f64| 0.004 + 0.01 * t / 1e-7 - 0.02 * (t / 1e-7).powi(2);
             let slip = [v(0.0), v(0.5 * h), v(h)];
             let part = bristle.advance(-0.2, h, slip);
@@ -258,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn no_stiffness_leaves_the_bound() {
+    fn force_is_bounded_at_any_stiffness() {
         for (factor, v1) in [(1e0, 0.01), (1e2, -0.03), (1e4, 0.002), (1e8, 1.0), (1e12, -1e-3)] {
             let law = Law::Lugre {
                 stiffness_n_per_m: factor * 56e3,

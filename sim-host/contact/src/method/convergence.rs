@@ -1,18 +1,19 @@
-//! How fast the stepping methods converge.
+//! Order of convergence of the stepping methods.
 
 use super::*;
 use crate::table_4_1::table_4_1;
 use crate::tally::Ratios;
 use crate::{Shape, Waveform};
 
-/// A method's entry, without anybody watching but the collector.
+/// Entry point of a method.
 type Run = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, SolveError>;
 
 const RK4: Run = |problem, n, mut watch| rk4::run(problem, n, &mut watch);
 const EVENTS: Run = |problem, n, mut watch| rk4_events::run(problem, n, &mut watch);
 const MIDPOINT: Run = |problem, n, mut watch| midpoint::run(problem, n, &mut watch);
 
-/// States at the quarter periods of a 60 kHz forcing within the window, and the friction ratio.
+/// Returns the states at the quarter periods of a 60 kHz forcing within the window, and the
+/// friction ratio.
 fn quarters(problem: &Problem, n: u32, run: Run) -> (Vec<State>, f64) {
     let mut seen = Vec::new();
     let tally = run(problem, n, &mut |state| {
@@ -25,14 +26,14 @@ fn quarters(problem: &Problem, n: u32, run: Run) -> (Vec<State>, f64) {
     (seen, Ratios::of(problem, &tally).friction)
 }
 
-/// Largest error over the largest value.
+/// Returns the largest error over the largest value.
 fn error(one: &[State], reference: &[State], get: fn(&State) -> f64) -> f64 {
     assert_eq!(one.len(), reference.len());
     let largest = reference.iter().map(|state| get(state).abs()).fold(0.0, f64::max);
     one.iter().zip(reference).map(|(a, b)| (get(a) - get(b)).abs()).fold(0.0, f64::max) / largest
 }
 
-/// Slope of the line through the logarithms of errors over steps.
+/// Returns the slope of the line through the logarithms of errors over steps.
 fn order(points: &[(u32, f64)]) -> f64 {
     let logs: Vec<(f64, f64)> = points.iter().map(|&(n, e)| (f64::from(n).ln(), -e.ln())).collect();
     let n = logs.len() as f64;
@@ -40,7 +41,7 @@ fn order(points: &[(u32, f64)]) -> f64 {
     logs.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>() / logs.iter().map(|p| (p.0 - mx).powi(2)).sum::<f64>()
 }
 
-/// Errors of F at the quarter periods and their order.
+/// Returns the errors of F at the quarter periods, and their order.
 fn orders(problem: &Problem, run: Run, steps: &[u32], reference: &[State]) -> (Vec<(u32, f64)>, f64) {
     let errors: Vec<(u32, f64)> =
         steps.iter().map(|&n| (n, error(&quarters(problem, n, run).0, reference, |s| s.force_n))).collect();
@@ -54,14 +55,14 @@ fn lugre(stiffness_n_per_m: f64, sigma1: f64) -> Law {
 }
 
 #[test]
-fn order_of_the_thesis_method_is_two_and_of_located_reversals_four() {
+fn order_is_two_without_and_four_with_located_reversals() {
     let problem = Problem { window_s: (0.0, 20.0 / 60e3), ..table_4_1(0.5, 20.0) };
     let (reference, _) = quarters(&problem, 8192, EVENTS);
     let steps = [64, 128, 256, 512, 1024, 2048];
     let (naive, naive_order) = orders(&problem, RK4, &steps, &reference);
     let (located, located_order) = orders(&problem, EVENTS, &steps[..5], &reference);
     assert!((1.8..2.2).contains(&naive_order) && (3.9..4.1).contains(&located_order));
-    // Their size over Fc, as another program found it against a Taylor series of order 28.
+    // Errors over Fc that another program found against a Taylor series of order 28.
     let over_coulomb = reference.iter().map(|state| state.force_n.abs()).fold(0.0, f64::max) / problem.coulomb_n;
     let is = |point: (u32, f64), found: f64| (point.1 * over_coulomb / found - 1.0).abs() < 0.03;
     assert!(is(naive[0], 1.96e-4) && is(naive[1], 4.1e-5) && is(naive[2], 8.2e-6) && is(naive[4], 7.0e-7));
@@ -69,7 +70,7 @@ fn order_of_the_thesis_method_is_two_and_of_located_reversals_four() {
 }
 
 #[test]
-fn order_of_midpoint_is_four_in_the_friction_and_two_in_the_coupling() {
+fn midpoint_has_order_four_in_friction_and_two_in_coupling() {
     let weak = Problem { law: lugre(56e3, 0.0), ..table_4_1(0.5, 20.0) };
     let (reference, _) = quarters(&weak, 8192, EVENTS);
     let (errors, found) = orders(&weak, MIDPOINT, &[64, 128, 256], &reference);
@@ -81,7 +82,7 @@ fn order_of_midpoint_is_four_in_the_friction_and_two_in_the_coupling() {
 }
 
 #[test]
-fn a_contact_a_thousand_times_stiffer_is_for_midpoint() {
+fn midpoint_solves_a_contact_a_thousand_times_stiffer() {
     let problem = Problem { law: lugre(56e6, 0.0), ..table_4_1(0.5, 20.0) };
     let (_, reference) = quarters(&problem, 40_000, EVENTS);
     for (n, bound) in [(200, 1e-6), (1000, 1e-9), (5000, 1e-11)] {
@@ -93,7 +94,8 @@ fn a_contact_a_thousand_times_stiffer_is_for_midpoint() {
     }
 }
 
-/// A sine by its samples is the sine: straight lines between 200 samples a period are off by `(2 pi / 200)^2 / 8`, 1.2e-4, of the amplitude.
+/// A measured sine approximates the sine: straight lines between 200 samples per period deviate by
+/// `(2 pi / 200)^2 / 8`, 1.2e-4, of the amplitude.
 #[test]
 fn a_measured_sine_gives_the_friction_of_the_sine() {
     let mut problem = Problem { motion: Motion::Kinematic, ..table_4_1(0.5, 40.0) };

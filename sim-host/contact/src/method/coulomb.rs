@@ -1,21 +1,25 @@
-//! Coulomb friction, exactly, from event to event.
+//! Coulomb friction, solved exactly from event to event.
 //!
-//! Between reversals of the slip the friction is constant, so that the oscillator is linear with a smooth forcing: its Taylor series is
-//! the exact flow (`arc`). Reversals are zeros of that polynomial, located to round-off (`crossing`). Nowhere is the response at
-//! resonance divided by what vanishes there: `F0 / (Ks - m w^2)` does not occur.
+//! Between reversals of the slip the friction is constant, so the oscillator is linear with a
+//! smooth forcing: its Taylor series is the exact flow (`arc`). Reversals are zeros of that
+//! polynomial, located to round-off (`crossing`). The steady response `F0 / (Ks - m w^2)` does not
+//! occur, so resonance is not a special case.
 //!
-//! At a reversal (V = 0) the law `F = Fc sgn V` leaves F open, and Filippov's solution (1988) closes it. With the force needed to hold
-//! the contact, `R = Fe - c x' - Ks x`:
+//! At a reversal (V = 0) the law `F = Fc sgn V` does not determine F; Filippov's solution (1988)
+//! does. With the force needed to hold the contact, `R = Fe - c x' - Ks x`:
 //!
 //! ```text
 //! passive:   |R| <= Fc  the contact sticks, F = R, until |R| exceeds Fc;   R > Fc  slips forward;   R < -Fc  backward
-//! literal:   R > Fc  slips backward;   R < -Fc  forward;   |R| < Fc  both ways and none: there is no unique solution, and it is refused
+//! literal:   R > Fc  slips backward;   R < -Fc  forward;   |R| < Fc  either direction or none: not
+//! unique, and refused
 //! ```
 //!
-//! The literal sign comes to V = 0 only where it passes on, so that it is refused for starts at V = 0 alone. A given motion has no
-//! such choice: there friction follows the sign of V, and stays as it was while V is zero.
+//! With the literal sign, the slip passes through V = 0 whenever it reaches it. Only starts at V =
+//! 0 are therefore refused. A given motion has no such ambiguity: friction follows the sign of V,
+//! and does not change while V is zero.
 //!
-//! Steps only say how often a state is handed over; the answer does not depend on them, beyond round-off.
+//! The steps only determine how often a state is reported; the solution does not depend on them,
+//! apart from round-off.
 
 mod arc;
 mod crossing;
@@ -28,33 +32,35 @@ use arc::{Arc, TERMS};
 
 const METHOD: &str = "coulomb";
 
-/// Largest phase of forcing or oscillator in a step, rad: twice this to the power TERMS over TERMS! is 3e-17.
-const LARGEST_RAD: f64 = 0.8;
+/// Largest phase of forcing or oscillator in a step, rad: twice its power TERMS, over TERMS!, is
+/// 3e-17.
+const LARGEST_PHASE_RAD: f64 = 0.8;
 
-/// A given slip velocity this small a part of sliding and vibration is none.
-const STANDSTILL: f64 = 1e-13;
+/// Slip velocity below which a given motion counts as at rest, as a fraction of sliding and
+/// vibration velocity.
+const STANDSTILL_REL: f64 = 1e-13;
 
-/// Events within one step above which something is wrong.
-const MANY: u32 = 1000;
+/// Number of events within one step above which the solution counts as diverged.
+const MAX_EVENTS_PER_STEP: u32 = 1000;
 
-/// What the contact does.
+/// State of the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Contact {
-    /// Slips, in this direction.
+    /// The contact slips in the direction of this sign.
     Slip(f64),
     /// The contact sticks: its slip velocity is zero.
     Stick,
 }
 
-/// Runs a problem with so many steps a period; `watch` sees the state after every step.
+/// Runs a problem with a number of steps per period; `watch` receives the state after every step.
 pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     if problem.law != Law::Coulomb {
-        return unsuited("it is for Coulomb friction, which is constant from reversal to reversal");
+        return unsuited("it only solves Coulomb friction, which is constant from reversal to reversal");
     }
     let mut runner = Runner {
         problem,
         coulomb_n: problem.coulomb_n,
-        standstill: STANDSTILL * (problem.sliding_m_per_s.abs() + problem.waveform.amplitude().abs()),
+        standstill: STANDSTILL_REL * (problem.sliding_m_per_s.abs() + problem.waveform.amplitude().abs()),
         state: problem.start,
         contact: Contact::Stick,
         zeros: 0,
@@ -91,25 +97,26 @@ struct Runner<'a> {
     standstill: f64,
     state: State,
     contact: Contact,
-    /// How many leading coefficients of the slip velocity are zero: one after a reversal, two after sticking.
+    /// Number of leading coefficients of the slip velocity that are zero: one after a reversal, two
+    /// after sticking.
     zeros: usize,
     meter: Meter,
 }
 
 impl Runner<'_> {
-    /// Steps that keep the series short.
+    /// Returns the smallest number of steps for which the series converges fast enough.
     fn fewest(&self, stretch: &Stretch) -> u32 {
         let mut rate = std::f64::consts::TAU * stretch.forcing.fastest_hz(stretch.length_s).unwrap_or(0.0);
         if let Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } = self.problem.motion {
             rate = rate.max((stiffness_n_per_m / mass_kg).sqrt() + damping_n_s_per_m.abs() / mass_kg);
         }
-        (rate * stretch.length_s / LARGEST_RAD).ceil() as u32
+        (rate * stretch.length_s / LARGEST_PHASE_RAD).ceil() as u32
     }
 
-    /// One step of `h` seconds, `s` seconds into a stretch.
+    /// Computes one step of `h` seconds, `s` seconds after the beginning of a stretch.
     fn step(&mut self, stretch: &Stretch, s: f64, h: f64, jump: bool) -> Result<(), SolveError> {
         let mut done = 0.0;
-        for _ in 0..MANY {
+        for _ in 0..MAX_EVENTS_PER_STEP {
             let length = h - done;
             let forcing = arc::scaled(stretch.forcing.taylor::<TERMS>(s + done), length);
             if done == 0.0 {
@@ -128,7 +135,7 @@ impl Runner<'_> {
         Err(SolveError::Diverged { method: METHOD, time_s: stretch.start_s + s })
     }
 
-    /// What the contact does at the beginning of a step.
+    /// Determines the state of the contact at the beginning of a step.
     fn begin(&mut self, forcing: &[f64; TERMS], jump: bool) -> Result<(), SolveError> {
         self.zeros = 0;
         if self.problem.motion == Motion::Kinematic {
@@ -139,7 +146,7 @@ impl Runner<'_> {
                 }
                 return Ok(());
             }
-            // At a standstill: it goes where the first derivative points that is not zero.
+            // At rest: the first non-zero derivative determines the direction.
             let factor = self.problem.sign.factor();
             let direction = forcing.iter().enumerate().skip(1).find(|(_, c)| c.abs() > self.standstill);
             self.zeros = direction.map_or(1, |(order, _)| order);
@@ -157,7 +164,7 @@ impl Runner<'_> {
         }
     }
 
-    /// An event has been reached: the slip velocity is zero, or friction at its bound.
+    /// Handles an event: the slip velocity is zero, or friction is at its bound.
     fn turn(&mut self, forcing: f64) -> Result<(), SolveError> {
         match (self.contact, self.problem.motion) {
             (Contact::Slip(sign), Motion::Kinematic) => {
@@ -173,7 +180,7 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// Filippov's choice at V = 0, for a force on the oscillator.
+    /// Applies Filippov's choice at V = 0, for a force on the oscillator.
     fn decide(&mut self, forcing: f64) -> Result<(), SolveError> {
         let Motion::Sdof { stiffness_n_per_m, damping_n_s_per_m, .. } = self.problem.motion else { return Ok(()) };
         let factor = self.problem.sign.factor();
@@ -183,7 +190,7 @@ impl Runner<'_> {
         self.contact = if needed.abs() > self.coulomb_n { Contact::Slip(factor * needed.signum()) } else { Contact::Stick };
         if self.contact == Contact::Stick && self.problem.sign == Sign::Literal {
             return unsuited(
-                "with the literal sign a contact without slip that friction could hold may start either way: no unique solution",
+                "with the literal sign, a contact at rest that friction can hold may start in either direction: no unique solution",
             );
         }
         Ok(())
@@ -204,7 +211,7 @@ impl Runner<'_> {
         }
     }
 
-    /// When the arc ends before its time, as a part of it.
+    /// Returns the fraction of the arc at which it ends early; `None` if it does not.
     fn event(&self, arc: &Arc) -> Option<f64> {
         match self.contact {
             Contact::Slip(sign) => {
@@ -228,7 +235,7 @@ impl Runner<'_> {
         }
     }
 
-    /// Goes along an arc, as far as `part` of it.
+    /// Advances along the fraction `part` of an arc.
     fn advance(&mut self, arc: &Arc, part: f64) {
         let before = self.state.x_m;
         (self.state.x_m, self.state.v_m_per_s, self.state.force_n) = arc.at(part);

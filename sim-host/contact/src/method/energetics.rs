@@ -1,9 +1,11 @@
-//! What friction may do with energy.
+//! Passivity of friction: the energy that it takes, stores and returns.
 //!
-//! With the slip V as input, Dahl's bristles store `F^2 / (2 Kt)` and dissipate: the work of friction is never below what they have
-//! stored since. So do LuGre's while `sigma2 >= sigma1 (Fs/Fc - 1)` (Barabanov and Ortega 2000; with `|z| <= Fs / Kt` and
-//! `G >= Fc / Kt`, `sigma1 z' V + sigma2 V^2 >= (sigma2 - sigma1 (Fs/Fc - 1)) V^2`); beyond, a bristle bent by a slow slip can give
-//! back more than it holds. F V itself may be negative: bent bristles release.
+//! With the slip V as input, Dahl's bristles store `F^2 / (2 Kt)` and dissipate: the work of
+//! friction is never below the change of the stored energy. The same holds for LuGre's bristles if
+//! `sigma2 >= sigma1 (Fs/Fc - 1)` (Barabanov and Ortega 2000; with `|z| <= Fs / Kt` and
+//! `G >= Fc / Kt`, `sigma1 z' V + sigma2 V^2 >= (sigma2 - sigma1 (Fs/Fc - 1)) V^2`). Otherwise a
+//! bristle bent by slow slip can return more energy than it stores. F V itself may be negative,
+//! because bent bristles release energy.
 
 use super::*;
 use crate::table_4_1::table_4_1;
@@ -15,7 +17,7 @@ fn lugre(sigma1: f64, sigma2: f64) -> Law {
     Law::Lugre { stiffness_n_per_m: STIFFNESS, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1, sigma2 }
 }
 
-/// Force in the bristles, N, of a state.
+/// Returns the force in the bristles in a state, N.
 fn bristles_n(problem: &Problem, state: &State) -> f64 {
     let Law::Lugre { sigma1, sigma2, static_ratio, stribeck_m_per_s, .. } = problem.law else { return state.force_n };
     let slip = problem.sliding_m_per_s + problem.sign.factor() * state.v_m_per_s;
@@ -24,17 +26,19 @@ fn bristles_n(problem: &Problem, state: &State) -> f64 {
     (state.force_n - (sigma1 + sigma2) * slip) / (1.0 - sigma1 * slip.abs() / level)
 }
 
-/// Energy that friction has taken out of oscillator and belt, less what its bristles hold more than at the beginning, J, at the least
-/// over the run; and the largest energy it ever took, to compare with.
+/// Returns the minimum over the run of the energy that friction has taken from oscillator and belt,
+/// minus the increase of the energy stored in its bristles, J. The second value is the largest
+/// energy taken, J, for comparison.
 ///
-/// The oscillator moves against the belt with `Vt + x'`, whatever slip the equations are given.
+/// The oscillator moves against the belt with `Vt + x'`, independent of the slip in the equations.
 fn taken(problem: &Problem, steps: u32) -> (f64, f64) {
     let stored = |state: &State| bristles_n(problem, state).powi(2) / (2.0 * STIFFNESS);
     let power = |state: &State| state.force_n * (problem.sliding_m_per_s + state.v_m_per_s);
     let mut last = State { ..problem.start };
     let (mut sum, mut first, mut least, mut most) = (0.0, None, f64::INFINITY, 0.0f64);
     rk4_events::run(problem, steps, &mut |state| {
-        // The corners of F are at the reversals, which are seen: the trapezoids are of order two.
+        // The corners of F lie at the reversals, which are reported, so the trapezoidal rule is of
+        // second order.
         if let Some(first) = first {
             sum += 0.5 * (state.time_s - last.time_s) * (power(state) + power(&last));
             least = least.min(sum - (stored(state) - first));
@@ -48,14 +52,14 @@ fn taken(problem: &Problem, steps: u32) -> (f64, f64) {
     (least, most)
 }
 
-/// Whether friction took energy and gave none, within the error of the sum.
+/// Returns `true` if friction took energy and returned none, within the error of the sum.
 fn takes_energy(problem: &Problem) -> bool {
     let (least, most) = taken(problem, 500);
     println!("{:?}: least {least:e} of {most:e} J", problem.sign);
     least >= -2e-4 * most
 }
 
-/// An oscillator let go on a still belt.
+/// Returns an oscillator released on a belt at rest.
 fn let_go(law: Law, sign: Sign) -> Problem {
     let mut problem = Problem { law, sign, sliding_m_per_s: 0.0, ..table_4_1(0.5, 40.0) };
     problem.waveform = Waveform::new(Shape::Still, 384.0, 60e3, problem.duration_s);
@@ -64,21 +68,21 @@ fn let_go(law: Law, sign: Sign) -> Problem {
 }
 
 #[test]
-fn friction_takes_energy_and_with_the_literal_sign_it_does_not() {
+fn friction_is_passive_except_with_the_literal_sign() {
     for law in [Law::Dahl { stiffness_n_per_m: STIFFNESS }, lugre(0.0, 0.0), lugre(0.05, 0.025)] {
         assert!(takes_energy(&let_go(law, Sign::Passive)), "{law:?}");
         assert!(!takes_energy(&let_go(law, Sign::Literal)), "{law:?}");
-        // Driven, with a slow belt.
+        // Driven, on a slow belt.
         assert!(takes_energy(&Problem { law, ..table_4_1(0.1, 40.0) }), "{law:?}");
         assert!(!takes_energy(&Problem { law, sign: Sign::Literal, ..table_4_1(0.1, 40.0) }), "{law:?}");
     }
 }
 
-/// A method's entry at one number of steps.
+/// Entry point of a method with a fixed number of steps.
 type Run = fn(&Problem, &mut dyn FnMut(&State)) -> Result<Tally, SolveError>;
 
 #[test]
-fn an_oscillator_let_go_decays_and_with_the_literal_sign_it_grows() {
+fn a_free_oscillator_decays_or_grows_with_the_literal_sign() {
     let grown = |run: Run, sign: Sign| {
         let problem = let_go(lugre(0.0, 0.0), sign);
         let Motion::Sdof { mass_kg: m, stiffness_n_per_m: k, .. } = problem.motion else { panic!() };
@@ -103,9 +107,10 @@ fn an_oscillator_let_go_decays_and_with_the_literal_sign_it_grows() {
 }
 
 #[test]
-fn beyond_the_bound_on_sigma1_bristles_give_back_more_than_they_hold() {
-    // Bristles bent to Fs, then a constant fast slip V: with u = Kt V t / Fc, f = 1 + e^-u / 2, the work is
-    // (Fc^2 / Kt) (u + (1 - e^-u) / 2) + (Fc / Kt) V (sigma2 u - sigma1 (1 - e^-u) / 2), here with sigma1 V = 20 Fc, up to u = 1.
+fn large_sigma1_returns_more_energy_than_is_stored() {
+    // Bristles bent to Fs, then a constant fast slip V. With u = Kt V t / Fc, f = 1 + e^-u / 2, the
+    // work is (Fc^2 / Kt) (u + (1 - e^-u) / 2) + (Fc / Kt) V (sigma2 u - sigma1 (1 - e^-u) / 2),
+    // here with sigma1 V = 20 Fc, up to u = 1.
     let (coulomb, slip) = (0.01962, 1.0);
     let sigma1 = 20.0 * coulomb / slip;
     let fallen = 1.0 - (-1.0f64).exp();
@@ -132,7 +137,7 @@ fn beyond_the_bound_on_sigma1_bristles_give_back_more_than_they_hold() {
 }
 
 #[test]
-fn bent_bristles_release() {
+fn bent_bristles_release_energy() {
     let mut least = 0.0f64;
     let problem = Problem { law: lugre(0.0, 0.0), ..table_4_1(0.5, 20.0) };
     rk4_events::run(&problem, 200, &mut |state| {
@@ -140,7 +145,7 @@ fn bent_bristles_release() {
     })
     .unwrap();
     println!("{least:e} W");
-    // A good part of Fc Vv, which it can never exceed by more than Fs does Fc.
+    // A large part of Fc Vv. The released power can exceed Fc Vv only by the factor Fs / Fc.
     let most = problem.coulomb_n * problem.vibration_m_per_s();
     assert!(least < -0.3 * most && least > -1.5 * most);
 }

@@ -1,11 +1,11 @@
-//! What the stepping methods agree on where the laws coincide, in symmetry, and at their edges.
+//! Agreement of the stepping methods: equivalent laws, symmetry, and limiting cases.
 
 use super::*;
 use crate::table_4_1::table_4_1;
 use crate::tally::Ratios;
 use crate::{Shape, Waveform};
 
-/// A method's entry.
+/// Entry point of a method.
 type Run = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, SolveError>;
 
 const RUNS: [(&str, Run); 3] = [
@@ -24,7 +24,7 @@ fn states(problem: &Problem, n: u32, run: Run) -> (Vec<State>, Tally) {
     (seen, tally)
 }
 
-/// A kinematic contact in its steady state, over whole periods.
+/// Returns a kinematic contact in its steady state, over whole periods.
 fn steady(law: Law) -> Problem {
     Problem { motion: Motion::Kinematic, law, ..kinematic(0.5, 60.0) }
 }
@@ -37,7 +37,7 @@ fn kinematic(velocity_ratio: f64, periods: f64) -> Problem {
 
 #[test]
 fn steady_dahl_is_the_closed_form() {
-    // Friction and power ratio in 40 digits by another program, at kappa = 0.404521.
+    // Friction and power ratio computed in 40 digits by another program, at kappa = 0.404521.
     let references = [(0.1, 0.148749778, 0.471150), (0.5, 0.674948667, 0.721106), (0.9, 0.975847159, 0.979423)];
     for (velocity_ratio, friction, power) in references {
         for (name, run) in &RUNS[1..] {
@@ -63,7 +63,7 @@ fn lugre_without_stribeck_and_damping_is_dahl() {
 }
 
 #[test]
-fn viscous_friction_adds_its_slip_to_the_mean() {
+fn viscous_friction_adds_the_mean_slip() {
     for (name, run) in RUNS {
         let mean = |sigma2: f64| {
             let problem = steady(lugre(1.5, 0.0, sigma2));
@@ -72,16 +72,16 @@ fn viscous_friction_adds_its_slip_to_the_mean() {
         let problem = steady(lugre(1.5, 0.0, 0.0));
         let added = mean(0.3) - mean(0.0) - 0.3 * problem.sliding_m_per_s / problem.coulomb_n;
         println!("{name} {added:e}");
-        // By rk4-events the slip itself is integrated in uneven steps.
+        // rk4-events integrates the slip itself in uneven steps.
         assert!(added.abs() < if name == "rk4-events" { 2e-10 } else { 1e-13 });
     }
 }
 
 #[test]
-fn bristle_damping_adds_the_change_of_the_deflection_to_the_mean() {
+fn bristle_damping_adds_the_change_of_deflection() {
     let sigma1 = 10.0;
     for (name, run, tolerance) in [(RUNS[0].0, RUNS[0].1, 1e-3), (RUNS[1].0, RUNS[1].1, 1e-6), (RUNS[2].0, RUNS[2].1, 1e-14)] {
-        // From rest and over a part of a period.
+        // From rest and over a fraction of a period.
         let problem = |sigma1: f64| Problem { window_s: (0.0, 2.3 / 60e3), ..steady(lugre(1.5, sigma1, 0.0)) };
         let (without, with) = (problem(0.0), problem(sigma1));
         let (plain, damped) = (states(&without, 200, run).1, states(&with, 200, run).1);
@@ -130,7 +130,7 @@ fn a_lighter_load_lets_friction_decay_to_its_bound() {
         assert!(after[0] > 2.0);
         assert!(after.windows(2).all(|pair| pair[1] <= pair[0] || pair[1] <= 1.0), "{name}");
         assert!(after[after.len() / 2..].iter().all(|ratio| *ratio <= 1.0), "{name}");
-        // The mean by a Taylor series in another program.
+        // Mean from a Taylor series in another program.
         let friction = Ratios::of(&problem, &tally).friction;
         println!("{name}: {friction:.9}");
         assert!((friction - 0.500253255).abs() < if name == "rk4" { 2e-6 } else { 5e-9 });
@@ -138,8 +138,9 @@ fn a_lighter_load_lets_friction_decay_to_its_bound() {
 }
 
 #[test]
-fn without_sliding_there_are_two_reversals_a_period_and_no_more() {
-    // In a kinematic motion exactly, by an odd and an even number of steps, so that reversals fall on steps and between them.
+fn without_sliding_exactly_two_reversals_per_period() {
+    // Kinematic: exact for odd and even numbers of steps, so that reversals fall on steps and
+    // between them.
     for n in [15, 16, 64, 101] {
         for (name, run) in &RUNS[1..] {
             let problem = Problem { sliding_m_per_s: 0.0, ..kinematic(0.5, 100.0) };
@@ -147,7 +148,8 @@ fn without_sliding_there_are_two_reversals_a_period_and_no_more() {
             assert_eq!(tally.reversals, 200, "{name} {n}");
         }
     }
-    // From rest in the oscillator: as many by every step, and the friction of a fine one.
+    // From rest, with the oscillator: the same number for every step size, and the friction of a
+    // fine one.
     let problem = Problem { sliding_m_per_s: 0.0, ..table_4_1(0.5, 200.0) };
     let (_, fine) = states(&problem, 2048, RUNS[1].1);
     for (name, run) in &RUNS[1..] {
@@ -186,7 +188,7 @@ fn midpoint_is_bounded_at_any_stiffness_and_damping() {
             assert!(tally.peak_force_ratio <= 1.5 && tally.peak_velocity_m_per_s < 0.07, "{tally:?}");
         }
     }
-    // sigma1 h / m from 3 to 3e6: the classical method leaves, here the mass is held by its bristles.
+    // sigma1 h / m from 3 to 3e6: the classical method diverges; here the bristles hold the mass.
     for sigma1 in [1e7, 1e10, 1e13] {
         let problem = Problem { law: lugre(1.5, sigma1, 0.0), ..table_4_1(0.5, 20.0) };
         assert!(matches!(rk4_events::run(&problem, 100, &mut |_| ()), Err(SolveError::Diverged { .. })));
@@ -198,7 +200,8 @@ fn midpoint_is_bounded_at_any_stiffness_and_damping() {
 
 #[test]
 fn a_dahl_contact_near_coulomb_friction() {
-    // Ten thousand times the stiffness of Table 4.1; the classical method needs 20000 steps to stay.
+    // Ten thousand times the stiffness of Table 4.1; the classical method needs 20000 steps to
+    // remain stable.
     let problem = Problem { law: Law::Dahl { stiffness_n_per_m: 560e6 }, ..table_4_1(0.5, 20.0) };
     let friction = |tally: Tally| Ratios::of(&problem, &tally).friction;
     let reference = friction(states(&problem, 20_000, RUNS[1].1).1);

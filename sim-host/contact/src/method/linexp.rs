@@ -1,21 +1,25 @@
-//! The default: exact linear flow of the motion, friction exact in slip, the two coupled at Gauss-Legendre nodes.
+//! The default method: exact linear flow of the motion, friction exact in slip, both coupled at
+//! Gauss-Legendre nodes.
 //!
-//! Friction is a weak perturbation of the motion (5e-5 of the forcing at Table 4.1), and Dahl friction depends on the slip alone:
-//! between reversals `f = s + (f0 - s) exp(-(Kt / Fc) s z)`, whatever the motion in time. So a step needs
+//! Friction is a weak perturbation of the motion (5e-5 of the forcing in Table 4.1), and Dahl
+//! friction depends on the slip alone. Between reversals `f = s + (f0 - s) exp(-(Kt / Fc) s z)`,
+//! independent of the motion in time. So a step needs
 //!
 //! ```text
-//! z at the nodes     by the exact flow of the oscillator, less the answers to earlier kicks
+//! z at the nodes     from the exact flow of the oscillator, minus the responses to earlier kicks
 //! f at the nodes     by the exponential of z
 //! kicks on v         weight times friction at each node: the convolution of friction with the flow, by Gauss-Legendre quadrature
 //! ```
 //!
-//! Nothing in it is limited by the contact's stiffness: |f| <= 1 by construction. A step with a reversal, or one that is stiff, takes
-//! the exact step, which ends a part at the reversal; so the order holds: 2 with one node, 4 with two, 6
-//! with three. (Structure: Laskar and Robutel 2001, perturbed Hamiltonians; here with a dissipative perturbation.)
+//! The method is not limited by the stiffness of the contact: |f| <= 1 by construction. A step that
+//! contains a reversal, or that is stiff, is an exact step, which is split at the reversal. So the
+//! order is preserved: 2 with one node, 4 with two, 6 with three. (Structure: Laskar and Robutel
+//! 2001, perturbed Hamiltonians; here with a dissipative perturbation.)
 //!
-//! The flows of whole periods are made once: a step costs a few multiplications and one exponential a node, one more at its end.
+//! The flows of whole periods are computed once. A step then costs a few multiplications and one
+//! exponential per node, and one more at its end.
 
-mod abreast;
+mod batched;
 mod decay;
 mod energy_sums;
 mod exact_step;
@@ -24,7 +28,7 @@ mod quadrature;
 mod simd_nodes;
 mod substep;
 
-pub use abreast::{is_for_lanes, run_abreast};
+pub use batched::{can_be_batched, run_batched};
 use exact_step::Exact;
 use fast_step::{Table, fast_step};
 use quadrature::Nodes;
@@ -36,22 +40,23 @@ use crate::tally::{State, Tally};
 use crate::timeline::{Stretch, Timeline};
 
 const METHOD: &str = "linexp";
-/// Orders of the method that can be chosen.
+/// Available orders of the method.
 pub const ORDERS: [u32; 3] = [2, 4, 6];
 
-/// What a run computes besides the motion and the friction.
+/// Extent of a run in addition to motion and friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Options {
     /// Compute motion and friction only.
     #[default]
     Plain,
-    /// Add up what forcing and damper do; every step of the window is an exact step.
+    /// Add up the energies of forcing and damper; every step in the window is then an exact step.
     EnergySums,
-    /// Leave out what friction does to the motion: the frozen two-frequency motion, with friction on top.
+    /// Neglect the effect of friction on the motion: the frozen two-frequency motion, with friction
+    /// on top.
     Frozen,
 }
 
-/// Runs a problem of Dahl friction; `watch` sees the state after every step.
+/// Runs a problem of Dahl friction; `watch` receives the state after every step.
 pub fn run(
     problem: &Problem,
     steps_per_period: u32,
@@ -61,25 +66,27 @@ pub fn run(
 ) -> Result<Tally, SolveError> {
     let Law::Dahl { stiffness_n_per_m: kt } = problem.law else {
         let method = if options == Options::Frozen { "frozen" } else { METHOD };
-        let reason = "it needs friction that is a function of the slip alone, as Dahl's is".into();
+        let reason = "it requires friction that depends on the slip alone, as Dahl's law does".into();
         return Err(SolveError::Unsuited { method, reason });
     };
     let n = steps_per_period;
     match (order, options == Options::EnergySums) {
-        (2, false) => Run::<1, PLAIN>::new(problem, kt, n, options).all(watch),
-        (2, true) => Run::<1, WITH_SUMS>::new(problem, kt, n, options).all(watch),
-        (4, false) => Run::<2, PLAIN>::new(problem, kt, n, options).all(watch),
-        (4, true) => Run::<2, WITH_SUMS>::new(problem, kt, n, options).all(watch),
-        (6, false) => Run::<3, PLAIN>::new(problem, kt, n, options).all(watch),
-        (6, true) => Run::<3, WITH_SUMS>::new(problem, kt, n, options).all(watch),
-        _ => Err(SolveError::Unsuited { method: METHOD, reason: format!("order {order} is none of {ORDERS:?}") }),
+        (2, false) => Run::<1, PLAIN_TERMS>::new(problem, kt, n, options).all(watch),
+        (2, true) => Run::<1, ENERGY_TERMS>::new(problem, kt, n, options).all(watch),
+        (4, false) => Run::<2, PLAIN_TERMS>::new(problem, kt, n, options).all(watch),
+        (4, true) => Run::<2, ENERGY_TERMS>::new(problem, kt, n, options).all(watch),
+        (6, false) => Run::<3, PLAIN_TERMS>::new(problem, kt, n, options).all(watch),
+        (6, true) => Run::<3, ENERGY_TERMS>::new(problem, kt, n, options).all(watch),
+        _ => Err(SolveError::Unsuited { method: METHOD, reason: format!("order {order} is not one of {ORDERS:?}") }),
     }
 }
 
-/// Coefficients of the motion within a part. In steps of a radian 12 are good to 1e-10 of the amplitude; energies, of which friction's
-/// is a small part, need them to round-off.
-const PLAIN: usize = 12;
-const WITH_SUMS: usize = 20;
+/// Number of coefficients of the motion within a part. In steps of one radian, 12 are accurate to
+/// 1e-10 of the amplitude.
+const PLAIN_TERMS: usize = 12;
+/// The same number for energies, which need the motion to round-off because the energy of friction
+/// is a small part of them.
+const ENERGY_TERMS: usize = 20;
 
 struct Run<'a, const K: usize, const N: usize>
 where
@@ -111,7 +118,7 @@ where
             }
             exact_step.face(&stretch.forcing, stretch.length_s);
             exact_step.meter.at(&stretch, &state, exact_step.coulomb_n);
-            // The energies are those of the window.
+            // The energies cover only the window.
             exact_step.with_sums = self.with_sums && exact_step.meter.is_open();
             let steps = stretch.steps(self.steps_per_period);
             let h = stretch.length_s / f64::from(steps);
@@ -121,12 +128,13 @@ where
                 }
                 _ => None,
             };
-            // Added up stretch by stretch: a million small numbers in one sum leave 1e-10 of it.
+            // Summed per stretch: a single sum of a million small numbers loses 1e-10 of its value.
             let behind_n_s = std::mem::take(&mut self.exact_step.meter.totals.friction_n_s);
             for step in 0..steps {
                 let table = table.and_then(|index| self.tables.get(index)).and_then(Option::as_ref);
                 let exact_step = &mut self.exact_step;
-                // How much of the step the table can do: all of it, or with one reversal, or nothing.
+                // Fraction of the step that the table covers: all of it, the part up to a reversal,
+                // or nothing.
                 let done = match table {
                     Some(table) if fast_step(exact_step, table, step as usize) => 1.0,
                     Some(table) => table.part(exact_step, step as usize).map_or(0.0, |mut part| exact_step.go(&mut part)),
@@ -148,7 +156,7 @@ where
         Ok(exact_step.meter.finish(&state, exact_step.coulomb_n))
     }
 
-    /// The table of a piece, made when it is first met.
+    /// Returns the index of the table of a piece, which is computed at its first use.
     fn table(&mut self, template: usize, stretch: &Stretch, steps: u32, h: f64) -> usize {
         if self.tables.len() <= template {
             self.tables.resize_with(template + 1, || None);
@@ -175,7 +183,8 @@ mod tests {
         Ratios::of(problem, &taylor::run(problem, 24, 28, &mut |_| ()).unwrap())
     }
 
-    /// Errors of the mean at 8, 16 and 32 steps, each at most thrice what was measured; the reference is the Taylor series.
+    /// Errors of the mean at 8, 16 and 32 steps against the Taylor series; the bounds are at most
+    /// three times the measured errors.
     #[test]
     fn converges_to_the_taylor_series() {
         let problem = table_4_1(0.5, 200.0);
@@ -214,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn the_account_closes_to_round_off_at_any_step() {
+    fn energy_account_closes_at_any_step() {
         for (sign, damping_n_s_per_m) in [(Sign::Passive, 0.0), (Sign::Literal, 0.0), (Sign::Passive, 40.0)] {
             let mut problem = table_4_1(0.5, 100.0);
             problem.sign = sign;
@@ -226,7 +235,8 @@ mod tests {
         }
     }
 
-    /// Natural over drive frequency, contact spring over `m w^2`, friction over force, velocity ratio.
+    /// Returns a contact by natural over drive frequency, contact stiffness over `m w^2`, friction
+    /// over force, and velocity ratio.
     fn contact(natural: f64, spring: f64, friction: f64, velocity_ratio: f64, periods: f64) -> Problem {
         let mut problem = table_4_1(0.0, periods);
         let inertia = MASS_KG * (std::f64::consts::TAU * DRIVE_HZ).powi(2);
@@ -238,9 +248,9 @@ mod tests {
         problem
     }
 
-    /// Rates of friction at its bound are round-off times the stiffness: they count for nothing.
+    /// At the bound, the rate of friction is round-off times the stiffness and must be ignored.
     #[test]
-    fn friction_that_has_come_to_its_bound_stays_there() {
+    fn friction_stays_at_its_bound() {
         for (natural, spring, friction, velocity_ratio) in [(0.5, 4.3e-3, 2.2e-8, 650.0), (0.03, 8e-3, 2e-10, 640.0)] {
             let mut problem = contact(natural, spring, friction, velocity_ratio, 20.0);
             problem.window_s.0 = 0.0;
@@ -252,9 +262,9 @@ mod tests {
         }
     }
 
-    /// Two reversals within a coarse step, and bristles that are rigid beside it.
+    /// Two reversals within a coarse step, with bristles that are rigid compared with it.
     #[test]
-    fn a_dip_within_a_coarse_step_has_its_friction() {
+    fn a_dip_within_a_coarse_step_is_resolved() {
         for (natural, spring, friction, velocity_ratio) in [(2.142, 0.146, 1e-7, 2.47), (4.618, 3.7e-3, 2e-10, 4.7)] {
             let problem = contact(natural, spring, friction, velocity_ratio, 60.0);
             let truth = truth(&problem).friction;
@@ -265,7 +275,8 @@ mod tests {
         }
     }
 
-    /// A reversal that falls on the end of a step within round-off is found on one side of it or the other, and not on both.
+    /// A reversal that falls on the end of a step within round-off is found on one side of it, not
+    /// on both.
     #[test]
     fn a_reversal_at_a_steps_end_counts_once() {
         let problem = table_4_1(0.0, 30_000.0);
@@ -275,16 +286,17 @@ mod tests {
         }
     }
 
-    /// Short parts take less than round-off from what friction is off its bound: that ends.
+    /// Short parts remove less than round-off from the distance of friction to its bound; the run
+    /// must still end.
     #[test]
-    fn short_steps_come_to_an_end() {
+    fn runs_with_short_parts_end() {
         let problem = contact(0.026, 48.0, 1.5e-10, 1.3e-6, 100.0);
         let [coarse, fine] = [84, 1331].map(|steps| ratios(&problem, steps, 6, Options::Plain).friction);
         assert!((coarse - fine).abs() < 5e-11, "{coarse} {fine}");
     }
 
     #[test]
-    fn without_feedback_the_mean_is_off_by_the_coupling() {
+    fn frozen_error_is_the_coupling() {
         let problem = table_4_1(0.5, 200.0);
         let error = ratios(&problem, 16, 6, Options::Frozen).friction - truth(&problem).friction;
         // Friction over forcing is 5e-5.

@@ -1,18 +1,22 @@
-//! Exponential midpoint: for bristles too stiff for Runge-Kutta.
+//! Exponential midpoint rule, for bristles that are too stiff for Runge-Kutta.
 //!
-//! The oscillator follows its exact linear flow under the forcing (Simpson's rule) and the step's mean friction. Its slip velocity, a
-//! parabola over the step, moves the [`bristle`](super::bristle)s exactly in the slip, reversals included. Friction that follows the slip
-//! at once (sigma1, sigma2, stuck bristles) enters implicitly: with `F = F* + beta (V - V*)` for the means over the step, V* being
-//! foreseen with the last step's friction,
+//! The oscillator follows its exact linear flow under the forcing (Simpson's rule) and the step's
+//! mean friction. Its slip velocity, a parabola over the step, moves the
+//! [`bristle`](super::bristle)s exactly in the slip, reversals included. Friction that follows the
+//! slip without delay (sigma1, sigma2, stuck bristles) is implicit. With `F = F* + beta (V - V*)`
+//! for the means over the step, and V* predicted with the friction of the last step:
 //!
 //! ```text
 //! V = V(F = 0) - s Bx F / h,   beta = Kt h phi2(L) + sigma1 phi1(L) + sigma2,   phi1 = (1 - e^-L) / L,   phi2 = (1 - phi1) / L
 //! ```
 //!
-//! where Bx is what a force of one does to x in a step, fitted so that a mass under beta alone stops as exp(-beta t / m). Bounded at any
-//! stiffness and any damping. The coupling is of order two; the friction of a given motion is of order four, so that what is left at a
-//! weak coupling is small. With sigma1 h / m or sigma2 h / m far above one the motion and the means hold, but the friction at a
-//! moment, which is then the difference of far larger forces, does not.
+//! Bx is the displacement that a unit force causes in a step, adjusted so that a mass under beta
+//! alone stops as exp(-beta t / m). The method is bounded at any stiffness and any damping. The
+//! coupling is of second order, the friction of a given motion of fourth order, so the error at a
+//! weak coupling is small.
+//!
+//! With sigma1 h / m or sigma2 h / m far above one, the motion and the means remain accurate, but
+//! the momentary friction does not: it is then the difference of far larger forces.
 
 use super::bristle::{Bristle, Part, means_left};
 use crate::SolveError;
@@ -24,7 +28,7 @@ use crate::timeline::Timeline;
 
 const METHOD: &str = "midpoint";
 
-/// Runs a problem with so many steps a period; `watch` sees the state after every step.
+/// Runs a problem with a number of steps per period; `watch` receives the state after every step.
 pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     let Some(bristle) = Bristle::new(problem.law, problem.coulomb_n) else {
         let reason = "Coulomb friction has no bristles".into();
@@ -61,19 +65,21 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
 #[derive(Clone, Copy, Debug, Default)]
 struct Flow {
     h: f64,
-    /// What x and x' become of x and x'.
+    /// Displacement at the end of the step, from x and x' at its beginning.
     x: [f64; 2],
+    /// Velocity at the end of the step, from x and x' at its beginning.
     v: [f64; 2],
-    /// What an impulse of 1 N s at the beginning, or in the middle, leaves in x and x'.
+    /// Change of x and x' from an impulse of 1 N s at the beginning.
     kick: [f64; 2],
+    /// Change of x and x' from an impulse of 1 N s in the middle.
     middle_kick: [f64; 2],
-    /// What a constant force of 1 N leaves in x and x'.
+    /// Change of x and x' from a constant force of 1 N.
     held: [f64; 2],
 }
 
 impl Flow {
     fn over(h: f64, mass: f64, stiffness: f64, damping: f64) -> Self {
-        // In x, h x' and h^2 F / m, which are alike in size.
+        // In the variables x, h x' and h^2 F / m, which are of similar size.
         let of = |part: f64| {
             let t = part * h;
             exponential(&[[0.0, part, 0.0], [-stiffness / mass * h * t, -damping / mass * t, part], [0.0, 0.0, 0.0]])
@@ -90,11 +96,12 @@ impl Flow {
     }
 }
 
-/// A run on its way.
+/// State of a run.
 struct Walk {
     motion: Motion,
-    /// Sliding speed, m/s, and the factor of x' in the slip.
+    /// Sliding speed, m/s.
     sliding: f64,
+    /// Factor of x' in the slip.
     sign: f64,
     bristle: Bristle,
     sigma1: f64,
@@ -103,7 +110,7 @@ struct Walk {
     x: f64,
     v: f64,
     f: f64,
-    /// Forcing here.
+    /// Present forcing.
     now: f64,
     /// Mean friction of the last step, N.
     force: f64,
@@ -143,7 +150,7 @@ impl Walk {
         self.bristle = Bristle::new(law, coulomb_n).unwrap_or(self.bristle);
     }
 
-    /// A stretch begins, in steps of `h` seconds.
+    /// Begins a stretch with steps of `h` seconds.
     fn enter(&mut self, forcing: &Forcing, h: f64, starts: bool) {
         self.now = forcing.value(0.0);
         match self.motion {
@@ -163,7 +170,7 @@ impl Walk {
         self.sliding + self.sign * v
     }
 
-    /// Rate of the bristles' deflection, m/s.
+    /// Returns the rate of the bristles' deflection, m/s.
     fn deflecting(&self, f: f64, slip: f64) -> f64 {
         slip - slip.abs() * f / self.bristle.level(slip)
     }
@@ -174,7 +181,7 @@ impl Walk {
         State { time_s, x_m: self.x, v_m_per_s: self.v, force_n: self.coulomb_n * self.f + damped + self.sigma2 * slip }
     }
 
-    /// One step at `s` seconds of the stretch.
+    /// Computes one step, `s` seconds after the beginning of the stretch.
     fn step(&mut self, forcing: &Forcing, s: f64, h: f64) {
         let (w0, wm, w1) = (self.now, forcing.value(s + 0.5 * h), forcing.value(s + h));
         self.now = w1;
@@ -205,7 +212,8 @@ impl Walk {
         bristles + damped + self.sigma2 * slip
     }
 
-    /// Oscillator and bristles together: slip at three times, what the bristles did, and the mean friction.
+    /// Solves oscillator and bristles together. Returns the slip at three times, the effect on the
+    /// bristles, and the mean friction.
     fn coupled(&mut self, h: f64, [w0, wm, w1]: [f64; 3]) -> ([f64; 3], Part, f64) {
         let flow = self.flow;
         let free = |start: [f64; 2], i: usize| {
@@ -248,7 +256,7 @@ impl Walk {
         if let Motion::Sdof { mass_kg, .. } = self.motion { mass_kg } else { 1.0 }
     }
 
-    /// Adds up a step that began in x and x'.
+    /// Adds a step that began in x and x' to the totals.
     fn account(&mut self, h: f64, w: [f64; 3], (x0, v0): (f64, f64), slip: [f64; 3], part: &Part, force: f64) {
         let simpson = |a: f64, b: f64, c: f64| h / 6.0 * (a + 4.0 * b + c);
         let v1 = self.v;
@@ -256,7 +264,7 @@ impl Walk {
         let mut work = self.coulomb_n * part.work;
         if self.sigma1 != 0.0 || self.sigma2 != 0.0 {
             let damped = |f: f64, slip: f64| slip * (self.sigma1 * self.deflecting(f, slip) + self.sigma2 * slip);
-            // In the middle, what gives the mean by Simpson's rule.
+            // The middle value that gives the mean by Simpson's rule.
             let middle = 1.5 * part.impulse / h - 0.25 * (self.f + part.end);
             work += simpson(damped(self.f, slip[0]), damped(middle, slip[1]), damped(part.end, slip[2]));
         }

@@ -1,20 +1,20 @@
-//! The linear part of a problem: how the motion goes on from a state under a given forcing, friction apart.
+//! The linear part of a problem: the motion from a state under a given forcing, without friction.
 //!
 //! ```text
 //! SDOF:       x'' + 2 d x' + w^2 x = u(t)       d = c / 2m,  w^2 = Ks / m,  u = force / m
 //! kinematic:  x' = u(t)
 //! ```
 //!
-//! The flow is exact for any forcing that is given by its Taylor coefficients. It has no particular solution `F0 / (Ks - m W^2)` in
-//! it, so resonance is a case like any other.
+//! The flow is exact for any forcing given by its Taylor coefficients. It does not use a particular
+//! solution `F0 / (Ks - m W^2)`, so resonance is not a special case.
 
 use crate::forcing::Forcing;
 use crate::problem::{Motion, Problem};
 
-/// The linear part of a problem.
+/// Linear part of a problem.
 #[derive(Clone, Copy, Debug)]
 pub struct Oscillator {
-    /// Whether the velocity is given rather than integrated.
+    /// `true` if the velocity is given instead of integrated.
     pub kinematic: bool,
     /// One over the mass, 1/kg; one in a kinematic motion.
     pub per_mass: f64,
@@ -24,13 +24,13 @@ pub struct Oscillator {
     pub stiffness: f64,
 }
 
-/// Number of coefficients of a kick's response. Kicks carry the third and higher terms of friction over a step h, so what is left
-/// out is of order h^11.
+/// Number of coefficients in the response to a kick. Kicks contain only the third and higher terms
+/// of friction over a step h, so the truncation error is of order h^11.
 pub const KERNEL: usize = 8;
 
 impl Oscillator {
-    /// The oscillator of a problem.
-    pub fn of(problem: &Problem) -> Self {
+    /// Returns the oscillator of a problem.
+    pub fn new(problem: &Problem) -> Self {
         match problem.motion {
             Motion::Kinematic => Oscillator { kinematic: true, per_mass: 1.0, damping: 0.0, stiffness: 0.0 },
             Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } => Oscillator {
@@ -42,7 +42,8 @@ impl Oscillator {
         }
     }
 
-    /// The forcing's coefficients over `unit` seconds from `at_s` on: an acceleration, m/s^2, or a velocity, m/s.
+    /// Returns the coefficients of the forcing over `unit` seconds from `at_s`: an acceleration,
+    /// m/s^2, or a velocity, m/s.
     #[inline]
     pub fn forcing<const N: usize>(&self, forcing: &Forcing, at_s: f64, unit: f64) -> [f64; N] {
         let mut u = forcing.taylor_in(at_s, unit);
@@ -50,7 +51,8 @@ impl Oscillator {
         u
     }
 
-    /// Coefficients of displacement and velocity over `unit` seconds, from `x` and `v` under the forcing `u`.
+    /// Returns the coefficients of displacement and velocity over `unit` seconds, from `x` and `v`
+    /// under the forcing `u`.
     #[inline]
     pub fn series<const N: usize>(&self, x: f64, v: f64, u: &[f64; N], unit: f64) -> ([f64; N], [f64; N]) {
         let (mut xs, mut vs) = ([0.0; N], [0.0; N]);
@@ -71,15 +73,16 @@ impl Oscillator {
         (xs, vs)
     }
 
-    /// Displacement after a kick that changes the velocity by one, as coefficients of the time since it, s.
+    /// Returns the displacement after a kick that changes the velocity by one, as coefficients of
+    /// the time since the kick, s.
     pub fn kernel(&self) -> [f64; KERNEL] {
         if self.kinematic { [0.0; KERNEL] } else { self.series(0.0, 1.0, &[0.0; KERNEL], 1.0).0 }
     }
 }
 
-/// Most coefficients of a series.
+/// Largest number of coefficients of a series.
 const LARGEST: usize = 34;
-/// One over the index.
+/// Reciprocal of each index.
 pub(super) const INVERSE: [f64; LARGEST] = {
     let mut inverse = [0.0; LARGEST];
     let mut k = 1;

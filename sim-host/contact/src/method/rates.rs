@@ -1,4 +1,5 @@
-//! The right-hand side that the Runge-Kutta methods share: motion, friction law, and the integrals of the [`tally`](crate::tally).
+//! The right-hand side that the Runge-Kutta methods share: motion, friction law, and the integrals
+//! of the [`tally`](crate::tally).
 //!
 //! ```text
 //! x' = v,   m v' = Fe - c v - Ks x - F,   V = Vt + s v                       (4.14, 4.16)
@@ -6,21 +7,23 @@
 //! g  = 1 + (Fs/Fc - 1) exp(-(V/Vs)^2),    F = Fc f + sigma1 z' + sigma2 V     (4.9, 4.10)
 //! ```
 //!
-//! `|V|` comes from the caller: by the slip's own size, or by a sign that the caller keeps.
+//! The caller provides `|V|`: from the slip itself, or from a sign that the caller keeps.
 
 use crate::problem::{Law, Motion, Problem};
 use crate::tally::{State, Totals};
 
-/// What the thesis's solver carries: x, m; x', m/s; bristle force over Fc; integral of F, N s.
-pub const LEAN: usize = 4;
+/// Number of states of the thesis's solver: x, m; x', m/s; bristle force over Fc; integral of F, N
+/// s.
+pub const LEAN_STATES: usize = 4;
 
-/// All that a tally needs: besides, the integrals of F V, input and damper, J, and of kinetic and potential energy, J s.
-pub const FULL: usize = 9;
+/// Number of states with all integrals of a tally: in addition F V, input and damper, J, and
+/// kinetic and potential energy, J s.
+pub const FULL_STATES: usize = 9;
 
-/// A bristle force this many times larger than any that the law admits is no solution.
-const ESCAPE: f64 = 10.0;
+/// Factor above the largest bristle force of the law at which a solution counts as diverged.
+const ESCAPE_RATIO: f64 = 10.0;
 
-/// The right-hand side of a problem at one Coulomb force.
+/// Right-hand side of a problem at one Coulomb force.
 #[derive(Clone, Copy, Debug)]
 pub struct Rates {
     law: Law,
@@ -40,7 +43,7 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// The right-hand side at the beginning of a problem, and the state there.
+    /// Creates the right-hand side at the beginning of a problem, and the state there.
     pub fn new<const N: usize>(problem: &Problem) -> (Self, [f64; N]) {
         let mut y = [0.0; N];
         (y[0], y[1], y[2]) = (problem.start.x_m, problem.start.v_m_per_s, problem.start.force_n / problem.coulomb_n);
@@ -59,7 +62,7 @@ impl Rates {
         (rates, y)
     }
 
-    /// Another Coulomb force takes over, N: the force in the bristles stays.
+    /// Changes the Coulomb force, N; the force in the bristles stays.
     pub fn load<const N: usize>(&mut self, y: &mut [f64; N], coulomb_n: f64) {
         y[2] *= self.coulomb_n / coulomb_n;
         self.coulomb_n = coulomb_n;
@@ -69,28 +72,29 @@ impl Rates {
             Law::Lugre { stiffness_n_per_m, static_ratio, .. } => (stiffness_n_per_m, static_ratio.max(1.0)),
         };
         self.stiffness_per_force = stiffness / coulomb_n;
-        self.limit = ESCAPE * y[2].abs().max(largest);
+        self.limit = ESCAPE_RATIO * y[2].abs().max(largest);
     }
 
-    /// Whether the numbers are no solution any more.
+    /// Returns `true` if the state has diverged.
     #[inline]
     pub fn escaped<const N: usize>(&self, y: &[f64; N]) -> bool {
         y[2].abs() > self.limit || !y.iter().all(|value| value.is_finite())
     }
 
-    /// Vibration velocity x', m/s.
+    /// Returns the vibration velocity x', m/s.
     #[inline]
     pub fn velocity<const N: usize>(&self, y: &[f64; N], forcing: f64) -> f64 {
         if matches!(self.motion, Motion::Kinematic) { forcing } else { y[1] }
     }
 
-    /// Slip velocity V of a vibration velocity, m/s.
+    /// Returns the slip velocity V for a vibration velocity, m/s.
     #[inline]
     pub fn slip(&self, v: f64) -> f64 {
         self.sliding_m_per_s + self.sign * v
     }
 
-    /// Friction, N, and the rate of the bristle force over Fc, 1/s, at a slip velocity and its size.
+    /// Returns friction, N, and the rate of the bristle force over Fc, 1/s, at a slip velocity and
+    /// its absolute value.
     #[inline]
     pub fn friction(&self, bristle: f64, slip: f64, size: f64) -> (f64, f64) {
         match self.law {
@@ -104,20 +108,20 @@ impl Rates {
         }
     }
 
-    /// The rates of all states under a forcing, N or m/s. `size` makes `|V|` of V.
+    /// Returns the rates of all states under a forcing, N or m/s. `size` computes `|V|` from V.
     #[inline]
-    pub fn of<const N: usize>(&self, y: &[f64; N], forcing: f64, size: impl Fn(f64) -> f64) -> [f64; N] {
+    pub fn derivatives<const N: usize>(&self, y: &[f64; N], forcing: f64, size: impl Fn(f64) -> f64) -> [f64; N] {
         let v = self.velocity(y, forcing);
         let slip = self.slip(v);
         let (force, bristle_rate) = self.friction(y[2], slip, size(slip));
         let mut rate = [0.0; N];
         (rate[0], rate[2], rate[3]) = (v, bristle_rate, force);
-        if N == FULL {
+        if N == FULL_STATES {
             (rate[4], rate[5]) = (force * slip, force * v);
         }
         if let Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m: c } = self.motion {
             rate[1] = (forcing - c * v - stiffness_n_per_m * y[0] - force) * self.per_mass;
-            if N == FULL {
+            if N == FULL_STATES {
                 (rate[5], rate[6]) = (forcing * v, c * v * v);
                 (rate[7], rate[8]) = (0.5 * mass_kg * v * v, 0.5 * stiffness_n_per_m * y[0] * y[0]);
             }
@@ -125,7 +129,8 @@ impl Rates {
         rate
     }
 
-    /// One classical Runge-Kutta step of `h` seconds from `y`, whose rates are `first`, with the forcing in its middle and at its end.
+    /// Advances `y`, whose rates are `first`, by one classical Runge-Kutta step of `h` seconds,
+    /// with the forcing in its middle and at its end.
     #[inline]
     pub fn step<const N: usize>(
         &self,
@@ -136,13 +141,13 @@ impl Rates {
         size: impl Fn(f64) -> f64 + Copy,
     ) -> [f64; N] {
         let along = |k: &[f64; N], part: f64| std::array::from_fn(|i| y[i] + part * h * k[i]);
-        let k2 = self.of(&along(first, 0.5), forcing.0, size);
-        let k3 = self.of(&along(&k2, 0.5), forcing.0, size);
-        let k4 = self.of(&along(&k3, 1.0), forcing.1, size);
+        let k2 = self.derivatives(&along(first, 0.5), forcing.0, size);
+        let k3 = self.derivatives(&along(&k2, 0.5), forcing.0, size);
+        let k4 = self.derivatives(&along(&k3, 1.0), forcing.1, size);
         std::array::from_fn(|i| y[i] + h / 6.0 * (first[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
     }
 
-    /// The state as seen from outside.
+    /// Returns the state for observers.
     #[inline]
     pub fn state<const N: usize>(&self, y: &[f64; N], forcing: f64, time_s: f64) -> State {
         let v = self.velocity(y, forcing);
@@ -151,14 +156,15 @@ impl Rates {
     }
 }
 
-/// `g = Kt G / Fc` of LuGre at a slip velocity (4.9): from Fs / Fc at rest down to one.
+/// Returns `g = Kt G / Fc` of LuGre's law at a slip velocity (4.9): Fs / Fc at rest, falling to
+/// one.
 #[inline]
 pub fn level(static_ratio: f64, stribeck_m_per_s: f64, slip: f64) -> f64 {
     let ratio = slip / stribeck_m_per_s;
     1.0 + (static_ratio - 1.0) * (-ratio * ratio).exp()
 }
 
-/// The integrals since the beginning; of a lean state only that of friction.
+/// Returns the integrals since the beginning; from a lean state only that of friction.
 #[inline]
 pub fn totals<const N: usize>(y: &[f64; N]) -> Totals {
     let of = |index: usize| y.get(index).copied().unwrap_or(0.0);

@@ -1,17 +1,19 @@
-//! The thesis's method: classical Runge-Kutta of fourth order with a fixed step and the signum in the right-hand side (4.2).
+//! The thesis's method: classical fourth-order Runge-Kutta with a fixed step and the sign function
+//! in the right-hand side (4.2).
 //!
-//! At a reversal of the slip the right-hand side has a corner, so the order is two; at a jump of the forcing the last stage already
-//! samples what comes after it, so there it is one. Nothing here is chosen for accuracy: this is the baseline.
+//! At a reversal of the slip the right-hand side has a corner, so the order is two. At a jump of
+//! the forcing the last stage already samples the value after it, so the order is one. Nothing here
+//! is chosen for accuracy: this is the baseline.
 //!
-//! | entry | carries | forcing |
+//! | entry | integrated states | forcing |
 //! |---|---|---|
-//! | [`run`] | all integrals of the tally | the waveform, three times a step |
-//! | [`run_plain`] | what the thesis's solver needs: x, x', f and the mean | the same |
+//! | [`run`] | all integrals of the tally | the waveform, three times per step |
+//! | [`run_plain`] | those of the thesis's solver: x, x', f and the mean | the same |
 //! | [`run_tabulated`] | the same, scaled | a table |
 
 pub use super::rk4_tabulated::run as run_tabulated;
 
-use super::rates::{FULL, LEAN, Rates, totals};
+use super::rates::{FULL_STATES, LEAN_STATES, Rates, totals};
 use crate::SolveError;
 use crate::problem::{Law, Problem};
 use crate::tally::{Meter, State, Tally};
@@ -19,14 +21,15 @@ use crate::timeline::Timeline;
 
 const METHOD: &str = "rk4";
 
-/// Runs a problem with so many steps a period; `watch` sees the state after every step.
+/// Runs a problem with a number of steps per period; `watch` receives the state after every step.
 pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
-    go::<FULL>(problem, steps_per_period, watch)
+    go::<FULL_STATES>(problem, steps_per_period, watch)
 }
 
-/// Runs a problem without the integrals of the energies, for timing; they and the peaks are zero in the tally.
+/// Runs a problem without the integrals of the energies, for timing. These and the peaks are zero
+/// in the tally.
 pub fn run_plain(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
-    go::<LEAN>(problem, steps_per_period, watch)
+    go::<LEAN_STATES>(problem, steps_per_period, watch)
 }
 
 fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
@@ -35,7 +38,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
         return Err(SolveError::Unsuited { method: METHOD, reason });
     }
     let (mut rates, mut y) = Rates::new::<N>(problem);
-    let mut meter = Meter::new(N == FULL);
+    let mut meter = Meter::new(N == FULL_STATES);
     let mut state = problem.start;
     let mut timeline = Timeline::new(problem).peekable();
     while let Some(stretch) = timeline.next() {
@@ -52,14 +55,14 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
         for step in 0..steps {
             let s = f64::from(step) * h;
             let at_end = if step + 1 == steps { beyond } else { forcing(s + h) };
-            let first = rates.of(&y, forcing(s), f64::abs);
+            let first = rates.derivatives(&y, forcing(s), f64::abs);
             y = rates.step(&y, &first, h, (forcing(s + 0.5 * h), at_end), f64::abs);
             let time_s = stretch.start_s + f64::from(step + 1) * h;
             if rates.escaped(&y) {
                 return Err(SolveError::Diverged { method: METHOD, time_s });
             }
             state = rates.state(&y, at_end, time_s);
-            if N == FULL {
+            if N == FULL_STATES {
                 meter.step(&state, state.force_n / rates.coulomb_n);
             } else {
                 meter.tally.steps += 1;
@@ -84,14 +87,15 @@ mod tests {
         let plain = run_plain(&problem, 100, &mut |state| one.push(*state)).unwrap();
         let full = run(&problem, 100, &mut |state| other.push(*state)).unwrap();
         assert_eq!((one, plain.totals.friction_n_s), (other, full.totals.friction_n_s));
-        // The energy identity is met by the full one alone, within the method's error at so few steps.
+        // Only the full run gives the energy residual, which is within the method's error at so few
+        // steps.
         let residual = Ratios::of(&problem, &full).energy_residual.unwrap();
         println!("{residual:e}");
         assert!(residual.abs() < 2e-5);
     }
 
     #[test]
-    fn what_escapes_is_no_number_of_the_answer() {
+    fn diverging_runs_are_reported() {
         for factor in [3e3, 1e4, 1e6] {
             let mut problem = table_4_1(0.5, 20.0);
             problem.law = Law::Dahl { stiffness_n_per_m: factor * 0.056e6 };

@@ -1,11 +1,15 @@
-//! Runge-Kutta of fourth order between the reversals of the slip.
+//! Fourth-order Runge-Kutta between the reversals of the slip.
 //!
-//! The sign of the slip is a state of its own: it is frozen within a step, so that the right-hand side is analytic there, and it changes
-//! only at a reversal, which is located by steps to it (Newton's method inside a bracket). There the slip is set to exactly zero, and
-//! no sign is ever taken from its round-off. A step whose slip falls first and rises afterwards is searched for a dip below zero.
-//! Order four, where the thesis's method has two. No step straddles two stretches of the timeline.
+//! The sign of the slip is a separate state. It is constant within a step, so that the right-hand
+//! side is analytic there, and changes only at a reversal. A reversal is located by steps towards
+//! it (Newton's method inside a bracket). There the slip is set to exactly zero, and no sign is
+//! ever taken from its round-off. If the slip first falls and then rises within a step, the step is
+//! searched for a dip below zero.
+//!
+//! The method is of fourth order; the thesis's method is of second order. No step crosses the
+//! boundary between two stretches of the timeline.
 
-use super::rates::{FULL, LEAN, Rates, totals};
+use super::rates::{FULL_STATES, LEAN_STATES, Rates, totals};
 use super::reversal::{Point, Verdict, between};
 use crate::SolveError;
 use crate::forcing::Forcing;
@@ -15,20 +19,21 @@ use crate::timeline::Timeline;
 
 const METHOD: &str = "rk4-events";
 
-/// More reversals than this in one step are no solution any more.
-const MOST_REVERSALS: u32 = 1000;
+/// Number of reversals within one step above which the solution counts as diverged.
+const MAX_REVERSALS_PER_STEP: u32 = 1000;
 
-/// A slip this much smaller than the velocities it is the sum of is zero.
-const ROUND_OFF: f64 = 1e-14;
+/// Round-off of the slip, relative to the velocities of which it is the sum.
+const ROUND_OFF_REL: f64 = 1e-14;
 
-/// Runs a problem with so many steps a period; `watch` sees the state after every step and at every reversal.
+/// Runs a problem with a number of steps per period; `watch` receives the state after every step
+/// and at every reversal.
 pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
-    go::<FULL>(problem, steps_per_period, watch)
+    go::<FULL_STATES>(problem, steps_per_period, watch)
 }
 
 /// Runs a problem without the integrals of the energies, for timing; they are zero in the tally.
 pub fn run_plain(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
-    go::<LEAN>(problem, steps_per_period, watch)
+    go::<LEAN_STATES>(problem, steps_per_period, watch)
 }
 
 fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
@@ -38,7 +43,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
     }
     let (rates, y) = Rates::new::<N>(problem);
     let mut walk = Walk { rates, kinematic: problem.motion == Motion::Kinematic, y, sign: 1.0, now: 0.0, k: [0.0; N] };
-    let mut meter = Meter::new(N == FULL);
+    let mut meter = Meter::new(N == FULL_STATES);
     let mut state = problem.start;
     for stretch in Timeline::new(problem) {
         if let Some(force) = stretch.load {
@@ -69,26 +74,27 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
     Ok(meter.finish(&state, walk.rates.coulomb_n))
 }
 
-/// A run on its way.
+/// State of a run.
 struct Walk<const N: usize> {
     rates: Rates,
     kinematic: bool,
     y: [f64; N],
-    /// Of the slip, one or minus one.
+    /// Sign of the slip, one or minus one.
     sign: f64,
-    /// Forcing here.
+    /// Present forcing.
     now: f64,
-    /// Rates here.
+    /// Present rates.
     k: [f64; N],
 }
 
 impl<const N: usize> Walk<N> {
     fn rates_of(&self, y: &[f64; N], forcing: f64) -> [f64; N] {
         let sign = self.sign;
-        self.rates.of(y, forcing, |slip| sign * slip)
+        self.rates.derivatives(y, forcing, |slip| sign * slip)
     }
 
-    /// The step from here of `h` seconds, at `s` seconds of the stretch.
+    /// Computes a step of `h` seconds from the present state, `s` seconds after the beginning of
+    /// the stretch.
     #[inline]
     fn along(&self, forcing: &Forcing, s: f64, h: f64) -> ([f64; N], f64) {
         let (sign, at_end) = (self.sign, forcing.value(s + h));
@@ -96,7 +102,8 @@ impl<const N: usize> Walk<N> {
         (y, at_end)
     }
 
-    /// Slip times sign at a moment of the stretch with the forcing there, and its slope over `h` seconds.
+    /// Returns slip times sign at a moment of the stretch with the forcing there, and its slope
+    /// over `h` seconds.
     #[inline]
     fn point(&self, at: f64, (y, k): (&[f64; N], &[f64; N]), forcing: &Forcing, (s, value): (f64, f64), h: f64) -> Point {
         let slope = if self.kinematic { forcing.taylor::<2>(s)[1] } else { k[1] };
@@ -104,13 +111,15 @@ impl<const N: usize> Walk<N> {
         Point { at, value: self.sign * slip, slope: self.sign * self.rates.sign * slope * h }
     }
 
-    /// Round-off of a slip between two moments.
+    /// Returns the round-off of a slip between two moments.
     fn round_off(&self, v0: f64, v1: f64) -> f64 {
-        ROUND_OFF * (self.rates.sliding_m_per_s.abs() + v0.abs() + v1.abs())
+        ROUND_OFF_REL * (self.rates.sliding_m_per_s.abs() + v0.abs() + v1.abs())
     }
 
-    /// A stretch begins. At the very start no sign is known, and the velocity of a kinematic motion may have jumped; an oscillator's
-    /// has not. Returns whether the sign has changed.
+    /// Begins a stretch and returns `true` if the sign has changed.
+    ///
+    /// The sign is `unknown` at the very start. The velocity of a kinematic motion may jump between
+    /// stretches; that of an oscillator does not.
     fn enter(&mut self, forcing: &Forcing, h: f64, unknown: bool) -> bool {
         let before = self.sign;
         self.now = forcing.value(0.0);
@@ -128,11 +137,12 @@ impl<const N: usize> Walk<N> {
         self.sign != before
     }
 
-    /// Goes from one moment of the stretch to another, reversal by reversal. Returns whether there still is a solution.
+    /// Advances from one moment of the stretch to another, reversal by reversal. Returns `false` if
+    /// the solution has diverged.
     #[inline]
     fn step(&mut self, forcing: &Forcing, from: f64, to: f64, seen: &mut impl FnMut(&Self, f64, bool)) -> bool {
         let mut s = from;
-        for _ in 0..MOST_REVERSALS {
+        for _ in 0..MAX_REVERSALS_PER_STEP {
             let h = to - s;
             let (y, at_end) = self.along(forcing, s, h);
             if self.rates.escaped(&y) {
@@ -160,7 +170,7 @@ impl<const N: usize> Walk<N> {
             }
             s += at * h;
             self.now = forcing.value(s);
-            // Exactly zero: the sum that makes the slip cancels without a remainder.
+            // Makes the slip exactly zero: its sum cancels without a remainder.
             if !self.kinematic {
                 self.y[1] = -self.rates.sign * self.rates.sliding_m_per_s;
             }
@@ -171,14 +181,15 @@ impl<const N: usize> Walk<N> {
         false
     }
 
-    /// Where the slip is after a part of the step.
+    /// Returns slip and slope after a fraction of the step.
     fn probe(&self, forcing: &Forcing, s: f64, h: f64, at: f64) -> Point {
         let (y, value) = self.along(forcing, s, at * h);
         let k = self.rates_of(&y, value);
         self.point(at, (&y, &k), forcing, (s + at * h, value), h)
     }
 
-    /// The reversal inside a bracket: Newton from the guess, bisection where it leaves.
+    /// Locates the reversal inside a bracket: Newton's method from the guess, bisection if it
+    /// leaves the bracket.
     fn locate(&self, forcing: &Forcing, s: f64, h: f64, bracket: (f64, f64, f64), round_off: f64) -> f64 {
         let (mut low, mut high, mut at) = bracket;
         for _ in 0..60 {
@@ -197,7 +208,8 @@ impl<const N: usize> Walk<N> {
         at
     }
 
-    /// A minimum below zero, as the bracket of the reversal before it. The minimum is sought where the slope changes its sign.
+    /// Searches for a minimum below zero, at the change of sign of the slope. Returns the bracket
+    /// of the reversal before it.
     fn dip(&self, forcing: &Forcing, s: f64, h: f64, span: (Point, Point, f64), round_off: f64) -> Option<(f64, f64, f64)> {
         let (first, mut last, mut guess) = span;
         let mut left = first;

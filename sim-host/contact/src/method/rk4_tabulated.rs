@@ -1,7 +1,8 @@
-//! The thesis's method once more, as fast as it can be made without changing it: the baseline that a speed-up is claimed against.
+//! The thesis's method, optimized without changing its result: the baseline for speed comparisons.
 //!
-//! The same steps as [`rk4`](super::rk4) to round-off, but in units that save multiplications, and with the cosine taken from a
-//! table of two entries a step. With `X = s (Kt/Fc) x`, `U = s (Kt/Fc) h x'` and the step h as the unit of time,
+//! The steps equal those of [`rk4`](super::rk4) to round-off, but use units that save
+//! multiplications, and take the cosine from a table with two entries per step. With
+//! `X = s (Kt/Fc) x`, `U = s (Kt/Fc) h x'` and the step h as the unit of time,
 //!
 //! ```text
 //! X' = U,   U' = D cos(2 pi i / n) - a X - d U - e f,   W = p + U,   f' = W - |W| f
@@ -18,10 +19,11 @@ use crate::waveform::Shape;
 
 const METHOD: &str = "rk4 tabulated";
 
-/// Runs a Dahl oscillator under a sine in steps of one length. The tally has the mean of friction, and neither energies nor peaks.
+/// Runs a Dahl oscillator under a sine in steps of equal length. The tally contains the mean of
+/// friction, but neither energies nor peaks.
 pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     let (Law::Dahl { .. }, Motion::Sdof { .. }, Shape::Sine) = (problem.law, problem.motion, problem.waveform.shape()) else {
-        return unsuited("only for a Dahl contact on an oscillator under a sine");
+        return unsuited("it only solves a Dahl contact on an oscillator under a sine");
     };
     let mut table: Vec<f64> = Vec::new();
     let mut meter = Meter::default();
@@ -29,7 +31,7 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
     let mut state = problem.start;
     for stretch in Timeline::new(problem) {
         if stretch.template.is_none() {
-            return unsuited("a stretch is no whole period");
+            return unsuited("a stretch is not a whole period");
         }
         coulomb_n = stretch.load.unwrap_or(coulomb_n);
         let steps = stretch.steps(steps_per_period);
@@ -49,12 +51,13 @@ fn unsuited<T>(reason: &str) -> Result<T, SolveError> {
     Err(SolveError::Unsuited { method: METHOD, reason: reason.into() })
 }
 
-/// The factors of the scaled equations.
+/// Factors of the scaled equations.
 struct Scales {
     coulomb_n: f64,
     h: f64,
-    /// Of X by x, 1/m, and of U by x', s/m.
+    /// X over x, 1/m.
     per_m: f64,
+    /// U over x', s/m.
     per_m_per_s: f64,
     stiffness: f64,
     damping: f64,
@@ -85,7 +88,7 @@ impl Scales {
         }
     }
 
-    /// One period, from a state to the next.
+    /// Integrates one period and returns the state at its end.
     fn period(
         &self,
         table: &[f64],
@@ -117,7 +120,7 @@ impl Scales {
             f += (g1 + 2.0 * (g2 + g3) + g4) / 6.0;
             steps += 1;
             let time_s = stretch.start_s + f64::from(steps) * self.h;
-            // x and x' that are no numbers make f none within a step.
+            // A NaN in x or x' makes f NaN within a step.
             if f.is_nan() || f.abs() > limit {
                 return Err(SolveError::Diverged { method: METHOD, time_s });
             }
@@ -138,7 +141,8 @@ mod tests {
     use crate::tally::Ratios;
     use crate::{Sign, rk4};
 
-    /// Largest difference of x, x' and F from those of the method as it stands, over the largest of each; and that of the means.
+    /// Returns the largest difference of x, x' and F from the original method, over the largest of
+    /// each, and the difference of the means.
     fn apart(problem: &Problem, steps: u32) -> (f64, f64) {
         let (mut one, mut other) = (Vec::new(), Vec::new());
         let tally = run(problem, steps, &mut |state| one.push(*state)).unwrap();
@@ -154,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn the_steps_are_those_of_the_method_to_round_off() {
+    fn steps_equal_rk4_to_round_off() {
         let mut problem = table_4_1(0.5, 200.0);
         if let Motion::Sdof { damping_n_s_per_m, .. } = &mut problem.motion {
             *damping_n_s_per_m = 2.0;
@@ -169,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn what_it_is_not_made_for_is_refused() {
+    fn unsupported_problems_are_refused() {
         let mut problem = table_4_1(0.5, 4.0);
         problem.window_s.0 = 1.5 / 60e3;
         assert!(matches!(run(&problem, 10, &mut |_| ()), Err(SolveError::Unsuited { .. })));

@@ -1,14 +1,15 @@
-//! Taylor series of high order with located reversals: the truth in this repository, and the method for tight tolerances.
+//! Taylor series of high order with located reversals: the reference solution in this repository,
+//! and the method for tight tolerances.
 //!
-//! Between reversals of the slip velocity the problem is analytic, so each coefficient of its `series` follows from the ones before
-//! (Barrio 2005; Jorba and Zou 2005): for Dahl friction
+//! Between reversals of the slip velocity the problem is analytic, so each coefficient of its
+//! `series` follows from the preceding ones (Barrio 2005; Jorba and Zou 2005). For Dahl friction:
 //!
 //! ```text
 //! x' = v,   m v' = u(t) - c v - Ks x - Fc f,   f' = (Kt / Fc) (V - s V f),   V = Vt + sign v,   s = sgn V
 //! ```
 //!
-//! A reversal is the first root of the polynomial V; there the sign flips, V is zero exactly, and a new series begins. All integrals
-//! are those of the polynomials.
+//! A reversal is the first root of the polynomial V. There the sign changes, V is exactly zero, and
+//! a new series begins. All integrals are those of the polynomials.
 
 mod series;
 
@@ -22,28 +23,32 @@ use crate::timeline::{Stretch, Timeline};
 
 const METHOD: &str = "taylor";
 
-/// Orders of the series that can be chosen.
+/// Available orders of the series.
 pub const ORDERS: [u32; 7] = [8, 12, 16, 20, 24, 28, 32];
-/// Most parts of a step.
-const MOST_PARTS: u64 = 5_000;
-/// Moments closer than this part of a step are one.
-const SAME: f64 = 1e-13;
-/// Units of time, each so much shorter, of which one has numbers for coefficients.
-const MOST_UNITS: usize = 8;
-const FAR_SHORTER: f64 = 1e-3;
-/// A reversal is located to the square of this part of a step.
-const LOCATED: f64 = 1e-8;
-/// Friction this close to its bound does not change any more, or closer than this part of what its series is good for: it would stay about there, in
-/// short steps. At the bound itself its series ends after the first term.
-const SATURATED: f64 = 1e-15;
-const PART_OF_ERROR: f64 = 0.1;
+/// Largest number of series per step, on average over a stretch.
+const MAX_PARTS_PER_STEP: u64 = 5_000;
+/// Time difference below which two moments count as the same, as a fraction of a step.
+const SAME_MOMENT_STEPS: f64 = 1e-13;
+/// Number of time units that are tried, each shorter than the one before, until all coefficients
+/// are finite.
+const MAX_UNITS: usize = 8;
+/// Ratio of two successive time units.
+const UNIT_RATIO: f64 = 1e-3;
+/// Square root of the accuracy to which a reversal is located, as a fraction of a step.
+const LOCATION_TOLERANCE: f64 = 1e-8;
+/// Distance of friction from its bound, over Fc, below which it is set to the bound. Otherwise it
+/// would stay close to it in short steps; at the bound itself the series ends after the first term.
+const SATURATION_DISTANCE: f64 = 1e-15;
+/// The same distance as a fraction of the accuracy of the series; the larger one applies.
+const SATURATION_ERROR_FRACTION: f64 = 0.1;
 
-/// Runs a problem of Dahl or LuGre friction; `watch` sees the state after every step.
+/// Runs a problem of Dahl or LuGre friction; `watch` receives the state after every step.
 pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     of_order(problem, (steps_per_period, order), true, watch)
 }
 
-/// The same without what forcing and damper do, and what mass and spring hold: up to three products of series less a part.
+/// Runs a problem without the energies of forcing, damper, mass and spring, which saves up to three
+/// products of series per part.
 pub fn run_plain(
     problem: &Problem,
     steps_per_period: u32,
@@ -67,19 +72,22 @@ fn of_order(
         24 => Run::<25>::new(problem, accounted)?.all(steps, watch),
         28 => Run::<29>::new(problem, accounted)?.all(steps, watch),
         32 => Run::<33>::new(problem, accounted)?.all(steps, watch),
-        _ => Err(SolveError::Unsuited { method: METHOD, reason: format!("order {order} is none of {ORDERS:?}") }),
+        _ => Err(SolveError::Unsuited { method: METHOD, reason: format!("order {order} is not one of {ORDERS:?}") }),
     }
 }
 
 struct Run<'a, const N: usize> {
     problem: &'a Problem,
     coulomb_n: f64,
-    /// Displacement, m; velocity, m/s; force in the bristles and friction, over Fc.
+    /// Displacement, m.
     x: f64,
+    /// Velocity, m/s.
     v: f64,
+    /// Force in the bristles over Fc.
     bristle: f64,
+    /// Friction over Fc.
     f: f64,
-    /// Whether friction is the force in the bristles, and nothing besides.
+    /// `true` if friction is the force in the bristles alone.
     of_bristles: bool,
     /// Sign of the slip velocity.
     sense: f64,
@@ -89,7 +97,7 @@ struct Run<'a, const N: usize> {
 impl<'a, const N: usize> Run<'a, N> {
     fn new(problem: &'a Problem, accounted: bool) -> Result<Self, SolveError> {
         if problem.law == Law::Coulomb {
-            let reason = "it integrates friction with bristles; linexp has Coulomb's".into();
+            let reason = "it only integrates friction with bristles; use linexp for Coulomb friction".into();
             return Err(SolveError::Unsuited { method: METHOD, reason });
         }
         let State { x_m, v_m_per_s, force_n, .. } = problem.start;
@@ -120,7 +128,8 @@ impl<'a, const N: usize> Run<'a, N> {
         State { time_s, x_m: self.x, v_m_per_s: self.v, force_n: self.coulomb_n * self.f }
     }
 
-    /// Goes along a stretch by series that are at most a step long. One that begins at a reversal goes on over the end of its step, which is looked up in
+    /// Integrates a stretch by series that are at most one step long. A series that begins at a
+    /// reversal may continue past the end of its step; the state at that end is then evaluated from
     /// it.
     fn go(
         &mut self,
@@ -130,9 +139,9 @@ impl<'a, const N: usize> Run<'a, N> {
         watch: &mut impl FnMut(&State),
     ) -> Result<State, SolveError> {
         let h = stretch.length_s / f64::from(steps);
-        let same_s = SAME * h;
+        let same_s = SAME_MOMENT_STEPS * h;
         let end_s = |step: u32| if step == steps { stretch.length_s } else { f64::from(step) * h };
-        let saturated = SATURATED.max(PART_OF_ERROR * Series::<N>::largest_last_term());
+        let saturated = SATURATION_DISTANCE.max(SATURATION_ERROR_FRACTION * Series::<N>::largest_last_term());
         let coulomb_n = self.coulomb_n;
         let mut seen = |meter: &mut Meter, state: &State| {
             meter.step(state, state.force_n / coulomb_n);
@@ -149,15 +158,14 @@ impl<'a, const N: usize> Run<'a, N> {
             self.expand(series, &stretch.forcing, at_s, unit_s);
             series.shorten(&self.problem.law);
             parts += 1;
-            if parts > MOST_PARTS * u64::from(steps) {
-                let reason =
-                    "the contact is too stiff for a series, which needs thousands of parts a step; linexp follows it".into();
+            if parts > MAX_PARTS_PER_STEP * u64::from(steps) {
+                let reason = "the contact is too stiff: the series would need thousands of parts per step; use linexp".into();
                 return Err(SolveError::Unsuited { method: METHOD, reason });
             }
-            let mut reversal = first_reversal(&series.slip, self.sense, LOCATED);
+            let mut reversal = first_reversal(&series.slip, self.sense, LOCATION_TOLERANCE);
             flips = if reversal == Some(0.0) { flips + 1 } else { 0 };
             if flips > 1 {
-                // A velocity that only touches zero has a sign, and no reversal.
+                // A velocity that only touches zero has a sign, but does not reverse.
                 let sense = value(&series.slip, 0.5).signum();
                 (self.sense, reversal) = (sense, None);
                 self.expand(series, &stretch.forcing, at_s, unit_s);
@@ -191,23 +199,24 @@ impl<'a, const N: usize> Run<'a, N> {
         Ok(state)
     }
 
-    /// Finds the sign of the slip where it is not a matter of history: at the start, and where a given velocity jumps.
+    /// Finds the sign of the slip when it does not follow from the preceding motion: at the start,
+    /// and if a given velocity jumps.
     fn face(&mut self, series: &mut Series<N>, forcing: &Forcing, length_s: f64) {
         let kinematic = self.problem.motion == Motion::Kinematic;
         if self.sense != 0.0 && !kinematic {
             return;
         }
         self.expand(series, forcing, 0.0, 1e-3 * length_s);
-        // A slip that is zero, but for round-off, goes where its first derivative that is not zero leads.
+        // A slip that is zero to round-off takes the sign of its first non-zero derivative.
         let size = self.problem.sliding_m_per_s.abs() + series.v.iter().map(|c| c.abs()).fold(0.0, f64::max);
         let first = series.slip.iter().find(|c| c.abs() > 1e-12 * size);
         self.sense = first.map_or(1.0, |c| c.signum());
     }
 
-    /// The series from the present state on, in units of so many seconds, or fewer.
+    /// Computes the series from the present state, in units of `unit_s` seconds or shorter.
     fn expand(&self, series: &mut Series<N>, forcing: &Forcing, at_s: f64, unit_s: f64) {
         let begin = Begin { x: self.x, v: self.v, bristle: self.bristle, sense: self.sense, coulomb_n: self.coulomb_n };
-        let units = std::iter::successors(Some(unit_s), |unit_s| Some(unit_s * FAR_SHORTER)).take(MOST_UNITS);
+        let units = std::iter::successors(Some(unit_s), |unit_s| Some(unit_s * UNIT_RATIO)).take(MAX_UNITS);
         for unit_s in units {
             series.expand(self.problem, &begin, forcing.taylor_in(at_s, unit_s), unit_s);
             if series.is_finite() {
@@ -216,17 +225,17 @@ impl<'a, const N: usize> Run<'a, N> {
         }
     }
 
-    /// The state at the part `s` of the series' step.
+    /// Returns the state at the fraction `s` of the series' step.
     fn inside(&self, series: &Series<N>, s: f64, time_s: f64) -> State {
         let f = value(series.friction(&self.problem.law), s);
         let (x_m, v_m_per_s) = (value(&series.x, s), value(&series.v, s));
         State { time_s, x_m, v_m_per_s, force_n: self.coulomb_n * f }
     }
 
-    /// Goes to the part `s` of the series' step.
+    /// Advances to the fraction `s` of the series' step.
     fn advance(&mut self, series: &Series<N>, s: f64) {
         let (x, v, bristle) = (value(&series.x, s), value(&series.v, s), value(&series.bristle, s));
-        // What is before the window counts for nothing.
+        // Only the window counts.
         if self.meter.is_open() {
             let h = series.unit_s;
             let totals = &mut self.meter.totals;
@@ -249,7 +258,8 @@ impl<'a, const N: usize> Run<'a, N> {
         self.f = if self.of_bristles { bristle } else { value(&series.f, s) };
     }
 
-    /// Adds what forcing and damper do up to the part `s`, and what mass and spring hold.
+    /// Adds the energies of forcing and damper up to the fraction `s`, and those of mass and
+    /// spring.
     fn add_energies(&mut self, series: &Series<N>, s: f64) {
         let h = series.unit_s;
         let totals = &mut self.meter.totals;
@@ -287,7 +297,7 @@ mod tests {
         assert!((coarse.friction - fine.friction).abs() < 1e-13 && (coarse.power.unwrap() - fine.power.unwrap()).abs() < 1e-12);
         assert!(fine.energy_residual.unwrap().abs() < 1e-12, "{fine:?}");
         assert_eq!(tally.reversals, 400);
-        // The thesis's own solver at its own step, which has an error of 3e-8 there.
+        // The thesis's own solver with its own step, which has an error of 3e-8 here.
         let thesis = Ratios::of(&problem, &rk4::run(&problem, 1000, &mut |_| ()).unwrap());
         assert!((thesis.friction - fine.friction).abs() < 1e-7);
     }
@@ -309,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn the_order_is_what_it_says() {
+    fn errors_have_the_stated_order() {
         let problem = table_4_1(0.5, 40.0);
         let forces = |steps: u32, order| {
             let mut forces = Vec::new();
@@ -326,7 +336,8 @@ mod tests {
         }
     }
 
-    /// LuGre's friction against Runge-Kutta with located reversals, which shares nothing with the series but the equations.
+    /// LuGre friction compared with Runge-Kutta with located reversals, which shares only the
+    /// equations with the series.
     #[test]
     fn lugre_friction_agrees_with_runge_kutta() {
         for (stribeck, sigma1, sigma2) in [(1e-2, 0.0, 0.0), (1e-2, 3.0, 1e-3), (1e-3, 0.5, 0.0), (0.1, 0.0, 1e-2)] {
@@ -348,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn no_sliding_has_two_reversals_a_period_and_no_more() {
+    fn no_sliding_has_exactly_two_reversals_per_period() {
         let problem = table_4_1(0.0, 400.0);
         let (ratios, tally) = ratios(&problem, 16, 16);
         assert_eq!(tally.reversals, 800);
@@ -356,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn grazing_loses_no_reversal() {
+    fn grazing_misses_no_reversal() {
         for velocity_ratio in [0.9, 1.0, 1.05] {
             let problem = table_4_1(velocity_ratio, 130.0);
             let counts = [8, 16, 64].map(|steps| ratios(&problem, steps, 20).1.reversals);

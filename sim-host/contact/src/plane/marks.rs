@@ -1,18 +1,23 @@
-//! Where the panels of a stretch begin and end at the least: about the moments at which the slip is smallest they become shorter in proportion to the
-//! distance, down to the shortest time in which friction turns, and each such moment is an end. Nothing narrow is so between the nodes of all panels.
+//! The initial edges of the panels of a stretch.
+//!
+//! Around each moment of smallest slip, panels become shorter in proportion to the distance, down
+//! to the shortest time in which friction turns. Each such moment is an edge, so no narrow feature
+//! lies between the nodes of all panels.
 
 use std::f64::consts::TAU;
 
 use super::super::forcing::Forcing;
 use super::super::timeline::Stretch;
 
-/// Panels become longer by this factor, from one to the next.
-const GROWTH: f64 = 4.0;
-/// Shortest panel, of the stretch.
-const SHORTEST: f64 = 1e-13;
+/// Ratio of the distances of successive edges from a moment of smallest slip.
+const GROWTH_RATIO: f64 = 4.0;
+/// Shortest panel, as a fraction of the stretch.
+const SHORTEST_FRACTION: f64 = 1e-13;
 
-/// Edges of the panels of a stretch, s from its beginning, in ascending order. The slip is smallest where the forcing is `nearest`; `short_s` of a
-/// steepest slope of the forcing is the shortest time in which friction turns.
+/// Returns the edges of the panels of a stretch, s from its beginning, in ascending order.
+///
+/// The slip is smallest when the forcing is `nearest`. `short_s` computes the shortest time in
+/// which friction turns from the steepest slope of the forcing.
 pub(super) fn edges(stretch: &Stretch, nearest: f64, short_s: impl Fn(f64) -> f64) -> Vec<f64> {
     let length_s = stretch.length_s;
     let (mut marks, steepest) = match stretch.forcing {
@@ -36,7 +41,7 @@ pub(super) fn edges(stretch: &Stretch, nearest: f64, short_s: impl Fn(f64) -> f6
         Forcing::Line { value, slope } if slope != 0.0 => (vec![(nearest - value) / slope], slope.abs()),
         Forcing::Line { .. } => (Vec::new(), 0.0),
     };
-    let shortest_s = SHORTEST * length_s;
+    let shortest_s = SHORTEST_FRACTION * length_s;
     marks.retain(|&mark| mark > shortest_s && mark < length_s - shortest_s);
     let short_s = short_s(steepest).clamp(shortest_s, length_s);
     marks.extend([0.0, length_s]);
@@ -46,7 +51,7 @@ pub(super) fn edges(stretch: &Stretch, nearest: f64, short_s: impl Fn(f64) -> f6
     for pair in marks.windows(2) {
         let (from, to) = (pair[0], pair[1]);
         let middle = 0.5 * (from + to);
-        let mut reach: Vec<f64> = std::iter::successors(Some(short_s), |reach| Some(GROWTH * reach))
+        let mut reach: Vec<f64> = std::iter::successors(Some(short_s), |reach| Some(GROWTH_RATIO * reach))
             .take_while(|&reach| from + reach < middle - 0.5 * reach)
             .collect();
         edges.extend(reach.iter().map(|reach| from + reach));
@@ -68,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_moments_are_edges() {
+    fn moments_of_smallest_slip_are_edges() {
         for (hz_per_s, turns) in [(0.0, 0.0), (0.7, 0.2), (-0.5, 1.3)] {
             let forcing = Forcing::Cosine { size: 2.0, turns, hz: 1.0, hz_per_s };
             let edges = edges(&stretch(forcing), -0.6, |_| 1e-6);

@@ -1,4 +1,5 @@
-//! What a time does to the bristles: their equation is linear in their force, with coefficients that the given slip says.
+//! The effect of a time interval on the bristles. Their equation is linear in their force, with
+//! coefficients that follow from the given slip.
 //!
 //! ```text
 //! f = B / Fc        f' = p - q f,   p = Kt w / Fc,   q = Kt |w| / G(|w|)
@@ -6,8 +7,10 @@
 //! f(t) = f(0) (1 - lost(t)) + gained(t)       lost' = q (1 - lost),   gained' = p - q gained,   both zero at the start
 //! ```
 //!
-//! So force, mean, power and mean square after any time are polynomials in the force at its start: a [`Passage`], which grows panel by panel: where
-//! bristles are stiff, what is lost is all and what is gained turns with the slip, smoothly, but for the beginning. `lost` is kept, and not what is left, so that of soft bristles nothing is rounded against one.
+//! So force, mean, power and mean square after any time are polynomials in the initial force: a
+//! [`Passage`], which grows panel by panel. For stiff bristles, `lost` reaches one, and `gained`
+//! turns smoothly with the slip except at the beginning. `lost` is stored instead of the remaining
+//! fraction, so that for soft bristles no small value is rounded against one.
 
 use super::super::forcing::Forcing;
 use super::super::problem::Law;
@@ -20,27 +23,27 @@ pub(super) struct Bristles {
     pub(super) law: Law,
     pub(super) coulomb_n: f64,
     pub(super) sliding_m_per_s: f64,
-    /// Of the vibration, with its sign in the slip.
+    /// Direction of the vibration, with its sign in the slip.
     pub(super) direction: Direction,
 }
 
-/// What a moment has.
+/// Coefficients at one moment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rates {
     /// Slip velocity, m/s.
     pub(super) slip: [f64; 2],
-    /// q, 1/s.
+    /// Coefficient q, 1/s.
     loss: f64,
-    /// p / w = Kt / Fc, 1/m.
+    /// Ratio p / w = Kt / Fc, 1/m.
     gain: f64,
     /// Share of the bristles' force in the friction, 1 - t q.
     elastic: f64,
-    /// b, s/m.
+    /// Coefficient b, s/m.
     viscous: f64,
 }
 
 impl Bristles {
-    /// Slip velocity at a vibration velocity, m/s.
+    /// Returns the slip velocity at a vibration velocity, m/s.
     pub(super) fn slip(&self, u: f64) -> [f64; 2] {
         [self.sliding_m_per_s + self.direction.along * u, self.direction.across * u]
     }
@@ -64,35 +67,35 @@ impl Bristles {
         }
     }
 
-    /// Friction over the Coulomb force, of bristles with this force over it.
+    /// Returns friction over the Coulomb force, for a given bristle force over the Coulomb force.
     pub(super) fn friction(&self, rates: &Rates, force: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| rates.elastic * force[axis] + rates.viscous * rates.slip[axis])
     }
 }
 
-/// What a time does to the force f of the bristles, and what it adds up of the friction F over Fc.
+/// Effect of a time interval on the bristle force f, and its integrals of the friction F over Fc.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Passage {
-    /// Length of the time, s.
+    /// Length of the interval, s.
     time_s: f64,
     /// Integral of the vibration velocity, m.
     pub(super) travel_m: f64,
-    /// Integral of q: a difference in force fades by its exponential.
+    /// Integral of q: a difference in force fades as its negative exponential.
     pub(super) fading: f64,
     lost: f64,
     gained: [f64; 2],
-    /// Integral of f: its factor of f at the start, s, and the rest.
+    /// Integral of f, s: factor of the initial f, and constant.
     mean: (f64, [f64; 2]),
-    /// Integral of F w: its factors of f, and the rest, m.
+    /// Integral of F w, m: factors of the initial f, and constant.
     power: ([f64; 2], f64),
-    /// Integral of F_y^2: its factors of f_y^2 and f_y, and the rest, s.
+    /// Integral of F_y^2, s: factors of f_y^2 and f_y, and constant.
     square: [f64; 3],
 }
 
-/// What a passage has added up.
+/// Integrals over a passage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Sums {
-    /// Length of the time, s.
+    /// Length of the interval, s.
     pub(super) time_s: f64,
     /// Integral of F / Fc along the sliding, s.
     pub(super) friction: f64,
@@ -103,13 +106,14 @@ pub(super) struct Sums {
 }
 
 impl Passage {
-    /// This passage, and then one panel, s from the beginning of the forcing, by the polynomial of collocation; none if the numbers are too large.
+    /// Returns this passage extended by one panel, s from the beginning of the forcing, by the
+    /// polynomial of collocation; `None` if values overflow.
     pub(super) fn and_panel(&self, bristles: &Bristles, forcing: &Forcing, (from_s, to_s): (f64, f64)) -> Option<Self> {
         let (rule, length_s) = (rule(), to_s - from_s);
         let velocity = rule.at.map(|at| forcing.value(from_s + at * length_s));
         let rates = velocity.map(|u| bristles.rates(u));
         let left = 1.0 - self.lost;
-        // What each of the three adds to its value at the panel's start.
+        // Right-hand sides for the increments of the three quantities over the panel.
         let (mut matrix, mut sides) = (rule.slope, [[0.0; 3]; STAGES]);
         for (node, Rates { slip, loss, gain, .. }) in rates.iter().enumerate() {
             matrix[node][node] += length_s * loss;
@@ -141,14 +145,14 @@ impl Passage {
         Some(passage)
     }
 
-    /// The force at the end, from that at the start.
+    /// Returns the force at the end, from that at the start.
     pub(super) fn end(&self, start: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| start[axis] + (self.gained[axis] - self.lost * start[axis]))
     }
 
-    /// What is added up from a start.
+    /// Returns the integrals for an initial force.
     pub(super) fn sums(&self, bristles: &Bristles, start: [f64; 2]) -> Sums {
-        // The mean of dB/dt is what the force has become.
+        // The integral of dB/dt is the change of the force.
         let (damping_s, viscous) = match bristles.law {
             Law::Lugre { stiffness_n_per_m, sigma1, sigma2, .. } => (sigma1 / stiffness_n_per_m, sigma2 / bristles.coulomb_n),
             Law::Coulomb | Law::Dahl { .. } => (0.0, 0.0),
@@ -163,7 +167,8 @@ impl Passage {
         }
     }
 
-    /// By how much two passages over the same time differ: in the force at its end, and in the mean over a unit of time, for forces up to one.
+    /// Returns the difference of two passages over the same interval, for forces up to one: in the
+    /// force at the end, and in the mean over a unit of time.
     pub(super) fn distance(&self, other: &Passage, unit_s: f64) -> (f64, f64) {
         let end = |axis: usize| (self.gained[axis] - other.gained[axis]).abs();
         let mean = |axis: usize| (self.mean.1[axis] - other.mean.1[axis]).abs();

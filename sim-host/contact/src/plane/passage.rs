@@ -1,4 +1,4 @@
-//! The passage of a stretch: panels that are halved until the halves agree with the whole.
+//! The passage of a stretch: panels are halved until the halves agree with the whole.
 
 use super::super::problem::Law;
 use super::super::timeline::Stretch;
@@ -6,18 +6,20 @@ use super::super::{Method, SolveError};
 use super::marks::edges;
 use super::panel::{Bristles, Passage};
 
-/// A panel and its halves may differ by so much; the halves, which are taken, are off by much less.
-const AGREE: f64 = 1e-14;
-/// Below this a difference that does not become less is of round-off.
-const NOISE: f64 = 1e-12;
-/// From so many panels of a stretch on none is halved any more: the error estimate then says what that leaves.
-const MOST_PANELS: u32 = 1 << 14;
-/// Most halvings of a panel, beyond which it is as short as round-off.
-const HALVINGS: u32 = 48;
+/// Largest permitted difference of a panel and its halves; the error of the halves, which are used,
+/// is far smaller.
+const AGREEMENT: f64 = 1e-14;
+/// Difference below which a panel whose halving does not help is limited by round-off.
+const NOISE_DIFFERENCE: f64 = 1e-12;
+/// Number of panels in a stretch above which none is halved further; the error estimate includes
+/// the rest.
+const MAX_PANELS: u32 = 1 << 14;
+/// Largest number of halvings of a panel, which is then as short as round-off.
+const MAX_HALVINGS: u32 = 48;
 /// Round-off that a panel adds to a mean.
 const ROUND_OFF: f64 = 1e-17;
 
-/// A passage, what it is off by at most, and in how many panels.
+/// Passage, upper bound of its error, and number of panels.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Found {
     pub(super) passage: Passage,
@@ -25,11 +27,13 @@ pub(super) struct Found {
     pub(super) panels: u32,
 }
 
-/// Called at a moment of a stretch with what the time up to there does.
+/// Observer that receives a moment of a stretch and the passage up to it.
 type Seen<'a> = &'a mut dyn FnMut(f64, &Passage);
 
-/// A stretch; differences count over a unit of time. `seen` is called at some moments in it, s from its beginning and in ascending order, with what
-/// the time up to there does.
+/// Computes the passage of a stretch; `unit_s` is the unit of time for differences of means.
+///
+/// `seen` receives the passage up to each of the moments, s from the beginning of the stretch, in
+/// ascending order.
 pub(super) fn of_stretch(
     bristles: &Bristles,
     stretch: &Stretch,
@@ -58,13 +62,13 @@ pub(super) fn of_stretch(
             let before = apart;
             let (of_end, of_mean) = whole.distance(&halves, unit_s);
             let apart = of_end.max(of_mean);
-            let rounded = (apart < NOISE && apart > 0.5 * before) || found.panels > MOST_PANELS;
-            if apart > AGREE && halvings < HALVINGS && !rounded {
+            let rounded = (apart < NOISE_DIFFERENCE && apart > 0.5 * before) || found.panels > MAX_PANELS;
+            if apart > AGREEMENT && halvings < MAX_HALVINGS && !rounded {
                 left.push(Part { from_s: middle_s, to_s, halvings: halvings + 1, apart });
                 left.push(Part { from_s, to_s: middle_s, halvings: halvings + 1, apart });
                 continue;
             }
-            // What the force is off by fades; the mean is off by what it is meanwhile.
+            // The error of the force fades; meanwhile it contributes to the error of the mean.
             off *= (found.passage.fading - halves.fading).exp();
             off += of_end;
             found.error += of_mean + off * (to_s - from_s) / unit_s + ROUND_OFF;
@@ -79,22 +83,25 @@ pub(super) fn of_stretch(
     Ok(found)
 }
 
-/// A part of a stretch that is to be a panel.
+/// Section of a stretch that is to become a panel.
 struct Part {
     from_s: f64,
     to_s: f64,
     halvings: u32,
-    /// By how much the panel that it is a half of differed from its halves.
+    /// Difference of the parent panel from its halves.
     apart: f64,
 }
 
-/// Vibration velocity at which the slip is smallest, m/s: `-V cos a`.
+/// Returns the vibration velocity at which the slip is smallest, m/s: `-V cos a`.
 fn nearest(bristles: &Bristles) -> f64 {
     -bristles.sliding_m_per_s * bristles.direction.along
 }
 
-/// The shortest time in which friction turns under a vibration that changes so fast, s: that in which the vibration passes the smallest slip
-/// `V sin a`, or the Stribeck velocity, or in which it slips by the length of the bristles.
+/// Returns the shortest time in which friction turns under a given steepest slope of the vibration,
+/// s.
+///
+/// In this time the vibration passes the smallest slip `V sin a` or the Stribeck velocity, or slips
+/// by the length of the bristles.
 fn shortest_s(bristles: &Bristles, steepest: f64) -> f64 {
     let across = (bristles.sliding_m_per_s * bristles.direction.across).abs();
     let (stiffness, stribeck) = match bristles.law {

@@ -1,33 +1,37 @@
-//! Collocation at the right Radau points: nodes, derivatives and weights on a panel from 0 to 1, computed once.
+//! Collocation at the right Radau points: nodes, derivatives and weights on a panel from 0 to 1,
+//! computed once.
 //!
-//! The polynomial of degree s through the start and the nodes fulfils the equation at the nodes, the last of which is the end: Radau IIA, of order
-//! 2 s - 1, L-stable (Hairer and Wanner 1996, *Solving ordinary differential equations II*, IV.5). Nodes are the zeros of `P_s - P_(s-1)` on [-1, 1].
+//! The polynomial of degree s through the start and the nodes satisfies the equation at the nodes,
+//! the last of which is the end. This is Radau IIA, of order 2 s - 1, L-stable (Hairer and Wanner
+//! 1996, *Solving ordinary differential equations II*, IV.5). Nodes are the zeros of
+//! `P_s - P_(s-1)` on [-1, 1].
 
 use std::sync::LazyLock;
 
-/// Nodes of a panel, s.
+/// Number of nodes of a panel, s.
 pub(super) const STAGES: usize = 12;
-/// Brackets in which zeros are looked for, evenly spaced in the angle; the closest two zeros are a sixtieth of it apart.
+/// Number of brackets in which zeros are searched, evenly spaced in the angle; the closest two
+/// zeros are a sixtieth of it apart.
 const BRACKETS: usize = 4000;
 
-/// The rule.
+/// Collocation rule.
 #[derive(Debug)]
 pub(super) struct Rule {
-    /// Places of the nodes, 0 to 1.
+    /// Positions of the nodes, 0 to 1.
     pub(super) at: [f64; STAGES],
     /// Weights of the integral from 0 to 1.
     pub(super) weight: [f64; STAGES],
-    /// Derivative at each node, of the value at each.
+    /// Derivative at each node, from the values at all nodes.
     pub(super) slope: [[f64; STAGES]; STAGES],
 }
 
-/// The rule.
+/// Returns the rule.
 pub(super) fn rule() -> &'static Rule {
     static RULE: LazyLock<Rule> = LazyLock::new(Rule::new);
     &RULE
 }
 
-/// Legendre polynomials of degree s and s - 1.
+/// Returns the Legendre polynomials of degree s and s - 1.
 fn legendre(x: f64) -> (f64, f64) {
     let (mut before, mut now) = (1.0, x);
     for k in 2..=STAGES {
@@ -41,7 +45,7 @@ impl Rule {
     fn new() -> Self {
         let off = |x: f64| legendre(x).0 - legendre(x).1;
         let place = |bracket: usize| -(std::f64::consts::PI * bracket as f64 / BRACKETS as f64).cos();
-        // The end is a zero, too, and the last.
+        // The end is the last zero.
         let (mut zeros, mut found) = ([1.0; STAGES], 0);
         for bracket in 0..BRACKETS - 1 {
             let (mut low, mut high) = (place(bracket), place(bracket + 1));
@@ -80,7 +84,7 @@ impl Rule {
     }
 }
 
-/// Solves the equations of a panel for three right sides; none if they have no solution.
+/// Solves the equations of a panel for three right-hand sides; `None` if they have no solution.
 pub(super) fn solve(mut matrix: [[f64; STAGES]; STAGES], mut sides: [[f64; 3]; STAGES]) -> Option<[[f64; 3]; STAGES]> {
     for column in 0..STAGES {
         let size = |row: &usize| matrix[*row][column].abs();
@@ -132,7 +136,7 @@ mod tests {
         }
     }
 
-    /// `y' = L (sin t - y)`, whose steady solution is in phase only where L is large.
+    /// `y' = L (sin t - y)`, whose steady solution is in phase only for large L.
     #[test]
     fn a_stiff_equation_is_followed() {
         let rule = rule();

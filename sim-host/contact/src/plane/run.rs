@@ -1,4 +1,5 @@
-//! A run of bristles from its start on: each stretch of the timeline is a passage, and all stretches that are alike are the same one.
+//! A run with bristles from its start: each stretch of the timeline is a passage, and equal
+//! stretches share one passage.
 
 use super::super::SolveError;
 use super::super::problem::Problem;
@@ -7,8 +8,8 @@ use super::panel::{Bristles, Passage, Sums};
 use super::passage::{Found, of_stretch};
 use super::{Direction, Moment};
 
-/// Stretches between two pauses.
-const PAUSE: u32 = 256;
+/// Number of stretches between two pauses.
+const STRETCHES_PER_PAUSE: u32 = 256;
 
 /// Means over the window.
 #[derive(Clone, Copy, Debug)]
@@ -17,13 +18,13 @@ pub(super) struct Means {
     pub(super) power: Option<f64>,
     pub(super) transverse_square: f64,
     pub(super) error: f64,
-    /// Panels of the stretches that were solved.
+    /// Number of panels of the stretches that were solved.
     pub(super) panels: u32,
-    /// Coulomb force at the end of the window, which friction is counted by, N.
+    /// Coulomb force at the end of the window, N; the reference for the friction ratio.
     pub(super) coulomb_n: f64,
 }
 
-/// A run so far.
+/// State of a run.
 struct Run<'a> {
     problem: &'a Problem,
     bristles: Bristles,
@@ -32,7 +33,7 @@ struct Run<'a> {
     force_n: [f64; 2],
     /// Displacement of the vibration, m.
     displacement_m: f64,
-    /// Stretches that may come again: which, under what Coulomb force, and what it does.
+    /// Passages of stretches that may recur: template, Coulomb force, N, and passage.
     known: Vec<(usize, f64, Found)>,
     panels: u32,
 }
@@ -57,14 +58,14 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// A stretch begins: its Coulomb force counts from here on.
+    /// Begins a stretch and applies its Coulomb force.
     fn begin(&mut self, stretch: &Stretch) {
         if let Some(coulomb_n) = stretch.load {
             self.bristles.coulomb_n = coulomb_n;
         }
     }
 
-    /// Goes to the end of a stretch, and says what it has added up and is off by.
+    /// Advances to the end of a stretch, and returns its sums and their error.
     fn pass(&mut self, stretch: &Stretch) -> Result<(Sums, f64), SolveError> {
         let coulomb_n = self.bristles.coulomb_n;
         let again = stretch.template.and_then(|template| {
@@ -82,7 +83,7 @@ impl<'a> Run<'a> {
         Ok((self.go(&found.passage), found.error))
     }
 
-    /// Force of the bristles over the Coulomb force.
+    /// Returns the force of the bristles over the Coulomb force.
     fn force(&self) -> [f64; 2] {
         self.force_n.map(|force_n| force_n / self.bristles.coulomb_n)
     }
@@ -94,7 +95,7 @@ impl<'a> Run<'a> {
         passage.sums(&self.bristles, start)
     }
 
-    /// The moment so far into a stretch, at whose beginning the run is.
+    /// Returns the moment `at_s` into a stretch, at whose beginning the run is.
     fn moment(&self, stretch: &Stretch, (at_s, passage): (f64, &Passage)) -> Moment {
         let coulomb_n = self.bristles.coulomb_n;
         let u = stretch.forcing.value(at_s);
@@ -110,14 +111,15 @@ impl<'a> Run<'a> {
     }
 }
 
-/// The means of a problem; `pause` is called every now and then.
+/// Computes the means of a problem; `pause` is called from time to time.
 pub(super) fn means(problem: &Problem, direction: Direction, pause: &dyn Fn()) -> Result<Means, SolveError> {
     let mut run = Run::new(problem, direction);
     let (mut open, mut error, mut done) = (false, 0.0f64, 0u32);
-    // Integrals over the window: of time, of F along, of F w, and of the square of F across.
+    // Integrals over the window: of time, of F along the sliding, of F w, and of the square of F
+    // across.
     let mut sums = [Sum::default(); 4];
-    for stretch in Timeline::new(&problem.of_window()) {
-        if done.is_multiple_of(PAUSE) {
+    for stretch in Timeline::new(&problem.up_to_window()) {
+        if done.is_multiple_of(STRETCHES_PER_PAUSE) {
             pause();
         }
         done = done.wrapping_add(1);
@@ -148,7 +150,7 @@ pub(super) fn means(problem: &Problem, direction: Direction, pause: &dyn Fn()) -
     })
 }
 
-/// A sum of very many parts, with what its last place has lost (Neumaier 1974).
+/// Compensated sum of very many terms (Neumaier 1974).
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     value: f64,
@@ -171,7 +173,7 @@ impl Sum {
 /// Round-off of the means of a run.
 const ROUND_OFF: f64 = 1e-14;
 
-/// The last period of the run, both ends, in so many parts.
+/// Returns moments of the last period of the run, both ends included, in `parts` steps.
 pub(super) fn last_period(
     problem: &Problem,
     direction: Direction,
@@ -184,13 +186,13 @@ pub(super) fn last_period(
     let mut moments: Vec<Moment> = Vec::new();
     let mut done = 0u32;
     for stretch in Timeline::new(run.problem) {
-        if done.is_multiple_of(PAUSE) {
+        if done.is_multiple_of(STRETCHES_PER_PAUSE) {
             pause();
         }
         done = done.wrapping_add(1);
         run.begin(&stretch);
         let end_s = stretch.start_s + stretch.length_s;
-        // Moments closer than this are one.
+        // Time difference below which two moments count as the same.
         let same_s = 1e-6 * part_s;
         if end_s < from_s + same_s {
             run.pass(&stretch)?;
@@ -201,7 +203,8 @@ pub(super) fn last_period(
         let wanted: Vec<f64> = into.map(|into_s| into_s.clamp(0.0, stretch.length_s)).collect();
         let mut seen = |at_s: f64, passage: &Passage| {
             let moment = run.moment(&stretch, (at_s, passage));
-            // Where two stretches meet a moment is the end of the one, but where friction or forcing jumps.
+            // The common moment of two stretches is reported once, unless friction or forcing jumps
+            // there.
             let again = moments.last().is_some_and(|last| {
                 let same = (last.vibration_m_per_s - moment.vibration_m_per_s).abs() < 1e-9 * problem.waveform.amplitude();
                 (last.time_s - moment.time_s).abs() < same_s && same

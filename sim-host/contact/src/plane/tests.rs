@@ -1,4 +1,4 @@
-#![expect(clippy::excessive_precision, reason = "as the arithmetic of forty digits printed them")]
+#![expect(clippy::excessive_precision, reason = "values as printed by 40-digit arithmetic")]
 
 use super::*;
 use crate::closed;
@@ -10,7 +10,8 @@ use std::f64::consts::TAU;
 const HZ: f64 = 60e3;
 const VIBRATION: f64 = 0.05;
 
-/// A given sine of 60 kHz and 50 mm/s, 40 periods of which the last 20 are the window.
+/// Returns a problem with a given sine of 60 kHz and 50 mm/s over 40 periods, of which the last 20
+/// are the window.
 fn problem(law: Law, velocity_ratio: f64) -> Problem {
     let duration_s = 40.0 / HZ;
     Problem {
@@ -27,7 +28,7 @@ fn problem(law: Law, velocity_ratio: f64) -> Problem {
     }
 }
 
-/// Dahl's law at so many bristle lengths to the vibration amplitude.
+/// Returns Dahl's law with the vibration amplitude in bristle lengths.
 fn dahl(kappa: f64) -> Law {
     Law::Dahl { stiffness_n_per_m: kappa * TAU * HZ * 2.0 / VIBRATION }
 }
@@ -49,8 +50,10 @@ fn ratio(problem: &Problem, angle_deg: f64) -> f64 {
     solution.ratios.friction
 }
 
-/// Velocity ratio, angle, friction ratio, power ratio, mean square across: mpmath 1.3 in 40 digits, the means of `(z + c cos t) / w`, `w / z` and
-/// `(s cos t / w)^2` with `w = sqrt((cos t + z c)^2 + (z s)^2)` over 0 to pi, quad() between points that close in on the smallest w by powers of ten.
+/// Velocity ratio, angle, friction ratio, power ratio, mean square across. Computed with mpmath 1.3
+/// in 40 digits: the means of `(z + c cos t) / w`, `w / z` and `(s cos t / w)^2` with
+/// `w = sqrt((cos t + z c)^2 + (z s)^2)` over 0 to pi, by quad() between points that approach the
+/// smallest w in powers of ten.
 const BY_QUADRATURE: [(f64, f64, f64, f64, f64); 22] = [
     (1e-6, 90.0, 9.677_769_587_161_479e-6, 636_619.772_372_579_383, 0.999_999),
     (0.05, 90.0, 0.139_417_046_453_395_144, 12.810_077_266_004_253_4, 0.950_062_383_056_107_766),
@@ -87,7 +90,7 @@ fn coulomb_friction_of_a_sine_is_exact_at_any_angle() {
     }
 }
 
-/// The law of Littmann, Storck and Wallaschek to four digits, as it is quoted.
+/// Law of Littmann, Storck and Wallaschek to four digits, as quoted.
 #[test]
 fn the_transverse_law_at_some_velocity_ratios() {
     for (z, r) in [(0.05, 0.1394), (0.1, 0.2344), (0.217, 0.3995), (0.389, 0.5655), (0.5, 0.6426), (1.0, 0.8346), (2.0, 0.9450)] {
@@ -97,7 +100,8 @@ fn the_transverse_law_at_some_velocity_ratios() {
     assert_eq!(coulomb::friction_ratio(-0.3, 70.0), -coulomb::friction_ratio(0.3, 70.0));
 }
 
-/// The means of every shape by sums over very many moments, which a kink or a jump leaves off by little.
+/// Means of every shape from sums over very many moments; a kink or a jump causes only a small
+/// error.
 #[test]
 fn coulomb_friction_of_every_shape_agrees_with_sums() {
     const MANY: u32 = 400_000;
@@ -127,7 +131,7 @@ fn coulomb_friction_of_every_shape_agrees_with_sums() {
     assert!(coulomb::means(Shape::Random { hold_s: 1.0, seed: 1 }, 0.5, Direction::from_degrees(90.0)).is_none());
 }
 
-/// The derivative of |w| by z is the friction along the sliding: `d(z phi)/dz = r`.
+/// The derivative of |w| with respect to z is the friction along the sliding: `d(z phi)/dz = r`.
 #[test]
 fn friction_is_the_slope_of_the_slip() {
     for angle in [0.3, 20.0, 50.0, 90.0] {
@@ -170,7 +174,7 @@ fn along_the_sliding_it_is_lugre_s_law_by_the_series() {
     }
 }
 
-/// Runge-Kutta of order four with steps between any two moments.
+/// Fourth-order Runge-Kutta, with step boundaries at all given moments.
 fn by_runge_kutta(problem: &Problem, angle_deg: f64, steps: u32) -> [f64; 3] {
     let direction = Direction::from_degrees(angle_deg);
     let (mut force, mut sums, mut time_s) = ([problem.start.force_n, 0.0], [0.0; 3], 0.0);
@@ -199,7 +203,7 @@ fn by_runge_kutta(problem: &Problem, angle_deg: f64, steps: u32) -> [f64; 3] {
             [rate[0], rate[1], friction[0], power, friction[1] * friction[1]]
         };
         let late = |by: f64, slope: [f64; 5]| [0, 1].map(|axis| force[axis] + by * slope[axis]);
-        // At a jump the end of a step is before it.
+        // At a jump the step ends before it.
         let before = end_s - 1e-9 * h;
         let one = rate(time_s + 1e-9 * h, force);
         let two = rate(time_s + 0.5 * h, late(0.5 * h, one));
@@ -241,7 +245,7 @@ fn runge_kutta_agrees_at_any_angle_law_and_window() {
             let (ratios, rms) = (solved.solution.ratios, solved.transverse_rms_n);
             let [friction, power, across] = by_runge_kutta(&problem, angle, 160_000);
             let off = (ratios.friction - friction).abs().max((ratios.power.unwrap() - power).abs()).max((rms - across).abs());
-            // A chirp of Runge-Kutta steps over the kink of its frequency.
+            // With a chirp, Runge-Kutta steps across the kink of its frequency.
             assert!(off < 2e-8, "{law:?} {shape:?} {angle}: {off:e}");
         }
     }
@@ -255,13 +259,14 @@ fn stiff_bristles_are_coulomb_friction() {
             let off = |kappa: f64| (ratio(&problem(dahl(kappa), z), angle) - coulomb).abs();
             let (soft, stiff) = (off(1e6), off(1e9));
             assert!(stiff < 1e-8 && stiff < 0.1 * soft + 1e-14, "{angle} {z}: {soft:e} {stiff:e}");
-            // As good as rigid, and beyond.
+            // As accurate as rigid bristles, and beyond.
             assert!(off(1e13) < 1e-11, "{angle} {z}: {:e}", off(1e13));
         }
     }
 }
 
-/// Soft bristles turn a little about a constant force, against the mean slip over the mean of its size.
+/// With soft bristles, friction varies little about a constant force: the net slip over the mean
+/// absolute slip.
 #[test]
 fn soft_bristles_carry_the_net_slip() {
     for angle in [0.0, 30.0, 90.0] {
@@ -280,7 +285,7 @@ fn hard_cases_are_finite_and_between_their_limits() {
                 for mu in [2.0, 2e-12] {
                     let (mut problem, scale) = (problem(law, z), mu / 2.0);
                     problem.coulomb_n *= scale;
-                    // The same bristles in their own length.
+                    // The same bristles in units of their length.
                     problem.law = match law {
                         Law::Dahl { stiffness_n_per_m } => Law::Dahl { stiffness_n_per_m: scale * stiffness_n_per_m },
                         Law::Lugre { stiffness_n_per_m, static_ratio, stribeck_m_per_s, sigma1, .. } => Law::Lugre {
@@ -304,9 +309,9 @@ fn hard_cases_are_finite_and_between_their_limits() {
     }
 }
 
-/// Many periods cost no more than one, and are what the few become.
+/// Many periods cost no more than one, and have the same result as few.
 #[test]
-fn a_million_periods() {
+fn a_million_periods_cost_one() {
     let mut long = problem(dahl(2.0), 0.3);
     (long.duration_s, long.window_s) = (1e6 / HZ, (10.0 / HZ, 1e6 / HZ));
     let short = problem(dahl(2.0), 0.3);
@@ -341,7 +346,7 @@ fn the_last_period_is_that_of_the_means() {
 }
 
 #[test]
-fn what_cannot_be_is_refused() {
+fn unsupported_problems_are_refused() {
     let refused = |problem: &Problem, numerics: &Numerics| {
         let refused = solve(problem, Direction::from_degrees(90.0), numerics, (&|| (), None), false);
         refused.expect_err("a refusal").to_string()
@@ -350,12 +355,12 @@ fn what_cannot_be_is_refused() {
     let mut mass = table_4_1(0.5, 20.0);
     assert!(refused(&mass, &by(Method::Auto)).contains("only a given vibration"));
     mass = problem(dahl(1.0), 0.5);
-    assert!(refused(&mass, &by(Method::Linexp)).contains("for collocation"));
-    assert!(refused(&mass, &Numerics { tolerance_of: ToleranceOf::Record, ..Numerics::default() }).contains("its mean only"));
+    assert!(refused(&mass, &by(Method::Linexp)).contains("require collocation"));
+    assert!(refused(&mass, &Numerics { tolerance_of: ToleranceOf::Record, ..Numerics::default() }).contains("the mean only"));
     let mut coulomb = problem(Law::Coulomb, 0.5);
     assert!(refused(&coulomb, &by(Method::Collocation)).contains("closed form only"));
     coulomb.window_s.0 *= 1.01;
-    assert!(refused(&coulomb, &by(Method::Auto)).contains("not whole periods"));
+    assert!(refused(&coulomb, &by(Method::Auto)).contains("not a whole number of periods"));
     let along = crate::solve(&problem(dahl(1.0), 0.5), &by(Method::Collocation), &mut |_| ());
     assert!(along.unwrap_err().to_string().contains("at an angle"));
 }

@@ -1,19 +1,22 @@
-//! Chebyshev polynomials of degree 11 on panels: coefficients by values at the zeros of the next one, values and slopes by Clenshaw's recurrence.
+//! Chebyshev polynomials of degree 11 on panels: coefficients from values at the zeros of the next
+//! polynomial, values and slopes by Clenshaw's recurrence.
 //!
-//! The functions here are smooth over the square root of the distance from a [`Corner`], of which the panels are parts.
+//! The functions are smooth in the square root of the distance from a [`Corner`]; the panels divide
+//! the range of that root.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Coefficients of a panel.
+/// Number of coefficients of a panel.
 pub(super) const TERMS: usize = 12;
 
-/// Polynomials of each degree at the places of a panel at which a function is known.
+/// Chebyshev polynomials of each degree at the sampling points of a panel.
 static COSINES: LazyLock<[[f64; TERMS]; TERMS]> = LazyLock::new(|| {
     std::array::from_fn(|degree| std::array::from_fn(|i| (PI * degree as f64 * (i as f64 + 0.5) / TERMS as f64).cos()))
 });
 
-/// A place at which a function has roots, and the way to where it has none: `x = at + reach s^2`, s from 0 to 1.
+/// Point at which functions have square-root singularities, and the range in which they are
+/// resolved: `x = at + reach s^2`, s from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Corner {
     pub(super) at: f64,
@@ -21,24 +24,24 @@ pub(super) struct Corner {
 }
 
 impl Corner {
-    /// Two corners that share what is between two places, in order.
+    /// Returns two corners that share the range between two points, in order.
     pub(super) fn between(from: f64, to: f64) -> [Corner; 2] {
         let reach = 0.5 * (to - from);
         [Corner { at: from, reach }, Corner { at: to, reach: -reach }]
     }
 
-    /// What is at s.
+    /// Returns x at s.
     pub(super) fn x(&self, s: f64) -> f64 {
         self.at + self.reach * s * s
     }
 
-    /// Where x is.
+    /// Returns s at x.
     pub(super) fn s(&self, x: f64) -> f64 {
         ((x - self.at) / self.reach).max(0.0).sqrt()
     }
 }
 
-/// A panel from a corner, from one s to another.
+/// Panel at a corner, over a range of s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Panel<const N: usize> {
     pub(super) corner: Corner,
@@ -49,43 +52,44 @@ pub(super) struct Panel<const N: usize> {
 }
 
 impl<const N: usize> Panel<N> {
-    /// The larger x of its ends.
+    /// Returns the larger x of both ends.
     pub(super) fn upper(&self) -> f64 {
         self.corner.x(if self.corner.reach > 0.0 { self.to } else { self.from })
     }
 
-    /// The s at which x is smaller.
+    /// Returns the s of the end with the smaller x.
     pub(super) fn lower_s(&self) -> f64 {
         if self.corner.reach > 0.0 { self.from } else { self.to }
     }
 
-    /// Where s is in the panel, from -1 to 1.
+    /// Returns the position of s in the panel, from -1 to 1.
     fn within(&self, s: f64) -> f64 {
         ((s - self.from) - (self.to - s)) / (self.to - self.from)
     }
 
-    /// Value of a function at s.
+    /// Returns the value of a function at s.
     pub(super) fn value(&self, which: usize, s: f64) -> f64 {
         value(&self.terms[which], self.within(s))
     }
 
-    /// Values of two functions, with their slopes over s.
+    /// Returns the values of two functions, with their slopes over s.
     pub(super) fn values_and_slopes(&self, which: [usize; 2], s: f64) -> [(f64, f64); 2] {
         let per_s = 2.0 / (self.to - self.from);
         values_and_slopes(which.map(|which| &self.terms[which]), self.within(s)).map(|(value, slope)| (value, per_s * slope))
     }
 }
 
-/// When panels are narrow enough.
+/// Criteria for halving a panel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// The last coefficients of a panel at most.
+    /// Largest permitted last coefficient of a panel.
     pub(super) tail: f64,
-    /// The narrowest panel, of s.
+    /// Width of the narrowest panel, in s.
     pub(super) narrowest: f64,
 }
 
-/// Panels of functions between two places, in order, halved until their last coefficients are small.
+/// Appends panels of functions between two points, in order, halved until their last coefficients
+/// are small.
 pub(super) fn fill<const N: usize>(
     f: &impl Fn(f64) -> [f64; N],
     (from, to): (f64, f64),
@@ -117,7 +121,7 @@ fn halve<const N: usize>(
     }
 }
 
-/// Coefficients of a function by its values at the places of a panel.
+/// Returns the coefficients of a function from its values at the sampling points of a panel.
 fn coefficients(found: &[f64; TERMS]) -> [f64; TERMS] {
     let cosines = &*COSINES;
     std::array::from_fn(|degree| {
@@ -126,18 +130,18 @@ fn coefficients(found: &[f64; TERMS]) -> [f64; TERMS] {
     })
 }
 
-/// The largest of the last coefficients.
+/// Returns the largest of the last coefficients.
 fn tail(terms: &[f64; TERMS]) -> f64 {
     terms[TERMS - 3..].iter().fold(0.0, |most: f64, term| most.max(term.abs()))
 }
 
-/// Value at a place, -1 to 1.
+/// Returns the value at t, -1 to 1.
 fn value(terms: &[f64; TERMS], t: f64) -> f64 {
     let (b1, b2) = terms[1..].iter().rev().fold((0.0, 0.0), |(b1, b2), term| (term + 2.0 * t * b1 - b2, b1));
     terms[0] + t * b1 - b2
 }
 
-/// Values and slopes of two series at a place, -1 to 1, abreast.
+/// Returns values and slopes of two series at t, -1 to 1, computed together.
 fn values_and_slopes(terms: [&[f64; TERMS]; 2], t: f64) -> [(f64, f64); 2] {
     let (mut b1, mut b2, mut d1, mut d2) = ([0.0; 2], [0.0; 2], [0.0; 2], [0.0; 2]);
     for degree in (1..TERMS).rev() {

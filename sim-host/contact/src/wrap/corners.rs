@@ -1,21 +1,25 @@
-//! The velocity ratios at which a kink of the law comes in at an end of the wrap, or goes through one that stands: there the integrals have roots.
+//! The velocity ratios at which a kink of the law enters at an end of the wrap, or meets a fixed
+//! kink. At these the integrals have square-root singularities.
 
 use std::f64::consts::PI;
 
 use super::Ring;
 use super::normal::Normal;
 
-/// Velocity ratio below which the ratio is a straight line, where it is above its floor from zero on.
-const LEAST: f64 = 1e-9;
-/// Velocity ratio from which on a vibration that has a transverse part is followed by its asymptote.
-const MOST: f64 = 1e3;
+/// Velocity ratio below which the friction ratio is a straight line, if it is above its floor from
+/// zero on.
+const LINEAR_VELOCITY_RATIO: f64 = 1e-9;
+/// Velocity ratio above which the asymptote is used, if the vibration has a transverse part.
+const ASYMPTOTE_VELOCITY_RATIO: f64 = 1e3;
 
 impl Ring {
-    /// Logarithms of the velocity ratios between which the law is smooth, in order; the first and the last are the ends of a table.
+    /// Returns the logarithms of the velocity ratios between which the law is smooth, in order. The
+    /// first and the last are the ends of a table.
     pub(super) fn corners(&self, normal: Option<&Normal>) -> Vec<f64> {
         let half = 0.5 * self.wrap_rad;
         let sine = |place: f64| self.plane.along * (place - self.angle_rad).sin().abs();
-        // Whether a place at this angle from the direction of the vibration, or opposite to it, is within the wrap.
+        // `true` if the wrap contains a position at this angle from the direction of the vibration,
+        // or from its opposite.
         let within = |angle: f64| {
             let from = (-half - self.angle_rad - angle) / PI;
             from.ceil() * PI <= half - self.angle_rad - angle
@@ -27,13 +31,14 @@ impl Ring {
         let saturated = saturated.map(f64::acos).filter(|angle| within(*angle) || within(-angle));
         sines.extend(saturated.map(|angle| self.plane.along * angle.sin()));
         let mut ratios: Vec<f64> = sines.iter().filter_map(|&tangential| self.leaves_the_floor(tangential)).collect();
-        // Along the sliding alone friction is back at a velocity ratio of one; else nothing has a corner there, but much of a bend.
+        // Along the sliding alone friction is restored at a velocity ratio of one. Otherwise there
+        // is not a corner but a strong bend.
         let first = match ratios.iter().copied().fold(f64::INFINITY, f64::min) {
             above if above > 0.0 && above.is_finite() => above,
-            _ => LEAST,
+            _ => LINEAR_VELOCITY_RATIO,
         };
         ratios.extend(sines.iter().copied().filter(|sine| *sine > 0.0));
-        let last = if self.plane.across == 0.0 { ratios.iter().copied().fold(0.0, f64::max) } else { MOST };
+        let last = if self.plane.across == 0.0 { ratios.iter().copied().fold(0.0, f64::max) } else { ASYMPTOTE_VELOCITY_RATIO };
         ratios.retain(|ratio| *ratio > first && *ratio < last);
         ratios.extend([first, last]);
         let mut corners: Vec<f64> = ratios.into_iter().map(f64::ln).collect();
@@ -42,7 +47,8 @@ impl Ring {
         corners
     }
 
-    /// The velocity ratio at which the in-surface part leaves the floor where the vibration has this part along the sliding; none if it never is above one.
+    /// Returns the velocity ratio at which the in-surface ratio leaves the floor, for a tangential
+    /// part of the vibration; `None` if the floor is one.
     fn leaves_the_floor(&self, tangential: f64) -> Option<f64> {
         let size = tangential.hypot(self.plane.across);
         if self.floor >= 1.0 {

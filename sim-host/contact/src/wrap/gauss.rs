@@ -1,34 +1,36 @@
-//! Gauss-Legendre collocation along the wrap, in panels that are halved until both halves agree with the whole.
+//! Gauss-Legendre collocation along the wrap, in panels that are halved until both halves agree
+//! with the whole.
 //!
-//! Between two kinks the place is `p = a + (b - a) s^2 (3 - 2 s)`: roots of the distance from a kink, as the law along the sliding has them, are polynomials of s
-//! there. In a panel of s the state is that of the collocation at 16 Gauss points, of order 32.
+//! Between two kinks the position is `p = a + (b - a) s^2 (3 - 2 s)`, which turns square roots of
+//! the distance from a kink, as in the law along the sliding, into polynomials of s. In a panel of
+//! s the state is that of collocation at 16 Gauss points, of order 32.
 
 use std::sync::LazyLock;
 
 use super::super::closed::gauss;
 
-/// Places in a panel.
+/// Number of nodes in a panel.
 pub(super) const NODES: usize = 16;
-/// How many times a panel is halved at most.
-const HALVINGS: u32 = 24;
-/// Iterations of a state that its rate depends on.
-const ITERATIONS: usize = 60;
+/// Largest number of halvings of a panel.
+const MAX_HALVINGS: u32 = 24;
+/// Largest number of iterations for a state on which its rate depends.
+const MAX_ITERATIONS: usize = 60;
 
-/// Two quantities that are followed along the wrap.
+/// Two quantities that are integrated along the wrap.
 pub(super) type State = [f64; 2];
 
 pub(super) struct Rule {
-    /// Places, from 0 to 1, and their weights.
+    /// Nodes, from 0 to 1, and their weights.
     pub(super) nodes: [(f64, f64); NODES],
-    /// Integrals of the interpolating polynomials from 0 to each place.
+    /// Integrals of the interpolating polynomials from 0 to each node.
     pub(super) until: [[f64; NODES]; NODES],
-    /// What gives the last Legendre coefficients of a function by its values at the places.
+    /// Matrix that gives the last Legendre coefficients of a function from its values at the nodes.
     pub(super) last: [[f64; NODES]; 3],
 }
 
 pub(super) static RULE: LazyLock<Rule> = LazyLock::new(|| {
     let nodes: [(f64, f64); NODES] = std::array::from_fn(|i| gauss::node(NODES, NODES - 1 - i));
-    // P_0 to P_NODES at a place of [-1, 1].
+    // P_0 to P_NODES at a point of [-1, 1].
     let legendre = |x: f64| {
         let mut p = [1.0; NODES + 1];
         p[1] = x;
@@ -38,7 +40,8 @@ pub(super) static RULE: LazyLock<Rule> = LazyLock::new(|| {
         }
         p
     };
-    // The polynomial that is one at node j is w_j sum (k + 1/2) P_k(x_j) P_k(x), and the integral of P_k is (P_(k+1) - P_(k-1)) / (2 k + 1).
+    // The polynomial that is one at node j is w_j sum (k + 1/2) P_k(x_j) P_k(x), and the integral
+    // of P_k is (P_(k+1) - P_(k-1)) / (2 k + 1).
     let until = nodes.map(|(to, _)| {
         let at_end = legendre(to);
         nodes.map(|(at, weight)| {
@@ -55,16 +58,16 @@ pub(super) static RULE: LazyLock<Rule> = LazyLock::new(|| {
     Rule { nodes: nodes.map(|(x, w)| (0.5 * (1.0 + x), 0.5 * w)), until, last }
 });
 
-/// The place between two kinks at s, and how much of it one of s is.
+/// Returns the position between two kinks at s, and its derivative with respect to s.
 pub(super) fn between(ends: &[f64], s: f64) -> (f64, f64) {
     let wide = ends[1] - ends[0];
-    // Measured from the nearer kink, where what is left of it is small.
+    // Measured from the nearer kink, so that a small distance keeps its precision.
     let near = |s: f64| wide * s * s * (3.0 - 2.0 * s);
     let place = if s < 0.5 { ends[0] + near(s) } else { ends[1] - near(1.0 - s) };
     (place, wide * 6.0 * s * (1.0 - s))
 }
 
-/// A panel that has been walked.
+/// Panel that has been integrated.
 #[derive(Clone, Copy)]
 struct Walked {
     from: f64,
@@ -72,24 +75,24 @@ struct Walked {
     rise: State,
 }
 
-/// What is followed: what a place has, and how fast the state rises there.
+/// Integrand: properties of a position, and the rise of the state there.
 pub(super) struct Walk<'a, P> {
-    /// What a place has of its own, which is costly.
+    /// Properties of a position that do not depend on the state; expensive.
     pub(super) place: &'a dyn Fn(f64) -> P,
     /// Rise of the state per radian.
     pub(super) rate: &'a dyn Fn(&P, State) -> State,
-    /// Whether that depends on the state, and not on the place alone.
+    /// `true` if the rate depends on the state, not only on the position.
     pub(super) feels_state: bool,
-    /// Error that is allowed in a panel.
+    /// Permitted error of a panel.
     pub(super) tolerance: f64,
 }
 
 impl<P> Walk<'_, P> {
-    /// The state at the end of the wrap from a state at its beginning, and the error of it.
+    /// Returns the state at the end of the wrap, from that at its beginning, and its error.
     pub(super) fn along(&self, kinks: &[f64], state: State) -> (State, f64) {
         kinks.windows(2).fold((state, 0.0), |(state, error), ends| {
             let whole = self.panel(ends, 0.0, 1.0, state);
-            let (rise, more) = self.refined(ends, whole, state, HALVINGS);
+            let (rise, more) = self.refined(ends, whole, state, MAX_HALVINGS);
             ([state[0] + rise[0], state[1] + rise[1]], error + more)
         })
     }
@@ -103,7 +106,7 @@ impl<P> Walk<'_, P> {
         });
         let mut states = [state; NODES];
         let mut rates = [[0.0; 2]; NODES];
-        for _ in 0..ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             for (rate, ((place, scale), state)) in rates.iter_mut().zip(places.iter().zip(states)) {
                 *rate = (self.rate)(place, state).map(|rate| scale * rate);
             }
@@ -125,7 +128,7 @@ impl<P> Walk<'_, P> {
         Walked { from, to, rise: [rise(0), rise(1)] }
     }
 
-    /// Rise of the state over a panel, and the error of it.
+    /// Returns the rise of the state over a panel, and its error.
     fn refined(&self, ends: &[f64], whole: Walked, state: State, halvings: u32) -> (State, f64) {
         let middle = 0.5 * (whole.from + whole.to);
         let first = self.panel(ends, whole.from, middle, state);

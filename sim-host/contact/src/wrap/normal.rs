@@ -1,14 +1,17 @@
-//! What the normal part of a ring's vibration does to friction at a place, where it is granted anything.
+//! The effect of the normal part of a ring's vibration on friction at a position, if it is assumed
+//! to have any.
 //!
-//! | normal part | law | what is known |
+//! | normal part | law | validity |
 //! |---|---|---|
-//! | none | one | exact of a contact that is stiff along the surface, as long as contact is not lost |
+//! | none | one | exact for a contact that is stiff along the surface, as long as contact is not lost |
 //! | fitted | `1 - R0 g(v) (W / W0)^-p min(1, a / a50)` | fitted to a belt at 20 to 87 mm/s and 270 to 670 N ([`empirical`](crate::empirical)); **extrapolated** beyond |
-//! | compliant | mean of Popov's contact under the load W ([`crate::compliant`]) | needs two stiffnesses; those that fit the belt are implausible, others contradict it |
+//! | compliant | mean of Popov's contact under the load W ([`crate::compliant`]) | needs two stiffnesses; those that fit the belt are implausible, and plausible ones contradict it |
 //!
-//! `W = T L / R` is the load on as much webbing as the horn of the belt experiment pressed on: its face is ASSUMED to be L = 10 mm long (470 mm^2, 47 mm wide). `a` is
-//! the amplitude of the normal part, `a50` the smallest amplitude that was tested, 50 % of 85 um; that the effect does not rise above it, and falls in
-//! proportion below, is ASSUMED. The fitted constants `q` and `s` of the empirical law, which are chosen, play no part.
+//! `W = T L / R` is the load on a piece of webbing as long as the horn's face in the belt
+//! experiment. Its length is ASSUMED to be L = 10 mm (470 mm^2, 47 mm wide). `a` is the amplitude
+//! of the normal part, `a50` the smallest amplitude that was tested, 50 % of 85 um. It is ASSUMED
+//! that the effect does not rise above `a50`, and falls in proportion below. The fitted constants
+//! `q` and `s` of the empirical law, which were chosen, are not used.
 
 use super::super::compliant;
 use super::super::empirical::EmpiricalLaw;
@@ -18,18 +21,18 @@ pub const FACE_M: f64 = 0.010;
 /// Full amplitude of the horn, m (thesis, Table 3.2).
 pub const FULL_M: f64 = 85e-6;
 
-/// What the normal part does.
+/// Effect of the normal part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NormalPart {
-    /// It changes nothing.
+    /// No effect.
     None,
-    /// It lowers friction by the law that is fitted to the belt.
+    /// Reduction of friction by the law that is fitted to the belt.
     Fitted(Normal),
-    /// It lowers friction as a compliant contact of these stiffnesses does.
+    /// Reduction of friction as in a compliant contact of these stiffnesses.
     Compliant(Normal, Stiffnesses),
 }
 
-/// The normal part of a vibration on a ring.
+/// Normal part of a vibration on a ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Normal {
     /// Amplitude of the whole vibration, m.
@@ -48,36 +51,37 @@ pub struct Stiffnesses {
 }
 
 impl Normal {
-    /// Load on a face of the horn at a tension, N.
+    /// Returns the load on a face of the horn at a tension, N.
     pub fn load_n(&self, tension_n: f64) -> f64 {
         tension_n * FACE_M / self.radius_m
     }
 
-    /// How much of the fitted effect is there where the vibration has this part across the surface.
+    /// Returns the share of the fitted effect, 0 to 1, for a normal part of the vibration.
     pub(super) fn share(&self, normal: f64) -> f64 {
         (normal / self.saturated()).min(1.0)
     }
 
-    /// The part across the surface from which on the fitted effect does not rise.
+    /// Returns the normal part above which the fitted effect does not rise.
     pub(super) fn saturated(&self) -> f64 {
         EmpiricalLaw::FITTED.lowest_amplitude_fraction * FULL_M / self.amplitude_m
     }
 }
 
-/// The fitted effect at a speed, m/s, and a load of one face, W0.
+/// Returns the fitted effect at a speed, m/s, and a load of W0 on one face.
 pub(super) fn fitted_effect(speed_m_per_s: f64) -> f64 {
     let law = EmpiricalLaw::FITTED;
     let creeping = |speed: f64| 1.0 + speed / law.speed_scale_m_per_s;
     law.reduction * creeping(law.speed_m_per_s) / creeping(speed_m_per_s)
 }
 
-/// The slope of the fitted effect over the speed, over the effect, per m/s.
+/// Returns the derivative of the fitted effect with respect to the speed, over the effect, per m/s.
 pub(super) fn fitted_effect_fall(speed_m_per_s: f64) -> f64 {
     -1.0 / (EmpiricalLaw::FITTED.speed_scale_m_per_s + speed_m_per_s)
 }
 
 impl NormalPart {
-    /// Friction ratio of the normal part alone, where the vibration has this part across the surface, at a tension and a sliding speed; `mu` without vibration.
+    /// Returns the friction ratio of the normal part alone, at a tension and a sliding speed; `mu`
+    /// applies without vibration.
     pub fn ratio(&self, normal: f64, tension_n: f64, speed_m_per_s: f64, mu: f64, hz: f64) -> f64 {
         match self {
             NormalPart::None => 1.0,
@@ -98,7 +102,7 @@ impl NormalPart {
         }
     }
 
-    /// Parts across the surface at which the law has a kink.
+    /// Returns the normal parts at which the law has a kink.
     pub(super) fn kinks(&self) -> Vec<f64> {
         match self {
             NormalPart::Fitted(part) => vec![part.saturated()],

@@ -1,13 +1,13 @@
-//! The capstan along the wrap as an equation for the tension, with any normal part: `d ln T / dp = mu r_s(p) r_n(p, T)`.
+//! The capstan equation along the wrap, with any normal part: `d ln T / dp = mu r_s(p) r_n(p, T)`.
 
 use super::gauss::Walk;
 use super::normal::NormalPart;
 use super::{Pull, Ring};
 
-/// Error of the exponent that is asked for, of each panel.
+/// Permitted error of the exponent per panel.
 const TOLERANCE: f64 = 1e-12;
 
-/// A vibration of a ring under sliding webbing.
+/// Vibration of a ring under sliding webbing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sliding {
     /// Sliding speed, m/s.
@@ -16,16 +16,16 @@ pub struct Sliding {
     pub tip_m_per_s: f64,
     /// Frequency of the vibration, Hz.
     pub hz: f64,
-    /// The lower tension, N.
+    /// Lower tension, N.
     pub low_n: f64,
-    /// Which end pulls.
+    /// End that pulls.
     pub pull: Pull,
-    /// Whether the in-surface part of the vibration acts; without it the normal part acts alone.
+    /// `true` if the in-surface part of the vibration acts; otherwise the normal part acts alone.
     pub in_surface: bool,
 }
 
 impl Ring {
-    /// `ln(T_high / T_low)` with a normal part, and the error of it.
+    /// Computes `ln(T_high / T_low)` with a normal part, and its error.
     pub fn tension_exponent(&self, normal: &NormalPart, sliding: &Sliding) -> (f64, f64) {
         let ring = if sliding.pull == Pull::Shoulder { *self } else { Ring { angle_rad: -self.angle_rad, ..*self } };
         let velocity_ratio = if sliding.in_surface { sliding.speed_m_per_s / sliding.tip_m_per_s } else { f64::INFINITY };
@@ -43,8 +43,9 @@ impl Ring {
         (exponent, error)
     }
 
-    /// The same by the classical Runge-Kutta method in equal steps, of the tension itself: a reference that shares nothing with panels between kinks. A kink
-    /// within a step takes its order.
+    /// Computes the same exponent by the classical Runge-Kutta method in equal steps of the tension
+    /// itself. This reference does not use panels between kinks, so a kink within a step lowers its
+    /// order.
     pub fn stepped_exponent(&self, steps: u32, normal: &NormalPart, sliding: &Sliding) -> f64 {
         let sign = if sliding.pull == Pull::Shoulder { 1.0 } else { -1.0 };
         let step = self.wrap_rad / f64::from(steps);

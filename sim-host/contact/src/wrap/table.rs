@@ -1,46 +1,52 @@
-//! The exponent along the wrap over the velocity ratio, as a table, and its inverse: how fast webbing slides at two tensions.
+//! Table of the exponent along the wrap over the velocity ratio, and its inverse: the sliding speed
+//! of webbing at two tensions.
 //!
-//! G and H of [`exponent`](super::exponent) are smooth over `x = ln z` between the velocity ratios at which a kink comes in at an end of the wrap (`corners.rs`), and have
-//! roots of the distance from these. They are held there as Chebyshev polynomials of the root (`chebyshev.rs`), in panels that are halved until the last coefficients are
-//! below the tolerance. Below the table the ratio is a straight line over z; above it it has come to one, or does so as `1 / z^2`.
+//! G and H of [`exponent`](super::exponent) are smooth over `x = ln z` between the velocity ratios
+//! at which a kink enters at an end of the wrap (`corners.rs`). There they have square-root
+//! singularities, so they are stored as Chebyshev polynomials of the root (`chebyshev.rs`). Panels
+//! are halved until the last coefficients are below the tolerance. Below the table the ratio is a
+//! straight line over z. Above the table it is one, or approaches one as `1 / z^2`.
 //!
-//! The inverse is held in the same way where it depends on nothing but the ratio; with a normal part Newton's method finds it in the table.
+//! The inverse is stored in the same way if it depends only on the ratio. With a normal part
+//! Newton's method finds it in the table.
 
 use super::chebyshev::{Limits, Panel, fill};
 use super::normal::{Normal, fitted_effect, fitted_effect_fall};
 use super::{Pull, Ring};
 
-/// The last coefficients of the mean friction ratio in each panel.
-const VALUES: Limits = Limits { tail: 1e-9, narrowest: 1.0 / 256.0 };
-/// The last coefficients of the velocity ratio in each panel of the inverse.
-const INVERSE: Limits = Limits { tail: 1e-9, narrowest: 1.0 / 4096.0 };
-/// The highest ratio of the inverse.
-const HIGHEST: f64 = 1.0 - 1e-6;
-/// Rise of the ratio at the beginning of the table that is round-off.
-const FLAT: f64 = 1e-10;
-/// How far beyond the table a speed is sought, in ln z.
-const BEYOND: f64 = 40.0;
-/// Iterations of Newton's method at most.
-const ITERATIONS: u32 = 100;
+/// Limits of the panels for the mean friction ratio.
+const VALUE_LIMITS: Limits = Limits { tail: 1e-9, narrowest: 1.0 / 256.0 };
+/// Limits of the panels of the inverse, for the velocity ratio.
+const INVERSE_LIMITS: Limits = Limits { tail: 1e-9, narrowest: 1.0 / 4096.0 };
+/// Highest friction ratio of the inverse.
+const HIGHEST_RATIO: f64 = 1.0 - 1e-6;
+/// Rise of the ratio at the beginning of the table that counts as round-off.
+const FLAT_RATIO_RISE: f64 = 1e-10;
+/// Range beyond the table in which a speed is searched, in ln z.
+const BEYOND_LN_RATIO: f64 = 40.0;
+/// Largest number of iterations of Newton's method.
+const MAX_ITERATIONS: u32 = 100;
 
-/// Values at a velocity ratio: the mean in-surface ratio, and mean shares of the fitted normal effect with the higher tension at the shoulder, and at the retractor.
+/// Values at a velocity ratio: mean in-surface ratio, and mean shares of the fitted normal effect
+/// with the higher tension at the shoulder and at the retractor.
 type Values = [f64; 3];
 
-/// A ring whose law is tabulated.
+/// Tabulated law of a ring.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     ring: Ring,
     normal: Option<Normal>,
-    /// Over the logarithm of the velocity ratio, and where each begins.
+    /// Panels over the logarithm of the velocity ratio.
     panels: Vec<Panel<3>>,
+    /// Beginning of each panel.
     begins: Vec<Beginning>,
     /// Logarithms of the velocity ratio at both ends, and values there.
     ends: [(f64, Values); 2],
-    /// The velocity ratio over the mean ratio, without a normal part, in order.
+    /// Velocity ratio over the mean ratio, without a normal part, in order.
     inverse: Vec<Panel<1>>,
 }
 
-/// Where a panel begins.
+/// Beginning of a panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Beginning {
     x: f64,
@@ -48,18 +54,19 @@ struct Beginning {
     values: Values,
 }
 
-/// Two tensions and what pulls, for the inverse.
+/// Tensions and pulling end, for the inverse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tensioned {
-    /// The mean friction ratio that the tensions need, `ln(T_high / T_low) / (mu wrap)`.
+    /// Mean friction ratio required by the tensions, `ln(T_high / T_low) / (mu wrap)`.
     pub ratio: f64,
-    /// The lower tension, N.
+    /// Lower tension, N.
     pub low_n: f64,
-    /// Which end pulls.
+    /// End that pulls.
     pub pull: Pull,
 }
 
-/// What a fitted normal part takes off the ratio under a tension: `ln(1 - c e s) / (q mu wrap)`, of an effect e and a share s.
+/// Change of the ratio by a fitted normal part under a tension: `ln(1 - c e s) / (q mu wrap)`, with
+/// an effect e and a share s.
 struct Loss {
     which: usize,
     constant: f64,
@@ -69,13 +76,13 @@ struct Loss {
 }
 
 impl Loss {
-    /// At a share and a velocity ratio.
+    /// Returns the change at a share and a velocity ratio.
     fn at(&self, share: f64, velocity_ratio: f64) -> f64 {
         let effect = self.amplitude * fitted_effect(self.tip_m_per_s * velocity_ratio);
         (-self.constant * effect * share).ln_1p() / self.per_exponent
     }
 
-    /// The same with its slope over s, where the share has a slope and x has one.
+    /// Returns the change and its slope over s, from the slopes of the share and of x over s.
     fn with_slope(&self, (share, share_slope): (f64, f64), velocity_ratio: f64, x_slope: f64) -> (f64, f64) {
         let speed_m_per_s = self.tip_m_per_s * velocity_ratio;
         let effect = self.amplitude * fitted_effect(speed_m_per_s);
@@ -87,13 +94,13 @@ impl Loss {
 }
 
 impl Table {
-    /// Tabulates the law of a ring with an angle of wrap above zero.
+    /// Tabulates the law of a ring whose angle of wrap is positive.
     pub fn new(ring: Ring, normal: Option<Normal>) -> Self {
         let values = |x: f64| -> Values { ring.integrals(x.exp(), normal.as_ref()).map(|rad| rad / ring.wrap_rad) };
         let corners = ring.corners(normal.as_ref());
         let mut panels = Vec::new();
         for ends in corners.windows(2) {
-            fill(&values, (ends[0], ends[1]), VALUES, &mut panels);
+            fill(&values, (ends[0], ends[1]), VALUE_LIMITS, &mut panels);
         }
         let begins = panels.iter().map(|panel| {
             let s = panel.lower_s();
@@ -109,29 +116,29 @@ impl Table {
         table
     }
 
-    /// The inverse between the ratios at these corners.
+    /// Returns the inverse between the ratios at these corners.
     fn inverted(&self, corners: &[f64]) -> Vec<Panel<1>> {
-        let mut at: Vec<f64> = corners.iter().map(|&x| self.at(x)[0].min(HIGHEST)).chain([HIGHEST]).collect();
+        let mut at: Vec<f64> = corners.iter().map(|&x| self.at(x)[0].min(HIGHEST_RATIO)).chain([HIGHEST_RATIO]).collect();
         at.sort_by(f64::total_cmp);
         let sought = |ratio: f64| [self.searched(&Tensioned { ratio, low_n: f64::INFINITY, pull: Pull::Shoulder }, 1.0, 1.0)];
         let mut inverse = Vec::new();
         for ends in at.windows(2).filter(|ends| ends[1] > ends[0]) {
-            fill(&sought, (ends[0], ends[1]), INVERSE, &mut inverse);
+            fill(&sought, (ends[0], ends[1]), INVERSE_LIMITS, &mut inverse);
         }
         inverse
     }
 
-    /// The ring.
+    /// Returns the ring.
     pub fn ring(&self) -> &Ring {
         &self.ring
     }
 
-    /// What the fitted normal part acts on, if it is granted anything.
+    /// Returns the normal part on which the fitted effect acts; `None` if it has no effect.
     pub fn normal(&self) -> Option<&Normal> {
         self.normal.as_ref()
     }
 
-    /// Panels of the table, and of its inverse.
+    /// Returns the number of panels of the table, and of its inverse.
     pub fn panels(&self) -> (usize, usize) {
         (self.panels.len(), self.inverse.len())
     }
@@ -149,27 +156,28 @@ impl Table {
         std::array::from_fn(|which| panel.value(which, s))
     }
 
-    /// Below the table, with slopes over x: a straight line over z from the floor on.
+    /// Returns values below the table, with slopes over x: a straight line over z, starting at the
+    /// floor.
     fn below(&self, x: f64) -> [(f64, f64); 3] {
         let (first, [ratio, shoulder, retractor]) = self.ends[0];
         let rise = (ratio - self.ring.floor) * (x - first).exp();
         [(self.ring.floor + rise, rise), (shoulder, 0.0), (retractor, 0.0)]
     }
 
-    /// Above the table, with slopes over x.
+    /// Returns values above the table, with slopes over x.
     fn above(&self, x: f64) -> [(f64, f64); 3] {
         let (last, [ratio, shoulder, retractor]) = self.ends[1];
         let left = (1.0 - ratio) * (2.0 * (last - x)).exp();
         [(1.0 - left, 2.0 * left), (shoulder, 0.0), (retractor, 0.0)]
     }
 
-    /// The mean in-surface friction ratio at a velocity ratio.
+    /// Returns the mean in-surface friction ratio at a velocity ratio.
     pub fn in_surface(&self, velocity_ratio: f64) -> f64 {
         self.at(velocity_ratio.ln())[0]
     }
 
-    /// The mean friction ratio at a velocity ratio, in units of the peak velocity `tip_m_per_s` at this amplitude (0 to 1), with a lower tension, N, and
-    /// the end that pulls.
+    /// Returns the mean friction ratio at a velocity ratio in units of the peak velocity
+    /// `tip_m_per_s` at this amplitude (0 to 1), for a lower tension, N, and the end that pulls.
     pub fn ratio(&self, velocity_ratio: f64, (tip_m_per_s, amplitude): (f64, f64), (low_n, pull): (f64, Pull)) -> f64 {
         let values = self.at(velocity_ratio.ln());
         let loss = self.loss(&Tensioned { ratio: 0.0, low_n, pull }, tip_m_per_s, amplitude);
@@ -183,40 +191,43 @@ impl Table {
         Some(Loss { which, constant, per_exponent, tip_m_per_s: amplitude * tip_m_per_s, amplitude })
     }
 
-    /// The velocity ratio at which webbing slides under two tensions, in units of the peak velocity `tip_m_per_s` at this amplitude (0 to 1).
+    /// Returns the velocity ratio at which webbing slides under two tensions, in units of the peak
+    /// velocity `tip_m_per_s` at this amplitude (0 to 1).
     pub fn velocity_ratio(&self, needed: &Tensioned, tip_m_per_s: f64, amplitude: f64) -> f64 {
         let panel = self.inverse.get(self.inverse.partition_point(|panel| panel.upper() < needed.ratio));
         match panel {
-            Some(panel) if needed.ratio > self.ends[0].1[0] + FLAT => panel.value(0, panel.corner.s(needed.ratio)).max(0.0),
+            Some(panel) if needed.ratio > self.ends[0].1[0] + FLAT_RATIO_RISE => {
+                panel.value(0, panel.corner.s(needed.ratio)).max(0.0)
+            }
             _ => self.searched(needed, tip_m_per_s, amplitude),
         }
     }
 
-    /// The same by Newton's method.
+    /// Finds the same velocity ratio by Newton's method.
     fn searched(&self, needed: &Tensioned, tip_m_per_s: f64, amplitude: f64) -> f64 {
         let loss = self.loss(needed, tip_m_per_s, amplitude);
         let [(first, at_first), (last, at_last)] = self.ends;
-        if loss.is_none() && at_first[0] - needed.ratio >= -FLAT {
+        if loss.is_none() && at_first[0] - needed.ratio >= -FLAT_RATIO_RISE {
             // A straight line over z, or the velocity ratio at which the floor is left.
             let rise = at_first[0] - self.ring.floor;
-            let part = if rise > FLAT { (needed.ratio - self.ring.floor).max(0.0) / rise } else { 1.0 };
+            let part = if rise > FLAT_RATIO_RISE { (needed.ratio - self.ring.floor).max(0.0) / rise } else { 1.0 };
             return first.exp() * part.min(1.0);
         }
         let total = |values: &Values, velocity_ratio: f64| {
             values[0] + loss.as_ref().map_or(0.0, |loss| loss.at(values[loss.which], velocity_ratio))
         };
-        // Value and slope over s of what is off, where x has a slope over s.
+        // Residual and its slope over s, from the slope of x over s.
         let off = |values: [(f64, f64); 3], x: f64, x_slope: f64| {
             let (ratio, slope) = values[0];
             let (lost, lost_slope) =
                 loss.as_ref().map_or((0.0, 0.0), |loss| loss.with_slope(values[loss.which], x.exp(), x_slope));
             (ratio + lost - needed.ratio, slope + lost_slope)
         };
-        // The panel in which the ratio is, by where it begins.
+        // The panel that contains the ratio, from the beginnings of the panels.
         let at = |begins: &Beginning| total(&begins.values, begins.velocity_ratio);
         let above = self.begins.partition_point(|begins| at(begins) <= needed.ratio);
         if above == 0 {
-            return root((first - BEYOND, first), first, |x| off(self.below(x), x, 1.0)).exp();
+            return root((first - BEYOND_LN_RATIO, first), first, |x| off(self.below(x), x, 1.0)).exp();
         }
         let (begins, panel) = (&self.begins[above - 1], &self.panels[above - 1]);
         let (upper, at_upper) = match self.begins.get(above) {
@@ -225,10 +236,10 @@ impl Table {
         };
         if at_upper <= needed.ratio {
             if loss.is_none() && self.ring.plane.across == 0.0 {
-                // The ratio is one from here on.
+                // Above the table the ratio is one.
                 return last.exp();
             }
-            return root((last, last + BEYOND), last, |x| off(self.above(x), x, 1.0)).exp();
+            return root((last, last + BEYOND_LN_RATIO), last, |x| off(self.above(x), x, 1.0)).exp();
         }
         let (low, high) = if panel.corner.reach > 0.0 { (panel.from, panel.to) } else { (panel.to, panel.from) };
         let at_begin = at(begins);
@@ -242,17 +253,18 @@ impl Table {
     }
 }
 
-/// Where a function is zero that is below zero at the first place and above it at the second, by Newton's method from a place between them.
+/// Finds the zero of a function that is negative at the first point and positive at the second, by
+/// Newton's method from a point between them.
 fn root((mut below, mut above): (f64, f64), from: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
-    /// Of a step of Newton's method that is shorter, what is left is its square.
-    const SHORT: f64 = 1e-8;
+    /// Length of a Newton step below which the error, of the order of its square, is negligible.
+    const SHORT_STEP_REL: f64 = 1e-8;
     let mut x = from;
-    for _ in 0..ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
         let (value, slope) = f(x);
         *(if value > 0.0 { &mut above } else { &mut below }) = x;
         let newton = x - value / slope;
         let size = x.abs().max(1.0);
-        if (newton - x).abs() < SHORT * size && newton >= below.min(above) && newton <= below.max(above) {
+        if (newton - x).abs() < SHORT_STEP_REL * size && newton >= below.min(above) && newton <= below.max(above) {
             return newton;
         }
         let between = newton > below.min(above) && newton < below.max(above);

@@ -1,4 +1,5 @@
-//! The law along the wrap against its limits, against plain sums and against another method for the tension.
+//! Comparison of the law along the wrap with its limits, with plain sums, and with another method
+//! for the tension.
 
 use std::f64::consts::{FRAC_2_PI, TAU};
 
@@ -10,7 +11,7 @@ use crate::plane::coulomb;
 
 const MU: f64 = 0.3;
 const FLOOR: f64 = 0.13 / 0.3;
-/// Directions: in the plane of the wrap, and out of it, degrees.
+/// Directions in the plane of the wrap, and out of it, degrees.
 const DIRECTIONS: [(f64, f64); 7] = [(0.0, 0.0), (90.0, 0.0), (165.0, 0.0), (-40.0, 0.5), (20.0, 30.0), (0.0, 85.0), (0.0, 90.0)];
 const FITTED: Normal = Normal { amplitude_m: 40e-6, radius_m: 8e-3 };
 
@@ -25,20 +26,20 @@ fn in_surface(ring: &Ring, z: f64) -> f64 {
 }
 
 #[test]
-fn no_wrap_and_no_vibration_have_the_capstan() {
+fn no_wrap_or_no_vibration_gives_the_capstan_equation() {
     for direction in DIRECTIONS {
         assert_eq!(in_surface(&ring(0.0, 0.0, direction), 0.5), 0.0);
         for wrap_deg in [1.0, 90.0, 150.0, 360.0, 720.0] {
             let ring = ring(wrap_deg, 0.0, direction);
             assert!((in_surface(&ring, f64::INFINITY) / ring.wrap_rad - 1.0).abs() < 1e-15);
-            // No sliding: no place is held, whatever its direction.
+            // Without sliding the friction ratio is zero at every position, for any direction.
             assert!(in_surface(&ring, 0.0).abs() < 1e-15);
         }
     }
 }
 
 #[test]
-fn along_the_axis_every_place_has_the_transverse_law() {
+fn along_the_axis_every_position_has_the_transverse_law() {
     for z in [1e-6, 0.1, 1.0, 30.0] {
         let ring = ring(150.0, 0.0, (33.0, 90.0));
         let law = coulomb::friction_ratio(z, 90.0);
@@ -46,7 +47,8 @@ fn along_the_axis_every_place_has_the_transverse_law() {
     }
 }
 
-/// A short wrap under a vibration along it has the longitudinal law; one whose middle is normal to the vibration is nearly held there.
+/// A short wrap under a vibration along it has the longitudinal law; one whose middle is normal to
+/// the vibration has nearly full friction.
 #[test]
 fn a_short_wrap_has_the_law_of_its_middle() {
     let along = ring(0.01, 0.0, (90.0, 0.0));
@@ -55,7 +57,8 @@ fn a_short_wrap_has_the_law_of_its_middle() {
     assert!((in_surface(&across, 0.5) / across.wrap_rad - 1.0).abs() < 1e-15);
 }
 
-/// A plain sum of the law at eight million places, by the middle of each: off by the power 1.5 of its step where the law has a root.
+/// Plain midpoint sum of the law at eight million positions; its error is of order 1.5 in the step
+/// at a root of the law.
 #[test]
 fn the_integral_is_a_plain_sum() {
     const PLACES: u32 = 8_000_000;
@@ -77,7 +80,8 @@ fn the_integral_is_a_plain_sum() {
     }
 }
 
-/// The mean over a period of a vibration along all three axes at a place: the slip is a vector, and the normal force is that of a contact which is never lost.
+/// Returns the mean over a period of a vibration along all three axes at a position, with the slip
+/// as a vector and the normal force of a contact that is never lost.
 fn mean(parts: super::Parts, z: f64, indentations: f64) -> f64 {
     const PHASES: u32 = 1 << 14;
     let at = |i: u32| {
@@ -102,7 +106,8 @@ fn a_stiff_contact_knows_no_normal_part() {
     }
 }
 
-/// The tension stepped along the wrap: half a million steps, off by the square of one where the law has a kink.
+/// Tension stepped along the wrap in half a million steps, with an error of second order at a kink
+/// of the law.
 #[test]
 fn the_tension_is_that_of_steps_along_the_wrap() {
     let hz = 20e3;
@@ -129,7 +134,8 @@ fn the_tension_is_that_of_steps_along_the_wrap() {
     }
 }
 
-/// The same table serves all tensions and amplitudes: at the speed that it finds, the exponent is that of the equation.
+/// One table serves all tensions and amplitudes: at the speed from the table, the exponent is that
+/// of the equation.
 #[test]
 fn the_table_is_the_inverse_of_the_exponent() {
     for direction in DIRECTIONS {
@@ -167,7 +173,8 @@ fn the_table_is_the_inverse_of_the_exponent() {
     }
 }
 
-/// The integrals that a table holds, with panels that are judged by their coefficients, are those of panels that are compared with their halves.
+/// The integrals of a table, whose panels are judged by their coefficients, equal those of panels
+/// that are compared with their halves.
 #[test]
 fn the_integrals_of_a_table_are_the_exponents() {
     let mut worst = 0.0f64;
@@ -175,7 +182,7 @@ fn the_integrals_of_a_table_are_the_exponents() {
         for (wrap_deg, floor) in [(150.0, FLOOR), (90.0, 0.0), (270.0, 0.2), (33.0, 0.01), (700.0, 0.8)] {
             let ring = ring(wrap_deg, floor, direction);
             for step in 0..200 {
-                // From 1e-6 to 1e2, denser about one.
+                // From 1e-6 to 76, densest near 1e-2; every other value is on a linear grid.
                 let z = 10f64.powf(-2.0 + 4.0 * (f64::from(step) / 100.0 - 1.0).powi(3));
                 let z = if step % 2 == 0 { z } else { f64::from(step) / 180.0 };
                 let [in_surface, shoulder, retractor] = ring.integrals(z, Some(&FITTED));
@@ -196,15 +203,16 @@ fn the_integrals_of_a_table_are_the_exponents() {
     println!("{worst:.1e}");
 }
 
-/// From the floor, which is left at a velocity of its own, to the ratio of one, which is reached along the sliding only.
+/// Tests the floor, which is left at a certain velocity ratio, and the ratio of one, which is
+/// reached only along the sliding.
 #[test]
 fn the_ends_of_the_table_are_those_of_the_law() {
     let needed = |ratio: f64| Tensioned { ratio, low_n: 100.0, pull: Pull::Shoulder };
-    // The middle is normal to the vibration: it is held from zero on.
+    // The middle is normal to the vibration, so the floor is left at zero.
     let radial = Table::new(ring(150.0, FLOOR, (0.0, 0.0)), None);
     assert_eq!(radial.velocity_ratio(&needed(FLOOR), 1.0, 1.0), 0.0);
     assert!((radial.velocity_ratio(&needed(1.0), 1.0, 1.0) - 75f64.to_radians().sin()).abs() < 1e-4);
-    // Nowhere normal: the floor is left where the part along the sliding is least.
+    // No position is normal: the floor is left first where the tangential part is smallest.
     let along = Table::new(ring(90.0, FLOOR, (90.0, 0.0)), None);
     let least = 45f64.to_radians().cos() * (0.25 * TAU * FLOOR).sin();
     assert!((along.velocity_ratio(&needed(FLOOR), 1.0, 1.0) / least - 1.0).abs() < 1e-12);
@@ -214,7 +222,7 @@ fn the_ends_of_the_table_are_those_of_the_law() {
 }
 
 #[test]
-fn what_is_out_of_range_is_named() {
+fn errors_name_the_value_out_of_range() {
     for (wrap, mu, floor, direction, said) in [
         (721.0, MU, 0.0, (0.0, 0.0), "the angle of wrap is 721 degrees, and must be from 0 to 720 degrees"),
         (150.0, f64::NAN, 0.0, (0.0, 0.0), "coefficient of friction"),

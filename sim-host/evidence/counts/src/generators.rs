@@ -1,4 +1,4 @@
-//! The sine and cosine of the drive, in the two ways in which the controller makes them, net of a loop that does nothing but hand out numbers.
+//! The sine and cosine of the drive by both generators of the controller, net of an empty loop.
 
 use core::hint::black_box;
 
@@ -10,7 +10,7 @@ use qemu_m4::counter::Counter;
 use crate::csv::line;
 use crate::repeat::repeat;
 
-/// Samples in a block; the generators do not know.
+/// Number of samples in a block, hidden from the compiler.
 const SAMPLES: usize = 32;
 const REPETITIONS: u32 = 600;
 
@@ -22,7 +22,7 @@ pub fn count(counter: &Counter) {
     print("swing", blocks(counter, swings));
 }
 
-/// Ticks of blocks, with the phase going on from block to block as in the controller.
+/// Returns the ticks of all blocks; the phase continues from block to block as in the controller.
 #[inline(never)]
 fn blocks(counter: &Counter, block: impl Fn(&Stretch, usize)) -> i64 {
     let word = tuning_word(40_400.0 / 1e6);
@@ -39,7 +39,7 @@ fn sink(sine: f32, cosine: f32) {
     black_box(cosine);
 }
 
-/// A rotation by the phase of each sample.
+/// Rotates by the phase of each sample.
 #[inline]
 fn rotations(stretch: &Stretch, samples: usize) {
     let mut phase = stretch.phase;
@@ -50,7 +50,7 @@ fn rotations(stretch: &Stretch, samples: usize) {
     }
 }
 
-/// Two oscillators, set again for the block, one a quarter turn ahead of the other.
+/// Runs two oscillators, set anew for each block, a quarter turn apart.
 #[inline]
 fn swings(stretch: &Stretch, samples: usize) {
     let steady = Steady::new(stretch);
@@ -58,7 +58,7 @@ fn swings(stretch: &Stretch, samples: usize) {
     (0..samples).for_each(|_| sink(sine.take(), cosine.take()));
 }
 
-/// The loop and the sink, which are no part of a generator.
+/// Runs the loop and the sink alone, which are not part of a generator.
 #[inline]
 fn nothing(stretch: &Stretch, samples: usize) {
     let (sine, cosine) = (stretch.phase as u32 as f32, stretch.word as u32 as f32);

@@ -6,7 +6,8 @@
 //! | 1 | the timer does not count instructions here |
 //! | 101 | a panic; its message is on standard error |
 //!
-//! A line is `group,"kernel",samples,repetitions,ticks`: the ticks of all repetitions of a kernel, which handles so many samples in each.
+//! A line is `group,"kernel",samples,repetitions,ticks`: `ticks` is the sum over all repetitions of
+//! a kernel, each of which handles `samples` samples.
 
 use cortex_m_rt::entry;
 use qemu_m4::counter::Counter;
@@ -18,7 +19,7 @@ use crate::{generators, power_up, recorder, stages};
 fn main() -> ! {
     let counter = Counter::start();
     if let Err(ticks) = counter.calibrate() {
-        eprintln!("the timer took {ticks} ticks for a loop of known length: QEMU is started with `-icount shift=0` for this");
+        eprintln!("the timer took {ticks} ticks for a loop of known length: start QEMU with `-icount shift=0`");
         process::exit(1)
     }
     println!("group,kernel,samples,repetitions,ticks");

@@ -1,8 +1,9 @@
-//! Instructions that kernels take on the target, counted by QEMU: one line of CSV a kernel on standard output.
+//! Counts the instructions of kernels on the target in QEMU; one line of CSV per kernel on standard
+//! output.
 //!
-//! `evidence instructions` builds, starts and reads it.
+//! `evidence instructions` builds it, starts it and reads the output.
 //!
-//! Built for the host, it is a stub that says so.
+//! Built for the host, it is a stub that prints how to run it.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

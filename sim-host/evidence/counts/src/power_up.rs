@@ -1,6 +1,7 @@
-//! The controller as a whole: every block of a power-up on a transducer, from idle to bursts.
+//! Counts the whole controller: every block of a power-up on a transducer, from idle to bursts.
 //!
-//! Each call of `process` is counted for itself, to within a tick; the worst is such a count, the mean of many blocks is closer.
+//! Each call of `process` is counted on its own, to within a tick. The worst block is one such
+//! count; the mean of many blocks is more exact.
 
 use core::fmt::Write as _;
 
@@ -14,19 +15,21 @@ use qemu_m4::counter::Counter;
 
 use crate::csv::line;
 
-/// Blocks without orders.
+/// Number of blocks before the order to run.
 const IDLE_BLOCKS: u32 = 100;
-/// Blocks of the run: several bursts.
+/// Number of blocks of the run: several bursts.
 const RUN_BLOCKS: u32 = 1500;
-/// A longer block, samples.
+/// Length of a long block, samples.
 const LONG_BLOCK: usize = 64;
-/// A power-up ends before this.
-const MOST_BLOCKS: u32 = 30_000;
+/// Number of blocks within which a power-up must end.
+const MAX_BLOCKS: u32 = 30_000;
 
-/// The block of the run in which the load comes, and how many blocks are counted one by one from then on. It comes where a burst is on.
-const LOAD: (u32, u32) = (1100, 64);
+/// Block of the run at which the load is applied, within a burst.
+const LOAD_BLOCK: u32 = 1100;
+/// Number of blocks after the load that are counted separately.
+const LOADED_BLOCKS: u32 = 64;
 
-/// What is powered up, and how.
+/// Transducer and settings of one power-up.
 #[derive(Clone)]
 struct Trial {
     transducer: Transducer,
@@ -34,35 +37,37 @@ struct Trial {
     lanes: u8,
     samples: usize,
     edge: Edge,
-    /// Gains of the lanes, none where they are alike.
+    /// Gains of the lanes; empty if all are equal.
     gains: &'static [f32],
 }
 
-/// Counts power-ups with one lane and with four, in blocks and in longer blocks; of a second resonance, of the phase loop behind a scan, and of boosted
-/// bursts, only what differs. A trimmed lane is the exact opposite of no other lane.
+/// Counts power-ups with one lane, four lanes and four trimmed lanes, in short and in long blocks.
+/// Variants with a second resonance, with the phase loop after a scan and with boosted bursts are
+/// printed only in the kinds of blocks that differ. No trimmed lane is the exact opposite of
+/// another.
 pub fn count(counter: &Counter) {
     for (name, lanes, gains) in [("one lane", 1, &[][..]), ("four lanes", 4, &[]), ("four trimmed lanes", 4, &TRIMMED)] {
         for (length, samples) in [("", SAMPLES), (", 64 samples a block", LONG_BLOCK)] {
             let plain =
-                Trial { transducer: Transducer::new(), tracking: TrackingMode::Observer, lanes, samples, edge: SOFT, gains };
+                Trial { transducer: Transducer::new(), tracking: TrackingMode::Observer, lanes, samples, edge: SOFT_EDGE, gains };
             let print = |names: &[&str; KINDS], trial: &Trial| {
                 for (kind, tally) in names.iter().zip(&power_up(counter, trial)) {
                     tally.print(name, kind, length, samples);
                 }
             };
             print(&NAMES, &plain);
-            print(&IN_COMPANY_NAMES, &Trial { transducer: Transducer::in_company(), ..plain.clone() });
+            print(&TWO_MODES_NAMES, &Trial { transducer: Transducer::in_company(), ..plain.clone() });
             print(&PHASE_LOOP_NAMES, &Trial { tracking: TrackingMode::PhaseLock, ..plain.clone() });
             print(&BOOSTED_NAMES, &Trial { edge: Edge::Boost, ..plain });
         }
     }
 }
 
-/// Gains of four lanes of which none is like another.
+/// Gains of four lanes, all different.
 const TRIMMED: [f32; 4] = [0.99, 1.0, 0.98, 0.97];
 /// Number of kinds of blocks that are counted separately.
 const KINDS: usize = 9;
-/// The kind of a block: the mode that it begins in, and in a run the envelope as well.
+/// Names of the kinds of blocks: the mode in which a block begins and, in a run, the envelope.
 const NAMES: [&str; KINDS] = [
     "idle",
     "self-test",
@@ -74,23 +79,23 @@ const NAMES: [&str; KINDS] = [
     "run after a step of the load",
     "",
 ];
-/// The same, behind a scan and with the phase loop.
+/// Names of the kinds with the phase loop after a scan.
 const PHASE_LOOP_NAMES: [&str; KINDS] =
     ["", "", "", "phase loop, lock", "phase loop, run", "phase loop, run at an edge", "", "", "scan"];
 
-/// The clamped branch is measured.
+/// Kind of a block in which the clamped branch is measured.
 const CLAMPED: usize = 2;
-/// The same of a transducer with a second resonance.
-const IN_COMPANY_NAMES: [&str; KINDS] = ["", "", "clamped branch, two resonances", "", "", "", "", "", ""];
-/// The same in boosted bursts.
+/// Names of the kinds of a transducer with a second resonance.
+const TWO_MODES_NAMES: [&str; KINDS] = ["", "", "clamped branch, two resonances", "", "", "", "", "", ""];
+/// Names of the kinds in boosted bursts.
 const BOOSTED_NAMES: [&str; KINDS] =
     ["", "", "", "", "boosted, run", "boosted, run at an edge", "boosted, run between bursts", "", ""];
-/// Edges, unless they are boosted: they take eight periods.
-const SOFT: Edge = Edge::Soft;
+/// Edges of all other bursts: soft, eight periods long.
+const SOFT_EDGE: Edge = Edge::Soft;
 
-/// Running, the envelope one.
+/// Kind of a block in a run with an envelope of one.
 const RUN: usize = 4;
-/// The load has just come.
+/// Kind of a block just after the load was applied.
 const LOADED: usize = 7;
 
 fn kind(mode: Mode, report: &Telemetry) -> usize {
@@ -106,7 +111,7 @@ fn kind(mode: Mode, report: &Telemetry) -> usize {
     }
 }
 
-/// Blocks of one kind.
+/// Counts of the blocks of one kind.
 #[derive(Clone, Copy, Default)]
 struct Tally {
     blocks: u32,
@@ -121,7 +126,7 @@ impl Tally {
         self.worst = self.worst.max(ticks);
     }
 
-    /// Prints it, unless it has no name or there were none.
+    /// Prints the counts, unless the kind has no name or no blocks.
     fn print(&self, lanes: &str, kind: &str, length: &str, samples: usize) {
         if kind.is_empty() || self.blocks == 0 {
             return;
@@ -134,11 +139,11 @@ impl Tally {
     }
 }
 
-/// Powers up and runs.
+/// Powers up, runs, and returns the counts by kind.
 fn power_up(counter: &Counter, trial: &Trial) -> [Tally; KINDS] {
     let mut tallies = [Tally::default(); KINDS];
     let mut config = config(trial.tracking, trial.lanes, trial.samples);
-    // One transducer at one lane: the others have no load.
+    // The transducer is at one lane; the others have no load.
     config.phasing.watch = false;
     config.burst.edge = trial.edge;
     config.phasing.gain_trim = trial.gains.iter().copied().collect();
@@ -146,9 +151,9 @@ fn power_up(counter: &Counter, trial: &Trial) -> [Tally; KINDS] {
     let mut playing = [controller.silence(), controller.silence()];
     let (mut transducer, mut sense) = (trial.transducer.clone(), SenseBlock::default());
     let (mut mode, mut running, mut report) = (Mode::Idle, 0, Telemetry::default());
-    for block in 0..MOST_BLOCKS {
+    for block in 0..MAX_BLOCKS {
         let drive: &mut DriveBlock = &mut playing[block as usize % 2];
-        if running == LOAD.0 {
+        if running == LOAD_BLOCK {
             transducer.load();
         }
         transducer.exchange(drive, &mut sense);
@@ -157,7 +162,7 @@ fn power_up(counter: &Counter, trial: &Trial) -> [Tally; KINDS] {
         let before = counter.now();
         controller.process_into(&orders, &sense, drive, &mut report);
         let ticks = counter.since(before);
-        let loaded = (LOAD.0..LOAD.0 + LOAD.1).contains(&running);
+        let loaded = (LOAD_BLOCK..LOAD_BLOCK + LOADED_BLOCKS).contains(&running);
         tallies[if loaded { LOADED } else { kind(mode, &report) }].add(ticks);
         mode = report.mode;
         assert!(mode != Mode::Fault, "{:?} in block {block}", report.fault);
@@ -166,5 +171,5 @@ fn power_up(counter: &Counter, trial: &Trial) -> [Tally; KINDS] {
             return tallies;
         }
     }
-    panic!("the controller does not come to run: {mode:?}")
+    panic!("the controller does not reach run: {mode:?}")
 }

@@ -1,4 +1,4 @@
-//! The recorder of raw codes: what it adds to a block.
+//! Instructions that the recorder of raw codes adds to a block.
 
 use core::hint::black_box;
 
@@ -16,10 +16,10 @@ use crate::csv::line;
 use crate::repeat::repeat;
 
 const REPETITIONS: u32 = 500;
-/// The code of zero.
+/// Code of zero.
 const MID_CODE: u16 = 2048;
 
-/// Counts a block of the recorder, net of a loop that does nothing.
+/// Counts a block of the recorder, net of an empty loop.
 pub fn count(counter: &Counter) {
     let empty = repeat(counter, REPETITIONS, || ());
     let print = |kernel: &str, work: &mut dyn FnMut()| {
@@ -40,7 +40,7 @@ pub fn count(counter: &Counter) {
     assert!(ask.enqueue(CaptureRequest::Record(arm, Some(memory))).is_ok());
     print("recorder, armed", &mut follow);
     assert!(matches!(answered.dequeue(), Some(CaptureReply::Records)));
-    print("recorder, asked how far it is", &mut || {
+    print("recorder, status request", &mut || {
         assert!(ask.enqueue(CaptureRequest::Look).is_ok());
         follow();
         assert!(matches!(black_box(answered.dequeue()), Some(CaptureReply::Not(_))));

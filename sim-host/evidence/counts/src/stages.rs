@@ -1,4 +1,4 @@
-//! Stages of the controller, by their public functions.
+//! Stages of the controller, called by their public functions.
 
 use core::hint::black_box;
 
@@ -30,11 +30,13 @@ const REPETITIONS: u32 = 500;
 /// Length of a block, s.
 const BLOCK_S: f32 = 32e-6;
 
-/// Phasors measured at the resonance of [`STACK`], A and V: `V / Rm`.
+/// Amplitude of the voltage measured at the resonance of [`STACK`], V.
 const VOLTS: f32 = 3.0;
+/// Phasor of the motional current at the resonance, A: `V / Rm`.
 const CURRENT: Phasor = Phasor::new(VOLTS / STACK.rm_ohm, 0.01);
+/// Phasors of voltage and total current at the resonance, V and A.
 const AT_RESONANCE: Sensed = Sensed { v: Phasor::new(VOLTS, 0.0), i: Phasor::new(1.0, 0.228) };
-/// Rms noise of a block's current, A.
+/// Noise of a block's current, A rms.
 const NOISE_A: f32 = 5e-4;
 const NOMINAL_HZ: f32 = 40e3;
 const PLAYED: PlayedBlock = PlayedBlock {
@@ -46,10 +48,10 @@ const PLAYED: PlayedBlock = PlayedBlock {
     driven: true,
     rung_up: false,
 };
-/// Blocks until every tracker has locked.
+/// Number of blocks after which every tracker has locked.
 const SETTLING_BLOCKS: u32 = 200;
 
-/// Counts every stage, net of a loop that does nothing.
+/// Counts every stage, net of an empty loop.
 pub fn count(counter: &Counter) {
     let empty = repeat(counter, REPETITIONS, || ());
     let print = |samples: usize, kernel: &str, work: &mut dyn FnMut()| {
@@ -65,10 +67,10 @@ pub fn count(counter: &Counter) {
     shapes(&print);
 }
 
-/// A stage's name, and the stage.
+/// Function that prints the count of a stage, from its name and its code.
 type Print<'a> = &'a dyn Fn(&str, &mut dyn FnMut());
 
-/// Stages that evaluate the sense codes and the phasors measured from them.
+/// Counts the stages that evaluate the sense codes and the phasors measured from them.
 fn listening(print: Print) {
     let config = config(TrackingMode::PhaseLock, 4, SAMPLES);
     let convert = convert(&config);
@@ -87,7 +89,8 @@ fn listening(print: Print) {
     watching_a_belt(print, config, &convert, &sense, &sensed, &driven);
 }
 
-/// The same with an encoder, a force channel and every limit, over a belt that moves; and the belt itself.
+/// Counts the guard with an encoder, a force channel and every limit, over a moving belt; and the
+/// belt.
 fn watching_a_belt(print: Print, mut config: Config, convert: &Convert, sense: &SenseBlock, sensed: &Sensed, driven: &Driven) {
     (config.front_end.metre_per_count, config.front_end.force_hz) = (Some(1e-5), Some(500.0));
     config.limits = Limits { power_w: Some(9.0), energy_j_per_m: Some(1e3), on_time_s: Some(1e4), ..config.limits };
@@ -105,7 +108,7 @@ fn watching_a_belt(print: Print, mut config: Config, convert: &Convert, sense: &
     });
 }
 
-/// All that the guard does with a block.
+/// Runs everything that the guard does with a block.
 fn inspect(
     guard: &mut Guard,
     convert: &Convert,
@@ -118,7 +121,7 @@ fn inspect(
     if guard.watches(sense, belt) { electrical.or(guard.watch(sense, sensed, belt, black_box(driven))) } else { electrical }
 }
 
-/// What follows the resonance, locked and under full drive.
+/// Counts the tracker, locked and under full drive.
 fn tracking(print: Print, mode: TrackingMode, block_s: f32, name: &str) {
     let branch = Motional::of_capacitance(STACK.c0_f, STACK.series_resonance_hz);
     let mut tracker = Tracker::build(&config(mode, 4, SAMPLES), block_s).expect("valid tracking");
@@ -127,13 +130,12 @@ fn tracking(print: Print, mode: TrackingMode, block_s: f32, name: &str) {
         let (sensed, current, played) = black_box(&(AT_RESONANCE, CURRENT, PLAYED));
         black_box(tracker.follow(sensed, *current, *current, played));
     };
-    // Until it has locked.
     (0..SETTLING_BLOCKS).for_each(|_| follow(&mut tracker));
     assert!(tracker.state() == State::Locked, "{:?}", tracker.state());
     print(name, &mut || follow(&mut tracker));
 }
 
-/// The observer alone: a block that it follows, and one in which its drive has changed.
+/// Counts the observer alone: a block that it follows, and one in which its drive changes.
 fn observing(print: Print) {
     let mut observer = Observer::new(NOMINAL_HZ, BLOCK_S);
     let offset_hz = STACK.series_resonance_hz - NOMINAL_HZ;
@@ -151,7 +153,7 @@ fn observing(print: Print) {
     print("observer alone, at an edge", &mut || follow(&mut observer, None));
 }
 
-/// The shaper, for every shape.
+/// Counts the shaper for every shape.
 fn shapes(print: Print) {
     let held = Stretch { phase: 1 << 60, word: tuning_word(40_400.0 / 1e6), step: 0 };
     let chirp = Stretch { step: 1 << 40, ..held };
@@ -198,7 +200,7 @@ fn convert(config: &Config) -> Convert {
     convert
 }
 
-/// A block of 3 V, and what the stack takes.
+/// Returns a sense block at a drive of about 3 V.
 fn sense() -> SenseBlock {
     let mut drive = DriveBlock::silent(1, SAMPLES, 0);
     let wave = |n: usize| (2048.0 + 300.0 * sine::rotation((n as u64) << 59).im) as u16;
@@ -208,7 +210,7 @@ fn sense() -> SenseBlock {
     sense
 }
 
-/// A stack, as identified.
+/// A stack as identification reports it.
 const STACK: transducer::Transducer = transducer::Transducer {
     series_resonance_hz: 40_400.0,
     parallel_resonance_hz: 41_300.0,

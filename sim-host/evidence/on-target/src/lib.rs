@@ -1,11 +1,12 @@
-//! What the tests on the target are held against: a power-up that the host has played when this package was built.
+//! The reference of the tests on the target: a power-up that the host plays when this package is
+//! built.
 #![no_std]
 #![forbid(unsafe_code)]
 
 #[cfg(target_os = "none")]
 pub mod stream;
 
-/// What the host has played.
+/// The reference that the host has played.
 #[cfg(target_os = "none")]
 pub mod of_the_host {
     use crate::stream::Played;

@@ -1,6 +1,8 @@
-//! A power-up of the controller on the transducer of the bench: the same blocks on the host, where the build script plays them, and on the target.
+//! A power-up of the controller on the transducer of the bench: the same blocks on the host, where
+//! the build script plays them, and on the target.
 //!
-//! The transducer is f32, additions and multiplications only, as the controller is: if anything differs in a bit anywhere, the hash does.
+//! Transducer and controller use only additions and multiplications of f32. If any bit differs
+//! anywhere, the hash differs.
 
 use firmware::controller::Controller;
 use firmware::seam::block::{Codes, DriveBlock, Orders, Request, SenseBlock};
@@ -10,23 +12,23 @@ use firmware::seam::mode::Mode;
 use firmware::seam::telemetry::Telemetry;
 use qemu_m4::bench::{SAMPLES, Transducer, config};
 
-/// Blocks of silence, before the order to run.
+/// Number of blocks of silence before the order to run.
 pub const IDLE_BLOCKS: u32 = 20;
-/// Blocks in all: 96 ms, of which the last 35 are bursts with the tracker locked.
+/// Number of blocks in all: 96 ms, of which the last 35 ms are bursts with the tracker locked.
 pub const BLOCKS: u32 = 3000;
 
 /// Result of playing a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Played {
-    /// Of every code played and every code sensed (FNV-1a, 64 bits).
+    /// Hash of every code played and every code sensed (FNV-1a, 64 bits).
     pub codes: u64,
-    /// Of every tuning word reported.
+    /// Hash of every tuning word reported.
     pub words: u64,
-    /// Blocks in a run under drive.
+    /// Number of blocks under drive in mode `Run`.
     pub driven: u32,
 }
 
-/// Plays it, each block by way of `each`, which receives the block's number and must call its argument once.
+/// Plays the stream. `each` receives the number of each block and must call its argument once.
 pub fn play(mut each: impl FnMut(u32, &mut dyn FnMut())) -> Result<Played, Error> {
     let mut controller = Controller::build(&config(TrackingMode::Observer, 1, SAMPLES))?;
     let mut playing = [controller.silence(), controller.silence()];

@@ -1,6 +1,8 @@
-//! The tests that run on the processor itself: in QEMU (`cargo test -p image-scenarios on_target`), or on a Nucleo-G474RE (`cargo hil`).
+//! Tests that run on the processor itself: in QEMU (`cargo test -p image-scenarios on_target`) or
+//! on a Nucleo-G474RE (`cargo hil`).
 //!
-//! Each runs in a processor that was just reset. Built for the host, this is a stub that says so.
+//! The processor is reset before each test. Built for the host, this is a stub that prints how to
+//! run it.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

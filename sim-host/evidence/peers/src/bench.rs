@@ -1,6 +1,7 @@
-//! The run of one case: a search over every peer's settings, then the cheapest of them timed in rounds.
+//! Runs one case: a search over every peer's settings, then the cheapest of them timed in rounds.
 //!
-//! Noise of the machine passes over all peers alike, because between two runs of one peer all others have had theirs.
+//! The machine's noise affects all peers equally, because between two runs of one peer all others
+//! run.
 
 use crate::case::{Case, Kind};
 use crate::choice;
@@ -8,38 +9,38 @@ use crate::peer::{Family, Peer, Setting, Way};
 use crate::reference::Reference;
 use report::statistics::{ascending, median};
 
-/// A run longer than this, ns, ends the search over finer settings of its way.
-const TOO_LONG_NS: f64 = 4e9;
-/// In a round, a setting is run again until this has passed, ns; the least time counts.
+/// Duration of a run, ns, after which the finer settings of its way are not tried.
+const MAX_RUN_NS: f64 = 4e9;
+/// Time for which a setting is repeated in a round, ns; the shortest run counts.
 const ROUND_NS: f64 = 20e6;
-/// Most runs of a setting in a round.
-const MOST_RUNS: u32 = 30;
+/// Largest number of runs of a setting in a round.
+const MAX_RUNS: u32 = 30;
 
-/// A peer in a case, with what was measured of it.
+/// Measurements of a peer in a case.
 pub struct Entry {
     /// Name of the peer.
     pub name: String,
-    /// Where it comes from.
+    /// Origin of the peer.
     pub family: Family,
-    /// Periods that it was run over.
+    /// Number of periods of its runs.
     pub periods: u32,
-    /// The settings of all its ways.
+    /// Settings of all its ways.
     pub points: Vec<Point>,
 }
 
-/// A setting of a peer.
+/// One setting of a peer, with its result.
 pub struct Point {
-    /// Which of its ways.
+    /// Way in which the peer is used.
     pub way: Way,
-    /// The accuracy that was asked for.
+    /// Accuracy requested.
     pub setting: Setting,
-    /// What came out, or why nothing did.
+    /// Errors and time, or the reason of the failure.
     pub result: Result<Run, String>,
-    /// Time in each round, ns a period; empty if it is nowhere among the cheapest.
+    /// Time in each round, ns a period; empty if it is not among the cheapest for any error.
     pub rounds: Vec<f64>,
 }
 
-/// Errors and time in the search.
+/// Errors and time of a run in the search.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
     /// Wall time in the search, ns a period.
@@ -50,7 +51,7 @@ pub struct Run {
     pub end_error: f64,
 }
 
-/// What an error is of.
+/// Quantity whose error is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The mean friction ratio.
@@ -60,7 +61,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its name in tables.
+    /// Returns the name used in tables.
     pub fn name(self) -> &'static str {
         match self {
             Quantity::Mean => "mean",
@@ -70,7 +71,7 @@ impl Quantity {
 }
 
 impl Run {
-    /// Error of a quantity.
+    /// Returns the error of a quantity.
     pub fn error(&self, quantity: Quantity) -> f64 {
         match quantity {
             Quantity::Mean => self.mean_error,
@@ -80,7 +81,8 @@ impl Run {
 }
 
 impl Point {
-    /// What is stated as its cost: the median of the rounds, or of those that were not timed what the search saw, ns a period.
+    /// Returns the cost, ns a period: the median of the rounds, or the time in the search if it was
+    /// not timed in rounds.
     pub fn ns(&self) -> Option<f64> {
         if self.rounds.is_empty() {
             return self.result.as_ref().ok().map(|run| run.searched_ns);
@@ -91,18 +93,18 @@ impl Point {
 
 /// All entries of a case.
 pub struct Results {
-    /// Which case.
+    /// The case.
     pub kind: Kind,
-    /// One for each peer.
+    /// Entries, one per peer.
     pub entries: Vec<Entry>,
-    /// What the reference is, in words.
+    /// Description of the reference.
     pub reference: String,
 }
 
 /// Runs a case.
 ///
 /// # Errors
-/// If there is no reference.
+/// If the case has no reference.
 pub fn run(
     kind: Kind,
     peers: &mut [Box<dyn Peer>],
@@ -137,7 +139,8 @@ pub fn run(
     let (reference, _) = &long;
     let (mean, end) = reference.apart;
     let reference = format!(
-        "{}: mean friction ratio {:.15}, {} reversals in {} periods; the two references differ by {mean:.0e} in the mean, {end:.0e} at the end",
+        "{}: mean friction ratio {:.15}, {} reversals in {} periods; the two references differ by {mean:.0e} in the mean, \
+         {end:.0e} at the end",
         kind.name(),
         reference.mean(),
         reference.reversals,
@@ -146,7 +149,7 @@ pub fn run(
     Ok(Results { kind, entries, reference })
 }
 
-/// Every setting of a peer; the quick ones twice, as the first run of a process is slow.
+/// Runs every setting of a peer. Quick ones run twice, because the first run of a process is slow.
 fn search(peer: &mut dyn Peer, case: &Case, reference: &Reference) -> Vec<Point> {
     let mut points = Vec::new();
     for way in peer.ways(case.kind) {
@@ -158,7 +161,7 @@ fn search(peer: &mut dyn Peer, case: &Case, reference: &Reference) -> Vec<Point>
             {
                 run.searched_ns = run.searched_ns.min(again.searched_ns);
             }
-            let too_long = result.as_ref().is_ok_and(|run| run.searched_ns * f64::from(case.periods) > TOO_LONG_NS);
+            let too_long = result.as_ref().is_ok_and(|run| run.searched_ns * f64::from(case.periods) > MAX_RUN_NS);
             points.push(Point { way: way.clone(), setting, result, rounds: Vec::new() });
             if too_long {
                 break;
@@ -174,14 +177,14 @@ fn search_once(peer: &mut dyn Peer, case: &Case, reference: &Reference, way: &Wa
     if mean_error.is_finite() && end_error.is_finite() {
         Ok(Run { searched_ns: outcome.wall_ns / f64::from(case.periods), mean_error, end_error })
     } else {
-        Err("no numbers came out".into())
+        Err("the result is not a number".into())
     }
 }
 
-/// A setting's time in a round, ns a period.
+/// Returns a setting's shortest time in a round, ns a period.
 fn time(peer: &mut dyn Peer, case: &Case, point: &Point) -> Option<f64> {
     let (mut least, mut spent, mut runs) = (f64::INFINITY, 0.0, 0);
-    while spent < ROUND_NS && runs < MOST_RUNS {
+    while spent < ROUND_NS && runs < MAX_RUNS {
         let wall_ns = peer.run(case, &point.way, point.setting).ok()?.wall_ns;
         (least, spent, runs) = (least.min(wall_ns), spent + wall_ns, runs + 1);
     }

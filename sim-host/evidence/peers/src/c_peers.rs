@@ -1,4 +1,5 @@
-//! SUNDIALS (CVODE, and ERKStep of ARKODE) and ODEPACK's LSODAR: C programs, compiled when the comparison is run.
+//! SUNDIALS (CVODE, and ERKStep of ARKODE) and ODEPACK's LSODAR: C programs, compiled before the
+//! comparison runs.
 
 use std::path::Path;
 
@@ -6,15 +7,15 @@ use crate::case::{Case, Kind};
 use crate::peer::{Family, Outcome, Peer, Setting, Way, fine_tolerances, tolerances, with_longest_steps};
 use crate::process::{Greeting, Process};
 
-/// Ways of the SUNDIALS program that are CVODE's; the others are ERKStep's.
+/// Ways of the SUNDIALS program that use CVODE; the others use ERKStep.
 const CVODE: &[&str] = &["Adams, located reversals", "BDF, located reversals", "Adams, sgn V in f", "BDF, sgn V in f"];
 const ERK: &[&str] = &["order 5, located reversals", "order 6, located reversals", "order 8, located reversals"];
 const LSODAR: &[&str] = &["located reversals", "sgn V in f"];
 
-/// Where Debian's package of deSolve is.
+/// Path of deSolve's library in Debian's package.
 const DESOLVE: &str = "/usr/lib/R/site-library/deSolve/libs/deSolve.so";
 
-/// A C program and the part of its ways that is one peer.
+/// A C program, restricted to those of its ways that make up one peer.
 pub struct Compiled {
     process: Process,
     name: String,
@@ -24,7 +25,7 @@ pub struct Compiled {
 }
 
 impl Compiled {
-    /// CVODE and ERKStep.
+    /// Starts CVODE and ERKStep.
     ///
     /// # Errors
     /// If there is no C compiler or no SUNDIALS.
@@ -39,7 +40,7 @@ impl Compiled {
         Ok([of(cvode, "CVODE", 0, CVODE), of(erk, "ERKStep", CVODE.len(), ERK)])
     }
 
-    /// LSODAR.
+    /// Starts LSODAR.
     ///
     /// # Errors
     /// If there is no C compiler or no deSolve.
@@ -52,8 +53,8 @@ impl Compiled {
 }
 
 impl Compiled {
-    /// What compiling its program took.
-    pub fn compiling(&self) -> String {
+    /// Returns a note with the time that compiling the program took.
+    pub fn compile_note(&self) -> String {
         format!("{}: compiled by cc in {:.0} ms, which is not counted", self.name, 1e-6 * self.process.compiling_ns)
     }
 }

@@ -1,13 +1,15 @@
-//! The cases that all peers solve: one mass, one spring and a contact, from rest, under a force of 384 N (thesis, Table 4.1).
+//! The cases that all peers solve: one mass, one spring and a contact, from rest, under a force of
+//! 384 N (thesis, Table 4.1).
 //!
-//! | case | what it is |
+//! | case | content |
 //! |---|---|
 //! | ordinary | Table 4.1: Dahl friction, a weak perturbation of the motion |
-//! | strong | a contact as stiff as the mass's inertia, Kt = m w^2, and friction that is a quarter of what it takes to move the mass |
+//! | strong | a contact as stiff as the mass's inertia, Kt = m w^2, and friction that is a quarter of the force needed to move the mass |
 //! | LuGre | Table 4.1 with bristle damping, viscous friction and a Stribeck peak of 1 mm/s, a fiftieth of the vibration |
 //! | chirp | Table 4.1 with a force that sweeps from 40 to 80 kHz |
 //!
-//! Peers of this project get a case in SI units, as a [`Problem`], all others its [`Scaled`] coefficients.
+//! Peers of this project receive a case in SI units, as a [`Problem`]; all others receive its
+//! [`Scaled`] coefficients.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +18,7 @@ use contact::{Law, Problem, Shape, Waveform};
 
 use crate::scaled::Scaled;
 
-/// Which case.
+/// Kind of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Kind {
     /// Table 4.1.
@@ -30,10 +32,10 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Kind; 4] = [Kind::Ordinary, Kind::Strong, Kind::Lugre, Kind::Chirp];
 
-    /// Name of the case.
+    /// Returns the name of the case.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Ordinary => "ordinary coupling",
@@ -43,7 +45,7 @@ impl Kind {
         }
     }
 
-    /// The same as part of a file's name.
+    /// Returns the name as part of a file name.
     pub fn stem(self) -> &'static str {
         match self {
             Kind::Ordinary => "ordinary",
@@ -60,7 +62,7 @@ const STRONG_KAPPA: f64 = 4.0;
 const STATIC_RATIO: f64 = 1.5;
 /// Stribeck velocity, m/s.
 const STRIBECK_M_PER_S: f64 = 1e-3;
-/// Bristle damping, N s/m: a quarter of Fc at the vibration's velocity.
+/// Bristle damping, N s/m: a quarter of Fc at the velocity of the vibration.
 const SIGMA1: f64 = 0.1;
 /// Viscous friction, N s/m.
 const SIGMA2: f64 = 0.01;
@@ -70,18 +72,19 @@ const CHIRP_HZ: (f64, f64) = (40e3, 80e3);
 /// A case over a number of periods.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Which.
+    /// Kind of the case.
     pub kind: Kind,
-    /// Length of the run in periods of 60 kHz; an even number, so that the window of the mean begins with a period.
+    /// Length of the run in periods of 60 kHz; even, so that the averaging window begins with a
+    /// period.
     pub periods: u32,
     /// The problem in SI units; the mean is over the second half.
     pub problem: Problem,
-    /// In units of order one.
+    /// The equations in units of order one.
     pub scaled: Scaled,
 }
 
 impl Case {
-    /// A case over so many periods.
+    /// Builds a case over `periods` periods.
     pub fn new(kind: Kind, periods: u32) -> Self {
         let periods = periods.max(2).next_multiple_of(2);
         let mut problem = table_4_1(VELOCITY_RATIO, f64::from(periods));
@@ -139,17 +142,17 @@ impl Case {
         Case { kind, periods, problem, scaled }
     }
 
-    /// Length of the run in scaled units.
+    /// Returns the length of the run in scaled units.
     pub fn length(&self) -> f64 {
         TAU * f64::from(self.periods)
     }
 
-    /// Where the window of the mean begins, and where it ends with the run.
+    /// Returns the beginning and the end of the averaging window; the end is that of the run.
     pub fn marks(&self) -> [f64; 2] {
         [0.5 * self.length(), self.length()]
     }
 
-    /// Scales of displacement, m, velocity, m/s, and force, N.
+    /// Returns the scales of displacement, m, velocity, m/s, and force, N.
     pub fn scales(&self) -> [f64; 3] {
         let omega = TAU * DRIVE_HZ;
         let vibration = self.problem.sliding_m_per_s / VELOCITY_RATIO;
@@ -157,10 +160,11 @@ impl Case {
     }
 }
 
-/// Longest step that a peer is allowed from reversal to reversal: two reversals in one step would go unnoticed.
+/// Longest step that a peer may take between reversals: two reversals in one step would be missed.
 pub const LONGEST_STEP: f64 = TAU / 6.0;
 
-/// Longest first step after a reversal: from zero slip to zero slip nothing shows that there was a reversal.
+/// Longest first step after a reversal: a step from zero slip to zero slip would hide the
+/// reversals.
 pub const LONGEST_FIRST_STEP: f64 = TAU / 8.0;
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
-//! Which of a peer's settings is the cheapest that meets an error.
+//! Selects the cheapest setting of a peer that meets an error.
 
 use std::collections::BTreeSet;
 
 use crate::bench::{Entry, Point, Quantity};
 use crate::peer::Family;
 
-/// Errors at which peers are compared. The end is known to 1e-12 only: so much its moment is rounded.
+/// Errors at which peers are compared. The end is known only to 1e-12, because its moment is
+/// rounded to that.
 pub const TARGETS: [(Quantity, f64); 7] = [
     (Quantity::Mean, 1e-6),
     (Quantity::Mean, 1e-8),
@@ -16,15 +17,15 @@ pub const TARGETS: [(Quantity, f64); 7] = [
     (Quantity::End, 1e-11),
 ];
 
-/// As long as it may take in the search over the cheapest there, a setting is timed too.
-const NEAR: f64 = 1.3;
-/// Most settings that are timed for one error.
-const MOST: usize = 3;
+/// Ratio to the cheapest time in the search up to which a setting is timed too.
+const TIMED_RATIO: f64 = 1.3;
+/// Largest number of settings that are timed for one error.
+const MAX_TIMED: usize = 3;
 
-/// Settings that meet an error.
+/// Returns the settings that meet an error.
 ///
-/// It has to hold for all finer settings of the same way as well, down to the most accurate: a coarse setting that is better than its finer
-/// neighbours by luck does not count.
+/// All finer settings of the same way, down to the most accurate, must meet it as well: a coarse
+/// setting that beats its finer neighbours by luck does not count.
 fn meeting(points: &[Point], quantity: Quantity, level: f64) -> Vec<usize> {
     let mut found = Vec::new();
     let mut start = 0;
@@ -38,7 +39,7 @@ fn meeting(points: &[Point], quantity: Quantity, level: f64) -> Vec<usize> {
     found
 }
 
-/// Settings that are to be timed: for every error those that look cheapest.
+/// Returns the settings to be timed: for every error those that look cheapest.
 pub fn candidates(points: &[Point]) -> Vec<usize> {
     let mut chosen = BTreeSet::new();
     let ns = |index: usize| points[index].ns().unwrap_or(f64::INFINITY);
@@ -46,24 +47,24 @@ pub fn candidates(points: &[Point]) -> Vec<usize> {
         let mut found = meeting(points, quantity, level);
         found.sort_by(|&a, &b| ns(a).total_cmp(&ns(b)));
         let least = found.first().map_or(0.0, |&index| ns(index));
-        chosen.extend(found.into_iter().take(MOST).filter(|&index| ns(index) <= NEAR * least));
+        chosen.extend(found.into_iter().take(MAX_TIMED).filter(|&index| ns(index) <= TIMED_RATIO * least));
     }
     chosen.into_iter().collect()
 }
 
-/// The cheapest setting that meets an error, of those that were timed.
+/// Returns the cheapest timed setting that meets an error.
 pub fn cheapest(points: &[Point], quantity: Quantity, level: f64) -> Option<&Point> {
     let timed = meeting(points, quantity, level).into_iter().map(|index| &points[index]).filter(|point| !point.rounds.is_empty());
     timed.min_by(|a, b| a.ns().unwrap_or(f64::INFINITY).total_cmp(&b.ns().unwrap_or(f64::INFINITY)))
 }
 
-/// What our cheapest setting takes for an error, ns a period.
+/// Returns the time of our cheapest setting for an error, ns a period.
 pub fn ours(entries: &[Entry], quantity: Quantity, level: f64) -> Option<f64> {
     let ours = entries.iter().find(|entry| entry.family == Family::Ours)?;
     cheapest(&ours.points, quantity, level)?.ns()
 }
 
-/// The least error of a peer.
+/// Returns the least error of a peer.
 pub fn least_error(points: &[Point], quantity: Quantity) -> Option<f64> {
     points.iter().filter_map(|point| Some(point.result.as_ref().ok()?.error(quantity))).reduce(f64::min)
 }
@@ -85,8 +86,8 @@ mod tests {
     }
 
     #[test]
-    fn luck_does_not_count() {
-        // The coarse point is below 1e-6 once; only from 1e-7 on does it stay there.
+    fn a_lucky_coarse_setting_does_not_count() {
+        // One coarse point is below 1e-6 by luck; the errors stay below it only from 1e-7 on.
         let curve = points(0, &[(1e-8, 1.0), (1e-4, 2.0), (1e-7, 4.0), (1e-9, 8.0)]);
         assert_eq!(cheapest(&curve, Quantity::Mean, 1e-6).and_then(Point::ns), Some(4.0));
         assert!(cheapest(&curve, Quantity::Mean, 1e-11).is_none());

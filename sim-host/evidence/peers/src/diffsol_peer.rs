@@ -1,7 +1,8 @@
-//! diffsol: Runge-Kutta of Tsitouras, backward differences, and a diagonally implicit method, with its own root finding.
+//! diffsol: Runge-Kutta of Tsitouras, backward differences, and a diagonally implicit method, with
+//! the library's root finding.
 //!
-//! At a root the state goes back to it, the held sign flips, the slip is set to zero exactly, and the rates are computed again, since the
-//! method reuses them.
+//! At a root the state is moved back to it, the held sign flips, the slip is set to exactly zero,
+//! and the rates are computed again, because the method reuses them.
 
 use std::cell::Cell;
 use std::time::Instant;
@@ -15,7 +16,8 @@ use crate::case::{Case, Kind, LONGEST_FIRST_STEP};
 use crate::peer::{Family, Outcome, Peer, Setting, Way, fine_tolerances};
 use crate::scaled::{Clock, Scaled};
 
-/// Its methods: explicit of order five, backward differences of orders one to five, diagonally implicit of order four.
+/// Methods used: explicit of order five, backward differences of orders one to five, diagonally
+/// implicit of order four.
 const METHODS: [&str; 3] = ["tsit45", "bdf", "esdirk34"];
 
 /// The diffsol library.
@@ -63,7 +65,7 @@ impl Peer for Diffsol {
     }
 }
 
-/// Steps a solver from reversal to reversal; the states at the marks.
+/// Steps a solver from reversal to reversal, and returns the states at the marks.
 fn follow<'a, Eqn, Solver>(solver: &mut Solver, case: &Case, leg: &Cell<(f64, Clock)>) -> Result<[[f64; 4]; 2], DiffsolError>
 where
     Eqn: OdeEquations<T = f64, V = NalgebraVec<f64>> + 'a,

@@ -1,25 +1,28 @@
 //! ode_solvers: the Runge-Kutta method of Dormand and Prince of order eight.
 //!
-//! Two of its nodes are wrong in version 0.6.2: c12 = c13 = 0, where the row sums of its own coefficients are 1
-//! (github.com/srenevey/ode-solvers, pull request 42). A right-hand side with time in it is therefore sampled at the wrong moment in every
-//! step, and no tolerance helps. It is run in autonomous form, phase and frequency being states, which does not notice.
+//! Two of its nodes are wrong in version 0.6.2: c12 = c13 = 0, but the row sums of its own
+//! coefficients are 1 (github.com/srenevey/ode-solvers, pull request 42). A right-hand side that
+//! depends on time is therefore sampled at the wrong moment in every step, at any tolerance. Here
+//! it integrates the autonomous form, in which phase and frequency are states; the wrong nodes do
+//! not affect that.
 //!
-//! It has neither root finding nor a continuous output. From reversal to reversal it is stopped by its stop function; the reversal is
-//! guessed by a cubic and reached by integrating up to the guess and on by Newton's method.
+//! It has neither root finding nor continuous output. Its stop function stops it after each
+//! reversal. A cubic gives a first guess of the reversal; integration up to the guess and Newton's
+//! method refine it.
 
 use anyhow::Context;
 use ode_solvers::dop_shared::IntegrationError;
 use ode_solvers::{Dop853, OutputType, System};
 
 use crate::case::{Case, LONGEST_FIRST_STEP};
-use crate::ode_solvers_peer::{Contact, Leg, MOST_STEPS, STIFFNESS_TESTS, Y, at_rest};
+use crate::ode_solvers_peer::{Contact, Leg, MAX_STEPS, STIFFNESS_TESTS, Y, at_rest};
 
-/// The library's defaults: safety, beta of the controller, smallest and largest change of the step.
+/// The library's defaults: safety, beta of the step controller, smallest and largest step ratio.
 const CONTROL: [f64; 4] = [0.9, 0.0, 0.333, 6.0];
-/// Corrections after the guess at a reversal.
+/// Number of Newton corrections after the guess at a reversal.
 const CORRECTIONS: u32 = 2;
 
-/// The states at the marks.
+/// Integrates from reversal to reversal, and returns the states at the marks.
 pub fn from_reversal_to_reversal(mut leg: Leg, contact: &mut Contact, case: &Case) -> anyhow::Result<[Y; 2]> {
     let mut y = at_rest(contact);
     let mut states = [y; 2];
@@ -44,12 +47,12 @@ pub fn from_reversal_to_reversal(mut leg: Leg, contact: &mut Contact, case: &Cas
     Ok(states)
 }
 
-/// The state at the end of a leg.
+/// Returns the state at the end of a leg.
 pub fn end(leg: &Leg, contact: &Contact, y: Y) -> anyhow::Result<Y> {
     Ok(go(leg, contact, y)?.last().context("no step was taken")?.1)
 }
 
-/// The reversal within a step: its moment, and the state there.
+/// Returns the time and the state of the reversal within a step.
 fn reach_reversal(contact: &Contact, tolerance: f64, before: &(f64, Y), after: &(f64, Y)) -> anyhow::Result<(f64, Y)> {
     let rate = |y: &Y| {
         let mut rates = Y::zeros();
@@ -75,7 +78,7 @@ fn reach_reversal(contact: &Contact, tolerance: f64, before: &(f64, Y), after: &
     Ok(here)
 }
 
-/// Where the cubic with these values and slopes at its ends falls through zero.
+/// Returns the downward zero of the cubic with these values and slopes at its ends.
 fn cubic_root(start: f64, end: f64, first: (f64, f64), last: (f64, f64)) -> f64 {
     let length = end - start;
     let value = |part: f64| {
@@ -91,7 +94,7 @@ fn cubic_root(start: f64, end: f64, first: (f64, f64), last: (f64, f64)) -> f64 
     start + length * after
 }
 
-/// Moments and states of the steps.
+/// Integrates a leg, and returns the times and states of its steps.
 fn go(leg: &Leg, contact: &Contact, y: Y) -> Result<Vec<(f64, Y)>, IntegrationError> {
     let Leg { tolerance, end, step, longest } = *leg;
     let [safety, beta, least, largest] = CONTROL;
@@ -109,7 +112,7 @@ fn go(leg: &Leg, contact: &Contact, y: Y) -> Result<Vec<(f64, Y)>, IntegrationEr
         largest,
         longest,
         step,
-        MOST_STEPS,
+        MAX_STEPS,
         STIFFNESS_TESTS,
         OutputType::Sparse,
     );

@@ -1,4 +1,4 @@
-//! What is written: all points and all comparisons as CSV, and a report with the work-precision curves.
+//! Writes all points and all comparisons as CSV, and a report with the work-precision curves.
 
 use std::path::Path;
 
@@ -109,7 +109,7 @@ fn write_costs(all: &[Results], dir: &Path) -> anyhow::Result<()> {
     Ok(file.flush()?)
 }
 
-/// One figure for each case and quantity.
+/// Returns one figure for each quantity of a case.
 fn figures(results: &Results) -> Vec<Figure> {
     let labels = [
         (Quantity::Mean, "error of the mean friction ratio"),
@@ -127,7 +127,7 @@ fn figures(results: &Results) -> Vec<Figure> {
     labels.into_iter().map(figure).collect()
 }
 
-/// A peer's settings than which none is both cheaper and more accurate.
+/// Returns the settings of a peer for which no other is both cheaper and more accurate.
 fn series(entry: &Entry, quantity: Quantity) -> Series {
     let measured = |point: &Point| Some((point.result.as_ref().ok()?.error(quantity), point.ns()?));
     let mut points: Vec<(f64, f64)> = entry.points.iter().filter_map(measured).filter(|(error, _)| *error < 1e-2).collect();

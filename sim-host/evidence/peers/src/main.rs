@@ -1,14 +1,16 @@
-//! Peers side by side: other projects' integrators and ours on the same cases, compared at the same error.
+//! Compares other projects' integrators with ours on the same cases, at the same error.
 //!
 //! ```text
-//! cargo run --release -p peers                     ours, diffsol, ode_solvers, and what is installed of the others
+//! cargo run --release -p peers                     ours, diffsol, ode_solvers, and the installed others
 //! cargo run --release -p peers -- --quick          a coarse look
 //! ```
 //!
-//! The others are heyoka and SciPy (`pip install heyoka scipy`), SUNDIALS and LSODAR (`apt-get install libsundials-dev r-cran-desolve` and
-//! a C compiler); one that is not there is skipped, and said to be. Each peer is used as well as its interface allows: reversals of the slip
-//! as located events with the sign as discrete state, or the sign in the right-hand side; a search over its ways and tolerances finds what
-//! is cheapest for each error. Times are wall times around the integration, and those of one machine: ratios count.
+//! The others are heyoka and SciPy (`pip install heyoka scipy`), SUNDIALS and LSODAR
+//! (`apt-get install libsundials-dev r-cran-desolve` and a C compiler). A missing one is skipped,
+//! with a message. Each peer is used as well as its interface allows: reversals of the slip as
+//! located events with the sign as discrete state, or the sign in the right-hand side. A search
+//! over its ways and tolerances finds the cheapest for each error. Times are wall times around the
+//! integration on one machine; only their ratios count.
 
 mod bench;
 mod c_peers;
@@ -36,8 +38,8 @@ use case::{Case, Kind};
 use peer::Peer;
 use python_peers::{Heyoka, Scipy};
 
-/// Tolerance at which the cost of heyoka's events is looked at.
-const EVENTS_AT: f64 = 1e-8;
+/// Tolerance at which the cost of heyoka's events is measured.
+const EVENTS_TOLERANCE: f64 = 1e-8;
 
 /// Other projects' integrators and ours on the same cases, compared at the same error.
 #[derive(Parser)]
@@ -49,7 +51,7 @@ struct Arguments {
     /// Periods of a case for SciPy, which is slow.
     #[arg(long, value_name = "N", default_value_t = 100)]
     python_periods: u32,
-    /// How often the cheapest settings are run in turn; the median counts.
+    /// Number of rounds in which the cheapest settings are timed; the median counts.
     #[arg(long, value_name = "N", default_value_t = 5)]
     rounds: u32,
     /// One round of a tenth of the periods, 20 for SciPy.
@@ -58,7 +60,7 @@ struct Arguments {
     /// Only these cases.
     #[arg(long, value_name = "CASE", value_delimiter = ',')]
     cases: Vec<Kind>,
-    /// The interpreter that has heyoka and SciPy.
+    /// Python interpreter that has heyoka and SciPy.
     #[arg(long, value_name = "PATH", default_value = "python3")]
     python: String,
     /// Print the tables as Markdown.
@@ -91,9 +93,9 @@ fn main() -> anyhow::Result<()> {
             writeln!(out, "{text}")?;
         }
     }
-    let said = notes.len();
-    notes.extend(all.iter().flat_map(|results| std::iter::once(results.reference.clone()).chain(table::troubles(results))));
-    for note in &notes[said..] {
+    let printed = notes.len();
+    notes.extend(all.iter().flat_map(|results| std::iter::once(results.reference.clone()).chain(table::failure_notes(results))));
+    for note in &notes[printed..] {
         writeln!(out, "{note}")?;
     }
     let facts = [
@@ -107,15 +109,15 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Ours first, then all that are there; and what is to be said of them.
+/// Starts our peer and all installed others, and returns them with the notes to print.
 fn peers(arguments: &Arguments) -> (Vec<Box<dyn Peer>>, Vec<String>) {
     let mut peers: Vec<Box<dyn Peer>> = vec![Box::new(ours::Ours)];
     let mut notes = Vec::new();
-    let skipped = |name: &str, error: anyhow::Error, how: &str| format!("SKIPPED   {name}: {error:#}. To have it: {how}");
+    let skipped = |name: &str, error: anyhow::Error, how: &str| format!("SKIPPED   {name}: {error:#}. To install it: {how}");
     let pip = "python3 -m venv DIR && DIR/bin/pip install heyoka scipy, then --python DIR/bin/python";
     match Heyoka::start(&arguments.python) {
         Ok(mut heyoka) => {
-            match heyoka.event_share(&Case::new(Kind::Ordinary, arguments.periods), EVENTS_AT) {
+            match heyoka.event_share(&Case::new(Kind::Ordinary, arguments.periods), EVENTS_TOLERANCE) {
                 Ok(share) => notes.push(share.to_string()),
                 Err(error) => notes.push(format!("FAILED    heyoka's events: {error:#}")),
             }
@@ -126,14 +128,14 @@ fn peers(arguments: &Arguments) -> (Vec<Box<dyn Peer>>, Vec<String>) {
     let apt = "apt-get install --no-install-recommends gcc libsundials-dev r-cran-desolve";
     match Compiled::lsodar(&arguments.output) {
         Ok(lsodar) => {
-            notes.push(lsodar.compiling());
+            notes.push(lsodar.compile_note());
             peers.push(Box::new(lsodar));
         }
         Err(error) => notes.push(skipped("LSODAR", error, apt)),
     }
     match Compiled::sundials(&arguments.output) {
         Ok(both) => {
-            notes.extend(both.iter().map(Compiled::compiling));
+            notes.extend(both.iter().map(Compiled::compile_note));
             peers.extend(both.map(|peer| Box::new(peer) as Box<dyn Peer>));
         }
         Err(error) => notes.push(skipped("CVODE, ERKStep", error, apt)),

@@ -1,8 +1,10 @@
-//! ode_solvers: the Runge-Kutta methods of Dormand and Prince, Dopri5 of order five (here) and Dop853 of order eight (`dop853`).
+//! ode_solvers: the Runge-Kutta methods of Dormand and Prince, Dopri5 of order five (here) and
+//! Dop853 of order eight (`dop853`).
 //!
-//! The library has no root finding, so it is used in two ways: with the sign of the slip in the right-hand side, as one does first; and
-//! with the sign held, stopped by its stop function after the step in which the slip reverses, the reversal found on its continuous
-//! output, and started again from there with the step it had.
+//! The library has no root finding, so it is used in two ways. The simple one has the sign of the
+//! slip in the right-hand side. The other holds the sign: the stop function stops it after the step
+//! in which the slip reverses, the reversal is located on the continuous output, and the
+//! integration restarts there with the step that it had.
 
 use std::time::Instant;
 
@@ -16,17 +18,18 @@ use crate::dop853;
 use crate::peer::{Family, Outcome, Peer, Setting, Way, fine_tolerances, with_longest_steps};
 use crate::scaled::{Clock, Scaled};
 
-/// x, v, f, q, then phase and frequency of the forcing, of which only an autonomous form makes use.
+/// The states x, v, f, q, then phase and frequency of the forcing, used only by the autonomous
+/// form.
 pub type Y = SVector<f64, 6>;
 
-/// Most steps of a run.
-pub const MOST_STEPS: u32 = 200_000_000;
-/// Steps between tests for stiffness: the library's default.
+/// Largest number of steps of a run.
+pub const MAX_STEPS: u32 = 200_000_000;
+/// Number of steps between tests for stiffness: the library's default.
 pub const STIFFNESS_TESTS: u32 = 1000;
-/// The library's defaults: safety, beta of the controller, smallest and largest change of the step.
+/// The library's defaults: safety, beta of the step controller, smallest and largest step ratio.
 const CONTROL: [f64; 4] = [0.9, 0.04, 0.2, 10.0];
 
-/// The library.
+/// The ode_solvers library.
 pub struct OdeSolvers;
 
 const WAYS: [&str; 4] = [
@@ -106,7 +109,7 @@ fn from_reversal_to_reversal(mut leg: Leg, contact: &mut Contact, case: &Case) -
     Ok(states)
 }
 
-/// State at the beginning, at rest.
+/// Returns the state at the beginning, at rest.
 pub fn at_rest(contact: &Contact) -> Y {
     let mut y = Y::zeros();
     y[5] = contact.clock.frequency;
@@ -118,23 +121,23 @@ pub fn at_rest(contact: &Contact) -> Y {
 pub struct Contact {
     /// Coefficients of the scaled equations.
     pub scaled: Scaled,
-    /// When the leg began.
+    /// Time at the beginning of the leg.
     pub clock: Clock,
-    /// The sign of the slip, where it is held.
+    /// Sign of the slip, if it is held.
     pub sign: Option<f64>,
-    /// An integration stops after the step in which the slip reverses.
+    /// `true` if an integration stops after the step in which the slip reverses.
     pub stops: bool,
-    /// Phase and frequency are states.
+    /// `true` if phase and frequency are states.
     pub autonomous: bool,
 }
 
 impl Contact {
-    /// Slip in the direction of the held sign: negative after a reversal.
+    /// Returns the slip in the direction of the held sign: negative after a reversal.
     pub fn forward(&self, y: &Y) -> f64 {
         self.sign.unwrap_or(0.0) * self.scaled.slip(y.as_slice())
     }
 
-    /// At a reversal: the slip is zero exactly, the sign flips, and the next leg begins.
+    /// Applies a reversal: sets the slip to exactly zero, flips the sign, and begins the next leg.
     pub fn reverse(&mut self, time: f64, y: &mut Y) {
         y[1] = -self.scaled.sliding;
         self.sign = self.sign.map(|sign| -sign);
@@ -158,14 +161,14 @@ impl System<f64, Y> for Contact {
     }
 }
 
-/// One integration, from a clock at zero.
+/// One integration, with a clock that starts at zero.
 #[derive(Clone, Copy)]
 pub struct Leg {
     /// Absolute and relative tolerance.
     pub tolerance: f64,
-    /// Where it ends, if no reversal ends it.
+    /// End of the leg, unless a reversal ends it earlier.
     pub end: f64,
-    /// First step; zero: the method's own choice.
+    /// First step; zero leaves it to the method.
     pub step: f64,
     /// Longest step.
     pub longest: f64,
@@ -190,7 +193,7 @@ impl Leg {
             largest,
             longest,
             step,
-            MOST_STEPS,
+            MAX_STEPS,
             STIFFNESS_TESTS,
             kind,
         );
@@ -202,7 +205,7 @@ impl Leg {
     }
 }
 
-/// What an integration went through.
+/// Continuous output of an integration.
 struct Path {
     output: ContinuousOutputModel<f64, Y>,
     /// Beginning and end of its last step.
@@ -211,11 +214,11 @@ struct Path {
 
 impl Path {
     fn at(&self, time: f64) -> anyhow::Result<Y> {
-        // The last step may end a few units in the last place before the end asked for.
+        // The last step may end a few units in the last place before the requested end.
         self.output.evaluate(time.min(self.last.1)).context("ode_solvers has no output there")
     }
 
-    /// The reversal within the last step, by bisection.
+    /// Returns the time of the reversal within the last step, by bisection.
     fn reversal(&self, contact: &Contact) -> anyhow::Result<f64> {
         let (mut before, mut after) = self.last;
         loop {

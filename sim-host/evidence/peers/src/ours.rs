@@ -1,4 +1,4 @@
-//! This project's own methods, as a peer among peers.
+//! This project's own methods, as a peer like the others.
 
 use std::time::Instant;
 
@@ -14,12 +14,12 @@ pub struct Ours;
 
 type Run = fn(&Problem, u32) -> Result<Tally, SolveError>;
 
-/// A method with the steps a period that it is run with.
+/// A method with the numbers of steps a period that are tried.
 struct Method {
     name: &'static str,
     steps: &'static [u32],
     run: Run,
-    /// Whether it does LuGre's friction.
+    /// `true` if the method solves LuGre's friction.
     lugre: bool,
 }
 
@@ -27,7 +27,7 @@ const LINEXP_STEPS: &[u32] = &[2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, 24, 32, 48, 
 const TAYLOR_STEPS: &[u32] = &[2, 3, 4, 5, 6, 8, 10, 12, 16, 24];
 const FIXED_STEPS: &[u32] = &[20, 40, 60, 100, 150, 200, 300, 400, 1000, 2000, 4000];
 
-/// All that are ever the cheapest: a new method is a new entry here.
+/// All methods that are the cheapest for some error; a new method is a new entry here.
 const METHODS: &[Method] = &[
     Method {
         name: "linexp of order 2",

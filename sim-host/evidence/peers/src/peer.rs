@@ -1,49 +1,49 @@
-//! A peer: an integrator of another project, used on a case as well as its interface allows.
+//! A peer: an integrator, used on a case as well as its interface allows.
 
 use std::fmt;
 
 use crate::case::{Case, Kind};
 use crate::scaled::Scaled;
 
-/// An integrator that the methods are compared with.
+/// An integrator that takes part in the comparison.
 pub trait Peer {
-    /// Whose it is.
+    /// Returns the name.
     fn name(&self) -> String;
 
-    /// Where it comes from.
+    /// Returns the origin.
     fn family(&self) -> Family;
 
-    /// The ways to use it on a case.
+    /// Returns the ways to use it on a case.
     fn ways(&self, kind: Kind) -> Vec<Way>;
 
     /// Solves a case once.
     fn run(&mut self, case: &Case, way: &Way, setting: Setting) -> anyhow::Result<Outcome>;
 }
 
-/// A way to use a peer: everything but its accuracy.
+/// A way to use a peer: everything except its accuracy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Way {
-    /// What it is called in tables: method, and how reversals of the slip are treated.
+    /// Name in tables: method, and treatment of the reversals of the slip.
     pub name: String,
-    /// The peer's own number for it.
+    /// The peer's own number of the way.
     pub number: usize,
-    /// Longest step, scaled; otherwise the peer's own.
+    /// Longest step, scaled; `None` leaves it to the peer.
     pub longest: Option<f64>,
     /// Accuracies, from coarse to fine.
     pub settings: Vec<Setting>,
 }
 
 impl Way {
-    /// A way with its accuracies.
+    /// Creates a way with its accuracies.
     pub fn new(number: usize, name: impl Into<String>, settings: Vec<Setting>) -> Self {
         Way { name: name.into(), number, longest: None, settings }
     }
 }
 
-/// Longest steps that are tried where there is a Stribeck peak, which a long one leaps over.
+/// Longest steps that are tried if there is a Stribeck peak, because a long step can miss the peak.
 const PEAK_STEPS: [f64; 3] = [0.1, 0.03, 0.01];
 
-/// The ways, and where there is a Stribeck peak the same with shorter longest steps too.
+/// Adds the same ways with shorter longest steps if there is a Stribeck peak.
 pub fn with_longest_steps(kind: Kind, ways: Vec<Way>) -> Vec<Way> {
     if kind != Kind::Lugre {
         return ways;
@@ -55,20 +55,20 @@ pub fn with_longest_steps(kind: Kind, ways: Vec<Way>) -> Vec<Way> {
     ways.into_iter().chain(extra).collect()
 }
 
-/// Where a peer comes from.
+/// Origin of a peer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
     /// The methods of this project.
     Ours,
     /// A library in Rust.
     Rust,
-    /// A compiled program: C, Fortran, or compiled when it is asked.
+    /// A compiled program: C, Fortran, or compiled just in time.
     Compiled,
-    /// Mostly Python; slow enough to get fewer periods.
+    /// A program mostly in Python; so slow that it runs fewer periods.
     Python,
 }
 
-/// How finely a peer works.
+/// Accuracy of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Setting {
     /// Absolute and relative tolerance.
@@ -78,14 +78,14 @@ pub enum Setting {
 }
 
 impl Setting {
-    /// The tolerance, of a peer that has one.
+    /// Returns the tolerance.
     ///
     /// # Errors
-    /// If it is a number of steps.
+    /// If the setting is a number of steps.
     pub fn tolerance(self) -> anyhow::Result<f64> {
         match self {
             Setting::Tolerance(tolerance) => Ok(tolerance),
-            Setting::Steps(_) => anyhow::bail!("it has no fixed step"),
+            Setting::Steps(_) => anyhow::bail!("the peer needs a tolerance, not a number of steps"),
         }
     }
 }
@@ -99,17 +99,17 @@ impl fmt::Display for Setting {
     }
 }
 
-/// Tolerances half a decade apart, for those that are quick.
+/// Returns tolerances half a decade apart, for quick peers.
 pub fn fine_tolerances(first: i32, last: i32) -> Vec<Setting> {
     (2 * first..=2 * last).map(|halves| Setting::Tolerance(10f64.powf(-0.5 * f64::from(halves)))).collect()
 }
 
-/// Tolerances a decade apart.
+/// Returns tolerances a decade apart.
 pub fn tolerances(first: i32, last: i32) -> Vec<Setting> {
     (first..=last).map(|digits| Setting::Tolerance(10f64.powi(-digits))).collect()
 }
 
-/// What a run gave.
+/// Result of a run.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
 pub struct Outcome {
     /// Mean friction ratio over the second half.
@@ -121,7 +121,8 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Of the states at the middle and at the end. The quadrature state has grown by half the mean in the second half.
+    /// Computes the result from the states at the middle and at the end. In the second half the
+    /// quadrature state grows by half the mean.
     pub fn new(scaled: &Scaled, sign: f64, middle: &[f64], end: &[f64], wall_ns: f64) -> Self {
         Outcome { mean: 2.0 * (end[3] - middle[3]), end: [end[0], end[1], scaled.force(sign, end)], wall_ns }
     }
@@ -137,7 +138,8 @@ mod tests {
     use crate::python_peers::{Heyoka, Scipy};
     use crate::reference::Reference;
 
-    /// Every peer solves the same cases: at its finest it comes near the reference, which none of them made.
+    /// Every peer solves the same cases. At fine settings it comes near the reference, which is
+    /// independent of all peers.
     #[test]
     fn peers_agree() {
         let folder = std::env::temp_dir().join(format!("peers-{}", std::process::id()));
@@ -165,7 +167,7 @@ mod tests {
             for peer in &mut peers {
                 let mut best = (f64::INFINITY, f64::INFINITY);
                 for way in peer.ways(kind) {
-                    // Not the finest, at which some fail.
+                    // The finest settings are left out, because some peers fail there.
                     for &setting in way.settings.iter().rev().skip(2).step_by(3) {
                         let Ok(outcome) = peer.run(&case, &way, setting) else { continue };
                         let (mean, end) = reference.errors(&outcome);
@@ -177,7 +179,7 @@ mod tests {
             }
         }
         drop(peers);
-        // Nothing is there if nothing was compiled.
+        // The folder exists only if something was compiled.
         let _ = std::fs::remove_dir_all(folder);
     }
 }

@@ -1,6 +1,6 @@
-//! A program beside this one, asked one line at a time: a peer that is not Rust.
+//! A peer that is not in Rust: a separate program that answers one line at a time.
 //!
-//! The program takes its time itself, around the integration, so that neither its start nor the talk with it counts.
+//! The program times the integration itself, so its start and the communication do not count.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -12,12 +12,12 @@ use serde::Deserialize;
 
 use crate::peer::Outcome;
 
-/// The first line: what answers.
+/// The program's first line, which identifies it.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Greeting {
     /// The library's version and language.
     pub version: String,
-    /// What one callback costs by itself, ns, of a peer that has them.
+    /// Cost of one callback by itself, ns, if the peer has callbacks.
     #[serde(default)]
     pub callback_ns: f64,
 }
@@ -41,15 +41,16 @@ pub struct Process {
     child: Child,
     requests: Option<ChildStdin>,
     answers: BufReader<ChildStdout>,
-    /// What compiling took, which is in no time of a run: of a C program, or the longest of what was compiled to be run, ns.
+    /// Compile time, ns, not counted in any run: of the C program, or the longest just-in-time
+    /// compilation.
     pub compiling_ns: f64,
 }
 
 impl Process {
-    /// Starts a script in a Python that has a module.
+    /// Starts a script in a Python interpreter that has a module.
     ///
     /// # Errors
-    /// If the interpreter does not start or does not have the module, with the reason.
+    /// If the interpreter does not start or lacks the module, with the reason.
     pub fn python(python: &str, module: &str, script: &str) -> anyhow::Result<(Self, Greeting)> {
         let probe = Command::new(python).args(["-c", &format!("import {module}")]).stdin(Stdio::null()).output();
         let probe = probe.with_context(|| format!("`{python}` does not start"))?;
@@ -58,10 +59,10 @@ impl Process {
         Process::start(Command::new(python).args(["-c", script]))
     }
 
-    /// Compiles a C program into a folder, with the header that all share, and starts it.
+    /// Compiles a C program into a folder, with the shared header, and starts it.
     ///
     /// # Errors
-    /// If there is no compiler, or a library is missing, with the compiler's first complaint.
+    /// If the compiler or a library is missing, with the compiler's first error.
     pub fn compiled(folder: &Path, (name, source): (&str, &str), libraries: &[&str]) -> anyhow::Result<(Self, Greeting)> {
         std::fs::create_dir_all(folder)?;
         std::fs::write(folder.join("contact.h"), include_str!("../contact.h"))?;
@@ -94,10 +95,10 @@ impl Process {
         Ok((process, greeting))
     }
 
-    /// Asks for one run.
+    /// Requests one run.
     ///
     /// # Errors
-    /// If there is no answer, or the answer is that it failed.
+    /// If there is no answer, or the answer is a failure.
     pub fn ask(&mut self, request: &str) -> anyhow::Result<Outcome> {
         writeln!(self.requests.as_mut().context("no standard input")?, "{request}")?;
         match serde_json::from_str(&self.line()?)? {
@@ -109,7 +110,7 @@ impl Process {
         }
     }
 
-    /// The next line of the program's own; a library's chatter is none.
+    /// Returns the program's next line, without the output of libraries.
     fn line(&mut self) -> anyhow::Result<String> {
         loop {
             let mut line = String::new();
@@ -123,7 +124,7 @@ impl Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // The end of its input ends it.
+        // The program ends at the end of its input.
         self.requests = None;
         if let Err(error) = self.child.wait() {
             eprintln!("a peer's program did not end: {error}");
@@ -136,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_interpreter_is_a_reason() {
+    fn a_missing_interpreter_is_reported() {
         let Err(error) = Process::python("no-such-interpreter", "scipy", "") else { panic!() };
         assert!(format!("{error:#}").starts_with("`no-such-interpreter` does not start"), "{error:#}");
     }

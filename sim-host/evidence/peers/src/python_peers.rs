@@ -1,4 +1,5 @@
-//! SciPy's `solve_ivp` and heyoka's adaptive Taylor integrator, each in a Python process of its own.
+//! SciPy's `solve_ivp` and heyoka's adaptive Taylor integrator, each in a Python process of its
+//! own.
 
 use anyhow::Context;
 use serde::Serialize;
@@ -8,18 +9,18 @@ use crate::peer::{Family, Outcome, Peer, Setting, Way, fine_tolerances, toleranc
 use crate::process::{Greeting, Process};
 use crate::scaled::Scaled;
 
-/// Methods of SciPy, and whether reversals are events.
+/// Methods of SciPy; `true` if reversals are events.
 const SCIPY: [(&str, bool); 7] =
     [("DOP853", true), ("DOP853", false), ("RK45", true), ("RK45", false), ("LSODA", true), ("LSODA", false), ("Radau", true)];
 
-/// SciPy.
+/// SciPy, with its version.
 pub struct Scipy(Process, String);
 
 impl Scipy {
-    /// SciPy of a Python interpreter.
+    /// Starts SciPy in a Python interpreter.
     ///
     /// # Errors
-    /// If the interpreter does not have it.
+    /// If the interpreter lacks SciPy.
     pub fn start(python: &str) -> anyhow::Result<Self> {
         let (process, greeting) = Process::python(python, "scipy.integrate", include_str!("../scipy_peer.py"))?;
         Ok(Scipy(process, greeting.version))
@@ -51,7 +52,7 @@ impl Peer for Scipy {
             Way::new(number, format!("{method}, {how}"), tolerances(4, 13))
         };
         let ways = SCIPY.into_iter().enumerate().map(way).collect::<Vec<_>>();
-        // Short steps are dear in Python: one of them, for the method that is best elsewhere.
+        // Short steps are slow in Python: only one, for the method that is best in the other cases.
         let count = ways.len();
         let mut ways = with_longest_steps(kind, ways);
         ways.retain(|way| way.longest.is_none() || way.number == 0 && way.longest == Some(0.03));
@@ -67,28 +68,29 @@ impl Peer for Scipy {
     }
 }
 
-/// Where heyoka's steps are ended before a Stribeck peak, in Stribeck velocities; zero: nowhere.
+/// Distance from a Stribeck peak at which heyoka's steps end, in Stribeck velocities; zero means
+/// that they do not end there.
 const EDGES: [f64; 5] = [0.0, 3.0, 4.0, 5.0, 6.0];
 
-/// heyoka.
+/// heyoka's adaptive Taylor integrator.
 pub struct Heyoka {
     process: Process,
     greeting: Greeting,
 }
 
-/// What events cost heyoka, ns a period.
+/// Cost of events in heyoka, ns a period.
 pub struct EventShare {
-    /// The case itself.
+    /// The case itself, with reversals as events.
     pub flip: f64,
-    /// With callbacks that do nothing; friction then saturates, so that it is not the same solution.
+    /// With callbacks that do nothing. Friction then saturates, so the solution differs.
     pub idle: f64,
-    /// With an event that is never reached; the same holds.
+    /// With an event that is never reached; the solution differs in the same way.
     pub far: f64,
     /// Without events.
     pub none: f64,
     /// A callback in Python by itself, ns.
     pub callback_ns: f64,
-    /// What compiling took before, ns.
+    /// Compile time before the run, ns.
     pub compiling_ns: f64,
 }
 
@@ -97,9 +99,9 @@ impl std::fmt::Display for EventShare {
         let EventShare { flip, idle, far, none, callback_ns, compiling_ns } = self;
         write!(
             f,
-            "heyoka's events at tolerance 1e-8, ns a period: {flip:.0} with located reversals, {idle:.0} if callbacks do nothing, {far:.0} with \
-             an event that is never reached, {none:.0} without events; two callbacks by themselves take {:.0} in Python, without what calls \
-             them; compiling took up to {:.0} ms before, which is not counted",
+            "heyoka's events at tolerance 1e-8, ns a period: {flip:.0} with located reversals, {idle:.0} if callbacks do \
+             nothing, {far:.0} with an event that is never reached, {none:.0} without events; two callbacks alone take {:.0} in \
+             Python, without the code that calls them; compiling took up to {:.0} ms before, which is not counted",
             2.0 * callback_ns,
             1e-6 * compiling_ns
         )
@@ -119,10 +121,10 @@ struct HeyokaRequest<'a> {
 }
 
 impl Heyoka {
-    /// heyoka of a Python interpreter.
+    /// Starts heyoka in a Python interpreter.
     ///
     /// # Errors
-    /// If the interpreter does not have it.
+    /// If the interpreter lacks heyoka.
     pub fn start(python: &str) -> anyhow::Result<Self> {
         let (process, greeting) = Process::python(python, "heyoka", include_str!("../heyoka_peer.py"))?;
         Ok(Heyoka { process, greeting })
@@ -136,10 +138,10 @@ impl Heyoka {
         self.process.ask(&serde_json::to_string(&request)?)
     }
 
-    /// What events cost at a tolerance: the least of several runs each.
+    /// Measures the cost of events at a tolerance: the least of several runs each.
     ///
     /// # Errors
-    /// If it does not answer.
+    /// If heyoka does not answer.
     pub fn event_share(&mut self, case: &Case, tolerance: f64) -> anyhow::Result<EventShare> {
         let way = self.ways(case.kind).into_iter().next().context("no way")?;
         let mut least = |events: &str| -> anyhow::Result<f64> {

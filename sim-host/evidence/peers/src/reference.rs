@@ -1,8 +1,9 @@
-//! The answer that errors are measured against: a Taylor series of high order with located reversals.
+//! The reference solution: a Taylor series of high order with located reversals.
 //!
-//! Every coefficient follows from those before it (products by one Cauchy sum; Barrio 2005), so the series is exact but for its end. It is
-//! made for this comparison alone, and is none of those that are compared. `contact`'s own series, in other units and steps, must agree
-//! to [`AGREEMENT`], or there is no reference.
+//! Every coefficient follows from those before it (products by one Cauchy sum; Barrio 2005), so
+//! only truncation and rounding limit the series. It was written for this comparison alone and is
+//! not one of the peers. The series of `contact`, in other units and steps, must agree to
+//! [`AGREEMENT`]; otherwise there is no reference.
 
 mod series;
 
@@ -16,23 +17,27 @@ use crate::case::Case;
 use crate::peer::Outcome;
 use crate::scaled::Clock;
 
-/// Steps a period, apart from those that end at reversals.
+/// Number of steps a period, not counting those that end at reversals.
 const STEPS: u32 = 64;
-/// Part of the distance to a Stribeck peak, or of its width, that the slip may change in a step.
-const NEARER: f64 = 0.2;
-/// Shortest step towards a Stribeck peak.
-const SHORTEST: f64 = 1e-4;
-/// Largest difference between the two methods, in the mean and at the end. In a chirp, whose phase `contact` counts in turns from the
-/// beginning, its rounding shows; all else agrees much better.
+/// Fraction of the distance to a Stribeck peak, or of its width, by which the slip may change in a
+/// step.
+const SLIP_CHANGE_REL: f64 = 0.2;
+/// Shortest step near a Stribeck peak, scaled.
+const MIN_STEP: f64 = 1e-4;
+/// Largest difference between the two methods, in the mean and at the end. `contact` counts the
+/// phase of a chirp in turns from the beginning, and its rounding sets this limit; all other cases
+/// agree much better.
 const AGREEMENT: f64 = 2e-11;
-/// Order and steps a period of `contact`'s series.
-const SECOND: (u32, u32) = (32, 24);
+/// Order of the series of `contact`.
+const SECOND_ORDER: u32 = 32;
+/// Number of steps a period of the series of `contact`.
+const SECOND_STEPS: u32 = 24;
 
 /// The reference of a case.
 pub struct Reference {
     mean: f64,
     end: [f64; 3],
-    /// How far the second method is from it: in the mean, and at the end.
+    /// Difference of the second method: in the mean, and at the end.
     pub apart: (f64, f64),
     /// Reversals of the slip in the whole run.
     pub reversals: u32,
@@ -55,13 +60,14 @@ impl Reference {
         Ok(reference)
     }
 
-    /// The mean friction ratio.
+    /// Returns the mean friction ratio.
     pub fn mean(&self) -> f64 {
         self.mean
     }
 
-    /// Error of an outcome's mean, absolute; and of its end: the largest of the errors of displacement and velocity over the size of the
-    /// motion, and of friction over Fc.
+    /// Returns the absolute error of an outcome's mean, and the error of its end: the largest of
+    /// the errors of displacement and velocity over the size of the motion, and of friction over
+    /// Fc.
     pub fn errors(&self, outcome: &Outcome) -> (f64, f64) {
         let [x, v, _] = self.end;
         let motion = x.hypot(v).max(1.0);
@@ -73,17 +79,17 @@ impl Reference {
     }
 }
 
-/// The case by `contact`'s series.
+/// Solves the case by the series of `contact`.
 fn second(case: &Case) -> anyhow::Result<Outcome> {
     let problem: &Problem = &case.problem;
-    let tally = taylor::run(problem, SECOND.1, SECOND.0, &mut |_| ())?;
+    let tally = taylor::run(problem, SECOND_STEPS, SECOND_ORDER, &mut |_| ())?;
     let [length, velocity, force] = case.scales();
     let last = tally.last;
     let mean = contact::tally::Ratios::of(problem, &tally).friction;
     Ok(Outcome { mean, end: [last.x_m / length, last.v_m_per_s / velocity, last.force_n / force], wall_ns: 0.0 })
 }
 
-/// The case by the series of this file, and its reversals.
+/// Solves the case by [`Series`], and returns the number of reversals too.
 fn solve(case: &Case) -> (Outcome, u32) {
     let scaled = &case.scaled;
     let mut clock = Clock::new(scaled);
@@ -99,8 +105,8 @@ fn solve(case: &Case) -> (Outcome, u32) {
             let mut step = TAU / f64::from(STEPS);
             if scaled.excess != 0.0 {
                 let slip = scaled.slip(&y).abs();
-                // The motion's acceleration is of order one.
-                step = step.min((NEARER * slip.max(scaled.stribeck)).max(SHORTEST));
+                // The acceleration of the motion is of order one.
+                step = step.min((SLIP_CHANGE_REL * slip.max(scaled.stribeck)).max(MIN_STEP));
             }
             let ends = step >= left;
             let length = step.min(left);

@@ -1,17 +1,19 @@
-//! The equations in units that make every quantity of order one: phase w t, displacement Vv/w, velocity Vv, force Fc.
+//! The equations in units that make every quantity of order one: phase w t, displacement Vv/w,
+//! velocity Vv, force Fc.
 //!
 //! ```text
 //! x' = v        v' = g cos(p) - a x - e F        V = xi + v        q' = F / (2 pi N)
 //! f' = kappa V (1 - f sgn V / G(V))        F = f + d f' + u V        G(V) = 1 + s exp(-(V/Vs)^2)
 //! ```
 //!
-//! with a = (wn/w)^2, g = F0/(m w Vv), e = Fc/(m w Vv): LuGre's friction (thesis 4.7, 4.9, 4.10), f being that of the bristles. With
-//! s = d = u = 0 it is Dahl's (4.15). The phase p has the rate 1, or a linear one in a chirp ([`Clock`]). q is the quadrature state: over N
-//! periods it grows to the mean of F, so that it never limits a peer's step.
+//! with a = (wn/w)^2, g = F0/(m w Vv), e = Fc/(m w Vv): LuGre's friction (thesis 4.7, 4.9, 4.10),
+//! in which f is the force of the bristles. With s = d = u = 0 it is Dahl's (4.15). The phase p has
+//! the rate 1, or a linear one in a chirp ([`Clock`]). q is the quadrature state: over N periods it
+//! grows to the mean of F, so that it never limits a peer's step.
 
 use std::f64::consts::TAU;
 
-/// The coefficients.
+/// Coefficients of the scaled equations.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct Scaled {
     /// Sliding velocity xi.
@@ -24,9 +26,9 @@ pub struct Scaled {
     pub forcing: f64,
     /// Coefficient e of the friction.
     pub friction: f64,
-    /// What the quadrature state gains a unit of phase and force, 1 / (2 pi N).
+    /// Growth of the quadrature state per unit of phase and force, 1 / (2 pi N).
     pub share: f64,
-    /// Static over kinetic friction, less one: s.
+    /// Ratio of static to kinetic friction, less one: s.
     pub excess: f64,
     /// Stribeck velocity Vs.
     pub stribeck: f64,
@@ -34,19 +36,19 @@ pub struct Scaled {
     pub damping: f64,
     /// Viscous friction u.
     pub viscous: f64,
-    /// Frequency at the beginning.
+    /// Frequency at the beginning, over the drive frequency.
     pub start: f64,
-    /// What the frequency gains a unit of time.
+    /// Rate of the frequency per unit of time.
     pub rate: f64,
 }
 
 impl Scaled {
-    /// Slip velocity V of a state.
+    /// Returns the slip velocity V of a state.
     pub fn slip(&self, y: &[f64]) -> f64 {
         self.sliding + y[1]
     }
 
-    /// Stribeck level G and its slope.
+    /// Returns the Stribeck level G and its slope.
     #[inline]
     fn level(&self, slip: f64) -> (f64, f64) {
         if self.excess == 0.0 {
@@ -57,14 +59,14 @@ impl Scaled {
         (1.0 + peak, -2.0 * part / self.stribeck * peak)
     }
 
-    /// Friction F of a state, for a sign of the slip that is held.
+    /// Returns the friction F of a state for a held sign of the slip.
     pub fn force(&self, sign: f64, y: &[f64]) -> f64 {
         let mut rates = [0.0; 4];
         self.held(sign, 0.0, y, &mut rates);
         y[2] + self.damping * rates[2] + self.viscous * self.slip(y)
     }
 
-    /// Rates of x, v, f, q for a sign of the slip that is held, at a value of the cosine.
+    /// Computes the rates of x, v, f, q for a held sign of the slip, at a value of the cosine.
     #[inline]
     pub fn held(&self, sign: f64, cosine: f64, y: &[f64], rates: &mut [f64]) {
         let slip = self.slip(y);
@@ -76,13 +78,13 @@ impl Scaled {
         rates[3] = self.share * force;
     }
 
-    /// Rates with the sign taken from the slip velocity, as the equation is written.
+    /// Computes the rates with the sign taken from the slip velocity, as in the equation.
     #[inline]
     pub fn free(&self, cosine: f64, y: &[f64], rates: &mut [f64]) {
         self.held(self.slip(y).signum(), cosine, y, rates);
     }
 
-    /// Product of the Jacobian with a vector, for a held sign.
+    /// Computes the product of the Jacobian with a vector, for a held sign.
     #[inline]
     pub fn jacobian(&self, sign: f64, y: &[f64], by: &[f64], out: &mut [f64]) {
         let slip = self.slip(y);
@@ -97,21 +99,21 @@ impl Scaled {
     }
 }
 
-/// Time in legs from reversal to reversal, each with a clock of its own that begins at zero: what locates a root is then as fine as the
-/// leg is short, and no moment loses digits to the length of the run.
+/// Time in legs from reversal to reversal. The clock of each leg begins at zero: the resolution of
+/// a located root depends on the length of the leg, not on that of the run.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
-    /// Frequency of the forcing at the leg's beginning.
+    /// Frequency of the forcing at the beginning of the leg.
     pub frequency: f64,
     start: f64,
     rate: f64,
-    /// Phase of the forcing there, within a turn.
+    /// Phase of the forcing at the beginning of the leg, within a turn.
     turned: Sum,
     /// Time before the leg.
     passed: Sum,
 }
 
-/// A sum that keeps what rounding takes off it: many equal steps would all be rounded the same way.
+/// A sum with its rounding error, because many equal steps would all be rounded the same way.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum(f64, f64);
 
@@ -125,24 +127,24 @@ impl Sum {
 }
 
 impl Clock {
-    /// The clock at the beginning of a run.
+    /// Starts the clock at the beginning of a run.
     pub fn new(scaled: &Scaled) -> Self {
         let (start, rate) = (scaled.start, scaled.rate);
         Clock { frequency: start, start, rate, turned: Sum::default(), passed: Sum::default() }
     }
 
-    /// Phase of the forcing at the leg's beginning.
+    /// Returns the phase of the forcing at the beginning of the leg.
     pub fn phase(&self) -> f64 {
         self.turned.0 + self.turned.1
     }
 
-    /// Phase of the forcing at a time of the leg.
+    /// Returns the phase of the forcing at a time of the leg.
     #[inline]
     pub fn phase_at(&self, time: f64) -> f64 {
         self.phase() + time * (self.frequency + 0.5 * self.rate * time)
     }
 
-    /// The next leg begins so much later.
+    /// Begins the next leg, `time` after the beginning of this one.
     pub fn advance(&mut self, time: f64) {
         self.turned.add(time * (self.frequency + 0.5 * self.rate * time));
         self.turned.0 %= TAU;
@@ -150,7 +152,7 @@ impl Clock {
         self.frequency = self.start + self.rate * (self.passed.0 + self.passed.1);
     }
 
-    /// From the leg's beginning to a moment of the run.
+    /// Returns the time from the beginning of the leg to a moment of the run.
     pub fn until(&self, moment: f64) -> f64 {
         (moment - self.passed.0) - self.passed.1
     }
@@ -166,7 +168,7 @@ mod tests {
         for kind in Kind::ALL {
             let scaled = Case::new(kind, 10).scaled;
             let by = [0.2, -0.5, 0.7, 0.3];
-            // Far from the Stribeck peak, and upon it.
+            // Far from the Stribeck peak, and on it.
             for slip in [-0.3, -0.01] {
                 let y = [0.3, slip - scaled.sliding, 0.6, 0.1];
                 let at = |size: f64| {
@@ -193,7 +195,8 @@ mod tests {
         for _ in 0..10_000 {
             clock.advance(0.1);
         }
-        // A tenth is no binary number: 10 000 of it are 1000 within round-off of the tenth alone.
+        // A tenth is not a binary number: 10 000 of them are 1000 within the rounding error of a
+        // tenth.
         assert!(clock.until(1000.0).abs() < 1e-13, "{:e}", clock.until(1000.0));
         let phase: f64 = 1000.0 * (scaled.start + 0.5 * scaled.rate * 1000.0);
         assert!((clock.phase().cos() - phase.cos()).abs() < 1e-11);

@@ -1,4 +1,5 @@
-//! The comparison of a case: what each peer takes for each error, over the cheapest of ours, and by which setting.
+//! The comparison of a case: each peer's time for each error, its ratio to our cheapest, and its
+//! setting.
 
 use report::TableBlock;
 
@@ -7,19 +8,19 @@ use crate::choice::{self, TARGETS};
 
 /// One peer's cell of the comparison.
 pub struct Cell {
-    /// What the error costs, ns a period.
+    /// Time for the error, ns a period.
     pub ns: Option<f64>,
-    /// Over the cheapest of ours.
+    /// Ratio to our cheapest.
     pub ratio: Option<f64>,
-    /// The setting that does it.
+    /// The setting that takes this time.
     pub setting: Option<String>,
-    /// Its error.
+    /// Error of this setting.
     pub error: Option<f64>,
-    /// The least error of the peer.
+    /// Least error of the peer.
     pub least_error: Option<f64>,
 }
 
-/// What a peer takes for an error.
+/// Computes a peer's cell for an error.
 pub fn cell(results: &Results, entry: &Entry, quantity: Quantity, level: f64) -> Cell {
     let point = choice::cheapest(&entry.points, quantity, level);
     let ns = point.and_then(|point| point.ns());
@@ -47,7 +48,7 @@ fn heading((quantity, level): (Quantity, f64)) -> String {
     format!("{} {level:.0e}", quantity.name())
 }
 
-/// Table of times, and in brackets of times over ours.
+/// Returns the table of times, with the ratio to ours in brackets.
 pub fn costs(results: &Results) -> TableBlock {
     let row = |entry: &Entry| {
         let cells = TARGETS.map(|(quantity, level)| cell(results, entry, quantity, level).text());
@@ -56,16 +57,17 @@ pub fn costs(results: &Results) -> TableBlock {
     let name = results.kind.name();
     TableBlock {
         id: format!("costs-{}", results.kind.stem()),
-        title: format!("{name}: ns a period at an error, and over ours"),
-        caption: "The cheapest setting of each peer that meets the error of the mean friction ratio, or of the state at the end. no: not \
-                  met, with its least error."
-            .into(),
+        title: format!("{name}: ns a period for an error, and ratio to ours"),
+        caption:
+            "The cheapest setting of each peer that meets the error of the mean friction ratio, or of the state at the end. \
+                  no: not met, with its least error."
+                .into(),
         header: std::iter::once("peer".into()).chain(TARGETS.map(heading)).collect(),
         rows: results.entries.iter().map(row).collect(),
     }
 }
 
-/// Table of the settings behind the times.
+/// Returns the table of the settings that the times belong to.
 pub fn settings(results: &Results) -> TableBlock {
     let rows = |entry: &Entry| {
         let row = |(quantity, level)| {
@@ -83,8 +85,8 @@ pub fn settings(results: &Results) -> TableBlock {
     }
 }
 
-/// Runs that gave nothing, one line a peer.
-pub fn troubles(results: &Results) -> Vec<String> {
+/// Returns the failed runs, one line per peer.
+pub fn failure_notes(results: &Results) -> Vec<String> {
     let of = |entry: &Entry| {
         let mut failures = entry.points.iter().filter_map(|point| Some((point, point.result.as_ref().err()?)));
         let count = failures.clone().count();
@@ -101,7 +103,7 @@ fn two_digits(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// Digits in groups of three.
+/// Formats a number with its digits in groups of three.
 fn grouped(value: f64) -> String {
     let digits = format!("{value:.0}");
     let count = digits.len();
@@ -120,7 +122,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cells_say_what_they_are() {
+    fn cells_show_time_ratio_and_least_error() {
         let cell = |ns, ratio| Cell { ns, ratio, setting: None, error: None, least_error: Some(3e-7) }.text();
         assert_eq!(cell(Some(12_345.0), Some(7.06)), "12 345 (7.1)");
         assert_eq!(cell(Some(500.0), Some(0.944)), "500 (0.94)");

@@ -1,87 +1,80 @@
-//! Makes a fault happen, as it is drawn.
+//! Injects a fault, with its random parameters.
 
 use board::Board;
 use nucleo_g474re::pages;
 use rand_core::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use stm32g474::map::{at::dma, base::DMA1};
-use stm32g474::{Defect, Pin, Ram};
+use stm32g474::{Defect, Pin};
 
 use super::kinds::Fault;
 use super::limits::lsi_hz;
 use crate::campaign_error::CampaignError;
 
-/// The sense pins: voltage, current, and the current again at the negative trip.
+/// Sense pin of the voltage.
 const VOLTAGE: Pin = Pin::new('A', 0);
+/// Sense pins of the current: at the converter, and at the negative trip.
 const CURRENT: [Pin; 2] = [Pin::new('A', 1), Pin::new('A', 7)];
-/// The block interrupt in the interrupt controller: its bit in NVIC_ICER0 (DMA1 channel 1 is line 11).
+/// Address of NVIC_ICER0 in the interrupt controller.
 const ICER: u32 = 0xE000_E180;
+/// Bit of the block interrupt in NVIC_ICER0 (DMA1 channel 1 is line 11).
 const BLOCK_INTERRUPT: u32 = 1 << 11;
-/// RAM that the image does not use, below the guard of its stack; `nop` twice, and `b .` twice.
+/// Address of RAM that the image does not use, below the guard of its stack.
 const UNUSED: u32 = 0x2000_7ff0;
+/// Two `nop` instructions.
 const NOPS: u32 = 0xbf00_bf00;
+/// Two `b .` instructions.
 const LOOP: u32 = 0xe7fe_e7fe;
-/// Where the part has no memory.
-const NOWHERE: u32 = 0x3000_0000;
-/// Cycles of a millisecond.
-const MS: u64 = 170_000;
+/// Address at which the part has no memory.
+const NO_MEMORY: u32 = 0x3000_0000;
+/// Core clock cycles in a millisecond.
+const MS_CYCLES: u64 = 170_000;
 
-/// What a run draws.
+/// Random numbers of a run.
 pub struct Draw(pub Xoshiro256PlusPlus);
 
 impl Draw {
-    /// A number below `count`.
+    /// Draws an integer below `count`.
     pub fn below(&mut self, count: u32) -> u32 {
         ((u64::from(self.0.next_u32()) * u64::from(count)) >> 32) as u32
     }
 
-    /// A number from 0 to 1.
-    fn part(&mut self) -> f64 {
+    /// Draws a number from 0 to 1.
+    fn fraction(&mut self) -> f64 {
         f64::from(self.0.next_u32()) / f64::from(u32::MAX)
     }
 
-    fn of<T: Copy>(&mut self, list: &[T]) -> T {
+    fn pick<T: Copy>(&mut self, list: &[T]) -> T {
         list[self.below(list.len() as u32) as usize]
     }
 }
 
-/// Makes it happen now; returns what was drawn, in words.
+/// Injects a fault now, and returns a description of its random parameters.
 pub fn inject(board: &mut Board, fault: Fault, draw: &mut Draw) -> Result<String, CampaignError> {
-    if is_upset(fault) {
-        // What a program does after that says nothing about its source.
+    if corrupts_program(fault) {
+        // A program that was corrupted may break any rule; its findings do not count.
         board.machine_mut().chip.lint.set_all(stm32g474::Verdict::Collect);
     }
     let at = board.machine().cycle() + 1;
     let adc = 1 + draw.below(2) as u8;
     let defect = match fault {
+        Fault::Part(defect) => defect,
         Fault::StuckAny => Defect::AdcStuck { adc, code: draw.below(4096) as u16 },
         Fault::StuckMiddle => Defect::AdcStuck { adc, code: 2048 },
-        Fault::StuckEnd => Defect::AdcStuck { adc, code: draw.of(&[0, 4095]) },
+        Fault::StuckEnd => Defect::AdcStuck { adc, code: draw.pick(&[0, 4095]) },
         Fault::ComparatorActs => Defect::ComparatorStuck { comparator: adc, high: true },
         Fault::ComparatorDead => Defect::ComparatorStuck { comparator: adc, high: false },
-        Fault::SampleClock => Defect::TimerHalts { timer: 3 },
-        Fault::ConversionClock => Defect::TimerHalts { timer: 4 },
-        Fault::DacTrigger => Defect::TriggersLost { timer: 3, triggers: 1 },
         Fault::DacTriggers => Defect::TriggersLost { timer: 3, triggers: 2 + draw.below(4) },
-        Fault::AdcTrigger => Defect::TriggersLost { timer: 4, triggers: 1 },
         Fault::AdcTriggers => Defect::TriggersLost { timer: 4, triggers: 2 + draw.below(3) },
-        Fault::AdcStream => Defect::DmaHalts { dma: 1, channel: 1 },
-        Fault::DacStream => Defect::DmaHalts { dma: 1, channel: 2 },
         Fault::LinkStream => Defect::DmaHalts { dma: 2, channel: 1 },
-        Fault::AdcTransfer => Defect::DmaFails { dma: 1, channel: 1 },
-        Fault::DacTransfer => Defect::DmaFails { dma: 1, channel: 2 },
-        Fault::AdcOverrun => Defect::DmaMisses { dma: 1, channel: 1, requests: 1 },
-        Fault::DacUnderrun => Defect::DmaMisses { dma: 1, channel: 2, requests: 1 },
-        Fault::Crystal => Defect::HseStops,
         Fault::Pll => {
-            tolerate(board, at, draw);
+            draw_lsi(board, at, draw);
             Defect::PllUnlocks
         }
         Fault::SupplyFalls => {
-            board.inject(at + MS + u64::from(draw.below(5 * MS as u32)), Defect::SupplyLow(false));
+            board.inject(at + MS_CYCLES + u64::from(draw.below(5 * MS_CYCLES as u32)), Defect::SupplyLow(false));
             Defect::SupplyLow(true)
         }
-        Fault::BrownOut => Defect::BrownOut { ram: Ram::Lost },
         Fault::CodeTwoBits | Fault::CodeOneBit => {
             let code = symbol(board, "__sidata")? - pages::FLASH;
             let address = pages::FLASH + draw.below(code);
@@ -101,22 +94,22 @@ pub fn inject(board: &mut Board, fault: Fault, draw: &mut Draw) -> Result<String
     Ok(format!("{defect:?}"))
 }
 
-/// Whether a fault changes what the program is, or has.
-fn is_upset(fault: Fault) -> bool {
+/// Returns `true` if a fault corrupts the program, its memory or its registers.
+fn corrupts_program(fault: Fault) -> bool {
     use Fault::{CodeTwoBits, FastCodeBit, HardFault, Lockup, RegisterBit, StackBit, StaticBit};
     matches!(fault, CodeTwoBits | FastCodeBit | HardFault | Lockup | RegisterBit | StackBit | StaticBit)
 }
 
-/// What is no defect of the part.
+/// Injects a fault that is not a defect of the part.
 fn act(board: &mut Board, fault: Fault, at: u64, draw: &mut Draw) -> Result<String, CampaignError> {
     match fault {
         Fault::OpenSense => {
-            let (pin, volts) = (draw.of(&[VOLTAGE, CURRENT[0]]), draw.of(&[0.0, 1.65, 3.3]));
+            let (pin, volts) = (draw.pick(&[VOLTAGE, CURRENT[0]]), draw.pick(&[0.0, 1.65, 3.3]));
             board.bench_mut().tie(at, pin, volts);
             return Ok(format!("{pin} at {volts} V"));
         }
         Fault::CurrentUp | Fault::CurrentDown => {
-            let volts = 0.21 * draw.part();
+            let volts = 0.21 * draw.fraction();
             let volts = if fault == Fault::CurrentUp { 3.3 - volts } else { volts };
             CURRENT.into_iter().for_each(|pin| board.bench_mut().tie(at, pin, volts));
             return Ok(format!("{volts:.3} V"));
@@ -129,34 +122,34 @@ fn act(board: &mut Board, fault: Fault, at: u64, draw: &mut Draw) -> Result<Stri
             machine.set_register(register, machine.register(register) ^ 1 << bit);
             return Ok(format!("R{register} bit {bit} in exception {}", machine.exception()));
         }
-        Fault::HardFault => board.machine_mut().set_register(15, NOWHERE + 2 * draw.below(1 << 20)),
-        Fault::Lockup => board.machine_mut().set_register(13, NOWHERE + 4 * draw.below(1 << 20)),
+        Fault::HardFault => board.machine_mut().set_register(15, NO_MEMORY + 2 * draw.below(1 << 20)),
+        Fault::Lockup => board.machine_mut().set_register(13, NO_MEMORY + 4 * draw.below(1 << 20)),
         Fault::AdcChannelOff | Fault::DacChannelOff => {
             let control = if fault == Fault::AdcChannelOff { dma::CH_0_CR } else { dma::CH_1_CR };
             let value = board.machine().chip.peek(DMA1 + control);
             board.machine_mut().poke(DMA1 + control, value & !1)?;
         }
         Fault::Masked => {
-            tolerate(board, at, draw);
+            draw_lsi(board, at, draw);
             board.machine_mut().mask_interrupts();
         }
         Fault::BlockMasked => {
-            tolerate(board, at, draw);
+            draw_lsi(board, at, draw);
             board.machine_mut().poke(ICER, BLOCK_INTERRUPT)?;
         }
-        Fault::BackgroundStands => {
-            tolerate(board, at, draw);
+        Fault::BackgroundLoops => {
+            draw_lsi(board, at, draw);
             while board.machine().exception() != 0 {
                 board.run_for(std::time::Duration::from_nanos(100))?;
             }
-            // The background may have been within an IT block, of which four instructions are left at most.
+            // The background may be within an IT block, of which at most four instructions remain.
             board.machine_mut().poke(UNUSED, NOPS)?;
             board.machine_mut().poke(UNUSED + 4, NOPS)?;
             board.machine_mut().poke(UNUSED + 8, LOOP)?;
             board.machine_mut().set_register(15, UNUSED);
         }
         Fault::Debugger => {
-            let seconds = 0.2e-3 + 19.8e-3 * draw.part();
+            let seconds = 0.2e-3 + 19.8e-3 * draw.fraction();
             board.halt_for(std::time::Duration::from_secs_f64(seconds))?;
             return Ok(format!("{:.1} ms", 1e3 * seconds));
         }
@@ -166,9 +159,9 @@ fn act(board: &mut Board, fault: Fault, at: u64, draw: &mut Draw) -> Result<Stri
     Ok(String::new())
 }
 
-/// The watchdog's oscillator is anywhere in its tolerance.
-fn tolerate(board: &mut Board, at: u64, draw: &mut Draw) {
-    let hz = lsi_hz(2.0 * draw.part() - 1.0);
+/// Draws the frequency of the watchdog's oscillator from its tolerance.
+fn draw_lsi(board: &mut Board, at: u64, draw: &mut Draw) {
+    let hz = lsi_hz(2.0 * draw.fraction() - 1.0);
     board.inject(at, Defect::LsiHz(hz));
 }
 
@@ -176,7 +169,7 @@ fn symbol(board: &Board, name: &'static str) -> Result<u32, CampaignError> {
     board.machine().symbols().address(name).ok_or(CampaignError::Symbol(name))
 }
 
-/// A bit of the memory between two symbols of the linker.
+/// Draws a bit of the memory between two symbols of the linker.
 fn bit_between(board: &Board, (first, end): (&'static str, &'static str), draw: &mut Draw) -> Result<Defect, CampaignError> {
     let (first, end) = (symbol(board, first)?, symbol(board, end)?);
     Ok(Defect::RamBit { address: first + draw.below(end - first), bit: draw.below(8) as u8 })

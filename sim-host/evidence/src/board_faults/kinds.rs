@@ -1,4 +1,6 @@
-//! The kinds of faults: what breaks, how it is drawn, and what must come of it.
+//! The kinds of faults: defect, random parameters, and required response.
+
+use stm32g474::{Defect, Ram};
 
 use super::limits::{Limit, Verdict};
 use super::limits::{Limit::*, Verdict::*};
@@ -8,26 +10,28 @@ use super::limits::{Limit::*, Verdict::*};
 pub struct Kind {
     /// Name in tables and messages.
     pub name: &'static str,
-    /// What breaks, and what of it is drawn at random for each run.
+    /// Description of the defect, with the parameters that are drawn for each run.
     pub what: &'static str,
-    /// How it is made to happen.
+    /// The fault to inject.
     pub fault: Fault,
-    /// What must come of it.
+    /// Required response.
     pub verdict: Verdict,
-    /// The reasons that may be named: faults by their number, restarts by their cause.
+    /// Reasons that the board may report: faults by number, restarts by cause.
     pub reasons: &'static [&'static str],
 }
 
-/// What breaks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The defect of a kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fault {
-    /// A sense converter gives one code, any.
+    /// A defect of the part without random parameters.
+    Part(Defect),
+    /// A sense converter returns one constant code, any.
     StuckAny,
-    /// A sense converter gives the middle of its range.
+    /// A sense converter returns the middle of its range.
     StuckMiddle,
-    /// A sense converter gives an end of its range.
+    /// A sense converter returns an end of its range.
     StuckEnd,
-    /// A sense pin stands at a voltage.
+    /// A sense pin is at a constant voltage.
     OpenSense,
     /// The current is above the upper threshold of the trips.
     CurrentUp,
@@ -37,46 +41,22 @@ pub enum Fault {
     Stop,
     /// A comparator trips at any current.
     ComparatorActs,
-    /// A comparator trips at no current.
+    /// A comparator never trips.
     ComparatorDead,
-    /// The timer of the DAC stands.
-    SampleClock,
-    /// The timer of the ADCs stands.
-    ConversionClock,
-    /// One trigger of the DAC is lost.
-    DacTrigger,
     /// Several triggers of the DAC are lost.
     DacTriggers,
-    /// One trigger of the ADCs is lost.
-    AdcTrigger,
     /// Several triggers of the ADCs are lost.
     AdcTriggers,
     /// The samples' DMA is switched off.
     AdcChannelOff,
     /// The codes' DMA is switched off.
     DacChannelOff,
-    /// The samples' DMA stands.
-    AdcStream,
-    /// The codes' DMA stands.
-    DacStream,
-    /// The DMA of the serial line stands.
+    /// The DMA of the serial line stops.
     LinkStream,
-    /// A transfer of the samples' DMA fails.
-    AdcTransfer,
-    /// A transfer of the codes' DMA fails.
-    DacTransfer,
-    /// The samples' DMA misses a request.
-    AdcOverrun,
-    /// The codes' DMA misses a request.
-    DacUnderrun,
-    /// The crystal stops.
-    Crystal,
     /// The PLL stops.
     Pll,
     /// The supply falls below the level of its detector.
     SupplyFalls,
-    /// The supply dips, and the RAM is lost.
-    BrownOut,
     /// Two bits of the code flip.
     CodeTwoBits,
     /// One bit of the code flips.
@@ -91,26 +71,31 @@ pub enum Fault {
     FastCodeBit,
     /// A bit of a register of the processor flips.
     RegisterBit,
-    /// The processor jumps to where no memory is.
+    /// The processor jumps to an address without memory.
     HardFault,
-    /// The stack pointer points to where no memory is.
+    /// The stack pointer points to an address without memory.
     Lockup,
-    /// Interrupts are masked for ever.
+    /// Interrupts are masked permanently.
     Masked,
-    /// The block interrupt is switched off for ever.
+    /// The block interrupt is switched off permanently.
     BlockMasked,
-    /// The background task loops for ever.
-    BackgroundStands,
+    /// The background task loops forever.
+    BackgroundLoops,
     /// A debugger halts the processor for a time.
     Debugger,
-    /// Bytes of the host arrive with noise.
+    /// Bytes from the host arrive with noise.
     Noise,
-    /// Bytes of the host arrive with a low stop bit.
+    /// Bytes from the host arrive with a low stop bit.
     Framing,
 }
 
 const fn off(name: &'static str, fault: Fault, limit: Limit, reasons: &'static [&'static str], what: &'static str) -> Kind {
     Kind { name, what, fault, verdict: Off(limit), reasons }
+}
+
+/// Creates a defect of the part by which the stream of blocks is lost.
+const fn lost(name: &'static str, defect: Defect, what: &'static str) -> Kind {
+    off(name, Fault::Part(defect), OneBlock, LOST_STREAM, what)
 }
 
 const fn on(name: &'static str, fault: Fault, what: &'static str) -> Kind {
@@ -122,18 +107,18 @@ const fn either(name: &'static str, fault: Fault, reasons: &'static [&'static st
 }
 
 const SENSE: &[&str] = &["fault 20", "fault 21", "fault 23", "fault 28", "fault 32", "fault 33"];
-const LOST: &[&str] = &["a lost stream"];
-const DOG: &[&str] = &["the watchdog"];
+const LOST_STREAM: &[&str] = &["a lost stream"];
+const WATCHDOG: &[&str] = &["the watchdog"];
 const ANY: &[&str] = super::run::ANY_REASON;
 
 /// All kinds.
 pub const KINDS: &[Kind] = &[
-    off("adc-stuck-code", Fault::StuckAny, Blocks(8), SENSE, "ADC1 (voltage) or ADC2 (current) gives one code, any of 4096"),
-    off("adc-stuck-middle", Fault::StuckMiddle, Blocks(8), SENSE, "ADC1 or ADC2 gives 2048"),
-    off("adc-stuck-end", Fault::StuckEnd, Blocks(8), SENSE, "ADC1 or ADC2 gives 0 or 4095"),
-    off("sense-wire-open", Fault::OpenSense, Blocks(8), SENSE, "PA0, or PA1, stands at 0, 1.65 or 3.3 V"),
-    off("current-above-trip", Fault::CurrentUp, Hardware, &["fault 21"], "PA1 and PA7 at 3.06 to 3.3 V"),
-    off("current-below-trip", Fault::CurrentDown, Hardware, &["fault 21"], "PA1 and PA7 at 0 to 0.21 V: the hysteresis is 30 mV"),
+    off("adc-stuck-code", Fault::StuckAny, Blocks(8), SENSE, "ADC1 (voltage) or ADC2 (current) returns one code, any of 4096"),
+    off("adc-stuck-middle", Fault::StuckMiddle, Blocks(8), SENSE, "ADC1 or ADC2 returns 2048"),
+    off("adc-stuck-end", Fault::StuckEnd, Blocks(8), SENSE, "ADC1 or ADC2 returns 0 or 4095"),
+    off("sense-wire-open", Fault::OpenSense, Blocks(8), SENSE, "PA0 or PA1 is at 0, 1.65 or 3.3 V"),
+    off("current-above-trip", Fault::CurrentUp, Hardware, &["fault 21"], "PA1 and PA7 are at 3.06 to 3.3 V"),
+    off("current-below-trip", Fault::CurrentDown, Hardware, &["fault 21"], "PA1 and PA7 are at 0 to 0.21 V; hysteresis 30 mV"),
     off("emergency-stop", Fault::Stop, Hardware, &["fault 10"], "PC3 goes low"),
     off("comparator-acts", Fault::ComparatorActs, Hardware, &["fault 21"], "the output of COMP1 or COMP2 is stuck high"),
     on(
@@ -141,70 +126,76 @@ pub const KINDS: &[Kind] = &[
         Fault::ComparatorDead,
         "the output of COMP1 or COMP2 is stuck low; the test at the next start finds it",
     ),
-    off("sample-clock", Fault::SampleClock, OneBlock, LOST, "TIM3 stands: the DAC holds its code"),
-    off("conversion-clock", Fault::ConversionClock, NoBlock, DOG, "TIM4 stands: nothing is converted any more"),
-    off("dac-trigger-lost", Fault::DacTrigger, OneBlock, LOST, "a trigger of TIM3 is lost: a sample"),
-    off("dac-triggers-lost", Fault::DacTriggers, OneBlock, LOST, "2 to 5 triggers of TIM3 are lost"),
-    off("adc-trigger-lost", Fault::AdcTrigger, OneBlock, LOST, "a trigger of TIM4 is lost: half a sample"),
-    off("adc-triggers-lost", Fault::AdcTriggers, OneBlock, LOST, "2 to 4 triggers of TIM4 are lost"),
-    off("adc-channel-off", Fault::AdcChannelOff, OneBlock, LOST, "the enable of channel 1 of DMA1 is cleared"),
-    off("dac-channel-off", Fault::DacChannelOff, OneBlock, LOST, "the enable of channel 2 of DMA1 is cleared"),
-    off("adc-stream", Fault::AdcStream, OneBlock, LOST, "channel 1 of DMA1 serves no request any more, after resets neither"),
-    off("dac-stream", Fault::DacStream, OneBlock, LOST, "channel 2 of DMA1 serves no request any more, after resets neither"),
-    off("adc-transfer", Fault::AdcTransfer, OneBlock, LOST, "a transfer of channel 1 of DMA1 fails"),
-    off("dac-transfer", Fault::DacTransfer, OneBlock, LOST, "a transfer of channel 2 of DMA1 fails"),
-    off("adc-overrun", Fault::AdcOverrun, OneBlock, LOST, "channel 1 of DMA1 misses a request"),
-    off("dac-underrun", Fault::DacUnderrun, OneBlock, LOST, "channel 2 of DMA1 misses a request"),
-    off("link-stream", Fault::LinkStream, HostTimeout, &["fault 12"], "channel 1 of DMA2 stands: no byte of the host arrives"),
-    off("crystal-stops", Fault::Crystal, Hardware, &["the crystal"], "the crystal stops"),
-    off("pll-unlocks", Fault::Pll, Watchdog, DOG, "the PLL stops, and with it all that counts cycles; LSI within 5 %"),
+    lost("sample-clock", Defect::TimerHalts { timer: 3 }, "TIM3 stops: the DAC holds its code"),
+    off(
+        "conversion-clock",
+        Fault::Part(Defect::TimerHalts { timer: 4 }),
+        NoBlock,
+        WATCHDOG,
+        "TIM4 stops: there are no more conversions",
+    ),
+    lost("dac-trigger-lost", Defect::TriggersLost { timer: 3, triggers: 1 }, "one trigger of TIM3 is lost: one sample"),
+    off("dac-triggers-lost", Fault::DacTriggers, OneBlock, LOST_STREAM, "2 to 5 triggers of TIM3 are lost"),
+    lost("adc-trigger-lost", Defect::TriggersLost { timer: 4, triggers: 1 }, "one trigger of TIM4 is lost: half a sample"),
+    off("adc-triggers-lost", Fault::AdcTriggers, OneBlock, LOST_STREAM, "2 to 4 triggers of TIM4 are lost"),
+    off("adc-channel-off", Fault::AdcChannelOff, OneBlock, LOST_STREAM, "the enable of channel 1 of DMA1 is cleared"),
+    off("dac-channel-off", Fault::DacChannelOff, OneBlock, LOST_STREAM, "the enable of channel 2 of DMA1 is cleared"),
+    lost("adc-stream", Defect::DmaHalts { dma: 1, channel: 1 }, "channel 1 of DMA1 serves no more requests, also after resets"),
+    lost("dac-stream", Defect::DmaHalts { dma: 1, channel: 2 }, "channel 2 of DMA1 serves no more requests, also after resets"),
+    lost("adc-transfer", Defect::DmaFails { dma: 1, channel: 1 }, "a transfer of channel 1 of DMA1 fails"),
+    lost("dac-transfer", Defect::DmaFails { dma: 1, channel: 2 }, "a transfer of channel 2 of DMA1 fails"),
+    lost("adc-overrun", Defect::DmaMisses { dma: 1, channel: 1, requests: 1 }, "channel 1 of DMA1 misses a request"),
+    lost("dac-underrun", Defect::DmaMisses { dma: 1, channel: 2, requests: 1 }, "channel 2 of DMA1 misses a request"),
+    off("link-stream", Fault::LinkStream, HostTimeout, &["fault 12"], "channel 1 of DMA2 stops: no byte from the host arrives"),
+    off("crystal-stops", Fault::Part(Defect::HseStops), Hardware, &["the crystal"], "the crystal stops"),
+    off("pll-unlocks", Fault::Pll, Watchdog, WATCHDOG, "the PLL stops, with everything that counts cycles; LSI within 5 %"),
     off("supply-falls", Fault::SupplyFalls, Hardware, &["a low supply"], "the supply falls below 2.9 V for 1 to 6 ms"),
-    off("brown-out", Fault::BrownOut, Hardware, &["power-on"], "the supply dips: power-on reset, the RAM has other bits"),
+    off(
+        "brown-out",
+        Fault::Part(Defect::BrownOut { ram: Ram::Lost }),
+        Hardware,
+        &["power-on"],
+        "the supply dips: power-on reset, the contents of the RAM are lost",
+    ),
     either(
         "code-two-bits",
         Fault::CodeTwoBits,
         &["a damaged word of the code"],
-        "two bits of a double word of the code flip; acts once it is read",
+        "two bits of a double word of the code flip; takes effect once it is read",
     ),
     on("code-one-bit", Fault::CodeOneBit, "one bit of a double word of the code flips, and is corrected"),
     on(
         "settings-two-bits",
         Fault::SettingsTwoBits,
-        "two bits of a double word of the settings flip; they are not read while it drives",
+        "two bits of a double word of the settings flip; settings are not read under drive",
     ),
     either("static-memory-bit", Fault::StaticBit, ANY, "a bit of the static RAM flips: controller, queues, rings, log"),
     either("stack-bit", Fault::StackBit, ANY, "a bit of the 1 KiB above the stack pointer flips"),
     either("fast-code-bit", Fault::FastCodeBit, ANY, "a bit of the code in core-coupled RAM flips (parity off, as delivered)"),
     either("register-bit", Fault::RegisterBit, ANY, "a bit of R0 to R12, SP, LR or PC flips"),
     off("hard-fault", Fault::HardFault, OneBlock, &["a hard fault"], "the processor jumps to an address without memory"),
-    off("lockup", Fault::Lockup, OneBlock, DOG, "the stack pointer leaves the memory: the next use of the stack locks up"),
-    off("interrupts-masked", Fault::Masked, NoBlock, DOG, "PRIMASK is set for ever; LSI within 5 %"),
+    off("lockup", Fault::Lockup, OneBlock, WATCHDOG, "the stack pointer leaves the memory: the next use of the stack locks up"),
+    off("interrupts-masked", Fault::Masked, NoBlock, WATCHDOG, "PRIMASK is set permanently; LSI within 5 %"),
     off(
         "block-interrupt-off",
         Fault::BlockMasked,
         NoBlock,
-        DOG,
-        "the enable of the block interrupt is cleared for ever; LSI within 5 %",
+        WATCHDOG,
+        "the enable of the block interrupt is cleared permanently; LSI within 5 %",
     ),
     off(
         "background-stands",
-        Fault::BackgroundStands,
+        Fault::BackgroundLoops,
         Watchdog,
-        DOG,
-        "the background task loops for ever, blocks come; LSI within 5 %",
+        WATCHDOG,
+        "the background task loops forever, blocks continue; LSI within 5 %",
     ),
-    off(
-        "debugger",
-        Fault::Debugger,
-        NoBlock,
-        &["fault 11"],
-        "a debugger halts the processor for 0.2 to 20 ms, and lets it go on",
-    ),
-    on("uart-noise", Fault::Noise, "1 to 40 bytes of the host arrive with a flipped bit, while it asks"),
-    on("uart-framing", Fault::Framing, "1 to 40 bytes of the host arrive with a low stop bit, while it asks"),
+    off("debugger", Fault::Debugger, NoBlock, &["fault 11"], "a debugger halts the processor for 0.2 to 20 ms, then resumes it"),
+    on("uart-noise", Fault::Noise, "1 to 40 bytes from the host arrive with a flipped bit, during requests"),
+    on("uart-framing", Fault::Framing, "1 to 40 bytes from the host arrive with a low stop bit, during requests"),
 ];
 
-/// The kind of this name.
+/// Finds the kind of this name.
 pub fn named(name: &str) -> Option<&'static Kind> {
     KINDS.iter().find(|kind| kind.name == name)
 }

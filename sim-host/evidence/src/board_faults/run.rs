@@ -1,4 +1,4 @@
-//! One run: a clone of the driving board, a fault at a random time, and what came of it.
+//! One run: a clone of the driving board, a fault at a random time, and the response.
 
 use std::time::Duration;
 
@@ -15,37 +15,40 @@ use super::limits::{BLOCK_S, Verdict};
 use super::snapshot::{Host, Snapshot};
 use crate::campaign_error::CampaignError;
 
-/// Any reason that the image can name.
+/// Wildcard for any reason that the image can report.
 pub const ANY_REASON: &[&str] = &["*"];
-/// Blocks in which the fault falls at random, in steps of a nanosecond.
+/// Number of blocks over which the time of the fault is drawn, in steps of a nanosecond.
 const SPREAD_BLOCKS: u32 = 64;
-/// How long a drive is watched that may go on.
-const WATCHED: Duration = Duration::from_millis(15);
-/// How often the wires are looked at: the clock must not change between an edge and the look.
-const LOOKS_EVERY: Duration = Duration::from_nanos(500);
-/// How long a board is watched after it is off: the watchdog's reset is within it.
-const AFTERWARDS: Duration = Duration::from_millis(12);
-/// What a restart takes until the board answers.
+/// Time for which a drive that may continue is watched.
+const WATCH_TIME: Duration = Duration::from_millis(15);
+/// Interval at which the wires are checked: the clock must not change between an edge and the
+/// check.
+const CHECK_INTERVAL: Duration = Duration::from_nanos(500);
+/// Time for which a board is watched after it is off; it contains the watchdog's reset.
+const WATCH_TIME_OFF: Duration = Duration::from_millis(12);
+/// Time from a restart until the board answers.
 const RESTARTS_WITHIN: Duration = Duration::from_millis(8);
-/// How long an answer is waited for, and how often one is asked for.
+/// Timeout of an answer.
 const ANSWERS_WITHIN: Duration = Duration::from_millis(12);
+/// Number of times that a question is repeated.
 const QUESTIONS: u32 = 3;
-/// How far the drive may be from what it was, and still be the same: frequency, Hz, and tip velocity, relative.
-const SAME_HZ: f32 = 5.0;
-const SAME_VELOCITY: f64 = 0.05;
+/// Largest change of the frequency of an unchanged drive, Hz.
+const UNCHANGED_HZ: f32 = 5.0;
+/// Largest relative change of the tip velocity of an unchanged drive.
+const UNCHANGED_VELOCITY_REL: f64 = 0.05;
 
-/// What came of a fault.
+/// Result of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// What was drawn.
+    /// Description of the random parameters.
     pub drawn: String,
-    /// Time from the fault until the amplifier was off, or the drive muted, s; none where it drives.
+    /// Time from the fault until the amplifier was off or the drive muted, s; `None` if it drives.
     pub off_s: Option<f64>,
-    /// The reason that the board names.
+    /// Reason that the board reports.
     pub reason: Option<String>,
-    /// Restarts.
+    /// Number of restarts.
     pub resets: usize,
-    /// What is wrong with it; none where the verdict holds.
+    /// Reason why the run failed; `None` if the response is the required one.
     pub failed: Option<String>,
 }
 
@@ -65,7 +68,7 @@ fn play(snapshot: &Snapshot, kind: &Kind, draw: &mut Draw, outcome: &mut Outcome
     let span_ns = (f64::from(SPREAD_BLOCKS) * BLOCK_S * 1e9) as u32;
     board.run_for(Duration::from_nanos(draw.below(span_ns).into()))?;
     if kind.fault == Fault::LinkStream {
-        let mut host = Host::of(board);
+        let mut host = Host::new(board);
         host.ask(Command::TelemetryEvery(50), ANSWERS_WITHIN)?;
         board = host.release()?;
     }
@@ -80,44 +83,44 @@ fn play(snapshot: &Snapshot, kind: &Kind, draw: &mut Draw, outcome: &mut Outcome
             outcome.failed = match outcome.off_s {
                 None => Some("the amplifier stays on".to_owned()),
                 Some(off_s) if off_s > limit.seconds() => Some(format!("off after {:.1} us", 1e6 * off_s)),
-                Some(_) => unnamed(kind, outcome.reason.as_deref()),
+                Some(_) => wrong_reason(kind, outcome.reason.as_deref()),
             }
             .or(found);
         }
         Verdict::DrivesOn | Verdict::OffOrDrivesOn => {
-            let mut host = Host::of(board);
-            let until = host.now() + WATCHED;
+            let mut host = Host::new(board);
+            let until = host.now() + WATCH_TIME;
             while host.now() < until && host.is_driving(&before) {
-                // No answer is judged below.
+                // A missing answer is judged below.
                 let _ = host.status(Duration::from_millis(2));
                 host.run_for(Duration::from_micros(300))?;
             }
             let is_driving = host.is_driving(&before);
-            let report = if is_driving { asked(&mut host, Host::status) } else { None };
+            let report = if is_driving { ask_repeatedly(&mut host, Host::status) } else { None };
             let mut board = host.release()?;
             if is_driving {
                 let now = board.bench().plant().plant().truth().tip_velocity_m_per_s;
-                outcome.failed = same(snapshot.frequency_hz, report, (now / velocity - 1.0).abs());
+                outcome.failed = drive_change(snapshot.frequency_hz, report, (now / velocity - 1.0).abs());
                 return Ok(());
             }
             outcome.off_s = before.until_off(&mut board, Duration::ZERO)?;
             let found = reason(board, &before, outcome)?;
             let is_off = (kind.verdict == Verdict::DrivesOn).then(|| "the drive has ended".to_owned());
-            outcome.failed = is_off.or_else(|| unnamed(kind, outcome.reason.as_deref())).or(found);
+            outcome.failed = is_off.or_else(|| wrong_reason(kind, outcome.reason.as_deref())).or(found);
         }
     }
     Ok(())
 }
 
-/// What is wrong with a drive that goes on.
-fn same(before: f32, report: Option<firmware::seam::telemetry::Telemetry>, velocity: f64) -> Option<String> {
-    let Some(report) = report else { return Some("it drives, and does not answer".to_owned()) };
+/// Returns the reason why a drive that continues is not unchanged.
+fn drive_change(before: f32, report: Option<firmware::seam::telemetry::Telemetry>, velocity: f64) -> Option<String> {
+    let Some(report) = report else { return Some("it drives, but does not answer".to_owned()) };
     if report.mode != Mode::Run || report.fault.is_some() {
-        return Some(format!("it drives, and says {:?}, {:?}", report.mode, report.fault));
+        return Some(format!("it drives, but reports {:?}, {:?}", report.mode, report.fault));
     }
-    if (report.frequency.0 - before).abs() > SAME_HZ || velocity > SAME_VELOCITY {
+    if (report.frequency.0 - before).abs() > UNCHANGED_HZ || velocity > UNCHANGED_VELOCITY_REL {
         return Some(format!(
-            "it drives otherwise: {:.1} Hz in place of {before:.1}, {:.0} % off",
+            "the drive has changed: {:.1} Hz instead of {before:.1}, tip velocity {:.0} % off",
             report.frequency.0,
             100.0 * velocity
         ));
@@ -125,22 +128,22 @@ fn same(before: f32, report: Option<firmware::seam::telemetry::Telemetry>, veloc
     None
 }
 
-fn unnamed(kind: &Kind, reason: Option<&str>) -> Option<String> {
+fn wrong_reason(kind: &Kind, reason: Option<&str>) -> Option<String> {
     match reason {
-        None => Some("off, and the reason is not named".to_owned()),
+        None => Some("off, but no reason is reported".to_owned()),
         Some(reason) if kind.reasons == ANY_REASON || kind.reasons.contains(&reason) => None,
-        Some(reason) => Some(format!("off, and named: {reason}")),
+        Some(reason) => Some(format!("off, but the reported reason is {reason}")),
     }
 }
 
-/// Asks until there is an answer.
-fn asked<T>(host: &mut Host, question: impl Fn(&mut Host, Duration) -> Result<Option<T>, CampaignError>) -> Option<T> {
+/// Repeats a question until there is an answer.
+fn ask_repeatedly<T>(host: &mut Host, question: impl Fn(&mut Host, Duration) -> Result<Option<T>, CampaignError>) -> Option<T> {
     (0..QUESTIONS).find_map(|_| question(host, ANSWERS_WITHIN).ok().flatten())
 }
 
-/// Lets the board come to rest, and asks why it is off; what is wrong meanwhile.
+/// Lets the board come to rest and asks why it is off. Returns the reason if that fails the run.
 fn reason(mut board: Board, before: &Watch, outcome: &mut Outcome) -> Result<Option<String>, CampaignError> {
-    let until = board.now() + AFTERWARDS;
+    let until = board.now() + WATCH_TIME_OFF;
     let mut restarted = board.now();
     let mut resets = board.bench().resets.len();
     while board.now() < until.max(restarted + RESTARTS_WITHIN) && board.bench().resets.len() < before.resets + 10 {
@@ -151,17 +154,17 @@ fn reason(mut board: Board, before: &Watch, outcome: &mut Outcome) -> Result<Opt
     }
     outcome.resets = resets - before.resets;
     let rises = board.bench().edges[before.edges..].iter().filter(|edge| edge.high).count();
-    let mut host = Host::of(board);
+    let mut host = Host::new(board);
     outcome.reason = if outcome.resets > 0 {
-        asked(&mut host, Host::faults).map(|log| cause(&log.last_run).to_owned())
+        ask_repeatedly(&mut host, Host::faults).map(|log| cause(&log.last_run).to_owned())
     } else {
-        let fault = asked(&mut host, Host::status).and_then(|report| report.fault).or_else(|| host.last_telemetry());
+        let fault = ask_repeatedly(&mut host, Host::status).and_then(|report| report.fault).or_else(|| host.last_telemetry());
         fault.map(|fault| format!("fault {}", fault.code()))
     };
     Ok((rises > 0).then(|| "the amplifier comes on again".to_owned()))
 }
 
-/// What started the board, in words.
+/// Returns the cause of the last start, in words.
 fn cause(start: &Start) -> &'static str {
     match start {
         Start::PowerOn => "power-on",
@@ -181,7 +184,7 @@ fn cause(start: &Start) -> &'static str {
     }
 }
 
-/// What the wires had seen when the fault came.
+/// State of the wires at the time of the fault.
 pub struct Watch {
     at_s: f64,
     edges: usize,
@@ -195,7 +198,8 @@ impl Watch {
         Watch { at_s, edges: board.bench().edges.len(), resets: board.bench().resets.len() }
     }
 
-    /// When the amplifier was switched off since, or the drive was muted for a block, s after the fault; a time is exact until the core clock changes.
+    /// Returns the time from the fault until the amplifier was switched off or the drive was muted
+    /// for a block, s. It is exact until the core clock changes.
     fn off_s(&self, board: &Board) -> Option<f64> {
         let (bench, chip) = (board.bench(), &board.machine().chip);
         let fall = bench.edges[self.edges..].iter().find(|edge| !edge.high).map(|edge| edge.at);
@@ -207,12 +211,12 @@ impl Watch {
         Some((chip.seconds(off) - self.at_s).max(0.0))
     }
 
-    /// Runs until it is off, at most for `longest`.
+    /// Runs until the drive is off, for at most `longest`.
     fn until_off(&self, board: &mut Board, longest: Duration) -> Result<Option<f64>, BoardError> {
         let until = board.now() + longest;
         loop {
             match self.off_s(board) {
-                None if board.now() < until => board.run_for(LOOKS_EVERY)?,
+                None if board.now() < until => board.run_for(CHECK_INTERVAL)?,
                 off_s => return Ok(off_s),
             }
         }
@@ -220,7 +224,7 @@ impl Watch {
 }
 
 impl Host {
-    /// Whether the board still drives.
+    /// Returns `true` if the board still drives.
     fn is_driving(&self, before: &Watch) -> bool {
         before.off_s(&self.board()).is_none()
     }

@@ -1,4 +1,4 @@
-//! A board that drives, from which every run begins.
+//! A board that drives, with which every run begins.
 
 use std::cell::{Ref, RefCell};
 use std::io;
@@ -23,13 +23,15 @@ use crate::campaign_error::CampaignError;
 
 /// The scene: the dummy load of `docs/board.md`.
 const SCENE: &str = "dummy-load";
-/// The longest that it may take to lock.
+/// Longest time until it has locked.
 const LOCKS_WITHIN: Duration = Duration::from_millis(300);
-/// How long it drives before the snapshot is taken: the clamped branch has been measured at the lock point by then.
+/// Time for which it drives before the snapshot: by then it has measured the clamped branch at the
+/// lock point.
 const SETTLES: Duration = Duration::from_millis(30);
 static NEVER: AtomicBool = AtomicBool::new(false);
 
-/// What a program can do nothing about: the defects raise these by themselves. Every other finding ends a run.
+/// Findings that the defects raise by themselves, so that the program cannot avoid them. Every
+/// other finding ends a run.
 const RAISED: [Rule; 7] = [
     Rule::EccDouble,
     Rule::AdcOverrun,
@@ -44,11 +46,12 @@ const RAISED: [Rule; 7] = [
 pub struct Snapshot {
     /// The board.
     pub board: Board,
-    /// The frequency that it reports, Hz.
+    /// Frequency that it reports, Hz.
     pub frequency_hz: f32,
 }
 
-/// Boots a board with the dummy load, and lets it find it, lock and drive; `sim-host link` would say `run`.
+/// Boots a board with the dummy load and lets it identify the load, lock and drive, as after `run`
+/// in `sim-host link`.
 pub fn driving(elf: &[u8]) -> Result<Snapshot, CampaignError> {
     let loaded = load(SCENE, &[])?;
     let scene = loaded.scene.driven().ok_or(CampaignError::Scene)?;
@@ -56,7 +59,7 @@ pub fn driving(elf: &[u8]) -> Result<Snapshot, CampaignError> {
     for rule in RAISED {
         board.machine_mut().chip.lint.set(rule, Verdict::Collect);
     }
-    let mut host = Host::of(board);
+    let mut host = Host::new(board);
     host.ask(Command::Patience(HOST_S as f32), LOCKS_WITHIN)?;
     host.ask(Command::Run, LOCKS_WITHIN)?;
     let until = host.now() + LOCKS_WITHIN;
@@ -114,20 +117,20 @@ impl InProcess for Limited {
 }
 
 impl Host {
-    /// A host at this board.
-    pub fn of(board: Board) -> Self {
+    /// Connects a host to a board.
+    pub fn new(board: Board) -> Self {
         let board = Rc::new(RefCell::new(Limited { board, until: Duration::MAX }));
         let client = Client::new(Box::new(Simulated::new("board", board.clone(), false)), &NEVER, |_| ());
         Host { board, client }
     }
 
-    /// Gives the board back.
+    /// Returns the board.
     pub fn release(self) -> Result<Board, CampaignError> {
         drop(self.client);
         Rc::into_inner(self.board).map(|limited| limited.into_inner().board).ok_or(CampaignError::Scene)
     }
 
-    /// Time since the power came.
+    /// Returns the time since power-on.
     pub fn now(&self) -> Duration {
         self.client.now()
     }
@@ -137,7 +140,8 @@ impl Host {
         Ok(self.board.borrow_mut().board.run_for(time)?)
     }
 
-    /// Asks, and waits for an answer for so long; in another session where the board was reset.
+    /// Sends a command and waits for its answer, at most for `within`; after a reset of the board,
+    /// in a new session.
     pub fn ask(&mut self, command: Command, within: Duration) -> Result<Reply, CampaignError> {
         let until = self.now() + within;
         self.board.borrow_mut().until = until;
@@ -150,12 +154,12 @@ impl Host {
         }
     }
 
-    /// The board.
+    /// Borrows the board.
     pub fn board(&self) -> Ref<'_, Board> {
         Ref::map(self.board.borrow(), |limited| &limited.board)
     }
 
-    /// The fault of the last telemetry that came by itself.
+    /// Returns the fault in the last unsolicited telemetry.
     pub fn last_telemetry(&mut self) -> Option<Fault> {
         self.board.borrow_mut().until = self.now() + Duration::from_millis(10);
         let mut fault = None;
@@ -165,7 +169,7 @@ impl Host {
         fault
     }
 
-    /// The report of the latest block.
+    /// Requests the report of the latest block.
     pub fn status(&mut self, within: Duration) -> Result<Option<Telemetry>, CampaignError> {
         match self.ask(Command::Status, within)? {
             Reply::Status(report) => Ok(report),
@@ -173,7 +177,7 @@ impl Host {
         }
     }
 
-    /// The latest fault of the log, and what started the board.
+    /// Requests the latest fault of the log, and the cause of the last start.
     pub fn faults(&mut self, within: Duration) -> Result<Option<FaultReport>, CampaignError> {
         match self.ask(Command::Faults(0), within)? {
             Reply::Faults(report) => Ok(Some(report)),

@@ -1,4 +1,4 @@
-//! A simulated board whose loudest voltage and current are recorded block by block.
+//! A simulated board that records the largest voltage and current of all blocks.
 
 use std::io;
 use std::time::Duration;
@@ -6,29 +6,30 @@ use std::time::Duration;
 use link::port::InProcess;
 use link::simulated_board::SimulatedBoard;
 
-/// A board, and what has been the loudest at its amplifier.
+/// A board, with the largest voltage and current at its amplifier.
 pub(super) struct WatchedBoard {
     board: SimulatedBoard,
-    /// Largest code that was played, from the middle, and largest that the current's converter has read.
-    loudest: (u16, u16),
+    /// Largest code played, from mid-code, and largest code read by the current's converter.
+    largest: (u16, u16),
 }
 
 impl WatchedBoard {
-    /// Watches a board that keeps the last block at its converters.
+    /// Watches a board, which must keep the last block at its converters.
     pub(super) fn new(board: SimulatedBoard) -> Self {
-        WatchedBoard { board, loudest: (0, 0) }
+        WatchedBoard { board, largest: (0, 0) }
     }
 
-    /// Time since the power came, s.
+    /// Returns the time since power-on, s.
     pub(super) fn seconds(&self) -> f64 {
         self.board.now().as_secs_f64()
     }
 
-    /// Largest peak voltage that was played, V, and largest peak current that was measured, A, both within one code.
-    pub(super) fn loudest(&self) -> (f64, f64) {
+    /// Returns the largest peak voltage played, V, and the largest peak current measured, A, both
+    /// within one code.
+    pub(super) fn largest(&self) -> (f64, f64) {
         let front_end = &self.board.config().front_end;
         let of = |codes: u16, per_lsb: f32| f64::from(codes) * f64::from(per_lsb);
-        (of(self.loudest.0, front_end.drive_volt_per_lsb), of(self.loudest.1, front_end.ampere_per_lsb))
+        (of(self.largest.0, front_end.drive_volt_per_lsb), of(self.largest.1, front_end.ampere_per_lsb))
     }
 }
 
@@ -60,7 +61,7 @@ impl InProcess for WatchedBoard {
             let most = |codes: &[u16], mid: u16| codes.iter().map(|code| code.abs_diff(mid)).max().unwrap_or(0);
             (last.drive.lanes.iter().map(|lane| most(lane, drive_mid)).max().unwrap_or(0), most(&last.sense.i, sense_mid))
         });
-        self.loudest = (self.loudest.0.max(volts), self.loudest.1.max(amperes));
+        self.largest = (self.largest.0.max(volts), self.largest.1.max(amperes));
         Ok(())
     }
 }

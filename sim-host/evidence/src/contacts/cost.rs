@@ -1,5 +1,5 @@
-//! What `auto` costs, from the question to the answer, over the cheapest of a fixed grid of settings that meets the tolerance together
-//! with all that are finer.
+//! Cost of `auto`, from the question to the answer, over the cheapest setting of a fixed grid that
+//! meets the tolerance together with all finer ones.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -7,62 +7,63 @@ use std::time::{Duration, Instant};
 use contact::tally::Ratios;
 use contact::{Method, Numerics, Problem, solve_unwatched};
 
-use super::Tried;
+use super::ContactRuns;
 use super::judged::Truth;
 
-/// The grid: orders of linexp, and steps a period.
+/// Orders of linexp in the grid.
 const ORDERS: [u32; 3] = [2, 4, 6];
+/// Numbers of steps a period in the grid.
 const STEPS: [u32; 18] = [4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 2048];
-/// Rounds of which the shortest counts.
+/// Number of rounds; the shortest counts.
 const ROUNDS: usize = 3;
 
 /// The cost of one question.
 pub struct Cost {
     /// Number of the contact.
     pub number: u32,
-    /// Its length, drive periods.
+    /// Length of the run, drive periods.
     pub periods: f64,
     /// Vibration amplitude in Dahl lengths.
     pub kappa: f64,
-    /// Tolerance asked for.
+    /// Requested tolerance.
     pub tolerance: f64,
-    /// The best setting: order, steps a period.
+    /// Cheapest setting: order, steps a period.
     pub best: (u32, u32),
     /// Time of `auto` over that of the best setting.
     pub ratio: f64,
-    /// What `auto` has chosen.
+    /// Setting that `auto` has chosen.
     pub how: String,
 }
 
-/// The costs of contacts at all their tolerances.
-pub fn of<'a>(set: impl Iterator<Item = &'a Tried>) -> Vec<Cost> {
-    set.flat_map(|tried| tried.truth.iter().flat_map(move |truth| of_one(tried, truth))).collect()
+/// Measures the costs of contacts at all their tolerances.
+pub fn measure<'a>(set: impl Iterator<Item = &'a ContactRuns>) -> Vec<Cost> {
+    set.flat_map(|tried| tried.truth.iter().flat_map(move |truth| measure_contact(tried, truth))).collect()
 }
 
-fn of_one(tried: &Tried, truth: &Truth) -> Vec<Cost> {
+fn measure_contact(tried: &ContactRuns, truth: &Truth) -> Vec<Cost> {
     let problem = &tried.contact.problem;
     let mut grid = Vec::new();
     for order in ORDERS {
-        // From fine to coarse: whether a setting and all finer ones meet a tolerance.
+        // From fine to coarse, with the largest error of a setting and all finer ones.
         let mut worst = 0.0f64;
         for steps in STEPS.into_iter().rev() {
-            let friction = one(problem, (order, steps));
+            let friction = friction_ratio(problem, (order, steps));
             worst = worst.max(friction.map_or(f64::INFINITY, |friction| (friction - truth.friction).abs()));
             grid.push(((order, steps), worst));
         }
     }
     let best = |tolerance: f64| {
-        // The coarsest of each order; the cheapest of these.
+        // The coarsest sufficient setting of each order; the cheapest of these.
         let coarsest = ORDERS.into_iter().filter_map(|order| {
             grid.iter().filter(|((of, _), worst)| *of == order && *worst <= tolerance).map(|(setting, _)| *setting).next_back()
         });
-        let timed = coarsest.map(|setting| (setting, least(&mut || _ = black_box(one(problem, setting)))));
+        let timed = coarsest.map(|setting| (setting, shortest(&mut || _ = black_box(friction_ratio(problem, setting)))));
         timed.min_by_key(|(_, time)| *time)
     };
     let cost = |answer: &super::Judged| {
         let (setting, time) = best(answer.tolerance)?;
         let numerics = Numerics { tolerance: answer.tolerance, energies: false, ..Numerics::default() };
-        let auto = least(&mut || _ = black_box(solve_unwatched(problem, &numerics, &|| ())));
+        let auto = shortest(&mut || _ = black_box(solve_unwatched(problem, &numerics, &|| ())));
         Some(Cost {
             number: tried.contact.number,
             periods: problem.duration_s * problem.waveform.frequency_hz(),
@@ -76,12 +77,12 @@ fn of_one(tried: &Tried, truth: &Truth) -> Vec<Cost> {
     tried.answers.iter().filter_map(cost).collect()
 }
 
-fn one(problem: &Problem, (order, steps): (u32, u32)) -> Option<f64> {
+fn friction_ratio(problem: &Problem, (order, steps): (u32, u32)) -> Option<f64> {
     let tally = Method::Linexp.run(problem, (steps, Some(order)), false, &mut |_| ()).ok()?;
     Some(Ratios::of(problem, &tally).friction)
 }
 
-fn least(question: &mut dyn FnMut()) -> Duration {
+fn shortest(question: &mut dyn FnMut()) -> Duration {
     let mut timed = || {
         let began = Instant::now();
         question();

@@ -1,4 +1,5 @@
-//! Random contacts: contact spring, friction, velocity ratio and damping over ten decades, the natural frequency over three.
+//! Draws random contacts: contact spring, friction, velocity ratio and damping over ten decades,
+//! natural frequency over three.
 
 use std::f64::consts::TAU;
 
@@ -8,42 +9,45 @@ use contact::{Law, Motion, Problem, Shape, Sign, State, Waveform};
 
 use crate::random::Random;
 
-/// Seed of the contact with number 0; the others follow.
+/// Seed of the contact with number 0; the seeds of the others follow.
 const SEED: u64 = 0x5eed_c0de;
-/// The sets of two seeds are so far apart (the golden ratio, in 64 bits).
-const FAR_APART: u64 = 0x9e37_79b9_7f4a_7c15;
-/// Mass, kg, drive frequency, Hz, and force, N, of every contact: all else is in ratios to them.
+/// Distance between the sets of two seeds (the golden ratio, in 64 bits).
+const SEED_STRIDE: u64 = 0x9e37_79b9_7f4a_7c15;
+/// Mass of every contact, kg; all other quantities are relative to mass, frequency and force.
 const MASS_KG: f64 = 0.02;
+/// Drive frequency of every contact, Hz.
 const DRIVE_HZ: f64 = 60e3;
+/// Force of every contact, N.
 const FORCE_N: f64 = 384.0;
-/// Periods of a contact.
+/// Range of the number of periods of a contact.
 const PERIODS: (f64, f64) = (20.0, 1000.0);
-/// Most steps a period, and smallest Stribeck velocity over that of the vibration, of a LuGre contact.
-const MOST_STEPS: f64 = 200.0;
-const LEAST_STRIBECK: f64 = 1e-2;
-/// Periods of a contact whose friction has a Stribeck peak.
+/// Largest number of steps a period at which Runge-Kutta must be stable for a LuGre contact.
+const MAX_STEPS: f64 = 200.0;
+/// Smallest Stribeck velocity of a LuGre contact, over the velocity of the vibration.
+const MIN_STRIBECK_REL: f64 = 1e-2;
+/// Range of the number of periods of a LuGre contact.
 const LUGRE_PERIODS: (f64, f64) = (20.0, 60.0);
 
-/// The law of a contact.
+/// The friction law of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Friction {
-    /// Dahl's.
+    /// Dahl friction.
     Dahl,
-    /// LuGre's.
+    /// LuGre friction.
     Lugre,
-    /// Dahl's, of a given vibration at an angle to the sliding.
+    /// Dahl friction, with a given vibration at an angle to the sliding.
     PlaneDahl,
-    /// LuGre's, of a given vibration at an angle to the sliding.
+    /// LuGre friction, with a given vibration at an angle to the sliding.
     PlaneLugre,
 }
 
 impl Friction {
     /// All laws.
     pub const ALL: [Friction; 4] = [Friction::Dahl, Friction::Lugre, Friction::PlaneDahl, Friction::PlaneLugre];
-    /// Those with a record from the start on.
+    /// Laws for which the record from the start on is compared too.
     pub const RECORDED: [Friction; 2] = [Friction::Dahl, Friction::Lugre];
 
-    /// Name of the law.
+    /// Returns the name of the law.
     pub fn name(self) -> &'static str {
         match self {
             Friction::Dahl => "Dahl",
@@ -54,19 +58,19 @@ impl Friction {
     }
 }
 
-/// A contact drawn by its number.
+/// A random contact.
 #[derive(Clone, Debug)]
 pub struct Contact {
     /// Number of the draw.
     pub number: u32,
     /// The contact as a problem.
     pub problem: Problem,
-    /// Direction of a vibration at an angle to the sliding.
+    /// Direction of the vibration, if it is at an angle to the sliding.
     pub direction: Option<Direction>,
 }
 
 impl Contact {
-    /// Draws the contact of a number in the set of a seed; 0 is the usual set.
+    /// Draws the contact of a number in the set of a seed; seed 0 is the default set.
     ///
     /// | group | range |
     /// |---|---|
@@ -78,10 +82,11 @@ impl Contact {
     /// | damping ratio | none, or 1e-9 to 10 |
     /// | natural over drive frequency | 1e-2 to 10 |
     ///
-    /// A LuGre contact is drawn again until Runge-Kutta is stable at so many steps a period that a reference takes seconds.
+    /// A LuGre contact is drawn again until Runge-Kutta is stable at [`MAX_STEPS`] steps a period,
+    /// so that a reference takes only seconds.
     pub fn draw(number: u32, friction: Friction, seed: u64) -> Self {
-        // Neighbours among seeds share no contact.
-        let set = SEED ^ seed.wrapping_mul(FAR_APART);
+        // Sets of neighbouring seeds have no contact in common.
+        let set = SEED ^ seed.wrapping_mul(SEED_STRIDE);
         if friction == Friction::PlaneDahl || friction == Friction::PlaneLugre {
             let lugre = u64::from(friction == Friction::PlaneLugre);
             let mut random = Random::new(set.rotate_left(17) ^ (u64::from(number) << 1) ^ lugre);
@@ -91,7 +96,7 @@ impl Contact {
         let mut random = Random::new(set ^ (u64::from(number) << 1) ^ u64::from(friction == Friction::Lugre));
         loop {
             let problem = draw(&mut random, friction);
-            if friction == Friction::Dahl || stable_steps(&problem) <= MOST_STEPS {
+            if friction == Friction::Dahl || stable_steps(&problem) <= MAX_STEPS {
                 return Contact { number, problem, direction: None };
             }
         }
@@ -132,7 +137,7 @@ fn draw(random: &mut Random, friction: Friction) -> Problem {
         Friction::Lugre | Friction::PlaneLugre => Law::Lugre {
             stiffness_n_per_m: kt,
             static_ratio: random.log(1.0, 3.0),
-            stribeck_m_per_s: vibration * random.log(LEAST_STRIBECK, 1e2),
+            stribeck_m_per_s: vibration * random.log(MIN_STRIBECK_REL, 1e2),
             sigma1: if random.toss() { 0.0 } else { MASS_KG * omega * random.log(1e-8, 1e2) },
             sigma2: 0.0,
         },
@@ -140,15 +145,16 @@ fn draw(random: &mut Random, friction: Friction) -> Problem {
     problem
 }
 
-/// Slip of the bristles in their lengths in a period, at the most: the reference takes steps in proportion.
-const MOST_SLIP: f64 = 1e4;
+/// Largest slip in a period, bristle lengths; the number of steps of the reference is proportional
+/// to it.
+const MAX_SLIP: f64 = 1e4;
 
-/// A given vibration at any angle.
+/// Draws a contact with a given vibration at any angle.
 ///
 /// | group | range |
 /// |---|---|
-/// | angle, degrees | 0 to 90, evenly; in half of them as far as 1e-6 to 45 from either end |
-/// | vibration in bristle lengths, kappa | 1e-8 to 1e4, less where the sliding is faster than the vibration |
+/// | angle, degrees | 0 to 90, uniform; in half of the contacts 1e-6 to 45 from either end, on a logarithmic scale |
+/// | vibration in bristle lengths, kappa | 1e-8 to 1e4, less if the sliding is faster than the vibration |
 /// | velocity ratio | 1e-7 to 1e3 |
 /// | Stribeck velocity over that of the vibration | 1e-2 to 1e2 |
 /// | bristle damping, `sigma1 Vv / Fc` | none, or 1e-8 to 1e2 |
@@ -158,20 +164,21 @@ fn in_plane(random: &mut Random, friction: Friction) -> (Problem, Direction) {
         1 => 90.0 - random.log(1e-6, 45.0),
         _ => 90.0 * random.part(),
     };
-    let periods = random.log(PERIODS.0, PERIODS.1).round();
+    let (least, most) = PERIODS;
+    let periods = random.log(least, most).round();
     let duration_s = periods / DRIVE_HZ;
     let shape =
         [Shape::Sine, Shape::Sine, Shape::Sine, Shape::Square, Shape::Sawtooth, Shape::Triangle][random.whole(0, 5) as usize];
     let (vibration, velocity_ratio) = (1.0, random.log(1e-7, 1e3));
     let coulomb_n = FORCE_N * random.log(1e-10, 1.0);
-    let kappa = random.log(1e-8, MOST_SLIP / velocity_ratio.max(1.0));
+    let kappa = random.log(1e-8, MAX_SLIP / velocity_ratio.max(1.0));
     let stiffness_n_per_m = kappa * TAU * DRIVE_HZ * coulomb_n / vibration;
     let law = match friction {
         Friction::PlaneDahl => Law::Dahl { stiffness_n_per_m },
         _ => Law::Lugre {
             stiffness_n_per_m,
             static_ratio: random.log(1.0, 3.0),
-            stribeck_m_per_s: vibration * random.log(LEAST_STRIBECK, 1e2),
+            stribeck_m_per_s: vibration * random.log(MIN_STRIBECK_REL, 1e2),
             sigma1: if random.toss() { 0.0 } else { coulomb_n / vibration * random.log(1e-8, 1e2) },
             sigma2: 0.0,
         },
@@ -191,7 +198,7 @@ fn in_plane(random: &mut Random, friction: Friction) -> (Problem, Direction) {
     (problem, Direction::from_degrees(angle_deg))
 }
 
-/// A sine in two of three contacts.
+/// Draws the shape of the force: a sine in two of three contacts.
 fn shape(random: &mut Random, periods: f64) -> Shape {
     match random.whole(0, 14) {
         0 => Shape::Square,

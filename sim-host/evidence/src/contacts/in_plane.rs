@@ -1,4 +1,5 @@
-//! The truth of bristles under a vibration at an angle: Taylor series of the slip, of its size and of the bristles' force, step by step.
+//! The reference of bristles under a vibration at an angle: Taylor series of the slip, of its
+//! magnitude and of the bristle force, step by step.
 //!
 //! ```text
 //! S = w_x^2 + w_y^2     r = sqrt S        2 r_0 r_k = S_k - sum r_i r_(k-i)
@@ -7,29 +8,31 @@
 //! y' = p - q y          (k + 1) y_(k+1) = p_k - sum q_i y_(k-i)
 //! ```
 //!
-//! What `auto` shares with it is the timeline alone: no node, no panel, no matrix. As steps are explicit, stiff bristles take many.
+//! It shares only the timeline with `auto`: no node, panel or matrix. Steps are explicit, so stiff
+//! bristles need many.
 
 use contact::plane::Direction;
 use contact::timeline::{Stretch, Timeline};
 use contact::{Law, Problem};
 
-/// Orders of the two runs, whose difference is not known of the truth.
+/// Orders of the two runs, whose difference is the uncertainty of the reference.
 const ORDERS: [usize; 2] = [32, 24];
-/// Round-off of a mean.
+/// Relative round-off of a mean.
 const ROUND_OFF: f64 = 2e-14;
-/// Most steps of a stretch.
-const MOST_STEPS: u32 = 4_000_000;
+/// Largest number of steps of a stretch.
+const MAX_STEPS: u32 = 4_000_000;
 
-/// Mean friction ratio, and by how much two orders differ; none of more steps than that.
+/// Returns the mean friction ratio and the difference of the two orders; `None` if a stretch takes
+/// more than [`MAX_STEPS`] steps.
 pub(super) fn truth(problem: &Problem, direction: Direction) -> Option<(f64, f64)> {
     let (fine, other) = (mean::<{ ORDERS[0] + 1 }>(problem, direction)?, mean::<{ ORDERS[1] + 1 }>(problem, direction)?);
     Some((fine, (fine - other).abs().max(ROUND_OFF * fine.abs().max(1.0))))
 }
 
-/// What a stretch does to the force f = B / Fc of the bristles along the sliding: `f1 = f0 + gained - lost f0`; and the integrals of f, s, and of the
-/// slip, m.
+/// Effect of a stretch on the bristle force along the sliding, f = B / Fc:
+/// `f1 = f0 + gained - lost f0`; and the integrals of f, s, and of the slip, m.
 #[derive(Clone, Copy, Debug, Default)]
-struct Course {
+struct StretchEffect {
     lost: f64,
     gained: f64,
     of_start: f64,
@@ -38,7 +41,7 @@ struct Course {
 }
 
 fn mean<const N: usize>(problem: &Problem, direction: Direction) -> Option<f64> {
-    let mut known: Vec<(usize, Course)> = Vec::new();
+    let mut known: Vec<(usize, StretchEffect)> = Vec::new();
     let (mut force, mut open) = (problem.start.force_n / problem.coulomb_n, false);
     let (mut integral, mut slip_m, mut time_s, mut first) = (Sum::default(), Sum::default(), Sum::default(), force);
     for stretch in Timeline::new(problem) {
@@ -49,20 +52,20 @@ fn mean<const N: usize>(problem: &Problem, direction: Direction) -> Option<f64> 
             (open, first) = (true, force);
         }
         let again = stretch.template.and_then(|template| known.iter().find(|known| known.0 == template));
-        let course = match again {
-            Some((_, course)) => *course,
+        let effect = match again {
+            Some((_, effect)) => *effect,
             None => {
-                let course = course::<N>(problem, direction, &stretch)?;
-                known.extend(stretch.template.map(|template| (template, course)));
-                course
+                let effect = effect::<N>(problem, direction, &stretch)?;
+                known.extend(stretch.template.map(|template| (template, effect)));
+                effect
             }
         };
         if open {
-            integral.add(course.of_start * force + course.of_rest);
-            slip_m.add(course.slip_m);
+            integral.add(effect.of_start * force + effect.of_rest);
+            slip_m.add(effect.slip_m);
             time_s.add(stretch.length_s);
         }
-        force += course.gained - course.lost * force;
+        force += effect.gained - effect.lost * force;
     }
     let (damping_s, viscous) = match problem.law {
         Law::Lugre { stiffness_n_per_m, sigma1, sigma2, .. } => (sigma1 / stiffness_n_per_m, sigma2 / problem.coulomb_n),
@@ -71,7 +74,8 @@ fn mean<const N: usize>(problem: &Problem, direction: Direction) -> Option<f64> 
     Some((integral.total() + damping_s * (force - first) + viscous * slip_m.total()) / time_s.total())
 }
 
-/// A sum with the error of each addition kept beside it (Knuth 1998, *Seminumerical Algorithms*, 4.2.2, theorem B): thousands of like stretches round alike.
+/// A sum that keeps the error of each addition (Knuth 1998, *Seminumerical Algorithms*, 4.2.2,
+/// theorem B): thousands of equal stretches round in the same direction.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     value: f64,
@@ -91,7 +95,7 @@ impl Sum {
     }
 }
 
-fn course<const N: usize>(problem: &Problem, direction: Direction, stretch: &Stretch) -> Option<Course> {
+fn effect<const N: usize>(problem: &Problem, direction: Direction, stretch: &Stretch) -> Option<StretchEffect> {
     let sign = problem.sign.factor();
     let (stiffness, peak, stribeck) = match problem.law {
         Law::Dahl { stiffness_n_per_m } => (stiffness_n_per_m, 0.0, f64::INFINITY),
@@ -101,14 +105,14 @@ fn course<const N: usize>(problem: &Problem, direction: Direction, stretch: &Str
         Law::Coulomb => return None,
     };
     let gain = stiffness / problem.coulomb_n;
-    let (mut course, mut at_s, mut unit_s) = (Course::default(), 0.0, 1e-2 * stretch.length_s);
+    let (mut effect, mut at_s, mut unit_s) = (StretchEffect::default(), 0.0, 1e-2 * stretch.length_s);
     let least_s = 1e-16 * stretch.length_s;
-    // Within such a step of a growing slip no least one follows.
+    // Steps this short cannot leap over a minimum that follows a growing slip.
     let most_s = 1.0 / (16.0 * stretch.fastest_hz);
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let left_s = stretch.length_s - at_s;
         if left_s <= 0.0 {
-            return Some(course);
+            return Some(effect);
         }
         let u = stretch.forcing.taylor_in::<N>(at_s, unit_s);
         let mut along = u.map(|u| sign * direction.along * u);
@@ -117,9 +121,9 @@ fn course<const N: usize>(problem: &Problem, direction: Direction, stretch: &Str
         let (one, other) = (product(&along, &along), product(&across, &across));
         let square: [f64; N] = std::array::from_fn(|k| one[k] + other[k]);
         let loss = loss(&square, gain, (peak, stribeck));
-        // What is lost and gained of a force of one, from here on.
+        // Parts of a unit force that are lost and gained from here on.
         let (mut lost, mut gained) = ([0.0; N], [0.0; N]);
-        (lost[0], gained[0]) = (course.lost, course.gained);
+        (lost[0], gained[0]) = (effect.lost, effect.gained);
         let (mut size, last) = (0.0f64, N - 1);
         for k in 0..last {
             let sum = |y: &[f64; N]| (0..=k).map(|i| loss[i] * y[k - i]).sum::<f64>();
@@ -130,7 +134,7 @@ fn course<const N: usize>(problem: &Problem, direction: Direction, stretch: &Str
             let of = |k: usize| series[k].abs().powf(1.0 / k as f64);
             size = size.max(of(last)).max(of(last - 1));
         }
-        // The last terms are below round-off of one.
+        // The last terms must be below the round-off of one.
         let step = 1e-17f64.powf(1.0 / last as f64) / size.max(1e-300);
         if step < 0.05 && unit_s > least_s {
             unit_s *= (2.0 * step).max(1e-3);
@@ -143,18 +147,20 @@ fn course<const N: usize>(problem: &Problem, direction: Direction, stretch: &Str
             series.iter().enumerate().rev().fold(0.0, |sum, (k, value)| sum * part + value / (k + 1) as f64) * step_s
         };
         let value = |series: &[f64; N]| series.iter().rev().fold(0.0, |sum, value| sum * part + value);
-        course.of_start += step_s - integral(&lost);
-        course.of_rest += integral(&gained);
-        course.slip_m += integral(&along);
-        (course.lost, course.gained) = (value(&lost), value(&gained));
+        effect.of_start += step_s - integral(&lost);
+        effect.of_rest += integral(&gained);
+        effect.slip_m += integral(&along);
+        (effect.lost, effect.gained) = (value(&lost), value(&gained));
         at_s = if step_s >= left_s { stretch.length_s } else { at_s + step_s };
         unit_s = step_s;
     }
     None
 }
 
-/// Half of the way to where the slip is least, in steps of the series; no bound where it grows. Far from a narrow minimum the size of the slip,
-/// `sqrt((d - t)^2 + e^2)`, is a straight line but for terms of e^2: a series leaps over the minimum, and goes on with `d - t` below zero.
+/// Returns half of the distance to the smallest slip, in steps of the series; no bound if the slip
+/// grows. Far from a narrow minimum the magnitude of the slip, `sqrt((d - t)^2 + e^2)`, is a
+/// straight line except for terms of e^2. A series would leap over the minimum and continue with
+/// `d - t` below zero.
 fn to_the_least_slip<const N: usize>(square: &[f64; N]) -> f64 {
     if square[1] < 0.0 { -square[0] / square[1] } else { f64::INFINITY }
 }
@@ -163,7 +169,7 @@ fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|k| (0..=k).map(|i| a[i] * b[k - i]).sum())
 }
 
-/// q in 1/s, from the square of the slip's size.
+/// Computes q in 1/s from the square of the slip's magnitude.
 fn loss<const N: usize>(square: &[f64; N], gain: f64, (peak, stribeck): (f64, f64)) -> [f64; N] {
     let mut size = [0.0; N];
     size[0] = square[0].sqrt();

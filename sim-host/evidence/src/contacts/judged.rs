@@ -1,32 +1,34 @@
-//! A contact's friction ratio and its record by `auto`, at a tolerance, held against the Taylor series.
+//! A contact's friction ratio and record by `auto` at a tolerance, compared with the Taylor series.
 
 use contact::plane::{self, Direction, PlaneSolution};
 use contact::tally::Ratios;
 use contact::{Law, Numerics, Problem, Record, Solution, SolveError, ToleranceOf, solve, solve_unwatched, taylor};
 
-/// The two settings of the series, steps a period and order: what they differ by is not known of the truth.
+/// The two settings of the series, steps a period and order; their difference is the uncertainty of
+/// the reference.
 const SETTINGS: [(u32, u32); 2] = [(6, 28), (4, 24)];
-/// The same of the record: the moments of all runs of the series in `auto`, and half of those of other methods.
+/// The two settings for the record. Their moments are those of all runs of the series in `auto`,
+/// and half of those of the other methods.
 const RECORD_SETTINGS: [(u32, u32); 2] = [(12, 28), (12, 24)];
 /// Round-off of a record.
 const RECORD_ROUND_OFF: f64 = 1e-13;
-/// Where they differ by more than this part of a tolerance nothing is said of it.
-const KNOWN: f64 = 0.1;
-/// Round-off of a mean, of Fc and of the mean itself.
+/// Largest uncertainty of a usable reference, relative to the tolerance.
+const MAX_UNCERTAINTY_REL: f64 = 0.1;
+/// Round-off of a mean, relative to the larger of Fc and the mean.
 const ROUND_OFF: f64 = 2e-14;
 
-/// The truth of a contact.
+/// Reference of the mean friction ratio of a contact.
 #[derive(Clone, Copy, Debug)]
 pub struct Truth {
     /// Mean friction over Fc.
     pub friction: f64,
-    /// By how much two settings of the series differ.
+    /// Uncertainty: difference between two settings of the series.
     pub unknown: f64,
 }
 
 impl Truth {
-    /// The truth of a problem.
-    pub fn of(problem: &Problem) -> Result<Self, SolveError> {
+    /// Computes the reference of a problem.
+    pub fn new(problem: &Problem) -> Result<Self, SolveError> {
         let by = |(steps, order)| {
             taylor::run_plain(problem, steps, order, &mut |_| ()).map(|tally| Ratios::of(problem, &tally).friction)
         };
@@ -35,17 +37,17 @@ impl Truth {
     }
 }
 
-/// The true record of a contact.
+/// Reference of the record of a contact.
 pub struct RecordTruth<'a> {
     problem: &'a Problem,
     record: Record,
-    /// The distance of two settings of the series.
+    /// Uncertainty: distance between two settings of the series.
     unknown: f64,
 }
 
 impl<'a> RecordTruth<'a> {
-    /// The truth of a problem.
-    pub fn of(problem: &'a Problem) -> Result<Self, SolveError> {
+    /// Computes the reference of a problem.
+    pub fn new(problem: &'a Problem) -> Result<Self, SolveError> {
         let by = |(steps, order)| {
             let mut record = Record::default();
             taylor::run_plain(problem, steps, order, &mut |state| record.add(state)).map(|_| record)
@@ -56,40 +58,40 @@ impl<'a> RecordTruth<'a> {
     }
 }
 
-/// An answer of `auto`, or its refusal.
+/// An answer of `auto`, or its refusal, compared with the reference.
 #[derive(Clone, Debug)]
 pub struct Judged {
-    /// Tolerance asked for.
+    /// Requested tolerance.
     pub tolerance: f64,
-    /// The settings, in words; or the refusal.
+    /// Settings in words, or the refusal.
     pub how: String,
-    /// What came of it.
+    /// Result of the comparison.
     pub verdict: Verdict,
 }
 
-/// What came of a question.
+/// Result of a comparison with the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
     /// An answer.
     Answered {
-        /// Its error, beyond what is not known of the truth.
+        /// Error, less the uncertainty of the reference.
         error: f64,
-        /// The error that it states.
+        /// Error that the answer states.
         estimate: f64,
-        /// Whether it says that it is within the tolerance.
+        /// `true` if the answer states that the tolerance is met.
         met: bool,
     },
-    /// A refusal with its reason.
+    /// A refusal with advice.
     Refused,
-    /// A refusal without: a bug.
+    /// A refusal without advice: a bug.
     Failed,
-    /// The truth is not known well enough.
+    /// The reference is not accurate enough.
     Unknown,
 }
 
 impl Judged {
-    /// Asks `auto`.
-    pub fn of(problem: &Problem, truth: Option<&Truth>, tolerance: f64) -> Self {
+    /// Solves a problem by `auto`, and compares its mean.
+    pub fn mean(problem: &Problem, truth: Option<&Truth>, tolerance: f64) -> Self {
         let numerics = Numerics { tolerance, energies: false, ..Numerics::default() };
         let solution = match solve_unwatched(problem, &numerics, &|| ()) {
             Ok(solution) => solution,
@@ -99,8 +101,9 @@ impl Judged {
         Self::answered(tolerance, &solution, off, solution.error_estimate)
     }
 
-    /// Asks `auto` for a tolerance of a vibration at an angle to the sliding.
-    pub fn of_plane(problem: &Problem, direction: Direction, truth: Option<&Truth>, tolerance: f64) -> Self {
+    /// Solves a problem with a vibration at an angle to the sliding by `auto`, and compares its
+    /// mean.
+    pub fn in_plane(problem: &Problem, direction: Direction, truth: Option<&Truth>, tolerance: f64) -> Self {
         let numerics = Numerics { tolerance, energies: false, ..Numerics::default() };
         match plane::solve(problem, direction, &numerics, (&|| (), None), false) {
             Ok(PlaneSolution { solution, .. }) => {
@@ -111,8 +114,8 @@ impl Judged {
         }
     }
 
-    /// Asks `auto` for a tolerance of the record, and looks at what it shows.
-    pub fn of_record(problem: &Problem, truth: Option<&RecordTruth>, tolerance: f64) -> Self {
+    /// Solves a problem by `auto` at a tolerance of the record, and compares the record.
+    pub fn record(problem: &Problem, truth: Option<&RecordTruth>, tolerance: f64) -> Self {
         let numerics = Numerics { tolerance, tolerance_of: ToleranceOf::Record, energies: false, ..Numerics::default() };
         let mut record = Record::default();
         let solution = match solve(problem, &numerics, &mut |state| record.add(state)) {
@@ -128,12 +131,13 @@ impl Judged {
         Judged { tolerance, how: error.to_string(), verdict }
     }
 
-    /// An answer that is off by so much from a truth of which so much is not known.
+    /// Judges an answer. `off` is its difference from the reference, and the uncertainty of the
+    /// latter.
     fn answered(tolerance: f64, solution: &Solution, off: Option<(f64, f64)>, estimate: Option<f64>) -> Self {
         let order = solution.order.map(|order| format!(" order {order}")).unwrap_or_default();
         let steps = solution.steps_per_period.map(|steps| format!(" {steps} steps")).unwrap_or_default();
         let how = format!("{}{order}{steps}", solution.method.name());
-        let Some((off, unknown)) = off.filter(|(_, unknown)| *unknown <= KNOWN * tolerance) else {
+        let Some((off, unknown)) = off.filter(|(_, unknown)| *unknown <= MAX_UNCERTAINTY_REL * tolerance) else {
             return Judged { tolerance, how, verdict: Verdict::Unknown };
         };
         let error = if off.is_nan() { f64::INFINITY } else { (off - unknown).max(0.0) };
@@ -141,23 +145,23 @@ impl Judged {
         Judged { tolerance, how, verdict: Verdict::Answered { error, estimate, met: solution.tolerance_met } }
     }
 
-    /// Whether it is off by more than the tolerance and does not say so.
-    pub fn is_silent(&self) -> bool {
+    /// Returns `true` if the error exceeds the tolerance but is reported as met.
+    pub fn is_silently_wrong(&self) -> bool {
         matches!(self.verdict, Verdict::Answered { error, met, .. } if met && error > self.tolerance)
     }
 
-    /// Whether the stated error is low by more than a factor.
+    /// Returns `true` if the stated error is low by more than a factor.
     pub fn is_low_by(&self, factor: f64) -> bool {
         matches!(self.verdict, Verdict::Answered { error, estimate, .. } if error > factor * estimate)
     }
 
-    /// Whether the tolerance is said not to be met.
+    /// Returns `true` if the tolerance is reported as not met.
     pub fn is_flagged(&self) -> bool {
         matches!(self.verdict, Verdict::Answered { met: false, .. } | Verdict::Refused)
     }
 }
 
-/// The groups of a contact, in words.
+/// Describes the dimensionless groups of a contact.
 pub fn groups(problem: &Problem, direction: Option<Direction>) -> String {
     let angle = direction.map(|direction| format!(", {:.3e} degrees", direction.across.atan2(direction.along).to_degrees()));
     let omega = std::f64::consts::TAU * problem.waveform.frequency_hz();

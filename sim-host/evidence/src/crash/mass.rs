@@ -1,12 +1,12 @@
-//! Whether the crash itself tells the mass: force and payout of many passive crashes up to a moment, and the mass as the best quadratic
-//! function of them, by least squares.
+//! Estimates the mass from the crash itself: the best quadratic function of force and payout up to
+//! a moment, by least squares over many passive crashes.
 //!
 //! ```text
-//! R2 = 1 - sum of squares of what is left / sum of squares about the mean
+//! R2 = 1 - sum of squared residuals / sum of squares about the mean
 //! ```
 //!
-//! The function is fitted to the very crashes that it is judged by, so that no function of this form does better. Drawn: mass 14 to 29 kg, and
-//! pulse, stiffness and slack as in the suite.
+//! The function is fitted to the same crashes that it is judged by, so no function of this form can
+//! do better. Drawn at random: mass 14 to 29 kg; pulse, stiffness and slack as in the suite.
 
 use rayon::prelude::*;
 
@@ -17,44 +17,47 @@ use plant::dring::motion::Motion;
 use plant::dring::pulse::Course;
 use plant::dring::{Bench, G_M_PER_S2};
 
-/// Moments, ms since the crash began.
+/// Moments of the estimates, ms after the beginning of the crash.
 const AT_MS: [f64; 6] = [30.0, 40.0, 50.0, 60.0, 80.0, 100.0];
-/// Masses, kg.
+/// Range of the masses, kg.
 const MASS_KG: (f64, f64) = (14.0, 29.0);
-/// Peak of the pulse, g, stiffness of the shoulder belt, slack and relative error of the seat, drawn as in the suite.
+/// Range of the peak of the pulse, g, as in the suite.
 const PULSE_G: (f64, f64) = (15.0, 25.0);
+/// Range of the stiffness of the shoulder belt, as in the suite.
 const STIFFNESS_N_PER_M: (f64, f64) = (40e3, 120e3);
+/// Range of the slack, as in the suite.
 const SLACK_M: (f64, f64) = (0.0, 0.03);
+/// Range of the relative error of the seat, as in the suite.
 const SEAT_ERROR: (f64, f64) = (-0.15, 0.15);
-/// What is known at a moment: force, payout, their rates, and the force summed up.
+/// Number of signals at a moment: force, payout, their rates, and the sum of the force so far.
 const SIGNALS: usize = 5;
-/// Terms of a quadratic function of so many.
+/// Number of terms of a quadratic function of all signals.
 const TERMS: usize = 1 + SIGNALS + SIGNALS * (SIGNALS + 1) / 2;
 
-/// What is known of the mass.
+/// Quality of an estimate of the mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// When, ms; `None` is what the seat reads.
+    /// Time of the estimate, ms; `None` for the reading of the seat.
     pub at_ms: Option<f64>,
-    /// Part of the variance that is explained.
+    /// Fraction of the variance that is explained.
     pub r2: f64,
-    /// Standard deviation of what is left, kg.
-    pub left_kg: f64,
+    /// Standard deviation of the residuals, kg.
+    pub residual_kg: f64,
 }
 
-/// Draws and runs so many crashes.
+/// Draws and runs `crashes` crashes, and returns the estimates.
 pub fn run(crashes: u32) -> Result<Vec<Estimate>, Error> {
     let base = plant(&[])?.0.passive();
     let mut random = Random::new(1);
-    let mut between = |from: f64, to: f64| random.between(from, to);
+    let mut between = |(from, to): (f64, f64)| random.between(from, to);
     let drawn: Vec<(Bench, f64)> = (0..crashes)
         .map(|_| {
             let mut bench = base.clone();
-            bench.torso_kg = between(MASS_KG.0, MASS_KG.1);
-            bench.pulse.course = Course::HalfSine(G_M_PER_S2 * between(PULSE_G.0, PULSE_G.1));
-            bench.shoulder.stiffness_n_per_m = between(STIFFNESS_N_PER_M.0, STIFFNESS_N_PER_M.1);
-            bench.shoulder.slack_m = between(SLACK_M.0, SLACK_M.1);
-            let reading = bench.torso_kg * (1.0 + between(SEAT_ERROR.0, SEAT_ERROR.1));
+            bench.torso_kg = between(MASS_KG);
+            bench.pulse.course = Course::HalfSine(G_M_PER_S2 * between(PULSE_G));
+            bench.shoulder.stiffness_n_per_m = between(STIFFNESS_N_PER_M);
+            bench.shoulder.slack_m = between(SLACK_M);
+            let reading = bench.torso_kg * (1.0 + between(SEAT_ERROR));
             (bench, reading)
         })
         .collect();
@@ -69,7 +72,7 @@ pub fn run(crashes: u32) -> Result<Vec<Estimate>, Error> {
     Ok(known)
 }
 
-/// What can be seen of a crash at each moment.
+/// Returns the signals of a crash at each moment.
 fn signals(bench: &Bench) -> Vec<[f64; SIGNALS]> {
     const BEFORE_MS: f64 = 2.0;
     let mut playback: Vec<(f64, f64, f64, f64)> = Vec::new();
@@ -89,11 +92,11 @@ fn signals(bench: &Bench) -> Vec<[f64; SIGNALS]> {
     AT_MS.iter().map(one).collect()
 }
 
-/// How well a quadratic function of what was seen tells the mass.
+/// Fits a quadratic function of the signals to the masses.
 fn estimate(at_ms: Option<f64>, masses: &[f64], seen: &[Vec<f64>]) -> Estimate {
     let count = masses.len() as f64;
     let signals = seen.first().map_or(0, Vec::len);
-    // To mean zero and deviation one, so that squares stay comparable.
+    // Scaled to mean zero and deviation one, so that squares stay comparable.
     let scaled: Vec<Vec<f64>> = (0..signals)
         .map(|signal| {
             let mean = seen.iter().map(|one| one[signal]).sum::<f64>() / count;
@@ -113,14 +116,15 @@ fn estimate(at_ms: Option<f64>, masses: &[f64], seen: &[Vec<f64>]) -> Estimate {
     let left = residual(&rows, masses);
     let mean = masses.iter().sum::<f64>() / count;
     let all: f64 = masses.iter().map(|mass| (mass - mean).powi(2)).sum();
-    Estimate { at_ms, r2: 1.0 - left / all, left_kg: (left / count).sqrt() }
+    Estimate { at_ms, r2: 1.0 - left / all, residual_kg: (left / count).sqrt() }
 }
 
-/// Sum of squares that the best linear combination of the rows' terms leaves: the terms one after the other are made orthogonal to those before
-/// (Gram and Schmidt, in the modified order), and the values freed of each.
+/// Returns the sum of squared residuals of the best linear combination of the rows' terms. Each
+/// term is made orthogonal to those before it (Gram and Schmidt, in the modified order), and its
+/// part is subtracted from the values.
 fn residual(rows: &[Vec<f64>], values: &[f64]) -> f64 {
-    /// A term that the earlier ones make up to this part of its square says nothing of its own.
-    const NOTHING: f64 = 1e-9;
+    /// Relative square below which a term is a combination of the earlier ones, and is left out.
+    const DEPENDENT_REL: f64 = 1e-9;
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let terms = rows.first().map_or(0, Vec::len).min(TERMS);
     let mut left = values.to_vec();
@@ -133,7 +137,7 @@ fn residual(rows: &[Vec<f64>], values: &[f64]) -> f64 {
             column.iter_mut().zip(earlier).for_each(|(value, earlier)| *value -= part * earlier);
         }
         let square = dot(&column, &column);
-        if square <= NOTHING * own {
+        if square <= DEPENDENT_REL * own {
             continue;
         }
         let norm = square.sqrt();

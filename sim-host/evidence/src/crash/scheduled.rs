@@ -1,17 +1,18 @@
-//! The switch thrown at stated moments, on the plant alone: what the rule of the controller is for. An ideal switch with edges of 3 ms.
+//! The switch thrown at given times, on the plant alone, as a guide for the rule of the controller.
+//! The switch is ideal, with edges of 3 ms.
 
 use super::plant;
 use crate::evidence::Error;
 use plant::dring::Bench;
 use plant::dring::motion::{Extremes, Motion};
 
-/// Block by block, as the controller would, s.
+/// Length of a block of the controller, s; the drive changes only at its ends.
 const BLOCK_S: f64 = 32e-6;
-/// How long a crash is followed, s.
+/// Time for which a crash is followed, s.
 const LENGTH_S: f64 = 0.16;
 
-/// Who sits there, and when LOW begins and ends, ms.
-const TIMES: &[(&str, Option<f64>, Option<f64>)] = &[
+/// Percentile of the occupant, and times at which LOW begins and ends, ms.
+const OCCUPANT_TIMES_MS: &[(&str, Option<f64>, Option<f64>)] = &[
     ("5th", None, None),
     ("5th", Some(0.0), None),
     ("5th", Some(20.0), None),
@@ -32,22 +33,22 @@ const TIMES: &[(&str, Option<f64>, Option<f64>)] = &[
     ("95th", Some(35.0), None),
 ];
 
-/// A crash with the switch thrown at stated moments.
+/// A crash with the switch thrown at given times.
 pub struct Scheduled {
     /// Percentile of the occupant.
     pub occupant: &'static str,
-    /// When LOW begins, ms since the crash does.
+    /// Time at which LOW begins, ms after the beginning of the crash.
     pub low_ms: Option<f64>,
-    /// When HIGH comes back, ms.
+    /// Time at which HIGH returns, ms after the beginning of the crash.
     pub high_ms: Option<f64>,
     /// Results of the crash.
     pub extremes: Extremes,
-    /// What the passive belt makes of it.
+    /// Results of the same crash with the passive belt.
     pub passive: Extremes,
 }
 
-/// A crash on the bench, followed to `length_s` after its beginning. `low` says whether the drive is ON, by the time since then, s; `see` looks
-/// at each block's end.
+/// Runs a crash on the bench until `length_s` after its beginning. `low` returns `true` if the
+/// drive is ON at a time after the beginning, s; `see` is called at the end of each block.
 pub(super) fn crash(
     bench: &Bench,
     edge_s: f64,
@@ -66,9 +67,9 @@ pub(super) fn crash(
     motion
 }
 
-/// Runs all of them.
+/// Runs the crashes of all times.
 pub fn run() -> Result<Vec<Scheduled>, Error> {
-    TIMES.iter().map(|&(occupant, low_ms, high_ms)| one(occupant, low_ms, high_ms)).collect()
+    OCCUPANT_TIMES_MS.iter().map(|&(occupant, low_ms, high_ms)| one(occupant, low_ms, high_ms)).collect()
 }
 
 fn one(occupant: &'static str, low_ms: Option<f64>, high_ms: Option<f64>) -> Result<Scheduled, Error> {

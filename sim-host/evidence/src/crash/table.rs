@@ -1,16 +1,16 @@
-//! Both studies of the plant as tables.
+//! Tables of both studies of the plant.
 
 use super::mass::Estimate;
 use super::scheduled::Scheduled;
 use plant::dring::motion::Extremes;
 use report::TableBlock;
 
-/// A change in per cent, or none.
+/// Formats a change in per cent; a change of zero has no unit.
 fn percent(part: f64) -> String {
     if part == 0.0 { "0".into() } else { unsigned(&format!("{:+.1} %", 100.0 * part)) }
 }
 
-/// A number of newton; whole.
+/// Formats a number without decimals.
 fn whole(value: f64) -> String {
     format!("{value:.0}")
 }
@@ -23,13 +23,13 @@ fn added(metres: f64) -> String {
     if metres == 0.0 { "0".into() } else { unsigned(&format!("{:+.1}", 1e3 * metres)) }
 }
 
-/// What rounds to nothing has no sign.
+/// Removes the sign of a number that rounds to zero.
 fn unsigned(text: &str) -> String {
     let digits = text.trim_start_matches(['+', '-']);
     if digits.starts_with("0.0") { digits.to_owned() } else { text.to_owned() }
 }
 
-/// Table of the moments at which the switch is thrown, and the results.
+/// Returns the table of the switching times and their results.
 pub(super) fn scheduled(crashes: &[Scheduled]) -> TableBlock {
     let row = |timed: &Scheduled| {
         let at = |ms: Option<f64>| ms.map_or_else(|| "never".into(), |ms| format!("{ms:.0}"));
@@ -44,20 +44,20 @@ pub(super) fn scheduled(crashes: &[Scheduled]) -> TableBlock {
             added(excursion_m - timed.passive.excursion_m),
         ]
     };
-    let caption = "An ideal switch thrown by a clock, on the plant alone. LOW that comes when the peak is over, or that goes back to HIGH, has the \
-                   force of the passive belt and more way besides.";
+    let caption = "An ideal switch thrown by a clock, on the plant alone. If LOW begins after the peak, or returns to HIGH, the \
+                   peak force is that of the passive belt and the excursion is larger.";
     let header = ["occupant", "LOW at [ms]", "HIGH again at [ms]", "peak [N]", "change", "excursion [mm]", "added [mm]"];
     TableBlock::new("timing", "When to switch", caption, &header, crashes.iter().map(row).collect())
 }
 
-/// What the crash says of the mass.
+/// Returns the table of the mass estimates.
 pub(super) fn mass(estimates: &[Estimate]) -> TableBlock {
     let row = |known: &Estimate| {
         let what = known.at_ms.map_or_else(|| "the seat, before".into(), |ms| format!("the crash, up to {ms:.0} ms"));
-        vec![what, format!("{:.2}", known.r2), format!("{:.1}", known.left_kg)]
+        vec![what, format!("{:.2}", known.r2), format!("{:.1}", known.residual_kg)]
     };
-    let caption = "R2 is the part of the variance of the mass that is explained. Of a mass drawn evenly from 14 to 29 kg the deviation is 4.3 kg if nothing \
-                   is known.";
-    let header = ["the mass by", "R2", "deviation left [kg]"];
+    let caption = "R2 is the fraction of the variance of the mass that is explained. Without any estimate, the standard \
+                   deviation of a mass drawn uniformly from 14 to 29 kg is 4.3 kg.";
+    let header = ["mass estimated from", "R2", "residual deviation [kg]"];
     TableBlock::new("mass", "Can the mass be estimated from the crash?", caption, &header, estimates.iter().map(row).collect())
 }

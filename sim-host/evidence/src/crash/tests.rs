@@ -25,7 +25,8 @@ fn every_target_is_reached() {
     assert_eq!(metric("the seat reads nothing", "fault_code"), 0.0);
 }
 
-/// The firmware switches a little before 35 ms, which costs a millimetre more than the +57 mm of a switch at 35 ms.
+/// The firmware switches a little before 35 ms, which adds a millimetre to the +57 mm of a switch
+/// at 35 ms.
 #[test]
 fn the_firmware_switches_for_the_light_occupant_alone() {
     let get = |name: &str| metric("light", name);
@@ -38,9 +39,9 @@ fn the_firmware_switches_for_the_light_occupant_alone() {
     assert_eq!(["switched", "shoulder_force_reduction_percent", "added_excursion_m"].map(|name| metric("heavy", name)), [0.0; 3]);
 }
 
-/// The tip of the stack is a fifteenth as fast as the webbing: nothing, to four digits.
+/// The tip of the stack is fifteen times slower than the webbing; its effect is below 0.01 %.
 #[test]
-fn the_stack_has_no_authority_and_power_has() {
+fn only_power_lowers_the_force_not_the_stack() {
     for name in ["the 40 kHz stack", "ring of the 40 kHz stack, along the webbing at the middle"] {
         let stack = metric(name, "shoulder_force_reduction_percent");
         assert!(stack.abs() < 0.01, "{name}: {stack} %");
@@ -50,10 +51,11 @@ fn the_stack_has_no_authority_and_power_has() {
     assert!(power >= 20.0 && (power - 27.6).abs() < 0.3, "{power} %");
 }
 
-/// The firmware switches a ring that vibrates as a whole at the same moment, and what is left of the force is what its direction leaves of the friction: of docs/evidence/dring.md,
-/// where a clock switches the plant alone.
+/// The firmware switches a ring that vibrates as a whole at the same moment. The force depends on
+/// the direction of the vibration through the friction. docs/evidence/dring.md has the same on the
+/// plant alone, switched by a clock.
 #[test]
-fn a_ring_lowers_less_by_its_direction() {
+fn the_reduction_by_a_ring_depends_on_its_direction() {
     let less = |name: &str| metric(name, "shoulder_force_reduction_percent");
     let along = less("ring, along the webbing at the middle");
     let radial = less("ring, radial at the middle");
@@ -66,33 +68,35 @@ fn a_ring_lowers_less_by_its_direction() {
     }
 }
 
-/// LOW after the peak, and LOW that goes back, keep the peak of the passive belt and cost way.
+/// LOW after the peak, or LOW that is reverted, keeps the peak of the passive belt and adds
+/// excursion.
 #[test]
-fn late_and_undone_is_worse_than_nothing() {
+fn late_or_reverted_switching_only_adds_excursion() {
     let timed = scheduled::run().unwrap();
     let of = |low: f64, high: Option<f64>| {
         let found = timed.iter().find(|timed| (timed.occupant, timed.low_ms, timed.high_ms) == ("5th", Some(low), high)).unwrap();
         (found.extremes.shoulder_n / found.passive.shoulder_n - 1.0, found.extremes.excursion_m - found.passive.excursion_m)
     };
     let (late, undone, right) = (of(65.0, None), of(35.0, Some(50.0)), of(35.0, None));
-    // The study that this follows, with another program: -35.9 % and +57 mm.
+    // An earlier study with another program: -35.9 % and +57 mm.
     assert!((100.0 * right.0 + 35.92).abs() < 0.01 && (1e3 * right.1 - 57.0).abs() < 0.1, "{right:?}");
     // Measured: +3.4 and +8.7 mm.
     assert!(late.0.abs() < 1e-9 && late.1 > 3e-3, "{late:?}");
     assert!(undone.0.abs() < 1e-9 && undone.1 > 8e-3, "{undone:?}");
 }
 
-/// Measured: 0.37 at 40 ms, of signals without noise; 0.84 by the seat.
+/// Measured: R2 is 0.37 at 40 ms, from signals without noise, and 0.84 from the seat.
 #[test]
-fn the_crash_does_not_tell_the_mass_in_time_and_the_seat_does() {
+fn the_seat_predicts_the_mass_and_the_crash_does_not() {
     let known = mass::run(CRASHES[1]).unwrap();
     let r2 = |at_ms: Option<f64>| known.iter().find(|known| known.at_ms == at_ms).unwrap().r2;
     assert!(r2(Some(40.0)) < 0.45 && r2(None) > 0.8, "{known:?}");
 }
 
-/// The page holds all it shows: the view with its moments, and nothing from elsewhere. `CRASH_PAGE=DIR` keeps it, to be looked at.
+/// The page contains the view with all its moments and loads nothing from elsewhere.
+/// `CRASH_PAGE=DIR` keeps it for inspection.
 #[test]
-fn the_page_has_a_view_that_loads_nothing() {
+fn the_page_has_the_view_and_loads_nothing_external() {
     let loaded = load(super::SCENE, &[]).unwrap_or_else(|error| panic!("{error}"));
     let study = sim::study::run(&loaded, sim::study::Options::default()).unwrap();
     assert!(study.passes(), "{:#?}", study.judged);

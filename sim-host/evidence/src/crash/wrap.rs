@@ -1,12 +1,14 @@
-//! The D-ring along its wrap: tension ratios by direction, angle and speed, and what its normal part could add.
+//! The friction along the wrap of the D-ring: tension ratios by direction, angle and speed, and the
+//! possible effect of the normal part of the vibration.
 //!
 //! ```text
-//! direction, wrap, speed --> law along the wrap (contact::wrap) --> tension ratio, friction left      docs/evidence/dring.md
+//! direction, wrap, speed --> law along the wrap (contact::wrap) --> tension ratio, friction lost      docs/evidence/dring.md
 //! direction --> the crash on the plant alone, switched by a clock --> peak force, excursion
 //! ```
 
 use super::plant;
 use super::scheduled::crash;
+use crate::campaign::{cells, columns};
 use crate::evidence::Error;
 use crate::thesis::Belt;
 use contact::SolveError;
@@ -22,13 +24,15 @@ const MU_LOW: f64 = 0.13;
 const TIP_M_PER_S: f64 = 5.0;
 const HZ: f64 = 20e3;
 const RADIUS_M: f64 = 8e-3;
-/// Force of the load limiter, which is the lower tension while it yields, N.
+/// Force of the load limiter, N; it is the lower tension while the limiter yields.
 const LIMITER_N: f64 = 2200.0;
 const WRAPS_DEG: [f64; 4] = [90.0, 120.0, 150.0, 180.0];
-/// Ratio of the stiffnesses of half-spaces of Poisson's ratio 0.3, `(2 - 2 nu) / (2 - nu)`.
+/// Ratio of the tangential to the normal stiffness of a half-space of Poisson's ratio 0.3,
+/// `(2 - 2 nu) / (2 - nu)`.
 const HALF_SPACE: f64 = 0.8235;
 
-/// A direction of the vibration, by its name, over a wrap: degrees in the plane and out of it.
+/// A direction of the vibration: its name, and its angles in the plane and out of it, degrees, as a
+/// function of the wrap angle.
 type Direction = (&'static str, fn(f64) -> (f64, f64));
 
 const DIRECTIONS: [Direction; 4] = [
@@ -38,15 +42,15 @@ const DIRECTIONS: [Direction; 4] = [
     ("along the ring's axis", |_| (0.0, 90.0)),
 ];
 
-/// The angle in the range of the scene's key; opposite directions are one.
+/// Maps an angle into the range of the scene's key; opposite directions are equal.
 fn in_range(angle_deg: f64) -> f64 {
     if angle_deg > 180.0 { angle_deg - 180.0 } else { angle_deg }
 }
 
-/// What is left of what friction adds to the tension, %, for a mean coefficient.
+/// Returns the lost part of the tension that friction adds, %, for a mean exponent.
 fn lost_percent(exponent: f64, ring: &Ring) -> f64 {
     let off = (ring.mu * ring.wrap_rad).exp_m1();
-    // What is lost by round-off is nothing.
+    // A loss below zero is round-off.
     (100.0 * (1.0 - exponent.exp_m1() / off)).max(0.0)
 }
 
@@ -54,7 +58,7 @@ fn ring(wrap_deg: f64, mu_low: f64, direction: (f64, f64)) -> Result<Ring, Solve
     Ring::new(wrap_deg, MU, mu_low / MU, direction)
 }
 
-/// Tension ratios of the in-surface part.
+/// Returns the tension ratios with the in-surface part of the vibration.
 fn by_direction() -> Result<TableBlock, SolveError> {
     let mut rows = Vec::new();
     for wrap_deg in WRAPS_DEG {
@@ -77,15 +81,17 @@ fn by_direction() -> Result<TableBlock, SolveError> {
         }
         rows.push(row);
     }
-    let caption = "Shoulder over retractor, and in brackets the part of what the D-ring adds to the force that is lost, %. A ring of 5 m/s, mu 0.3, lowered to 0.13 at most at any place; the part \
-                   across the webbing is granted nothing. The last row of each wrap is the model without a direction (actuator `tangential`).";
+    let caption = "Shoulder over retractor, and in brackets the lost part of the force that the D-ring adds, %. A ring of 5 m/s, \
+                   mu 0.3, lowered to no less than 0.13 at any place; the vibration across the webbing is assumed to have no \
+                   effect. The last row of each wrap is the model without a direction (actuator `tangential`).";
     let header = ["wrap [degrees]", "direction of the vibration", "OFF", "25 mm/s", "1.5 m/s", "3 m/s", "4.5 m/s"];
     Ok(TableBlock::new("ring-direction", "Tension ratio by the direction of the ring's vibration", caption, &header, rows))
 }
 
-/// A normal part that is granted something, by its name; none where a stiffness does not fit.
+/// Returns the assumptions about the normal part, with their names; without those of the belt if no
+/// stiffness fits.
 fn normal_parts(normal: Normal) -> Vec<(&'static str, NormalPart)> {
-    let mut parts = vec![("nothing", NormalPart::None), ("the fitted law", NormalPart::Fitted(normal))];
+    let mut parts = vec![("no effect", NormalPart::None), ("the fitted law", NormalPart::Fitted(normal))];
     if let Some(belt) = Belt::measured() {
         let stiff = |tangential_n_per_m: f64| Stiffnesses { normal_n_per_m: belt.normal_n_per_m, tangential_n_per_m };
         parts.push((
@@ -100,7 +106,7 @@ fn normal_parts(normal: Normal) -> Vec<(&'static str, NormalPart)> {
     parts
 }
 
-/// What the normal part could add in the crash.
+/// Returns the table of the possible effect of the normal part in the crash.
 fn normal_part() -> Result<TableBlock, SolveError> {
     let normal = Normal { amplitude_m: TIP_M_PER_S / (TAU * HZ), radius_m: RADIUS_M };
     let mut rows = Vec::new();
@@ -117,22 +123,19 @@ fn normal_part() -> Result<TableBlock, SolveError> {
             rows.push(row);
         }
     }
-    let caption = "Shoulder over retractor at 150 degrees (2.193 OFF), of a ring of 5 m/s and 20 kHz with a radius of 8 mm (ASSUMED), mu 0.3 lowered to 0.13 at most by the in-surface part. \
-                   Between the first row of each direction, where the part across the webbing changes nothing, and the others, where it multiplies, lies what can be said. The third \
-                   has an implausible tangential stiffness, the fourth contradicts the belt of experiment 2 (docs/evidence/experiment-2.md).";
-    let header = [
-        "direction",
-        "the part across the webbing is granted",
-        "25 mm/s, 216 N",
-        "0.1 m/s, 2.2 kN",
-        "0.5 m/s, 2.2 kN",
-        "1.5 m/s, 2.2 kN",
-        "3 m/s, 2.2 kN",
-    ];
-    Ok(TableBlock::new("ring-normal", "What the part across the webbing could add", caption, &header, rows))
+    let caption = "Shoulder over retractor at 150 degrees (2.193 OFF), of a ring of 5 m/s and 20 kHz with a radius of 8 mm \
+                   (ASSUMED), mu 0.3 lowered to no less than 0.13 by the in-surface part. The first row of each direction, \
+                   without an effect of the vibration across the webbing, and the others, in which its effect multiplies, are \
+                   the bounds. The third has an implausible tangential stiffness; the fourth contradicts the belt of experiment \
+                   2 (docs/evidence/experiment-2.md).";
+    let header = columns(
+        "direction | assumed effect across the webbing | 25 mm/s, 216 N | 0.1 m/s, 2.2 kN | 0.5 m/s, 2.2 kN | 1.5 m/s, 2.2 kN | \
+         3 m/s, 2.2 kN",
+    );
+    Ok(TableBlock::new("ring-normal", "Possible effect of the vibration across the webbing", caption, &header, rows))
 }
 
-/// The horn of experiment 2 as a ring.
+/// Returns the table of the horn of experiment 2 as a ring.
 fn belt() -> Result<TableBlock, SolveError> {
     let amplitude_m = 0.7 * FULL_M;
     let (tip_m_per_s, speed_m_per_s) = (TAU * HZ * amplitude_m, 0.025);
@@ -147,7 +150,8 @@ fn belt() -> Result<TableBlock, SolveError> {
             format!("{:.3}", ring.tension_exponent(&part, &sliding).0.exp())
         };
         let fitted = NormalPart::Fitted(normal);
-        // One coefficient: the effect of the middle everywhere, at the lower tension.
+        // One coefficient: the effect at the middle of the wrap applies everywhere, at the lower
+        // tension.
         let one = MU * ring.wrap_rad * fitted.ratio(1.0, low_n, speed_m_per_s, MU, HZ);
         rows.push(vec![
             format!("{wrap_deg:.0}"),
@@ -158,21 +162,17 @@ fn belt() -> Result<TableBlock, SolveError> {
             of(fitted, true),
         ]);
     }
-    let caption = "Shoulder over retractor if the horn of experiment 2 (20 kHz, 59.5 um, 7.5 m/s) were the ring, radial at the middle of the wrap: 25 mm/s, mu 0.3 without a lower bound, radius 8 mm (ASSUMED), 216 N at the \
-                   retractor, where a face of the horn (ASSUMED 10 mm long) has its 270 N. Half of the amplitude gives the whole fitted effect (ASSUMED), so that the fitted law \
-                   alone falls off near the ends of the wrap only.";
-    let header = [
-        "wrap [degrees]",
-        "OFF",
-        "one coefficient, 58 % less",
-        "fitted normal part alone",
-        "in-surface part alone",
-        "both, multiplied",
-    ];
+    let caption = "Shoulder over retractor if the horn of experiment 2 (20 kHz, 59.5 um, 7.5 m/s) were the ring, radial at the \
+                   middle of the wrap: 25 mm/s, mu 0.3 without a lower bound, radius 8 mm (ASSUMED), 216 N at the retractor, at \
+                   which a face of the horn (ASSUMED 10 mm long) is under its 270 N. Half of the amplitude has the whole fitted \
+                   effect (ASSUMED), so that the fitted law alone weakens only near the ends of the wrap.";
+    let header = columns(
+        "wrap [degrees] | OFF | one coefficient, 58 % less | fitted normal part alone | in-surface part alone | both, multiplied",
+    );
     Ok(TableBlock::new("ring-belt", "The horn of experiment 2 as a D-ring", caption, &header, rows))
 }
 
-/// The crash on the plant alone, by the direction.
+/// Returns the table of the crash on the plant alone, by direction.
 fn crashes() -> Result<TableBlock, Error> {
     const LOW_S: f64 = 33.2e-3;
     const LENGTH_S: f64 = 0.16;
@@ -183,13 +183,8 @@ fn crashes() -> Result<TableBlock, Error> {
         let Extremes { shoulder_n, excursion_m, payout_m_per_s, .. } = on;
         let less = 100.0 * (1.0 - shoulder_n / off.shoulder_n);
         let added_mm = 1e3 * (excursion_m - off.excursion_m);
-        Ok(vec![
-            name.to_owned(),
-            format!("{shoulder_n:.0}"),
-            format!("{less:.1}"),
-            format!("{added_mm:.1}"),
-            format!("{payout_m_per_s:.2}"),
-        ])
+        let [less, added_mm] = [less, added_mm].map(|value| format!("{value:.1}"));
+        Ok(cells![name, format!("{shoulder_n:.0}"), less, added_mm, format!("{payout_m_per_s:.2}")])
     };
     let set = |key: &str, value: String| format!("rig.dring.{key}={value}");
     let mut rows =
@@ -209,12 +204,13 @@ fn crashes() -> Result<TableBlock, Error> {
             )?);
         }
     }
-    let caption = "A light occupant, 150 degrees, LOW after 33.2 ms by a clock, on the plant alone; the passive belt has 4825 N. A tip or ring of 5 m/s, which is granted its velocity against two thousand newtons.";
-    let header = ["what vibrates, and which way", "peak [N]", "less [%]", "added excursion [mm]", "payout up to [m/s]"];
+    let caption = "A light occupant, 150 degrees, LOW after 33.2 ms by a clock, on the plant alone; the passive belt has 4825 N. \
+                   The tip or ring is assumed to keep its 5 m/s under two thousand newtons.";
+    let header = ["vibrating part and direction", "peak [N]", "less [%]", "added excursion [mm]", "payout up to [m/s]"];
     Ok(TableBlock::new("ring-crash", "The crash by the direction of the ring's vibration", caption, &header, rows))
 }
 
-/// All tables of the wrap.
+/// Returns all tables of the wrap.
 pub fn tables() -> Result<Vec<TableBlock>, Error> {
     Ok(vec![by_direction()?, normal_part()?, belt()?, crashes()?])
 }
@@ -229,13 +225,14 @@ mod tests {
         report::docs::block("evidence/dring.md", command, &report::markdown(&tables().unwrap()));
     }
 
-    /// What one coefficient says of the horn on a wrap of 90 degrees is 1.22; by the angle the normal part alone says more.
+    /// One coefficient gives 1.22 for the horn on a wrap of 90 degrees; the normal part alone, by
+    /// angle, gives more.
     #[test]
-    fn one_coefficient_is_not_the_wrap() {
+    fn one_coefficient_differs_from_the_law_along_the_wrap() {
         let belt = belt().unwrap();
         let number = |row: usize, column: usize| belt.rows[row][column].parse::<f64>().unwrap();
         assert!((number(0, 2) - 1.22).abs() < 0.01, "{}", number(0, 2));
-        // At 150 degrees and more the ends of the wrap see little of the normal part.
+        // At 150 degrees and more, the normal part is small near the ends of the wrap.
         assert!((0..4).all(|row| number(row, 3) >= number(row, 2) - 1e-3));
         assert!(number(3, 3) > number(3, 2) + 0.01, "{} {}", number(3, 3), number(3, 2));
     }

@@ -1,4 +1,5 @@
-//! A controller between which and its converters something fails: what it is given is spoilt before it, what it answers after it.
+//! A controller with a failure between it and its converters: its inputs are corrupted before a
+//! block, its outputs after it.
 
 use firmware::seam::block::{Amplitude, Codes, DriveBlock, Orders, SenseBlock};
 use firmware::seam::config::Config;
@@ -8,106 +9,107 @@ use sim::processor::{Here, Lost, Processor};
 
 use crate::random::Random;
 
-/// Which of the two sense channels.
+/// A sense channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Channel {
-    /// The voltage's.
+    /// The voltage channel.
     Voltage,
-    /// The current's.
+    /// The current channel.
     Current,
 }
 
-/// What fails at the seam, from a certain block on.
+/// A failure between board and controller, from a given block on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Failure {
-    /// Nothing.
+    /// No failure.
     None,
-    /// What a scene's `[[fault]]` of this kind does to the plant.
+    /// The effect of a scene's `[[fault]]` of this kind on the plant.
     Scene(&'static str),
-    /// The same to a lane of a motor, and to the one after it where two are exchanged.
+    /// A `[[fault]]` of this kind in a lane of a motor; if two lanes are exchanged, also in the
+    /// next.
     Lane(&'static str, u8),
-    /// The load changes at once: Q and C0 become so many times what they were, and the resonance moves by so many bandwidths.
+    /// The load changes at once: Q and C0 by factors, the resonance by a number of bandwidths.
     Load(Load),
-    /// Another amplitude is ordered: this part of the scan's.
+    /// Another amplitude is ordered, relative to that of the scan.
     Ordered(f64),
-    /// A channel's gain becomes so many times what it was; less than zero is a reversed line.
+    /// The gain of a channel changes by this factor; a negative factor is a reversed line.
     Gain(Channel, f64),
-    /// A channel is offset by so many codes.
+    /// A channel is offset by this number of codes.
     Offset(Channel, i32),
-    /// A channel stays at this code.
+    /// A channel is stuck at this code.
     Stuck(Channel, u16),
-    /// A bit of a channel's codes stays at this.
+    /// A bit of a channel's codes is stuck low or high.
     Bit(Channel, u8, bool),
-    /// A channel is late by so many samples.
+    /// A channel is late by this number of samples.
     Late(Channel, usize),
-    /// A channel has noise of so many codes, uniform to either side.
+    /// A channel has noise, uniform within this number of codes to either side.
     Noise(Channel, u16),
     /// A single sample of a channel is at the end of its range.
     Spike(Channel),
     /// Voltage and current are exchanged.
     Exchanged,
-    /// The converters give the same block for ever.
+    /// The converters return the same block forever.
     Stale,
-    /// The converters give one block twice.
+    /// The converters return one block twice.
     StaleOnce,
     /// The halves of the buffer are exchanged: each is read a block late.
     Halves,
-    /// The DAC plays the same block for ever.
+    /// The DAC plays the same block forever.
     Repeats,
-    /// The DAC stays at its code.
+    /// The DAC holds its code.
     Holds,
-    /// A bit of the DAC's codes stays at this.
+    /// A bit of the DAC's codes is stuck low or high.
     DacBit(u8, bool),
-    /// The amplifier's gain becomes so many times what it was.
+    /// The gain of the amplifier changes by this factor.
     Amplifier(f64),
-    /// The amplifier's gain becomes so many times what it was, little by little within so many blocks.
+    /// The gain of the amplifier changes by this factor gradually, within this number of blocks.
     Drifts(f64, u32),
-    /// The amplifier plays one half wave only.
+    /// The amplifier plays only one half wave.
     HalfWave,
-    /// The amplifier clips at this part of the drive.
+    /// The amplifier clips at this fraction of the drive.
     Clips(f64),
-    /// The amplifier follows by no more than this part of the drive a sample.
+    /// The output of the amplifier changes by at most this fraction of the drive per sample.
     Slews(f64),
-    /// The amplifier's supply ripples: this part of the drive, at so many blocks a period.
+    /// The gain of the amplifier ripples by this fraction, with a period of this number of blocks.
     Ripples(f64, u32),
     /// The amplifier is dead.
     Dead,
-    /// A quadrature of so many turns is ordered.
+    /// A quadrature of this number of turns is ordered.
     Quadrature(f32),
     /// The belt's encoder has no scale.
     NoScale,
-    /// The host is silent for longer than it may be.
+    /// The host is silent for longer than its timeout.
     HostLost,
     /// The emergency stop is pressed.
     EmergencyStop,
     /// The hardware's comparator on the current has fired.
     Comparator,
-    /// The amplifier says that it has failed.
-    AmplifierSays,
+    /// The amplifier reports a failure.
+    AmplifierReports,
     /// The amplifier's supply is outside its window.
     Supply,
 }
 
-/// A load that changes.
+/// A change of the load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Load {
-    /// Factor of Q.
+    /// Factor by which Q changes.
     pub(super) q: f64,
-    /// Factor of C0.
+    /// Factor by which C0 changes.
     pub(super) c0: f64,
-    /// How far the resonance moves, bandwidths as they were before.
+    /// Shift of the resonance, bandwidths before the change.
     pub(super) bandwidths: f64,
 }
 
-/// The controller, and what fails.
+/// A controller with an injected failure.
 pub(super) struct Injected {
     controller: Here,
     failure: Failure,
     at_block: u64,
     block: u64,
-    /// Codes of silence, of sense and drive.
+    /// Mid-codes of sense and drive.
     middle: (u16, u16),
-    /// The end of the sense channels' range.
+    /// Largest code of the sense channels.
     end: u16,
     /// Peak voltage of the scan, V.
     scan_v: f32,
@@ -120,7 +122,7 @@ pub(super) struct Injected {
 }
 
 impl Injected {
-    /// Fails so from a block on.
+    /// Injects a failure from a block on.
     pub(super) fn new(controller: Here, failure: Failure, at_block: u64, config: &Config) -> Self {
         let front = &config.front_end;
         Injected {
@@ -140,18 +142,20 @@ impl Injected {
         }
     }
 
-    /// What the controller is given of what the converters have seen.
-    fn spoil_sense(&mut self, sense: &SenseBlock) -> SenseBlock {
-        let (mut spoilt, middle, end) = (sense.clone(), i32::from(self.middle.0), i32::from(self.end));
+    /// Returns the sense block that the controller receives, corrupted from that of the converters.
+    fn corrupt_sense(&mut self, sense: &SenseBlock) -> SenseBlock {
+        let (mut corrupted, middle, end) = (sense.clone(), i32::from(self.middle.0), i32::from(self.end));
         let code = |code: i32| code.clamp(0, end) as u16;
         let first = self.block == self.at_block;
         match self.failure {
             Failure::Gain(channel, gain) => {
-                of(&mut spoilt, channel, |was| code(middle + (gain * f64::from(i32::from(was) - middle)).round() as i32));
+                change_channel(&mut corrupted, channel, |was| {
+                    code(middle + (gain * f64::from(i32::from(was) - middle)).round() as i32)
+                });
             }
-            Failure::Offset(channel, codes) => of(&mut spoilt, channel, |was| code(i32::from(was) + codes)),
-            Failure::Stuck(channel, at) => of(&mut spoilt, channel, |_| at),
-            Failure::Bit(channel, bit, high) => of(&mut spoilt, channel, |was| with_bit(was, bit, high)),
+            Failure::Offset(channel, codes) => change_channel(&mut corrupted, channel, |was| code(i32::from(was) + codes)),
+            Failure::Stuck(channel, at) => change_channel(&mut corrupted, channel, |_| at),
+            Failure::Bit(channel, bit, high) => change_channel(&mut corrupted, channel, |was| with_bit(was, bit, high)),
             Failure::Late(channel, samples) => {
                 let (before, now) = (self.last_sense.clone(), sense.clone());
                 let late: Codes = {
@@ -159,39 +163,39 @@ impl Injected {
                     let from = before.len().saturating_sub(samples);
                     before[from..].iter().chain(now).take(now.len()).copied().collect()
                 };
-                *lane_mut(&mut spoilt, channel) = late;
+                *lane_mut(&mut corrupted, channel) = late;
             }
             Failure::Noise(channel, codes) => {
-                let mut codes_of = core::mem::take(lane_mut(&mut spoilt, channel));
+                let mut codes_of = core::mem::take(lane_mut(&mut corrupted, channel));
                 for was in &mut codes_of {
                     *was = code(i32::from(*was) + self.random.whole(0, 2 * u32::from(codes)) as i32 - i32::from(codes));
                 }
-                *lane_mut(&mut spoilt, channel) = codes_of;
+                *lane_mut(&mut corrupted, channel) = codes_of;
             }
             Failure::Spike(channel) if first => {
-                let at = self.random.whole(0, lane(&spoilt, channel).len().saturating_sub(1) as u32) as usize;
-                if let Some(was) = lane_mut(&mut spoilt, channel).get_mut(at) {
+                let at = self.random.whole(0, lane(&corrupted, channel).len().saturating_sub(1) as u32) as usize;
+                if let Some(was) = lane_mut(&mut corrupted, channel).get_mut(at) {
                     *was = self.end;
                 }
             }
-            Failure::Exchanged => core::mem::swap(&mut spoilt.v, &mut spoilt.i),
+            Failure::Exchanged => core::mem::swap(&mut corrupted.v, &mut corrupted.i),
             Failure::Stale => {
                 let held = self.held_sense.get_or_insert_with(|| sense.clone());
-                (spoilt.v, spoilt.i) = (held.v.clone(), held.i.clone());
+                (corrupted.v, corrupted.i) = (held.v.clone(), held.i.clone());
             }
-            // The half that is read is the one that was filled before.
-            Failure::Halves => (spoilt.v, spoilt.i) = (self.last_sense.v.clone(), self.last_sense.i.clone()),
-            Failure::StaleOnce if first => (spoilt.v, spoilt.i) = (self.last_sense.v.clone(), self.last_sense.i.clone()),
-            Failure::Comparator => spoilt.slow.trips.get_or_insert_default().over_current = true,
-            Failure::AmplifierSays => spoilt.slow.trips.get_or_insert_default().amplifier_fault = true,
-            Failure::Supply => spoilt.slow.trips.get_or_insert_default().supply = true,
+            // The half that is read was filled one block earlier.
+            Failure::Halves => (corrupted.v, corrupted.i) = (self.last_sense.v.clone(), self.last_sense.i.clone()),
+            Failure::StaleOnce if first => (corrupted.v, corrupted.i) = (self.last_sense.v.clone(), self.last_sense.i.clone()),
+            Failure::Comparator => corrupted.slow.trips.get_or_insert_default().over_current = true,
+            Failure::AmplifierReports => corrupted.slow.trips.get_or_insert_default().amplifier_fault = true,
+            Failure::Supply => corrupted.slow.trips.get_or_insert_default().supply = true,
             _ => {}
         }
-        spoilt
+        corrupted
     }
 
-    /// What the amplifier plays of what the controller has answered.
-    fn spoil_drive(&mut self, drive: &mut DriveBlock) {
+    /// Corrupts the drive block of the controller into that which the amplifier plays.
+    fn corrupt_drive(&mut self, drive: &mut DriveBlock) {
         let middle = f64::from(self.middle.1);
         let scaled = |was: u16, by: f64| (middle + by * (f64::from(was) - middle)).round().clamp(0.0, 2.0 * middle) as u16;
         match self.failure {
@@ -207,12 +211,12 @@ impl Injected {
                 });
                 drive.lanes.clone_from(&held.lanes);
             }
-            Failure::DacBit(bit, high) => each(drive, |was| with_bit(was, bit, high)),
-            Failure::Amplifier(gain) => each(drive, |was| scaled(was, gain)),
-            Failure::HalfWave => each(drive, |was| was.max(self.middle.1)),
+            Failure::DacBit(bit, high) => change_lanes(drive, |was| with_bit(was, bit, high)),
+            Failure::Amplifier(gain) => change_lanes(drive, |was| scaled(was, gain)),
+            Failure::HalfWave => change_lanes(drive, |was| was.max(self.middle.1)),
             Failure::Clips(part) => {
                 let most = part * f64::from(swing(&self.last_drive, self.middle.1).max(swing(drive, self.middle.1)));
-                each(drive, |was| (middle + (f64::from(was) - middle).clamp(-most, most)).round() as u16);
+                change_lanes(drive, |was| (middle + (f64::from(was) - middle).clamp(-most, most)).round() as u16);
             }
             Failure::Slews(part) => {
                 let most = part * f64::from(swing(&self.last_drive, self.middle.1).max(swing(drive, self.middle.1)));
@@ -225,20 +229,20 @@ impl Injected {
             }
             Failure::Ripples(part, blocks) => {
                 let turn = std::f64::consts::TAU * self.block as f64 / f64::from(blocks);
-                each(drive, |was| scaled(was, 1.0 + part * turn.sin()));
+                change_lanes(drive, |was| scaled(was, 1.0 + part * turn.sin()));
             }
             Failure::Drifts(gain, blocks) => {
                 let part = (self.block - self.at_block) as f64 / f64::from(blocks);
-                each(drive, |was| scaled(was, 1.0 + (gain - 1.0) * part.min(1.0)));
+                change_lanes(drive, |was| scaled(was, 1.0 + (gain - 1.0) * part.min(1.0)));
             }
-            Failure::Dead => each(drive, |_| self.middle.1),
+            Failure::Dead => change_lanes(drive, |_| self.middle.1),
             _ => {}
         }
     }
 }
 
 /// Changes the codes of a channel.
-fn of(sense: &mut SenseBlock, channel: Channel, change: impl Fn(u16) -> u16) {
+fn change_channel(sense: &mut SenseBlock, channel: Channel, change: impl Fn(u16) -> u16) {
     lane_mut(sense, channel).iter_mut().for_each(|code| *code = change(*code));
 }
 
@@ -261,11 +265,11 @@ fn with_bit(code: u16, bit: u8, high: bool) -> u16 {
 }
 
 /// Changes the codes of all lanes.
-fn each(drive: &mut DriveBlock, change: impl Fn(u16) -> u16) {
+fn change_lanes(drive: &mut DriveBlock, change: impl Fn(u16) -> u16) {
     drive.lanes.iter_mut().flatten().for_each(|code| *code = change(*code));
 }
 
-/// How far a block swings about silence, codes.
+/// Returns the largest deviation of a block from mid-code, codes.
 fn swing(drive: &DriveBlock, middle: u16) -> u16 {
     drive.lanes.iter().flatten().map(|code| code.abs_diff(middle)).max().unwrap_or(0)
 }
@@ -288,11 +292,11 @@ impl Processor for Injected {
                 orders.quadrature = Some(Turns(turns));
             }
         }
-        let given = if fails { self.spoil_sense(sense) } else { sense.clone() };
+        let given = if fails { self.corrupt_sense(sense) } else { sense.clone() };
         let telemetry = self.controller.process(&orders, &given, drive)?;
         let answered = drive.clone();
         if fails {
-            self.spoil_drive(drive);
+            self.corrupt_drive(drive);
         }
         self.last_sense.clone_from(sense);
         self.last_drive = answered;

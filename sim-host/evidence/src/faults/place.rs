@@ -1,4 +1,4 @@
-//! Where something fails: a transducer, and how it is driven.
+//! Places of failures: a transducer, and its drive.
 
 use firmware::seam::mode::Mode;
 use plant::circuit_of;
@@ -14,38 +14,38 @@ use super::kinds::Kind;
 use crate::evidence::Error;
 use crate::random::Random;
 
-/// A scene that runs, in which something may fail.
+/// A scene in which a failure may be injected.
 pub(super) struct Place {
-    /// Name of the place, in tables.
+    /// Name in tables.
     pub(super) name: &'static str,
     scene: &'static str,
     sets: &'static [&'static str],
     fails: Fails,
 }
 
-/// When something fails.
+/// Time range of the failures.
 enum Fails {
-    /// At some time before it drives: in self-test, calibration, scan or lock.
+    /// Before the drive runs: in self-test, calibration, scan or lock.
     Early,
-    /// So many seconds after the first locked block of the slowest run, and within [`SPREAD_S`] from then on.
+    /// This many seconds after the first locked block of the slowest run, within [`SPREAD_S`].
     Driven(f64),
 }
 
 /// All places.
 pub(super) const PLACES: [Place; 12] = [
-    Place::of("stack, Q 65, steady", "lock", &[ON, OFF]),
-    Place::of(
+    Place::new("stack, Q 65, steady", "lock", &[ON, OFF]),
+    Place::new(
         "stack, Q 20, steady",
         "lock",
         &[ON, OFF, "stack.bvd.q=20", "controller.tracking.nominal_q=20", "controller.tracking.mode=observer"],
     ),
-    Place::of("stack, bursts", "lock", &["controller.burst.period_s=8e-3", "controller.burst.duty=0.5"]),
-    Place::of("Langevin, 28 kHz, steady", "transducer-smbltd45f28h", &[]),
-    Place::of("welder, steady", "transducer-skymen-60w", &[]),
-    Place::of("friction, surveyed", "friction-ratio", &HELD),
-    Place { fails: Fails::Driven(SURVEY_S), ..Place::of("friction, held", "friction-ratio", &HELD) },
-    Place::of("D-ring", "dring-crash", &[]),
-    Place::of("motor, four lanes", MOTOR, &[ON, OFF]),
+    Place::new("stack, bursts", "lock", &["controller.burst.period_s=8e-3", "controller.burst.duty=0.5"]),
+    Place::new("Langevin, 28 kHz, steady", "transducer-smbltd45f28h", &[]),
+    Place::new("welder, steady", "transducer-skymen-60w", &[]),
+    Place::new("friction, surveyed", "friction-ratio", &HELD),
+    Place { fails: Fails::Driven(SURVEY_S), ..Place::new("friction, held", "friction-ratio", &HELD) },
+    Place::new("D-ring", "dring-crash", &[]),
+    Place::new("motor, four lanes", MOTOR, &[ON, OFF]),
     Place::early("stack, scan and lock", "lock", &[ON, OFF]),
     Place::early("stack, calibration and lock", "lock", &[ON, OFF, "controller.tracking.mode=observer"]),
     Place::early("motor, self-test to lock", MOTOR, &[ON, OFF]),
@@ -53,48 +53,54 @@ pub(super) const PLACES: [Place; 12] = [
 
 /// The scene of a motor.
 pub(super) const MOTOR: &str = "usm";
-/// One friction ratio throughout, and how long it takes until it is held, s.
+/// Settings of a constant friction ratio.
 const HELD: [&str; 2] = ["controller.friction.step_s=[]", "controller.friction.step_ratio=[]"];
+/// Time from the lock until the friction ratio is held, s.
 const SURVEY_S: f64 = 0.45;
 pub(super) const ON: &str = "controller.burst.on_s=[0.0]";
 pub(super) const OFF: &str = "controller.burst.off_s=[9.0]";
-/// How many pilot runs there are, and how long each is, s.
+/// Number of pilot runs.
 const PILOTS: u64 = 16;
+/// Length of a pilot run, s.
 const PILOT_S: f64 = 0.5;
-/// From the first locked block of the slowest run to the earliest failure, where nothing else is waited for; and over how long failures are spread, s.
+/// Default time from the first locked block of the slowest run to the earliest failure, s.
 const SETTLES_S: f64 = 0.02;
+/// Time over which failures are spread, s.
 const SPREAD_S: f64 = 0.01;
-/// The earliest failure on the way to a drive, s: in the very first block there is nothing yet to repeat or to be lost.
+/// Earliest failure during the start, s: in the first block there is nothing yet to repeat or to
+/// lose.
 const EARLIEST_S: f64 = 1e-3;
-/// How long a run goes on after a failure, s: under drive, and where it has to come to a drive or an end first.
+/// Length of a run after a failure under drive, s.
 const AFTER_S: f64 = 0.08;
+/// Length of a run after a failure during the start, s: it must first reach a drive or an end.
 const EARLY_AFTER_S: f64 = 0.4;
 
-/// A place in which the drive has been seen to run.
+/// A place with the times measured in its pilot runs.
 pub(super) struct Running {
     /// The place.
     pub(super) place: &'static Place,
-    /// When failures begin, and over how long they are spread, s.
+    /// Earliest failure, s.
     from_s: f64,
+    /// Time over which failures are spread, s.
     spread_s: f64,
-    /// How long a run goes on after that, s.
+    /// Length of a run after the failure, s.
     after_s: f64,
 }
 
-/// A run with a failure.
+/// Result of a run with a failure.
 pub(super) struct Failed {
-    /// The voltage limit, V.
+    /// Voltage limit, V.
     pub(super) limit_v: f64,
     /// Half a bandwidth of the true resonance before the failure, Hz.
     pub(super) half_hz: f64,
-    /// The record.
+    /// Record of the run.
     pub(super) record: Record,
-    /// When it failed, s.
+    /// Time of the failure, s.
     pub(super) at_s: f64,
 }
 
 impl Place {
-    pub(super) const fn of(name: &'static str, scene: &'static str, sets: &'static [&'static str]) -> Self {
+    pub(super) const fn new(name: &'static str, scene: &'static str, sets: &'static [&'static str]) -> Self {
         Place { name, scene, sets, fails: Fails::Driven(SETTLES_S) }
     }
 
@@ -102,7 +108,8 @@ impl Place {
         Place { name, scene, sets, fails: Fails::Early }
     }
 
-    /// The place, once its drive has run without a failure, for some seeds: by noise a scan takes once or thrice as long.
+    /// Runs the place without a failure, with several seeds, to measure when it locks: noise makes
+    /// a scan up to three times as long.
     pub(super) fn pilot(&'static self) -> Result<Running, Error> {
         let locked_s = |seed: u64| -> Result<f64, Error> {
             let rows = self.run(Failure::None, 0.0, PILOT_S, seed)?.record.rows;
@@ -118,12 +125,12 @@ impl Place {
         })
     }
 
-    /// Whether it fails before it drives.
-    pub(super) fn is_early(&self) -> bool {
+    /// Returns `true` if failures begin before the drive runs.
+    pub(super) fn is_during_start(&self) -> bool {
         matches!(self.fails, Fails::Early)
     }
 
-    /// What a scene has to be told of a failure that happens to its plant.
+    /// Returns the settings that inject a failure into the plant of a scene.
     fn in_scene(&self, failure: Failure, at_s: f64) -> Result<Vec<String>, Error> {
         let fault = |kind: &str| vec![format!("fault.0.at_s={at_s}"), format!("fault.0.kind={kind}")];
         Ok(match failure {
@@ -152,7 +159,7 @@ impl Place {
         })
     }
 
-    /// A run of this length in which this fails then.
+    /// Runs the place until `until_s` with a failure at `at_s`.
     pub(super) fn run(&self, failure: Failure, at_s: f64, until_s: f64, seed: u64) -> Result<Failed, Error> {
         let mut sets: Vec<String> = self.sets.iter().map(|&set| set.to_owned()).collect();
         sets.extend([format!("duration_s={until_s}"), format!("seed={seed}")]);
@@ -178,7 +185,8 @@ impl Place {
 }
 
 impl Running {
-    /// Whether this kind can happen here: a stator has no stack that could break or be loaded, and a stack no lanes.
+    /// Returns `true` if this kind can happen here: a stator has no stack that could break or be
+    /// loaded, and a stack has no lanes.
     pub(super) fn has(&self, kind: &Kind) -> bool {
         let motor = self.place.scene == MOTOR;
         match (kind.draw)(&mut Random::new(0)) {
@@ -188,7 +196,7 @@ impl Running {
         }
     }
 
-    /// A run in which this kind fails, or nothing does; the same seed is the same run.
+    /// Runs a kind, or no failure; the same seed gives the same run.
     pub(super) fn fail(&self, kind: Option<&Kind>, seed: u64) -> Result<Failed, Error> {
         let mut random = Random::new(seed);
         let at_s = self.from_s + self.spread_s * random.part();

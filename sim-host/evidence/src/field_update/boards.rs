@@ -1,4 +1,4 @@
-//! Boards with a first stage, brought to where an update is under way.
+//! Boards with a first stage, brought into each phase of an update.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -21,13 +21,13 @@ use update::key::DEVELOPMENT_SEED;
 
 use crate::campaign_error::CampaignError;
 
-/// The longest start: a swap of 117 pages, a signature, and the way back.
+/// Longest start: a swap of 117 pages, a signature, and the swap back.
 const STARTS_WITHIN: Duration = Duration::from_secs(40);
 static STOP: AtomicBool = AtomicBool::new(false);
-/// The word of `embassy-boot` for an update that is to be swapped in.
+/// Word with which `embassy-boot` marks an update that is to be swapped in.
 const MARK: [u8; 8] = [0xf0; 8];
 
-/// First stage, image, and its files in two versions, 1.0.0 and 2.0.0.
+/// First stage and image, and the update files of the image in two versions, 1.0.0 and 2.0.0.
 #[derive(Clone, Debug)]
 pub struct FieldImages {
     first_stage: Vec<u8>,
@@ -37,7 +37,7 @@ pub struct FieldImages {
 }
 
 impl FieldImages {
-    /// The images as they are built from the present source.
+    /// Builds the images from the present source.
     pub fn built() -> Result<Self, crate::evidence::Error> {
         let [first_stage, elf] = pil::field_images()?;
         let read = |file| std::fs::read(file).map_err(CampaignError::Io);
@@ -46,12 +46,13 @@ impl FieldImages {
         Ok(FieldImages { first_stage, old: old?, new: new?, elf })
     }
 
-    /// A board with the old image in its slot, and with the settings of a scene, that was just powered.
+    /// Returns a board just after power-on, with the old image in its slot and the settings of a
+    /// scene.
     fn power(&self, scene: &Driven, options: Options) -> Result<Board, BoardError> {
         Board::start_in_slot(&self.first_stage, &self.old, &self.elf, scene, options)
     }
 
-    /// The same, once the first stage has let the image begin.
+    /// Returns the same board once the first stage has started the image.
     pub fn started(&self, scene: &Driven, options: Options) -> Result<Board, CampaignError> {
         let mut board = self.power(scene, options)?;
         started(&mut board)?;
@@ -59,7 +60,7 @@ impl FieldImages {
     }
 }
 
-/// The update of an image with another version, which stands in a constant of its own.
+/// Packs an image as an update with another version, which is in a constant of its own.
 fn file(elf: &[u8], major: u16) -> Result<Vec<u8>, CampaignError> {
     let mut elf = elf.to_vec();
     let at = identity_offset(&elf)? + NAME;
@@ -67,47 +68,48 @@ fn file(elf: &[u8], major: u16) -> Result<Vec<u8>, CampaignError> {
     Ok(pack(&elf, Some(&DEVELOPMENT_SEED))?)
 }
 
-/// What is cut.
+/// Phase of an update in which the power is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// The image stores the first page of an update.
     Receiving,
     /// The image marks the update.
     Marking,
-    /// The first stage swaps.
+    /// The first stage swaps the images.
     Installing,
     /// The new image confirms itself.
     Confirming,
-    /// The first stage brings the former image back.
+    /// The first stage restores the old image.
     Returning,
 }
 
 impl Phase {
-    /// All, in the order of an update.
+    /// All phases, in the order of an update.
     pub const ALL: [Phase; 5] = [Phase::Receiving, Phase::Marking, Phase::Installing, Phase::Confirming, Phase::Returning];
 
-    /// In words.
+    /// Returns a description.
     pub fn name(self) -> &'static str {
         match self {
             Phase::Receiving => "the image receives a page",
             Phase::Marking => "the image marks the update",
-            Phase::Installing => "the first stage swaps",
+            Phase::Installing => "the first stage swaps the images",
             Phase::Confirming => "the new image confirms itself",
-            Phase::Returning => "the first stage brings the former image back",
+            Phase::Returning => "the first stage restores the old image",
         }
     }
 
-    /// The versions that may answer after a cut.
+    /// Returns `true` if this version may answer after a cut.
     fn allows(self, version: u16) -> bool {
         match self {
             Phase::Receiving | Phase::Returning => version == 1,
-            // Cut right at its end, a swap is complete, and the image not confirmed: it is brought back.
+            // A cut just at the end leaves a complete swap without confirmation: the old image
+            // returns.
             Phase::Marking | Phase::Installing | Phase::Confirming => version == 1 || version == 2,
         }
     }
 }
 
-/// A board at the beginning of a phase, and the operations of its flash until the end of it.
+/// Returns a board at the beginning of a phase, and the flash operations of the phase.
 pub fn prepared(images: &FieldImages, phase: Phase) -> Result<(Board, Vec<FlashOperation>), CampaignError> {
     let mut board = powered(images)?;
     let blocks = |board: &Board| board.bench().samples();
@@ -141,7 +143,7 @@ pub fn prepared(images: &FieldImages, phase: Phase) -> Result<(Board, Vec<FlashO
             client.1.connect()?;
             let session = client.1.session();
             board = released(client);
-            // The first frame that is obeyed: to begin a session is none.
+            // The first command that is obeyed confirms; beginning a session is not a command.
             send(&mut board, 902, session, Command::Status)?;
             Some(Duration::from_millis(180))
         }
@@ -166,17 +168,17 @@ pub fn prepared(images: &FieldImages, phase: Phase) -> Result<(Board, Vec<FlashO
     Ok((board, ahead.machine().chip.flash_operations().to_vec()))
 }
 
-/// A board with the old image in its slot that was just powered.
+/// Returns a board just after power-on, with the old image in its slot.
 fn powered(images: &FieldImages) -> Result<Board, CampaignError> {
     let loaded = load("dummy-load", &[])?;
-    let scene = loaded.scene.driven().ok_or(CampaignError::NotThere("a drive"))?;
+    let scene = loaded.scene.driven().ok_or(CampaignError::NotReached("a drive"))?;
     let mut board = images.power(&scene, Options::default())?;
-    // What a cut leaves is read as damaged: both images are to bear that.
+    // A cut leaves damaged words in the flash; both images must tolerate them.
     board.machine_mut().chip.lint.set(Rule::EccDouble, Verdict::Collect);
     Ok(board)
 }
 
-/// Puts the new image into the store, marked.
+/// Writes the new image into the store, and marks it.
 fn mark(board: &mut Board, images: &FieldImages) {
     let memory = &mut board.machine_mut().memory;
     for (at, bytes) in [(STORE.start, images.new.as_slice()), (STATE.start, &MARK)] {
@@ -192,7 +194,7 @@ fn started(board: &mut Board) -> Result<(), CampaignError> {
     while board.bench().samples() == 0 {
         board.run_for(Duration::from_millis(1))?;
         if board.now() > until {
-            return Err(CampaignError::NotThere("a first sample"));
+            return Err(CampaignError::NotReached("a first sample"));
         }
     }
     Ok(())
@@ -210,18 +212,19 @@ fn released((board, _): Connected) -> Board {
     board.borrow().clone()
 }
 
-/// Sends a command, and waits for no answer.
+/// Sends a command without waiting for its answer.
 fn send(board: &mut Board, sequence: u16, session: u32, command: Command) -> Result<(), CampaignError> {
-    board.send(&encode(sequence, session, command).map_err(|_| CampaignError::NotThere("a frame"))?);
+    board.send(&encode(sequence, session, command).map_err(|_| CampaignError::NotReached("a frame"))?);
     Ok(())
 }
 
-/// A chunk as it is sent.
+/// Splits a chunk into the rows in which it is sent.
 fn rows(piece: &[u8]) -> [[u8; 32]; CHUNK / 32] {
     core::array::from_fn(|row| core::array::from_fn(|n| piece.get(32 * row + n).copied().unwrap_or(0xff)))
 }
 
-/// The board with an update that is received and checked, and the session of the host that has sent it.
+/// Returns the board after it has received and checked an update, and the session of the sending
+/// host.
 fn complete(board: Board, images: &FieldImages) -> Result<(Board, u32), CampaignError> {
     let mut client = client_of(board);
     client.1.connect()?;
@@ -238,7 +241,7 @@ fn complete(board: Board, images: &FieldImages) -> Result<(Board, u32), Campaign
                 return Ok((released(client), session));
             }
             UpdateState::Checking if client.1.now() < until => {}
-            _ => return Err(CampaignError::NotThere("an update that is checked")),
+            _ => return Err(CampaignError::NotReached("a checked update")),
         }
     }
 }
@@ -246,11 +249,11 @@ fn complete(board: Board, images: &FieldImages) -> Result<(Board, u32), Campaign
 fn report(client: &mut Client) -> Result<UpdateReport, CampaignError> {
     match client.ask(Command::Update(UpdateVerb::Report))? {
         Reply::Update(report) => Ok(report),
-        _ => Err(CampaignError::NotThere("a report")),
+        _ => Err(CampaignError::NotReached("a report")),
     }
 }
 
-/// Cuts the power at a cycle; the version that answers then, or what is wrong.
+/// Cuts the power at a cycle, and returns the version that answers afterwards, or the failure.
 pub fn version_after(board: Board, at: u64, phase: Phase) -> Result<u16, String> {
     let edges = board.bench().edges.len();
     let (board, version) = answered(board, at).map_err(|error| format!("cut at cycle {at}: {error}"))?;
@@ -275,6 +278,6 @@ fn answered(mut board: Board, at: u64) -> Result<(Board, u16), CampaignError> {
             return Err(error.into());
         }
     }
-    let version = report(&mut client.1)?.running.ok_or(CampaignError::NotThere("a version"))?[0];
+    let version = report(&mut client.1)?.running.ok_or(CampaignError::NotReached("a version"))?[0];
     Ok((released(client), version))
 }

@@ -8,10 +8,11 @@ fn a_few_cuts_of_each_phase_leave_a_board_that_starts() {
         let _ = writeln!(std::io::stderr(), "SKIPPED, power cuts during an update: {missing}");
         return;
     }
-    // Marking has its own test with a small update (`image-scenarios`): a whole one takes half a minute here.
+    // Marking has its own test with a small update (`image-scenarios`); a whole one takes half a
+    // minute here.
     let phases = [Phase::Receiving, Phase::Installing, Phase::Confirming, Phase::Returning];
-    let tried = campaign(&FieldImages::built().unwrap(), &phases, QUICK, &mut |_| ()).unwrap();
-    for Tried { phase, operations, outcomes } in &tried {
+    let tried = campaign(&FieldImages::built().unwrap(), &phases, QUICK_CUTS, &mut |_| ()).unwrap();
+    for PhaseRuns { phase, operations, outcomes } in &tried {
         let expected = match phase {
             Phase::Receiving => 17,
             Phase::Marking | Phase::Confirming => 4,

@@ -1,23 +1,25 @@
-//! The corpus: inputs that reach deep, one a file, in the folder of their target. A failure that was found stays here when it is gone.
+//! The corpus: inputs that reach deep, one per file, in the folder of their target. The input of a
+//! failure stays here after the fix.
 
-/// Files of a folder of the corpus: name and text.
+/// Lists files of the corpus with their names and texts.
 macro_rules! folder {
     ($($name:literal),* $(,)?) => {
         &[$(($name, include_str!(concat!("../../corpus/", $name)))),*]
     };
 }
 
-/// A name, and a text.
+/// Name and text of a file.
 pub(super) type File = (&'static str, &'static str);
 
-/// Traffic to the board, as hexadecimal digits: after a plus a frame that an honest host sends, after a minus anything else; one line before each 200 blocks. The frames
-/// have the session that a board gives the host of a bench before its first block.
+/// Traffic to the board, as hexadecimal digits; one line is sent before each 200 blocks. A line
+/// with a plus is a valid frame of a host, a line with a minus anything else. The frames have the
+/// session that a board gives the host of a bench before its first block.
 pub(super) const LINK: &[File] = folder!["link/boundaries.txt", "link/drive-and-store.txt"];
-/// Scenes, which are also mutated.
+/// Scenes; they are mutated too.
 pub(super) const SCENES: &[File] = folder!["scenes/deep.toml", "scenes/empty-tables.toml", "scenes/huge-numbers.toml"];
-/// Suites, which are also mutated.
+/// Suites; they are mutated too.
 pub(super) const SUITES: &[File] = folder!["suites/nothing-fits.toml", "suites/small.toml"];
-/// Scripts of the link, which are also mutated.
+/// Scripts of the link; they are mutated too.
 pub(super) const SCRIPTS: &[File] = folder!["scripts/every-order.txt", "scripts/quotes.txt"];
 
 #[cfg(test)]

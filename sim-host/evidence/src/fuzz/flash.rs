@@ -1,7 +1,9 @@
-//! The settings in the flash: whatever stands there, the board starts, and no limit that acts is above one that is stored and can be read.
+//! The settings in the flash: the board starts with any contents, and no limit in effect exceeds a
+//! stored limit that can be read.
 //!
-//! What is stored before the damage, by two stores of which the second may be cut short, or bytes that no board has written, in an entry whose checksum is
-//! right: those come past the checks of the flash, and to the decoder of the record.
+//! Before the damage, the flash contains settings of two stores, of which the second may be cut
+//! short. Or it contains arbitrary bytes in an entry with a valid checksum, which pass the checks
+//! of the flash and reach the decoder of the record.
 
 use embassy_embedded_hal::adapter::BlockingAsync;
 use firmware::board::command::{Command, Reply, Verb};
@@ -18,7 +20,7 @@ use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage};
 
 use super::frames::{key, value};
-use super::target::{Seen, Target};
+use super::target::{Tally, Target};
 
 pub(super) const TARGET: Target = Target {
     name: "settings",
@@ -28,30 +30,31 @@ pub(super) const TARGET: Target = Target {
     corpus: |_| Ok(()),
 };
 
-/// Contents of the flash of each seed; a board is started with the first.
+/// Number of contents of the flash per seed; a board is started with the first.
 const CONTENTS: usize = 40;
 const PAGES: usize = 4;
-/// The key of the record, and room for an entry.
+/// Key of the record in the map.
 const RECORD: u8 = 1;
-const LONGEST: usize = 640;
+/// Size of the buffer for an entry, bytes.
+const MAX_ENTRY_BYTES: usize = 640;
 
-fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
+fn feed(seed: u64, tally: &mut Tally) -> Result<(), String> {
     let mut chance = Chance::new(seed);
     for content in 0..CONTENTS {
         let (flash, stored) = match chance.below(3) {
             0 => (written(&mut chance), None),
             _ => damaged(&mut chance),
         };
-        seen.input(flash.bytes().len());
-        let read = read(&flash, stored.as_deref(), &mut chance, seen)?;
+        tally.input(flash.bytes().len());
+        let read = read(&flash, stored.as_deref(), &mut chance, tally)?;
         if content == 0 {
-            start(&mut chance, flash, &read, seen)?;
+            start(&mut chance, flash, &read, tally)?;
         }
     }
     Ok(())
 }
 
-/// Any record: parameters of any value, unknown keys, keys twice, and lane trims.
+/// Draws any record: parameters of any value, unknown keys, keys twice, and lane trims.
 fn record(chance: &mut Chance) -> Record {
     let parameters = (0..chance.below(13)).map(|_| {
         let key = key(chance);
@@ -71,7 +74,8 @@ fn settings(flash: Flash) -> Result<Settings<Flash>, String> {
     Settings::new(flash).map_err(|error| error.to_string())
 }
 
-/// A flash that has been written by boards, and then damaged or not; with what may be read of it where nothing is damaged behind the checks' back.
+/// Returns a flash written by boards and possibly damaged, with the records that may be read from
+/// it. The damage can be detected by the checks.
 fn damaged(chance: &mut Chance) -> (Flash, Option<Vec<Record>>) {
     let mut flash = Flash::new(PAGES, chance.below(1 << 32));
     let mut stored = vec![Record::default()];
@@ -94,7 +98,7 @@ fn damaged(chance: &mut Chance) -> (Flash, Option<Vec<Record>>) {
                 flash.turn_bits(chance.below(length) as usize, 1 << chance.below(8));
             }
         }
-        // Where a page and its first entry begin.
+        // The beginning of a page and of its first entry.
         2 => {
             for _ in 0..=chance.below(6) {
                 let at = chance.below(PAGES as u64) * PAGE_BYTES as u64 + chance.below(64);
@@ -109,14 +113,15 @@ fn damaged(chance: &mut Chance) -> (Flash, Option<Vec<Record>>) {
     (flash, Some(stored))
 }
 
-/// A flash with an entry that is whole, and whose value is of another version, damaged, cut short, or any bytes.
+/// Returns a flash with an intact entry whose value has another version, is damaged or cut short,
+/// or is arbitrary.
 fn written(chance: &mut Chance) -> Flash {
     let mut flash = Flash::new(PAGES, 1);
     let half = (PAGES / 2 * PAGE_BYTES) as u32;
     for which in 0..=chance.below(2) as u32 {
         let number = [0, 1, u32::MAX, u32::MAX / 2, chance.below(1 << 32) as u32][chance.below(5) as usize];
         let version = [2, 2, 2, 1, 0, 3, 255][chance.below(7) as usize];
-        let mut bytes = [0; LONGEST];
+        let mut bytes = [0; MAX_ENTRY_BYTES];
         let body = match postcard::to_slice(&record(chance), &mut bytes) {
             Ok(body) => body.to_vec(),
             Err(_) => Vec::new(),
@@ -138,46 +143,51 @@ fn written(chance: &mut Chance) -> Flash {
     flash
 }
 
-/// Writes an entry as the board's own map does.
+/// Writes an entry in the same way as the board.
 fn write(flash: &mut Flash, range: std::ops::Range<u32>, entry: &[u8]) {
     let Ok(config) = MapConfig::try_new(range) else { return };
     let cache: Cache<Uncached, Uncached, Uncached, u8> = Cache::new_uncached();
     let mut map = MapStorage::new(BlockingAsync::new(flash), config, cache);
-    let _ = embassy_futures::block_on(map.store_item(&mut [0; LONGEST + 256], &RECORD, &entry));
+    let _ = embassy_futures::block_on(map.store_item(&mut [0; MAX_ENTRY_BYTES + 256], &RECORD, &entry));
 }
 
-/// What a board reads, and that it can store another record over it.
-fn read(flash: &Flash, may_be: Option<&[Record]>, chance: &mut Chance, seen: &mut Seen) -> Result<(Record, StoredState), String> {
+/// Reads the settings as a board does, and checks that another record can be stored over them.
+fn read(
+    flash: &Flash,
+    may_be: Option<&[Record]>,
+    chance: &mut Chance,
+    tally: &mut Tally,
+) -> Result<(Record, StoredState), String> {
     let mut store = settings(flash.clone())?;
     let found = store.record();
-    seen.outcome(&format!("{:?}", found.1));
-    // What passes the checks is what was stored once, number for number.
+    tally.outcome(&format!("{:?}", found.1));
+    // A record that passes the checks was stored once, with exactly these numbers.
     let bytes = |record: &Record| {
-        let mut bytes = [0; LONGEST];
+        let mut bytes = [0; MAX_ENTRY_BYTES];
         postcard::to_slice(record, &mut bytes).map(|bytes| bytes.to_vec()).map_err(|error| error.to_string())
     };
     if let Some(may_be) = may_be {
         let read = bytes(&found.0)?;
         let known = may_be.iter().map(bytes).collect::<Result<Vec<_>, _>>()?;
         if !known.contains(&read) {
-            return Err(format!("read, and never stored: {:?}", found.0));
+            return Err(format!("a record was read that was never stored: {:?}", found.0));
         }
     }
     let next = record(chance);
     match store.store(&next) {
         Ok(()) => {
             if bytes(&store.record().0)? != bytes(&next)? {
-                return Err(format!("stored {next:?}, and read {:?}", store.record()));
+                return Err(format!("stored {next:?}, but read {:?}", store.record()));
             }
-            seen.outcome("stored over it");
+            tally.outcome("overwritten");
         }
-        Err(_) => seen.outcome("not stored over it"),
+        Err(_) => tally.outcome("not overwritten"),
     }
     Ok(found)
 }
 
-/// A board that is started with it.
-fn start(chance: &mut Chance, flash: Flash, (record, state): &(Record, StoredState), seen: &mut Seen) -> Result<(), String> {
+/// Starts a board with the flash, and checks its limits.
+fn start(chance: &mut Chance, flash: Flash, (record, state): &(Record, StoredState), tally: &mut Tally) -> Result<(), String> {
     let mut setup = Setup { flash, ..Setup::default() };
     setup.config.front_end.metre_per_count = chance.strikes(0.5).then_some(1e-6);
     let mut queues = Queues::default();
@@ -192,7 +202,7 @@ fn start(chance: &mut Chance, flash: Flash, (record, state): &(Record, StoredSta
         }
     }
     for (parameter, report) in PARAMETERS.iter().zip(&reports).filter(|(parameter, _)| parameter.is_limit()) {
-        // Of an energy for each metre of belt nothing can be known without an encoder.
+        // Without an encoder the energy per metre of belt is unknown.
         let judged = parameter.key != ENERGY_PER_METRE || setup.config.front_end.metre_per_count.is_some();
         let stored = record.parameters.iter().filter(|(key, _)| *key == parameter.key && *state == StoredState::Stored);
         for &(_, stored) in stored.filter(|_| judged) {
@@ -202,6 +212,6 @@ fn start(chance: &mut Chance, flash: Flash, (record, state): &(Record, StoredSta
             }
         }
     }
-    seen.outcome(&format!("started, {:?}", reports.first().map(|report| report.stored)));
+    tally.outcome(&format!("started, {:?}", reports.first().map(|report| report.stored)));
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Traffic for the board: frames that an honest host may send, and what can become of them on the way.
+//! Traffic for the board: valid frames of a host, and the damage they may suffer on the link.
 
 use std::collections::HashSet;
 
@@ -12,34 +12,34 @@ use firmware::seam::units::{Hertz, Turns};
 use hal_mock::bench::Setup;
 use hal_mock::chance::Chance;
 
-/// Frames that come before a block where there is much traffic.
-const BUSY: u64 = 40;
-/// Pieces of traffic that are alike in that.
-const PHASE: u64 = 60;
-/// Version, a sequence number up to 127, and the session, bytes.
+/// Largest number of frames before a block in busy traffic.
+const BUSY_FRAMES: u64 = 40;
+/// Number of consecutive pieces of traffic that are equally busy.
+const PHASE_PIECES: u64 = 60;
+/// Size of a frame's header, bytes: version, a sequence number up to 127, and the session.
 const HEADER: usize = 6;
-/// A frame without a byte in it, which is answered as damaged.
-pub(super) const NOTHING: [u8; 2] = [1, 0];
-/// The longest flood without a frame, bytes.
-const FLOOD: u64 = 4000;
+/// A frame without content, which the board refuses as damaged.
+pub(super) const EMPTY_FRAME: [u8; 2] = [1, 0];
+/// Longest run of bytes without a frame.
+const FLOOD_BYTES: u64 = 4000;
 
-/// Bytes on the link before each block, and the honest frames among it.
+/// Bytes on the link before each block, and the valid frames in them.
 #[derive(Default)]
 pub(super) struct Traffic {
     pub(super) sent: Vec<Vec<u8>>,
-    pub(super) honest: HashSet<Vec<u8>>,
-    /// The session of the honest frames.
+    pub(super) valid: HashSet<Vec<u8>>,
+    /// Session of the valid frames.
     session: u32,
 }
 
 impl Traffic {
-    /// At least so many bytes, for a board that is in this session.
-    pub(super) fn of(chance: &mut Chance, bytes: usize, session: u32) -> Self {
+    /// Generates at least `bytes` bytes for a board in this session.
+    pub(super) fn new(chance: &mut Chance, bytes: usize, session: u32) -> Self {
         let (mut traffic, mut sequence, mut count) = (Traffic { session, ..Traffic::default() }, chance.below(1 << 16) as u16, 0);
         let mut frames = 1;
         while count < bytes {
-            if (traffic.sent.len() as u64).is_multiple_of(PHASE) {
-                frames = if chance.strikes(0.5) { 1 } else { BUSY };
+            if (traffic.sent.len() as u64).is_multiple_of(PHASE_PIECES) {
+                frames = if chance.strikes(0.5) { 1 } else { BUSY_FRAMES };
             }
             let mut piece = Vec::new();
             for _ in 0..=chance.below(frames) {
@@ -51,56 +51,57 @@ impl Traffic {
         traffic
     }
 
-    /// One frame more, as it is or as it has become.
+    /// Adds a frame, valid or damaged.
     fn frame(&mut self, chance: &mut Chance, sequence: &mut u16, piece: &mut Vec<u8>) {
         let mut next = |chance: &mut Chance| {
             *sequence = sequence.wrapping_add(1);
-            let frame = encode(*sequence, self.session, of_session(chance)).unwrap_or_default().to_vec();
-            self.honest.insert(frame.clone());
+            let frame = encode(*sequence, self.session, session_command(chance)).unwrap_or_default().to_vec();
+            self.valid.insert(frame.clone());
             frame
         };
         let one = next(chance);
         piece.extend(match chance.below(15) {
             0..4 => one,
-            // Twice; after its successor.
+            // Twice, or after its successor.
             4 => [&one[..], &one].concat(),
             5 => [next(chance), one].concat(),
-            6 => turned(chance, one),
-            // Cut short: the next frame runs into it.
+            6 => with_bits_flipped(chance, one),
+            // Cut short, so that the next frame runs into it.
             7 => one[..chance.below(one.len() as u64) as usize].to_vec(),
             8 => longer_or_shorter(chance, one),
-            // The head of one with the tail of another.
+            // The beginning of one frame with the end of another.
             9 => {
                 let other = next(chance);
                 let (head, tail) = (chance.below(one.len() as u64), chance.below(other.len() as u64));
                 [&one[..head as usize], &other[tail as usize..]].concat()
             }
-            // Whole, with a checksum that is right, of another version or of no meaning.
+            // Intact with a valid checksum, but of another version or without meaning.
             10 => meaningless(chance, self.session),
-            // Whole, and with something behind its body.
+            // Intact, but with more bytes after its body.
             11 => {
                 let more: Vec<u8> = (0..=chance.below(4)).map(|_| chance.byte()).collect();
                 framed(VERSION, chance.byte() & 0x7F, self.session, &[&body(chance)[..], &more].concat())
             }
-            // As long as a frame can be, and a little longer.
+            // As long as a frame can be, or a little longer.
             12 => {
                 let length = MAX_FRAME as u64 - 8 + chance.below(12);
                 (0..length).map(|_| chance.byte().max(1)).chain([0]).collect()
             }
-            // Whole, and of another session, or of none.
+            // Intact, but of another session or without one.
             13 => {
                 let session =
                     [self.session ^ (1 << chance.below(32)), chance.below(1 << 32) as u32, NO_SESSION][chance.below(3) as usize];
-                encode(*sequence, session, of_session(chance)).unwrap_or_default().to_vec()
+                encode(*sequence, session, session_command(chance)).unwrap_or_default().to_vec()
             }
             _ => {
-                let most = if chance.strikes(0.05) { FLOOD } else { 100 };
+                let most = if chance.strikes(0.05) { FLOOD_BYTES } else { 100 };
                 (0..chance.below(most)).map(|_| chance.byte()).collect()
             }
         });
     }
 
-    /// A part of it, with something else in place of each frame that is not honest: what stands between two zeros is one frame.
+    /// Returns a part of the traffic with each invalid frame replaced. The bytes between two zeros
+    /// are one frame.
     pub(super) fn purged(&self, sent: &[Vec<u8>], instead: &[u8]) -> Vec<Vec<u8>> {
         let mut pending = vec![];
         let purge = |bytes: &Vec<u8>| {
@@ -109,7 +110,7 @@ impl Traffic {
                 pending.push(byte);
                 if byte == 0 {
                     // An empty frame has no answer.
-                    let stands = if self.honest.contains(&pending) { &pending } else { instead };
+                    let stands = if self.valid.contains(&pending) { &pending } else { instead };
                     purged.extend_from_slice(if pending.len() > 1 { stands } else { &[] });
                     pending.clear();
                 }
@@ -120,8 +121,8 @@ impl Traffic {
     }
 }
 
-/// Some bits turned, the closing zero's too.
-fn turned(chance: &mut Chance, mut bytes: Vec<u8>) -> Vec<u8> {
+/// Flips some bits, possibly those of the closing zero.
+fn with_bits_flipped(chance: &mut Chance, mut bytes: Vec<u8>) -> Vec<u8> {
     for _ in 0..=chance.below(6) {
         let at = chance.below(bytes.len() as u64) as usize;
         bytes[at] ^= 1 << chance.below(8);
@@ -129,7 +130,7 @@ fn turned(chance: &mut Chance, mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-/// A byte more, or less.
+/// Inserts or removes a byte.
 fn longer_or_shorter(chance: &mut Chance, mut bytes: Vec<u8>) -> Vec<u8> {
     let at = chance.below(bytes.len() as u64) as usize;
     let more = if chance.strikes(0.5) { vec![bytes[at], chance.byte()] } else { vec![] };
@@ -137,7 +138,8 @@ fn longer_or_shorter(chance: &mut Chance, mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-/// A whole frame that says nothing: of another version, of no known command, or with a body that ends too early.
+/// Returns an intact frame without meaning: another version, an unknown command, or a truncated
+/// body.
 fn meaningless(chance: &mut Chance, session: u32) -> Vec<u8> {
     let sequence = chance.byte() & 0x7F;
     match chance.below(3) {
@@ -154,15 +156,16 @@ fn meaningless(chance: &mut Chance, session: u32) -> Vec<u8> {
     }
 }
 
-/// The body of an honest frame.
+/// Returns the body of a valid frame.
 fn body(chance: &mut Chance) -> Vec<u8> {
-    let frame = encode(1, NO_SESSION, of_session(chance)).unwrap_or_default();
+    let frame = encode(1, NO_SESSION, session_command(chance)).unwrap_or_default();
     let plain = unstuffed(&frame);
-    // Behind the header, before the checksum.
+    // After the header, before the checksum.
     plain[HEADER..plain.len() - 4].to_vec()
 }
 
-/// The bytes of a frame before they were stuffed: a code says how many of them follow it, and stands for the zero behind those.
+/// Undoes the byte stuffing of a frame: a code gives the distance to the next code, which replaces
+/// a zero.
 fn unstuffed(frame: &[u8]) -> Vec<u8> {
     let (mut plain, mut at) = (Vec::new(), 0);
     while let Some(&code) = frame.get(at).filter(|&&code| code > 0) {
@@ -176,7 +179,8 @@ fn unstuffed(frame: &[u8]) -> Vec<u8> {
     plain
 }
 
-/// A frame of these bytes with a checksum that is right. It is written here again, so that it does not share its mistakes.
+/// Returns a frame of these bytes with a valid checksum. The encoding is written here again, so
+/// that it does not share errors with that of the board.
 pub(super) fn framed(version: u8, sequence: u8, session: u32, body: &[u8]) -> Vec<u8> {
     let mut plain = [&[version, sequence], &session.to_le_bytes()[..], body].concat();
     let checksum = plain
@@ -198,7 +202,7 @@ pub(super) fn framed(version: u8, sequence: u8, session: u32, body: &[u8]) -> Ve
     stuffed
 }
 
-/// A number that a field may have, or should not.
+/// Draws a number, valid or invalid for a field.
 pub(super) fn number(chance: &mut Chance) -> f32 {
     const ODD: [f32; 12] =
         [0.0, -0.0, 1.0, -1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN_POSITIVE, 1e-45, 1e9, 0.5];
@@ -209,7 +213,7 @@ pub(super) fn number(chance: &mut Chance) -> f32 {
     }
 }
 
-/// A value that the parameter with this key may have, an edge of its range, or any number.
+/// Draws a valid value of the parameter with this key, an edge of its range, or any number.
 pub(super) fn value(chance: &mut Chance, key: u8) -> f32 {
     let Some(parameter) = PARAMETERS.iter().find(|parameter| parameter.key == key) else { return number(chance) };
     let built_in = (parameter.read)(&Setup::default().config);
@@ -225,29 +229,29 @@ pub(super) fn value(chance: &mut Chance, key: u8) -> f32 {
     }
 }
 
-/// A key, mostly of a parameter.
+/// Draws a key, mostly that of a parameter.
 pub(super) fn key(chance: &mut Chance) -> u8 {
     match chance.below(12) {
         0 => chance.byte(),
-        // Limits, and what they are measured by.
+        // Limits, and the scales of their measurements.
         1..4 => 8 + chance.below(7) as u8,
         4 => 1 + chance.below(3) as u8,
         _ => PARAMETERS[chance.below(PARAMETERS.len() as u64) as usize].key,
     }
 }
 
-/// Something that an honest host may say in its session.
-fn of_session(chance: &mut Chance) -> Command {
+/// Draws a valid command within a session.
+fn session_command(chance: &mut Chance) -> Command {
     loop {
-        let command = honest(chance);
+        let command = valid(chance);
         if !matches!(command, Command::Identify(_)) {
             return command;
         }
     }
 }
 
-/// Something that an honest host may say; often enough that it drives.
-pub(super) fn honest(chance: &mut Chance) -> Command {
+/// Draws a valid command; `Run` is frequent enough that the board drives.
+pub(super) fn valid(chance: &mut Chance) -> Command {
     let some = chance.strikes(0.8);
     match chance.below(36) {
         0..7 => Command::Run,
@@ -299,11 +303,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_framed_here_is_what_the_board_frames() {
+    fn framing_agrees_with_the_board() {
         let mut chance = Chance::new(1);
         for _ in 0..2000 {
             let session = chance.below(1 << 32) as u32;
-            let frame = encode(1, session, honest(&mut chance)).unwrap();
+            let frame = encode(1, session, valid(&mut chance)).unwrap();
             let plain = unstuffed(&frame);
             assert_eq!(framed(VERSION, 1, session, &plain[HEADER..plain.len() - 4]), frame[..]);
         }

@@ -1,8 +1,10 @@
-//! The link: whatever comes over it, the board does what the honest frames of its session say, and nothing else.
+//! The link: for any received bytes, the board obeys the valid frames of its session and nothing
+//! else.
 //!
-//! Two boards are fed, one by all bytes and one by the honest frames alone: converters, answers, enable pin, flash and resets must be the same to the
-//! last bit; or, where an honest order was refused as busy, the same as with a frame that is nothing for each of the others. Both go through several
-//! lives: what one has stored the next is started with.
+//! Two boards are fed, one with all bytes and one with only the valid frames. Converters, answers,
+//! enable pin, flash and resets must be equal to the last bit. If a valid order was refused as
+//! busy, they must equal those of a board with an empty frame instead of each invalid one. Both
+//! boards go through several lives: each life starts with the settings stored in the one before.
 
 use firmware::board::command::Reply;
 use firmware::board::link::{NO_SESSION, encode};
@@ -14,8 +16,8 @@ use hal_mock::loop_back::LoopBack;
 use hal_mock::tracer::Tracer;
 
 use super::corpus;
-use super::frames::{NOTHING, Traffic};
-use super::target::{Seen, Target};
+use super::frames::{EMPTY_FRAME, Traffic};
+use super::target::{Tally, Target};
 
 pub(super) const TARGET: Target = Target {
     name: "link",
@@ -25,83 +27,86 @@ pub(super) const TARGET: Target = Target {
     corpus: of_corpus,
 };
 
-/// Bytes of each seed, at least.
-const BYTES: usize = 100_000;
-/// Lives of a board.
+/// Smallest number of bytes of each seed.
+const MIN_BYTES: usize = 100_000;
+/// Number of lives of a board.
 const LIVES: usize = 2;
-/// Blocks between two pieces of traffic are one, or sometimes so many: what is ordered then has its time.
-const LULL: u64 = 200;
-/// Peak codes of the voltage limit that is built in, 12 V: no setting lets more pass.
+/// Number of blocks in an occasional lull between two pieces of traffic, in which orders take
+/// effect; otherwise there is one block.
+const LULL_BLOCKS: u64 = 200;
+/// Peak codes of the built-in voltage limit, 12 V, which no setting may exceed.
 const LIMIT_CODES: u16 = 1200;
 
-fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
+fn feed(seed: u64, tally: &mut Tally) -> Result<(), String> {
     let mut chance = Chance::new(seed);
     let mut setup = Setup::default();
     setup.config.lanes = [1, 2, 4][chance.below(3) as usize];
     setup.config.link.patience_s = [0.0, 0.01, 1.0][chance.below(3) as usize];
-    let traffic = Traffic::of(&mut chance, BYTES, session(&setup)?);
-    let lulls: Vec<u64> = traffic.sent.iter().map(|_| if chance.strikes(0.02) { LULL } else { 1 }).collect();
-    judge(&setup, &traffic, &lulls, seen)
+    let traffic = Traffic::new(&mut chance, MIN_BYTES, session(&setup)?);
+    let lulls: Vec<u64> = traffic.sent.iter().map(|_| if chance.strikes(0.02) { LULL_BLOCKS } else { 1 }).collect();
+    judge(&setup, &traffic, &lulls, tally)
 }
 
-/// The session that a board gives the host of a bench before its first block: the same in each of its lives, and on each board.
+/// Returns the session that a board gives the host of a bench before its first block. It is the
+/// same in each life, and on each board.
 fn session(setup: &Setup) -> Result<u32, String> {
     let mut queues = Queues::default();
     let bench = Bench::new(&mut queues, setup, LoopBack::of(&setup.config));
     Ok(bench.map_err(|error| format!("the board does not start: {error}"))?.connect())
 }
 
-/// Each of the corpus: lines of hexadecimal digits, honest frames after a plus.
-fn of_corpus(seen: &mut Seen) -> Result<(), String> {
+/// Feeds each file of the corpus: lines of hexadecimal digits, valid frames after a plus.
+fn of_corpus(tally: &mut Tally) -> Result<(), String> {
     for (name, text) in corpus::LINK {
         let mut traffic = Traffic::default();
         for line in text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()) {
-            let (honest, digits) = (line.starts_with('+'), line.trim_start_matches(['+', '-', ' ']));
+            let (valid, digits) = (line.starts_with('+'), line.trim_start_matches(['+', '-', ' ']));
             let byte = |pair: &str| u8::from_str_radix(pair, 16).map_err(|error| format!("{name}: {pair}: {error}"));
             let bytes = digits.split_whitespace().map(byte).collect::<Result<Vec<u8>, String>>()?;
-            if honest {
-                traffic.honest.insert(bytes.clone());
+            if valid {
+                traffic.valid.insert(bytes.clone());
             }
             traffic.sent.push(bytes);
         }
-        let lulls = vec![LULL; traffic.sent.len()];
-        judge(&Setup::default(), &traffic, &lulls, seen).map_err(|failure| format!("{name}: {failure}"))?;
+        let lulls = vec![LULL_BLOCKS; traffic.sent.len()];
+        judge(&Setup::default(), &traffic, &lulls, tally).map_err(|failure| format!("{name}: {failure}"))?;
     }
     Ok(())
 }
 
 /// Feeds two boards, and compares them.
-fn judge(setup: &Setup, traffic: &Traffic, lulls: &[u64], seen: &mut Seen) -> Result<(), String> {
+fn judge(setup: &Setup, traffic: &Traffic, lulls: &[u64], tally: &mut Tally) -> Result<(), String> {
     let life = traffic.sent.len().div_ceil(LIVES);
     let mut flashes = [setup.flash.clone(), setup.flash.clone()];
     for (sent, lulls) in traffic.sent.chunks(life).zip(lulls.chunks(life)) {
         let [with, without] = flashes;
         let (mut other, with) = (
             live(setup, without.clone(), &traffic.purged(sent, &[]), lulls, None)?,
-            live(setup, with, sent, lulls, Some(&mut *seen))?,
+            live(setup, with, sent, lulls, Some(&mut *tally))?,
         );
         if other.refused > 0 {
-            return Err(format!("{} honest frames are refused as damaged or of another session", other.refused));
+            return Err(format!("{} valid frames are refused as damaged or of another session", other.refused));
         }
         if with.life != other.life && with.busy > other.busy {
-            // Answers to damaged frames take places and turns, so an order of the honest may find its queue full: beside as many answers it does, too.
-            other = live(setup, without, &traffic.purged(sent, &NOTHING), lulls, None)?;
+            // Answers to damaged frames take time and places in queues, so a valid order may find
+            // its queue full. With as many answers the other board does so too.
+            other = live(setup, without, &traffic.purged(sent, &EMPTY_FRAME), lulls, None)?;
         }
         if with.life != other.life {
             return Err(differ(&with.life, &other.life));
         }
         flashes = [with.flash, other.flash];
     }
-    seen.inputs += traffic.sent.len() as u64;
-    seen.bytes += traffic.sent.iter().map(|bytes| bytes.len() as u64).sum::<u64>();
+    tally.inputs += traffic.sent.len() as u64;
+    tally.bytes += traffic.sent.iter().map(|bytes| bytes.len() as u64).sum::<u64>();
     Ok(())
 }
 
-/// What a board has done that others see.
+/// Observable behaviour of a board.
 #[derive(PartialEq)]
 struct Life {
     hash: u64,
-    /// Answers, as bytes: a number that is none is no reason to differ.
+    /// Answers, as bytes, so that NaN equals itself.
     answers: Vec<Vec<u8>>,
     flash: Vec<u8>,
     resets: u32,
@@ -116,8 +121,8 @@ struct Lived {
     busy: usize,
 }
 
-/// A board from its start to its end.
-fn live(setup: &Setup, flash: Flash, sent: &[Vec<u8>], lulls: &[u64], mut seen: Option<&mut Seen>) -> Result<Lived, String> {
+/// Runs a board from its start to its end.
+fn live(setup: &Setup, flash: Flash, sent: &[Vec<u8>], lulls: &[u64], mut tally: Option<&mut Tally>) -> Result<Lived, String> {
     let setup = Setup { flash, ..setup.clone() };
     let mut queues = Queues::default();
     let load = Tracer::new(LoopBack::of(&setup.config), 1);
@@ -128,7 +133,7 @@ fn live(setup: &Setup, flash: Flash, sent: &[Vec<u8>], lulls: &[u64], mut seen: 
     let mid_code = setup.config.front_end.drive_mid_code;
     for (bytes, &blocks) in sent.iter().zip(lulls) {
         bench.host.send_bytes(bytes).map_err(|error| error.to_string())?;
-        // As often as it takes for all answers to leave: there is one for each zero at most.
+        // Until all answers have left: there is at most one for each zero.
         let frames = bytes.iter().filter(|&&byte| byte == 0).count();
         (0..frames + 2).for_each(|_| bench.poll());
         for _ in 0..blocks {
@@ -137,27 +142,27 @@ fn live(setup: &Setup, flash: Flash, sent: &[Vec<u8>], lulls: &[u64], mut seen: 
             let loudest = bench.analog().blocks().flat_map(|exchange| exchange.drive.lanes.iter().flatten());
             let loudest = loudest.map(|code| code.abs_diff(mid_code)).max().unwrap_or(0);
             if loudest > LIMIT_CODES {
-                return Err(format!("{loudest} codes in block {}, and the limit is {LIMIT_CODES}", bench.played()));
+                return Err(format!("{loudest} codes in block {}, but the limit is {LIMIT_CODES}", bench.played()));
             }
         }
-        if let Some(seen) = &mut seen {
-            seen.outcome(&format!("mode {:?}", bench.mode()));
+        if let Some(tally) = &mut tally {
+            tally.outcome(&format!("mode {:?}", bench.mode()));
             if let Some(fault) = bench.fault() {
-                seen.outcome(&format!("fault {fault:?}"));
+                tally.outcome(&format!("fault {fault:?}"));
             }
         }
     }
     bench.blocks(4);
     bench.host.receive(usize::MAX);
-    if !bench.host.spoiled().is_empty() || !bench.errors().is_empty() || bench.watchdog.bitten().is_some() {
-        return Err(format!("{:?}, {:?}, {:?}", bench.host.spoiled(), bench.errors(), bench.watchdog.bitten()));
+    if !bench.host.frame_errors().is_empty() || !bench.errors().is_empty() || bench.watchdog.bitten().is_some() {
+        return Err(format!("{:?}, {:?}, {:?}", bench.host.frame_errors(), bench.errors(), bench.watchdog.bitten()));
     }
     let of_frames =
         |reply: &Reply| matches!(reply, Reply::Nak(Refusal::Damaged | Refusal::Version | Refusal::Unknown | Refusal::Session));
     let (mut answers, mut refused, mut busy) = (Vec::new(), 0, 0);
     for (sequence, reply) in bench.host.answers() {
-        if let Some(seen) = &mut seen {
-            seen.outcome(&kind(reply));
+        if let Some(tally) = &mut tally {
+            tally.outcome(&kind(reply));
         }
         busy += usize::from(matches!(reply, Reply::Nak(Refusal::Busy)));
         if of_frames(reply) {
@@ -171,7 +176,7 @@ fn live(setup: &Setup, flash: Flash, sent: &[Vec<u8>], lulls: &[u64], mut seen: 
     Ok(Lived { life: Life { hash, answers, flash: flash.bytes().to_vec(), resets, enabled }, flash, refused, busy })
 }
 
-/// The kind of an answer: its name, and that of a refusal.
+/// Returns the kind of an answer: its name, and that of a refusal.
 fn kind(reply: &Reply) -> String {
     match reply {
         Reply::Nak(refusal) => format!("refused: {refusal:?}"),
@@ -183,11 +188,12 @@ fn kind(reply: &Reply) -> String {
     }
 }
 
-/// In what the two boards differ.
+/// Describes the differences between the two boards.
 fn differ(with: &Life, without: &Life) -> String {
     let first = with.answers.iter().zip(&without.answers).position(|(one, other)| one != other);
     format!(
-        "damage has an effect: the same drive {}, flash {}, enable pin {}; resets {} and {}; answers {} and {}, the first that differs {first:?}",
+        "damage has an effect: equal drive {}, equal flash {}, equal enable pin {}; resets {} and {}; answers {} and {}, the \
+         first that differs {first:?}",
         with.hash == without.hash,
         with.flash == without.flash,
         with.enabled == without.enabled,

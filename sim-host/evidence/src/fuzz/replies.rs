@@ -1,4 +1,5 @@
-//! The host's end of the link: whatever a board, or what stands in for one, sends, the host's reader gives frames or says what is wrong.
+//! The host's end of the link: for any bytes of a board or its substitute, the host's reader
+//! returns frames or reports an error.
 
 use std::cell::RefCell;
 
@@ -8,19 +9,20 @@ use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::chance::Chance;
 use hal_mock::loop_back::LoopBack;
 
-use super::frames::{framed, honest};
-use super::target::{Seen, Target};
+use super::frames::{framed, valid};
+use super::target::{Tally, Target};
 
 pub(super) const TARGET: Target =
     Target { name: "replies", what: "bytes from a board: the host's decoder", seeds_per_million: 20, feed, corpus: |_| Ok(()) };
 
-/// Answers that are made by a board, and damaged frames of each seed.
+/// Number of questions to the board that makes the answers.
 const ASKED: usize = 60;
+/// Number of frames of each seed.
 const FRAMES: usize = 600;
 
-fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
+fn feed(seed: u64, tally: &mut Tally) -> Result<(), String> {
     thread_local! {
-        // The answers of one board serve all seeds: what becomes of them on the way is another thing each time.
+        // The answers of one board serve all seeds; the damage differs.
         static WHOLE: RefCell<Vec<Reply>> = RefCell::new(answers());
     }
     let mut chance = Chance::new(seed);
@@ -38,19 +40,19 @@ fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
                 let at = chance.below(bytes.len() as u64 - 1) as usize;
                 bytes[at] ^= 1 << chance.below(8);
             }
-            // A right checksum over any bytes, which may say anything.
+            // A valid checksum over arbitrary bytes.
             2 => {
                 bytes =
                     framed(VERSION, 1, 7, &(0..chance.below(MAX_FRAME as u64 - 14)).map(|_| chance.byte()).collect::<Vec<_>>())
             }
             _ => bytes = (0..chance.below(400)).map(|_| chance.byte()).chain([0]).collect(),
         }
-        seen.input(bytes.len());
+        tally.input(bytes.len());
         let mut last = None;
         for &byte in &bytes {
             raw.take(byte);
             if let Some(frame) = receiver.take::<Reply>(byte) {
-                seen.outcome(match &frame {
+                tally.outcome(match &frame {
                     Ok(_) => "a frame",
                     Err(FrameError::TooLong) => "too long",
                     Err(FrameError::Damaged) => "damaged",
@@ -61,24 +63,26 @@ fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
             }
         }
         if raw.shown().is_empty() {
-            return Err("nothing to show of what came".into());
+            return Err("the raw view of the received bytes is empty".into());
         }
-        // What is as it was sent is understood, whatever came before it.
-        let understood = matches!(&last, Some(Ok(frame)) if encode(frame.sequence, frame.session, frame.body).is_ok_and(|again| again == whole[..]));
+        // An undamaged frame is understood after any earlier bytes.
+        let is_whole = |again: &[u8]| again == &whole[..];
+        let understood = matches!(&last, Some(Ok(frame))
+            if encode(frame.sequence, frame.session, frame.body).is_ok_and(|again| is_whole(&again)));
         if (bytes == whole) != understood {
-            return Err(format!("{bytes:02x?} is understood as {last:?}"));
+            return Err(format!("{bytes:02x?} is decoded as {last:?}"));
         }
     }
     Ok(())
 }
 
-/// What a board answers, of every kind that it has.
+/// Returns answers of a board, of every kind.
 fn answers() -> Vec<Reply> {
     let (mut chance, mut queues, setup) = (Chance::new(1), Queues::default(), Setup::default());
     let mut replies = vec![Reply::Ack];
     if let Ok(mut bench) = Bench::new(&mut queues, &setup, LoopBack::of(&setup.config)) {
         for _ in 0..ASKED {
-            let _ = bench.ask(honest(&mut chance));
+            let _ = bench.ask(valid(&mut chance));
             bench.blocks(20);
         }
         bench.host.receive(usize::MAX);

@@ -1,4 +1,5 @@
-//! Scenes: a changed text, or values set by the schema, is refused by name or is a scene: one that shows what it is, and is read again as the same.
+//! Scenes: a changed text, or values set by the schema, are either refused with a reason or a valid
+//! scene, whose printed form is read as the same scene.
 
 use std::sync::LazyLock;
 
@@ -10,7 +11,7 @@ use scene::{all_keys, builtin};
 use serde_json::Value;
 
 use super::corpus;
-use super::target::{Seen, Target};
+use super::target::{Tally, Target};
 use super::text::{changed, kind, kinds, pick};
 
 pub(super) const TARGET: Target = Target {
@@ -18,13 +19,13 @@ pub(super) const TARGET: Target = Target {
     what: "texts of scenes, and values set by the schema",
     seeds_per_million: 20,
     feed,
-    corpus: |seen| corpus::SCENES.iter().try_for_each(|(name, text)| judge(name, text, &[], seen)),
+    corpus: |tally| corpus::SCENES.iter().try_for_each(|(name, text)| judge(name, text, &[], tally)),
 };
 
-/// Texts of each seed.
+/// Number of texts of each seed.
 const TEXTS: usize = 10;
 
-/// Names of all keys, and the strings that choices may be.
+/// Names of all keys, and all strings that choices allow.
 static WORDS: LazyLock<Vec<String>> = LazyLock::new(|| {
     let choices = Schema::tables().into_iter().flat_map(|(_, table)| {
         table.properties().flat_map(|(_, schema)| schema.choices()).map(|choice| format!("\"{choice}\"")).collect::<Vec<_>>()
@@ -32,7 +33,7 @@ static WORDS: LazyLock<Vec<String>> = LazyLock::new(|| {
     all_keys::keys().into_iter().map(|key| key.path).chain(choices).collect()
 });
 
-/// The built-in scenes, and the keys that each of them has once it is resolved.
+/// The built-in scenes, with the keys that each of them has once it is resolved.
 static KEYS: LazyLock<Vec<(&str, Vec<String>)>> = LazyLock::new(|| {
     let scenes = builtin::all().iter().filter_map(|(name, text)| Some((*text, load_text(name, text, &[]).ok()?)));
     let keys = scenes.map(|(text, loaded)| {
@@ -43,7 +44,7 @@ static KEYS: LazyLock<Vec<(&str, Vec<String>)>> = LazyLock::new(|| {
     keys.collect()
 });
 
-fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
+fn feed(seed: u64, tally: &mut Tally) -> Result<(), String> {
     let mut chance = Chance::new(seed);
     let texts: Vec<&str> = builtin::all().iter().chain(corpus::SCENES).map(|(_, text)| *text).collect();
     for _ in 0..TEXTS {
@@ -51,25 +52,25 @@ fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
             let Some((text, keys)) = pick(&mut chance, &KEYS) else { continue };
             let count = 1 + chance.below(4);
             let sets: Vec<String> = (0..count).map(|_| set(&mut chance, &keys)).collect();
-            judge("fuzzed", text, &sets, seen)?;
+            judge("fuzzed", text, &sets, tally)?;
             continue;
         }
         let [text, other] = [(); 2].map(|()| pick(&mut chance, &texts).unwrap_or_default());
-        judge("fuzzed", &changed(&mut chance, text, other, &WORDS), &[], seen)?;
+        judge("fuzzed", &changed(&mut chance, text, other, &WORDS), &[], tally)?;
     }
     Ok(())
 }
 
-/// A value of its kind for a key, as `--set` has it.
+/// Draws an argument of `--set`: a key with a value of its kind.
 fn set(chance: &mut Chance, keys: &[String]) -> String {
-    // Mostly one that the scene has: any other one lacks its neighbours.
+    // Mostly a key that the scene has; the table of any other one would be incomplete.
     let any = all_keys::keys();
     let key = if chance.strikes(0.2) { pick(chance, &any).map(|key| key.path) } else { pick(chance, keys) }.unwrap_or_default();
     let Some(schema) = Schema::root().at(&key) else { return format!("{key}=1") };
     format!("{key}={}", value(chance, schema))
 }
 
-/// The paths of the values within a value.
+/// Collects the paths of all values within a value.
 fn paths(value: &Value, path: &str, found: &mut Vec<String>) {
     let join = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
     match value {
@@ -111,28 +112,28 @@ fn value(chance: &mut Chance, schema: Schema) -> String {
     }
 }
 
-fn judge(name: &str, text: &str, sets: &[String], seen: &mut Seen) -> Result<(), String> {
-    seen.input(text.len() + sets.iter().map(String::len).sum::<usize>());
+fn judge(name: &str, text: &str, sets: &[String], tally: &mut Tally) -> Result<(), String> {
+    tally.input(text.len() + sets.iter().map(String::len).sum::<usize>());
     let of_input = |failure: &str| format!("{failure}\n--set {sets:?}\n{text}");
     match load_text(name, text, sets) {
         Ok(loaded) => {
-            seen.outcome("a scene");
+            tally.outcome("a scene");
             read_again(&loaded).map_err(|failure| of_input(&failure))
         }
         Err(LoadError::Invalid(report)) => {
-            kinds(&report).map_err(|failure| of_input(&failure))?.iter().for_each(|kind| seen.outcome(kind));
+            kinds(&report).map_err(|failure| of_input(&failure))?.iter().for_each(|kind| tally.outcome(kind));
             Ok(())
         }
         Err(error) => {
-            seen.outcome(&kind(&error.to_string()));
+            tally.outcome(&kind(&error.to_string()));
             Ok(())
         }
     }
 }
 
-/// What `sim-host show` writes of a scene is that scene.
+/// Checks that the output of `sim-host show` for a scene is read as the same scene.
 fn read_again(loaded: &Loaded) -> Result<(), String> {
     let shown = resolved_toml(&loaded.scene);
-    let again = load_text("shown", &shown, &[]).map_err(|error| format!("what it shows is refused: {error}"))?;
-    if again.scene == loaded.scene { Ok(()) } else { Err("what it shows is another scene".into()) }
+    let again = load_text("shown", &shown, &[]).map_err(|error| format!("its printed form is refused: {error}"))?;
+    if again.scene == loaded.scene { Ok(()) } else { Err("its printed form is another scene".into()) }
 }

@@ -1,4 +1,5 @@
-//! Scripts of the link, and what else a user writes for it: expectations, values of settings. None is run.
+//! Scripts of the link and other texts that users write for it: expectations, values of settings.
+//! They are parsed, not run.
 
 use ::link::answer::Answer;
 use ::link::expect::Expect;
@@ -10,7 +11,7 @@ use hal_mock::chance::Chance;
 use serde_json::json;
 
 use super::corpus;
-use super::target::{Seen, Target};
+use super::target::{Tally, Target};
 use super::text::{changed, kind, kinds, pick};
 
 pub(super) const TARGET: Target = Target {
@@ -18,13 +19,14 @@ pub(super) const TARGET: Target = Target {
     what: "scripts of the link, expectations, values of settings",
     seeds_per_million: 100,
     feed,
-    corpus: |seen| corpus::SCRIPTS.iter().try_for_each(|(name, text)| script(name, text, seen)),
+    corpus: |tally| corpus::SCRIPTS.iter().try_for_each(|(name, text)| script(name, text, tally)),
 };
 
-/// Lines of a script, and single words, of each seed.
+/// Largest number of lines of a script.
 const LINES: u64 = 12;
+/// Number of single words of each seed.
 const SINGLE: usize = 10;
-/// Words that a user may write.
+/// Words that users may write.
 const WORDS: [&str; 24] = [
     "--volts",
     "--current",
@@ -52,46 +54,46 @@ const WORDS: [&str; 24] = [
     "wait",
 ];
 
-fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
+fn feed(seed: u64, tally: &mut Tally) -> Result<(), String> {
     let mut chance = Chance::new(seed);
     let all: Vec<&str> = corpus::SCRIPTS.iter().flat_map(|(_, text)| text.split_inclusive('\n')).collect();
     let text: String = (0..=chance.below(LINES)).filter_map(|_| pick(&mut chance, &all)).collect();
     let words: Vec<String> =
         WORDS.iter().map(|word| (*word).to_owned()).chain(PARAMETERS.iter().map(|of| of.name.to_owned())).collect();
-    script("fuzzed", &changed(&mut chance, &text, &all.concat(), &words), seen)?;
+    script("fuzzed", &changed(&mut chance, &text, &all.concat(), &words), tally)?;
     for _ in 0..SINGLE {
-        single(&mut chance, &words, seen)?;
+        single(&mut chance, &words, tally)?;
     }
     Ok(())
 }
 
-fn script(name: &str, text: &str, seen: &mut Seen) -> Result<(), String> {
-    seen.input(text.len());
+fn script(name: &str, text: &str, tally: &mut Tally) -> Result<(), String> {
+    tally.input(text.len());
     match Script::parse(name, text) {
-        Ok(_) => seen.outcome("a script"),
+        Ok(_) => tally.outcome("a script"),
         Err(LinkError::Script(report)) => {
-            kinds(&report).map_err(|failure| format!("{failure}\n{text}"))?.iter().for_each(|kind| seen.outcome(kind));
+            kinds(&report).map_err(|failure| format!("{failure}\n{text}"))?.iter().for_each(|kind| tally.outcome(kind));
         }
-        Err(error) => return Err(format!("not the error of a script: {error}\n{text}")),
+        Err(error) => return Err(format!("not an error of a script: {error}\n{text}")),
     }
     Ok(())
 }
 
-/// A value of a setting, and an expectation of an answer.
-fn single(chance: &mut Chance, words: &[String], seen: &mut Seen) -> Result<(), String> {
+/// Parses a value of a setting, and an expectation of an answer.
+fn single(chance: &mut Chance, words: &[String], tally: &mut Tally) -> Result<(), String> {
     let word = pick(chance, words).unwrap_or_default();
     let word = if chance.strikes(0.5) { changed(chance, &word, "1:2k x.0.y 3", words) } else { word };
-    seen.input(word.len());
+    tally.input(word.len());
     if let Some(of) = pick(chance, &PARAMETERS) {
-        // What is shown of a value is read as that value.
+        // The printed form of a value is read as the same value.
         match parameter::read(&of, &word) {
             Ok(value)
                 if !value.is_nan() && parameter::read(&of, &parameter::shown(&of, value)).is_ok_and(|again| again != value) =>
             {
-                return Err(format!("{} = {word:?} is {value}, which is shown as another value", of.name));
+                return Err(format!("{} = {word:?} is {value}, but its printed form is another value", of.name));
             }
-            Ok(_) => seen.outcome("a value"),
-            Err(error) => seen.outcome(&kind(&error.to_string())),
+            Ok(_) => tally.outcome("a value"),
+            Err(error) => tally.outcome(&kind(&error.to_string())),
         }
     }
     let answer = Answer::to("scan").field("q", 65.2).field("mode", "run").field("resonances", json!([{ "q": 65.0 }, [1, null]]));
@@ -100,10 +102,10 @@ fn single(chance: &mut Chance, words: &[String], seen: &mut Seen) -> Result<(), 
     let given = [name, relation, &word, "+-", &word];
     match Expect::parse(&given[..chance.below(6) as usize]) {
         Ok(expect) => match expect.judge(&answer) {
-            Ok(_) => seen.outcome("an expectation that holds"),
-            Err(error) => seen.outcome(&kind(&error.to_string())),
+            Ok(_) => tally.outcome("an expectation that holds"),
+            Err(error) => tally.outcome(&kind(&error.to_string())),
         },
-        Err((place, why)) if place <= given.len() => seen.outcome(&kind(&why)),
+        Err((place, why)) if place <= given.len() => tally.outcome(&kind(&why)),
         Err((place, why)) => return Err(format!("{given:?}: {why}, at {place}")),
     }
     Ok(())

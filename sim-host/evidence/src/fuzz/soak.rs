@@ -1,12 +1,13 @@
-//! Soak: a whole simulated board with its plant, for very many samples, under random orders, faults of its sensors that come and go, and bytes turned on its
-//! link.
+//! Soak test: a whole simulated board with its plant, over very many samples, under random orders,
+//! sensor faults that come and go, and flipped bits on its link.
 //!
 //! ```text
 //! orders, damage --> UART --> board (background task, block task, flash, watchdog) <--> faults <--> plant of a scene
 //! ```
 //!
-//! It may refuse, fault, and reset where it is ordered to. It may not panic, play beyond the voltage limit that is built in, be reset by its watchdog, send
-//! what is no frame, report a number of its drive that is none, or stay away: in the end, with everything mended, it falls silent by order, and runs again.
+//! The board may refuse, fault, and reset when ordered to. It must not panic, exceed the built-in
+//! voltage limit, be reset by its watchdog, send an invalid frame, or report a drive that is not
+//! finite. At the end, with all faults cleared, it must stop on command and run again.
 
 use ::link::simulated_board::SimulatedBoard;
 use firmware::board::command::{Command, Reply};
@@ -19,9 +20,10 @@ use hal_mock::chance::Chance;
 use hal_mock::fault_injector::FaultKind;
 use scene::load::load;
 
-use super::frames::honest;
-use super::target::{Seen, Target};
+use super::frames::valid;
+use super::target::{Tally, Target};
 use super::text::pick;
+use crate::campaign::{cells, columns};
 use crate::evidence::{Error, Evidence, Options};
 use report::{Report, TableBlock};
 use sim::study::StudyError;
@@ -29,16 +31,19 @@ use sim::study::StudyError;
 pub(super) const TARGET: Target =
     Target { name: "soak", what: "samples of a board and its plant", seeds_per_million: 1, feed, corpus: |_| Ok(()) };
 
-/// Millions of samples, and those of the quick variant.
+/// Millions of samples, full and quick.
 const MILLIONS: [u32; 2] = [1000, 8];
-/// Samples of each seed.
+/// Number of samples of each seed.
 const SAMPLES: u64 = 1_000_000;
-/// The boards: one of each kind of drive, one with four lanes, one with an encoder and a force channel.
+/// Scenes of the boards: one of each kind of drive, one with four lanes, one with an encoder and a
+/// force channel.
 const SCENES: [&str; 6] = ["lock", "lock-cold", "burst", "usm", "friction-burst", "belt-stop"];
-/// How often something comes in a block: an order, a fault or a repair, a turned byte.
-const ORDER: f64 = 0.004;
-const FAULT: f64 = 0.0004;
-const DAMAGE: f64 = 0.0005;
+/// Probability of an order in a block.
+const ORDER_PROBABILITY: f64 = 0.004;
+/// Probability of a fault in a block.
+const FAULT_PROBABILITY: f64 = 0.0004;
+/// Probability of a flipped bit in a block.
+const DAMAGE_PROBABILITY: f64 = 0.0005;
 /// Faults that come and go.
 const FAULTS: [FaultKind; 11] = [
     FaultKind::Open,
@@ -53,41 +58,31 @@ const FAULTS: [FaultKind; 11] = [
     FaultKind::AmplifierFault,
     FaultKind::Supply,
 ];
-/// The same of a belt's encoder, where there is one: one that comes and goes is lost.
+/// Faults of a belt's encoder that come and go; an intermittent encoder counts as lost.
 const OF_BELT: [FaultKind; 4] = [FaultKind::BeltStopped, FaultKind::EncoderStuck, FaultKind::EncoderLies, FaultKind::EncoderLost];
-/// How long a reset, an answer, and a start may take in the end, s.
+/// Time within which a reset must be over at the end, s.
 const RESET_WITHIN_S: f64 = 0.2;
+/// Time within which the board must answer at the end, s.
 const ANSWERED_WITHIN_S: f64 = 0.2;
+/// Time within which the board must start to drive at the end, s.
 const RUNS_WITHIN_S: f64 = 1.0;
 
-/// Soaks so many boards.
+/// Runs the soak test, and returns the evidence.
 pub(crate) fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     let millions = options.count.unwrap_or(MILLIONS[usize::from(options.quick)]);
     (options.progress)(&format!("{millions} million samples"));
     let seeds = options.seed.map_or(0..TARGET.seeds(millions), |seed| seed..seed + 1);
     let (boards, began) = (seeds.end - seeds.start, std::time::Instant::now());
-    let (seen, missed) = TARGET.run(seeds, options.stop).ok_or(StudyError::Interrupted)?;
+    let (tally, missed) = TARGET.run(seeds, options.stop).ok_or(StudyError::Interrupted)?;
     let seconds = began.elapsed().as_secs_f64();
-    let count = |kind: &str| seen.outcomes.get(kind).copied().unwrap_or(0).to_string();
-    let header = ["boards", "samples", "orders", "faults struck", "resets", "failures", "time [s]", "Msample/s"];
-    let row = vec![
-        boards.to_string(),
-        seen.inputs.to_string(),
-        count("order"),
-        count("fault struck"),
-        count("reset"),
-        missed.len().to_string(),
-        format!("{seconds:.1}"),
-        format!("{:.2}", seen.inputs as f64 / seconds.max(1e-3) / 1e6),
-    ];
-    let table = TableBlock::new(
-        "soak",
-        "Soaked",
-        "Each board a million samples, and what it takes to fall silent and run in the end.",
-        &header,
-        vec![row],
-    );
-    let kinds = seen.outcomes.iter().map(|(kind, count)| vec![kind.clone(), count.to_string()]).collect();
+    let count = |kind: &str| tally.outcomes.get(kind).copied().unwrap_or(0);
+    let header = columns("boards | samples | orders | faults injected | resets | failures | time [s] | Msample/s");
+    let [orders, faults, resets] = ["order", "fault struck", "reset"].map(count);
+    let (time, rate) = (format!("{seconds:.1}"), format!("{:.2}", tally.inputs as f64 / seconds.max(1e-3) / 1e6));
+    let row = cells![boards, tally.inputs, orders, faults, resets, missed.len(), time, rate];
+    let caption = "Each board runs a million samples, and then until it stops and runs again on command.";
+    let table = TableBlock::new("soak", "Soak test", caption, &header, vec![row]);
+    let kinds = tally.outcomes.iter().map(|(kind, count)| cells![kind, count]).collect();
     let outcomes = TableBlock::new("outcomes", "Outcomes", "", &["outcome", "count"], kinds);
     Ok(Evidence {
         docs: vec![table.clone()],
@@ -97,21 +92,22 @@ pub(crate) fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     })
 }
 
-/// A board, and what a host knows of it.
+/// A board, with the state of its host.
 struct Soaked {
     board: SimulatedBoard,
     receiver: Receiver,
     sequence: u16,
-    /// The session at the board; none before it has answered, and once it has refused a frame of it: after a reset.
+    /// Session at the board; none before the board has answered, and after it has refused a frame
+    /// of the session because of a reset.
     session: u32,
     limit_codes: u16,
     mid_code: u16,
     latest: Option<Telemetry>,
-    /// What the board has answered in the end.
-    said: Vec<String>,
+    /// Answers of the board at the end.
+    answers: Vec<String>,
 }
 
-fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
+fn feed(seed: u64, tally: &mut Tally) -> Result<(), String> {
     let mut chance = Chance::new(seed);
     let name = SCENES[(seed % SCENES.len() as u64) as usize];
     let loaded = load(name, &[format!("seed={}", seed % 1000)]).map_err(|error| error.to_string())?;
@@ -129,41 +125,41 @@ fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
         limit_codes,
         mid_code,
         latest: None,
-        said: Vec::new(),
+        answers: Vec::new(),
     };
     let with_belt = soaked.board.config().front_end.metre_per_count.is_some();
     let faults = if with_belt { [&FAULTS[..], &OF_BELT].concat() } else { FAULTS.to_vec() };
     for _ in 0..SAMPLES / samples {
-        if chance.strikes(ORDER) {
-            seen.outcome("order");
+        if chance.strikes(ORDER_PROBABILITY) {
+            tally.outcome("order");
             let order = match soaked.session {
                 NO_SESSION => Command::Identify(chance.below(1 << 32) as u32),
                 _ if chance.strikes(0.3) => Command::ClearFault,
-                _ => honest(&mut chance),
+                _ => valid(&mut chance),
             };
             soaked.order(order, Some(&mut chance))?;
         }
-        if chance.strikes(FAULT) {
+        if chance.strikes(FAULT_PROBABILITY) {
             let kind = pick(&mut chance, &faults).ok_or("no fault")?;
-            seen.outcome("fault struck");
+            tally.outcome("fault struck");
             soaked.board.change_rig(|rig| rig.inner.strike(kind));
         }
-        if chance.strikes(4.0 * FAULT) {
+        if chance.strikes(4.0 * FAULT_PROBABILITY) {
             soaked.board.change_rig(|rig| faults.iter().for_each(|&kind| rig.inner.repair(kind)));
         }
-        soaked.block(seen)?;
+        soaked.block(tally)?;
     }
-    seen.inputs += SAMPLES;
-    soaked.in_the_end(seen).map_err(|failure| format!("{name}: {failure}"))
+    tally.inputs += SAMPLES;
+    soaked.check_final_state(tally).map_err(|failure| format!("{name}: {failure}"))
 }
 
 impl Soaked {
-    /// Sends an order, by chance with a bit turned.
+    /// Sends an order, with a bit flipped at random.
     fn order(&mut self, command: Command, chance: Option<&mut Chance>) -> Result<(), String> {
         self.sequence = self.sequence.wrapping_add(1);
         let mut frame = encode(self.sequence, self.session, command).map_err(|error| format!("{error:?}"))?;
         if let Some(chance) = chance
-            && chance.strikes(DAMAGE / ORDER)
+            && chance.strikes(DAMAGE_PROBABILITY / ORDER_PROBABILITY)
         {
             let at = chance.below(frame.len() as u64) as usize;
             frame[at] ^= 1 << chance.below(8);
@@ -172,8 +168,8 @@ impl Soaked {
         Ok(())
     }
 
-    /// One block, and what has come of it.
-    fn block(&mut self, seen: &mut Seen) -> Result<(), String> {
+    /// Runs one block, and checks its results.
+    fn block(&mut self, tally: &mut Tally) -> Result<(), String> {
         self.board.block();
         let mid_code = self.mid_code;
         let loudest = self.board.with_rig(|rig| {
@@ -181,13 +177,13 @@ impl Soaked {
             codes.map(|code| code.abs_diff(mid_code)).max().unwrap_or(0)
         });
         if loudest > self.limit_codes {
-            return Err(format!("{loudest} codes, and the limit is {}", self.limit_codes));
+            return Err(format!("{loudest} codes, but the limit is {}", self.limit_codes));
         }
         let mut bytes = [0; 64];
         let count = self.board.receive(&mut bytes);
         for &byte in &bytes[..count] {
             match self.receiver.take::<Reply>(byte) {
-                Some(Ok(frame)) => self.take(&frame, seen)?,
+                Some(Ok(frame)) => self.take(&frame, tally)?,
                 Some(Err(error)) => return Err(format!("the board has sent {error:?}")),
                 None => {}
             }
@@ -195,71 +191,72 @@ impl Soaked {
         Ok(())
     }
 
-    fn take(&mut self, frame: &Frame<Reply>, seen: &mut Seen) -> Result<(), String> {
+    fn take(&mut self, frame: &Frame<Reply>, tally: &mut Tally) -> Result<(), String> {
         if !matches!(frame.body, Reply::Telemetry(_) | Reply::Status(_)) {
-            self.said.push(format!("{}: {:?}", frame.sequence, frame.body));
+            self.answers.push(format!("{}: {:?}", frame.sequence, frame.body));
         }
         match &frame.body {
             Reply::Telemetry(report) | Reply::Status(Some(report)) => {
                 let numbers = [report.drive.0, report.envelope, report.frequency.0];
                 if numbers.iter().any(|number| !number.is_finite()) {
-                    return Err(format!("a drive that is none: {report:?}"));
+                    return Err(format!("a drive that is not finite: {report:?}"));
                 }
-                seen.outcome(&format!("mode {:?}", report.mode));
+                tally.outcome(&format!("mode {:?}", report.mode));
                 if let Some(fault) = report.fault {
-                    seen.outcome(&format!("fault {fault:?}"));
+                    tally.outcome(&format!("fault {fault:?}"));
                 }
                 if self.latest.is_some_and(|latest| latest.block > report.block) {
-                    seen.outcome("reset");
+                    tally.outcome("reset");
                 }
                 self.latest = Some(*report);
             }
             Reply::Faults(report) if report.last_run == Start::Watchdog => return Err("the watchdog has reset the board".into()),
             Reply::Identity(identity) => self.session = identity.session,
             Reply::Nak(Refusal::Session) if frame.session == self.session => {
-                seen.outcome("refused: Session");
+                tally.outcome("refused: Session");
                 self.session = NO_SESSION;
             }
-            Reply::Nak(refusal) => seen.outcome(&format!("refused: {refusal:?}")),
+            Reply::Nak(refusal) => tally.outcome(&format!("refused: {refusal:?}")),
             _ => {}
         }
         Ok(())
     }
 
-    /// Everything is mended: it falls silent by order, and then drives by order, whatever was before.
-    fn in_the_end(&mut self, seen: &mut Seen) -> Result<(), String> {
+    /// Clears all faults, and checks that the board stops and then drives on command.
+    fn check_final_state(&mut self, tally: &mut Tally) -> Result<(), String> {
         self.board.change_rig(|rig| FAULTS.iter().chain(&OF_BELT).for_each(|&kind| rig.inner.repair(kind)));
-        // What was ordered last has been answered, and a reset is over, before which all that the UART holds leaves.
-        self.wait(RESET_WITHIN_S, seen)?;
-        self.said.clear();
+        // The last orders must have been answered. A reset, before which the UART sends its
+        // remaining bytes, must be over.
+        self.wait(RESET_WITHIN_S, tally)?;
+        self.answers.clear();
         self.order(Command::Identify(1), None)?;
-        self.wait(0.02, seen)?;
-        // What was set stands in the flash, and may not fit this plant; the reset is refused as long as it drives.
+        self.wait(0.02, tally)?;
+        // The stored settings may not fit this plant. A reset is refused while the board drives.
         for command in [Command::Idle, Command::Patience(0.0), Command::Idle, Command::ClearFault, Command::Faults(0)] {
             self.order(command, None)?;
-            self.wait(0.02, seen)?;
+            self.wait(0.02, tally)?;
         }
-        self.until(Command::Status, ANSWERED_WITHIN_S, seen, |report| matches!(report.mode, Mode::Idle))?;
+        self.until(Command::Status, ANSWERED_WITHIN_S, tally, |report| matches!(report.mode, Mode::Idle))?;
         self.order(Command::Run, None)?;
-        self.until(Command::Status, RUNS_WITHIN_S, seen, |report| report.mode != Mode::Idle)
+        self.until(Command::Status, RUNS_WITHIN_S, tally, |report| report.mode != Mode::Idle)
     }
 
-    fn wait(&mut self, seconds: f64, seen: &mut Seen) -> Result<(), String> {
-        (0..(seconds / self.board.block_s()) as u64).try_for_each(|_| self.block(seen))
+    fn wait(&mut self, seconds: f64, tally: &mut Tally) -> Result<(), String> {
+        (0..(seconds / self.board.block_s()) as u64).try_for_each(|_| self.block(tally))
     }
 
-    /// Asks until a report is as it must be.
-    fn until(&mut self, ask: Command, seconds: f64, seen: &mut Seen, is: impl Fn(&Telemetry) -> bool) -> Result<(), String> {
+    /// Repeats a request until a report fulfils a condition.
+    fn until(&mut self, ask: Command, seconds: f64, tally: &mut Tally, is: impl Fn(&Telemetry) -> bool) -> Result<(), String> {
         let until = self.board.now().as_secs_f64() + seconds;
         self.latest = None;
         while self.board.now().as_secs_f64() < until {
             self.order(ask, None)?;
-            self.wait(0.01, seen)?;
+            self.wait(0.01, tally)?;
             if self.latest.as_ref().is_some_and(&is) {
                 return Ok(());
             }
         }
-        Err(format!("in the end it is not as it must be, after order {}: {:?}; {:?}", self.sequence, self.latest, self.said))
+        Err(format!("the final state is not reached, after order {}: {:?}; {:?}", self.sequence, self.latest, self.answers))
     }
 }
 
@@ -269,11 +266,11 @@ mod tests {
 
     #[test]
     fn a_short_soak_of_every_board_finds_nothing() {
-        let (seen, failures) = TARGET.run(0..SCENES.len() as u64, None).unwrap();
-        println!("{:#?}", seen.outcomes);
+        let (tally, failures) = TARGET.run(0..SCENES.len() as u64, None).unwrap();
+        println!("{:#?}", tally.outcomes);
         assert!(failures.is_empty(), "{}", failures.join("\n"));
         for reached in ["mode Run", "fault struck", "refused: Driving", "refused: Session"] {
-            assert!(seen.outcomes.contains_key(reached), "{reached}: {:?}", seen.outcomes);
+            assert!(tally.outcomes.contains_key(reached), "{reached}: {:?}", tally.outcomes);
         }
     }
 }

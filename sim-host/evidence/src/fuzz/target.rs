@@ -1,4 +1,4 @@
-//! A target of fuzzing: what is fed, by seeds, and what was seen of it.
+//! A target of fuzzing: it feeds the inputs of a seed, and counts the outcomes.
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -8,33 +8,33 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-/// What is fed.
+/// A target of fuzzing.
 pub(super) struct Target {
     /// Name of the target.
     pub(super) name: &'static str,
-    /// What is fed, in a few words.
+    /// Kind of its input, in a few words.
     pub(super) what: &'static str,
-    /// Seeds for each million bytes over the link.
+    /// Number of seeds for each million bytes over the link.
     pub(super) seeds_per_million: u64,
-    /// Feeds what belongs to a seed; an error says what it must not have done.
-    pub(super) feed: fn(u64, &mut Seen) -> Result<(), String>,
+    /// Feeds the inputs of a seed; an error describes a violation.
+    pub(super) feed: fn(u64, &mut Tally) -> Result<(), String>,
     /// Feeds the corpus.
-    pub(super) corpus: fn(&mut Seen) -> Result<(), String>,
+    pub(super) corpus: fn(&mut Tally) -> Result<(), String>,
 }
 
-/// What was fed, and what it came to.
+/// Counts of inputs and outcomes.
 #[derive(Debug, Default)]
-pub(super) struct Seen {
-    /// Inputs.
+pub(super) struct Tally {
+    /// Number of inputs.
     pub(super) inputs: u64,
-    /// Their bytes.
+    /// Number of bytes of all inputs.
     pub(super) bytes: u64,
-    /// Outcomes, and how often each was reached.
+    /// Number of times each outcome was reached.
     pub(super) outcomes: BTreeMap<String, u64>,
 }
 
-impl Seen {
-    /// Counts an input of so many bytes.
+impl Tally {
+    /// Counts an input of `bytes` bytes.
     pub(super) fn input(&mut self, bytes: usize) {
         self.inputs += 1;
         self.bytes += bytes as u64;
@@ -48,7 +48,7 @@ impl Seen {
         }
     }
 
-    fn add(&mut self, other: Seen) {
+    fn add(&mut self, other: Tally) {
         self.inputs += other.inputs;
         self.bytes += other.bytes;
         other.outcomes.into_iter().for_each(|(kind, count)| *self.outcomes.entry(kind).or_default() += count);
@@ -56,68 +56,69 @@ impl Seen {
 }
 
 impl Target {
-    /// How many seeds belong to so many million bytes over the link.
+    /// Returns the number of seeds for this number of million bytes over the link.
     pub(super) fn seeds(&self, millions: u32) -> u64 {
         self.seeds_per_million * u64::from(millions)
     }
 
-    /// Feeds the corpus and these seeds; what was seen, and the failures. None where it was stopped.
-    pub(super) fn run(&self, seeds: Range<u64>, stop: Option<&AtomicBool>) -> Option<(Seen, Vec<String>)> {
-        let mut all = Seen::default();
+    /// Feeds the corpus and these seeds, and returns the counts and the failures; `None` if
+    /// stopped.
+    pub(super) fn run(&self, seeds: Range<u64>, stop: Option<&AtomicBool>) -> Option<(Tally, Vec<String>)> {
+        let mut all = Tally::default();
         let corpus = caught(&mut all, self.corpus).map_err(|failure| format!("{}, corpus: {failure}", self.name));
         let mut failures: Vec<String> = corpus.err().into_iter().collect();
         let one = |seed: u64| {
             if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
                 return None;
             }
-            let mut seen = Seen::default();
-            let fed = caught(&mut seen, |seen| (self.feed)(seed, seen));
-            Some((seen, fed.err().map(|failure| format!("{}, --seed {seed}: {failure}", self.name))))
+            let mut tally = Tally::default();
+            let fed = caught(&mut tally, |tally| (self.feed)(seed, tally));
+            Some((tally, fed.err().map(|failure| format!("{}, --seed {seed}: {failure}", self.name))))
         };
-        for (seen, failure) in seeds.into_par_iter().map(one).collect::<Option<Vec<_>>>()? {
-            all.add(seen);
+        for (tally, failure) in seeds.into_par_iter().map(one).collect::<Option<Vec<_>>>()? {
+            all.add(tally);
             failures.extend(failure);
         }
         Some((all, failures))
     }
 }
 
-/// Feeds; a panic is a failure as any other.
-fn caught(seen: &mut Seen, feed: impl FnOnce(&mut Seen) -> Result<(), String>) -> Result<(), String> {
-    catch_unwind(AssertUnwindSafe(|| feed(seen))).unwrap_or_else(|panic| Err(format!("a panic: {}", said(&*panic))))
+/// Feeds input, and turns a panic into a failure.
+fn caught(tally: &mut Tally, feed: impl FnOnce(&mut Tally) -> Result<(), String>) -> Result<(), String> {
+    catch_unwind(AssertUnwindSafe(|| feed(tally))).unwrap_or_else(|panic| Err(format!("a panic: {}", panic_message(&*panic))))
 }
 
-/// What a panic says.
-fn said(panic: &(dyn Any + Send)) -> &str {
+/// Returns the message of a panic.
+fn panic_message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("without a word")
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("without a message")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// What panics at one seed, and refuses another.
+    /// A target that panics at one seed and fails at another.
     const TARGET: Target = Target {
         name: "odd",
         what: "numbers",
         seeds_per_million: 1,
-        feed: |seed, seen| {
-            seen.input(8);
+        feed: |seed, tally| {
+            tally.input(8);
             assert_ne!(seed, 3, "three");
             if seed == 5 {
                 return Err("five".into());
             }
-            seen.outcome("fine");
+            tally.outcome("fine");
             Ok(())
         },
         corpus: |_| Ok(()),
     };
 
     #[test]
-    fn panics_and_failures_are_named_by_their_seeds_and_the_rest_goes_on() {
-        let (seen, failures) = TARGET.run(0..8, None).unwrap();
-        assert_eq!((seen.inputs, seen.bytes, seen.outcomes["fine"]), (8, 64, 6));
+    fn failures_are_reported_by_seed_and_the_rest_runs() {
+        let (tally, failures) = TARGET.run(0..8, None).unwrap();
+        assert_eq!((tally.inputs, tally.bytes, tally.outcomes["fine"]), (8, 64, 6));
         assert!(failures[0].starts_with("odd, --seed 3: a panic: ") && failures[0].contains("three"), "{failures:?}");
         assert_eq!(failures[1..], ["odd, --seed 5: five"]);
     }

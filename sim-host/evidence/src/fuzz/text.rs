@@ -1,9 +1,10 @@
-//! Texts made of other texts: lines and words left out, doubled, exchanged between two, or replaced by what words of such a text can be.
+//! Mutates texts: lines and words are removed, doubled, swapped between two texts, or replaced by
+//! possible words.
 
 use hal_mock::chance::Chance;
 use scene::diagnostic::Report;
 
-/// Words that numbers, keys and strings are replaced by.
+/// Words that replace numbers, keys and strings.
 const WORDS: [&str; 44] = [
     "0",
     "-0",
@@ -50,10 +51,10 @@ const WORDS: [&str; 44] = [
     "1979-05-27",
     "\u{1F50A}",
 ];
-/// How often something may stand within itself.
-const DEEP: [usize; 4] = [3, 60, 300, 5000];
+/// Depths of nesting.
+const NESTING_DEPTHS: [usize; 4] = [3, 60, 300, 5000];
 
-/// A text with some changes; `other` lends lines and words, `words` has more of them.
+/// Returns a text with some changes; lines and words come from `other`, further words from `words`.
 pub(super) fn changed(chance: &mut Chance, text: &str, other: &str, words: &[String]) -> String {
     let mut text = text.to_owned();
     for _ in 0..=chance.below(4) {
@@ -85,7 +86,7 @@ fn change(chance: &mut Chance, text: &str, other: &str, words: &[String]) -> Str
             return String::from_utf8_lossy(&bytes).into_owned();
         }
         6 if chance.strikes(0.2) => {
-            let deep = DEEP[chance.below(DEEP.len() as u64) as usize];
+            let deep = NESTING_DEPTHS[chance.below(NESTING_DEPTHS.len() as u64) as usize];
             let one = ["[", "{a=", "a.", "\"", "'", "[["][chance.below(6) as usize];
             return format!("{text}\nx = {}\n", one.repeat(deep));
         }
@@ -94,7 +95,7 @@ fn change(chance: &mut Chance, text: &str, other: &str, words: &[String]) -> Str
     lines.concat()
 }
 
-/// One word replaced, or something put before it.
+/// Replaces one word, or inserts something before it.
 fn word(chance: &mut Chance, text: &str, other: &str, words: &[String]) -> String {
     let places = spans(text);
     let Some(&(from, to)) = places.get(chance.below(places.len().max(1) as u64) as usize) else { return text.to_owned() };
@@ -108,12 +109,12 @@ fn word(chance: &mut Chance, text: &str, other: &str, words: &[String]) -> Strin
     format!("{}{new}{}", &text[..from], &text[from_or_to..])
 }
 
-/// One of these, if there are any.
+/// Draws one of the items, if there are any.
 pub(super) fn pick<T: Clone>(chance: &mut Chance, among: &[T]) -> Option<T> {
     among.get(chance.below(among.len() as u64) as usize).cloned()
 }
 
-/// Where the words of a text are: what stands together of letters, digits and the like.
+/// Returns the positions of the words of a text: runs of letters, digits and similar characters.
 fn spans(text: &str) -> Vec<(usize, usize)> {
     let is_part = |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '.' | '+');
     let (mut spans, mut open) = (Vec::new(), None);
@@ -130,12 +131,13 @@ fn spans(text: &str) -> Vec<(usize, usize)> {
     spans
 }
 
-/// The beginning of a text, to a letter's edge.
+/// Returns the beginning of a text, cut between two characters.
 fn cut(text: &str, at: usize) -> &str {
     (0..=at).rev().find_map(|at| text.get(..at)).unwrap_or_default()
 }
 
-/// What is wrong, in kind: its message without names, numbers and what a text has said. A report that says nothing is none.
+/// Returns the kinds of the problems in a report: messages without names, numbers and quoted text.
+/// A report without a message is an error.
 pub(super) fn kinds(report: &Report) -> Result<Vec<String>, String> {
     let rendered = report.render(false);
     if report.problems().is_empty() || report.problems().iter().any(|problem| problem.message.trim().is_empty()) {
@@ -144,7 +146,7 @@ pub(super) fn kinds(report: &Report) -> Result<Vec<String>, String> {
     Ok(report.problems().iter().map(|problem| kind(&problem.message)).collect())
 }
 
-/// A message without what stands between backticks or quotes, and without numbers.
+/// Returns a message without numbers and without the text between backticks or quotes.
 pub(super) fn kind(message: &str) -> String {
     let mut kind = String::new();
     for (n, part) in message.split(['`', '"']).enumerate() {
@@ -174,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_chance_changes_alike() {
+    fn equal_seeds_change_equally() {
         let changed = |seed| changed(&mut Chance::new(seed), "a = 1\nb = 2\n", "c = 3\n", &["d".into()]);
         assert_eq!(changed(7), changed(7));
         assert!((0..20).any(|seed| changed(seed) != "a = 1\nb = 2\n"));

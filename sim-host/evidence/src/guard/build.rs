@@ -1,17 +1,17 @@
-//! What one run is built like, and the numbers by which runs differ.
+//! Parameters of one run, and the random numbers by which runs differ.
 
 use crate::random::Random;
 
-/// What one run is built like.
+/// Parameters of one run.
 #[derive(Clone, Copy, Debug)]
-pub struct Build {
+pub struct RunParameters {
     /// Speed of the belt, m/s.
     pub speed_m_per_s: f64,
-    /// Ripple of the belt's speed, rms as a part of it.
+    /// Ripple of the belt's speed, rms, relative to the speed.
     pub ripple_rms: f64,
     /// Counts of the encoder, 1/mm.
     pub counts_per_mm: f64,
-    /// Which part of a count the belt has passed at the beginning.
+    /// Fraction of a count that the belt has passed at the beginning.
     pub phase: f64,
     /// Setting `limits.belt_stop_ms` of the controller.
     pub stop_ms: f64,
@@ -25,7 +25,7 @@ pub struct Build {
     pub seed: u64,
 }
 
-/// A number in 0 to 1 that belongs to a seed.
+/// Returns a number from 0 to 1 that is determined by a seed and a salt.
 pub fn part(seed: u64, salt: u64) -> f64 {
     Random::new(seed ^ (salt << 32)).part()
 }

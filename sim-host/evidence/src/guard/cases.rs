@@ -1,74 +1,77 @@
-//! What happens to a belt, what its encoder says of it, and what must come of it.
+//! Events of the belt and its encoder, and the required response.
 
-use super::build::{self, Build};
+use super::build::{self, RunParameters};
 
-/// Speed below which counts come later than the interlock waits, m/s.
+/// Returns the speed below which the time between counts exceeds the interlock's timeout, m/s.
 pub fn slowest_m_per_s(counts_per_mm: f64, stop_ms: f64) -> f64 {
     1.0 / (1e3 * counts_per_mm * 1e-3 * stop_ms)
 }
 
-/// What the interlock waits for, and an encoder that is good enough, and the force channel's bandwidth.
+/// Timeout of the interlock, ms.
 pub const STOP_MS: f64 = 2.4;
+/// Resolution of a sufficient encoder, 1/mm.
 const COUNTS_PER_MM: f64 = 100.0;
+/// Bandwidth of the force channel, Hz.
 const FORCE_HZ: f64 = 500.0;
-/// The drive is to be OFF so soon, ms.
-const TARGET_MS: f64 = 5.0;
+/// Time within which the drive must be OFF, ms.
+const MAX_OFF_MS: f64 = 5.0;
 
-/// Events of belt and encoder.
+/// Kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum What {
-    /// The belt comes to a stand, at once or over up to 20 ms.
+pub enum EventKind {
+    /// The belt stops, at once or within up to 20 ms.
     Stops,
-    /// The belt slows, within 5 ms, to anything up to seven tenths of the slowest that the interlock bears.
+    /// The belt slows, within 5 ms, to at most seven tenths of the slowest speed that the interlock
+    /// allows.
     Slows,
     /// The encoder stays at its last count.
     Sticks,
     /// A line of the encoder breaks.
     Breaks,
-    /// The belt stops, and the encoder goes on counting at its pace.
+    /// The belt stops, but the encoder continues to count at its pace.
     Lies,
 }
 
-/// An event, and what must come of it.
+/// An event, with the required response.
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
-    /// Name of the event, in tables.
+    /// Name in tables.
     pub name: &'static str,
-    /// Event of belt or encoder.
-    pub what: What,
+    /// Kind of the event.
+    pub what: EventKind,
     /// Setting `limits.belt_stop_ms` of the controller.
     pub stop_ms: f64,
     /// Bandwidth of the force channel, Hz, if there is one.
     pub force_hz: Option<f64>,
-    /// The drive must be OFF within so long, ms; none where the time is only reported.
+    /// Time within which the drive must be OFF, ms; `None` if the time is only reported.
     pub at_most_ms: Option<f64>,
 }
 
-const fn event(name: &'static str, what: What) -> Event {
-    Event { name, what, stop_ms: STOP_MS, force_hz: Some(FORCE_HZ), at_most_ms: Some(TARGET_MS) }
+const fn event(name: &'static str, what: EventKind) -> Event {
+    Event { name, what, stop_ms: STOP_MS, force_hz: Some(FORCE_HZ), at_most_ms: Some(MAX_OFF_MS) }
 }
 
 /// All events that are run.
 pub const EVENTS: &[Event] = &[
-    event("stop", What::Stops),
-    event("slow", What::Slows),
-    event("stuck", What::Sticks),
-    event("lost", What::Breaks),
-    Event { at_most_ms: None, ..event("lies, force channel of 500 Hz", What::Lies) },
-    Event { at_most_ms: None, force_hz: Some(2000.0), ..event("lies, 2 kHz", What::Lies) },
-    Event { at_most_ms: None, force_hz: Some(80.0), ..event("lies, 80 Hz", What::Lies) },
-    Event { force_hz: None, ..event("stop, encoder alone", What::Stops) },
-    Event { force_hz: None, ..event("slow, encoder alone", What::Slows) },
-    Event { at_most_ms: None, force_hz: None, stop_ms: 4.0, ..event("stop, encoder alone, 4 ms", What::Stops) },
-    Event { at_most_ms: None, force_hz: None, stop_ms: 4.0, ..event("slow, encoder alone, 4 ms", What::Slows) },
+    event("stop", EventKind::Stops),
+    event("slow", EventKind::Slows),
+    event("stuck", EventKind::Sticks),
+    event("lost", EventKind::Breaks),
+    Event { at_most_ms: None, ..event("lies, force channel of 500 Hz", EventKind::Lies) },
+    Event { at_most_ms: None, force_hz: Some(2000.0), ..event("lies, 2 kHz", EventKind::Lies) },
+    Event { at_most_ms: None, force_hz: Some(80.0), ..event("lies, 80 Hz", EventKind::Lies) },
+    Event { force_hz: None, ..event("stop, encoder alone", EventKind::Stops) },
+    Event { force_hz: None, ..event("slow, encoder alone", EventKind::Slows) },
+    Event { at_most_ms: None, force_hz: None, stop_ms: 4.0, ..event("stop, encoder alone, 4 ms", EventKind::Stops) },
+    Event { at_most_ms: None, force_hz: None, stop_ms: 4.0, ..event("slow, encoder alone, 4 ms", EventKind::Slows) },
 ];
 
 impl Event {
-    /// What this run is built like: 10 to 70 mm/s with a ripple of 10 %.
-    pub fn build(&self, run: u32) -> Build {
+    /// Returns the parameters of a run: 10 to 70 mm/s with a ripple of 10 %.
+    pub fn build(&self, run: u32) -> RunParameters {
         let seed = u64::from(run) + 1;
         let part = |salt: u64| build::part(seed, salt);
-        Build {
+        RunParameters {
             speed_m_per_s: 0.01 + 0.06 * part(1),
             ripple_rms: 0.1,
             counts_per_mm: COUNTS_PER_MM,
@@ -82,10 +85,10 @@ impl Event {
     }
 }
 
-/// An encoder of a standing belt that goes on counting, without a force channel to detect it.
+/// An encoder of a stopped belt that continues to count, without a force channel to detect it.
 #[derive(Clone, Copy, Debug)]
 pub struct EncoderFault {
-    /// The pace at which the encoder counts while the belt stands, m/s.
+    /// Speed at which the encoder counts while the belt stands still, m/s.
     pub pace_m_per_s: f64,
     /// Setting `limits.energy_j_per_m` of the controller.
     pub energy_j_per_m: Option<f64>,
@@ -103,9 +106,9 @@ pub const ENCODER_FAULTS: &[EncoderFault] = &[
 ];
 
 impl EncoderFault {
-    /// The rig with the limits that are to catch the fault.
-    pub fn build(&self) -> Build {
-        Build {
+    /// Returns the parameters, with the limits that are to end the fault.
+    pub fn build(&self) -> RunParameters {
+        RunParameters {
             speed_m_per_s: 0.0,
             ripple_rms: 0.0,
             counts_per_mm: COUNTS_PER_MM,
@@ -119,18 +122,18 @@ impl EncoderFault {
     }
 }
 
-/// A belt that moves, and must not be taken for one that does not.
+/// A moving belt, which should not be mistaken for a stopped one.
 #[derive(Clone, Copy, Debug)]
 pub struct MovingBelt {
-    /// Counts of its encoder, 1/mm.
+    /// Resolution of its encoder, 1/mm.
     pub counts_per_mm: f64,
     /// Setting `limits.belt_stop_ms` of the controller.
     pub stop_ms: f64,
     /// Speed of the belt, m/s.
     pub speed_m_per_s: f64,
-    /// Ripple, rms as a part of it, at 10 Hz.
+    /// Ripple of the speed at 10 Hz, rms, relative to the speed.
     pub ripple_rms: f64,
-    /// Whether the belt must not trip at all.
+    /// `true` if the belt must not trip at all.
     pub must_pass: bool,
 }
 
@@ -160,15 +163,15 @@ pub const MOVING_BELTS: &[MovingBelt] = &[
 ];
 
 impl MovingBelt {
-    /// Speed, encoder and ripple of the belt, in words.
+    /// Describes encoder, interlock, speed and ripple.
     pub fn name(&self) -> String {
         let MovingBelt { counts_per_mm, stop_ms, speed_m_per_s, ripple_rms, .. } = self;
         format!("{counts_per_mm} counts/mm, {stop_ms} ms, {} mm/s, {} %", 1e3 * speed_m_per_s, 100.0 * ripple_rms)
     }
 
-    /// What a part of it is built like.
-    pub fn build(&self, part: u32) -> Build {
-        Build {
+    /// Returns the parameters of a part of the simulation.
+    pub fn build(&self, part: u32) -> RunParameters {
+        RunParameters {
             speed_m_per_s: self.speed_m_per_s,
             ripple_rms: self.ripple_rms,
             counts_per_mm: self.counts_per_mm,
@@ -181,7 +184,8 @@ impl MovingBelt {
         }
     }
 
-    /// How often a second the speed sinks below what the interlock bears (Rice 1944): `f exp(-L^2 / 2)`, `L` deviations down.
+    /// Returns the rate at which the speed falls below the slowest that the interlock allows, 1/s
+    /// (Rice 1944): `f exp(-L^2 / 2)`, with the margin `L` in standard deviations.
     pub fn expected_per_s(&self) -> f64 {
         let slowest = slowest_m_per_s(self.counts_per_mm, self.stop_ms);
         let level = (1.0 - slowest / self.speed_m_per_s) / self.ripple_rms;

@@ -1,17 +1,17 @@
-//! The mean friction of a vibrating contact, without its carrier: Dahl's law of exponent one, averaged over a period (the method of averages,
-//! Bogoliubov and Mitropolsky 1961),
+//! The mean friction of a vibrating contact, without its carrier: Dahl's law of exponent one,
+//! averaged over a period (the method of averages, Bogoliubov and Mitropolsky 1961),
 //!
 //! ```text
 //! F' = Kt (<v> - F / Fc <|v|>),    v = V + Vv sin(omega t),
-//! <|v|> = (2 / pi) (V asin(V / Vv) + sqrt(Vv^2 - V^2)) where |V| < Vv, else |V|
+//! <|v|> = (2 / pi) (V asin(V / Vv) + sqrt(Vv^2 - V^2)) if |V| < Vv, else |V|
 //! ```
 //!
-//! which steps exactly while speed and vibration are held. Valid where the tip moves by less than a Dahl length, `Kt Vv / (omega Fc) << 1`:
-//! it is 0.02 here.
+//! with an exact step while speed and vibration are constant. Valid if the tip moves by less than a
+//! Dahl length, `Kt Vv / (omega Fc) << 1`; here it is 0.02.
 
 use std::f64::consts::FRAC_2_PI;
 
-/// A contact at its mean.
+/// A contact with its mean force.
 #[derive(Clone, Copy, Debug)]
 pub struct MeanFriction {
     stiffness_n_per_m: f64,
@@ -20,12 +20,13 @@ pub struct MeanFriction {
 }
 
 impl MeanFriction {
-    /// A contact whose force is zero at first.
+    /// Creates a contact with zero force.
     pub fn new(stiffness_n_per_m: f64, coulomb_n: f64) -> Self {
         MeanFriction { stiffness_n_per_m, coulomb_n, force_n: 0.0 }
     }
 
-    /// Slides for `step_s` at a speed under a vibration of this velocity amplitude, m/s. Returns the force at its end, N.
+    /// Slides for `step_s` at a speed under a vibration of this velocity amplitude, both m/s.
+    /// Returns the force at the end, N.
     pub fn slide(&mut self, speed: f64, vibration: f64, step_s: f64) -> f64 {
         let magnitude = mean_magnitude(speed, vibration);
         if magnitude > 0.0 {
@@ -50,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_mean_magnitude_is_that_of_a_sine_beside_zero() {
+    fn the_mean_magnitude_is_that_of_an_offset_sine() {
         for (speed, vibration) in [(0.0, 0.2), (0.05, 0.2), (-0.19, 0.2), (0.3, 0.2), (0.1, 0.0)] {
             let sine = |n: u32| (std::f64::consts::TAU * (f64::from(n) + 0.5) / 1e5).sin();
             let sum: f64 = (0..100_000).map(|n| (speed + vibration * sine(n)).abs()).sum();
@@ -58,7 +59,8 @@ mod tests {
         }
     }
 
-    /// Measured: 67.0 % less friction under 0.175 m/s at 0.038 m/s; experiment 1 through the whole chain says 66.8 %.
+    /// Measured: 67.0 % less friction under 0.175 m/s at 0.038 m/s; experiment 1 through the whole
+    /// chain gives 66.8 %.
     #[test]
     fn experiment_1_loses_two_thirds_of_its_friction() {
         let mut contact = MeanFriction::new(0.056e6, 1.644);
@@ -71,7 +73,7 @@ mod tests {
         });
         let reduction = 100.0 * (1.0 - contact.force_n / off);
         assert!((reduction - 66.8).abs() < 0.5, "{reduction}");
-        // A belt that stands keeps its force without ultrasound, and loses it with.
+        // A stopped belt keeps its force without ultrasound, and loses it with ultrasound.
         let held = contact.force_n;
         assert_eq!(contact.slide(0.0, 0.0, 1.0), held);
         (0..100).for_each(|_| {

@@ -1,4 +1,4 @@
-//! The firmware's guard over a belt, block by block and without the carrier.
+//! The firmware's guard over a belt, block by block, without the carrier.
 
 use firmware::guard::on_time::OnTime;
 use firmware::guard::weld::{Driving, Weld};
@@ -8,8 +8,8 @@ use firmware::seam::config::Config;
 use firmware::seam::error::Error;
 use firmware::sense::belt::Belt;
 
-use super::build::{Build, part};
-use super::cases::{EncoderFault, Event, RIPPLE_HZ, What, slowest_m_per_s};
+use super::build::{RunParameters, part};
+use super::cases::{EncoderFault, Event, EventKind, RIPPLE_HZ, slowest_m_per_s};
 use super::friction::MeanFriction;
 use plant::belt_motion::BeltMotion;
 use plant::circuit_of;
@@ -18,18 +18,18 @@ use plant::force_channel::ForceChannel;
 use scene::load::{LoadError, Loaded, load};
 use scene::settings;
 
-/// The scene whose stack, contact and drive these are.
+/// Scene that provides stack, contact and drive.
 const SCENE: &str = "belt-stop";
-/// The tip has rung down to this part of its velocity.
-const RUNG_DOWN: f64 = 0.05;
-/// Before anything happens, s: the force is learned.
-const BEFORE_S: f64 = 0.06;
-/// After that it has been missed, s.
-const PATIENCE_S: f64 = 0.2;
-/// A fault that is not detected within this time never is, s.
+/// Relative tip velocity at which the ring-down ends.
+const RING_DOWN_REL: f64 = 0.05;
+/// Time before the event, s, in which the guard learns the force.
+const LEARNING_S: f64 = 0.06;
+/// Time after the event at which it counts as missed, s.
+const MISSED_AFTER_S: f64 = 0.2;
+/// Time after which an encoder fault counts as never detected, s.
 const UNDETECTED_S: f64 = 60.0;
 
-/// What all runs have in common.
+/// Parameters that all runs share.
 #[derive(Clone, Debug)]
 pub struct Plan {
     config: Config,
@@ -45,12 +45,12 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan of the scene `belt-stop`.
-    pub fn of_the_scene() -> Result<Self, LoadError> {
-        Ok(Plan::of(&load(SCENE, &[])?).unwrap_or_else(|| unreachable!("{SCENE} slides a contact past a stack")))
+    /// Loads the plan from the scene `belt-stop`.
+    pub fn from_scene() -> Result<Self, LoadError> {
+        Ok(Plan::from_loaded(&load(SCENE, &[])?).unwrap_or_else(|| unreachable!("{SCENE} slides a contact past a stack")))
     }
 
-    fn of(loaded: &Loaded) -> Option<Self> {
+    fn from_loaded(loaded: &Loaded) -> Option<Self> {
         let scene = loaded.scene.driven()?;
         let (contact, slider) = scene.sliding()?;
         let circuit = circuit_of(&scene);
@@ -69,26 +69,27 @@ impl Plan {
     }
 }
 
-/// How a run has ended.
+/// End of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Ended {
-    /// From the event to the first block without drive, ms; none if there was drive until the end.
+    /// Time from the event to the first block without drive, ms; `None` if the drive continued.
     pub off_ms: Option<f64>,
-    /// From there to 5 % of the tip velocity, ms.
+    /// Time from there to 5 % of the tip velocity, ms.
     pub ring_down_ms: Option<f64>,
-    /// Energy from the event to the first block without drive, J: all of it into one millimetre of belt.
+    /// Energy from the event to the first block without drive, J, all of it into one millimetre of
+    /// belt.
     pub exposure_j: f64,
-    /// The fault, or zero.
+    /// Number of the fault, or zero.
     pub fault: u8,
 }
 
-/// What the encoder says.
+/// Reading of the encoder.
 #[derive(Clone, Copy, Debug)]
-enum Says {
+enum EncoderReading {
     Truth,
     Same,
     Broken,
-    /// So many counts more, from so many on.
+    /// Counts at the beginning, and counts added since.
     Pace(f64, f64),
 }
 
@@ -108,7 +109,7 @@ pub struct Rig {
     belt: Belt,
     weld: Weld,
     on_time: OnTime,
-    /// Whether the drive is ON in the next blocks, by the number of the block.
+    /// `true` if the drive is ON, for each of the next blocks, by block number modulo the latency.
     pending: [bool; LATENCY_BLOCKS],
     was_on: bool,
     tip_m_per_s: f64,
@@ -120,8 +121,8 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Builds the firmware's part and the belt's.
-    pub fn new(plan: &Plan, build: &Build) -> Result<Self, Error> {
+    /// Builds the firmware's and the belt's parts.
+    pub fn new(plan: &Plan, build: &RunParameters) -> Result<Self, Error> {
         let mut config = plan.config.clone();
         config.front_end.metre_per_count = Some((1e-3 / build.counts_per_mm) as f32);
         config.front_end.force_hz = build.force_hz.map(|hz| hz as f32);
@@ -160,8 +161,8 @@ impl Rig {
         self.block as f64 * self.block_s
     }
 
-    /// One block. Returns whether there was drive in it.
-    fn step(&mut self, says: Says) -> bool {
+    /// Runs one block, and returns `true` if it had drive.
+    fn step(&mut self, encoder: EncoderReading) -> bool {
         let slot = (self.block % LATENCY_BLOCKS as u64) as usize;
         let on = self.pending[slot];
         let speed = self.motion.advance(self.block_s);
@@ -169,11 +170,11 @@ impl Rig {
         self.tip_m_per_s = aim + self.decay * (self.tip_m_per_s - aim);
         let force = self.friction.slide(speed, self.tip_m_per_s, self.block_s);
         let reading = self.channel.as_mut().map(|channel| channel.measure(force));
-        self.last = match says {
-            Says::Truth => self.encoder.read(self.motion.position_m()),
-            Says::Same => self.last,
-            Says::Broken => BeltSense { broken: true, ..self.last },
-            Says::Pace(from, counts) => BeltSense { counts: (from + counts) as i64 as i32, broken: false },
+        self.last = match encoder {
+            EncoderReading::Truth => self.encoder.read(self.motion.position_m()),
+            EncoderReading::Same => self.last,
+            EncoderReading::Broken => BeltSense { broken: true, ..self.last },
+            EncoderReading::Pace(from, counts) => BeltSense { counts: (from + counts) as i64 as i32, broken: false },
         };
         self.belt.update(Some(self.last));
         let power_w = if on { self.power_w } else { 0.0 };
@@ -205,41 +206,41 @@ impl Rig {
         self.exposure_j = self.exposure_j.max(self.stretch_j);
     }
 
-    /// Lets an event happen in a run of this number, and says how it ended.
+    /// Runs until an event, injects it, and returns how the run ended.
     pub fn stop(mut self, event: &Event, run: u32) -> Result<Ended, Error> {
         let seed = u64::from(run) + 1;
-        let at = ((BEFORE_S + 0.03 * part(seed, 3)) / self.block_s) as u64;
+        let at = ((LEARNING_S + 0.03 * part(seed, 3)) / self.block_s) as u64;
         while self.block < at {
-            self.step(Says::Truth);
+            self.step(EncoderReading::Truth);
         }
         let stopping_s = if part(seed, 4) < 0.5 { 0.0 } else { 0.02 * part(seed, 5) };
         match event.what {
-            What::Stops => self.motion.halt(self.time_s() - 0.5 * self.block_s, stopping_s),
-            What::Lies => self.motion.halt(self.time_s() - 0.5 * self.block_s, 0.0),
-            What::Slows | What::Sticks | What::Breaks => {}
+            EventKind::Stops => self.motion.halt(self.time_s() - 0.5 * self.block_s, stopping_s),
+            EventKind::Lies => self.motion.halt(self.time_s() - 0.5 * self.block_s, 0.0),
+            EventKind::Slows | EventKind::Sticks | EventKind::Breaks => {}
         }
         let (from_speed, slow) = (self.motion.nominal_m_per_s(), 0.7 * part(seed, 6) * self.slowest_m_per_s);
         let slowing_s = 0.25 * stopping_s;
         let pace = self.motion.speed_m_per_s().max(from_speed) * self.counts_per_m * self.block_s;
         let counts = f64::from(self.last.counts);
         let (mut since, mut off, mut quiet, mut before_off, mut spent_j) = (None, None, None, 0.0, 0.0);
-        let until = at + (PATIENCE_S / self.block_s) as u64;
+        let until = at + (MISSED_AFTER_S / self.block_s) as u64;
         while self.block < until && quiet.is_none() {
             let begins_s = self.time_s();
             let passed_s = begins_s - at as f64 * self.block_s;
-            if event.what == What::Slows {
+            if event.what == EventKind::Slows {
                 let left = if slowing_s > 0.0 { (1.0 - passed_s / slowing_s).max(0.0) } else { 0.0 };
                 self.motion.set_nominal(slow + left * (from_speed - slow));
             }
             let before_m_per_s = self.tip_m_per_s;
             let on = self.step(match event.what {
-                What::Stops | What::Slows => Says::Truth,
-                What::Sticks => Says::Same,
-                What::Breaks => Says::Broken,
-                What::Lies => Says::Pace(counts, pace * (self.block - at + 1) as f64),
+                EventKind::Stops | EventKind::Slows => EncoderReading::Truth,
+                EventKind::Sticks => EncoderReading::Same,
+                EventKind::Breaks => EncoderReading::Broken,
+                EventKind::Lies => EncoderReading::Pace(counts, pace * (self.block - at + 1) as f64),
             });
             let slow_now =
-                matches!(event.what, What::Sticks | What::Breaks) || self.motion.speed_m_per_s() < self.slowest_m_per_s;
+                matches!(event.what, EventKind::Sticks | EventKind::Breaks) || self.motion.speed_m_per_s() < self.slowest_m_per_s;
             if slow_now && since.is_none() {
                 since = Some(begins_s);
             }
@@ -249,13 +250,13 @@ impl Rig {
             if off.is_none() && !on {
                 (off, before_off) = (Some(begins_s), before_m_per_s);
             }
-            if off.is_some() && self.tip_m_per_s <= RUNG_DOWN * before_off {
+            if off.is_some() && self.tip_m_per_s <= RING_DOWN_REL * before_off {
                 quiet = Some(self.time_s());
             }
         }
         let ms = |from: Option<f64>, to: Option<f64>| from.zip(to).map(|(from, to)| 1e3 * (to - from));
         Ok(Ended {
-            // A ripple may have muted it before: then it was OFF in time.
+            // A ripple may have muted the drive before the event; then it was OFF in time.
             off_ms: ms(since.or(off), off).map(|ms| ms.max(0.0)),
             ring_down_ms: ms(off, quiet),
             exposure_j: spent_j,
@@ -263,21 +264,23 @@ impl Rig {
         })
     }
 
-    /// Lets the encoder of a standing belt count until a fault: how long, which, and the energy into the millimetre, J.
+    /// Lets the encoder of a stopped belt count until a fault. Returns the time, s, the fault, and
+    /// the energy into the millimetre, J.
     pub fn run_encoder_fault(mut self, encoder: &EncoderFault) -> Result<(Option<f64>, u8, f64), Error> {
         let pace = encoder.pace_m_per_s * self.counts_per_m * self.block_s;
         while self.fault == 0 && self.time_s() < UNDETECTED_S {
-            self.step(Says::Pace(0.0, pace * self.block as f64));
+            self.step(EncoderReading::Pace(0.0, pace * self.block as f64));
         }
         Ok(((self.fault != 0).then(|| self.time_s()), self.fault, self.exposure_j))
     }
 
-    /// Lets the belt pass for so long. Returns how often it was muted, with a fault as one more, which ends it; and how long it has passed, s.
+    /// Moves the belt for `seconds` or until a fault. Returns the number of mutes, with a fault as
+    /// one more, and the simulated time, s.
     pub fn pass(mut self, seconds: f64) -> (u32, f64) {
         let blocks = (seconds / self.block_s) as u64;
         let (mut trips, mut muted) = (0, false);
         while self.block < blocks && self.fault == 0 {
-            self.step(Says::Truth);
+            self.step(EncoderReading::Truth);
             trips += u32::from(!muted && self.weld.is_muted());
             muted = self.weld.is_muted();
         }

@@ -1,18 +1,19 @@
-//! Synthetic friction logs: the numbers of the true model against the truth and the Cramér-Rao bound.
+//! Synthetic friction logs: the numbers of the true model, compared with the truth and the
+//! Cramér-Rao bound.
 
 use std::collections::BTreeMap;
 
 use import::friction::Model;
 use import::synthetic::FrictionExample;
 
-use super::judged::Number;
-use super::{COVERAGE, EFFICIENCY};
+use super::judged::{Number, Statistics};
+use super::{MAX_BOUND_RATIO, MAX_COVERAGE, MIN_COVERAGE};
+use crate::campaign::{self, cells, columns};
 use crate::evidence::Error;
-use report::statistics::{ascending, quantile};
 use report::{TableBlock, verdict};
 
-/// Stated standard deviations that a number may be off without a warning.
-const FARTHEST: f64 = 6.0;
+/// Largest error without a warning, stated standard deviations.
+const MAX_DEVIATIONS: f64 = 6.0;
 
 /// A log that was imported.
 #[derive(Clone, Debug)]
@@ -21,15 +22,15 @@ pub(super) struct JudgedLog {
     number: u64,
     /// Model of the truth.
     model: Model,
-    /// Whether that model was chosen.
+    /// `true` if that model was chosen.
     chosen: bool,
     /// Correlation of the noise of neighbouring samples.
     correlation: f64,
-    /// Samples.
+    /// Number of samples.
     samples: usize,
     /// Numbers of that model.
     numbers: Vec<Named>,
-    /// Why it was refused.
+    /// Reason of a refusal.
     pub(super) refused: Option<String>,
 }
 
@@ -37,13 +38,14 @@ pub(super) struct JudgedLog {
 #[derive(Clone, Debug)]
 struct Named {
     name: String,
-    /// Against truth and bound; nothing where the import says that the log does not determine it.
+    /// Errors and deviations; `None` if the import reports that the log does not determine the
+    /// number.
     number: Option<Number>,
-    /// Whether the import says that another value explains the log nearly as well.
+    /// `true` if the import reports that another value explains the log nearly as well.
     ambiguous: bool,
 }
 
-/// Imports an example.
+/// Imports an example, and compares it with its truth.
 pub(super) fn judge(number: u64) -> JudgedLog {
     let example = FrictionExample::draw(number);
     let judged = |chosen, numbers, refused: Option<String>| JudgedLog {
@@ -73,16 +75,12 @@ pub(super) fn judge(number: u64) -> JudgedLog {
     judged(found.chosen().model == example.model, bounds.into_iter().filter_map(number).collect(), None)
 }
 
-/// What the logs say of a number.
+/// Statistics of a number over all logs.
 struct Row {
-    name: String,
     count: usize,
-    /// Logs that do not determine it, as the import says.
+    /// Number of logs that do not determine it, according to the import.
     open: usize,
-    within: f64,
-    worst: f64,
-    median: f64,
-    p95: f64,
+    of: Statistics,
 }
 
 fn rows(set: &[JudgedLog]) -> Vec<Row> {
@@ -93,42 +91,35 @@ fn rows(set: &[JudgedLog]) -> Vec<Row> {
     }
     let row = |(name, all): (&str, Vec<&Named>)| {
         let numbers: Vec<Number> = all.iter().filter_map(|named| named.number).collect();
-        let ratios = ascending(numbers.iter().map(|number| number.over_bound));
-        let part = |part: f64| quantile(&ratios, part).unwrap_or(f64::NAN);
-        let within = numbers.iter().filter(|number| number.deviations.abs() <= 2.0).count() as f64 / numbers.len() as f64;
-        let worst = numbers.iter().fold(0.0f64, |worst, number| worst.max(number.deviations.abs()));
-        let (count, open) = (numbers.len(), all.len() - numbers.len());
-        Row { name: name.to_owned(), count, open, within, worst, median: part(0.5), p95: part(0.95) }
+        Row { count: numbers.len(), open: all.len() - numbers.len(), of: Statistics::new(name, &numbers) }
     };
     by_name.into_iter().map(row).collect()
 }
 
-/// The coverage that holds in so many numbers: the band, or as far from that of a normal distribution as twice the deviation of chance.
+/// Returns the required coverage of `count` numbers: [`MIN_COVERAGE`] to [`MAX_COVERAGE`], or
+/// within two standard deviations of the coverage of a normal distribution if that range is wider.
 fn band(count: usize) -> (f64, f64) {
     const NORMAL: f64 = 0.9545;
     let chance = 2.0 * (NORMAL * (1.0 - NORMAL) / count.max(1) as f64).sqrt();
-    (COVERAGE.0.min(NORMAL - chance), COVERAGE.1.max(NORMAL + chance))
+    (MIN_COVERAGE.min(NORMAL - chance), MAX_COVERAGE.max(NORMAL + chance))
 }
 
 fn holds(row: &Row) -> bool {
     let (least, most) = band(row.count);
-    (least..=most).contains(&row.within) && row.median <= EFFICIENCY
+    (least..=most).contains(&row.of.within) && row.of.median <= MAX_BOUND_RATIO
 }
 
-/// The targets that are missed.
+/// Returns the targets that are missed.
 pub(super) fn missed(set: &[JudgedLog]) -> Vec<String> {
     let refused = set.iter().filter_map(|log| log.refused.clone());
     let rows = rows(set);
     let beyond = rows.iter().filter(|row| !holds(row)).map(|row| {
-        format!(
-            "friction, {}: {:.1} % within two standard deviations, {:.2} times the bound in the median",
-            row.name,
-            100.0 * row.within,
-            row.median
-        )
+        let Statistics { name, within, median, .. } = &row.of;
+        let within = 100.0 * within;
+        format!("friction, {name}: {within:.1} % within two standard deviations, {median:.2} times the bound in the median")
     });
     let far = set.iter().flat_map(|log| log.numbers.iter().map(move |named| (log, named))).filter_map(|(log, named)| {
-        let deviations = named.number.filter(|number| !named.ambiguous && number.deviations.abs() > FARTHEST)?.deviations;
+        let deviations = named.number.filter(|number| !named.ambiguous && number.deviations.abs() > MAX_DEVIATIONS)?.deviations;
         Some(format!(
             "friction, log {}: {} is {deviations:.1} standard deviations off, without a warning",
             log.number, named.name
@@ -137,19 +128,13 @@ pub(super) fn missed(set: &[JudgedLog]) -> Vec<String> {
     refused.chain(beyond).chain(far).collect()
 }
 
-/// The numbers of all logs.
+/// Returns the table of the numbers of all logs.
 pub(super) fn table(set: &[JudgedLog]) -> TableBlock {
     let row = |row: &Row| {
-        vec![
-            row.name.clone(),
-            row.count.to_string(),
-            row.open.to_string(),
-            format!("{:.1}", 100.0 * row.within),
-            format!("{:.1}", row.worst),
-            format!("{:.2}", row.median),
-            format!("{:.2}", row.p95),
-            verdict(holds(row)).to_owned(),
-        ]
+        let Statistics { name, within, worst, median, p95, .. } = &row.of;
+        let [within, worst] = [100.0 * within, *worst].map(|value| format!("{value:.1}"));
+        let [median, p95] = [median, p95].map(|ratio| format!("{ratio:.2}"));
+        cells![name, row.count, row.open, within, worst, median, p95, verdict(holds(row))]
     };
     let models = [Model::Coulomb, Model::Stribeck, Model::Dahl, Model::Lugre].map(|model| {
         let of = set.iter().filter(|log| log.model == model);
@@ -157,55 +142,32 @@ pub(super) fn table(set: &[JudgedLog]) -> TableBlock {
     });
     let ambiguous = set.iter().filter(|log| log.numbers.iter().any(|named| named.ambiguous)).count();
     let caption = format!(
-        "{} friction logs of four models, 300 to 1500 samples, a quarter with a memory in the noise. The numbers are those of the true model; it was chosen so often: {}. Open: logs of which the          import says that they do not determine the number. Within 2 sd is to be {:.0} to {:.0} %, or twice the deviation of chance from 95.4 %; over the bound as above. In {ambiguous}          logs the import says that another value explains the log nearly as well; elsewhere no number may be {FARTHEST} sd off.",
+        "{} friction logs of four models, 300 to 1500 samples, a quarter with correlated noise. The numbers are those of the \
+         true model; it was chosen as follows: {}. Open: logs that do not determine the number, according to the import. Within \
+         2 sd must be {:.0} to {:.0} %, or 95.4 % within twice its deviation by chance; over the bound as above. In {ambiguous} \
+         logs the import reports that another value explains the log nearly as well; in all others no number may be \
+         {MAX_DEVIATIONS} sd off.",
         set.len(),
         models.join(", "),
-        100.0 * COVERAGE.0,
-        100.0 * COVERAGE.1
+        100.0 * MIN_COVERAGE,
+        100.0 * MAX_COVERAGE
     );
-    let header = ["number", "logs", "open", "within 2 sd [%]", "worst", "over the bound, median", "95 %", ""];
+    let header = columns("number | logs | open | within 2 sd [%] | worst | over the bound, median | 95 % | ");
     TableBlock::new("friction", "Numbers of friction logs", caption, &header, rows(set).iter().map(row).collect())
 }
 
-/// Each number of a log as a line.
+/// Returns one row of CSV per number of a log.
 pub(super) fn csv(set: &[JudgedLog]) -> Result<String, Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record([
-        "log",
-        "model",
-        "chosen",
-        "samples",
-        "noise_correlation",
-        "number",
-        "error_in_sd",
-        "sd_over_bound",
-        "ambiguous",
-        "refused",
-    ])?;
-    for log in set {
-        let own = [
-            log.number.to_string(),
-            log.model.name().to_owned(),
-            log.chosen.to_string(),
-            log.samples.to_string(),
-            format!("{:.3}", log.correlation),
-        ];
-        let cell = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));
-        for named in &log.numbers {
-            let number = [
-                named.name.clone(),
-                cell(named.number.map(|number| number.deviations)),
-                cell(named.number.map(|number| number.over_bound)),
-                named.ambiguous.to_string(),
-                String::new(),
-            ];
-            writer.write_record(own.iter().chain(&number))?;
-        }
-        if let Some(refused) = &log.refused {
-            let empty = || String::new();
-            writer.write_record(own.iter().chain(&[empty(), empty(), empty(), empty(), refused.clone()]))?;
-        }
-    }
-    let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    let cell = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));
+    let rows = set.iter().flat_map(|log| {
+        let own = cells![log.number, log.model.name(), log.chosen, log.samples, format!("{:.3}", log.correlation)];
+        let of_number = |Named { name, number, ambiguous }: &Named| {
+            let [error, over] = [number.map(|number| number.deviations), number.map(|number| number.over_bound)].map(cell);
+            cells![name, error, over, ambiguous, ""]
+        };
+        let refused = log.refused.iter().map(|refused| cells!["", "", "", "", refused]);
+        log.numbers.iter().map(of_number).chain(refused).map(move |cells| [own.clone(), cells].concat()).collect::<Vec<_>>()
+    });
+    let header = "log,model,chosen,samples,noise_correlation,number,error_in_sd,sd_over_bound,ambiguous,refused";
+    campaign::csv(header, rows)
 }

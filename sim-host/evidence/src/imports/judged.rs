@@ -1,4 +1,4 @@
-//! One imported file against its truth, and what a damaged one comes to.
+//! An imported file compared with its truth, and the result of a damaged file.
 
 use std::panic::catch_unwind;
 
@@ -8,9 +8,11 @@ use import::error::ImportError;
 use import::synthetic::{Example, Kind, NAMES, mutated};
 use report::statistics::{ascending, quantile};
 
-/// Most points of a file that is damaged, so that many of them are tried in little time.
+use crate::campaign::worst;
+
+/// Largest number of points of a file that is damaged, so that many can be tried in little time.
 const FEW_POINTS: usize = 201;
-/// Examples that are damaged in turn.
+/// Number of examples that are damaged in turn.
 const DAMAGED_EXAMPLES: u64 = 300;
 
 /// A number of a file.
@@ -27,19 +29,19 @@ pub(super) struct Number {
 pub(super) struct Judged {
     /// Number of the example.
     pub(super) number: u64,
-    /// What the file is like.
+    /// Form, noise and fixture of the file.
     pub(super) kind: Kind,
-    /// Points of the sweep.
+    /// Number of points of the sweep.
     pub(super) points: usize,
-    /// Resonances of the truth, and those that were found.
+    /// Numbers of true resonances, and of those found.
     pub(super) modes: (usize, usize),
-    /// Numbers in the order of [`NAMES`]; none where the file was refused.
+    /// Numbers in the order of [`NAMES`]; `None` if the file was refused.
     pub(super) numbers: Option<[Number; 8]>,
-    /// Why it was refused.
+    /// Reason of a refusal.
     pub(super) refused: Option<String>,
 }
 
-/// Imports an example.
+/// Imports an example, and compares it with its truth.
 pub(super) fn judge(number: u64) -> Judged {
     let example = Example::draw(number);
     let (kind, points, truths) = (example.kind, example.hz.len(), example.truth.branches.len());
@@ -65,12 +67,12 @@ pub(super) fn judge(number: u64) -> Judged {
 /// Coverage and efficiency of a number over many files.
 pub(super) struct Statistics {
     /// Name of the number.
-    pub(super) name: &'static str,
-    /// Part of the truths within two standard deviations.
+    pub(super) name: String,
+    /// Fraction of the truths within two standard deviations.
     pub(super) within: f64,
-    /// Median of the stated standard deviations over their bounds.
+    /// Median ratio of the stated standard deviations to their bounds.
     pub(super) median: f64,
-    /// The 95th percentile of the same.
+    /// 95th percentile of this ratio.
     pub(super) p95: f64,
     /// Root mean square of the errors over the stated standard deviations.
     pub(super) rms: f64,
@@ -78,32 +80,38 @@ pub(super) struct Statistics {
     pub(super) worst: f64,
 }
 
-/// Statistics of each number over the files that were not refused.
-pub(super) fn statistics<'a>(set: impl IntoIterator<Item = &'a Judged> + Clone) -> Vec<Statistics> {
-    let of = |(at, name): (usize, &&'static str)| {
-        let numbers: Vec<Number> =
-            set.clone().into_iter().filter_map(|judged| judged.numbers.map(|numbers| numbers[at])).collect();
+impl Statistics {
+    /// Computes the statistics of some numbers.
+    pub(super) fn new(name: &str, numbers: &[Number]) -> Self {
         let count = numbers.len().max(1) as f64;
         let ratios = ascending(numbers.iter().map(|number| number.over_bound));
         let part = |part: f64| quantile(&ratios, part).unwrap_or(f64::NAN);
         Statistics {
-            name,
+            name: name.to_owned(),
             within: numbers.iter().filter(|number| number.deviations.abs() <= 2.0).count() as f64 / count,
             median: part(0.5),
             p95: part(0.95),
             rms: (numbers.iter().map(|number| number.deviations.powi(2)).sum::<f64>() / count).sqrt(),
-            worst: numbers.iter().fold(0.0, |worst, number| worst.max(number.deviations.abs())),
+            worst: worst(numbers.iter().map(|number| number.deviations.abs())),
         }
+    }
+}
+
+/// Computes the statistics of each number over the files that were not refused.
+pub(super) fn statistics<'a>(set: impl IntoIterator<Item = &'a Judged> + Clone) -> Vec<Statistics> {
+    let of = |(at, name): (usize, &&'static str)| {
+        let numbers = set.clone().into_iter().filter_map(|judged| judged.numbers.map(|numbers| numbers[at]));
+        Statistics::new(name, &numbers.collect::<Vec<_>>())
     };
     NAMES.iter().enumerate().map(of).collect()
 }
 
-/// What a damaged file comes to.
+/// Result of a damaged file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
-    /// A circuit, as where the damage does not matter.
+pub(super) enum ImportResult {
+    /// A circuit, for example if the damage does not matter.
     Taken,
-    /// A refusal, by this name.
+    /// A refusal with this reason.
     Refused(&'static str),
     /// A panic.
     Panic,
@@ -113,31 +121,31 @@ pub(super) enum End {
 pub(super) struct Damaged {
     /// Number of the damage.
     pub(super) number: u64,
-    /// What it comes to.
-    pub(super) end: End,
+    /// Result of the import.
+    pub(super) end: ImportResult,
 }
 
-/// Damages an example and imports it.
+/// Damages an example, and imports it.
 pub(super) fn damaged(number: u64) -> Damaged {
     let first = (number % DAMAGED_EXAMPLES) * 7;
     let small = (first..).map(Example::draw).find(|example| example.hz.len() <= FEW_POINTS);
-    let Some(example) = small else { return Damaged { number, end: End::Taken } };
+    let Some(example) = small else { return Damaged { number, end: ImportResult::Taken } };
     let bytes = mutated(&example, number);
     let tried =
         catch_unwind(|| Measured::parse(&example.name, &bytes, &example.options).and_then(|sweep| fit("damaged", sweep, None)));
     let end = match tried {
-        Ok(Ok(_)) => End::Taken,
-        Ok(Err(error)) => End::Refused(called(&error)),
-        Err(_) => End::Panic,
+        Ok(Ok(_)) => ImportResult::Taken,
+        Ok(Err(error)) => ImportResult::Refused(short_reason(&error)),
+        Err(_) => ImportResult::Panic,
     };
     Damaged { number, end }
 }
 
-/// The name of a refusal.
-fn called(error: &ImportError) -> &'static str {
+/// Returns the short reason of a refusal.
+fn short_reason(error: &ImportError) -> &'static str {
     match error {
         ImportError::Unreadable { .. } => "cannot be read",
-        ImportError::UnknownForm { .. } => "not a known form",
+        ImportError::UnknownForm { .. } => "unknown form",
         ImportError::BadLine { .. } => "a line cannot be used",
         ImportError::UnitMissing { .. } => "unit missing",
         ImportError::AngleDoubtful { .. } => "degrees or radians doubtful",

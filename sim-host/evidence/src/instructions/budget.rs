@@ -1,7 +1,8 @@
-//! What may be spent: a bound for each kernel, in instructions, and for the error of the sine that it buys.
+//! The budget: a bound for the instructions of each kernel, and for the error of the sine.
 //!
-//! The counts are of the emulated image, in which a grown kernel shows at once and by its name. Whether a block has time for them is a matter of the image
-//! that is flashed, which is compiled otherwise: its cycles are gated by `evidence board-scenes`.
+//! The counts are those of the emulated image, and show a kernel that has grown by its name. The
+//! flashed image is compiled differently; `evidence board-scenes` checks that its blocks have
+//! enough cycles.
 
 use serde::Deserialize;
 
@@ -9,7 +10,8 @@ use super::Row;
 use super::target::{Counted, find};
 use crate::evidence::Error;
 
-/// Every bound, a line each; `aim` is what is aimed at where that is less. Half a step of a 14-bit converter is 6.1e-5 of its half range.
+/// Every bound, one per line; `aim` is a lower target. Half a step of a 14-bit converter is 6.1e-5
+/// of its half range.
 const BUDGET: &str = include_str!("budget.csv");
 
 /// Bound of the cost or error of kernels.
@@ -17,31 +19,31 @@ const BUDGET: &str = include_str!("budget.csv");
 pub struct Bound {
     /// Group of the kernels, as counted.
     pub group: String,
-    /// What is bounded: a kernel, or the sum of several with ` + ` between.
+    /// A kernel, or several with ` + ` between whose sum is bounded.
     pub kernels: String,
     /// Name of the bound in the table.
     pub name: String,
     /// Unit of the bound.
     pub unit: Unit,
-    /// The most that it may be.
+    /// Largest allowed value.
     pub at_most: f64,
-    /// What is aimed at.
+    /// Target value, if it is lower.
     pub aim: Option<f64>,
 }
 
-/// What a bound is in.
+/// Unit of a bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Unit {
-    /// Instructions for each sample.
+    /// Instructions per sample.
     Sample,
-    /// Instructions for each block.
+    /// Instructions per block.
     Block,
-    /// The largest error of a generator of amplitude one.
+    /// Largest error of a generator of amplitude one.
     Error,
 }
 
-/// A bound, with what was counted.
+/// A bound with its counted value.
 pub struct Judged {
     /// Bound that was judged.
     pub bound: Bound,
@@ -50,13 +52,13 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// Whether the count is within its bound.
+    /// Returns `true` if the count is within its bound.
     pub fn holds(&self) -> bool {
         self.found <= self.bound.at_most
     }
 }
 
-/// Holds what was counted against the budget.
+/// Compares the counts with the budget.
 pub fn judge(counted: &[Counted], generators: &[Row]) -> Result<Vec<Judged>, Error> {
     let judge = |bound: Result<Bound, csv::Error>| {
         let bound = bound?;
@@ -67,7 +69,7 @@ pub fn judge(counted: &[Counted], generators: &[Row]) -> Result<Vec<Judged>, Err
                 Unit::Block => counted.per_block(),
                 Unit::Error => {
                     let row = generators.iter().find(|row| row.generator.name == kernel);
-                    row.ok_or_else(|| Error::Counts(format!("{kernel:?} is no generator")))?.quality.largest_error
+                    row.ok_or_else(|| Error::Counts(format!("{kernel:?} is not a generator")))?.quality.largest_error
                 }
             })
         };

@@ -1,4 +1,5 @@
-//! How good the controller's sine is: the same source, run here. It gives the same bits as on the target, because nothing is fused.
+//! Quality of the controller's sine, from the same source on the host. It gives the same bits as on
+//! the target, because no operations are fused.
 
 use std::f64::consts::TAU;
 
@@ -8,29 +9,29 @@ use firmware::seam::phasor::Phasor;
 
 use report::spectrum::Spectrum;
 
-/// Samples in a block, as on the target.
+/// Number of samples in a block, as on the target.
 const SAMPLES: usize = 32;
-/// Samples of a spectrum.
-const RECORD: usize = 1 << 16;
-/// The tone of the spectrum: 40.4 kHz and a bit, at 1 Msps.
+/// Number of samples of a spectrum.
+const RECORD_SAMPLES: usize = 1 << 16;
+/// Frequency of the spectrum's tone, cycles a sample: about 40.4 kHz at 1 Msps.
 const TONE: f64 = 0.040_412_345;
-/// Where errors are looked for, cycles a sample.
+/// Frequencies at which errors are measured, cycles a sample.
 const FREQUENCIES: [f64; 6] = [0.02, 0.028_3, 0.040_4, 0.060_7, 0.1, 0.25];
-/// Blocks at each, from phases all over the turn.
+/// Number of blocks at each frequency, with phases over the whole turn.
 const BLOCKS: u64 = 2048;
-/// The golden ratio of 2^64: phases that are multiples of it lie evenly.
+/// Golden ratio times 2^64; its multiples are evenly distributed phases.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 /// Full scale of a 12-bit converter about its middle.
-const HALF_RANGE: f64 = 2047.0;
+const HALF_RANGE_CODES: f64 = 2047.0;
 
-/// A way in which the controller makes a sine with its cosine.
+/// A generator of the controller for a sine with its cosine.
 #[derive(Clone, Copy, Debug)]
 pub struct Generator {
     /// Name of the generator among the counts of the target.
     pub name: &'static str,
     /// Principle of the generator, in a few words.
     pub how: &'static str,
-    /// Sines and cosines of one block.
+    /// Function that returns the sines and cosines of one block.
     block: fn(&Stretch) -> [(f32, f32); SAMPLES],
 }
 
@@ -53,24 +54,25 @@ fn swings(stretch: &Stretch) -> [(f32, f32); SAMPLES] {
     std::array::from_fn(|_| (sine.take(), cosine.take()))
 }
 
-/// How good a generator is, of a sine of amplitude one.
+/// Quality of a generator, for a sine of amplitude one.
 #[derive(Clone, Copy, Debug)]
 pub struct Quality {
-    /// The largest error of sine or cosine, over frequencies from 20 to 250 kHz at 1 Msps and all phases.
+    /// Largest error of sine or cosine, over frequencies from 20 to 250 kHz at 1 Msps and all
+    /// phases.
     pub largest_error: f64,
-    /// The tone over the strongest other line, dB.
+    /// Ratio of the tone to the strongest other line, dB.
     pub sfdr_db: f64,
-    /// The tone over all the rest, dB.
+    /// Ratio of the tone to the rest, dB.
     pub sndr_db: f64,
-    /// The tone over all the rest with 12-bit codes, dB.
+    /// Ratio of the tone to the rest with 12-bit codes, dB.
     pub sndr_12_bit_db: f64,
 }
 
-/// Computes how good a generator is.
+/// Computes the quality of a generator.
 pub fn quality(generator: &Generator) -> Quality {
     let wave = sines(generator);
     let spectrum = Spectrum::new(&wave, TONE);
-    let codes: Vec<f64> = wave.iter().map(|x| (HALF_RANGE * x).round()).collect();
+    let codes: Vec<f64> = wave.iter().map(|x| (HALF_RANGE_CODES * x).round()).collect();
     Quality {
         largest_error: largest_error(generator),
         sfdr_db: spectrum.sfdr_db(),
@@ -79,11 +81,11 @@ pub fn quality(generator: &Generator) -> Quality {
     }
 }
 
-/// A long sine, made in blocks as the controller makes it.
+/// Generates a long sine in blocks, as the controller does.
 fn sines(generator: &Generator) -> Vec<f64> {
     let word = tuning_word(TONE);
     let block = |at: usize| (generator.block)(&Stretch { phase: word.wrapping_mul(at as u64), word, step: 0 });
-    (0..RECORD).step_by(SAMPLES).flat_map(block).map(|(sine, _)| f64::from(sine)).collect()
+    (0..RECORD_SAMPLES).step_by(SAMPLES).flat_map(block).map(|(sine, _)| f64::from(sine)).collect()
 }
 
 fn largest_error(generator: &Generator) -> f64 {
@@ -104,8 +106,9 @@ fn largest_error(generator: &Generator) -> f64 {
 mod tests {
     use super::*;
 
-    /// A rotation of second order errs by a sixth of the cube of half the distance between two entries, and by what f32 rounds; a swing adds
-    /// the rounding of a block. Neither shows in 12 bits: the SNDR of the exact sine is 74.0 dB there.
+    /// The error of a rotation of second order is a sixth of the cube of half the distance between
+    /// two entries, plus the rounding of f32. A swing adds the rounding of a block. Neither is
+    /// visible in 12 bits, where the SNDR of the exact sine is 74.0 dB.
     #[test]
     fn the_sine_is_finer_than_the_converter() {
         let [rotation, swing] = GENERATORS.map(|generator| quality(&generator));

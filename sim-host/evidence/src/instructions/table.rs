@@ -1,11 +1,12 @@
-//! The measurement as tables.
+//! The tables of the measurement.
 
 use super::budget::{Judged, Unit};
 use super::target::Counted;
 use super::{Measurement, Row};
+use crate::campaign::cells;
 use report::{TableBlock, verdict};
 
-/// All tables, the generators first.
+/// Returns all tables, the generators first.
 pub fn tables(measurement: &Measurement) -> Vec<TableBlock> {
     vec![generators(measurement), stages(measurement), process(measurement), budget(measurement)]
 }
@@ -13,22 +14,17 @@ pub fn tables(measurement: &Measurement) -> Vec<TableBlock> {
 fn generators(measurement: &Measurement) -> TableBlock {
     let row = |row: &Row| {
         let quality = &row.quality;
-        vec![
-            row.generator.name.to_owned(),
-            row.generator.how.to_owned(),
-            format!("{:.1}", row.instructions),
-            format!("{:.1e}", quality.largest_error),
-            format!("{:.0}", quality.sfdr_db),
-            format!("{:.0}", quality.sndr_db),
-            format!("{:.1}", quality.sndr_12_bit_db),
-        ]
+        let [instructions, of_12_bits] = [row.instructions, quality.sndr_12_bit_db].map(|value| format!("{value:.1}"));
+        let [sfdr, sndr] = [quality.sfdr_db, quality.sndr_db].map(|value| format!("{value:.0}"));
+        let error = format!("{:.1e}", quality.largest_error);
+        cells![row.generator.name, row.generator.how, instructions, error, sfdr, sndr, of_12_bits]
     };
     TableBlock::new(
         "generators",
         "A sine with its cosine",
-        "Instructions a sample of both, from a phase of 64 bits, in blocks of 32, less those of a loop that only hands numbers out. \
+        "Instructions a sample of both, from a phase of 64 bits, in blocks of 32, less those of an empty loop. \
          Error: the largest of either, from 20 to 250 kHz at 1 Msps. SFDR, SNDR: of a sine at 40.4 kHz.",
-        &["generator", "how", "instructions", "largest error", "SFDR [dB]", "SNDR [dB]", "SNDR at 12 bits [dB]"],
+        &["generator", "method", "instructions", "largest error", "SFDR [dB]", "SNDR [dB]", "SNDR at 12 bits [dB]"],
         measurement.generators.iter().map(row).collect(),
     )
 }
@@ -50,21 +46,17 @@ fn stages(measurement: &Measurement) -> TableBlock {
 fn process(measurement: &Measurement) -> TableBlock {
     let of = |group: &'static str| measurement.counted.iter().filter(move |kernel| kernel.group == group);
     let row = |(mean, worst): (&Counted, &Counted)| {
-        vec![
-            mean.kernel.clone(),
-            mean.repetitions.to_string(),
-            format!("{:.0}", mean.per_block()),
-            format!("{:.1}", mean.per_sample()),
-            format!("{:.0}", worst.per_block()),
-        ]
+        let [of_block, worst] = [mean, worst].map(|counted| format!("{:.0}", counted.per_block()));
+        cells![mean.kernel, mean.repetitions, of_block, format!("{:.1}", mean.per_sample()), worst]
     };
     TableBlock::new(
         "process",
         "The whole controller, `Controller::process`",
-        "A power-up on a stack of 40.5 kHz, tracked by the observer behind the calibration of the clamped branch (where it says so, by the phase \
-         loop behind a scan), at constant motional current, in bursts with soft edges of 8 periods, and with codes of 12 bits. The load takes \
-         200 Hz off the resonance at once. A block is counted to within a tick of the timer, 6 instructions.",
-        &["blocks", "how many", "instructions a block, mean", "a sample", "worst block"],
+        "A power-up on a stack of 40.5 kHz, tracked by the observer after the calibration of the clamped branch (rows with \
+         `phase loop`: by the phase loop after a scan), at constant motional current, in bursts with soft edges of 8 periods, \
+         and with codes of 12 bits. The load lowers the resonance by 200 Hz at once. A block is counted to within a tick of the \
+         timer, 6 instructions.",
+        &["blocks", "number", "instructions a block, mean", "a sample", "worst block"],
         of("process").zip(of("worst block")).map(row).collect(),
     )
 }
@@ -86,7 +78,7 @@ fn budget(measurement: &Measurement) -> TableBlock {
         let numbers = [number(unit, judged.found), number(unit, judged.bound.at_most), aim];
         [vec![judged.bound.name.clone(), name.to_owned()], numbers.into(), vec![verdict(judged.holds()).to_owned()]].concat()
     };
-    let caption = "Where less is aimed at, the bound follows as the controller gets there.";
-    let header = ["what", "in", "found", "at most", "aimed at", "budget"];
+    let caption = "Lines with a target: the bound is lowered as the controller approaches it.";
+    let header = ["kernel", "unit", "counted", "at most", "target", "budget"];
     TableBlock::new("budget", "Budget", caption, &header, measurement.judged.iter().map(row).collect())
 }

@@ -1,4 +1,4 @@
-//! What the target takes: the image `counts` in QEMU.
+//! Instructions on the target: runs the image `counts` in QEMU.
 
 use std::process::Command;
 
@@ -8,48 +8,49 @@ use crate::evidence::Error;
 use pil::machine::{ARGUMENTS, NO_SERIAL, PROGRAM};
 use pil::{PilError, counting_image};
 
-/// Instructions of one tick of the system timer: 168 MHz, where an instruction takes a nanosecond.
+/// Number of instructions in one tick of the system timer: 168 MHz, and a nanosecond per
+/// instruction.
 pub const INSTRUCTIONS_PER_TICK: f64 = 1000.0 / 168.0;
 
-/// One kernel, as the image prints it.
+/// Counts of one kernel, as the image prints them.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Counted {
-    /// What it belongs to.
+    /// Group of the kernel.
     pub group: String,
     /// Name of the kernel.
     pub kernel: String,
-    /// Samples it handles in one repetition.
+    /// Number of samples in one repetition.
     pub samples: u32,
-    /// How often it was run.
+    /// Number of repetitions.
     pub repetitions: u32,
     /// Ticks of all repetitions.
     pub ticks: i64,
 }
 
 impl Counted {
-    /// Instructions of one repetition: of a block.
+    /// Returns the instructions of one repetition, which is a block.
     pub fn per_block(&self) -> f64 {
         self.ticks as f64 * INSTRUCTIONS_PER_TICK / f64::from(self.repetitions)
     }
 
-    /// Instructions for each sample.
+    /// Returns the instructions per sample.
     pub fn per_sample(&self) -> f64 {
         self.per_block() / f64::from(self.samples)
     }
 }
 
-/// Builds the image, runs it, and reads what it prints.
+/// Builds the image, runs it, and reads its output.
 pub fn count() -> Result<Vec<Counted>, Error> {
     let image = counting_image()?;
     let output = Command::new(PROGRAM).args(NO_SERIAL).args(ARGUMENTS).arg(&image).output().map_err(PilError::Start)?;
     if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr);
-        return Err(Error::Counts(format!("{}: {}", output.status, said.trim())));
+        let message = String::from_utf8_lossy(&output.stderr);
+        return Err(Error::Counts(format!("{}: {}", output.status, message.trim())));
     }
     read(&output.stdout)
 }
 
-/// The kernels in the CSV that the image prints.
+/// Reads the kernels from the CSV that the image prints.
 fn read(text: &[u8]) -> Result<Vec<Counted>, Error> {
     let lines: Result<Vec<Counted>, csv::Error> = csv::Reader::from_reader(text).deserialize().collect();
     let counted = lines.map_err(|error| Error::Counts(error.to_string()))?;
@@ -59,7 +60,7 @@ fn read(text: &[u8]) -> Result<Vec<Counted>, Error> {
     }
 }
 
-/// A kernel by group and name.
+/// Finds a kernel by group and name.
 pub fn find<'a>(counted: &'a [Counted], group: &str, kernel: &str) -> Result<&'a Counted, Error> {
     let found = counted.iter().find(|counted| counted.group == group && counted.kernel == kernel);
     found.ok_or_else(|| Error::Counts(format!("there is no {kernel:?} among the counts of {group:?}")))
@@ -79,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_counts_is_refused() {
+    fn invalid_counts_are_refused() {
         for text in ["group,kernel,samples,repetitions,ticks\nstage,a,32,0,5\n", "group,kernel\nstage,a\n", "stage,a,32,1,0\nb"] {
             assert!(read(text.as_bytes()).is_err(), "{text:?}");
         }

@@ -1,18 +1,18 @@
-//! The counts of this source, and the documentation.
+//! Tests that the counted instructions stay within the budget.
 
 use std::io::Write as _;
 use std::sync::LazyLock;
 
 use super::{Measurement, measure};
 
-/// The measurement; `None` where QEMU is not installed.
+/// The measurement; `None` if QEMU is not installed.
 static MEASUREMENT: LazyLock<Option<Measurement>> =
     LazyLock::new(|| pil::missing().is_none().then(|| measure().expect("the image builds and counts")));
 
-/// The measurement; where there can be none, says so.
+/// Returns the measurement; reports on standard error why there is none.
 fn measurement() -> Option<&'static Measurement> {
     if let Some(reason) = pil::missing() {
-        // Straight to the stream: what a passing test prints by macro is never shown.
+        // Straight to the stream: the output of macros is hidden if the test passes.
         let text = format!("\nSKIPPED, instruction counts: {reason}\n");
         std::io::stderr().write_all(text.as_bytes()).expect("standard error");
     }

@@ -1,4 +1,5 @@
-//! Vibration across the contact: a pin over its speed, Hertz's contact until it parts, and a tip of nanometres.
+//! Vibration across the contact: a pin at several speeds, Hertz's contact until contact is lost,
+//! and a tip of nanometres.
 
 use rayon::prelude::*;
 
@@ -13,39 +14,45 @@ use contact::hertz::contact_loss_threshold;
 use contact::hertz::vibration::{DrivenContact, run};
 use sim::instruments::belt::law::{AMPLITUDES, LOADS_N, POINTS};
 
-/// The two numbers of the pin, which fix a law of two parameters.
-const BOTH: &[&str] = &["pin-20", "pin-87"];
-/// What is unknown of a compliant contact.
-const SPEED: &str = "sliding speed over the critical speed";
-/// Friction of which less than this is left has vanished.
-const VANISHED: f64 = 0.1;
-/// Just beyond the loss of contact, in amplitudes at which it is lost.
-const BEYOND: f64 = 1.01;
+/// The two measured numbers of the pin, which determine a law with two parameters.
+const PIN_NUMBERS: &[&str] = &["pin-20", "pin-87"];
+/// Unknown parameter of a compliant contact.
+const UNKNOWN_SPEED: &str = "sliding speed over the critical speed";
+/// Remaining share of the friction below which it counts as vanished.
+const VANISHED_SHARE: f64 = 0.1;
+/// Amplitude just beyond the loss of contact, relative to the amplitude at which contact is lost.
+const BEYOND_LOSS_RATIO: f64 = 1.01;
 
-/// Empirical law of the belt with its speed scale, through the first number of the pin; %.
+/// Returns the reduction by the belt's empirical law with its speed scale, scaled to the first
+/// measured number of the pin; %.
 pub fn empirical_percent(speed_m_per_s: f64) -> f64 {
     let law = EmpiricalLaw::FITTED;
     let of = |speed: f64| law.lasting(LOADS_N[0], speed, AMPLITUDES[1]);
     of(speed_m_per_s) / of(POINTS[2].speed_m_per_s) * POINTS[2].percent
 }
 
-/// Predictions for the pin on a disc, at each speed of the data.
+/// Returns the predictions for the pin on a disc, at each speed of the data.
 pub fn pin(data: &[Datum]) -> Vec<Prediction> {
     let pin = Pin::measured();
-    // Hertz's mean area does not know the speed: what it is fitted to at one speed it says at all.
+    // Hertz's mean area is independent of speed: fitted at one speed, it predicts that value at
+    // all.
     let hertz = 100.0 * normal::reduction(normal::ratio_for(0.01 * POINTS[2].percent));
     let compliant =
         format!("compliant contact, A = {:.4}, critical speed {:.1} mm/s", pin.indentations, 1e3 * pin.critical_m_per_s);
     let of = |(datum, speed): (&str, f64)| {
         let popov = popov_ratio(pin.indentations, speed / pin.critical_m_per_s).map_or(f64::NAN, |ratio| 100.0 * (1.0 - ratio));
         let mut rows = vec![
-            Prediction::of(datum, compliant.clone(), pin.percent(speed)).fitted_to(BOTH),
-            Prediction::of(datum, "empirical law, its speed scale 38.3 mm/s", empirical_percent(speed)).fitted_to(BOTH),
-            Prediction::of(datum, "Hertz's mean area, stiffness through 62 %", hertz).fitted_to(&["pin-20"]),
+            Prediction::number(datum, compliant.clone(), pin.percent(speed)).fitted_to(PIN_NUMBERS),
+            Prediction::number(datum, "empirical law, its speed scale 38.3 mm/s", empirical_percent(speed))
+                .fitted_to(PIN_NUMBERS),
+            Prediction::number(datum, "Hertz's mean area, stiffness through 62 %", hertz).fitted_to(&["pin-20"]),
         ];
-        // Of the two speeds that fixed the model, its approximation has nothing new.
-        if !BOTH.contains(&datum) {
-            rows.push(Prediction::of(datum, "the paper's closed form with the same A and critical speed", popov).fitted_to(BOTH));
+        // At the two speeds to which the model was fitted, its approximation adds nothing.
+        if !PIN_NUMBERS.contains(&datum) {
+            rows.push(
+                Prediction::number(datum, "the paper's closed form with the same A and critical speed", popov)
+                    .fitted_to(PIN_NUMBERS),
+            );
         }
         rows
     };
@@ -53,11 +60,12 @@ pub fn pin(data: &[Datum]) -> Vec<Prediction> {
 }
 
 /// Frequencies at which the mass on Hertz's contact is driven, over its small-amplitude resonance.
-const DRIVES: [f64; 5] = [0.3, 0.6, 0.9, 1.1, 1.5];
-/// Steps of the force up to the loss of contact.
-const FORCES: u32 = 60;
+const DRIVE_FREQUENCY_RATIOS: [f64; 5] = [0.3, 0.6, 0.9, 1.1, 1.5];
+/// Number of force steps up to the loss of contact.
+const FORCE_STEPS: u32 = 60;
 
-/// Scale of the force that takes the contact to its loss: the softening spring bends the resonance to just below one, where small forces do.
+/// Returns the scale of the force at which contact is lost. The softening spring shifts the
+/// resonance to just below one, so that small forces suffice there.
 fn force_for(frequency_ratio: f64) -> f64 {
     match frequency_ratio {
         ratio if (0.8..1.0).contains(&ratio) => 0.2,
@@ -66,7 +74,7 @@ fn force_for(frequency_ratio: f64) -> f64 {
     }
 }
 
-/// The largest reduction of a driven mass on Hertz's contact before it parts.
+/// Returns the largest reduction of a driven mass on Hertz's contact before contact is lost.
 pub fn driven_until_parting(frequency_ratio: f64) -> f64 {
     let motion = |step: u32| {
         let force_ratio = 0.02 * f64::from(step) * force_for(frequency_ratio);
@@ -82,20 +90,25 @@ pub fn driven_until_parting(frequency_ratio: f64) -> f64 {
         };
         run(&contact, &mut |_| ())
     };
-    let motions = (1..=FORCES).map(motion).take_while(|motion| motion.reach.1 > 0.0);
+    let motions = (1..=FORCE_STEPS).map(motion).take_while(|motion| motion.reach.1 > 0.0);
     motions.map(|motion| 1.0 - motion.friction_ratio).fold(0.0, f64::max)
 }
 
-/// Predictions for Hertz's contact until it parts.
+/// Returns the predictions for Hertz's contact until contact is lost.
 pub fn hertz() -> Vec<Prediction> {
     let threshold = contact_loss_threshold(Shape::Sine).unwrap_or(f64::NAN);
-    let driven: Vec<f64> = DRIVES.into_par_iter().map(driven_until_parting).collect();
+    let driven: Vec<f64> = DRIVE_FREQUENCY_RATIOS.into_par_iter().map(driven_until_parting).collect();
     let ends = [driven.iter().copied().fold(f64::INFINITY, f64::min), driven.iter().copied().fold(0.0, f64::max)];
     vec![
-        Prediction::of("hertz-10", "Hertz's mean area, quasi-static: no parameter", 100.0 * normal::reduction(threshold)),
+        Prediction::number(
+            "hertz-10",
+            "Hertz's mean area, quasi-static, no free parameter",
+            100.0 * normal::reduction(threshold),
+        ),
         Prediction::between(
             "hertz-10",
-            "a mass on Hertz's contact, damping ratio 0.05 ASSUMED, the most at each of five drives from 0.3 to 1.5 of its resonance",
+            "a mass on Hertz's contact, damping ratio 0.05 ASSUMED, largest reduction at each of five drive frequencies \
+             from 0.3 to 1.5 of its resonance",
             ends.map(|part| 100.0 * part),
             "frequency and damping of the paper's case",
         ),
@@ -103,16 +116,17 @@ pub fn hertz() -> Vec<Prediction> {
             "hertz-10",
             "compliant contact, A = 1, any sliding speed",
             [1.0, 0.0].map(|speed| 100.0 * (1.0 - friction_ratio(1.0, speed, true))),
-            SPEED,
+            UNKNOWN_SPEED,
         ),
     ]
 }
 
-/// Predictions for the tip of a friction force microscope.
+/// Returns the predictions for the tip of a friction force microscope.
 pub fn tip() -> Vec<Prediction> {
     let threshold = contact_loss_threshold(Shape::Sine).unwrap_or(f64::NAN);
-    let left = 1.0 - normal::reduction(BEYOND * threshold);
-    // Twice the load at one amplitude: d0 goes with its power 2/3, the mean indentation in proportion.
+    let left = 1.0 - normal::reduction(BEYOND_LOSS_RATIO * threshold);
+    // At twice the load and one amplitude d0 grows with the power 2/3 of the load, the mean
+    // indentation in proportion to it.
     let half = 0.5 * threshold;
     let hertz = [half, half / 2f64.powf(2.0 / 3.0)].map(|ratio| 100.0 * normal::reduction(ratio));
     let compliant = [0.5, 0.25].map(|indentations| 100.0 * (1.0 - friction_ratio(indentations, 0.1, true)));
@@ -121,15 +135,15 @@ pub fn tip() -> Vec<Prediction> {
     vec![
         Prediction::sentence(
             "tip-vanishes",
-            "Hertz's mean area, 1 % beyond the loss of contact: no parameter",
-            left < VANISHED,
-            format!("{:.1} % of the friction is left", 100.0 * left),
+            "Hertz's mean area, 1 % beyond the loss of contact, no free parameter",
+            left < VANISHED_SHARE,
+            format!("{:.1} % of the friction remains", 100.0 * left),
         ),
         Prediction::between(
             "tip-vanishes",
-            "compliant contact, 1 % beyond the loss of contact, load held",
-            [1.0, 0.0].map(|speed| 100.0 * (1.0 - friction_ratio(BEYOND, speed, true))),
-            SPEED,
+            "compliant contact, 1 % beyond the loss of contact, constant load",
+            [1.0, 0.0].map(|speed| 100.0 * (1.0 - friction_ratio(BEYOND_LOSS_RATIO, speed, true))),
+            UNKNOWN_SPEED,
         ),
         Prediction::sentence(
             "tip-load",

@@ -1,11 +1,13 @@
-//! What the speed of a belt in a crash does to its friction: heat at the D-ring, and air under the webbing.
+//! Effects of the belt's speed in a crash on its friction: heat at the D-ring, and air under the
+//! webbing.
 //!
 //! ```text
 //! scene dring-crash --> tensions and speed, block by block --> power --> surface of the ring (contact::belt_heating)
 //!                                                          `-----------> film of air        (contact::air_film)
 //! ```
 //!
-//! Nothing of it acts on the friction: no coefficient of webbing over its temperature was at hand. The table says how far from dry, cold webbing a crash gets.
+//! Neither effect acts on the friction: no published friction coefficient of webbing over
+//! temperature was available. The table shows how far a crash departs from dry, cold webbing.
 
 use rayon::prelude::*;
 
@@ -18,20 +20,23 @@ use report::{TableBlock, significant};
 use scene::load::load;
 use sim::run::{Watch, run};
 
-/// ASSUMED: radius that the webbing bends around, m, its width, m, and its mass, kg/m, as of seat belts on the market.
-const RADIUS_M: f64 = 0.01;
-const WIDTH_M: f64 = 0.047;
-const KG_PER_M: f64 = 0.06;
-/// Heat capacity of polyester, J/(kg K), as tabulated.
-const CAPACITY: f64 = 1300.0;
-/// Polyester melts at about 250 °C: so far above a cabin of 20 °C, K.
-pub const MELTS_K: f64 = 230.0;
-/// ASSUMED: height of threads in woven webbing that a film would have to lift it over, m.
-const THREAD_M: f64 = 20e-6;
-/// Most steps of the heat's history, whose cost goes with their square.
-const STEPS: usize = 1000;
+/// ASSUMED, as of seat belts on the market: bending radius of the webbing, m.
+const BEND_RADIUS_M: f64 = 0.01;
+/// ASSUMED: width of the webbing, m.
+const WEBBING_WIDTH_M: f64 = 0.047;
+/// ASSUMED: mass of the webbing, kg/m.
+const WEBBING_KG_PER_M: f64 = 0.06;
+/// Heat capacity of polyester, tabulated, J/(kg K).
+const HEAT_CAPACITY_J_PER_KG_K: f64 = 1300.0;
+/// Rise from a cabin at 20 °C to the melting point of polyester at about 250 °C, K.
+pub const MELTING_RISE_K: f64 = 230.0;
+/// ASSUMED: height of the threads in woven webbing over which a film would have to lift it, m.
+const THREAD_HEIGHT_M: f64 = 20e-6;
+/// Largest number of steps of the heat's history; the cost grows with its square.
+const MAX_STEPS: usize = 1000;
 
-/// Crashes: name, changes of the scene dring-crash, whether the passive belt beside it is meant, and power into the contact besides friction's, W.
+/// Crashes: name, changes of the scene dring-crash, `true` for the passive belt of the pair, and
+/// power into the contact in addition to the friction power, W.
 const CASES: [(&str, &[&str], bool, f64); 5] = [
     ("light, passive", &[], true, 0.0),
     ("light, ideal switch", &[], false, 0.0),
@@ -40,52 +45,53 @@ const CASES: [(&str, &[&str], bool, f64); 5] = [
     ("heavy, passive", &["rig.dring.occupant=\"95th\""], true, 0.0),
 ];
 
-/// A belt in a crash, at its D-ring.
+/// Results for a belt in a crash at its D-ring.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AtRing {
+pub struct CrashAtRing {
     /// Name of the case.
     pub name: &'static str,
     /// Fastest payout, m/s.
     pub fastest_m_per_s: f64,
-    /// Most power, W.
+    /// Largest power, W.
     pub power_w: f64,
-    /// All heat, J.
+    /// Total heat, J.
     pub heat_j: f64,
-    /// Largest rise of the surface, K.
+    /// Largest rise of the surface temperature, K.
     pub rise_k: f64,
-    /// Rise of the webbing through its thickness if all heat were its own, K.
+    /// Rise of the webbing through its thickness if it took all of the heat, K.
     pub webbing_k: f64,
-    /// Thickest film of air of the formula while the webbing slides, m,
+    /// Largest thickness of the air film by the formula while the webbing slides, m.
     pub film_m: f64,
-    /// and while it carries half of its largest tension.
+    /// Largest thickness of the air film while the webbing slides under at least half of its
+    /// largest tension, m.
     pub film_loaded_m: f64,
-    /// Speed at which the film would be over threads at the largest tension at the retractor, m/s.
+    /// Speed for an air film thicker than the threads at the largest tension at the retractor, m/s.
     pub needed_m_per_s: f64,
 }
 
-/// All crashes.
-pub fn all() -> Result<Vec<AtRing>, Error> {
-    CASES.par_iter().map(|&(name, sets, passive, extra_w)| of(name, sets, passive, extra_w)).collect()
+/// Computes all crashes.
+pub fn all() -> Result<Vec<CrashAtRing>, Error> {
+    CASES.par_iter().map(|&(name, sets, passive, extra_w)| crash_at_ring(name, sets, passive, extra_w)).collect()
 }
 
-fn of(name: &'static str, sets: &[&str], passive: bool, extra_w: f64) -> Result<AtRing, Error> {
+fn crash_at_ring(name: &'static str, sets: &[&str], passive: bool, extra_w: f64) -> Result<CrashAtRing, Error> {
     let trouble = |reason: String| Error::Contact(SolveError::Unsuited { method: "a scene", reason });
     let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
     let loaded = load("dring-crash", &sets)?;
-    let driven = loaded.scene.driven().ok_or_else(|| trouble("it drives nothing".into()))?;
+    let driven = loaded.scene.driven().ok_or_else(|| trouble("it has no drive".into()))?;
     let dring = driven.dring().ok_or_else(|| trouble("it has no D-ring".into()))?;
     let record = run(&driven, Watch::default()).map_err(|error| trouble(error.to_string()))?;
     let playback = record.crash.as_ref().ok_or_else(|| trouble("it has no crash".into()))?;
     let contact = BeltOnRing {
-        arc_m: RADIUS_M * dring.wrap_deg.to_radians(),
-        width_m: WIDTH_M,
+        arc_m: BEND_RADIUS_M * dring.wrap_deg.to_radians(),
+        width_m: WEBBING_WIDTH_M,
         ring: Material::steel(),
         belt: Material::polyester(),
     };
     Ok(at_ring(name, playback, &contact, passive, extra_w))
 }
 
-fn at_ring(name: &'static str, playback: &Playback, contact: &BeltOnRing, passive: bool, extra_w: f64) -> AtRing {
+fn at_ring(name: &'static str, playback: &Playback, contact: &BeltOnRing, passive: bool, extra_w: f64) -> CrashAtRing {
     let belts: Vec<(f64, &Belt, f64)> = playback
         .frames
         .iter()
@@ -94,13 +100,13 @@ fn at_ring(name: &'static str, playback: &Playback, contact: &BeltOnRing, passiv
     let step_s =
         belts.first().zip(belts.last()).map_or(0.0, |(first, last)| (last.0 - first.0) / (belts.len() - 1).max(1) as f64);
     let difference = |belt: &Belt| (belt.shoulder_n - belt.retractor_n).abs();
-    // Nothing enters the contact of a belt that stands but what shakes it, which a belt that stands keeps: only sliding is counted.
+    // Only sliding is counted. A belt at rest receives only vibration power, which stays in it.
     let power = |belt: &Belt, extra: f64| {
         if belt.payout_m_per_s == 0.0 { 0.0 } else { difference(belt) * belt.payout_m_per_s.abs() + extra }
     };
     let slides = || belts.iter().filter(|(_, belt, _)| belt.payout_m_per_s != 0.0);
     let most = |value: &dyn Fn(&Belt) -> f64| slides().map(|(_, belt, _)| value(belt)).fold(0.0, f64::max);
-    let every = belts.len().div_ceil(STEPS).max(1);
+    let every = belts.len().div_ceil(MAX_STEPS).max(1);
     let steps: Vec<(f64, f64)> = belts
         .chunks(every)
         .map(|part| {
@@ -108,25 +114,25 @@ fn at_ring(name: &'static str, playback: &Playback, contact: &BeltOnRing, passiv
             (mean(&|(_, belt, extra)| power(belt, *extra)), mean(&|(_, belt, _)| belt.payout_m_per_s.abs()))
         })
         .collect();
-    let film = |belt: &Belt| thickness_m(RADIUS_M, belt.payout_m_per_s, belt.retractor_n / WIDTH_M);
+    let film = |belt: &Belt| thickness_m(BEND_RADIUS_M, belt.payout_m_per_s, belt.retractor_n / WEBBING_WIDTH_M);
     let largest = most(&|belt| belt.retractor_n);
-    AtRing {
+    CrashAtRing {
         name,
         fastest_m_per_s: most(&|belt| belt.payout_m_per_s.abs()),
         power_w: slides().map(|(_, belt, extra)| power(belt, *extra)).fold(0.0, f64::max),
         heat_j: step_s * slides().map(|(_, belt, extra)| power(belt, *extra)).sum::<f64>(),
         rise_k: contact.rises_k(step_s * every as f64, &steps).into_iter().fold(0.0, f64::max),
-        webbing_k: most(&difference) / (KG_PER_M * CAPACITY),
+        webbing_k: most(&difference) / (WEBBING_KG_PER_M * HEAT_CAPACITY_J_PER_KG_K),
         film_m: most(&film),
         film_loaded_m: most(&|belt| if belt.retractor_n > 0.5 * largest { film(belt) } else { 0.0 }),
-        needed_m_per_s: speed_m_per_s(RADIUS_M, THREAD_M, largest / WIDTH_M),
+        needed_m_per_s: speed_m_per_s(BEND_RADIUS_M, THREAD_HEIGHT_M, largest / WEBBING_WIDTH_M),
     }
 }
 
-/// What the belt's speed does at the D-ring.
-pub fn table(crashes: &[AtRing]) -> TableBlock {
-    let row = |crash: &AtRing| {
-        let melts = if crash.rise_k < MELTS_K { "below melting" } else { "MELTS" };
+/// Tabulates the effects of the belt's speed at the D-ring.
+pub fn table(crashes: &[CrashAtRing]) -> TableBlock {
+    let row = |crash: &CrashAtRing| {
+        let melts = if crash.rise_k < MELTING_RISE_K { "below melting" } else { "MELTS" };
         vec![
             crash.name.into(),
             significant(crash.fastest_m_per_s),
@@ -141,13 +147,17 @@ pub fn table(crashes: &[AtRing]) -> TableBlock {
         ]
     };
     let caption = format!(
-        "Scene dring-crash, simulated; ASSUMED: webbing of {:.0} mm and {:.0} g/m over a steel ring of {:.0} mm radius, threads of {:.0} um. Surface: the mean over the nominal contact, \
-         above the cabin; melting: {MELTS_K} K above 20 °C, at about 250 °C. Webbing: through its thickness, if the ring took nothing. Film: of the foil bearing's formula, an upper bound for \
-         webbing, at most and under at least half of the retractor's largest tension; the mean free path of air is {:.0} nm. Needed: the speed for a film as high as the threads at the largest tension.",
-        1e3 * WIDTH_M,
-        1e3 * KG_PER_M,
-        1e3 * RADIUS_M,
-        1e6 * THREAD_M,
+        "Scene dring-crash, simulated. ASSUMED: webbing of {:.0} mm and {:.0} g/m over a steel ring of {:.0} mm radius, \
+         threads of {:.0} um. Surface: mean over the nominal contact, above the cabin temperature; \
+         melting: {MELTING_RISE_K} K above \
+         20 °C, at about 250 °C. Webbing: through its thickness, if the ring took no heat. Film: by the formula of the foil \
+         bearing, an upper bound for webbing; the largest overall, and the largest under at least half of the retractor's \
+         largest tension; the mean free path of air is {:.0} nm. Needed: the speed for a film as thick as the threads at the \
+         largest tension.",
+        1e3 * WEBBING_WIDTH_M,
+        1e3 * WEBBING_KG_PER_M,
+        1e3 * BEND_RADIUS_M,
+        1e6 * THREAD_HEIGHT_M,
         1e9 * MEAN_FREE_PATH_M
     );
     let header = [

@@ -1,18 +1,19 @@
-//! Published data, one file for each source: what was measured, and laws apart from it.
+//! Published data, one file for each source: measurements, and laws separately.
 //!
-//! | kind | what it is |
+//! | kind | content |
 //! |---|---|
 //! | number | a measured number, read in its source |
-//! | words | a sentence of the source about what was measured, read there |
-//! | abstract | the same, of the abstract alone |
+//! | words | a sentence about the measurement, read in its source |
+//! | abstract | a sentence about the measurement, read in the abstract only |
 //!
-//! A number that was not read in its source is not here: such a datum has no `value`, and its prediction is open.
+//! Only numbers that were read in their source are given. A datum whose number was not read has no
+//! `value`, and its prediction is open.
 
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-/// Every file of data, by its name.
+/// All data files, by name.
 const FILES: [(&str, &str); 12] = [
     ("thesis-experiment-1", include_str!("../../measurements/thesis-experiment-1.toml")),
     ("thesis-experiment-2", include_str!("../../measurements/thesis-experiment-2.toml")),
@@ -29,7 +30,7 @@ const FILES: [(&str, &str); 12] = [
 ];
 const LAWS: &str = include_str!("../../measurements/laws.toml");
 
-/// A publication with what it states.
+/// Publication with its data.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Source {
@@ -38,11 +39,11 @@ pub struct Source {
     pub name: &'static str,
     /// Authors, title and place.
     pub cite: String,
-    /// Digital object identifier, where it is known.
+    /// Digital object identifier, if known.
     pub doi: Option<String>,
-    /// What of the source was read.
+    /// Parts of the source that were read.
     pub read: String,
-    /// What it states.
+    /// Data of the source.
     #[serde(rename = "datum")]
     pub data: Vec<Datum>,
 }
@@ -53,25 +54,25 @@ pub struct Source {
 pub enum Kind {
     /// A measured number, read in its source.
     Number,
-    /// A sentence about what was measured, read in its source.
+    /// A sentence about the measurement, read in its source.
     Words,
     /// A sentence of an abstract.
     Abstract,
 }
 
-/// Where an uncertainty is from.
+/// Origin of an uncertainty.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-pub enum UncertaintyIs {
-    /// The source states it.
+pub enum UncertaintyOrigin {
+    /// Stated by the source.
     Stated,
-    /// Half of the last printed digit: the source states none.
+    /// Half of the last printed digit, as the source states none.
     Rounding,
-    /// Assumed here: the source states none.
+    /// Assumed here, as the source states none.
     Assumed,
 }
 
-/// A measured number, or a sentence about what was measured.
+/// Measured number, or sentence about a measurement.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Datum {
@@ -79,27 +80,27 @@ pub struct Datum {
     pub id: String,
     /// Kind of the datum.
     pub kind: Kind,
-    /// What is stated.
+    /// Statement of the source.
     pub says: String,
-    /// Under which conditions.
+    /// Conditions of the measurement.
     pub conditions: String,
-    /// The number, if it is one that was read.
+    /// Measured number, if it was read.
     pub value: Option<f64>,
     /// Unit of the number.
     pub unit: Option<String>,
-    /// Half width of the interval that the number stands for.
+    /// Half width of the uncertainty interval of the number.
     pub uncertainty: Option<f64>,
-    /// Where that is from.
-    pub uncertainty_is: Option<UncertaintyIs>,
-    /// Sliding speed of the datum, m/s, where a law over the speed is judged.
+    /// Origin of the uncertainty.
+    pub uncertainty_is: Option<UncertaintyOrigin>,
+    /// Sliding speed of the datum, m/s, for laws over speed.
     pub at: Option<f64>,
-    /// Why no model can be held against it.
+    /// Reason why no model can be compared with the datum.
     pub not_comparable: Option<String>,
-    /// The experiment that would decide where models disagree with it.
+    /// Experiment that would decide between models that disagree with the datum.
     pub decides: Option<String>,
 }
 
-/// A published law, at some points.
+/// Published law, evaluated at some points.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Law {
@@ -107,33 +108,33 @@ pub struct Law {
     pub id: String,
     /// The formula.
     pub says: String,
-    /// Under which conditions it holds.
+    /// Conditions under which the law holds.
     pub conditions: String,
     /// Authors and place.
     pub cite: String,
-    /// Formula, or formula from memory.
+    /// "formula" or "formula from memory".
     pub kind: String,
-    /// Largest deviation of a model that has the law.
+    /// Largest deviation of a model that obeys the law.
     pub tolerance: f64,
-    /// Argument, and the value to four digits that was computed elsewhere, where there is one.
+    /// Argument and, if available, the value to four digits that was computed elsewhere.
     pub points: Vec<Vec<f64>>,
-    /// Why the law does not claim to hold there.
+    /// Reason why the law does not claim to hold at these points.
     pub outside: Option<String>,
 }
 
-impl UncertaintyIs {
-    /// The word in tables.
+impl UncertaintyOrigin {
+    /// Returns the word for tables.
     pub fn word(self) -> &'static str {
         match self {
-            UncertaintyIs::Stated => "stated",
-            UncertaintyIs::Rounding => "rounding",
-            UncertaintyIs::Assumed => "ASSUMED",
+            UncertaintyOrigin::Stated => "stated",
+            UncertaintyOrigin::Rounding => "rounding",
+            UncertaintyOrigin::Assumed => "ASSUMED",
         }
     }
 }
 
 impl Kind {
-    /// The word in tables.
+    /// Returns the word for tables.
     pub fn word(self) -> &'static str {
         match self {
             Kind::Number => "number",
@@ -144,24 +145,25 @@ impl Kind {
 }
 
 impl Datum {
-    /// The number with its unit and uncertainty, or that it is not at hand; what is stated of a sentence stands elsewhere.
+    /// Returns the number with its unit and uncertainty, or a note that it was not available or
+    /// that the datum is a sentence.
     pub fn number(&self) -> String {
         let unit = self.unit.as_deref().unwrap_or_default();
         match (self.kind, self.value, self.uncertainty.zip(self.uncertainty_is)) {
             (Kind::Number, Some(value), Some((within, is))) => format!("{value} ± {within} {unit} ({})", is.word()),
             (Kind::Number, Some(value), None) => format!("{value} {unit}"),
-            (Kind::Number, None, _) => "not at hand".into(),
+            (Kind::Number, None, _) => "not available".into(),
             _ => "in words".into(),
         }
     }
 }
 
-/// All sources.
+/// Reads all sources.
 pub fn sources() -> Result<Vec<Source>, toml::de::Error> {
     FILES.iter().map(|&(name, text)| Ok(Source { name, ..toml::from_str(text)? })).collect()
 }
 
-/// All laws.
+/// Reads all laws.
 pub fn laws() -> Result<Vec<Law>, toml::de::Error> {
     let mut laws: BTreeMap<String, Vec<Law>> = toml::from_str(LAWS)?;
     Ok(laws.remove("law").unwrap_or_default())

@@ -1,4 +1,4 @@
-//! Measured points over the curves of the models.
+//! Figures: measured points and the curves of the models.
 
 use super::Findings;
 use super::across::empirical_percent;
@@ -19,17 +19,17 @@ use sim::instruments::belt::law::{AMPLITUDES, Curve, LOADS_N, POINTS};
 
 const REDUCTION: &str = "reduction [%]";
 
-/// Separate dots.
+/// Returns a series of separate dots.
 fn points(name: &str, column: &str, x: Vec<f64>, y: Vec<f64>) -> Series {
     Series { name: name.into(), csv_column: column.into(), x, y, style: Style::Points }
 }
 
-/// All figures.
+/// Draws all figures.
 pub fn all(found: &Findings) -> Vec<Figure> {
     vec![pin(found), belt(found), rail(found), directions(found), parting(found), popov()]
 }
 
-/// The number of a datum, if it has one.
+/// Returns the number of a datum, if it has one.
 fn value(found: &Findings, id: &str) -> Option<f64> {
     let mut data = found.sources.iter().flat_map(|source| &source.data);
     data.find(|datum: &&Datum| datum.id == id).and_then(|datum| datum.value)
@@ -57,13 +57,15 @@ fn pin(found: &Findings) -> Figure {
         let by = pin.percent(speed);
         percent.is_none().then(|| Marker { x: 1e3 * speed, y: by, label: format!("open: {by:.1} %") })
     };
-    let caption = "A pin on a disc, 22 kHz across the contact. Two laws of two parameters pass through the two numbers that were read. At 40.6 mm/s, which was measured and whose number was not at \
-                   hand, they are four points apart; above 260 mm/s, where nothing was measured, one leaves no reduction and the other a tenth.";
+    let caption = "A pin on a disc, 22 kHz across the contact. Two laws with two parameters each pass through the two \
+                   numbers that were read. At 40.6 mm/s, which was measured but whose number was not available, they differ \
+                   by four percentage points. Above 260 mm/s, which was not measured, one law predicts no reduction and the \
+                   other a tenth.";
     Figure {
         markers: data.iter().filter_map(open).collect(),
         ..figure(
             "pin-over-speed",
-            "A pin on a disc over its speed",
+            "Friction reduction of a pin on a disc over sliding speed",
             caption.into(),
             [log_axis("sliding speed [mm/s]"), ranged(REDUCTION, 0.0, 85.0)],
             series,
@@ -84,8 +86,15 @@ fn belt(found: &Findings) -> Figure {
     let stated = [("belt-58", LOADS_N[0]), ("belt-55", LOADS_N[2])];
     let (x, y) = stated.iter().filter_map(|&(id, load)| Some((load, value(found, id)?))).unzip();
     series.push(points("stated by the thesis", "stated_percent", x, y));
-    let caption = "Experiment 2 at 70 % after 2 s. Hertz's contact, fitted to 58 % at 270 N, predicts 55 % at 670 N; the compliant contact meets both and rises between them, against the thesis's words.";
-    figure("belt-over-load", "The belt over its load", caption.into(), [axis("load [N]"), ranged(REDUCTION, 50.0, 64.0)], series)
+    let caption = "Experiment 2 at 70 % amplitude after 2 s. Hertz's contact, fitted to 58 % at 270 N, predicts 55 % at 670 \
+                   N. The compliant contact, fitted to both, rises between them, which contradicts the thesis.";
+    figure(
+        "belt-over-load",
+        "Friction reduction of the belt over load",
+        caption.into(),
+        [axis("load [N]"), ranged(REDUCTION, 50.0, 64.0)],
+        series,
+    )
 }
 
 fn rail(found: &Findings) -> Figure {
@@ -95,12 +104,13 @@ fn rail(found: &Findings) -> Figure {
         dashed("0.038 m/s, FITTED", "fitted_percent", &RAIL_N, found.rail.fitted.clone()),
     ];
     let stated = value(found, "rail-68").map(|percent| (percent, format!("up to {percent} % (thesis)")));
-    let caption = "Experiment 1 as its scenes run it. Table 4.1's contact has the thesis's 68 % and hardly falls with the load; a stiffer contact on a slower tip, FITTED, does both.";
+    let caption = "Experiment 1, as in its scenes. The contact of Table 4.1 reproduces the thesis's 68 % but hardly falls \
+                   with load; a stiffer contact on a slower tip, FITTED, does both.";
     Figure {
         hlines: stated.into_iter().collect(),
         ..figure(
             "rail-over-load",
-            "Experiment 1 over its load",
+            "Friction reduction of experiment 1 over load",
             caption.into(),
             [axis("load [N]"), ranged(REDUCTION, 0.0, 80.0)],
             series,
@@ -122,7 +132,8 @@ fn directions(found: &Findings) -> Figure {
         line("across, elliptic integral", "across_law", &z, of(transverse)),
         points("across, bristles", "across_bristles", across.0, across.1),
     ];
-    let caption = "Laws, no measurements. The lines are the formulas, the dots Dahl's bristles of 1e-13 of the amplitude, solved in one and in two dimensions.";
+    let caption = "Laws, no measurements. Lines: formulas. Dots: Dahl's bristles of 1e-13 of the amplitude, solved in one \
+                   and in two dimensions.";
     figure(
         "laws-in-the-plane",
         "Vibration along and across the sliding",
@@ -144,14 +155,16 @@ fn parting(found: &Findings) -> Figure {
         dashed("compliant contact, nine tenths of it", "compliant_nine_tenths_percent", &ratio, of(&compliant(0.9))),
     ];
     let about = value(found, "hertz-10").map(|percent| (percent, format!("about {percent} % (Hess and Soom)")));
-    let caption = "Vibration across the contact until it parts, which Hertz's does at 0.885 and the compliant contact at 1. Hess and Soom: about ten per cent at most before. Dinelli and others: at a tip of \
-                   nanometres friction vanishes when the contact parts, and falls well before. The mean of Hertz's area cannot do that; the compliant contact does, sliding slowly, in proportion to the amplitude.";
+    let caption = "Vibration across the contact until contact is lost, for Hertz's contact at 0.885 and for the compliant \
+                   contact at 1. Hess and Soom: before this, about ten per cent at most. Dinelli and others: at a tip of \
+                   nanometres friction vanishes when contact is lost, and falls well before. The mean of Hertz's area \
+                   cannot reproduce this; the compliant contact can, in proportion to the amplitude, if it slides slowly.";
     Figure {
-        markers: vec![Marker { x: threshold, y: 100.0 * normal::reduction(threshold), label: "Hertz parts".into() }],
+        markers: vec![Marker { x: threshold, y: 100.0 * normal::reduction(threshold), label: "Hertz: contact lost".into() }],
         hlines: about.into_iter().collect(),
         ..figure(
             "until-contact-is-lost",
-            "Vibration across the contact until it parts",
+            "Vibration across the contact until contact is lost",
             caption.into(),
             [axis("amplitude over static deflection"), ranged(REDUCTION, 0.0, 110.0)],
             series,
@@ -169,13 +182,14 @@ fn popov() -> Figure {
         dashed("A = 1, closed form", "closed_1", &speed, of(&closed(1.0))),
         line("A = 0.5, arcs", "arcs_half", &speed, of(&model(0.5))),
         dashed("A = 0.5, closed form", "closed_half", &speed, of(&closed(0.5))),
-        line("A = 10, load held", "arcs_10", &speed, of(&model(10.0))),
+        line("A = 10, constant load", "arcs_10", &speed, of(&model(10.0))),
     ];
-    let caption = "Laws, no measurements. The closed form approximates its own model within 0.0144. At and above the critical speed nothing is left of the effect; once the mean place is a gap (A = 10), the \
-                   model's critical speed is lower than the formula's.";
+    let caption = "Laws, no measurements. The closed form approximates its own model within 0.0144. At and above the \
+                   critical speed there is no reduction. If the mean position is a gap (A = 10), the model's critical speed \
+                   is lower than the formula's.";
     figure(
         "popov-critical-speed",
-        "A compliant contact over its speed",
+        "Friction ratio of a compliant contact over sliding speed",
         caption.into(),
         [axis("sliding speed over mu kz w a / kx"), ranged("friction ratio", 0.0, 1.1)],
         series,

@@ -1,40 +1,40 @@
-//! A prediction and the verdict on it.
+//! Predictions and their verdicts.
 
 use super::data::{Datum, Kind};
 use report::significant;
 
-/// What a model says of a datum.
+/// Prediction of a datum by a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prediction {
-    /// The datum, by its name.
+    /// Name of the datum.
     pub datum: String,
-    /// The model and where its parameters are from.
+    /// Model and the origin of its parameters.
     pub model: String,
-    /// Data that its parameters were fitted to, by their names.
+    /// Names of the data to which its parameters were fitted.
     pub fitted_to: &'static [&'static str],
-    /// The result of the model.
-    pub found: Found,
+    /// Result of the model.
+    pub found: PredictionResult,
 }
 
 /// Result of a model.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Found {
-    /// A number, in the unit of the datum.
+pub enum PredictionResult {
+    /// Number in the unit of the datum.
     Value(f64),
-    /// Whether a sentence holds, and the numbers that say so.
+    /// Verdict on a sentence, with the numbers that support it.
     Sentence {
-        /// Whether the sentence holds.
+        /// `true` if the sentence holds.
         holds: bool,
-        /// The model's numbers.
+        /// Numbers of the model.
         numbers: String,
     },
-    /// Numbers between which the model says nothing, as a parameter is unknown.
+    /// Interval of the result, as a parameter is unknown.
     Between {
-        /// The least.
+        /// Lower end.
         from: f64,
-        /// The most.
+        /// Upper end.
         to: f64,
-        /// The parameter that is unknown.
+        /// Unknown parameter.
         unknown: &'static str,
     },
 }
@@ -42,20 +42,21 @@ pub enum Found {
 /// Verdict on a prediction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
-    /// The prediction, whose parameters were fixed beforehand, is within the uncertainty of the datum; or the sentence holds.
+    /// The prediction, with parameters fixed beforehand, is within the uncertainty of the datum, or
+    /// the sentence holds.
     Agrees,
-    /// The parameters were fitted to this datum, and meet it: no confirmation.
+    /// The parameters were fitted to this datum and reproduce it, which confirms nothing.
     Fitted,
-    /// It is not within the uncertainty, fitted or not; or the sentence does not hold.
+    /// The prediction, fitted or not, is outside the uncertainty, or the sentence does not hold.
     Misses,
-    /// A prediction of a number that was not at hand.
+    /// The number to compare with was not available.
     Open,
     /// A parameter is unknown, and the result depends on it.
     Undetermined,
 }
 
 impl Verdict {
-    /// The word in tables.
+    /// Returns the word for tables.
     pub fn word(self) -> &'static str {
         match self {
             Verdict::Agrees => "agrees",
@@ -68,38 +69,38 @@ impl Verdict {
 }
 
 impl Prediction {
-    /// A prediction of a number with nothing fitted.
-    pub fn of(datum: &str, model: impl Into<String>, value: f64) -> Self {
-        Self::found(datum, model, Found::Value(value))
+    /// Returns a prediction of a number with nothing fitted.
+    pub fn number(datum: &str, model: impl Into<String>, value: f64) -> Self {
+        Self::found(datum, model, PredictionResult::Value(value))
     }
 
-    /// Numbers between which the model says nothing, by a parameter that is unknown.
+    /// Returns a prediction of an interval, with the name of the unknown parameter.
     pub fn between(datum: &str, model: impl Into<String>, [from, to]: [f64; 2], unknown: &'static str) -> Self {
-        Self::found(datum, model, Found::Between { from, to, unknown })
+        Self::found(datum, model, PredictionResult::Between { from, to, unknown })
     }
 
-    fn found(datum: &str, model: impl Into<String>, found: Found) -> Self {
+    fn found(datum: &str, model: impl Into<String>, found: PredictionResult) -> Self {
         Prediction { datum: datum.into(), model: model.into(), fitted_to: &[], found }
     }
 
-    /// A sentence that holds or not, with nothing fitted.
+    /// Returns a prediction of a sentence, which holds or not, with nothing fitted.
     pub fn sentence(datum: &str, model: impl Into<String>, holds: bool, numbers: String) -> Self {
-        Self::found(datum, model, Found::Sentence { holds, numbers })
+        Self::found(datum, model, PredictionResult::Sentence { holds, numbers })
     }
 
-    /// The same with parameters that were fitted to data.
+    /// Sets the data to which the parameters were fitted.
     pub fn fitted_to(self, fitted_to: &'static [&'static str]) -> Self {
         Prediction { fitted_to, ..self }
     }
 
-    /// The verdict. A number that is none misses.
+    /// Returns the verdict. NaN is a miss.
     pub fn verdict(&self, datum: &Datum) -> Verdict {
         let meets = match (&self.found, datum.value, datum.uncertainty) {
-            (Found::Between { .. }, ..) => return Verdict::Undetermined,
-            (Found::Sentence { holds, .. }, ..) => *holds,
-            (Found::Value(found), Some(value), Some(within)) => (found - value).abs() <= within,
-            (Found::Value(_), None, _) if datum.kind == Kind::Number => return Verdict::Open,
-            (Found::Value(_), ..) => false,
+            (PredictionResult::Between { .. }, ..) => return Verdict::Undetermined,
+            (PredictionResult::Sentence { holds, .. }, ..) => *holds,
+            (PredictionResult::Value(found), Some(value), Some(within)) => (found - value).abs() <= within,
+            (PredictionResult::Value(_), None, _) if datum.kind == Kind::Number => return Verdict::Open,
+            (PredictionResult::Value(_), ..) => false,
         };
         match (meets, self.fitted_to.contains(&self.datum.as_str())) {
             (true, true) => Verdict::Fitted,
@@ -108,35 +109,35 @@ impl Prediction {
         }
     }
 
-    /// The model's number, or numbers.
+    /// Formats the result of the model.
     pub fn shown(&self, datum: &Datum) -> String {
         let unit = datum.unit.as_deref().unwrap_or("%");
         match &self.found {
-            Found::Value(value) => format!("{value:.2} {unit}"),
-            Found::Sentence { numbers, .. } => numbers.clone(),
-            Found::Between { from, to, unknown } => {
-                // Round-off below zero is no reduction.
+            PredictionResult::Value(value) => format!("{value:.2} {unit}"),
+            PredictionResult::Sentence { numbers, .. } => numbers.clone(),
+            PredictionResult::Between { from, to, unknown } => {
+                // Adding zero turns -0.0 from round-off into 0.0.
                 let shown = |value: f64| format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0);
-                format!("{} to {} {unit}; not known: {unknown}", shown(*from), shown(*to))
+                format!("{} to {} {unit}; unknown: {unknown}", shown(*from), shown(*to))
             }
         }
     }
 
-    /// Prediction less datum, of numbers.
+    /// Returns the prediction minus the datum, if both are numbers.
     pub fn deviation(&self, datum: &Datum) -> Option<f64> {
         match (&self.found, datum.value) {
-            (Found::Value(found), Some(value)) => Some(found - value),
+            (PredictionResult::Value(found), Some(value)) => Some(found - value),
             _ => None,
         }
     }
 
-    /// What the parameters were fitted to.
+    /// Formats the data to which the parameters were fitted.
     pub fn fitted(&self) -> String {
         if self.fitted_to.is_empty() { "nothing".into() } else { self.fitted_to.join(", ") }
     }
 }
 
-/// Numbers in a row, in per cent.
+/// Joins numbers with commas.
 pub fn list(values: &[f64]) -> String {
     values.iter().map(|&value| significant(value)).collect::<Vec<_>>().join(", ")
 }
@@ -165,7 +166,7 @@ mod tests {
     #[test]
     fn a_number_agrees_within_its_uncertainty_only() {
         let measured = datum(Kind::Number, Some(62.0));
-        let verdict = |value: f64| Prediction::of("x", "m", value).verdict(&measured);
+        let verdict = |value: f64| Prediction::number("x", "m", value).verdict(&measured);
         assert_eq!(
             [61.5, 62.5, 62.51, f64::NAN].map(verdict),
             [Verdict::Agrees, Verdict::Agrees, Verdict::Misses, Verdict::Misses]
@@ -173,21 +174,22 @@ mod tests {
     }
 
     #[test]
-    fn what_was_fitted_to_it_confirms_nothing() {
+    fn agreement_with_fitted_data_confirms_nothing() {
         let measured = datum(Kind::Number, Some(62.0));
-        let fitted = |to: &'static [&'static str], value: f64| Prediction::of("x", "m", value).fitted_to(to).verdict(&measured);
+        let fitted =
+            |to: &'static [&'static str], value: f64| Prediction::number("x", "m", value).fitted_to(to).verdict(&measured);
         assert_eq!(fitted(&["x"], 62.0), Verdict::Fitted);
         assert_eq!(fitted(&["y"], 62.0), Verdict::Agrees);
         assert_eq!(fitted(&["x"], 63.0), Verdict::Misses);
     }
 
     #[test]
-    fn a_number_that_is_not_at_hand_leaves_the_prediction_open() {
-        assert_eq!(Prediction::of("x", "m", 49.9).verdict(&datum(Kind::Number, None)), Verdict::Open);
+    fn a_missing_number_leaves_the_prediction_open() {
+        assert_eq!(Prediction::number("x", "m", 49.9).verdict(&datum(Kind::Number, None)), Verdict::Open);
         let words = datum(Kind::Words, None);
         assert_eq!(Prediction::sentence("x", "m", true, String::new()).verdict(&words), Verdict::Agrees);
         assert_eq!(Prediction::sentence("x", "m", false, String::new()).verdict(&words), Verdict::Misses);
-        // A number says nothing of a sentence.
-        assert_eq!(Prediction::of("x", "m", 1.0).verdict(&words), Verdict::Misses);
+        // A number cannot confirm a sentence.
+        assert_eq!(Prediction::number("x", "m", 1.0).verdict(&words), Verdict::Misses);
     }
 }

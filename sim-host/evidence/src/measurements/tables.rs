@@ -1,15 +1,16 @@
-//! The tables of the bench.
+//! Tables of the bench.
 
-use super::Judged;
+use super::JudgedPrediction;
 use super::data::{Datum, Law, Source};
 use super::judged::Verdict;
 use super::laws::{Row, holds};
+use crate::campaign::{cells, columns, or_dash};
 use report::{TableBlock, verdict};
 
-/// Predictions beside the numbers and sentences that they are held against, in the order of the sources.
-pub fn predictions(judged: &[Judged]) -> TableBlock {
-    let row = |judged: &Judged| {
-        let Judged { source, datum, prediction, verdict } = judged;
+/// Tabulates predictions with their numbers and sentences, in the order of the sources.
+pub fn predictions(judged: &[JudgedPrediction]) -> TableBlock {
+    let row = |judged: &JudgedPrediction| {
+        let JudgedPrediction { source, datum, prediction, verdict } = judged;
         vec![
             source.name.into(),
             datum.says.clone(),
@@ -19,54 +20,43 @@ pub fn predictions(judged: &[Judged]) -> TableBlock {
             prediction.model.clone(),
             prediction.fitted(),
             prediction.shown(datum),
-            prediction.deviation(datum).map_or("–".into(), |off| format!("{off:+.2}")),
+            or_dash(prediction.deviation(datum), |off| format!("{off:+.2}")),
             verdict.word().into(),
         ]
     };
-    let caption = "No source states an uncertainty. Rounding: half of the last digit printed. ASSUMED: what an experiment of this kind can show, \
-                   as `evidence thesis` takes it. FITTED: a parameter was fitted to this datum itself, so that agreement confirms nothing; a datum \
-                   named as fitted in another row leaves this one a prediction. MISS: not within the uncertainty, or the sentence does not hold.";
-    TableBlock::new(
-        "predictions",
-        "Predictions against measurements",
-        caption,
-        &[
-            "source",
-            "stated",
-            "conditions",
-            "kind",
-            "number",
-            "model and parameters",
-            "fitted to",
-            "model says",
-            "deviation",
-            "verdict",
-        ],
-        judged.iter().map(row).collect(),
-    )
+    let caption = "No source states an uncertainty. Rounding: half of the last printed digit. ASSUMED: the resolution of \
+                   such an experiment, as in `evidence thesis`. FITTED: a parameter was fitted to this datum, so agreement \
+                   confirms nothing. If only another datum is named as fitted, the row remains a prediction. MISS: outside \
+                   the uncertainty, or the sentence does not hold.";
+    let header = columns(
+        "source | stated | conditions | kind | number | model and parameters | fitted to | model result | deviation | verdict",
+    );
+    let rows = judged.iter().map(row).collect();
+    TableBlock::new("predictions", "Predictions against measurements", caption, &header, rows)
 }
 
-/// Where a model fails, and which experiment would decide.
-pub fn fails(judged: &[Judged]) -> TableBlock {
-    let row = |judged: &Judged| {
-        let Judged { source, datum, prediction, .. } = judged;
+/// Tabulates the failures of the models and the experiments that would decide.
+pub fn fails(judged: &[JudgedPrediction]) -> TableBlock {
+    let row = |judged: &JudgedPrediction| {
+        let JudgedPrediction { source, datum, prediction, .. } = judged;
         let decides = datum.decides.clone().unwrap_or_else(|| "–".into());
         vec![prediction.model.clone(), format!("{}: {}", source.name, datum.says), prediction.shown(datum), decides]
     };
     let missed = judged.iter().filter(|judged| judged.verdict == Verdict::Misses);
     TableBlock::new(
         "fails",
-        "Where a model fails",
+        "Failures of the models",
         "Every MISS of the table above.",
-        &["model", "against", "it says", "what would decide"],
+        &["model", "against", "model result", "deciding experiment"],
         missed.map(row).collect(),
     )
 }
 
-/// Predictions of numbers that were not at hand, and what depends on a parameter that is unknown.
-pub fn open(judged: &[Judged]) -> TableBlock {
-    let row = |judged: &Judged| {
-        let Judged { datum, prediction, verdict, .. } = judged;
+/// Tabulates predictions of numbers that were not available, and results that depend on an unknown
+/// parameter.
+pub fn open(judged: &[JudgedPrediction]) -> TableBlock {
+    let row = |judged: &JudgedPrediction| {
+        let JudgedPrediction { datum, prediction, verdict, .. } = judged;
         let decides = datum.decides.clone().unwrap_or_else(|| "–".into());
         let stated = format!("{} ({})", datum.says, datum.conditions);
         vec![stated, prediction.model.clone(), prediction.shown(datum), verdict.word().into(), decides]
@@ -75,13 +65,13 @@ pub fn open(judged: &[Judged]) -> TableBlock {
     TableBlock::new(
         "open",
         "Open predictions",
-        "Published before the number is read: whoever has it can decide between the models.",
-        &["datum", "model", "it says", "", "what would decide"],
+        "Published before the number was read: anyone who has the number can decide between the models.",
+        &["datum", "model", "model result", "", "deciding experiment"],
         open.map(row).collect(),
     )
 }
 
-/// Data that no model can be held against.
+/// Tabulates the data that no model can be compared with.
 pub fn not_comparable(sources: &[Source]) -> TableBlock {
     let row = |(source, datum): (&Source, &Datum)| {
         let why = datum.not_comparable.clone()?;
@@ -92,28 +82,21 @@ pub fn not_comparable(sources: &[Source]) -> TableBlock {
     TableBlock::new(
         "not-comparable",
         "Not comparable",
-        "Published data that no model here can be held against, and why.",
-        &["source", "kind", "stated", "conditions", "why not"],
+        "Published data with which no model here can be compared, and the reasons.",
+        &["source", "kind", "stated", "conditions", "reason"],
         all.filter_map(row).collect(),
     )
 }
 
-/// Laws apart from measurements.
+/// Tabulates the laws, separately from measurements.
 pub fn laws(laws: &[(Law, Vec<Row>)]) -> TableBlock {
     let of = |(law, rows): &(Law, Vec<Row>)| {
         let word = if law.outside.is_some() { "not claimed there" } else { verdict(holds(law, rows)) };
         let row = |row: &Row| {
             let models = row.models.iter().map(|(name, value)| format!("{name}: {value:.10}")).collect::<Vec<_>>().join("; ");
-            vec![
-                law.says.clone(),
-                row.at.to_string(),
-                row.checked.map_or("–".into(), |checked| format!("{checked:.4}")),
-                format!("{:.10}", row.formula),
-                models,
-                format!("{:.1e}", row.off()),
-                format!("{:.1e}", law.tolerance),
-                word.to_owned(),
-            ]
+            let checked = or_dash(row.checked, |checked| format!("{checked:.4}"));
+            let [off, tolerance] = [row.off(), law.tolerance].map(|off| format!("{off:.1e}"));
+            cells![law.says, row.at, checked, format!("{:.10}", row.formula), models, off, tolerance, word]
         };
         rows.iter().map(row).collect::<Vec<_>>()
     };
@@ -122,16 +105,11 @@ pub fn laws(laws: &[(Law, Vec<Row>)]) -> TableBlock {
         format!("{}: {}; {} ({}){outside}.", law.id, law.conditions, law.cite, law.kind)
     });
     let caption = format!("Checked: computed elsewhere, to four digits. {}", conditions.collect::<Vec<_>>().join(" "));
-    TableBlock::new(
-        "laws",
-        "Laws",
-        caption,
-        &["law", "at", "checked", "formula", "models", "off", "allowed", ""],
-        laws.iter().flat_map(of).collect(),
-    )
+    let header = columns("law | at | checked | formula | models | deviation | allowed | ");
+    TableBlock::new("laws", "Laws", caption, &header, laws.iter().flat_map(of).collect())
 }
 
-/// The sources, with what of each was read.
+/// Tabulates the sources with the parts of each that were read.
 pub fn sources(sources: &[Source]) -> TableBlock {
     let row = |source: &Source| {
         vec![source.name.into(), source.cite.clone(), source.doi.clone().unwrap_or_else(|| "–".into()), source.read.clone()]
@@ -140,7 +118,7 @@ pub fn sources(sources: &[Source]) -> TableBlock {
         "sources",
         "Sources",
         "The data are in `sim-host/evidence/measurements`, one file for each source.",
-        &["file", "publication", "DOI", "what was read"],
+        &["file", "publication", "DOI", "parts read"],
         sources.iter().map(row).collect(),
     )
 }

@@ -1,32 +1,33 @@
-//! The published data are whole, and the verdicts on some of them, by numbers that do not come from here.
+//! Tests that the published data are complete, and of some verdicts against numbers from elsewhere.
 
 use std::collections::HashSet;
 use std::sync::LazyLock;
 
-use super::judged::{Found, Verdict};
+use super::judged::{PredictionResult, Verdict};
 use super::*;
 
-static FOUND: LazyLock<Findings> = LazyLock::new(|| compute(&mut |_| ()).unwrap_or_else(|error| panic!("{error}")));
+static FINDINGS: LazyLock<Findings> = LazyLock::new(|| compute(&mut |_| ()).unwrap_or_else(|error| panic!("{error}")));
 
-/// Verdict and number of the prediction of a datum by the model of this beginning.
-fn of(datum: &str, model: &str) -> (Verdict, f64) {
-    let mut own = FOUND.judged.iter().filter(|judged| judged.datum.id == datum && judged.prediction.model.starts_with(model));
+/// Returns verdict and number of the prediction of a datum by the model with this prefix.
+fn verdict_and_value(datum: &str, model: &str) -> (Verdict, f64) {
+    let mut own = FINDINGS.judged.iter().filter(|judged| judged.datum.id == datum && judged.prediction.model.starts_with(model));
     let found = own.next().unwrap_or_else(|| panic!("{datum} has no prediction by {model}"));
     assert!(own.next().is_none(), "{datum} by {model} twice");
-    let value = if let Found::Value(value) = found.prediction.found { value } else { f64::NAN };
+    let value = if let PredictionResult::Value(value) = found.prediction.found { value } else { f64::NAN };
     (found.verdict, value)
 }
 
-/// A number has an uncertainty and where that is from; each datum has a prediction or a reason why not, and not both; names are unique.
+/// Each number has an uncertainty and its origin; each datum has either a prediction or a reason
+/// against one; names are unique.
 #[test]
-fn every_datum_is_whole_and_is_judged_or_says_why_not() {
+fn every_datum_is_complete_and_judged_or_has_a_reason_not() {
     let mut names = HashSet::new();
-    for source in &FOUND.sources {
+    for source in &FINDINGS.sources {
         assert!(!source.cite.is_empty() && !source.read.is_empty(), "{}", source.name);
         for datum in &source.data {
             let id = &datum.id;
             assert!(names.insert(id.clone()), "{id} twice");
-            let judged = FOUND.judged.iter().any(|judged| judged.datum.id == *id);
+            let judged = FINDINGS.judged.iter().any(|judged| judged.datum.id == *id);
             assert_eq!(judged, datum.not_comparable.is_none(), "{id}");
             assert_eq!(datum.uncertainty.is_some(), datum.uncertainty_is.is_some(), "{id}");
             assert!(!judged || datum.value.is_some() == datum.uncertainty.is_some(), "{id}: a number without an uncertainty");
@@ -35,39 +36,43 @@ fn every_datum_is_whole_and_is_judged_or_says_why_not() {
     }
 }
 
-/// What `docs/claims.md` counts.
+/// Verdict counts at the head of the page.
 #[test]
-fn the_claim_counts_the_verdicts() {
-    let count = |verdict: Verdict| FOUND.judged.iter().filter(|judged| judged.verdict == verdict).count();
-    let claim = format!(
-        "of {} predictions of published measurements of friction under vibration, {} agree with a datum that nothing was fitted to, {} meet what they were FITTED to, {} miss and are named, {} are open, {} depend on a parameter",
-        FOUND.judged.len(),
+fn the_page_counts_the_verdicts() {
+    let count = |verdict: Verdict| FINDINGS.judged.iter().filter(|judged| judged.verdict == verdict).count();
+    let first = format!(
+        "Of {} predictions of published measurements of friction under vibration, {} agree with a datum to which nothing was \
+         fitted, and {} miss.",
+        FINDINGS.judged.len(),
         count(Verdict::Agrees),
+        count(Verdict::Misses)
+    );
+    let second = format!(
+        "A further {} meet a datum to which the model was FITTED, {} are open predictions, and {} depend on an unknown parameter.",
         count(Verdict::Fitted),
-        count(Verdict::Misses),
         count(Verdict::Open),
         count(Verdict::Undetermined)
     );
-    let page = include_str!("../../../../docs/claims.md");
-    assert!(page.contains(&claim), "docs/claims.md has not: {claim}");
+    let page = include_str!("../../../../docs/evidence/measurements.md");
+    assert!(page.contains(&first) && page.contains(&second), "docs/evidence/measurements.md lacks: {first} {second}");
 }
 
 /// Every file of the folder is read.
 #[test]
-fn no_file_of_data_is_left_out() {
+fn every_data_file_is_read() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("measurements");
     let files: HashSet<String> = std::fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
         .filter(|name| name != "laws")
         .collect();
-    assert_eq!(files, FOUND.sources.iter().map(|source| source.name.to_owned()).collect());
+    assert_eq!(files, FINDINGS.sources.iter().map(|source| source.name.to_owned()).collect());
 }
 
-/// Where a model fails: each is in docs/evidence/measurements.md with what would decide.
+/// Failures of the models: each is in docs/evidence/measurements.md with the deciding experiment.
 #[test]
 fn the_known_failures_are_the_only_ones() {
-    let missed: Vec<(&str, &str)> = FOUND
+    let missed: Vec<(&str, &str)> = FINDINGS
         .judged
         .iter()
         .filter(|judged| judged.verdict == Verdict::Misses)
@@ -84,63 +89,71 @@ fn the_known_failures_are_the_only_ones() {
         ("tip-load", "compliant contact"),
     ];
     assert_eq!(missed, expected);
-    assert_eq!(FOUND.missed().len(), expected.len(), "no law is missed");
-    for judged in FOUND.judged.iter().filter(|judged| judged.verdict == Verdict::Misses) {
-        assert!(judged.datum.decides.is_some(), "{} says not what would decide", judged.datum.id);
+    assert_eq!(FINDINGS.missed().len(), expected.len(), "no law is missed");
+    for judged in FINDINGS.judged.iter().filter(|judged| judged.verdict == Verdict::Misses) {
+        assert!(judged.datum.decides.is_some(), "{} names no deciding experiment", judged.datum.id);
     }
 }
 
-/// docs/normal-vibration.md and an earlier study of the same equations: 49.9 % at 40.6 mm/s, 260.5 mm/s; 11.466 % until Hertz's contact parts.
+/// From docs/evidence/normal-vibration.md and an earlier study of the same equations: 49.9 % at
+/// 40.6 mm/s, 260.5 mm/s; 11.466 % before Hertz's contact is lost.
 #[test]
 fn predictions_are_those_of_an_earlier_study() {
-    assert_eq!(of("pin-20", "compliant").0, Verdict::Fitted);
-    let (verdict, third) = of("pin-41", "compliant");
+    assert_eq!(verdict_and_value("pin-20", "compliant").0, Verdict::Fitted);
+    let (verdict, third) = verdict_and_value("pin-41", "compliant");
     assert!(verdict == Verdict::Open && (third - 49.948).abs() < 1e-3, "{third}");
-    assert!(of("pin-300", "compliant").1.abs() < 1e-12 && (of("pin-300", "empirical").1 - 10.740).abs() < 1e-3);
-    let (verdict, until) = of("hertz-10", "Hertz's");
+    assert!(
+        verdict_and_value("pin-300", "compliant").1.abs() < 1e-12
+            && (verdict_and_value("pin-300", "empirical").1 - 10.740).abs() < 1e-3
+    );
+    let (verdict, until) = verdict_and_value("hertz-10", "Hertz's");
     assert!(verdict == Verdict::Agrees && (until - 11.466).abs() < 1e-3, "{until}");
 }
 
-/// The driven mass by the same equations in other code (NumPy, 200 steps a period): 7.26, 8.28, 8.37, 12.09 and 11.49 % before it parts, by frequency.
+/// The driven mass by the same equations in other code (NumPy, 200 steps a period): 7.26, 8.28,
+/// 8.37, 12.09 and 11.49 % before contact is lost, by frequency.
 #[test]
-fn a_driven_mass_loses_about_ten_per_cent_until_it_parts() {
+fn a_driven_mass_loses_ten_per_cent_before_contact_is_lost() {
     for (frequency, percent) in [(0.3, 7.2585), (0.6, 8.2777), (0.9, 8.3664), (1.1, 12.0942), (1.5, 11.4851)] {
         let found = 100.0 * across::driven_until_parting(frequency);
         assert!((found - percent).abs() < 2e-3, "{frequency}: {found}");
     }
-    assert_eq!(of("hertz-10", "a mass").0, Verdict::Undetermined);
+    assert_eq!(verdict_and_value("hertz-10", "a mass").0, Verdict::Undetermined);
 }
 
-/// A thousand joules and more go through the D-ring of a passive belt in a crash: its surface comes to a hundred kelvin, short of melting, and no film of air
-/// is as thick as the mean free path while the belt is loaded.
+/// The D-ring of a passive belt receives a thousand joules and more in a crash. Its surface warms
+/// by a hundred kelvin, below melting. The air film of the loaded belt is thinner than the mean
+/// free path.
 #[test]
-fn a_crash_heats_the_ring_and_no_air_carries() {
-    for crash in &FOUND.crashes {
+fn a_crash_heats_the_ring_and_no_air_film_carries() {
+    for crash in &FINDINGS.crashes {
         println!("{crash:?}");
         assert!(crash.film_loaded_m < contact::air_film::MEAN_FREE_PATH_M && crash.needed_m_per_s > 1e4, "{crash:?}");
         assert!(crash.fastest_m_per_s > 1.0 && crash.heat_j > 10.0, "{crash:?}");
-        // All heat into the ring at the mean power, and at the peak power for the whole time: between them.
-        assert!(crash.rise_k > 5.0 && crash.rise_k < belt_speed::MELTS_K, "{crash:?}");
+        // Bounds: all heat into the ring at the mean power, and at the peak power throughout.
+        assert!(crash.rise_k > 5.0 && crash.rise_k < belt_speed::MELTING_RISE_K, "{crash:?}");
     }
-    let of = |name: &str| FOUND.crashes.iter().find(|crash| crash.name == name).unwrap();
-    // Peak force less the limiter's 2200 N over 60 g/m and 1300 J/(kg K): docs/crash.md has 4825 and 3092 N.
+    let of = |name: &str| FINDINGS.crashes.iter().find(|crash| crash.name == name).unwrap();
+    // Peak force minus the limiter's 2200 N, over 60 g/m and 1300 J/(kg K); docs/evidence/crash.md
+    // has 4825 N and 3092 N.
     assert!((of("medium, passive").webbing_k - (4825.0 - 2200.0) / 78.0).abs() < 0.1);
     assert!((of("light, ideal switch").fastest_m_per_s - 2.92).abs() < 0.01);
     assert!(of("light, 2.5 kW into the contact").power_w > 2500.0);
 }
 
-/// The thesis's 68 % comes out of Table 4.1's contact with nothing fitted, and 55 % of Hertz's that was fitted to 58 %.
+/// The contact of Table 4.1 reproduces the thesis's 68 % with nothing fitted. Hertz's contact,
+/// fitted to 58 %, predicts the 55 %.
 #[test]
-fn what_was_fixed_beforehand_predicts() {
-    let (verdict, rail) = of("rail-68", "scene experiment-1:");
+fn parameters_fixed_beforehand_predict_the_thesis() {
+    let (verdict, rail) = verdict_and_value("rail-68", "scene experiment-1:");
     assert!(verdict == Verdict::Agrees && (rail - 67.4).abs() < 0.1, "{rail}");
-    let (verdict, belt) = of("belt-55", "Hertz");
+    let (verdict, belt) = verdict_and_value("belt-55", "Hertz");
     assert!(verdict == Verdict::Agrees && (belt - 54.8).abs() < 0.1, "{belt}");
-    assert_eq!(of("belt-55", "scene experiment-2").0, Verdict::Fitted);
-    assert_eq!(of("belt-58", "Hertz's mean area, a sheet").0, Verdict::Undetermined);
+    assert_eq!(verdict_and_value("belt-55", "scene experiment-2").0, Verdict::Fitted);
+    assert_eq!(verdict_and_value("belt-58", "Hertz's mean area, a sheet").0, Verdict::Undetermined);
 }
 
-/// The transverse law by a sum of its own, and the models on both laws to 1e-9.
+/// Compares the transverse law with a numerical sum, and the models with both laws to 1e-9.
 #[test]
 fn the_laws_are_met() {
     for z in [0.05f64, 0.5, 1.0, 2.0] {
@@ -149,18 +162,19 @@ fn the_laws_are_met() {
         let mean = (0..places).map(|i| z / z.hypot(slip(i))).sum::<f64>() / f64::from(places);
         assert!((laws::transverse(z) - mean).abs() < 1e-9, "{z}: {mean}");
     }
-    for (law, rows) in FOUND.laws.iter().filter(|(law, _)| law.outside.is_none()) {
+    for (law, rows) in FINDINGS.laws.iter().filter(|(law, _)| law.outside.is_none()) {
         assert!(laws::holds(law, rows), "{}: {rows:?}", law.id);
     }
-    // Beyond pi the formula of the critical speed is not the model's: docs/normal-vibration.md has 0.8496.
-    let (_, beyond) = FOUND.laws.iter().find(|(law, _)| law.id == "critical-speed-beyond").unwrap();
+    // Beyond pi the formula of the critical speed differs from the model:
+    // docs/evidence/normal-vibration.md has 0.8496.
+    let (_, beyond) = FINDINGS.laws.iter().find(|(law, _)| law.id == "critical-speed-beyond").unwrap();
     assert!((beyond[0].models[0].1 - 0.8496).abs() < 5e-5, "{beyond:?}");
 }
 
-/// A law whose checked value is another, or whose model is off, is missed.
+/// A law with a wrong checked value, or with a deviating model, is missed.
 #[test]
 fn a_wrong_law_is_missed() {
-    let (law, rows) = FOUND.laws.iter().find(|(law, _)| law.id == "transverse").unwrap();
+    let (law, rows) = FINDINGS.laws.iter().find(|(law, _)| law.id == "transverse").unwrap();
     let mut wrong = rows.clone();
     wrong[2].checked = Some(0.3996);
     assert!(!laws::holds(law, &wrong));

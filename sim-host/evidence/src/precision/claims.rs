@@ -1,4 +1,4 @@
-//! What is claimed, as ratios of costs read from the work-precision curves, and whether it holds.
+//! Claims as cost ratios read from the work-precision curves, with their verdicts.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -9,32 +9,32 @@ use super::work::{Curve, Point};
 use contact::closed;
 use contact::table_4_1::{VELOCITY_RATIO, table_4_1};
 
-/// A claim and what was measured.
+/// Claim with its measured values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
     /// The claim in words.
     pub what: String,
     /// Methods and settings that were compared.
     pub how: String,
-    /// The bound that the measured value must keep.
+    /// Bound on the measured value.
     pub target: Target,
-    /// By time. None: not measured.
+    /// Value by time; `None` if not measured.
     pub by_time: Option<f64>,
-    /// By instructions. None: not counted.
+    /// Value by instructions; `None` if not counted.
     pub by_instructions: Option<f64>,
 }
 
-/// Bound of the measured value.
+/// Bound on the measured value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
-    /// A speed-up of so many times at least.
+    /// Smallest speed-up, as a factor.
     Times(f64),
-    /// So many nanoseconds at most.
+    /// Longest time, ns.
     Nanoseconds(f64),
 }
 
 impl Claim {
-    /// Whether it holds by time; none if it was not measured.
+    /// Returns `true` if the claim holds by time; `None` if it was not measured.
     pub fn holds(&self) -> Option<bool> {
         self.by_time.map(|measured| match self.target {
             Target::Times(target) => measured >= target,
@@ -43,15 +43,19 @@ impl Claim {
     }
 }
 
-/// Speed-ups at equal error of F: error, against whom, and at least how much.
+/// Speed-ups at equal error of F: error, role of the methods compared with, and smallest factor.
 const AT_EQUAL_ERROR: [(f64, Role, f64); 4] =
     [(1e-6, Role::Fair, 25.0), (1e-6, Role::Plain, 50.0), (1e-8, Role::Fair, 80.0), (1e-8, Role::Plain, 160.0)];
-/// The thesis's step and the step of linexp that stands against it.
+/// Steps a period of the thesis.
 const THESIS_STEPS: u32 = 1000;
-const SWIFT: (&str, u32) = ("linexp-2", 8);
-const AGAINST_THE_THESIS: f64 = 40.0;
+/// Method that is compared with the thesis's step.
+const SWIFT_METHOD: &str = "linexp-2";
+/// Steps a period of that method.
+const SWIFT_STEPS: u32 = 8;
+/// Smallest speed-up over the thesis's step.
+const THESIS_STEP_SPEED_UP: f64 = 40.0;
 
-/// Judges all claims by the measured curves.
+/// Judges all claims from the measured curves.
 pub fn judge(curves: &[Curve]) -> Vec<Claim> {
     let mut claims: Vec<Claim> =
         AT_EQUAL_ERROR.iter().map(|&(error, role, target)| equal_error(curves, error, role, target)).collect();
@@ -63,9 +67,10 @@ pub fn judge(curves: &[Curve]) -> Vec<Claim> {
 const BY_TIME: fn(&Point) -> Option<f64> = |point| Some(point.ns);
 const BY_INSTRUCTIONS: fn(&Point) -> Option<f64> = |point| point.instructions;
 
-/// The least cost among the methods of a role at an error of F, and the method's name.
+/// Returns the lowest cost among the methods of a role at an error of F, and the method's name.
 fn cheapest(curves: &[Curve], role: Role, error: f64, cost: fn(&Point) -> Option<f64>) -> Option<(f64, &'static str)> {
-    let of = |curve: &Curve| Some((cost_at(&curve.of(cost, |point| point.errors.force), error)?, curve.method.name));
+    let of =
+        |curve: &Curve| Some((cost_at(&curve.cost_against_error(cost, |point| point.errors.force), error)?, curve.method.name));
     curves.iter().filter(|curve| curve.method.role == role).filter_map(of).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
@@ -74,7 +79,7 @@ fn equal_error(curves: &[Curve], error: f64, role: Role, target: f64) -> Claim {
     let ratio = |cost| pair(cost).map(|(ours, theirs)| theirs.0 / ours.0);
     let who = if role == Role::Fair { "RK4, fair" } else { "RK4, plain" };
     let how = pair(BY_TIME).map_or_else(
-        || "a curve does not reach this error".to_owned(),
+        || "one of the curves does not reach this error".to_owned(),
         |(ours, theirs)| format!("{} {:.0} ns, {} {:.0} ns", ours.1, ours.0, theirs.1, theirs.0),
     );
     Claim {
@@ -87,20 +92,20 @@ fn equal_error(curves: &[Curve], error: f64, role: Role, target: f64) -> Claim {
 }
 
 fn thesis_step(curves: &[Curve]) -> Claim {
-    let ours = curves.iter().find(|curve| curve.method.name == SWIFT.0).and_then(|curve| curve.at(SWIFT.1));
+    let ours = curves.iter().find(|curve| curve.method.name == SWIFT_METHOD).and_then(|curve| curve.at(SWIFT_STEPS));
     let fair = curves.iter().find(|curve| curve.method.role == Role::Fair).and_then(|curve| curve.at(THESIS_STEPS));
     let ratio = |cost: fn(&Point) -> Option<f64>| Some(cost(fair?)? / cost(ours?)?);
-    let how = ours.zip(fair).map(|(ours, fair)| format!("{} {:.0} ns, rk4-fair {:.0} ns", SWIFT.0, ours.ns, fair.ns));
+    let how = ours.zip(fair).map(|(ours, fair)| format!("{} {:.0} ns, rk4-fair {:.0} ns", SWIFT_METHOD, ours.ns, fair.ns));
     Claim {
-        what: format!("{} at {} steps over RK4, fair, at the thesis's {THESIS_STEPS}", SWIFT.0, SWIFT.1),
+        what: format!("{} at {} steps over RK4, fair, at the thesis's {THESIS_STEPS} steps", SWIFT_METHOD, SWIFT_STEPS),
         how: how.unwrap_or_default(),
-        target: Target::Times(AGAINST_THE_THESIS),
+        target: Target::Times(THESIS_STEP_SPEED_UP),
         by_time: ratio(BY_TIME),
         by_instructions: ratio(BY_INSTRUCTIONS),
     }
 }
 
-/// The steady kinematic question, which needs no steps: the mean time of one of many friction ratios, ns.
+/// Times the steady kinematic friction ratio in closed form; mean of many calls, ns.
 fn closed_form() -> Claim {
     const CALLS: u32 = 2000;
     let problem = table_4_1(VELOCITY_RATIO, 1.0);
@@ -114,7 +119,7 @@ fn closed_form() -> Claim {
     };
     let least = (0..5).map(|_| round()).fold(f64::INFINITY, f64::min);
     Claim {
-        what: "steady kinematic Dahl friction ratio in closed form, ns in all".into(),
+        what: "time for the steady kinematic Dahl friction ratio in closed form, ns".into(),
         how: format!("kappa {kappa:.3}, mean of {CALLS} velocity ratios"),
         target: Target::Nanoseconds(1000.0),
         by_time: Some(least),
@@ -140,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ratio_is_that_of_the_cheapest_of_ours() {
+    fn a_ratio_uses_our_cheapest_method() {
         let curves = [
             curve("linexp-2", &[(8, 500.0, 1e-5), (16, 1000.0, 1e-7)]),
             curve("taylor-12", &[(8, 2000.0, 1e-9)]),
@@ -150,7 +155,7 @@ mod tests {
         let at_1e_6 = 25e3 / (500.0 * 1000.0f64).sqrt();
         assert!((claims[0].by_time.unwrap() / at_1e_6 - 1.0).abs() < 1e-12 && claims[0].holds() == Some(true));
         assert!((claims[0].by_instructions.unwrap() / at_1e_6 - 1.0).abs() < 1e-12);
-        // At 1e-8 only the series is good enough; plain was not measured at all.
+        // At 1e-8 only the series is accurate enough; plain was not measured.
         assert!((claims[2].by_time.unwrap() - 125.0).abs() < 1e-9 && claims[2].holds() == Some(true));
         assert_eq!((claims[1].by_time, claims[1].holds()), (None, None));
         assert_eq!((claims[4].by_time, claims[4].holds()), (Some(50.0), Some(true)));

@@ -1,4 +1,4 @@
-//! What a measurement leaves in its folder: the numbers as CSV and JSON, the curves, and the report.
+//! Output of a measurement: the numbers as CSV and JSON, the curves, and the report.
 
 use serde_json::{Value, json};
 
@@ -6,40 +6,36 @@ use super::claims::Target;
 use super::sample::Errors;
 use super::study::Study;
 use super::{plots, table};
+use crate::campaign::{cells, csv};
+use crate::evidence::Error;
 use report::Report;
 
-/// Every point of every curve, as CSV.
-pub fn work(study: &Study) -> Result<String, csv::Error> {
-    let mut work = csv::Writer::from_writer(Vec::new());
-    let header = ["method", "steps_per_period", "ns_per_period", "instructions_per_period", "error_f", "error_mean", "error_x"];
-    work.write_record(header)?;
-    for curve in &study.curves {
-        for point in &curve.points {
-            let Errors { force, mean, displacement } = point.errors;
-            let instructions = point.instructions.map(|count| count.to_string()).unwrap_or_default();
-            let [force, mean, displacement] = [force, mean, displacement].map(|error| format!("{error:e}"));
-            let numbers = [point.steps.to_string(), point.ns.to_string(), instructions, force, mean, displacement];
-            work.write_record([curve.method.name.to_owned()].iter().chain(&numbers))?;
-        }
-    }
-    let bytes = work.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+/// Returns every point of every curve, as CSV.
+pub fn work(study: &Study) -> Result<String, Error> {
+    let points = study.curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve.method.name, point)));
+    let rows = points.map(|(method, point)| {
+        let Errors { force, mean, displacement } = point.errors;
+        let instructions = point.instructions.map(|count| count.to_string()).unwrap_or_default();
+        let [force, mean, displacement] = [force, mean, displacement].map(|error| format!("{error:e}"));
+        cells![method, point.steps, point.ns, instructions, force, mean, displacement]
+    });
+    csv("method,steps_per_period,ns_per_period,instructions_per_period,error_f,error_mean,error_x", rows)
 }
 
-/// Page of the study's report.
+/// Builds the report of the study.
 pub fn page(study: &Study) -> Report {
     Report {
         title: "Precision: speed against error".into(),
         subtitle: "Every method on one standard case, the claims, and the hard cases".into(),
         tables: vec![table::claims(&study.claims), table::reference(&study.reference), table::hard(&study.hard)],
-        figures: plots::of(study),
+        figures: plots::figures(study),
         appendix: vec![table::work(study)],
         footer: vec![("measurement".into(), if study.quick { "quick" } else { "full" }.into())],
         ..Report::default()
     }
 }
 
-/// The measurement as JSON.
+/// Returns the measurement as JSON.
 pub fn summary(study: &Study) -> Value {
     let errors = |errors: &Errors| json!({ "force": errors.force, "mean": errors.mean, "displacement": errors.displacement });
     let work: Vec<Value> = study

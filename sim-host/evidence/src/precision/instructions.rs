@@ -1,7 +1,8 @@
-//! Instructions a drive period takes: the same on every run, where times are not.
+//! Instructions of a drive period, which are the same on every run, unlike times.
 //!
-//! This executable is started again under valgrind's counter, to run one method over a few periods and nothing else; once over
-//! [`FEW`] periods and once over [`MANY`]. The difference is that of the periods in between: start-up and tables cancel.
+//! This executable is started again under valgrind's counter and runs only one method: once over
+//! [`SHORT_RUN_PERIODS`] periods and once over [`LONG_RUN_PERIODS`]. The difference counts the
+//! periods in between: start-up and tables cancel.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -13,36 +14,36 @@ use super::work::Curve;
 use contact::SolveError;
 use contact::table_4_1::{VELOCITY_RATIO, table_4_1};
 
-/// Periods of the two runs.
-pub const FEW: u32 = 4;
+/// Periods of the shorter run.
+pub const SHORT_RUN_PERIODS: u32 = 4;
 /// Periods of the longer run.
-pub const MANY: u32 = 12;
-/// The program that counts.
+pub const LONG_RUN_PERIODS: u32 = 12;
+/// Program that counts.
 const COUNTER: &str = "valgrind";
-/// How it counts fastest: no caches, no file.
+/// Its options for the fastest count: no caches, no file.
 const COUNTER_OPTIONS: [&str; 3] = ["--tool=cachegrind", "--cache-sim=no", "--cachegrind-out-file=/dev/null"];
-/// The line with the count.
+/// Start of the line with the count.
 const COUNT_LINE: &str = "I refs:";
 
-/// Why nothing was counted.
+/// Reason why nothing was counted.
 #[derive(Debug, thiserror::Error)]
 pub enum Uncounted {
-    /// There is no counter.
+    /// The counter is not installed.
     #[error("{COUNTER} is not on PATH")]
     Absent,
     /// The count of the instructions failed.
     #[error("{COUNTER} did not count {method} at {steps} steps: {said}")]
     Failed {
-        /// The method.
+        /// Name of the method.
         method: &'static str,
-        /// Its steps a period.
+        /// Steps a period.
         steps: u32,
-        /// What it said last.
+        /// Last line of its output.
         said: String,
     },
 }
 
-/// One method over some periods, and nothing else: what is counted. False if there is no such method.
+/// Runs only one method over some periods, for the counter. Returns `false` for an unknown method.
 pub fn run_alone(method: &str, steps: u32, periods: u32) -> Result<bool, SolveError> {
     let Some(method) = by_name(method) else { return Ok(false) };
     let problem = table_4_1(VELOCITY_RATIO, f64::from(periods));
@@ -50,7 +51,8 @@ pub fn run_alone(method: &str, steps: u32, periods: u32) -> Result<bool, SolveEr
     Ok(true)
 }
 
-/// Counts every setting of every method by starting `executable`, with `option` before `METHOD,STEPS,PERIODS`.
+/// Counts every setting of every method by starting `executable` with `options` and
+/// `METHOD,STEPS,PERIODS`.
 pub fn count(curves: &mut [Curve], executable: &Path, options: &[&str]) -> Result<(), Uncounted> {
     let there = Command::new(COUNTER).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
     if !there.is_ok_and(|status| status.success()) {
@@ -60,7 +62,8 @@ pub fn count(curves: &mut [Curve], executable: &Path, options: &[&str]) -> Resul
         let method = curve.method.name;
         curve.points.par_iter_mut().try_for_each(|point| {
             let total = |periods| one(executable, options, method, point.steps, periods);
-            point.instructions = Some((total(MANY)? - total(FEW)?) / f64::from(MANY - FEW));
+            point.instructions =
+                Some((total(LONG_RUN_PERIODS)? - total(SHORT_RUN_PERIODS)?) / f64::from(LONG_RUN_PERIODS - SHORT_RUN_PERIODS));
             Ok(())
         })
     })
@@ -80,7 +83,7 @@ fn one(executable: &Path, options: &[&str], method: &'static str, steps: u32, pe
     total.filter(|_| output.status.success()).ok_or_else(|| failed(said.lines().last().unwrap_or_default().into()))
 }
 
-/// The count in a line such as `==12== I   refs:      16,193,520`.
+/// Parses the count of a line such as `==12== I   refs:      16,193,520`.
 fn parse(line: &str) -> Option<f64> {
     let words: Vec<&str> = line.split_whitespace().skip(1).collect();
     let number = words.join(" ");

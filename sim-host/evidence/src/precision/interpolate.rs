@@ -1,31 +1,35 @@
-//! What a curve of cost against error says between its points, and the order it has.
+//! Interpolation of a cost-error curve between its points, and its order of convergence.
 
-/// A point: steps a period or cost, and error.
+/// Point of a curve: steps a period or cost, and error.
 pub type Point = (f64, f64);
 
-/// Cost at which a curve first comes down to an error, straight between its points on logarithmic axes.
+/// Returns the cost at which a curve first falls to an error, by linear interpolation on
+/// logarithmic axes.
 ///
-/// A first point that is good enough already counts with its own cost: nothing is said beyond what was measured.
+/// If the first point is accurate enough its own cost counts, as curves are never extrapolated.
 pub fn cost_at(curve: &[Point], error: f64) -> Option<f64> {
     if curve.first()?.1 <= error {
         return Some(curve[0].0);
     }
     let pair = curve.windows(2).find(|pair| pair[1].1 <= error)?;
     let [(cost_0, error_0), (cost_1, error_1)] = [pair[0], pair[1]].map(|(cost, error)| (cost.ln(), error.ln()));
-    // An error of zero has no logarithm: its point is as good as its neighbour's cost can tell.
+    // An error of zero has no logarithm; the cost of its point is an upper bound.
     if !error_1.is_finite() {
         return Some(pair[1].0);
     }
     Some((cost_0 + (error.ln() - error_0) / (error_1 - error_0) * (cost_1 - cost_0)).exp())
 }
 
-/// Errors above this are not yet on the straight range, those below are round-off.
-const STRAIGHT: (f64, f64) = (1e-13, 1e-2);
+/// Error at and below which round-off dominates.
+const ROUND_OFF_ERROR: f64 = 1e-13;
+/// Error below which a curve has its asymptotic slope.
+const ASYMPTOTIC_ERROR: f64 = 1e-2;
 
-/// Order of convergence: slope of the line through the logarithms of error against steps, over the straight range. The range ends where
-/// an error is no smaller than the one before. None of a single point.
+/// Returns the order of convergence: the slope of the line through the logarithms of error against
+/// steps, over the range of constant slope. The range ends when an error is not smaller than the
+/// one before. `None` for fewer than two points.
 pub fn order(curve: &[Point]) -> Option<f64> {
-    let straight = |point: &&Point| point.1 > STRAIGHT.0 && point.1 < STRAIGHT.1;
+    let straight = |point: &&Point| point.1 > ROUND_OFF_ERROR && point.1 < ASYMPTOTIC_ERROR;
     let mut logs: Vec<Point> = Vec::new();
     for (steps, error) in curve.iter().filter(straight).map(|(steps, error)| (steps.ln(), error.ln())) {
         if logs.last().is_some_and(|last| error >= last.1) {
@@ -54,7 +58,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_said_beyond_the_measured() {
+    fn curves_are_not_extrapolated() {
         let curve = [(10.0, 1e-3), (20.0, 1e-4)];
         assert_eq!(order(&curve[..1]), None);
         assert_eq!(cost_at(&curve, 1e-2), Some(10.0));
@@ -70,7 +74,7 @@ mod tests {
 
     #[test]
     fn the_first_crossing_counts() {
-        // An error that comes down, rises, and comes down again.
+        // An error that falls, rises, and falls again.
         let curve = [(1.0, 1.0), (2.0, 1e-2), (4.0, 1e-1), (8.0, 1e-3)];
         assert!((cost_at(&curve, 1e-1).unwrap() - 2f64.sqrt()).abs() < 1e-12);
     }

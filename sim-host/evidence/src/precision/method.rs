@@ -1,55 +1,55 @@
-//! The methods that are measured, each with the step counts that show its range.
+//! The measured methods, each with step counts that show its range.
 
 use contact::linexp::Options;
 use contact::{Problem, SolveError, State, Tally, linexp, midpoint, rk4, rk4_events, taylor};
 
-/// Runs a problem at so many steps a period.
+/// Runs a problem at a number of steps a period.
 pub type Run = fn(&Problem, u32) -> Result<Tally, SolveError>;
-/// Runs a problem at so many steps a period, with a callback for the states.
+/// Runs a problem at a number of steps a period, with a callback for the states.
 pub type Watched = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, SolveError>;
 
 /// Role of a method in a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// One of the methods that are claimed to be fast.
+    /// Method that is claimed to be fast.
     Ours,
-    /// The thesis's method as it stands.
+    /// The thesis's method, unchanged.
     Plain,
-    /// The thesis's method, as fast as it can be made without changing it.
+    /// The thesis's method, as fast as possible without a change of its results.
     Fair,
-    /// A method for comparison only.
+    /// Method for comparison only.
     Other,
 }
 
-/// A method with its step counts.
+/// Method with its step counts.
 pub struct Method {
     /// Name of the method, in one word.
     pub name: &'static str,
     /// Role of the method in a claim.
     pub role: Role,
-    /// The method as it is timed, without a callback.
+    /// Function that is timed, without a callback.
     pub run: Run,
-    /// The method with a callback for the states.
+    /// Function with a callback for the states.
     pub watched: Watched,
-    /// Steps a period; all multiples of four, so that every quarter period is the end of a step.
+    /// Steps a period; multiples of four, so that every quarter period is the end of a step.
     pub steps: &'static [u32],
     /// Steps a period of a quick measurement.
     pub quick_steps: &'static [u32],
 }
 
 impl Method {
-    /// Steps a period to measure at.
+    /// Returns the steps a period of a measurement.
     pub fn steps(&self, quick: bool) -> &'static [u32] {
         if quick { self.quick_steps } else { self.steps }
     }
 }
 
-/// A method by its name.
+/// Finds a method by name.
 pub fn by_name(name: &str) -> Option<&'static Method> {
     METHODS.iter().find(|method| method.name == name)
 }
 
-/// One row: the same call, once unwatched and once watched.
+/// Builds a method from one call, with and without a callback.
 macro_rules! method {
     ($name:literal, $role:ident, $steps:expr, $quick:expr, |$problem:ident, $n:ident, $watch:ident| $call:expr) => {
         Method {

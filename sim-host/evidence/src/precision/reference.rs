@@ -1,33 +1,36 @@
-//! The truth that errors are measured against, and what speaks for it.
+//! The reference for the errors, and the checks that support it.
 //!
-//! Taylor series of orders 32 and 28 at different steps must agree to 1e-12; and a method that shares nothing with them but the
-//! problem, Runge-Kutta with located reversals at a fine step, must agree with them to what it can.
+//! Taylor series of orders 32 and 28 at different steps must agree to 1e-12. Runge-Kutta with
+//! located reversals at a fine step shares only the problem with them and must agree within its own
+//! accuracy.
 
 use super::method::Watched;
 use super::sample::{Errors, Sample, take};
 use contact::{Problem, SolveError, rk4_events, taylor};
 
-/// The two settings of the series: steps a period and order.
+/// Both settings of the series: steps a period and order.
 pub const SETTINGS: [(u32, u32); 2] = [(24, 32), (16, 28)];
-/// The most they may differ by.
-pub const AGREEMENT: f64 = 1e-12;
-/// Steps a period of the independent method; its own error there, of order four, is below round-off's share.
+/// Largest difference between the two settings.
+pub const MAX_SETTINGS_DIFFERENCE: f64 = 1e-12;
+/// Steps a period of the independent method; here its error of order four is smaller than
+/// round-off.
 pub const INDEPENDENT_STEPS: u32 = 2000;
-/// The most it may differ by: some 1e-12 of round-off over the 400 000 steps of the standard case.
-pub const INDEPENDENT_AGREEMENT: f64 = 1e-11;
+/// Largest difference to the independent method: about 1e-12 of round-off over the 400 000 steps of
+/// the standard case, with a margin.
+pub const MAX_INDEPENDENT_DIFFERENCE: f64 = 1e-11;
 
-/// The reference and its credentials.
+/// Reference with its checks.
 #[derive(Clone, Debug)]
 pub struct Reference {
     /// States of the reference at the quarter periods.
     pub sample: Sample,
-    /// How far the other setting of the series is.
+    /// Differences to the other setting of the series.
     pub settings: Errors,
-    /// How far the independent method is.
+    /// Differences to the independent method.
     pub independent: Errors,
 }
 
-/// Why there is no reference.
+/// Reason why there is no reference.
 #[derive(Debug, thiserror::Error)]
 pub enum NoReference {
     /// A run of the reference failed.
@@ -35,33 +38,34 @@ pub enum NoReference {
     SolveError(#[from] SolveError),
     /// The runs do not agree.
     #[error(
-        "the reference is not to be trusted: its two settings differ by {settings:?}, the independent method by {independent:?}"
+        "the reference is not reliable: its two settings differ by {settings:?}, the independent method differs by \
+         {independent:?}"
     )]
     Disagreement {
-        /// Between the two settings.
+        /// Differences between the two settings.
         settings: Errors,
-        /// Between the series and the independent method.
+        /// Differences between the series and the independent method.
         independent: Errors,
     },
 }
 
-/// Makes the reference of a problem, and refuses one that does not agree.
+/// Computes the reference of a problem; fails if its checks disagree.
 pub fn make(problem: &Problem) -> Result<Reference, NoReference> {
-    let sample = take(problem, FINE, SETTINGS[0].0)?;
-    let settings = take(problem, OTHER, SETTINGS[1].0)?.errors(&sample, problem.coulomb_n);
-    let independent = take(problem, INDEPENDENT, INDEPENDENT_STEPS)?.errors(&sample, problem.coulomb_n);
+    let sample = take(problem, FINE_SERIES, SETTINGS[0].0)?;
+    let settings = take(problem, OTHER_SERIES, SETTINGS[1].0)?.errors(&sample, problem.coulomb_n);
+    let independent = take(problem, INDEPENDENT_METHOD, INDEPENDENT_STEPS)?.errors(&sample, problem.coulomb_n);
     let largest = |errors: &Errors| errors.force.max(errors.mean).max(errors.displacement);
-    // A comparison that fails on what is no number, too.
-    if largest(&settings) <= AGREEMENT && largest(&independent) <= INDEPENDENT_AGREEMENT {
+    // This comparison is also false for NaN.
+    if largest(&settings) <= MAX_SETTINGS_DIFFERENCE && largest(&independent) <= MAX_INDEPENDENT_DIFFERENCE {
         Ok(Reference { sample, settings, independent })
     } else {
         Err(NoReference::Disagreement { settings, independent })
     }
 }
 
-const FINE: Watched = |problem, n, mut watch| taylor::run(problem, n, SETTINGS[0].1, &mut watch);
-const OTHER: Watched = |problem, n, mut watch| taylor::run(problem, n, SETTINGS[1].1, &mut watch);
-const INDEPENDENT: Watched = |problem, n, mut watch| rk4_events::run(problem, n, &mut watch);
+const FINE_SERIES: Watched = |problem, n, mut watch| taylor::run(problem, n, SETTINGS[0].1, &mut watch);
+const OTHER_SERIES: Watched = |problem, n, mut watch| taylor::run(problem, n, SETTINGS[1].1, &mut watch);
+const INDEPENDENT_METHOD: Watched = |problem, n, mut watch| rk4_events::run(problem, n, &mut watch);
 
 #[cfg(test)]
 mod tests {
@@ -72,13 +76,13 @@ mod tests {
     #[test]
     fn the_standard_case_has_a_reference() {
         let reference = make(&standard()).unwrap();
-        // Another program, in 34 digits: 0.664066.
+        // By another program, in 34 digits: 0.664066.
         assert!((reference.sample.mean - 0.664_066).abs() < 5e-7);
         assert_eq!(reference.sample.quarters.len(), 401);
     }
 
     #[test]
-    fn what_does_not_agree_is_refused() {
+    fn a_reference_with_disagreement_is_refused() {
         // A contact so stiff that 2000 steps of the independent method are far too few.
         let law = Law::Dahl { stiffness_n_per_m: 1e3 * CONTACT_N_PER_M };
         assert!(make(&Problem { law, ..table_4_1(0.5, 20.0) }).is_err());

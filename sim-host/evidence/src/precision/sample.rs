@@ -1,11 +1,12 @@
-//! States at the quarter periods of the drive within the window, and how far they are from the reference.
+//! States at the quarter periods of the drive within the window, and their errors against the
+//! reference.
 
 use super::method::Watched;
 use contact::table_4_1::DRIVE_HZ;
 use contact::tally::Ratios;
 use contact::{Problem, SolveError, State};
 
-/// What a run gave.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Sample {
     /// States at the quarter periods of the window.
@@ -14,23 +15,24 @@ pub struct Sample {
     pub mean: f64,
 }
 
-/// How far a run is from the reference, each the largest over the quarter periods.
+/// Errors of a run against the reference, each the largest over the quarter periods.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
     /// Error of the friction, over Fc.
     pub force: f64,
     /// Error of the mean friction ratio.
     pub mean: f64,
-    /// Error of the displacement, over the largest.
+    /// Error of the displacement, over the largest displacement.
     pub displacement: f64,
 }
 
-/// Nearer than this to a quarter period, in quarters, is at it: the clock is off by round-off of a few hundred periods.
-const AT: f64 = 1e-7;
+/// Largest distance from a quarter period, in quarters, that counts as at it; covers the round-off
+/// of the clock over a few hundred periods.
+const MAX_OFF_QUARTER: f64 = 1e-7;
 
-/// Runs a problem and keeps the quarter periods.
+/// Runs a problem and keeps the states at the quarter periods.
 ///
-/// A method with events shows the states at reversals, too, which may lie anywhere: a state counts by its time alone.
+/// A method with events also reports the states at reversals; states are selected by time alone.
 pub fn take(problem: &Problem, run: Watched, steps: u32) -> Result<Sample, SolveError> {
     let quarter_hz = 4.0 * DRIVE_HZ;
     let first = (problem.window_s.0 * quarter_hz).round();
@@ -39,7 +41,7 @@ pub fn take(problem: &Problem, run: Watched, steps: u32) -> Result<Sample, Solve
     let mut keep = |state: &State| {
         let quarter = state.time_s * quarter_hz;
         let index = quarter.round() - first;
-        if (quarter - quarter.round()).abs() < AT && index >= 0.0 {
+        if (quarter - quarter.round()).abs() < MAX_OFF_QUARTER && index >= 0.0 {
             quarters[(index as usize).min(count as usize - 1)] = *state;
         }
     };
@@ -48,7 +50,7 @@ pub fn take(problem: &Problem, run: Watched, steps: u32) -> Result<Sample, Solve
 }
 
 impl Sample {
-    /// The errors of this sample against a reference.
+    /// Computes the errors of this sample against a reference.
     pub fn errors(&self, reference: &Sample, coulomb_n: f64) -> Errors {
         let pairs = || self.quarters.iter().zip(&reference.quarters);
         let largest = |error: fn(&State, &State) -> f64| pairs().map(|(one, other)| error(one, other)).fold(0.0, f64::max);

@@ -1,20 +1,22 @@
-//! The thesis's method in single precision, as a small processor would run it: what the clock does to it.
+//! The thesis's method in single precision, as a small processor would run it, with two kinds of
+//! clock.
 //!
-//! Runge-Kutta of fourth order with the signum in the right-hand side, in SI units, on a Dahl oscillator under a cosine. State is
-//! displacement, velocity and friction over Fc; never the belt's position.
+//! Runge-Kutta of fourth order with the signum in the right-hand side, in SI units, on a Dahl
+//! oscillator under a cosine. The state is displacement, velocity and friction over Fc, without the
+//! belt's position.
 
 use contact::table_4_1::{CONTACT_N_PER_M, COULOMB_N, DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M};
 
-/// Where the phase of the forcing comes from.
+/// Source of the phase of the force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
-    /// `t += h`, and `cos(w t)`.
+    /// Accumulated time: `t += h`, and `cos(w t)`.
     Accumulated,
-    /// The number of the step within its period: restarts every period.
+    /// Number of the step within its period; restarts every period.
     Reset,
 }
 
-/// What a run gave.
+/// Result of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Single {
     /// Displacement at the end, m.
@@ -23,9 +25,10 @@ pub struct Single {
     pub mean: f64,
 }
 
-/// Runs so many periods at so many steps a period, from rest.
+/// Runs `periods` periods at `steps` steps a period, from rest.
 ///
-/// Within a period the mean is added up in single precision, across periods in double: it is the judge's, not the processor's.
+/// The mean is summed in single precision within a period, and in double precision across periods,
+/// as it belongs to the evaluation and not to the processor.
 pub fn run(sliding_m_per_s: f64, periods: u32, steps: u32, clock: Clock) -> Single {
     let [force, mass, stiffness, contact, coulomb] =
         [FORCE_N, MASS_KG, STIFFNESS_N_PER_M, CONTACT_N_PER_M, COULOMB_N].map(|value| value as f32);

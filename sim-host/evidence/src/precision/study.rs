@@ -1,7 +1,7 @@
-//! The whole measurement, from the reference to the hard cases.
+//! The complete measurement, from the reference to the hard cases.
 
 use super::claims::{self, Claim};
-use super::hard::{CASES, Case, Found, Scale};
+use super::hard::{CASES, HardCase, HardResult, Scale};
 use super::instructions;
 use super::reference::{self, NoReference, Reference};
 use super::work::{self, Curve};
@@ -11,26 +11,26 @@ use contact::table_4_1;
 
 /// Results of the work-precision study.
 pub struct Study {
-    /// Whether it was a quick measurement.
+    /// `true` for a quick measurement.
     pub quick: bool,
     /// Number of rounds of timing.
     pub rounds: u32,
-    /// Reference solution that errors are counted from.
+    /// Reference solution for the errors.
     pub reference: Reference,
     /// Work and precision of every method.
     pub curves: Vec<Curve>,
-    /// Why there are no instruction counts.
+    /// Reason why there are no instruction counts.
     pub uncounted: Option<String>,
     /// Claims with their results.
     pub claims: Vec<Claim>,
     /// The hard cases, in order.
-    pub hard: Vec<(&'static Case, Result<Found, SolveError>)>,
+    pub hard: Vec<(&'static HardCase, Result<HardResult, SolveError>)>,
 }
 
 impl Study {
-    /// Whether every claim that was measured and every invariant holds.
+    /// Returns `true` if every invariant of the hard cases holds.
     pub fn passes(&self) -> bool {
-        self.hard.iter().all(|(_, found)| found.as_ref().is_ok_and(Found::holds))
+        self.hard.iter().all(|(_, found)| found.as_ref().is_ok_and(HardResult::holds))
     }
 }
 
@@ -55,11 +55,11 @@ pub fn measure(options: &mut Options) -> Result<Study, NoReference> {
         Some((executable, options)) => {
             instructions::count(&mut curves, executable, options).err().map(|reason| reason.to_string())
         }
-        None => Some("not asked for".into()),
+        None => Some("not requested".into()),
     };
     say("hard cases");
     let scale = if quick { Scale::Quick } else { Scale::Full };
-    // One after the other: some of them tell how long they took.
+    // Sequential, as some of them report their time.
     let hard = CASES.iter().map(|case| (case, (case.run)(scale))).collect();
     let claims = claims::judge(&curves);
     Ok(Study { quick, rounds, reference, curves, uncounted, claims, hard })

@@ -1,7 +1,7 @@
-//! The measurement as tables.
+//! Tables of the measurement.
 
 use super::claims::{Claim, Target};
-use super::hard::{Case, Found};
+use super::hard::{HardCase, HardResult};
 use super::reference::{INDEPENDENT_STEPS, Reference, SETTINGS};
 use super::sample::Errors;
 use super::study::Study;
@@ -9,7 +9,7 @@ use super::work::Curve;
 use contact::SolveError;
 use report::TableBlock;
 
-/// What speaks for the reference.
+/// Tabulates the checks of the reference.
 pub fn reference(reference: &Reference) -> TableBlock {
     let [(n, order), (other_n, other_order)] = SETTINGS;
     let row = |name: String, errors: &Errors| {
@@ -18,7 +18,7 @@ pub fn reference(reference: &Reference) -> TableBlock {
     };
     TableBlock::new(
         "reference",
-        "The reference and what agrees with it",
+        "The reference and its checks",
         format!("Taylor series of order {order}, {n} steps a period; r = {:.12}", reference.sample.mean),
         &["compared with", "F(t)", "mean r", "x(t)"],
         vec![
@@ -28,10 +28,10 @@ pub fn reference(reference: &Reference) -> TableBlock {
     )
 }
 
-/// Cost and error of every setting.
+/// Tabulates cost and error of every setting.
 pub fn work(study: &Study) -> TableBlock {
     let instructions = study.uncounted.as_ref().map_or_else(
-        || "Instructions are those of this build, counted over 8 periods.".to_owned(),
+        || "Instructions are of this build, counted over 8 periods.".to_owned(),
         |reason| format!("No instructions: {reason}."),
     );
     TableBlock::new(
@@ -60,7 +60,7 @@ fn rows_of(curve: &Curve) -> Vec<Vec<String>> {
     curve.points.iter().enumerate().map(row).collect()
 }
 
-/// Table of the claims.
+/// Tabulates the claims.
 pub fn claims(claims: &[Claim]) -> TableBlock {
     let value = |claim: &Claim, measured: Option<f64>| match (measured, claim.target) {
         (None, _) => "-".into(),
@@ -83,13 +83,13 @@ pub fn claims(claims: &[Claim]) -> TableBlock {
     TableBlock::new(
         "claims",
         "Claims",
-        "Costs are read from the curves of the table above, straight between its points on logarithmic axes.",
+        "Costs are read from the curves of the table above, by linear interpolation on logarithmic axes.",
         &["claim", "target", "by time", "by instr.", "", "compared"],
         claims.iter().map(row).collect(),
     )
 }
 
-/// The verdict in one word.
+/// Returns the verdict in words.
 pub fn verdict(holds: Option<bool>) -> &'static str {
     match holds {
         Some(true) => "PASS",
@@ -98,9 +98,10 @@ pub fn verdict(holds: Option<bool>) -> &'static str {
     }
 }
 
-/// The hard cases for a terminal: what was done, how many invariants hold, and those that do not.
-pub fn hard_in_short(cases: &[(&'static Case, Result<Found, SolveError>)]) -> TableBlock {
-    let row = |(case, found): &(&'static Case, Result<Found, SolveError>)| match found {
+/// Tabulates the hard cases for a terminal: the methods, the number of invariants that hold, and
+/// those that are missed.
+pub fn hard_in_short(cases: &[(&'static HardCase, Result<HardResult, SolveError>)]) -> TableBlock {
+    let row = |(case, found): &(&'static HardCase, Result<HardResult, SolveError>)| match found {
         Ok(found) => {
             let missed: Vec<String> = found.checks.iter().filter(|check| !check.holds()).map(ToString::to_string).collect();
             let count = format!("{} of {}", found.checks.len() - missed.len(), found.checks.len());
@@ -112,15 +113,15 @@ pub fn hard_in_short(cases: &[(&'static Case, Result<Found, SolveError>)]) -> Ta
     TableBlock::new(
         "hard",
         "Hard cases",
-        "Naive is Runge-Kutta as the thesis steps it. Means are friction ratios. The invariants are in report.html.",
-        &["case", "naive", "chosen method, or what it misses", "holds", ""],
+        "Naive: Runge-Kutta with the steps of the thesis. Means are friction ratios. The invariants are in report.html.",
+        &["case", "naive", "chosen method, or missed invariants", "invariants held", ""],
         cases.iter().map(row).collect(),
     )
 }
 
-/// Table of the hard cases.
-pub fn hard(cases: &[(&'static Case, Result<Found, SolveError>)]) -> TableBlock {
-    let row = |(case, found): &(&'static Case, Result<Found, SolveError>)| match found {
+/// Tabulates the hard cases with all invariants.
+pub fn hard(cases: &[(&'static HardCase, Result<HardResult, SolveError>)]) -> TableBlock {
+    let row = |(case, found): &(&'static HardCase, Result<HardResult, SolveError>)| match found {
         Ok(found) => {
             let checks: Vec<String> = found.checks.iter().map(ToString::to_string).collect();
             let holds = verdict(Some(found.holds())).into();
@@ -133,8 +134,8 @@ pub fn hard(cases: &[(&'static Case, Result<Found, SolveError>)]) -> TableBlock 
     TableBlock::new(
         "hard",
         "Hard cases",
-        "Naive is Runge-Kutta as the thesis steps it. Means are friction ratios.",
-        &["case", "what is hard", "naive", "chosen method", "invariants", ""],
+        "Naive: Runge-Kutta with the steps of the thesis. Means are friction ratios.",
+        &["case", "difficulty", "naive", "chosen method", "invariants", ""],
         cases.iter().map(row).collect(),
     )
 }

@@ -1,6 +1,7 @@
 //! Cost and error of every method at every step count, on the standard case.
 //!
-//! Times are minima over rounds; in each round every setting has its turn, so that what disturbs the machine disturbs all alike.
+//! Times are minima over rounds. In each round every setting has its turn, so that disturbances of
+//! the machine affect all settings equally.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -12,20 +13,20 @@ use super::sample::{Errors, take};
 use contact::table_4_1::{PERIODS, standard};
 use contact::{Problem, SolveError};
 
-/// A method at one setting.
+/// Method at one setting.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     /// Steps a drive period.
     pub steps: u32,
-    /// Least time a drive period took, ns.
+    /// Shortest time of a drive period, ns.
     pub ns: f64,
-    /// Instructions a drive period took, if they were counted.
+    /// Instructions of a drive period, if counted.
     pub instructions: Option<f64>,
     /// Errors against the reference.
     pub errors: Errors,
 }
 
-/// A method at all its settings, in ascending order of steps.
+/// Method at all its settings, in ascending order of steps.
 pub struct Curve {
     /// Method of the curve.
     pub method: &'static Method,
@@ -34,23 +35,27 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// Cost against error, as points of a curve.
-    pub fn of(&self, cost: impl Fn(&Point) -> Option<f64>, error: impl Fn(&Point) -> f64) -> Vec<interpolate::Point> {
+    /// Returns cost against error, as points of a curve.
+    pub fn cost_against_error(
+        &self,
+        cost: impl Fn(&Point) -> Option<f64>,
+        error: impl Fn(&Point) -> f64,
+    ) -> Vec<interpolate::Point> {
         self.points.iter().filter_map(|point| Some((cost(point)?, error(point)))).collect()
     }
 
-    /// Observed order of an error.
+    /// Returns the observed order of an error.
     pub fn order(&self, error: impl Fn(&Point) -> f64) -> Option<f64> {
-        interpolate::order(&self.of(|point| Some(f64::from(point.steps)), error))
+        interpolate::order(&self.cost_against_error(|point| Some(f64::from(point.steps)), error))
     }
 
-    /// The point at a number of steps.
+    /// Returns the point at a number of steps.
     pub fn at(&self, steps: u32) -> Option<&Point> {
         self.points.iter().find(|point| point.steps == steps)
     }
 }
 
-/// Errors of every method at every setting; costs are yet to be measured.
+/// Computes the errors of every method at every setting, with costs not yet measured.
 pub fn errors(reference: &Reference, quick: bool) -> Result<Vec<Curve>, SolveError> {
     let problem = standard();
     let measure = |method: &'static Method, steps: u32| -> Result<Point, SolveError> {
@@ -64,10 +69,10 @@ pub fn errors(reference: &Reference, quick: bool) -> Result<Vec<Curve>, SolveErr
     METHODS.iter().map(curve).collect()
 }
 
-/// A setting's turn in a round: at least this long, in as many runs as it takes.
+/// Shortest turn of a setting in a round; it takes as many runs as fit.
 const TURN: Duration = Duration::from_millis(2);
 
-/// One round: every setting has its turn, and keeps the least time.
+/// Runs one round: every setting has its turn and keeps the shortest time.
 pub fn round(curves: &mut [Curve]) -> Result<(), SolveError> {
     let problem = standard();
     for curve in curves {
@@ -81,7 +86,7 @@ pub fn round(curves: &mut [Curve]) -> Result<(), SolveError> {
     Ok(())
 }
 
-/// Time of a drive period in one run, ns.
+/// Times one run; ns a drive period.
 fn once(problem: &Problem, method: &Method, steps: u32) -> Result<f64, SolveError> {
     let began = Instant::now();
     black_box((method.run)(black_box(problem), black_box(steps))?);
@@ -94,7 +99,7 @@ mod tests {
     use crate::precision::reference;
 
     #[test]
-    fn methods_have_the_orders_they_are_known_by() {
+    fn methods_have_their_known_orders() {
         let reference = reference::make(&standard()).unwrap();
         let curves = errors(&reference, true).unwrap();
         let of = |name: &str| curves.iter().find(|curve| curve.method.name == name).unwrap();
@@ -103,9 +108,10 @@ mod tests {
             let order = of(name).order(|point| point.errors.force).unwrap();
             assert!((least..most).contains(&order), "{name}: {order}");
         }
-        // Without feedback the error does not fall with the step: it is friction's share of the motion.
+        // Without feedback the error does not fall with the step: it is the effect of friction on
+        // the motion.
         assert!(of("frozen").points.iter().all(|point| (5e-3..1e-2).contains(&point.errors.force)));
-        // The same steps, scaled: the same errors.
+        // Scaling does not change the errors at equal steps.
         for (plain, fair) in of("rk4-plain").points.iter().zip(&of("rk4-fair").points) {
             assert!((plain.errors.force / fair.errors.force - 1.0).abs() < 1e-3, "{plain:?} {fair:?}");
         }

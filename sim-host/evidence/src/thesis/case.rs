@@ -1,13 +1,14 @@
-//! Table 4.1, and the problems that are made of it.
+//! Table 4.1 and the problems based on it.
 //!
-//! What the table leaves open is settled here: gravity, and a start from rest with the means over the whole run unless a study says
-//! otherwise.
+//! Choices that the table leaves open: gravity, a start from rest, and means over the whole run
+//! unless a study states otherwise.
 
 use contact::{Law, Motion, Problem, Shape, Sign, State, Waveform, table_4_1};
 
 /// Acceleration of gravity, m/s^2.
-pub const GRAVITY: f64 = 9.81;
-/// Length of a run from rest, s: sixty periods. The thesis names neither a simulation time nor an averaging window.
+pub const GRAVITY_M_PER_S2: f64 = 9.81;
+/// Length of a run from rest, s: sixty periods. The thesis gives neither a simulation time nor an
+/// averaging window.
 pub const SHORT_S: f64 = 1e-3;
 /// Control force of the thesis's time and frequency plots, N (4.3.1).
 pub const PLOTTED_FORCE_N: f64 = table_4_1::FORCE_N;
@@ -25,7 +26,7 @@ pub struct Case {
     pub mass_kg: f64,
     /// System stiffness Ks, N/m.
     pub stiffness_n_per_m: f64,
-    /// Structural damping ratio; the thesis has none.
+    /// Structural damping ratio; zero in the thesis.
     pub damping_ratio: f64,
     /// Frequency of the excitation, Hz.
     pub frequency_hz: f64,
@@ -35,7 +36,7 @@ pub struct Case {
     pub contact_n_per_m: f64,
     /// Coefficient of friction of the contact.
     pub mu: f64,
-    /// Which way the vibration counts in the slip.
+    /// Sign of the vibration in the slip.
     pub sign: Sign,
 }
 
@@ -52,56 +53,58 @@ pub const TABLE_4_1: Case = Case {
 };
 
 impl Case {
-    /// Nothing but friction acts; the mass begins with a velocity, m/s.
+    /// Returns the problem without excitation; the mass starts with a velocity, m/s.
     pub fn unexcited(&self, start_m_per_s: f64, sliding_m_per_s: f64, duration_s: f64) -> Problem {
         let mut problem = Case { force_n: 0.0, ..*self }.oscillator(Shape::Still, sliding_m_per_s, duration_s);
         problem.start.v_m_per_s = start_m_per_s;
         problem
     }
 
-    /// Coulomb force Fc = mu m g, N.
+    /// Returns the Coulomb force Fc = mu m g, N.
     pub fn coulomb_n(&self) -> f64 {
-        self.mu * self.mass_kg * GRAVITY
+        self.mu * self.mass_kg * GRAVITY_M_PER_S2
     }
 
-    /// Natural frequency of the oscillator, Hz.
+    /// Returns the natural frequency of the oscillator, Hz.
     pub fn natural_hz(&self) -> f64 {
         self.natural_rad_per_s() / std::f64::consts::TAU
     }
 
-    /// Natural frequency of the oscillator, rad/s.
+    /// Returns the natural frequency of the oscillator, rad/s.
     pub fn natural_rad_per_s(&self) -> f64 {
         (self.stiffness_n_per_m / self.mass_kg).sqrt()
     }
 
-    /// Frequency of the excitation, rad/s.
+    /// Returns the frequency of the excitation, rad/s.
     pub fn omega(&self) -> f64 {
         std::f64::consts::TAU * self.frequency_hz
     }
 
-    /// Steady vibration velocity Vv under the sine, friction apart, m/s.
+    /// Returns the steady vibration velocity Vv under the sine, without friction, m/s.
     pub fn vibration_m_per_s(&self) -> f64 {
         self.oscillator(Shape::Sine, 0.0, SHORT_S).vibration_m_per_s()
     }
 
-    /// Vibration amplitude in Dahl lengths.
+    /// Returns the vibration amplitude in Dahl lengths.
     pub fn kappa(&self) -> f64 {
         self.oscillator(Shape::Sine, 0.0, SHORT_S).kappa()
     }
 
-    /// The mass on its spring (4.14, 4.36), from rest, means over the whole run.
+    /// Returns the mass on its spring (4.14, 4.36), from rest, with means over the whole run.
     pub fn oscillator(&self, shape: Shape, sliding_m_per_s: f64, duration_s: f64) -> Problem {
         let damping_n_s_per_m = 2.0 * self.damping_ratio * (self.stiffness_n_per_m * self.mass_kg).sqrt();
         let motion = Motion::Sdof { mass_kg: self.mass_kg, stiffness_n_per_m: self.stiffness_n_per_m, damping_n_s_per_m };
         self.problem(motion, Waveform::new(shape, self.force_n, self.frequency_hz, duration_s), sliding_m_per_s, duration_s)
     }
 
-    /// The problem with the sine, at a velocity ratio by the steady vibration velocity of this case.
+    /// Returns the problem with the sine, at a velocity ratio relative to the steady vibration
+    /// velocity of this case.
     pub fn at_ratio(&self, velocity_ratio: f64, duration_s: f64) -> Problem {
         self.oscillator(Shape::Sine, velocity_ratio * self.vibration_m_per_s(), duration_s)
     }
 
-    /// A vibration velocity of a peak, m/s, that is given (no system dynamics); means over the whole run.
+    /// Returns the problem with a prescribed vibration velocity of the given peak, m/s (no system
+    /// dynamics), and means over the whole run.
     pub fn kinematic(&self, shape: Shape, peak_m_per_s: f64, sliding_m_per_s: f64, duration_s: f64) -> Problem {
         let waveform = Waveform::new(shape, peak_m_per_s, self.frequency_hz, duration_s);
         self.problem(Motion::Kinematic, waveform, sliding_m_per_s, duration_s)

@@ -1,9 +1,10 @@
-//! What the thesis says, and whether its equations say so.
+//! Claims of the thesis, and their verdicts by the thesis's equations.
 //!
-//! A claim is judged by checks: each states under which choice of what the thesis leaves open it was computed, the numbers, and
-//! whether the claim holds in them. All hold: reproduced. None holds: refuted. Else the claim is conditional, on what the checks name.
+//! A claim is judged by checks. Each gives the choice made for a point that the thesis leaves open,
+//! the numbers, and the result. All checks hold: reproduced. None holds: refuted. Otherwise the
+//! claim is conditional on the conditions of the checks.
 
-/// How a claim fared.
+/// Verdict on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -16,7 +17,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The word for it.
+    /// Returns the word for the verdict.
     pub fn word(self) -> &'static str {
         match self {
             Verdict::Reproduced => "reproduced",
@@ -26,18 +27,18 @@ impl Verdict {
     }
 }
 
-/// A claim in one computed situation.
+/// Check of a claim under one condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// What was chosen where the thesis leaves it open.
+    /// Choice made for a point that the thesis leaves open.
     pub condition: String,
-    /// Whether the claim holds there.
+    /// `true` if the claim holds under this condition.
     pub holds: bool,
-    /// The numbers that say so: name with unit, value.
+    /// Numbers that support the result: name with unit, value.
     pub numbers: Vec<(String, f64)>,
 }
 
-/// A claim with its checks.
+/// Claim with its checks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
     /// Short name of the claim.
@@ -51,14 +52,14 @@ pub struct Claim {
 }
 
 impl Check {
-    /// A check with its numbers.
+    /// Creates a check from its condition, result and numbers.
     pub fn new(condition: impl Into<String>, holds: bool, numbers: Vec<(String, f64)>) -> Self {
         Check { condition: condition.into(), holds, numbers }
     }
 }
 
 impl Claim {
-    /// The verdict of the checks.
+    /// Returns the verdict of the checks.
     pub fn verdict(&self) -> Verdict {
         let holding = self.checks.iter().filter(|check| check.holds).count();
         match holding {
@@ -68,18 +69,18 @@ impl Claim {
         }
     }
 
-    /// Conditions under which it holds, or does not.
+    /// Returns the conditions under which the claim holds, or fails.
     pub fn conditions(&self, holds: bool) -> Vec<&str> {
         self.checks.iter().filter(|check| check.holds == holds).map(|check| check.condition.as_str()).collect()
     }
 }
 
-/// Numbers that belong to values of a parameter: `r(192 N)`, `r(384 N)`, ...
+/// Names numbers by the values of a parameter: `r(192 N)`, `r(384 N)`, ...
 pub fn series(name: &str, labels: &[String], values: &[f64]) -> Vec<(String, f64)> {
     labels.iter().zip(values).map(|(label, &value)| (format!("{name}({label})"), value)).collect()
 }
 
-/// A number with its name.
+/// Pairs a number with its name.
 pub fn number(name: impl Into<String>, value: f64) -> (String, f64) {
     (name.into(), value)
 }

@@ -1,19 +1,20 @@
-//! Effect of the contact stiffness without excitation: Figure 4.14 (4.3.3.4), and whether friction excites anything by itself.
+//! Effect of the contact stiffness without excitation: Figure 4.14 (4.3.3.4), and self-excitation
+//! by friction.
 
 use super::case::{Case, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, series};
 use super::friction_coefficient::stored_as_printed;
 use super::picture::{FRICTION_RATIO, POWER_RATIO, axis, column, figure, line, log_axis, ranged};
 use super::sweep::{self, falls, rises};
-use super::{Part, self_excitation, steady};
+use super::{StudyResult, self_excitation, steady};
 use contact::SolveError;
 use contact::tally::Ratios;
 use report::{Axis, Figure};
 
-/// Contact stiffnesses, N/m: Table 4.1's and decades about it.
-const STIFFNESSES: [f64; 5] = [5.6e3, 5.6e4, 5.6e5, 5.6e6, 5.6e7];
-/// Velocity ratio at which a leftover oscillation is judged.
-const JUDGED: f64 = 0.5;
+/// Contact stiffnesses, N/m: that of Table 4.1, and decades above and below it.
+const STIFFNESSES_N_PER_M: [f64; 5] = [5.6e3, 5.6e4, 5.6e5, 5.6e6, 5.6e7];
+/// Velocity ratio at which an initial oscillation is judged.
+const JUDGED_RATIO: f64 = 0.5;
 
 /// Ratios over a sliding speed or a velocity ratio, for each contact stiffness.
 struct Unexcited {
@@ -26,19 +27,19 @@ struct Unexcited {
     leftover: Vec<Vec<Ratios>>,
 }
 
-/// Figure 4.14 with its claims.
-pub fn study() -> Result<Part, SolveError> {
+/// Computes Figure 4.14 and its claims.
+pub fn study() -> Result<StudyResult, SolveError> {
     let data = Unexcited::new()?;
     let claims = vec![data.reduces(), excited()?, data.mean_friction(), data.below_unity(), data.power_falls(), data.stored()];
-    Ok(Part { figures: data.figures(), claims: [claims, self_excitation::claims()?].concat() })
+    Ok(StudyResult { figures: data.figures(), claims: [claims, self_excitation::claims()?].concat() })
 }
 
-/// The same question with excitation.
+/// Judges the same claim with excitation.
 fn excited() -> Result<Claim, SolveError> {
-    let labels = STIFFNESSES.map(|k| format!("Kt {} N/mm", k / 1e3));
-    let cases = STIFFNESSES.map(|contact_n_per_m| Case { contact_n_per_m, ..TABLE_4_1 });
-    let settled = cases.map(|case| steady::dahl(JUDGED, case.kappa()).friction);
-    let first = sweep::each(&cases, |case| sweep::friction(&case.at_ratio(JUDGED, SHORT_S)))?;
+    let labels = STIFFNESSES_N_PER_M.map(|k| format!("Kt {} N/mm", k / 1e3));
+    let cases = STIFFNESSES_N_PER_M.map(|contact_n_per_m| Case { contact_n_per_m, ..TABLE_4_1 });
+    let settled = cases.map(|case| steady::dahl(JUDGED_RATIO, case.kappa()).friction);
+    let first = sweep::each(&cases, |case| sweep::friction(&case.at_ratio(JUDGED_RATIO, SHORT_S)))?;
     let check = |condition: &str, r: &[f64]| Check::new(condition, falls(r), series("r", &labels, r));
     Ok(Claim {
         id: "hard-contact-helps",
@@ -53,13 +54,13 @@ fn excited() -> Result<Claim, SolveError> {
 
 impl Unexcited {
     fn new() -> Result<Self, SolveError> {
-        let cases = STIFFNESSES.map(|contact_n_per_m| Case { contact_n_per_m, ..TABLE_4_1 });
-        // Twelve a decade, so that the judged ones are among them.
+        let cases = STIFFNESSES_N_PER_M.map(|contact_n_per_m| Case { contact_n_per_m, ..TABLE_4_1 });
+        // Twelve a decade, so that the judged speeds are among them.
         let speeds = sweep::geometric(1e-6, 1e-1, 61);
         let ratios = sweep::velocity_ratios();
         let left = TABLE_4_1.vibration_m_per_s();
         Ok(Unexcited {
-            labels: STIFFNESSES.iter().map(|k| format!("Kt {} N/mm", k / 1e3)).collect(),
+            labels: STIFFNESSES_N_PER_M.iter().map(|k| format!("Kt {} N/mm", k / 1e3)).collect(),
             from_rest: sweep::curves(&cases, &speeds, |case, speed| sweep::ratios(&case.unexcited(0.0, speed, SHORT_S)))?,
             energy_j: sweep::each(&cases, |case| {
                 let tally = sweep::solution(&case.unexcited(0.0, 1e-4, SHORT_S))?.tally.unwrap_or_default();
@@ -71,16 +72,17 @@ impl Unexcited {
         })
     }
 
-    /// From rest at the sliding speed nearest to one, m/s.
+    /// Returns a ratio from rest at the sliding speed nearest to `speed`, m/s, for each stiffness.
     fn slid(&self, speed: f64, of: impl Fn(&Ratios) -> Option<f64>) -> Vec<f64> {
         let off = |index: usize| (self.speeds[index] / speed).ln().abs();
         let index = (0..self.speeds.len()).min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or(0);
         self.from_rest.iter().map(|curve| of(&curve[index]).unwrap_or(f64::NAN)).collect()
     }
 
-    /// With a leftover oscillation, at the judged ratio.
+    /// Returns a ratio with an initial oscillation at the judged velocity ratio, for each
+    /// stiffness.
     fn left(&self, of: impl Fn(&Ratios) -> Option<f64>) -> Vec<f64> {
-        let index = self.ratios.iter().position(|&xi| xi > JUDGED - 1e-9).unwrap_or(0);
+        let index = self.ratios.iter().position(|&xi| xi > JUDGED_RATIO - 1e-9).unwrap_or(0);
         self.leftover.iter().map(|curve| of(&curve[index]).unwrap_or(f64::NAN)).collect()
     }
 
@@ -88,7 +90,8 @@ impl Unexcited {
         Check::new(condition, holds(&values), series(name, &self.labels, &values))
     }
 
-    /// 4.35 without input is 1 - phi_su, so near to one that the difference is given.
+    /// Checks 4.35, which without input is 1 - phi_su and so near to one that the difference is
+    /// given.
     fn check_printed(&self, condition: &str, speed: f64, holds: fn(&[f64]) -> bool) -> Check {
         self.check(condition, "1 - phi", self.slid(speed, |ratios| Some(1.0 - ratios.power_as_printed?)), holds)
     }
@@ -99,7 +102,7 @@ impl Unexcited {
             let condition = format!("from rest, sliding at {speed:.0e} m/s, first ms");
             self.check(&condition, "r", self.slid(speed, friction), falls)
         };
-        let left = "an oscillation left over from before (x' = 0.0534 m/s), velocity ratio 0.5 by it, first ms";
+        let left = "initial oscillation (x' = 0.0534 m/s), velocity ratio 0.5 relative to it, first ms";
         Claim {
             id: "stiff-contact-reduces-unexcited",
             section: "4.3.3.4, Fig. 4.14a",
@@ -113,7 +116,7 @@ impl Unexcited {
         Claim {
             id: "stiff-contact-more-friction",
             section: "4.3.3.4",
-            says: "A high contact stiffness means higher friction acting on the system.",
+            says: "A high contact stiffness causes higher friction on the system.",
             checks: vec![self.check("from rest, sliding at 1e-4 m/s, first ms: mean F/Fc", "F/Fc", values, rises)],
         }
     }
@@ -128,8 +131,8 @@ impl Unexcited {
                 self.check("from rest, 1e-4 m/s, mean(F V)/(Fc Vt)", "phi", self.slid(1e-4, |ratios| ratios.power), below),
                 self.check_printed("from rest, 1e-4 m/s, by 4.35 as printed", 1e-4, |stored| stored.iter().all(|&s| s > 0.0)),
                 self.check_printed("from rest, 1e-2 m/s, by 4.35 as printed", 1e-2, |stored| stored.iter().all(|&s| s > 0.0)),
-                self.check("leftover oscillation, ratio 0.5, mean(F V)/(Fc Vt)", "phi", self.left(|ratios| ratios.power), below),
-                self.check("leftover oscillation, ratio 0.5, by 4.35", "phi", self.left(|r| r.power_as_printed), below),
+                self.check("initial oscillation, ratio 0.5, mean(F V)/(Fc Vt)", "phi", self.left(|ratios| ratios.power), below),
+                self.check("initial oscillation, ratio 0.5, by 4.35", "phi", self.left(|r| r.power_as_printed), below),
             ],
         }
     }
@@ -143,7 +146,7 @@ impl Unexcited {
                 self.check("from rest, 1e-4 m/s, mean(F V)/(Fc Vt)", "phi", self.slid(1e-4, |ratios| ratios.power), falls),
                 self.check_printed("from rest, 1e-4 m/s, by 4.35 as printed", 1e-4, rises),
                 self.check_printed("from rest, 1e-2 m/s, by 4.35 as printed", 1e-2, rises),
-                self.check("leftover oscillation, ratio 0.5, mean(F V)/(Fc Vt)", "phi", self.left(|ratios| ratios.power), falls),
+                self.check("initial oscillation, ratio 0.5, mean(F V)/(Fc Vt)", "phi", self.left(|ratios| ratios.power), falls),
             ],
         }
     }
@@ -161,7 +164,7 @@ impl Unexcited {
                     rises,
                 ),
                 self.check("phi_su (4.30), from rest, 1e-4 m/s, first ms", "phi_su", self.slid(1e-4, stored_as_printed), rises),
-                self.check("phi_su (4.30), leftover oscillation, ratio 0.5", "phi_su", self.left(stored_as_printed), rises),
+                self.check("phi_su (4.30), initial oscillation, ratio 0.5", "phi_su", self.left(stored_as_printed), rises),
             ],
         }
     }
@@ -176,19 +179,21 @@ impl Unexcited {
         };
         let speed = || log_axis("sliding speed Vt [m/s]");
         let ratio = || ranged("velocity ratio Vt/x'(0)", 0.0, 1.0);
-        let left = "No excitation, but the mass starts at x' = 0.0534 m/s: the only way to get the thesis's velocity ratio and its trend. \
-                    Declared here, open in the thesis: that start, passive sign, means over the first millisecond.";
-        let rest = "No excitation, from rest (declared here, open in the thesis): no vibration builds up, so there is no velocity ratio; \
-                    the means over the first millisecond fall short of one only while the contact slips its first Fc/Kt.";
+        let left = "No excitation, but the mass starts at x' = 0.0534 m/s: only so do the thesis's velocity ratio and its \
+                    trend appear. Chosen here, open in the thesis: this start, passive sign, means over the first \
+                    millisecond.";
+        let rest = "No excitation, from rest (chosen here, open in the thesis): no vibration builds up, so there is no \
+                    velocity ratio. Over the first millisecond the means are below one only while the contact slips its \
+                    first Fc/Kt.";
         let power = |ratios: &Ratios| ratios.power.unwrap_or(f64::NAN);
         let printed = |ratios: &Ratios| ratios.power_as_printed.unwrap_or(f64::NAN);
         let title = |part: &str, what: &str| format!("Figure 4.14({part}): contact stiffness without excitation, {what}");
         vec![
-            draw("fig-4-14a", &title("a", "oscillation left over"), left, [ratio(), ranged(FRICTION_RATIO, 0.0, 1.0)], &|r| {
+            draw("fig-4-14a", &title("a", "initial oscillation"), left, [ratio(), ranged(FRICTION_RATIO, 0.0, 1.0)], &|r| {
                 r.friction
             }),
             draw("fig-4-14a-from-rest", &title("a", "from rest"), rest, [speed(), axis(FRICTION_RATIO)], &|r| r.friction),
-            draw("fig-4-14b", &title("b", "oscillation left over"), left, [ratio(), axis(POWER_RATIO)], &power),
+            draw("fig-4-14b", &title("b", "initial oscillation"), left, [ratio(), axis(POWER_RATIO)], &power),
             draw("fig-4-14b-from-rest", &title("b", "from rest"), rest, [speed(), axis(POWER_RATIO)], &power),
             draw("fig-4-14b-printed", &title("b", "from rest, by 4.35"), rest, [speed(), axis("power ratio by 4.35")], &printed),
         ]

@@ -1,22 +1,22 @@
 //! Effect of the control force: Figure 4.11 (4.3.3.1).
 
-use super::Part;
+use super::StudyResult;
 use super::case::{Case, TABLE_4_1};
 use super::claim::{Check, Claim, series};
-use super::parametric::{JUDGED, Names, Parametric};
+use super::parametric::{FigureNames, JUDGED_RATIO, Parametric};
 use super::sweep::{falls, rises};
 use contact::SolveError;
 
 /// Control forces, N, up to the largest of Table 4.1.
-const FORCES: [f64; 6] = [192.0, 384.0, 768.0, 1152.0, 1536.0, 1920.0];
+const FORCES_N: [f64; 6] = [192.0, 384.0, 768.0, 1152.0, 1536.0, 1920.0];
 
-/// Figure 4.11 with its claims.
-pub fn study() -> Result<Part, SolveError> {
-    let cases: Vec<_> = FORCES.iter().map(|&force_n| (format!("{force_n} N"), Case { force_n, ..TABLE_4_1 })).collect();
+/// Computes Figure 4.11 and its claims.
+pub fn study() -> Result<StudyResult, SolveError> {
+    let cases: Vec<_> = FORCES_N.iter().map(|&force_n| (format!("{force_n} N"), Case { force_n, ..TABLE_4_1 })).collect();
     let data = Parametric::new(&cases)?;
-    let remark = "Control forces up to Table 4.1's 1920 N; κ is proportional to the force.".to_owned();
-    let figures = data.figures(&Names { number: "4-11", of: "control force", remark });
-    Ok(Part { figures, claims: vec![friction(&data), power(&data), power_at_low_ratios(&data)] })
+    let remark = "Control forces up to the 1920 N of Table 4.1; κ is proportional to the force.".to_owned();
+    let figures = data.figures(&FigureNames { number: "4-11", of: "control force", remark });
+    Ok(StudyResult { figures, claims: vec![friction(&data), power(&data), power_at_low_ratios(&data)] })
 }
 
 fn friction(data: &Parametric) -> Claim {
@@ -26,8 +26,8 @@ fn friction(data: &Parametric) -> Claim {
         section: "4.3.3.1, Fig. 4.11a",
         says: "A higher control force lowers the friction ratio.",
         checks: vec![
-            check("velocity ratio 0.5, steady", data.steady(JUDGED, |steady| steady.friction)),
-            check("velocity ratio 0.5, first ms from rest", data.first_ms(JUDGED, |ratios| Some(ratios.friction))),
+            check("velocity ratio 0.5, steady", data.steady(JUDGED_RATIO, |steady| steady.friction)),
+            check("velocity ratio 0.5, first ms from rest", data.first_ms(JUDGED_RATIO, |ratios| Some(ratios.friction))),
             check("sliding speed fixed, first ms from rest", data.fixed_speed(|ratios| Some(ratios.friction))),
         ],
     }
@@ -40,9 +40,12 @@ fn power(data: &Parametric) -> Claim {
         section: "4.3.3.1, Fig. 4.11b",
         says: "A higher control force raises the power dissipation ratio.",
         checks: vec![
-            check("velocity ratio 0.5, steady, mean(F V)/(Fc Vt)", data.steady(JUDGED, |steady| steady.power)),
-            check("velocity ratio 0.5, first ms, mean(F V)/(Fc Vt)", data.first_ms(JUDGED, |ratios| ratios.power)),
-            check("velocity ratio 0.5, first ms, by 4.35 as printed", data.first_ms(JUDGED, |ratios| ratios.power_as_printed)),
+            check("velocity ratio 0.5, steady, mean(F V)/(Fc Vt)", data.steady(JUDGED_RATIO, |steady| steady.power)),
+            check("velocity ratio 0.5, first ms, mean(F V)/(Fc Vt)", data.first_ms(JUDGED_RATIO, |ratios| ratios.power)),
+            check(
+                "velocity ratio 0.5, first ms, by 4.35 as printed",
+                data.first_ms(JUDGED_RATIO, |ratios| ratios.power_as_printed),
+            ),
             check("sliding speed fixed, first ms, mean(F V)/(Fc Vt)", data.fixed_speed(|ratios| ratios.power)),
         ],
     }
@@ -51,14 +54,14 @@ fn power(data: &Parametric) -> Claim {
 fn power_at_low_ratios(data: &Parametric) -> Claim {
     let ratios = [0.1, 0.3, 0.5, 0.7, 0.9];
     let labels = ratios.map(|xi| format!("{xi}"));
-    // The curve of Table 4.1's plots, 384 N.
+    // Curve of the thesis's plots, 384 N.
     let at = |of: &dyn Fn(f64) -> Vec<f64>| ratios.map(|xi| of(xi)[1]);
     let input = at(&|xi| data.steady(xi, |steady| steady.input()));
     let power = at(&|xi| data.steady(xi, |steady| steady.power));
     Claim {
         id: "low-ratio-needs-power",
         section: "4.3.3.1",
-        says: "Lower velocity ratios take much more power.",
+        says: "Lower velocity ratios need much more power.",
         checks: vec![
             Check::new("power fed into the vibration, phi_iu, 384 N, steady", falls(&input), series("phi_iu", &labels, &input)),
             Check::new("power dissipation ratio itself, 384 N, steady", falls(&power), series("phi", &labels, &power)),

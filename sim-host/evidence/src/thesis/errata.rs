@@ -1,4 +1,4 @@
-//! Where the thesis contradicts itself or physics, each with the numbers that show it.
+//! Contradictions of the thesis with itself or with physics, each with numbers that show it.
 
 mod beam;
 mod energy;
@@ -13,22 +13,22 @@ use contact::SolveError;
 pub use beam::table as equations;
 pub use open::{Choice, choices};
 
-/// A contradiction within the thesis.
+/// Contradiction within the thesis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Erratum {
     /// Short name of the contradiction.
     pub id: &'static str,
     /// Equations, tables and sections that disagree.
     pub places: &'static str,
-    /// Statement as it is printed.
+    /// Statement as printed.
     pub printed: &'static str,
-    /// Statement that holds instead.
+    /// Correct statement.
     pub instead: &'static str,
-    /// Whether the numbers show it, and the numbers.
+    /// Numbers, and the result whether they show the contradiction.
     pub evidence: Check,
 }
 
-/// All contradictions that were found.
+/// Computes all known contradictions.
 pub fn all() -> Result<Vec<Erratum>, SolveError> {
     Ok([sign::errata()?, energy::errata()?, transducer::errata(), beam::errata(), sheet::errata()].concat())
 }

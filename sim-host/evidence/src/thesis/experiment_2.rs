@@ -1,13 +1,14 @@
-//! The second experiment (3.2): a seat belt pulled under the horn of a 20 kHz welder, vibration across it, 270 to 670 N.
+//! The second experiment (3.2): a seat belt pulled under the horn of a 20 kHz welder, with
+//! vibration across it and loads of 270 to 670 N.
 //!
 //! ```text
-//! what is stated (two numbers and words) --> empirical law and lag --> scene experiment-2 --> Figures 3.7 to 3.12
-//!                                       `--> other laws that fit as well
-//! Hertz's contact: how far it goes, and which of the trends are its own
+//! statements (two numbers and words) --> empirical law and lag --> scene experiment-2 --> Figures 3.7 to 3.12
+//!                                   `--> other laws that fit equally well
+//! Hertz's contact: its range, and the trends that it reproduces
 //! ```
 //!
-//! The law is a fit, and every check says so. What the scene adds to it is a model: the amplitude that the controller really holds, and the
-//! power that it takes.
+//! The law is a fit, and every check states so. The scene adds a model: the amplitude that the
+//! controller holds, and its power.
 
 mod alternatives;
 mod claims;
@@ -16,32 +17,32 @@ pub(crate) mod normal;
 mod pictures;
 mod table_3_2;
 
-use super::Part;
-use super::driven::{self, Ran};
+use super::StudyResult;
+use super::driven::{self, SceneRun};
 use contact::SolveError;
 use contact::empirical::EmpiricalLaw;
 use report::TableBlock;
 use sim::instruments::belt::law::{self as belt_law, AMPLITUDES, FULL_M, LAG_S, LOADS_N, SPEED_M_PER_S};
 
-/// ON times, s (3.2.3.1).
+/// Durations of the vibration, s (3.2.3.1).
 pub const ON_TIMES_S: [f64; 4] = [0.5, 1.0, 2.0, 2.5];
-/// Beginning of the ON window of the scene, s.
+/// Start of the ON window of the scene, s.
 const ON_S: f64 = 2.0;
-/// How much later than its trigger the horn of the scene starts, s: assumed.
+/// Assumed delay of the scene's horn after its trigger, s.
 const DELAY_S: f64 = 0.05;
-/// Scene that is run.
+/// Name of the scene.
 const SCENE: &str = "experiment-2";
 
-/// A run of the scene.
-struct Case {
+/// Run of the scene with its parameters.
+struct BeltRun {
     load_n: f64,
     amplitude: f64,
     on_time_s: f64,
-    ran: Ran,
+    ran: SceneRun,
 }
 
 /// All runs.
-struct Runs(Vec<Case>);
+struct Runs(Vec<BeltRun>);
 
 impl Runs {
     fn new() -> Result<Self, SolveError> {
@@ -56,33 +57,34 @@ impl Runs {
             ]
         };
         let runs = driven::each(SCENE, &cases.iter().map(sets).collect::<Vec<_>>())?;
-        let case = |((load_n, amplitude, on_time_s), ran)| Case { load_n, amplitude, on_time_s, ran };
+        let case = |((load_n, amplitude, on_time_s), ran)| BeltRun { load_n, amplitude, on_time_s, ran };
         Ok(Runs(cases.into_iter().zip(runs).map(case).collect()))
     }
 
-    fn case(&self, load_n: f64, amplitude: f64, on_time_s: f64) -> Result<&Case, SolveError> {
-        let same = |case: &&Case| (case.load_n, case.amplitude, case.on_time_s) == (load_n, amplitude, on_time_s);
+    fn case(&self, load_n: f64, amplitude: f64, on_time_s: f64) -> Result<&BeltRun, SolveError> {
+        let same = |case: &&BeltRun| (case.load_n, case.amplitude, case.on_time_s) == (load_n, amplitude, on_time_s);
         self.0.iter().find(same).ok_or(SolveError::Unsuited { method: "a scene", reason: "no such case".into() })
     }
 
-    /// A metric after 2 s ON.
+    /// Returns a metric after 2 s ON.
     fn metric(&self, name: &str, load_n: f64, amplitude: f64) -> Result<f64, SolveError> {
         self.case(load_n, amplitude, 2.0)?.ran.metric(name)
     }
 
-    /// Reductions after 2 s ON over the loads, %.
+    /// Returns the reductions after 2 s ON over the loads, %.
     fn over_load(&self, amplitude: f64) -> Result<Vec<f64>, SolveError> {
         LOADS_N.iter().map(|&load_n| self.metric("reduction_percent", load_n, amplitude)).collect()
     }
 
-    /// Reductions over the ON times at 270 N and 70 %, %.
+    /// Returns the reductions over the ON times at 270 N and 70 %, %.
     fn over_time(&self) -> Result<Vec<f64>, SolveError> {
         let at = |&on_s: &f64| self.case(LOADS_N[0], AMPLITUDES[1], on_s)?.ran.metric("reduction_percent");
         ON_TIMES_S.iter().map(at).collect()
     }
 }
 
-/// Table 3.2, the law with its constants and residuals, other laws, Hertz's contact, and a compliant one.
+/// Tabulates Table 3.2, the law with its constants and residuals, other laws, Hertz's contact, and
+/// a compliant contact.
 pub fn tables() -> Vec<TableBlock> {
     let law = EmpiricalLaw::FITTED;
     vec![
@@ -104,8 +106,8 @@ fn time_labels() -> Vec<String> {
     ON_TIMES_S.iter().map(|on_s| format!("{on_s} s")).collect()
 }
 
-/// Figures 3.7 to 3.12 and two that explain them, with the claims of 3.2.
-pub fn study() -> Result<Part, SolveError> {
+/// Computes Figures 3.7 to 3.12, two figures that explain them, and the claims of 3.2.
+pub fn study() -> Result<StudyResult, SolveError> {
     let runs = Runs::new()?;
-    Ok(Part { figures: pictures::all(&runs)?, claims: claims::all(&runs)? })
+    Ok(StudyResult { figures: pictures::all(&runs)?, claims: claims::all(&runs)? })
 }

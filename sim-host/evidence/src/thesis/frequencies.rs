@@ -1,6 +1,6 @@
-//! Which frequencies there are in velocity and friction: Figure 4.10.
+//! Spectra of velocity and friction: Figure 4.10.
 
-use super::Part;
+use super::StudyResult;
 use super::case::PLOTTED_RATIO;
 use super::case::TABLE_4_1;
 use super::claim::{Check, Claim, number};
@@ -10,42 +10,46 @@ use super::trace::trace;
 use contact::{Problem, SolveError, State};
 use report::Axis;
 
-/// Length of the transformed stretch, s: bins of 50 Hz.
-const STRETCH_S: f64 = 20e-3;
+/// Length of the transformed section, s: bins of 50 Hz.
+const SECTION_S: f64 = 20e-3;
 /// Samples a period.
-const SAMPLES: f64 = 32.0;
-/// Spectra are looked at up to here, Hz.
+const SAMPLES_PER_PERIOD: f64 = 32.0;
+/// Highest evaluated frequency of the spectra, Hz.
 const HIGHEST_HZ: f64 = 200e3;
 
-/// Velocity and friction of a run.
+/// Spectra of velocity and friction of a run.
 struct Spectra {
     velocity: Spectrum,
     friction: Spectrum,
 }
 
 impl Spectra {
-    fn of(problem: &Problem) -> Result<Self, SolveError> {
-        let every_s = 1.0 / (SAMPLES * TABLE_4_1.frequency_hz);
-        let states = trace(problem, every_s, problem.duration_s - STRETCH_S, problem.duration_s - every_s)?;
-        let of = |value: &dyn Fn(&State) -> f64| Spectrum::of(&states.iter().map(value).collect::<Vec<_>>(), every_s);
+    fn new(problem: &Problem) -> Result<Self, SolveError> {
+        let every_s = 1.0 / (SAMPLES_PER_PERIOD * TABLE_4_1.frequency_hz);
+        let states = trace(problem, every_s, problem.duration_s - SECTION_S, problem.duration_s - every_s)?;
+        let of = |value: &dyn Fn(&State) -> f64| Spectrum::new(&states.iter().map(value).collect::<Vec<_>>(), every_s);
         Ok(Spectra { velocity: of(&|state| state.v_m_per_s), friction: of(&|state| state.force_n / problem.coulomb_n) })
     }
 }
 
-/// Figure 4.10 with its claims.
-pub fn study() -> Result<Part, SolveError> {
-    let rest = TABLE_4_1.at_ratio(PLOTTED_RATIO, STRETCH_S);
+/// Computes Figure 4.10 and its claims.
+pub fn study() -> Result<StudyResult, SolveError> {
+    let rest = TABLE_4_1.at_ratio(PLOTTED_RATIO, SECTION_S);
     let mut forced = rest.clone();
-    // The forced motion itself: x = F0 cos(wt) / (Ks - m w^2).
+    // Forced motion: x = F0 cos(wt) / (Ks - m w^2).
     forced.start.x_m = TABLE_4_1.force_n / (TABLE_4_1.stiffness_n_per_m - TABLE_4_1.mass_kg * TABLE_4_1.omega().powi(2));
-    let (from_rest, from_forced) = rayon::join(|| Spectra::of(&rest), || Spectra::of(&forced));
+    let (from_rest, from_forced) = rayon::join(|| Spectra::new(&rest), || Spectra::new(&forced));
     let (from_rest, from_forced) = (from_rest?, from_forced?);
-    Ok(Part { figures: figures(&from_rest), claims: vec![two_frequencies(&from_rest, &from_forced), combinations(&from_rest)] })
+    Ok(StudyResult {
+        figures: figures(&from_rest),
+        claims: vec![two_frequencies(&from_rest, &from_forced), combinations(&from_rest)],
+    })
 }
 
 fn figures(spectra: &Spectra) -> Vec<report::Figure> {
-    let caption = "From rest, first 20 ms, passive sign (declared here, open in the thesis); velocity ratio 0.5, 384 N, 60 kHz. \
-                   Blackman-Harris window, bins of 50 Hz; a line of amplitude a has a peak of a. The natural frequency is 12.98 kHz.";
+    let caption = "From rest, first 20 ms, passive sign (chosen here, open in the thesis); velocity ratio 0.5, 384 N, 60 \
+                   kHz. Blackman-Harris window, bins of 50 Hz; a line of amplitude a has a peak of a. The natural frequency \
+                   is 12.98 kHz.";
     let draw = |id: &str, title: &str, label: &str, column: &str, spectrum: &Spectrum, floor: f64| {
         let hz = spectrum.frequencies_hz(HIGHEST_HZ);
         let khz: Vec<f64> = hz.iter().map(|hz| hz / 1e3).collect();
@@ -90,7 +94,7 @@ fn two_frequencies(from_rest: &Spectra, from_forced: &Spectra) -> Claim {
     Claim {
         id: "two-frequencies",
         section: "4.3.1, Fig. 4.10a",
-        says: "Velocity is no sinusoid: it has two frequencies, the excitation and the natural one.",
+        says: "The velocity is not sinusoidal: it has two frequencies, the excitation and the natural one.",
         checks: vec![
             check("started from rest, first 20 ms", &from_rest.velocity),
             check("started on the forced motion", &from_forced.velocity),
@@ -98,7 +102,7 @@ fn two_frequencies(from_rest: &Spectra, from_forced: &Spectra) -> Claim {
     }
 }
 
-/// The combination `p f + q fn` nearest to a line.
+/// Finds the combination `p f + q fn` nearest to a line.
 fn combination(line: &Line) -> (i32, i32, f64) {
     let (excitation, natural) = (TABLE_4_1.frequency_hz, TABLE_4_1.natural_hz());
     let all = (0..=4).flat_map(|p| (-6..=6).map(move |q| (p, q)));

@@ -1,11 +1,11 @@
-//! The results for programs.
+//! Results as JSON.
 
 use serde_json::{Map, Value, json};
 
 use super::claim::Check;
 use super::{Findings, Verdict};
 
-/// Claims with verdicts and numbers, contradictions, open choices.
+/// Returns claims with verdicts and numbers, contradictions, and open choices.
 pub fn summary(findings: &Findings) -> Value {
     let check = |check: &Check| json!({ "condition": check.condition, "holds": check.holds, "numbers": numbers(&check.numbers) });
     let claims: Vec<Value> = findings
@@ -55,7 +55,7 @@ pub fn summary(findings: &Findings) -> Value {
     })
 }
 
-/// Numbers by name. A name that stands twice is followed by its place.
+/// Maps numbers by name; appends its index to a repeated name.
 fn numbers(numbers: &[(String, f64)]) -> Value {
     let mut map = Map::new();
     for (index, (name, value)) in numbers.iter().enumerate() {

@@ -1,31 +1,31 @@
-//! What the thesis says about waveforms on Dahl's equation (4.4.1).
+//! Claims about waveforms on Dahl's equation (4.4.1).
 
 use super::case::PLOTTED_RATIO;
 use super::case::{Case, TABLE_4_1};
 use super::claim::{Check, Claim, number, series};
-use super::kinematic_waveforms::{self, Curves, Match, STIFFER, Traces, problem};
+use super::kinematic_waveforms::{self, Curves, Match, STIFFER_FACTOR, Traces, problem};
 use super::spectrum::Spectrum;
 use super::trace::{power_w, trace};
 use super::waveforms::CHIRP_HZ;
-use super::{Part, sweep};
+use super::{StudyResult, sweep};
 use contact::tally::Ratios;
 use contact::{Problem, Shape, SolveError, State};
 
-/// Places of the waveforms in [`super::waveforms::all`].
+/// Indices of the waveforms in [`super::waveforms::all`].
 const SINE: usize = 0;
 const SQUARE: usize = 1;
 const SAWTOOTH: usize = 2;
 const CHIRP: usize = 3;
 
-/// Figures 4.17 to 4.20 with their claims.
-pub fn study() -> Result<Part, SolveError> {
+/// Computes Figures 4.17 to 4.20 and their claims.
+pub fn study() -> Result<StudyResult, SolveError> {
     let (curves, traces, figures) = kinematic_waveforms::results()?;
-    Ok(Part { figures, claims: of(&curves, &traces)? })
+    Ok(StudyResult { figures, claims: claims(&curves, &traces)? })
 }
 
-/// All claims.
-fn of(curves: &Curves, traces: &Traces) -> Result<Vec<Claim>, SolveError> {
-    let stiff = Case { contact_n_per_m: STIFFER * TABLE_4_1.contact_n_per_m, ..TABLE_4_1 };
+/// Judges all claims.
+fn claims(curves: &Curves, traces: &Traces) -> Result<Vec<Claim>, SolveError> {
+    let stiff = Case { contact_n_per_m: STIFFER_FACTOR * TABLE_4_1.contact_n_per_m, ..TABLE_4_1 };
     let stiff_traces = Traces::new(&curves.waveforms, &stiff)?;
     let stiff_ratios =
         sweep::each(&curves.waveforms, |named| sweep::ratios(&problem(&stiff, named.shape, Match::Peak, PLOTTED_RATIO)))?;
@@ -62,7 +62,7 @@ fn resembles_coulomb(curves: &Curves, soft: &Traces, stiff: &Traces) -> Claim {
         section: "4.4.1, Fig. 4.17",
         says: "Under a square wave Dahl's force resembles Coulomb's (rms distance below a quarter of Fc).",
         checks: vec![
-            check("Table 4.1's contact (kappa 0.40), velocity ratio 0.5", soft),
+            check("contact of Table 4.1 (kappa 0.40), velocity ratio 0.5", soft),
             check("contact a hundred times stiffer (kappa 40)", stiff),
         ],
     }
@@ -88,7 +88,7 @@ fn sawtooth(curves: &Curves) -> Claim {
 }
 
 fn chirp(traces: &Traces) -> Claim {
-    // Distances of the upward zero crossings of the force give its frequency over time.
+    // The intervals of the force's upward zero crossings give its frequency over time.
     let problem = &traces.problems[CHIRP];
     let states = &traces.states[CHIRP];
     let mean = states.iter().map(|state| state.force_n).sum::<f64>() / states.len() as f64;
@@ -102,19 +102,19 @@ fn chirp(traces: &Traces) -> Claim {
     let follows = (first / expected[0] - 1.0).abs() < 0.03 && (last / expected[1] - 1.0).abs() < 0.03;
     let numbers = vec![
         number("force, first cycle [kHz]", first / 1e3),
-        number("chirp then [kHz]", expected[0] / 1e3),
+        number("chirp at that time [kHz]", expected[0] / 1e3),
         number("force, last cycle [kHz]", last / 1e3),
-        number("chirp then [kHz]", expected[1] / 1e3),
+        number("chirp at that time [kHz]", expected[1] / 1e3),
     ];
     Claim {
         id: "chirp-force-follows",
         section: "4.4.1",
-        says: "Under a chirp the frequency of the friction force changes with time as the chirp's does.",
-        checks: vec![Check::new("1.0 to 1.3 ms, by the distance of zero crossings (within 3 %)", follows, numbers)],
+        says: "Under a chirp the frequency of the friction force follows that of the chirp over time.",
+        checks: vec![Check::new("1.0 to 1.3 ms, by the intervals of zero crossings (within 3 %)", follows, numbers)],
     }
 }
 
-/// Whether Fourier transforms can say when a chirp's force had which frequency.
+/// Judges if Fourier transforms can resolve the frequency of a chirp's force over time.
 fn fourier() -> Result<Claim, SolveError> {
     let (window_s, every_s) = (0.25e-3, 1.0 / (64.0 * TABLE_4_1.frequency_hz));
     let sweep_s = kinematic_waveforms::RUN_S;
@@ -128,10 +128,10 @@ fn fourier() -> Result<Claim, SolveError> {
     };
     let off = |(index, part): (usize, &[f64])| {
         let middle_s = (index as f64 + 0.5) * window_s;
-        strongest(&Spectrum::of(part, every_s)) - (CHIRP_HZ.0 + (CHIRP_HZ.1 - CHIRP_HZ.0) * middle_s / sweep_s)
+        strongest(&Spectrum::new(part, every_s)) - (CHIRP_HZ.0 + (CHIRP_HZ.1 - CHIRP_HZ.0) * middle_s / sweep_s)
     };
     let most = force.chunks_exact(count).enumerate().map(|part| off(part).abs()).fold(0.0, f64::max);
-    let whole = Spectrum::of(&force, every_s);
+    let whole = Spectrum::new(&force, every_s);
     let bins = (CHIRP_HZ.0 / whole.bin_hz) as usize..(CHIRP_HZ.1 / whole.bin_hz) as usize;
     let mean = whole.amplitude[bins.clone()].iter().sum::<f64>() / bins.len() as f64;
     let top = whole.amplitude[bins].iter().copied().fold(0.0, f64::max);
@@ -146,9 +146,9 @@ fn fourier() -> Result<Claim, SolveError> {
                 vec![number("largest over mean amplitude, 20-200 kHz", top / mean)],
             ),
             Check::new(
-                "transforms of 0.25 ms each: the strongest line misses the chirp by more than a bin of 4 kHz",
+                "transforms of 0.25 ms each: the strongest line is off the chirp by more than a bin of 4 kHz",
                 most > 1.0 / window_s,
-                vec![number("farthest from the chirp's frequency [kHz]", most / 1e3)],
+                vec![number("largest deviation from the chirp's frequency [kHz]", most / 1e3)],
             ),
         ],
     })
@@ -161,7 +161,7 @@ fn many_frequencies(curves: &Curves, traces: &Traces) -> Claim {
         .zip(&traces.states)
         .map(|(problem, states)| {
             let power: Vec<f64> = states[1..].iter().map(|state| power_w(problem, state)).collect();
-            let spectrum = Spectrum::of(&power, states[1].time_s - states[0].time_s);
+            let spectrum = Spectrum::new(&power, states[1].time_s - states[0].time_s);
             let top = spectrum.lines(20e3, 600e3, 0.0).iter().map(|line| line.amplitude).fold(0.0, f64::max);
             spectrum.lines(20e3, 600e3, 0.01 * top).len() as f64
         })
@@ -208,8 +208,8 @@ fn square_power(curves: &Curves, stiff: &[Ratios]) -> Claim {
         section: "4.4.1, Fig. 4.20",
         says: "Without system dynamics the square wave has the highest power dissipation ratio.",
         checks: vec![
-            check("equal peaks, Table 4.1's contact (kappa 0.40), velocity ratio 0.1", curves.at(Match::Peak, 0.1, power)),
-            check("equal peaks, Table 4.1's contact, velocity ratio 0.5", curves.at(Match::Peak, 0.5, power)),
+            check("equal peaks, contact of Table 4.1 (kappa 0.40), velocity ratio 0.1", curves.at(Match::Peak, 0.1, power)),
+            check("equal peaks, contact of Table 4.1, velocity ratio 0.5", curves.at(Match::Peak, 0.5, power)),
             check(
                 "equal peaks, contact a hundred times stiffer (kappa 40), velocity ratio 0.5",
                 stiff.iter().map(power).collect(),

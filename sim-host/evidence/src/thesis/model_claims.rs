@@ -1,4 +1,4 @@
-//! What the thesis says about the friction models themselves (4.1, 4.3).
+//! Claims about the friction models themselves (4.1, 4.3).
 
 use super::case::PLOTTED_RATIO;
 use super::case::{Case, SHORT_S, TABLE_4_1};
@@ -6,8 +6,8 @@ use super::claim::{Check, Claim, number, series};
 use super::{steady, sweep};
 use contact::{Law, Problem, Shape, SolveError};
 
-/// All claims about the models.
-pub fn of() -> Result<Vec<Claim>, SolveError> {
+/// Judges all claims about the models.
+pub fn claims() -> Result<Vec<Claim>, SolveError> {
     Ok(vec![coulomb_knows_one_ratio()?, lugre_becomes_dahl()?, coulomb_reduces_more(), dahl_depends(), less_at_higher_ratio()])
 }
 
@@ -32,11 +32,11 @@ fn coulomb_knows_one_ratio() -> Result<Claim, SolveError> {
         section: "4.1.1",
         says: "With Coulomb friction the reduction depends on the velocity ratio only: not on mass, stiffness, mu or frequency.",
         checks: vec![
-            check("given sinusoidal vibration, velocity ratio 0.5 (equal within 0.001)", &|case| {
+            check("prescribed sinusoidal vibration, velocity ratio 0.5 (equal within 0.001)", &|case| {
                 let vibration = case.vibration_m_per_s();
                 case.kinematic(Shape::Sine, vibration, PLOTTED_RATIO * vibration, SHORT_S)
             })?,
-            check("oscillator, first ms from rest, velocity ratio 0.5 by the forced part (equal within 0.001)", &|case| {
+            check("oscillator, first ms from rest, velocity ratio 0.5 of the forced part (equal within 0.001)", &|case| {
                 case.at_ratio(PLOTTED_RATIO, SHORT_S)
             })?,
         ],
@@ -54,7 +54,7 @@ fn coulomb_reduces_more() -> Claim {
     let numbers = vec![
         number("r Dahl(0.5)", here),
         number("r Coulomb(0.5)", steady::coulomb(PLOTTED_RATIO)),
-        number("least r Dahl - r Coulomb on the grid", least),
+        number("smallest r Dahl - r Coulomb on the grid", least),
     ];
     let condition = format!("{} points, velocity ratios 0.05 to 0.95, kappa 0.05 to 20", grid.len());
     Claim {
@@ -76,7 +76,7 @@ fn dahl_depends() -> Claim {
     ];
     let mut numbers = vec![number("r", here)];
     for (name, case) in doubled {
-        // The vibration velocity is given here: the mass acts through the load only.
+        // The vibration velocity is prescribed here: the mass acts through the load only.
         let kappa = case.contact_n_per_m * base.vibration_m_per_s() / (base.omega() * case.coulomb_n());
         numbers.push(number(format!("r, {name} doubled"), ratio(kappa)));
     }
@@ -84,7 +84,7 @@ fn dahl_depends() -> Claim {
     Claim {
         id: "dahl-depends-on-m-mu-kt",
         section: "4.3",
-        says: "With Dahl friction the reduction depends on mass, coefficient of friction and contact stiffness too.",
+        says: "With Dahl friction the reduction also depends on mass, coefficient of friction and contact stiffness.",
         checks: vec![Check::new("velocity ratio 0.5, through kappa = Kt Vv / (w mu m g) only", all_differ, numbers)],
     }
 }
@@ -112,7 +112,8 @@ fn lugre_becomes_dahl() -> Result<Claim, SolveError> {
     Ok(Claim {
         id: "lugre-becomes-dahl",
         section: "4.1.3, 4.13",
-        says: "Without bristle damping and with a Stribeck velocity far below the slip velocity, LuGre friction is Dahl friction.",
+        says: "Without bristle damping and with a Stribeck velocity far below the slip velocity, LuGre friction is Dahl \
+               friction.",
         checks: vec![
             check("no static peak, no damping (equal within 1e-6)", plain, 1e-6),
             check("static peak 1.5 Fc, Stribeck velocity Vv/100 (equal within 1 %)", fast, 0.01),
@@ -128,7 +129,7 @@ fn less_at_higher_ratio() -> Claim {
     Claim {
         id: "less-reduction-at-higher-ratio",
         section: "5.1",
-        says: "The reduction falls as the velocity ratio rises, and is gone at one.",
+        says: "The reduction falls as the velocity ratio rises, and vanishes at one.",
         checks: vec![
             check("Coulomb, steady", xi.map(steady::coulomb)),
             check("Dahl, Table 4.1, 384 N, steady", xi.map(|xi| steady::dahl(xi, TABLE_4_1.kappa()).friction)),

@@ -1,18 +1,18 @@
-//! Coulomb's and Dahl's friction under a given vibration: Figures 4.6 and 4.7.
+//! Coulomb's and Dahl's friction under a prescribed vibration: Figures 4.6 and 4.7.
 
 use super::case::{PLOTTED_RATIO, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number};
 use super::picture::{FRICTION_RATIO, STEADY, VELOCITY_RATIO, axis, dashed, figure, line, ranged};
-use super::{Part, model_claims, steady, sweep, trace};
+use super::{StudyResult, model_claims, steady, sweep, trace};
 use contact::{Shape, SolveError, State};
 use report::Figure;
 
-/// Figures 4.6 and 4.7 with their claims.
-pub fn study() -> Result<Part, SolveError> {
-    let instant = Instant::new()?;
-    Ok(Part {
+/// Computes Figures 4.6 and 4.7 and their claims.
+pub fn study() -> Result<StudyResult, SolveError> {
+    let instant = InstantaneousForce::new()?;
+    Ok(StudyResult {
         figures: vec![ratios(), instant.coulomb_figure(), instant.dahl_figure()],
-        claims: [model_claims::of()?, vec![instant.pulses()]].concat(),
+        claims: [model_claims::claims()?, vec![instant.pulses()]].concat(),
     })
 }
 
@@ -27,24 +27,25 @@ fn ratios() -> Figure {
         dashed("Dahl, κ → 0", "dahl_limit", &xi, xi.iter().map(|&xi| steady::compliant(xi)).collect()),
     ];
     let caption = format!(
-        "The vibration velocity is given as a sine. Coulomb's curve is the limit of Dahl's for κ = Kt Vv/(ω Fc) → ∞; every Dahl curve \
-         lies between it and the limit for κ → 0. {STEADY}"
+        "The vibration velocity is a prescribed sine. Coulomb's curve is the limit of Dahl's for κ = Kt Vv/(ω Fc) → ∞; \
+         every Dahl curve lies between it and the limit for κ → 0. {STEADY}"
     );
     let axes = [ranged(VELOCITY_RATIO, 0.0, 1.0), ranged(FRICTION_RATIO, 0.0, 1.0)];
     figure("fig-4-06", "Figure 4.6: Coulomb and Dahl, friction ratio over velocity ratio", caption, axes, series)
 }
 
-/// Force over time under a given vibration, steady.
-struct Instant {
+/// Steady force over time under a prescribed vibration.
+struct InstantaneousForce {
     time_us: Vec<f64>,
     vibration: f64,
     states: Vec<State>,
-    /// Largest change of F/Fc between neighbours at a hundred and at a thousand samples a period.
+    /// Largest change of F/Fc between neighbouring samples, at a hundred and at a thousand samples
+    /// a period.
     jumps: [f64; 2],
     coulomb_jumps: [f64; 2],
 }
 
-impl Instant {
+impl InstantaneousForce {
     fn new() -> Result<Self, SolveError> {
         let vibration = TABLE_4_1.vibration_m_per_s();
         let period_s = 1.0 / TABLE_4_1.frequency_hz;
@@ -53,7 +54,7 @@ impl Instant {
         let at = |samples: f64| trace::trace(&problem, period_s / samples, 50.0 * period_s, 53.0 * period_s);
         let force = |states: &[State]| states.iter().map(|state| state.force_n / problem.coulomb_n).collect::<Vec<_>>();
         let (coarse, fine) = (at(100.0)?, at(1000.0)?);
-        Ok(Instant {
+        Ok(InstantaneousForce {
             time_us: fine.iter().map(|state| 1e6 * (state.time_s - 50.0 * period_s)).collect(),
             vibration,
             jumps: [jump(&force(&coarse)), jump(&force(&fine))],
@@ -74,8 +75,8 @@ impl Instant {
         let fc = TABLE_4_1.coulomb_n();
         let y = self.states.iter().map(|state| state.force_n / fc).collect();
         let caption = format!(
-            "Dahl's equation (4.15) under the same given vibration, Table 4.1 (κ = {:.3}): the vibration is too small for the force to \
-             reach −Fc. {STEADY}",
+            "Dahl's equation (4.15) under the same prescribed vibration, Table 4.1 (κ = {:.3}): the vibration is too small \
+             for the force to reach −Fc. {STEADY}",
             TABLE_4_1.kappa()
         );
         let axes = [axis("time [µs]"), ranged("friction / Fc", -1.1, 1.1)];
@@ -90,7 +91,7 @@ impl Instant {
             number("Dahl: at 100", self.jumps[0]),
             number("at 1000", self.jumps[1]),
         ];
-        // A jump stays as the samples close up; a slope shrinks with their distance.
+        // As the sample interval shrinks, a jump stays and the step of a slope shrinks.
         let pulse = self.coulomb_jumps[1] > 0.99 * self.coulomb_jumps[0];
         let continuous = self.jumps[1] < 0.2 * self.jumps[0];
         Claim {

@@ -5,8 +5,8 @@
 //!                          `--> electrodes (12 tabs) --> backward wave --> mode shapes
 //! ```
 //!
-//! The appendix measures little: two frequencies, some 20 nm, and shapes that are called erratic. What can be judged is whether its
-//! equations, its electrodes and its reasons lead there.
+//! The appendix measures little: two frequencies, about 20 nm, and shapes that it calls erratic.
+//! The studies judge if its equations, its electrodes and its reasons explain them.
 
 mod backward;
 mod charge;
@@ -26,31 +26,31 @@ pub use electrodes::Pattern;
 pub use sheet::{DENSITY_5A_KG_PER_M3, DENSITY_5H_KG_PER_M3, DENSITY_KG_PER_M3, DENSITY_SIMULATED_KG_PER_M3, Sheet};
 pub use sheet_table::table;
 
-use super::Part;
+use super::StudyResult;
 use contact::SolveError;
 
 /// Frequencies of the vibrometer's measurements, Hz (B.5).
 pub const MEASURED_HZ: [f64; 2] = [20e3, 40e3];
-/// Displacement that was measured, m (B.6).
+/// Measured displacement, m (B.6).
 pub const MEASURED_M: f64 = 20e-9;
-/// Voltage of the simulation, V (Table B.1); that of the prototype is not given.
+/// Voltage of the simulation, V (Table B.1); the prototype's is not given.
 pub const VOLTAGE_V: f64 = 60.0;
 
-/// Sheet, wave and particle: B.2, B.4.
-pub fn wave_study() -> Result<Part, SolveError> {
+/// Studies sheet, wave and particle: B.2, B.4.
+pub fn wave_study() -> Result<StudyResult, SolveError> {
     let [locus, dispersion] = [particle::figure(), wave::figure()];
     let claims = [vec![wave::claim()], particle::claims(), displacement::claims()].concat();
-    Ok(Part { figures: vec![dispersion, locus], claims })
+    Ok(StudyResult { figures: vec![dispersion, locus], claims })
 }
 
-/// Electrodes, signals and mode shapes: B.4.1 to B.6.
-pub fn shape_study() -> Result<Part, SolveError> {
+/// Studies electrodes, signals and mode shapes: B.4.1 to B.6.
+pub fn shape_study() -> Result<StudyResult, SolveError> {
     let figures = [electrodes::figures(), vec![backward::figure(), shapes::figure()]].concat();
     let claims = [electrodes::claims(), vec![quadrature::claim()], shapes::claims()].concat();
-    Ok(Part { figures, claims })
+    Ok(StudyResult { figures, claims })
 }
 
-/// The rotor: B.7, B.8.
-pub fn rotor_study() -> Result<Part, SolveError> {
-    Ok(Part { figures: vec![rotor_claims::figure()], claims: rotor_claims::claims() })
+/// Studies the rotor: B.7, B.8.
+pub fn rotor_study() -> Result<StudyResult, SolveError> {
+    Ok(StudyResult { figures: vec![rotor_claims::figure()], claims: rotor_claims::claims() })
 }

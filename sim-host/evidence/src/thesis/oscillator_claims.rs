@@ -1,28 +1,28 @@
-//! What the thesis says about waveforms on the oscillator (4.4.2).
+//! Claims about waveforms on the oscillator (4.4.2).
 
 use super::case::PLOTTED_RATIO;
 use super::case::{Case, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number, series};
 use super::oscillator_waveforms::{Results, problem, waveforms};
 use super::trace::power_w;
-use super::waveforms::{CHIRP_HZ, Named, labels};
-use super::{Part, sweep};
+use super::waveforms::{CHIRP_HZ, NamedWaveform, labels};
+use super::{StudyResult, sweep};
 use contact::{Shape, SolveError};
 
-/// Places of the waveforms in [`waveforms`].
+/// Indices of the waveforms in [`waveforms`].
 const SINE: usize = 0;
 const CHIRP: usize = 3;
 const RANDOM_TENTH: usize = 4;
 const RANDOM_STEP: usize = 5;
 
-/// Figures 4.21 to 4.26 with their claims.
-pub fn study() -> Result<Part, SolveError> {
+/// Computes Figures 4.21 to 4.26 and their claims.
+pub fn study() -> Result<StudyResult, SolveError> {
     let results = Results::new()?;
-    Ok(Part { figures: results.figures(), claims: of(&results)? })
+    Ok(StudyResult { figures: results.figures(), claims: claims(&results)? })
 }
 
-/// All claims.
-fn of(results: &Results) -> Result<Vec<Claim>, SolveError> {
+/// Judges all claims.
+fn claims(results: &Results) -> Result<Vec<Claim>, SolveError> {
     let displacement = results.largest(|_, state| 1e6 * state.x_m.abs());
     let velocity = results.largest(|_, state| state.v_m_per_s.abs());
     let settled = |time_s: f64| time_s > 0.1 * SHORT_S;
@@ -53,7 +53,7 @@ fn of(results: &Results) -> Result<Vec<Claim>, SolveError> {
             id: "chirp-friction-bottoms-lower",
             section: "4.4.2, Fig. 4.23",
             says: "Under the chirp the friction force bottoms out at a lower, more negative value.",
-            checks: peaks("least F/Fc", &lowest, least),
+            checks: peaks("smallest F/Fc", &lowest, least),
         },
         Claim {
             id: "chirp-power-peaks-higher",
@@ -66,7 +66,7 @@ fn of(results: &Results) -> Result<Vec<Claim>, SolveError> {
     ])
 }
 
-/// A quantity of all waveforms, with the random one in either reading.
+/// Compares a quantity of all waveforms, for both hold times of the random one.
 fn both_readings(results: &Results, name: &str, values: &[f64], extreme: fn(&[f64], usize) -> bool) -> Vec<Check> {
     let check = |condition: &str, left_out: usize| {
         let included: Vec<usize> = (0..values.len()).filter(|&index| index != left_out).collect();
@@ -89,7 +89,7 @@ fn random_is_small(results: &Results, displacement: &[f64]) -> Claim {
     Claim {
         id: "random-displaces-little",
         section: "4.4.2, Fig. 4.21",
-        says: "Random excitation displaces little (less than half of what the chirp does).",
+        says: "Random excitation displaces little (less than half of the chirp's displacement).",
         checks: vec![
             check("held for a solver step", RANDOM_STEP),
             check("held for a tenth of a period: the undamped oscillator walks at random", RANDOM_TENTH),
@@ -101,10 +101,10 @@ fn chirp_best(results: &Results) -> Result<Claim, SolveError> {
     let friction = results.at(PLOTTED_RATIO, |ratios| ratios.friction);
     let mut checks = both_readings(results, "r", &friction, |values, index| values.iter().all(|&value| value >= values[index]));
     for duration_s in [0.5e-3, 2e-3, 5e-3, 10e-3] {
-        let without_tenth: Vec<Named> =
+        let without_tenth: Vec<NamedWaveform> =
             waveforms(duration_s).into_iter().enumerate().filter(|(i, _)| *i != RANDOM_TENTH).map(|(_, named)| named).collect();
         let r = sweep::each(&without_tenth, |named| sweep::friction(&problem(named, PLOTTED_RATIO, duration_s)))?;
-        let condition = format!("first {} ms, the chirp ending with them, random held for a solver step", 1e3 * duration_s);
+        let condition = format!("first {} ms, the chirp ending at their end, random held for a solver step", 1e3 * duration_s);
         checks.push(Check::new(condition, r.iter().all(|&r_i| r_i >= r[CHIRP]), series("r", &labels(&without_tenth), &r)));
     }
     checks.push(many_seeds(SHORT_S)?);
@@ -119,10 +119,10 @@ fn chirp_best(results: &Results) -> Result<Claim, SolveError> {
     })
 }
 
-/// One random waveform proves little: many of them.
+/// Compares the chirp with the mean of many seeds, as one random waveform proves little.
 fn many_seeds(duration_s: f64) -> Result<Check, SolveError> {
     let all = waveforms(duration_s);
-    let of = |shape: Shape| sweep::friction(&problem(&Named { shape, ..all[CHIRP] }, PLOTTED_RATIO, duration_s));
+    let of = |shape: Shape| sweep::friction(&problem(&NamedWaveform { shape, ..all[CHIRP] }, PLOTTED_RATIO, duration_s));
     let Shape::Random { hold_s, .. } = all[RANDOM_TENTH].shape else { return Ok(Check::new("", false, Vec::new())) };
     let seeds: Vec<u64> = (1..=32).collect();
     let random = sweep::each(&seeds, |&seed| of(Shape::Random { hold_s, seed }))?;
@@ -138,17 +138,18 @@ fn many_seeds(duration_s: f64) -> Result<Check, SolveError> {
     Ok(Check::new(condition, mean > chirp, numbers))
 }
 
-/// Each waveform with the sliding speed at half of its own peak velocity.
+/// Compares the waveforms with the sliding speed at half of each one's peak velocity.
 fn same_peak_velocity(results: &Results) -> Result<Check, SolveError> {
     let peak = results.largest(|_, state| state.v_m_per_s.abs());
-    let paired: Vec<(Named, f64)> = results.waveforms.iter().copied().zip(peak).collect();
+    let paired: Vec<(NamedWaveform, f64)> = results.waveforms.iter().copied().zip(peak).collect();
     let r =
         sweep::each(&paired, |(named, peak)| sweep::friction(&TABLE_4_1.oscillator(named.shape, PLOTTED_RATIO * peak, SHORT_S)))?;
     let best = r.iter().all(|&r_i| r_i >= r[CHIRP]);
-    Ok(Check::new("velocity ratio 0.5 by each waveform's own peak velocity, first ms", best, series("r", &results.labels(), &r)))
+    Ok(Check::new("velocity ratio 0.5 of each waveform's own peak velocity, first ms", best, series("r", &results.labels(), &r)))
 }
 
-/// The chirp's advantage is that the oscillator yields more at 20 kHz: so does a plain sine there.
+/// Compares the chirp with a plain sine at 20 kHz. The chirp's advantage is the higher compliance
+/// of the oscillator there, which the sine has as well.
 fn against_low_sine(chirp: f64) -> Result<Check, SolveError> {
     let low = Case { frequency_hz: CHIRP_HZ.0, ..TABLE_4_1 };
     let speed = PLOTTED_RATIO * TABLE_4_1.vibration_m_per_s();

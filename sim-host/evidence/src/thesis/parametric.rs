@@ -1,4 +1,4 @@
-//! What one parameter does to both ratios: the form that Figures 4.11 to 4.13 share.
+//! Effect of one parameter on both ratios, in the form shared by Figures 4.11 to 4.13.
 
 use super::case::{Case, SHORT_S, TABLE_4_1};
 use super::picture::{FRICTION_RATIO, FROM_REST, POWER_RATIO, STEADY, VELOCITY_RATIO, axis, column, figure, line, ranged};
@@ -9,36 +9,36 @@ use contact::tally::Ratios;
 use report::{Axis, Figure, Series};
 
 /// Velocity ratio at which the claims are judged.
-pub const JUDGED: f64 = 0.5;
+pub const JUDGED_RATIO: f64 = 0.5;
 
 /// Curves over the velocity ratio, one for each value of a parameter.
 pub struct Parametric {
-    /// What each curve is called.
+    /// Labels of the curves.
     pub labels: Vec<String>,
-    /// Steady, by closed form in the velocity ratio and kappa.
+    /// Steady ratios, by closed form in the velocity ratio and kappa.
     steady: Vec<Vec<Steady>>,
-    /// From rest, over the first millisecond.
+    /// Ratios from rest, over the first millisecond.
     from_rest: Vec<Vec<Ratios>>,
-    /// From rest, with the sliding speed that Table 4.1 at 384 N has at the judged ratio.
+    /// Ratios from rest at a fixed sliding speed, that of Table 4.1 with 384 N at the judged ratio.
     fixed_speed: Vec<Ratios>,
     ratios: Vec<f64>,
 }
 
-/// What the figures of a parameter are called.
-pub struct Names {
+/// Names for the figures of a parameter.
+pub struct FigureNames {
     /// Number of the figure, such as `4-11`.
     pub number: &'static str,
-    /// Parameter that is varied.
+    /// Varied parameter.
     pub of: &'static str,
-    /// What the reader should see.
+    /// Remark at the start of the captions.
     pub remark: String,
 }
 
 impl Parametric {
-    /// All curves of these cases.
+    /// Computes all curves of these cases.
     pub fn new(cases: &[(String, Case)]) -> Result<Self, SolveError> {
         let ratios = sweep::velocity_ratios();
-        let speed = JUDGED * TABLE_4_1.vibration_m_per_s();
+        let speed = JUDGED_RATIO * TABLE_4_1.vibration_m_per_s();
         Ok(Parametric {
             labels: cases.iter().map(|(label, _)| label.clone()).collect(),
             steady: cases.iter().map(|(_, case)| ratios.iter().map(|&xi| steady::dahl(xi, case.kappa())).collect()).collect(),
@@ -51,17 +51,17 @@ impl Parametric {
         })
     }
 
-    /// A quantity of the steady state at a velocity ratio, curve by curve.
+    /// Returns a steady quantity at a velocity ratio, for each curve.
     pub fn steady(&self, velocity_ratio: f64, of: impl Fn(&Steady) -> f64) -> Vec<f64> {
         self.steady.iter().map(|curve| of(&curve[self.index(velocity_ratio)])).collect()
     }
 
-    /// A quantity of the first millisecond at a velocity ratio, curve by curve.
+    /// Returns a quantity of the first millisecond at a velocity ratio, for each curve.
     pub fn first_ms(&self, velocity_ratio: f64, of: impl Fn(&Ratios) -> Option<f64>) -> Vec<f64> {
         self.from_rest.iter().map(|curve| of(&curve[self.index(velocity_ratio)]).unwrap_or(f64::NAN)).collect()
     }
 
-    /// A quantity with one sliding speed for all curves, curve by curve.
+    /// Returns a quantity at the same sliding speed for all curves, for each curve.
     pub fn fixed_speed(&self, of: impl Fn(&Ratios) -> Option<f64>) -> Vec<f64> {
         self.fixed_speed.iter().map(|ratios| of(ratios).unwrap_or(f64::NAN)).collect()
     }
@@ -71,9 +71,9 @@ impl Parametric {
         (0..self.ratios.len()).min_by(|&a, &b| off(self.ratios[a]).total_cmp(&off(self.ratios[b]))).unwrap_or(0)
     }
 
-    /// Both ratios, steady and from rest.
-    pub fn figures(&self, names: &Names) -> Vec<Figure> {
-        let Names { number, of, remark } = names;
+    /// Draws both ratios, steady and from rest.
+    pub fn figures(&self, names: &FigureNames) -> Vec<Figure> {
+        let FigureNames { number, of, remark } = names;
         let dotted = number.replace('-', ".");
         let draw = |part: &str, suffix: &str, title: &str, declared: &str, y: Axis, value: &dyn Fn(usize, usize) -> f64| {
             let curves = self.labels.iter().enumerate().map(|(curve, label)| {
@@ -99,9 +99,9 @@ impl Parametric {
             draw(
                 "b",
                 "-printed",
-                "power ratio as 4.35 is printed",
-                "Equation 4.35 subtracts a mean energy from a work, so its value depends on the length of the run: here the first \
-                 millisecond from rest.",
+                "power ratio by 4.35 as printed",
+                "Equation 4.35 subtracts a mean energy from a work, so its value depends on the duration of the run: here \
+                 the first millisecond from rest.",
                 axis("power ratio by 4.35"),
                 &|c, p| self.from_rest[c][p].power_as_printed.unwrap_or(f64::NAN),
             ),

@@ -1,20 +1,20 @@
-//! What the thesis says about the power dissipation ratio as such (4.3.2).
+//! Claims about the power dissipation ratio itself (4.3.2).
 
-use super::Part;
+use super::StudyResult;
 use super::case::{Case, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number};
-use super::parametric::JUDGED;
+use super::parametric::JUDGED_RATIO;
 use super::sweep;
 use contact::SolveError;
 
-/// The claims; they have no figure.
-pub fn study() -> Result<Part, SolveError> {
-    Ok(Part { figures: Vec::new(), claims: vec![printed()?, depends()?] })
+/// Judges the claims, which have no figure.
+pub fn study() -> Result<StudyResult, SolveError> {
+    Ok(StudyResult { figures: Vec::new(), claims: vec![printed()?, depends()?] })
 }
 
 fn printed() -> Result<Claim, SolveError> {
     let check = |milliseconds: f64| {
-        let ratios = sweep::ratios(&TABLE_4_1.at_ratio(JUDGED, milliseconds * SHORT_S))?;
+        let ratios = sweep::ratios(&TABLE_4_1.at_ratio(JUDGED_RATIO, milliseconds * SHORT_S))?;
         let (direct, printed) = (ratios.power.unwrap_or(f64::NAN), ratios.power_as_printed.unwrap_or(f64::NAN));
         let numbers = vec![number("mean(F V)/(Fc Vt)", direct), number("1 + phi_iu - phi_su", printed)];
         let condition = format!("velocity ratio 0.5, first {milliseconds} ms from rest (equal within 1 %)");
@@ -39,7 +39,7 @@ fn depends() -> Result<Claim, SolveError> {
         ("mu doubled", Case { mu: 2.0 * base.mu, ..base }),
     ];
     let phi = sweep::each(&cases, |(_, case)| {
-        let ratios = sweep::ratios(&case.at_ratio(JUDGED, SHORT_S))?;
+        let ratios = sweep::ratios(&case.at_ratio(JUDGED_RATIO, SHORT_S))?;
         Ok(ratios.power.unwrap_or(f64::NAN))
     })?;
     let numbers = cases.iter().zip(&phi).map(|((name, _), &phi)| number(format!("phi({name})"), phi)).collect();
@@ -49,7 +49,7 @@ fn depends() -> Result<Claim, SolveError> {
         section: "4.3.2",
         says: "The power dissipation ratio depends on mass, system and contact stiffness, control force and mu.",
         checks: vec![Check::new(
-            "velocity ratio 0.5 by each case's own, first ms from rest (by more than 1 %)",
+            "velocity ratio 0.5 of each case's own vibration, first ms from rest (by more than 1 %)",
             all_differ,
             numbers,
         )],

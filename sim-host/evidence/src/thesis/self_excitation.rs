@@ -1,4 +1,4 @@
-//! Whether sliding friction excites the oscillator by itself (4.2, 4.3.1).
+//! Self-excitation of the oscillator by sliding friction (4.2, 4.3.1).
 
 use super::case::PLOTTED_RATIO;
 use super::case::{Case, TABLE_4_1};
@@ -9,10 +9,10 @@ use contact::{Law, Problem, Sign, SolveError};
 
 /// Length of the runs, s.
 const RUN_S: f64 = 0.2;
-/// Bins, s.
+/// Length of a bin, s.
 const BIN_S: f64 = 10e-3;
 
-/// The claims about self-excited oscillation.
+/// Judges the claims about self-excited oscillation.
 pub fn claims() -> Result<Vec<Claim>, SolveError> {
     let vibration = TABLE_4_1.vibration_m_per_s();
     let speed = PLOTTED_RATIO * vibration;
@@ -44,7 +44,8 @@ pub fn claims() -> Result<Vec<Claim>, SolveError> {
     Ok(vec![excited, small(first(0), vibration), friction_sets_amplitude(speed)?])
 }
 
-/// Natural part late over early, from an oscillation, with the passive and the literal sign.
+/// Returns the late over the early natural part of an initial oscillation, with the passive and the
+/// literal sign.
 pub fn first_and_last() -> Result<[f64; 2], SolveError> {
     let vibration = TABLE_4_1.vibration_m_per_s();
     let change = |sign: Sign| {
@@ -55,7 +56,8 @@ pub fn first_and_last() -> Result<[f64; 2], SolveError> {
     Ok([change(Sign::Passive)?, change(Sign::Literal)?])
 }
 
-/// A contact whose friction falls with speed, slid at where it falls steepest; stiff, so that friction follows the speed at once.
+/// Returns a contact whose friction falls with speed, at the speed of its steepest fall; its
+/// stiffness makes friction follow the speed at once.
 fn stribeck(sign: Sign) -> Problem {
     let stribeck_m_per_s = 1e-3;
     let stiffness_n_per_m = 1000.0 * TABLE_4_1.contact_n_per_m;
@@ -71,7 +73,7 @@ fn grows(condition: &str, amplitudes: &[f64]) -> Check {
         number("natural part, 190-200 ms [m/s]", last),
         number("last/first", last / first),
     ];
-    // Less is numerical noise: where nothing reverses, the amplitude stays as it is.
+    // A smaller change is numerical noise: without a reversal the amplitude stays constant.
     Check::new(condition, last > 1.01 * first, numbers)
 }
 
@@ -86,7 +88,7 @@ fn small(amplitude: f64, vibration: f64) -> Claim {
     Claim {
         id: "free-oscillation-is-small",
         section: "4.3.1",
-        says: "Oscillation that friction causes by itself is very small and may not contribute to friction reduction.",
+        says: "Oscillation caused by friction alone is very small and may not contribute to friction reduction.",
         checks: vec![Check::new(
             "Table 4.1, from rest, passive sign (below a hundredth of Vv)",
             amplitude < bound && bound < 0.01 * vibration,
@@ -112,7 +114,7 @@ fn friction_sets_amplitude(speed: f64) -> Result<Claim, SolveError> {
     Ok(Claim {
         id: "friction-sets-free-amplitude",
         section: "4.3.3.4",
-        says: "The amplitude of friction-induced oscillation depends on the size of the friction force, and so on contact stiffness.",
+        says: "The amplitude of friction-induced oscillation depends on the friction force, and thereby on contact stiffness.",
         checks: vec![Check::new("from rest, first 10 ms", amplitudes[1..].iter().all(|&a| a > 1.05 * amplitudes[0]), numbers)],
     })
 }

@@ -1,37 +1,38 @@
-//! Many problems at once.
+//! Parallel solution of many problems.
 
 use rayon::prelude::*;
 
 use contact::tally::Ratios;
 use contact::{Numerics, Problem, Solution, SolveError, solve};
 
-/// How all problems of the thesis are solved: the cheapest method whose mean friction is good to six decimals.
+/// Returns the settings for all problems of the thesis: the cheapest method with an error of the
+/// mean friction below 1e-6.
 pub fn numerics() -> Numerics {
     Numerics { tolerance: 1e-6, ..Numerics::default() }
 }
 
-/// Solution of a problem by the automatic method.
+/// Solves a problem by the automatic method.
 pub fn solution(problem: &Problem) -> Result<Solution, SolveError> {
     solve(problem, &numerics(), &mut |_| ())
 }
 
-/// The ratios of a problem.
+/// Computes the ratios of a problem.
 pub fn ratios(problem: &Problem) -> Result<Ratios, SolveError> {
     Ok(solution(problem)?.ratios)
 }
 
-/// The friction ratio of a problem: no energies are added up, and the ratio is the same.
+/// Computes the friction ratio of a problem without its energies, which do not affect the ratio.
 pub fn friction(problem: &Problem) -> Result<f64, SolveError> {
     let lean = Numerics { energies: false, ..numerics() };
     Ok(solve(problem, &lean, &mut |_| ())?.ratios.friction)
 }
 
-/// One result for each item, in parallel.
+/// Computes one result for each item, in parallel.
 pub fn each<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> Result<R, SolveError> + Sync + Send) -> Result<Vec<R>, SolveError> {
     items.par_iter().map(of).collect()
 }
 
-/// For each curve its points, all in parallel.
+/// Computes the points of each curve, all in parallel.
 pub fn curves<C: Sync, R: Send>(
     curves: &[C],
     points: &[f64],
@@ -40,27 +41,27 @@ pub fn curves<C: Sync, R: Send>(
     curves.par_iter().map(|curve| points.par_iter().map(|&point| of(curve, point)).collect()).collect()
 }
 
-/// Equally spaced values, both ends included.
+/// Returns equally spaced values, both ends included.
 pub fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..count).map(|i| from + (to - from) * i as f64 / (count - 1) as f64).collect()
 }
 
-/// The velocity ratios that curves are drawn over.
+/// Returns the velocity ratios of the curves.
 pub fn velocity_ratios() -> Vec<f64> {
     spaced(0.025, 1.0, 40)
 }
 
-/// Values in a geometric series, both ends included.
+/// Returns values of a geometric series, both ends included.
 pub fn geometric(from: f64, to: f64, count: usize) -> Vec<f64> {
     spaced(from.ln(), to.ln(), count).into_iter().map(f64::exp).collect()
 }
 
-/// Whether each value exceeds the one before it.
+/// Returns `true` if each value exceeds the one before it.
 pub fn rises(values: &[f64]) -> bool {
     values.windows(2).all(|pair| pair[1] > pair[0])
 }
 
-/// Whether each value is below the one before it.
+/// Returns `true` if each value is below the one before it.
 pub fn falls(values: &[f64]) -> bool {
     values.windows(2).all(|pair| pair[1] < pair[0])
 }

@@ -1,20 +1,20 @@
-//! Effect of the system stiffness, resonance included: Figure 4.15 (4.3.3.5).
+//! Effect of the system stiffness, including resonance: Figure 4.15 (4.3.3.5).
 
 use super::case::{Case, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number, series};
-use super::parametric::JUDGED;
+use super::parametric::JUDGED_RATIO;
 use super::picture::{FRICTION_RATIO, POWER_RATIO, column, figure, line, log_axis, ranged};
-use super::{Part, sweep};
+use super::{StudyResult, sweep};
 use contact::tally::Ratios;
 use contact::tally::Tally;
 use contact::{Shape, SolveError};
 use report::Figure;
 
-/// Damping ratio of the damped resonance; the thesis has none.
-const DAMPING: f64 = 0.01;
-const DECLARED: &str = "The sliding speed is the abscissa times the steady vibration velocity at Table 4.1's stiffness (0.0534 m/s): at \
-                        resonance an undamped oscillator has no steady velocity of its own. Declared here, open in the thesis: that \
-                        definition, from rest, passive sign, means over the first millisecond.";
+/// Damping ratio of the damped resonance; the thesis has no damping.
+const DAMPING_RATIO: f64 = 0.01;
+const CHOICES_CAPTION: &str = "The sliding speed is the abscissa times the steady vibration velocity at the stiffness of Table 4.1 \
+                        (0.0534 m/s), as an undamped oscillator at resonance has no steady velocity. Chosen here, open in \
+                        the thesis: this definition, from rest, passive sign, means over the first millisecond.";
 
 /// System stiffnesses with their results.
 struct Stiffnesses {
@@ -23,16 +23,16 @@ struct Stiffnesses {
     results: Vec<Vec<(Ratios, Tally)>>,
 }
 
-/// Figure 4.15 with its claims.
-pub fn study() -> Result<Part, SolveError> {
+/// Computes Figure 4.15 and its claims.
+pub fn study() -> Result<StudyResult, SolveError> {
     let data = Stiffnesses::new()?;
-    Ok(Part {
+    Ok(StudyResult {
         figures: data.figures(),
         claims: vec![data.resonance(), data.power(), data.compliant(), bounded()?, data.by_velocity()?],
     })
 }
 
-/// The stiffness at which Table 4.1's excitation is at resonance, N/m.
+/// Returns the stiffness at which Table 4.1's excitation is at resonance, N/m.
 pub fn resonant_n_per_m() -> f64 {
     TABLE_4_1.mass_kg * TABLE_4_1.omega().powi(2)
 }
@@ -69,8 +69,8 @@ impl Stiffnesses {
                     curve.iter().map(|(ratios, _)| of(ratios)).collect(),
                 )
             };
-            let axes = [ranged("velocity ratio Vt/Vv at Table 4.1's stiffness", 0.0, 1.0), log_axis(label)];
-            figure(id, title, DECLARED.into(), axes, named.map(curve).collect())
+            let axes = [ranged("velocity ratio Vt/Vv at the stiffness of Table 4.1", 0.0, 1.0), log_axis(label)];
+            figure(id, title, CHOICES_CAPTION.into(), axes, named.map(curve).collect())
         };
         vec![
             draw("fig-4-15a", "Figure 4.15(a): effect of the system stiffness on the friction ratio", FRICTION_RATIO, &|r| {
@@ -90,7 +90,7 @@ impl Stiffnesses {
             let r = self.at(xi, |(ratios, _)| ratios.friction);
             let least = r.iter().enumerate().all(|(i, &r_i)| i == Self::RESONANCE || r_i > r[Self::RESONANCE]);
             Check::new(
-                format!("first ms from rest, velocity ratio {xi} at Table 4.1's stiffness"),
+                format!("first ms from rest, velocity ratio {xi} at the stiffness of Table 4.1"),
                 least,
                 series("r", &self.labels, &r),
             )
@@ -99,23 +99,23 @@ impl Stiffnesses {
             id: "resonance-lowers-friction",
             section: "4.3.3.5, Fig. 4.15a",
             says: "Excited at the natural frequency, the system has the largest vibration and the lowest friction ratio.",
-            checks: vec![check(0.1), check(JUDGED), check(1.0)],
+            checks: vec![check(0.1), check(JUDGED_RATIO), check(1.0)],
         }
     }
 
     fn power(&self) -> Claim {
-        let phi = self.at(JUDGED, |(ratios, _)| ratios.power.unwrap_or(f64::NAN));
+        let phi = self.at(JUDGED_RATIO, |(ratios, _)| ratios.power.unwrap_or(f64::NAN));
         let most = phi.iter().enumerate().all(|(i, &phi_i)| i == Self::RESONANCE || phi_i < phi[Self::RESONANCE]);
         Claim {
             id: "resonance-raises-power",
             section: "4.3.3.5, Fig. 4.15b",
-            says: "At the higher vibration velocity of resonance the power dissipated by friction is high too.",
+            says: "At the higher vibration velocity of resonance the power dissipated by friction is also high.",
             checks: vec![Check::new("first ms from rest, velocity ratio 0.5", most, series("phi", &self.labels, &phi))],
         }
     }
 
     fn compliant(&self) -> Claim {
-        let phi = self.at(JUDGED, |(ratios, _)| ratios.power.unwrap_or(f64::NAN));
+        let phi = self.at(JUDGED_RATIO, |(ratios, _)| ratios.power.unwrap_or(f64::NAN));
         let numbers = series("phi", &self.labels[..3], &phi[..3]);
         Claim {
             id: "low-stiffness-power-unaffected",
@@ -123,12 +123,12 @@ impl Stiffnesses {
             says: "For low system stiffness the power dissipation ratio is not affected significantly.",
             checks: vec![
                 Check::new(
-                    "1e6 against Table 4.1's 133e6 N/m, velocity ratio 0.5 (within 2 %)",
+                    "1e6 compared with Table 4.1's 133e6 N/m, velocity ratio 0.5 (within 2 %)",
                     (phi[0] / phi[1] - 1.0).abs() < 0.02,
                     numbers.clone(),
                 ),
                 Check::new(
-                    "Table 4.1's against ten times as stiff, velocity ratio 0.5 (within 2 %)",
+                    "Table 4.1's stiffness compared with ten times it, velocity ratio 0.5 (within 2 %)",
                     (phi[2] / phi[1] - 1.0).abs() < 0.02,
                     numbers,
                 ),
@@ -136,12 +136,12 @@ impl Stiffnesses {
         }
     }
 
-    /// Whether resonance does more than raise the velocity.
+    /// Judges if resonance does more than raise the velocity.
     fn by_velocity(&self) -> Result<Claim, SolveError> {
-        let peak = self.at(JUDGED, |(_, tally)| tally.peak_velocity_m_per_s);
+        let peak = self.at(JUDGED_RATIO, |(_, tally)| tally.peak_velocity_m_per_s);
         let r = |stiffness_n_per_m: f64, peak: f64| {
             let case = Case { stiffness_n_per_m, ..TABLE_4_1 };
-            sweep::friction(&case.oscillator(Shape::Sine, JUDGED * peak, SHORT_S))
+            sweep::friction(&case.oscillator(Shape::Sine, JUDGED_RATIO * peak, SHORT_S))
         };
         let (base, resonant) = (r(TABLE_4_1.stiffness_n_per_m, peak[1])?, r(resonant_n_per_m(), peak[Self::RESONANCE])?);
         let numbers = vec![
@@ -150,25 +150,25 @@ impl Stiffnesses {
             number("peak x', Table 4.1 [m/s]", peak[1]),
             number("peak x', resonance [m/s]", peak[Self::RESONANCE]),
         ];
-        let fixed = self.at(JUDGED, |(ratios, _)| ratios.friction);
+        let fixed = self.at(JUDGED_RATIO, |(ratios, _)| ratios.friction);
         let same_speed = vec![number("r, Table 4.1", fixed[1]), number("r, resonance", fixed[Self::RESONANCE])];
         Ok(Claim {
             id: "operate-at-resonance",
             section: "4.3.3.5, 5.2",
-            says: "It is desirable to operate at the natural frequency to make the most of friction reduction.",
+            says: "Operation at the natural frequency is desirable to maximise friction reduction.",
             checks: vec![
                 Check::new("same force, same sliding speed", fixed[Self::RESONANCE] < fixed[1], same_speed),
-                Check::new("same velocity ratio by the peak of x', 0.5 (lower by a tenth)", resonant < 0.9 * base, numbers),
+                Check::new("same velocity ratio of the peak of x', 0.5 (lower by a tenth)", resonant < 0.9 * base, numbers),
             ],
         })
     }
 }
 
-/// Peak velocity at resonance over ever longer runs.
+/// Compares the peak velocities at resonance over runs of growing duration.
 fn bounded() -> Result<Claim, SolveError> {
     let check = |condition: &str, damping_ratio: f64| {
         let case = Case { stiffness_n_per_m: resonant_n_per_m(), damping_ratio, ..TABLE_4_1 };
-        let speed = JUDGED * TABLE_4_1.vibration_m_per_s();
+        let speed = JUDGED_RATIO * TABLE_4_1.vibration_m_per_s();
         let durations = [SHORT_S, 2.0 * SHORT_S, 4.0 * SHORT_S];
         let peaks = sweep::each(&durations, |&duration_s| {
             let solution = sweep::solution(&case.oscillator(Shape::Sine, speed, duration_s))?;
@@ -180,10 +180,10 @@ fn bounded() -> Result<Claim, SolveError> {
     Ok(Claim {
         id: "resonance-has-a-finite-velocity",
         section: "4.3.3.5",
-        says: "At the natural frequency the vibration velocity rises to a value that the system's properties set.",
+        says: "At the natural frequency the vibration velocity rises to a value set by the system's properties.",
         checks: vec![
-            check("undamped, as the thesis has it (the last doubling adds less than 1 %)", 0.0)?,
-            check("damping ratio 0.01, ours (the last doubling adds less than 1 %)", DAMPING)?,
+            check("undamped, as in the thesis (the last doubling adds less than 1 %)", 0.0)?,
+            check("damping ratio 0.01, not in the thesis (the last doubling adds less than 1 %)", DAMPING_RATIO)?,
         ],
     })
 }

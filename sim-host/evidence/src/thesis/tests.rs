@@ -1,4 +1,4 @@
-//! The verdicts, and some numbers against values that do not come from here.
+//! Tests of the verdicts, and of some numbers against values from elsewhere.
 
 use std::collections::HashSet;
 use std::sync::LazyLock;
@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use super::claim::{Claim, Verdict};
 use super::{Findings, compute};
 
-pub(crate) static FINDINGS: LazyLock<Findings> = LazyLock::new(|| compute(&mut |_| ()).expect("all studies have an answer"));
+pub(crate) static FINDINGS: LazyLock<Findings> = LazyLock::new(|| compute(&mut |_| ()).expect("all studies have a result"));
 
 fn claim(id: &str) -> &'static Claim {
     FINDINGS.claims.iter().find(|claim| claim.id == id).expect(id)
@@ -14,7 +14,7 @@ fn claim(id: &str) -> &'static Claim {
 
 fn value(id: &str, check: usize, name: &str) -> f64 {
     let numbers = &claim(id).checks[check].numbers;
-    numbers.iter().find(|number| number.0 == name).unwrap_or_else(|| panic!("{name} is none of {numbers:?}")).1
+    numbers.iter().find(|number| number.0 == name).unwrap_or_else(|| panic!("{name} is not in {numbers:?}")).1
 }
 
 #[test]
@@ -31,10 +31,10 @@ fn verdicts() {
     let found: Vec<(&str, Verdict)> = FINDINGS.claims.iter().map(|claim| (claim.id, claim.verdict())).collect();
     assert_eq!(found, expected);
     let ids: HashSet<&str> = found.iter().map(|(id, _)| *id).collect();
-    assert_eq!(ids.len(), found.len(), "an id stands twice");
+    assert_eq!(ids.len(), found.len(), "duplicate id");
 }
 
-/// r: reproduced, c: conditional, x: refuted.
+/// Expected verdicts; r: reproduced, c: conditional, x: refuted.
 const VERDICTS: [(&str, char); 89] = [
     ("load-raises-friction", 'r'),
     ("vibration-lowers-friction", 'r'),
@@ -128,7 +128,7 @@ const VERDICTS: [(&str, char); 89] = [
 ];
 
 #[test]
-fn every_number_is_one() {
+fn every_number_is_finite() {
     let checks = FINDINGS.claims.iter().flat_map(|claim| &claim.checks).chain(FINDINGS.errata.iter().map(|e| &e.evidence));
     for check in checks {
         assert!(!check.numbers.is_empty() && check.numbers.iter().all(|(_, value)| value.is_finite()), "{check:?}");
@@ -146,17 +146,17 @@ fn every_contradiction_is_shown() {
 }
 
 #[test]
-fn every_figure_of_the_thesis_is_there_and_has_curves() {
+fn every_thesis_figure_exists_with_curves() {
     let ids: Vec<&str> = FINDINGS.figures.iter().map(|figure| figure.id.as_str()).collect();
     for number in ["04a", "04b", "05a", "05b", "07", "08", "09", "10", "11", "12"] {
-        assert!(ids.contains(&format!("fig-3-{number}").as_str()), "figure 3.{number} is none of {ids:?}");
+        assert!(ids.contains(&format!("fig-3-{number}").as_str()), "figure 3.{number} is not in {ids:?}");
     }
     for number in 6..=26 {
         let stem = format!("fig-4-{number:02}");
-        assert!(ids.iter().any(|id| id.starts_with(&stem)), "{stem} is none of {ids:?}");
+        assert!(ids.iter().any(|id| id.starts_with(&stem)), "{stem} is not in {ids:?}");
     }
     for id in ["fig-b-06", "app-b-wave-number", "app-b-pattern", "app-b-pattern-groups", "app-b-backward", "app-b-causes"] {
-        assert!(ids.contains(&id), "{id} is none of {ids:?}");
+        assert!(ids.contains(&id), "{id} is not in {ids:?}");
     }
     for figure in &FINDINGS.figures {
         let finite = |y: &[f64]| y.iter().all(|value| value.is_finite());
@@ -165,7 +165,8 @@ fn every_figure_of_the_thesis_is_there_and_has_curves() {
     }
 }
 
-/// A feasibility study in 34 to 40 digits gave these: steady Dahl by closed form, two runs from rest by a Taylor series.
+/// Values of a feasibility study in 34 to 40 digits: steady Dahl by closed form, two runs from rest
+/// by a Taylor series.
 #[test]
 fn numbers_agree_with_an_independent_study() {
     let near = |found: f64, expected: f64, within: f64| assert!((found - expected).abs() < within, "{found} {expected}");
@@ -179,7 +180,7 @@ fn numbers_agree_with_an_independent_study() {
     near(value("chirp-best-oscillator", 0, "r(chirp)"), 0.1538, 5e-5);
 }
 
-/// Appendix B, computed by hand or by the study that went before.
+/// Values of appendix B, computed by hand or in an earlier study.
 #[test]
 fn numbers_of_appendix_b_agree_with_an_independent_study() {
     let near = |found: f64, expected: f64, within: f64| assert!((found - expected).abs() < within, "{found} {expected}");
@@ -193,7 +194,7 @@ fn numbers_of_appendix_b_agree_with_an_independent_study() {
     near(value("charge-makes-erratic", 0, "lag of the far end [deg]"), 0.41, 5e-3);
 }
 
-/// Chapter 3, computed by the study that went before: reductions in per cent.
+/// Values of chapter 3, computed in an earlier study: reductions in per cent.
 #[test]
 fn numbers_of_the_experiments_agree_with_an_independent_study() {
     let near = |found: f64, expected: f64, within: f64| assert!((found - expected).abs() < within, "{found} {expected}");

@@ -1,41 +1,41 @@
-//! What the oscillator does over time: Figures 4.8 and 4.9, and where it goes in the long run.
+//! The oscillator over time: Figures 4.8 and 4.9, and its long-term behaviour.
 
 use super::case::PLOTTED_RATIO;
 use super::case::{Case, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number, series};
 use super::picture::{axis, figure, line, log_axis};
 use super::trace::{amplitude_over_time, power_w, trace};
-use super::{Part, steady, sweep};
+use super::{StudyResult, steady, sweep};
 use contact::{Problem, Sign, SolveError, State};
 use report::Figure;
 
 /// Length of the long runs, s.
 const LONG_S: f64 = 0.25;
-/// Bins of the long runs, s.
+/// Length of a bin of the long runs, s.
 const BIN_S: f64 = 5e-3;
-/// Samples a period in the pictures.
-const SAMPLES: f64 = 100.0;
-/// What is plotted of the beginning, s.
+/// Samples a period of the figures.
+const SAMPLES_PER_PERIOD: f64 = 100.0;
+/// Plotted duration from the start, s.
 const SHOWN_S: f64 = 0.4e-3;
 
-const DECLARED: &str = "Velocity ratio 0.5, 384 N, 60 kHz, Table 4.1. Declared here, open in the thesis: from rest (x = x' = F = 0), \
-                        passive sign (V = Vt + x'); the first 0.4 ms are shown.";
+const CHOICES_CAPTION: &str = "Velocity ratio 0.5, 384 N, 60 kHz, Table 4.1. Chosen here, open in the thesis: from rest (x = x' = \
+                        F = 0), passive sign (V = Vt + x'); the first 0.4 ms are shown.";
 
-/// Figures 4.8 and 4.9 with their claims.
-pub fn study() -> Result<Part, SolveError> {
+/// Computes Figures 4.8 and 4.9 and their claims.
+pub fn study() -> Result<StudyResult, SolveError> {
     let problem = TABLE_4_1.at_ratio(PLOTTED_RATIO, SHORT_S);
-    let states = trace(&problem, 1.0 / (SAMPLES * TABLE_4_1.frequency_hz), 0.0, SHOWN_S)?;
-    let long = Long::new()?;
+    let states = trace(&problem, 1.0 / (SAMPLES_PER_PERIOD * TABLE_4_1.frequency_hz), 0.0, SHOWN_S)?;
+    let long = LongRuns::new()?;
     let mut figures = beginning(&problem, &states);
     figures.insert(2, long.figure());
-    Ok(Part { figures, claims: vec![long.decays(), averages_stay()?, lowers_friction()?, fast_excitation()?] })
+    Ok(StudyResult { figures, claims: vec![long.decays(), averages_stay()?, lowers_friction()?, fast_excitation()?] })
 }
 
 fn beginning(problem: &Problem, states: &[State]) -> Vec<Figure> {
     let time: Vec<f64> = states.iter().map(|state| 1e3 * state.time_s).collect();
     let curve = |id: &str, title: &str, label: &str, column: &str, value: &dyn Fn(&State) -> f64| {
         let series = vec![line(title, column, &time, states.iter().map(value).collect())];
-        figure(id, &format!("Figure {title}"), DECLARED.into(), [axis("time [ms]"), axis(label)], series)
+        figure(id, &format!("Figure {title}"), CHOICES_CAPTION.into(), [axis("time [ms]"), axis(label)], series)
     };
     vec![
         curve("fig-4-08a", "4.8(a): displacement", "displacement [µm]", "displacement_um", &|state| 1e6 * state.x_m),
@@ -49,14 +49,14 @@ fn beginning(problem: &Problem, states: &[State]) -> Vec<Figure> {
     ]
 }
 
-/// The natural part of the velocity in the long run, with either sign.
-struct Long {
+/// Natural part of the velocity in long runs, with either sign.
+struct LongRuns {
     time_s: Vec<f64>,
     passive: Vec<f64>,
     literal: Vec<f64>,
 }
 
-impl Long {
+impl LongRuns {
     fn new() -> Result<Self, SolveError> {
         let signs = [Sign::Passive, Sign::Literal];
         let mut runs = sweep::each(&signs, |&sign| {
@@ -65,13 +65,13 @@ impl Long {
         })?;
         let (_, literal) = runs.pop().unwrap_or_default();
         let (time_s, passive) = runs.pop().unwrap_or_default();
-        Ok(Long { time_s, passive, literal })
+        Ok(LongRuns { time_s, passive, literal })
     }
 
     fn figure(&self) -> Figure {
-        let caption = "Amplitude of the velocity's part at the natural frequency (lock-in over 5 ms) from rest, Table 4.1, 384 N, \
-                       velocity ratio 0.5. With V = Vt + x' (4.2, 4.25, 4.27) friction damps it; with 4.14 and 4.16 as printed it \
-                       grows without bound."
+        let caption = "Amplitude of the velocity's part at the natural frequency (lock-in over 5 ms) from rest, Table 4.1, \
+                       384 N, velocity ratio 0.5. With V = Vt + x' (4.2, 4.25, 4.27) friction damps it; with 4.14 and 4.16 \
+                       as printed it grows without bound."
             .into();
         let name = |word: &str, values: &[f64]| {
             let tau = time_constant_s(&self.time_s, values);
@@ -83,7 +83,7 @@ impl Long {
             line(name("literal sign", &self.literal), "natural_literal_m_per_s", &self.time_s, self.literal.clone()),
         ];
         let axes = [axis("time [s]"), log_axis("natural part of the velocity [m/s]")];
-        figure("fig-4-08c", "Figure 4.8, in the long run: the natural part of the velocity", caption, axes, series)
+        figure("fig-4-08c", "Figure 4.8, long-term: natural part of the velocity", caption, axes, series)
     }
 
     fn decays(&self) -> Claim {
@@ -109,7 +109,8 @@ impl Long {
     }
 }
 
-/// Time constant of an exponential decay by linear regression of the logarithm, s; negative for growth.
+/// Returns the time constant of an exponential decay, s, by linear regression of the logarithm;
+/// negative for growth.
 pub fn time_constant_s(time_s: &[f64], values: &[f64]) -> f64 {
     let count = time_s.len() as f64;
     let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
@@ -137,9 +138,9 @@ fn averages_stay() -> Result<Claim, SolveError> {
     Ok(Claim {
         id: "averages-stay",
         section: "4.3.1",
-        says: "While the peaks decrease, the average displacement and velocity stay the same.",
+        says: "While the peaks decrease, the average displacement and velocity stay constant.",
         checks: vec![Check::new(
-            "from rest, passive sign (same within 1 % of the peak)",
+            "from rest, passive sign (equal within 1 % of the peak)",
             (x[1] - x[0]).abs() < 0.01 * peak,
             numbers,
         )],
@@ -161,7 +162,7 @@ fn lowers_friction() -> Result<Claim, SolveError> {
         id: "natural-part-lowers-friction",
         section: "4.3.1",
         says: "Oscillation at the natural frequency tends to lower the true friction force.",
-        checks: vec![Check::new("left over from a start from rest, 10-20 ms, velocity ratio by the forced part", holds, numbers)],
+        checks: vec![Check::new("residue of a start from rest, 10-20 ms, velocity ratio of the forced part", holds, numbers)],
     })
 }
 
@@ -176,7 +177,7 @@ fn fast_excitation() -> Result<Claim, SolveError> {
     Ok(Claim {
         id: "fast-excitation-suppresses",
         section: "4.3.1",
-        says: "Natural oscillation is suppressed when the excitation frequency is far above the natural one.",
+        says: "Natural oscillation is suppressed if the excitation frequency is far above the natural one.",
         checks: vec![Check::new(
             "from rest, first 5 ms; natural part of the velocity over the forced one",
             sweep::falls(&shares),

@@ -1,78 +1,85 @@
-//! The baseline: what was counted when it was written, and nothing may be worse.
+//! The baseline: recorded counts, of which none may become worse.
 //!
-//! `baseline.csv` has a row for each kind of the random set, for all of it by the phase loop, and for each case, of the quick and of the full variant. A row is worse than its baseline if fewer runs lock,
-//! more lock silently outside the bound, or more end in a fault that does not hold. `UPDATE_DOCS=1 cargo test -p sonoglide-evidence docs -- --include-ignored` writes it, with the tables.
+//! `baseline.csv` has a row for each kind of the random set, one for the whole set by the phase
+//! loop, and one for each case, in the quick and the full variant. A row is worse than its baseline
+//! if fewer runs lock, if more lock silently outside the bound, or if more end in a false fault.
+//! `UPDATE_DOCS=1 cargo test -p sonoglide-evidence docs -- --include-ignored` writes it, with the
+//! tables.
 
 use std::fmt::Write;
 
 use super::draw::KINDS;
 use super::summary::Counts;
-use super::{Tried, TriedCase, TriedTransducer};
+use super::{CaseRuns, RepeatableRun, TransducerRuns};
 use crate::transducers::outcome::Outcome;
 
 /// Name of the file.
 pub(super) const FILE: &str = "baseline.csv";
 const BASELINE: &str = include_str!("baseline.csv");
-const HEADER: &str = "variant;what;runs;locked;silent;accused";
+const HEADER: &str = "variant;what;runs;locked;silent;accused"; // words: columns of the file
 
-/// What is counted of one row, and a run that is worse than a lock.
+/// Counts of one row, with commands of bad runs.
 #[derive(Clone, Debug)]
 pub(super) struct Counted {
     /// Variant and name of the row.
     key: (&'static str, String),
-    /// What is counted of its runs.
+    /// Counts of its runs.
     counts: Counts,
-    /// Command of the first run that is silently wrong, and of the first that is accused.
+    /// Command of the first run with a silent wrong lock.
     silent: Option<String>,
-    accused: Option<String>,
+    /// Command of the first run with a false fault.
+    false_faults: Option<String>,
 }
 
 /// Counts each kind and each case.
-pub(super) fn count(quick: bool, set: &[TriedTransducer], cases: &[TriedCase]) -> Vec<Counted> {
+pub(super) fn count(quick: bool, set: &[TransducerRuns], cases: &[CaseRuns]) -> Vec<Counted> {
     let variant = if quick { "quick" } else { "full" };
-    let counted = |name: &str, runs: Vec<&Tried>| {
+    let counted = |name: &str, runs: Vec<&RepeatableRun>| {
         let first = |is: fn(&Outcome) -> bool| runs.iter().find(|run| is(&run.judged.outcome)).map(|run| run.command.clone());
         Counted {
             key: (variant, name.to_owned()),
-            counts: Counts::of(runs.iter().map(|run| &run.judged)),
+            counts: Counts::from_runs(runs.iter().map(|run| &run.judged)),
             silent: first(|outcome| *outcome == Outcome::Silent),
-            accused: first(|outcome| matches!(outcome, Outcome::Accused(_))),
+            false_faults: first(|outcome| matches!(outcome, Outcome::FalseFault(_))),
         }
     };
-    let of_kind = |name: &str| set.iter().filter(|tried| tried.transducer.kind.name == name).map(|tried| &tried.tried).collect();
+    let of_kind =
+        |name: &str| set.iter().filter(|member| member.transducer.kind.name == name).map(|member| &member.observer).collect();
     let kinds = KINDS.iter().map(|kind| counted(kind.name, of_kind(kind.name)));
-    let phase_lock = counted("all, phase_lock", set.iter().map(|tried| &tried.phase_lock).collect());
+    let phase_lock = counted("all, phase_lock", set.iter().map(|member| &member.phase_lock).collect());
     kinds.chain([phase_lock]).chain(cases.iter().map(|case| counted(&case.name, case.runs.iter().collect()))).collect()
 }
 
-/// What has become worse, a line each.
+/// Lists each count that has become worse.
 pub(super) fn compare(counted: &[Counted]) -> Vec<String> {
     counted.iter().flat_map(|row| worse(row, &recorded(BASELINE, &row.key))).collect()
 }
 
-/// The counts that a baseline has of a row: runs, locked, silent, accused.
+/// Finds the counts of a row in a baseline: runs, locked, silent, false faults.
 fn recorded(baseline: &str, (variant, what): &(&'static str, String)) -> Option<[usize; 4]> {
     let cells = baseline.lines().map(|line| line.split(';').collect::<Vec<_>>());
     let row = cells.into_iter().find(|cells| cells.len() == 6 && cells[0] == *variant && cells[1] == what)?;
     let numbers = [2, 3, 4, 5].map(|place| row[place].parse().ok());
     match numbers {
-        [Some(runs), Some(locked), Some(silent), Some(accused)] => Some([runs, locked, silent, accused]),
+        [Some(runs), Some(locked), Some(silent), Some(false_faults)] => Some([runs, locked, silent, false_faults]),
         _ => None,
     }
 }
 
-/// In what a row is worse than its baseline.
+/// Lists the counts of a row that are worse than its baseline.
 fn worse(row: &Counted, baseline: &Option<[usize; 4]>) -> Vec<String> {
     let (variant, what) = &row.key;
     let counts = &row.counts;
-    let Some([runs, locked, silent, accused]) = *baseline else {
+    let Some([runs, locked, silent, false_faults]) = *baseline else {
         return vec![format!(
-            "{what} ({variant}): the baseline has no such row; `UPDATE_DOCS=1 cargo test -p sonoglide-evidence docs -- --include-ignored` writes it"
+            "{what} ({variant}): the baseline has no such row; write it with `UPDATE_DOCS=1 cargo test -p \
+             sonoglide-evidence docs -- --include-ignored`"
         )];
     };
     if runs != counts.runs {
         return vec![format!(
-            "{what} ({variant}): {} runs, where the baseline has {runs}; `UPDATE_DOCS=1 cargo test -p sonoglide-evidence docs -- --include-ignored`",
+            "{what} ({variant}): {} runs, but the baseline has {runs}; write it with `UPDATE_DOCS=1 cargo test -p \
+             sonoglide-evidence docs -- --include-ignored`",
             counts.runs
         )];
     }
@@ -89,19 +96,19 @@ fn worse(row: &Counted, baseline: &Option<[usize; 4]>) -> Vec<String> {
             repeated(&row.silent)
         ));
     }
-    if counts.accused > accused {
-        let first = repeated(&row.accused);
-        worse.push(format!("{what}: {} of {runs} healthy transducers accused, {accused} before{first}", counts.accused));
+    if counts.false_faults > false_faults {
+        let first = repeated(&row.false_faults);
+        worse.push(format!("{what}: {} of {runs} runs end in a false fault, {false_faults} before{first}", counts.false_faults));
     }
     worse
 }
 
-/// The rows as the file has them.
+/// Formats the rows of the file.
 pub(super) fn text(counted: &[Counted]) -> String {
     let mut text = format!("{HEADER}\n");
     for Counted { key: (variant, what), counts, .. } in counted {
-        let Counts { runs, locked, silent, accused, .. } = counts;
-        let _ = writeln!(text, "{variant};{what};{runs};{locked};{silent};{accused}");
+        let Counts { runs, locked, silent, false_faults, .. } = counts;
+        let _ = writeln!(text, "{variant};{what};{runs};{locked};{silent};{false_faults}");
     }
     text
 }
@@ -110,13 +117,14 @@ pub(super) fn text(counted: &[Counted]) -> String {
 mod tests {
     use super::*;
 
-    fn row(locked: usize, silent: usize, accused: usize) -> Counted {
-        let counts = Counts { runs: 12, locked, silent, accused, late: 12 - locked - silent - accused, ..Counts::default() };
-        Counted { key: ("full", "ring".into()), counts, silent: Some("sim-host run a".into()), accused: None }
+    fn row(locked: usize, silent: usize, false_faults: usize) -> Counted {
+        let counts =
+            Counts { runs: 12, locked, silent, false_faults, late: 12 - locked - silent - false_faults, ..Counts::default() };
+        Counted { key: ("full", "ring".into()), counts, silent: Some("sim-host run a".into()), false_faults: None }
     }
 
     #[test]
-    fn only_what_is_worse_is_said_with_its_command() {
+    fn only_worse_counts_are_reported() {
         let text = text(&[row(8, 1, 2)]);
         let baseline = recorded(&text, &("full", "ring".to_owned()));
         assert_eq!(baseline, Some([12, 8, 1, 2]));
@@ -128,7 +136,7 @@ mod tests {
             worse(&row(8, 2, 2), &baseline),
             ["ring: 2 silent wrong locks in 12 runs, 1 before; the first is `sim-host run a`"]
         );
-        assert_eq!(worse(&row(8, 1, 3), &baseline), ["ring: 3 of 12 healthy transducers accused, 2 before"]);
+        assert_eq!(worse(&row(8, 1, 3), &baseline), ["ring: 3 of 12 runs end in a false fault, 2 before"]);
         assert!(worse(&row(8, 1, 2), &None)[0].contains("no such row"));
         assert!(worse(&row(8, 1, 2), &recorded("full;ring;24;8;1;2", &("full", "ring".into())))[0].contains("24"));
     }

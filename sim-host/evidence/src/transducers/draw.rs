@@ -1,12 +1,13 @@
-//! The random set: transducers of six kinds, and nominal values of them that are wrong.
+//! The random set: transducers of six kinds, with wrong nominal values.
 //!
-//! Transducer `n` follows from `n` alone. Its circuit is drawn within the ranges of its kind, log-uniformly, again and again until a resonance is there to be seen,
-//! `M = Q k^2 / (1 - k^2) >= 0.5` (IEEE 177), and its resistance is at least a tenth of the amplifier's source resistance.
+//! Transducer `n` is determined by `n` alone. Its circuit is drawn within the ranges of its kind,
+//! log-uniformly, until its resonance is observable, `M = Q k^2 / (1 - k^2) >= 0.5` (IEEE 177), and
+//! its resistance is at least a tenth of the amplifier's source resistance.
 //!
-//! | nominal value | wrong by, log-uniform | of every sixth transducer of a kind, of which only the band is known |
+//! | nominal value | error, log-uniform | for every sixth transducer of a kind, of which only the band is known |
 //! |---|---|---|
 //! | resonance | 3 %; window 3.75 % | 8 %; window 10 % |
-//! | Q | a factor of 3 | 160, whatever it is |
+//! | Q | a factor of 3 | always 160 |
 //! | Lm | a factor of 2 | not given |
 //! | C0 | 30 % | not given |
 
@@ -14,21 +15,22 @@ use std::f64::consts::TAU;
 
 use crate::random::Random;
 
-/// Least figure of merit of a transducer of the set.
-pub const LEAST_M: f64 = 0.5;
-/// Least motional resistance, ohm: a tenth of the source resistance of the scenes' amplifier.
-pub const LEAST_OHM: f64 = 0.03;
-/// Every so many transducers of a kind nothing but the band is known.
-const BAND_ONLY: u32 = 6;
-/// Nominal Q of a transducer of which only the band is known: in the middle of what there is.
+/// Smallest figure of merit of a transducer of the set.
+pub const MIN_FIGURE_OF_MERIT: f64 = 0.5;
+/// Smallest motional resistance, ohm: a tenth of the source resistance of the scenes' amplifier.
+pub const MIN_RM_OHM: f64 = 0.03;
+/// Interval between transducers of a kind of which only the band is known.
+const BAND_ONLY_INTERVAL: u32 = 6;
+/// Nominal Q of a transducer of which only the band is known: the middle of the occurring range.
 pub const GUESSED_Q: f64 = 160.0;
-/// Steps of the coarse scan that a scene may have, which bounds a nominal Q by the window.
-const MOST_SCAN_STEPS: f64 = 400.0;
+/// Largest number of steps of a scene's coarse scan, which together with the window limits a
+/// nominal Q.
+const MAX_SCAN_STEPS: f64 = 400.0;
 
-/// A kind of transducer: ranges of its circuit.
+/// Kind of transducer, with the ranges of its circuit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kind {
-    /// Name of the kind, in tables.
+    /// Name of the kind in tables.
     pub name: &'static str,
     /// Series resonance, Hz.
     pub hz: (f64, f64),
@@ -42,7 +44,7 @@ pub struct Kind {
     pub modes: usize,
 }
 
-/// The kinds of the set. The last two take every range of the others together.
+/// Kinds of the set. The ranges of the last two cover those of all others.
 pub const KINDS: [Kind; 6] = [
     Kind { name: "Langevin", hz: (18e3, 60e3), q: (100.0, 2000.0), coupling: (0.1, 0.4), c0_f: (1e-9, 15e-9), modes: 0 },
     Kind { name: "PMN-PT stack", hz: (20e3, 100e3), q: (5.0, 200.0), coupling: (0.3, 0.75), c0_f: (30e-9, 3e-6), modes: 0 },
@@ -59,18 +61,18 @@ pub const KINDS: [Kind; 6] = [
     Kind { name: "three modes", hz: (18e3, 100e3), q: (5.0, 5000.0), coupling: (0.02, 0.75), c0_f: (0.3e-9, 3e-6), modes: 2 },
 ];
 
-/// A further mode of a transducer.
+/// Further mode of a transducer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FurtherMode {
     /// Series resonance of the mode, Hz: 0.3 % to 15 % above or below the working mode.
     pub hz: f64,
     /// Quality factor of the mode: a fifth to five times that of the working mode.
     pub q: f64,
-    /// Motional capacitance of the mode, as a part of that of the working mode: 1 % to 30 %.
+    /// Motional capacitance over that of the working mode: 1 % to 30 %.
     pub share: f64,
 }
 
-/// Nominal values of a transducer, as the controller has them.
+/// Nominal values of a transducer in the controller's settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nominal {
     /// Nominal resonance, Hz.
@@ -85,7 +87,7 @@ pub struct Nominal {
     pub c0_f: Option<f64>,
 }
 
-/// A transducer of the set.
+/// Transducer of the set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transducer {
     /// Number of the transducer in the set, from zero.
@@ -102,14 +104,14 @@ pub struct Transducer {
     pub c0_f: f64,
     /// Further modes of the transducer.
     pub modes: Vec<FurtherMode>,
-    /// Whether only the band is known of it.
+    /// `true` if only the band of the transducer is known.
     pub band_only: bool,
     /// Nominal values of the transducer.
     pub nominal: Nominal,
 }
 
 impl Transducer {
-    /// Draws transducer `number`. The kinds take turns.
+    /// Draws transducer `number`; the kinds alternate.
     pub fn draw(number: u32) -> Self {
         let mut random = Random::new(number.into());
         let kinds = KINDS.len() as u32;
@@ -118,40 +120,40 @@ impl Transducer {
             let [hz, q, coupling, c0_f] = [kind.hz, kind.q, kind.coupling, kind.c0_f].map(|(from, to)| random.log(from, to));
             let nominal = Nominal { hz, span: 0.0, q, lm_h: None, c0_f: None };
             let drawn = Transducer { number, kind, hz, q, coupling, c0_f, modes: Vec::new(), band_only: false, nominal };
-            if drawn.figure_of_merit() >= LEAST_M && drawn.rm_ohm() >= LEAST_OHM {
+            if drawn.figure_of_merit() >= MIN_FIGURE_OF_MERIT && drawn.rm_ohm() >= MIN_RM_OHM {
                 break drawn;
             }
         };
         transducer.modes = (0..kind.modes).map(|_| random.further(transducer.hz, transducer.q)).collect();
-        transducer.band_only = number / kinds % BAND_ONLY == BAND_ONLY - 1;
+        transducer.band_only = number / kinds % BAND_ONLY_INTERVAL == BAND_ONLY_INTERVAL - 1;
         transducer.nominal = random.nominal(&transducer);
         transducer
     }
 
-    /// Motional capacitance, F: `C0 k^2 / (1 - k^2)`.
+    /// Returns the motional capacitance, F: `C0 k^2 / (1 - k^2)`.
     pub fn cm_f(&self) -> f64 {
         self.c0_f * self.coupling.powi(2) / (1.0 - self.coupling.powi(2))
     }
 
-    /// Motional inductance, H.
+    /// Returns the motional inductance, H.
     pub fn lm_h(&self) -> f64 {
         1.0 / ((TAU * self.hz).powi(2) * self.cm_f())
     }
 
-    /// Motional resistance, ohm.
+    /// Returns the motional resistance, ohm.
     pub fn rm_ohm(&self) -> f64 {
         1.0 / (TAU * self.hz * self.cm_f() * self.q)
     }
 
-    /// Figure of merit, `M = 1 / (omega C0 Rm)`.
+    /// Returns the figure of merit, `M = 1 / (omega C0 Rm)`.
     pub fn figure_of_merit(&self) -> f64 {
         self.q * self.cm_f() / self.c0_f
     }
 }
 
-/// What is drawn of a transducer.
+/// Draws parts of a transducer.
 impl Random {
-    /// A mode beside one of this resonance, Hz, and quality factor.
+    /// Draws a further mode near a resonance, Hz, with a quality factor.
     fn further(&mut self, hz: f64, q: f64) -> FurtherMode {
         let side = if self.toss() { -1.0 } else { 1.0 };
         let apart = side * self.log(0.003, 0.15);
@@ -159,15 +161,15 @@ impl Random {
         FurtherMode { hz: hz * (1.0 + apart), q: mode_q.max(2.0), share }
     }
 
-    /// Nominal values that are wrong.
+    /// Draws wrong nominal values.
     fn nominal(&mut self, of: &Transducer) -> Nominal {
         let [hz, q, lm, c0] = [self.side(), self.side(), self.side(), self.side()];
         if of.band_only {
             return Nominal { hz: of.hz * (1.0 + 0.08 * hz), span: 0.1, q: GUESSED_Q, lm_h: None, c0_f: None };
         }
         let span = 0.0375;
-        // What a scene allows: a Q of 2, and the scan's steps.
-        let q = (of.q * 3f64.powf(q)).clamp(2.0, MOST_SCAN_STEPS / (2.0 * span));
+        // Limits of a scene: a Q of at least 2, and the steps of the scan.
+        let q = (of.q * 3f64.powf(q)).clamp(2.0, MAX_SCAN_STEPS / (2.0 * span));
         let lm_h = Some(of.lm_h() * 2f64.powf(lm));
         Nominal { hz: of.hz * (1.0 + 0.03 * hz), span, q, lm_h, c0_f: Some(of.c0_f * 1.3f64.powf(c0)) }
     }

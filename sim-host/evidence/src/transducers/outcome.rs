@@ -1,15 +1,17 @@
-//! What became of a run, judged against the truth of the plant.
+//! Outcome of a run, judged against the plant.
 //!
-//! A run that ends locked is judged by its **bias**, the mean of what was played less the true series resonance over the last quarter of the run. Three bounds:
+//! A run that ends locked is judged by its **bias**: the mean of the drive frequency minus the true
+//! series resonance over the last quarter of the run. It has three bounds:
 //!
-//! | bound | is |
+//! | bound | value |
 //! |---|---|
 //! | absolute | the larger of 1 Hz and 0.5 % of the bandwidth, `0.005 fs / Q` |
-//! | stated | three of the standard deviations that the controller states for its resonance |
+//! | stated | three standard deviations that the controller states for its resonance |
 //! | half bandwidth | `fs / (2 Q)`: the motional phase is 45 degrees off |
 //!
-//! The outcome follows from the absolute bound; the other two are reported beside it. Every transducer of the bench is healthy, so that a fault that names a defect
-//! is a false accusation, unless the plant agrees with what the fault says.
+//! The outcome follows from the absolute bound; the other two are also reported. Every transducer
+//! of the bench is healthy, so a fault that reports a defect is false unless its documented reason
+//! applies to the plant.
 
 use firmware::seam::fault::{Fault, Limit};
 use firmware::seam::mode::Mode;
@@ -18,80 +20,84 @@ use plant::circuit_of;
 use scene::{DisturbedKey, Driven};
 use sim::record::{Record, Row};
 
-/// Least absolute bound of a bias, Hz.
-const LEAST_BOUND_HZ: f64 = 1.0;
-/// Absolute bound of a bias as a part of the bandwidth.
-const BOUND_PART: f64 = 0.005;
-/// Bound of the lock times, Hz, where the absolute bound is not larger.
+/// Smallest absolute bound of a bias, Hz.
+const MIN_BOUND_HZ: f64 = 1.0;
+/// Absolute bound of a bias over the bandwidth.
+const BOUND_REL: f64 = 0.005;
+/// Smallest bound for the lock times, Hz.
 const TIMED_HZ: f64 = 20.0;
-/// Standard deviations of the stated bound.
-const SIGMAS: f64 = 3.0;
-/// Part of a run at its end in which it is judged.
-const JUDGED_PART: f64 = 0.25;
-/// Shift of C0 from its nominal value from which fault 25 is documented, relative.
-const CAPACITANCE_SHIFT: f64 = 0.4;
-/// Factor between true and nominal Lm from which fault 34 is documented.
-const SAME_MODE: f64 = 2.0;
+/// Number of standard deviations of the stated bound.
+const BOUND_SIGMAS: f64 = 3.0;
+/// Share of a run, at its end, in which it is judged.
+const JUDGED_SHARE: f64 = 0.25;
+/// Smallest relative shift of C0 from its nominal value that is a documented reason for fault 25.
+const CAPACITANCE_SHIFT_REL: f64 = 0.4;
+/// Smallest factor between true and nominal Lm that is a documented reason for fault 34.
+const SAME_MODE_LM_FACTOR: f64 = 2.0;
 
-/// What became of a run.
+/// Outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// It ends locked, within the absolute bound.
+    /// The run ends locked within the absolute bound.
     Locked,
-    /// It was locked outside the bound, and said so: by limit 97, 98 or 107 in most blocks of the judged part, or by fault 33 or 34.
-    Named,
-    /// It ends locked outside the bound, and says nothing.
+    /// The run was locked outside the bound and reported it: by limit 97, 98 or 107 in most blocks
+    /// of the judged part, or by fault 33 or 34.
+    Reported,
+    /// The run ends locked outside the bound without a report.
     Silent,
-    /// A fault that does not hold has ended it.
-    Accused(Fault),
-    /// A fault that holds has ended it.
-    Refused(Fault),
-    /// It is not locked in time, or has ended in fault 31 or 32, which say no more than that.
+    /// A false fault ended the run: its documented reason does not apply to the plant.
+    FalseFault(Fault),
+    /// A true fault ended the run: its documented reason applies to the plant.
+    TrueFault(Fault),
+    /// The run is not locked in time, or ended in fault 31 or 32, which report just that.
     Late(Option<Fault>),
 }
 
-/// What a controller states of a transducer, in this order: series resonance, quality factor, motional resistance and inductance, clamped capacitance.
+/// Parameters of a transducer that a controller states, in this order: series resonance, quality
+/// factor, motional resistance and inductance, clamped capacitance.
 pub const PARAMETERS: [&str; 5] = ["fs", "Q", "Rm", "Lm", "C0"];
 
-/// Value and stated standard deviation, against the truth.
+/// Error of a stated value, and its stated standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stated {
-    /// Stated value less the true one.
+    /// Stated value minus the true one.
     pub error: f64,
     /// Stated standard deviation.
     pub deviation: f64,
 }
 
 impl Stated {
-    /// Whether the truth is within so many standard deviations.
+    /// Returns `true` if the truth is within `sigmas` standard deviations.
     pub fn covers(&self, sigmas: f64) -> bool {
         self.error.abs() <= sigmas * self.deviation
     }
 }
 
-/// A run, judged.
+/// Verdict on a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Judged {
-    /// What became of the run.
+pub struct JudgedRun {
+    /// Outcome of the run.
     pub outcome: Outcome,
     /// Bias of a run that ends locked, Hz.
     pub bias_hz: Option<f64>,
-    /// Whether the bias is beyond three stated standard deviations, of a run that ends locked and states one.
+    /// `true` if the bias of a run that ends locked is beyond three stated standard deviations;
+    /// `None` if it states none.
     pub beyond_stated: Option<bool>,
-    /// Whether the bias is beyond half a bandwidth, of a run that ends locked.
+    /// `true` if the bias of a run that ends locked is beyond half a bandwidth.
     pub beyond_half_bandwidth: Option<bool>,
-    /// From the first block of the lock stage until the drive is within 20 Hz, or the absolute bound if that is larger, for good, ms.
+    /// Time from the first block of the lock stage until the drive is permanently within 20 Hz, or
+    /// the absolute bound if that is larger, ms.
     pub lock_ms: Option<f64>,
-    /// The same from power-on, or from the last order to run, ms.
+    /// Time from power-on, or from the last command to run, to the same bound, ms.
     pub power_on_ms: Option<f64>,
-    /// The [parameters](PARAMETERS) as the controller states them, of a run that ends locked.
+    /// [Parameters](PARAMETERS) stated by the controller, if the run ends locked.
     pub stated: Option<[Stated; PARAMETERS.len()]>,
 }
 
 /// Judges a run.
-pub fn judge(scene: &Driven, record: &Record) -> Judged {
-    let truth = Truth::of(scene, record);
-    let mut judged = Judged {
+pub fn judge(scene: &Driven, record: &Record) -> JudgedRun {
+    let truth = Truth::new(scene, record);
+    let mut judged = JudgedRun {
         outcome: Outcome::Late(None),
         bias_hz: None,
         beyond_stated: None,
@@ -102,10 +108,10 @@ pub fn judge(scene: &Driven, record: &Record) -> Judged {
     };
     let rows = &record.rows;
     if let Some(fault) = record.last.fault {
-        judged.outcome = truth.of_fault(fault, rows);
+        judged.outcome = truth.fault_outcome(fault, rows);
         return judged;
     }
-    let judged_rows = &rows[rows.len() - (JUDGED_PART * rows.len() as f64) as usize..];
+    let judged_rows = &rows[rows.len() - (JUDGED_SHARE * rows.len() as f64) as usize..];
     if judged_rows.is_empty() || !judged_rows.iter().all(|row| row.mode == Mode::Run && row.locked && row.drive_v > 0.0) {
         return judged;
     }
@@ -118,14 +124,14 @@ pub fn judge(scene: &Driven, record: &Record) -> Judged {
     let limited = [Limit::FrequencyWindow, Limit::NotTracking, Limit::LockUncertain].map(|limit| limit as u8);
     judged.outcome = match () {
         () if bias_hz.abs() <= truth.bound_hz() => Outcome::Locked,
-        () if 2 * judged_rows.iter().filter(|row| limited.contains(&row.limit)).count() > judged_rows.len() => Outcome::Named,
+        () if 2 * judged_rows.iter().filter(|row| limited.contains(&row.limit)).count() > judged_rows.len() => Outcome::Reported,
         () => Outcome::Silent,
     };
     let deviation_hz = record.last.transducer.map(|found| f64::from(found.deviations.series_resonance_hz));
     judged.bias_hz = Some(bias_hz);
-    judged.beyond_stated = deviation_hz.map(|deviation_hz| bias_hz.abs() > SIGMAS * deviation_hz);
+    judged.beyond_stated = deviation_hz.map(|deviation_hz| bias_hz.abs() > BOUND_SIGMAS * deviation_hz);
     judged.beyond_half_bandwidth = Some(bias_hz.abs() > truth.hz / (2.0 * truth.q));
-    // The last run counts, and a step ends the time to lock.
+    // The last run counts; a disturbance step ends the time to lock.
     let from = rows.iter().rposition(|row| row.mode == Mode::Idle).unwrap_or(0);
     let step_s = scene.disturbance.iter().map(|change| change.at_s).fold(f64::INFINITY, f64::min);
     let to = rows.partition_point(|row| row.time_s < step_s).max(from);
@@ -134,29 +140,30 @@ pub fn judge(scene: &Driven, record: &Record) -> Judged {
     judged
 }
 
-/// Absolute bound of a bias, Hz, of a resonance, Hz, and its Q.
+/// Returns the absolute bound of a bias, Hz, for a resonance, Hz, and its Q.
 pub fn bound_hz(hz: f64, q: f64) -> f64 {
-    LEAST_BOUND_HZ.max(BOUND_PART * hz / q)
+    MIN_BOUND_HZ.max(BOUND_REL * hz / q)
 }
 
-/// What is true of a transducer at the end of its run, and what its nominal values say.
+/// True values of a transducer at the end of its run, compared with its nominal values.
 struct Truth {
     hz: f64,
     q: f64,
     lm_h: f64,
     c0_f: f64,
-    /// Distance of the resonance from its nominal value, and the window, relative.
+    /// Relative distance of the resonance from its nominal value, and relative half width of the
+    /// window.
     apart: (f64, f64),
     /// Clamped capacitance over its nominal value.
     c0_ratio: f64,
-    /// Motional inductance over its nominal value, if there is one.
+    /// Motional inductance over its nominal value; 1 without a nominal value.
     lm_ratio: f64,
-    /// Whether the current at the resonance is more than the sensor or the limit takes.
+    /// `true` if the current at the resonance exceeds the sensor's range or the limit.
     too_much: bool,
 }
 
 impl Truth {
-    fn of(scene: &Driven, record: &Record) -> Self {
+    fn new(scene: &Driven, record: &Record) -> Self {
         let (circuit, controller) = (circuit_of(scene), scene.controller);
         let tracking = &controller.tracking;
         let hz = record.rows.last().map_or_else(|| circuit.series_resonance_hz(), |row| row.truth.series_resonance_hz);
@@ -178,35 +185,35 @@ impl Truth {
         }
     }
 
-    /// Absolute bound of a bias, Hz.
+    /// Returns the absolute bound of a bias, Hz.
     fn bound_hz(&self) -> f64 {
         bound_hz(self.hz, self.q)
     }
 
-    /// What a run has become that ends in a fault.
-    fn of_fault(&self, fault: Fault, rows: &[Row]) -> Outcome {
+    /// Returns the outcome of a run that ends in a fault.
+    fn fault_outcome(&self, fault: Fault, rows: &[Row]) -> Outcome {
         let locked = rows.iter().rev().find(|row| row.locked).map(error_hz);
         let was_elsewhere = locked.is_some_and(|error_hz| error_hz.abs() > self.hz / (2.0 * self.q));
         match fault {
             Fault::NoLock | Fault::LossOfLock => Outcome::Late(Some(fault)),
-            Fault::TrackersDisagree | Fault::WrongMode if was_elsewhere => Outcome::Named,
-            _ if self.agrees_with(fault) => Outcome::Refused(fault),
-            _ => Outcome::Accused(fault),
+            Fault::TrackersDisagree | Fault::WrongMode if was_elsewhere => Outcome::Reported,
+            _ if self.agrees_with(fault) => Outcome::TrueFault(fault),
+            _ => Outcome::FalseFault(fault),
         }
     }
 
-    /// Whether what a fault says is true, by its own documentation.
+    /// Returns `true` if the documented reason of a fault applies.
     fn agrees_with(&self, fault: Fault) -> bool {
         match fault {
             Fault::OverCurrent | Fault::SenseSaturated => self.too_much,
-            Fault::CapacitanceShifted => (self.c0_ratio - 1.0).abs() > CAPACITANCE_SHIFT,
+            Fault::CapacitanceShifted => (self.c0_ratio - 1.0).abs() > CAPACITANCE_SHIFT_REL,
             Fault::NoResonance => self.apart.0.abs() > self.apart.1,
-            Fault::WrongMode => !(1.0 / SAME_MODE..SAME_MODE).contains(&self.lm_ratio),
+            Fault::WrongMode => !(1.0 / SAME_MODE_LM_FACTOR..SAME_MODE_LM_FACTOR).contains(&self.lm_ratio),
             _ => false,
         }
     }
 
-    /// Stated values against the true ones.
+    /// Compares the stated values with the true ones.
     fn against(&self, found: &Identified) -> [Stated; PARAMETERS.len()] {
         let deviations = &found.deviations;
         let rm_ohm = std::f64::consts::TAU * self.hz * self.lm_h / self.q;
@@ -221,13 +228,13 @@ impl Truth {
     }
 }
 
-/// What was played less the true series resonance, Hz.
+/// Returns the drive frequency minus the true series resonance, Hz.
 fn error_hz(row: &Row) -> f64 {
     row.frequency_hz - row.truth.series_resonance_hz
 }
 
-/// When the last block is over that plays off by more than a bound, Hz: from the first block of the lock stage, and from the first of these rows, ms; none if that is the very
-/// last.
+/// Returns the end of the last block that is off by more than a bound, Hz, from the first block of
+/// the lock stage and from the first of these rows, ms; `None` if that block is the very last.
 fn lock_times_ms(rows: &[Row], bound_hz: f64) -> Option<(f64, f64)> {
     let first = rows.iter().position(|row| row.mode == Mode::Lock)? + 1;
     let from_s = rows.get(first)?.time_s;
@@ -244,31 +251,32 @@ fn lock_times_ms(rows: &[Row], bound_hz: f64) -> Option<(f64, f64)> {
 mod tests {
     use super::*;
 
-    /// A resonance of 40 kHz and Q 50, 1 % above its nominal value in a window of 2 %, with a C0 and an Lm that are off by these factors.
+    /// Returns a resonance of 40 kHz and Q 50, 1 % above its nominal value in a window of 2 %, with
+    /// these ratios of C0 and Lm to their nominal values.
     fn truth(c0_ratio: f64, lm_ratio: f64) -> Truth {
         Truth { hz: 40e3, q: 50.0, lm_h: 0.1, c0_f: 1e-9, apart: (0.01, 0.02), c0_ratio, lm_ratio, too_much: false }
     }
 
     #[test]
-    fn a_fault_holds_where_the_plant_agrees() {
-        let outcome = |truth: Truth, fault: Fault| truth.of_fault(fault, &[]);
+    fn a_fault_is_true_if_the_plant_agrees() {
+        let outcome = |truth: Truth, fault: Fault| truth.fault_outcome(fault, &[]);
         for (c0_ratio, holds) in [(1.39, false), (1.41, true), (0.61, false), (0.59, true)] {
             let fault = Fault::CapacitanceShifted;
-            let expected = if holds { Outcome::Refused(fault) } else { Outcome::Accused(fault) };
+            let expected = if holds { Outcome::TrueFault(fault) } else { Outcome::FalseFault(fault) };
             assert_eq!(outcome(truth(c0_ratio, 1.0), fault), expected, "{c0_ratio}");
         }
-        assert_eq!(outcome(truth(1.0, 2.1), Fault::WrongMode), Outcome::Refused(Fault::WrongMode));
-        assert_eq!(outcome(truth(1.0, 1.9), Fault::WrongMode), Outcome::Accused(Fault::WrongMode));
-        assert_eq!(outcome(truth(1.0, 1.0), Fault::NoResonance), Outcome::Accused(Fault::NoResonance));
+        assert_eq!(outcome(truth(1.0, 2.1), Fault::WrongMode), Outcome::TrueFault(Fault::WrongMode));
+        assert_eq!(outcome(truth(1.0, 1.9), Fault::WrongMode), Outcome::FalseFault(Fault::WrongMode));
+        assert_eq!(outcome(truth(1.0, 1.0), Fault::NoResonance), Outcome::FalseFault(Fault::NoResonance));
         assert_eq!(
             outcome(Truth { apart: (0.03, 0.02), ..truth(1.0, 1.0) }, Fault::NoResonance),
-            Outcome::Refused(Fault::NoResonance)
+            Outcome::TrueFault(Fault::NoResonance)
         );
-        assert_eq!(outcome(truth(1.0, 1.0), Fault::ResonanceDamaged), Outcome::Accused(Fault::ResonanceDamaged));
+        assert_eq!(outcome(truth(1.0, 1.0), Fault::ResonanceDamaged), Outcome::FalseFault(Fault::ResonanceDamaged));
         assert_eq!(outcome(truth(1.0, 1.0), Fault::NoLock), Outcome::Late(Some(Fault::NoLock)));
     }
 
-    /// 0.5 % of a bandwidth of 800 Hz are 4 Hz; of one of 80 Hz less than 1 Hz.
+    /// 0.5 % of a bandwidth of 800 Hz is 4 Hz; for a bandwidth of 80 Hz the bound is 1 Hz.
     #[test]
     fn the_bound_is_the_larger_of_both() {
         assert_eq!(truth(1.0, 1.0).bound_hz(), 4.0);

@@ -1,16 +1,17 @@
-//! A drive that is stopped and ordered again: `lock, stop, lock` of the command line, without a pause that would let the transducer ring down.
+//! A drive that is stopped and restarted: `lock, stop, lock` of the command line, without a pause
+//! in which the transducer could ring down.
 
 use firmware::seam::block::{DriveBlock, Orders, Request, SenseBlock};
 use firmware::seam::mode::Mode;
 use firmware::seam::telemetry::Telemetry;
 use sim::processor::{Here, Lost, Processor};
 
-/// Blocks of the first run, from its lock on, before it is stopped.
+/// Number of blocks from the lock of the first run to its stop.
 const RUN_BLOCKS: u32 = 1500;
-/// Blocks of silence before it is ordered again: 1 ms, as two commands that follow one another.
+/// Number of silent blocks before the restart: 1 ms, as between two successive commands.
 const SILENT_BLOCKS: u32 = 32;
 
-/// The controller in this process, whose run is stopped once and ordered again.
+/// Controller in this process, whose run is stopped once and restarted.
 pub struct Restarted {
     controller: Here,
     running: u32,
@@ -18,7 +19,7 @@ pub struct Restarted {
 }
 
 impl Restarted {
-    /// A controller that has not run yet.
+    /// Wraps a controller that has not run yet.
     pub fn new(controller: Here) -> Self {
         Restarted { controller, running: 0, silent: 0 }
     }

@@ -1,4 +1,5 @@
-//! The Cramér-Rao bound of a synthetic measurement: the least standard deviations that its noise allows.
+//! Cramér-Rao bounds of a synthetic measurement: the smallest standard deviations that its noise
+//! permits.
 
 use num_complex::Complex64;
 
@@ -12,14 +13,14 @@ use super::weights::Weights;
 use crate::least_squares::Solution;
 use crate::synthetic::Noise;
 
-/// Numbers of the first branch: `fs`, `fp`, `Q`, `Rm`, `Lm`, `Cm`, `C0`, coupling.
+/// Returns the values of the first branch: `fs`, `fp`, `Q`, `Rm`, `Lm`, `Cm`, `C0`, coupling.
 pub(crate) fn values(truth: &Equivalent) -> [f64; 8] {
     let all = derived(&truth.parameters(truth.c0_f), truth.c0_f, 0);
     std::array::from_fn(|at| all[at])
 }
 
-/// The bounds of the same numbers; nothing where the sweep does not determine them.
-pub(crate) fn of(
+/// Returns the bounds of the same values; none if the sweep does not determine them.
+pub(crate) fn deviations(
     truth: &Equivalent,
     hz: &[f64],
     fixture: &[Fixture],

@@ -1,23 +1,27 @@
-//! The circuit that is fitted: a clamped capacitance with its dielectric loss, and a series branch for each resonance.
+//! Fitted circuit: a clamped capacitance with its dielectric loss, and a series branch for each
+//! resonance.
 //!
 //! ```text
 //! Y = omega C0 (j + tan d) + sum G / (1 + j Q (f / fs - fs / f)),     G = 1 / Rm
 //! Lm = Q Rm / omega_s,  Cm = 1 / (omega_s Q Rm),  fp = fs sqrt(1 + Cm / C0),  k^2 = Cm / (C0 + Cm)
 //! ```
 //!
-//! S. Butterworth, Proc. Phys. Soc. 26 (1914) 264; K. S. Van Dyke, Proc. IRE 16 (1928) 742; IEEE Std 177. The parameters of the fit are `C0`, `C0 tan d`, and
-//! of each branch the logarithms of `fs`, `Q` and `G`: positive as they must be, and nearly normal where a resonance is measured well.
+//! S. Butterworth, Proc. Phys. Soc. 26 (1914) 264; K. S. Van Dyke, Proc. IRE 16 (1928) 742; IEEE
+//! Std
+//! 177. The parameters of the fit are `C0`, `C0 tan d`, and the logarithms of `fs`, `Q` and `G` of
+//!      each branch. The logarithms keep these positive, and their errors are nearly normal if a
+//!      resonance is measured well.
 
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-/// Parameters of the clamped branch.
-pub(super) const CLAMPED: usize = 2;
-/// Parameters of a resonance.
-pub const BRANCH: usize = 3;
+/// Number of parameters of the clamped branch.
+pub(super) const CLAMPED_PARAMETERS: usize = 2;
+/// Number of parameters of a resonance.
+pub const BRANCH_PARAMETERS: usize = 3;
 
-/// A resonance: a series branch.
+/// Series branch of a resonance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branch {
     /// Series resonance of the branch, Hz.
@@ -28,7 +32,7 @@ pub struct Branch {
     pub siemens: f64,
 }
 
-/// The equivalent circuit of a transducer.
+/// Equivalent circuit of a transducer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equivalent {
     /// Clamped capacitance of the transducer, F.
@@ -39,8 +43,9 @@ pub struct Equivalent {
     pub branches: Vec<Branch>,
 }
 
-/// Returns the admittance of a branch by its parameters `ln fs`, `ln Q`, `ln G`, S, and its derivatives by them.
-pub fn branch([ln_hz, ln_q, ln_g]: [f64; BRANCH], hz: f64) -> (Complex64, [Complex64; BRANCH]) {
+/// Returns the admittance of a branch by its parameters `ln fs`, `ln Q`, `ln G`, S, and its
+/// derivatives by them.
+pub fn branch([ln_hz, ln_q, ln_g]: [f64; BRANCH_PARAMETERS], hz: f64) -> (Complex64, [Complex64; BRANCH_PARAMETERS]) {
     let (own, q, g) = (libm::exp(ln_hz), libm::exp(ln_q), libm::exp(ln_g));
     let (up, down) = (hz / own, own / hz);
     let h = Complex64::new(1.0, q * (up - down)).inv();
@@ -57,7 +62,7 @@ impl Branch {
     }
 
     /// Returns the parameters `ln fs`, `ln Q`, `ln G`.
-    pub fn parameters(&self) -> [f64; BRANCH] {
+    pub fn parameters(&self) -> [f64; BRANCH_PARAMETERS] {
         [self.hz, self.q, self.siemens].map(libm::log)
     }
 
@@ -66,54 +71,55 @@ impl Branch {
         self.siemens / Complex64::new(1.0, self.q * (hz / self.hz - self.hz / hz))
     }
 
-    /// Parallel resonance with a clamped capacitance, Hz.
+    /// Returns the parallel resonance frequency with a clamped capacitance, Hz.
     pub fn parallel_hz(&self, c0_f: f64) -> f64 {
         self.hz * (1.0 + self.cm_f() / c0_f).sqrt()
     }
 
-    /// Effective coupling with a clamped capacitance.
+    /// Returns the effective coupling factor with a clamped capacitance.
     pub fn coupling(&self, c0_f: f64) -> f64 {
         (self.cm_f() / (c0_f + self.cm_f())).sqrt()
     }
 
-    /// Motional resistance of the branch, ohm.
+    /// Returns the motional resistance of the branch, ohm.
     pub fn rm_ohm(&self) -> f64 {
         1.0 / self.siemens
     }
 
-    /// Motional inductance of the branch, H.
+    /// Returns the motional inductance of the branch, H.
     pub fn lm_h(&self) -> f64 {
         self.q / (TAU * self.hz * self.siemens)
     }
 
-    /// Motional capacitance of the branch, F.
+    /// Returns the motional capacitance of the branch, F.
     pub fn cm_f(&self) -> f64 {
         self.siemens / (TAU * self.hz * self.q)
     }
 }
 
 impl Equivalent {
-    /// The circuit of the parameters of a fit, with capacitances in units of `farad`.
-    pub(super) fn of(parameters: &[f64], farad: f64) -> Self {
+    /// Creates the circuit from the parameters of a fit, with capacitances in units of `farad`.
+    pub(super) fn from_parameters(parameters: &[f64], farad: f64) -> Self {
         let c0_f = parameters[0] * farad;
-        let branches = parameters[CLAMPED..].chunks_exact(BRANCH).map(Branch::from_parameters).collect();
+        let branches = parameters[CLAMPED_PARAMETERS..].chunks_exact(BRANCH_PARAMETERS).map(Branch::from_parameters).collect();
         Equivalent { c0_f, loss_tangent: parameters[1] / parameters[0], branches }
     }
 
-    /// The parameters of a fit, with capacitances in units of `farad`.
+    /// Returns the parameters of a fit, with capacitances in units of `farad`.
     pub(super) fn parameters(&self, farad: f64) -> Vec<f64> {
         let c0 = self.c0_f / farad;
         let branches = self.branches.iter().flat_map(Branch::parameters);
         [c0, c0 * self.loss_tangent].into_iter().chain(branches).collect()
     }
 
-    /// Admittance at a frequency, S.
+    /// Returns the admittance at a frequency, S.
     pub fn admittance(&self, hz: f64) -> Complex64 {
         admittance(&self.parameters(1.0), 1.0, hz, None)
     }
 }
 
-/// Admittance of parameters at a frequency, and its derivatives by them, where they are asked for.
+/// Returns the admittance at a frequency for the parameters of a fit, S, and optionally its
+/// derivatives by them.
 pub(super) fn admittance(parameters: &[f64], farad: f64, hz: f64, mut slopes: Option<&mut Vec<Complex64>>) -> Complex64 {
     let siemens = TAU * hz * farad;
     let mut sum = siemens * Complex64::new(parameters[1], parameters[0]);
@@ -121,7 +127,7 @@ pub(super) fn admittance(parameters: &[f64], farad: f64, hz: f64, mut slopes: Op
         slopes.clear();
         slopes.extend([Complex64::new(0.0, siemens), Complex64::new(siemens, 0.0)]);
     }
-    for own in parameters[CLAMPED..].chunks_exact(BRANCH) {
+    for own in parameters[CLAMPED_PARAMETERS..].chunks_exact(BRANCH_PARAMETERS) {
         let (y, derivatives) = branch([own[0], own[1], own[2]], hz);
         sum += y;
         if let Some(slopes) = slopes.as_deref_mut() {
@@ -152,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_are_those_of_the_admittance() {
+    fn derivatives_agree_with_finite_differences() {
         let parameters = example().parameters(1e-9);
         let mut slopes = Vec::new();
         admittance(&parameters, 1e-9, 40.3e3, Some(&mut slopes));
@@ -166,6 +172,6 @@ mod tests {
             let numeric = (moved(step) - moved(-step)) / (2.0 * step);
             assert!((numeric - slopes[at]).norm_sqr() < 1e-12 * slopes[at].norm_sqr(), "{at}: {numeric} {}", slopes[at]);
         }
-        assert_eq!(Equivalent::of(&parameters, 1e-9).branches.len(), 2);
+        assert_eq!(Equivalent::from_parameters(&parameters, 1e-9).branches.len(), 2);
     }
 }

@@ -1,35 +1,38 @@
-//! Coordinates of a measurement: what the instrument reads, as a function of the admittance `Y` of the transducer.
+//! Coordinates of a measurement: the reading of the instrument as a function of the admittance `Y`
+//! of the transducer.
 //!
 //! ```text
 //! one port          S11 = (1 - Z0 Y) / (1 + Z0 Y)
 //! series-through    S21 = 2 Z0 Y / (1 + 2 Z0 Y)           the transducer between two ports
 //! shunt-through     S21 = 2 / (2 + Z0 Y)                  the transducer across the line
-//! immittance        ln Y: size and angle, of impedance and admittance alike
+//! immittance        ln Y: magnitude and angle, for impedance and admittance
 //! ```
 //!
-//! The noise of a network analyser is that of its scattering parameter, and is nearly the same at all frequencies. An impedance analyser errs by a part
-//! of what it reads, in size and in angle. In these coordinates the residuals of a fit are what the instrument has added.
+//! The noise of a network analyser is that of its scattering parameter, and nearly independent of
+//! the frequency. The error of an impedance analyser is proportional to its reading, in magnitude
+//! and angle. In these coordinates the residuals of a fit are the noise of the instrument.
 //!
-//! One port at 50 ohm tells little of a transducer of some kiloohm, where `S11` is near one whatever it is; through two ports, the range is wider.
+//! A one-port measurement at 50 ohm is insensitive for a transducer of some kiloohm, because `S11`
+//! is close to 1 for all of them. The range of a two-port measurement is wider.
 
 use num_complex::Complex64;
 use serde::Serialize;
 
 use crate::complex::{angle, polar};
 
-/// How a transducer is connected to a network analyser.
+/// Connection of a transducer to a network analyser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Topology {
-    /// At one port: its reflection S11.
+    /// At one port; measured by its reflection S11.
     OnePort,
-    /// Between two ports: transmission S21.
+    /// Between two ports; measured by the transmission S21.
     SeriesThrough,
-    /// From the line between two ports to ground: transmission S21.
+    /// From the line between two ports to ground; measured by the transmission S21.
     ShuntThrough,
 }
 
-/// What the instrument reads.
+/// Quantity that the instrument reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coordinate {
     /// A scattering parameter against this resistance, ohm.
@@ -39,7 +42,7 @@ pub enum Coordinate {
 }
 
 impl Coordinate {
-    /// The reading of an admittance, S.
+    /// Returns the reading of an admittance, S.
     pub fn of(self, admittance: Complex64) -> Complex64 {
         match self {
             Coordinate::Scattering(Topology::OnePort, ohm) => (1.0 - ohm * admittance) / (1.0 + ohm * admittance),
@@ -49,7 +52,7 @@ impl Coordinate {
         }
     }
 
-    /// How the reading changes with the admittance, 1/S.
+    /// Returns the derivative of the reading by the admittance, 1/S.
     pub fn slope(self, admittance: Complex64) -> Complex64 {
         let square = |z: Complex64| z * z;
         match self {
@@ -60,7 +63,7 @@ impl Coordinate {
         }
     }
 
-    /// The admittance of a reading, S; not finite where the reading has none.
+    /// Returns the admittance of a reading, S; not finite if the reading has none.
     pub fn admittance(self, reading: Complex64) -> Complex64 {
         match self {
             Coordinate::Scattering(Topology::OnePort, ohm) => (1.0 - reading) / (1.0 + reading) / ohm,
@@ -70,7 +73,7 @@ impl Coordinate {
         }
     }
 
-    /// A reading less another; angles are the same after a whole turn.
+    /// Returns the difference of two readings; whole turns of an angle are removed.
     pub fn difference(self, one: Complex64, other: Complex64) -> Complex64 {
         let difference = one - other;
         match self {
@@ -88,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reading_and_slope_belong_to_the_admittance() {
+    fn reading_and_slope_agree_with_the_admittance() {
         let all = [Topology::OnePort, Topology::SeriesThrough, Topology::ShuntThrough].map(|t| Coordinate::Scattering(t, 50.0));
         for coordinate in all.into_iter().chain([Coordinate::Immittance]) {
             let y = Complex64::new(3e-3, -7e-3);

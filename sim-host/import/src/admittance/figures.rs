@@ -1,4 +1,4 @@
-//! Figures of a fitted admittance: size and phase over frequency, the circle, the residuals.
+//! Figures of a fitted admittance: magnitude and phase over frequency, the circle, the residuals.
 
 use num_complex::Complex64;
 
@@ -8,16 +8,16 @@ use crate::complex::{angle, size};
 use report::statistics::ascending;
 use report::{Axis, Figure, Marker, Series, Style};
 
-/// Points of the fitted curve about each resonance.
-const ABOUT: i32 = 240;
+/// Number of points of the fitted curve around each resonance, less one.
+const RESONANCE_STEPS: i32 = 240;
 
-/// All figures.
+/// Returns all figures.
 pub(super) fn figures(found: &Admittance) -> Vec<Figure> {
     let hz = frequencies(found);
     let fitted: Vec<Complex64> = hz.iter().map(|hz| found.equivalent.admittance(*hz)).collect();
     let fit = (hz.as_slice(), fitted.as_slice());
     vec![
-        over_frequency(found, fit, ("admittance-size", "Admittance: size", "|Y| [S]", "admittance"), "s", true, size),
+        over_frequency(found, fit, ("admittance-size", "Admittance: magnitude", "|Y| [S]", "admittance"), "s", true, size),
         over_frequency(found, fit, ("admittance-phase", "Admittance: phase", "phase [deg]", "phase"), "deg", false, |y| {
             angle(y).to_degrees()
         }),
@@ -26,14 +26,15 @@ pub(super) fn figures(found: &Admittance) -> Vec<Figure> {
     ]
 }
 
-/// Frequencies of the fitted curve: those of the sweep, and more about each resonance, in equal steps of its phase.
+/// Returns the frequencies of the fitted curve: those of the sweep, and more around each resonance
+/// in equal steps of its phase.
 fn frequencies(found: &Admittance) -> Vec<f64> {
     let measured = &found.measured.hz;
     let (from, to) = (measured[0], measured[measured.len() - 1]);
     let mut hz = measured.clone();
     for branch in &found.equivalent.branches {
-        let about = (-ABOUT / 2..=ABOUT / 2).map(|n| {
-            let phase = std::f64::consts::FRAC_PI_2 * f64::from(n) / (f64::from(ABOUT) / 2.0 + 3.0);
+        let about = (-RESONANCE_STEPS / 2..=RESONANCE_STEPS / 2).map(|n| {
+            let phase = std::f64::consts::FRAC_PI_2 * f64::from(n) / (f64::from(RESONANCE_STEPS) / 2.0 + 3.0);
             branch.hz * (1.0 + libm::tan(phase) / (2.0 * branch.q))
         });
         hz.extend(about.filter(|hz| (from..=to).contains(hz)));
@@ -67,7 +68,7 @@ fn over_frequency(
     Figure {
         id: id.into(),
         title: title.into(),
-        caption: "Dots: as measured, with the fixture corrected where it was given. Line: the fitted circuit.".into(),
+        caption: "Dots: measured, after the correction of the fixture if one is given. Line: fitted circuit.".into(),
         x: axis("frequency [kHz]"),
         y: Axis { label: label.into(), log, ..Axis::default() },
         series: vec![
@@ -94,13 +95,12 @@ fn circle(found: &Admittance, fitted: &[Complex64]) -> Figure {
     Figure {
         id: "admittance-circle".into(),
         title: "Admittance circle".into(),
-        caption: "A resonance is a circle whose diameter is 1 / Rm; the clamped capacitance lifts it. A second loop is a second resonance.".into(),
+        caption: "A resonance is a circle with the diameter 1 / Rm, shifted up by the clamped capacitance. A second loop is a \
+                  second resonance."
+            .into(),
         x: axis("conductance [S]"),
         y: axis("susceptance [S]"),
-        series: vec![
-            series("measured", &found.measured.admittance, Style::Points),
-            series("fitted", fitted, Style::Line),
-        ],
+        series: vec![series("measured", &found.measured.admittance, Style::Points), series("fitted", fitted, Style::Line)],
         markers: vec![at(circuit.series_resonance_hz.value, "series resonance")],
         equal_aspect: true,
         ..Figure::default()
@@ -122,8 +122,8 @@ fn residuals(found: &Admittance) -> Figure {
     Figure {
         id: "residuals".into(),
         title: "Residuals of the fit".into(),
-        caption: "Fitted less measured, in standard deviations of the noise: a cloud between -3 and 3 without a shape where the circuit fits. A wave about the \
-                  resonance is what the circuit does not have."
+        caption: "Fitted minus measured, in standard deviations of the noise. If the circuit fits, the points are scattered \
+                  between -3 and 3. A wave around the resonance is an effect that the circuit does not contain."
             .into(),
         x: axis("frequency [kHz]"),
         y: axis("residual [standard deviations]"),

@@ -1,46 +1,54 @@
-//! The fit: weighted least squares in the coordinates of the instrument, with as many resonances as the data ask for.
+//! Weighted least-squares fit in the coordinates of the instrument, with the number of resonances
+//! that the data show.
 //!
 //! ```text
-//! start (next resonance) -> least squares -> weights from residuals -> least squares -> is it worth it? -> next resonance ...
+//! start (next resonance) -> least squares -> weights from residuals -> least squares -> significant? -> next resonance ...
 //!                                                                                          |
 //!                                             memory of the residuals -> least squares -> covariance
 //! ```
 //!
-//! **How many resonances.** One more is accepted if it lowers `n ln(sum of squares)` by more than Bayes's information criterion asks for its three
-//! parameters, `3 ln n`, and [`MARGIN`] beyond that; `n` is the number of real values over their memory.
-//! **Memory.** Residuals of neighbouring points may be alike: an instrument that averages over time, a drift, a circuit that does not fit. They are
-//! whitened by their correlation, `e(t) - rho e(t - 1)`, and what is left of it multiplies the covariance by `1 + 2 sum rho(k)`.
+//! **Number of resonances.** One more is accepted if it lowers `n ln(sum of squares)` by more than
+//! Bayes's information criterion requires for its three parameters, `3 ln n`, and
+//! [`CRITERION_MARGIN`] beyond that; `n` is the number of real values divided by their memory.
+//! **Memory.** Residuals of neighbouring points may be correlated: because the instrument averages
+//! over time, because of a drift, or because the circuit does not fit. They are whitened by their
+//! correlation, `e(t) - rho e(t - 1)`, and the remaining correlation multiplies the covariance by
+//! `1 + 2 sum rho(k)`.
 
 use num_complex::Complex64;
 
-use super::circuit::{BRANCH, Branch, CLAMPED, Equivalent, admittance};
+use super::circuit::{BRANCH_PARAMETERS, Branch, CLAMPED_PARAMETERS, Equivalent, admittance};
 use super::measured::Measured;
 use super::memory::{complex, memory, roughness, whitened};
 use super::start::{self, Points};
 use super::weights::Weights;
 use crate::error::ImportError;
 use crate::least_squares::{Linear, Solution, minimise};
-use crate::stated::rounded;
+use report::rounded;
 use report::statistics::{ascending, quantile};
 
-/// Most resonances that a circuit has.
+/// Maximum number of resonances of a circuit.
 pub const MOST_MODES: usize = 3;
-/// Points beyond the number of parameters that leave something to judge the fit by.
+/// Minimum number of points beyond the number of parameters.
 const SPARE_POINTS: usize = 4;
-/// What a further resonance must gain beyond Bayes's criterion.
-const MARGIN: f64 = 12.0;
-/// Quality factors within which a fit stays, and how far outside the sweep a resonance may go on the way, as the logarithm of a ratio: beyond, a branch is
-/// none that a sweep shows, and a fit that lacks a resonance would go there.
-const QUALITIES: (f64, f64) = (0.5, 1e5);
-const OUTSIDE: f64 = 0.1;
-/// Rounds of weights and least squares.
-const ROUNDS: usize = 3;
+/// Gain that a further resonance needs beyond Bayes's criterion.
+const CRITERION_MARGIN: f64 = 12.0;
+/// Smallest quality factor. Outside the range a sweep does not show a branch, and a fit that lacks
+/// a resonance would go there.
+const MIN_Q: f64 = 0.5;
+/// Largest quality factor.
+const MAX_Q: f64 = 1e5;
+/// Largest distance of a resonance outside the sweep during the fit, as the logarithm of a ratio.
+const MAX_OUTSIDE_LN: f64 = 0.1;
+/// Number of rounds of weights and least squares.
+const WEIGHT_ROUNDS: usize = 3;
 /// Largest correlation of neighbours that is whitened.
-const MOST_CORRELATION: f64 = 0.97;
-/// Largest standard deviation of the logarithm of a conductance or quality of a resonance that counts as found.
-const LARGEST_LN_SD: f64 = 0.35;
+const MAX_CORRELATION: f64 = 0.97;
+/// Largest standard deviation of the logarithm of conductance or quality factor for a resonance to
+/// count as found.
+const MAX_LN_SD: f64 = 0.35;
 
-/// A circuit with what the data say of its certainty.
+/// Fitted circuit with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Fit {
     /// Parameters of the fit.
@@ -51,24 +59,26 @@ pub(super) struct Fit {
     pub(super) farad: f64,
     /// Residuals in units of the noise.
     pub(super) residuals: Vec<Complex64>,
-    /// Standard deviation of residuals as parts, size and angle, or of the scattering parameter: root mean square.
+    /// Rms standard deviation of the residuals: of the relative magnitude and the angle, or of the
+    /// real and imaginary part of the scattering parameter.
     pub(super) noise: [f64; 2],
     /// Correlation of neighbouring residuals.
     pub(super) correlation: f64,
-    /// Factor by which what is left of it has enlarged the standard deviations.
+    /// Factor by which the remaining correlation has increased the standard deviations.
     pub(super) inflation: f64,
-    /// Variance of the residuals over that of their third differences: how much of them is no noise.
+    /// Variance of the residuals relative to that of their third differences, a measure of the part
+    /// that is not noise.
     pub(super) misfit: f64,
 }
 
-/// What is fitted.
+/// Fit of a circuit to a sweep.
 pub(super) struct Fitter<'a> {
     measured: &'a Measured,
     readings: Vec<Complex64>,
     pub(super) farad: f64,
 }
 
-/// A circuit on the way: its solution and its weights.
+/// Intermediate circuit: its solution and its weights.
 #[derive(Clone)]
 struct Stage {
     solution: Solution,
@@ -84,20 +94,20 @@ impl<'a> Fitter<'a> {
         Fitter { measured, readings, farad }
     }
 
-    /// The fit with a given number of resonances, or with as many as the data ask for.
+    /// Fits a given number of resonances, or the number that the data show.
     pub(super) fn fit(&self, modes: Option<usize>) -> Result<Fit, ImportError> {
         let first = modes.unwrap_or(1);
         self.check_points(first)?;
-        let mut last = self.stage(&[], None).ok_or_else(|| no_fit("the clamped capacitance alone does not explain anything"))?;
+        let mut last = self.stage(&[], None).ok_or_else(|| no_fit("not even a clamped capacitance can be fitted"))?;
         let most = modes.unwrap_or(MOST_MODES);
-        // The best so far with its number of resonances: none yet, which is the clamped branch alone.
+        // Best circuit so far with its number of resonances; none while the clamped branch is best.
         let mut best: Option<(usize, Stage)> = None;
         let mut clamped = Some(last.clone());
         for number in 1..=most {
             if modes.is_none() && self.check_points(number).is_err() {
                 break;
             }
-            let known = Equivalent::of(&last.solution.parameters, self.farad).branches;
+            let known = Equivalent::from_parameters(&last.solution.parameters, self.farad).branches;
             let Some(more) = self.stage(&known, Some(&last.weights)) else { break };
             let (fewer, have) = match (&best, &clamped) {
                 (Some((have, stage)), _) => (stage, *have),
@@ -105,7 +115,7 @@ impl<'a> Fitter<'a> {
                 (None, None) => break,
             };
             let is_worth = modes.is_some() || self.is_worth(fewer, &more, number - have);
-            // Weights of the fit with this many, and the fit with them.
+            // The next stage starts with the weights of this one, even if it was not accepted.
             last = self.weighted(more);
             if is_worth {
                 best = Some((number, last.clone()));
@@ -119,7 +129,7 @@ impl<'a> Fitter<'a> {
     }
 
     fn check_points(&self, modes: usize) -> Result<(), ImportError> {
-        let parameters = CLAMPED + BRANCH * modes;
+        let parameters = CLAMPED_PARAMETERS + BRANCH_PARAMETERS * modes;
         let (points, needed) = (self.measured.hz.len(), parameters + SPARE_POINTS);
         if points < needed { Err(ImportError::TooFewPoints { points, modes, parameters, needed }) } else { Ok(()) }
     }
@@ -127,16 +137,17 @@ impl<'a> Fitter<'a> {
     fn no_resonance(&self, modes: Option<usize>) -> ImportError {
         let hz = &self.measured.hz;
         let why = match modes {
-            Some(modes) if modes > 1 => format!("there are not {modes} of them that can be told apart"),
-            _ => "a capacitance with its loss explains the data as well as a circuit with a resonance. Sweep where the transducer resonates, with several \
-                  points in its bandwidth"
+            Some(modes) if modes > 1 => format!("fewer than {modes} of them can be distinguished"),
+            _ => "a capacitance with its loss explains the data as well as a circuit with a resonance. Sweep around the \
+                  resonance of the transducer, with several points in its bandwidth"
                 .to_owned(),
         };
         let [from_hz, to_hz] = [hz[0], hz[hz.len() - 1]].map(|hz| rounded(hz, 9));
         ImportError::NoResonance { from_hz, to_hz, why }
     }
 
-    /// The circuit with one resonance more than the known ones; with those alone where there are no weights yet.
+    /// Returns the circuit with one more resonance than the known ones; with the known ones alone
+    /// if there are no weights yet.
     fn stage(&self, known: &[Branch], before: Option<&Weights>) -> Option<Stage> {
         let measured = self.measured;
         let weights = before.cloned().unwrap_or_else(|| Weights::equal(measured.seen.len()));
@@ -154,15 +165,15 @@ impl<'a> Fitter<'a> {
         best.map(|solution| Stage { solution, weights })
     }
 
-    /// Least squares with these weights, whitened by a correlation of neighbours.
+    /// Solves least squares with these weights, whitened by a correlation of neighbours.
     fn solve(&self, start: &[f64], weights: &Weights, correlation: f64) -> Option<Solution> {
         let (from, to) = (libm::log(self.measured.hz[0]), libm::log(self.measured.hz[self.measured.hz.len() - 1]));
         let is_resonance = |own: &[f64]| {
-            (from - OUTSIDE..=to + OUTSIDE).contains(&own[0])
-                && (libm::log(QUALITIES.0)..=libm::log(QUALITIES.1)).contains(&own[1])
+            (from - MAX_OUTSIDE_LN..=to + MAX_OUTSIDE_LN).contains(&own[0])
+                && (libm::log(MIN_Q)..=libm::log(MAX_Q)).contains(&own[1])
         };
         minimise(start, |parameters| {
-            if !parameters[CLAMPED..].chunks_exact(BRANCH).all(is_resonance) {
+            if !parameters[CLAMPED_PARAMETERS..].chunks_exact(BRANCH_PARAMETERS).all(is_resonance) {
                 return None;
             }
             let linear = self.linear(parameters, weights)?;
@@ -170,7 +181,8 @@ impl<'a> Fitter<'a> {
         })
     }
 
-    /// Residuals and derivatives in units of the noise: real parts of all points, then imaginary parts.
+    /// Computes residuals and derivatives in units of the noise: first the real parts of all
+    /// points, then the imaginary parts.
     pub(super) fn linear(&self, parameters: &[f64], weights: &Weights) -> Option<Linear> {
         let (points, n) = (self.readings.len(), parameters.len());
         let mut residuals = vec![0.0; 2 * points];
@@ -191,10 +203,10 @@ impl<'a> Fitter<'a> {
         finite.then_some(Linear { residuals, columns })
     }
 
-    /// The stage with weights from its own residuals, and solved again.
+    /// Determines weights from the residuals of a stage, and solves it again.
     fn weighted(&self, stage: Stage) -> Stage {
         let mut stage = stage;
-        for _ in 0..ROUNDS {
+        for _ in 0..WEIGHT_ROUNDS {
             let fitted = self.seen(&stage.solution.parameters);
             let coordinate = self.measured.coordinate;
             let freedom = (1.0 - 0.5 * stage.solution.parameters.len() as f64 / self.readings.len() as f64).sqrt();
@@ -203,7 +215,7 @@ impl<'a> Fitter<'a> {
                 .zip(&self.readings)
                 .map(|(y, reading)| coordinate.difference(coordinate.of(*y), *reading) / freedom)
                 .collect();
-            let weights = Weights::of(coordinate, &fitted, &errors);
+            let weights = Weights::from_residuals(coordinate, &fitted, &errors);
             match self.solve(&stage.solution.parameters, &weights, 0.0) {
                 Some(solution) => stage = Stage { solution, weights },
                 None => break,
@@ -212,7 +224,7 @@ impl<'a> Fitter<'a> {
         stage
     }
 
-    /// Admittances that the instrument would see of a circuit.
+    /// Returns the admittances that the instrument would measure for a circuit.
     fn seen(&self, parameters: &[f64]) -> Vec<Complex64> {
         let measured = self.measured;
         let of = |(at, hz): (usize, &f64)| {
@@ -222,14 +234,15 @@ impl<'a> Fitter<'a> {
         measured.hz.iter().enumerate().map(of).collect()
     }
 
-    /// Whether so many resonances more are worth their parameters. One alone may not be where two are: what the second leaves looks like a long memory.
+    /// Returns `true` if further resonances are significant. Several are tested together, because
+    /// one alone may not be: the residue of a second one looks like a long memory.
     fn is_worth(&self, fewer: &Stage, more: &Stage, further: usize) -> bool {
         let Some(fewer) = self.solve(&fewer.solution.parameters, &more.weights, 0.0) else { return false };
         let memory = memory(&complex(&more.solution.linear.residuals));
         let n = (2 * self.readings.len()) as f64 / memory.1;
         let gain = n * libm::log(fewer.cost / more.solution.cost.max(f64::MIN_POSITIVE));
-        let needed = (BRANCH * further) as f64 * libm::log(n) + MARGIN;
-        // A gain that is no number is none.
+        let needed = (BRANCH_PARAMETERS * further) as f64 * libm::log(n) + CRITERION_MARGIN;
+        // A gain that is not a number is not a gain.
         if gain.is_nan() || gain <= needed {
             return false;
         }
@@ -238,21 +251,21 @@ impl<'a> Fitter<'a> {
         let variance = more.solution.cost / freedom * memory.1;
         let Some(covariance) = more.solution.covariance() else { return false };
         let own = &more.solution.parameters;
-        (CLAMPED..own.len()).step_by(BRANCH).all(|at| {
+        (CLAMPED_PARAMETERS..own.len()).step_by(BRANCH_PARAMETERS).all(|at| {
             let sd = |at: usize| (variance * covariance[(at, at)]).sqrt();
             let inside = (libm::log(from)..=libm::log(to)).contains(&own[at]);
-            inside && sd(at + 1) < LARGEST_LN_SD && sd(at + 2) < LARGEST_LN_SD
+            inside && sd(at + 1) < MAX_LN_SD && sd(at + 2) < MAX_LN_SD
         })
     }
 
-    /// Whitens, and states the covariance.
+    /// Whitens the residuals, and computes the covariance.
     fn finish(&self, stage: Stage) -> Result<Fit, ImportError> {
         let Stage { mut solution, weights } = stage;
         let (mut correlation, mut inflation) = memory(&complex(&solution.linear.residuals));
         let misfit = roughness(&complex(&solution.linear.residuals));
         let residuals = complex(&solution.linear.residuals);
         if inflation > 1.0 {
-            let rho = correlation.min(MOST_CORRELATION);
+            let rho = correlation.min(MAX_CORRELATION);
             if let Some(white) = self.solve(&solution.parameters, &weights, rho).filter(|white| white.converged) {
                 inflation = memory(&complex(&white.linear.residuals)).1;
                 solution = white;
@@ -265,17 +278,18 @@ impl<'a> Fitter<'a> {
         let covariance =
             solution.covariance().ok_or_else(|| no_fit("the data do not determine all parameters of the circuit"))?;
         if !solution.converged {
-            return Err(no_fit("the search does not come to an end"));
+            return Err(no_fit("the search does not converge"));
         }
-        if let Some(at) =
-            (CLAMPED..solution.parameters.len()).step_by(BRANCH).find(|at| !self.is_inside(solution.parameters[*at]))
+        if let Some(at) = (CLAMPED_PARAMETERS..solution.parameters.len())
+            .step_by(BRANCH_PARAMETERS)
+            .find(|at| !self.is_inside(solution.parameters[*at]))
         {
             let hz = libm::exp(solution.parameters[at]);
             let [from_hz, to_hz] = [self.measured.hz[0], self.measured.hz[self.measured.hz.len() - 1]].map(|hz| rounded(hz, 9));
             return Err(ImportError::NoResonance {
                 from_hz,
                 to_hz,
-                why: format!("the nearest that explains the data lies outside, at {hz:.1} Hz"),
+                why: format!("the nearest one that explains the data is outside, at {hz:.1} Hz"),
             });
         }
         let mean = |part: usize| {

@@ -1,11 +1,13 @@
-//! What a fixture adds, and how it is taken away: a series impedance `Zs`, a stray admittance `Yo` across the transducer, and a resistance `R` in series with it.
+//! Correction of a fixture: a series impedance `Zs`, a stray admittance `Yo` across the transducer,
+//! and a resistance `R` in series with it.
 //!
 //! ```text
 //! Zs = Z(short),   Yo = 1 / (Z(open) - Zs),   1 / Y + R = 1 / (1 / (Z - Zs) - Yo)
 //! ```
 //!
-//! This is the open-short compensation of impedance analysers. Both measurements are linearly interpolated in frequency, as impedance and as admittance.
-//! Curves are shown as corrected; the fit compares what the instrument has read, because the noise is that of the instrument.
+//! This is the open-short compensation of impedance analysers. Both measurements are interpolated
+//! linearly in frequency, as impedance and as admittance. Curves show corrected values. The fit
+//! compares the readings of the instrument, because the noise is that of the instrument.
 
 use num_complex::Complex64;
 
@@ -13,19 +15,20 @@ use super::measured::Measured;
 use super::options::Options;
 use crate::error::ImportError;
 
-/// What lies between transducer and instrument at one frequency.
+/// Network between transducer and instrument at one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fixture {
-    /// Impedance in series with all else, ohm.
+    /// Impedance in series with the whole, ohm.
     pub lead: Complex64,
-    /// Admittance across transducer and series resistance, S.
+    /// Admittance across the transducer and its series resistance, S.
     pub stray: Complex64,
     /// Resistance in series with the transducer alone, ohm.
     pub series_ohm: f64,
 }
 
 impl Fixture {
-    /// The admittance that the instrument sees, and how it changes with that of the transducer.
+    /// Returns the admittance that the instrument measures, and its derivative by that of the
+    /// transducer.
     pub(crate) fn seen(&self, admittance: Complex64) -> (Complex64, Complex64) {
         let behind = (1.0 + self.series_ohm * admittance).inv();
         let across = admittance * behind + self.stray;
@@ -33,21 +36,21 @@ impl Fixture {
         (across * before, behind * behind * before * before)
     }
 
-    /// The admittance of the transducer.
+    /// Returns the admittance of the transducer from the measured one.
     fn corrected(&self, seen: Complex64) -> Complex64 {
         let across = (seen.inv() - self.lead).inv() - self.stray;
         (across.inv() - self.series_ohm).inv()
     }
 }
 
-/// Takes away the fixture that the options name.
+/// Corrects the fixture that the options give.
 pub(super) fn correct(measured: &mut Measured, options: &Options) -> Result<(), ImportError> {
     let read = |path: &Option<std::path::PathBuf>| path.as_deref().map(|path| Measured::read(path, options)).transpose();
     let (open, short) = (read(&options.open)?, read(&options.short)?);
     apply(measured, open.as_ref(), short.as_ref(), options.series_ohm)
 }
 
-/// Takes away a fixture by its measurements.
+/// Corrects a fixture by its measurements.
 pub(crate) fn apply(
     measured: &mut Measured,
     open: Option<&Measured>,
@@ -70,7 +73,7 @@ pub(crate) fn apply(
         let fixture = Fixture { lead, stray, series_ohm };
         let corrected = fixture.corrected(measured.seen[at]);
         if !(corrected.re.is_finite() && corrected.im.is_finite()) {
-            return Err(ImportError::Fixture(format!("nothing of the transducer is left at {hz} Hz")));
+            return Err(ImportError::Fixture(format!("the corrected admittance is not finite at {hz} Hz")));
         }
         measured.admittance[at] = corrected;
         measured.fixture.push(fixture);
@@ -78,15 +81,15 @@ pub(crate) fn apply(
     let names =
         [open.map(|_| "open fixture"), short.map(|_| "shorted fixture"), (series_ohm != 0.0).then_some("series resistance")];
     let names: Vec<_> = names.into_iter().flatten().collect();
-    measured.remarks.push(format!("Corrected by the {}", names.join(", ")));
+    measured.remarks.push(format!("Corrected for the {}", names.join(", ")));
     Ok(())
 }
 
-/// A value of a fixture at a frequency between its points.
+/// Returns a value of a fixture at a frequency, interpolated between its points.
 fn at_frequency(fixture: &Measured, hz: f64, name: &str, of: impl Fn(Complex64) -> Complex64) -> Result<Complex64, ImportError> {
     let points = &fixture.hz;
     let behind = points.partition_point(|point| *point < hz);
-    // Ends that differ in the last digits printed are the same.
+    // Frequencies that differ only in the last printed digits are equal.
     let slack = 1e-6 * hz;
     let value = |at: usize| of(fixture.admittance[at]);
     match (behind.checked_sub(1), points.get(behind)) {
@@ -99,7 +102,7 @@ fn at_frequency(fixture: &Measured, hz: f64, name: &str, of: impl Fn(Complex64) 
         _ => {
             let (from, to) = (points.first().copied().unwrap_or(0.0), points.last().copied().unwrap_or(0.0));
             Err(ImportError::Fixture(format!(
-                "the measurement of the {name} goes from {from} to {to} Hz, and the sweep has {hz} Hz"
+                "the measurement of the {name} goes from {from} to {to} Hz, but the sweep has {hz} Hz"
             )))
         }
     }
@@ -111,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn open_short_and_series_resistance_are_taken_away() {
+    fn open_short_and_series_resistance_are_corrected() {
         let hz = vec![40e3, 41e3];
         let sweep = |of: &dyn Fn(f64) -> Complex64| Measured {
             hz: hz.clone(),
@@ -131,6 +134,6 @@ mod tests {
         assert!((measured.reading(1, own).0 - Coordinate::Immittance.of(measured.seen[1])).norm_sqr() < 1e-24);
         let narrow = Measured { hz: vec![40.5e3, 40.6e3], ..open };
         let error = apply(&mut measured, Some(&narrow), None, 0.0).unwrap_err().to_string();
-        assert!(error.contains("open goes from 40500 to 40600 Hz, and the sweep has 40000 Hz"), "{error}");
+        assert!(error.contains("open goes from 40500 to 40600 Hz, but the sweep has 40000 Hz"), "{error}");
     }
 }

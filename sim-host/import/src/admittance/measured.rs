@@ -1,4 +1,5 @@
-//! A measured sweep: from the text of a file to admittances over frequency, in the coordinates of the instrument.
+//! Measured sweeps: from the text of a file to admittances over frequency, in the coordinates of
+//! the instrument.
 
 use std::path::Path;
 
@@ -17,55 +18,56 @@ use crate::traces;
 use crate::units::to_si;
 use delimited::decode;
 
-/// A sweep of a transducer's admittance over frequency.
+/// Sweep of a transducer's admittance over frequency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// Frequencies, Hz, rising.
+    /// Frequencies, Hz, in ascending order.
     pub hz: Vec<f64>,
     /// Admittance of the transducer at each frequency, S.
     pub admittance: Vec<Complex64>,
-    /// Admittance as it was measured, with what is corrected, S.
+    /// Admittance as measured, including the fixture, S.
     pub seen: Vec<Complex64>,
-    /// What lies between transducer and instrument at each frequency; empty where nothing was corrected.
+    /// Network between transducer and instrument at each frequency; empty without a correction.
     pub fixture: Vec<Fixture>,
-    /// What the instrument reads.
+    /// Quantity that the instrument reads.
     pub coordinate: Coordinate,
-    /// What was found about the file rather than given, a sentence each.
+    /// Inferred properties of the file, one sentence each.
     pub remarks: Vec<String>,
 }
 
 impl Measured {
-    /// The sweep of a file.
+    /// Reads the sweep of a file.
     ///
     /// # Errors
-    /// [`ImportError`], with the line or value that shows why.
+    /// Returns [`ImportError`], with the line or value that shows the reason.
     pub fn read(path: &Path, options: &Options) -> Result<Self, ImportError> {
         let bytes = std::fs::read(path).map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
         Self::parse(&path.to_string_lossy(), &bytes, options)
     }
 
-    /// The sweep of a file of this name with this content.
+    /// Parses the content of a file with this name.
     ///
     /// # Errors
-    /// [`ImportError`], as of [`Measured::read`].
+    /// Returns [`ImportError`], as [`Measured::read`] does.
     pub fn parse(name: &str, bytes: &[u8], options: &Options) -> Result<Self, ImportError> {
         let text = decode(bytes);
         let small = name.to_lowercase();
         let ports = ["s1p", "s2p"].iter().position(|end| small.ends_with(&format!(".{end}"))).map(|at| at + 1);
         if ports.is_some() || touchstone::looks_like(&text) {
-            of_touchstone(&touchstone::read(&text, ports)?, options)
+            from_touchstone(&touchstone::read(&text, ports)?, options)
         } else {
-            of_table(&text, options)
+            from_table(&text, options)
         }
     }
 
-    /// The instrument's reading of an admittance of the transducer at a point of the sweep, and how it changes with that.
+    /// Returns the instrument's reading for an admittance of the transducer at a point of the
+    /// sweep, and its derivative by that admittance.
     pub(crate) fn reading(&self, at: usize, admittance: Complex64) -> (Complex64, Complex64) {
         let (seen, slope) = self.fixture.get(at).map_or((admittance, 1.0.into()), |fixture| fixture.seen(admittance));
         (self.coordinate.of(seen), self.coordinate.slope(seen) * slope)
     }
 
-    /// A sweep in order of frequency, once its points are known; the readings of an immittance are admittances.
+    /// Creates a sweep in order of frequency. The readings of an immittance are admittances.
     fn new(
         lines: &[usize],
         hz: Vec<f64>,
@@ -79,10 +81,10 @@ impl Measured {
             if y == Complex64::ZERO {
                 return Err(ImportError::BadLine { line: *line, what: "an admittance of zero has no angle".into() });
             }
-            // What is out of all proportion would leave the range of numbers on the way.
+            // Extreme values would overflow later.
             let size = y.re.abs().max(y.im.abs());
             if size.is_nan() || size >= 1e12 {
-                let what = format!("the value {reading} has no admittance, as of an ideal short or an open");
+                let what = format!("the value {reading} has no finite admittance, as for an ideal short or open");
                 return Err(ImportError::BadLine { line: *line, what });
             }
             admittance.push(y);
@@ -91,7 +93,7 @@ impl Measured {
     }
 }
 
-fn of_touchstone(file: &Touchstone, options: &Options) -> Result<Measured, ImportError> {
+fn from_touchstone(file: &Touchstone, options: &Options) -> Result<Measured, ImportError> {
     let mut remarks = vec![file.found.clone()];
     let ohm = file.ohm;
     match file.kind {
@@ -99,7 +101,7 @@ fn of_touchstone(file: &Touchstone, options: &Options) -> Result<Measured, Impor
             let topology = match (options.topology, file.parameters.len()) {
                 (Some(Topology::OnePort) | None, 1) => Topology::OnePort,
                 (Some(given), 1) => {
-                    let why = format!("a file of one port has no S21, which {given:?} needs");
+                    let why = format!("a one-port file has no S21, which {given:?} needs");
                     return Err(ImportError::TopologyDoubtful { why });
                 }
                 (Some(given), _) => given,
@@ -119,7 +121,7 @@ fn of_touchstone(file: &Touchstone, options: &Options) -> Result<Measured, Impor
     }
 }
 
-fn of_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
+fn from_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
     let columns = options.columns.as_deref();
     let table = match traces::joined(text, columns)? {
         Some(table) => table,
@@ -128,7 +130,8 @@ fn of_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
     let mut remarks = vec![format!("A table with {}", table.found)];
     let Some(names) = &table.header else {
         let seen = format!(
-            "a table of {} columns without a heading; name them with `--columns`, as `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`",
+            "a table of {} columns without a heading; name them with `--columns`, such as `--columns \"f [Hz], |Z| [ohm], theta \
+             [deg]\"`",
             table.columns.len()
         );
         return Err(ImportError::UnknownForm { seen });
@@ -147,8 +150,9 @@ fn of_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
     };
     let unknown = |what: &str| {
         let seen = format!(
-            "the columns are `{}`: {what}. Known are f with |Z| and theta, |Y| and theta, R and X, G and B, or S11 as real and imaginary part, as size or dB and \
-             phase; name the columns with `--columns`, as `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`",
+            "the columns are `{}`: {what}. Known are f with |Z| and theta, |Y| and theta, R and X, G and B, or S11 as real and \
+             imaginary part, or as magnitude or dB and phase; name the columns with `--columns`, such as `--columns \"f [Hz], \
+             |Z| [ohm], theta [deg]\"`",
             names.iter().map(|name| delimited::beginning(name)).collect::<Vec<_>>().join("`, `")
         );
         Err(ImportError::UnknownForm { seen })
@@ -158,7 +162,7 @@ fn of_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
         Admittance, Angle, Conductance, Frequency, Impedance, Reactance, Resistance, ScatteringDb, ScatteringImaginary,
         ScatteringReal, ScatteringSize, Susceptance,
     };
-    let Some(hz) = take(Frequency)? else { return unknown("none is the frequency") };
+    let Some(hz) = take(Frequency)? else { return unknown("no column is the frequency") };
     let pair = [
         (Resistance, Reactance),
         (Conductance, Susceptance),
@@ -169,9 +173,9 @@ fn of_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
         (ScatteringDb, Angle),
     ];
     let Some((first, second)) = pair.into_iter().find(|(first, second)| has(*first) && has(*second)) else {
-        return unknown("no two of them make a complex number");
+        return unknown("no two of them form a complex number");
     };
-    let (Some(a), Some(b)) = (take(first)?, take(second)?) else { return unknown("no two of them make a complex number") };
+    let (Some(a), Some(b)) = (take(first)?, take(second)?) else { return unknown("no two of them form a complex number") };
     let values: Vec<Complex64> = a
         .iter()
         .zip(&b)
@@ -195,7 +199,7 @@ fn of_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
     }
 }
 
-/// The heading of a column as it stands in the file.
+/// Returns the heading of a column as in the file.
 fn named(known: &[Option<Heading>], at: Option<usize>) -> &str {
     at.and_then(|at| known[at].as_ref()).map_or("", |heading| &heading.text)
 }

@@ -1,16 +1,17 @@
-//! The memory of residuals: how neighbours are alike, and how a fit is whitened of it.
+//! Correlation of neighbouring residuals, called memory, and whitening of a fit.
 
 use num_complex::Complex64;
 
 use crate::least_squares::Linear;
 
-/// Residuals as complex numbers.
+/// Converts residuals to complex numbers.
 pub(super) fn complex(residuals: &[f64]) -> Vec<Complex64> {
     let (re, im) = residuals.split_at(residuals.len() / 2);
     re.iter().zip(im).map(|(re, im)| Complex64::new(*re, *im)).collect()
 }
 
-/// Residuals and derivatives less a part of those of the point before, which has the same variance.
+/// Whitens residuals and derivatives: subtracts a fraction of those of the preceding point, and
+/// keeps the variance.
 pub(super) fn whitened(linear: &Linear, rho: f64) -> Linear {
     let half = linear.residuals.len() / 2;
     let scale = 1.0 / (1.0 - rho * rho).sqrt();
@@ -21,7 +22,8 @@ pub(super) fn whitened(linear: &Linear, rho: f64) -> Linear {
     Linear { residuals: of(&linear.residuals), columns: linear.columns.iter().map(of).collect() }
 }
 
-/// Correlation of neighbours, and the factor of the variance that comes of all correlations that stand out of chance.
+/// Returns the correlation of neighbours, and the factor of the variance due to all significant
+/// correlations.
 pub(super) fn memory(residuals: &[Complex64]) -> (f64, f64) {
     let n = residuals.len();
     let square: f64 = residuals.iter().map(Complex64::norm_sqr).sum();
@@ -44,10 +46,11 @@ pub(super) fn memory(residuals: &[Complex64]) -> (f64, f64) {
     (first, factor)
 }
 
-/// Variance of residuals over that of noise of the same third differences: one where they are noise.
+/// Returns the variance of residuals relative to that of noise with the same third differences; 1
+/// for noise.
 pub(super) fn roughness(residuals: &[Complex64]) -> f64 {
-    const SQUARES: f64 = 20.0; // 1 + 9 + 9 + 1
-    let differences = residuals.windows(4).map(|e| (e[0] - 3.0 * e[1] + 3.0 * e[2] - e[3]).norm_sqr() / SQUARES);
+    const DIFFERENCE_WEIGHT: f64 = 20.0; // 1 + 9 + 9 + 1
+    let differences = residuals.windows(4).map(|e| (e[0] - 3.0 * e[1] + 3.0 * e[2] - e[3]).norm_sqr() / DIFFERENCE_WEIGHT);
     let count = residuals.len().saturating_sub(3).max(1) as f64;
     let rough = differences.sum::<f64>() / count;
     let whole = residuals.iter().map(Complex64::norm_sqr).sum::<f64>() / residuals.len().max(1) as f64;

@@ -1,4 +1,4 @@
-//! What a file does not say, and the caller may.
+//! Options for properties that a file does not contain.
 
 use std::path::PathBuf;
 
@@ -8,21 +8,22 @@ use crate::units::Units;
 /// Options of an import.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Reference resistance of scattering parameters in a table, ohm; a Touchstone file has its own.
+    /// Reference resistance of scattering parameters in a table, ohm; a Touchstone file has its
+    /// own.
     pub z0_ohm: f64,
-    /// How the transducer was connected to a network analyser; nothing finds out.
+    /// Connection of the transducer to a network analyser; `None` determines it from the data.
     pub topology: Option<Topology>,
-    /// Units of columns that name none.
+    /// Units of columns whose headings have none.
     pub units: Units,
-    /// Names of the columns of a table, in place of its heading.
+    /// Names of the columns of a table, replacing its heading.
     pub columns: Option<String>,
     /// Measurement of the open fixture.
     pub open: Option<PathBuf>,
     /// Measurement of the shorted fixture.
     pub short: Option<PathBuf>,
-    /// Resistance in series with the transducer, which is no part of it, ohm.
+    /// Resistance in series with the transducer that is not part of it, ohm.
     pub series_ohm: f64,
-    /// How many resonances to fit; nothing lets the data decide.
+    /// Number of resonances to fit; `None` determines it from the data.
     pub modes: Option<usize>,
 }
 

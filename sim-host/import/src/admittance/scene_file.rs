@@ -1,44 +1,49 @@
-//! A scene of the transducer: its circuit as the truth, its rounded values as what the controller is told, and converters that suit both.
+//! Scene of a measured transducer: its circuit as the plant, rounded values as nominal values of
+//! the controller, and suitable converters.
 
 use std::fmt::Write as _;
 
 use super::result::{Admittance, Mode};
-use crate::stated::rounded;
+use report::rounded;
 
-/// Samples a second of the board's converters, Hz.
+/// Sampling rate of the board's converters, Hz.
 const SAMPLE_HZ: f64 = 1e6;
-/// Resonances that a scene can have, Hz.
-const RESONANCES_HZ: (f64, f64) = (100.0, 450e3);
-/// Lengths of a block, samples.
-const BLOCKS: [u16; 2] = [32, 64];
-/// Least periods of the lowest frequency in a block.
-const LEAST_PERIODS: f64 = 0.55;
+/// Smallest resonance that a scene can have, Hz.
+const MIN_RESONANCE_HZ: f64 = 100.0;
+/// Largest resonance that a scene can have, Hz.
+const MAX_RESONANCE_HZ: f64 = 450e3;
+/// Block lengths, samples.
+const BLOCK_SAMPLES: [u16; 2] = [32, 64];
+/// Minimum number of periods of the lowest frequency per block.
+const MIN_PERIODS: f64 = 0.55;
 /// Peak drive voltage, V.
 const DRIVE_V: f64 = 2.0;
-/// Range of the sensors over what the drive makes of the circuit.
-const HEADROOM: f64 = 2.0;
-/// Widest window about the nominal frequency, and steps of one bandwidth that a scan has at most.
-const SPAN: f64 = 0.03;
-const SCAN_STEPS: f64 = 360.0;
+/// Range of the current sensor relative to the expected current.
+const CURRENT_RANGE_RATIO: f64 = 2.0;
+/// Largest half-width of the window, relative to the nominal frequency.
+const MAX_SPAN_REL: f64 = 0.03;
+/// Maximum width of the window, bandwidths.
+const MAX_WINDOW_BANDWIDTHS: f64 = 360.0;
 
 impl Admittance {
-    /// The scene as TOML; nothing where its resonance is none that a scene can have. `source` is the file the circuit comes from.
+    /// Returns the scene as TOML; none if a scene cannot have its resonance. `source` is the file
+    /// of the measurement.
     pub fn scene(&self, source: &str) -> Option<String> {
         let circuit = &self.circuit;
         let (hz, q) = (circuit.series_resonance_hz.value, circuit.q.value);
         let (rm, c0, lm) = (circuit.rm_ohm.value, circuit.c0_f.value, circuit.lm_h.value);
-        if !(RESONANCES_HZ.0..=RESONANCES_HZ.1).contains(&hz) {
+        if !(MIN_RESONANCE_HZ..=MAX_RESONANCE_HZ).contains(&hz) {
             return None;
         }
         let room = circuit.parallel_resonance_hz.value / hz - 1.0;
-        let span = SPAN.min(SCAN_STEPS / (2.0 * q)).min(if room > 0.01 { 0.9 * room } else { SPAN });
+        let span = MAX_SPAN_REL.min(MAX_WINDOW_BANDWIDTHS / (2.0 * q)).min(if room > 0.01 { 0.9 * room } else { MAX_SPAN_REL });
         let span = rounded(span.max(1e-4), 2);
         let lowest = hz * (1.0 - span);
-        let block = BLOCKS.into_iter().find(|block| f64::from(*block) * lowest / SAMPLE_HZ >= LEAST_PERIODS);
-        let (block, sample_hz) = block.map_or((64, (64.0 * lowest / LEAST_PERIODS).max(1e5)), |block| (block, SAMPLE_HZ));
+        let block = BLOCK_SAMPLES.into_iter().find(|block| f64::from(*block) * lowest / SAMPLE_HZ >= MIN_PERIODS);
+        let (block, sample_hz) = block.map_or((64, (64.0 * lowest / MIN_PERIODS).max(1e5)), |block| (block, SAMPLE_HZ));
         let omega = std::f64::consts::TAU * hz;
         let current = DRIVE_V * ((1.0 / rm).powi(2) + (omega * c0).powi(2)).sqrt();
-        let range_a = rounded(HEADROOM * current, 2).clamp(1e-6, 1e3);
+        let range_a = rounded(CURRENT_RANGE_RATIO * current, 2).clamp(1e-6, 1e3);
         let ring_s = q / (std::f64::consts::PI * hz);
         let duration_s = rounded((0.3 + 300.0 * ring_s).min(10.0), 2);
         let title = format!("Measured transducer {}: cold start, identification, lock", self.name);
@@ -94,7 +99,7 @@ fn further(text: &mut String, mode: &Mode) {
     }
 }
 
-/// A text as a string of TOML.
+/// Quotes a text as a string of TOML.
 fn quoted(text: &str) -> String {
     let escaped: String = text
         .chars()

@@ -1,8 +1,11 @@
-//! Initial values, from the data alone: the next resonance is where it takes most away from the residuals.
+//! Initial values of a fit, from the data alone: the next resonance is at the largest reduction of
+//! the residuals.
 //!
-//! For each candidate of `fs` and `Q` the circuit is linear in what remains: `C0`, `C0 tan d` and the conductance `G` of each branch. So the known branches
-//! and the clamped one are projected out once, and a candidate `h = 1 / (1 + j Q (f / fs - fs / f))` takes `(h' r)^2 / h' h` from the sum of squares, if its `G`
-//! is positive. Frequencies are tried in steps of a fraction of the candidate's bandwidth, qualities in steps of a factor.
+//! For given `fs` and `Q` the circuit is linear in the other parameters: `C0`, `C0 tan d` and the
+//! conductance `G` of each branch. The known branches and the clamped one are projected out once. A
+//! candidate `h = 1 / (1 + j Q (f / fs - fs / f))` then reduces the sum of squares by
+//! `(h' r)^2 / h' h`, if its `G` is positive. Frequencies are tried in steps of a fraction of the
+//! candidate's bandwidth, quality factors in steps of a constant ratio.
 
 use std::f64::consts::TAU;
 
@@ -11,21 +14,25 @@ use num_complex::Complex64;
 
 use super::circuit::{Branch, Equivalent};
 
-/// Least and largest quality factor that is tried, and the step between two.
-const QUALITIES: (f64, f64) = (2.0, 1e5);
-const QUALITY_STEP: f64 = 1.8;
-/// Steps of the frequency in a bandwidth.
-const STEPS: f64 = 3.0;
-/// Most points that a search looks at: it leaves some out of more.
-const MOST_POINTS: usize = 1200;
-/// Most frequencies that are tried of one quality.
-const MOST_FREQUENCIES: usize = 600;
-/// A candidate is looked at within so many of its bandwidths where these are few of the sweep's points.
-const WINDOW: f64 = 24.0;
+/// Smallest tried quality factor.
+const MIN_Q: f64 = 2.0;
+/// Largest tried quality factor.
+const MAX_Q: f64 = 1e5;
+/// Ratio of successive quality factors.
+const Q_RATIO: f64 = 1.8;
+/// Number of frequency steps per bandwidth.
+const STEPS_PER_BANDWIDTH: f64 = 3.0;
+/// Maximum number of points of a search; a longer sweep is thinned out.
+const MAX_POINTS: usize = 1200;
+/// Maximum number of frequencies per quality factor.
+const MAX_FREQUENCIES: usize = 600;
+/// Distance, in bandwidths of the candidate, up to which points are used if the bandwidth contains
+/// few of them.
+const WINDOW_BANDWIDTHS: f64 = 24.0;
 
-/// What the search looks at: admittances with weights.
+/// Weighted admittances of a search.
 pub(super) struct Points<'a> {
-    /// Frequencies, Hz, rising.
+    /// Frequencies, Hz, in ascending order.
     pub(super) hz: &'a [f64],
     /// Measured admittances, S.
     pub(super) admittance: &'a [Complex64],
@@ -33,34 +40,35 @@ pub(super) struct Points<'a> {
     pub(super) weight: &'a [Complex64],
 }
 
-/// A vector of the search: real and imaginary parts of all points.
+/// Vector of the search: real and imaginary parts of all points.
 type Vector = Vec<Complex64>;
 
 fn dot(a: &[Complex64], b: &[Complex64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.re * b.re + a.im * b.im).sum()
 }
 
-/// A resonance of conductance one at a frequency.
+/// Returns the admittance of a resonance with a conductance of one at a frequency.
 fn unit(hz: f64, (own, q): (f64, f64)) -> Complex64 {
     Complex64::new(1.0, q * (hz / own - own / hz)).inv()
 }
 
-/// The clamped branch alone, by linear least squares.
+/// Fits the clamped branch alone, by linear least squares.
 pub(super) fn clamped(points: &Points) -> Option<Equivalent> {
     linear(points, &[])
 }
 
-/// Circuits with one more resonance than `known` has: of each quality the one that explains most, and of these the best few. A single one may lead the
-/// fit astray, where much of a circle is lost in noise. None if none has a positive conductance.
+/// Returns circuits with one more resonance than `known`: the best candidate of each quality
+/// factor, and of these the best few. A single start may mislead the fit if much of a circle is
+/// lost in noise. Returns none if no candidate has a positive conductance.
 pub(super) fn next(points: &Points, known: &[Branch]) -> Vec<Equivalent> {
-    const FEW: usize = 5;
+    const MAX_STARTS: usize = 5;
     let shapes: Vec<(f64, f64)> = known.iter().map(|branch| (branch.hz, branch.q)).collect();
     let mut found = search(points, &shapes).unwrap_or_default();
     found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    found.into_iter().take(FEW).filter_map(|(_, shape)| linear(points, &[shapes.as_slice(), &[shape]].concat())).collect()
+    found.into_iter().take(MAX_STARTS).filter_map(|(_, shape)| linear(points, &[shapes.as_slice(), &[shape]].concat())).collect()
 }
 
-/// The circuit with resonances of these frequencies and qualities.
+/// Fits the circuit with resonances at these frequencies and quality factors.
 fn linear(points: &Points, shapes: &[(f64, f64)]) -> Option<Equivalent> {
     let mut columns = base(points);
     columns.extend(shapes.iter().map(|shape| column(points, |hz| unit(hz, *shape))));
@@ -73,7 +81,7 @@ fn linear(points: &Points, shapes: &[(f64, f64)]) -> Option<Equivalent> {
     let found = Cholesky::new(matrix)?.solve(&right);
     let value = |at: usize| found[at] / scales[at];
     let c0_f = value(0);
-    // A start has what no fit can do without; how little of it, the fit finds out.
+    // A start needs positive values; the fit finds out how small they are.
     let largest = points.admittance.iter().map(|y| y.norm_sqr()).fold(0.0, f64::max).sqrt();
     let least = 1e-6 * largest;
     let c0_f = if c0_f > 0.0 { c0_f } else { least / (TAU * points.hz[0]) };
@@ -90,17 +98,17 @@ fn column(points: &Points, of: impl Fn(f64) -> Complex64) -> Vector {
     points.hz.iter().zip(points.weight).map(|(hz, w)| of(*hz) * w).collect()
 }
 
-/// Columns of the clamped branch.
+/// Returns the columns of the clamped branch.
 fn base(points: &Points) -> Vec<Vector> {
     vec![column(points, |hz| Complex64::new(0.0, TAU * hz)), column(points, |hz| Complex64::new(TAU * hz, 0.0))]
 }
 
-/// A candidate: what it takes from the sum of squares, its frequency and quality.
+/// Candidate: its reduction of the sum of squares, its frequency and quality factor.
 type Candidate = (f64, (f64, f64));
 
-/// Of each quality the candidate that takes most from the sum of squares.
+/// Returns the candidate with the largest reduction, for each quality factor.
 fn search(points: &Points, known: &[(f64, f64)]) -> Option<Vec<Candidate>> {
-    let stride = points.hz.len().div_ceil(MOST_POINTS);
+    let stride = points.hz.len().div_ceil(MAX_POINTS);
     let all = View::new(points, known)?;
     let hz: Vec<f64> = points.hz.iter().copied().step_by(stride).collect();
     let weight: Vec<Complex64> = points.weight.iter().copied().step_by(stride).collect();
@@ -110,18 +118,18 @@ fn search(points: &Points, known: &[(f64, f64)]) -> Option<Vec<Candidate>> {
     let (from, to) = (points.hz[0], points.hz[points.hz.len() - 1]);
     let spacing = (to - from) / (hz.len() - 1).max(1) as f64;
     let mut found = Vec::new();
-    let mut q = QUALITIES.0;
+    let mut q = MIN_Q;
     let finest = points.hz.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-    while q <= QUALITIES.1 && from / q > 0.25 * finest {
+    while q <= MAX_Q && from / q > 0.25 * finest {
         let mut best: Option<Candidate> = None;
         let mut consider = |gain: Option<f64>, shape: (f64, f64)| {
             if let Some(gain) = gain.filter(|gain| best.is_none_or(|(most, _)| *gain > most)) {
                 best = Some((gain, shape));
             }
         };
-        let step = (from.max(to / 4.0) / q / STEPS).min(to - from);
+        let step = (from.max(to / 4.0) / q / STEPS_PER_BANDWIDTH).min(to - from);
         let count = ((to - from) / step).ceil() as usize + 1;
-        if count <= MOST_FREQUENCIES && (stride == 1 || from / q > 4.0 * spacing) {
+        if count <= MAX_FREQUENCIES && (stride == 1 || from / q > 4.0 * spacing) {
             for n in 0..count {
                 let shape = ((from + n as f64 * step).min(to), q);
                 consider(thin.gain(shape, None), shape);
@@ -130,12 +138,12 @@ fn search(points: &Points, known: &[(f64, f64)]) -> Option<Vec<Candidate>> {
             for own in all.peaks(q) {
                 for shift in [-0.3, 0.0, 0.3] {
                     let shape = (own * (1.0 + shift / q), q);
-                    consider(all.gain(shape, Some(WINDOW)), shape);
+                    consider(all.gain(shape, Some(WINDOW_BANDWIDTHS)), shape);
                 }
             }
         }
         found.extend(best);
-        q *= QUALITY_STEP;
+        q *= Q_RATIO;
     }
     Some(found)
 }
@@ -144,7 +152,7 @@ fn search(points: &Points, known: &[(f64, f64)]) -> Option<Vec<Candidate>> {
 struct View<'a> {
     hz: &'a [f64],
     weight: &'a [Complex64],
-    /// Orthonormal vectors of the known part.
+    /// Orthonormal basis of the known part.
     basis: Vec<Vector>,
     residual: Vector,
 }
@@ -175,8 +183,9 @@ impl<'a> View<'a> {
         dot(&residual, &residual).is_finite().then_some(View { hz: points.hz, weight: points.weight, basis, residual })
     }
 
-    /// What a candidate takes from the sum of squares; nothing if its conductance is not positive. With a window, only points near it are looked at, where
-    /// the known part does not matter.
+    /// Returns the reduction of the sum of squares by a candidate; none if its conductance is not
+    /// positive. With a window only the points near it are used, for which the known part is
+    /// negligible.
     fn gain(&self, (own, q): (f64, f64), window: Option<f64>) -> Option<f64> {
         let reach = window.map_or(f64::INFINITY, |window| window * own / q);
         let range = self.hz.partition_point(|hz| *hz < own - reach)..self.hz.partition_point(|hz| *hz <= own + reach);
@@ -189,9 +198,9 @@ impl<'a> View<'a> {
         (along > 0.0 && square > 0.0).then(|| along * along / square)
     }
 
-    /// Points at which the residuals are largest within a bandwidth.
+    /// Returns the frequencies of the largest residuals within a bandwidth.
     fn peaks(&self, q: f64) -> Vec<f64> {
-        const MOST: usize = 48;
+        const MAX_PEAKS: usize = 48;
         let energy = |at: usize| {
             let half = 0.5 * self.hz[at] / q;
             let from = self.hz.partition_point(|hz| *hz < self.hz[at] - half);
@@ -205,6 +214,6 @@ impl<'a> View<'a> {
         };
         let mut peaks: Vec<usize> = (0..self.hz.len()).filter(is_peak).collect();
         peaks.sort_by(|a, b| energies[*b].total_cmp(&energies[*a]));
-        peaks.into_iter().take(MOST).map(|at| self.hz[at]).collect()
+        peaks.into_iter().take(MAX_PEAKS).map(|at| self.hz[at]).collect()
     }
 }

@@ -1,4 +1,4 @@
-//! Order of a sweep: one pass over rising frequencies, each of them its own.
+//! Order of a sweep: one pass over ascending, distinct frequencies.
 
 use super::measured::Measured;
 use crate::error::ImportError;
@@ -6,11 +6,11 @@ use crate::error::ImportError;
 /// Steps to which exporters round, Hz.
 const STEPS_HZ: [(f64, &str); 4] = [(1e6, "1 MHz"), (1e3, "1 kHz"), (100.0, "100 Hz"), (10.0, "10 Hz")];
 
-/// The sweep with rising frequencies; a file that goes down from end to end is turned.
+/// Returns the sweep with ascending frequencies; a descending one is reversed.
 pub(super) fn ordered(lines: &[usize], mut sweep: Measured) -> Result<Measured, ImportError> {
     let hz = &sweep.hz;
     if let Some(at) = hz.iter().position(|hz| !(*hz > 0.0 && *hz < 1e12)) {
-        let what = format!("{} Hz is no frequency of a sweep", hz[at]);
+        let what = format!("{} Hz is not a valid frequency", hz[at]);
         return Err(ImportError::BadLine { line: lines[at], what });
     }
     if let Some(at) = hz.windows(2).position(|pair| pair[0] == pair[1]) {

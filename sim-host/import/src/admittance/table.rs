@@ -1,13 +1,13 @@
-//! The result as tables and as a report.
+//! Tables and report of a fitted admittance.
 
 use report::{Report, TableBlock};
 
 use super::figures;
 use super::result::{Admittance, Mode, Value};
-use crate::stated::{rounded, stated};
+use report::{rounded, stated};
 
 impl Admittance {
-    /// Tables of the result.
+    /// Returns the tables of the result.
     pub fn tables(&self) -> Vec<TableBlock> {
         let mut tables = vec![self.circuit_table()];
         if self.modes.len() > 1 {
@@ -17,7 +17,7 @@ impl Admittance {
         tables
     }
 
-    /// Report of the result: tables and figures. `source` is the file it comes from.
+    /// Returns the report with tables and figures. `source` is the file of the measurement.
     pub fn report(&self, source: &str) -> Report {
         let (hz, q) = (self.circuit.series_resonance_hz, self.circuit.q);
         let tile = |value: Value, unit: &str| {
@@ -56,7 +56,8 @@ impl Admittance {
             let (number, sd) = stated(value.value * factor, value.sd * factor);
             vec![name.to_owned(), number, sd, format!("{:.2e}", (value.sd / value.value).abs())]
         });
-        let caption = "Standard deviations are of the noise in the residuals, with their correlation; what a fixture or a calibration adds to all points alike, no fit can see.";
+        let caption = "Standard deviations follow from the noise of the residuals and its correlation. Systematic errors of a \
+                       fixture or a calibration are not included.";
         TableBlock::new("circuit", "Equivalent circuit", caption, &["", "value", "standard deviation", "relative"], rows.into())
     }
 
@@ -89,7 +90,7 @@ impl Admittance {
         let noise = match self.measured.coordinate {
             super::coordinate::Coordinate::Scattering(..) => format!("{:.1e} of the scattering parameter", self.noise[0]),
             super::coordinate::Coordinate::Immittance => {
-                format!("{:.1e} of the size, {:.1e} rad of the angle", self.noise[0], self.noise[1])
+                format!("{:.1e} of the magnitude, {:.1e} rad of the angle", self.noise[0], self.noise[1])
             }
         };
         rows.push(vec!["noise, rms".to_owned(), noise]);

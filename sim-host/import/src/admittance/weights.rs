@@ -1,37 +1,39 @@
-//! Weights: how large the noise is in each coordinate of each point, found from residuals.
+//! Weights: standard deviation of the noise in each coordinate of each point, from residuals.
 //!
-//! A residual `e` is one of the coordinate of the instrument: of a scattering parameter as it is, of an immittance its logarithm, whose real part is an error of
-//! size and whose imaginary part is one of angle. Its variance is
+//! A residual `e` is in the coordinate of the instrument. For a scattering parameter it is the
+//! difference, for an immittance that of the logarithms: its real part is an error of the
+//! magnitude, its imaginary part one of the angle. Its variance is
 //!
 //! ```text
 //! scattering    v = a + b |S|^2                          receiver noise, trace noise
 //! immittance    v = a + b / |Y|^2 + c |Y|^2              error of ratio, floor of current, floor of voltage
 //! ```
 //!
-//! with coefficients that are not negative, by maximum likelihood; a term is used only where it pays for itself by Bayes's information criterion.
+//! with non-negative coefficients, by maximum likelihood. A term is used only if Bayes's
+//! information criterion accepts it.
 
 use num_complex::Complex64;
 
 use super::coordinate::Coordinate;
 use crate::complex::size;
 
-/// Smallest standard deviation that is believed, part of one of a scattering parameter or of an admittance.
-const FLOOR: f64 = 1e-8;
-/// Least variance of a scattering parameter, part of the mean.
-const LEAST_PART: f64 = 0.3;
+/// Smallest standard deviation, relative to a scattering parameter of one or to an admittance.
+const MIN_SD_REL: f64 = 1e-8;
+/// Smallest variance of a scattering parameter, relative to the mean.
+const MIN_VARIANCE_REL: f64 = 0.3;
 
 /// Standard deviations of the real and imaginary part of each point's residual.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Weights(pub(super) Vec<[f64; 2]>);
 
 impl Weights {
-    /// Equal weights of so many points.
+    /// Creates equal weights for a number of points.
     pub(super) fn equal(points: usize) -> Self {
         Weights(vec![[1.0; 2]; points])
     }
 
-    /// Weights from the residuals of a fit; `fitted` are its admittances.
-    pub(super) fn of(coordinate: Coordinate, fitted: &[Complex64], residuals: &[Complex64]) -> Self {
+    /// Determines weights from the residuals of a fit with the admittances `fitted`.
+    pub(super) fn from_residuals(coordinate: Coordinate, fitted: &[Complex64], residuals: &[Complex64]) -> Self {
         let square = |of: &dyn Fn(&Complex64) -> f64| residuals.iter().map(of).map(|e| e * e).collect::<Vec<f64>>();
         let (re, im) = (square(&|e| e.re), square(&|e| e.im));
         let (of_re, of_im) = match coordinate {
@@ -39,13 +41,14 @@ impl Weights {
                 let terms = [fitted.iter().map(|_| 1.0).collect(), fitted.iter().map(|y| coordinate.of(*y).norm_sqr()).collect()];
                 let both: Vec<f64> = re.iter().zip(&im).map(|(re, im)| 0.5 * (re + im)).collect();
                 let mut variance = variances(&terms, &both);
-                // No receiver is without noise where little comes back to it: a few points there must not count for everything.
-                let least = LEAST_PART * variance.iter().sum::<f64>() / variance.len().max(1) as f64;
+                // A receiver has noise even for a small signal: a few such points must not
+                // dominate.
+                let least = MIN_VARIANCE_REL * variance.iter().sum::<f64>() / variance.len().max(1) as f64;
                 variance.iter_mut().for_each(|v| *v = v.max(least));
                 (variance.clone(), variance)
             }
             Coordinate::Immittance => {
-                // In units of the geometric mean, so that no term is out of all proportion.
+                // Relative to the geometric mean, so that the terms have similar magnitudes.
                 let ln = fitted.iter().map(|y| libm::log(size(*y).max(1e-30))).sum::<f64>() / fitted.len().max(1) as f64;
                 let middle = libm::exp(2.0 * ln);
                 let of = |y: &Complex64| y.norm_sqr().max(1e-60) / middle;
@@ -57,13 +60,13 @@ impl Weights {
                 (variances(&terms, &re), variances(&terms, &im))
             }
         };
-        Weights(of_re.iter().zip(&of_im).map(|(re, im)| [re, im].map(|v| v.sqrt().max(FLOOR))).collect())
+        Weights(of_re.iter().zip(&of_im).map(|(re, im)| [re, im].map(|v| v.sqrt().max(MIN_SD_REL))).collect())
     }
 }
 
-/// The variances that explain these squares best, as a sum of some of the terms.
+/// Returns the most likely variances for these squares, as a sum of some of the terms.
 fn variances(terms: &[Vec<f64>], squares: &[f64]) -> Vec<f64> {
-    let floor = FLOOR * FLOOR;
+    let floor = MIN_SD_REL * MIN_SD_REL;
     let points = squares.len();
     let sum = |coefficients: &[f64]| -> Vec<f64> {
         (0..points).map(|t| coefficients.iter().zip(terms).map(|(a, term)| a * term[t]).sum::<f64>().max(floor)).collect()
@@ -83,13 +86,13 @@ fn variances(terms: &[Vec<f64>], squares: &[f64]) -> Vec<f64> {
     best.map_or_else(|| vec![mean; points], |(_, variance)| variance)
 }
 
-/// Coefficients of the terms used, by scoring; nothing if one becomes negative.
+/// Returns the coefficients of the used terms, by scoring; none if one becomes negative.
 fn likely(terms: &[Vec<f64>], used: &[usize], squares: &[f64], mean: f64, sum: &dyn Fn(&[f64]) -> Vec<f64>) -> Option<Vec<f64>> {
-    const ROUNDS: usize = 12;
+    const SCORING_ROUNDS: usize = 12;
     let n = used.len();
     let mut variance = vec![mean; squares.len()];
     let mut coefficients = vec![0.0; terms.len()];
-    for _ in 0..ROUNDS {
+    for _ in 0..SCORING_ROUNDS {
         let weighted = |a: &dyn Fn(usize) -> f64, b: &dyn Fn(usize) -> f64| {
             (0..squares.len()).map(|t| a(t) * b(t) / (variance[t] * variance[t])).sum::<f64>()
         };
@@ -110,10 +113,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_term_is_used_where_the_squares_ask_for_it() {
+    fn a_noise_term_is_used_only_if_significant() {
         let x: Vec<f64> = (0..400).map(|t| 0.01 + f64::from(t) / 40.0).collect();
         let terms = [vec![1.0; 400], x.clone()];
-        // Squares that are 0.5 and 1.5 times their mean in turn.
+        // Squares that alternate between 0.5 and 1.5 times their mean.
         let of = |mean: &dyn Fn(f64) -> f64| -> Vec<f64> {
             x.iter().enumerate().map(|(t, x)| mean(*x) * (0.5 + (t % 2) as f64)).collect()
         };

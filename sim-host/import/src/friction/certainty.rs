@@ -1,26 +1,32 @@
-//! Covariance of fitted parameters where the noise of neighbouring samples is alike.
+//! Covariance of fitted parameters for correlated noise of neighbouring samples.
 //!
 //! ```text
 //! C = m s^2 A^-1 B A^-1,   A = X'X,   B = X'RX,   R(i, j) = rho^|i - j|,   s^2 = r'r / (n - tr A^-1 B)
 //! ```
 //!
-//! `X` are the derivatives and `r` the residuals of ordinary least squares, which stay close to the measurement even where a model does not fit. The
-//! correlation `rho` of neighbours has the greatest restricted likelihood (D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320): that of the residuals themselves is
-//! too small by what the parameters have taken out of them. `m` is the memory that is left in whitened residuals.
+//! `X` are the derivatives and `r` the residuals of ordinary least squares, which stay close to the
+//! measurement even if a model does not fit. The correlation `rho` of neighbours maximises the
+//! restricted likelihood (D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320). The correlation of
+//! the residuals themselves would be too small, because the fit has removed a part of the noise.
+//! `m` is the remaining memory of the whitened residuals.
 //!
-//! No parameter is taken for known because the log does not determine it: what others lose by it is in their deviations.
+//! A parameter that the log does not determine is not treated as known: its uncertainty increases
+//! the standard deviations of the others.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::least_squares::Linear;
 
-/// Added to the diagonal of matrices whose columns have unit length: a direction that nothing determines has a huge deviation and not none.
+/// Number added to the diagonal of matrices whose columns have unit length. An undetermined
+/// direction then has a huge deviation, instead of an undefined one.
 const RIDGE: f64 = 1e-12;
-/// Correlations of neighbours that are tried: up to a largest, in coarse steps and then in fine ones about the best.
-const LARGEST: f64 = 0.98;
-const STEPS: [f64; 2] = [0.05, 0.005];
+/// Largest tried correlation of neighbours.
+const MAX_CORRELATION: f64 = 0.98;
+/// Steps of the tried correlations: coarse, then fine around the best one.
+const CORRELATION_STEPS: [f64; 2] = [0.05, 0.005];
 
-/// Covariance of the parameters; `places` are the numbers of the samples among all of the log, in order.
+/// Returns the covariance of the parameters. `places` are the ascending indices of the samples in
+/// the log.
 pub(super) fn covariance(linear: &Linear, places: &[usize]) -> Option<DMatrix<f64>> {
     let links = links(correlation(linear, places), places);
     let (matrix, _, scales) = linear.normal();
@@ -36,7 +42,7 @@ pub(super) fn covariance(linear: &Linear, places: &[usize]) -> Option<DMatrix<f6
     let half = product(&inverse, &middle);
     let whole = product(&half, &|i, j| inverse[(i, j)]);
     let count = linear.residuals.len() as f64;
-    // A long memory leaves few samples of their own; a tenth of them is taken for the least.
+    // A long memory leaves few independent samples; a tenth of all samples is the minimum.
     let free = (count - half.trace()).max(0.1 * count).max(1.0);
     let white = whitened(linear, &links);
     let variance = dot(&linear.residuals, &linear.residuals) / free * memory(&white.residuals);
@@ -44,13 +50,13 @@ pub(super) fn covariance(linear: &Linear, places: &[usize]) -> Option<DMatrix<f6
     covariance.iter().all(|value| value.is_finite()).then_some(covariance)
 }
 
-/// Standard deviation of a mean of residuals about it.
-pub(super) fn of_mean(residuals: Vec<f64>, places: &[usize]) -> Option<f64> {
+/// Returns the standard deviation of a mean from the residuals about it.
+pub(super) fn sd_of_mean(residuals: Vec<f64>, places: &[usize]) -> Option<f64> {
     let columns = vec![vec![1.0; residuals.len()]];
     Some(covariance(&Linear { residuals, columns }, places)?[(0, 0)].max(0.0).sqrt())
 }
 
-/// Correlation of each sample with the one before it; none of the first.
+/// Returns the correlation of each sample with the preceding one; zero for the first.
 pub(crate) fn links(rho: f64, places: &[usize]) -> Vec<f64> {
     let link = |at: usize| match at.checked_sub(1) {
         Some(before) => libm::pow(rho, places[at].saturating_sub(places[before]) as f64),
@@ -59,7 +65,8 @@ pub(crate) fn links(rho: f64, places: &[usize]) -> Vec<f64> {
     (0..places.len()).map(link).collect()
 }
 
-/// Residuals and derivatives less a part of those of the sample before, which has the same variance.
+/// Whitens residuals and derivatives: subtracts a fraction of those of the preceding sample, and
+/// keeps the variance.
 pub(crate) fn whitened(linear: &Linear, links: &[f64]) -> Linear {
     let of = |values: &Vec<f64>| {
         let white = |at: usize| match links[at] {
@@ -71,7 +78,7 @@ pub(crate) fn whitened(linear: &Linear, links: &[f64]) -> Linear {
     Linear { residuals: of(&linear.residuals), columns: linear.columns.iter().map(of).collect() }
 }
 
-/// Columns times the matrix of correlations, by a pass forwards and one backwards.
+/// Multiplies columns by the matrix of correlations, in a forward and a backward pass.
 fn correlated(columns: &[Vec<f64>], links: &[f64]) -> Vec<Vec<f64>> {
     let of = |column: &Vec<f64>| {
         let n = column.len();
@@ -91,15 +98,16 @@ fn correlated(columns: &[Vec<f64>], links: &[f64]) -> Vec<Vec<f64>> {
     columns.iter().map(of).collect()
 }
 
-/// The correlation of neighbours that has the greatest restricted likelihood.
+/// Returns the correlation of neighbours with the greatest restricted likelihood.
 fn correlation(linear: &Linear, places: &[usize]) -> f64 {
     let mut best = (f64::INFINITY, 0.0);
-    for step in STEPS {
-        let (coarse, middle) = (step == STEPS[0], best.1);
-        let (from, to) = if coarse { (0.0, LARGEST) } else { (middle - STEPS[0], middle + STEPS[0]) };
+    for step in CORRELATION_STEPS {
+        let (coarse, middle) = (step == CORRELATION_STEPS[0], best.1);
+        let (from, to) =
+            if coarse { (0.0, MAX_CORRELATION) } else { (middle - CORRELATION_STEPS[0], middle + CORRELATION_STEPS[0]) };
         for n in 0..=((to - from) / step) as usize {
             let rho = from + step * n as f64;
-            let deviance = if (0.0..=LARGEST).contains(&rho) { deviance(linear, &links(rho, places)) } else { None };
+            let deviance = if (0.0..=MAX_CORRELATION).contains(&rho) { deviance(linear, &links(rho, places)) } else { None };
             if let Some(deviance) = deviance.filter(|deviance| *deviance < best.0) {
                 best = (deviance, rho);
             }
@@ -108,7 +116,8 @@ fn correlation(linear: &Linear, places: &[usize]) -> f64 {
     best.1
 }
 
-/// Minus twice the logarithm of the restricted likelihood, `ln|R| + ln|X'R^-1 X| + (n - p) ln(r'Pr)`, less what does not depend on the correlation.
+/// Returns minus twice the logarithm of the restricted likelihood,
+/// `ln|R| + ln|X'R^-1 X| + (n - p) ln(r'Pr)`, without terms that do not depend on the correlation.
 fn deviance(linear: &Linear, links: &[f64]) -> Option<f64> {
     let white = whitened(linear, links);
     let (matrix, gradient, scales) = white.normal();
@@ -123,7 +132,7 @@ fn deviance(linear: &Linear, links: &[f64]) -> Option<f64> {
     Some(of_noise + of_columns + free * libm::log(square.max(f64::MIN_POSITIVE)))
 }
 
-/// Factor of the variance that comes of the correlation of residuals.
+/// Returns the factor of the variance due to the correlation of residuals.
 pub(super) fn memory(residuals: &[f64]) -> f64 {
     let n = residuals.len();
     let square: f64 = residuals.iter().map(|r| r * r).sum();
@@ -144,7 +153,8 @@ mod tests {
     use super::*;
     use crate::synthetic::random::Random;
 
-    /// Noise with a memory about a line through the origin, and the slope of that line by least squares with its stated deviation.
+    /// Fits the slope of a line through the origin to correlated noise, and returns it with its
+    /// stated standard deviation.
     fn slope(random: &mut Random, rho: f64) -> (f64, f64) {
         let mut last = random.normal();
         let x: Vec<f64> = (0..300).map(|n| libm::sin(f64::from(n) * 0.05)).collect();
@@ -162,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn deviations_are_those_of_many_noises() {
+    fn stated_deviations_agree_with_many_noise_draws() {
         for rho in [0.0, 0.5, 0.9] {
             let mut random = Random::new(7);
             let drawn: Vec<(f64, f64)> = (0..400).map(|_| slope(&mut random, rho)).collect();
@@ -172,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn what_two_parameters_share_determines_neither() {
+    fn collinear_parameters_are_undetermined() {
         let residuals: Vec<f64> = (0..50).map(|n| f64::from(n % 2) - 0.5).collect();
         let columns = vec![vec![1.0; 50], vec![2.0; 50], (0..50).map(f64::from).collect()];
         let places: Vec<usize> = (0..50).collect();
@@ -181,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_in_the_samples_has_less_correlation() {
+    fn correlation_decays_over_a_gap_in_the_samples() {
         assert_eq!(links(0.5, &[3, 4, 7]), [0.0, 0.5, 0.125]);
         let columns = [vec![1.0, 2.0, 4.0]];
         // R = [1 .5 .0625; .5 1 .125; .0625 .125 1].

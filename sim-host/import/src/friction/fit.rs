@@ -1,8 +1,10 @@
-//! Fits of the contact models to the OFF part of a log, and the choice between them.
+//! Fits of the contact models to the OFF part of a log, and the choice of a model.
 //!
-//! A model is started from several stiffnesses and Stribeck velocities across what the log resolves, and the best end counts; an end elsewhere that explains
-//! the log nearly as well is reported beside it. The choice is Bayes's information criterion, `n ln(sum of squares) + p ln n`, where `n` is the number of samples
-//! over the memory of the best model's residuals: samples of a slow drift say the same again and again.
+//! A model is started from several stiffnesses and Stribeck velocities within the resolution of the
+//! log, and the best result is used. Another result that explains the log nearly as well is also
+//! reported. The choice is by Bayes's information criterion, `n ln(sum of squares) + p ln n`. `n`
+//! is the number of samples divided by the memory of the best model's residuals, because the
+//! samples of a slow drift are not independent.
 
 use nalgebra::DMatrix;
 
@@ -14,11 +16,11 @@ use crate::least_squares::{Linear, Solution, minimise};
 
 /// A fitted model with its residuals.
 pub(crate) struct Searched {
-    /// The model.
+    /// Model.
     pub(super) model: Model,
     /// Parameters of the fit.
     pub(super) fitted: Vec<f64>,
-    /// Covariance of these.
+    /// Covariance of the parameters.
     pub(super) covariance: DMatrix<f64>,
     /// Other parameters that explain the log nearly as well.
     pub(super) rivals: Vec<Vec<f64>>,
@@ -26,10 +28,11 @@ pub(crate) struct Searched {
     pub(super) residuals: Vec<f64>,
 }
 
-/// Rise of `n ln(sum of squares)` up to which another end explains the log nearly as well: three standard deviations.
-const NEARLY: f64 = 9.0;
+/// Largest rise of `n ln(sum of squares)` of another result that explains the log nearly as well:
+/// three standard deviations.
+const MAX_RIVAL_RISE: f64 = 9.0;
 
-/// Fits a model; nothing if no start leads anywhere.
+/// Fits a model; none if no start leads to a finite result.
 pub(super) fn search(model: Model, log: &Log, used: &[bool]) -> Option<Searched> {
     let evaluate = |fitted: &[f64]| residuals(model, fitted, log, used);
     let linear = |fitted: &[f64]| {
@@ -45,13 +48,14 @@ pub(super) fn search(model: Model, log: &Log, used: &[bool]) -> Option<Searched>
     let places: Vec<usize> = (0..used.len()).filter(|at| used[*at]).collect();
     let covariance = covariance(&best.linear, &places)?;
     let samples = best.linear.residuals.len() as f64 / memory(&best.linear.residuals);
-    let is_near = |end: &&Solution| end.converged && samples * libm::log(end.cost / best.cost.max(f64::MIN_POSITIVE)) < NEARLY;
+    let is_near =
+        |end: &&Solution| end.converged && samples * libm::log(end.cost / best.cost.max(f64::MIN_POSITIVE)) < MAX_RIVAL_RISE;
     let rivals = ends[1..].iter().filter(is_near).map(|end| end.parameters.clone()).collect();
     let (fitted, residuals) = (best.parameters.clone(), best.linear.residuals.clone());
     Some(Searched { model, fitted, covariance, rivals, residuals })
 }
 
-/// How each parameter of a model changes something, by differences.
+/// Computes the derivatives by each parameter of a model, by central differences.
 pub(crate) fn slopes(model: Model, fitted: &[f64], of: impl Fn(&[f64]) -> Option<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
     const STEP: f64 = 1e-5;
     let column = |at: usize| {
@@ -67,7 +71,7 @@ pub(crate) fn slopes(model: Model, fitted: &[f64], of: impl Fn(&[f64]) -> Option
     (0..fitted.len()).map(column).collect()
 }
 
-/// Model less measurement at the used samples, N.
+/// Returns model minus measurement at the used samples, N.
 fn residuals(model: Model, fitted: &[f64], log: &Log, used: &[bool]) -> Option<Vec<f64>> {
     let force = model.force(fitted, log);
     let error = force.iter().zip(&log.force_n).zip(used).filter(|(_, used)| **used).map(|((f, measured), _)| f - measured);
@@ -75,7 +79,7 @@ fn residuals(model: Model, fitted: &[f64], log: &Log, used: &[bool]) -> Option<V
     errors.iter().all(|error| error.is_finite()).then_some(errors)
 }
 
-/// Bayes's information criterion of residuals, for so many independent samples.
+/// Returns Bayes's information criterion of residuals with this memory.
 pub(super) fn criterion(residuals: &[f64], parameters: usize, memory: f64) -> f64 {
     let n = residuals.len() as f64 / memory;
     let mean = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;

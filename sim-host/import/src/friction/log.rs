@@ -1,39 +1,39 @@
-//! A friction log: slip and force from sample to sample, the normal force, and when the vibration is ON.
+//! Friction logs: slip and force of each sample, the normal force, and the time of the vibration.
 
 use crate::error::ImportError;
 use delimited::beginning;
 
-/// What a file does not say, and the caller may.
+/// Options for properties that a file does not contain.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Names of the columns, in place of the heading.
+    /// Names of the columns, replacing the heading.
     pub columns: Option<String>,
-    /// Normal force, N, where no column has it.
+    /// Normal force, N, if no column contains it.
     pub normal_n: Option<f64>,
-    /// When the vibration is ON, from and to, s, where no column says it.
+    /// Intervals in which the vibration is ON, s, if no column contains it.
     pub on_s: Vec<(f64, f64)>,
 }
 
-/// A friction log.
+/// Friction log.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Log {
-    /// Time of each sample, s; empty where the file has none.
+    /// Time of each sample, s; empty if the file has none.
     pub time_s: Vec<f64>,
-    /// Slip since the sample before, m; zero for the first.
+    /// Slip since the preceding sample, m; zero for the first.
     pub slip_m: Vec<f64>,
     /// Slip velocity, m/s.
     pub velocity_m_per_s: Vec<f64>,
-    /// Friction, N, positive against a positive slip.
+    /// Friction, N, positive if it opposes a positive slip.
     pub force_n: Vec<f64>,
     /// Mean normal force, N.
     pub normal_n: f64,
-    /// Whether the vibration is ON.
+    /// `true` for samples with vibration.
     pub on: Vec<bool>,
-    /// What was found about the file, a sentence each.
+    /// Inferred properties of the file, one sentence each.
     pub remarks: Vec<String>,
 }
 
-/// What a column of a log holds.
+/// Quantity of a column of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Quantity {
     Time,
@@ -44,10 +44,10 @@ enum Quantity {
     On,
 }
 
-/// Least samples of the OFF part.
-const LEAST_SAMPLES: usize = 20;
+/// Minimum number of samples of the OFF part.
+const MIN_OFF_SAMPLES: usize = 20;
 
-/// Factor of a unit to the SI's for a quantity.
+/// Returns the factor of a unit to the SI unit of a quantity.
 fn factor(quantity: Quantity, unit: &str) -> Option<f64> {
     let unit = unit.trim().to_lowercase();
     match quantity {
@@ -80,7 +80,7 @@ fn factor(quantity: Quantity, unit: &str) -> Option<f64> {
     }
 }
 
-/// The quantity of a name without its unit.
+/// Returns the quantity of a name without its unit.
 fn quantity(name: &str) -> Option<Quantity> {
     let bare: String = name.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
     Some(match bare.as_str() {
@@ -94,7 +94,7 @@ fn quantity(name: &str) -> Option<Quantity> {
     })
 }
 
-/// Quantity and factor of a heading such as `x [mm]`, `force_n` or `on`.
+/// Returns quantity and factor of a heading such as `x [mm]`, `force_n` or `on`.
 fn heading(text: &str) -> Option<(Quantity, Option<f64>)> {
     let text = text.trim();
     let brackets = [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
@@ -111,18 +111,18 @@ fn heading(text: &str) -> Option<(Quantity, Option<f64>)> {
 }
 
 impl Log {
-    /// The log of a text.
+    /// Parses a log from text.
     ///
     /// # Errors
-    /// [`ImportError`], with the line or column that shows why.
+    /// Returns [`ImportError`], with the line or column that shows the reason.
     pub fn parse(text: &str, options: &Options) -> Result<Self, ImportError> {
         let table = delimited::read(text, options.columns.as_deref())?;
         let names = table.header.clone().unwrap_or_default();
         let seen = |what: &str| {
             let names = names.iter().map(|name| beginning(name)).collect::<Vec<_>>().join("`, `");
             let seen = format!(
-                "the columns are `{names}`: {what}. Known are t, x, v, F (friction), N (normal force) and on, as \
-                 `--columns \"t [s], x [mm], F [N]\"`"
+                "the columns are `{names}`: {what}. Known are t, x, v, F (friction), N (normal force) and on; name the columns \
+                 with `--columns`, such as `--columns \"t [s], x [mm], F [N]\"`"
             );
             ImportError::UnknownForm { seen }
         };
@@ -135,20 +135,20 @@ impl Log {
                 (Quantity::On, _) => 1.0,
                 (_, Some(factor)) => factor,
                 (_, None) => {
-                    let help = "write it in the heading or by `--columns`, as `x [mm]`, `v [mm/s]`, `F [N]`".to_owned();
+                    let help = "write it in the heading or in `--columns`, such as `x [mm]`, `v [mm/s]`, `F [N]`".to_owned();
                     return Err(ImportError::UnitMissing { column: format!("the column `{}`", names[at]), help });
                 }
             };
             Ok(Some(table.columns[at].iter().map(|value| value * factor).collect()))
         };
         let (time, x, v) = (column(Quantity::Time)?, column(Quantity::Displacement)?, column(Quantity::Velocity)?);
-        let force_n = column(Quantity::Force)?.ok_or_else(|| seen("none is the friction force"))?;
+        let force_n = column(Quantity::Force)?.ok_or_else(|| seen("no column is the friction force"))?;
         let count = force_n.len();
         if let Some(at) = time
             .as_ref()
             .and_then(|time| time.windows(2).position(|pair| pair[0].partial_cmp(&pair[1]).is_none_or(|order| order.is_ge())))
         {
-            let what = "time does not go on here".to_owned();
+            let what = "the time does not increase here".to_owned();
             return Err(ImportError::BadLine { line: table.lines[at + 1], what });
         }
         let steps = |values: &[f64]| -> Vec<f64> {
@@ -160,7 +160,7 @@ impl Log {
                 let mean = |at: usize| 0.5 * (v[at] + v[at - 1]) * (time[at] - time[at - 1]);
                 (0..count).map(|at| if at == 0 { 0.0 } else { mean(at) }).collect()
             }
-            _ => return Err(seen("slip needs a displacement, or time and velocity")),
+            _ => return Err(seen("the slip needs a displacement, or time and velocity")),
         };
         let velocity_m_per_s = match (v, &time) {
             (Some(v), _) => v,
@@ -168,7 +168,7 @@ impl Log {
                 let of = |at: usize| if at == 0 { 0.0 } else { slip_m[at] / (time[at] - time[at - 1]) };
                 (0..count).map(|at| of(at.max(1).min(count - 1))).collect()
             }
-            (None, None) => return Err(seen("velocity needs a column, or time and displacement")),
+            (None, None) => return Err(seen("the velocity needs a column, or time and displacement")),
         };
         let normal = column(Quantity::Normal)?;
         let mean = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len().max(1) as f64;
@@ -189,11 +189,11 @@ impl Log {
 
     fn checked(self) -> Result<Self, ImportError> {
         let off = self.on.iter().filter(|on| !**on).count();
-        if off < LEAST_SAMPLES {
-            return Err(ImportError::NoFit(format!("{off} samples without vibration, and a contact needs {LEAST_SAMPLES}")));
+        if off < MIN_OFF_SAMPLES {
+            return Err(ImportError::NoFit(format!("only {off} samples without vibration; a contact needs {MIN_OFF_SAMPLES}")));
         }
         if self.slip_m.iter().all(|slip| *slip == 0.0) {
-            return Err(ImportError::NoFit("nothing slides: the displacement stays the same".into()));
+            return Err(ImportError::NoFit("nothing slides: the displacement is constant".into()));
         }
         Ok(self)
     }
@@ -204,7 +204,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn units_and_columns_of_a_log_are_found() {
+    fn units_and_columns_of_a_log_are_recognised() {
         let lines: String = (0..30).map(|n| format!("{n};{},5;2;{}\n", n, n / 20)).collect();
         let log =
             Log::parse(&format!("t [ms];x [um];F [mN];on\n{lines}"), &Options { normal_n: Some(2.0), ..Options::default() })
@@ -219,6 +219,6 @@ mod tests {
         let error = |head: &str| Log::parse(&format!("{head}\n{lines}"), &Options::default()).unwrap_err().to_string();
         assert!(error("t [s],x,F [N]").starts_with("unit missing: the column `x` has no unit"));
         assert!(error("t [s],x [m],F [N]").starts_with("unit missing: the normal force"));
-        assert!(error("t [s],x [m],u [V]").contains("none is the friction force"));
+        assert!(error("t [s],x [m],u [V]").contains("no column is the friction force"));
     }
 }

@@ -1,32 +1,35 @@
-//! The generalised Maxwell slip model: springs in parallel, each of which slides from its own deflection on.
+//! Generalised Maxwell slip model: springs in parallel, each of which slides beyond its own
+//! deflection.
 //!
-//! The deflections are fixed, in equal steps of their logarithm over those that the log resolves; then the friction is linear in the stiffnesses, which are
-//! least squares without negative ones. V. Lampaert, F. Al-Bender, J. Swevers, Proc. Int. Conf. Physics and Control (2003) 1188.
+//! The deflections are fixed, in logarithmic steps over the range that the log resolves. The
+//! friction is then linear in the stiffnesses, which are fitted by non-negative least squares. V.
+//! Lampaert, F. Al-Bender, J. Swevers, Proc. Int. Conf. Physics and Control (2003) 1188.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::log::Log;
 use report::statistics::{ascending, quantile};
 
-/// Springs of the model.
+/// Number of springs of the model.
 const SPRINGS: usize = 8;
 
-/// A fitted model.
+/// Fitted Maxwell slip model.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Maxwell {
-    /// Deflection from which each spring slides, m.
+    /// Deflection at which each spring begins to slide, m.
     pub(super) deflections_m: Vec<f64>,
     /// Stiffness of each spring, N/m.
     pub(super) stiffnesses: Vec<f64>,
-    /// Covariance of the stiffnesses that are not zero, for residuals of variance one.
+    /// Variances of the stiffnesses, for residuals of variance one; zero for stiffnesses that are
+    /// zero.
     pub(super) variances: Vec<f64>,
     /// Friction at every sample, N.
     pub(super) force_n: Vec<f64>,
 }
 
-/// Fits the samples that are `used`; nothing if the log resolves no deflection.
+/// Fits the samples that are `used`; none if the log resolves no deflection.
 pub(super) fn fit(log: &Log, used: &[bool]) -> Option<Maxwell> {
-    // About a reversal steps are as short as one likes: the median is what the log resolves.
+    // Steps around a reversal can be arbitrarily short. The median is the resolution of the log.
     let steps = ascending(log.slip_m.iter().map(|slip| slip.abs()).filter(|slip| *slip > 0.0));
     let least = quantile(&steps, 0.5).unwrap_or(f64::INFINITY);
     let mut at = 0.0_f64;
@@ -56,7 +59,7 @@ pub(super) fn fit(log: &Log, used: &[bool]) -> Option<Maxwell> {
         let of = |i: usize, j: usize| dot(&rows[active[i]], &rows[active[j]]) / scale[active[i]] / scale[active[j]];
         let factor = Cholesky::new(DMatrix::from_fn(n, n, |i, j| of(i, j) + if i == j { 1e-10 } else { 0.0 }))?;
         let found = factor.solve(&DVector::from_fn(n, |i, _| dot(&rows[active[i]], &force) / scale[active[i]]));
-        // The most negative spring goes first.
+        // The most negative spring is removed first.
         let worst = (0..n).min_by(|a, b| found[*a].total_cmp(&found[*b])).filter(|worst| found[*worst] <= 0.0);
         if let Some(worst) = worst {
             active.remove(worst);
@@ -74,7 +77,7 @@ pub(super) fn fit(log: &Log, used: &[bool]) -> Option<Maxwell> {
     }
 }
 
-/// Deflection of a spring that slides from a deflection on, at every sample, m.
+/// Returns the deflection of a spring that slides beyond `limit`, at every sample, m.
 fn stop(log: &Log, limit: f64) -> Vec<f64> {
     let mut deflection = 0.0_f64;
     let step = |slip: &f64| {

@@ -7,43 +7,46 @@
 //! LuGre      z' = V - |V| z / G(V),  F = Kt z + s2 V,  Kt G(V) = Fc + (Fs - Fc) exp(-(V / Vs)^2)
 //! ```
 //!
-//! Within a sample the slip goes in one direction at one velocity, in which Dahl's and LuGre's equations are solved exactly by an exponential of the slip. The
-//! damping of LuGre's bristles is not among the parameters: it shows only in the acceleration within the presliding, which hardly a log resolves.
-//! Sources: P. Dahl, AIAA J. 14 (1976) 1675; C. Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419.
+//! Within a sample the slip has one direction and one velocity. Dahl's and LuGre's equations are
+//! then solved exactly by an exponential of the slip. The damping of LuGre's bristles is not a
+//! parameter: it only matters during acceleration within the presliding, which hardly any log
+//! resolves. Sources: P. Dahl, AIAA J. 14 (1976) 1675; C. Canudas de Wit et al., IEEE Trans. Autom.
+//! Control 40 (1995) 419.
 
 use super::log::Log;
 
-/// A contact model.
+/// Contact model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Model {
-    /// Coulomb's friction.
+    /// Coulomb friction.
     Coulomb,
-    /// Friction that falls with the velocity, and a viscous part.
+    /// Friction that falls with the velocity, with a viscous part.
     Stribeck,
-    /// Dahl's model.
+    /// Dahl model.
     Dahl,
-    /// The LuGre model, without damping of its bristles.
+    /// LuGre model without damping of its bristles.
     Lugre,
-    /// The generalised Maxwell slip model: springs that slide one after the other.
+    /// Generalised Maxwell slip model: springs that slide one after the other.
     Maxwell,
 }
 
-/// A parameter of a model: its name, and whether it is fitted by its logarithm.
+/// Parameter of a model: its name, and `true` if its logarithm is fitted.
 pub(crate) type Parameter = (&'static str, bool);
 
 const FC: Parameter = ("coulomb_n", true);
 const EXCESS: Parameter = ("static_excess_n", true);
 const STRIBECK: Parameter = ("stribeck_m_per_s", true);
-/// Not by its logarithm: on its way to a log with little of it a search would lose it, as what is nearly none changes nothing any more.
+/// Viscous coefficient. Its logarithm is not fitted: if a log has nearly no viscous friction, the
+/// logarithm would drift towards minus infinity, where it has no effect and does not return.
 const VISCOUS: Parameter = ("sigma2", false);
 const STIFFNESS: Parameter = ("stiffness_n_per_m", true);
 const START: Parameter = ("initial_force_n", false);
 
 impl Model {
-    /// Models that are fitted by searching.
+    /// Models that are fitted by a search.
     pub(crate) const SEARCHED: [Model; 4] = [Model::Coulomb, Model::Stribeck, Model::Dahl, Model::Lugre];
 
-    /// Name of the model, as a scene has it where it has it.
+    /// Returns the name of the model, as in a scene.
     pub fn name(self) -> &'static str {
         match self {
             Model::Coulomb => "coulomb",
@@ -64,12 +67,12 @@ impl Model {
         }
     }
 
-    /// Values of the parameters from those of the fit.
+    /// Converts the parameters of the fit to their values.
     pub(super) fn values(self, fitted: &[f64]) -> Vec<f64> {
         self.parameters().iter().zip(fitted).map(|((_, log), p)| if *log { libm::exp(*p) } else { *p }).collect()
     }
 
-    /// Friction at every sample, N.
+    /// Computes the friction at every sample, N.
     pub(crate) fn force(self, fitted: &[f64], log: &Log) -> Vec<f64> {
         let p = self.values(fitted);
         let steady = |fc: f64, excess: f64, vs: f64, v: f64| fc + excess * libm::exp(-(v / vs) * (v / vs));
@@ -104,7 +107,7 @@ impl Model {
     }
 }
 
-/// Which way the contact slides at every sample; where it stands, the way it went.
+/// Returns the direction of sliding at every sample; at rest, the last one.
 fn directions(log: &Log) -> Vec<f64> {
     let first = log.slip_m.iter().find(|slip| **slip != 0.0).map_or(1.0, |slip| slip.signum());
     let mut last = first;

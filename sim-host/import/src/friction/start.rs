@@ -1,21 +1,24 @@
-//! Where the fits of the contact models start: across the stiffnesses and Stribeck velocities that the log resolves.
+//! Starts of the fits of the contact models, over the stiffnesses and Stribeck velocities that the
+//! log resolves.
 
 use super::log::Log;
 use super::models::Model;
 use report::statistics::{ascending, quantile};
 
-/// Starts that are followed to their end in any case, the best first.
-const BEST: usize = 3;
-/// Stribeck velocities that are tried, as parts of the highest velocity.
-const STRIBECK: [f64; 6] = [0.03, 0.06, 0.12, 0.25, 0.5, 0.9];
-/// Dahl lengths, the friction over the stiffness, behind which a contact slides; and the samples of which that takes.
-const PRESLIDING: f64 = 4.0;
-const LEAST_SLIDING: usize = 20;
-/// Stiffnesses that are tried.
-const STIFFNESSES: u32 = 12;
+/// Number of the best starts, which are always followed.
+const BEST_STARTS: usize = 3;
+/// Tried Stribeck velocities, relative to the highest velocity.
+const STRIBECK_REL: [f64; 6] = [0.03, 0.06, 0.12, 0.25, 0.5, 0.9];
+/// Slip after a reversal beyond which a contact slides, in units of friction over stiffness.
+const PRESLIDING_LENGTHS: f64 = 4.0;
+/// Minimum number of sliding samples for an estimate from them.
+const MIN_SLIDING_SAMPLES: usize = 20;
+/// Number of tried stiffnesses.
+const STIFFNESS_COUNT: u32 = 12;
 
-/// The starts that are worth following: the best, and the best of each Stribeck velocity and each stiffness. Each of these has a valley of its own, and the
-/// deepest need not begin as such.
+/// Returns the starts that are followed: the best ones, and the best one of each Stribeck velocity
+/// and each stiffness. Each of these has its own minimum, and the best minimum need not have the
+/// best start.
 pub(super) fn followed(model: Model, log: &Log, used: &[bool], cost: impl Fn(&Vec<f64>) -> f64) -> Vec<Vec<f64>> {
     let mut starts: Vec<(f64, Vec<f64>)> = all(model, log, used).into_iter().map(|start| (cost(&start), start)).collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -23,11 +26,11 @@ pub(super) fn followed(model: Model, log: &Log, used: &[bool], cost: impl Fn(&Ve
         .filter(|at| matches!(model.parameters()[*at].0, "stribeck_m_per_s" | "stiffness_n_per_m"))
         .collect();
     let is_new = |at: usize, p: usize| starts[..at].iter().all(|(_, earlier)| earlier[p] != starts[at].1[p]);
-    let is_followed = |at: &usize| *at < BEST || own.iter().any(|p| is_new(*at, *p));
+    let is_followed = |at: &usize| *at < BEST_STARTS || own.iter().any(|p| is_new(*at, *p));
     (0..starts.len()).filter(is_followed).map(|at| starts[at].1.clone()).collect()
 }
 
-/// Starts across what the log resolves.
+/// Returns starts over the range that the log resolves.
 fn all(model: Model, log: &Log, used: &[bool]) -> Vec<Vec<f64>> {
     let of_used =
         |values: &[f64]| ascending(values.iter().zip(used).filter(|(_, used)| **used).map(|(v, _)| v.abs()).filter(|v| *v > 0.0));
@@ -35,27 +38,28 @@ fn all(model: Model, log: &Log, used: &[bool]) -> Vec<Vec<f64>> {
     let (force, speed, slip) = (of_used(&log.force_n), of_used(&log.velocity_m_per_s), of_used(&log.slip_m));
     let fc = at(&force, 0.5);
     let range: f64 = slip.iter().sum();
-    // About a reversal steps are as short as one likes.
+    // Steps around a reversal can be arbitrarily short.
     let (finest, coarsest) = (at(&slip, 0.05), 0.1 * range);
-    let step = libm::pow((coarsest / finest).max(2.0), 1.0 / f64::from(STIFFNESSES - 1));
-    let stiffness = (0..STIFFNESSES).map(|n| fc / (finest * libm::pow(step, f64::from(n))));
+    let step = libm::pow((coarsest / finest).max(2.0), 1.0 / f64::from(STIFFNESS_COUNT - 1));
+    let stiffness = (0..STIFFNESS_COUNT).map(|n| fc / (finest * libm::pow(step, f64::from(n))));
     let stiffness: Vec<f64> = if matches!(model, Model::Dahl | Model::Lugre) { stiffness.collect() } else { vec![1.0] };
     let fastest = speed.last().copied().unwrap_or(1.0);
     let falls = matches!(model, Model::Stribeck | Model::Lugre);
     let beyond = since_reversal(log);
-    // What slides has left the presliding by some of its lengths; and a guess in case that hides it.
+    // Estimated from samples well beyond the presliding; a guess is added in case they mislead.
     let steady_values = |kt: f64| -> Vec<[f64; 4]> {
         if !falls {
             return vec![[fc, 0.0, fastest, 0.0]];
         }
-        let slides: Vec<bool> = used.iter().zip(&beyond).map(|(used, slip)| *used && slip * kt > PRESLIDING * fc).collect();
-        let enough = slides.iter().filter(|slides| **slides).count() >= LEAST_SLIDING;
+        let slides: Vec<bool> =
+            used.iter().zip(&beyond).map(|(used, slip)| *used && slip * kt > PRESLIDING_LENGTHS * fc).collect();
+        let enough = slides.iter().filter(|slides| **slides).count() >= MIN_SLIDING_SAMPLES;
         let sliding = if enough && model == Model::Lugre { &slides } else { used };
         let of = |part: f64| {
             let vs = part * fastest;
             [steady(log, sliding, vs, fc, fastest), [0.8 * fc, 0.3 * fc, vs, 0.1 * fc / fastest]]
         };
-        STRIBECK.into_iter().flat_map(of).collect()
+        STRIBECK_REL.into_iter().flat_map(of).collect()
     };
     let first = log.force_n.first().copied().unwrap_or(0.0);
     let one = |kt: f64, [coulomb, excess, vs, viscous]: [f64; 4]| -> Vec<f64> {
@@ -76,7 +80,7 @@ fn all(model: Model, log: &Log, used: &[bool]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Slip of each sample since the last one that went the other way, m.
+/// Returns the slip of each sample since the last reversal, m.
 fn since_reversal(log: &Log) -> Vec<f64> {
     let mut sum = 0.0_f64;
     let of = |slip: &f64| {
@@ -86,13 +90,15 @@ fn since_reversal(log: &Log) -> Vec<f64> {
     log.slip_m.iter().map(of).collect()
 }
 
-/// Coulomb force, static excess, Stribeck velocity and viscous friction of a given Stribeck velocity: without springs the rest is linear,
-/// `F sgn V = Fc + dF exp(-(V / Vs)^2) + s2 |V|`. What comes out too small to be a logarithm is a small part of the friction.
+/// Returns Coulomb force, static excess, Stribeck velocity and viscous friction for a given
+/// Stribeck velocity. Without springs the rest is linear,
+/// `F sgn V = Fc + dF exp(-(V / Vs)^2) + s2 |V|`. Values too small for a logarithm are replaced by
+/// a small fraction of the friction.
 fn steady(log: &Log, used: &[bool], vs: f64, fc: f64, fastest: f64) -> [f64; 4] {
     let samples = log.force_n.iter().zip(&log.velocity_m_per_s).zip(used);
     let (mut matrix, mut right) = (nalgebra::Matrix3::zeros(), nalgebra::Vector3::zeros());
     for ((force, v), _) in samples.filter(|((_, v), used)| **used && **v != 0.0) {
-        // In parts of the highest velocity, so that the columns are of one size.
+        // Relative to the highest velocity, so that the columns have similar magnitudes.
         let row = nalgebra::Vector3::new(1.0, libm::exp(-(v / vs) * (v / vs)), v.abs() / fastest);
         matrix += row * row.transpose();
         right += row * (force * v.signum());

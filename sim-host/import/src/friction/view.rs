@@ -1,18 +1,19 @@
-//! The result as tables, figures and a scene.
+//! Tables, figures and scene of a fitted contact.
 
 use std::fmt::Write as _;
 
 use super::models::Model;
 use super::result::Friction;
-use crate::stated::{rounded, stated};
 use report::{Axis, Figure, Report, Series, Style, TableBlock, significant};
+use report::{rounded, stated};
 
-/// Drive frequency of the scene, Hz, and its vibration over the sliding.
+/// Drive frequency of the scene, Hz.
 const DRIVE_HZ: f64 = 40e3;
-const VIBRATION: f64 = 2.0;
+/// Vibration velocity of the scene, relative to the sliding velocity.
+const VIBRATION_RATIO: f64 = 2.0;
 
 impl Friction {
-    /// Report of the result. `source` is the file it comes from.
+    /// Returns the report. `source` is the file of the measurement.
     pub fn report(&self, source: &str) -> Report {
         Report {
             title: format!("Measured contact {}", self.name),
@@ -31,7 +32,8 @@ impl Friction {
             rows.push(vec!["friction ratio, ON over OFF".into(), value, sd]);
         }
         let caption = format!(
-            "Model {}, fitted to the OFF part at a normal force of {} N. Standard deviations are of the noise in the residuals, with its correlation.",
+            "Model {}, fitted to the OFF part at a normal force of {} N. Standard deviations follow from the noise of the \
+             residuals and its correlation.",
             self.chosen().model.name(),
             significant(self.log.normal_n)
         );
@@ -43,8 +45,9 @@ impl Friction {
         let row = |model: &super::Fitted| {
             vec![model.model.name().to_owned(), significant(model.rms_n), format!("{:.1}", model.criterion - least)]
         };
-        let caption = "Criterion: Bayes's, `n ln(sum of squares) + p ln n` with n the samples over their memory, less that of the model chosen. The generalised Maxwell slip \
-                       (maxwell) is no model of a scene, and is never chosen.";
+        let caption = "Bayes's information criterion, `n ln(sum of squares) + p ln n` with the number n of samples divided by \
+                       their memory, relative to the chosen model. The generalised Maxwell slip (maxwell) is not available in \
+                       scenes and is never chosen.";
         let header = ["model", "residuals, rms [N]", "criterion"];
         TableBlock::new("models", "Models", caption, &header, self.models.iter().map(row).collect())
     }
@@ -59,7 +62,7 @@ impl Friction {
         TableBlock::new(
             "correlation",
             "Correlation of the fitted parameters",
-            "Zero of what the log does not determine.",
+            "Zero for parameters that the log does not determine.",
             &header,
             rows,
         )
@@ -88,8 +91,7 @@ impl Friction {
         let figure = |id: &str, title: &str, label: &str, x: &[f64]| Figure {
             id: id.into(),
             title: title.into(),
-            caption: "Dots: as measured, ON and OFF. Line: the model chosen, which is of the OFF part, along the same slip."
-                .into(),
+            caption: "Dots: measured, ON and OFF. Line: chosen model, fitted to the OFF part, along the same slip.".into(),
             x: axis(label),
             y: axis("friction [N]"),
             series: vec![
@@ -114,7 +116,7 @@ impl Friction {
             Figure {
                 id: "residuals".into(),
                 title: "Residuals of the fit".into(),
-                caption: "Fitted less measured, of the OFF part.".into(),
+                caption: "Fitted minus measured, for the OFF part.".into(),
                 x: axis(label),
                 y: axis("residual [N]"),
                 series: vec![Series {
@@ -129,7 +131,7 @@ impl Friction {
         ]
     }
 
-    /// A contact study with the contact, as TOML; nothing where the model is none of a scene.
+    /// Returns a contact study with the contact as TOML; none if a scene cannot have the model.
     pub fn scene(&self, source: &str) -> Option<String> {
         let log = &self.log;
         let speeds: Vec<f64> = log.velocity_m_per_s.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
@@ -158,7 +160,7 @@ impl Friction {
         let _ = write!(
             text,
             "\n[rig.kinematic]\nvibration_m_per_s = {:?}\n\n[integrator]\nwindow_periods = [100, 200]\n",
-            rounded(VIBRATION * speed, 4)
+            rounded(VIBRATION_RATIO * speed, 4)
         );
         Some(text)
     }

@@ -1,12 +1,13 @@
-//! Arrays of NumPy: records with named fields, as the program's own traces are, or numbers in one or two dimensions.
+//! NumPy arrays: records with named fields, as in this program's traces, or numbers in one or two
+//! dimensions.
 //!
-//! A magic number, version, length of the header, the header as a Python dictionary, then the values
-//! (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
+//! A magic number, version, length of the header, the header as a Python dictionary, then the
+//! values (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
 
 use super::table::Columns;
 use delimited::Cells;
 
-/// How a number is stored.
+/// Type of a stored number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Double,
@@ -16,9 +17,9 @@ enum Kind {
 }
 
 impl Kind {
-    /// Of a description like `<f8`; only of the order of bytes that all present processors have.
-    fn of(text: &str) -> Result<Self, String> {
-        let unknown = || format!("values of the kind `{text}`; known are <f8, <f4, and whole numbers as <i4 or |u1");
+    /// Parses a description like `<f8`. Only the byte order of all current processors is supported.
+    fn parse(text: &str) -> Result<Self, String> {
+        let unknown = || format!("values of the type `{text}`; known are <f8, <f4, and integers such as <i4 or |u1");
         let (order, kind) = text.split_at_checked(1).ok_or_else(unknown)?;
         match (order, kind) {
             ("<" | "|" | "=", "f8") => Ok(Kind::Double),
@@ -52,9 +53,9 @@ impl Kind {
     }
 }
 
-/// The columns of an array.
+/// Reads the columns of an array.
 pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
-    let short = || "a file of NumPy that ends within its header".to_owned();
+    let short = || "a NumPy file that ends within its header".to_owned();
     let length = |at: usize, count: usize| {
         bytes.get(at..at + count).map(|bytes| bytes.iter().rev().fold(0, |sum, &byte| 256 * sum + usize::from(byte)))
     };
@@ -66,26 +67,23 @@ pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
     let header = std::str::from_utf8(bytes.get(begin..end).ok_or_else(short)?).map_err(|_| short())?;
     let values = &bytes[end..];
     let shape: Vec<usize> = between(header, "'shape':", '(', ')')
-        .ok_or("a file of NumPy without a shape")?
+        .ok_or("a NumPy file without a shape")?
         .split(',')
         .filter_map(|part| part.trim().parse().ok())
         .collect();
     if header.contains("'fortran_order': True") && shape.len() > 1 {
-        return Err("an array of NumPy in the order of Fortran: save it by `numpy.ascontiguousarray`".to_owned());
+        return Err("a NumPy array in Fortran order: save it with `numpy.ascontiguousarray`".to_owned());
     }
     let fields: Vec<(String, Kind)> = match between(header, "'descr':", '[', ']') {
         Some(list) => fields(list)?,
         None => {
-            let kind = header
-                .split("'descr':")
-                .nth(1)
-                .and_then(|rest| rest.split('\'').nth(1))
-                .ok_or("a file of NumPy without its kind")?;
-            let kind = Kind::of(kind)?;
+            let kind =
+                header.split("'descr':").nth(1).and_then(|rest| rest.split('\'').nth(1)).ok_or("a NumPy file without a type")?;
+            let kind = Kind::parse(kind)?;
             let width = match shape[..] {
                 [_] => 1,
                 [_, width] => width,
-                _ => return Err(format!("an array of {} dimensions; a signal is a column of one or two", shape.len())),
+                _ => return Err(format!("an array with {} dimensions; a signal needs one or two", shape.len())),
             };
             (1..=width).map(|place| (format!("column {place}"), kind)).collect()
         }
@@ -93,10 +91,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
     let width: usize = fields.iter().map(|(_, kind)| kind.bytes()).sum();
     let rows = shape.first().copied().unwrap_or(0);
     if width == 0 || rows.checked_mul(width).is_none_or(|needed| values.len() < needed) {
-        return Err(format!(
-            "a file of NumPy with {rows} rows of {width} bytes by its header, and {} bytes behind it",
-            values.len()
-        ));
+        return Err(format!("a NumPy file with {rows} rows of {width} bytes by its header, but {} bytes after it", values.len()));
     }
     let mut at = 0;
     let mut cells = Vec::new();
@@ -108,19 +103,19 @@ pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
     Ok(Columns { names: fields.into_iter().map(|(name, _)| name).collect(), cells, lines: None })
 }
 
-/// The text between two brackets, the first behind a key; nothing where another value stands there.
+/// Returns the text between the brackets after a key; none if its value is not in brackets.
 fn between<'a>(header: &'a str, key: &str, open: char, close: char) -> Option<&'a str> {
     let rest = header.split(key).nth(1)?.trim_start().strip_prefix(open)?;
     Some(&rest[..rest.find(close)?])
 }
 
-/// Names and kinds of `('time_s', '<f8'), …`.
+/// Parses names and types of `('time_s', '<f8'), …`.
 fn fields(list: &str) -> Result<Vec<(String, Kind)>, String> {
     let quoted: Vec<&str> = list.split('\'').skip(1).step_by(2).collect();
     if quoted.len() % 2 == 1 || quoted.is_empty() {
-        return Err("a file of NumPy whose fields are no pairs of name and kind".to_owned());
+        return Err("a NumPy file with fields that are not pairs of name and type".to_owned());
     }
-    quoted.chunks(2).map(|pair| Ok((pair[0].to_owned(), Kind::of(pair[1])?))).collect()
+    quoted.chunks(2).map(|pair| Ok((pair[0].to_owned(), Kind::parse(pair[1])?))).collect()
 }
 
 #[cfg(test)]
@@ -150,9 +145,9 @@ mod tests {
     }
 
     #[test]
-    fn what_is_cut_short_or_unknown_is_refused() {
+    fn truncated_and_unknown_files_are_refused() {
         let plain = "{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }";
-        assert!(read(&file(plain, &doubles(&[1.0]))).unwrap_err().contains("8 bytes behind it"));
+        assert!(read(&file(plain, &doubles(&[1.0]))).unwrap_err().contains("8 bytes after it"));
         assert!(read(&file(&plain.replace("<f8", "<c16"), &[0; 32])).unwrap_err().contains("`<c16`"));
         assert!(read(&file(plain, &[])[..9]).unwrap_err().contains("within its header"));
     }

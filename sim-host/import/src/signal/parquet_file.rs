@@ -1,4 +1,4 @@
-//! Files of Parquet with columns of numbers.
+//! Parquet files with columns of numbers.
 
 use parquet::column::reader::ColumnReader;
 use parquet::data_type::DataType;
@@ -8,12 +8,12 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use super::table::Columns;
 use delimited::Cells;
 
-/// The columns of a file, all of them in memory.
+/// Reads all columns of a file into memory.
 pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
-    of(bytes.to_vec()).map_err(|error| format!("a file of Parquet that cannot be read: {error}"))
+    columns(bytes.to_vec()).map_err(|error| format!("a Parquet file that cannot be read: {error}"))
 }
 
-fn of(bytes: Vec<u8>) -> Result<Columns, ParquetError> {
+fn columns(bytes: Vec<u8>) -> Result<Columns, ParquetError> {
     let file = SerializedFileReader::new(bytes::Bytes::from(bytes))?;
     let schema = file.metadata().file_metadata().schema_descr_ptr();
     let names = (0..schema.num_columns()).map(|place| schema.column(place).name().to_owned()).collect();
@@ -34,7 +34,7 @@ fn of(bytes: Vec<u8>) -> Result<Columns, ParquetError> {
             };
             match read {
                 Some(read) => values.extend(read),
-                None => other = other.or(Some(Cells::Other { row: 0, what: "no number".to_owned() })),
+                None => other = other.or(Some(Cells::Other { row: 0, what: "not a number".to_owned() })),
             }
         }
         cells.push(other.unwrap_or(Cells::Numbers(values)));
@@ -42,7 +42,7 @@ fn of(bytes: Vec<u8>) -> Result<Columns, ParquetError> {
     Ok(Columns { names, cells, lines: None })
 }
 
-/// The values of a column in one group of rows; a row without one is not a number.
+/// Reads the values of a column in one group of rows; an absent value is NaN.
 fn column<T: DataType>(
     mut reader: parquet::column::reader::ColumnReaderImpl<T>,
     rows: usize,

@@ -1,4 +1,5 @@
-//! A signal over time and frequency: by the short-time Fourier transform, by wavelets, or as its Wigner-Ville distribution; as a figure, a table, arrays.
+//! Time-frequency maps of a signal, as figure, table and arrays: by the short-time Fourier
+//! transform, by wavelets, or by the Wigner-Ville distribution.
 
 use std::fmt;
 
@@ -8,27 +9,27 @@ use serde_json::{Value, json};
 
 use super::{Signal, SignalError};
 
-/// Most columns of a map.
-const COLUMNS: usize = 500;
-/// Rows of a wavelet map.
-const ROWS: usize = 240;
-/// Most rows of a map that is shown: the part of the frequencies beyond is left to --band.
-const MOST_ROWS: usize = 1200;
-/// Most samples at a time.
-const MOST: usize = 1 << 20;
-/// Decibels below the strongest cell that have a colour.
-const FLOOR_DB: f64 = 60.0;
-/// A swing below this part of the mean is rounding.
-const STILL: f64 = 1e-12;
-/// Samples to each side that a Wigner-Ville distribution looks at, at most.
-const LAGS: usize = 1024;
+/// Maximum number of columns of a map.
+const MAX_COLUMNS: usize = 500;
+/// Number of rows of a wavelet map.
+const WAVELET_ROWS: usize = 240;
+/// Maximum number of rows of a map; `--band` limits the frequencies.
+const MAX_ROWS: usize = 1200;
+/// Maximum number of samples.
+const MAX_SAMPLES: usize = 1 << 20;
+/// Range of the colours, dB below the strongest cell.
+const COLOUR_RANGE_DB: f64 = 60.0;
+/// Deviation from the mean, relative to it, below which a signal counts as constant.
+const CONSTANT_REL: f64 = 1e-12;
+/// Maximum number of lags of a Wigner-Ville distribution, samples to either side.
+const MAX_LAGS: usize = 1024;
 
-/// How times and frequencies are told apart.
+/// Method of a time-frequency map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// Short-time Fourier transform, through Hann windows of one length.
+    /// Short-time Fourier transform with Hann windows of one length.
     Stft,
-    /// Morlet's wavelets: at each frequency as many cycles.
+    /// Morlet wavelets with the same number of cycles at each frequency.
     Wavelet,
     /// Smoothed pseudo Wigner-Ville distribution.
     WignerVille,
@@ -44,35 +45,36 @@ impl fmt::Display for Method {
     }
 }
 
-/// What is asked of an analysis; what is absent follows from the signal.
+/// Parameters of an analysis; absent ones follow from the signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asked {
-    /// The method.
+    /// Method.
     pub method: Method,
-    /// Length of a window of the short-time transform, s.
+    /// Length of a window of the short-time Fourier transform, s.
     pub window_s: Option<f64>,
-    /// Cycles of a wavelet.
+    /// Number of cycles of a wavelet.
     pub cycles: Option<f64>,
-    /// Length of the window of times of the Wigner-Ville distribution, s; zero is none.
+    /// Length of the time window of the Wigner-Ville distribution, s; zero for none.
     pub smooth_s: Option<f64>,
     /// Lowest and highest frequency, Hz.
     pub band_hz: Option<(f64, f64)>,
 }
 
-/// A signal over time and frequency.
+/// Time-frequency map of a signal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrogram {
-    /// The signal.
+    /// Analysed signal.
     pub signal: Signal,
-    /// The method.
+    /// Method.
     pub method: Method,
-    /// What the method was given, in words, with what it makes indistinct.
+    /// Names and descriptions of the method's parameters, with its resolution.
     pub how: Vec<(String, String)>,
     /// Times of the columns, s.
     pub times_s: Vec<f64>,
-    /// Frequencies of the rows, Hz, rising: evenly, or of wavelets by equal ratios.
+    /// Frequencies of the rows, Hz, ascending: in equal steps, or in equal ratios for wavelets.
     pub hz: Vec<f64>,
-    /// For each time, the power at each frequency, in squares of the signal's unit: a sine of amplitude `a` has a peak of `a^2 / 2` in the transforms.
+    /// Power at each frequency, for each time, in the square of the signal's unit. In the
+    /// transforms, a sine of amplitude `a` has a peak of `a^2 / 2`.
     pub power: Vec<Vec<f64>>,
 }
 
@@ -80,35 +82,35 @@ fn refuse<T>(text: String) -> Result<T, SignalError> {
     Err(SignalError::Option(text))
 }
 
-/// A number with four digits.
+/// Formats a number with four digits.
 fn shown(value: f64) -> String {
     significant(value)
 }
 
 impl Spectrogram {
-    /// Analyses a signal about its mean.
+    /// Analyses a signal after subtraction of its mean.
     ///
     /// # Errors
-    /// If the signal is constant or too long, or the method is asked for what the signal does not have.
+    /// Returns an error if the signal is constant or too long, or if the parameters do not fit it.
     pub fn new(signal: Signal, asked: &Asked) -> Result<Self, SignalError> {
         let count = signal.samples.len();
-        if count > MOST {
-            return refuse(format!("{count} samples are more than {MOST}: choose a part with --from-s and --to-s"));
+        if count > MAX_SAMPLES {
+            return refuse(format!("{count} samples are more than {MAX_SAMPLES}: choose a part with --from-s and --to-s"));
         }
         let mean = signal.samples.iter().sum::<f64>() / count as f64;
         let swing: Vec<f64> = signal.samples.iter().map(|sample| sample - mean).collect();
-        if swing.iter().all(|swing| swing.abs() <= STILL * mean.abs()) {
-            return refuse(format!("`{}` is constant, {}: it has no frequencies", signal.name, shown(mean)));
+        if swing.iter().all(|swing| swing.abs() <= CONSTANT_REL * mean.abs()) {
+            return refuse(format!("`{}` is constant, {}: its spectrum is empty", signal.name, shown(mean)));
         }
         let half_hz = 0.5 * signal.sample_hz();
         let least_hz = 1.0 / signal.duration_s();
         let band = match asked.band_hz {
             Some((from, to)) if !(from >= 0.0 && from < to) => {
-                return refuse(format!("--band {from}:{to} is no band: the lower frequency comes first, in Hz"));
+                return refuse(format!("--band {from}:{to} is not a band: give the lower frequency first, in Hz"));
             }
             Some((from, to)) if from >= half_hz || to - from < least_hz => {
                 return refuse(format!(
-                    "--band {from}:{to} shows nothing: at {} Hz the frequencies go up to {} Hz, and {} s tell {} Hz apart",
+                    "--band {from}:{to} is empty: at {} Hz the frequencies go up to {} Hz, and the resolution of {} s is {} Hz",
                     shown(signal.sample_hz()),
                     shown(half_hz),
                     shown(signal.duration_s()),
@@ -120,7 +122,7 @@ impl Spectrogram {
         };
         let foreign = |given: bool, option: &str, method: Method| {
             if given && asked.method != method {
-                refuse(format!("{option} is of --method {method}, and has no meaning with {}", asked.method))
+                refuse(format!("{option} belongs to --method {method}, and has no effect with {}", asked.method))
             } else {
                 Ok(())
             }
@@ -135,7 +137,7 @@ impl Spectrogram {
         }
     }
 
-    /// The strongest cell: time, s, frequency, Hz, and power.
+    /// Returns time, s, frequency, Hz, and power of the strongest cell.
     pub fn strongest(&self) -> (f64, f64, f64) {
         let cells = self
             .power
@@ -145,7 +147,7 @@ impl Spectrogram {
         cells.fold((0.0, 0.0, f64::NEG_INFINITY), |best, cell| if cell.2 > best.2 { cell } else { best })
     }
 
-    /// The map as a figure: in dB of the strongest cell.
+    /// Returns the map as a figure, in dB relative to the strongest cell.
     pub fn figure(&self) -> Figure {
         let peak = self.strongest().2;
         let decibel = |power: f64| (100.0 * 10.0 * (power.max(peak * 1e-12) / peak).log10()).round() / 100.0;
@@ -170,7 +172,7 @@ impl Spectrogram {
                 x: edge(&self.times_s, step(&self.times_s)),
                 y,
                 columns: self.power.iter().map(|column| column.iter().map(|&power| decibel(power)).collect()).collect(),
-                range: (-FLOOR_DB, 0.0),
+                range: (-COLOUR_RANGE_DB, 0.0),
                 label: "power [dB]".into(),
                 csv_column: "power_db".into(),
             }),
@@ -178,7 +180,7 @@ impl Spectrogram {
         }
     }
 
-    /// What was analysed, and how, as a table.
+    /// Returns a table with the signal and the method.
     pub fn table(&self, source: &str) -> TableBlock {
         let (time_s, hz, power) = self.strongest();
         let row = |what: &str, value: String| vec![what.to_owned(), value];
@@ -198,15 +200,18 @@ impl Spectrogram {
         ];
         rows.extend(self.how.iter().map(|(what, value)| row(what, value.clone())));
         rows.push(row("strongest", format!("{} Hz at {} s", shown(hz), shown(time_s))));
-        rows.push(row("its power", format!("{}, of a sine of amplitude {}", shown(power), shown((2.0 * power.max(0.0)).sqrt()))));
+        rows.push(row(
+            "its power",
+            format!("{}, as of a sine of amplitude {}", shown(power), shown((2.0 * power.max(0.0)).sqrt())),
+        ));
         if self.method == Method::WignerVille {
-            // The distribution is a density: its height depends on the windows.
+            // The distribution is a density: its value depends on the windows.
             rows.pop();
         }
         TableBlock::new("spectrum", "Spectrum over time", "", &["", ""], rows)
     }
 
-    /// The report.
+    /// Returns the report.
     pub fn report(&self, source: &str) -> Report {
         Report {
             title: format!("{} over time and frequency", self.signal.name),
@@ -217,7 +222,7 @@ impl Spectrogram {
         }
     }
 
-    /// The summary as JSON.
+    /// Returns the summary as JSON.
     pub fn json(&self, source: &str) -> Value {
         let (time_s, hz, power) = self.strongest();
         json!({
@@ -230,7 +235,7 @@ impl Spectrogram {
     }
 }
 
-/// The rows of a map within a band; no more than a picture can show.
+/// Returns the range of a map's rows within a band.
 fn within(rows: usize, bin_hz: f64, band: (f64, f64)) -> Result<std::ops::Range<usize>, SignalError> {
     let first = (band.0 / bin_hz).ceil() as usize;
     let end = ((band.1 / bin_hz).floor() as usize + 1).min(rows);
@@ -240,7 +245,8 @@ fn within(rows: usize, bin_hz: f64, band: (f64, f64)) -> Result<std::ops::Range<
     Ok(first..end)
 }
 
-/// What of a map lies in a band, thinned to the strongest of neighbouring rows where there are too many.
+/// Cuts a map to a band. If there are too many rows, the strongest of each group of neighbours is
+/// used.
 fn cut(
     signal: Signal,
     method: Method,
@@ -249,7 +255,7 @@ fn cut(
     band: (f64, f64),
 ) -> Result<Spectrogram, SignalError> {
     let rows = within(map.columns.first().map_or(0, Vec::len), map.bin_hz, band)?;
-    let group = rows.len().div_ceil(MOST_ROWS);
+    let group = rows.len().div_ceil(MAX_ROWS);
     let strongest = |column: &Vec<f64>| {
         column[rows.clone()].chunks(group).map(|rows| rows.iter().copied().fold(f64::NEG_INFINITY, f64::max)).collect()
     };
@@ -263,20 +269,20 @@ fn short_time(signal: Signal, swing: &[f64], window_s: Option<f64>, band: (f64, 
     let given = window_s.map(|seconds| (seconds / signal.sample_s).round());
     if let Some(window) = given.filter(|window| !(8.0..=(count / 2) as f64).contains(window)) {
         return refuse(format!(
-            "a window of {} s has {window} samples: it must have 8 at least, and the half of all {count} at most ({} s)",
+            "a window of {} s has {window} samples: it must have at least 8, and at most half of all {count} ({} s)",
             shown(window_s.unwrap_or_default()),
             shown(signal.sample_s * (count / 2) as f64)
         ));
     }
-    // A sixteenth of the signal, within what is usual.
+    // A sixteenth of the signal, within the usual limits.
     let usual = || (count / 16).next_power_of_two().clamp(32, 4096).min(count / 2);
     let window = given.map_or_else(usual, |window| window as usize) & !1;
-    let hop = (count - window).div_ceil(COLUMNS).max(1);
+    let hop = (count - window).div_ceil(MAX_COLUMNS).max(1);
     let map = stft(swing, signal.sample_s, window, hop);
     let seconds = window as f64 * signal.sample_s;
     let how = vec![
         ("window".to_owned(), format!("Hann, {window} samples, {} s, every {hop} samples", shown(seconds))),
-        ("indistinct by".to_owned(), format!("{} s and {} Hz", shown(0.5 * seconds), shown(2.0 / seconds))),
+        ("resolution".to_owned(), format!("{} s and {} Hz", shown(0.5 * seconds), shown(2.0 / seconds))),
     ];
     cut(signal, Method::Stft, how, &map, band)
 }
@@ -285,23 +291,23 @@ fn wavelets(signal: Signal, swing: &[f64], cycles: Option<f64>, band: (f64, f64)
     let morlet = cycles.map_or_else(Morlet::default, |cycles| Morlet { centre: std::f64::consts::TAU * cycles });
     if !(5.0..=200.0).contains(&morlet.centre) {
         return refuse(format!(
-            "--cycles {} must be from 0.8 to 31: fewer are no wave, and more are a window",
+            "--cycles {} must be from 0.8 to 31: fewer are not a wave, and more are better analysed by --method stft",
             shown(cycles.unwrap_or_default())
         ));
     }
-    // The lowest has room for its cycles twice over.
+    // At the lowest frequency the signal is twice as long as the wavelet's cycles.
     let cycles = morlet.centre / std::f64::consts::TAU;
     let lowest = 2.0 * cycles / signal.duration_s();
     let from = if band.0 > 0.0 { band.0 } else { lowest.max(band.1 / 1000.0) };
     if from >= band.1 {
-        return refuse(format!("of {} s wavelets show nothing below {} Hz", shown(signal.duration_s()), shown(lowest)));
+        return refuse(format!("wavelets over {} s show nothing below {} Hz", shown(signal.duration_s()), shown(lowest)));
     }
-    let hop = swing.len().div_ceil(COLUMNS).max(1);
-    let map = wavelet(swing, signal.sample_s, morlet, &ratios(from, band.1, ROWS), hop);
+    let hop = swing.len().div_ceil(MAX_COLUMNS).max(1);
+    let map = wavelet(swing, signal.sample_s, morlet, &ratios(from, band.1, WAVELET_ROWS), hop);
     let how = vec![
         ("wavelet".to_owned(), format!("Morlet, {} cycles (angular centre frequency {})", shown(cycles), shown(morlet.centre))),
         (
-            "indistinct by".to_owned(),
+            "resolution".to_owned(),
             format!("{} % of a frequency, and {} of its periods", shown(100.0 / morlet.centre), shown(cycles)),
         ),
         ("near both ends".to_owned(), format!("weaker within {} periods", shown(std::f64::consts::SQRT_2 * cycles))),
@@ -316,24 +322,24 @@ fn distribution(signal: Signal, swing: &[f64], smooth_s: Option<f64>, band: (f64
     if let Some(seconds) = smooth_s.filter(|seconds| !(0.0..=most).contains(seconds)) {
         return refuse(format!("--smooth-s {} must be from 0 to a quarter of the signal, {} s", shown(seconds), shown(most)));
     }
-    let lags = LAGS.min(count / 4).max(16);
+    let lags = MAX_LAGS.min(count / 4).max(16);
     let times =
         smooth_s.map_or_else(|| (count / 40).clamp(5, 101), |seconds| (seconds / signal.sample_s).round().max(1.0) as usize) | 1;
     let rows = (2 * lags).next_power_of_two();
-    let hop = count.div_ceil(COLUMNS).max(1);
+    let hop = count.div_ceil(MAX_COLUMNS).max(1);
     let map = wigner_ville(swing, signal.sample_s, Smoothing { rows, lags: Some(lags), times, hop });
     let of_times =
         if times > 1 { format!("{times} samples, {} s", shown(times as f64 * signal.sample_s)) } else { "none".to_owned() };
     let apart = 2.0 / (times as f64 * signal.sample_s);
     let terms = if times > 1 {
-        format!("removed between components further apart than some {} Hz; what is left swings about zero", shown(apart))
+        format!("removed between components more than about {} Hz apart; the rest oscillates about zero", shown(apart))
     } else {
-        "kept: a third term stands halfway between any two components, and swings about zero".to_owned()
+        "kept: a third term is halfway between any two components, and oscillates about zero".to_owned()
     };
     let how = vec![
-        ("window of lags".to_owned(), format!("Hann, {} samples to either side", lags)),
-        ("window of times".to_owned(), of_times),
-        ("terms between components".to_owned(), terms),
+        ("lag window".to_owned(), format!("Hann, {} samples to either side", lags)),
+        ("time window".to_owned(), of_times),
+        ("cross terms".to_owned(), terms),
     ];
     cut(signal, Method::WignerVille, how, &map, band)
 }
@@ -353,13 +359,13 @@ mod tests {
         Asked { method, window_s: None, cycles: None, smooth_s: None, band_hz: None }
     }
 
-    /// A tone of 8 kHz from 10 to 30 ms on a mean that is far stronger.
+    /// Tone of 8 kHz from 10 to 30 ms, added to a much larger mean.
     fn tone() -> Signal {
         signal(4000, |t| 100.0 + if (0.01..0.03).contains(&t) { 0.5 * (std::f64::consts::TAU * 8e3 * t).sin() } else { 0.0 })
     }
 
     #[test]
-    fn every_method_finds_a_tone_where_it_is() {
+    fn every_method_locates_a_tone() {
         for method in [Method::Stft, Method::Wavelet, Method::WignerVille] {
             let found = Spectrogram::new(tone(), &asked(method)).unwrap();
             let (time_s, hz, power) = found.strongest();
@@ -368,7 +374,7 @@ mod tests {
             if method != Method::WignerVille {
                 assert!((power / 0.125 - 1.0).abs() < 0.05, "{method}: {power}");
             }
-            // Before the tone there is nothing of it.
+            // Before the tone the map is empty.
             let early = found.times_s.iter().position(|&time_s| time_s > 1.004).unwrap();
             let before = found.power[early].iter().copied().fold(0.0, f64::max);
             assert!(before < 1e-3 * power, "{method}: {before}");
@@ -377,7 +383,7 @@ mod tests {
     }
 
     #[test]
-    fn a_band_is_all_that_is_shown() {
+    fn the_map_is_limited_to_the_band() {
         for method in [Method::Stft, Method::Wavelet, Method::WignerVille] {
             let found = Spectrogram::new(tone(), &Asked { band_hz: Some((5e3, 12e3)), ..asked(method) }).unwrap();
             assert!(found.hz.iter().all(|hz| (4999.0..=12001.0).contains(hz)), "{method}");
@@ -386,22 +392,22 @@ mod tests {
     }
 
     #[test]
-    fn each_refusal_says_what_would_do() {
+    fn refusals_state_the_permitted_values() {
         let refused = |signal: Signal, asked: &Asked| Spectrogram::new(signal, asked).unwrap_err().to_string();
         let stft = asked(Method::Stft);
-        assert_eq!(refused(signal(100, |_| 5.0), &stft), "`force_n` is constant, 5: it has no frequencies");
+        assert_eq!(refused(signal(100, |_| 5.0), &stft), "`force_n` is constant, 5: its spectrum is empty");
         let long = Asked { window_s: Some(0.03), ..stft };
         assert!(
-            refused(tone(), &long).contains("3000 samples: it must have 8 at least, and the half of all 4000"),
+            refused(tone(), &long).contains("3000 samples: it must have at least 8, and at most half of all 4000"),
             "{}",
             refused(tone(), &long)
         );
         let above = Asked { band_hz: Some((60e3, 70e3)), ..stft };
         assert!(refused(tone(), &above).contains("the frequencies go up to 50000 Hz"), "{}", refused(tone(), &above));
         let turned = Asked { band_hz: Some((2e3, 1e3)), ..stft };
-        assert!(refused(tone(), &turned).contains("the lower frequency comes first"));
+        assert!(refused(tone(), &turned).contains("the lower frequency first"));
         let foreign = Asked { cycles: Some(3.0), ..stft };
-        assert_eq!(refused(tone(), &foreign), "--cycles is of --method wavelet, and has no meaning with stft");
+        assert_eq!(refused(tone(), &foreign), "--cycles belongs to --method wavelet, and has no effect with stft");
         let few = Asked { cycles: Some(0.1), ..asked(Method::Wavelet) };
         assert!(refused(tone(), &few).contains("from 0.8 to 31"));
     }

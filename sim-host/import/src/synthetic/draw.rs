@@ -1,4 +1,4 @@
-//! An example from its number: circuit, sweep, connection, noise.
+//! Generation of an example from its number: circuit, sweep, connection, noise.
 
 use num_complex::Complex64;
 
@@ -11,12 +11,13 @@ use crate::admittance::fixture::Fixture;
 use crate::admittance::options::Options;
 use crate::complex::polar;
 
-/// The bound of Q, Rm and C0 as parts of them that an example stays below: a measurement somebody would make again is none.
-const USEFUL: f64 = 0.1;
-/// What the noise is lowered by until the example is useful.
-const LOWER: f64 = 0.4;
+/// Largest bound of Q, Rm, C0 and coupling of an example, relative to the values. A less precise
+/// measurement would be repeated by its user.
+const MAX_BOUND_REL: f64 = 0.1;
+/// Factor by which the noise is reduced until the example is precise enough.
+const NOISE_REDUCTION: f64 = 0.4;
 
-/// The example of a number.
+/// Draws the example with this number.
 pub(super) fn draw(number: u64) -> Example {
     let mut random = Random::new(number.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5eed);
     let (truth, hz) = circuit_and_sweep(&mut random);
@@ -31,7 +32,7 @@ pub(super) fn draw(number: u64) -> Example {
     let with_fixture =
         random.chance(0.2) && !matches!(coordinate, Coordinate::Scattering(Topology::SeriesThrough | Topology::ShuntThrough, _));
     let series_ohm = if random.chance(0.1) { truth.branches[0].rm_ohm() * random.between(0.05, 0.5) } else { 0.0 };
-    // A fixture of a few nanohenries and picofarads beside the transducer.
+    // A fixture with a lead of some nanohenries and a stray capacitance across the transducer.
     let (lead_ohm, lead_h) = (random.log(1e-3, 1e-1), random.log(1e-9, 3e-7));
     let stray_f = truth.c0_f * random.log(1e-3, 0.3);
     let between = |hz: &f64| {
@@ -52,9 +53,9 @@ pub(super) fn draw(number: u64) -> Example {
         between,
         noise: Noise { coordinate, first, second, correlation },
     };
-    while !useful(&example) && example.noise.first > 1e-7 {
-        example.noise.first *= LOWER;
-        example.noise.second *= LOWER;
+    while !is_precise(&example) && example.noise.first > 1e-7 {
+        example.noise.first *= NOISE_REDUCTION;
+        example.noise.second *= NOISE_REDUCTION;
     }
     let seen = |(at, hz): (usize, &f64)| {
         let own = example.truth.admittance(*hz);
@@ -75,11 +76,11 @@ pub(super) fn draw(number: u64) -> Example {
     Example { bytes, fixture, ..example }
 }
 
-/// Whether the noise leaves something to be found.
-fn useful(example: &Example) -> bool {
+/// Returns `true` if the bounds of the example are small enough.
+fn is_precise(example: &Example) -> bool {
     let (Some(bounds), values) = (example.bounds(), example.true_values()) else { return false };
     let band = values[0] / values[2];
-    bounds[0] < USEFUL * band && [2, 3, 6, 7].iter().all(|&at| bounds[at] < USEFUL * values[at])
+    bounds[0] < MAX_BOUND_REL * band && [2, 3, 6, 7].iter().all(|&at| bounds[at] < MAX_BOUND_REL * values[at])
 }
 
 fn circuit_and_sweep(random: &mut Random) -> (Equivalent, Vec<f64>) {
@@ -88,7 +89,7 @@ fn circuit_and_sweep(random: &mut Random) -> (Equivalent, Vec<f64>) {
     let cm_f = c0_f * coupling * coupling / (1.0 - coupling * coupling);
     let branch = |hz: f64, q: f64, cm_f: f64| Branch { hz, q, siemens: std::f64::consts::TAU * hz * q * cm_f };
     let mut branches = vec![branch(hz, q, cm_f)];
-    // Half a sweep in bandwidths, within a quarter of the frequency.
+    // Half-width of the sweep in bandwidths, at most a quarter of the frequency.
     let half = (hz / q * random.log(3.0, 40.0)).min(0.25 * hz);
     let centre = hz + half * random.between(-0.5, 0.5);
     let (from, to) = (centre - half, centre + half);
@@ -96,19 +97,19 @@ fn circuit_and_sweep(random: &mut Random) -> (Equivalent, Vec<f64>) {
     for _ in 0..further {
         let (at, own) = (random.between(from + 0.1 * half, to - 0.1 * half), q * random.log(0.5, 3.0));
         let band = |branch: &Branch| branch.hz / branch.q;
-        // Nearer than two bandwidths it is no mode of its own to anybody who looks at the curve.
+        // Closer than two bandwidths, a mode is not visible as a separate one in the curve.
         if branches.iter().all(|known| (known.hz - at).abs() > 2.0 * band(known).max(at / own)) {
             branches.push(branch(at, own, cm_f * random.log(0.02, 0.4)));
         }
     }
     let points = random.one(&[101, 201, 401, 801, 1601]);
     let step = (to - from) / (points - 1) as f64;
-    // A sweep has frequencies that can be printed.
+    // The frequencies of a sweep have few decimals.
     let sweep = (0..points).map(|n| (1e3 * (from + n as f64 * step)).round() / 1e3).collect();
     (Equivalent { c0_f, loss_tangent: random.between(0.0, 0.02), branches }, sweep)
 }
 
-/// What the instrument reads: of two ports in the connection that suits the transducer.
+/// Returns the quantity that the instrument reads; for two ports, in the suitable connection.
 fn connection(random: &mut Random, form: Form, truth: &Equivalent) -> Coordinate {
     let ohm = if form.is_touchstone() { random.one(&[50.0, 50.0, 50.0, 75.0]) } else { 50.0 };
     let low = truth.branches[0].rm_ohm() < ohm;
@@ -120,7 +121,7 @@ fn connection(random: &mut Random, form: Form, truth: &Equivalent) -> Coordinate
     }
 }
 
-/// Admittances with the noise of the instrument.
+/// Returns admittances with the noise of the instrument.
 fn noisy(random: &mut Random, example: &Example, seen: &[Complex64]) -> Vec<Complex64> {
     let noise = &example.noise;
     let rho = noise.correlation;

@@ -1,4 +1,5 @@
-//! The file of an example: Touchstone and tables, in the formats, units and customs of many instruments.
+//! File of an example: Touchstone and tables, with the formats, units and conventions of many
+//! instruments.
 
 use std::fmt::Write as _;
 
@@ -9,7 +10,7 @@ use crate::admittance::coordinate::{Coordinate, Topology};
 use crate::complex::{angle, size};
 use crate::units::Units;
 
-/// Format of the numbers of a Touchstone file.
+/// Number format of a Touchstone file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Numbers {
     RealImaginary,
@@ -17,7 +18,7 @@ pub(super) enum Numbers {
     DbAngle,
 }
 
-/// Form of a file.
+/// Format of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     OnePort(Numbers),
@@ -57,7 +58,7 @@ impl Form {
     }
 }
 
-/// A form, all equally often but those of Touchstone, which are more usual.
+/// Draws a format; the more usual ones more often.
 pub(super) fn form(random: &mut Random) -> Form {
     let numbers = random.one(&[Numbers::RealImaginary, Numbers::SizeAngle, Numbers::DbAngle]);
     random.one(&[
@@ -75,7 +76,8 @@ pub(super) fn form(random: &mut Random) -> Form {
     ])
 }
 
-/// The text of a file, and the units that it does not name. `style` in 0 to 1 chooses between customs; `down` turns the sweep.
+/// Returns the text of a file, and the units that it does not name. `style`, from 0 to 1, chooses
+/// between conventions; `down` reverses the sweep.
 pub(super) fn written(
     form: Form,
     style: f64,
@@ -138,7 +140,7 @@ fn table(form: Form, style: f64, points: &[(f64, Complex64)], coordinate: Coordi
         (",", false, "Frequency", 1.0),
     ];
     let (delimiter, comma, frequency, factor) = customs[((style * 6.0) as usize).min(5)];
-    // The last digits of the style choose independently of the first.
+    // The fraction chooses independently of the integer part.
     let fine = (style * 6.0).fract();
     let (kilo, ohm) = if fine < 0.3 { (1e3, "kOhm") } else { (1.0, "ohm") };
     let milli = if fine < 0.5 { (1e-3, "mS") } else { (1.0, "S") };

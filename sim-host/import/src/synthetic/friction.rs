@@ -1,7 +1,10 @@
-//! Synthetic friction logs: a contact, how it is moved, and noise, drawn from a seed, with the truth and the Cramér-Rao bound behind each.
+//! Synthetic friction logs with known truth and Cramér-Rao bounds: contact, motion and noise drawn
+//! from a seed.
 //!
-//! The slip swings with an amplitude that grows from a presliding of a few samples to a hundred times that, at a velocity from rest to beyond
-//! Stribeck's. Noise is lowered until every bound is below a tenth of its number: a log that would be repeated is none.
+//! The displacement oscillates. Its amplitude grows from a presliding of a few samples to a hundred
+//! times that, with velocities from zero to more than the Stribeck velocity. The noise is reduced
+//! until every bound is below a tenth of its value, because a user would repeat a less precise
+//! measurement.
 
 use super::random::Random;
 use crate::error::ImportError;
@@ -12,27 +15,27 @@ use crate::friction::{Friction, Log, Model, fit};
 use crate::least_squares::{Linear, Solution};
 
 /// Largest bound of the logarithm of a parameter.
-const LARGEST_BOUND: f64 = 0.1;
+const MAX_BOUND_LN: f64 = 0.1;
 
-/// A synthetic friction log.
+/// Synthetic friction log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrictionExample {
     /// Model of the contact.
     pub model: Model,
-    /// The log.
+    /// Friction log.
     pub log: Log,
     /// Correlation of the noise of neighbouring samples.
     pub correlation: f64,
-    /// Parameters of the model, as they are fitted.
+    /// Parameters of the model in the form in which they are fitted.
     truth: Vec<f64>,
     /// Standard deviation of the noise, N.
     noise_n: f64,
 }
 
-/// A number of the contact.
+/// Value of the contact with its bound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounded {
-    /// Name of the number, as the result has it.
+    /// Name of the value, as in the result.
     pub name: String,
     /// True value.
     pub value: f64,
@@ -41,7 +44,7 @@ pub struct Bounded {
 }
 
 impl FrictionExample {
-    /// The example of a number.
+    /// Draws the example with this number.
     pub fn draw(number: u64) -> Self {
         let mut random = Random::new(number ^ 0xf21c_7105);
         let model = random.one(&Model::SEARCHED);
@@ -65,7 +68,7 @@ impl FrictionExample {
             remarks: Vec::new(),
         };
         let fastest = amplitude_m * w;
-        // Slip of a sample at the velocity of the first swings.
+        // Slip per sample at the velocity of the first oscillations.
         let finest = 0.1 * amplitude_m * w * span_s / samples as f64;
         let stiffness = fc / (finest * random.log(3.0, 30.0));
         let value = |name: &str, random: &mut Random| match name {
@@ -87,7 +90,7 @@ impl FrictionExample {
         let correlation = if random.chance(0.25) { random.between(0.3, 0.9) } else { 0.0 };
         let exact = model.force(&truth, &log);
         let mut example = FrictionExample { model, log: log.clone(), correlation, truth, noise_n: fc * random.log(2e-3, 3e-2) };
-        example.noise_n *= example.allowed_part();
+        example.noise_n *= example.noise_factor();
         let mut last = random.normal();
         let noise = |_: &f64| {
             let now = last;
@@ -98,8 +101,8 @@ impl FrictionExample {
         FrictionExample { log, ..example }
     }
 
-    /// What the noise has to be multiplied by for every bound to be small enough.
-    fn allowed_part(&self) -> f64 {
+    /// Returns the factor of the noise with which every bound is small enough.
+    fn noise_factor(&self) -> f64 {
         let Some(covariance) = self.covariance() else { return 1e-3 };
         let relative = |(at, (name, log)): (usize, &(&str, bool))| match (*name, *log) {
             ("initial_force_n", _) => 0.0,
@@ -107,10 +110,10 @@ impl FrictionExample {
             (_, false) => covariance[(at, at)].sqrt() / self.truth[at].abs(),
         };
         let largest = self.model.parameters().iter().enumerate().map(relative).fold(0.0, f64::max);
-        (LARGEST_BOUND / largest).min(1.0)
+        (MAX_BOUND_LN / largest).min(1.0)
     }
 
-    /// Covariance of the fit's parameters that no unbiased estimate can be below.
+    /// Returns the smallest covariance of an unbiased estimate of the parameters.
     fn covariance(&self) -> Option<nalgebra::DMatrix<f64>> {
         let columns = slopes(self.model, &self.truth, |fitted| {
             let force = self.model.force(fitted, &self.log);
@@ -122,15 +125,16 @@ impl FrictionExample {
         Solution { parameters: self.truth.clone(), linear, cost: 0.0, converged: true }.covariance()
     }
 
-    /// The contact found in the log.
+    /// Fits the contact to the log.
     ///
     /// # Errors
-    /// [`ImportError`], as of a log of a user.
+    /// Returns [`ImportError`], as for a log of a user.
     pub fn import(&self) -> Result<Friction, ImportError> {
         fit("example", self.log.clone())
     }
 
-    /// The numbers of the contact with their bounds; nothing where the log does not determine them.
+    /// Returns the values of the contact with their bounds; none if the log does not determine
+    /// them.
     pub fn bounds(&self) -> Option<Vec<Bounded>> {
         let covariance = self.covariance()?;
         let all = named(self.model, &self.truth, &|i, j| covariance[(i, j)], self.log.normal_n);

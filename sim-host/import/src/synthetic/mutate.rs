@@ -1,15 +1,16 @@
-//! Damaged files: an example's with bytes, lines and numbers changed, as mail, editors and broken exporters change them.
+//! Damaged files: bytes, lines and numbers of an example are changed as mail programs, editors and
+//! faulty exporters change them.
 
 use super::Example;
 use super::random::Random;
 
-/// Bytes that matter to a reader of tables.
+/// Bytes with a meaning in tables.
 const TELLING: &[u8] = b"0123456789.,;-+eE \t\n!#\"[]()/xnN\xff\x00\xc3";
-/// Fields that instruments print where they have no number.
+/// Fields that instruments print instead of a number, and extreme numbers.
 const ODD: [&str; 12] =
     ["nan", "inf", "-", "", "1e999", "0", "-0", "9.9e37", "overload", "1,5", "1e-320", "99999999999999999999"];
 
-/// The damaged content of an example, by a seed.
+/// Returns the damaged content of an example, by a seed.
 pub fn mutated(example: &Example, seed: u64) -> Vec<u8> {
     let mut random = Random::new(seed ^ 0x00da_3a9e);
     let mut bytes = example.bytes.clone();

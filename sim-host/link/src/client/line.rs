@@ -1,4 +1,4 @@
-//! Frames that come over a port, which is opened again where it is lost.
+//! Reception of frames over a port, which is reopened if it is lost.
 
 use std::collections::VecDeque;
 use std::io;
@@ -13,64 +13,65 @@ use crate::link_error::LinkError;
 use crate::port::Port;
 use crate::raw_frame::RawFrame;
 
-/// Attempts to open a lost port again, and the pause before each.
-const REOPENINGS: u32 = 10;
+/// Number of attempts to reopen a lost port.
+const REOPEN_ATTEMPTS: u32 = 10;
+/// Pause before each attempt.
 const REOPEN_PAUSE: Duration = Duration::from_millis(300);
-/// Longest stretch without a look at Ctrl-C.
-const SLICE: Duration = Duration::from_millis(50);
-/// Most telemetry reports that are stored until the caller takes them.
-const MOST_REPORTS: usize = 4096;
+/// Longest wait without a check for Ctrl-C.
+const STOP_CHECK_INTERVAL: Duration = Duration::from_millis(50);
+/// Maximum number of telemetry reports stored until the caller reads them.
+const MAX_REPORTS: usize = 4096;
 
-/// A port, and what has come over it.
+/// Port with its received bytes and reports.
 pub(super) struct Line {
     pub(super) port: Box<dyn Port>,
     receiver: Receiver,
     pub(super) raw: RawFrame,
-    /// Bytes that have come and have not been looked at.
-    came: VecDeque<u8>,
+    /// Received bytes that have not been processed.
+    unread: VecDeque<u8>,
     pub(super) telemetry: VecDeque<(u16, Telemetry)>,
-    /// The session of this client; none before the board has given one.
+    /// Session of this client; `NO_SESSION` before the board has granted one.
     pub(super) session: u32,
     pub(super) counts: Counts,
     pub(super) stop: &'static AtomicBool,
     note: fn(&str),
 }
 
-/// How the link has done so far.
+/// Counts of commands and errors of a link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Commands sent, without copies.
     pub commands: u32,
-    /// Copies of commands that were sent again.
+    /// Repeated copies of commands.
     pub repeated: u32,
-    /// Frames that came damaged.
+    /// Frames that arrived damaged.
     pub damaged: u32,
-    /// Answers to what is not asked any more, and what is of another session.
+    /// Answers to earlier requests, and frames of another session.
     pub late: u32,
-    /// Times that the port was opened again.
+    /// Times that the port was reopened.
     pub reopened: u32,
 }
 
-/// What came.
-pub(super) enum Came {
+/// Event of a reception.
+pub(super) enum Received {
     Frame(Box<Frame<Reply>>),
-    /// A report, which was put with the others.
+    /// A telemetry report, which was queued.
     Telemetry,
-    /// What was sent, or what came, was damaged on the way.
+    /// A damaged frame, in either direction.
     Damage,
-    /// A whole frame of another protocol version.
+    /// An intact frame of another protocol version.
     Version(u8),
 }
 
 impl Line {
-    /// Over this port.
+    /// Creates a line over this port.
     pub(super) fn new(port: Box<dyn Port>, stop: &'static AtomicBool, note: fn(&str)) -> Self {
-        let (came, telemetry) = Default::default();
+        let (unread, telemetry) = Default::default();
         Line {
             port,
             receiver: Receiver::default(),
             raw: RawFrame::default(),
-            came,
+            unread,
             telemetry,
             session: NO_SESSION,
             counts: Counts::default(),
@@ -79,8 +80,8 @@ impl Line {
         }
     }
 
-    /// The next frame.
-    pub(super) fn receive(&mut self, wait: Duration) -> Result<Option<Came>, LinkError> {
+    /// Waits for the next frame.
+    pub(super) fn receive(&mut self, wait: Duration) -> Result<Option<Received>, LinkError> {
         let until = self.port.now() + wait;
         let mut version = None;
         loop {
@@ -91,11 +92,11 @@ impl Line {
             if now >= until {
                 return Ok(None);
             }
-            let Some(byte) = self.came.pop_front() else {
+            let Some(byte) = self.unread.pop_front() else {
                 let mut bytes = [0; 256];
-                match self.port.receive(&mut bytes, SLICE.min(until - now)) {
-                    Ok(count) => self.came.extend(&bytes[..count]),
-                    // Whoever holds it is not gone by trying again.
+                match self.port.receive(&mut bytes, STOP_CHECK_INTERVAL.min(until - now)) {
+                    Ok(count) => self.unread.extend(&bytes[..count]),
+                    // Another attempt does not help while another program holds the port.
                     Err(error) if error.kind() == io::ErrorKind::ResourceBusy => {
                         return Err(LinkError::Open { port: self.port.name().to_owned(), why: error.to_string() });
                     }
@@ -109,41 +110,42 @@ impl Line {
             version = self.raw.take(byte).or(version);
             match self.receiver.take::<Reply>(byte) {
                 None => {}
-                // What an earlier client has left unread, or what another one has asked for since.
+                // A frame that an earlier client has not read, or that another client has
+                // requested.
                 Some(Ok(Frame { session, body: Reply::Telemetry(_), .. }))
                     if self.session != NO_SESSION && session != self.session =>
                 {
                     self.counts.late += 1;
                 }
                 Some(Ok(Frame { sequence, body: Reply::Telemetry(telemetry), .. })) => {
-                    self.telemetry.drain(..(self.telemetry.len() + 1).saturating_sub(MOST_REPORTS));
+                    self.telemetry.drain(..(self.telemetry.len() + 1).saturating_sub(MAX_REPORTS));
                     self.telemetry.push_back((sequence, telemetry));
-                    return Ok(Some(Came::Telemetry));
+                    return Ok(Some(Received::Telemetry));
                 }
-                Some(Ok(frame)) => return Ok(Some(Came::Frame(Box::new(frame)))),
-                Some(Err(FrameError::Version(_))) => return Ok(Some(Came::Version(version.unwrap_or(0)))),
+                Some(Ok(frame)) => return Ok(Some(Received::Frame(Box::new(frame)))),
+                Some(Err(FrameError::Version(_))) => return Ok(Some(Received::Version(version.unwrap_or(0)))),
                 Some(Err(FrameError::TooLong | FrameError::Damaged)) => {
                     self.counts.damaged += 1;
-                    return Ok(Some(Came::Damage));
+                    return Ok(Some(Received::Damage));
                 }
                 Some(Err(FrameError::Unknown(..))) => {
                     self.counts.damaged += 1;
-                    (self.note)("the board says something that this program does not know: is it newer?");
-                    return Ok(Some(Came::Damage));
+                    (self.note)("the board has sent a message that this program does not know: is its firmware newer?");
+                    return Ok(Some(Received::Damage));
                 }
             }
         }
     }
 
-    /// Opens the port again, and goes on as if nothing had been: what was under way is asked for again.
+    /// Reopens the port. The caller repeats the request that was pending.
     pub(super) fn reopen(&mut self, why: &str) -> Result<(), LinkError> {
-        // A board in this process has stopped for good.
+        // A board in this process cannot be restarted.
         if self.port.stands_still() {
             return Err(self.lost(why.to_owned()));
         }
         (self.note)(&format!("lost {}: {why}; trying to open it again", self.port.name()));
         let mut why = why.to_owned();
-        for _ in 0..REOPENINGS {
+        for _ in 0..REOPEN_ATTEMPTS {
             std::thread::sleep(REOPEN_PAUSE);
             if self.stop.load(Ordering::Relaxed) {
                 return Err(LinkError::Interrupted);
@@ -152,22 +154,22 @@ impl Line {
                 Ok(()) => {
                     (self.note)(&format!("{} is back", self.port.name()));
                     self.receiver = Receiver::default();
-                    self.came.clear();
+                    self.unread.clear();
                     self.counts.reopened += 1;
                     return Ok(());
                 }
                 Err(error) => why = error.to_string(),
             }
         }
-        Err(self.lost(format!("{why} ({REOPENINGS} attempts)")))
+        Err(self.lost(format!("{why} ({REOPEN_ATTEMPTS} attempts)")))
     }
 
-    /// Tells the user something.
+    /// Passes a message to the user.
     pub(super) fn say(&self, line: &str) {
         (self.note)(line);
     }
 
-    /// It is gone.
+    /// Returns the error for a lost port.
     pub(super) fn lost(&self, why: String) -> LinkError {
         LinkError::Lost { port: self.port.name().to_owned(), why }
     }

@@ -1,4 +1,4 @@
-//! `capture`: voltage, current and drive, sample by sample, around a trigger.
+//! `capture`: records voltage, current and drive sample by sample around a trigger.
 
 use std::fs;
 use std::path::PathBuf;
@@ -22,25 +22,25 @@ use sim::provenance::Provenance;
 /// Arguments of the command.
 #[derive(Args, Clone, Debug)]
 pub struct CaptureArgs {
-    /// What to wait for.
+    /// Trigger of the capture.
     #[arg(long, value_enum, default_value_t = When::Now)]
     trigger: When,
-    /// Samples from before the trigger, up to 1024.
+    /// Number of samples before the trigger, up to 1024.
     #[arg(long, value_name = "N", default_value_t = 256)]
     before: u16,
-    /// The lane whose drive is recorded, from 0.
+    /// Lane whose drive is recorded, from 0.
     #[arg(long, value_name = "L", default_value_t = 0)]
     lane: u8,
-    /// How long to wait for the trigger.
+    /// Maximum time to wait for the trigger.
     #[arg(long, value_name = "S", default_value = "10", value_parser = seconds)]
     within: f64,
-    /// Arm only; `capture --read` fetches it later.
+    /// Only arm; `capture --read` reads the result later.
     #[arg(long, conflicts_with_all = ["read", "output"])]
     arm: bool,
-    /// Fetch what an earlier `capture --arm` has recorded.
+    /// Read the result of an earlier `capture --arm`.
     #[arg(long, conflicts_with = "trigger")]
     read: bool,
-    /// Folder for `capture.csv`, and the figure as SVG and PNG.
+    /// Folder for `capture.csv` and the figures as SVG and PNG.
     #[arg(short, long = "output", value_name = "DIR")]
     output: Option<PathBuf>,
 }
@@ -66,33 +66,33 @@ impl When {
     }
 }
 
-/// A capture as it was read.
+/// Capture as read from the board.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Captured {
-    /// How it came about.
+    /// State, trigger block and lengths.
     pub report: CaptureReport,
     /// Codes of the voltage channel.
     pub v: Vec<u16>,
     /// Codes of the current channel.
     pub i: Vec<u16>,
-    /// Drive codes, as they played at the same time.
+    /// Drive codes played at the same time.
     pub drive: Vec<u16>,
 }
 
-/// Arms, waits, reads and writes.
+/// Arms a capture, waits for it, reads it and writes it.
 pub fn run(args: &CaptureArgs, session: &mut Session) -> Result<Answer, LinkError> {
-    // A folder that cannot be is known before the trigger comes.
+    // An invalid folder is reported before the trigger.
     let folder = session.folder("capture", args.output.as_deref())?;
     if !args.read {
         if usize::from(args.before) > SAMPLES {
-            return Err(LinkError::Usage(format!("--before is 0 to {SAMPLES} samples, not {}", args.before)));
+            return Err(LinkError::Usage(format!("--before must be 0 to {SAMPLES} samples, not {}", args.before)));
         }
         let arm = Arm { trigger: args.trigger.trigger(), before: args.before, lane: args.lane };
         session.client.order(Command::Capture(CaptureVerb::Arm(arm)))?;
         if args.arm {
             let name = args.trigger.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
             return Ok(Answer::to("capture")
-                .line(format!("armed: waits for `{name}`; `capture --read` fetches it"))
+                .line(format!("armed for the trigger `{name}`; `capture --read` reads the result"))
                 .field("state", "armed"));
         }
     }
@@ -139,14 +139,15 @@ pub fn fetch(within: Duration, session: &mut Session) -> Result<Captured, LinkEr
         let late = session.client.now() >= until;
         match report.state {
             CaptureState::Full => break report,
-            CaptureState::Empty => return Err(LinkError::Failed("nothing is recorded: `capture --arm` first".into())),
+            CaptureState::Empty => return Err(LinkError::Failed("nothing is recorded: send `capture --arm` first".into())),
             CaptureState::Armed if late => {
-                let why =
-                    format!("the trigger has not come within {} s; it stays armed, for `capture --read`", within.as_secs_f64());
+                let why = format!("no trigger within {} s; the capture stays armed for `capture --read`", within.as_secs_f64());
                 return Err(LinkError::Failed(why));
             }
             CaptureState::Triggered if late => {
-                return Err(LinkError::Failed("the trigger has come, but the block stream does not fill the capture".into()));
+                return Err(LinkError::Failed(
+                    "the trigger has come, but the capture does not fill: the block stream has stopped".into(),
+                ));
             }
             CaptureState::Armed | CaptureState::Triggered => session.wait(Duration::from_millis(10))?,
         }
@@ -168,7 +169,7 @@ pub fn fetch(within: Duration, session: &mut Session) -> Result<Captured, LinkEr
     Ok(captured)
 }
 
-/// Writes codes and SI units, and draws them.
+/// Writes codes and SI units as CSV, and the figures.
 fn write(captured: &Captured, scale: &Scale, folder: &Folder, provenance: &Provenance) -> Result<(), LinkError> {
     let dir = folder.unfinished();
     let path = dir.join("capture.csv");
@@ -203,7 +204,7 @@ fn write(captured: &Captured, scale: &Scale, folder: &Folder, provenance: &Prove
     let of = |codes: &[u16], worth: &dyn Fn(u16) -> f64| codes.iter().map(|&code| worth(code)).collect::<Vec<f64>>();
     let voltages = vec![
         curve("voltage at the stack", "voltage_v", of(&captured.v, &|code| scale.volts(code))),
-        curve("drive, as it played", "drive_v", of(&captured.drive, &|code| scale.drive_volts(code))),
+        curve("drive as played", "drive_v", of(&captured.drive, &|code| scale.drive_volts(code))),
     ];
     let currents = vec![curve("current into the stack", "current_a", of(&captured.i, &|code| scale.amperes(code)))];
     let page = Report {

@@ -1,4 +1,4 @@
-//! The transducer that the board has identified, in words and fields.
+//! Output of the transducer that the board has identified, as text and fields.
 
 use firmware::seam::telemetry::Telemetry;
 use firmware::seam::transducer::Transducer;

@@ -1,12 +1,12 @@
-//! `commission`: from a transducer that nobody knows to a tuned controller.
+//! `commission`: tunes the controller to an unknown transducer.
 //!
 //! ```text
-//! small tones --> what hangs there, C0, how loud --> scans of all windows --> a closer look at each mode --> the chosen mode
+//! small tones --> kind of load, C0, voltage --> scans of all windows --> closer scan of each mode --> chosen mode
 //!     --> proposed settings, rehearsed on the twin --> lock, step of the amplitude, burst --> stored (--yes), or as before
 //! ```
 //!
-//! Only the band and the largest voltage are given. Whatever ends it, the board is silent and its settings are as before, unless they were
-//! stored at the end.
+//! Only the band and the maximum voltage are given. However it ends, the drive is silent and the
+//! settings of the board are as before, unless new ones were stored at the end.
 
 mod band;
 mod board_settings;
@@ -48,31 +48,34 @@ use crate::session::Session;
 use crate::words;
 use sim::advice::Advice;
 
-/// Two modes with more than this part of the other's motional capacitance are alike.
-const ALIKE: f64 = 0.6;
+/// Ratio of the motional capacitances of two modes above which neither is the stronger one.
+const ALIKE_CM_REL: f64 = 0.6;
 
-/// How often the test is tried at less voltage.
-const QUIETER: u32 = 4;
+/// Maximum number of tests per tracking mode, each at less voltage.
+const MAX_TESTS: u32 = 4;
 
 /// Arguments of the command.
 #[derive(Args, Clone, Debug)]
 pub struct CommissionArgs {
-    /// Where to look for the resonance, as two frequencies in hertz, such as 20k:45k.
+    /// Band to search for the resonance, as two frequencies in hertz, such as 20k:45k.
     #[arg(long, value_name = "LOW:HIGH")]
     band: Band,
-    /// Largest peak voltage at the amplifier, V; the board's own limit if that is less.
+    /// Maximum peak voltage at the amplifier, V; the board's own limit if that is lower.
     #[arg(long, value_name = "V", value_parser = positive)]
     max_volts: f64,
-    /// Largest peak current, A. Default: the board's limit (`limits.current_a`), which counts in any case.
+    /// Maximum peak current, A. Default: the board's limit (`limits.current_a`), which always
+    /// applies.
     #[arg(long, value_name = "A", value_parser = positive)]
     max_amps: Option<f64>,
-    /// Which mode to drive, by its number in the table. Default: the strongest, which is that of the largest motional capacitance.
+    /// Mode to drive, by its number in the table. Default: the strongest, with the largest motional
+    /// capacitance.
     #[arg(long, value_name = "N")]
     mode: Option<usize>,
-    /// Store the settings that have passed the test; without it the board is left as before.
+    /// Store the settings that have passed the test; without it the settings of the
+    /// board remain as before.
     #[arg(long)]
     yes: bool,
-    /// What the transducer is called in the files.
+    /// Name of the transducer in the files.
     #[arg(long, value_name = "PROFILE", default_value = "transducer")]
     name: String,
     /// Folder for the report, the settings as a script of commands, and the twin as a scene.
@@ -81,18 +84,18 @@ pub struct CommissionArgs {
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    amount(text).and_then(|value| if value > 0.0 { Ok(f64::from(value)) } else { Err("a number above zero".into()) })
+    amount(text).and_then(|value| if value > 0.0 { Ok(f64::from(value)) } else { Err("expected a positive number".into()) })
 }
 
-/// What a commissioning has found, and what it proposes.
+/// Result of a commissioning.
 struct Commissioned {
     name: String,
     band: Band,
     load: Load,
     modes: Vec<Mode>,
-    /// Place of the chosen mode.
+    /// Index of the chosen mode.
     chosen: usize,
-    /// What its circle has shown.
+    /// Result of its circle.
     resolved: Resolved,
     proposal: Proposal,
     twin: String,
@@ -100,21 +103,22 @@ struct Commissioned {
     verified: Verified,
 }
 
-/// Commissions the transducer at the board; leaves the board silent, with its settings as before or with the stored result.
+/// Commissions the transducer at the board. At the end the drive is silent, and the settings are as
+/// before, or the result is stored.
 pub fn run(args: &CommissionArgs, session: &mut Session) -> Result<Answer, LinkError> {
-    let converters = Band::of_converters(&session.identity.converters);
-    if !converters.has(&args.band) {
+    let converters = Band::from_converters(&session.identity.converters);
+    if !converters.contains(&args.band) {
         return Err(LinkError::Usage(format!(
-            "the converters of this board measure {:.0} to {:.0} Hz, and the band is {:.0} to {:.0} Hz",
+            "the converters of this board measure {:.0} to {:.0} Hz, but the band is {:.0} to {:.0} Hz",
             converters.low_hz, converters.high_hz, args.band.low_hz, args.band.high_hz
         )));
     }
-    // A folder that cannot be is known before anything is driven.
+    // An invalid folder is reported before the first drive.
     let folder = session.folder("commission", args.output.as_deref())?;
     let before = session.status()?;
     session.check(&before)?;
     if before.mode != BoardMode::Idle {
-        return Err(LinkError::Failed("the board drives: `stop` first".into()));
+        return Err(LinkError::Failed("the drive is on: send `stop` first".into()));
     }
     let began = session.client.now();
     let mut board = BoardSettings::read(session)?;
@@ -130,19 +134,19 @@ pub fn run(args: &CommissionArgs, session: &mut Session) -> Result<Answer, LinkE
     });
     let answer = match done {
         Ok(found) if args.yes => Ok(found),
-        done => leave(done, &mut board, session),
+        done => restore(done, &mut board, session),
     }
     .map(|found| in_words(&found, args))?;
     let board_s = (session.client.now() - began).as_secs_f64();
     Ok(answer.line(format!("{board_s:.2} s of the board's time")).field("board_s", board_s))
 }
 
-/// Restores silence and settings, whatever has happened, and says so where something has.
-fn leave<T>(done: Result<T, LinkError>, board: &mut BoardSettings, session: &mut Session) -> Result<T, LinkError> {
-    // What restores the board is not interrupted.
-    session.client.part();
+/// Stops the drive and restores the settings after any result, and reports a failure of that.
+fn restore<T>(done: Result<T, LinkError>, board: &mut BoardSettings, session: &mut Session) -> Result<T, LinkError> {
+    // Ctrl-C must not interrupt this.
+    session.client.ignore_ctrl_c();
     let orders = [
-        // Telemetry that a broken off wait has left on would delay the answers.
+        // Telemetry that continues after an interrupted wait would delay the answers.
         Command::TelemetryEvery(0),
         Command::Idle,
         Command::ClearFault,
@@ -154,17 +158,17 @@ fn leave<T>(done: Result<T, LinkError>, board: &mut BoardSettings, session: &mut
     let restored = restored.and_then(|()| board.finish(&[], session));
     match (done, restored) {
         (Ok(done), Ok(())) => {
-            session.is_silent();
+            session.mark_silent();
             Ok(done)
         }
         (Err(error), Ok(())) => {
-            session.is_silent();
+            session.mark_silent();
             session.client.note("the drive is silent, and the settings are as before");
             Err(error)
         }
         (done, Err(error)) => {
             session.client.note(&format!(
-                "the settings could not be restored ({error}). Once the board answers again, this restores them:\n{}",
+                "the settings could not be restored ({error}). Once the board answers again, restore them with:\n{}",
                 board.by_hand()
             ));
             Err(done.err().unwrap_or(error))
@@ -174,7 +178,7 @@ fn leave<T>(done: Result<T, LinkError>, board: &mut BoardSettings, session: &mut
 
 fn commission(args: &CommissionArgs, board: &mut BoardSettings, session: &mut Session) -> Result<Commissioned, LinkError> {
     let scale = session.scale()?;
-    let bounds = Bounds::of(args.max_volts, args.max_amps, board, &scale);
+    let bounds = Bounds::new(args.max_volts, args.max_amps, board, &scale);
     session.live.stage("small tones");
     let load = tones::measure(&args.band, &bounds, board, session)?;
     let modes = modes::find(&args.band, &load, &bounds, board, session)?;
@@ -183,17 +187,17 @@ fn commission(args: &CommissionArgs, board: &mut BoardSettings, session: &mut Se
     }
     let chosen = choose(&modes, args.mode)?;
     let transducer = modes[chosen].transducer;
-    session.live.stage(&format!("round the circle of {:.0} Hz", modes[chosen].hz()));
-    let circle = circle::measure(&Proposal::of(&transducer, &bounds), &bounds, board, session)?.map_err(|fault| {
+    session.live.stage(&format!("admittance circle at {:.0} Hz", modes[chosen].hz()));
+    let circle = circle::measure(&Proposal::new(&transducer, &bounds), &bounds, board, session)?.map_err(|fault| {
         LinkError::Failed(format!(
-            "a resonance was identified at {:.2} Hz, and the admittance round it cannot be measured: {}",
+            "a resonance was identified at {:.2} Hz, but the admittance around it cannot be measured: {}",
             modes[chosen].hz(),
             words::fault(fault)
         ))
     })?;
     let resolved = neighbours::resolve(&circle.points, &transducer, args.mode.is_some())?;
-    let loud = Proposal::of(&resolved.transducer, &bounds).as_loud_as(circle.volts, circle.amperes, &bounds);
-    let (mut proposal, verified) = settle(&loud, &bounds, board, session)?;
+    let measured = Proposal::new(&resolved.transducer, &bounds).within_limits(circle.volts, circle.amperes, &bounds);
+    let (mut proposal, verified) = passing_proposal(&measured, &bounds, board, session)?;
     proposal.limits = (bounds.volts, bounds.given_a);
     let others: Vec<Mode> = modes.iter().enumerate().filter(|(place, _)| *place != chosen).map(|(_, mode)| *mode).collect();
     let twin = twin::toml(&args.name, &proposal, &others, &scale, &session.identity.converters);
@@ -203,7 +207,7 @@ fn commission(args: &CommissionArgs, board: &mut BoardSettings, session: &mut Se
     Ok(Commissioned { name: args.name.clone(), band: args.band, load, modes, chosen, resolved, proposal, twin, advice, verified })
 }
 
-/// The place of the mode to drive.
+/// Returns the index of the mode to drive.
 fn choose(modes: &[Mode], number: Option<usize>) -> Result<usize, LinkError> {
     if let Some(number) = number {
         return if (1..=modes.len()).contains(&number) {
@@ -219,13 +223,15 @@ fn choose(modes: &[Mode], number: Option<usize>) -> Result<usize, LinkError> {
     let mut by_strength: Vec<usize> = (0..modes.len()).collect();
     by_strength.sort_by(|&a, &b| modes[b].strength().total_cmp(&modes[a].strength()));
     match by_strength.as_slice() {
-        [first, second, ..] if modes[*second].strength() > ALIKE * modes[*first].strength() => Err(LinkError::Failed(format!(
-            "two resonances are alike, at {:.1} and {:.1} Hz: two transducers in parallel, or one with two such modes. Take one away, or choose \
-             by --mode N\n{}",
-            modes[*first].hz(),
-            modes[*second].hz(),
-            table(modes, None).join("\n")
-        ))),
+        [first, second, ..] if modes[*second].strength() > ALIKE_CM_REL * modes[*first].strength() => {
+            Err(LinkError::Failed(format!(
+                "two resonances have similar strength, at {:.1} and {:.1} Hz: two transducers in parallel, or one with two such modes. \
+                 Disconnect one, or choose by --mode N\n{}",
+                modes[*first].hz(),
+                modes[*second].hz(),
+                table(modes, None).join("\n")
+            )))
+        }
         [first, ..] => Ok(*first),
         [] => Err(LinkError::Failed("no resonance was found".into())),
     }
@@ -235,21 +241,22 @@ fn count(modes: usize) -> String {
     if modes == 1 { "one was found".into() } else { format!("{modes} were found") }
 }
 
-/// The proposal that passes the test: by the observer, or by the phase loop where that does not; quieter where it was too loud.
-fn settle(
-    loud: &Proposal,
+/// Returns the proposal that passes the test: with the observer, or with the phase loop
+/// if the observer fails. The voltage is reduced if it was too high.
+fn passing_proposal(
+    measured: &Proposal,
     bounds: &Bounds,
     board: &mut BoardSettings,
     session: &mut Session,
 ) -> Result<(Proposal, Verified), LinkError> {
     let mut reasons = Vec::new();
     for observer in [true, false] {
-        let mut proposal = Proposal { observer, ..*loud };
+        let mut proposal = Proposal { observer, ..*measured };
         session.live.stage(if observer { "test with the observer" } else { "test with the phase loop" });
-        for _ in 0..QUIETER {
+        for _ in 0..MAX_TESTS {
             match verification::verify(&proposal, bounds, board, session)? {
                 Ok(verified) => return Ok((proposal, verified)),
-                Err(failed) if failed.too_loud && proposal.volts > bounds.quietest_v => proposal = proposal.quieter(),
+                Err(failed) if failed.voltage_too_high && proposal.volts > bounds.min_v => proposal = proposal.reduced(),
                 Err(failed) => {
                     reasons.push(format!("{}: {}", if observer { "observer" } else { "phase loop" }, failed.why));
                     break;
@@ -258,10 +265,10 @@ fn settle(
         }
     }
     Err(LinkError::Failed(format!(
-        "a resonance was identified at {:.2} Hz with Q {:.1}, and no settings for it pass the test; another resonance nearby does that, or a load \
-         that changes. {}",
-        loud.transducer.series_resonance_hz,
-        loud.transducer.q,
+        "a resonance was identified at {:.2} Hz with Q {:.1}, but no settings for it pass the test, because of \
+         another resonance nearby or a changing load. {}",
+        measured.transducer.series_resonance_hz,
+        measured.transducer.q,
         reasons.join(". ")
     )))
 }

@@ -1,4 +1,4 @@
-//! `drive`: sound, at an amplitude, for a time.
+//! `drive`: drives with an amplitude, optionally for a limited time.
 
 use std::time::Duration;
 
@@ -12,43 +12,51 @@ use super::lock::{LockArgs, acquire};
 use super::{amount, seconds, status};
 use crate::answer::Answer;
 use crate::link_error::LinkError;
+use crate::parameter::{self, parameter};
 use crate::session::Session;
 
 /// Arguments of the command.
 #[derive(Args, Clone, Debug)]
 pub struct DriveArgs {
-    /// Peak drive voltage; without it and --current the configured amplitude.
+    /// Peak drive voltage; without it and --current, the configured amplitude.
     #[arg(long, value_name = "V", value_parser = amount, conflicts_with = "current")]
     volts: Option<f32>,
     /// Peak motional current to hold: tip velocity times force factor.
     #[arg(long, value_name = "A", value_parser = amount)]
     current: Option<f32>,
-    /// For how long; then the drive falls silent. Without it the drive goes on until `stop`, or until the client leaves.
+    /// Duration, after which the drive stops. By default it runs until `stop`, or until the client
+    /// leaves.
     #[arg(long = "for", value_name = "S", value_parser = seconds)]
     time: Option<f64>,
-    /// How far beside the resonance.
+    /// Frequency offset from the resonance.
     #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
     detune: Option<f32>,
-    /// How far lanes 1 and 3 lead lanes 0 and 2, turns: -0.25 to 0.25.
+    /// Phase lead of lanes 1 and 3 over lanes 0 and 2: -0.25 to 0.25 turns.
     #[arg(long, value_name = "TURNS", allow_hyphen_values = true)]
     quadrature: Option<f32>,
 }
 
 impl DriveArgs {
-    /// Whether the drive is to go on when the command is over.
+    /// Returns `true` if the drive continues after the command.
     pub fn goes_on(&self) -> bool {
         self.time.is_none()
     }
 }
 
-/// Drives with the amplitude, detuning and quadrature of the arguments.
+/// Drives with the amplitude, frequency offset and quadrature of the arguments.
 pub fn run(args: &DriveArgs, session: &mut Session) -> Result<Answer, LinkError> {
     let amplitude = args.volts.map(Amplitude::Volts).or(args.current.map(Amplitude::MotionalCurrent));
-    // Before the drive begins, so that it does not begin with another amplitude.
+    let limit_v = parameter::report(parameter("limits.voltage_v")?, &mut session.client)?.acts;
+    if let Some(volts) = args.volts.filter(|volts| *volts > limit_v) {
+        session.client.note(&format!(
+            "warning: {volts} V exceeds the voltage limit of the board; it drives at most {limit_v} V (`settings get limits.voltage_v`)"
+        ));
+    }
+    // Set before the start, so that the drive does not start with another amplitude.
     session.client.order(Command::Amplitude(amplitude))?;
     session.client.order(Command::Detune(Hertz(args.detune.unwrap_or(0.0))))?;
     session.client.order(Command::Quadrature(args.quadrature.map(Turns)))?;
-    session.begins_to_drive()?;
+    session.begin_drive()?;
     session.client.order(Command::Gate(Gate::On))?;
     if session.status()?.mode != Mode::Run {
         acquire(&LockArgs::default(), session)?;
@@ -64,11 +72,11 @@ pub fn run(args: &DriveArgs, session: &mut Session) -> Result<Answer, LinkError>
     Ok(match args.time {
         Some(time) => {
             session.client.order(Command::Idle)?;
-            session.is_silent();
+            session.mark_silent();
             answer.line(format!("drove for {time} s; the drive is silent")).field("for_s", time)
         }
-        // What goes on is watched until Ctrl-C, or left on.
+        // The caller watches a continuing drive until Ctrl-C, or leaves it on.
         None if session.ends_with_command => answer.line("the drive is on"),
-        None => answer.line(format!("the drive is on; {}", session.what_becomes_of_it())),
+        None => answer.line(format!("the drive is on; {}", session.end_of_drive())),
     })
 }

@@ -1,4 +1,4 @@
-//! `fault`: the present one, what was, and what the board was started by.
+//! `fault`: shows the present fault, earlier faults and the cause of the board's start.
 
 use clap::{Args, ValueEnum};
 use firmware::board::command::{Command, Reply};
@@ -16,7 +16,8 @@ use crate::words;
 /// Arguments of the command.
 #[derive(Args, Clone, Debug)]
 pub struct FaultArgs {
-    /// `clear` forgets the fault (the drive stays silent); `log` shows the last ones, newest first, and what started the board.
+    /// `clear` clears the fault (the drive stays silent); `log` lists the latest faults, newest
+    /// first, and the cause of the start.
     #[arg(value_enum)]
     what: Option<What>,
 }
@@ -27,7 +28,7 @@ enum What {
     Log,
 }
 
-/// Shows or clears the fault as the arguments say.
+/// Shows, lists or clears faults.
 pub fn run(args: &FaultArgs, session: &mut Session) -> Result<Answer, LinkError> {
     match args.what {
         None => {
@@ -42,10 +43,10 @@ pub fn run(args: &FaultArgs, session: &mut Session) -> Result<Answer, LinkError>
 
 fn clear(session: &mut Session) -> Result<Answer, LinkError> {
     session.client.order(Command::ClearFault)?;
-    session.is_silent();
+    session.mark_silent();
     match session.status()?.fault {
         None => Ok(Answer::to("fault").line("no fault; the drive is silent").field("fault", Value::Null)),
-        Some(fault) => Err(LinkError::Failed(format!("it is there again at once: {}", words::fault(fault)))),
+        Some(fault) => Err(LinkError::Failed(format!("the fault came back at once: {}", words::fault(fault)))),
     }
 }
 
@@ -101,16 +102,16 @@ fn start(report: &FaultReport) -> String {
     words::start(&report.last_run)
 }
 
-/// What the board says it was started by.
+/// Requests the cause of the board's start, as text.
 pub fn start_in_words(session: &mut Session) -> Result<String, LinkError> {
     Ok(start(&ask(0, session)?))
 }
 
-/// What the board does when its host falls silent while it drives.
+/// Describes the response of the board to a lost host while it drives.
 pub fn host_timeout_in_words(session: &mut Session) -> Result<String, LinkError> {
     let timeout_s = report(parameter("link.patience_s")?, &mut session.client)?.acts;
     Ok(if timeout_s == 0.0 {
-        "it goes on without a host".into()
+        "it continues without a host".into()
     } else {
         format!("without a host the board stops it after {timeout_s} s, unless set otherwise (--host-timeout, --stay)")
     })

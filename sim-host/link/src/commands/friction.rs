@@ -11,7 +11,7 @@ use crate::session::Session;
 /// Arguments of the command.
 #[derive(Args, Clone, Debug)]
 pub struct FrictionArgs {
-    /// A part of the friction without drive, 0 to 1; a force as `0.05N`; or `configured`.
+    /// Ratio to the friction without drive, 0 to 1; a force such as `0.05N`; or `configured`.
     #[arg(value_name = "RATIO|FORCE", value_parser = target)]
     target: SetPoint,
 }
@@ -26,7 +26,7 @@ pub enum SetPoint {
 }
 
 fn target(text: &str) -> Result<SetPoint, String> {
-    const EXPECTED: &str = "a ratio from 0 to 1 (0.4), a force (0.05N), or `configured`";
+    const EXPECTED: &str = "expected a ratio from 0 to 1 (0.4), a force (0.05N), or `configured`";
     let number = |text: &str| text.trim().parse::<f32>().map_err(|_| EXPECTED.to_owned());
     let target = match text.strip_suffix(['N', 'n']) {
         _ if text == "configured" => return Ok(SetPoint::Configured),
@@ -45,14 +45,16 @@ pub fn run(args: &FrictionArgs, session: &mut Session) -> Result<Answer, LinkErr
     session.client.order(Command::Friction(ordered))?;
     let answer = Answer::to("friction");
     let answer = match ordered {
-        None => answer.line("friction as configured"),
+        None => answer.line("friction set point: as configured"),
         Some(Target::Ratio(ratio)) => {
-            answer.line(format!("friction to {ratio} of what it is without drive")).field("target_ratio", short(ratio))
+            answer.line(format!("friction set point: {ratio} of the friction without drive")).field("target_ratio", short(ratio))
         }
-        Some(Target::Force(newtons)) => answer.line(format!("friction to {newtons} N")).field("target_force_n", short(newtons)),
+        Some(Target::Force(newtons)) => {
+            answer.line(format!("friction set point: {newtons} N")).field("target_force_n", short(newtons))
+        }
     };
     let switched = session.status()?.friction.is_some();
-    Ok(if switched { answer } else { answer.line("(nothing holds it yet: the friction switch reports once it runs)") })
+    Ok(if switched { answer } else { answer.line("(not yet active: the friction switch reports once it runs)") })
 }
 
 #[cfg(test)]

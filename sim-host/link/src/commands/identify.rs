@@ -1,4 +1,4 @@
-//! `identify`: asks the board for its identity.
+//! `identify`: requests the identity of the board.
 
 use firmware::board::command::Identity;
 
@@ -6,7 +6,7 @@ use crate::answer::{Answer, quantity};
 use crate::link_error::LinkError;
 use crate::session::Session;
 
-/// Asks the board for its identity once more, and measures the round trip.
+/// Requests the identity of the board again, and measures the round trip.
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let began = session.client.now();
     let identity = session.client.identify()?;
@@ -18,13 +18,14 @@ pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     Ok(Answer::to("identify")
         .line(format!("{}: a Sonoglide board, firmware {version}, protocol {protocol}", session.client.port()))
         .line(format!(
-            "converters: {}, {} samples a block, {} of 4 lanes",
+            "converters: {}, {} samples per block, {} of 4 lanes",
             quantity(converters.sample_hz.into(), "Hz"),
             converters.block_samples,
             converters.lanes
         ))
         .line(format!(
-            "link: answered in {round_trip_ms:.2} ms; {} commands, {} repeated, {} frames damaged, {} answers late, opened again {} times",
+            "link: answered in {round_trip_ms:.2} ms; {} commands, {} repeated, {} frames damaged, {} answers late, reopened {} \
+             times",
             counts.commands, counts.repeated, counts.damaged, counts.late, counts.reopened
         ))
         .field("port", session.client.port())

@@ -1,4 +1,4 @@
-//! `lock`: scan, pull in, run; and when and where that was.
+//! `lock`: finds the resonance, locks to it and runs; reports frequency and time of the lock.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ use crate::words;
 /// Arguments of the command.
 #[derive(Args, Clone, Debug)]
 pub struct LockArgs {
-    /// How long it may take.
+    /// Maximum time for the lock.
     #[arg(long, value_name = "S", default_value = "5", value_parser = seconds)]
     within: f64,
 }
@@ -29,21 +29,22 @@ impl Default for LockArgs {
     }
 }
 
-/// A lock, as the host has seen it.
+/// Lock as observed by the host.
 pub struct Locked {
-    /// The first report that says so.
+    /// First report of the lock.
     pub report: Telemetry,
-    /// From the acknowledged order to that report, blocks.
+    /// Number of blocks from the acknowledged order to that report.
     pub blocks: u32,
-    /// From the report before to that one, blocks: what it may have been earlier.
+    /// Number of blocks from the preceding report to that one. The lock may be earlier by this
+    /// much.
     pub gap_blocks: u32,
-    /// Whether the board had already locked when the command came.
+    /// `true` if the board had already locked before the command.
     pub already: bool,
 }
 
-/// Locks, if the board does not run already.
+/// Locks, if the board is not running already, and drives as configured.
 pub fn run(args: &LockArgs, session: &mut Session) -> Result<Answer, LinkError> {
-    // As configured, whatever an earlier command has ordered.
+    // Cancels the orders of earlier commands.
     let configured =
         [Command::Gate(Gate::Scheduled), Command::Amplitude(None), Command::Detune(Hertz(0.0)), Command::Quadrature(None)];
     configured.into_iter().try_for_each(|command| session.client.order(command))?;
@@ -53,14 +54,15 @@ pub fn run(args: &LockArgs, session: &mut Session) -> Result<Answer, LinkError> 
     let (time_ms, gap_ms) = (1e3 * block_s * f64::from(locked.blocks), 1e3 * block_s * f64::from(locked.gap_blocks));
     let answer = Answer::to("lock");
     let answer = if locked.already {
-        answer.line(format!("it runs already, at {:.2} Hz", report.frequency.0))
+        answer.line(format!("already running, at {:.2} Hz", report.frequency.0))
     } else if report.locked {
         answer.line(format!(
-            "locked at {:.2} Hz, {time_ms:.1} ms after the order (seen by a report; the one before came {gap_ms:.1} ms earlier)",
+            "locked at {:.2} Hz, {time_ms:.1} ms after the order (time of the first report; the one before came {gap_ms:.1} ms \
+             earlier)",
             report.frequency.0
         ))
     } else {
-        answer.line(format!("runs at {:.2} Hz, {time_ms:.1} ms after the order; nothing is tracked", report.frequency.0))
+        answer.line(format!("running at {:.2} Hz, {time_ms:.1} ms after the order; no resonance is tracked", report.frequency.0))
     };
     let answer = circuit::in_words(&report, answer)
         .field("locked", report.locked)
@@ -68,15 +70,15 @@ pub fn run(args: &LockArgs, session: &mut Session) -> Result<Answer, LinkError> 
         .field("resonance_hz", short(report.resonance.0))
         .field("lock_time_ms", time_ms)
         .field("lock_time_gap_ms", gap_ms);
-    Ok(answer.line(format!("it drives by the configured schedule and amplitude; {}", session.what_becomes_of_it())))
+    Ok(answer.line(format!("driving by the configured schedule and amplitude; {}", session.end_of_drive())))
 }
 
-/// Orders a run and waits until it is one.
+/// Orders a run and waits until it has locked.
 pub fn acquire(args: &LockArgs, session: &mut Session) -> Result<Locked, LinkError> {
     let before = session.status()?;
     session.check(&before)?;
-    session.begins_to_drive()?;
-    if is_it(&before) {
+    session.begin_drive()?;
+    if has_locked(&before) {
         return Ok(Locked { report: before, blocks: 0, gap_blocks: 0, already: true });
     }
     session.client.order(Command::Run)?;
@@ -91,17 +93,22 @@ pub fn acquire(args: &LockArgs, session: &mut Session) -> Result<Locked, LinkErr
             stage = Some(report.mode);
             live.stage(&words::mode(report.mode));
         }
-        (is_it(report) || report.mode == Mode::Fault).then_some(*report)
+        (has_locked(report) || report.mode == Mode::Fault).then_some(*report)
     })?;
     let Some(report) = seen else {
         let now = session.status()?;
-        return Err(LinkError::Failed(format!("no lock within {} s: the board is at `{}`", args.within, words::mode(now.mode))));
+        return Err(LinkError::Failed(format!(
+            "no lock within {} s: the board is in mode `{}`",
+            args.within,
+            words::mode(now.mode)
+        )));
     };
     session.check(&report)?;
     Ok(Locked { report, blocks: report.block.wrapping_sub(before.block), gap_blocks, already: false })
 }
 
-/// Whether this is a run that has come to its frequency. One that only holds the nominal frequency has no transducer, and tracks nothing.
-fn is_it(report: &Telemetry) -> bool {
+/// Returns `true` for a run that has reached its frequency. A run at the fixed nominal frequency
+/// has no transducer and tracks nothing.
+fn has_locked(report: &Telemetry) -> bool {
     report.mode == Mode::Run && (report.locked || report.transducer.is_none())
 }

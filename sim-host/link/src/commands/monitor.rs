@@ -1,4 +1,4 @@
-//! `monitor`: the board, live.
+//! `monitor`: shows periodic reports of the board.
 
 use std::time::Duration;
 
@@ -18,10 +18,10 @@ use crate::words;
 /// Arguments of the command.
 #[derive(Args, Clone, Debug)]
 pub struct MonitorArgs {
-    /// How often.
+    /// Time between reports.
     #[arg(long, value_name = "S", default_value = "0.5", value_parser = seconds)]
     every: f64,
-    /// For how long; without it until Ctrl-C.
+    /// Duration; by default until Ctrl-C.
     #[arg(long = "for", value_name = "S", value_parser = seconds)]
     time: Option<f64>,
 }
@@ -33,13 +33,13 @@ impl Default for MonitorArgs {
 }
 
 impl MonitorArgs {
-    /// Whether only Ctrl-C ends it.
+    /// Returns `true` if only Ctrl-C ends it.
     pub fn is_endless(&self) -> bool {
         self.time.is_none()
     }
 }
 
-/// Shows reports until the time is over, and says what the drive does then.
+/// Shows reports until the time is over. The answer describes the state of the drive at the end.
 pub fn run(args: &MonitorArgs, session: &mut Session) -> Result<Answer, LinkError> {
     let began = session.client.now();
     let until = args.time.map(|time| began + Duration::from_secs_f64(time));
@@ -63,7 +63,7 @@ pub fn run(args: &MonitorArgs, session: &mut Session) -> Result<Answer, LinkErro
     Ok(answer.line(format!("{reports} reports; {}", what_it_does(&report, session)?)))
 }
 
-/// What the drive does, and what happens to it without a host.
+/// Describes the state of the drive, and the effect of a lost host on it.
 pub fn what_it_does(report: &Telemetry, session: &mut Session) -> Result<String, LinkError> {
     Ok(match report.mode {
         Mode::Idle => "the drive is silent".into(),
@@ -74,7 +74,7 @@ pub fn what_it_does(report: &Telemetry, session: &mut Session) -> Result<String,
     })
 }
 
-/// A report in one line.
+/// Formats a report as one line.
 pub fn line(report: &Telemetry) -> String {
     let mut line = format!(
         "{:10} {:>10.2} Hz {:>10} {:>10} motional {:>10} {:>10} {:+6.2} deg{}",

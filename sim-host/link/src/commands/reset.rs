@@ -9,19 +9,21 @@ use crate::answer::Answer;
 use crate::link_error::LinkError;
 use crate::session::Session;
 
-/// A board that is older than the order, by this and by this part of the time that has passed, has not been reset: clocks differ.
-const YOUNG_S: f64 = 5e-3;
-const SKEW: f64 = 0.05;
-/// How long a board may take to come back.
-const COMEBACK: Duration = Duration::from_secs(3);
+/// Margin of the board's age against the time since the order, s. A board that is older has not
+/// been reset.
+const AGE_MARGIN_S: f64 = 5e-3;
+/// Relative margin of the same comparison, for different clocks.
+const CLOCK_SKEW_REL: f64 = 0.05;
+/// Maximum time of a restart.
+const RESTART_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// Resets, and waits until the board answers again.
+/// Resets the board, and waits until it answers again.
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let block_s = session.scale()?.block_s;
     let ordered = session.client.now();
     session.client.order(Command::Reset)?;
-    session.is_silent();
-    let until = ordered + COMEBACK;
+    session.mark_silent();
+    let until = ordered + RESTART_TIMEOUT;
     session.identity = loop {
         match session.client.connect() {
             Ok(identity) => break identity,
@@ -31,8 +33,8 @@ pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     };
     let age_s = session.client.status()?.map_or(0.0, |report| block_s * f64::from(report.block));
     let passed_s = (session.client.now() - ordered).as_secs_f64();
-    if age_s > (1.0 + SKEW) * passed_s + YOUNG_S {
-        return Err(LinkError::Failed("the board goes on as it was: the order has not arrived. Try again".into()));
+    if age_s > (1.0 + CLOCK_SKEW_REL) * passed_s + AGE_MARGIN_S {
+        return Err(LinkError::Failed("the board has not restarted: the order has not arrived. Try again".into()));
     }
     session.scale = None;
     session.agree_on_host_timeout()?;

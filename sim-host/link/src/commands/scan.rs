@@ -1,8 +1,9 @@
-//! `scan`: which resonances are there, and what does the admittance look like?
+//! `scan`: finds the resonances and draws the admittance loop.
 //!
-//! The board's scan sweeps faster than a resonance can follow, and identifies from that; what it says is a circuit, and the loop of that circuit
-//! is what is drawn. With `--points` the drive then locks and is put beside the resonance step by step, and the admittance is taken where it
-//! has settled: dots, each measured, that must lie on the loop.
+//! The scan of the board sweeps faster than a resonance can follow. It identifies a circuit, and
+//! the loop of that circuit is drawn. With `--points` the drive then locks and is offset from the
+//! resonance in steps. The settled admittance of each step is drawn as a dot, which must lie on the
+//! loop.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -22,16 +23,17 @@ use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::words;
 
-/// Longest that a scan may take.
-const LONGEST: Duration = Duration::from_secs(10);
+/// Maximum duration of a scan.
+const SCAN_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Arguments of the command.
 #[derive(Args, Clone, Debug)]
 pub struct ScanArgs {
-    /// Then measure the admittance at this many places about the resonance, each after it has settled; this drives at the configured amplitude.
+    /// Also measure the settled admittance at this number of points around the resonance; this
+    /// drives at the configured amplitude.
     #[arg(long, value_name = "N", num_args = 0..=1, default_value_t = 0, default_missing_value = "41")]
     points: u16,
-    /// How far to either side, in bandwidths of the resonance.
+    /// Largest offset of these points to either side, in bandwidths of the resonance.
     #[arg(long, value_name = "B", default_value_t = 2.0)]
     reach: f64,
     /// Folder for the loop as SVG, PNG and CSV.
@@ -39,16 +41,16 @@ pub struct ScanArgs {
     output: Option<PathBuf>,
 }
 
-/// Scans, measures, and draws.
+/// Scans, measures points and draws.
 pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> {
-    // A folder that cannot be is known before the scan.
+    // An invalid folder is reported before the scan.
     let folder = session.folder("scan", args.output.as_deref())?;
     let report = scan(session)?;
     let found = match session.client.ask(Command::Resonances)? {
         Reply::Resonances(found) => found,
         reply => return Err(unexpected("scan", &reply)),
     };
-    let mut drawn = Loop::of(report.transducer.as_ref(), &found);
+    let mut drawn = Loop::from_scan(report.transducer.as_ref(), &found);
     if args.points > 0 {
         drawn.measured = admittance::measure(args.points, args.reach, &drawn, session)?;
     }
@@ -65,33 +67,34 @@ pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> 
     Ok(answer)
 }
 
-/// Orders a scan, and sees it through.
+/// Orders a scan, and waits for its end.
 fn scan(session: &mut Session) -> Result<Telemetry, LinkError> {
     let before = session.status()?;
     session.check(&before)?;
-    session.begins_to_drive()?;
+    session.begin_drive()?;
     session.client.order(Command::Scan)?;
     let mut stage = None;
     let live = session.live;
-    let ended = session.watch(LONGEST, 1, |report| {
+    let ended = session.watch(SCAN_TIMEOUT, 1, |report| {
         if stage != Some(report.mode) {
             stage = Some(report.mode);
             live.stage(&words::mode(report.mode));
         }
         is_over(report, &before).then_some(*report)
     })?;
-    let report = ended.ok_or_else(|| LinkError::Failed(format!("the scan has not ended within {} s", LONGEST.as_secs())))?;
-    session.is_silent();
+    let report = ended.ok_or_else(|| LinkError::Failed(format!("the scan has not ended within {} s", SCAN_TIMEOUT.as_secs())))?;
+    session.mark_silent();
     session.check(&report)?;
     Ok(report)
 }
 
-/// Whether what was ordered after `before` is over: it begins with the block that takes the order.
+/// Returns `true` if the order sent after the report `before` has ended. It begins with the block
+/// that takes the order.
 pub(super) fn is_over(report: &Telemetry, before: &Telemetry) -> bool {
     report.mode == Mode::Fault || report.mode == Mode::Idle && report.orders_sequence != before.orders_sequence
 }
 
-/// All resonances, as a table.
+/// Lists all resonances in a table.
 fn list(found: &ResonanceReport, transducer: Option<&Transducer>, answer: Answer) -> Answer {
     let c0_f = transducer.map(|transducer| f64::from(transducer.c0_f)).filter(|&c0_f| c0_f > 0.0);
     let mut rows = Vec::new();

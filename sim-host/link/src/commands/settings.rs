@@ -1,7 +1,8 @@
 //! `settings`: the parameters that the board stores over power-off.
 //!
-//! Parameters are numbers of its configuration, each with three values: the active one, the set one (active after `settings store` and a
-//! restart) and the default. Lane trims are active as soon as a calibration has measured them.
+//! A parameter is a number of the board's configuration. It has three values: the active one, the
+//! set one (active after `settings store` and a restart) and the default. Lane trims are active as
+//! soon as a calibration has measured them.
 
 use clap::Subcommand;
 use firmware::board::command::{Command, Reply, Verb};
@@ -18,37 +19,38 @@ use crate::session::Session;
 use crate::words;
 use scene::nearest::listed;
 
-/// How often settings can be stored at least: a page of the Nucleo bears 10 000 erases (DS12288), and each half has four, of three of the longest
-/// records each.
-const STORES: u32 = 100_000;
+/// Minimum number of stores in the life of a flash. A page of the Nucleo endures 10 000 erase
+/// cycles (DS12288); each half has four pages, and each page holds three of the longest records.
+const MIN_STORES: u32 = 100_000;
 
-/// What to do with the settings.
+/// Command on the settings.
 #[derive(Clone, Debug, Subcommand)]
 pub enum SettingsOrder {
     /// Show one parameter, or all.
     Get {
-        /// Its name, such as `limits.voltage_v`.
+        /// Name of the parameter, such as `limits.voltage_v`.
         name: Option<String>,
     },
     /// Set a parameter; it becomes active after `settings store` and `reset`.
     Set {
-        /// Its name.
+        /// Name of the parameter.
         name: String,
-        /// Its value: a number in the unit of its name, or one of its names.
+        /// Value: a number in the unit of the name, or one of its names.
         #[arg(allow_hyphen_values = true)]
         value: String,
     },
-    /// Store parameters and lane trims over power-off.
+    /// Store parameters and lane trims, so that they survive power-off.
     Store,
-    /// Erase what is stored; active and set values stay.
+    /// Erase the stored settings; active and set values remain.
     Clear,
-    /// Set every parameter to its default and remove the lane trims; what is stored stays until `store`.
+    /// Set every parameter to its default and remove the lane trims; the stored settings remain
+    /// until `store`.
     Defaults,
     /// Show the lane trims.
     Trims,
 }
 
-/// Runs an order on the board's settings.
+/// Executes a command on the board's settings.
 pub fn run(order: &SettingsOrder, session: &mut Session) -> Result<Answer, LinkError> {
     let plain = |session: &mut Session, verb: Verb, line: &str| -> Result<Answer, LinkError> {
         session.client.order(Command::Settings(verb))?;
@@ -60,12 +62,12 @@ pub fn run(order: &SettingsOrder, session: &mut Session) -> Result<Answer, LinkE
         SettingsOrder::Set { name, value } => set(parameter(name)?, value, session),
         SettingsOrder::Store => store(session),
         SettingsOrder::Clear => {
-            plain(session, Verb::Clear, "nothing is stored; after a restart all parameters have their defaults")
+            plain(session, Verb::Clear, "no settings are stored; after a restart all parameters have their defaults")
         }
         SettingsOrder::Defaults => plain(
             session,
             Verb::Defaults,
-            "all parameters are set to their defaults, without lane trims; `settings store` stores that",
+            "all parameters are set to their defaults, and the lane trims are removed; `settings store` stores this",
         ),
         SettingsOrder::Trims => trims(session, Answer::to("settings")),
     }
@@ -81,8 +83,8 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
         stored = of.stored;
         let reset = match stored {
             _ if of.next == of.acts => "",
-            // Left out, or held within a limit; or set since.
-            StoredState::Partly | StoredState::Refused => "  (not active as it is set)",
+            // Ignored, kept within a limit, or changed since.
+            StoredState::Partly | StoredState::Refused => "  (not active as set)",
             _ => "  (active after `settings store` and `reset`)",
         };
         answer = answer
@@ -106,9 +108,9 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
     let answer = answer.line(words::stored(stored)).field("kept", state_name(stored));
     match session.client.ask(Command::Settings(Verb::Stores)) {
         Ok(Reply::Stores(stores)) => Ok(answer
-            .line(format!("settings were stored {stores} times; a flash bears {STORES} at least"))
+            .line(format!("settings were stored {stores} times; a flash endures at least {MIN_STORES}"))
             .field("stores", stores)),
-        // A firmware that does not count.
+        // Older firmware does not count the stores.
         Err(LinkError::Refused { refusal: Refusal::Unknown, .. }) => Ok(answer),
         reply => Err(reply.map_or_else(|error| error, |reply| unexpected("settings get", &reply))),
     }
@@ -124,12 +126,12 @@ fn store(session: &mut Session) -> Result<Answer, LinkError> {
     let what = match refused {
         Some(parameter) => {
             let of = report(parameter, &mut session.client)?;
-            format!("{} = {} is beyond what the others leave it", parameter.name, shown(parameter, of.next))
+            format!("{} = {} conflicts with the other values", parameter.name, shown(parameter, of.next))
         }
-        None => "the kind of drive, its waveform or its bursts do not go with what is tracked".into(),
+        None => "the kind of drive, its waveform or its bursts conflict with the tracking".into(),
     };
     Err(LinkError::Failed(format!(
-        "the set values do not fit together, and nothing is stored: {what}. Set them so that they do (`settings get` shows them), then \
+        "the set values do not fit together, and nothing is stored: {what}. Change them (`settings get` shows them), then \
          `settings store`"
     )))
 }
@@ -141,12 +143,12 @@ fn set(parameter: &Parameter, value: &str, session: &mut Session) -> Result<Answ
             let of = report(parameter, &mut session.client)?;
             let range = range(parameter, of.min, of.max);
             Err(LinkError::Failed(format!(
-                "{} can be {range}, not {value}; it is {} now",
+                "{} must be {range}, not {value}; it is {} now",
                 parameter.name,
                 shown(parameter, of.next)
             )))
         }
-        Err(LinkError::Refused { refusal: Refusal::NotConfigured, .. }) => Err(LinkError::Failed(idle(parameter))),
+        Err(LinkError::Refused { refusal: Refusal::NotConfigured, .. }) => Err(LinkError::Failed(dependency(parameter))),
         done => done.map(|()| {
             Answer::to("settings")
                 .line(format!("{} = {}; active after `settings store` and `reset`", parameter.name, shown(parameter, value)))
@@ -155,19 +157,19 @@ fn set(parameter: &Parameter, value: &str, session: &mut Session) -> Result<Answ
     }
 }
 
-/// Why a parameter would do nothing.
-fn idle(parameter: &Parameter) -> String {
+/// Explains why a parameter cannot be set before, or removed after, another one.
+fn dependency(parameter: &Parameter) -> String {
     let need = need_of(parameter.key).and_then(|key| PARAMETERS.iter().find(|parameter| parameter.key == key));
     match need {
-        Some(need) => format!("{} does nothing without {}: set that first", parameter.name, need.name),
+        Some(need) => format!("{} has no effect without {}: set that first", parameter.name, need.name),
         None => {
             let users = PARAMETERS.iter().filter(|user| need_of(user.key) == Some(parameter.key)).map(|user| user.name);
-            format!("{} is needed by what is set: take that away first, of {}", parameter.name, listed(users, "and"))
+            format!("{} is needed by other settings: remove those first, of {}", parameter.name, listed(users, "and"))
         }
     }
 }
 
-/// The lane trims, and whether they are stored.
+/// Adds the lane trims and the state of the stored settings to an answer.
 pub fn trims(session: &mut Session, mut answer: Answer) -> Result<Answer, LinkError> {
     let mut point = 0;
     loop {
@@ -176,7 +178,7 @@ pub fn trims(session: &mut Session, mut answer: Answer) -> Result<Answer, LinkEr
             reply => return Err(unexpected("settings trims", &reply)),
         };
         let Some(found) = report.point.filter(|_| point < report.points) else {
-            let none = if point == 0 { "no lane trims are active; " } else { "" };
+            let none = if point == 0 { "no lane trims; " } else { "" };
             return Ok(answer
                 .line(format!("{none}{}", words::stored(report.stored)))
                 .field("trim_points", report.points)
@@ -209,10 +211,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_unknown_setting_names_the_nearest() {
+    fn the_nearest_name_is_suggested_for_an_unknown_setting() {
         let error = |name: &str| parameter(name).err().unwrap().to_string();
         assert_eq!(error("limit.voltage_v"), "there is no setting `limit.voltage_v`; did you mean `limits.voltage_v`?");
         assert_eq!(error("scan_volts"), "there is no setting `scan_volts`; did you mean `drive.scan_volts`?");
-        assert_eq!(error("colour"), "there is no setting `colour`; `settings get` lists them");
+        assert_eq!(error("colour"), "there is no setting `colour`; `settings get` lists all settings");
     }
 }

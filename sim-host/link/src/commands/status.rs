@@ -1,4 +1,4 @@
-//! `status`: what the board does now.
+//! `status`: shows the present state of the board.
 
 use firmware::seam::fault::Fault;
 use firmware::seam::phasor::{Phasor, argument, magnitude};
@@ -10,13 +10,13 @@ use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::words;
 
-/// Asks the board for its present state.
+/// Requests the present state of the board.
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let report = session.status()?;
     Ok(in_words(&report, Answer::to("status")))
 }
 
-/// A report in words and fields.
+/// Adds a report to an answer, as text and fields.
 pub fn in_words(report: &Telemetry, answer: Answer) -> Answer {
     let answer = answer
         .line(format!("mode       {}{}", words::mode(report.mode), if report.locked { ", locked" } else { "" }))
@@ -32,7 +32,7 @@ pub fn in_words(report: &Telemetry, answer: Answer) -> Answer {
         ));
     let answer = match report.friction.and_then(|estimate| estimate.force_ratio) {
         Some(ratio) => {
-            answer.line(format!("friction   {ratio:.3} of what it is without drive")).field("friction_ratio", short(ratio))
+            answer.line(format!("friction   {ratio:.3} of the friction without drive")).field("friction_ratio", short(ratio))
         }
         None => answer,
     };
@@ -60,12 +60,12 @@ pub fn fields(report: &Telemetry, answer: Answer) -> Answer {
         .field("fault", report.fault.map_or(Value::Null, |fault: Fault| fault.code().into()))
 }
 
-/// By how much the current leads the voltage, degrees.
+/// Returns the phase by which the current leads the voltage, degrees.
 fn lead_degrees(report: &Telemetry) -> f32 {
     argument(report.i * report.v.conj()).degrees()
 }
 
-/// Mean electrical power, W: half the real part of `V* I` at peak values.
+/// Returns the mean electrical power, W: half the real part of `V* I` at peak values.
 pub fn power_w(report: &Telemetry) -> f32 {
     let product: Phasor = report.v.conj() * report.i;
     0.5 * product.re

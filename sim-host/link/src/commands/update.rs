@@ -1,4 +1,5 @@
-//! `update`: sends another image to a board, which checks it, installs it with a reset, and returns to the former one unless the new one serves.
+//! `update`: sends another image to a board, which verifies it and installs it with a reset. If the
+//! new image does not work, the board returns to the former one.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,67 +18,73 @@ use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::update_file::pack;
 
-/// How long the board may check what it has received, and how long the first stage may take to install it.
-const CHECKED_WITHIN: Duration = Duration::from_secs(20);
-const INSTALLED_WITHIN: Duration = Duration::from_secs(90);
-/// Messages of the progress.
-const STEPS: usize = 10;
+/// Maximum time for the board to verify the received image.
+const VERIFY_TIMEOUT: Duration = Duration::from_secs(20);
+/// Maximum time for the first stage to install it.
+const INSTALL_TIMEOUT: Duration = Duration::from_secs(90);
+/// Number of progress messages.
+const PROGRESS_STEPS: usize = 10;
 
 /// Arguments of `update`.
 #[derive(Args, Clone, Debug, Default)]
 pub struct UpdateArgs {
-    /// The update; with the port `file:OUT`, the ELF file that it is made of. Without it: what runs, and how an update stands.
+    /// Update file; with the port `file:OUT`, the ELF file to pack. Without it, show the running
+    /// image and the state of an update.
     pub file: Option<PathBuf>,
-    /// With `file:OUT`: a file with the 64 hexadecimal digits of the secret key that signs; without it, the development key, which is public.
+    /// With `file:OUT`: file with the 64 hexadecimal digits of the secret signing key. The default
+    /// is the development key, which is public.
     #[arg(long, value_name = "FILE")]
     pub key: Option<PathBuf>,
 }
 
-/// Shows how the board stands, or updates it.
+/// Shows the state of the board's image, or updates it.
 pub fn run(args: &UpdateArgs, session: &mut Session) -> Result<Answer, LinkError> {
     if args.key.is_some() {
         return Err(LinkError::Usage("--key signs a file: `sim-host link file:OUT update ELF --key FILE`".into()));
     }
     let Some(file) = &args.file else { return Ok(shown(&ask(UpdateVerb::Report, session)?)) };
     let bytes = read(file)?;
-    let manifest = whole(&bytes)?;
+    let manifest = undamaged(&bytes)?;
     let before = ask(UpdateVerb::Report, session)?;
     if before.standing == Standing::Alone {
-        let why = "this board has no first stage, and cannot be updated over the link: flash it by a probe (docs/update.md)";
+        let why =
+            "this board has no first stage, and cannot be updated over the link: flash it with a probe (docs/dev/update.md)";
         return Err(LinkError::Failed(why.into()));
     }
     session.client.note(&format!("update: {}, {} bytes", named(&manifest), bytes.len()));
     send(&bytes, session)?;
-    session.client.note("update: all bytes are there; the board checks checksum and signature");
+    session.client.note("update: all bytes have been received; the board verifies checksum and signature");
     match checked(session)?.state {
         UpdateState::Complete => {}
         state => return Err(refused(state)),
     }
     ask(UpdateVerb::Install, session)?;
-    session
-        .client
-        .note("update: the board restarts, and installs it; this takes about ten seconds. A power cut now does no harm");
+    session.client.note("update: the board restarts and installs it, which takes about ten seconds. A power cut does no harm");
     session.client.order(Command::Reset)?;
-    session.is_silent();
+    session.mark_silent();
     let after = installed(session)?;
     session.scale = None;
     session.agree_on_host_timeout()?;
     if after.standing == Standing::RolledBack || after.running != Some(manifest.identity.version) {
-        let why = format!("the new image did not start or did not serve: the board runs {} again", version(after.running));
+        let why = format!("the new image did not start or did not work: the board runs {} again", version(after.running));
         return Err(LinkError::Failed(why));
     }
-    let line = format!("firmware {} runs, and is confirmed; before, it was {}", version(after.running), version(before.running));
+    let line = format!(
+        "firmware {} is running and confirmed; the former version was {}",
+        version(after.running),
+        version(before.running)
+    );
     Ok(fields(Answer::to("update").line(line), &after))
 }
 
-/// Makes the file of an update of an ELF file: `sim-host link file:OUT update ELF`.
+/// Packs an ELF file as an update: `sim-host link file:OUT update ELF`.
 pub fn make(args: &UpdateArgs, out: &Path) -> Result<Answer, LinkError> {
-    let elf = args.file.as_deref().ok_or_else(|| LinkError::Usage("an update is made of an ELF file: `update ELF`".into()))?;
+    let elf = args.file.as_deref().ok_or_else(|| LinkError::Usage("the ELF file is missing: `update ELF`".into()))?;
     let seed = args.key.as_deref().map(seed).transpose()?;
     let bytes = pack(&read(elf)?, Some(&seed.unwrap_or(key::DEVELOPMENT_SEED)))
         .map_err(|error| LinkError::Input(format!("{}: {error}", elf.display())))?;
     fs::write(out, &bytes).map_err(|io| LinkError::Write { path: out.to_owned(), io })?;
-    let manifest = whole(&bytes)?;
+    let manifest = undamaged(&bytes)?;
     let signer = match seed {
         None => "signed by the development key, which is public: for the laboratory only".to_owned(),
         Some(seed) => format!("signed by the key {}", digits(&key::public(&seed))),
@@ -90,7 +97,7 @@ fn read(file: &Path) -> Result<Vec<u8>, LinkError> {
     fs::read(file).map_err(|error| LinkError::Input(format!("{} cannot be read: {error}", file.display())))
 }
 
-/// The seed in a key's file.
+/// Reads the seed of a key from a file.
 fn seed(file: &Path) -> Result<[u8; 32], LinkError> {
     let text = String::from_utf8_lossy(&read(file)?).trim().to_owned();
     let bytes: Option<Vec<u8>> = (0..text.len()).step_by(2).map(|n| u8::from_str_radix(text.get(n..n + 2)?, 16).ok()).collect();
@@ -102,11 +109,12 @@ fn digits(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The manifest of an update whose bytes are whole. Whether it is for the board, and rightly signed, is for the board to say.
-fn whole(bytes: &[u8]) -> Result<Manifest, LinkError> {
+/// Returns the manifest of an undamaged update. The board itself checks that the update is for this
+/// board and correctly signed.
+fn undamaged(bytes: &[u8]) -> Result<Manifest, LinkError> {
     let no = |why: &str| LinkError::Input(format!("this is not an update: {why}"));
     if bytes.starts_with(b"\x7fELF") {
-        return Err(no("it is an ELF file. Make one of it: `sim-host link file:OUT update ELF`"));
+        return Err(no("it is an ELF file. Pack it: `sim-host link file:OUT update ELF`"));
     }
     let head = bytes.first_chunk::<MANIFEST>().ok_or_else(|| no("it is too short"))?;
     let manifest = Manifest::decode(head).map_err(|defect| no(&reason(defect)))?;
@@ -125,7 +133,7 @@ fn ask(verb: UpdateVerb, session: &mut Session) -> Result<UpdateReport, LinkErro
     }
 }
 
-/// Sends all bytes, in order.
+/// Sends all bytes in order.
 fn send(bytes: &[u8], session: &mut Session) -> Result<(), LinkError> {
     match ask(UpdateVerb::Begin(bytes.len() as u32), session)?.state {
         UpdateState::Receiving(_) => {}
@@ -139,37 +147,37 @@ fn send(bytes: &[u8], session: &mut Session) -> Result<(), LinkError> {
             UpdateState::Receiving(_) => {}
             state => return Err(refused(state)),
         }
-        let sent = (n * CHUNK + piece.len()) * STEPS / bytes.len();
+        let sent = (n * CHUNK + piece.len()) * PROGRESS_STEPS / bytes.len();
         if sent > step {
             step = sent;
-            session.client.note(&format!("update: {} % sent", 100 * step / STEPS));
+            session.client.note(&format!("update: {} % sent", 100 * step / PROGRESS_STEPS));
         }
     }
     Ok(())
 }
 
-/// Has the board check what it has received. It answers nothing while it computes.
+/// Orders the board to verify the received bytes. It does not answer during the computation.
 fn checked(session: &mut Session) -> Result<UpdateReport, LinkError> {
-    let until = session.client.now() + CHECKED_WITHIN;
+    let until = session.client.now() + VERIFY_TIMEOUT;
     let mut report = ask(UpdateVerb::Check, session)?;
     while report.state == UpdateState::Checking {
         match ask(UpdateVerb::Report, session) {
             Ok(next) => report = next,
-            // Another session does not become this one again.
+            // The session of another client does not end by waiting.
             Err(error @ LinkError::Displaced { .. }) => return Err(error),
             Err(error) if error.is_lost() && session.client.now() < until => {}
             Err(error) => return Err(error),
         }
         if session.client.now() >= until {
-            return Err(LinkError::Failed("the board has not finished its check of the update; `reset`, and try again".into()));
+            return Err(LinkError::Failed("the board has not finished verifying the update; send `reset` and try again".into()));
         }
     }
     Ok(report)
 }
 
-/// Waits until the board is back and its image is confirmed, or the former one has been brought back.
+/// Waits until the board has restarted with a confirmed image, or with the former one.
 fn installed(session: &mut Session) -> Result<UpdateReport, LinkError> {
-    let until = session.client.now() + INSTALLED_WITHIN;
+    let until = session.client.now() + INSTALL_TIMEOUT;
     loop {
         let report = session.client.connect().and_then(|identity| {
             session.identity = identity;
@@ -177,31 +185,31 @@ fn installed(session: &mut Session) -> Result<UpdateReport, LinkError> {
         });
         match report {
             Ok(report) if report.standing != Standing::Trial && report.state != UpdateState::Marked => return Ok(report),
-            // On trial: it confirms itself once it has served blocks for 0.1 s and has answered.
+            // On trial: the image confirms itself after 0.1 s of blocks and an answer to the host.
             Ok(_) => {}
             Err(error) if !error.is_lost() => return Err(error),
             Err(_) => {}
         }
         if session.client.now() >= until {
-            return Err(LinkError::Failed("the board has not come back; power it off and on: the former image starts".into()));
+            return Err(LinkError::Failed("the board does not answer; power it off and on to start the former image".into()));
         }
     }
 }
 
 fn shown(report: &UpdateReport) -> Answer {
     let standing = match report.standing {
-        Standing::Alone => "it was flashed without a first stage, and cannot be updated over the link",
-        Standing::Confirmed => "it is the one that the first stage starts",
-        Standing::Trial => "it is on trial: a reset before it is confirmed brings the former image back",
-        Standing::RolledBack => "the first stage has brought it back, because the image of the last update was not confirmed",
+        Standing::Alone => "it was flashed without a first stage and cannot be updated over the link",
+        Standing::Confirmed => "it is confirmed: the first stage starts it",
+        Standing::Trial => "it is on trial: a reset before it is confirmed restores the former image",
+        Standing::RolledBack => "the first stage has restored it, because the image of the last update was not confirmed",
     };
-    let mut answer = Answer::to("update").line(format!("firmware by its manifest: {}; {standing}", version(report.running)));
+    let mut answer =
+        Answer::to("update").line(format!("firmware according to its manifest: {}; {standing}", version(report.running)));
     if report.standing != Standing::Alone {
         answer = answer.line(format!("room for an update: {} bytes; {}", report.room, state(report.state)));
     }
     let wrong: Vec<&str> = options::names(report.option_bytes).collect();
-    let bytes =
-        if wrong.is_empty() { "as they should be".into() } else { format!("not as they should be: {}", wrong.join(", ")) };
+    let bytes = if wrong.is_empty() { "correct".into() } else { format!("not correct: {}", wrong.join(", ")) };
     fields(answer.line(format!("option bytes: {bytes}")), report).field("option_bytes_wrong", wrong)
 }
 
@@ -227,12 +235,12 @@ fn version(version: Option<[u16; 3]>) -> String {
 
 fn state(state: UpdateState) -> String {
     match state {
-        UpdateState::Nothing => "none was received since the start".into(),
-        UpdateState::Receiving(bytes) => format!("{bytes} bytes of one were received"),
-        UpdateState::Checking => "one was received, and is being checked".into(),
-        UpdateState::Complete => "one was received and checked, and is not installed".into(),
-        UpdateState::Marked => "one is installed by the next reset".into(),
-        UpdateState::Refused(defect) => format!("the last one was refused: {}", reason(defect)),
+        UpdateState::Nothing => "no update was received since the start".into(),
+        UpdateState::Receiving(bytes) => format!("{bytes} bytes of an update were received"),
+        UpdateState::Checking => "an update was received and is being verified".into(),
+        UpdateState::Complete => "an update was received and verified, but is not installed".into(),
+        UpdateState::Marked => "an update is installed by the next reset".into(),
+        UpdateState::Refused(defect) => format!("the last update was refused: {}", reason(defect)),
         UpdateState::FlashFailed => "the flash has failed".into(),
     }
 }
@@ -241,23 +249,23 @@ fn refused(state: UpdateState) -> LinkError {
     let why = match state {
         UpdateState::Refused(defect) => reason(defect),
         UpdateState::FlashFailed => "its flash has failed; try again after `reset`".into(),
-        other => format!("it says that {}", self::state(other)),
+        other => format!("its state is: {}", self::state(other)),
     };
-    LinkError::Failed(format!("the board refuses the update, and goes on as it was: {why}"))
+    LinkError::Failed(format!("the board refuses the update and keeps its image: {why}"))
 }
 
-/// Why an update is refused.
+/// Returns the reason why an update is refused.
 pub fn reason(defect: UpdateDefect) -> String {
     match defect {
-        UpdateDefect::NotAnUpdate => "it does not begin as an update does".into(),
-        UpdateDefect::Format(format) => format!("its manifest has format {format}, which is not known here"),
+        UpdateDefect::NotAnUpdate => "it does not begin with a manifest".into(),
+        UpdateDefect::Format(format) => format!("its manifest has the unknown format {format}"),
         UpdateDefect::OtherBoard => "it is for another board".into(),
         UpdateDefect::OlderProtocol(protocol) => {
-            format!("its link protocol, {protocol}, is older than that of the image that runs")
+            format!("its link protocol, {protocol}, is older than that of the running image")
         }
         UpdateDefect::OtherOrigin(origin) => format!("it is linked for {origin:#010x}, which is not the slot"),
         UpdateDefect::Length(bytes) => {
-            format!("its length, {bytes} bytes, is not the one announced, or more than there is room for")
+            format!("its length, {bytes} bytes, is not the announced one, or it does not fit")
         }
         UpdateDefect::Damaged => "it is damaged: a checksum is wrong".into(),
         UpdateDefect::Unsigned => "it is not signed".into(),

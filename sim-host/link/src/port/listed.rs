@@ -1,11 +1,11 @@
-//! The serial ports that this machine has.
+//! Serial ports of this machine.
 
 use serialport::SerialPortType;
 
-/// Serial ports by name, those of USB first and with what they call themselves.
+/// Lists serial ports by name, first those of USB, with the name of the product.
 pub fn listed() -> Vec<String> {
     let mut ports = serialport::available_ports().unwrap_or_default();
-    // A PC's built-in ports are there whether anything is plugged in or not.
+    // The built-in ports of a PC are listed even if nothing is connected.
     ports.sort_by_key(|port| (!matches!(port.port_type, SerialPortType::UsbPort(_)), port.port_name.clone()));
     let described = |port: &serialport::SerialPortInfo| match &port.port_type {
         SerialPortType::UsbPort(usb) => match usb.product.as_deref() {
@@ -17,10 +17,10 @@ pub fn listed() -> Vec<String> {
     ports.iter().map(described).collect()
 }
 
-/// One sentence about them.
+/// Returns a sentence that lists the ports.
 pub(super) fn sentence() -> String {
     match listed().as_slice() {
-        [] => "This machine has no serial port now: is the board plugged in, by a cable that carries data?".into(),
-        ports => format!("Ports there are: {}.", ports.join(", ")),
+        [] => "This machine has no serial port now: is the board connected, by a cable that carries data?".into(),
+        ports => format!("Serial ports here: {}.", ports.join(", ")),
     }
 }

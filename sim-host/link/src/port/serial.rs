@@ -1,4 +1,4 @@
-//! A serial device: a Nucleo's virtual COM port, an adapter, or a pseudo-terminal.
+//! Serial devices: the virtual COM port of a Nucleo, an adapter, or a pseudo-terminal.
 
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
@@ -9,13 +9,14 @@ use super::listed::sentence;
 use super::{Port, chance, within};
 use crate::link_error::LinkError;
 
-/// Bits a second of the board's UART.
+/// Baud rate of the board's UART, bit/s.
 pub const BAUD: u32 = 921_600;
-/// Shortest and longest wait within the system.
-const SHORTEST: Duration = Duration::from_millis(1);
-const LONGEST: Duration = Duration::from_millis(50);
+/// Shortest read timeout.
+const MIN_READ_TIMEOUT: Duration = Duration::from_millis(1);
+/// Longest read timeout.
+const MAX_READ_TIMEOUT: Duration = Duration::from_millis(50);
 
-/// A serial device, at [`BAUD`], 8 data bits, no parity, one stop bit, no flow control.
+/// Serial device at [`BAUD`], with 8 data bits, no parity, one stop bit and no flow control.
 pub struct Serial {
     name: String,
     device: Box<dyn SerialPort>,
@@ -31,25 +32,26 @@ impl Serial {
 
 fn device(name: &str) -> Result<Box<dyn SerialPort>, LinkError> {
     let device = serialport::new(name, BAUD)
-        .timeout(LONGEST)
+        .timeout(MAX_READ_TIMEOUT)
         .open()
         .map_err(|error| LinkError::Open { port: name.to_owned(), why: why(name, &error) })?;
-    // What another program has left unread answers no command of ours. A device that cannot do this has nothing to discard.
+    // Discards bytes that another program has not read. If the device does not support this, it has
+    // no buffer.
     let _ = device.clear(ClearBuffer::All);
     Ok(device)
 }
 
-/// Why a device cannot be opened, and what to do about it.
+/// Returns the reason why a device cannot be opened, with a remedy.
 fn why(name: &str, error: &serialport::Error) -> String {
     match error.kind {
         ErrorKind::Io(io::ErrorKind::NotFound) => format!("there is no such port. {}", sentence()),
         ErrorKind::Io(io::ErrorKind::PermissionDenied) => format!(
-            "this user may not open it. On Linux, join the group that owns it (`ls -l {name}`; mostly `sudo usermod -aG dialout $USER`, then log \
-             in again), or add the udev rule of docs/link.md"
+            "permission denied. On Linux, join the group that owns the port (`ls -l {name}`; usually `sudo usermod -aG dialout \
+             $USER`, then log in again), or add the udev rule of docs/link.md"
         ),
         ErrorKind::NoDevice if !std::path::Path::new(name).exists() => format!("there is no such port. {}", sentence()),
         ErrorKind::NoDevice => {
-            "another program has it open (a terminal, a modem manager, another sim-host?): end that first".into()
+            "another program uses it (a terminal, a modem manager, another sim-host?): end that program first".into()
         }
         _ => format!("{error}. {}", sentence()),
     }
@@ -66,7 +68,7 @@ impl Port for Serial {
 
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
         within(wait, |left| {
-            self.device.set_timeout(left.clamp(SHORTEST, LONGEST))?;
+            self.device.set_timeout(left.clamp(MIN_READ_TIMEOUT, MAX_READ_TIMEOUT))?;
             self.device.read(into)
         })
     }
@@ -90,23 +92,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_port_that_is_not_there_is_named_with_those_that_are() {
+    fn the_error_for_a_missing_port_lists_the_existing_ports() {
         let Err(LinkError::Open { port, why }) = Serial::open("/dev/ttyNOT") else { panic!("opened") };
         assert_eq!(port, "/dev/ttyNOT");
         assert!(
-            why.contains("there is no such port") && (why.contains("Ports there are") || why.contains("no serial port")),
+            why.contains("there is no such port") && (why.contains("Serial ports here") || why.contains("no serial port")),
             "{why}"
         );
     }
 
     #[cfg(unix)]
     #[test]
-    fn a_pseudo_terminal_carries_bytes_as_they_are_and_is_opened_once() {
+    fn a_pseudo_terminal_is_transparent_and_exclusive() {
         let (mut board, here) = serialport::TTYPort::pair().unwrap();
         let name = here.name().unwrap();
         drop(here);
         let mut port = Serial::open(&name).unwrap();
-        // Nothing is translated, not even what a terminal would make of these.
+        // A terminal would translate or interpret these.
         let bytes = [0, 3, 4, 10, 13, 17, 19, 26, 255];
         board.write_all(&bytes).unwrap();
         let mut into = [0; 64];

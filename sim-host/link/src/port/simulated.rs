@@ -1,5 +1,5 @@
-//! A board in this process: the firmware on mocks, or the flashed image on the model of its part. Its time passes only while the client waits, a block at
-//! a time.
+//! Boards in this process: the firmware on mocks, or the flashed image on the model of its chip.
+//! Simulated time advances block by block, and only while the client waits.
 
 use std::cell::RefCell;
 use std::io;
@@ -9,42 +9,43 @@ use std::time::{Duration, Instant};
 use super::Port;
 use crate::link_error::LinkError;
 
-/// Pause between two looks at a board that a debugger holds.
-const HELD: Duration = Duration::from_millis(1);
+/// Polling interval while a debugger holds the board.
+const HOLD_POLL_INTERVAL: Duration = Duration::from_millis(1);
 
-/// A board in this process.
+/// Board in this process.
 pub trait InProcess {
     /// Puts bytes on the wire to the board.
     fn send(&mut self, bytes: &[u8]);
 
-    /// How many bytes are on the wire to the board.
+    /// Returns the number of bytes on the wire to the board.
     fn waiting(&self) -> usize;
 
-    /// Takes bytes that have come from the board; 0 where none have.
+    /// Takes bytes from the board; returns 0 if there are none.
     fn receive(&mut self, into: &mut [u8]) -> usize;
 
-    /// Time since the power came.
+    /// Returns the time since power-on.
     fn now(&self) -> Duration;
 
-    /// Plays one block. Fails where the board cannot go on.
+    /// Plays one block. Fails if the board cannot continue.
     fn block(&mut self) -> io::Result<()>;
 
-    /// Looks after a debugger, where there can be one. True: it holds the board, whose time stands until it lets go.
+    /// Serves a debugger, if the board has one. Returns `true` while the debugger holds the board,
+    /// whose time stops until it is released.
     fn is_held(&mut self) -> io::Result<bool> {
         Ok(false)
     }
 }
 
-/// A board in this process as a port. The holder of the other end of the [`Rc`] sees the plant.
+/// Port of a board in this process. The owner of the other [`Rc`] has access to the plant.
 pub struct Simulated<B> {
     name: String,
     board: Rc<RefCell<B>>,
-    /// Where it is not to be faster than real: when it was opened.
+    /// Time of opening, if the board must not be faster than real time.
     paced: Option<Instant>,
 }
 
 impl<B: InProcess> Simulated<B> {
-    /// A board of this name; `paced`: not faster than real.
+    /// Creates a port with this name. If `paced`, the board is not faster than real time.
     pub fn new(name: &str, board: Rc<RefCell<B>>, paced: bool) -> Self {
         Simulated { name: name.to_owned(), board, paced: paced.then(Instant::now) }
     }
@@ -69,9 +70,9 @@ impl<B: InProcess> Port for Simulated<B> {
                 return Ok(count);
             }
             if board.is_held()? {
-                std::thread::sleep(HELD);
-                // What a debugger took is not to be caught up with.
-                self.paced = self.paced.map(|opened| opened + HELD);
+                std::thread::sleep(HOLD_POLL_INTERVAL);
+                // The time that the debugger takes is not caught up.
+                self.paced = self.paced.map(|opened| opened + HOLD_POLL_INTERVAL);
                 continue;
             }
             board.block()?;

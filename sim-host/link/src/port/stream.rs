@@ -1,4 +1,4 @@
-//! Anything that reads and writes, as a port: the UART of an emulated board, or a test's.
+//! Any reader and writer as a port, such as the UART of an emulated board or a test double.
 
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use super::{Port, chance, within};
 use crate::link_error::LinkError;
 
-/// A stream of bytes whose reads come back soon: with `TimedOut` or `WouldBlock` where nothing has come, and with nothing at its end.
+/// Port over a stream whose reads return soon: with `TimedOut` or `WouldBlock` if no byte has
+/// arrived, and with zero bytes at its end.
 pub struct Stream<S> {
     name: String,
     /// Stream that carries the bytes.
@@ -15,7 +16,7 @@ pub struct Stream<S> {
 }
 
 impl<S: Read + Write> Stream<S> {
-    /// A port of this name, in wall-clock time.
+    /// Creates a port with this name, in wall-clock time.
     pub fn new(name: &str, inner: S) -> Self {
         Stream { name: name.to_owned(), inner, opened: Instant::now() }
     }
@@ -40,7 +41,7 @@ impl<S: Read + Write> Port for Stream<S> {
     }
 
     fn reopen(&mut self) -> Result<(), LinkError> {
-        Err(LinkError::Lost { port: self.name.clone(), why: "it cannot be opened again".into() })
+        Err(LinkError::Lost { port: self.name.clone(), why: "it cannot be reopened".into() })
     }
 
     fn nonce(&mut self) -> u32 {

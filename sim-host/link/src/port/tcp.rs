@@ -1,4 +1,4 @@
-//! A board behind a TCP connection: `sim-host link … serve`, or a serial server.
+//! Boards at a TCP connection: `sim-host link … serve`, or a serial server.
 
 use std::io::{self, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -7,13 +7,14 @@ use std::time::{Duration, Instant};
 use super::{Port, chance, ended, is_timeout};
 use crate::link_error::LinkError;
 
-/// How long a host may take to accept.
-const CONNECT: Duration = Duration::from_secs(3);
+/// Timeout of a connection.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// What a served board says to a client that comes while another one holds it; the other's address follows.
-pub(crate) const HELD: &str = "sonoglide: held by the client at ";
+/// Message of a served board to a client while another one holds the board. The address of the
+/// holder follows.
+pub(crate) const HELD_MESSAGE: &str = "sonoglide: held by the client at ";
 
-/// A TCP connection to a board.
+/// TCP connection to a board.
 pub struct Tcp {
     name: String,
     address: String,
@@ -32,16 +33,16 @@ impl Tcp {
 
 fn stream(name: &str, address: &str) -> Result<TcpStream, LinkError> {
     let open = |why: String| LinkError::Open { port: name.to_owned(), why };
-    let mut addresses = address.to_socket_addrs().map_err(|error| open(format!("this is no `tcp:HOST:PORT`: {error}")))?;
+    let mut addresses = address.to_socket_addrs().map_err(|error| open(format!("expected `tcp:HOST:PORT`: {error}")))?;
     let first = addresses.next().ok_or_else(|| open("this host has no address".into()))?;
-    let stream = TcpStream::connect_timeout(&first, CONNECT).map_err(|error| match error.kind() {
+    let stream = TcpStream::connect_timeout(&first, CONNECT_TIMEOUT).map_err(|error| match error.kind() {
         io::ErrorKind::ConnectionRefused => {
             open("nothing listens there: is `sim-host link sim:SCENE serve` running, at this port?".into())
         }
-        io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock => open(format!("no answer within {} s", CONNECT.as_secs())),
+        io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock => open(format!("no answer within {} s", CONNECT_TIMEOUT.as_secs())),
         _ => open(error.to_string()),
     })?;
-    // Frames are short, and each is waited for.
+    // Frames are short, and each waits for its answer.
     stream.set_nodelay(true).map_err(|error| open(error.to_string()))?;
     Ok(stream)
 }
@@ -56,7 +57,7 @@ impl Port for Tcp {
     }
 
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
-        // A timeout of nothing is none.
+        // A read timeout of zero is an error.
         self.stream.set_read_timeout(Some(wait.max(Duration::from_millis(1))))?;
         match self.stream.read(into) {
             Ok(0) => Err(ended()),
@@ -82,9 +83,10 @@ impl Port for Tcp {
     }
 }
 
-/// Names the client that holds the board, if these bytes say that another one does. Any server may have sent them: control characters are left out.
+/// Returns a message with the client that holds the board, if these bytes report one. Any server
+/// may have sent them, so control characters are removed.
 fn held(bytes: &[u8]) -> Option<String> {
-    let holder: String = str::from_utf8(bytes).ok()?.strip_prefix(HELD)?.chars().filter(|c| !c.is_control()).collect();
+    let holder: String = str::from_utf8(bytes).ok()?.strip_prefix(HELD_MESSAGE)?.chars().filter(|c| !c.is_control()).collect();
     Some(format!("the client at {holder} holds the board: end that first (`ss -tnp` shows whose it is)"))
 }
 
@@ -94,7 +96,7 @@ mod tests {
 
     #[test]
     fn a_server_cannot_send_control_characters_to_the_terminal() {
-        let why = held(format!("{HELD}\x1b[2J1.2.3.4:5\x07\n").as_bytes()).unwrap();
+        let why = held(format!("{HELD_MESSAGE}\x1b[2J1.2.3.4:5\x07\n").as_bytes()).unwrap();
         assert!(why.starts_with("the client at [2J1.2.3.4:5 holds"), "{why:?}");
     }
 }

@@ -27,9 +27,12 @@ fn rail() -> scene::Carriage {
     }
 }
 
-/// Stick and slip in the limit of a slow pull and a stiff contact (Den Hartog 1931): it breaks away at `mu_s N`, jumps by `2 (Fs - Fk) / k`, and again after
-/// `2 (Fs - Fk) / (k V)`. Stribeck's velocity is ten times the pull's, and a tenth of the slip's; the
-/// bristles are damped, so that the carriage stands after a slip, and so stiff that slow sliding is unstable: `|G'| > k Fs / (Kt V)`, as a limit that falls with the speed acts `Fs / (Kt V)` late.
+/// Stick-slip in the limit of a slow pull and a stiff contact (Den Hartog 1931). The carriage
+/// breaks away at `mu_s N`, jumps by `2 (Fs - Fk) / k`, and jumps again after
+/// `2 (Fs - Fk) / (k V)`.
+/// Stribeck's velocity is ten times the pull's and a tenth of the slip's. The bristles are damped
+/// so that the carriage stops after a slip. They are so stiff that slow sliding is unstable,
+/// `|G'| > k Fs / (Kt V)`: a limit that falls with the speed acts `Fs / (Kt V)` late.
 #[test]
 fn stick_slip_has_its_force_jump_and_period() {
     let (stiffness, pull) = (1e7, 4e-5);
@@ -53,12 +56,14 @@ fn stick_slip_has_its_force_jump_and_period() {
     let period_s = (jumps[jumps.len() - 1] - jumps[0]) / (jumps.len() - 1) as f64;
     println!("breaks away at {most_n} N, falls to {least_n} N, every {period_s} s ({} jumps)", jumps.len());
     assert!((most_n / 70.0 - 1.0).abs() < 0.002, "{most_n}");
-    // From 70 N past 50 N to 30 N, but for the way on which the static friction is lost.
+    // From 70 N past 50 N to 30 N, apart from the distance over which the static friction is lost.
     assert!((30.0..30.5).contains(&least_n), "{least_n}");
     assert!(jumps.len() > 7 && (period_s / (40.0 / (stiffness * pull)) - 1.0).abs() < 0.025, "{period_s}");
 }
 
-/// A constant force below `mu_s N` is held: the contact gives way by the presliding `(Fs / Kt) ln(1 / (1 - P / Fs))`, as far again at most since the load comes at once, and then stands.
+/// A constant force below `mu_s N` is held. The contact yields by the presliding
+/// `(Fs / Kt) ln(1 / (1 - P / Fs))`, or at most twice that since the load is a step, and then
+/// stops.
 #[test]
 fn a_force_below_static_friction_is_held() {
     let damped = scene::Lugre { sigma1: 14e3, ..contact(0.25, 0.35) };
@@ -77,9 +82,10 @@ fn a_force_below_static_friction_is_held() {
     assert!((carriage.position_m() - early_m).abs() < 1e-9, "{early_m}, then {}", carriage.position_m());
 }
 
-/// Without friction it is an oscillator: period, and amplitude after a hundred of them.
+/// Without friction the carriage is an oscillator: tests the period, and the amplitude after a
+/// hundred periods.
 #[test]
-fn without_friction_it_swings_on() {
+fn without_friction_it_oscillates() {
     let mut carriage = Carriage::new(&contact(0.0, 0.0), &rail());
     let omega = (1e6f64 / 20.0).sqrt();
     let periods = 100.0;
@@ -90,14 +96,15 @@ fn without_friction_it_swings_on() {
         let lag_m = carriage.truth().end_m - carriage.position_m();
         farthest = farthest.max(lag_m);
     }
-    // y - x = (V / w) sin(w t): zero, and moving off with the speed of the end, after whole periods.
+    // y - x = (V / w) sin(w t): zero after whole periods, with the speed of the spring's end.
     assert!((farthest * omega / 1e-4 - 1.0).abs() < 1e-3, "{farthest}");
     assert!(carriage.speed_m_per_s().abs() < 1e-3 * 1e-4, "{}", carriage.speed_m_per_s());
 }
 
-/// Under a vibration `Vv cos(w t)` a constant force P < mu N drives it at the speed at which Coulomb's mean friction is as much, `V = Vv sin(pi P / (2 mu N))`.
+/// Under a vibration `Vv cos(w t)`, a constant force P < mu N moves the carriage at the speed at
+/// which Coulomb's mean friction equals P: `V = Vv sin(pi P / (2 mu N))`.
 #[test]
-fn vibration_lets_it_go_at_the_speed_that_coulomb_says() {
+fn vibration_gives_the_speed_of_coulombs_law() {
     const TAU: f64 = std::f64::consts::TAU;
     let heavy = scene::Carriage { force_n: 25.0, stiffness_n_per_m: 0.0, pull_m_per_s: 0.0, mass_kg: 0.5, ..rail() };
     let stiff = scene::Lugre { stiffness_n_per_m: 2e10, ..contact(0.25, 0.35) };

@@ -1,4 +1,4 @@
-//! The contact, stepped, against the closed forms of the crate `contact`: two programs that share nothing.
+//! Stepped contact against the closed forms of the crate `contact`, an independent implementation.
 
 use contact::closed::ClosedForm;
 use contact::table_4_1::table_4_1;
@@ -7,7 +7,7 @@ use contact::{Law, Motion, Problem, Shape, Sign, Waveform};
 
 use super::Dahl;
 
-/// The thesis's contact with the vibration given.
+/// Returns the thesis's contact with the vibration given.
 fn kinematic(shape: Shape, xi: f64, periods: f64) -> Problem {
     let mut problem = table_4_1(xi, periods);
     let vibration = problem.vibration_m_per_s();
@@ -18,7 +18,8 @@ fn kinematic(shape: Shape, xi: f64, periods: f64) -> Problem {
 
 const SHAPES: [Shape; 4] = [Shape::Sine, Shape::Square, Shape::Sawtooth, Shape::Triangle];
 
-/// This contact steps exactly in slip, 1000 steps a piece over 20 periods.
+/// Steps this contact exactly in slip, with 1000 steps a piece over 20 periods. Returns the ratios
+/// of the last period.
 fn stepped(problem: &Problem) -> [f64; 3] {
     let Law::Dahl { stiffness_n_per_m } = problem.law else { return [f64::NAN; 3] };
     let mut contact = Dahl::new(stiffness_n_per_m, problem.coulomb_n);
@@ -31,7 +32,7 @@ fn stepped(problem: &Problem) -> [f64; 3] {
             let vibration = |part: f64| piece.forcing.value((f64::from(n) + part) * step);
             let [x0, xm, x1] = [0.0, 0.5, 1.0].map(vibration);
             let [v0, vm, v1] = [x0, xm, x1].map(|x| problem.sliding_m_per_s + problem.sign.factor() * x);
-            // Simpson: of a line exact
+            // Simpson's rule, exact for a line.
             let mean = contact.slip(v0, v1, step / 6.0 * (v0 + 4.0 * vm + v1), step);
             if index >= 19 * pieces {
                 (friction, time) = (friction + mean * step, time + step);

@@ -1,22 +1,26 @@
-//! What lowers the friction at the D-ring, and at which speed of sliding how far.
+//! Actuators that lower the friction at the D-ring, and their laws of sliding speed.
 //!
-//! Each law says, the other way round, how fast the webbing must slide for friction to be so much of itself, `r`, with the force `Fc` of friction
-//! without an actuator (see [`capstan`](super::capstan)). None brings `r` below `mu_low / mu_high`.
+//! Each law is used in its inverse form: it gives the speed at which the webbing must slide for the
+//! friction to have the ratio `r` to the friction without an actuator. `Fc` is the friction force
+//! without an actuator (see [`capstan`](super::capstan)). No actuator brings `r` below
+//! `mu_low / mu_high`.
 //!
 //! | actuator | law | source |
 //! |---|---|---|
-//! | ideal | `r = 1 - (1 - mu_low / mu_high) a`, at any speed | what a perfect switch would do |
+//! | ideal | `r = 1 - (1 - mu_low / mu_high) a`, at any speed | a perfect switch |
 //! | tangential | `r = (2 / pi) asin(Vs / a Vt)`, 1 for `Vs >= a Vt` | Coulomb under a sine of tip velocity `Vt`, thesis 4.3 |
-//! | tangential, Dahl | `r = (pi / 2) xi / (xi asin xi + sqrt(1 - xi^2))`, `xi = Vs / a Vt` | the limit of Dahl's law for a soft contact, docs/plant.md |
-//! | power | `r = (2 / pi) atan(2 Fc Vs / (pi a P))` | the tangential law with the tip velocity that `P` watts keep up |
-//! | stack | tangential, with the tip velocity of the simulated stack | the 40 kHz stack; its tip is granted its free motion |
-//! | ring | at each place of the wrap by the direction of the ring's vibration there, with this tip velocity | `contact::wrap` |
+//! | tangential, Dahl | `r = (pi / 2) xi / (xi asin xi + sqrt(1 - xi^2))`, `xi = Vs / a Vt` | the limit of Dahl's law for a soft contact, docs/dev/plant.md |
+//! | power | `r = (2 / pi) atan(2 Fc Vs / (pi a P))` | the tangential law with the tip velocity that `P` watts maintain |
+//! | stack | tangential, with the tip velocity of the simulated stack | the 40 kHz stack; its tip is assumed to move freely |
+//! | ring | at each place of the wrap by the local direction of the ring's vibration, with this tip velocity | `contact::wrap` |
 //! | normal | `1 - r = a 0.587 (1 + 25 / 38.3) / (1 + Vs / 38.3 mm/s) (N / 270 N)^-0.0584` | fitted to measurements at 20 to 87 mm/s, **extrapolated** |
 //!
-//! `a`, from 0 to 1, is how far its amplitude has risen.
+//! `a`, from 0 to 1, is the present amplitude relative to the full one.
 //!
-//! The power of a tangential sine against Coulomb's friction is `P = (2 / pi) Fc Vt sqrt(1 - xi^2)`; with `xi = sin(pi r / 2)` that is the law by
-//! power. The normal law is that of the belt experiments at 70 % amplitude without their rise over half a second, so better than measured.
+//! The power of a tangential sine against Coulomb friction is `P = (2 / pi) Fc Vt sqrt(1 - xi^2)`.
+//! With `xi = sin(pi r / 2)` that becomes the law by power. The normal law is that of the belt
+//! experiments at 70 % amplitude without their rise over half a second, so it is better than
+//! measured.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, TAU};
 use std::sync::Arc;
@@ -30,62 +34,68 @@ use scene::{self, ActuatorKind};
 
 /// Speed at which normal vibration has lost half its effect, m/s.
 const NORMAL_HALF_M_PER_S: f64 = 38.3e-3;
-/// Its effect at 25 mm/s and 270 N.
+/// Reduction of the friction by normal vibration at the reference speed and force, relative.
 const NORMAL_EFFECT: f64 = 0.587;
+/// Reference speed of the normal law, m/s.
 const NORMAL_AT_M_PER_S: f64 = 25e-3;
+/// Reference force of the normal law, N.
 const NORMAL_AT_N: f64 = 270.0;
+/// Exponent of the normal force in the normal law.
 const NORMAL_EXPONENT: f64 = -0.0584;
-/// The least amplitude that counts, so that no law is steeper than can be followed.
-const LEAST_AMPLITUDE: f64 = 0.01;
-/// Least distance of a ratio from one, where some speeds are infinite.
-const BELOW_ONE: f64 = 1e-6;
+/// Lower limit of the amplitude in the laws, so that no law becomes too steep to integrate.
+const MIN_AMPLITUDE: f64 = 0.01;
+/// Least distance of a ratio from one, at which some speeds are infinite.
+const RATIO_MARGIN: f64 = 1e-6;
 
-/// What lowers the friction.
+/// The actuator that lowers the friction.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Actuator {
-    /// The belt has no actuator.
+    /// No actuator.
     None,
-    /// The actuator is a perfect switch of the friction.
+    /// A perfect switch of the friction.
     Ideal,
     /// A tip that vibrates along the webbing with this peak velocity, m/s, by Coulomb's law.
     Tangential(f64),
-    /// A tip that vibrates along the webbing with this peak velocity, m/s, by the limit of Dahl's law.
+    /// A tip that vibrates along the webbing with this peak velocity, m/s, by the limit of Dahl's
+    /// law.
     TangentialDahl(f64),
-    /// So much power into the contact, W.
+    /// This power into the contact, W.
     Power(f64),
     /// The simulated stack, along the webbing: the caller gives its tip velocity while it runs.
     Stack,
     /// A vibration across the webbing.
     Normal,
-    /// The whole ring vibrates in one direction with this peak velocity, m/s, by the law along the wrap.
+    /// The whole ring vibrates in one direction with this peak velocity, m/s, by the law along the
+    /// wrap.
     Ring(f64, Arc<Table>),
 }
 
-/// What an actuator does at a moment.
+/// Range of the friction ratio that an actuator allows at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effect {
     /// The smallest ratio of friction, at rest.
     pub floor: f64,
-    /// The largest, at any speed.
+    /// The largest ratio, at any speed.
     pub full: f64,
 }
 
 impl Actuator {
-    /// The actuator of a scene's D-ring.
-    pub fn of(dring: &scene::Dring) -> Self {
+    /// Creates the actuator of a scene's D-ring.
+    pub fn from_dring(dring: &scene::Dring) -> Self {
         match dring.actuator {
             ActuatorKind::Ideal => Actuator::Ideal,
             ActuatorKind::Tangential => Actuator::Tangential(dring.tip_m_per_s),
             ActuatorKind::TangentialDahl => Actuator::TangentialDahl(dring.tip_m_per_s),
             ActuatorKind::Power => Actuator::Power(dring.power_w),
-            // A scene has a direction where its actuator is a ring.
+            // A validated scene with a ring has a direction.
             ActuatorKind::Ring => Self::along_the_wrap(dring, dring.tip_m_per_s).unwrap_or(Actuator::None),
             ActuatorKind::Stack => Self::along_the_wrap(dring, 0.0).unwrap_or(Actuator::Stack),
             ActuatorKind::Normal => Actuator::Normal,
         }
     }
 
-    /// The ring of a scene that vibrates as a whole in one direction, with this tip velocity, m/s.
+    /// Returns the ring of a scene that vibrates as a whole in one direction, with this tip
+    /// velocity, m/s.
     fn along_the_wrap(dring: &scene::Dring, tip_m_per_s: f64) -> Option<Self> {
         let vibration = dring.ring_vibration()?;
         let floor = dring.mu_low.min(dring.mu_high) / dring.mu_high;
@@ -94,7 +104,7 @@ impl Actuator {
         Some(Actuator::Ring(tip_m_per_s, Arc::new(Table::new(ring, normal))))
     }
 
-    /// The actuator as it is while a stack's tip has this velocity, m/s.
+    /// Returns the actuator while a stack's tip has this velocity, m/s.
     pub fn with_tip(&self, tip_m_per_s: f64) -> Self {
         match self {
             Actuator::Ring(_, table) => Actuator::Ring(tip_m_per_s, Arc::clone(table)),
@@ -102,7 +112,7 @@ impl Actuator {
         }
     }
 
-    /// Between which ratios of friction it can be at an amplitude from 0 to 1.
+    /// Returns the range of friction ratios at an amplitude from 0 to 1.
     pub fn effect(&self, capstan: &Capstan, amplitude: f64) -> Effect {
         match *self {
             Actuator::Ideal => {
@@ -118,14 +128,16 @@ impl Actuator {
         }
     }
 
-    /// How both ends of what it can do change with its amplitude, where they are one.
+    /// Returns the change of both ends of the range with the amplitude, if the ends coincide; else
+    /// 0.
     pub fn slope(&self, capstan: &Capstan) -> f64 {
         if *self == Actuator::Ideal { capstan.floor() - 1.0 } else { 0.0 }
     }
 
-    /// How fast webbing slides this way at a ratio of friction, m/s, with these tensions, the higher one first; infinite where any speed will do.
+    /// Returns the speed at which webbing slides this way at a ratio of friction, m/s, with these
+    /// tensions, the higher one first. Infinite if any speed is possible.
     pub fn speed(&self, capstan: &Capstan, amplitude: f64, ratio: f64, (way, high_n, low_n): (Way, f64, f64)) -> f64 {
-        let amplitude = amplitude.max(LEAST_AMPLITUDE);
+        let amplitude = amplitude.max(MIN_AMPLITUDE);
         let ratio = ratio.clamp(0.0, 1.0);
         let difference_n = high_n - low_n;
         match *self {
@@ -133,28 +145,29 @@ impl Actuator {
             Actuator::Tangential(tip) => amplitude * tip * libm::sin(FRAC_PI_2 * ratio),
             Actuator::TangentialDahl(tip) => amplitude * tip * dahl_velocity_ratio(ratio),
             Actuator::Power(watts) => {
-                let ratio = ratio.clamp(BELOW_ONE, 1.0 - BELOW_ONE);
+                let ratio = ratio.clamp(RATIO_MARGIN, 1.0 - RATIO_MARGIN);
                 FRAC_PI_2 * amplitude * watts * ratio / difference_n.max(f64::MIN_POSITIVE) * libm::tan(FRAC_PI_2 * ratio)
             }
             Actuator::Normal => {
                 let normal_n = difference_n / (ratio * capstan.mu_high);
                 let at_rest = NORMAL_EFFECT * (1.0 + NORMAL_AT_M_PER_S / NORMAL_HALF_M_PER_S);
                 let effect = amplitude * at_rest * libm::pow(normal_n / NORMAL_AT_N, NORMAL_EXPONENT);
-                (NORMAL_HALF_M_PER_S * (effect / (1.0 - ratio).max(BELOW_ONE) - 1.0)).max(0.0)
+                (NORMAL_HALF_M_PER_S * (effect / (1.0 - ratio).max(RATIO_MARGIN) - 1.0)).max(0.0)
             }
             Actuator::Ring(tip, ref table) => {
                 let pull = if way == Way::Out { Pull::Shoulder } else { Pull::Retractor };
-                let needed = Tensioned { ratio: ratio.min(1.0 - BELOW_ONE), low_n, pull };
+                let needed = Tensioned { ratio: ratio.min(1.0 - RATIO_MARGIN), low_n, pull };
                 amplitude * tip * table.velocity_ratio(&needed, tip, amplitude)
             }
         }
     }
 
-    /// Power that it gives to the contact, W, at a ratio of friction; nothing of one whose law knows no power.
+    /// Returns the power into the contact, W, at a ratio of friction; `None` if the law does not
+    /// define it.
     pub fn power_w(&self, amplitude: f64, ratio: f64, difference_n: f64) -> Option<f64> {
         match *self {
             Actuator::Tangential(tip) => {
-                let coulomb_n = difference_n / ratio.max(BELOW_ONE);
+                let coulomb_n = difference_n / ratio.max(RATIO_MARGIN);
                 Some(FRAC_2_PI * coulomb_n * amplitude * tip * libm::cos(FRAC_PI_2 * ratio.min(1.0)))
             }
             Actuator::Power(watts) => Some(amplitude * watts),
@@ -163,11 +176,13 @@ impl Actuator {
     }
 }
 
-/// The velocity ratio `xi` at which the limit of Dahl's law for a soft contact has this ratio of friction: the inverse of
-/// `r = (pi / 2) xi / (xi asin xi + sqrt(1 - xi^2))`, which rises.
+/// Returns the velocity ratio `xi` at which the limit of Dahl's law for a soft contact has this
+/// ratio of friction: the inverse of `r = (pi / 2) xi / (xi asin xi + sqrt(1 - xi^2))`, which
+/// increases.
 fn dahl_velocity_ratio(ratio: f64) -> f64 {
     let law = |xi: f64| FRAC_PI_2 * xi / (xi * libm::asin(xi) + libm::sqrt(1.0 - xi * xi));
-    // Newton's method. The law is concave and r <= (pi / 2) xi, so that it starts below, and every step stays below and rises.
+    // Newton's method. The law is concave and r <= (pi / 2) xi, so it starts below the solution;
+    // every step increases xi and stays below.
     let mut xi = ratio / FRAC_PI_2;
     for _ in 0..30 {
         // r' = (pi / 2) sqrt(1 - xi^2) / (xi asin xi + sqrt(1 - xi^2))^2
@@ -207,14 +222,14 @@ mod tests {
             let by_power = speed(Actuator::Power(watts), ratio, difference);
             let coulomb_n = difference / ratio;
             assert!((2.0 / PI * (2.0 * coulomb_n * by_power / (PI * watts)).atan() - ratio).abs() < 1e-12);
-            // The tip that this power keeps up has Coulomb's law at this speed.
+            // The tip velocity that this power maintains obeys Coulomb's law at this speed.
             let tip = by_power / (FRAC_PI_2 * ratio).sin();
             let power = Actuator::Tangential(tip).power_w(1.0, ratio, difference);
             assert!(power.is_some_and(|power| (power / watts - 1.0).abs() < 1e-12));
         }
     }
 
-    /// The belt experiment: 58.0 % at 25 mm/s and 270 N after two seconds, of 58.7 % in the end.
+    /// The belt experiment: 58.0 % at 25 mm/s and 270 N after two seconds, tending to 58.7 %.
     #[test]
     fn normal_vibration_is_that_of_the_belt_experiment() {
         let (ratio, normal_n) = (1.0 - 0.587, 270.0);

@@ -1,13 +1,15 @@
-//! The plant of a crash: a stack that the firmware drives, and the belt whose friction the drive lowers.
+//! The plant of a crash: a stack driven by the firmware, and the belt whose friction the drive
+//! lowers.
 //!
 //! ```text
 //! DAC -> amplifier -> stack -> ADC          as without a belt
 //!  \-> actuator -> D-ring, belt, torso -> belt force, filtered -> SlowSense
 //! ```
 //!
-//! What the actuator does of its own follows from whether the DAC plays: its amplitude rises and falls along straight edges. The actuator
-//! `stack` is the simulated stack itself. Three motions run beside each other: the one that is switched; the same belt with nothing that
-//! lowers its friction; and the first one again at half the step, for the error.
+//! The amplitude of an actuator follows the drive: it rises along a straight edge while the DAC
+//! plays, and falls along one otherwise. The actuator `stack` is the simulated stack itself. Three
+//! motions run in parallel: the switched belt; the same belt without an actuator; and the switched
+//! belt again at half the step, for the error estimate.
 
 use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
@@ -27,17 +29,17 @@ use contact::wrap::Ring;
 use contact::wrap::normal::Normal;
 use scene::{self, ActuatorKind, Driven};
 
-/// The drive is ON where it swings by more than this part of what was asked for.
-const ON_PART: f64 = 0.25;
-/// A stream of noise far from those of the converters.
-const FORCE_STREAM: u64 = 3 << 61;
+/// Swing above which the drive counts as ON, relative to the commanded amplitude.
+const ON_THRESHOLD_REL: f64 = 0.25;
+/// Seed offset of the force sensor's noise, far from those of the converters.
+const FORCE_SEED_OFFSET: u64 = 3 << 61;
 /// States of torso, belt and spool.
 const STATES: usize = 3;
 
 /// One of the belts at a moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Belt {
-    /// How far the torso has gone, m.
+    /// Displacement of the torso, m.
     pub x_m: f64,
     /// Speed of the torso, m/s.
     pub v_m_per_s: f64,
@@ -54,24 +56,25 @@ pub struct Belt {
 /// Both belts at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// Since the pulse began, s.
+    /// Time since the pulse began, s.
     pub time_s: f64,
     /// Deceleration of the vehicle, m/s^2.
     pub pulse_m_per_s2: f64,
     /// Amplitude of the actuator, 0 to 1.
     pub amplitude: f64,
-    /// The belt that is switched.
+    /// The switched belt.
     pub switched: Belt,
     /// The passive belt, for comparison.
     pub passive: Belt,
 }
 
-/// A D-ring that vibrates as a whole, at the moment at which webbing slides out over it the fastest while its amplitude is whole.
+/// State of a D-ring that vibrates as a whole, at the moment of the fastest outward sliding at full
+/// amplitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RingMoment {
     /// The ring, and the direction of its vibration.
     pub ring: Ring,
-    /// What its normal part acts on, if it is granted anything.
+    /// Normal part of the vibration, if the scene includes it.
     pub normal: Option<Normal>,
     /// Peak velocity of the vibration, m/s.
     pub tip_m_per_s: f64,
@@ -83,29 +86,30 @@ pub struct RingMoment {
     pub retractor_n: f64,
 }
 
-/// What a crash comes to.
+/// Result of a crash.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Playback {
     /// Mass of the torso, kg.
     pub torso_kg: f64,
-    /// A frame a block, from the beginning of the pulse.
+    /// One frame a block, from the beginning of the pulse.
     pub frames: Vec<Frame>,
-    /// Extremes of the belt that is switched.
+    /// Extremes of the switched belt.
     pub switched: Extremes,
     /// Extremes of the passive belt.
     pub passive: Extremes,
     /// When the drive went ON, s since the pulse began.
     pub low_s: Option<f64>,
-    /// Of a D-ring that vibrates as a whole, the moment of the fastest sliding.
+    /// Moment of the fastest sliding, for a D-ring that vibrates as a whole.
     pub ring: Option<RingMoment>,
-    /// Part of the pulse's work that cannot be accounted for.
+    /// Fraction of the pulse's work that is unaccounted for.
     pub energy_residual: f64,
-    /// How far peak force and excursion are from those of half the step, relative, the larger one.
+    /// Relative deviation of peak force or excursion from the motion at half the step, whichever is
+    /// larger.
     pub error_estimate: f64,
 }
 
 impl Playback {
-    /// Acceleration of the chest at a force, in g.
+    /// Returns the acceleration of the chest at a force, in g.
     pub fn chest_g(&self, shoulder_n: f64) -> f64 {
         shoulder_n / self.torso_kg / G_M_PER_S2
     }
@@ -131,7 +135,7 @@ pub struct Crash {
 }
 
 impl Crash {
-    /// A crash before its pulse, with torso and webbing at rest.
+    /// Creates a crash before its pulse, with torso and webbing at rest.
     pub fn new(scene: &Driven, stack: DrivenStack, dring: &scene::Dring) -> Self {
         let bench = Bench::of(dring);
         let (drive, sensors) = (&scene.controller.drive, scene.sensors);
@@ -141,11 +145,13 @@ impl Crash {
             stack,
             kind: dring.actuator,
             edge_s: 1e-3 * dring.edge_ms,
-            on_codes: (ON_PART * asked_v / Dac::new(sensors, scene.amplifier).volt_per_lsb()) as u16,
+            on_codes: (ON_THRESHOLD_REL * asked_v / Dac::new(sensors, scene.amplifier).volt_per_lsb()) as u16,
             switched: Motion::new(bench.clone(), 1),
             passive: Motion::new(bench.passive(), 1),
             finer: Motion::new(bench.clone(), 2),
-            force: sensors.force_hz.map(|hz| ForceChannel::new(hz, block_s, sensors.force_noise_n, scene.seed ^ FORCE_STREAM)),
+            force: sensors
+                .force_hz
+                .map(|hz| ForceChannel::new(hz, block_s, sensors.force_noise_n, scene.seed ^ FORCE_SEED_OFFSET)),
             encoder: sensors.encoder_counts_per_mm.map(|counts| Encoder::new(counts, 0.5)),
             block_s,
             blocks: 0,
@@ -155,47 +161,47 @@ impl Crash {
         }
     }
 
-    /// The truth about the last block.
+    /// Returns the truth about the last block.
     pub fn truth(&self) -> &Truth {
         &self.truth
     }
 
-    /// The stack's circuit as it is now.
+    /// Returns the stack's circuit as it is now.
     pub fn circuit(&self) -> Circuit {
         self.stack.circuit()
     }
 
-    /// The stack's energy budget since the beginning.
+    /// Returns the stack's energy budget since the beginning.
     pub fn energy(&self) -> Energy {
         self.stack.energy()
     }
 
-    /// Duration of one sample, s.
+    /// Returns the duration of one sample, s.
     pub fn sample_s(&self) -> f64 {
         self.stack.sample_s()
     }
 
-    /// Keeps the next blocks sample by sample, or stops doing so.
+    /// Starts or stops recording blocks sample by sample.
     pub fn keep_samples(&mut self, keep: bool) {
         self.stack.keep_samples(keep);
     }
 
-    /// The samples of the last block, if they are recorded.
+    /// Returns the samples of the last block, if they are recorded.
     pub fn samples(&self) -> &[Sample] {
         self.stack.samples()
     }
 
-    /// What the crash has come to so far.
+    /// Returns the result of the crash so far.
     pub fn playback(&self) -> &Playback {
         &self.playback
     }
 
-    /// States that are integrated in time.
+    /// Returns the number of states that are integrated in time.
     pub fn states(&self) -> usize {
         self.stack.states() + STATES
     }
 
-    /// Whether the first lane plays a drive rather than silence.
+    /// Returns `true` if the first lane plays a drive rather than silence.
     fn plays(&self, drive: &DriveBlock) -> bool {
         let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
         let (least, most) = codes.iter().fold((u16::MAX, 0), |(least, most), &code| (least.min(code), most.max(code)));
@@ -210,7 +216,7 @@ impl Crash {
         self.playback.frames.push(Frame {
             time_s: since_s,
             pulse_m_per_s2: self.bench.pulse.at(time_s, self.bench.pulse.contains(time_s)),
-            // The tip of a stack says itself how far it has risen.
+            // The amplitude of a stack's tip is part of its velocity.
             amplitude: if self.kind == ActuatorKind::Stack { f64::from(u8::from(plays)) } else { self.switched.amplitude() },
             switched: belt(&self.switched),
             passive: belt(&self.passive),
@@ -224,7 +230,7 @@ impl Crash {
         self.playback.error_estimate = off(force, finer.shoulder_n).max(off(way, finer.excursion_m));
     }
 
-    /// Keeps this moment of a ring if no earlier one has faster sliding.
+    /// Records this moment of a ring if no earlier one has faster sliding.
     fn keep_ring(&mut self) {
         let Some((tip_m_per_s, table)) = self.switched.ring() else { return };
         let moving = belt(&self.switched);
@@ -260,18 +266,19 @@ impl Crash {
         self.stack.begin()
     }
 
-    /// Plays one code, and returns the codes of voltage and current that were sampled meanwhile.
+    /// Plays one code. Returns the codes of voltage and current that were sampled meanwhile.
     pub(crate) fn play(&mut self, code: u16, sums: &mut Sums) -> (u16, u16) {
         self.stack.play(code, sums)
     }
 
-    /// Ends a block in which this was played, and reads the slow sensors.
+    /// Ends the block that played `drive`, and reads the slow sensors.
     pub(crate) fn end(&mut self, drive: &DriveBlock, sums: &Sums) -> SlowSense {
         let slow = self.stack.end(sums, drive.lanes.first().map_or(0, |lane| lane.len()));
         self.advance(drive, slow)
     }
 
-    /// Moves torso and belt on by a block, in which the stack has played this; returns what the sensors say.
+    /// Advances torso and belt by a block in which the stack has played `drive`. Returns the sensor
+    /// readings.
     fn advance(&mut self, drive: &DriveBlock, slow: SlowSense) -> SlowSense {
         let plays = self.plays(drive);
         let begins_s = self.blocks as f64 * self.block_s;

@@ -1,10 +1,11 @@
-//! What webbing, D-ring and spool are doing, how everything moves meanwhile, and what ends it.
+//! Discrete modes of webbing, D-ring and spool: the motion in each mode, and the events that end
+//! it.
 
 use super::Bench;
 use super::span::Part;
 use super::state::{Ramp, State, Tensions, Way};
 
-/// At which end of what the actuator allows the friction is.
+/// End of the actuator's friction range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
     /// The lowest friction: webbing slides no faster than the actuator can follow.
@@ -13,18 +14,19 @@ pub enum End {
     Full,
 }
 
-/// What webbing does at the D-ring.
+/// Motion of the webbing at the D-ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slide {
     /// The webbing does not slide.
     Stuck,
-    /// The webbing slides with the friction at one end, at any speed on the right side of that of the law.
+    /// The webbing slides with the friction at one end, at any speed on the permitted side of the
+    /// law's speed.
     Held(Way, End),
     /// The webbing slides at the speed that the law gives.
     Law(Way),
 }
 
-/// What the spool does.
+/// Motion of the spool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spool {
     /// The spool does not turn.
@@ -42,29 +44,29 @@ pub struct Mode {
     pub slide: Slide,
     /// Motion of the spool.
     pub spool: Spool,
-    /// The part of its law that the shoulder span is in.
+    /// The part of its law that applies to the shoulder span.
     pub part: Part,
-    /// Whether the back of the seat still holds the torso against the pretension.
+    /// `true` if the back of the seat still holds the torso against the pretension.
     pub seated: bool,
-    /// Whether the pulse acts.
+    /// `true` if the pulse acts.
     pub pulse: bool,
-    /// Whether the actuator's amplitude rises or falls.
+    /// `true` if the actuator's amplitude rises or falls.
     pub ramps: bool,
 }
 
-/// A bench in a mode, under a ramp.
+/// A bench in a mode, during a ramp.
 #[derive(Clone, Copy, Debug)]
 pub struct Phase<'a> {
     /// Constants of the bench.
     pub bench: &'a Bench,
-    /// What it is doing.
+    /// Present mode of the bench.
     pub mode: Mode,
-    /// What the actuator is doing.
+    /// Present ramp of the actuator.
     pub ramp: Ramp,
 }
 
 impl Phase<'_> {
-    /// Tensions in a state, N.
+    /// Returns the tensions in a state, N.
     pub fn tensions(&self, state: &State) -> Tensions {
         Tensions {
             shoulder_n: self.bench.shoulder.tension_n(state.x_m - state.payout_m, self.mode.part),
@@ -72,7 +74,7 @@ impl Phase<'_> {
         }
     }
 
-    /// What is stored in torso and webbing, J.
+    /// Returns the energy stored in torso and webbing, J.
     pub fn stored_j(&self, state: &State) -> f64 {
         let bench = self.bench;
         0.5 * bench.torso_kg * state.v_m_per_s * state.v_m_per_s
@@ -80,28 +82,29 @@ impl Phase<'_> {
             + bench.retractor.stored_j(state.payout_m - state.spool_m, Part::Taut)
     }
 
-    /// The ratio of friction that the tensions need for webbing to slide this way.
+    /// Returns the ratio of friction that the tensions require for webbing to slide this way.
     pub fn ratio(&self, state: &State, way: Way) -> f64 {
         let (high, low) = self.tensions(state).along(way);
         self.bench.capstan.ratio(high, low)
     }
 
-    /// The ratio at one end of what the actuator allows.
+    /// Returns the ratio at one end of the actuator's range.
     fn end(&self, end: End, time_s: f64) -> f64 {
         let effect = self.bench.actuator.effect(&self.bench.capstan, self.ramp.amplitude(time_s));
         if end == End::Floor { effect.floor } else { effect.full }
     }
 
-    /// Speed of sliding by the actuator's law at a ratio, m/s.
+    /// Returns the speed of sliding by the actuator's law at a ratio, m/s.
     fn speed(&self, state: &State, way: Way, ratio: f64, time_s: f64) -> f64 {
         let (high, low) = self.tensions(state).along(way);
         self.bench.actuator.speed(&self.bench.capstan, self.ramp.amplitude(time_s), ratio, (way, high, low))
     }
 
-    /// Speed of the payout, m/s.
+    /// Returns the speed of the payout, m/s.
     ///
-    /// Where friction is held at a ratio, `T_high = C T_low` at all times, with `C = exp(r mu theta)`. Its derivative with
-    /// `Ts' = ks (v - p')`, `Tr' = kr (p' - s')`, and `s' = 0` or `Tr' = 0`, gives `p'`.
+    /// If friction is held at a ratio, `T_high = C T_low` at all times, with `C = exp(r mu theta)`.
+    /// Its derivative with `Ts' = ks (v - p')`, `Tr' = kr (p' - s')`, and `s' = 0` or `Tr' = 0`,
+    /// gives `p'`.
     fn payout_speed(&self, state: &State, time_s: f64) -> f64 {
         let (way, end) = match self.mode.slide {
             Slide::Stuck => return 0.0,
@@ -117,7 +120,7 @@ impl Phase<'_> {
         let ks = self.bench.shoulder.slope_n_per_m(self.mode.part);
         let kr = if self.mode.spool == Spool::Locked { self.bench.retractor.stiffness_n_per_m } else { 0.0 };
         let v = state.v_m_per_s;
-        // Where neither span gives, nothing says how fast webbing goes: it follows the torso.
+        // If neither span stretches, the speed is undetermined: the webbing follows the torso.
         let solved = |above: f64, below: f64| if below > 0.0 { above / below } else { v };
         match way {
             Way::Out => solved(ks * v - gain_rate * tensions.retractor_n, ks + gain * kr),
@@ -125,7 +128,7 @@ impl Phase<'_> {
         }
     }
 
-    /// How everything changes, per second.
+    /// Returns the time derivatives of the state.
     pub fn rates(&self, state: &State, time_s: f64) -> State {
         let bench = self.bench;
         let payout = self.payout_speed(state, time_s);
@@ -144,21 +147,23 @@ impl Phase<'_> {
         }
     }
 
-    /// How fast an error in the payout dies out where the law rules, 1/s: steps must be short beside its inverse.
+    /// Returns the rate at which an error in the payout decays while the law applies, 1/s. Steps
+    /// must be much shorter than its inverse.
     pub fn stiffness_per_s(&self, state: &State, time_s: f64) -> f64 {
-        const NUDGE: f64 = 1e-6;
+        const RATIO_STEP: f64 = 1e-6;
         let Slide::Law(way) = self.mode.slide else { return 0.0 };
         let capstan = &self.bench.capstan;
-        let ratio = self.ratio(state, way).clamp(0.0, 1.0 - NUDGE);
+        let ratio = self.ratio(state, way).clamp(0.0, 1.0 - RATIO_STEP);
         let speed = |ratio: f64| self.speed(state, way, ratio, time_s);
-        let slope = (speed(ratio + 0.5 * NUDGE) - speed((ratio - 0.5 * NUDGE).max(0.0))) / NUDGE;
+        let slope = (speed(ratio + 0.5 * RATIO_STEP) - speed((ratio - 0.5 * RATIO_STEP).max(0.0))) / RATIO_STEP;
         let tensions = self.tensions(state);
         let relative = self.bench.shoulder.slope_n_per_m(self.mode.part) / tensions.shoulder_n
             + self.bench.retractor.stiffness_n_per_m / tensions.retractor_n;
         slope * relative / (capstan.mu_high * capstan.wrap_rad)
     }
 
-    /// What can end this mode: how far beyond its end each is (less than zero before), and the mode that follows.
+    /// Returns the events that can end this mode: the distance of each beyond its limit (negative
+    /// before it), and the mode that follows.
     pub fn ends(&self, state: &State, time_s: f64) -> [(f64, Mode); 6] {
         let mode = self.mode;
         let never = (f64::NEG_INFINITY, mode);
@@ -197,7 +202,7 @@ impl Phase<'_> {
             Slide::Held(way, end) => {
                 let speed = way.sign() * payout;
                 let law = self.speed(state, way, self.end(end, time_s), time_s);
-                // Nothing rules where both ends are one.
+                // There is no law between the ends if they coincide.
                 let leaves = match end {
                     _ if floor() == self.end(End::Full, time_s) => f64::NEG_INFINITY,
                     End::Floor => speed - law,
@@ -215,20 +220,21 @@ impl Phase<'_> {
         }
     }
 
-    /// The mode after the actuator has begun, ended or changed its reach: sliding stays sliding where it can.
+    /// Returns the mode after the actuator has started, stopped or changed its range. Sliding
+    /// continues if possible.
     pub fn reconsidered(&self, state: &State, time_s: f64) -> Mode {
-        const SAME: f64 = 1e-9;
+        const RATIO_TOLERANCE: f64 = 1e-9;
         let (floor, full) = (self.end(End::Floor, time_s), self.end(End::Full, time_s));
         let between = |way: Way| {
             let ratio = self.ratio(state, way);
-            floor < full && ratio > floor + SAME
+            floor < full && ratio > floor + RATIO_TOLERANCE
         };
         let slide = match self.mode.slide {
             Slide::Stuck if between(Way::Out) => Slide::Law(Way::Out),
             Slide::Stuck if between(Way::Back) => Slide::Law(Way::Back),
             Slide::Law(way) | Slide::Held(way, _) if between(way) => Slide::Law(way),
-            // Friction that is higher than it was holds webbing until the tensions have followed.
-            Slide::Law(way) | Slide::Held(way, _) if self.ratio(state, way) < floor - SAME => Slide::Stuck,
+            // Friction that has increased holds the webbing until the tensions have followed.
+            Slide::Law(way) | Slide::Held(way, _) if self.ratio(state, way) < floor - RATIO_TOLERANCE => Slide::Stuck,
             Slide::Law(way) => Slide::Held(way, End::Floor),
             same => same,
         };

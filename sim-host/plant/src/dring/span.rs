@@ -1,8 +1,8 @@
-//! A span of webbing: what it pulls with, and what it holds.
+//! A span of webbing: its tension and its stored energy.
 //!
 //! ```text
-//! T = T0 + k e            e < 0            it gives its pretension back
-//!   = T0                  0 <= e <= slack  clothes and cushions give way
+//! T = T0 + k e            e < 0            the pretension relaxes
+//!   = T0                  0 <= e <= slack  clothes and cushions yield
 //!   = T0 + k (e - slack)  e > slack
 //! ```
 
@@ -11,16 +11,16 @@
 pub struct Span {
     /// Stiffness of the span, N/m.
     pub stiffness_n_per_m: f64,
-    /// Elongation that costs no more force, m.
+    /// Elongation at constant force, m.
     pub slack_m: f64,
     /// Tension before the crash, N.
     pub pretension_n: f64,
 }
 
-/// In which part of its law a span is.
+/// Part of the law that applies to a span.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Shorter than before the crash.
+    /// The span is shorter than before the crash.
     Loose,
     /// The span is within its slack.
     Slack,
@@ -29,7 +29,7 @@ pub enum Part {
 }
 
 impl Span {
-    /// Tension at an elongation, in one part of the law, N.
+    /// Returns the tension at an elongation, in one part of the law, N.
     pub fn tension_n(&self, elongation_m: f64, part: Part) -> f64 {
         self.pretension_n + self.stiffness_n_per_m * self.stretch_m(elongation_m, part)
     }
@@ -39,7 +39,7 @@ impl Span {
         if part == Part::Slack { 0.0 } else { self.stiffness_n_per_m }
     }
 
-    /// What is stored in it, J, counted from no elongation.
+    /// Returns the stored energy, J, relative to zero elongation.
     pub fn stored_j(&self, elongation_m: f64, part: Part) -> f64 {
         let stretch = self.stretch_m(elongation_m, part);
         self.pretension_n * elongation_m + 0.5 * self.stiffness_n_per_m * stretch * stretch

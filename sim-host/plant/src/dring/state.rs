@@ -1,6 +1,6 @@
-//! Where torso, webbing and spool are, what pulls on them, and how far the actuator is.
+//! Positions of torso, webbing and spool, their tensions, and the amplitude of the actuator.
 
-/// Which way webbing slides over the D-ring.
+/// Direction in which webbing slides over the D-ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// Webbing slides towards the torso.
@@ -10,13 +10,13 @@ pub enum Way {
 }
 
 impl Way {
-    /// Sign of the payout's speed.
+    /// Returns the sign of the payout's speed.
     pub fn sign(self) -> f64 {
         if self == Way::Out { 1.0 } else { -1.0 }
     }
 }
 
-/// How far the actuator's amplitude has risen: `at + rate (t - from)`.
+/// Ramp of the actuator's amplitude: `at + rate (t - from)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ramp {
     /// Amplitude at `from_s`, 0 to 1.
@@ -28,12 +28,13 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// Amplitude at a moment.
+    /// Returns the amplitude at a moment.
     pub fn amplitude(&self, time_s: f64) -> f64 {
         (self.at + self.rate_per_s * (time_s - self.from_s)).clamp(0.0, 1.0)
     }
 
-    /// When it is all or nothing, s; a ramp that does not move never is.
+    /// Returns the time at which the amplitude reaches 0 or 1, s; infinite for a constant
+    /// amplitude.
     pub fn end_s(&self) -> f64 {
         match self.rate_per_s {
             rate if rate > 0.0 => self.from_s + (1.0 - self.at) / rate,
@@ -43,16 +44,16 @@ impl Ramp {
     }
 }
 
-/// Where everything is, and what work has been done since the beginning. Lengths in m, counted from rest.
+/// Positions, and the work since the beginning. Lengths in m, relative to rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// Position of the torso, m.
     pub x_m: f64,
     /// Speed of the torso, m/s.
     pub v_m_per_s: f64,
-    /// Webbing that has come over the D-ring.
+    /// Webbing that has moved over the D-ring, m.
     pub payout_m: f64,
-    /// Webbing that the spool has let go.
+    /// Webbing that the spool has released, m.
     pub spool_m: f64,
     /// Work of the pulse on the torso, J.
     pub input_j: f64,
@@ -63,7 +64,7 @@ pub struct State {
 }
 
 impl State {
-    /// The state after `step_s` seconds at these rates.
+    /// Returns the state after `step_s` seconds at these rates.
     pub fn after(&self, rates: &State, step_s: f64) -> State {
         State {
             x_m: self.x_m + step_s * rates.x_m,
@@ -77,7 +78,7 @@ impl State {
     }
 }
 
-/// Tensions before and behind the D-ring, N.
+/// Tensions on both sides of the D-ring, N.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tensions {
     /// Tension at the shoulder, N.
@@ -87,7 +88,7 @@ pub struct Tensions {
 }
 
 impl Tensions {
-    /// The one that pulls this way, and the other.
+    /// Returns the tension that pulls this way, and the other one.
     pub fn along(self, way: Way) -> (f64, f64) {
         if way == Way::Out { (self.shoulder_n, self.retractor_n) } else { (self.retractor_n, self.shoulder_n) }
     }

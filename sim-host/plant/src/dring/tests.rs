@@ -1,4 +1,4 @@
-//! A crash against another method, against energy, and against what is known of it in closed form.
+//! Tests of a crash against another method, energy, and closed forms.
 
 mod implicit;
 
@@ -18,7 +18,7 @@ use std::sync::Arc;
 const BLOCK_S: f64 = 32e-6;
 const END_S: f64 = 0.2;
 
-/// The light occupant of the design page, with the pulse at 10 ms.
+/// Returns the light occupant of the design page, with the pulse at 10 ms.
 fn light(actuator: Actuator) -> Bench {
     Bench {
         torso_kg: 14.0,
@@ -31,9 +31,10 @@ fn light(actuator: Actuator) -> Bench {
     }
 }
 
-/// A half sine by its samples is the half sine, the better the denser they are: straight lines are off by `(pi dt / T)^2 / 8` of the peak.
+/// A half sine given by its samples converges to the half sine: linear interpolation is off by
+/// `(pi dt / T)^2 / 8` of the peak.
 #[test]
-fn a_measured_pulse_is_the_one_that_was_measured() {
+fn a_sampled_half_sine_converges_to_the_half_sine() {
     let bench = light(Actuator::None);
     let sampled = |count: u32| {
         let since = |n: u32| bench.pulse.length_s * f64::from(n) / f64::from(count);
@@ -51,12 +52,12 @@ fn a_measured_pulse_is_the_one_that_was_measured() {
     assert!(coarse < 3e-3 && fine < 2e-4, "{coarse:e} {fine:e}");
 }
 
-/// When the actuator goes ON and OFF again, s after the pulse begins.
+/// Times at which the actuator is switched ON and OFF again, s after the pulse begins.
 type Times = (Option<f64>, Option<f64>);
 const NEVER: Times = (None, None);
 const IN_TIME: Times = (Some(0.035), None);
 
-/// Amplitude by a clock, with edges of 3 ms.
+/// Returns the rate of the amplitude by a clock, with edges of 3 ms.
 fn rate(times: Times, since_s: f64) -> f64 {
     let on = times.0.is_some_and(|on| since_s >= on) && times.1.is_none_or(|off| since_s < off);
     if on { 1.0 / 3e-3 } else { -1.0 / 3e-3 }
@@ -75,7 +76,8 @@ fn extremes(actuator: Actuator, times: Times) -> Extremes {
     crash(&light(actuator.clone()), times, 1).extremes()
 }
 
-/// Every actuator, with rings that vibrate towards the middle of the wrap, towards the shoulder, and between all three axes with the fitted normal part.
+/// Returns every actuator, with rings that vibrate towards the middle of the wrap, towards the
+/// shoulder, and obliquely to all three axes with the fitted normal part.
 fn all() -> Vec<Actuator> {
     let mut all = vec![
         Actuator::None,
@@ -93,23 +95,24 @@ fn all() -> Vec<Actuator> {
 
 const FITTED: Normal = Normal { amplitude_m: 40e-6, radius_m: 8e-3 };
 
-/// A ring around which [`light`] has its webbing, of 5 m/s in this direction.
+/// Returns a ring with the wrap of [`light`] and 5 m/s in this direction.
 fn ring(direction: (f64, f64), normal: Option<Normal>) -> Actuator {
     let Capstan { mu_high, mu_low, .. } = light(Actuator::None).capstan;
     let ring = Ring::new(150.0, mu_high, mu_low / mu_high, direction).unwrap();
     Actuator::Ring(5.0, Arc::new(Table::new(ring, normal)))
 }
 
-/// What slides at the limiter's force pulls with `Flim exp(mu theta)`, whatever the crash.
+/// Webbing that slides at the limiter's force pulls with `Flim exp(mu theta)`, for any crash.
 #[test]
-fn plateaus_are_those_of_the_capstan() {
+fn force_plateaus_match_the_capstan() {
     let passive = extremes(Actuator::None, NEVER);
     assert!((passive.shoulder_n - 2200.0 * (0.3 * 150f64.to_radians()).exp()).abs() < 1e-6, "{passive:?}");
     let switched = extremes(Actuator::Ideal, IN_TIME);
     assert!((switched.shoulder_n - 2200.0 * (0.13 * 150f64.to_radians()).exp()).abs() < 1e-6, "{switched:?}");
 }
 
-/// The study that this follows, computed there with another program, in per cent of the passive peak force and mm of excursion: LOW at 35 ms.
+/// The reference study, computed with another program: change of the peak force in per cent of the
+/// passive one, and change of the excursion in mm, with LOW from 35 ms on.
 #[test]
 fn the_numbers_are_those_of_the_study() {
     let passive = extremes(Actuator::None, NEVER);
@@ -124,8 +127,9 @@ fn the_numbers_are_those_of_the_study() {
     }
 }
 
-/// Torso and shoulder belt alone, on a D-ring that holds fast, before the pulse is over: a spring that is driven by half a sine, once the slack
-/// is taken up, `x = slack + A cos + B sin + C sin(w t + q)`. The largest force of it, found on a fine grid.
+/// Torso and shoulder belt alone on a D-ring that holds, before the end of the pulse: a spring
+/// driven by a half sine. After the slack is taken up,
+/// `x = slack + A cos + B sin + C sin(w t + q)`. The largest force is found on a fine grid.
 #[test]
 fn a_belt_that_does_not_slide_is_a_spring() {
     let mut bench = light(Actuator::None);
@@ -134,7 +138,8 @@ fn a_belt_that_does_not_slide_is_a_spring() {
     bench.limiter_n = 1e5;
     let found = crash(&bench, NEVER, 1).extremes();
     let (w, a0, m) = (std::f64::consts::PI / 0.11, 20.0 * G_M_PER_S2, 14.0);
-    // Off the seat where m a(t) is the pretension, and then free flight against it.
+    // The torso leaves the seat when m a(t) equals the pretension, then moves freely against
+    // it.
     let off = (5.0 / m / a0).asin() / w;
     let free = |t: f64| {
         let (since, sine, cosine) = (t - off, (w * t).sin() - (w * off).sin(), (w * off).cos() - (w * t).cos());
@@ -156,14 +161,15 @@ fn a_belt_that_does_not_slide_is_a_spring() {
     let y = |t: f64| a * (n * (t - begins)).cos() + b * (n * (t - begins)).sin() + forced * (w * t).sin() - steady;
     let largest = (0..200_000).map(|i| y(begins + f64::from(i) * 5e-7)).fold(0.0, f64::max);
     let expected = 5.0 + 60e3 * largest;
-    // The peak is seen at the end of a step, up to 16 us beside it: 1.1 mN of 5171 N.
+    // The recorded peak is at the end of a step, up to 16 us off the true one: 1.1 mN of 5171 N.
     assert!((found.shoulder_n - expected).abs() < 3e-3, "{} for {expected}", found.shoulder_n);
     assert!((found.excursion_m - (0.01 + largest)).abs() < 5e-8);
 }
 
-/// Backward differences with everything else solved by bisection, at 10 and 5 us, and carried on to none. Measured: force 3e-5, excursion 7e-5.
+/// Backward differences with everything else solved by bisection, at 10 and 5 us, extrapolated to
+/// zero. Measured: force 3e-5, excursion 7e-5.
 #[test]
-fn another_method_says_the_same() {
+fn an_independent_method_agrees() {
     for actuator in all() {
         let bench = light(actuator.clone());
         let found = crash(&bench, IN_TIME, 1).extremes();
@@ -172,7 +178,7 @@ fn another_method_says_the_same() {
         let none = |coarse: f64, fine: f64| 2.0 * fine - coarse;
         let force = found.shoulder_n / none(coarse.shoulder_n, fine.shoulder_n) - 1.0;
         let way = found.excursion_m / none(coarse.excursion_m, fine.excursion_m) - 1.0;
-        assert!(force.abs() < 1e-4 && way.abs() < 1e-4, "{actuator:?}: force off by {force:.1e}, way by {way:.1e}");
+        assert!(force.abs() < 1e-4 && way.abs() < 1e-4, "{actuator:?}: force off by {force:.1e}, excursion by {way:.1e}");
     }
 }
 
@@ -190,7 +196,7 @@ fn energy_is_accounted_for() {
 
 /// Measured: 2e-8 at most.
 #[test]
-fn half_the_step_changes_nothing() {
+fn half_the_step_gives_the_same_result() {
     for actuator in all() {
         let [whole, half] = [1, 2].map(|finer| crash(&light(actuator.clone()), IN_TIME, finer).extremes());
         let (force, way) = (half.shoulder_n / whole.shoulder_n - 1.0, half.excursion_m / whole.excursion_m - 1.0);
@@ -198,7 +204,7 @@ fn half_the_step_changes_nothing() {
     }
 }
 
-/// A ring that is never ON, and a stack whose tip stands, leave the passive belt to the last bit.
+/// A ring that is never ON, and a stack whose tip does not move, are identical to the passive belt.
 #[test]
 fn a_ring_without_vibration_is_the_passive_belt() {
     let passive = crash(&light(Actuator::None), NEVER, 1);
@@ -214,13 +220,13 @@ fn a_ring_without_vibration_is_the_passive_belt() {
     assert_eq!((extremes, shaken.state()), (passive.extremes(), passive.state()));
 }
 
-/// A wrap so short that every place has the direction of its middle: the crash of a tip along the webbing.
+/// A wrap so short that the direction is the same everywhere: the crash of a tip along the webbing.
 #[test]
 fn a_short_wrap_along_the_webbing_is_a_tangential_tip() {
     let short = |actuator: Actuator| {
         let mut bench = light(actuator);
         bench.capstan.wrap_rad = 1f64.to_radians();
-        // As much friction as on 150 degrees.
+        // Same friction as on 150 degrees.
         bench.capstan.mu_high *= 150.0;
         bench.capstan.mu_low *= 150.0;
         crash(&bench, IN_TIME, 1).extremes()

@@ -1,60 +1,63 @@
-//! Several stacks side by side, each in a lane of the same registers.
+//! Several stacks batched, each in a lane of the same registers.
 //!
-//! What a lane computes is what [`DrivenStack::exchange`](hal_mock::analog::Analog::exchange) computes, bit for bit, in the same order; alone, a stack
-//! waits for the result of one operation before the next begins. A stack goes abreast for a block where it has neither contact nor further modes nor
-//! a late drive, does not heat itself, is not recorded sample by sample, and is driven at all; else, and from the sample on after which it rests, it goes alone.
+//! A lane computes the same as [`DrivenStack::exchange`](hal_mock::analog::Analog::exchange), bit
+//! for bit, in the same order. A single stack is slower, as each of its operations waits for the
+//! result of the one before. A stack is batched for a block if it has no contact, no further modes
+//! and no late drive, does not heat itself, is not recorded sample by sample, and is driven.
+//! Otherwise, and from the sample on after which it is at rest, it runs alone.
 
 use firmware::seam::block::{DriveBlock, MAX_BLOCK_SAMPLES, SenseBlock};
 
 use super::DrivenStack;
 use crate::converter;
 use crate::noise;
-use crate::quad::{Four, LANES, Quad, Work, widest};
+use crate::quad::{Kernel, LANES, Quad, Registers, run_widest};
 use crate::stack::lanes::{Flows, States};
-use crate::sums::{Sums, SumsAbreast};
+use crate::sums::{BatchSums, Sums};
 
-/// A plant and the block that it is to play.
+/// A plant and its next block.
 #[derive(Debug)]
 pub struct Voice<'a> {
     /// The plant.
     pub plant: &'a mut DrivenStack,
-    /// What it plays.
+    /// The block to play.
     pub drive: &'a DriveBlock,
-    /// What is sensed of it meanwhile.
+    /// The measurements during the block.
     pub sense: &'a mut SenseBlock,
 }
 
-/// Plants that go side by side, the same in the same lane from block to block.
+/// Batched plants; each plant keeps its lane from block to block.
 #[derive(Clone, Debug)]
 pub struct Abreast {
-    noise: noise::Abreast,
-    /// Whose noise is here, and not in its plant.
+    noise: noise::NoiseBatch,
+    /// `true` for each lane whose noise is held here instead of in its plant.
     holds: [bool; LANES],
     flows: Flows,
     scales: [Scales; 2],
-    /// What is played, V, and what is sensed in this block.
+    /// Voltages that are played in this block, V.
     volts: [Quad; MAX_BLOCK_SAMPLES],
+    /// Codes that are sampled in this block.
     codes: [[[u16; LANES]; 2]; MAX_BLOCK_SAMPLES],
 }
 
-/// What a channel's numbers are multiplied by, what is added, what the noise is multiplied by, and the largest code.
+/// Factor of a channel's values, offset, factor of the noise, and the largest code.
 type Scales = [Quad; 4];
 
-/// A block of several plants on its way.
+/// A block of several plants in progress.
 struct Block {
     states: States,
-    sums: SumsAbreast,
+    sums: BatchSums,
     /// The drive of the last sample, V.
     held_v: Quad,
     samples: usize,
-    /// How many of them were played.
+    /// Number of samples that have been played.
     played: usize,
 }
 
 impl Default for Abreast {
     fn default() -> Self {
         Abreast {
-            noise: noise::Abreast::new(),
+            noise: noise::NoiseBatch::new(),
             holds: [false; LANES],
             flows: Flows::default(),
             scales: [[Quad::default(); 4]; 2],
@@ -69,7 +72,7 @@ impl Voice<'_> {
         self.drive.lanes.first().map_or(&[][..], |lane| lane.as_slice())
     }
 
-    /// Whether it goes abreast with others of the same division of samples.
+    /// Returns `true` if it can be batched with others of the same division of samples.
     fn fits(&self, samples: usize, conversions: u32) -> bool {
         let DrivenStack { timing, stack, elements, sliding, delay, samples: recorded, .. } = &*self.plant;
         let alone = sliding.is_some() || delay.is_some() || recorded.is_some() || elements.heats();
@@ -98,13 +101,15 @@ impl Abreast {
         for (voice, sums) in voices.iter_mut().zip(&mut sums) {
             let Some(voice) = voice else { continue };
             let samples = voice.codes().len();
-            // Those that go alone from the beginning, or from where they came to rest.
+            // The plants that run alone from the beginning, or from the sample at which they came
+            // to rest.
             voice.plant.play_all(voice.drive, sums, voice.sense);
             voice.sense.slow = voice.plant.end(sums, samples);
         }
     }
 
-    /// Who goes abreast in this block; each of them has its noise here, and each other one has it back.
+    /// Selects the lanes that are batched in this block. Moves the noise of these lanes here, and
+    /// returns the noise of the others to their plants.
     fn joining(&mut self, voices: &mut [Option<Voice>; LANES]) -> [bool; LANES] {
         let first = voices.iter().flatten().next();
         let (samples, conversions) = first.map_or((0, 0), |first| (first.codes().len(), first.plant.timing.conversions));
@@ -133,11 +138,11 @@ impl Abreast {
         lanes
     }
 
-    /// Plays a block of those that join, up to where each of them rests.
+    /// Plays a block of the batched lanes, each until it is at rest.
     fn play(&mut self, voices: &mut [Option<Voice>; LANES], mut lanes: [bool; LANES], sums: &mut [Sums; LANES]) {
         let mut block = self.begin(voices, lanes);
         while block.played < block.samples {
-            let resting = widest(PlayOn { abreast: self, block: &mut block, lanes });
+            let resting = run_widest(PlayUntilRest { abreast: self, block: &mut block, lanes });
             for lane in (0..LANES).filter(|&lane| resting[lane]) {
                 if let Some(voice) = &mut voices[lane] {
                     self.leave(lane, voice, &block, &mut sums[lane]);
@@ -154,13 +159,13 @@ impl Abreast {
         }
     }
 
-    /// Takes from the plants what a block needs of them.
+    /// Copies the data of a block from the plants.
     fn begin(&mut self, voices: &[Option<Voice>; LANES], lanes: [bool; LANES]) -> Block {
-        let sums = SumsAbreast::default();
+        let sums = BatchSums::default();
         let mut block = Block { states: States::default(), sums, held_v: Quad::default(), samples: 0, played: 0 };
         for (lane, voice) in voices.iter().enumerate() {
             let Some(voice) = voice.as_ref().filter(|_| lanes[lane]) else {
-                // Zero volts at rest: nothing comes of what the lane has otherwise.
+                // Zero volts at rest: the other contents of the lane have no effect.
                 self.volts.iter_mut().for_each(|volts| volts[lane] = 0.0);
                 continue;
             };
@@ -177,7 +182,7 @@ impl Abreast {
         block
     }
 
-    /// Gives a plant what has come of it.
+    /// Copies the results to a plant.
     fn leave(&self, lane: usize, voice: &mut Voice, block: &Block, sums: &mut Sums) {
         block.sums.give(lane, sums);
         block.states.give_back(lane, &mut voice.plant.stack, block.held_v[lane]);
@@ -189,19 +194,19 @@ impl Abreast {
     }
 }
 
-/// Plays on until one of `lanes` rests, or to the block's end. Says who rests.
-struct PlayOn<'a> {
+/// Plays until one of `lanes` is at rest, or to the end of the block. Returns the lanes at rest.
+struct PlayUntilRest<'a> {
     abreast: &'a mut Abreast,
     block: &'a mut Block,
     lanes: [bool; LANES],
 }
 
-impl Work for PlayOn<'_> {
+impl Kernel for PlayUntilRest<'_> {
     type Output = [bool; LANES];
 
     #[inline(always)]
-    fn with<F: Four>(self, four: F) -> [bool; LANES] {
-        let PlayOn { abreast, block, lanes } = self;
+    fn with<F: Registers>(self, four: F) -> [bool; LANES] {
+        let PlayUntilRest { abreast, block, lanes } = self;
         let Abreast { noise, flows, scales, volts, codes, .. } = abreast;
         let (mut states, mut sums) = (block.states.wide(four), block.sums.wide(four));
         let mut held_v = block.held_v;

@@ -1,11 +1,11 @@
-//! What a scene's disturbances change of a stack and of what its tip rubs on.
+//! Changes of a stack and of its contact by a scene's disturbances.
 
 use super::DrivenStack;
 use crate::sliding::Sliding;
 use scene::DisturbedKey;
 
 impl DrivenStack {
-    /// Sets what the scene's disturbances say for the block that begins now.
+    /// Applies the scene's disturbances for the block that begins now.
     pub(super) fn disturb(&mut self) {
         let mut changes = std::mem::take(&mut self.changes);
         for change in &mut changes {
@@ -30,7 +30,7 @@ impl DrivenStack {
         match (key, self.sliding.as_ref().and_then(Sliding::slider)) {
             (DisturbedKey::Load, Some(sliding)) => sliding.load_n(),
             (DisturbedKey::Speed, Some(sliding)) => sliding.belt.nominal_m_per_s(),
-            // Keys of a motor and of contact studies are nothing here.
+            // Keys of a motor and of contact studies do not apply here.
             _ => self.elements.value(key, &self.stack).unwrap_or(0.0),
         }
     }

@@ -1,33 +1,34 @@
-//! A block of codes in the widest registers, and at rest.
+//! Playing a block of codes in the widest registers, and at rest.
 
 use firmware::seam::block::{DriveBlock, SenseBlock};
 
 use super::DrivenStack;
-use crate::quad::{Four, Portable, Work, widest};
-use crate::sums::{Rubbing, Step, Sums};
+use crate::quad::{Kernel, Portable, Registers, run_widest};
+use crate::sums::{Step, StepFriction, Sums};
 
 impl DrivenStack {
-    /// Plays what of a block has not been played yet.
+    /// Plays the rest of a block.
     pub(super) fn play_all(&mut self, drive: &DriveBlock, sums: &mut Sums, sense: &mut SenseBlock) {
-        widest(PlayAll { plant: self, drive, sums, sense });
+        run_widest(PlayAll { plant: self, drive, sums, sense });
     }
 
-    /// Whether nothing moves while this code is played, and nothing is recorded of it.
+    /// Returns `true` if nothing moves while this code is played, and nothing is recorded.
     #[inline(always)]
     fn rests_at(&self, code: u16) -> bool {
         self.at_rest && self.samples.is_none() && self.delay.is_none() && self.dac.volts(code) == self.held_v
     }
 
-    /// Plays so many codes at rest: the steps are all like the last one, and so is what is seen.
+    /// Plays `codes` codes at rest: all steps equal the last one, and so do the inputs of the
+    /// converters.
     #[inline(always)]
-    fn rest_on<F: Four>(&mut self, four: F, codes: usize, sums: &mut Sums, sense: &mut SenseBlock) {
+    fn rest_on<F: Registers>(&mut self, four: F, codes: usize, sums: &mut Sums, sense: &mut SenseBlock) {
         let last = self.last;
         for _ in 0..codes * self.timing.steps as usize {
             sums.add(&last);
         }
         for _ in 0..codes {
             let (mut v, mut i) = (0, 0);
-            for &(scaled, conversions) in &self.seen {
+            for &(scaled, conversions) in &self.inputs {
                 let [voltage, current] = self.adc.digitize(scaled.wide(four), conversions);
                 v += voltage;
                 i += current;
@@ -36,19 +37,20 @@ impl DrivenStack {
         }
     }
 
-    /// Rests after a sample in which nothing has moved, of one step without friction: what is seen from now on is what is seen in it.
+    /// Puts the stack at rest after a sample of one step without friction in which nothing moved.
+    /// The inputs of the converters in that sample are used from then on.
     pub(super) fn rest(&mut self) {
-        let DrivenStack { stack, adc, seen, held_v, .. } = self;
-        seen.clear();
+        let DrivenStack { stack, adc, inputs, held_v, .. } = self;
+        inputs.clear();
         stack.sample(Portable, 0, &stack.held(*held_v), 0.0, |both, conversions| {
-            seen.push((adc.scaled(both).quad(), conversions))
+            inputs.push((adc.scaled(both).quad(), conversions))
         });
-        self.last = Step::from_stack(stack, Rubbing::default());
+        self.last = Step::from_stack(stack, StepFriction::default());
         self.at_rest = true;
     }
 }
 
-/// Plays what of a block has not been played yet.
+/// Plays the rest of a block.
 struct PlayAll<'a> {
     plant: &'a mut DrivenStack,
     drive: &'a DriveBlock,
@@ -56,14 +58,15 @@ struct PlayAll<'a> {
     sense: &'a mut SenseBlock,
 }
 
-impl Work for PlayAll<'_> {
+impl Kernel for PlayAll<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with<F: Four>(self, four: F) {
+    fn with<F: Registers>(self, four: F) {
         let PlayAll { plant, drive, sums, sense } = self;
         let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
-        // A copy, which no other pointer reaches: sums that are read back from memory wait for what was written there.
+        // A local copy without aliases: sums in memory would have to be read back after every
+        // write.
         let mut local = sums.clone();
         while let Some(&code) = codes.get(sense.v.len()) {
             let left = &codes[sense.v.len()..];

@@ -1,4 +1,4 @@
-//! What a block comes to: work done, and the truth about it.
+//! Result of a block: the energy budget and the truth.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use crate::motor::wave::Waves;
 use crate::truth::{MotorSample, MotorTruth, Sample, Truth};
 
 impl Motor {
-    /// Closes a block of `steps` steps: work done, and the truth about it.
+    /// Closes a block of `steps` steps: updates the energy budget and the truth.
     pub(super) fn account(&mut self, drive: &DriveBlock, block: &Block, steps: f64) {
         self.linear.settle();
         let (sums, step_s) = (&block.sums, self.timing.step_s());
@@ -81,7 +81,8 @@ impl Motor {
         let (q, s, v) = (self.linear.amplitudes(), self.linear.velocities(), self.linear.voltages());
         let part = self.model.participation[0];
         let omega = TAU * self.model.series_resonance_hz;
-        // Each mode turns as `w q - j s`; a quarter turn apart in one sense or the other they make the two waves.
+        // Each mode rotates as `w q - j s`; a quarter turn apart, with either sign, they form the
+        // two waves.
         let wave = |sense: f64| 0.5 * (omega * q[0] + sense * s[1]).hypot(sense * omega * q[1] - s[0]);
         Sample {
             voltage_v: v[0],

@@ -1,16 +1,18 @@
 //! Coulomb friction in the contact zone around each crest, in closed form.
 //!
-//! At any moment the surface is one sine wave: `w = R cos p`, `p` the angle from the crest, `R^2 = q_s^2 + q_c^2`. A compliant
-//! layer presses the rigid rotor, which stands at height `h`, with `R cos p - h` per unit of its stiffness wherever that is
-//! positive: `|p| < pc`, `cos pc = h / R`. By `u = -z dw/dx` (thesis B.13) the surface moves along the ring at
+//! At any moment the surface is one sine wave: `w = R cos p`, with `p` the angle from the crest and
+//! `R^2 = q_s^2 + q_c^2`. The rigid rotor is at height `h` over a compliant layer. The pressure is
+//! `R cos p - h` times the layer's stiffness where that is positive: `|p| < pc`,
+//! `cos pc = h / R`. By `u = -z dw/dx` (thesis B.13) the surface moves along the ring at
 //!
 //! ```text
 //! u' = U cos p + W sin p = D cos(p - delta),   U = -z k R phi',   W = z k R'
 //! ```
 //!
-//! with `phi` the crest's phase; in a pure travelling wave `W` is zero. Friction is `mu` times pressure towards the faster side, so
-//! it changes its sign where `D cos(p - delta) = v`, the rotor's surface speed: at `p = delta +- acos(v / D)`. Between these and the
-//! zone's ends every integral is elementary, with
+//! with `phi` the crest's phase; in a pure travelling wave `W` is zero. Friction is `mu` times the
+//! pressure, in the direction of the faster side. Its sign therefore changes at
+//! `D cos(p - delta) = v`, the rotor's surface speed: at `p = delta +- acos(v / D)`. Between these
+//! places and the ends of the zone every integral is elementary, with
 //!
 //! ```text
 //! P0 = R sin p - h p                            (integral of the pressure)
@@ -18,22 +20,23 @@
 //! P2 = R sin^2 p / 2 + h cos p                  (times sin p)
 //! ```
 //!
-//! so neither a quadrature nor a small step is needed to follow the places where the surface sticks.
+//! No quadrature and no small step is needed to locate the sticking places.
 
 use std::f64::consts::{PI, TAU};
 
-/// Length of a vector. Nothing here is near the ends of the number range, for which `hypot` takes five times as long.
+/// Returns the length of a vector. The values here are far from the ends of the number range, for
+/// which `hypot` takes five times as long.
 #[inline]
 pub(super) fn length(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// The contact layer as the friction sees it.
+/// Friction properties of the contact layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layer {
     /// Coefficient of friction between rotor and stator.
     pub mu: f64,
-    /// Stiffness of the whole layer, N/m: force over approach if it touched everywhere.
+    /// Stiffness of the whole layer, N/m: force over approach at contact everywhere.
     pub stiffness_n_per_m: f64,
 }
 
@@ -42,17 +45,18 @@ pub struct Layer {
 pub struct Crest {
     /// Height of the crests, m.
     pub height_m: f64,
-    /// Height at which the rotor stands over the neutral line, m; below minus the crest's height it touches everywhere.
+    /// Height of the rotor over the neutral line, m. Below minus the crest's height the contact is
+    /// everywhere.
     pub rotor_m: f64,
     /// Surface speed at the crest, m/s.
     pub along_m_per_s: f64,
-    /// Part of the surface speed that is a quarter wave off: of a crest that grows, m/s.
+    /// Part of the surface speed in quadrature with the crest, from a growing crest, m/s.
     pub across_m_per_s: f64,
 }
 
-/// What the friction of all crests adds up to.
+/// Sum of the friction over all crests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pull {
+pub struct CrestFriction {
     /// Force on the rotor along the ring, N.
     pub force_n: f64,
     /// Force along the ring weighted with `cos p`, N.
@@ -64,7 +68,7 @@ pub struct Pull {
 }
 
 impl Crest {
-    /// Half the angle over which a crest touches, rad; pi if the wave touches everywhere.
+    /// Returns half the angle over which a crest touches, rad; pi if the wave touches everywhere.
     pub fn zone(&self) -> f64 {
         if self.rotor_m <= -self.height_m {
             PI
@@ -75,7 +79,8 @@ impl Crest {
         }
     }
 
-    /// Integrals of the pressure, and of it times cosine and sine, from `a` to `b`.
+    /// Returns the integrals from `a` to `b` of the pressure, and of the pressure times cosine and
+    /// sine.
     fn pressed(&self, a: f64, b: f64) -> [f64; 3] {
         let (r, h) = (self.height_m, self.rotor_m);
         let at = |p: f64| {
@@ -86,23 +91,24 @@ impl Crest {
         std::array::from_fn(|n| b[n] - a[n])
     }
 
-    /// The friction on a rotor whose surface moves at `speed` m/s. Where nothing slips at all (no wave, rotor at rest) it is zero:
-    /// what holds the rotor then is not a function of its speed.
-    pub fn friction(&self, layer: &Layer, speed: f64) -> Pull {
+    /// Returns the friction on a rotor whose surface moves at `speed` m/s. It is zero if nothing
+    /// slips at all (no wave, rotor at rest): the holding force is not a function of the speed.
+    pub fn friction(&self, layer: &Layer, speed: f64) -> CrestFriction {
         let zone = self.zone();
         if zone == 0.0 {
-            return Pull::default();
+            return CrestFriction::default();
         }
         let all = self.pressed(-zone, zone);
         let faster = self.faster_side(zone, speed);
         let scale = layer.stiffness_n_per_m / TAU;
         let [force_n, cos_n, sin_n] = std::array::from_fn(|n| layer.mu * scale * (2.0 * faster[n] - all[n]));
-        let pull = Pull { force_n, cos_n, sin_n, normal_n: scale * all[0] };
+        let pull = CrestFriction { force_n, cos_n, sin_n, normal_n: scale * all[0] };
         let still = self.along_m_per_s == 0.0 && self.across_m_per_s == 0.0 && speed == 0.0;
-        if still { Pull { normal_n: pull.normal_n, ..Pull::default() } } else { pull }
+        if still { CrestFriction { normal_n: pull.normal_n, ..CrestFriction::default() } } else { pull }
     }
 
-    /// The integrals over the part of the zone where the surface is faster than the rotor.
+    /// Returns the integrals over the part of the zone in which the surface is faster than the
+    /// rotor.
     fn faster_side(&self, zone: f64, speed: f64) -> [f64; 3] {
         let amplitude = length(self.along_m_per_s, self.across_m_per_s);
         if speed >= amplitude {
@@ -114,7 +120,7 @@ impl Crest {
         let delta = libm::atan2(self.across_m_per_s, self.along_m_per_s);
         let half = libm::acos(speed / amplitude);
         let mut sum = [0.0; 3];
-        // The arc may reach over either end of the turn.
+        // The arc may extend past either end of the turn.
         for centre in [delta - TAU, delta, delta + TAU] {
             let (from, to) = ((centre - half).max(-zone), (centre + half).min(zone));
             if from < to {
@@ -132,12 +138,12 @@ mod tests {
 
     const LAYER: Layer = Layer { mu: 0.3, stiffness_n_per_m: 5e7 };
 
-    /// Independent of the closed form: the midpoint rule over the turn.
-    fn by_quadrature(crest: &Crest, speed: f64) -> Pull {
+    /// Integrates by the midpoint rule over the turn, independently of the closed form.
+    fn by_quadrature(crest: &Crest, speed: f64) -> CrestFriction {
         let slices = 400_000;
         // A little more than the zone.
         let span = if crest.rotor_m < -crest.height_m { PI } else { (1.01 * (crest.rotor_m / crest.height_m).acos()).min(PI) };
-        let mut sum = Pull::default();
+        let mut sum = CrestFriction::default();
         for n in 0..slices {
             let p = span * (2.0 * (f64::from(n) + 0.5) / f64::from(slices) - 1.0);
             let share = span / PI / f64::from(slices);
@@ -175,8 +181,8 @@ mod tests {
                 }
             }
         }
-        // The midpoint rule misplaces each of two crossings by up to half a slice, where the pressure is up to twice its mean:
-        // 0.3 x 2 x 2 / 400 000 = 3e-6 of the normal force.
+        // The midpoint rule misplaces each of two crossings by up to half a slice, where the
+        // pressure is up to twice its mean: 0.3 x 2 x 2 / 400 000 = 3e-6 of the normal force.
         assert!(worst < 3e-6, "{worst:e}");
     }
 
@@ -199,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_slips_where_nothing_moves() {
+    fn no_motion_gives_no_friction() {
         let crest = Crest { height_m: 0.0, rotor_m: -1e-7, ..Crest::default() };
         let pull = crest.friction(&LAYER, 0.0);
         assert_eq!(pull.force_n, 0.0);

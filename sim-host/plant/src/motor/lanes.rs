@@ -1,9 +1,11 @@
-//! What the four amplifiers get wrong: gain and phase of each lane, and what breaks on the way (`lane_fault.rs`).
+//! Errors of the four amplifiers: gain and phase of each lane, and faults during a run
+//! (`lane_fault.rs`).
 //!
-//! The thesis measured 5 to 10 degrees between amplifiers. Its phase grows with frequency, as that of any amplifier below its
-//! corner does; a *delay* does so exactly in proportion, changes no amplitude, and can be integrated exactly behind a converter
-//! that holds: within one sample the lane still plays the code before until its delay is over. A lead is a delay less than the
-//! common one, by which all lanes lag if one of them leads.
+//! The thesis measured 5 to 10 degrees between amplifiers. The phase of its amplifiers grows with
+//! frequency, as for any amplifier below its corner. A *delay* does so exactly in proportion and
+//! changes no amplitude. After a converter that holds it can be integrated exactly: within a sample
+//! the lane still plays the previous code until its delay is over. A lead is a delay shorter than
+//! the common one; all lanes are delayed if one of them leads.
 //!
 //! ```text
 //! delay_j = (largest lead - error_j) / (360 f),   phase error at f_any: error_j f_any / f
@@ -18,21 +20,21 @@ use scene::Amplifier;
 /// Four lanes with their errors.
 #[derive(Clone, Debug)]
 pub struct Lanes {
-    /// What was played, the latest first.
+    /// Played voltages, the latest first, V.
     lines: [VecDeque<f64>; MAX_LANES],
     gain: [f64; MAX_LANES],
     /// Whole samples of delay.
     whole: [usize; MAX_LANES],
-    /// The rest of it, in samples, 0 to 1.
+    /// Remaining fraction of the delay, samples, 0 to 1.
     rest: [f64; MAX_LANES],
     lead_turns: [f64; MAX_LANES],
     /// The converter that each amplifier is connected to.
     source: [usize; MAX_LANES],
-    /// What faults have made of each amplifier's gain; negative of one that is reversed.
+    /// Factor of each amplifier's gain by faults; negative if it is reversed.
     fault_gain: [f64; MAX_LANES],
 }
 
-/// What one lane plays within a sample: one voltage until its delay is over, then the other.
+/// Output of the lanes within a sample: one voltage until a lane's delay is over, then the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Played {
     /// Voltages before the lane's delay is over, V.
@@ -41,13 +43,13 @@ pub struct Played {
     pub after: [f64; MAX_LANES],
 }
 
-/// The entry of a lane in a list that may be shorter.
+/// Returns the entry of a lane in a list that may be shorter.
 fn entry(list: &[f64], lane: usize) -> f64 {
     list.get(lane).copied().unwrap_or(0.0)
 }
 
 impl Lanes {
-    /// The lanes of an amplifier whose phase errors are stated at `nominal_hz`, at rest.
+    /// Creates the lanes of an amplifier whose phase errors are stated at `nominal_hz`, at rest.
     pub fn new(amplifier: &Amplifier, nominal_hz: f64, sample_hz: f64) -> Self {
         let lead_turns: [f64; MAX_LANES] = std::array::from_fn(|lane| entry(&amplifier.lane_phase_error_deg, lane) / 360.0);
         let most = lead_turns.iter().copied().fold(0.0, f64::max);
@@ -63,32 +65,35 @@ impl Lanes {
         }
     }
 
-    /// From now on a lane plays this part of what it has played, the opposite of it where that is negative.
+    /// Multiplies the output of a lane by `part` from now on.
     pub(crate) fn weaken(&mut self, lane: usize, part: f64) {
         self.fault_gain[lane] *= part;
     }
 
-    /// From now on two amplifiers have each other's input.
+    /// Exchanges the inputs of two amplifiers from now on.
     pub(crate) fn exchange(&mut self, one: usize, other: usize) {
         self.source.swap(one, other);
     }
 
-    /// The converter that each amplifier is connected to.
+    /// Returns the converter that each amplifier is connected to.
     pub(crate) fn sources(&self) -> [usize; MAX_LANES] {
         self.source
     }
 
-    /// How long after the beginning of a sample each lane changes its voltage, in samples.
+    /// Returns the time after the beginning of a sample at which each lane changes its voltage, in
+    /// samples.
     pub fn rest(&self) -> [f64; MAX_LANES] {
         self.rest
     }
 
-    /// Gain and lead of each lane, turns at the nominal frequency: the error itself. A gain is negative where the lane is reversed.
+    /// Returns the errors themselves: gain and lead of each lane, the lead in turns at the nominal
+    /// frequency. The gain is negative if the lane is reversed.
     pub fn errors(&self) -> [(f64, f64); MAX_LANES] {
         std::array::from_fn(|lane| (self.gain[lane] * self.fault_gain[lane], self.lead_turns[lane]))
     }
 
-    /// Takes what the converters hold in the next sample, V, and returns what the amplifiers are given within it.
+    /// Accepts the voltages that the converters hold in the next sample, V. Returns the inputs of
+    /// the amplifiers within it.
     #[inline]
     pub fn play(&mut self, volts: &[f64; MAX_LANES]) -> Played {
         let mut played = Played::default();

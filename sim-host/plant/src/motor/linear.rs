@@ -1,9 +1,10 @@
-//! Amplifiers and stator moved by their exact flow, as [`stack`](crate::stack) is.
+//! Amplifiers and stator, advanced by their exact flow like [`stack`](crate::stack).
 //!
-//! Within a step each lane may change its voltage once, at its own time (see [`lanes`](crate::motor::lanes)): a voltage that
-//! begins `s` into a step of `h` has the response of a step of `h - s`, and the one before it the rest. What the converters see
-//! follows from the beginning of the step in the same way. Amplifiers are not affected by their load, so that only eight rows of
-//! the flow are full.
+//! Within a step each lane can change its voltage once, at its own time (see
+//! [`lanes`](crate::motor::lanes)). A voltage that begins `s` into a step of `h` has the response
+//! of a step of `h - s`; the previous voltage has the rest. The values at the converters follow
+//! from the state at the beginning of the step in the same way. The load does not affect the
+//! amplifiers, so only eight rows of the flow are full.
 
 use firmware::seam::block::MAX_LANES;
 use wide::{f64x2, f64x4};
@@ -16,13 +17,14 @@ use crate::timing::Timing;
 use contact::flow::exponential;
 use scene::Amplifier;
 
-/// Rows of the network in fours that fill vector registers: lane voltages, modes, amplifier outputs, their slopes.
+/// Rows of the network in groups of four that fill vector registers: lane voltages, modes,
+/// amplifier outputs, their slopes.
 type Fours = [f64x4; 4];
 
 /// Response of the rows to each lane's voltage before and after it changes.
 type Response = [[Fours; 2]; MAX_LANES];
 
-/// A look at voltage and current of one lane some time into a step.
+/// Coefficients of voltage and current of one lane at a certain time within a step.
 #[derive(Clone, Copy, Debug)]
 struct Look {
     state: [f64x2; STATES],
@@ -36,19 +38,19 @@ pub struct Linear {
     x: Fours,
     /// The state at the beginning of the last step.
     before: Fours,
-    /// Columns of the flow that voltages and modes feel.
+    /// Columns of the flow for the rows of voltages and modes.
     flow: [[f64x4; 2]; STATES],
-    /// The amplifiers' own flow: `e` from `e` and `d`, `d` from `e` and `d`. All four are alike.
+    /// Flow of the amplifiers: `e` from `e` and `d`, `d` from `e` and `d`. All four are identical.
     amplifier: [f64x4; 4],
-    /// For each step of a sample.
+    /// Response of each step of a sample.
     drive: Vec<Response>,
     /// Response of voltages and modes to the friction on each mode, N.
     force: [[f64x4; 2]; MODES],
-    /// For each step of a sample, for each conversion that falls into it, for each lane.
+    /// Coefficients by step of a sample, by conversion in that step, by lane.
     looks: Vec<Vec<[Look; MAX_LANES]>>,
 }
 
-/// The matrix exponentials of one network, each made once.
+/// Matrix exponentials of one network, each computed once.
 struct Flows {
     network: Network,
     made: Vec<(f64, Box<Network>)>,
@@ -65,10 +67,12 @@ impl Flows {
         &self.made[index].1
     }
 
-    /// Response over `seconds` to a lane's voltage before and after it changes, `change` seconds into the step.
+    /// Returns the response over `seconds` to a lane's voltage before and after it changes,
+    /// `change` seconds into the step.
     fn drive(&mut self, row: usize, lane: usize, seconds: f64, change: f64) -> [f64; 2] {
         let whole = self.over(seconds)[row][DRIVE + lane];
-        // A change at or after the end is none; one before the beginning has happened.
+        // A change at or after the end has no effect; one before the beginning has already
+        // happened.
         let after = if change >= seconds { 0.0 } else { self.over(seconds - change.max(0.0))[row][DRIVE + lane] };
         [whole - after, after]
     }
@@ -79,7 +83,7 @@ fn fours(row: impl Fn(usize) -> f64) -> Fours {
 }
 
 impl Linear {
-    /// A stator at rest whose lanes change their voltage `change` samples into each sample.
+    /// Creates a stator at rest whose lanes change their voltage `change` samples into each sample.
     pub fn new(model: &Model, amplifier: &Amplifier, timing: Timing, change: [f64; MAX_LANES]) -> Self {
         let zero = f64x4::splat(0.0);
         let mut linear = Linear {
@@ -95,7 +99,7 @@ impl Linear {
         linear
     }
 
-    /// Changes the stator; voltages, amplitudes and velocities stay.
+    /// Changes the stator; voltages, amplitudes and velocities remain.
     pub fn remake(&mut self, model: &Model, amplifier: &Amplifier, timing: Timing, change: [f64; MAX_LANES]) {
         let mut flows = Flows { network: network(model, amplifier), made: Vec::new() };
         let step_s = timing.step_s();
@@ -117,7 +121,8 @@ impl Linear {
         let source = amplifier.source_ohm;
         let mut look = |step: usize, lane: usize, [v, i]: [f64; 2]| {
             let (early, late) = (*flows.over(v), *flows.over(i));
-            // Measured at the amplifier's terminals: without electrodes there, all of its output, and no current.
+            // Measured at the amplifier's terminals: without electrodes, its full output and no
+            // current.
             let terminal = if model.connected[lane] { V + lane } else { E + lane };
             // The total current is (e - v) / Rs.
             let total = |column: usize| (late[E + lane][column] - late[terminal][column]) / source;
@@ -139,7 +144,7 @@ impl Linear {
             .collect();
     }
 
-    /// Moves by step `step` of a sample with the drive as played and no friction.
+    /// Advances by step `step` of a sample with the drive as played and no friction.
     #[inline]
     pub fn advance(&mut self, step: usize, played: &Played) {
         let mut sum = [f64x4::splat(0.0); 4];
@@ -162,7 +167,7 @@ impl Linear {
         self.before = std::mem::replace(&mut self.x, sum);
     }
 
-    /// Adds what a friction of so much on each mode, N, held over the step just made, does.
+    /// Adds the effect of a friction of `newtons` on each mode during the last step, N.
     #[inline]
     pub fn push(&mut self, newtons: [f64; MODES]) {
         for (newtons, [volts, modes]) in newtons.into_iter().zip(&self.force) {
@@ -171,39 +176,39 @@ impl Linear {
         }
     }
 
-    /// Velocity that a newton on a mode over a step gives it, m/s.
+    /// Returns the velocity change of a mode by one newton over a step, m/s.
     pub fn velocity_per_newton(&self) -> f64 {
         self.force[0][1].to_array()[0]
     }
 
-    /// Velocities of the sine and the cosine mode, m/s.
+    /// Returns the velocities of the sine and the cosine mode, m/s.
     #[inline]
     pub fn velocities(&self) -> [f64; MODES] {
         let [s, c, _, _] = self.x[1].to_array();
         [s, c]
     }
 
-    /// Amplitudes of the sine and the cosine mode, m.
+    /// Returns the amplitudes of the sine and the cosine mode, m.
     #[inline]
     pub fn amplitudes(&self) -> [f64; MODES] {
         let [_, _, s, c] = self.x[1].to_array();
         [s, c]
     }
 
-    /// Voltages of the lanes, V.
+    /// Returns the voltages of the lanes, V.
     #[inline]
     pub fn voltages(&self) -> [f64; MAX_LANES] {
         self.x[0].to_array()
     }
 
-    /// Ends what has rung down to nothing: denormal numbers take this arithmetic to half its speed.
+    /// Sets states below 1e-150 to zero: denormal numbers halve the speed of this arithmetic.
     pub fn settle(&mut self) {
         let ended = |x: f64| if x.abs() < 1e-150 { 0.0 } else { x };
         self.x = self.x.map(|four| f64x4::new(four.to_array().map(ended)));
     }
 
-    /// Hands voltage and current of a lane at each conversion within step `step` to `convert`. The step has just been made, with a
-    /// friction of so much on each mode.
+    /// Passes voltage and current of a lane at each conversion within step `step` to `convert`. The
+    /// step has just been made, with a friction of `newtons` on each mode.
     #[inline]
     pub fn sample(&self, step: usize, lane: usize, played: &Played, newtons: [f64; MODES], mut convert: impl FnMut(f64x2)) {
         for looks in &self.looks[step] {
@@ -222,5 +227,5 @@ impl Linear {
     }
 }
 
-/// The rows come in fours, in this order.
+/// The code above depends on this order of the rows, in groups of four.
 const _: () = assert!(V == 0 && S == 4 && Q == 6 && E == 8 && D == 12 && WIDTH == 22);

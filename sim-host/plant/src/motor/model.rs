@@ -1,12 +1,13 @@
-//! The stator as two modes of one ring, and the signals that the controller measures.
+//! The stator as two modes of one ring, and the signals measured by the controller.
 //!
 //! ```text
 //! w(x, t) = q_s sin kx + q_c cos kx                  (thesis B.11: a travelling wave is both, a quarter period apart)
 //! m q_s'' + c q_s' + K_s q_s = sum over lanes of force factor * participation * v  -  friction
 //! ```
 //!
-//! and the same for the cosine. A perfect ring has one frequency for both; a real one is split a little (`split_hz`), which turns the
-//! modes against each other as a phase error does.
+//! The cosine mode has the same equation. A perfect ring has one frequency for both; in a real one
+//! they differ a little (`split_hz`), which shifts the phases of the modes against each other like
+//! a phase error.
 
 use std::f64::consts::TAU;
 
@@ -16,33 +17,34 @@ use crate::circuit::Circuit;
 use crate::motor::participation::{MODES, Participation, participation};
 use scene::{Direction, Stator};
 
-/// The stator in the form the equations need.
+/// The stator, as the parameters in the equations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// Resonance half way between the modes, Hz.
+    /// Mean of the two resonances, Hz.
     pub series_resonance_hz: f64,
     split_hz: f64,
     /// Modal mass of each mode, kg.
     pub mass_kg: f64,
     /// Damping of both modes, N s/m.
     pub damping_n_s_per_m: f64,
-    /// Modal force per volt of a lane whose tabs stand on crests, N/V.
+    /// Modal force per volt of a lane whose tabs are at crests, N/V.
     pub force_factor_n_per_v: f64,
     /// Clamped capacitance of each lane, F.
     pub c0_f: f64,
     /// Lanes whose electrodes are connected to their amplifier.
     pub connected: [bool; MAX_LANES],
-    /// How much of each lane each mode feels.
+    /// Participation of each lane in each mode.
     pub participation: Participation,
     /// Wave number k, rad/m.
     pub wave_number: f64,
-    /// `z k`: slope of the neutral line to displacement along the surface (thesis B.13).
+    /// `z k`: ratio of the displacement along the surface to that of the neutral line (thesis
+    /// B.13).
     pub slope: f64,
 }
 
 impl Model {
-    /// The stator of a scene.
-    pub fn of(stator: &Stator) -> Self {
+    /// Creates the stator of a scene.
+    pub fn from_stator(stator: &Stator) -> Self {
         let wave_number = TAU / stator.wave_length_m;
         Model {
             series_resonance_hz: stator.series_resonance_hz,
@@ -58,7 +60,8 @@ impl Model {
         }
     }
 
-    /// Resonance of a mode, Hz: the sine's lies half the split above, the cosine's half below.
+    /// Returns the resonance of a mode, Hz: that of the sine is half the split above the mean, that
+    /// of the cosine half below.
     pub fn resonance_hz(&self, mode: usize) -> f64 {
         self.series_resonance_hz + if mode == 0 { 0.5 } else { -0.5 } * self.split_hz
     }
@@ -68,13 +71,15 @@ impl Model {
         (TAU * self.resonance_hz(mode)).powi(2) * self.mass_kg
     }
 
-    /// The circuit that lane 0 shows while all lanes play in a direction: its own part of the motional current, driven by all.
+    /// Returns the circuit at lane 0 while all lanes play in a direction: its part of the motional
+    /// current, driven by all lanes.
     pub fn circuit(&self, lanes: u8, direction: Direction) -> Circuit {
         let turn = match direction {
             Direction::Forward => 1.0,
             Direction::Reverse => -1.0,
         };
-        // In phase with lane 0: a lane a quarter turn off drives its own mode, not this one's conductance.
+        // In phase with lane 0: a lane a quarter turn away drives its own mode, not the conductance
+        // of this one.
         let in_phase = |mode: usize| -> f64 {
             let lane_0 = self.participation[0][mode];
             let played = self.participation.iter().take(lanes.into()).enumerate();
@@ -91,7 +96,7 @@ impl Model {
         }
     }
 
-    /// Modal force of four lane voltages, N.
+    /// Returns the modal force of four lane voltages, N.
     #[inline]
     pub fn drive_force_n(&self, volts: &[f64; MAX_LANES]) -> [f64; MODES] {
         std::array::from_fn(|mode| {
@@ -108,7 +113,7 @@ mod tests {
 
     #[test]
     fn four_lanes_show_the_resonance_and_q_of_the_modes() {
-        let model = Model::of(&stator());
+        let model = Model::from_stator(&stator());
         for direction in [Direction::Forward, Direction::Reverse] {
             let circuit = model.circuit(4, direction);
             assert!((circuit.series_resonance_hz() / 40e3 - 1.0).abs() < 1e-12);
@@ -120,7 +125,7 @@ mod tests {
 
     #[test]
     fn the_split_lies_about_the_middle() {
-        let split = Model::of(&Stator { split_hz: 100.0, ..stator() });
+        let split = Model::from_stator(&Stator { split_hz: 100.0, ..stator() });
         assert_eq!((split.resonance_hz(0), split.resonance_hz(1)), (40_050.0, 39_950.0));
     }
 }

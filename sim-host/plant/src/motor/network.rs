@@ -1,4 +1,5 @@
-//! Four amplifiers, four pairs of electrodes and two modes as a linear network of sixteen states: the equations.
+//! Four amplifiers, four pairs of electrodes and two modes as a linear network of sixteen states:
+//! the equations.
 //!
 //! | state | unit | equation |
 //! |---|---|---|
@@ -8,8 +9,10 @@
 //! | `e_j` amplifier output | V | `e_j' = w_a d_j` |
 //! | `d_j` its scaled slope | V | `d_j' = w_a (u_j - e_j - sqrt(2) d_j)` |
 //!
-//! `phi` is the force factor, N/V, and `p_jm` the participation of lane j in mode m: what a volt pushes, a metre per second gives
-//! back as current. The electrodes of a lane that is not connected have no current from `e_j`, and keep the charge that they had. Inputs are the four drives `u_j`, V, and the friction on the two modes `Q_m`, N.
+//! `phi` is the force factor, N/V, and `p_jm` the participation of lane j in mode m; it couples
+//! voltage to force and velocity to current. The electrodes of a lane that is not connected
+//! receive no current from `e_j`, and keep their charge. Inputs are the four drives `u_j`, V, and
+//! the friction on the two modes `Q_m`, N.
 
 use firmware::seam::block::MAX_LANES;
 
@@ -25,8 +28,9 @@ pub(super) const S: usize = V + MAX_LANES;
 pub(super) const Q: usize = S + MODES;
 pub(super) const E: usize = Q + MODES;
 pub(super) const D: usize = E + MAX_LANES;
-/// The inputs.
+/// Index of the first drive input, V.
 pub(super) const DRIVE: usize = STATES;
+/// Index of the first friction input, N.
 pub(super) const FORCE: usize = DRIVE + MAX_LANES;
 
 /// Number of states and inputs.
@@ -35,7 +39,7 @@ pub const WIDTH: usize = FORCE + MODES;
 /// `x' = A x` for states and inputs together; the rows of the inputs are zero.
 pub type Network = Matrix<WIDTH>;
 
-/// The network of a stator behind its amplifiers.
+/// Returns the network of a stator with its amplifiers.
 pub fn network(model: &Model, amplifier: &Amplifier) -> Network {
     let corner = std::f64::consts::TAU * amplifier.bandwidth_hz;
     let source = amplifier.source_ohm;

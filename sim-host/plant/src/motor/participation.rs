@@ -1,16 +1,18 @@
-//! How much of each lane each mode feels: the integral of the mode's shape over the lane's electrode tabs.
+//! Participation of the lanes in the modes: the integral of the mode's shape over the electrode
+//! tabs of the lane.
 //!
-//! Tab `j` hangs on lane `j mod 4`. Its centre stands at `x_j = x_0 + j (width + gap)`. A voltage on it bends the stator, and a mode
-//! of shape `phi` feels `integral phi(x) dx` over the tab (the moment's work on the curvature, which for a sine is the shape
-//! again):
+//! Tab `j` belongs to lane `j mod 4`. Its centre is at `x_j = x_0 + j (width + gap)`. A voltage on
+//! it bends the stator. The modal force of a mode of shape `phi` is proportional to
+//! `integral phi(x) dx` over the tab (the work of the moment on the curvature, which for a sine has
+//! the shape itself):
 //!
 //! ```text
 //! integral sin kx dx = (2 / k) sin(k width / 2) sin k x_j,   integral cos kx dx = (2 / k) sin(k width / 2) cos k x_j
 //! ```
 //!
-//! Divided by what the tabs of a lane would give if each stood on a crest, so that a lane that does has participation one. Tabs a
-//! quarter wave apart put lanes 0 and 2 on one mode and lanes 1 and 3 on the other, with opposite signs; any other pitch mixes
-//! them.
+//! This is divided by the value for tabs that are all at crests, so that a lane with such tabs has
+//! participation one. With tabs a quarter wave apart, lanes 0 and 2 drive one mode and lanes 1 and
+//! 3 the other, with opposite signs; any other pitch mixes them.
 
 use std::f64::consts::TAU;
 
@@ -18,13 +20,13 @@ use firmware::seam::block::MAX_LANES;
 
 use scene::Stator;
 
-/// Modes: sine and cosine.
+/// Number of modes: sine and cosine.
 pub const MODES: usize = 2;
 
-/// For each lane, its participation in the sine and in the cosine mode, -1 to 1.
+/// Participation of each lane in the sine and in the cosine mode, -1 to 1.
 pub type Participation = [[f64; MODES]; MAX_LANES];
 
-/// The participation of the lanes of a stator.
+/// Returns the participation of the lanes of a stator.
 pub fn participation(stator: &Stator) -> Participation {
     let pitch_turns = (stator.tab_width_m + stator.tab_gap_m) / stator.wave_length_m;
     let tabs = usize::from(stator.tabs);

@@ -1,33 +1,37 @@
-//! The rotor: pressed on the crests, dragged along by them, and dragging back.
+//! The rotor: pressed on the crests, moved by their friction, and acting back on the modes.
 //!
 //! ```text
 //! (I / r^2) v' = F - T / r          v: surface speed of the rotor, F: friction of all crests, T: load torque
 //! Q_s = z k (C cos phi - S sin phi),  Q_c = -z k (C sin phi + S cos phi)
 //! ```
 //!
-//! `Q` is what the friction does to the modes, by the work of `u' = -z dw'/dx`; `C` and `S` are the friction weighted with `cos p` and
-//! `sin p`. So the modes lose exactly what the rotor and the heat take, and the energy closes. The *pressure* acts on the modes too,
-//! as a spring of about `preload / amplitude`: it does no work over a period, and is taken as part of the resonance of a stator that
-//! has its rotor on. How far it would move that resonance is measured ([`Rotor::normal_shift_hz`]).
+//! `Q` is the friction force on the modes, by the work of `u' = -z dw'/dx`; `C` and `S` are the
+//! friction weighted with `cos p` and `sin p`. The modes therefore lose exactly the work on the
+//! rotor plus the heat, and the energy balance closes. The *pressure* acts on the modes too, as a
+//! spring of about `preload / amplitude`. It does no work over a period, and is included in the
+//! resonance of a stator with its rotor. [`Rotor::normal_shift_hz`] computes the shift that it
+//! would cause.
 //!
-//! The friction is a function of the state at an instant. Over a step it counts with the mean of both ends (second order). Where a
-//! step of it could stop what it acts on (a wave that has rung down, a rotor that stands), it is taken at the end instead, and is at
-//! most what stops it: standstill is exact, and holds any load torque less than `mu N r`.
+//! The friction is a function of the instantaneous state; a step uses the mean of both ends (second
+//! order). If one step of friction could stop the part that it acts on (a decayed wave, a rotor at
+//! rest), the value at the end is used instead, limited to the force that stops it. Standstill is
+//! exact, and any load torque below `mu N r` is held.
 
-use crate::motor::crest::{Crest, Layer, Pull, length};
+use crate::motor::crest::{Crest, CrestFriction, Layer, length};
 use crate::motor::linear::Linear;
 use crate::motor::model::Model;
 use crate::motor::participation::MODES;
 use crate::motor::seat;
 
-/// Friction counts at the end of a step, if a step of it changes the speed by more than this part.
-const STIFF: f64 = 0.1;
-/// A surface slower than this, m/s, stands.
-const STANDSTILL: f64 = 1e-12;
+/// Relative change of the speed in one step above which the friction at the end of the step is
+/// used.
+const STIFF_CHANGE_REL: f64 = 0.1;
+/// Surface speed below which the surface is at rest, m/s.
+const STANDSTILL_M_PER_S: f64 = 1e-12;
 
-/// What the friction did in one step.
+/// Effect of the friction in one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Dragged {
+pub struct RotorFriction {
     /// Mean friction on the rotor along the ring, N.
     pub force_n: f64,
     /// Mean friction on the sine and the cosine mode, N.
@@ -51,10 +55,10 @@ pub struct Rotor {
     /// Surface speed, m/s.
     speed: f64,
     /// The friction at the end of the last step.
-    last: Dragged,
+    last: RotorFriction,
 }
 
-/// The wave's crest, and cosine and sine of its phase.
+/// Returns the wave's crest, and cosine and sine of its phase.
 fn crest(linear: &Linear, slope: f64, rotor_m: f64) -> (Crest, f64, f64) {
     let ([qs, qc], [ss, sc]) = (linear.amplitudes(), linear.velocities());
     let height_m = length(qs, qc);
@@ -65,7 +69,7 @@ fn crest(linear: &Linear, slope: f64, rotor_m: f64) -> (Crest, f64, f64) {
 }
 
 impl Rotor {
-    /// The rotor of a scene at rest on a stator at rest.
+    /// Creates the rotor of a scene, at rest on a stator at rest.
     pub fn new(rotor: &scene::Rotor, model: &Model) -> Self {
         Rotor {
             layer: Layer { mu: rotor.mu, stiffness_n_per_m: rotor.contact_stiffness_n_per_m },
@@ -76,26 +80,26 @@ impl Rotor {
             slope: model.slope,
             height_m: -rotor.preload_n / rotor.contact_stiffness_n_per_m,
             speed: 0.0,
-            last: Dragged::default(),
+            last: RotorFriction::default(),
         }
     }
 
-    /// Speed of the rotor, rad/s.
+    /// Returns the speed of the rotor, rad/s.
     pub fn rad_per_s(&self) -> f64 {
         self.speed / self.radius_m
     }
 
-    /// Surface speed of the rotor, m/s.
+    /// Returns the surface speed of the rotor, m/s.
     pub fn speed(&self) -> f64 {
         self.speed
     }
 
-    /// Torque of a force along the ring, N m.
+    /// Returns the torque of a force along the ring, N m.
     pub fn torque_of(&self, force_n: f64) -> f64 {
         force_n * self.radius_m
     }
 
-    /// Load torque, N m, against forward rotation.
+    /// Returns the load torque, N m, against forward rotation.
     pub fn torque_nm(&self) -> f64 {
         self.torque_nm
     }
@@ -105,7 +109,7 @@ impl Rotor {
         self.torque_nm = torque_nm;
     }
 
-    /// Preload of the rotor, N.
+    /// Returns the preload of the rotor, N.
     pub fn preload_n(&self) -> f64 {
         self.preload_n
     }
@@ -115,19 +119,21 @@ impl Rotor {
         self.preload_n = preload_n;
     }
 
-    /// Takes its seat on waves of these amplitudes, m.
+    /// Updates the height for waves of these amplitudes, m.
     pub fn sit(&mut self, forward: f64, backward: f64) {
         self.height_m = seat::height(forward, backward, self.layer.stiffness_n_per_m, self.preload_n, self.height_m);
     }
 
-    /// Half angle over which crests of this height, m, touch, rad.
+    /// Returns half the angle over which crests of this height, m, touch, rad.
     pub fn zone(&self, height_m: f64) -> f64 {
         Crest { height_m, rotor_m: self.height_m, ..Crest::default() }.zone()
     }
 
-    /// How far the spring of the contact, which is left out, would move the resonance for crests of this height, m, Hz.
+    /// Returns the shift of the resonance, Hz, that the omitted spring of the contact would cause
+    /// for crests of this height, m.
     ///
-    /// The pressure's first harmonic over the amplitude is `(S / 2 pi) (pc + sin pc cos pc - 2 (h / R) sin pc)`, N/m.
+    /// The pressure's first harmonic over the amplitude is
+    /// `(S / 2 pi) (pc + sin pc cos pc - 2 (h / R) sin pc)`, N/m.
     pub fn normal_shift_hz(&self, height_m: f64, model: &Model) -> f64 {
         if height_m == 0.0 {
             return 0.0;
@@ -140,14 +146,14 @@ impl Rotor {
         model.series_resonance_hz * spring / (2.0 * omega * omega * model.mass_kg)
     }
 
-    /// What a pull does to the modes, N.
-    fn on_modes(&self, pull: &Pull, cos: f64, sin: f64) -> [f64; MODES] {
+    /// Returns the force of a pull on the modes, N.
+    fn on_modes(&self, pull: &CrestFriction, cos: f64, sin: f64) -> [f64; MODES] {
         [self.slope * (pull.cos_n * cos - pull.sin_n * sin), -self.slope * (pull.cos_n * sin + pull.sin_n * cos)]
     }
 
-    /// The friction over the step that `linear` has just made without it.
+    /// Computes the friction over the step that `linear` has just made without it.
     #[inline]
-    pub fn drag(&mut self, linear: &mut Linear, step_s: f64) -> Dragged {
+    pub fn drag(&mut self, linear: &mut Linear, step_s: f64) -> RotorFriction {
         let gain = linear.velocity_per_newton();
         let per_newton = step_s / self.mass_kg;
         let load = self.torque_nm / self.radius_m;
@@ -158,17 +164,17 @@ impl Rotor {
         let (wave, cos, sin) = crest(linear, self.slope, self.height_m);
         let ahead = self.speed + per_newton * (self.last.force_n - load);
         let pull = wave.friction(&self.layer, ahead);
-        let end = Dragged { force_n: pull.force_n, modes_n: self.on_modes(&pull, cos, sin), normal_n: pull.normal_n };
+        let end = RotorFriction { force_n: pull.force_n, modes_n: self.on_modes(&pull, cos, sin), normal_n: pull.normal_n };
         let size = |newtons: [f64; MODES]| length(newtons[0], newtons[1]);
         let mean = |a: f64, b: f64| 0.5 * (a + b);
-        let mut dragged = Dragged {
+        let mut dragged = RotorFriction {
             modes_n: [0, 1].map(|mode| mean(self.last.modes_n[mode], end.modes_n[mode])),
             force_n: mean(self.last.force_n, end.force_n),
             normal_n: end.normal_n,
         };
         let mut last = end;
         // The friction can at most stop the wave.
-        if gain * size(end.modes_n).max(size(self.last.modes_n)) > STIFF * moving {
+        if gain * size(end.modes_n).max(size(self.last.modes_n)) > STIFF_CHANGE_REL * moving {
             let newtons = size(end.modes_n).min(moving / gain);
             let against = |velocity: f64| if moving > 0.0 { -newtons * velocity / moving } else { 0.0 };
             dragged.modes_n = free.map(against);
@@ -179,25 +185,27 @@ impl Rotor {
         let surface = length(wave.along_m_per_s, wave.across_m_per_s);
         let most = self.layer.mu * pull.normal_n;
         let near = self.speed.abs() <= surface + 2.0 * per_newton * (most + load.abs());
-        if near && per_newton * most > STIFF * surface {
+        if near && per_newton * most > STIFF_CHANGE_REL * surface {
             let (wave, ..) = crest(linear, self.slope, self.height_m);
             dragged.force_n = self.holding(&wave, per_newton, load, most);
             last.force_n = dragged.force_n;
         }
         self.speed += per_newton * (dragged.force_n - load);
-        if self.speed.abs() < STANDSTILL {
+        if self.speed.abs() < STANDSTILL_M_PER_S {
             self.speed = 0.0;
         }
         self.last = last;
         dragged
     }
 
-    /// The friction that agrees with the speed it leads to: of a rotor near standstill. A step of it may change the speed by far more than the surface has, so
-    /// it is sought by the speed: between those of the surface, or all of it is needed.
+    /// Returns the friction of a rotor near standstill that is consistent with the resulting speed.
+    /// One step of friction can change that speed by far more than the surface speed. The solution
+    /// is therefore found as a speed within the range of the surface; outside it the friction is at
+    /// its limit.
     fn holding(&self, wave: &Crest, per_newton: f64, load: f64, most: f64) -> f64 {
         let surface = length(wave.along_m_per_s, wave.across_m_per_s);
         let needed = |speed: f64| load + (speed - self.speed) / per_newton;
-        if surface < STANDSTILL {
+        if surface < STANDSTILL_M_PER_S {
             return needed(0.0).clamp(-most, most);
         }
         if needed(-surface) >= most {
@@ -212,9 +220,10 @@ impl Rotor {
     }
 }
 
-/// Where a function that falls crosses zero, between `low` and `high`, to `within`.
+/// Returns the zero of a falling function between `low` and `high`, to `within`.
 ///
-/// Bisection's bound on the steps, and a secant's speed: ITP (Oliveira and Takahashi, ACM Trans. Math. Softw. 47, 5, 2021), `k2 = 2`, `n0 = 1`.
+/// ITP method, with bisection's bound on the steps and the speed of a secant (Oliveira and
+/// Takahashi, ACM Trans. Math. Softw. 47, 5, 2021), `k2 = 2`, `n0 = 1`.
 fn fall(of: impl Fn(f64) -> f64, mut low: f64, mut high: f64, within: f64) -> f64 {
     let (mut above, mut below) = (of(low), of(high));
     if above <= 0.0 {
@@ -252,7 +261,7 @@ mod tests {
     use crate::motor::tests::{rotor, stator};
 
     #[test]
-    fn a_root_is_found_in_no_more_steps_than_by_halves() {
+    fn root_search_is_no_slower_than_bisection() {
         let smooth: fn(f64) -> f64 = |x| 0.625 - x.powi(3) - x;
         let steep: fn(f64) -> f64 = |x| if x < 0.12345 { 1.0 } else { -1e-9 };
         let flat: fn(f64) -> f64 = |x| libm::acos(x) - 3.0;
@@ -268,14 +277,14 @@ mod tests {
         }
     }
 
-    /// The force leads to a speed at which the friction is that force, or all of it is not enough.
+    /// The force is consistent with the resulting speed, or is at its limit.
     #[test]
-    fn the_force_that_holds_agrees_with_its_speed() {
+    fn holding_force_is_consistent_with_its_speed() {
         let scene = rotor();
         let mut held = [0; 2];
         for n in 0..2000 {
             let at = |k: f64| (f64::from(n) * k).sin();
-            let mut rotor = Rotor::new(&scene, &Model::of(&stator()));
+            let mut rotor = Rotor::new(&scene, &Model::from_stator(&stator()));
             rotor.speed = 2e-3 * at(0.91);
             let wave = Crest {
                 height_m: 1e-6,
@@ -290,7 +299,7 @@ mod tests {
             let (per_newton, load) = (2e-3 / most, 1.2 * most * at(0.53));
             let force = rotor.holding(&wave, per_newton, load, most);
             let agrees = wave.friction(&rotor.layer, rotor.speed + per_newton * (force - load)).force_n;
-            // The friction is as steep as the root of the distance from the end of the contact.
+            // Near the end of the contact the slope of the friction is that of a square root.
             assert!((agrees - force).abs() < 1e-4 * most, "{n}: {force} of {agrees}");
             held[usize::from(force.abs() == most)] += 1;
         }

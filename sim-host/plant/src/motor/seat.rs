@@ -1,40 +1,43 @@
-//! Where the rotor stands: the height at which the mean normal force is its preload.
+//! Height of the rotor at which the mean normal force equals its preload.
 //!
-//! The crests pass at 40 kHz, and where part of the wave stands they rise and fall at 80 kHz. A rotor of 10 g on a contact of 1e8 N/m
-//! follows neither within a period, but settles within a few: its height is constant in the crest's frame and follows the *mean*
-//! force. So the height is no state but the root of
+//! The crests pass at 40 kHz, and a standing part of the wave rises and falls at 80 kHz. A rotor of
+//! 10 g on a contact of 1e8 N/m follows neither within a period, but settles within a few: its
+//! height is constant in the crest's frame and follows the *mean* force. The height is therefore
+//! not a state, but the root of
 //!
 //! ```text
 //! preload = mean over a turn of psi of (S / pi) (R sin pc - h pc),   cos pc = h / R,   R^2 = A^2 + B^2 + 2 A B cos psi
 //! ```
 //!
-//! with `A` and `B` the amplitudes of the waves in either direction and `S` the layer's stiffness. While a standing part lowers the
-//! crests below `h` the contact opens; a wave of less than `preload / S` touches everywhere, and leaves `h = -preload / S`. The right
-//! side falls with `h` and is convex, so Newton's method from the left cannot miss.
+//! with `A` and `B` the amplitudes of the waves in either direction and `S` the layer's stiffness.
+//! The contact opens while a standing part lowers the crests below `h`. A wave smaller than
+//! `preload / S` touches everywhere, with `h = -preload / S`. The right side falls with `h` and is
+//! convex, so Newton's method from the left always converges.
 
 use std::f64::consts::PI;
 
 use crate::motor::crest::Crest;
 
-/// Places of `psi` in half a turn. The integrand is smooth but for the square root with which the contact opens.
-const PLACES: usize = 16;
-/// Most steps; six do for a wave that grows by a tenth.
-const MOST_STEPS: usize = 40;
+/// Number of values of `psi` in half a turn. The integrand is smooth apart from the square root at
+/// which the contact opens.
+const PSI_VALUES: usize = 16;
+/// Largest number of steps; six are enough for a wave that grows by a tenth.
+const MAX_STEPS: usize = 40;
 /// Relative accuracy of the normal force.
-const ACCURACY: f64 = 1e-9;
+const FORCE_ACCURACY_REL: f64 = 1e-9;
 
-/// The height, m, for waves of amplitude `forward` and `backward`, m, on a layer of `stiffness`, N/m, under `preload`, N. `before`
-/// is where the rotor stood.
+/// Returns the height, m, for waves of amplitude `forward` and `backward`, m, on a layer of
+/// `stiffness`, N/m, under `preload`, N. `before` is the previous height.
 pub fn height(forward: f64, backward: f64, stiffness: f64, preload: f64, before: f64) -> f64 {
     let pressed_in = -preload / stiffness;
-    let places = if forward * backward == 0.0 { 1 } else { PLACES };
-    let crests: [f64; PLACES] = std::array::from_fn(|n| {
+    let places = if forward * backward == 0.0 { 1 } else { PSI_VALUES };
+    let crests: [f64; PSI_VALUES] = std::array::from_fn(|n| {
         let psi = PI * (n as f64 + 0.5) / places as f64;
         let cross = if places == 1 { 0.0 } else { 2.0 * forward * backward * libm::cos(psi) };
         (forward * forward + backward * backward + cross).max(0.0).sqrt()
     });
     let mut h = before.max(pressed_in);
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let (mut force, mut angle) = (0.0, 0.0);
         for &height_m in &crests[..places] {
             let crest = Crest { height_m, rotor_m: h, ..Crest::default() };
@@ -43,10 +46,10 @@ pub fn height(forward: f64, backward: f64, stiffness: f64, preload: f64, before:
             angle += zone;
         }
         let (force, slope) = (stiffness / PI * force / places as f64, stiffness / PI * angle / places as f64);
-        if (force - preload).abs() <= ACCURACY * preload {
+        if (force - preload).abs() <= FORCE_ACCURACY_REL * preload {
             break;
         }
-        // Where nothing touches there is no slope: begin again at the far left.
+        // Without contact there is no slope: restart at the far left.
         h = if slope > 0.0 { (h + (force - preload) / slope).max(pressed_in) } else { pressed_in };
     }
     h
@@ -78,17 +81,18 @@ mod tests {
             for part in [0.0, 0.05, 0.3, 0.9, 1.0] {
                 let h = height(forward, part * forward, STIFFNESS, PRELOAD, 0.0);
                 worst = worst.max((mean_force(forward, part * forward, h) / PRELOAD - 1.0).abs());
-                // From wherever it comes.
+                // The result does not depend on the previous height.
                 let again = height(forward, part * forward, STIFFNESS, PRELOAD, 1e-3);
                 assert!((again - h).abs() < 1e-9 * (forward + PRELOAD / STIFFNESS), "{h:e} {again:e}");
             }
         }
-        // Sixteen places: where a standing wave opens the contact, the square root of the opening bounds it.
+        // Sixteen values: the square root at which a standing wave opens the contact limits the
+        // accuracy.
         assert!(worst < 5e-3, "{worst:e}");
     }
 
     #[test]
-    fn a_wave_less_than_the_approach_touches_everywhere() {
+    fn a_small_wave_touches_everywhere() {
         assert!((height(0.9e-7, 0.0, STIFFNESS, PRELOAD, 0.0) + 1e-7).abs() < 1e-15);
         assert!(height(1.2e-7, 0.0, STIFFNESS, PRELOAD, 0.0) > -1e-7);
     }

@@ -1,4 +1,5 @@
-//! The motor as a whole: waves, speeds, directions, energy. Sines are played into it as codes; no firmware is involved.
+//! Tests of the whole motor: waves, speeds, directions, energy. The drive is sines as codes,
+//! without firmware.
 
 mod assumed;
 mod energy;
@@ -10,23 +11,23 @@ use crate::truth::MotorTruth;
 use scene::Scene;
 use scene::load::load_text;
 
-/// A stator whose wave fits the thesis's electrodes.
+/// Returns a stator whose wave fits the thesis's electrodes.
 pub(crate) fn stator() -> Stator {
     usm(&[]).stator.unwrap()
 }
 
-/// The rotor on it.
+/// Returns the rotor on this stator.
 pub(crate) fn rotor() -> scene::Rotor {
     usm(&[]).driven().unwrap().rotor().unwrap().clone()
 }
 
-/// The built-in scene with changes.
+/// Loads the built-in scene with changes.
 fn usm(sets: &[&str]) -> Scene {
     let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
     load_text("usm", include_str!("../../../scene/scenes/usm.toml"), &sets).unwrap_or_else(|error| panic!("{error}")).scene
 }
 
-/// A motor and a generator of four sines on 16 bits.
+/// A motor and a generator of four sines with 16 bits.
 struct Bench {
     motor: Motor,
     hz: f64,
@@ -39,7 +40,7 @@ struct Bench {
 
 const BLOCK: usize = 32;
 
-/// The truth about a block, and what only a motor has of it.
+/// The truth about a block, with the part that only a motor has.
 struct BlockTruth {
     all: Truth,
     motor: MotorTruth,
@@ -55,7 +56,7 @@ impl Bench {
         Bench { motor, hz, volts: 10.0, turns: [0.0, 0.25, 0.5, 0.75], block: 0, sense: SenseBlock::default() }
     }
 
-    /// Plays for so long, s. Returns the truth of every block.
+    /// Plays for `seconds` seconds. Returns the truth of every block.
     fn play(&mut self, seconds: f64) -> Vec<BlockTruth> {
         let blocks = (seconds / (BLOCK as f64 * self.motor.sample_s())).round() as u64;
         (0..blocks).map(|_| self.play_block()).collect()
@@ -77,7 +78,7 @@ impl Bench {
     }
 }
 
-/// Mean of a value over the last so many blocks.
+/// Returns the mean of a value over the last `last` blocks.
 fn mean(truths: &[BlockTruth], last: usize, value: impl Fn(&MotorTruth) -> f64) -> f64 {
     truths[truths.len() - last..].iter().map(|truth| value(&truth.motor)).sum::<f64>() / last as f64
 }

@@ -1,7 +1,8 @@
-//! What each lane plays as a phasor: how far the lanes are from equal amplitudes a quarter turn apart.
+//! Phasors of the lanes, and their deviation from equal amplitudes a quarter turn apart.
 //!
-//! From the codes of one block, by least squares of a cosine and a sine at the frequency driven (exact at any block length), times the
-//! amplifier's error at that frequency. Codes rather than voltages: the converter's images would fold onto the tone.
+//! The phasors come from the codes of one block, by least squares of a cosine and a sine at the
+//! drive frequency (exact at any block length), times the amplifier's error at that frequency.
+//! Codes are used instead of voltages because the converter's images would fold onto the tone.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +10,7 @@ use firmware::seam::block::MAX_LANES;
 
 use scene::Direction;
 
-/// How far the lanes are from what they should be, at worst.
+/// Largest deviations of the lanes from the ideal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LaneErrors {
     /// Largest phase error relative to lane 0, degrees.
@@ -21,7 +22,7 @@ pub struct LaneErrors {
 /// Real and imaginary part.
 type Phasor = (f64, f64);
 
-/// The phasor of samples at `cycles` turns a sample: `x_n = Re(X e^(2 pi i cycles n))`.
+/// Returns the phasor of samples at `cycles` turns a sample: `x_n = Re(X e^(2 pi i cycles n))`.
 fn phasor(samples: impl Iterator<Item = f64>, cycles: f64) -> Phasor {
     // Normal equations of x = a cos - b sin.
     let (mut cc, mut ss, mut cs, mut xc, mut xs) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -36,9 +37,9 @@ fn phasor(samples: impl Iterator<Item = f64>, cycles: f64) -> Phasor {
     ((ss * xc - cs * xs) / determinant, -(cc * xs - cs * xc) / determinant)
 }
 
-/// The errors of lanes that play `volts` (codes as volts, a list for each lane) behind amplifiers with these gains and leads,
-/// turns at the nominal frequency; the tone is at `cycles` turns a sample and `ratio` times the nominal frequency. Nothing, if
-/// lane 0 is silent.
+/// Returns the errors of lanes that play `volts` (codes as volts, a list for each lane) through
+/// amplifiers with these gains and leads, turns at the nominal frequency. The tone is at `cycles`
+/// turns a sample and `ratio` times the nominal frequency. Returns `None` if lane 0 is silent.
 pub fn errors<'a>(
     volts: impl Iterator<Item = &'a [f64]>,
     amplifiers: &[(f64, f64); MAX_LANES],

@@ -1,19 +1,20 @@
-//! The two waves that a pair of modal amplitudes is: one running each way.
+//! Decomposition of a pair of modal amplitudes into two waves, one in each direction.
 //!
-//! With `y = q_c + i q_s`, a wave that turns the rotor forwards (it runs towards lower lanes) is `A e^(-i w t)`, the other
-//! `B e^(i w t)`. At one instant
+//! With `y = q_c + i q_s`, a wave that turns the rotor forwards (it travels towards lower lanes) is
+//! `A e^(-i w t)`, the other `B e^(i w t)`. At one instant
 //!
 //! ```text
 //! A e^(-i w t) = (y + i y' / w) / 2,   B e^(i w t) = (y - i y' / w) / 2
 //! ```
 //!
-//! exactly, if `w` is the frequency driven. That need not be the resonance, and a part in a hundred off would look like half a
-//! per cent of backward wave; but for one tone `y'' = -w^2 y`, whatever the waves are, and the equations of motion give `y''`.
+//! exactly, if `w` is the drive frequency. That need not be the resonance; an error of one per cent
+//! would look like half a per cent of backward wave. For one tone `y'' = -w^2 y`, for any
+//! waves, and the equations of motion give `y''`.
 
 use crate::motor::model::Model;
 use crate::motor::participation::MODES;
 
-/// Sums over the samples of a block that give the frequency.
+/// Sums over the samples of a block, from which the frequency follows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tone {
     restored: f64,
@@ -32,7 +33,8 @@ pub struct Waves {
 }
 
 impl Tone {
-    /// Takes the modes at one instant: amplitudes, velocities, and the forces on them but for their own stiffness and damping, N.
+    /// Adds one instant: amplitudes, velocities, and the forces on the modes except their own
+    /// stiffness and damping, N.
     #[inline]
     pub fn update(&mut self, model: &Model, q: [f64; MODES], s: [f64; MODES], force: [f64; MODES]) {
         for mode in 0..MODES {
@@ -42,7 +44,7 @@ impl Tone {
         }
     }
 
-    /// The waves that the modes are at an instant.
+    /// Returns the waves at an instant.
     pub fn waves(&self, model: &Model, q: [f64; MODES], s: [f64; MODES]) -> Waves {
         let natural = std::f64::consts::TAU * model.series_resonance_hz;
         let measured = (self.restored / self.moved).sqrt();
@@ -62,7 +64,7 @@ mod tests {
     /// Two waves at a frequency one per cent off the resonance, at any phase.
     #[test]
     fn both_waves_are_found_off_resonance() {
-        let model = Model::of(&stator());
+        let model = Model::from_stator(&stator());
         let omega = std::f64::consts::TAU * 40_400.0;
         let (forward, backward) = (0.8e-6, 0.07e-6);
         for n in 0..20 {

@@ -1,60 +1,63 @@
-//! The noise of several runs, drawn side by side.
+//! Noise of several runs, drawn in a batch.
 //!
-//! A number of the ziggurat's inner layers, 98.8 % of all, is a product of its bits and a table's entry. The others are drawn by the library, from the
-//! state of their run's generator: each run has the stream that it has alone, bit for bit.
+//! A number from the inner layers of the ziggurat, 98.8 % of all, is the product of its bits and a
+//! table entry. The library draws the others from the state of the run's generator. Each run has
+//! the same stream as alone, bit for bit.
 
 use std::sync::LazyLock;
 
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{DRAWN, Noise};
+use super::{Noise, PAIRS_PER_DRAW};
 use crate::noise::generator::{Generator, Resumed, Scripted};
-use crate::quad::{Four, LANES, Quad, Wide, Work, widest};
+use crate::quad::{Kernel, LANES, Quad, Registers, Wide, run_widest};
 
 /// Layers of the ziggurat.
 const LAYERS: usize = 256;
-/// Two to four less three is minus one to one.
+/// Bits that turn a fraction into a number from two to four; minus three, it lies between minus one
+/// and one.
 const TWO_BITS: u64 = 0x4000_0000_0000_0000;
 
-/// Of each layer its edge and that of the next, as the library has them.
+/// Edge of each layer and of the next one, as in the library.
 static LAYER: LazyLock<[[f64; 2]; LAYERS]> = LazyLock::new(|| {
     let edge = |layer: usize| if layer < LAYERS { edge(layer) } else { 0.0 };
     std::array::from_fn(|layer| [edge(layer), edge(layer + 1)])
 });
 
-/// The edge of a layer: the number that half of it makes, doubled. Where half is beyond the next layer, the library asks once more, and is told to
-/// take it.
+/// Returns the edge of a layer: the number drawn for half of it, doubled. If half the edge is
+/// beyond the next layer, the library draws once more, and the script makes it accept.
 fn edge(layer: usize) -> f64 {
-    // The library puts the upper 52 bits behind 2.0 and subtracts three.
+    // The library puts the upper 52 bits after 2.0 and subtracts three.
     let half = 3.5f64.to_bits() << 12;
     let drawn: f64 = StandardNormal.sample(&mut Scripted(Some(half | layer as u64)));
     2.0 * drawn
 }
 
-/// The same word of several generators.
+/// The same word of the state of several generators.
 type Words = [u64; LANES];
 
-/// The noise of several runs side by side.
+/// Batched noise of several runs.
 #[derive(Clone, Debug)]
-pub(crate) struct Abreast {
-    /// For each channel the states of the runs' generators.
+pub(crate) struct NoiseBatch {
+    /// States of the runs' generators, for each channel.
     states: [[Words; 4]; 2],
-    drawn: [[Quad; 2]; DRAWN],
+    drawn: [[Quad; 2]; PAIRS_PER_DRAW],
     next: usize,
 }
 
-impl Abreast {
-    /// No run's noise.
+impl NoiseBatch {
+    /// Creates a batch without any run.
     pub(crate) fn new() -> Self {
-        Abreast { states: [[[1; LANES]; 4]; 2], drawn: [[Quad::default(); 2]; DRAWN], next: DRAWN }
+        NoiseBatch { states: [[[1; LANES]; 4]; 2], drawn: [[Quad::default(); 2]; PAIRS_PER_DRAW], next: PAIRS_PER_DRAW }
     }
 
-    /// How far it is in what was drawn ahead.
+    /// Moves to the position of `noise` in its drawn numbers.
     pub(crate) fn follow(&mut self, noise: &Noise) {
         self.next = noise.next;
     }
 
-    /// Takes the noise of a run, if that is as far as the others'.
+    /// Takes over the noise of a run. Returns `false` if its position differs from that of the
+    /// batch.
     pub(crate) fn take(&mut self, lane: usize, noise: &Noise) -> bool {
         if noise.next != self.next {
             return false;
@@ -68,7 +71,7 @@ impl Abreast {
         true
     }
 
-    /// Gives a run its noise back.
+    /// Returns the noise to its run.
     pub(crate) fn give_back(&self, lane: usize, noise: &mut Noise) {
         noise.next = self.next;
         for (states, generator) in self.states.iter().zip(&mut noise.random) {
@@ -79,33 +82,33 @@ impl Abreast {
         }
     }
 
-    /// The next number of each run, for voltage and current.
+    /// Returns the next number of each run, for voltage and current.
     #[inline(always)]
     pub(crate) fn pair(&mut self) -> &[Quad; 2] {
-        if self.next >= DRAWN {
+        if self.next >= PAIRS_PER_DRAW {
             self.draw();
         }
-        let pair = &self.drawn[self.next % DRAWN];
+        let pair = &self.drawn[self.next % PAIRS_PER_DRAW];
         self.next += 1;
         pair
     }
 
     #[inline(never)]
     fn draw(&mut self) {
-        widest(Draw(self));
+        run_widest(Draw(self));
         self.next = 0;
     }
 }
 
-/// Draws ahead.
-struct Draw<'a>(&'a mut Abreast);
+/// Draws numbers in advance.
+struct Draw<'a>(&'a mut NoiseBatch);
 
-impl Work for Draw<'_> {
+impl Kernel for Draw<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with<F: Four>(self, four: F) {
-        let Abreast { states, drawn, .. } = self.0;
+    fn with<F: Registers>(self, four: F) {
+        let NoiseBatch { states, drawn, .. } = self.0;
         let layers = &*LAYER;
         let [v, i] = *states;
         let mut v = [four.words(v[0]), four.words(v[1]), four.words(v[2]), four.words(v[3])];
@@ -119,9 +122,9 @@ impl Work for Draw<'_> {
     }
 }
 
-/// The next normal number of each generator.
+/// Returns the next normal number of each generator.
 #[inline(always)]
-fn normal<F: Four>(four: F, states: &mut [F::Words; 4], layers: &[[f64; 2]; LAYERS]) -> Quad {
+fn normal<F: Registers>(four: F, states: &mut [F::Words; 4], layers: &[[f64; 2]; LAYERS]) -> Quad {
     let [s0, s1, s2, s3] = *states;
     let bits = four.wrapping_sum(four.rotated::<23, 41>(four.wrapping_sum(s0, s3)), s0);
     let (later2, later3) = (four.xor(s2, s0), four.xor(s3, s1));
@@ -129,7 +132,7 @@ fn normal<F: Four>(four: F, states: &mut [F::Words; 4], layers: &[[f64; 2]; LAYE
     *states = [four.xor(s0, later3), four.xor(s1, later2), last, four.rotated::<45, 19>(later3)];
 
     let fraction = four.right::<12>(bits);
-    let part = Wide::of_bits(four, four.xor(fraction, four.words([TWO_BITS; LANES]))) - Wide::splat(four, 3.0);
+    let part = Wide::from_bits(four, four.xor(fraction, four.words([TWO_BITS; LANES]))) - Wide::splat(four, 3.0);
     let (mut edge, mut inner) = (Quad::default(), Quad::default());
     let words = four.array(bits);
     for lane in 0..LANES {
@@ -146,7 +149,7 @@ fn normal<F: Four>(four: F, states: &mut [F::Words; 4], layers: &[[f64; 2]; LAYE
     drawn
 }
 
-/// The same, where some are not of an inner layer: those are drawn by the library.
+/// Lets the library draw the numbers that are not in an inner layer.
 #[cold]
 #[inline(never)]
 fn outer(mut drawn: Quad, inner: Quad, bits: Words, states: &mut [Words; 4]) -> Quad {
@@ -165,11 +168,11 @@ fn outer(mut drawn: Quad, inner: Quad, bits: Words, states: &mut [Words; 4]) -> 
 mod tests {
     use super::*;
 
-    /// A million numbers of each of eight streams: some of the tail among them.
+    /// A million numbers of each of eight streams, some of them from the tail.
     #[test]
-    fn each_run_has_the_noise_that_it_has_alone() {
+    fn batched_noise_equals_that_of_each_run_alone() {
         let mut alone = [1, 2, 77, u64::MAX].map(Noise::new);
-        let mut abreast = Abreast::new();
+        let mut abreast = NoiseBatch::new();
         let mut beyond = 0;
         alone.iter().enumerate().for_each(|(lane, noise)| assert!(abreast.take(lane, noise)));
         for n in 0..1_000_000 {
@@ -180,15 +183,15 @@ mod tests {
                 beyond += usize::from(pair[0].abs() > 3.6542);
             }
         }
-        assert!(beyond > 500, "{beyond} of the tail");
+        assert!(beyond > 500, "{beyond} from the tail");
     }
 
     #[test]
-    fn a_run_takes_its_noise_along() {
+    fn a_run_keeps_its_noise_across_batches() {
         let (mut alone, mut taken) = (Noise::new(3), Noise::new(3));
-        let mut abreast = Abreast::new();
+        let mut abreast = NoiseBatch::new();
         assert!(abreast.take(2, &taken));
-        let go_on = |abreast: &mut Abreast, alone: &mut Noise, pairs: usize| {
+        let go_on = |abreast: &mut NoiseBatch, alone: &mut Noise, pairs: usize| {
             for _ in 0..pairs {
                 let [v, i] = *abreast.pair();
                 assert_eq!([v[2], i[2]], alone.pair());
@@ -197,7 +200,7 @@ mod tests {
         go_on(&mut abreast, &mut alone, 100);
         abreast.give_back(2, &mut taken);
         (0..50).for_each(|_| assert_eq!(taken.pair(), alone.pair()));
-        assert!(!abreast.take(2, &taken), "the others are elsewhere");
+        assert!(!abreast.take(2, &taken), "the batch is at another position");
         abreast.follow(&taken);
         assert!(abreast.take(2, &taken));
         go_on(&mut abreast, &mut alone, 100);

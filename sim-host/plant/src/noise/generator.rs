@@ -1,22 +1,22 @@
-//! The generator xoshiro256++ with its state in the open, so that several can be moved side by side.
+//! The generator xoshiro256++ with an accessible state, so that several can be advanced in a batch.
 
 use std::convert::Infallible;
 
 use rand_core::{Rng, SeedableRng, TryRng};
 use rand_xoshiro::SplitMix64;
 
-/// The state of a xoshiro256++ generator, as in `rand_xoshiro`, which keeps it to itself.
+/// State of a xoshiro256++ generator. The one in `rand_xoshiro` is private.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Generator(pub(super) [u64; 4]);
 
 impl Generator {
-    /// Seeded by splitmix64 (Steele, Lea and Flood 2014), as that library does it.
-    pub(super) fn of(seed: u64) -> Self {
+    /// Creates a generator seeded by splitmix64 (Steele, Lea and Flood 2014), as in that library.
+    pub(super) fn from_seed(seed: u64) -> Self {
         let mut words = SplitMix64::seed_from_u64(seed);
         Generator(std::array::from_fn(|_| words.next_u64()))
     }
 
-    /// The next 64 bits, and the state after them.
+    /// Returns the next 64 bits, and the state after them.
     #[inline(always)]
     pub(super) fn step([s0, s1, s2, s3]: [u64; 4]) -> (u64, [u64; 4]) {
         let bits = s0.wrapping_add(s3).rotate_left(23).wrapping_add(s0);
@@ -51,9 +51,9 @@ impl TryRng for Generator {
 
 /// A generator whose next 64 bits have been drawn already.
 pub(super) struct Resumed<'a> {
-    /// What was drawn, until it is taken.
+    /// The drawn bits, until they are used.
     pub(super) bits: Option<u64>,
-    /// The generator after that.
+    /// The generator after these bits.
     pub(super) rest: &'a mut Generator,
 }
 
@@ -73,7 +73,7 @@ impl TryRng for Resumed<'_> {
     }
 }
 
-/// Certain bits, and then ones for ever.
+/// Given bits, followed only by ones.
 pub(super) struct Scripted(pub(super) Option<u64>);
 
 impl TryRng for Scripted {

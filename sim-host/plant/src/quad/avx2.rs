@@ -5,13 +5,13 @@ use std::arch::x86_64::{__m256d, __m256i, _CMP_EQ_OQ, _CMP_LT_OQ};
 use pulp::x86::V3;
 use pulp::{Simd, WithSimd, cast};
 
-use super::four::Four;
-use super::{LANES, Quad, Work};
+use super::four::Registers;
+use super::{Kernel, LANES, Quad};
 
-/// A work in these registers.
+/// A kernel to be run in these registers.
 pub(super) struct In<W>(pub(super) V3, pub(super) W);
 
-impl<W: Work> WithSimd for In<W> {
+impl<W: Kernel> WithSimd for In<W> {
     type Output = W::Output;
 
     #[inline(always)]
@@ -20,7 +20,7 @@ impl<W: Work> WithSimd for In<W> {
     }
 }
 
-impl Four for V3 {
+impl Registers for V3 {
     type Numbers = __m256d;
     type Words = __m256i;
 

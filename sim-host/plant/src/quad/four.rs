@@ -1,53 +1,53 @@
-//! What four numbers side by side are computed with: registers of some processor, or none in particular.
+//! The registers for four numbers: those of a certain processor, or portable ones.
 
 use super::{LANES, Quad};
 
-/// Four numbers of 64 bits at a time.
-pub(crate) trait Four: Copy {
+/// Operations on four numbers of 64 bits.
+pub(crate) trait Registers: Copy {
     /// Four floating-point numbers.
     type Numbers: Copy;
     /// Four words.
     type Words: Copy;
 
-    /// From memory.
+    /// Loads from memory.
     fn load(self, quad: Quad) -> Self::Numbers;
-    /// Into memory.
+    /// Stores in memory.
     fn store(self, numbers: Self::Numbers) -> Quad;
-    /// `a + b`
+    /// Computes `a + b`
     fn add(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
-    /// `a - b`
+    /// Computes `a - b`
     fn sub(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
-    /// `a * b`
+    /// Computes `a * b`
     fn mul(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
-    /// Without signs.
+    /// Computes `|a|`
     fn abs(self, a: Self::Numbers) -> Self::Numbers;
-    /// `if a > b { a } else { b }`
+    /// Computes `if a > b { a } else { b }`
     fn larger(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
-    /// `if a < b { a } else { b }`
+    /// Computes `if a < b { a } else { b }`
     fn smaller(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
-    /// Whether every `a < b`.
+    /// Returns `true` if every `a < b`.
     fn are_below(self, a: Self::Numbers, b: Self::Numbers) -> bool;
-    /// Whether some `a == b`.
+    /// Returns `true` if any `a == b`.
     fn any_equal(self, a: Self::Numbers, b: Self::Numbers) -> bool;
-    /// Towards zero, of what fits into 32 bits.
+    /// Rounds towards zero; the numbers must fit into 32 bits.
     fn truncated(self, a: Self::Numbers) -> [i32; LANES];
 
-    /// From an array.
+    /// Converts from an array.
     fn words(self, words: [u64; LANES]) -> Self::Words;
-    /// Into an array.
+    /// Converts to an array.
     fn array(self, words: Self::Words) -> [u64; LANES];
-    /// `a + b`, modulo 2^64.
+    /// Computes `a + b`, modulo 2^64.
     fn wrapping_sum(self, a: Self::Words, b: Self::Words) -> Self::Words;
-    /// The bits that are different.
+    /// Computes `a ^ b`
     fn xor(self, a: Self::Words, b: Self::Words) -> Self::Words;
-    /// Shifted towards the upper bits.
+    /// Shifts towards the upper bits.
     fn left<const BITS: i32>(self, a: Self::Words) -> Self::Words;
-    /// Shifted towards the lower bits.
+    /// Shifts towards the lower bits.
     fn right<const BITS: i32>(self, a: Self::Words) -> Self::Words;
-    /// The numbers that have these bits.
+    /// Returns the numbers with these bits.
     fn numbers(self, bits: Self::Words) -> Self::Numbers;
 
-    /// Rotated to the left by `LEFT`, which with `RIGHT` is 64.
+    /// Rotates to the left by `LEFT`; `LEFT + RIGHT` is 64.
     #[inline(always)]
     fn rotated<const LEFT: i32, const RIGHT: i32>(self, a: Self::Words) -> Self::Words {
         const { assert!(LEFT + RIGHT == 64) };
@@ -55,7 +55,7 @@ pub(crate) trait Four: Copy {
     }
 }
 
-/// No registers in particular: the compiler finds some.
+/// Portable arrays; the compiler selects the registers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Portable;
 
@@ -64,12 +64,12 @@ fn each<T: Copy, U>(a: [T; LANES], b: [T; LANES], both: impl Fn(T, T) -> U) -> [
     std::array::from_fn(|n| both(a[n], b[n]))
 }
 
-impl Four for Portable {
+impl Registers for Portable {
     type Numbers = [f64; LANES];
     type Words = [u64; LANES];
 
     #[inline(always)]
-    /// From memory.
+    /// Loads from memory.
     fn load(self, quad: Quad) -> [f64; LANES] {
         quad.0
     }

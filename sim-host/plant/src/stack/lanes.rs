@@ -1,50 +1,52 @@
-//! Networks of several stacks side by side, one a lane, each with a flow of its own: [`Stack::advance`] and [`Stack::sample`] without friction, further
-//! modes and a late drive, in the same order of the same operations.
+//! Networks of several stacks in a batch, one a lane, each with its own flow. Same operations in
+//! the same order as [`Stack::advance`] and [`Stack::sample`] without friction, further modes and a
+//! late drive.
 
-use super::{STILL, Stack};
+use super::{STILL_CHANGE_REL, Stack};
 use crate::network::{D, E, I, STATES, V0, VC};
-use crate::quad::{Four, LANES, Quad, Wide};
+use crate::quad::{LANES, Quad, Registers, Wide};
 use crate::step_flow::{Look, StepFlow, TOTAL};
 use wide::f64x2;
 
-/// What a number follows from: the drive, and each state.
+/// Coefficients of a number: those of the drive and of each state.
 type Row = [Quad; 1 + STATES];
-/// Place of the drive in a row; the states come after it.
+/// Index of the drive in a row; the states come after it.
 const DRIVE: usize = 0;
-/// The states, and the total current.
-const NUMBERS: usize = TOTAL + 1;
+/// Number of values: the states, and the total current.
+const VALUES: usize = TOTAL + 1;
 
 /// The flows of several stacks.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Flows {
-    rows: [Row; NUMBERS],
-    /// Of each conversion in a step the voltage and the current.
+    rows: [Row; VALUES],
+    /// Rows of voltage and current for each conversion in a step.
     looks: Vec<[Row; 2]>,
-    /// Which of a stack's flows each lane has, from one.
+    /// Version of the stack's flow in each lane.
     remade: [Option<u64>; LANES],
 }
 
-/// The states of several stacks and their total currents at the end of a step, and at its beginning.
+/// States and total currents of several stacks at the end of a step, and at its beginning.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct States {
-    x: [Quad; NUMBERS],
-    before: [Quad; NUMBERS],
+    x: [Quad; VALUES],
+    before: [Quad; VALUES],
 }
 
-/// The same in registers.
+/// States in registers.
 #[derive(Clone, Copy)]
-pub(crate) struct StatesIn<F: Four> {
-    x: [Wide<F>; NUMBERS],
-    before: [Wide<F>; NUMBERS],
+pub(crate) struct StatesIn<F: Registers> {
+    x: [Wide<F>; VALUES],
+    before: [Wide<F>; VALUES],
 }
 
-/// The pair of a flow, and the place in it, of a state or of the total current.
+/// Returns the pair of a flow that contains a state or the total current, and its index in the
+/// pair.
 fn place(state: usize) -> (usize, usize) {
     (state / 2, state % 2)
 }
 
 impl Flows {
-    /// Brings a lane to the present flow of its stack.
+    /// Updates a lane to the present flow of its stack.
     pub(crate) fn take(&mut self, lane: usize, stack: &Stack) {
         if self.remade[lane].replace(stack.remade) == Some(stack.remade) {
             return;
@@ -68,15 +70,15 @@ impl Flows {
         }
     }
 
-    /// How many conversions there are in a step.
+    /// Returns the number of conversions in a step.
     #[inline(always)]
     pub(crate) fn conversions(&self) -> usize {
         self.looks.len()
     }
 
-    /// Moves by one step with the drives held.
+    /// Advances by one step with the drives held.
     #[inline(always)]
-    pub(crate) fn advance<F: Four>(&self, states: &mut StatesIn<F>, volts: Wide<F>) {
+    pub(crate) fn advance<F: Registers>(&self, states: &mut StatesIn<F>, volts: Wide<F>) {
         let x = states.x;
         let [e, d, v0, i, vc, total] = &self.rows;
         let next = [
@@ -90,53 +92,53 @@ impl Flows {
         *states = StatesIn { x: next, before: x };
     }
 
-    /// Voltage and current at a conversion within the step just made.
+    /// Returns the voltage and current at a conversion within the step just made.
     #[inline(always)]
-    pub(crate) fn look<F: Four>(&self, conversion: usize, states: &StatesIn<F>, volts: Wide<F>) -> [Wide<F>; 2] {
+    pub(crate) fn look<F: Registers>(&self, conversion: usize, states: &StatesIn<F>, volts: Wide<F>) -> [Wide<F>; 2] {
         let [v, i] = &self.looks[conversion];
         [response(v, &states.before, volts), response(i, &states.before, volts)]
     }
 }
 
-/// The amplifier's states, on which the stack does not act back. Here and below no closure and no adapter is between the registers and their
-/// instructions: what is not inlined is not compiled for them.
+/// Computes the amplifier's states, which do not depend on the stack. No closure or adapter is used
+/// here and below: code that is not inlined is not compiled for these registers.
 #[inline(always)]
-fn amplified<F: Four>(row: &Row, x: &[Wide<F>; NUMBERS], volts: Wide<F>) -> Wide<F> {
+fn amplified<F: Registers>(row: &Row, x: &[Wide<F>; VALUES], volts: Wide<F>) -> Wide<F> {
     let four = volts.four();
     row[DRIVE].wide(four) * volts + row[1 + E].wide(four) * x[E] + row[1 + D].wide(four) * x[D]
 }
 
 #[inline(always)]
-fn response<F: Four>(row: &Row, x: &[Wide<F>; NUMBERS], volts: Wide<F>) -> Wide<F> {
+fn response<F: Registers>(row: &Row, x: &[Wide<F>; VALUES], volts: Wide<F>) -> Wide<F> {
     let four = volts.four();
     let amplifier = amplified(row, x, volts);
     amplifier + row[1 + V0].wide(four) * x[V0] + row[1 + I].wide(four) * x[I] + row[1 + VC].wide(four) * x[VC]
 }
 
-impl<F: Four> StatesIn<F> {
-    /// Puts them into memory.
+impl<F: Registers> StatesIn<F> {
+    /// Stores the states in memory.
     #[inline(always)]
     pub(crate) fn stored(&self) -> States {
         let mut states = States::default();
-        for n in 0..NUMBERS {
+        for n in 0..VALUES {
             (states.x[n], states.before[n]) = (self.x[n].quad(), self.before[n].quad());
         }
         states
     }
 
-    /// Voltage at the stack, V.
+    /// Returns the voltage at the stack, V.
     #[inline(always)]
     pub(crate) fn voltage(&self) -> Wide<F> {
         self.x[V0]
     }
 
-    /// Motional current of the working mode, A.
+    /// Returns the motional current of the working mode, A.
     #[inline(always)]
     pub(crate) fn motional_current(&self) -> Wide<F> {
         self.x[I]
     }
 
-    /// Voltage of the motional capacitor, V.
+    /// Returns the voltage of the motional capacitor, V.
     #[inline(always)]
     pub(crate) fn motional_voltage(&self) -> Wide<F> {
         self.x[VC]
@@ -144,39 +146,40 @@ impl<F: Four> StatesIn<F> {
 }
 
 impl States {
-    /// Takes the state of a stack.
+    /// Copies the state of a stack.
     pub(crate) fn take(&mut self, lane: usize, stack: &Stack) {
         self.x.iter_mut().enumerate().for_each(|(n, quad)| quad[lane] = stack.state(n));
     }
 
-    /// Gives a stack its state, which the last step has led to with its drive held at `volts`.
+    /// Returns its state to a stack. The last step had its drive held at `volts`.
     pub(crate) fn give_back(&self, lane: usize, stack: &mut Stack, volts: f64) {
         for (n, quad) in self.before.iter().enumerate() {
             let (pair, number) = place(n);
             stack.x[pair].as_mut_array()[number] = quad[lane];
         }
         stack.advance(&stack.held(volts), 0.0);
-        debug_assert!((0..NUMBERS).all(|n| stack.state(n) == self.x[n][lane]), "a lane is what its stack is alone");
+        debug_assert!((0..VALUES).all(|n| stack.state(n) == self.x[n][lane]), "a lane differs from its stack alone");
     }
 
-    /// Takes them into registers.
+    /// Loads the states into registers.
     #[inline(always)]
-    pub(crate) fn wide<F: Four>(&self, four: F) -> StatesIn<F> {
+    pub(crate) fn wide<F: Registers>(&self, four: F) -> StatesIn<F> {
         let zero = Wide::splat(four, 0.0);
-        let mut states = StatesIn { x: [zero; NUMBERS], before: [zero; NUMBERS] };
-        for n in 0..NUMBERS {
+        let mut states = StatesIn { x: [zero; VALUES], before: [zero; VALUES] };
+        for n in 0..VALUES {
             (states.x[n], states.before[n]) = (self.x[n].wide(four), self.before[n].wide(four));
         }
         states
     }
 
-    /// Which of them have not moved in the last step, as [`Stack::is_still`] says it.
+    /// Returns, for each lane, `true` if it did not move in the last step, as in
+    /// [`Stack::is_still`].
     pub(crate) fn are_still(&self) -> [bool; LANES] {
         std::array::from_fn(|lane| {
             let pairs = self.x.iter().zip(&self.before).map(|(x, before)| (x[lane], before[lane]));
             let (moved, largest) = pairs
                 .fold((0.0f64, 0.1f64), |(moved, largest), (x, before)| (moved.max((x - before).abs()), largest.max(x.abs())));
-            moved <= STILL * largest
+            moved <= STILL_CHANGE_REL * largest
         })
     }
 }

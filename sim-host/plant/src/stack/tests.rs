@@ -1,4 +1,4 @@
-//! The flow against formulas, and against itself in finer steps.
+//! Tests of the flow against formulas, and against finer steps.
 
 use realfft::num_complex::Complex64;
 
@@ -13,7 +13,8 @@ fn timing(step_s: f64) -> Timing {
 
 const A3: Circuit = Circuit { c0_f: 300e-9, cm_f: 20e-9, lm_h: 0.7916e-3, rm_ohm: 3.08, force_factor_n_per_v: 5.566 };
 
-/// Drives with a sine sampled so finely that holding it does not matter, and compares with the admittance.
+/// Drives with a sine sampled so finely that the hold has no effect, and compares with the
+/// admittance.
 #[test]
 fn steady_state_is_the_admittance() {
     let amplifier = Amplifier { bandwidth_hz: 1e7, ..Amplifier::default() };
@@ -55,7 +56,8 @@ fn step_size_does_not_change_the_answer() {
     assert!((coarse.voltage() - fine.voltage()).abs() < 1e-10);
 }
 
-/// Every conversion, at any division of the sample and any skew, is what a flow of 20 ns steps shows at its time.
+/// Every conversion, at any division of the sample and any skew, equals a flow of 20 ns steps at
+/// its time.
 #[test]
 fn conversions_lie_on_the_exact_flow() {
     for (steps, conversions, skew_s) in [(1, 2, 0.0), (2, 2, 80e-9), (3, 4, -60e-9), (1, 1, 100e-9), (6, 3, 240e-9)] {
@@ -85,10 +87,11 @@ fn conversions_lie_on_the_exact_flow() {
     }
 }
 
-/// A stack with two further modes and a leak has the admittance of the sum of its branches, near each resonance and between.
+/// The admittance of a stack with two further modes and a leak is the sum of its branches, near
+/// each resonance and between.
 #[test]
 fn the_admittance_is_the_sum_of_the_branches() {
-    let further = vec![Branch::at(39_400.0, 100.0, 4e-3), Branch::at(43_000.0, 50.0, 2.6e-3)];
+    let further = vec![Branch::new(39_400.0, 100.0, 4e-3), Branch::new(43_000.0, 50.0, 2.6e-3)];
     let parts = Parts { circuit: A3, leak_s: 0.02 * A3.omega() * A3.c0_f, further };
     let mut worst = 0.0f64;
     for hz in [38_000.0, 39_400.0, 40_000.0, 40_500.0, 41_400.0, 43_000.0, 60_000.0] {
@@ -100,7 +103,7 @@ fn the_admittance_is_the_sum_of_the_branches() {
     assert!(worst < 1e-7, "{worst:e}");
 }
 
-/// Current over voltage at `hz`, by a sine of 1000 steps a period after 800 periods.
+/// Returns current over voltage at `hz`, by a sine of 1000 steps a period after 800 periods.
 fn admittance(parts: &Parts, hz: f64) -> Complex64 {
     const STEPS: usize = 1000;
     let amplifier = Amplifier { bandwidth_hz: 50e3, ..Amplifier::default() };
@@ -124,11 +127,11 @@ fn formula(parts: &Parts, hz: f64) -> Complex64 {
     parts.further.iter().fold(first, |sum, mode| sum + branch(mode.cm_f, mode.lm_h, mode.rm_ohm))
 }
 
-/// A drive that is late by part of a sample, with further modes, steps and conversions anywhere, is what a flow of 20 ns steps does
-/// that changes its drive when it is due.
+/// A drive that is late by a fraction of a sample, with further modes, several steps and several
+/// conversions, equals a flow of 20 ns steps whose drive changes at the delayed time.
 #[test]
 fn a_late_drive_is_exact() {
-    let further = vec![Branch::at(39_400.0, 100.0, 4e-3)];
+    let further = vec![Branch::new(39_400.0, 100.0, 4e-3)];
     let parts = Parts { circuit: A3, leak_s: 1e-3, further };
     for (steps, conversions, skew_s, late) in [(1, 2, 0.0, 13), (2, 2, 80e-9, 41), (3, 4, -60e-9, 20), (1, 1, 100e-9, 57)] {
         let divided = Timing { sample_s: 1.2e-6, steps, conversions, skew_s };
@@ -164,12 +167,12 @@ fn a_late_drive_is_exact() {
 
 /// A stack that loses its polarisation keeps the motion and the energy of every mode.
 #[test]
-fn what_moves_goes_on_when_the_coupling_changes() {
-    let further = vec![Branch::at(39_400.0, 100.0, 4e-3)];
+fn motion_continues_when_the_coupling_changes() {
+    let further = vec![Branch::new(39_400.0, 100.0, 4e-3)];
     let mut stack = Stack::new(Parts { circuit: A3, leak_s: 0.0, further }, &Amplifier::default(), timing(1e-6));
     (0..777).for_each(|n| stack.advance(&stack.held((0.2513 * f64::from(n)).sin()), 0.0));
     let before = (stack.stored_j(), stack.tip_velocity(), stack.tip_displacement());
-    stack.set(Breakage::Depoled.of(stack.parts().clone()));
+    stack.set(Breakage::Depoled.apply(stack.parts().clone()));
     let after = (stack.stored_j(), stack.tip_velocity(), stack.tip_displacement());
     let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
     assert!(near(before.0, after.0) && near(before.1, after.1) && near(before.2, after.2), "{before:?} {after:?}");

@@ -1,4 +1,4 @@
-//! Stacks side by side are what each of them is alone, bit for bit.
+//! Tests that batched stacks equal the same stacks alone, bit for bit.
 
 use firmware::seam::block::{DriveBlock, SenseBlock};
 use hal_mock::analog::Analog;
@@ -14,7 +14,7 @@ fn stack(name: &str, sets: &[&str]) -> DrivenStack {
     let loaded = load(name, &sets).unwrap_or_else(|error| panic!("{error}"));
     match Plant::new(&loaded.scene.driven().unwrap()) {
         Plant::Stack(stack) => *stack,
-        _ => panic!("{name} is no stack"),
+        _ => panic!("{name} is not a stack"),
     }
 }
 
@@ -22,8 +22,8 @@ fn block(codes: impl IntoIterator<Item = u16>) -> DriveBlock {
     DriveBlock { lanes: [codes.into_iter().collect()].into_iter().collect(), listen: 0, drops_queue: false }
 }
 
-/// What lane `lane` plays as block `number`: tones of different lengths with silence between, squares that hold a code, and a burst that ends within a
-/// block.
+/// Returns block `number` of lane `lane`: tones of different lengths with silence between, square
+/// waves that hold a code, and a burst that ends within a block.
 fn drive(lane: u64, number: u64) -> DriveBlock {
     let silent = (number / (700 + 100 * lane)) % 3 == 2;
     block((0..32).map(|n| {
@@ -43,7 +43,8 @@ fn drive(lane: u64, number: u64) -> DriveBlock {
     }))
 }
 
-/// Plays `blocks` blocks of these plants side by side and alone, and says for how many blocks all of them rested.
+/// Plays `blocks` blocks of these plants batched and alone. Returns the number of blocks, over all
+/// plants, that ended at rest.
 fn compare(plants: [Option<DrivenStack>; LANES], blocks: u64, drive: impl Fn(u64, u64) -> DriveBlock) -> usize {
     let (mut alone, mut together) = (plants.clone(), plants);
     let mut abreast = Abreast::default();
@@ -70,7 +71,7 @@ fn compare(plants: [Option<DrivenStack>; LANES], blocks: u64, drive: impl Fn(u64
 }
 
 #[test]
-fn stacks_side_by_side_are_what_each_is_alone() {
+fn batched_stacks_equal_each_one_alone() {
     let plants = [
         stack("lock", &["seed=1"]),
         stack("lock-drift", &["seed=2"]),
@@ -82,7 +83,7 @@ fn stacks_side_by_side_are_what_each_is_alone() {
 }
 
 #[test]
-fn a_stack_that_does_not_fit_goes_alone_beside_the_others() {
+fn an_unsuitable_stack_runs_alone() {
     let mode = ["stack.mode.0.series_resonance_hz=43e3", "stack.mode.0.q=100", "stack.mode.0.lm_h=4e-3"];
     let plants = [
         Some(stack("lock", &mode)),

@@ -1,9 +1,9 @@
-//! A late drive.
+//! Tests of a late drive.
 
 use super::{Bench, scene};
 
 fn voltages(delay_s: f64, samples: usize) -> Vec<f64> {
-    let mut bench = Bench::of(&scene(&[&format!("amplifier.delay_s={delay_s:e}"), "stack.bvd.loss_tangent=0.02"]));
+    let mut bench = Bench::new(&scene(&[&format!("amplifier.delay_s={delay_s:e}"), "stack.bvd.loss_tangent=0.02"]));
     let mut voltages = Vec::new();
     bench.sine(40_123.0, 3.0, samples, |block| voltages.extend(block.iter().map(|sample| sample.voltage_v)));
     voltages
@@ -17,11 +17,12 @@ fn whole_samples_shift_the_run() {
     assert_eq!(late[3..], prompt[..637]);
 }
 
-/// The motional current, which is deaf to the images of the hold, is late by the delay whatever its fraction.
+/// The motional current, which does not respond to the images of the hold, is late by the delay for
+/// any fraction of a sample.
 #[test]
 fn a_fraction_turns_the_phase() {
     let phasor = |delay_s: f64| {
-        let mut bench = Bench::of(&scene(&[&format!("amplifier.delay_s={delay_s:e}")]));
+        let mut bench = Bench::new(&scene(&[&format!("amplifier.delay_s={delay_s:e}")]));
         bench.sine(40_000.0, 3.0, 25 * 1600, |_| {});
         bench.phasors(40_000.0, 3.0, 25 * 32).1
     };

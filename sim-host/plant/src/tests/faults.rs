@@ -1,17 +1,18 @@
-//! What breaks in a stack.
+//! Tests of the failures of a stack.
 
 use super::{Bench, scene};
 use crate::breakage::SHORT_OHM;
 
 fn voltages(sets: &[&str]) -> Vec<f64> {
-    let (mut bench, mut voltages) = (Bench::of(&scene(sets)), Vec::new());
+    let (mut bench, mut voltages) = (Bench::new(&scene(sets)), Vec::new());
     bench.sine(40_000.0, 3.0, 6400, |block| voltages.extend(block.iter().map(|sample| sample.voltage_v)));
     voltages
 }
 
-/// At 0 a fault has been so from the beginning: the run is that of a stack which is so. Later, all before is as it was.
+/// A fault at time 0 gives the run of a stack with that fault. A later one leaves the run before it
+/// unchanged.
 #[test]
-fn at_zero_it_has_been_so_from_the_beginning() {
+fn a_fault_at_zero_acts_from_the_beginning() {
     let of = |c0_f: f64, coupling: f64| {
         let elements = [("c0_f", c0_f), ("cm_f", 2e-8 * coupling), ("lm_h", 0.7916e-3 / coupling), ("rm_ohm", 3.08 / coupling)];
         elements.map(|(key, value)| format!("stack.bvd.{key}={value:e}"))
@@ -32,14 +33,15 @@ fn at_zero_it_has_been_so_from_the_beginning() {
     assert!(later[3296..3328] != before[3296..3328]);
 }
 
-/// A short leaves the divider of its own resistance and the source's; the motional branch is 60 times the short.
+/// A short leaves the divider of its own resistance and the source's; the impedance of the motional
+/// branch is 60 times the short.
 #[test]
-fn a_short_takes_the_voltage() {
+fn a_short_collapses_the_voltage() {
     let shorted = voltages(&["fault.0.kind=short", "fault.0.at_s=0"]);
     let peak = shorted[3200..].iter().copied().fold(0.0, f64::max);
     let source = scene(&[]).scene.amplifier.unwrap().source_ohm;
     let expected = 3.0 * SHORT_OHM / (SHORT_OHM + source);
     println!("{peak} V of {expected} V");
-    // Measured 0.9933 of it: the amplifier at 40 kHz, the hold, the branch beside.
+    // Measured 0.9933 of it: the amplifier at 40 kHz, the hold, the parallel branch.
     assert!((peak / expected - 1.0).abs() < 0.01, "{peak} {expected}");
 }

@@ -1,4 +1,4 @@
-//! Further modes.
+//! Tests of further modes.
 
 use super::{Bench, scene};
 
@@ -13,17 +13,17 @@ const MODES: [&str; 6] = [
 
 #[test]
 fn states_are_counted() {
-    assert_eq!(Bench::of(&scene(&[])).plant.states(), 7);
-    assert_eq!(Bench::of(&scene(&MODES)).plant.states(), 11);
-    let mut cracked = Bench::of(&scene(&["fault.0.kind=cracked", "fault.0.at_s=0"]));
+    assert_eq!(Bench::new(&scene(&[])).plant.states(), 7);
+    assert_eq!(Bench::new(&scene(&MODES)).plant.states(), 11);
+    let mut cracked = Bench::new(&scene(&["fault.0.kind=cracked", "fault.0.at_s=0"]));
     cracked.sine(40e3, 3.0, 32, |_| {});
     assert_eq!(cracked.plant.states(), 9);
 }
 
-/// The budget of all modes closes, also while everything drifts and something breaks.
+/// The energy budget of all modes closes, also while everything drifts and a part fails.
 #[test]
 fn energy_closes() {
-    // Fine and smooth enough that the sums over the samples do not see the staircase of the drive.
+    // Fine and smooth enough that the steps of the drive do not affect the sums over the samples.
     let smooth = ["sensors.sample_hz=2e6", "amplifier.bandwidth_hz=50e3"];
     let drifting = [
         "stack.bvd.loss_tangent=0.02",
@@ -41,7 +41,7 @@ fn energy_closes() {
         "fault.0.kind=cracked",
     ];
     for (name, sets) in [("modes", [&MODES[..], &smooth].concat()), ("all", [&MODES[..], &smooth, &drifting].concat())] {
-        let mut bench = Bench::of(&scene(&sets));
+        let mut bench = Bench::new(&scene(&sets));
         bench.sine(40_000.0, 3.0, 100_000, |_| {});
         let energy = bench.plant.energy();
         println!("{name}: residual {:e} of {:.3e} J", energy.residual(), energy.supplied_j);

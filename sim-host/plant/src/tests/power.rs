@@ -1,4 +1,4 @@
-//! A stack at power: a loss that grows, heat, and where its polarisation ends.
+//! Tests of a stack at high power: a growing loss, heat, and the loss of polarisation.
 
 use std::f64::consts::TAU;
 
@@ -7,26 +7,27 @@ use realfft::num_complex::Complex64;
 use super::{Bench, scene};
 use crate::circuit::Circuit;
 
-/// Smooth enough that a phasor of samples does not see the images of the DAC's staircase.
+/// Settings smooth enough that the images of the DAC's staircase do not affect a phasor of samples.
 const SMOOTH: [&str; 2] = ["sensors.sample_hz=2e6", "amplifier.bandwidth_hz=50e3"];
 const HEATING: [&str; 3] =
     ["stack.thermal.heat_capacity_j_per_k=0.02", "stack.thermal.resistance_k_per_w=20", "stack.thermal.curie_c=325"];
 
 fn rest(loaded: &scene::load::Loaded) -> Circuit {
-    Circuit::of(&loaded.scene.stack.as_ref().unwrap().bvd)
+    Circuit::from_bvd(&loaded.scene.stack.as_ref().unwrap().bvd)
 }
 
-/// A loss that grows with the amplitude is its closed form: the amplitude `a` for which `|Z(Rm(a))| a` is what is played, before and at the resonance, for
-/// a law without an end and for one with.
+/// A loss that grows with amplitude matches its closed form: the amplitude `a` for which
+/// `|Z(Rm(a))| a` is the played voltage. Off and at the resonance, for a law without a limit and
+/// for one with a limit.
 #[test]
-fn a_loss_that_grows_with_amplitude_is_its_closed_form() {
+fn growing_loss_matches_its_closed_form() {
     const PER_A2: f64 = 0.8;
     for (hz, volts, most) in [(40_000.0, 1.0, None), (40_000.0, 4.0, None), (40_250.0, 4.0, None), (40_000.0, 4.0, Some(1.5))] {
         let mut sets = vec!["stack.bvd.series_resonance_hz=40e3".to_owned(), format!("stack.bvd.amplitude_rm_per_a2={PER_A2}")];
         sets.extend(most.map(|most| format!("stack.bvd.amplitude_rm_most={most}")));
         let loaded = scene(&sets.iter().map(String::as_str).collect::<Vec<_>>());
         let (rest, source_ohm) = (rest(&loaded), loaded.scene.amplifier.as_ref().unwrap().source_ohm);
-        let mut bench = Bench::of(&loaded);
+        let mut bench = Bench::new(&loaded);
         bench.sine(hz, volts, 40_000, |_| {});
         let (voltage, current) = bench.phasors(hz, volts, 20_000);
         let omega = TAU * hz;
@@ -49,7 +50,8 @@ fn a_loss_that_grows_with_amplitude_is_its_closed_form() {
     }
 }
 
-/// What heats it is `Rm |Im|^2 / 2` and `G |V|^2 / 2` by the phasors of what is played, and all of it is in the body or has left.
+/// The heating power is `Rm |Im|^2 / 2` plus `G |V|^2 / 2` by the phasors, and all heat is in the
+/// body or has left it.
 #[test]
 fn losses_become_heat() {
     let sets = [
@@ -66,7 +68,7 @@ fn losses_become_heat() {
     .concat();
     let loaded = scene(&sets);
     let rest = rest(&loaded);
-    let mut bench = Bench::of(&loaded);
+    let mut bench = Bench::new(&loaded);
     let (mut heating_j, mut left_j, mut before_k) = (0.0, 0.0, 0.0);
     let block_s = 16e-6;
     for _ in 0..12_500 {
@@ -87,7 +89,7 @@ fn losses_become_heat() {
     let second = Complex64::new(TAU * 43e3 * 4e-3 / 100.0, TAU * 40e3 * 4e-3 - (TAU * 43e3).powi(2) * 4e-3 / (TAU * 40e3));
     let further_w = 0.5 * second.re * (voltage / second).norm_sqr();
     let expected = 0.5 * rest.rm_ohm * current.norm_sqr() + 0.5 * leak_s * voltage.norm_sqr() + further_w;
-    // A block alone has no whole number of periods.
+    // A single block is not a whole number of periods.
     let mut mean_w = 0.0;
     for _ in 0..625 {
         bench.sine(40e3, 3.0, 32, |_| {});
@@ -95,13 +97,14 @@ fn losses_become_heat() {
     }
     println!("{mean_w:.6} W of {expected:.6} W, {further_w:.6} W of them in the second mode");
     assert!((mean_w / expected - 1.0).abs() < 1e-4, "{mean_w} {expected}");
-    // The budget has what is lost in the branches, and not what leaks.
+    // The budget contains the losses in the branches, but not the leakage.
     let leaked_j = heating_j - energy.lost_j;
     let dielectric_w = 0.5 * leak_s * voltage.norm_sqr();
     assert!((leaked_j / (0.2 * dielectric_w) - 1.0).abs() < 0.02, "{leaked_j} {dielectric_w}");
 }
 
-/// Everything moves at once, and energy is still what comes in, is lost, rubs, is stored, and was added by what moved.
+/// Everything changes at once, and the energy balance of supply, losses, friction, stored energy
+/// and changed elements still closes.
 #[test]
 fn energy_closes_while_the_stack_heats_itself() {
     let moving = [
@@ -122,11 +125,11 @@ fn energy_closes_while_the_stack_heats_itself() {
         "stack.thermal.resistance_k_per_w=20",
         "stack.thermal.curie_c=325",
     ];
-    let mut bench = Bench::of(&scene(&moving));
+    let mut bench = Bench::new(&scene(&moving));
     bench.sine(40_000.0, 3.0, 100_000, |_| {});
     let (energy, heat) = (bench.plant.energy(), bench.plant.truth().heat.unwrap());
     println!(
-        "residual {:e} of {:.3e} J, {:e} J by what moved, {:.2} K",
+        "residual {:e} of {:.3e} J, {:e} J by changes, {:.2} K",
         energy.residual(),
         energy.supplied_j,
         energy.disturbed_j,
@@ -137,10 +140,11 @@ fn energy_closes_while_the_stack_heats_itself() {
     assert_eq!(bench.plant.states(), 10);
 }
 
-/// At a constant voltage no gain is too much: it comes to `T = R V^2 / (2 Rm0 (1 + c T))` at the resonance, which is one root of a quadratic, with a source that
-/// is no resistance beside Rm.
+/// At a constant voltage no gain is unstable. At the resonance the temperature tends to
+/// `T = R V^2 / (2 Rm0 (1 + c T))`, one root of a quadratic, with a source resistance that is
+/// negligible against Rm.
 #[test]
-fn a_constant_voltage_at_resonance_comes_to_the_root_of_a_quadratic() {
+fn constant_voltage_heats_to_the_closed_form() {
     const PER_K: f64 = 0.05;
     let sets = [
         &HEATING[..],
@@ -155,17 +159,17 @@ fn a_constant_voltage_at_resonance_comes_to_the_root_of_a_quadratic() {
     .concat();
     let loaded = scene(&sets);
     let rest = rest(&loaded);
-    let mut bench = Bench::of(&loaded);
+    let mut bench = Bench::new(&loaded);
     bench.sine(40e3, 3.0, 800_000, |_| {});
     let (voltage, _) = bench.phasors(40e3, 3.0, 20_000);
     let cold_k = 20.0 * voltage.norm_sqr() / (2.0 * rest.rm_ohm);
     let end_k = ((1.0 + 4.0 * PER_K * cold_k).sqrt() - 1.0) / (2.0 * PER_K);
     let heat = bench.plant.truth().heat.unwrap();
     println!("{:.4} K of {end_k:.4} K", heat.temperature_k);
-    // Measured 2e-5: blocks, and what is left of ten time constants.
+    // Measured 2e-5: blocks, and the remainder after ten time constants.
     assert!((heat.temperature_k / end_k - 1.0).abs() < 3e-4, "{} {end_k}", heat.temperature_k);
     let gain = PER_K * end_k / (1.0 + PER_K * end_k);
-    // The loss of a block alone is that of a part of a period.
+    // The loss of a single block is that of a fraction of a period.
     let mut mean = 0.0;
     for _ in 0..625 {
         bench.sine(40e3, 3.0, 32, |_| {});
@@ -174,7 +178,7 @@ fn a_constant_voltage_at_resonance_comes_to_the_root_of_a_quadratic() {
     assert!((mean / gain - 1.0).abs() < 1e-3, "{mean} {gain}");
 }
 
-/// At its Curie point it is as by the fault, and cools.
+/// A stack at its Curie point behaves as after the fault `depoled`, and cools.
 #[test]
 fn at_its_curie_point_a_stack_is_depoled() {
     let sets =
@@ -182,7 +186,7 @@ fn at_its_curie_point_a_stack_is_depoled() {
             .concat();
     let loaded = scene(&sets);
     let rest = rest(&loaded);
-    let mut bench = Bench::of(&loaded);
+    let mut bench = Bench::new(&loaded);
     let mut hottest_k = 0.0f64;
     for _ in 0..5_000 {
         bench.sine(rest.series_resonance_hz(), 6.0, 32, |_| {});
@@ -193,7 +197,7 @@ fn at_its_curie_point_a_stack_is_depoled() {
     assert!((circuit.force_factor_n_per_v / rest.force_factor_n_per_v - 0.1).abs() < 1e-9, "{circuit:?}");
 }
 
-/// The surroundings warm it with its own time constant, and it begins at their temperature.
+/// The surroundings warm the stack with its own time constant. It begins at their temperature.
 #[test]
 fn surroundings_warm_a_stack_slowly() {
     let step = [
@@ -205,7 +209,7 @@ fn surroundings_warm_a_stack_slowly() {
     ];
     let loaded = scene(&[&HEATING[..], &step].concat());
     let rest = rest(&loaded);
-    let mut bench = Bench::of(&loaded);
+    let mut bench = Bench::new(&loaded);
     assert!((bench.plant.circuit().series_resonance_hz() - rest.series_resonance_hz() + 100.0).abs() < 1e-6);
     bench.play(&vec![32768; 400_000]);
     let expected = 50.0 - 40.0 * (-1f64).exp();

@@ -1,4 +1,4 @@
-//! A stack that has come to rest: its samples are not computed again, and that must not be seen.
+//! Tests that a stack at rest, whose samples are not computed again, gives unchanged results.
 
 use firmware::seam::block::{DriveBlock, SenseBlock};
 use hal_mock::analog::Analog;
@@ -6,7 +6,7 @@ use hal_mock::analog::Analog;
 use crate::Plant;
 use scene::load::load;
 
-/// Plays codes in blocks of so many, and says what the sensors made of them.
+/// Plays codes in blocks of `block` codes. Returns the codes of the sensors.
 fn played(plant: &mut Plant, codes: &[u16], block: usize) -> Vec<(u16, u16)> {
     let mut sense = SenseBlock::default();
     let mut seen = Vec::new();
@@ -18,10 +18,11 @@ fn played(plant: &mut Plant, codes: &[u16], block: usize) -> Vec<(u16, u16)> {
     seen
 }
 
-/// A block of one sample never rests, since what changes between two blocks may. Both see the same, bit for bit, in silence, at a held
-/// voltage and when the drive begins anew; with a contact, and with a late drive and a further mode.
+/// A plant that plays blocks of one sample never rests, as an element may change between any two
+/// blocks. Both plants sample the same codes, bit for bit: in silence, at a held voltage and when
+/// the drive starts again; with a contact, and with a late drive and a further mode.
 #[test]
-fn rest_is_not_seen() {
+fn rest_does_not_change_the_samples() {
     let late =
         ["amplifier.delay_s=1.3e-6", "stack.mode.0.series_resonance_hz=43e3", "stack.mode.0.q=100", "stack.mode.0.lm_h=4e-3"];
     let late = late.map(String::from);

@@ -1,4 +1,4 @@
-//! A resonance that temperature and amplitude move.
+//! Tests of a resonance that shifts with temperature and amplitude.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,8 @@ use crate::circuit::Circuit;
 const DUFFING_HZ_PER_A2: f64 = -900.0;
 const REST_HZ: f64 = 40_000.0;
 
-/// What the amplifier has to play before its source resistance for a motional current of this amplitude at `hz`.
+/// Returns the voltage before the source resistance that gives a motional current of this amplitude
+/// at `hz`.
 fn needed_v(circuit: &Circuit, source_ohm: f64, hz: f64, amplitude_a: f64) -> f64 {
     let circuit = circuit.with_series_resonance(REST_HZ + DUFFING_HZ_PER_A2 * amplitude_a.powi(2));
     let omega = TAU * hz;
@@ -19,7 +20,7 @@ fn needed_v(circuit: &Circuit, source_ohm: f64, hz: f64, amplitude_a: f64) -> f6
     amplitude_a * (branch * beside + source_ohm).norm()
 }
 
-/// All amplitudes for which that is `volts`: the closed form of the bent resonance.
+/// Returns all amplitudes for which that voltage is `volts`: the closed form of the bent resonance.
 fn amplitudes(volts: f64, needed_v: impl Fn(f64) -> f64) -> Vec<f64> {
     let over = |a: f64| needed_v(a) - volts;
     let grid: Vec<f64> = (1..=2000).map(|n| f64::from(n) * 1e-3).collect();
@@ -35,14 +36,14 @@ fn amplitudes(volts: f64, needed_v: impl Fn(f64) -> f64) -> Vec<f64> {
     crossings.map(bisected).collect()
 }
 
-/// The bent resonance: one amplitude at 1 V; at 4 V and 1 kHz below two stable ones, that from rest and that of a sweep down. And what
-/// the truth reports is the resonance at the present amplitude.
+/// The bent resonance has one amplitude at 1 V. At 4 V and 1 kHz below there are two stable ones:
+/// from rest, and from a downward sweep. The truth reports the resonance at the present amplitude.
 #[test]
-fn the_bent_resonance_is_its_closed_form() {
+fn bent_resonance_matches_its_closed_form() {
     let duffing = format!("stack.bvd.duffing_hz_per_a2={DUFFING_HZ_PER_A2}");
     let loaded = scene(&[&duffing, &format!("stack.bvd.series_resonance_hz={REST_HZ}")]);
     let source_ohm = loaded.scene.amplifier.as_ref().unwrap().source_ohm;
-    // Frequency, volts, where a sweep begins, which of how many amplitudes.
+    // Frequency, volts, start of a sweep, index of the amplitude, number of amplitudes.
     let cases = [
         (39_800.0, 1.0, None, 0, 1),
         (40_000.0, 1.0, None, 0, 1),
@@ -52,7 +53,7 @@ fn the_bent_resonance_is_its_closed_form() {
     ];
     let mut wrong = Vec::new();
     for (hz, volts, from, which, all) in cases {
-        let mut bench = Bench::of(&loaded);
+        let mut bench = Bench::new(&loaded);
         let mut now = from.unwrap_or(hz);
         while now > hz {
             bench.sine(now, volts, 192, |_| {});
@@ -67,7 +68,7 @@ fn the_bent_resonance_is_its_closed_form() {
         let present_hz = REST_HZ + DUFFING_HZ_PER_A2 * current.norm_sqr();
         let reported_hz = bench.plant.truth().series_resonance_hz;
         println!("{hz} Hz {volts} V: {:.6} A of {expected:.6?}, {reported_hz:.2} Hz of {present_hz:.2}", current.norm());
-        // Measured 1.4e-4 and 0.01 Hz: the elements stand still within a block.
+        // Measured 1.4e-4 and 0.01 Hz: the elements are constant within a block.
         let near = expected.get(which).is_some_and(|amplitude| (current.norm() / amplitude - 1.0).abs() < 3e-4);
         if expected.len() != all || !near || (reported_hz - present_hz).abs() > 0.03 {
             wrong.push((hz, volts, from));
@@ -86,8 +87,8 @@ fn temperature_moves_resonance_and_clamped_capacitance() {
         "disturbance.0.key=stack.temperature_k",
         "disturbance.0.rate_per_s=100",
     ]);
-    let rest = Circuit::of(&loaded.scene.stack.as_ref().unwrap().bvd);
-    let mut bench = Bench::of(&loaded);
+    let rest = Circuit::from_bvd(&loaded.scene.stack.as_ref().unwrap().bvd);
+    let mut bench = Bench::new(&loaded);
     let near = |got: f64, expected: f64| (got / expected - 1.0).abs() < 1e-9;
     assert!(near(bench.plant.circuit().series_resonance_hz(), rest.series_resonance_hz() - 50.0));
     bench.sine(40e3, 1.0, 32 * 3125, |_| {});
@@ -103,8 +104,8 @@ fn drift(number: usize, key: &str, rate: &str) -> [String; 3] {
     ["at_s=0".to_owned(), format!("key={key}"), format!("rate_per_s={rate}")].map(|set| format!("disturbance.{number}.{set}"))
 }
 
-/// What a drift costs, in one run: a block of a stack that stands still, of one whose resonance drifts, of one that its amplitude bends,
-/// and of one in which two things drift, which takes new exponentials in every block.
+/// Compares the cost of blocks in one run: constant elements, a drifting resonance, a resonance
+/// bent by the amplitude, and two drifting elements, which need new exponentials in every block.
 #[test]
 fn a_drift_costs_little() {
     let first = drift(0, "stack.bvd.series_resonance_hz", "-100");
@@ -112,7 +113,7 @@ fn a_drift_costs_little() {
     let bent = ["stack.bvd.duffing_hz_per_a2=-900".to_owned()];
     let cost = |sets: &[String]| {
         let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
-        let mut bench = Bench::of(&scene(&sets));
+        let mut bench = Bench::new(&scene(&sets));
         let codes: Vec<u16> = (0..3200).map(|n| (32768.0 + 4000.0 * (0.2513 * f64::from(n)).sin()) as u16).collect();
         let runs = (0..60).map(|_| {
             let began = std::time::Instant::now();
@@ -127,12 +128,13 @@ fn a_drift_costs_little() {
     assert!(drifting < 2.0 * still && bent < 2.0 * still, "{still} {drifting} {bent}");
 }
 
-/// A drift by the series is one by exponentials: a second drift, which changes C0 by parts in 1e9 only, forbids the series.
+/// A drift by the series equals one by exponentials: a second drift, which changes C0 by only parts
+/// in 1e9, prevents the series.
 #[test]
-fn the_series_changes_no_run() {
+fn the_series_gives_the_same_run() {
     let voltages = |sets: &[String]| {
         let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
-        let (mut bench, mut voltages) = (Bench::of(&scene(&sets)), Vec::new());
+        let (mut bench, mut voltages) = (Bench::new(&scene(&sets)), Vec::new());
         bench.sine(40_000.0, 3.0, 64_000, |block| voltages.extend(block.iter().map(|sample| sample.voltage_v)));
         voltages
     };

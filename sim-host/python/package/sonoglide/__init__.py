@@ -4,9 +4,9 @@
     >>> result = sonoglide.Scene.load("contact", {"excitation.velocity_ratio": 0.3}).run()
     >>> result["friction_ratio"]                                  # doctest: +SKIP
 
-A scene is one TOML file, a dictionary, or one of the built-in ones (`scenes()`). `Scene.run()` is what the command `sim-host run` does, by the
-same compiled code, and `Scene.sweep()` what `sim-host sweep` does: the same metrics, signals, figures and files. `import_admittance()` and `import_friction()` make
-parameters and scenes of measured data. `explain()` says what a metric, a key or a fault means, with its unit.
+A scene is one TOML file, a dictionary, or a built-in scene (`scenes()`). `Scene.run()` corresponds to the command `sim-host run` and `Scene.sweep()` to
+`sim-host sweep`, with the same compiled code: the same metrics, signals, figures and files. `import_admittance()` and `import_friction()` convert measured
+data to parameters and scenes. `explain()` returns the meaning of a metric, a key or a fault, with its unit.
 """
 
 from ._imported import Admittance, Contact, Correlation, Friction, Stated, import_admittance, import_friction

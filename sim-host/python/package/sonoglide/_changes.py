@@ -1,4 +1,4 @@
-"""Changes of a scene: from a mapping of keys to values to the text `key=value` of the command line."""
+"""Changes of a scene: conversion of a mapping of keys to values to the text `key=value` of the command line."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
-#: A value of a scene's key; `None` leaves a number out that may be absent.
+#: A value of a scene's key; `None` removes an optional number.
 Value: TypeAlias = "bool | int | float | str | Sequence[Any] | Mapping[str, Any] | None"
 
 
 def changes(values: Mapping[str, Value] | None) -> list[str]:
-    """The values as `key=value`, in order."""
+    """Returns the values as `key=value`, in order."""
     return [f"{key}={literal(value)}" for key, value in (values or {}).items()]
 
 
 def literal(value: Any) -> str:
-    """A value as TOML writes it."""
+    """Formats a value as TOML."""
     if value is None:
         return "none"
     if isinstance(value, bool):
@@ -33,4 +33,4 @@ def literal(value: Any) -> str:
         return repr(value)
     if isinstance(value, Sequence):
         return "[" + ", ".join(literal(item) for item in value) + "]"
-    raise TypeError(f"a scene has no values of the type {type(value).__name__}")
+    raise TypeError(f"a scene cannot contain values of type {type(value).__name__}")

@@ -1,4 +1,4 @@
-"""Sweeps on a Dask cluster: a task runs some points and returns the bytes of their part; Dask schedules, retries, and survives lost workers."""
+"""Sweeps on a Dask cluster: a task runs some points and returns the bytes of their part. Dask schedules, retries, and survives lost workers."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from . import _native
 if TYPE_CHECKING:
     from distributed import Client
 
-#: What makes a sweep: state of the scene, axes, draws, points, metrics.
+#: Definition of a sweep: state of the scene, axes, draws, points, metrics.
 Plan = tuple[tuple[str, str, str, list[str]], list[str], "int | None", "str | None", list[str]]
 
-#: How long a task is to take, s: long beside what the scheduler takes of it, short beside what is lost with a worker.
+#: Target duration of a task, s: long compared with the scheduler's overhead, short compared with the loss if a worker is lost.
 TASK_S = 5.0
-#: Points of the first task, which tells how long one takes.
+#: Number of points of the first task, which measures the duration of a point.
 FIRST = 16
-#: Most points of a task.
+#: Largest number of points of a task.
 MOST = 65_536
-#: How often a task is tried again whose worker was lost.
+#: Number of retries of a task whose worker was lost.
 RETRIES = 5
 
 
 def run_on(client: Client, plan: Plan, sweep: _native.Sweep, folder: str) -> None:
-    """Runs what a folder lacks of a sweep on a cluster; each part is written as soon as it comes."""
+    """Runs the missing points of a sweep's folder on a cluster; each part is written as soon as it arrives."""
     from distributed import as_completed
 
     missing = sweep.missing(folder)
@@ -56,7 +56,7 @@ def run_on(client: Client, plan: Plan, sweep: _native.Sweep, folder: str) -> Non
 
 
 def _part(plan: Plan, begin: int, end: int) -> tuple[str, bytes, float]:
-    """Runs some points, on a worker: name and bytes of their part, and how long it took, s."""
+    """Runs some points, on a worker. Returns name and bytes of their part, and the duration, s."""
     began = time.monotonic()
     state, axes, draws, points, metrics = plan
     sweep = _native.Sweep(_native.Scene.from_state(state), axes, draws, points, metrics)
@@ -66,7 +66,7 @@ def _part(plan: Plan, begin: int, end: int) -> tuple[str, bytes, float]:
 
 
 def _write(path: Path, data: bytes) -> None:
-    """A file that is whole or absent."""
+    """Writes a file atomically."""
     unfinished = path.with_name(f"{path.name}.{os.getpid()}.tmp")
     unfinished.write_bytes(data)
     unfinished.replace(path)

@@ -1,4 +1,4 @@
-"""Measured data as parameters with standard deviations, and as scenes."""
+"""Measured data, as parameters with standard deviations and as scenes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ._scene import Scene
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: How a transducer is connected to a network analyser.
+#: Connection of a transducer to a network analyser.
 Topology = Literal["one-port", "series-through", "shunt-through"]
 
 
@@ -25,7 +25,7 @@ class Stated:
     """A number and its standard deviation, both in the unit of its name."""
 
     value: float
-    #: Standard deviation; `None` where the data do not determine the number.
+    #: Standard deviation; `None` if the data do not determine the number.
     sd: float | None
 
     def __float__(self) -> float:
@@ -37,7 +37,7 @@ class Correlation:
     """Correlations of fitted numbers."""
 
     names: list[str]
-    #: A row and a column for each name, from -1 to 1; empty where a model has none.
+    #: A row and a column for each name, from -1 to 1; empty if a model has no correlations.
     matrix: NDArray[np.float64] = field(repr=False)
 
 
@@ -49,7 +49,7 @@ class Admittance:
     circuit: dict[str, Stated]
     #: Correlations of the numbers of `circuit`.
     correlation: Correlation
-    #: Every resonance, by frequency: the same numbers as far as a branch has them, and whether it is the working one.
+    #: All resonances, by frequency: the same numbers as far as a branch has them, and `working` for the working one.
     modes: list[dict[str, Any]]
     #: Frequencies of the sweep, Hz.
     frequency_hz: NDArray[np.float64] = field(repr=False)
@@ -57,23 +57,23 @@ class Admittance:
     measured_s: NDArray[np.complex128] = field(repr=False)
     #: Admittance of the circuit, S.
     fitted_s: NDArray[np.complex128] = field(repr=False)
-    #: Residuals in the coordinate of the instrument, in standard deviations of the noise; of a noise with memory, whitened.
+    #: Residuals in the coordinate of the instrument, in standard deviations of the noise; whitened if the noise is correlated.
     residual: NDArray[np.complex128] = field(repr=False)
-    #: What was found about the file, a sentence each.
+    #: Remarks on the file, a sentence each.
     remarks: list[str] = field(repr=False)
-    #: What to be careful about, a sentence each.
+    #: Warnings, a sentence each.
     warnings: list[str]
     #: The scene of the transducer as TOML.
     scene_toml: str | None = field(repr=False)
 
     def scene(self) -> Scene:
-        """The scene of this transducer. Raises `SceneError` where its values are outside of what a scene can have."""
+        """Returns the scene of this transducer. Raises `SceneError` if its values are outside the limits of a scene."""
         return _scene(self.scene_toml)
 
 
 @dataclass(frozen=True)
 class Contact:
-    """A contact model that was fitted to a log."""
+    """A contact model fitted to a log."""
 
     #: `coulomb`, `stribeck`, `dahl`, `lugre` or `maxwell`.
     model: str
@@ -83,7 +83,7 @@ class Contact:
     correlation: Correlation
     #: Root mean square of the residuals, N.
     rms_n: float
-    #: Bayes's information criterion; the least is the best.
+    #: Bayesian information criterion; the lowest is the best.
     criterion: float
 
 
@@ -91,38 +91,38 @@ class Contact:
 class Friction:
     """A friction log and its contact."""
 
-    #: The model chosen.
+    #: Selected model.
     contact: Contact
     #: All models, the best first.
     models: list[Contact]
-    #: Mean friction with vibration over without; `None` where the log does not have both.
+    #: Mean friction with vibration over that without; `None` if the log does not have both.
     friction_ratio: Stated | None
     #: Mean normal force, N.
     normal_n: float
-    #: Time of each sample, s; empty where the log has none.
+    #: Time of each sample, s; empty if the log has none.
     time_s: NDArray[np.float64] = field(repr=False)
     #: Slip velocity of each sample, m/s.
     velocity_m_per_s: NDArray[np.float64] = field(repr=False)
     #: Measured friction, N.
     measured_n: NDArray[np.float64] = field(repr=False)
-    #: Friction of the model chosen, N.
+    #: Friction of the selected model, N.
     fitted_n: NDArray[np.float64] = field(repr=False)
-    #: Whether the vibration is ON; the models are fitted where it is not.
+    #: True while the vibration is ON; the models are fitted to the other samples.
     on: NDArray[np.bool_] = field(repr=False)
-    #: What was found about the file, a sentence each.
+    #: Remarks on the file, a sentence each.
     remarks: list[str] = field(repr=False)
-    #: What to be careful about, a sentence each.
+    #: Warnings, a sentence each.
     warnings: list[str]
-    #: The contact study as TOML; `None` of a model that a scene does not have.
+    #: The contact study as TOML; `None` for a model that a scene does not support.
     scene_toml: str | None = field(repr=False)
 
     @property
     def residual_n(self) -> NDArray[np.float64]:
-        """Model less measurement at every sample, N."""
+        """Model minus measurement at every sample, N."""
         return self.fitted_n - self.measured_n
 
     def scene(self) -> Scene:
-        """The contact study of this contact. Raises `ValueError` of a model that a scene does not have."""
+        """Returns the contact study of this contact. Raises `ValueError` for a model that a scene does not support."""
         return _scene(self.scene_toml)
 
 
@@ -138,12 +138,13 @@ def import_admittance(
     series_ohm: float = 0.0,
     modes: int | None = None,
 ) -> Admittance:
-    """The equivalent circuit of a measured admittance or impedance, as `sim-host import admittance` fits it (docs/import.md).
+    """Fits the equivalent circuit of a measured admittance or impedance, as `sim-host import admittance` does (docs/measured-data.md).
 
-    `columns` names those of a table, as `"f [Hz], |Z| [ohm], theta [deg]"`; `units` are those of columns that name none; `z0_ohm` is the reference of
-    scattering parameters in a table, ohm; `open` and `short` are sweeps of the fixture, `series_ohm` a resistance in series; `modes` asks for so many resonances.
+    `columns` names the columns of a table, such as `"f [Hz], |Z| [ohm], theta [deg]"`. `units` are the units of columns without one. `z0_ohm` is the reference
+    of scattering parameters in a table, ohm. `open` and `short` are sweeps of the fixture, `series_ohm` is a resistance in series. `modes` is the number of
+    resonances to fit.
 
-    Raises `MeasurementError` with the reason, and the line or the column, where the file cannot be used.
+    Raises `MeasurementError` with the reason, and the line or the column, if the file cannot be used.
     """
     text, scene, arrays = _native.import_admittance(
         os.fspath(path), columns, list(units), z0_ohm, topology, _optional(open), _optional(short), series_ohm, modes
@@ -172,11 +173,11 @@ def import_friction(
     normal_n: float | None = None,
     on_s: Sequence[tuple[float, float]] = (),
 ) -> Friction:
-    """The contact of a friction log, as `sim-host import friction` fits it (docs/import.md).
+    """Fits the contact of a friction log, as `sim-host import friction` does (docs/measured-data.md).
 
-    `normal_n` is the normal force, N, where no column has it; `on_s` are pairs of times, s, between which the vibration is ON, where no column says it.
+    `normal_n` is the normal force, N, if no column contains it. `on_s` are pairs of times, s, between which the vibration is ON, if no column contains it.
 
-    Raises `MeasurementError` with the reason, and the line or the column, where the file cannot be used.
+    Raises `MeasurementError` with the reason, and the line or the column, if the file cannot be used.
     """
     text, scene, arrays = _native.import_friction(os.fspath(path), columns, normal_n, [(float(a), float(b)) for a, b in on_s])
     found, part = json.loads(text), {name: _numbers(values) for name, values in arrays}
@@ -215,5 +216,5 @@ def _contact(found: dict[str, Any]) -> Contact:
 
 def _scene(text: str | None) -> Scene:
     if text is None:
-        raise ValueError("a scene does not have this model of friction")
+        raise ValueError("a scene does not support this friction model")
     return Scene.from_toml(text, name="imported")

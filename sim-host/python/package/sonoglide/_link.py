@@ -13,11 +13,11 @@ from ._changes import Value, changes
 
 
 class Answer(dict[str, Any]):
-    """Answer of a board to a command: fields with their units in their names. `text` is for a reader."""
+    """Answer of a board to a command: fields with their units in their names, and a `text` for a reader."""
 
     def __init__(self, text: str, fields: Mapping[str, Any]) -> None:
         super().__init__(fields)
-        #: The answer in words, as the command line prints it.
+        #: The answer as text, as the command line prints it.
         self.text = text
 
     def __str__(self) -> str:
@@ -25,7 +25,7 @@ class Answer(dict[str, Any]):
 
 
 class Link:
-    """A session with a driver board, or with a simulated one. Used as a context it ends with its block, and the drive falls silent.
+    """A session with a driver board, or with a simulated one. Used as a context manager it ends with its block, and the drive is switched off.
 
         with sonoglide.Link("sim:lock") as board:
             board.scan()["series_resonance_hz"]
@@ -33,7 +33,7 @@ class Link:
             board.drive(volts=3)
             board.capture(output="capture")
 
-    While Python does something else, the session tells the board that its host is there.
+    While Python does something else, the session tells the board that its host is present.
     """
 
     def __init__(
@@ -46,14 +46,14 @@ class Link:
     ) -> None:
         """Connects to a serial device (`/dev/ttyACM0`, `COM3`), to `tcp:HOST:PORT`, or to `sim:SCENE`, a simulated board.
 
-        `values` change the scene of a simulated board. `host_timeout_s` is for how long the board drives without a message from its host (its own setting by
-        default); `stay` lets the drive go on after the session. Raises `LinkError` if no board answers.
+        `values` change the scene of a simulated board. `host_timeout_s` is the time for which the board drives without a message from its host (by default its
+        own setting). With `stay` the drive continues after the session. Raises `LinkError` if no board answers.
         """
         self._native = _native.Link(port, changes(values), host_timeout_s, stay)
 
     @property
     def port(self) -> str:
-        """The port as it was named."""
+        """Port, as given by the caller."""
         return self._native.port
 
     def run(self, command: str) -> Answer:
@@ -65,15 +65,15 @@ class Link:
         return Answer(text, json.loads(fields))
 
     def identify(self) -> Answer:
-        """Who is there: firmware, protocol, and how the link does."""
+        """Returns firmware, protocol, and the state of the link."""
         return self.run("identify")
 
     def status(self) -> Answer:
-        """What the board does now."""
+        """Returns the present state of the board."""
         return self.run("status")
 
     def scan(self, output: str | os.PathLike[str] | None = None) -> Answer:
-        """Finds the resonances; with `output` the admittance loop is written there."""
+        """Finds the resonances; with `output` the admittance loop is written to that folder."""
         return self._ordered("scan", output=output)
 
     def lock(self) -> Answer:
@@ -81,24 +81,24 @@ class Link:
         return self.run("lock")
 
     def drive(self, *, volts: float | None = None, amperes: float | None = None) -> Answer:
-        """Drives at the resonance with a peak voltage, V, or a peak motional current, A (the tip's velocity times the force factor), else with the configured
-        amplitude; it goes on until `stop`."""
+        """Drives at the resonance with a peak voltage, V, or a peak motional current, A (the tip's velocity times the force factor), by default with the
+        configured amplitude. The drive continues until `stop`."""
         return self._ordered("drive", volts=volts, current=amperes)
 
     def capture(self, output: str | os.PathLike[str] | None = None) -> Answer:
-        """Records voltage, current and drive sample by sample; with `output` as CSV and figure there."""
+        """Records voltage, current and drive sample by sample; with `output` as CSV and figure in that folder."""
         return self._ordered("capture", output=output)
 
     def wait(self, seconds: float) -> Answer:
-        """Lets time pass, s, with the board looked after; of a simulated board it is the time that it plays in."""
+        """Waits, s, while the session keeps the link alive; a simulated board plays for that time."""
         return self.run(f"wait {seconds!r}")
 
     def stop(self) -> Answer:
-        """Falls silent."""
+        """Stops the drive."""
         return self.run("stop")
 
     def close(self) -> None:
-        """Ends the session; the drive falls silent unless it is to stay."""
+        """Ends the session; the drive stops unless `stay` is set."""
         self._native.close()
 
     def _ordered(self, command: str, **options: float | str | os.PathLike[str] | None) -> Answer:

@@ -1,4 +1,4 @@
-"""The compiled half of this package."""
+"""The compiled part of this package."""
 
 VERSION: str
 
@@ -91,4 +91,4 @@ def scenes() -> list[str]:
 
 def metrics() -> list[tuple[str, str, str]]: ...
 def explain(word: str) -> str:
-    """What a metric, fault, limit, key of a scene or file means: unit, window, remedy. Raises `KeyError` with the nearest names."""
+    """Returns the meaning of a metric, fault, limit, key of a scene or file: unit, window, remedy. Raises `KeyError` with the nearest names."""

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Expectation:
-    """An expectation of the scene, and whether it holds."""
+    """An expectation of the scene, and its result."""
 
     metric: str
-    #: Value of the metric; `None` where the run does not have it.
+    #: Value of the metric; `None` if the run does not have it.
     value: float | None
     limit: str
     passed: bool
@@ -38,14 +38,14 @@ class Signal:
         self._native, self._place = native, place
         #: Name of the signal, with its unit.
         self.name = name
-        #: Unit of the values; `1` of a ratio or a count, empty of a text.
+        #: Unit of the values; `1` for a ratio or a count, empty for text.
         self.unit = unit
-        #: What it is.
+        #: Meaning of the signal.
         self.meaning = meaning
 
     @cached_property
     def values(self) -> NDArray[Any]:
-        """Values of the signal, one a row; numbers are read-only."""
+        """Values of the signal, one per row; arrays of numbers are read-only."""
         values = self._native.signal(self._place)
         return np.frombuffer(values) if isinstance(values, bytes) else np.array(values)
 
@@ -72,15 +72,15 @@ class Table:
 
 
 class Figure:
-    """A figure of a run; a notebook shows it."""
+    """A figure of a run, displayed by a notebook."""
 
     def __init__(self, native: _native.Result, place: int, id: str, title: str, caption: str) -> None:
         self._native, self._place = native, place
-        #: Name of the figure, that of its files.
+        #: Name of the figure, also that of its files.
         self.id = id
         #: Title of the figure.
         self.title = title
-        #: What is to be seen in it.
+        #: Explanation for the reader.
         self.caption = caption
 
     @cached_property
@@ -90,12 +90,12 @@ class Figure:
 
     @property
     def csv(self) -> str:
-        """The data of the figure as CSV; `sonoglide.explain(id + ".csv")` says what its columns are."""
+        """The data of the figure as CSV; `sonoglide.explain(id + ".csv")` explains its columns."""
         return self._native.csv(self._place)
 
     @cached_property
     def data(self) -> dict[str, NDArray[Any]]:
-        """The data of the figure: for each column its values; numbers, with NaN for what is empty, or texts."""
+        """The data of the figure by column: numbers, with NaN for empty cells, or text."""
         rows = list(csv.reader(io.StringIO(self.csv)))
         columns = zip(*rows[1:]) if len(rows) > 1 else ([] for _ in rows[0])
         return {name: _numbers(list(column)) for name, column in zip(rows[0], columns)}
@@ -108,20 +108,20 @@ class Figure:
 
 
 class Result(Mapping[str, float]):
-    """Result of a run. As a mapping it holds the metrics: `result["friction_ratio"]`."""
+    """Result of a run. As a mapping it contains the metrics: `result["friction_ratio"]`."""
 
     def __init__(self, native: _native.Result) -> None:
         self._native = native
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """The summary of the run, as `summary.json` holds it. It is the same on every run of the same scene."""
+        """The summary of the run, as in `summary.json`. It is the same for every run of the same scene."""
         summary: dict[str, Any] = json.loads(self._native.summary)
         return summary
 
     @cached_property
     def metrics(self) -> dict[str, float]:
-        """Metrics by their names, which end with their units. What has no meaning in the scene is absent; a statistic that is infinite is `inf`."""
+        """Metrics by their names, which end with their units. Metrics without a meaning in the scene are absent; an infinite statistic is `inf`."""
         return {name: float("inf") if value is None else value for name, value in self.summary["metrics"].items()}
 
     def __getitem__(self, metric: str) -> float:
@@ -138,7 +138,7 @@ class Result(Mapping[str, float]):
 
     @property
     def passed(self) -> bool:
-        """Whether every expectation of the scene holds."""
+        """True if every expectation of the scene is met."""
         return self._native.passed
 
     @property
@@ -151,13 +151,13 @@ class Result(Mapping[str, float]):
 
     @property
     def machine(self) -> dict[str, Any]:
-        """Figures of the machine, which differ from run to run: wall time, simulated seconds a second, and so on."""
+        """Figures of the machine, which differ from run to run: wall time, simulated seconds per second, and so on."""
         machine: dict[str, Any] = json.loads(self._native.machine)
         return machine
 
     @property
     def run_s(self) -> float:
-        """Wall time of the run itself, s: without what Python adds, and without what is made of its result."""
+        """Wall time of the run itself, s: without the overhead of Python, and without evaluation of the result."""
         return self._native.run_s
 
     @property
@@ -167,20 +167,21 @@ class Result(Mapping[str, float]):
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on the run, and notes of the scene: a paragraph each."""
+        """Remarks on the run, and notes of the scene, a paragraph each."""
         return self._native.notes
 
     @cached_property
     def signals(self) -> dict[str, Signal]:
-        """Signals of the run by their names, one value a row: of a driven run what its `[trace]` asks for or a row a block, of a contact study its last periods.
+        """Signals of the run by their names, with one value per row. The rows of a driven run are those of its `[trace]`, by default one per block; those of a
+        contact study are its last periods.
 
-        `result.signals["time_s"].values` is an array of NumPy.
+        `result.signals["time_s"].values` is a NumPy array.
         """
         return {name: Signal(self._native, place, name, *texts) for place, (name, *texts) in enumerate(self._native.signals)}
 
     @cached_property
     def figures(self) -> dict[str, Figure]:
-        """Figures of the run by their names, the most telling first."""
+        """Figures of the run by their names, the most important first."""
         return {id: Figure(self._native, place, id, *texts) for place, (id, *texts) in enumerate(self._native.figures)}
 
     @cached_property
@@ -204,7 +205,7 @@ class Result(Mapping[str, float]):
 
 
 def _scaled(svg: str) -> str:
-    """A picture that takes the width that there is."""
+    """Makes a picture as wide as its container."""
     return svg.replace("<svg ", "<svg style='width:100%;height:auto' ", 1)
 
 

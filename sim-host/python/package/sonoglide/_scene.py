@@ -25,14 +25,14 @@ class Metric(NamedTuple):
 
 
 def metrics() -> list[Metric]:
-    """All metrics that a run can have: name, unit (`1` of a ratio or a count), meaning."""
+    """Returns all metrics that a run can have: name, unit (`1` for a ratio or a count), meaning."""
     return [Metric(*metric) for metric in _native.metrics()]
 
 
 class Scene:
-    """What is to be run: a drive with its plant, or a contact by itself. It does not change; `with_values` makes another.
+    """A scene to run: a drive with its plant, or a contact alone. It is immutable; `with_values` returns another scene.
 
-    Keys have their unit at their end (`excitation.force_n`, `stack.bvd.series_resonance_hz`); `explain(key)` says what one means.
+    Keys end with their unit (`excitation.force_n`, `stack.bvd.series_resonance_hz`); `explain(key)` returns the meaning of one.
     """
 
     __slots__ = ("_native",)
@@ -42,24 +42,24 @@ class Scene:
 
     @classmethod
     def load(cls, source: str | os.PathLike[str], values: Mapping[str, Value] | None = None) -> Scene:
-        """A built-in scene by its name, or a TOML file by its path, with some values changed.
+        """Loads a built-in scene by its name, or a TOML file by its path, with some values changed.
 
-        Raises `SceneError` with every mistake, each with its line and the nearest name.
+        Raises `SceneError` with every error, each with its line and the nearest name.
         """
         return cls(_native.Scene.load(os.fspath(source), changes(values)))
 
     @classmethod
     def from_toml(cls, text: str, values: Mapping[str, Value] | None = None, *, name: str = "scene") -> Scene:
-        """A scene from its text as TOML. A relative `base` is looked for beside `name`."""
+        """Creates a scene from TOML text. A relative `base` is looked up in the folder of `name`."""
         return cls(_native.Scene.from_toml(text, name, changes(values)))
 
     @classmethod
     def from_dict(cls, tree: Mapping[str, Any], *, name: str = "scene") -> Scene:
-        """A scene from nested dictionaries, as `to_dict` gives them; entries that are `None` are left out."""
+        """Creates a scene from nested dictionaries, as returned by `to_dict`; entries that are `None` are omitted."""
         return cls(_native.Scene.from_json(json.dumps(_without_none(tree)), name, []))
 
     def with_values(self, values: Mapping[str, Value]) -> Scene:
-        """The same scene with some values changed, such as `{"contact.dahl.mu": 0.2}`."""
+        """Returns the same scene with some values changed, such as `{"contact.dahl.mu": 0.2}`."""
         return Scene(self._native.changed(changes(values)))
 
     @property
@@ -73,11 +73,11 @@ class Scene:
         return self._native.title
 
     def to_toml(self) -> str:
-        """The scene with all its defaults as TOML, every key with its unit and meaning."""
+        """Returns the scene with all its defaults as TOML, every key with its unit and meaning."""
         return self._native.to_toml()
 
     def to_dict(self) -> dict[str, Any]:
-        """The scene with all its defaults as nested dictionaries."""
+        """Returns the scene with all its defaults as nested dictionaries."""
         tree: dict[str, Any] = json.loads(self._native.to_json())
         return tree
 
@@ -85,7 +85,7 @@ class Scene:
         """Runs the scene, with its grid and its comparison.
 
         With `output` it also writes the folder of files that `sim-host run -o` writes: manifest, summary, traces, figures, report. Other Python threads
-        go on meanwhile, and Ctrl-C ends the run. Raises `RunError` if there is no result.
+        continue meanwhile, and Ctrl-C ends the run. Raises `RunError` if there is no result.
         """
         return Result(self._native.run(None if output is None else os.fspath(output)))
 
@@ -102,14 +102,14 @@ class Scene:
     ) -> Sweep:
         """Runs the scene at many points, in parallel.
 
-        `over` has for each key its values: `[0.1, 0.2]`, an array, or the text of the command line's `--over`, `"0.05:0.95:181"` or `"1e4:1e7:61:log"`; every
-        combination is a point. With `draws` the entries are ranges, `"0.1:0.3"` or `"1e4:1e7:log"`, and that many pairs of draws are laid out for Sobol indices.
-        `points` has the values of each key at each point instead. `metrics` are the metrics to read (all, without names; a few are faster).
+        `over` has the values of each key: `[0.1, 0.2]`, an array, or the text of the command line's `--over`, `"0.05:0.95:181"` or `"1e4:1e7:61:log"`. Every
+        combination is a point. With `draws` the entries are ranges, `"0.1:0.3"` or `"1e4:1e7:log"`, and that many pairs of draws are made for Sobol indices.
+        `points` instead has the values of each key at each point. `metrics` are the metrics to read (by default all; fewer are faster).
 
-        `output` is the folder of the sweep, as `sim-host sweep -o` makes it: a sweep that was interrupted goes on there. Without it the folder goes with the result.
-        `jobs` is the number of threads. With a Dask `client` the points run on its cluster, and the result is the same, byte for byte.
+        `output` is the folder of the sweep, as made by `sim-host sweep -o`: an interrupted sweep continues there. Without it the folder is deleted with the
+        result. `jobs` is the number of threads. With a Dask `client` the points run on its cluster, and the result is the same, byte for byte.
 
-        A point without a result has NaN for its metrics, and its reason is in `failures`. Raises `SceneError` for a key or metric that there is not.
+        A point without a result has NaN for its metrics, and its reason is in `failures`. Raises `SceneError` for an unknown key or metric.
         """
         return run(self._native, over or {}, metrics, (draws, points), None if output is None else os.fspath(output), jobs, client)
 

@@ -27,15 +27,15 @@ Values: TypeAlias = "str | Sequence[float] | NDArray[Any]"
 
 
 class Sweep(Mapping[str, "NDArray[Any]"]):
-    """Result of a sweep. As a mapping it holds the columns: `sweep["friction_ratio"]`, a value a point; keys of the scene are columns as well."""
+    """Result of a sweep. As a mapping it contains the columns: `sweep["friction_ratio"]` has one value per point; keys of the scene are columns as well."""
 
     def __init__(self, folder: Path, scratch: tempfile.TemporaryDirectory[str] | None) -> None:
         #: Folder of the sweep, with `sweep.parquet`, `sweep.csv`, figures and `report.html`.
         self.folder = folder
         self._scratch = scratch
-        #: What makes this sweep: keys, metrics and their units, points, the scene with all its defaults.
+        #: Definition of this sweep: keys, metrics and their units, points, the scene with all its defaults.
         self.plan: dict[str, Any] = json.loads((folder / "plan.json").read_text())
-        #: Unit of each column; `1` of a ratio or a count.
+        #: Unit of each column; `1` for a ratio or a count.
         self.units: dict[str, str] = {entry["key"]: entry["unit"] for entry in self.plan["keys"]} | {
             entry["metric"]: entry["unit"] for entry in self.plan["metrics"]
         }
@@ -43,12 +43,13 @@ class Sweep(Mapping[str, "NDArray[Any]"]):
 
     @property
     def keys_swept(self) -> list[str]:
-        """The keys that differ from point to point; the last changes fastest."""
+        """Keys that differ from point to point; the last changes fastest."""
         return [entry["key"] for entry in self.plan["keys"]]
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """How many values each key has, if the points are every combination: `sweep["friction_ratio"].reshape(sweep.shape)` is the map. Else the number of points."""
+        """Number of values of each key, if the points are every combination: `sweep["friction_ratio"].reshape(sweep.shape)` is the map. Otherwise the number of
+        points."""
         axes = self.plan["design"].get("axes")
         return tuple(axis["count"] for axis in axes) if axes else (self.plan["points"],)
 
@@ -59,17 +60,17 @@ class Sweep(Mapping[str, "NDArray[Any]"]):
             return [(int(row["point"]), row["failure"]) for row in csv.DictReader(file)]
 
     def to_arrow(self) -> pyarrow.Table:
-        """The rows as an Arrow table; needs `pip install sonoglide[arrow]`."""
+        """Returns the rows as an Arrow table; needs `pip install sonoglide[arrow]`."""
         import pyarrow.parquet
 
         return pyarrow.parquet.read_table(self.folder / "sweep.parquet")
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The rows as a data frame of pandas, with the point's number as index."""
+        """Returns the rows as a pandas data frame, with the point's number as index."""
         return self.to_arrow().to_pandas().set_index("point")
 
     def to_polars(self) -> polars.DataFrame:
-        """The rows as a data frame of polars."""
+        """Returns the rows as a polars data frame."""
         import polars
 
         return polars.read_parquet(self.folder / "sweep.parquet")
@@ -100,10 +101,10 @@ def run(
     jobs: int | None,
     client: Client | None,
 ) -> Sweep:
-    """Runs a sweep into its folder, here or on a cluster, and reads it."""
+    """Runs a sweep into its folder, locally or on a cluster, and reads it."""
     draws, points = sampled
     if (points is None) == (not over):
-        raise ValueError("a sweep is over some keys, or has points: one of the two")
+        raise ValueError("give either keys to sweep over or points")
     axes = [f"{key}={_written(values)}" for key, values in over.items()]
     sweep = _native.Sweep(scene, axes, draws, None if points is None else _table(points), list(metrics))
     scratch = None if output else tempfile.TemporaryDirectory(prefix="sonoglide-sweep-")
@@ -119,12 +120,12 @@ def run(
 
 
 def _written(values: Values) -> str:
-    """Values as the command line writes them; a number is written so that it is read back exactly."""
+    """Formats values as on the command line; numbers are exact."""
     return values if isinstance(values, str) else ",".join(repr(float(value)) for value in values)
 
 
 def _table(points: Mapping[str, Sequence[float]]) -> str:
-    """Points as a CSV: a line of keys, then a line a point."""
+    """Formats points as CSV: a line of keys, then a line per point."""
     columns = [[repr(float(value)) for value in values] for values in points.values()]
     if len({len(column) for column in columns}) > 1:
         raise ValueError("the keys of the points have different numbers of values")

@@ -1,7 +1,7 @@
-//! The numbers behind a figure as CSV.
+//! The numbers of a figure as CSV.
 //!
-//! Every sample is written, however the picture was thinned, with as many digits as it takes to read
-//! the same number back. A value that is not finite is an empty cell.
+//! Every sample is written, even if the picture was thinned, with enough digits to read the same
+//! number back. A value that is not finite is an empty cell.
 
 use std::io::Write;
 
@@ -10,8 +10,9 @@ use crate::figure::{Figure, HeatMap, Style};
 /// Writes the figure's series.
 ///
 /// Series over the same x share one table: x first, then a column for each. Series over different x
-/// are written one below the other, with the name of the series in the first column. A map is a table of a line for each of its
-/// columns: the middle in x, then the values, whose headings say the middle in y.
+/// are written one below the other, with the name of the series in the first column. A map is a
+/// table with a line for each of its columns: the middle in x, then the values, with the middle in
+/// y as the heading.
 pub(crate) fn write(figure: &Figure, target: impl Write) -> csv::Result<()> {
     let mut out = csv::Writer::from_writer(target);
     if let Some(map) = &figure.map {
@@ -25,7 +26,7 @@ pub(crate) fn write(figure: &Figure, target: impl Write) -> csv::Result<()> {
     Ok(())
 }
 
-/// The x that all series share.
+/// Returns the x that all series share.
 fn shared_x(figure: &Figure) -> Option<&[f64]> {
     let mut series = figure.all_series();
     let first = series.next()?;
@@ -53,7 +54,7 @@ fn write_long<W: Write>(figure: &Figure, out: &mut csv::Writer<W>) -> csv::Resul
     let along = figure.along.as_ref();
     let mut header = vec!["series".into()];
     header.extend(along.map(|along| along.csv_column.clone()));
-    // Plots below have another quantity in this column, and the series' names say which.
+    // Plots below have another quantity in this column, identified by the name of the series.
     let y = if figure.panels.is_empty() { column_name(&figure.y.label) } else { "value".into() };
     header.extend([column_name(&figure.x.label), y]);
     let banded = figure.all_series().any(|s| matches!(s.style, Style::Band { .. }));
@@ -77,7 +78,7 @@ fn write_long<W: Write>(figure: &Figure, out: &mut csv::Writer<W>) -> csv::Resul
 
 fn write_map<W: Write>(figure: &Figure, map: &HeatMap, out: &mut csv::Writer<W>) -> csv::Result<()> {
     let (columns, rows) = map.size();
-    // Six digits: the middles are computed, and their last digits are rounding.
+    // Six digits: the middles are computed, and their last digits are rounding errors.
     let middle = |(from, to): (f64, f64), log: bool, n: usize, of: usize| {
         let part = (n as f64 + 0.5) / of as f64;
         let value = if log { from * (to / from).powf(part) } else { from + (to - from) * part };
@@ -102,7 +103,7 @@ fn cell(value: f64) -> String {
     }
 }
 
-/// A column name from an axis label: `time [ms]` becomes `time_ms`.
+/// Converts an axis label to a column name: `time [ms]` becomes `time_ms`.
 fn column_name(label: &str) -> String {
     let mut name = String::new();
     for letter in label.chars() {
@@ -180,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn what_runs_along_a_locus_is_a_column() {
+    fn the_quantity_along_a_locus_is_a_column() {
         let figure = Figure {
             x: Axis { label: "conductance [S]".into(), ..Axis::default() },
             y: Axis { label: "susceptance [S]".into(), ..Axis::default() },

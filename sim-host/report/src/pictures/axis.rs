@@ -1,8 +1,8 @@
-//! From values to positions along an axis: range, ticks and their labels.
+//! Conversion of values to positions along an axis: range, ticks and their labels.
 //!
-//! A *position* is the value itself on a linear axis and its decimal logarithm on a logarithmic one.
-//! Straight lines of a picture are straight in positions, so everything that is drawn is clipped and
-//! thinned as positions, and the plotting library sees plain numbers.
+//! A *position* is the value itself on a linear axis and its decimal logarithm on a logarithmic
+//! one. Straight lines of a picture are straight in positions. Everything is therefore clipped and
+//! thinned as positions, and the plotting library receives plain numbers.
 
 use std::ops::Range;
 
@@ -12,13 +12,13 @@ use plotters::coord::types::RangedCoordf64;
 use super::number;
 use crate::figure::Axis;
 
-/// Room beyond the data, as a fraction of their extent: before the lowest and after the highest.
+/// Room beyond the data, as a fraction of their extent: below the lowest and above the highest.
 pub(super) type Margins = [f64; 2];
 
-/// Positions beyond this are as good as infinite: the distance between two of them may overflow.
-const LARGEST: f64 = 1e300;
-/// Distances below this are as good as none.
-const SMALLEST: f64 = 1e-300;
+/// Largest position; beyond it the distance between two of them may overflow.
+const MAX_POSITION: f64 = 1e300;
+/// Smallest distance that differs from zero.
+const MIN_DISTANCE: f64 = 1e-300;
 
 /// An axis with its final range.
 #[derive(Debug, Clone)]
@@ -26,46 +26,48 @@ pub(super) struct Scale {
     log: bool,
     /// Position of the axis' beginning.
     pub low: f64,
-    /// Position of its end.
+    /// Position of the axis' end.
     pub high: f64,
     ticks: usize,
     names: Vec<String>,
 }
 
 impl Scale {
-    /// Covers the axis' own range, or else the values with some room around them.
+    /// Creates a scale for the axis' own range, or by default for the values with some room around
+    /// them.
     ///
-    /// With `anchored`, values that already come near to zero make the axis begin there.
+    /// With `anchored`, the axis begins at zero if the values come near to it.
     pub fn fit(axis: &Axis, values: &[f64], margins: Margins, anchored: bool) -> Self {
         let log = axis.log;
-        let asked = axis.range.and_then(|(a, b)| Some((position(log, a)?, position(log, b)?)));
-        let (low, high) =
-            asked.filter(|(low, high)| high - low > SMALLEST).unwrap_or_else(|| surround(log, values, margins, anchored && !log));
+        let requested = axis.range.and_then(|(a, b)| Some((position(log, a)?, position(log, b)?)));
+        let (low, high) = requested
+            .filter(|(low, high)| high - low > MIN_DISTANCE)
+            .unwrap_or_else(|| surround(log, values, margins, anchored && !log));
         Self { log, low, high, ticks: 10, names: axis.names.clone() }
     }
 
-    /// Labels at most `ticks` places.
+    /// Limits the number of labels to `ticks`.
     pub fn with_ticks(self, ticks: usize) -> Self {
         Self { ticks, ..self }
     }
 
-    /// The values at the two ends.
+    /// Returns the values at the two ends.
     pub fn ends(&self) -> (f64, f64) {
         let value = |position: f64| if self.log { 10f64.powf(position) } else { position };
         (value(self.low), value(self.high))
     }
 
-    /// Where the value lies; nothing if it has no place on this axis.
+    /// Returns the position of the value; `None` if it has none on this axis.
     pub fn position(&self, value: f64) -> Option<f64> {
         position(self.log, value)
     }
 
-    /// Distance between the two ends.
+    /// Returns the distance between the two ends.
     pub fn extent(&self) -> f64 {
         self.high - self.low
     }
 
-    /// Whether the position can be seen.
+    /// Returns `true` if the position is visible.
     pub fn shows(&self, position: f64) -> bool {
         (self.low..=self.high).contains(&position)
     }
@@ -77,7 +79,7 @@ impl Scale {
         self.high += missing / 2.0;
     }
 
-    /// Positions of the labelled ticks.
+    /// Returns the positions of the labelled ticks.
     pub fn ticks(&self) -> Vec<f64> {
         if !self.names.is_empty() {
             return (0..self.names.len()).map(|place| place as f64).filter(|&place| self.shows(place)).collect();
@@ -95,7 +97,7 @@ impl Scale {
         self.in_decades(digits, stride)
     }
 
-    /// Positions of the fine grid between the ticks.
+    /// Returns the positions of the fine grid between the ticks.
     fn fine_grid(&self) -> Vec<f64> {
         if self.log && self.extent() < self.ticks as f64 {
             self.in_decades(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], 1)
@@ -112,7 +114,7 @@ impl Scale {
             .collect()
     }
 
-    /// Text of the tick at `position`.
+    /// Returns the label of the tick at `position`.
     pub fn label(&self, position: f64) -> String {
         if let Some(name) = self.names.get(position.round() as usize) {
             return name.clone();
@@ -150,7 +152,7 @@ impl Scale {
 
 fn position(log: bool, value: f64) -> Option<f64> {
     let position = if log { value.log10() } else { value };
-    (position.abs() < LARGEST).then_some(position)
+    (position.abs() < MAX_POSITION).then_some(position)
 }
 
 fn surround(log: bool, values: &[f64], margins: Margins, anchored: bool) -> (f64, f64) {
@@ -161,9 +163,9 @@ fn surround(log: bool, values: &[f64], margins: Margins, anchored: bool) -> (f64
         return (0.0, 1.0);
     }
     let extent = high - low;
-    // A constant, up to rounding, gets an axis that shows it as one.
-    if extent <= 1e-12 * high.abs().max(low.abs()) || extent < SMALLEST {
-        let room = if log || high.abs() < SMALLEST { 1.0 } else { 0.1 * high.abs() };
+    // A constant, up to rounding, gets an axis on which it looks constant.
+    if extent <= 1e-12 * high.abs().max(low.abs()) || extent < MIN_DISTANCE {
+        let room = if log || high.abs() < MIN_DISTANCE { 1.0 } else { 0.1 * high.abs() };
         return (low - room, high + room);
     }
     let near_zero = anchored && low >= 0.0 && low < 0.45 * high;
@@ -172,9 +174,9 @@ fn surround(log: bool, values: &[f64], margins: Margins, anchored: bool) -> (f64
     if log { (start, end) } else { completed(start, end) }
 }
 
-/// The interval, extended to a round value that lies just beyond its end.
+/// Extends the interval to a round value just beyond its end.
 ///
-/// A trace of six seconds ends one sample before the sixth; its axis should still say 6.
+/// A trace of six seconds ends one sample before the sixth; its axis should still end at 6.
 fn completed(low: f64, high: f64) -> (f64, f64) {
     let extent = high - low;
     let ticks = round_values(low, high, 10);
@@ -184,10 +186,10 @@ fn completed(low: f64, high: f64) -> (f64, f64) {
     (near(low, below), near(high, above))
 }
 
-/// Values of the form 1, 2 or 5 times a power of ten.
+/// Returns values of the form 1, 2 or 5 times a power of ten.
 ///
-/// The library lays out ticks well but takes an interval below 1e-16 for a point, so it is asked
-/// about the interval in units of its own size.
+/// The library lays out ticks well but treats an interval below 1e-16 as a point, so it receives
+/// the interval in units of its own size.
 fn round_values(low: f64, high: f64, most: usize) -> Vec<f64> {
     let unit = 10f64.powi((high - low).log10().floor() as i32);
     let ticks = RangedCoordf64::from(low / unit..high / unit).key_points(most);
@@ -249,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn hopeless_data_still_give_an_axis() {
+    fn unusable_data_still_give_an_axis() {
         let huge = [-1e308, 1e299, f64::INFINITY];
         let hopeless = [&[][..], &[f64::NAN], &[5.0], &[0.0, 0.0], &huge, &[1e-320, 1e-310], &[0.0, 5e-324], &[1e9, 1e9 + 1e-6]];
         for (values, log) in hopeless.into_iter().flat_map(|values| [(values, false), (values, true)]) {
@@ -262,10 +264,10 @@ mod tests {
     }
 
     #[test]
-    fn an_axis_ends_at_the_round_value_it_almost_reaches() {
+    fn an_axis_ends_at_a_near_round_value() {
         let scale = Scale::fit(&Axis::default(), &[0.0, 5.9995], [0.0, 0.0], false);
         assert_eq!(scale.ends(), (0.0, 6.0));
-        let asked = Axis { range: Some((0.0, 5.9995)), ..Axis::default() };
-        assert_eq!(Scale::fit(&asked, &[], [0.0, 0.0], false).ends(), (0.0, 5.9995));
+        let requested = Axis { range: Some((0.0, 5.9995)), ..Axis::default() };
+        assert_eq!(Scale::fit(&requested, &[], [0.0, 0.0], false).ends(), (0.0, 5.9995));
     }
 }

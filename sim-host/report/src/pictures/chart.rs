@@ -1,4 +1,4 @@
-//! The chart proper: its frame, grid and axes, and the order in which things cover each other.
+//! The chart itself: its frame, grid and axes, and the drawing order.
 
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::cartesian::Cartesian2d;
@@ -12,15 +12,16 @@ use crate::figure::{Figure, Style};
 
 /// Size of the tick labels and notes in points.
 pub(super) const TICK_SIZE: f64 = 23.0;
+/// Size of the axis descriptions in points.
 const AXIS_SIZE: f64 = 25.0;
 
-/// The least part of its size in which an axis is described.
-const SMALLEST_PART: f64 = 0.7;
+/// Smallest scaling of an axis description.
+const MIN_LABEL_SCALE: f64 = 0.7;
 
 /// Free space at the edges of the canvas in points.
 const EDGE: f64 = 16.0;
-/// Room below a plot for the labels and the description of its axis, and that edge.
-pub(super) const BELOW: f64 = 92.0 - EDGE;
+/// Room below a plot for the labels and the description of its axis, without that edge.
+pub(super) const ROOM_BELOW: f64 = 92.0 - EDGE;
 /// Room between two plots over one axis.
 pub(super) const PANEL_GAP: f64 = 30.0;
 
@@ -37,18 +38,18 @@ pub(super) struct Layout {
     pub bottom: f64,
     /// Width and height of the canvas.
     pub canvas: (f64, f64),
-    /// Another plot follows below, which has the labels of the horizontal axis.
+    /// `true` if another plot follows below, with the labels of the horizontal axis.
     pub open: bool,
 }
 
 /// A plot with its two scales.
 pub(super) type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<Scale, Scale>>;
 
-/// A figure on its way onto a surface.
+/// A figure while it is drawn on a surface.
 pub(super) struct Plot<'f, 's, DB: DrawingBackend> {
     /// Figure that is drawn.
     pub figure: &'f Figure,
-    /// Where to draw it.
+    /// Surface on which it is drawn.
     pub sheet: &'s Sheet<'s, DB>,
     /// Scale of the horizontal axis.
     pub x: Scale,
@@ -58,26 +59,27 @@ pub(super) struct Plot<'f, 's, DB: DrawingBackend> {
     pub before: Before,
 }
 
-/// How many curves the plots above have.
+/// Number of curves in the plots above.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Before {
-    /// All of them.
+    /// Number of all curves.
     pub curves: usize,
-    /// Those of dots.
+    /// Number of curves of dots.
     pub dots: usize,
 }
 
 impl<DB: DrawingBackend> Plot<'_, '_, DB> {
-    /// Draws the chart into its place on the canvas; the labels in `elsewhere` stand in the legend.
+    /// Draws the chart into its place on the canvas. The labels in `elsewhere` are in the legend
+    /// instead.
     pub fn draw(&self, layout: &Layout, elsewhere: &[&str]) -> Result<(), Failure<DB>> {
         let pen = self.sheet.pen;
         let (width, height) = (layout.right - layout.left, layout.bottom - layout.top);
-        // A description longer than its axis is written smaller.
+        // A description longer than its axis is scaled down.
         let fits = |label: &str, length: f64| length / self.sheet.text_width(label, AXIS_SIZE).max(1.0);
         let smaller = fits(&self.figure.x.label, width + 60.0).min(fits(&self.figure.y.label, height + 20.0)).min(1.0);
-        let axis_size = AXIS_SIZE * smaller.max(SMALLEST_PART);
+        let axis_size = AXIS_SIZE * smaller.max(MIN_LABEL_SCALE);
         // The canvas ends below the plot and its labels.
-        let below = if layout.open { PANEL_GAP } else { BELOW };
+        let below = if layout.open { PANEL_GAP } else { ROOM_BELOW };
         let label = |position: &f64| if layout.open { String::new() } else { self.x.label(*position) };
         let mut chart = ChartBuilder::on(self.sheet.root)
             .margin_top(pen.px(layout.top))
@@ -116,7 +118,7 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         self.markers(&chart)
     }
 
-    /// Where a point lies; nothing if it has no place on the axes.
+    /// Returns the position of a point; `None` if it has none on the axes.
     pub fn point(&self, x: f64, y: f64) -> clip::Point {
         self.x.position(x).zip(self.y.position(y))
     }

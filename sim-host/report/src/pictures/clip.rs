@@ -1,13 +1,13 @@
-//! Cuts curves at the edge of the plot.
+//! Clipping of curves at the edge of the plot.
 //!
-//! The plotting library pins a point outside the plot to its edge, which bends the line that leads
-//! there. Cutting each segment where it crosses the edge keeps its direction. Cuts and gaps alike
-//! leave a curve in pieces.
+//! The plotting library moves a point outside the plot to its edge, which bends the line to that
+//! point. Cutting each segment at its crossing with the edge keeps its direction. Cuts and gaps
+//! both divide a curve into pieces.
 
-/// A point in positions along the two axes; nothing is a gap.
+/// A point in positions along the two axes; `None` is a gap.
 pub(super) type Point = Option<(f64, f64)>;
 
-/// The part of the plane that can be seen.
+/// The visible part of the plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Window {
     /// Lowest and highest x.
@@ -16,7 +16,7 @@ pub(super) struct Window {
     pub y: (f64, f64),
 }
 
-/// The pieces of a polyline inside the window.
+/// Returns the pieces of a polyline inside the window.
 pub(super) fn polyline(points: impl Iterator<Item = Point>, window: Window) -> Vec<Vec<(f64, f64)>> {
     let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
     let mut last: Point = None;
@@ -35,7 +35,7 @@ pub(super) fn polyline(points: impl Iterator<Item = Point>, window: Window) -> V
     pieces
 }
 
-/// The part of a segment inside the window, after Liang and Barsky.
+/// Returns the part of a segment inside the window, after Liang and Barsky.
 fn segment(a: (f64, f64), b: (f64, f64), window: Window) -> Option<((f64, f64), (f64, f64))> {
     let (dx, dy) = (b.0 - a.0, b.1 - a.1);
     let edges = [(-dx, a.0 - window.x.0), (dx, window.x.1 - a.0), (-dy, a.1 - window.y.0), (dy, window.y.1 - a.1)];
@@ -66,7 +66,7 @@ mod tests {
     const UNIT: Window = Window { x: (0.0, 1.0), y: (0.0, 1.0) };
 
     #[test]
-    fn what_is_inside_stays_whole() {
+    fn a_curve_inside_is_unchanged() {
         let inside = [(0.1, 0.1), (0.5, 0.9), (0.9, 0.2)];
         assert_eq!(polyline(inside.into_iter().map(Some), UNIT), [inside.to_vec()]);
     }

@@ -1,5 +1,6 @@
-//! From a value to a colour: dark blue over green to yellow, evenly in lightness, so that equal steps look equal, in grey and to
-//! readers with any common kind of colour vision. The knots are those of viridis (Smith and van der Walt 2015), public domain.
+//! Conversion of a value to a colour: dark blue over green to yellow, evenly in lightness. Equal
+//! steps look equal, also in grey and to readers with any common kind of colour vision. The knots
+//! are those of viridis (Smith and van der Walt 2015), public domain.
 
 use plotters::style::RGBColor;
 
@@ -15,7 +16,7 @@ const KNOTS: [[f64; 3]; 9] = [
     [253.0, 231.0, 37.0],
 ];
 
-/// The colour of a share from 0 to 1; what is not a number is as dark as zero.
+/// Returns the colour of a share from 0 to 1; NaN has the colour of zero.
 pub(super) fn colour(share: f64) -> RGBColor {
     let place = if share > 0.0 { share.min(1.0) * (KNOTS.len() - 1) as f64 } else { 0.0 };
     let below = (place as usize).min(KNOTS.len() - 2);
@@ -28,7 +29,7 @@ pub(super) fn colour(share: f64) -> RGBColor {
 mod tests {
     use super::*;
 
-    /// Lightness L* of CIE 1976, from the sRGB of the screen.
+    /// Returns the lightness L* of CIE 1976, from the sRGB of the screen.
     fn lightness(RGBColor(r, g, b): RGBColor) -> f64 {
         let linear = |c: u8| {
             let c = f64::from(c) / 255.0;
@@ -42,7 +43,8 @@ mod tests {
     fn equal_steps_are_equally_lighter() {
         let steps: Vec<f64> = (0..=100).map(|n| lightness(colour(f64::from(n) / 100.0))).collect();
         assert!(steps.windows(2).all(|pair| pair[1] > pair[0]));
-        // From 15 to 91; the knots are rounded to whole numbers, so a step of a tenth is even to a part in eight.
+        // From 15 to 91; the knots are rounded to whole numbers, so the steps of a tenth are equal
+        // to 12.5 %.
         let tenths: Vec<f64> = steps.windows(11).step_by(10).map(|tenth| tenth[10] - tenth[0]).collect();
         let mean = (steps[100] - steps[0]) / 10.0;
         assert!(tenths.iter().all(|tenth| (tenth / mean - 1.0).abs() < 0.125), "{tenths:?} {mean}");

@@ -12,19 +12,19 @@ use crate::decimate;
 use crate::figure::{Series, Style};
 
 impl<DB: DrawingBackend> Plot<'_, '_, DB> {
-    /// Separate dots.
+    /// Draws separate dots.
     pub(super) fn dots(&self, chart: &Chart<DB>, index: usize) -> Result<(), Failure<DB>> {
         let series = &self.figure.series[index];
         let (xs, ys): (Vec<f64>, Vec<f64>) =
             self.points(series).flatten().filter(|&(x, y)| self.x.shows(x) && self.y.shows(y)).unzip();
         let kind = self.before.dots + self.figure.dots_before(index);
-        for i in decimate::keep(&[&xs, &ys], decimate::LIMIT) {
+        for i in decimate::keep(&[&xs, &ys], decimate::MAX_POINTS) {
             self.sheet.dot(kind, 5.5, series_color(self.before.curves + index), chart.backend_coord(&(xs[i], ys[i])))?;
         }
         Ok(())
     }
 
-    /// A line with its band, clipped to the plot and thinned.
+    /// Draws a line with its band, clipped to the plot and thinned.
     pub(super) fn curve(&self, chart: &mut Chart<DB>, index: usize) -> Result<(), Failure<DB>> {
         let (series, color) = (&self.figure.series[index], series_color(self.before.curves + index));
         if let Style::Band { lower, upper } = &series.style {
@@ -35,7 +35,7 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         let total: usize = pieces.iter().map(Vec::len).sum();
         for piece in pieces {
             let (xs, ys): (Vec<f64>, Vec<f64>) = piece.into_iter().unzip();
-            let share = (decimate::LIMIT * xs.len()).div_ceil(total);
+            let share = (decimate::MAX_POINTS * xs.len()).div_ceil(total);
             let indices = decimate::keep(&[&xs, &ys], share);
             let path = indices.into_iter().map(|i| (xs[i], ys[i])).collect();
             if series.style == Style::Dashed {
@@ -57,7 +57,7 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         if self.sheet.pen.whole_paths {
             return chart.plotting_area().draw(&PathElement::new(path, style));
         }
-        // Drawn one by one, with round joints, segments leave no holes.
+        // Segments are drawn one by one, with round joints, to avoid holes.
         let joint = style.stroke_width / 2;
         for ends in path.windows(2) {
             chart.plotting_area().draw(&PathElement::new(ends.to_vec(), style))?;
@@ -66,7 +66,7 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         Ok(())
     }
 
-    /// A dashed line.
+    /// Draws a dashed line.
     pub(super) fn dashes(
         &self,
         chart: &mut Chart<DB>,
@@ -79,9 +79,9 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         chart.draw_series(DashedLineSeries::new(path, dash, gap, style)).map(|_| ())
     }
 
-    /// The area between two edges; where one of them has a gap, so has the band.
+    /// Fills the area between two edges; a gap in one of them is a gap in the band.
     fn band(&self, chart: &mut Chart<DB>, x: &[f64], lower: &[f64], upper: &[f64], color: RGBColor) -> Result<(), Failure<DB>> {
-        // Cut at the sides only, both edges keep the same x.
+        // Clipped at the sides only, both edges keep the same x.
         let strip = Window { x: (self.x.low, self.x.high), y: (f64::NEG_INFINITY, f64::INFINITY) };
         let edges = |i: usize| self.point(x[i], lower[i]).zip(self.point(x[i], upper[i]));
         let below = clip::polyline((0..x.len()).map(|i| Some(edges(i)?.0)), strip);
@@ -89,7 +89,7 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         for (below, above) in below.into_iter().zip(above) {
             let (xs, lows): (Vec<f64>, Vec<f64>) = below.into_iter().unzip();
             let highs: Vec<f64> = above.into_iter().map(|(_, high)| high).collect();
-            let indices = decimate::keep(&[&xs, &lows, &highs], decimate::LIMIT);
+            let indices = decimate::keep(&[&xs, &lows, &highs], decimate::MAX_POINTS);
             let corner = |i: usize, edge: &[f64]| (xs[i], edge[i].clamp(self.y.low, self.y.high));
             let there = indices.iter().map(|&i| corner(i, &lows));
             let back = indices.iter().rev().map(|&i| corner(i, &highs));

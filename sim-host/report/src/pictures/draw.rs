@@ -1,8 +1,8 @@
 //! Static pictures of a figure: SVG for print, PNG for everything else.
 //!
-//! Both come from one painter and one geometry. The painter works on whole pixels, so it is given a
-//! surface finer than the picture: the SVG is scaled down by its view box, the PNG by averaging,
-//! which also smooths the edges.
+//! Both use the same painter and geometry. The painter works on whole pixels, so its surface is
+//! finer than the picture. The SVG is scaled down by its view box, the PNG by averaging, which also
+//! smooths the edges.
 
 use std::io::Cursor;
 
@@ -13,7 +13,7 @@ use plotters::style::WHITE;
 use plotters::style::text_anchor::HPos;
 
 use super::axis::Scale;
-use super::chart::{BELOW, Before, Layout, PANEL_GAP, Plot, TICK_SIZE};
+use super::chart::{Before, Layout, PANEL_GAP, Plot, ROOM_BELOW, TICK_SIZE};
 use super::extent::scales;
 use super::heat_map;
 use super::legend::Legend;
@@ -24,65 +24,73 @@ use super::style::{INK, Pen, prepare_font};
 use crate::drawing::PrintSize;
 use crate::figure::{Axis, Figure, Style};
 
-/// Surface pixels per point of the SVG: coordinates to a quarter of a point.
+/// Surface pixels per point of the SVG: coordinates are accurate to a quarter of a point.
 const SVG_ZOOM: u32 = 4;
-/// Surface pixels per pixel of the PNG for screens, which has a point for a pixel.
+/// Surface pixels per pixel of the PNG for screens, which has one pixel per point.
 const PNG_ZOOM: u32 = 3;
-/// Pixels per point of the PNG for print, and surface pixels per pixel: 452 dots an inch.
+/// Pixels per point of the PNG for print: 452 dots an inch.
 const PRINT_PIXELS: u32 = 2;
+/// Surface pixels per pixel of the PNG for print.
 const PRINT_ZOOM: u32 = 2;
-/// Points of the canvas in a millimetre of print: so that ticks are labelled in letters of 7.3 typographic points.
+/// Points of the canvas in a millimetre of print; tick labels have letters of 7.3 typographic
+/// points.
 const POINTS_PER_MM: f64 = 1600.0 / 180.0;
 
+/// Width and height of a figure for screens, points.
 const WIDE: (u32, u32) = (1600, 900);
+/// Width and height of a figure with equal units on both axes, points.
 const SQUARE: (u32, u32) = (1160, 1000);
-/// Height of a further plot over the same axis.
+/// Height of a further plot over the same axis, points.
 const PANEL: u32 = 380;
-/// Height over width of a figure in print, and the least height that has room for labels and curves, mm.
+/// Height over width of a figure in print.
 const PRINT_SHAPE: f64 = 0.6;
-const PRINT_LEAST_MM: f64 = 58.0;
-/// Height of a further plot in print, at most, mm.
-const PRINT_PANEL_MM: f64 = 30.0;
+/// Smallest height in print that has room for labels and curves, mm.
+const PRINT_MIN_MM: f64 = 58.0;
+/// Largest height of a further plot in print, mm.
+const PRINT_PANEL_MAX_MM: f64 = 30.0;
 
+/// Size of the title in points.
 const TITLE_SIZE: f64 = 32.0;
 
-/// Where the head of a picture begins and how much of it the title takes, in points.
+/// Top of the head of a picture, in points.
 const HEAD: f64 = 18.0;
+/// Height of the title in points.
 const TITLE_HEIGHT: f64 = 48.0;
-/// Room for the label of a tick, in points.
+/// Vertical room for the label of a tick, in points.
 const TICK_HEIGHT: f64 = 52.0;
+/// Smallest horizontal gap between the labels of two ticks, in points.
 const TICK_GAP: f64 = 34.0;
 
-/// What a figure is drawn on.
+/// The canvas for a figure.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Canvas {
-    /// Size in print, if it is for print.
+    /// Printed size, if it is for print.
     pub print: Option<PrintSize>,
-    /// The figure has its heading beside it, as in a page, or below it, as in a paper.
+    /// `true` if the heading is outside the picture: next to it in a page, or below it in a paper.
     pub untitled: bool,
 }
 
 impl Canvas {
-    /// A canvas for a file of its own.
+    /// Creates a canvas for a separate file.
     pub fn file(print: Option<PrintSize>) -> Self {
         Canvas { print, untitled: print.is_some() }
     }
 
-    /// Width and height for this figure, in points.
+    /// Returns width and height for this figure, in points.
     fn size(self, figure: &Figure) -> (u32, u32) {
         let panels = figure.panels.len() as u32;
         let Some(print) = self.print else {
             let (width, height) = if figure.is_plane() { SQUARE } else { WIDE };
-            // The upper plot gives some of its height to those below.
+            // The upper plot is lower if there are others below.
             return (width, if panels == 0 { height } else { height - 250 + panels * PANEL });
         };
         let shape = if figure.is_plane() { f64::from(SQUARE.1) / f64::from(SQUARE.0) } else { PRINT_SHAPE };
-        let own = || (shape * print.width_mm).max(PRINT_LEAST_MM) + f64::from(panels) * PRINT_PANEL_MM;
+        let own = || (shape * print.width_mm).max(PRINT_MIN_MM) + f64::from(panels) * PRINT_PANEL_MAX_MM;
         let points = |mm: f64| (mm * POINTS_PER_MM).round() as u32;
         (points(print.width_mm), points(print.height_mm.unwrap_or_else(own)))
     }
 
-    /// Width and height as an SVG says them.
+    /// Formats width and height as attributes of an SVG.
     fn extent(self, (width, height): (u32, u32)) -> String {
         match self.print {
             None => format!("width=\"{width}\" height=\"{height}\""),
@@ -94,7 +102,7 @@ impl Canvas {
     }
 }
 
-/// The figure as an SVG document.
+/// Returns the figure as an SVG document.
 pub(super) fn svg(figure: &Figure, canvas: Canvas) -> Result<String, String> {
     prepare_font()?;
     let figure = &*prepared(figure);
@@ -112,7 +120,7 @@ pub(super) fn svg(figure: &Figure, canvas: Canvas) -> Result<String, String> {
     Ok(document.replacen(&fine, &canvas.extent(size), 1))
 }
 
-/// The figure as a PNG file.
+/// Returns the figure as a PNG file.
 pub(super) fn png(figure: &Figure, canvas: Canvas) -> Result<Vec<u8>, String> {
     prepare_font()?;
     let figure = &*prepared(figure);
@@ -174,7 +182,8 @@ fn paint<DB: DrawingBackend>(
     let sheet = Sheet { root, pen };
     let panels: Vec<Figure> = (0..figure.panels.len()).map(|place| panel(figure, place)).collect();
     let (x, y) = scales(figure);
-    // Before the room of a plot is known: most of the canvas, shared by all.
+    // A rough height of each plot, before the exact layout is known: most of the canvas divided
+    // equally.
     let rough = (height - 200.0) / (1 + panels.len()) as f64;
     let mut ys = vec![y];
     ys.extend(panels.iter().map(|panel| scales(panel).1));
@@ -197,7 +206,7 @@ fn paint<DB: DrawingBackend>(
 
     // The bar of a map has its title above it.
     let top = top + if figure.map.is_some() { 40.0 } else { 12.0 } + legend.height();
-    let bottom = height - BELOW - 16.0;
+    let bottom = height - ROOM_BELOW - 16.0;
     let gaps = PANEL_GAP * panels.len() as f64;
     let each = (bottom - top - gaps) / (1 + panels.len()) as f64;
     let mut before = Before::default();
@@ -223,12 +232,12 @@ fn paint<DB: DrawingBackend>(
     root.present()
 }
 
-/// The scale with as many labelled ticks, of ten, as have room side by side.
+/// Returns the scale with as many labelled ticks, up to ten, as fit next to each other.
 fn with_room<DB: DrawingBackend>(x: Scale, width: f64, sheet: &Sheet<DB>) -> Scale {
     let fits = |x: &Scale| {
         let ticks = x.ticks();
         let widest = ticks.iter().map(|&tick| sheet.text_width(&x.label(tick), TICK_SIZE)).fold(0.0, f64::max);
-        // Names are never left out.
+        // Names are never omitted.
         ticks.len() as f64 * (widest + TICK_GAP) <= width
     };
     (3..=10).rev().map(|most| x.clone().with_ticks(most)).find(fits).unwrap_or_else(|| x.with_ticks(2))
@@ -277,7 +286,7 @@ mod tests {
         let bytes = png(&figure(), SCREEN).unwrap();
         assert_eq!(&bytes[..8], b"\x89PNG\r\n\x1a\n");
         assert_eq!(&bytes[16..24], [0, 0, 0x06, 0x40, 0, 0, 0x03, 0x84]);
-        // A blank sheet of this size compresses to less than this.
+        // A blank sheet of this size compresses to fewer bytes.
         assert!(bytes.len() > 20_000, "only {} bytes", bytes.len());
     }
 
@@ -310,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_point_is_not_in_the_legend() {
+    fn empty_series_are_not_in_the_legend() {
         let mut two = figure();
         two.series[0].name = "wave".into();
         let named = |name: &str, x: &[f64]| Series { name: name.into(), x: x.into(), y: x.into(), ..Series::default() };

@@ -1,9 +1,9 @@
-//! How much of the plane a figure shows.
+//! The range of a figure.
 
 use super::axis::Scale;
 use crate::figure::{Figure, Style};
 
-/// Ranges that show everything the figure holds.
+/// Returns scales that show all data of the figure.
 pub(super) fn scales(figure: &Figure) -> (Scale, Scale) {
     if let Some(map) = &figure.map {
         return map.scales(figure.x.log, figure.y.log);

@@ -1,7 +1,8 @@
-//! Heat maps: values over a plane as colours, and the bar that tells which.
+//! Heat maps: values over a plane as colours, and the colour bar.
 //!
-//! The cells are drawn as one bitmap, a pixel each, and not as rectangles: of a map of 400 by 200 cells those make 7 MB of SVG. A vector
-//! surface holds the place, where [`embedded`] puts the bitmap; a bitmap has its pixels repeated.
+//! The cells are drawn as one bitmap with a pixel each instead of rectangles, which for a map of
+//! 400 by 200 cells would be 7 MB of SVG. On a vector surface a placeholder is drawn, which
+//! [`embedded`] replaces by the bitmap; on a bitmap surface the pixels are repeated.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -17,28 +18,28 @@ use super::sheet::{Failure, Lettering};
 use super::style::{FRAME, INK, MUTED};
 use crate::figure::{Axis, HeatMap};
 
-/// Colour of the place of a map in an SVG, which nothing else in a figure has.
-const PLACE: RGBColor = RGBColor(1, 2, 3);
-/// Room beside the plot for the bar with its numbers, in points.
+/// Colour of a map's placeholder in an SVG, which nothing else in a figure has.
+const PLACEHOLDER_COLOUR: RGBColor = RGBColor(1, 2, 3);
+/// Room next to the plot for the bar with its numbers, in points.
 pub(super) const BAR_ROOM: f64 = 150.0;
 const BAR_GAP: f64 = 26.0;
 const BAR_WIDTH: f64 = 26.0;
-/// Steps of the bar: more than a screen can show side by side.
+/// Number of steps of the bar, more than a screen can resolve.
 const BAR_STEPS: u32 = 128;
 
 impl HeatMap {
-    /// The axes' scales: exactly the map.
+    /// Returns the scales of the axes: exactly the map.
     pub(super) fn scales(&self, x_log: bool, y_log: bool) -> (Scale, Scale) {
         let scale = |range, log| Scale::fit(&Axis { range: Some(range), log, ..Axis::default() }, &[], [0.0, 0.0], false);
         (scale(self.x, x_log).with_ticks(10), scale(self.y, y_log).with_ticks(8))
     }
 
-    /// How far up the colours a value lies, from 0 to 1.
+    /// Returns the position of a value in the colour range, from 0 to 1.
     fn share(&self, value: f64) -> f64 {
         (value - self.range.0) / (self.range.1 - self.range.0)
     }
 
-    /// Red, green and blue of `width` by `height` pixels, from the top left.
+    /// Returns red, green and blue of `width` by `height` pixels, from the top left.
     fn pixels(&self, (width, height): (usize, usize)) -> Vec<u8> {
         let (columns, rows) = self.size();
         let pixel = |x: usize, y: usize| {
@@ -51,7 +52,7 @@ impl HeatMap {
 }
 
 impl<DB: DrawingBackend> Plot<'_, '_, DB> {
-    /// The map, over the whole plot.
+    /// Draws the map over the whole plot.
     pub(super) fn heat(&self, chart: &Chart<DB>, map: &HeatMap) -> Result<(), Failure<DB>> {
         let (columns, rows) = chart.plotting_area().get_pixel_range();
         if map.size().0 == 0 || map.size().1 == 0 {
@@ -59,7 +60,7 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         }
         if self.sheet.pen.whole_paths {
             let corners = [(columns.start, rows.start), (columns.end, rows.end)];
-            return self.sheet.root.draw(&Rectangle::new(corners, PLACE.filled()));
+            return self.sheet.root.draw(&Rectangle::new(corners, PLACEHOLDER_COLOUR.filled()));
         }
         let size = ((columns.end - columns.start).max(1) as usize, (rows.end - rows.start).max(1) as usize);
         let picture =
@@ -67,13 +68,14 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         picture.map_or(Ok(()), |picture| self.sheet.root.draw(&picture))
     }
 
-    /// The bar of colours right of the plot, with its own axis.
+    /// Draws the bar of colours to the right of the plot, with its own axis.
     pub(super) fn colour_bar(&self, map: &HeatMap, layout: &Layout) -> Result<(), Failure<DB>> {
         let sheet = self.sheet;
         let (area, pen) = (sheet.root, sheet.pen);
         let (left, right) = (pen.px(layout.right + BAR_GAP), pen.px(layout.right + BAR_GAP + BAR_WIDTH));
         let height = |share: f64| pen.px(layout.bottom - share * (layout.bottom - layout.top));
-        // Each down to the bottom, and the next over it: between steps that only touch, a renderer would let the ground shine through.
+        // Each step extends to the bottom and is covered by the next: adjacent steps would show the
+        // background between them.
         for step in (0..BAR_STEPS).rev() {
             let part = |steps: f64| steps / f64::from(BAR_STEPS);
             let shade = colour(part(f64::from(step) + 0.5)).filled();
@@ -92,9 +94,9 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
     }
 }
 
-/// Puts the bitmap of a map, of a pixel a cell, into its place in an SVG.
+/// Replaces the placeholder in an SVG by the bitmap of the map, with a pixel a cell.
 pub(super) fn embedded(document: &str, map: &HeatMap) -> Result<String, String> {
-    let fill = format!("fill=\"#{:02X}{:02X}{:02X}\"", PLACE.0, PLACE.1, PLACE.2);
+    let fill = format!("fill=\"#{:02X}{:02X}{:02X}\"", PLACEHOLDER_COLOUR.0, PLACEHOLDER_COLOUR.1, PLACEHOLDER_COLOUR.2);
     let Some(at) = document.find(&fill) else { return Ok(document.to_owned()) };
     let begin = document[..at].rfind("<rect ").ok_or("the place of the map is not a rectangle")?;
     let end = at + document[at..].find("/>").ok_or("the place of the map has no end")?;

@@ -1,4 +1,4 @@
-//! The legend: a row of swatches between title and plot, where it can hide no data.
+//! The legend: a row of swatches between title and plot, where it cannot hide data.
 
 use plotters::element::{PathElement, Rectangle};
 use plotters::prelude::DrawingBackend;
@@ -16,7 +16,7 @@ const DOT_SWATCH: f64 = 14.0;
 const GAP: f64 = 12.0;
 const SPACING: f64 = 38.0;
 
-/// How an entry shows what it stands for.
+/// Symbol of an entry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Swatch {
     Line,
@@ -32,10 +32,10 @@ impl Swatch {
     }
 }
 
-/// An entry with its place in points from the top left corner of the legend.
+/// An entry with its position in points from the top left corner of the legend.
 struct Entry {
     text: String,
-    /// The swatch, or the room that it takes in the first line of the same text.
+    /// The swatch, or for a continuation line the width of the swatch in the first line.
     swatch: Result<Swatch, f64>,
     color: RGBColor,
     left: f64,
@@ -48,9 +48,10 @@ pub(super) struct Legend {
 }
 
 impl Legend {
-    /// Names every curve, and the shaded intervals whose label found no room in the plot.
+    /// Creates a legend of every curve, and of the shaded intervals whose label does not fit into
+    /// the plot.
     ///
-    /// A single curve without shading is named well enough by its axis.
+    /// A single curve without shading has no legend; its axis names it.
     pub fn lay_out<DB: DrawingBackend>(figure: &Figure, shades: &[&str], width: f64, sheet: &Sheet<DB>) -> Self {
         let curves = figure.named_series().enumerate().filter(|(_, series)| series.shows_something()).map(|(index, series)| {
             let swatch = match series.style {
@@ -85,12 +86,12 @@ impl Legend {
         Self { entries }
     }
 
-    /// Height in points, zero if there is nothing to say.
+    /// Returns the height in points, zero for an empty legend.
     pub fn height(&self) -> f64 {
         self.entries.last().map_or(0.0, |last| (last.row + 1) as f64 * ROW_HEIGHT + 6.0)
     }
 
-    /// Draws the legend with its corner at the given place, in points.
+    /// Draws the legend with its corner at the given position, in points.
     pub fn draw<DB: DrawingBackend>(&self, sheet: &Sheet<DB>, corner: (f64, f64)) -> Result<(), Failure<DB>> {
         let (area, pen) = (sheet.root, sheet.pen);
         let look = Lettering { size: TEXT_SIZE, color: INK, hold: HPos::Left };
@@ -128,13 +129,13 @@ impl Legend {
 }
 
 impl Entry {
-    /// Room before the text.
+    /// Returns the room before the text.
     fn room(&self) -> f64 {
         self.swatch.map_or_else(|width| width, Swatch::width) + GAP
     }
 }
 
-/// The text in as many lines as it takes for each to fit, cut between words; a word that is too long stays whole.
+/// Divides the text between words into lines that fit; a word that is too long stays whole.
 fn wrapped(text: &str, fits: impl Fn(&str) -> bool) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {

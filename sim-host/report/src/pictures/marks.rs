@@ -11,7 +11,8 @@ use super::sheet::{Failure, Lettering, Sheet};
 use super::style::{INK, MUTED, SHADE};
 use crate::figure::Figure;
 
-/// Labels of the shaded intervals too narrow to bear them on a plot of this width, each once.
+/// Returns the labels of the shaded intervals that are too narrow for them on a plot of this width,
+/// each once.
 pub(super) fn spans_without_room<'f, DB: DrawingBackend>(
     figure: &'f Figure,
     x: &Scale,
@@ -29,7 +30,7 @@ pub(super) fn spans_without_room<'f, DB: DrawingBackend>(
     labels
 }
 
-/// The visible part of an interval, in positions.
+/// Returns the visible part of an interval, in positions.
 fn visible_span(x: &Scale, from: f64, to: f64) -> Option<(f64, f64)> {
     let from = x.position(from).unwrap_or(x.low).max(x.low);
     let to = x.position(to).unwrap_or(x.high).min(x.high);
@@ -37,7 +38,7 @@ fn visible_span(x: &Scale, from: f64, to: f64) -> Option<(f64, f64)> {
 }
 
 impl<DB: DrawingBackend> Plot<'_, '_, DB> {
-    /// Shaded intervals, behind everything.
+    /// Draws the shaded intervals, behind everything.
     pub(super) fn shades(&self, chart: &Chart<DB>) -> Result<(), Failure<DB>> {
         for span in &self.figure.shaded {
             if let Some((from, to)) = visible_span(&self.x, span.from, span.to) {
@@ -48,7 +49,8 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         Ok(())
     }
 
-    /// The labels of the shaded intervals, at the top of the plot; those in `elsewhere` are left out.
+    /// Draws the labels of the shaded intervals at the top of the plot; those in `elsewhere` are
+    /// omitted.
     pub(super) fn shade_labels(&self, chart: &Chart<DB>, elsewhere: &[&str]) -> Result<(), Failure<DB>> {
         let look = Lettering { size: TICK_SIZE, color: MUTED, hold: HPos::Center };
         for span in &self.figure.shaded {
@@ -63,13 +65,13 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         Ok(())
     }
 
-    /// Horizontal lines across the plot, each with its label above its right end.
+    /// Draws horizontal lines across the plot, each with its label above its right end.
     pub(super) fn reference_lines(&self, chart: &mut Chart<DB>) -> Result<(), Failure<DB>> {
         let look = Lettering { size: TICK_SIZE, color: MUTED, hold: HPos::Right };
         let px = |points| self.sheet.pen.px(points);
         for (value, label) in &self.figure.hlines {
             let Some(y) = self.y.position(*value).filter(|&y| self.y.shows(y)) else { continue };
-            // A line across a map would cover what lies on it, so it is an end only.
+            // A line across a map would cover data, so only its right end is drawn.
             let (ink, from) = match self.figure.map {
                 Some(_) => (WHITE, self.x.high - 0.16 * self.x.extent()),
                 None => (MUTED, self.x.low),
@@ -81,7 +83,7 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         Ok(())
     }
 
-    /// Labelled points, on top of everything.
+    /// Draws labelled points, on top of everything.
     pub(super) fn markers(&self, chart: &Chart<DB>) -> Result<(), Failure<DB>> {
         let visible = |x, y| self.point(x, y).filter(|&(x, y)| self.x.shows(x) && self.y.shows(y));
         let samples = self.figure.series.iter().flat_map(|s| s.x.iter().zip(&s.y)).map(|(&x, &y)| (x, y));
@@ -101,7 +103,8 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         Ok(())
     }
 
-    /// Where the label of a marker covers the fewest samples: beside it, above or below.
+    /// Returns the place at which the label of a marker covers the fewest samples: next to it,
+    /// above or below.
     fn marker_label(&self, chart: &Chart<DB>, text: &str, (x, y): (i32, i32), busy: &[(i32, i32)]) -> (Lettering, (i32, i32)) {
         let width = self.sheet.text_pixels(text, TICK_SIZE);
         let (aside, off, half) = (self.sheet.pen.px(18.0), self.sheet.pen.px(22.0), self.sheet.pen.px(14.0));

@@ -1,13 +1,13 @@
-//! Numbers as a typesetter writes them.
+//! Typographic formatting of numbers.
 //!
 //! Digits beyond the precision of a tick are noise (`0.30000000000000004`), and long runs of digits
-//! are misread. Integer parts of five digits or more are grouped by a narrow space, minus is a minus
-//! sign, and powers of ten use superscripts.
+//! are misread. Integer parts of five digits or more are grouped by a narrow space, minus is a
+//! minus sign, and powers of ten use superscripts.
 
 /// Narrow no-break space between groups of three digits.
 const GROUP: char = '\u{202f}';
 
-/// `value` with a fixed number of decimals.
+/// Formats `value` with a fixed number of decimals.
 pub(super) fn fixed(value: f64, decimals: usize) -> String {
     let digits = format!("{:.decimals$}", value.abs());
     let (whole, fraction) = digits.split_at(digits.find('.').unwrap_or(digits.len()));
@@ -22,13 +22,13 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
     text + fraction
 }
 
-/// Decimals needed to tell apart values that lie `step` apart.
+/// Returns the number of decimals needed to distinguish values that are `step` apart.
 pub(super) fn decimals(step: f64) -> usize {
     let places = (-step.abs().log10() - 1e-9).ceil();
     if places > 0.0 { places.min(12.0) as usize } else { 0 }
 }
 
-/// `value` as a multiple of `10^exponent`.
+/// Formats `value` as a multiple of `10^exponent`.
 pub(super) fn scaled(value: f64, exponent: i32, decimals: usize) -> String {
     let mantissa = fixed(value / 10f64.powi(exponent), decimals);
     if mantissa.bytes().any(|b| (b'1'..=b'9').contains(&b)) {
@@ -38,7 +38,7 @@ pub(super) fn scaled(value: f64, exponent: i32, decimals: usize) -> String {
     }
 }
 
-/// `10` with its exponent raised.
+/// Formats `10` with a superscript exponent.
 pub(super) fn power_of_ten(exponent: i32) -> String {
     let raised = exponent.to_string().chars().map(superscript).collect::<String>();
     format!("10{raised}")

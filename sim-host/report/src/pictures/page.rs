@@ -1,8 +1,8 @@
 //! The page: the whole report in one HTML file.
 //!
-//! Style, script and data stand in the file itself, and a policy in its head forbids the browser to
-//! fetch anything else. Every text of the report is user input: it is escaped on its way into the
-//! markup, and the data block for the script cannot contain the end of its own element.
+//! Style, script and data are in the file itself, and a policy in its head forbids the browser to
+//! fetch anything else. Every text of the report is user input: it is escaped when it is inserted
+//! into the markup. The data block for the script cannot contain the end of its own element.
 
 use rayon::prelude::*;
 
@@ -19,13 +19,14 @@ const PLOT_LIBRARY: &str = include_str!("../../assets/uPlot.iife.min.js");
 const PLOT_LICENSE: &str = include_str!("../../assets/uPlot.LICENSE");
 const SCRIPT: &str = include_str!("../../assets/report.js");
 
-/// Pictures may be part of the page, as those of maps are; pictures of other origins are not loaded.
+/// Content security policy. Pictures may be part of the page, as for maps; pictures of other
+/// origins are not loaded.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
 
-/// Figures a reader can do without a list of contents for.
-const FEW_FIGURES: usize = 6;
+/// Largest number of figures without a list of contents.
+const MAX_FIGURES_WITHOUT_CONTENTS: usize = 6;
 
-/// The page as HTML; fails if a static picture cannot be drawn.
+/// Returns the page as HTML; fails if a static picture cannot be drawn.
 pub(super) fn page(report: &Report, formats: &[PictureFormat]) -> Result<String, String> {
     let title = escape(&report.title);
     let [library_style, own_style] = STYLE;
@@ -51,7 +52,7 @@ pub(super) fn page(report: &Report, formats: &[PictureFormat]) -> Result<String,
     ))
 }
 
-/// Text made harmless for markup and attribute values.
+/// Escapes text for markup and attribute values.
 fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -67,7 +68,7 @@ fn escape(text: &str) -> String {
     safe
 }
 
-/// A text element, or nothing for an empty text.
+/// Returns a text element, or nothing for an empty text.
 fn element(open: &str, text: &str, close: &str) -> String {
     if text.is_empty() { String::new() } else { format!("{open}{}{close}\n", escape(text)) }
 }
@@ -77,8 +78,8 @@ fn heading(report: &Report) -> String {
     html += &element("<h1>", &report.title, "</h1>");
     html += &element("<p class=\"subtitle\">", &report.subtitle, "</p>");
     if report.interrupted {
-        html += "<p class=\"banner\" role=\"status\">Interrupted: the run was stopped early, and \
-                 this report holds what was done until then.</p>\n";
+        html += "<p class=\"banner\" role=\"status\">Interrupted: the run was stopped early. \
+                 This report contains the results up to that point.</p>\n";
     }
     html + "</header>\n"
 }
@@ -101,7 +102,7 @@ fn wrapped(open: &str, content: String, close: &str) -> String {
 }
 
 fn contents(figures: &[Figure]) -> String {
-    if figures.len() <= FEW_FIGURES {
+    if figures.len() <= MAX_FIGURES_WITHOUT_CONTENTS {
         return String::new();
     }
     let items: String =
@@ -143,7 +144,8 @@ fn table(block: &TableBlock) -> String {
     )
 }
 
-/// Whether a cell belongs in a column of numbers; an empty cell or a dash may stand among them.
+/// Returns `true` if a cell belongs in a column of numbers, which may also contain empty cells and
+/// dashes.
 fn is_number(cell: &str) -> bool {
     let unsigned = cell.trim_start_matches(['-', '+', '−', '±', '<', '>', '≤', '≥', '≈', '.', ' ']);
     unsigned.starts_with(|c: char| c.is_ascii_digit()) || matches!(cell, "" | "-" | "–" | "—")
@@ -155,7 +157,7 @@ fn panel(figure: &Figure, formats: &[PictureFormat]) -> Result<String, String> {
         let below: String =
             (0..figure.panels.len()).map(|place| format!("<div id=\"plot-{id}-{}\"></div>\n", place + 2)).collect();
         format!(
-            "<div class=\"card\">\n<div id=\"plot-{id}\"><noscript>This figure needs scripting; see \
+            "<div class=\"card\">\n<div id=\"plot-{id}\"><noscript>This figure needs JavaScript; see \
              {id}.svg.</noscript></div>\n{below}<p class=\"hint\">{}Drag to zoom, double-click to reset; \
              click a name to hide its curve.</p>\n</div>\n",
             shading(figure)
@@ -174,14 +176,14 @@ fn panel(figure: &Figure, formats: &[PictureFormat]) -> Result<String, String> {
         .collect();
     Ok(format!(
         "<figure id=\"{id}\">\n{}{card}<figcaption>\n<p>{}</p>\n\
-         <span class=\"files\" title=\"Files beside this page\">{}</span>\n</figcaption>\n</figure>\n",
+         <span class=\"files\" title=\"Files next to this page\">{}</span>\n</figcaption>\n</figure>\n",
         element("<h2>", &figure.title, "</h2>"),
         escape(&figure.caption),
         files.join(" · "),
     ))
 }
 
-/// What the shading stands for: an interval can be too narrow to bear its label.
+/// Returns the meaning of the shading, as an interval can be too narrow for its label.
 fn shading(figure: &Figure) -> String {
     let mut labels: Vec<&str> = figure.shaded.iter().map(|s| s.label.as_str()).filter(|l| !l.is_empty()).collect();
     labels.sort_unstable();
@@ -189,11 +191,11 @@ fn shading(figure: &Figure) -> String {
     wrapped("Shaded: ", escape(&labels.join(", ")), ". ")
 }
 
-/// The plotting library, the data and the script, if any figure needs them.
+/// Returns the plotting library, the data and the script, if any figure needs them.
 fn scripts(figures: &[Figure]) -> Result<String, String> {
     let drawn: Vec<Figure> =
         figures.par_iter().filter(|figure| can_zoom(figure)).map(|figure| prepared(figure).into_owned()).collect();
-    // Each plot of a figure, and how many curves are above it.
+    // Each plot of a figure, and the number of curves above it.
     let plots: Vec<(Figure, usize)> = drawn.into_iter().flat_map(plots).collect();
     let data: Vec<_> = plots.iter().map(|(figure, first)| plot_data(figure, *first)).collect();
     if data.is_empty() {
@@ -207,7 +209,8 @@ fn scripts(figures: &[Figure]) -> Result<String, String> {
     ))
 }
 
-/// The plots of a figure as figures, from the upper one down, each with the number of curves above it.
+/// Returns the plots of a figure as figures, from top to bottom, each with the number of curves
+/// above it.
 fn plots(figure: Figure) -> Vec<(Figure, usize)> {
     let below: Vec<Figure> = (0..figure.panels.len()).map(|place| lower(&figure, place)).collect();
     let repeats: Vec<bool> = std::iter::once(false).chain(figure.panels.iter().map(|panel| panel.repeats)).collect();
@@ -238,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn hostile_text_stays_text() {
+    fn hostile_text_is_escaped() {
         let report = Report {
             title: EVIL.into(),
             subtitle: EVIL.into(),

@@ -1,4 +1,4 @@
-//! A picture as PDF: lines stay lines, and text stays text, in the embedded font.
+//! Conversion of a picture to PDF: lines remain lines, and text remains text, in the embedded font.
 
 use std::sync::{Arc, LazyLock};
 
@@ -8,7 +8,7 @@ use svg2pdf::{ConversionOptions, PageOptions};
 
 use super::style::{FONT, FONT_NAME};
 
-/// The embedded font alone: the same picture on every machine.
+/// The embedded font alone, for the same picture on every machine.
 static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
     let mut fonts = Database::new();
     fonts.load_font_data(FONT.to_vec());
@@ -18,10 +18,10 @@ static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
 /// Pixels of the SVG in an inch.
 const DOTS_PER_INCH: f32 = 96.0;
 
-/// An SVG document, as [`super::svg`] draws it, as PDF, with this crate's font in it.
+/// Converts an SVG document drawn by [`super::svg`] to PDF, with this crate's font embedded.
 ///
 /// # Errors
-/// If it is no SVG document, or one that cannot be a PDF.
+/// If it is not an SVG document, or cannot be converted.
 pub fn pdf(svg: &str) -> Result<Vec<u8>, String> {
     let options = Options { fontdb: FONTS.clone(), font_family: FONT_NAME.to_owned(), dpi: DOTS_PER_INCH, ..Options::default() };
     let tree = Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
@@ -41,7 +41,7 @@ mod tests {
     }
 
     #[test]
-    fn a_page_has_the_size_asked_for_and_its_font() {
+    fn a_page_has_the_requested_size_and_its_font() {
         let series = vec![Series { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Series::default() }];
         let figure = Figure { x: Axis { label: "time [s]".into(), ..Axis::default() }, series, ..Figure::default() };
         let canvas = Canvas::file("88x60mm".parse().ok());

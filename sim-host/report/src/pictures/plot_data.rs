@@ -1,6 +1,7 @@
-//! What the page's script needs to draw a figure that can be zoomed.
+//! Data for the page's script to draw a zoomable figure.
 //!
-//! Curves are thinned and rounded to what a screen can show; the CSV beside the page has the rest.
+//! Curves are thinned and rounded to the resolution of a screen; the CSV next to the page has all
+//! data.
 
 use serde::Serialize;
 
@@ -25,7 +26,7 @@ pub(super) struct PlotData<'a> {
 struct AxisData<'a> {
     label: &'a str,
     log: bool,
-    /// Interval shown before the reader zooms; without it the script decides.
+    /// Interval shown before the reader zooms; by default the script chooses it.
     range: Option<(f64, f64)>,
 }
 
@@ -39,12 +40,13 @@ struct Curve<'a> {
     columns: Vec<Vec<f64>>,
 }
 
-/// Whether the figure is one that can be zoomed: x must never turn back.
+/// Returns `true` if the figure can be zoomed: x must be in ascending order.
 pub(super) fn can_zoom(figure: &Figure) -> bool {
     figure.interactive && figure.map.is_none() && !figure.is_plane() && figure.all_series().all(|s| s.x.is_sorted())
 }
 
-/// The figure's data for the script, as it is drawn; `first` is the number of curves in the plots above it.
+/// Returns the figure's data for the script, as it is drawn; `first` is the number of curves in the
+/// plots above it.
 pub(super) fn plot_data(figure: &Figure, first: usize) -> PlotData<'_> {
     let curves = figure.series.iter().enumerate().filter(|(_, series)| series.shows_something());
     PlotData {
@@ -66,9 +68,9 @@ fn curve<'a>(figure: &Figure, index: usize, series: &'a Series) -> Curve<'a> {
         std::iter::once(series.x.as_slice()).chain(series.columns()).map(|column| &column[start..end]).collect();
     let (xs, columns) = (shown[0], &shown[1..]);
 
-    // A position that the axis lacks would make the script reject the whole curve.
+    // A position that does not exist on the axis would make the script reject the whole curve.
     let placed = |x: f64| x.is_finite() && (x > 0.0 || !figure.x.log);
-    let indices: Vec<usize> = decimate::keep(&shown, decimate::LIMIT).into_iter().filter(|&i| placed(xs[i])).collect();
+    let indices: Vec<usize> = decimate::keep(&shown, decimate::MAX_POINTS).into_iter().filter(|&i| placed(xs[i])).collect();
     let value = |y: f64| if y > 0.0 || !figure.y.log { rounded(y) } else { f64::NAN };
     Curve {
         name: &series.name,
@@ -84,7 +86,8 @@ fn curve<'a>(figure: &Figure, index: usize, series: &'a Series) -> Curve<'a> {
     }
 }
 
-/// The same places, each once: the script merges samples at equal x, which would flatten a step.
+/// Makes equal positions distinct: the script merges samples at equal x, which would flatten a
+/// step.
 fn distinct(places: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut result: Vec<f64> = Vec::new();
     for x in places {
@@ -94,7 +97,7 @@ fn distinct(places: impl Iterator<Item = f64>) -> Vec<f64> {
     result
 }
 
-/// Nine significant digits.
+/// Rounds to nine significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.8e}").parse().unwrap_or(value)
 }
@@ -113,13 +116,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_becomes_null() {
+    fn non_finite_values_become_null() {
         let figure = figure(vec![0.0, 1.0, 2.0], vec![f64::NAN, f64::INFINITY, 0.1 + 0.2]);
         assert_eq!(json(&figure)["series"][0]["columns"][0].to_string(), "[null,null,0.3]");
     }
 
     #[test]
-    fn a_locus_is_not_for_zooming() {
+    fn a_locus_cannot_be_zoomed() {
         assert!(!can_zoom(&figure(vec![0.0, 1.0, 0.5], vec![0.0; 3])));
         assert!(!can_zoom(&figure(vec![0.0, f64::NAN], vec![0.0; 2])));
         assert!(can_zoom(&figure(vec![0.0, 0.0, 1.0], vec![0.0; 3])));
@@ -133,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_the_range_shows_is_sent() {
+    fn only_the_visible_range_is_sent() {
         let x: Vec<f64> = (0..100_000).map(f64::from).collect();
         let mut figure = figure(x.clone(), x);
         figure.x.range = Some((500.0, 600.0));

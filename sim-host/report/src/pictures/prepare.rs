@@ -1,4 +1,5 @@
-//! What a figure's values become before they are drawn: sizes, values between samples, and units with a prefix. The CSV has them as they are.
+//! Preparation of a figure's values for drawing: magnitudes, values between samples, and units with
+//! a prefix. The CSV has the original values.
 
 use std::borrow::Cow;
 
@@ -6,12 +7,12 @@ use super::extent::scales;
 use super::interpolate::between;
 use crate::figure::{Axis, Figure, Series, Style};
 
-/// Points of a drawn curve up to which samples get others between them.
-const MOST: usize = 6000;
-/// Parts into which the step between two samples is cut at most.
-const PARTS: usize = 8;
+/// Number of points of a drawn curve up to which samples are interpolated.
+const MAX_POINTS: usize = 6000;
+/// Largest number of parts of the step between two samples.
+const MAX_PARTS: usize = 8;
 
-/// The figure as it is drawn.
+/// Returns the figure as it is drawn.
 pub(super) fn prepared(figure: &Figure) -> Cow<'_, Figure> {
     let magnitude = figure.y.magnitude || figure.panels.iter().any(|panel| panel.y.magnitude);
     let mut drawn = Cow::Borrowed(figure);
@@ -32,9 +33,9 @@ pub(super) fn prepared(figure: &Figure) -> Cow<'_, Figure> {
     with_prefixes(drawn)
 }
 
-/// Puts values between the samples of a line.
+/// Adds values between the samples of a line.
 fn smooth(series: &mut Series) {
-    let parts = (MOST / series.x.len().max(1)).min(PARTS);
+    let parts = (MAX_POINTS / series.x.len().max(1)).min(MAX_PARTS);
     if parts > 1 && series.style == Style::Line {
         (series.x, series.y) = (between(&series.x, parts), between(&series.y, parts));
     }
@@ -50,28 +51,33 @@ fn ys(series: &mut Series, change: impl Fn(f64) -> f64) {
     }
 }
 
-/// Units whose multiples read better than small or large numbers.
+/// Units that get a prefix.
 const UNITS: [&str; 11] = ["s", "m", "m/s", "N", "V", "A", "W", "J", "Hz", "S", "F"];
+/// Prefixes and their exponents.
 const PREFIXES: [(&str, i32); 6] = [("n", -9), ("µ", -6), ("m", -3), ("k", 3), ("M", 6), ("G", 9)];
-/// Values below this have a smaller unit,
-const SMALL: f64 = 0.05;
-/// and values from this on a larger one,
-const LARGE: f64 = 1e4;
-/// if they differ by more than this part.
-const APART: f64 = 1e-4;
-/// A logarithmic axis has a prefix where its ends are no further apart than this factor.
-const DECADES: f64 = 1e3;
+/// Magnitude of the largest value below which a smaller unit is used.
+const SMALL_UNIT_BELOW: f64 = 0.05;
+/// Magnitude of the largest value from which on a larger unit is used.
+const LARGE_UNIT_FROM: f64 = 1e4;
+/// Relative extent of large values below which the unit is not changed.
+const MIN_EXTENT_REL: f64 = 1e-4;
+/// Largest ratio of the ends of a logarithmic axis that gets a prefix.
+const MAX_PREFIX_RATIO: f64 = 1e3;
 
-/// The exponent and the label of the unit in which values up to `largest` in size, `extent` apart, read best.
+/// Returns exponent and label of the best readable unit for values of magnitude up to `largest`,
+/// `extent` apart.
 fn prefix(axis: &Axis, largest: f64, extent: f64) -> Option<(i32, String)> {
     let (quantity, unit) = axis.label.strip_suffix(']')?.rsplit_once('[')?;
-    // Over many decades powers of ten read better than any prefix.
-    let narrow = !axis.log || largest < DECADES * (largest - extent);
+    // Over many decades powers of ten are more readable than any prefix.
+    let narrow = !axis.log || largest < MAX_PREFIX_RATIO * (largest - extent);
     let plain = narrow && UNITS.contains(&unit) && largest.is_finite() && largest > 0.0;
-    if !plain || (SMALL..LARGE).contains(&largest) || (largest >= LARGE && extent < APART * largest) {
+    if !plain
+        || (SMALL_UNIT_BELOW..LARGE_UNIT_FROM).contains(&largest)
+        || (largest >= LARGE_UNIT_FROM && extent < MIN_EXTENT_REL * largest)
+    {
         return None;
     }
-    // Up to a thousand of the unit: 0.03 A are 30 mA.
+    // Values up to a thousand: 0.03 A is 30 mA.
     let wanted = 3 * (largest.log10() / 3.0).floor() as i32;
     let &(sign, exponent) = PREFIXES.iter().min_by_key(|(_, exponent)| (exponent - wanted).abs())?;
     Some((exponent, format!("{quantity}[{sign}{unit}]")))
@@ -89,7 +95,7 @@ fn with_prefixes(mut drawn: Cow<Figure>) -> Cow<Figure> {
     let mut x = prefix(&drawn.x, largest_x, extent_x);
     let mut y = prefix(&drawn.y, largest_y, extent_y);
     if drawn.is_plane() {
-        // One unit of length for both.
+        // The same unit for both axes.
         let largest = largest_x.max(largest_y);
         (x, y) = (prefix(&drawn.x, largest, largest), prefix(&drawn.y, largest, largest));
     }
@@ -139,7 +145,7 @@ fn scale_y(figure: &mut Figure, factor: f64, label: String) {
     }
 }
 
-/// A panel as a figure of its own, with the whole figure's range of x.
+/// Returns a panel as a separate figure, with the whole figure's range of x.
 pub(super) fn panel(figure: &Figure, place: usize) -> Figure {
     let panel = &figure.panels[place];
     Figure {
@@ -198,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_leave_the_figure_itself_alone() {
+    fn magnitudes_do_not_change_the_figure() {
         let mut figure = figure("error [Hz]", &[-2.0, 1.0]);
         figure.y = Axis { log: true, magnitude: true, ..figure.y };
         assert_eq!(prepared(&figure).series[0].y, [2.0, 1.0]);

@@ -1,4 +1,4 @@
-//! The canvas as the parts of a figure see it: a surface that takes text.
+//! The canvas of a figure's parts: a surface with functions for text.
 
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
@@ -9,21 +9,21 @@ use plotters::style::{Color, RGBColor};
 
 use super::style::{INK, Pen};
 
-/// A failure of the surface behind a drawing.
+/// A failure of the surface.
 pub(super) type Failure<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>;
 
-/// Text of one look.
+/// Style of a text.
 #[derive(Clone, Copy)]
 pub(super) struct Lettering {
     /// Size of the text, in points.
     pub size: f64,
     /// Colour of the letters.
     pub color: RGBColor,
-    /// Which part of the text lies at its place.
+    /// Horizontal alignment of the text at its position.
     pub hold: HPos,
 }
 
-/// Outlines of the dots that tell series apart in print without colour; the first is a circle.
+/// Outlines of the dots that distinguish series in print without colour; the first is a circle.
 const DOTS: [&[(f64, f64)]; 4] = [
     &[],
     &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
@@ -40,12 +40,12 @@ pub(super) struct Sheet<'r, DB: DrawingBackend> {
 }
 
 impl<DB: DrawingBackend> Sheet<'_, DB> {
-    /// Width of a text in points.
+    /// Returns the width of a text in points.
     pub fn text_width(&self, text: &str, size: f64) -> f64 {
         f64::from(self.text_pixels(text, size)) / f64::from(self.pen.zoom)
     }
 
-    /// Width of a text in pixels.
+    /// Returns the width of a text in pixels.
     pub fn text_pixels(&self, text: &str, size: f64) -> i32 {
         let style = self.pen.text(size, INK);
         self.root.estimate_text_size(text, &style).map_or(0, |(width, _)| width as i32)
@@ -60,7 +60,7 @@ impl<DB: DrawingBackend> Sheet<'_, DB> {
         self.root.draw_text(text, &style, (place.0, place.1 + self.pen.text_drop(look.size)))
     }
 
-    /// Writes a text on a plate that keeps it readable across grid and curves.
+    /// Writes a text on a plate that keeps it readable over grid and curves.
     pub fn note(&self, text: &str, look: Lettering, plate: RGBColor, place: (i32, i32)) -> Result<(), Failure<DB>> {
         if text.is_empty() {
             return Ok(());

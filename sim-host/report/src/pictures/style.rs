@@ -1,8 +1,8 @@
 //! The look that all figures share: colours, type and sizes.
 //!
-//! Colours are those of Okabe and Ito, which readers with any common kind of colour vision can tell
-//! apart. Sizes are given in points of a 1600 x 900 canvas; a [`Pen`] turns them into the pixels of
-//! the surface at hand, so that one set of numbers serves the vector and the bitmap pictures.
+//! Colours are those of Okabe and Ito, which readers with any common kind of colour vision can
+//! distinguish. Sizes are in points of a 1600 x 900 canvas. A [`Pen`] converts them to pixels of
+//! the surface, so the same sizes apply to vector and bitmap pictures.
 
 use std::sync::LazyLock;
 
@@ -20,17 +20,17 @@ const PALETTE: [RGBColor; 7] = [
     RGBColor(0x22, 0x22, 0x22),
 ];
 
-/// Titles, marks and other dark ink.
+/// Colour of titles, marks and other dark ink.
 pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
-/// Tick labels and notes.
+/// Colour of tick labels and notes.
 pub(super) const MUTED: RGBColor = RGBColor(0x55, 0x55, 0x55);
-/// Axes.
+/// Colour of axes.
 pub(super) const FRAME: RGBColor = RGBColor(0x88, 0x88, 0x88);
-/// Grid lines at the ticks.
+/// Colour of grid lines at the ticks.
 pub(super) const GRID: RGBColor = RGBColor(0xE2, 0xE2, 0xE2);
-/// Grid lines between the ticks of a logarithmic axis.
+/// Colour of grid lines between the ticks of a logarithmic axis.
 pub(super) const FINE_GRID: RGBColor = RGBColor(0xF1, 0xF1, 0xF1);
-/// Shaded intervals.
+/// Colour of shaded intervals.
 pub(super) const SHADE: RGBColor = RGBColor(0xFD, 0xF0, 0xD0);
 
 /// Opacity of the tint of a band.
@@ -38,7 +38,8 @@ pub(super) const BAND_OPACITY: f64 = 0.25;
 
 /// Family name of the embedded font.
 ///
-/// The list after the first name is for readers of the SVG, which carries the name but not the font.
+/// The list after the first name is for readers of the SVG, which carries the name but not the
+/// font.
 const FAMILY: &str = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif";
 /// Name of the embedded font itself.
 #[cfg(feature = "pdf")]
@@ -53,56 +54,56 @@ pub(super) fn prepare_font() -> Result<(), String> {
     if *FONT_IS_READY { Ok(()) } else { Err("the embedded font is damaged".into()) }
 }
 
-/// Colour of the series at `index`.
+/// Returns the colour of the series at `index`.
 pub(super) fn series_color(index: usize) -> RGBColor {
     PALETTE[index % PALETTE.len()]
 }
 
-/// A colour the way CSS writes it.
+/// Formats a colour as in CSS.
 pub(super) fn css(color: RGBColor) -> String {
     format!("#{:02x}{:02x}{:02x}", color.0, color.1, color.2)
 }
 
-/// Draws in points of the canvas on a surface `zoom` times as fine.
+/// A pen that draws in points of the canvas on a surface with `zoom` pixels per point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pen {
     /// Pixels of the picture per point.
     pub zoom: u32,
-    /// The surface draws a thick path of any shape well, as a whole.
+    /// `true` if the surface draws thick paths of any shape correctly as a whole.
     pub whole_paths: bool,
 }
 
 impl Pen {
-    /// A pen for vector pictures.
+    /// Creates a pen for vector pictures.
     pub const fn vector(zoom: u32) -> Self {
         Self { zoom, whole_paths: true }
     }
 
-    /// A pen for bitmaps, whose rasterizer fills the outline of a thick path by the even-odd rule: a path
-    /// that crosses its own outline gets holes.
+    /// Creates a pen for bitmaps, whose rasterizer fills the outline of a thick path by the
+    /// even-odd rule: a path that crosses its own outline gets holes.
     pub const fn bitmap(zoom: u32) -> Self {
         Self { zoom, whole_paths: false }
     }
 
-    /// A length in pixels.
+    /// Converts a length to pixels.
     pub fn px(self, points: f64) -> i32 {
         (points * f64::from(self.zoom)).round() as i32
     }
 
-    /// A line of this colour and width.
+    /// Returns a line of this colour and width.
     pub fn line(self, color: impl Into<RGBAColor>, points: f64) -> ShapeStyle {
         let width = self.px(points).max(1).unsigned_abs();
         ShapeStyle { color: color.into(), filled: false, stroke_width: width }
     }
 
-    /// How far text must be moved down for its middle height to lie where it was asked for.
+    /// Returns the downward shift, in pixels, that centres text at the requested height.
     ///
-    /// The bitmap rasterizer takes the line's height for the letters' height.
+    /// The bitmap rasterizer uses the line's height as the letters' height.
     pub fn text_drop(self, size: f64) -> i32 {
         if self.whole_paths { 0 } else { self.px(0.12 * size) }
     }
 
-    /// Text of this size and colour, held at its left end and middle height.
+    /// Returns text of this size and colour, aligned at its left end and middle height.
     pub fn text(self, points: f64, color: RGBColor) -> TextStyle<'static> {
         (FontFamily::Name(FAMILY), points * f64::from(self.zoom))
             .into_font()
@@ -111,7 +112,7 @@ impl Pen {
     }
 }
 
-/// The tint of a band around a curve.
+/// Returns the tint of a band around a curve.
 pub(super) fn tint(color: RGBColor) -> ShapeStyle {
     color.mix(BAND_OPACITY).filled()
 }

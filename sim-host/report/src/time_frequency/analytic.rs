@@ -1,10 +1,12 @@
-//! The analytic signal (Gabor 1946): the positive frequencies of a real signal, doubled. Its square has no terms between the positive
-//! frequencies and their mirror images, and a distribution of it needs half the sample rate only.
+//! The analytic signal (Gabor 1946): the positive frequencies of a real signal, doubled. Its square
+//! has no terms between the positive frequencies and their mirror images, and its distribution
+//! needs only half the sample rate.
 
 use realfft::num_complex::Complex;
 use rustfft::FftPlanner;
 
-/// The analytic signal of samples; its real part is the samples, by a transform over all of them.
+/// Returns the analytic signal of samples by a transform over all of them. Its real part equals the
+/// samples.
 pub fn analytic(samples: &[f64]) -> Vec<Complex<f64>> {
     let count = samples.len();
     let mut signal: Vec<Complex<f64>> = samples.iter().map(|&sample| Complex::new(sample, 0.0)).collect();

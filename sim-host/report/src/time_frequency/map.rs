@@ -1,4 +1,4 @@
-//! What every time-frequency analysis ends in: power over time and frequency.
+//! Result of every time-frequency analysis: power over time and frequency.
 
 /// Power over time and frequency, both evenly spaced.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,17 +9,17 @@ pub struct Map {
     pub every_s: f64,
     /// Frequency from row to row, Hz; the first row is zero hertz.
     pub bin_hz: f64,
-    /// For each time, the power at each frequency.
+    /// Power by time, then by frequency.
     pub columns: Vec<Vec<f64>>,
 }
 
 impl Map {
-    /// Time of a column's middle, s from the first sample.
+    /// Returns the time of a column's middle, s from the first sample.
     pub fn time_s(&self, column: usize) -> f64 {
         self.first_s + column as f64 * self.every_s
     }
 
-    /// The strongest frequency of each column, Hz: the ridge.
+    /// Returns the strongest frequency of each column, Hz: the ridge.
     pub fn ridge_hz(&self) -> Vec<f64> {
         let strongest = |column: &Vec<f64>| {
             let rows = column.iter().enumerate();
@@ -28,7 +28,7 @@ impl Map {
         self.columns.iter().map(|column| strongest(column) as f64 * self.bin_hz).collect()
     }
 
-    /// Largest power of the map.
+    /// Returns the largest power of the map.
     pub fn peak(&self) -> f64 {
         self.columns.iter().flatten().copied().fold(0.0, f64::max)
     }

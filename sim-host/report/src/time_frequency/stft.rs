@@ -1,7 +1,9 @@
-//! Short-time Fourier transform: `X(n, f) = sum_m w(m) x(n + m) exp(-2 pi i f m)`, with a Hann window `w`.
+//! Short-time Fourier transform: `X(n, f) = sum_m w(m) x(n + m) exp(-2 pi i f m)`, with a Hann
+//! window `w`.
 //!
-//! A window of length `L` blurs a time by about `L / 2` samples and a frequency by about two bins of `fs / L`. For a sweep of `c` Hz
-//! a second both are least at `L = fs / sqrt(c)`: a longer window sees the frequency move, a shorter one does not resolve it.
+//! A window of length `L` blurs a time by about `L / 2` samples and a frequency by about two bins
+//! of `fs / L`. For a sweep of `c` Hz a second both are smallest at `L = fs / sqrt(c)`: in a longer
+//! window the frequency changes noticeably, a shorter one does not resolve it.
 
 use std::f64::consts::TAU;
 
@@ -9,11 +11,13 @@ use realfft::RealFftPlanner;
 
 use super::Map;
 
-/// Rows for each that the window resolves: a window is transformed with as many zeros behind it, which interpolates its spectrum.
+/// Number of rows per resolved bin: zeros are appended to a window, which interpolates its
+/// spectrum.
 const ROWS_PER_BIN: usize = 2;
 
-/// The power of each frequency over time: a sine of amplitude `a` has a peak of `a^2 / 2`. Windows of `window` samples begin every
-/// `hop` samples; nothing where there are fewer samples than one window.
+/// Returns the power of each frequency over time: a sine of amplitude `a` has a peak of `a^2 / 2`.
+/// Windows of `window` samples begin every `hop` samples; the map is empty if there are fewer
+/// samples than one window.
 pub fn stft(samples: &[f64], sample_s: f64, window: usize, hop: usize) -> Map {
     let weights: Vec<f64> = (0..window).map(|n| 0.5 - 0.5 * (TAU * (n as f64 + 0.5) / window as f64).cos()).collect();
     let sum: f64 = weights.iter().sum();
@@ -37,10 +41,10 @@ pub fn stft(samples: &[f64], sample_s: f64, window: usize, hop: usize) -> Map {
     }
 }
 
-/// The even window length that blurs a linear sweep least, samples.
+/// Returns the even window length that blurs a linear sweep least, samples.
 pub fn window_for(sweep_hz_per_s: f64, sample_s: f64) -> usize {
     let samples = 1.0 / (sweep_hz_per_s.abs().sqrt() * sample_s);
-    // Twice the optimum of a rectangle: a Hann window weighs its middle half.
+    // Twice the optimum of a rectangle: a Hann window emphasises its middle half.
     2 * (samples.round() as usize).clamp(8, 1 << 14)
 }
 
@@ -50,7 +54,7 @@ mod tests {
 
     const SAMPLE_S: f64 = 1e-6;
 
-    /// A linear chirp from 20 to 200 kHz in 5 ms.
+    /// Returns a linear chirp from 20 to 200 kHz in 5 ms.
     fn chirp() -> (Vec<f64>, impl Fn(f64) -> f64) {
         let rate = 180e3 / 5e-3;
         let samples = (0..5000).map(|n| {

@@ -1,15 +1,19 @@
-//! Continuous wavelet transform with Morlet's wavelet (Grossmann and Morlet 1984; Torrence and Compo 1998, Bull. Amer. Meteor. Soc. 79).
+//! Continuous wavelet transform with Morlet's wavelet (Grossmann and Morlet 1984; Torrence and
+//! Compo 1998, Bull. Amer. Meteor. Soc. 79).
 //!
 //! ```text
 //! W(t, f) = integral X(nu) 2 exp(-(c (nu - f) / f)^2 / 2) exp(2 pi i nu t) dnu,    nu > 0
 //! ```
 //!
-//! `X` is the signal's transform and `c` the wavelet's angular centre frequency, so that `c / 2 pi` is about how many cycles a wavelet has. It blurs a
-//! frequency by the part `1 / c` (standard deviation) and a time by `c / (2 pi f)`: low frequencies are resolved in frequency, high ones in time, where
-//! a window of the short-time transform is as long for all. A sine of amplitude `a` has a peak of `|W|^2 / 2 = a^2 / 2`.
+//! `X` is the signal's transform and `c` the wavelet's angular centre frequency; a wavelet has
+//! about `c / 2 pi` cycles. It blurs a frequency by the fraction `1 / c` (standard deviation) and a
+//! time by `c / (2 pi f)`. Low frequencies are well resolved in frequency, high ones in time; a
+//! window of the short-time transform has the same length for all. A sine of amplitude `a` has a
+//! peak of `|W|^2 / 2 = a^2 / 2`.
 //!
-//! The signal is followed by zeros, as many again, so that its end does not act on its beginning. Within `sqrt(2) c / (2 pi f)` of either end
-//! (the cone of influence) it is weaker than it was.
+//! The same number of zeros is appended to the signal, so that its end does not affect its
+//! beginning. Within `sqrt(2) c / (2 pi f)` of either end (the cone of influence) the result is too
+//! small.
 
 use realfft::num_complex::Complex;
 use rustfft::FftPlanner;
@@ -23,25 +27,26 @@ pub struct Scalogram {
     pub every_s: f64,
     /// Frequencies of the rows, Hz, rising.
     pub hz: Vec<f64>,
-    /// For each time, the power at each frequency.
+    /// Power by time, then by frequency.
     pub columns: Vec<Vec<f64>>,
 }
 
 /// Morlet's wavelet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Morlet {
-    /// Angular centre frequency `c`, in units of the scale; at 5 or more the wavelet has no mean worth mentioning.
+    /// Angular centre frequency `c`, in units of the scale; at 5 or more the wavelet's mean is
+    /// negligible.
     pub centre: f64,
 }
 
 impl Default for Morlet {
-    /// Six, as Torrence and Compo take.
+    /// Returns six, as used by Torrence and Compo.
     fn default() -> Self {
         Morlet { centre: 6.0 }
     }
 }
 
-/// The power of real samples at these frequencies, Hz, a column every `hop` samples.
+/// Returns the power of real samples at these frequencies, Hz, with a column every `hop` samples.
 pub fn wavelet(samples: &[f64], sample_s: f64, morlet: Morlet, hz: &[f64], hop: usize) -> Scalogram {
     let hop = hop.max(1);
     let length = (2 * samples.len()).next_power_of_two().max(2);
@@ -67,7 +72,7 @@ pub fn wavelet(samples: &[f64], sample_s: f64, morlet: Morlet, hz: &[f64], hop: 
     Scalogram { first_s: 0.0, every_s: hop as f64 * sample_s, hz: hz.to_vec(), columns }
 }
 
-/// So many frequencies of equal ratios, both ends among them, Hz.
+/// Returns `rows` frequencies of equal ratios including both ends, Hz.
 pub fn ratios(from_hz: f64, to_hz: f64, rows: usize) -> Vec<f64> {
     let steps = rows.saturating_sub(1).max(1) as f64;
     (0..rows).map(|row| from_hz * (to_hz / from_hz).powf(row as f64 / steps)).collect()
@@ -86,12 +91,12 @@ mod tests {
     }
 
     #[test]
-    fn a_sine_has_its_power_at_its_frequency_and_the_width_of_the_wavelet() {
+    fn a_sine_has_its_power_and_the_wavelets_width() {
         let hz = [4000.0 * (1.0 - 1.0 / 6.0), 4000.0, 4000.0 * 1.25];
         let map = wavelet(&tone(4000.0, 0.7), SAMPLE_S, Morlet::default(), &hz, 16);
         let middle = &map.columns[map.columns.len() / 2];
         assert!((middle[1] / 0.245 - 1.0).abs() < 1e-6, "{}", middle[1]);
-        // exp(-x^2), x the distance over the row's own frequency times six.
+        // exp(-x^2), with x the distance over the row's frequency times six.
         for (row, power) in [(0, hz[0]), (2, hz[2])] {
             let x = 6.0 * (4000.0 / power - 1.0);
             assert!((middle[row] / (0.245 * (-x * x).exp()) - 1.0).abs() < 1e-3, "{row}: {}", middle[row]);

@@ -4,15 +4,18 @@
 //! W(n, k) = sum_m h(m) sum_p g(p) z(n + p + m) z*(n + p - m) exp(-2 pi i k m / R),    frequency k fs / (2 R)
 //! ```
 //!
-//! `m` runs over the lags, `|m| < R / 2` and no further than `h`, `R` rows; `z` is zero outside. With `h = 1` over all lags and no `g` it is the distribution
-//! itself; with a window `h` of lags, pseudo; with a window `g` of times as well, smoothed pseudo (Flandrin and Martin 1984).
+//! `m` runs over the lags, `|m| < R / 2` and within `h`, with `R` rows; `z` is zero outside. With
+//! `h = 1` over all lags and no `g` it is the plain distribution; with a window `h` of lags,
+//! pseudo; with a window `g` of times as well, smoothed pseudo (Flandrin and Martin 1984).
 //!
-//! What holds exactly: the mean over the rows is `sum_p g(p) |z(n + p)|^2` (the time marginal), because all rows together leave the
-//! lag zero; so, with a `g` of sum one, the mean over rows and sum over times is the signal's energy. Without windows and for a signal
-//! that fades within its samples, the sum over times is `|Z(f)|^2` (the frequency marginal).
+//! Exact properties: the mean over the rows is `sum_p g(p) |z(n + p)|^2` (the time marginal),
+//! because the sum over all rows leaves only lag zero. With a `g` of sum one, the mean over rows
+//! and sum over times is therefore the signal's energy. Without windows, and for a signal that
+//! fades within its samples, the sum over times is `|Z(f)|^2` (the frequency marginal).
 //!
-//! Two components at `f1` and `f2` have a third term halfway, which swings over time at `|f1 - f2|` to both sides of zero. The window
-//! of times takes it away if it lasts for some of its periods, and blurs time by as much; the window of lags blurs frequency.
+//! Two components at `f1` and `f2` have a third term halfway, which oscillates over time at
+//! `|f1 - f2|` about zero. A window of times that spans several of its periods removes it, and
+//! blurs time by as much; the window of lags blurs frequency.
 
 use std::f64::consts::TAU;
 
@@ -24,17 +27,19 @@ use super::{Map, analytic};
 /// Smoothing and resolution of the distribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothing {
-    /// Rows, from zero to half the sample rate.
+    /// Number of rows, from zero to half the sample rate.
     pub rows: usize,
-    /// Half the length of the Hann window of lags, samples; none: all lags that there are rows for weigh the same.
+    /// Half the length of the Hann window of lags, samples; with `None` all lags within the rows
+    /// have the same weight.
     pub lags: Option<usize>,
-    /// Length of the Hann window of times, samples; at most one: none.
+    /// Length of the Hann window of times, samples; no window if at most one.
     pub times: usize,
-    /// Samples from column to column.
+    /// Step from column to column, samples.
     pub hop: usize,
 }
 
-/// The distribution of real samples. A component of amplitude `a` has `a^2` in its mean over the rows.
+/// Returns the distribution of real samples. A component of amplitude `a` contributes `a^2` to the
+/// mean over the rows.
 pub fn wigner_ville(samples: &[f64], sample_s: f64, smoothing: Smoothing) -> Map {
     let z = analytic(samples);
     let rows = smoothing.rows.max(1);
@@ -63,13 +68,13 @@ pub fn wigner_ville(samples: &[f64], sample_s: f64, smoothing: Smoothing) -> Map
     }
 }
 
-/// `z(n + m) z*(n - m)`, zero outside.
+/// Returns `z(n + m) z*(n - m)`, zero outside.
 fn lagged(z: &[Complex<f64>], n: i64, m: i64) -> Complex<f64> {
     let at = |index: i64| usize::try_from(index).ok().and_then(|index| z.get(index));
     at(n + m).zip(at(n - m)).map_or(Complex::new(0.0, 0.0), |(later, earlier)| later * earlier.conj())
 }
 
-/// Weights of at most `most` lags, from zero on.
+/// Returns the weights of at most `most` lags, from zero on.
 fn lag_weights(most: usize, window: Option<usize>) -> Vec<f64> {
     match window {
         None => vec![1.0; most],
@@ -77,7 +82,7 @@ fn lag_weights(most: usize, window: Option<usize>) -> Vec<f64> {
     }
 }
 
-/// Places and weights of the times, with a sum of one.
+/// Returns offsets and weights of the times, with a sum of one.
 fn time_weights(length: usize) -> Vec<(i64, f64)> {
     let half = (length.max(1) / 2) as i64;
     let hann = |p: i64| 0.5 + 0.5 * (TAU * p as f64 / (2 * half + 2) as f64).cos();
@@ -92,7 +97,7 @@ mod tests {
     const SAMPLE_S: f64 = 1e-6;
     const PLAIN: Smoothing = Smoothing { rows: 1024, lags: None, times: 1, hop: 1 };
 
-    /// Tones in one Gaussian envelope, which fades to 1e-14 within the samples.
+    /// Returns tones in one Gaussian envelope, which fades to 1e-14 within the samples.
     fn tones(count: usize, hz: &[f64]) -> Vec<f64> {
         let sigma = count as f64 / 16.0;
         let sample = |n: usize| {
@@ -117,7 +122,7 @@ mod tests {
             .collect();
         for smoothing in [PLAIN, Smoothing { rows: 256, lags: Some(128), times: 9, hop: 4 }] {
             let map = wigner_ville(&samples, SAMPLE_S, smoothing);
-            // At the ends a window of lags has nothing to look at.
+            // At the ends a window of lags has no samples.
             for (column, hz) in map.ridge_hz().into_iter().enumerate() {
                 let t = map.time_s(column);
                 if (100e-6..900e-6).contains(&t) {
@@ -128,7 +133,8 @@ mod tests {
         }
     }
 
-    /// To the last digits: the mean over the rows is the power at that time, smoothed or not, at any window of lags.
+    /// To round-off, the mean over the rows is the power at that time, smoothed or not, for any
+    /// window of lags.
     #[test]
     fn time_marginal_and_energy_are_exact() {
         let samples = tones(600, &[40e3, 130e3]);
@@ -140,7 +146,7 @@ mod tests {
             assert!(worst < 1e-13, "{worst} with {smoothing:?}");
             assert!((means.iter().sum::<f64>() / energy(&z) - 1.0).abs() < 1e-13);
         }
-        // Smoothed over time, each power is the mean of its neighbours', so that the sum is the same.
+        // Smoothed over time, each power is the mean of its neighbours', so the sum is unchanged.
         let smoothed = wigner_ville(&samples, SAMPLE_S, Smoothing { times: 33, lags: Some(128), rows: 256, hop: 1 });
         let sum: f64 = smoothed.columns.iter().map(|column| column.iter().sum::<f64>() / column.len() as f64).sum();
         assert!((sum / energy(&z) - 1.0).abs() < 1e-12, "{sum}");
@@ -156,16 +162,16 @@ mod tests {
             let marginal: f64 = map.columns.iter().map(|column| column[bin]).sum();
             let spectrum: Complex<f64> =
                 z.iter().enumerate().map(|(n, z)| z * Complex::from_polar(1.0, -TAU * hz * n as f64 * SAMPLE_S)).sum();
-            // The pairs of samples that are an even distance apart: half of all.
+            // Only pairs of samples an even distance apart contribute: half of all.
             let expected = 0.5 * spectrum.norm_sqr();
             assert!((marginal - expected).abs() < 1e-9 * energy(&z), "{hz}: {marginal} {expected}");
         }
     }
 
-    /// Halfway between two tones stands a third term, twice as high as either; smoothed over some of its periods it is as low as the
-    /// window's side lobe.
+    /// Halfway between two tones is a third term, twice as high as either; smoothed over some of
+    /// its periods it falls to the window's side lobe.
     #[test]
-    fn the_cross_term_is_there_and_smoothing_removes_it() {
+    fn smoothing_removes_the_cross_term() {
         let samples: Vec<f64> =
             (0..2048).map(|n| [60e3, 140e3].map(|hz| (TAU * hz * f64::from(n) * SAMPLE_S).cos()).iter().sum()).collect();
         let height = |smoothing: Smoothing, hz: f64| {
@@ -177,7 +183,8 @@ mod tests {
         let plain = Smoothing { rows: 500, lags: Some(250), times: 1, hop: 1 };
         let (tone, cross) = (height(plain, 60e3), height(plain, 100e3));
         assert!((cross / tone - 2.0).abs() < 1e-3, "{cross} {tone}");
-        // Its period is 12.5 samples, and the transform of a Hann window at nu bins is sinc(nu) / (1 - nu^2): here 53 dB down.
+        // Its period is 12.5 samples, and the transform of a Hann window at nu bins is sinc(nu) /
+        // (1 - nu^2): here 53 dB down.
         let smoothed = Smoothing { times: 51, ..plain };
         let nu: f64 = 52.0 / 12.5;
         let side_lobe = (nu * TAU / 2.0).sin() / (nu * TAU / 2.0 * (1.0 - nu * nu));

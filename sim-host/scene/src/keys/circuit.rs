@@ -1,17 +1,25 @@
-//! Circuit values: any complete set of them as the elements of the equivalent circuit. This is the one place that resolves a set.
+//! Circuit values: conversion of any complete set to the elements of the equivalent circuit. Every
+//! set is resolved here.
 //!
 //! ```text
 //! omega_s^2 Lm Cm = 1,   Q = omega_s Lm / Rm,   fp = fs sqrt(1 + Cm / C0),   k^2 = Cm / (C0 + Cm)
 //! ```
 //!
-//! In place of C0 the capacitance far below the resonance may be given, `CT = C0 + Cm`, as a bridge at 1 kHz reads it: `k^2 = Cm / CT`, `CT / C0 = (fp / fs)^2`.
+//! Instead of C0, the capacitance far below the resonance may be given: `CT = C0 + Cm`, as measured
+//! by a bridge at 1 kHz. Then `k^2 = Cm / CT` and `CT / C0 = (fp / fs)^2`.
 //!
-//! Beside `c0_f` or `ct_f` a set is complete with one of `q`, `rm_ohm` and two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h`, `cm_f`, `coupling`, of which `cm_f` and
-//! `coupling` say the same; or with `q` and `rm_ohm` and one of these, since `Q Rm = sqrt(Lm / Cm)`. More than that is taken if it agrees to a per cent, as rounded numbers of an analyser do; what it disagrees in is named.
+//! A complete set contains `c0_f` or `ct_f`, and either of the following:
+//!
+//! * one of `q` and `rm_ohm`, and two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h`,
+//!   `cm_f` and `coupling`; `cm_f` and `coupling` count as one, because each gives the other;
+//! * both `q` and `rm_ohm`, and one of those five, since `Q Rm = sqrt(Lm / Cm)`.
+//!
+//! Additional values are accepted if they agree to 1 %, as rounded numbers of an analyser do. A
+//! value that disagrees is named in the error.
 
 use std::f64::consts::TAU;
 
-/// Values of a circuit, as far as they are given.
+/// Circuit values, as far as they are given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Given {
     /// Clamped capacitance, F.
@@ -47,14 +55,14 @@ pub struct Elements {
     pub rm_ohm: f64,
 }
 
-/// Why a set of values is no circuit.
+/// Reason why a set of values does not define a circuit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CircuitError {
     /// Values are missing.
     #[error("the circuit is incomplete: {0}")]
     Incomplete(String),
-    /// A value is another one than follows from the rest.
-    #[error("the circuit contradicts itself: `{name}` is {given:e}, and {follows:e} follows from the other values")]
+    /// A value differs from the one that follows from the others.
+    #[error("the circuit contradicts itself: `{name}` is {given:e}, but {follows:.3e} follows from the other values")]
     Contradicting {
         /// Name of the value.
         name: &'static str,
@@ -65,33 +73,33 @@ pub enum CircuitError {
     },
 }
 
-/// Values that agree to this part are rounded.
-const ROUNDED: f64 = 0.01;
+/// Largest relative difference that is taken for rounding.
+const ROUNDING_REL: f64 = 0.01;
 
 impl Elements {
-    /// Series resonance, Hz.
+    /// Returns the series resonance, Hz.
     pub fn series_resonance_hz(&self) -> f64 {
         1.0 / (TAU * (self.lm_h * self.cm_f).sqrt())
     }
 
-    /// Parallel resonance, Hz.
+    /// Returns the parallel resonance, Hz.
     pub fn parallel_resonance_hz(&self) -> f64 {
         self.series_resonance_hz() * (1.0 + self.cm_f / self.c0_f).sqrt()
     }
 
-    /// Quality factor at the series resonance.
+    /// Returns the quality factor at the series resonance.
     pub fn q(&self) -> f64 {
         (self.lm_h / self.cm_f).sqrt() / self.rm_ohm
     }
 
-    /// Effective coupling.
+    /// Returns the effective coupling.
     pub fn coupling(&self) -> f64 {
         (self.cm_f / (self.c0_f + self.cm_f)).sqrt()
     }
 }
 
 impl Given {
-    /// The names of the values with what is given, in the order of the fields, without the clamped capacitance.
+    /// Returns names and values in the order of the fields, without the clamped capacitance.
     fn named(&self) -> [(&'static str, Option<f64>); 7] {
         [
             ("cm_f", self.cm_f),
@@ -104,10 +112,10 @@ impl Given {
         ]
     }
 
-    /// The elements that follow from the values.
+    /// Returns the elements that follow from the values.
     ///
     /// # Errors
-    /// Says what is missing, or which value contradicts the others.
+    /// If values are missing, or if a value contradicts the others.
     pub fn resolve(&self) -> Result<Elements, CircuitError> {
         let incomplete = |what: &str| CircuitError::Incomplete(what.to_owned());
         let square = |hz: f64| (TAU * hz).powi(2);
@@ -124,14 +132,16 @@ impl Given {
         let by_series = || Some(1.0 / (square(self.series_resonance_hz?) * self.lm_h?));
         let by_parallel = || Some(1.0 / (square(self.parallel_resonance_hz?) * self.lm_h? - 1.0 / c0_f));
         let by_impedance = || self.by_impedance();
-        // With Lm = (Q Rm)^2 Cm the parallel resonance is (wp Q Rm Cm)^2 = 1 + Cm / C0, which has one root above zero.
+        // With Lm = (Q Rm)^2 Cm the parallel resonance is (wp Q Rm Cm)^2 = 1 + Cm / C0, with one
+        // positive root.
         let by_parallel_and_impedance = || {
             let a = square(self.parallel_resonance_hz?) * self.impedance()?.powi(2);
             Some((1.0 / c0_f + (1.0 / (c0_f * c0_f) + 4.0 * a).sqrt()) / (2.0 * a))
         };
         let cm_f = self.cm_f.or_else(by_coupling).or_else(by_resonances).or_else(by_series).or_else(by_parallel);
         let cm_f = cm_f.or_else(by_impedance).or_else(by_parallel_and_impedance);
-        let two = "two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h` and `cm_f` or `coupling` are needed, or one of them with both `q` and `rm_ohm`";
+        let two = "two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h` and (`cm_f` or `coupling`) are needed, or one \
+                   of them with both `q` and `rm_ohm`";
         let cm_f = cm_f.ok_or_else(|| incomplete(two))?;
         if !(cm_f > 0.0 && cm_f.is_finite()) {
             let given = self.parallel_resonance_hz.unwrap_or_default();
@@ -149,28 +159,28 @@ impl Given {
         Ok(elements)
     }
 
-    /// `Q Rm = sqrt(Lm / Cm)`, ohm.
+    /// Returns `Q Rm = sqrt(Lm / Cm)`, ohm.
     fn impedance(&self) -> Option<f64> {
         Some(self.q? * self.rm_ohm?)
     }
 
-    /// The motional capacitance by Q, Rm and series resonance or inductance, F.
+    /// Returns the motional capacitance from Q, Rm and series resonance or inductance, F.
     fn by_impedance(&self) -> Option<f64> {
         let impedance = self.impedance()?;
         let by_series = || Some(1.0 / (TAU * self.series_resonance_hz? * impedance));
         by_series().or_else(|| Some(self.lm_h? / (impedance * impedance)))
     }
 
-    /// The clamped capacitance by that far below the resonance, F.
+    /// Returns the clamped capacitance from the capacitance far below the resonance, F.
     fn clamped(&self, ct_f: f64) -> Result<f64, CircuitError> {
         let by_coupling = || self.coupling.map(|k| ct_f * k * k);
         let by_series = || Some(1.0 / ((TAU * self.series_resonance_hz?).powi(2) * self.lm_h?));
         let by_resonances = || Some(ct_f * (1.0 - (self.series_resonance_hz? / self.parallel_resonance_hz?).powi(2)));
         let cm_f = self.cm_f.or_else(by_coupling).or_else(by_resonances).or_else(by_series).or_else(|| self.by_impedance());
-        // With Lm and the parallel resonance alone, Cm and C0 might be exchanged.
+        // Given only Lm and the parallel resonance, Cm and C0 could be exchanged.
         let cm_f = cm_f.ok_or_else(|| {
-            let needed =
-                "beside `ct_f`, `cm_f`, `coupling`, `series_resonance_hz` with `parallel_resonance_hz` or `lm_h`, or one of `series_resonance_hz` and `lm_h` with `q` and `rm_ohm` is needed";
+            let needed = "in addition to `ct_f`, one of these is needed: `cm_f`; `coupling`; `series_resonance_hz` with \
+                          `parallel_resonance_hz` or `lm_h`; `series_resonance_hz` or `lm_h` with `q` and `rm_ohm`";
             CircuitError::Incomplete(needed.to_owned())
         })?;
         if cm_f > 0.0 && cm_f < ct_f {
@@ -180,7 +190,7 @@ impl Given {
         }
     }
 
-    /// Holds every value against the elements.
+    /// Checks every given value against the elements.
     fn agrees(&self, elements: &Elements) -> Result<(), CircuitError> {
         let follows = [
             elements.cm_f,
@@ -193,8 +203,8 @@ impl Given {
         ];
         let total = [(("ct_f", self.ct_f), elements.c0_f + elements.cm_f)];
         for ((name, given), follows) in self.named().into_iter().zip(follows).chain(total) {
-            // What is no number agrees with nothing.
-            let agrees = |given: f64| (given / follows - 1.0).abs() <= ROUNDED;
+            // NaN agrees with nothing.
+            let agrees = |given: f64| (given / follows - 1.0).abs() <= ROUNDING_REL;
             if let Some(given) = given.filter(|&given| !agrees(given)) {
                 return Err(CircuitError::Contradicting { name, given, follows });
             }
@@ -223,7 +233,8 @@ mod tests {
         }
     }
 
-    /// The values of `all` that a mask names, bit by bit in the order of `named`.
+    /// Returns the values of `all` that are selected by the bits of a mask, in the order of
+    /// `named`.
     fn some(mask: u32) -> Given {
         let all = all();
         let pick = |bit: u32, value: Option<f64>| value.filter(|_| mask >> bit & 1 == 1);
@@ -241,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn every_complete_set_gives_the_same_circuit_and_every_other_is_refused() {
+    fn complete_sets_agree_and_others_are_refused() {
         for mask in 0..128 {
             let given = some(mask);
             let resistive = given.rm_ohm.is_some() || given.q.is_some();
@@ -262,9 +273,10 @@ mod tests {
         }
     }
 
-    /// Every complete set with C0 is one with CT, but for Lm and the parallel resonance, by which Cm and C0 could be exchanged.
+    /// Every complete set with C0 is also complete with CT, except Lm with the parallel resonance:
+    /// there Cm and C0 could be exchanged.
     #[test]
-    fn the_capacitance_far_below_stands_for_the_clamped_one() {
+    fn total_capacitance_can_replace_the_clamped_one() {
         for mask in 0..128 {
             let by_clamped = some(mask);
             let by_total = Given { c0_f: None, ct_f: Some(TRUTH.c0_f + TRUTH.cm_f), ..by_clamped };
@@ -288,10 +300,10 @@ mod tests {
     }
 
     #[test]
-    fn rounded_values_are_taken_and_contradictions_named() {
+    fn rounded_values_pass_and_contradictions_fail() {
         assert!(Given { q: Some(TRUTH.q() * 1.005), ..all() }.resolve().is_ok());
         let error = Given { q: Some(100.0), ..all() }.resolve().unwrap_err().to_string();
-        assert!(error.starts_with("the circuit contradicts itself: `q` is 1e2, and 9.04"), "{error}");
+        assert!(error.starts_with("the circuit contradicts itself: `q` is 1e2, but 9.04"), "{error}");
         let below = Given { parallel_resonance_hz: Some(39e3), ..some(0b11_1000) };
         assert!(matches!(below.resolve(), Err(CircuitError::Contradicting { name: "parallel_resonance_hz", .. })));
     }

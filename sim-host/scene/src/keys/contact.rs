@@ -44,7 +44,7 @@ pub struct Coulomb {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-9, max = 1e6))]
     pub normal_n: Option<f64>,
-    /// Which way the vibration counts in the slip velocity of a contact study. Default: passive.
+    /// Sign of the vibration in the slip velocity of a contact study, passive by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sign: Option<Sign>,
 }
@@ -63,16 +63,17 @@ pub struct Dahl {
     /// Tangential contact stiffness Kt, N/m.
     #[schemars(range(min = 1.0, max = 1e12))]
     pub stiffness_n_per_m: f64,
-    /// Exponent of the model: 1, the thesis's, which is solved exactly in slip.
+    /// Exponent of the model: 1, as in the thesis, which is solved exactly in slip.
     #[serde(default = "default::alpha")]
     pub alpha: f64,
-    /// Which way the vibration counts in the slip velocity of a contact study. Default: passive.
+    /// Sign of the vibration in the slip velocity of a contact study, passive by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sign: Option<Sign>,
 }
 
 /// The LuGre model: `z' = V - |V| z / G(V)`, `F = Kt z + sigma1 z' + sigma2 V`,
-/// `Kt G(V) = N (mu + (static_mu - mu) exp(-(V / Vs)^2))`. For contact studies, and under `rig.carriage`.
+/// `Kt G(V) = N (mu + (static_mu - mu) exp(-(V / Vs)^2))`. For contact studies, and under
+/// `rig.carriage`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Lugre {
@@ -89,7 +90,7 @@ pub struct Lugre {
     /// Bristle stiffness Kt, N/m.
     #[schemars(range(min = 1.0, max = 1e12))]
     pub stiffness_n_per_m: f64,
-    /// Stribeck velocity Vs, m/s: how fast the static friction is lost.
+    /// Stribeck velocity Vs, m/s: velocity scale on which friction falls from static to kinetic.
     #[schemars(range(min = 1e-9, max = 1e3))]
     pub stribeck_m_per_s: f64,
     /// Damping of the bristles, N s/m.
@@ -100,13 +101,14 @@ pub struct Lugre {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1e9))]
     pub sigma2: f64,
-    /// Which way the vibration counts in the slip velocity of a contact study. Default: passive.
+    /// Sign of the vibration in the slip velocity of a contact study, passive by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sign: Option<Sign>,
 }
 
-/// Hertz's contact, `N = K d^1.5` with friction in proportion to the contact area, under a vibration across the surface: a given one
-/// (`rig.kinematic`), or that of a mass which lies on the contact and which a force shakes (`rig.sdof`), until it bounces if the force is large.
+/// Hertz's contact, `N = K d^1.5`, with friction in proportion to the contact area, under a
+/// vibration across the surface. The vibration is prescribed (`rig.kinematic`), or is that of a
+/// mass on the contact that a force excites (`rig.sdof`); it bounces if the force is large.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Hertz {
@@ -122,41 +124,46 @@ pub struct Hertz {
     pub stiffness_n_per_m15: f64,
 }
 
-/// A law fitted to the thesis's second experiment: vibration across a seat belt takes the part `R` of its friction away,
-/// `R = reduction g(v) (W / reference_load_n)^-load_exponent (a / reference_amplitude_fraction)^e`,
-/// `e = amplitude_exponent min(1, (reference_load_n / W)^amplitude_load_exponent)`, `g` one at the reference speed and falling with
-/// `1 + v / speed_scale_m_per_s`. For `rig.belt`.
+/// A law fitted to the thesis's second experiment. Vibration across a seat belt removes the part
+/// `R` of its friction, `R = reduction g(v) (W / reference_load_n)^-load_exponent (a /
+/// reference_amplitude_fraction)^e`, with `e = amplitude_exponent min(1, (reference_load_n /
+/// W)^amplitude_load_exponent)`. `g` is one at the reference speed and falls as `1 / (1 + v /
+/// speed_scale_m_per_s)`. For `rig.belt`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Empirical {
-    /// Coefficient of friction of the pull, both faces of the belt together, without vibration. Assumed; the reduction is a part of it.
+    /// Coefficient of friction of the pull without vibration, both faces of the belt together.
+    /// Assumed; the reduction is a part of it.
     #[schemars(range(min = 0.0, max = 5.0))]
     pub mu: f64,
-    /// Part of the friction that goes at reference load, amplitude and speed if the vibration lasts.
+    /// Part of the friction that a lasting vibration removes at reference load, amplitude and
+    /// speed.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub reduction: f64,
     /// Reference load of the law, N.
     #[schemars(range(min = 1.0, max = 1e4))]
     pub reference_load_n: f64,
-    /// Reference amplitude, part of the full one.
+    /// Reference amplitude, as a part of the full amplitude.
     #[schemars(range(min = 1e-3, max = 1.0))]
     pub reference_amplitude_fraction: f64,
     /// Reference speed of the law, m/s.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub reference_speed_m_per_s: f64,
-    /// Speed at which half of the effect on a creeping belt is left, m/s; not from the thesis, which has one speed.
+    /// Speed at which the effect is half that on a creeping belt, m/s; not from the thesis, which
+    /// has one speed.
     #[schemars(range(min = 1e-6, max = 1e3))]
     pub speed_scale_m_per_s: f64,
-    /// How fast the effect falls with the load.
+    /// Exponent with which the effect falls with the load.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub load_exponent: f64,
-    /// How fast the effect rises with the amplitude, at the reference load and below.
+    /// Exponent with which the effect rises with the amplitude, at the reference load and below.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub amplitude_exponent: f64,
-    /// How fast `amplitude_exponent` falls with the load.
+    /// Exponent with which `amplitude_exponent` falls with the load.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub amplitude_load_exponent: f64,
-    /// Smallest amplitude tested, part of the full one: below it the effect falls in proportion to the amplitude.
+    /// Smallest amplitude tested, as a part of the full amplitude. Below it, the effect falls in
+    /// proportion to the amplitude.
     #[schemars(range(min = 1e-3, max = 1.0))]
     pub lowest_amplitude_fraction: f64,
 }
@@ -180,7 +187,7 @@ impl Default for Empirical {
 }
 
 impl Empirical {
-    /// The empirical law with these constants.
+    /// Returns the empirical law with these constants.
     pub fn law(&self) -> EmpiricalLaw {
         EmpiricalLaw {
             reduction: self.reduction,
@@ -196,18 +203,19 @@ impl Empirical {
     }
 }
 
-/// Which way the vibration counts in the slip velocity.
+/// Sign of the vibration in the slip velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Sign {
-    /// V = Vt + x': friction takes energy out of the vibration.
+    /// V = Vt + x': friction takes energy from the vibration.
     #[default]
     Passive,
-    /// V = Vt - x', as the thesis's 4.14 and 4.16 are printed: friction pumps the vibration.
+    /// V = Vt - x', as printed in 4.14 and 4.16 of the thesis: friction feeds energy into the
+    /// vibration.
     Literal,
 }
 
-/// The model that the contact of a contact study has.
+/// The friction model of a contact study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Model<'a> {
     /// Coulomb's model of friction.
@@ -223,7 +231,7 @@ pub enum Model<'a> {
 }
 
 impl Contact {
-    /// The contact's model; none if the table is incomplete.
+    /// Returns the model of the contact, or `None` if the table has none.
     pub fn model(&self) -> Option<Model<'_>> {
         let coulomb = self.coulomb.as_ref().map(Model::Coulomb);
         let dahl = self.dahl.as_ref().map(Model::Dahl);
@@ -233,7 +241,7 @@ impl Contact {
         coulomb.or(dahl).or(lugre).or(hertz).or(compliant)
     }
 
-    /// Makes the sign explicit, where a model has one.
+    /// Fills in the default sign of a model that has a sign.
     pub(crate) fn complete(&mut self) {
         let coulomb = self.coulomb.iter_mut().map(|model| &mut model.sign);
         let dahl = self.dahl.iter_mut().map(|model| &mut model.sign);
@@ -245,7 +253,7 @@ impl Contact {
 }
 
 impl Model<'_> {
-    /// Coefficient of (kinetic) friction.
+    /// Returns the coefficient of (kinetic) friction.
     pub fn mu(&self) -> f64 {
         match self {
             Model::Coulomb(model) => model.mu,
@@ -256,7 +264,7 @@ impl Model<'_> {
         }
     }
 
-    /// Normal force as given, N.
+    /// Returns the normal force if it is given, N.
     pub fn normal_n(&self) -> Option<f64> {
         match self {
             Model::Coulomb(model) => model.normal_n,
@@ -267,7 +275,7 @@ impl Model<'_> {
         }
     }
 
-    /// Which way the vibration counts.
+    /// Returns the sign of the vibration in the slip velocity.
     pub fn sign(&self) -> Sign {
         let given = match self {
             Model::Coulomb(model) => model.sign,

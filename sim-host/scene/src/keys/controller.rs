@@ -1,4 +1,5 @@
-//! `[controller]`: the settings of the firmware that drives. Their tables are described in the firmware's own configuration.
+//! `[controller]`: the settings of the firmware that drives. Its tables are documented in the
+//! firmware's configuration.
 
 use firmware::seam::config::Config;
 use schemars::JsonSchema;
@@ -6,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Burst, Drive, Friction, Limits, Phasing, Restraint, Sweep, Thermometer, Tracking};
 
-/// The settings of the firmware that drives the transducer: its nominal values, set points and limits.
+/// The settings of the firmware that drives the transducer: its nominal values, set points and
+/// limits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Controller {
@@ -16,32 +18,33 @@ pub struct Controller {
     pub block_samples: u16,
     /// The drive: frequency, amplitude and shape.
     pub drive: Drive,
-    /// A chirp while running. Without it the frequency is the tracked one, or stays.
+    /// A chirp while running. Without it, the frequency is tracked or constant.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sweep: Option<Sweep>,
     /// Lane offsets and trims of a multi-phase drive.
     #[serde(default)]
     pub phasing: Phasing,
-    /// When the drive is ON. Without it: always, once locked.
+    /// Times at which the drive is ON. Without it: always, once locked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub burst: Option<Burst>,
-    /// The target friction. Without it amplitude and bursts are those of the settings.
+    /// The target friction. Without it, amplitude and bursts are those of the settings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
-    /// How the resonance is found and tracked, and the nominal values of the transducer.
+    /// Search and tracking of the resonance, and the nominal values of the transducer.
     pub tracking: Tracking,
-    /// The stack as a thermometer of itself.
+    /// Temperature measurement by the stack itself.
     #[serde(default, skip_serializing_if = "is_default")]
     pub thermometer: Thermometer,
-    /// What must never be exceeded.
+    /// Limits that must never be exceeded.
     #[serde(default)]
     pub limits: Limits,
-    /// When a crash makes the friction of a D-ring LOW, in place of a burst. For scenes with `[rig.dring]`.
+    /// Control of the friction of a D-ring in a crash, instead of bursts. For scenes with
+    /// `[rig.dring]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub restraint: Option<Restraint>,
 }
 
-/// Serde asks by reference.
+/// Returns `true` for the default. Serde passes a reference.
 fn is_default(thermometer: &Thermometer) -> bool {
     *thermometer == Thermometer::default()
 }

@@ -1,20 +1,21 @@
-//! `[[disturbance]]` and `[[fault]]`: what changes and what breaks on the way.
+//! `[[disturbance]]` and `[[fault]]`: changes and faults during a run.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Profile;
 
-/// A change of one plant value on the way. Give `to` (a step), or `rate_per_s` (a ramp), or `sine_amplitude` and `sine_hz`, or `profile` (as measured).
+/// A change of one plant value during the run. Give `to` (a step), or `rate_per_s` (a ramp), or
+/// `sine_amplitude` and `sine_hz`, or `profile` (as measured).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Disturbance {
-    /// When it begins, s.
+    /// Beginning of the change, s.
     #[schemars(range(min = 0.0, max = 1e5))]
     pub at_s: f64,
     /// Plant value that changes.
     pub key: DisturbedKey,
-    /// New value, of a step.
+    /// New value after a step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<f64>,
     /// Slope of a ramp, per second.
@@ -27,18 +28,18 @@ pub struct Disturbance {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e4))]
     pub sine_hz: Option<f64>,
-    /// Measured course that the value follows from `at_s` on, to the end of the run.
+    /// Measured profile that the value follows from `at_s` to the end of the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<Profile>,
 }
 
-/// A plant value that can change on the way.
+/// A plant value that can change during the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 pub enum DisturbedKey {
-    /// Series resonance, Hz; the motional inductance stays.
+    /// Series resonance, Hz; the motional inductance does not change.
     #[serde(rename = "stack.bvd.series_resonance_hz")]
     SeriesResonance,
-    /// Quality factor; the motional inductance stays.
+    /// Quality factor; the motional inductance does not change.
     #[serde(rename = "stack.bvd.q")]
     Q,
     /// Clamped capacitance of the stack, F.
@@ -47,7 +48,8 @@ pub enum DisturbedKey {
     /// Temperature of the stack over ambient, K.
     #[serde(rename = "stack.temperature_k")]
     Temperature,
-    /// Series resonance of the first further mode, Hz; its inductance and quality factor stay.
+    /// Series resonance of the first further mode, Hz; its inductance and quality factor do not
+    /// change.
     #[serde(rename = "stack.mode.0.series_resonance_hz")]
     FurtherResonance0,
     /// Series resonance of the second further mode, Hz.
@@ -62,13 +64,13 @@ pub enum DisturbedKey {
     /// Sliding speed of the slider, m/s.
     #[serde(rename = "rig.slider.speed_m_per_s")]
     Speed,
-    /// Force of a horn on a belt, N; with it goes how much the belt damps the horn.
+    /// Force of a horn on a belt, N; the damping of the horn by the belt changes with it.
     #[serde(rename = "rig.belt.load_n")]
     BeltLoad,
     /// Speed of a belt, m/s.
     #[serde(rename = "rig.belt.speed_m_per_s")]
     BeltSpeed,
-    /// Series resonance of a stator, Hz; its modal mass and damping stay.
+    /// Series resonance of a stator, Hz; its modal mass and damping do not change.
     #[serde(rename = "stator.series_resonance_hz")]
     StatorResonance,
     /// Load torque on the rotor, N m.
@@ -77,25 +79,29 @@ pub enum DisturbedKey {
     /// Force that presses the rotor on, N.
     #[serde(rename = "rig.rotor.preload_n")]
     Preload,
-    /// Normal force of a contact study, N; a step, or a measured course, which goes in a step from sample to sample.
+    /// Normal force of a contact study, N; a step, or a measured profile, which is applied in steps
+    /// from sample to sample.
     #[serde(rename = "contact.normal_n")]
     Normal,
 }
 
 impl Disturbance {
-    /// `true` if a step or a measured profile replaces the scene's own value from the beginning of the run. A series
-    /// resonance or C0 also says what the inductance is, and a first normal force what ratios are counted by: these are left.
+    /// `true` if a step or a measured profile replaces the scene's own value from the beginning of
+    /// the run.
+    ///
+    /// Excluded are values that have a second meaning: a series resonance or C0 also determines the
+    /// inductance, and the first normal force is the reference of ratios.
     pub fn replaces(&self, key: &str) -> bool {
         let own = serde_json::to_value(self.key).ok();
         self.at_s <= 0.0
             && (self.profile.is_some() || self.to.is_some())
             && own.as_ref().and_then(|own| own.as_str()) == Some(key)
-            && REPLACED.contains(&key)
+            && INITIAL_VALUE_KEYS.contains(&key)
     }
 }
 
-/// Keys whose value means nothing but where they begin.
-const REPLACED: [&str; 8] = [
+/// Keys whose value only sets the beginning of the run.
+const INITIAL_VALUE_KEYS: [&str; 8] = [
     "stack.bvd.q",
     "stack.temperature_k",
     "rig.slider.load_n",
@@ -106,24 +112,26 @@ const REPLACED: [&str; 8] = [
     "rig.rotor.preload_n",
 ];
 
-/// Something that breaks on the way.
+/// A fault during the run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fault {
-    /// When, s: from the block that it falls into; at 0 it has been so from the beginning.
+    /// Time of the fault, s. It acts from the block that contains this time; at 0, from the
+    /// beginning.
     #[schemars(range(min = 0.0, max = 1e5))]
     pub at_s: f64,
-    /// Part that breaks, and how.
+    /// Part that fails, and the kind of failure.
     pub kind: FaultKind,
-    /// Lane of a stator that it happens to, from 0; of the kinds `lane_open`, `lane_weak`, `lane_reversed` and `lanes_exchanged`.
+    /// Lane of the stator that fails, from 0; for the kinds `lane_open`, `lane_weak`,
+    /// `lane_reversed` and `lanes_exchanged`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0, max = 3))]
     pub lane: Option<u8>,
-    /// Lane that plays what `lane` should, and the other way round; of `lanes_exchanged`.
+    /// Lane that is exchanged with `lane`; for `lanes_exchanged`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0, max = 3))]
     pub other_lane: Option<u8>,
-    /// Part of its voltage that the lane still plays; of `lane_weak`. Absent: a half.
+    /// Part of the voltage that the lane still outputs; for `lane_weak`. Default: 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub gain: Option<f64>,
@@ -133,13 +141,14 @@ pub struct Fault {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FaultKind {
-    /// The current channel reads nothing: a broken lead.
+    /// The current channel reads zero, as with a broken lead.
     Open,
     /// A short of 50 milliohm across the stack.
     Short,
-    /// The stack has lost its polarisation: C0 down by a third, the coupling down to a tenth.
+    /// The stack has lost its polarisation: C0 falls by a third, the coupling to a tenth.
     Depoled,
-    /// The stack has a crack: Q down to a fifth, and a further mode 1.5 % below with a fifth of the motional capacitance.
+    /// The stack has a crack: Q falls to a fifth, and a further mode appears 1.5 % below, with a
+    /// fifth of the motional capacitance.
     Cracked,
     /// Voltage and current channel are exchanged.
     Swapped,
@@ -151,23 +160,25 @@ pub enum FaultKind {
     Dropout,
     /// One block is delivered late.
     LateBlock,
-    /// The belt stands from now on, and with it its encoder; in a scene without belt or slider, an encoder appears that stands.
+    /// The belt stops, and its encoder with it. In a scene without belt or slider, an encoder is
+    /// added that does not move.
     BeltStopped,
-    /// The belt's encoder stays at its last count, and the belt moves on.
+    /// The belt's encoder stays at its last count while the belt moves.
     EncoderStuck,
     /// A line of the belt's encoder is broken.
     EncoderLost,
-    /// The belt stands from now on, and its encoder goes on counting as it last did.
+    /// The belt stops, but its encoder continues to count at the last rate.
     EncoderLies,
     /// The force channel stays at its last reading.
     ForceStuck,
     /// The temperature sensor at the driver reads 200 degrees Celsius.
     Overtemperature,
-    /// The electrodes of a lane of the stator are not connected: its amplifier plays, and nothing draws a current.
+    /// The electrodes of a lane of the stator are not connected: its amplifier outputs a voltage,
+    /// but no current flows.
     LaneOpen,
-    /// The amplifier of a lane plays only a part of its voltage.
+    /// The amplifier of a lane outputs only a part of its voltage.
     LaneWeak,
-    /// The amplifier of a lane plays the opposite of its voltage.
+    /// The amplifier of a lane outputs its voltage with reversed sign.
     LaneReversed,
     /// The inputs of the amplifiers of two lanes are exchanged.
     LanesExchanged,

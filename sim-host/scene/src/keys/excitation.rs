@@ -1,39 +1,44 @@
-//! `[excitation]`: a contact study, in which a given force or velocity shakes the contact instead of a driven stack.
+//! `[excitation]`: a contact study, in which a prescribed force or velocity replaces the driven
+//! stack.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Profile;
 
-/// A contact study (thesis chapter 4): a given force or velocity shakes the contact; there is no controller, converter or stack. Give
-/// exactly one of `velocity_ratio` and `sliding_m_per_s`.
+/// A contact study (thesis chapter 4): a prescribed force or velocity vibrates the contact,
+/// without controller, converters and stack. Give exactly one of `velocity_ratio` and
+/// `sliding_m_per_s`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Excitation {
     /// Waveform of the excitation over time.
     pub waveform: Waveform,
-    /// Peak force F0 on the mass of `rig.sdof`, N. Of a measured waveform: what ratios are counted by.
+    /// Peak force F0 on the mass of `rig.sdof`, N. With a measured waveform: reference of the
+    /// ratios.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e9))]
     pub force_n: Option<f64>,
-    /// Frequency, Hz. Of random, chirp and measured: what periods and the velocity ratio are counted by.
+    /// Frequency, Hz. For random, chirp and measured: reference of periods and of the velocity
+    /// ratio.
     #[schemars(range(min = 1e-3, max = 1e8))]
     pub frequency_hz: f64,
-    /// Sliding speed over vibration velocity, Vt / Vv.
+    /// Sliding speed divided by vibration velocity, Vt / Vv.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e6))]
     pub velocity_ratio: Option<f64>,
-    /// Which vibration velocity Vv `velocity_ratio` is of.
+    /// Vibration velocity Vv that `velocity_ratio` refers to.
     #[serde(default)]
     pub velocity_ratio_of: VibrationVelocity,
     /// Sliding speed Vt, m/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e4))]
     pub sliding_m_per_s: Option<f64>,
-    /// What is equal between waveforms: the peak, or the root mean square of the sine of that peak.
+    /// Quantity that is equal between waveforms, the peak or the root mean square of a sine with
+    /// that peak.
     #[serde(default, rename = "match")]
     pub matched: Match,
-    /// How long each value of a random waveform is held, s.
+    /// Time for which each value of a random waveform is held, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-9, max = 1e5))]
     pub hold_time_s: Option<f64>,
@@ -45,14 +50,17 @@ pub struct Excitation {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-3, max = 1e8))]
     pub stop_hz: Option<f64>,
-    /// How long a chirp sweeps, s; then it stays. Default: the whole run.
+    /// Duration of the sweep of a chirp, s; after it the frequency is constant. Default: the whole
+    /// run.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-9, max = 1e5))]
     pub sweep_s: Option<f64>,
-    /// Course of a measured waveform: the velocity of `rig.kinematic`, m/s, or the force on the mass of `rig.sdof`, N.
+    /// Measured waveform: the velocity of `rig.kinematic`, m/s, or the force on the mass of
+    /// `rig.sdof`, N.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<Profile>,
-    /// Angle of the vibration of `rig.kinematic` to the sliding, in the plane of the contact: 0 along the sliding, 90 across it.
+    /// Angle of the vibration of `rig.kinematic` to the sliding, in the plane of the contact: 0
+    /// along the sliding, 90 across it.
     #[serde(default, skip_serializing_if = "is_along")]
     #[schemars(range(min = 0.0, max = 90.0))]
     pub angle_deg: f64,
@@ -64,7 +72,7 @@ pub struct Excitation {
     #[serde(default)]
     #[schemars(range(min = -1e4, max = 1e4))]
     pub v0_m_per_s: f64,
-    /// Friction at the beginning, N; of a LuGre contact, the force in the bristles.
+    /// Friction at the beginning, N; for a LuGre contact, the force in the bristles.
     #[serde(default)]
     #[schemars(range(min = -1e9, max = 1e9))]
     pub friction0_n: f64,
@@ -92,26 +100,27 @@ pub enum Waveform {
     Chirp,
     /// As measured: `profile`.
     Measured,
-    /// No excitation at all.
+    /// No excitation.
     Still,
 }
 
-/// What is equal between waveforms.
+/// Quantity that is equal between waveforms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Match {
-    /// The waveforms have equal peaks.
+    /// The peak.
     #[default]
     Peak,
     /// The root mean square.
     Rms,
 }
 
-/// Which vibration velocity a velocity ratio is of.
+/// Vibration velocity that a velocity ratio refers to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum VibrationVelocity {
-    /// The steady forced amplitude of the sine of this force and frequency, w F0 / |Ks - m w^2 + i w c|.
+    /// The steady forced amplitude of a sine of this force and frequency, w F0 / |Ks - m w^2 + i w
+    /// c|.
     #[default]
     Steady,
     /// The largest velocity of the run without friction.

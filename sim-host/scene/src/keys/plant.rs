@@ -1,16 +1,18 @@
-//! What the controller is connected to: amplifier, sensors, stack.
+//! The plant of the controller: amplifier, sensors and stack.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Least and most that the laws of temperature and amplitude multiply Rm, C0 and the force factor of a stack by: they are first terms of series.
+/// Smallest and largest factor by which the laws of temperature and amplitude multiply Rm, C0 and
+/// the force factor of a stack. Beyond these, the laws are not valid, because they are the first
+/// terms of series.
 pub const LAW_FACTORS: (f64, f64) = (0.1, 10.0);
 
 /// The power amplifier: second-order Butterworth low-pass and a source resistance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Amplifier {
-    /// Output at the DAC's end of range, V; the range is this much on each side.
+    /// Output at the end of the DAC's range, V; the range extends this far on each side of zero.
     #[schemars(range(min = 0.1, max = 1e4))]
     pub full_scale_v: f64,
     /// Corner frequency of the amplifier, Hz.
@@ -19,19 +21,19 @@ pub struct Amplifier {
     /// Source resistance of the amplifier, ohm.
     #[schemars(range(min = 1e-3, max = 1e4))]
     pub source_ohm: f64,
-    /// Pure delay between DAC and amplifier, s; of a stack.
+    /// Pure delay between DAC and amplifier, s; for a stack.
     #[schemars(range(min = 0.0, max = 1e-3))]
     pub delay_s: f64,
-    /// How far each lane of a stator leads what it should play, degrees at `controller.drive.frequency_hz`; in proportion to the
-    /// frequency elsewhere.
+    /// Phase by which each lane of a stator leads its set point, degrees at
+    /// `controller.drive.frequency_hz`; at other frequencies in proportion to the frequency.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 4), inner(range(min = -45.0, max = 45.0)))]
     pub lane_phase_error_deg: Vec<f64>,
-    /// By which part each lane of a stator plays more than it should.
+    /// Relative error of the output of each lane of a stator; positive: too large.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 4), inner(range(min = -0.5, max = 0.5)))]
     pub lane_gain_error: Vec<f64>,
-    /// Lanes that the board has: a converter and an amplifier each.
+    /// Number of lanes of the board; each has a converter and an amplifier.
     #[schemars(range(min = 1, max = 4))]
     pub lanes: u8,
 }
@@ -50,17 +52,17 @@ impl Default for Amplifier {
     }
 }
 
-/// The converters, the load cell, and what the controller knows besides voltage and current.
+/// The converters, the load cell, and the controller's other sensors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sensors {
-    /// Samples a second, of DAC and ADC, Hz.
+    /// Sample rate of DAC and ADC, Hz.
     #[schemars(range(min = 1e5, max = 1e7))]
     pub sample_hz: f64,
-    /// Bits of the ADC.
+    /// Resolution of the ADC, bits.
     #[schemars(range(min = 6, max = 16))]
     pub adc_bits: u8,
-    /// Bits of the DAC.
+    /// Resolution of the DAC, bits.
     #[schemars(range(min = 6, max = 16))]
     pub dac_bits: u8,
     /// Noise of each conversion before averaging, LSB rms.
@@ -69,34 +71,35 @@ pub struct Sensors {
     /// Offset of each sense channel, LSB.
     #[schemars(range(min = -500.0, max = 500.0))]
     pub offset_lsb: f64,
-    /// Conversions a sample, evenly spaced and summed.
+    /// Conversions per sample, evenly spaced and summed.
     #[schemars(range(min = 1, max = 4))]
     pub oversample: u8,
-    /// Voltage at the ADC's end of range, V; the range is this much on each side.
+    /// Voltage at the end of the ADC's range, V; the range extends this far on each side of zero.
     #[schemars(range(min = 1e-3, max = 1e4))]
     pub v_full_scale_v: f64,
-    /// Current at the ADC's end of range, A; the range is this much on each side.
+    /// Current at the end of the ADC's range, A; the range extends this far on each side of zero.
     #[schemars(range(min = 1e-6, max = 1e3))]
     pub i_full_scale_a: f64,
-    /// How much later the current is sampled than the voltage, s.
+    /// Delay of the current samples after the voltage samples, s.
     #[schemars(range(min = -2e-7, max = 2e-7))]
     pub skew_s: f64,
     /// Bandwidth of the load cell and its conditioner, Hz.
     #[schemars(range(min = 0.1, max = 1e5))]
     pub load_cell_hz: f64,
-    /// Counts of the belt's encoder, four edges a line, for each millimetre of belt or slider. Absent: there is no encoder.
+    /// Counts of the belt's encoder, four edges per line, for each millimetre of belt or slider.
+    /// Default: no encoder.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.1, max = 1e4))]
     pub encoder_counts_per_mm: Option<f64>,
-    /// Bandwidth of the controller's force channel, Hz. Absent: there is none.
+    /// Bandwidth of the controller's force channel, Hz. Default: no force channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1.0, max = 1e5))]
     pub force_hz: Option<f64>,
-    /// Noise of each reading of the force channel, one a block, N rms.
+    /// Noise of each reading of the force channel, one per block, N rms.
     #[serde(skip_serializing_if = "is_zero")]
     #[schemars(range(min = 0.0, max = 1e4))]
     pub force_noise_n: f64,
-    /// What the temperature sensor at the driver reads, degrees Celsius. Absent: there is none.
+    /// Reading of the temperature sensor at the driver, degrees Celsius. Default: no sensor.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = -273.0, max = 1000.0))]
     pub board_c: Option<f64>,
@@ -131,11 +134,12 @@ fn is_zero(value: &f64) -> bool {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stack {
-    /// Temperature over ambient, K; of a stack that heats itself (`[stack.thermal]`), that of its surroundings, at which it begins.
+    /// Temperature over ambient, K. For a stack that heats itself (`[stack.thermal]`): temperature
+    /// of the surroundings, at which it begins.
     #[serde(default)]
     #[schemars(range(min = -300.0, max = 1000.0))]
     pub temperature_k: f64,
-    /// How the stack heats itself. Absent: it has the temperature of its surroundings.
+    /// Self-heating of the stack. Default: the stack has the temperature of its surroundings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thermal: Option<Thermal>,
     /// Butterworth-Van Dyke equivalent circuit.
@@ -146,47 +150,51 @@ pub struct Stack {
     pub mode: Vec<Mode>,
 }
 
-/// The stack as one body that its own losses heat: `C dT/dt = P - (T - surroundings) / R`. The losses are those of all motional branches and of
-/// `bvd.loss_tangent`.
+/// The stack as one body heated by its own losses: `C dT/dt = P - (T - surroundings) / R`. The
+/// losses are those of all motional branches and of `bvd.loss_tangent`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Thermal {
-    /// Heat capacity of what becomes hot, J/K.
+    /// Heat capacity of the heated body, J/K.
     #[schemars(range(min = 1e-6, max = 1e6))]
     pub heat_capacity_j_per_k: f64,
     /// Thermal resistance to the surroundings, K/W.
     #[schemars(range(min = 1e-6, max = 1e6))]
     pub resistance_k_per_w: f64,
-    /// Part of the motional loss that heats the stack; the rest is lost elsewhere, in a horn or a load.
+    /// Part of the motional loss that heats the stack; the rest is lost elsewhere, in a horn or a
+    /// load.
     #[serde(default = "default::heating_fraction")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub heating_fraction: f64,
-    /// Ambient temperature, degrees Celsius: that at which `stack.temperature_k` is 0.
+    /// Ambient temperature, degrees Celsius, at which `stack.temperature_k` is 0.
     #[serde(default = "default::ambient_c")]
     #[schemars(range(min = -273.0, max = 500.0))]
     pub ambient_c: f64,
-    /// Curie point of the ceramic, degrees Celsius. A stack that comes there has lost its polarisation from then on, as by the fault `depoled`.
+    /// Curie point of the ceramic, degrees Celsius. A stack that reaches it loses its polarisation
+    /// permanently, as with the fault `depoled`.
     #[schemars(range(min = 50.0, max = 1500.0))]
     pub curie_c: f64,
-    /// Hottest that the ceramic can be used, degrees Celsius: beyond, it slowly loses its polarisation, which is not simulated but said. Absent: half of `curie_c`.
+    /// Highest operating temperature of the ceramic, degrees Celsius. Above it, the ceramic slowly
+    /// loses its polarisation; this is reported but not simulated. Default: half of `curie_c`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = -100.0, max = 1500.0))]
     pub depoling_c: Option<f64>,
 }
 
 impl Thermal {
-    /// Hottest that the ceramic can be used, degrees Celsius.
+    /// Returns the highest operating temperature of the ceramic, degrees Celsius.
     pub fn hottest_c(&self) -> f64 {
         self.depoling_c.unwrap_or(0.5 * self.curie_c)
     }
 
-    /// Time constant, s.
+    /// Returns the thermal time constant, s.
     pub fn time_constant_s(&self) -> f64 {
         self.heat_capacity_j_per_k * self.resistance_k_per_w
     }
 }
 
-/// A further mode: a series branch in parallel with that of the working mode. It does not move the tip in the direction of friction.
+/// A further mode: a series branch in parallel with that of the working mode. It does not move the
+/// tip in the direction of friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mode {
@@ -201,15 +209,17 @@ pub struct Mode {
     pub lm_h: f64,
 }
 
-/// Butterworth-Van Dyke equivalent circuit. Give `c0_f`, or `ct_f` in its place, and either `cm_f`, `lm_h`, `rm_ohm`, or `series_resonance_hz`, `q`,
-/// `coupling`, or any other complete set: `q` or `rm_ohm`, and two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h`, and `cm_f` or `coupling`.
+/// Butterworth-Van Dyke equivalent circuit. Give `c0_f` or `ct_f`, and either `cm_f`, `lm_h`,
+/// `rm_ohm`, or `series_resonance_hz`, `q`, `coupling`, or any other complete set: `q` or `rm_ohm`,
+/// and two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h`, and `cm_f` or `coupling`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bvd {
     /// Clamped capacitance of the stack, F.
     #[schemars(range(min = 1e-13, max = 1e-3))]
     pub c0_f: f64,
-    /// Capacitance of the stack far below its resonances, F: that of all modes and `c0_f` together, in whose place it may be given.
+    /// Capacitance of the stack far below its resonances, F: the sum of `c0_f` and all modes. May
+    /// be given instead of `c0_f`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-13, max = 1e-3))]
     pub ct_f: Option<f64>,
@@ -237,44 +247,50 @@ pub struct Bvd {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1.0, max = 1e6))]
     pub q: Option<f64>,
-    /// Effective coupling k: `k^2 = Cm / (C0 + Cm)`, which is below one whatever the capacitances. Data that give more contradict
-    /// each other: such a stack would be a source of energy.
+    /// Effective coupling k: `k^2 = Cm / (C0 + Cm)`, which is below one for any capacitances. Data
+    /// that give more are inconsistent: such a stack would be a source of energy.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-4, max = 0.99))]
     pub coupling: Option<f64>,
-    /// Force factor, N/V: tip force per volt, and ampere of motional current per m/s of tip velocity.
+    /// Force factor, N/V: tip force per volt, and motional current per tip velocity, A per m/s.
     #[serde(default = "default::force_factor")]
     #[schemars(range(min = 1e-6, max = 1e4))]
     pub force_factor_n_per_v: f64,
-    /// Dielectric loss tangent of `c0_f` at the series resonance: a conductance in parallel with it, which keeps its value.
+    /// Dielectric loss tangent of `c0_f` at the series resonance: a constant conductance in
+    /// parallel with it.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub loss_tangent: f64,
-    /// What a kelvin of the stack's temperature adds to the series resonance, Hz/K. Temperature and amplitude together move it by 20 % at most.
+    /// Change of the series resonance with the stack's temperature, Hz/K. Temperature and amplitude
+    /// together change it by at most 20 %.
     #[serde(default)]
     #[schemars(range(min = -1e4, max = 1e4))]
     pub temperature_hz_per_k: f64,
-    /// By which part a kelvin of the stack's temperature changes `c0_f`, 1/K.
+    /// Relative change of `c0_f` with the stack's temperature, 1/K.
     #[serde(default)]
     #[schemars(range(min = -0.1, max = 0.1))]
     pub temperature_c0_per_k: f64,
-    /// What the square of the motional current's amplitude adds to the series resonance, Hz/A^2; negative of a stack that softens.
+    /// Change of the series resonance with the square of the motional current's amplitude, Hz/A^2;
+    /// negative for a stack that softens.
     #[serde(default)]
     #[schemars(range(min = -1e12, max = 1e12))]
     pub duffing_hz_per_a2: f64,
-    /// By which part a kelvin of the stack's temperature changes the motional resistance, 1/K.
+    /// Relative change of the motional resistance with the stack's temperature, 1/K.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(range(min = -0.1, max = 0.1))]
     pub temperature_rm_per_k: f64,
-    /// By which part a kelvin of the stack's temperature changes the force factor, 1/K; the mechanical resonance and its damping stay.
+    /// Relative change of the force factor with the stack's temperature, 1/K; the mechanical
+    /// resonance and its damping do not change.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(range(min = -0.1, max = 0.1))]
     pub temperature_force_factor_per_k: f64,
-    /// By which part the square of the motional current's amplitude raises the motional resistance, 1/A^2.
+    /// Relative change of the motional resistance with the square of the motional current's
+    /// amplitude, 1/A^2.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(range(min = -1e12, max = 1e12))]
     pub amplitude_rm_per_a2: f64,
-    /// What the amplitude multiplies the motional resistance by at most: Q falls to a lowest value. Absent: no end.
+    /// Largest factor by which the amplitude multiplies the motional resistance, so that Q has a
+    /// lowest value. Default: no limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1.001, max = 1e3))]
     pub amplitude_rm_most: Option<f64>,

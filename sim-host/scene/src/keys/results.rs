@@ -1,23 +1,24 @@
-//! `[grid]`, `[trace]` and `[[expect]]`: what is to come out.
+//! `[grid]`, `[trace]` and `[[expect]]`: requested and expected results.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Equal;
 
-/// Metrics at every combination of the values of some keys; each point is this scene, run again with these values.
+/// Metrics at every combination of the values of some keys; each point is this scene with these
+/// values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Grid {
-    /// What it shows.
+    /// Title of the grid.
     pub title: String,
-    /// The metrics of each point. Default: all that a point has.
+    /// Metrics of each point. Default: all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub metrics: Vec<String>,
-    /// The keys that change; the last changes fastest.
+    /// Keys that change; the last changes fastest.
     #[schemars(length(min = 1, max = 16))]
     pub over: Vec<Over>,
-    /// Further changes for every point, each as `key=value` (a shorter timeline, say).
+    /// Further changes for every point, each as `key=value` (for example a shorter timeline).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<String>,
 }
@@ -26,9 +27,9 @@ pub struct Grid {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Over {
-    /// Path of the key: tables and key, with points between.
+    /// Path of the key: tables and key, separated by dots.
     pub key: String,
-    /// Its values, in the unit of the key.
+    /// Values of the key, in its unit.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(min = 1, max = 10_000))]
     pub values: Vec<f64>,
@@ -38,49 +39,50 @@ pub struct Over {
     /// Last value, in the unit of the key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<f64>,
-    /// How many values there are from first to last.
+    /// Number of values from first to last.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 2, max = 10_000))]
     pub points: Option<u32>,
-    /// Whether these are spread by equal ratios, rather than equal distances.
+    /// `true` for equal ratios between the values instead of equal differences.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub log: bool,
 }
 
-/// What is recorded besides the standard figures, into `trace.csv`, or a file of another `format`.
+/// Signals that are recorded in addition to the standard figures, to `trace.csv` or a file of
+/// another `format`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Trace {
     /// Names of the signals.
     #[schemars(length(min = 1))]
     pub signals: Vec<Signal>,
-    /// Every how many samples; 1 is the full rate.
+    /// Record every n-th sample; 1 is the full rate.
     #[serde(default = "default::every")]
     #[schemars(range(min = 1, max = 1_000_000))]
     pub every: u32,
-    /// Form of the file.
+    /// Format of the file.
     #[serde(default)]
     pub format: TraceFormat,
     /// Beginning of the recording, s.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1e5))]
     pub from_s: f64,
-    /// To, s. Default: the end.
+    /// End of the recording, s. Default: the end of the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e5))]
     pub to_s: Option<f64>,
 }
 
-/// Form of a trace file.
+/// Format of a trace file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum TraceFormat {
-    /// `trace.csv`, a column a signal.
+    /// `trace.csv`, one column per signal.
     #[default]
     Csv,
-    /// `trace.npy`, for NumPy: an array of records with a field a signal.
+    /// `trace.npy`, for NumPy: an array of records with one field per signal.
     Npy,
-    /// `trace.parquet`, a column a signal, compressed.
+    /// `trace.parquet`, one column per signal, compressed.
     Parquet,
 }
 
@@ -88,21 +90,27 @@ pub enum TraceFormat {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Signal {
-    /// DAC code of the first lane, `dac_bits` of `[sensors]` wide: `amplifier.full_scale_v` times `code / 2^(dac_bits - 1) - 1` is the voltage.
+    /// DAC code of the first lane, with `dac_bits` of `[sensors]`. The voltage is
+    /// `amplifier.full_scale_v * (code / 2^(dac_bits - 1) - 1)`.
     #[serde(rename = "drive_code_0")]
     DriveCode0,
-    /// DAC code of the second lane, `dac_bits` of `[sensors]` wide: `amplifier.full_scale_v` times `code / 2^(dac_bits - 1) - 1` is the voltage.
+    /// DAC code of the second lane, with `dac_bits` of `[sensors]`. The voltage is
+    /// `amplifier.full_scale_v * (code / 2^(dac_bits - 1) - 1)`.
     #[serde(rename = "drive_code_1")]
     DriveCode1,
-    /// DAC code of the third lane, `dac_bits` of `[sensors]` wide: `amplifier.full_scale_v` times `code / 2^(dac_bits - 1) - 1` is the voltage.
+    /// DAC code of the third lane, with `dac_bits` of `[sensors]`. The voltage is
+    /// `amplifier.full_scale_v * (code / 2^(dac_bits - 1) - 1)`.
     #[serde(rename = "drive_code_2")]
     DriveCode2,
-    /// DAC code of the fourth lane, `dac_bits` of `[sensors]` wide: `amplifier.full_scale_v` times `code / 2^(dac_bits - 1) - 1` is the voltage.
+    /// DAC code of the fourth lane, with `dac_bits` of `[sensors]`. The voltage is
+    /// `amplifier.full_scale_v * (code / 2^(dac_bits - 1) - 1)`.
     #[serde(rename = "drive_code_3")]
     DriveCode3,
-    /// Code of the voltage sense, `adc_bits` wide: `sensors.v_full_scale_v` times `code / 2^(adc_bits - 1) - 1` is the voltage.
+    /// Code of the voltage sense, with `adc_bits`. The voltage is
+    /// `sensors.v_full_scale_v * (code / 2^(adc_bits - 1) - 1)`.
     VCode,
-    /// Code of the current sense, `adc_bits` wide: `sensors.i_full_scale_a` times `code / 2^(adc_bits - 1) - 1` is the current.
+    /// Code of the current sense, with `adc_bits`. The current is
+    /// `sensors.i_full_scale_a * (code / 2^(adc_bits - 1) - 1)`.
     ICode,
     /// Frequency of the drive, Hz.
     FrequencyHz,
@@ -117,7 +125,7 @@ pub enum Signal {
 }
 
 impl Signal {
-    /// Name of the signal, as scenes and columns spell it.
+    /// Returns the name of the signal in scenes and column headings.
     pub fn name(self) -> String {
         match serde_json::to_value(self) {
             Ok(serde_json::Value::String(name)) => name,
@@ -126,16 +134,16 @@ impl Signal {
     }
 }
 
-/// What must come out. Give `min` and/or `max`, or `value` and `tolerance`.
+/// An expected result. Give `min` and/or `max`, or `value` and `tolerance`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Expect {
     /// Metric that is expected.
     pub metric: String,
-    /// Case of the comparison that is meant, rather than the scene's own run. With `match`.
+    /// Case of the comparison, instead of the scene's own run. With `match`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub case: Option<String>,
-    /// At equal peak, rms or power. With `case`.
+    /// Comparison at equal peak, rms or power. With `case`.
     #[serde(rename = "match", skip_serializing_if = "Option::is_none")]
     pub matched: Option<Equal>,
     /// Smallest value that is expected.
@@ -147,7 +155,7 @@ pub struct Expect {
     /// Value that is expected, within `tolerance`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
-    /// How far from `value` it may be.
+    /// Largest difference from `value`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e12))]
     pub tolerance: Option<f64>,

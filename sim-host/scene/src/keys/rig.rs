@@ -1,4 +1,4 @@
-//! `[rig]`: what presses on the contact and moves it.
+//! `[rig]`: the mechanism that presses on the contact and moves it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,14 +6,14 @@ use serde::{Deserialize, Serialize};
 use crate::carriage::Carriage;
 use crate::dring::Dring;
 
-/// What presses on the contact and moves it. Give exactly one.
+/// The mechanism that presses on the contact and moves it. Give exactly one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Rig {
     /// A slider at constant speed (experiment 1).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slider: Option<Slider>,
-    /// A vibration that nothing disturbs.
+    /// A prescribed vibration, independent of the friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kinematic: Option<Kinematic>,
     /// One mass on a spring.
@@ -28,12 +28,13 @@ pub struct Rig {
     /// A torso in its seat belt, over a D-ring, in a crash.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dring: Option<Dring>,
-    /// A carriage that slides as the forces on it say.
+    /// A carriage that is moved by the forces on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub carriage: Option<Carriage>,
 }
 
-/// A slider at constant speed; the tip of a driven stack vibrates along the motion. For scenes with `[controller]`.
+/// A slider at constant speed; the tip of a driven stack vibrates along the motion. For scenes with
+/// `[controller]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Slider {
@@ -47,7 +48,8 @@ pub struct Slider {
     /// Sliding speed of the slider, m/s.
     #[schemars(range(min = -10.0, max = 10.0))]
     pub speed_m_per_s: f64,
-    /// Ripple of the speed, rms as a part of it: Gaussian, of a narrow band about `ripple_hz`.
+    /// Ripple of the speed, rms relative to the speed: Gaussian, in a narrow band about
+    /// `ripple_hz`.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub ripple_rms: f64,
@@ -67,31 +69,33 @@ fn is_usual_ripple(value: &f64) -> bool {
 
 /// Defaults that serde needs as functions.
 mod default {
-    /// Of a hand, a roller, a chain.
+    /// Typical of a hand, a roller or a chain.
     pub(super) fn ripple_hz() -> f64 {
         10.0
     }
     pub(super) fn full_amplitude_m() -> f64 {
         85e-6
     }
-    /// Fitted with the law of the belt.
+    /// Fitted together with the law of the belt.
     pub(super) fn lag_s() -> f64 {
         0.45
     }
 }
 
-/// A vibration velocity that is given, whatever the friction: no system dynamics (thesis 4.1, 4.2). For scenes with `[excitation]`.
+/// A prescribed vibration velocity, independent of the friction: no system dynamics (thesis 4.1,
+/// 4.2). For scenes with `[excitation]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Kinematic {
-    /// Peak vibration velocity Vv, m/s; across the surface under a Hertzian or a compliant contact, else along the motion. Of a measured waveform: what ratios
-    /// are counted by.
+    /// Peak vibration velocity Vv, m/s; across the surface for a Hertzian or a compliant contact,
+    /// else along the motion. With a measured waveform: reference of the ratios.
     #[schemars(range(min = 0.0, max = 1e4))]
     pub vibration_m_per_s: f64,
 }
 
-/// One mass on a spring, m x'' + c x' + Ks x = force - friction (thesis 4.14); on a Hertzian contact it moves across the surface,
-/// m d'' + c d' + Ks (d - d0) = normal_n + force - K d^1.5. For scenes with `[excitation]`.
+/// One mass on a spring, m x'' + c x' + Ks x = force - friction (thesis 4.14). On a Hertzian
+/// contact it moves across the surface, m d'' + c d' + Ks (d - d0) = normal_n + force - K d^1.5.
+/// For scenes with `[excitation]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sdof {
@@ -101,21 +105,21 @@ pub struct Sdof {
     /// System stiffness Ks, N/m.
     #[schemars(range(min = 1e-3, max = 1e15))]
     pub stiffness_n_per_m: f64,
-    /// Damping ratio, c over 2 sqrt(m Ks). The thesis has none.
+    /// Damping ratio, c / (2 sqrt(m Ks)). The thesis has no damping.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 10.0))]
     pub damping_ratio: f64,
 }
 
-/// A rigid rotor pressed on the crests of a stator through a compliant layer, and driven by their friction. For scenes with
-/// `[stator]`.
+/// A rigid rotor that is pressed on the crests of a stator through a compliant layer and driven by
+/// friction. For scenes with `[stator]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Rotor {
     /// Moment of inertia, kg m^2.
     #[schemars(range(min = 1e-12, max = 1e3))]
     pub inertia_kg_m2: f64,
-    /// Load torque against forward rotation, as of a weight on a drum, N m.
+    /// Load torque against forward rotation, for example of a weight on a drum, N m.
     #[serde(default)]
     #[schemars(range(min = -1e3, max = 1e3))]
     pub torque_nm: f64,
@@ -128,13 +132,15 @@ pub struct Rotor {
     /// Mean radius of the contact, m.
     #[schemars(range(min = 1e-4, max = 10.0))]
     pub radius_m: f64,
-    /// Stiffness of the contact layer if it touched all round, N/m. With the preload it sets the angle over which a crest touches.
+    /// Stiffness of the contact layer for contact all round, N/m. With the preload it determines
+    /// the angle over which a crest is in contact.
     #[schemars(range(min = 1e3, max = 1e12))]
     pub contact_stiffness_n_per_m: f64,
 }
 
-/// A seat belt, pulled at constant speed between the horn of a welder, which vibrates across it, and a base. The horn is the tip of
-/// the driven stack, and the controller holds its amplitude. For scenes with `[controller]` and `[contact.empirical]`.
+/// A seat belt, pulled at constant speed between a base and the horn of a welder, which vibrates
+/// across it. The horn is the tip of the driven stack, and the controller controls its amplitude.
+/// For scenes with `[controller]` and `[contact.empirical]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Belt {
@@ -144,26 +150,30 @@ pub struct Belt {
     /// Speed of the belt, m/s.
     #[schemars(range(min = -10.0, max = 10.0))]
     pub speed_m_per_s: f64,
-    /// Amplitude that is ordered, as a part of the full one: 0.7 is 70 %. Takes the place of `drive.velocity_m_per_s`.
+    /// Set point of the amplitude, as a part of the full amplitude: 0.7 is 70 %. Replaces
+    /// `drive.velocity_m_per_s`.
     #[schemars(range(min = 1e-3, max = 1.0))]
     pub amplitude_fraction: f64,
-    /// The full amplitude of the horn, zero to peak, m.
+    /// Full amplitude of the horn, zero to peak, m.
     #[serde(default = "default::full_amplitude_m")]
     #[schemars(range(min = 1e-9, max = 1e-2))]
     pub full_amplitude_m: f64,
-    /// Time constant with which the pull comes to its reduced value, and back: air cylinder, belt and load cell, s.
+    /// Time constant with which the pull falls to its reduced value and rises again, s: air
+    /// cylinder, belt and load cell together.
     #[serde(default = "default::lag_s")]
     #[schemars(range(min = 0.0, max = 100.0))]
     pub lag_s: f64,
-    /// From the trigger, which the windows of `[controller.burst]` say, to the vibration, s.
+    /// Delay from the trigger, which is the start of a window of `[controller.burst]`, to the
+    /// vibration, s.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 100.0))]
     pub trigger_delay_s: f64,
-    /// How much the belt damps the horn: N s/m for each newton of load, s/m.
+    /// Damping of the horn by the belt for each newton of load: N s/m per N, or s/m.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1e3))]
     pub damping_s_per_m: f64,
-    /// Ripple of the speed, rms as a part of it: Gaussian, of a narrow band about `ripple_hz`.
+    /// Ripple of the speed, rms relative to the speed: Gaussian, in a narrow band about
+    /// `ripple_hz`.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub ripple_rms: f64,

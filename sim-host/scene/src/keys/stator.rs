@@ -3,34 +3,36 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The stator of a travelling-wave motor: a ring with a sine and a cosine bending mode, driven through electrode tabs; tab `j` hangs
-/// on lane `j` mod 4. The tabs' defaults are those of the thesis's sheet (B.4.1).
+/// The stator of a travelling-wave motor: a ring with a sine and a cosine bending mode, driven
+/// through electrode tabs. Tab `j` is connected to lane `j` mod 4. The defaults of the tabs are
+/// those of the thesis's sheet (B.4.1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stator {
-    /// Series resonance half way between the two modes, with the rotor on, Hz.
+    /// Series resonance midway between the two modes, with the rotor pressed on, Hz.
     #[schemars(range(min = 100.0, max = 450e3))]
     pub series_resonance_hz: f64,
     /// Quality factor of both modes.
     #[schemars(range(min = 1.0, max = 1e6))]
     pub q: f64,
-    /// How far the sine mode lies above the cosine mode, Hz.
+    /// Frequency of the sine mode above that of the cosine mode, Hz.
     #[serde(default)]
     #[schemars(range(min = -1e4, max = 1e4))]
     pub split_hz: f64,
-    /// Modal mass of either mode: half the ring's, kg.
+    /// Modal mass of each mode, kg: half the mass of the ring.
     #[schemars(range(min = 1e-6, max = 1e3))]
     pub modal_mass_kg: f64,
     /// Clamped capacitance of each lane, F.
     #[schemars(range(min = 1e-13, max = 1e-3))]
     pub c0_f: f64,
-    /// Modal force per volt of a lane whose tabs stand on crests, N/V.
+    /// Modal force per volt of a lane whose tabs are at crests, N/V.
     #[schemars(range(min = 1e-6, max = 1e4))]
     pub force_factor_n_per_v: f64,
-    /// Wave length of the working modes, m.
+    /// Wavelength of the working modes, m.
     #[schemars(range(min = 1e-4, max = 10.0))]
     pub wave_length_m: f64,
-    /// Height of the driving surface over the neutral plane, m: half the thickness of a uniform stator.
+    /// Height of the driving surface above the neutral plane, m: half the thickness of a uniform
+    /// stator.
     #[schemars(range(min = 1e-6, max = 1.0))]
     pub surface_height_m: f64,
     /// Number of electrode tabs around the ring.
@@ -45,7 +47,8 @@ pub struct Stator {
     #[serde(default = "default::tab_gap_m")]
     #[schemars(range(min = 0.0, max = 10.0))]
     pub tab_gap_m: f64,
-    /// Where the centre of the first tab stands on the modes, turns: at 0 on a crest of the cosine mode.
+    /// Position of the centre of the first tab on the modes, turns; 0 is a crest of the cosine
+    /// mode.
     #[serde(default)]
     #[schemars(range(min = -1.0, max = 1.0))]
     pub first_tab_turns: f64,

@@ -1,4 +1,4 @@
-//! All keys of a scene, each with what the schema says of it.
+//! All keys of a scene, with their descriptions from the schema.
 
 use crate::schema::{Kind, Schema, join};
 use crate::settings_page::{default, range};
@@ -7,30 +7,30 @@ use crate::units;
 /// A key of a scene, or a table of keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
-    /// Tables and key, with points between.
+    /// Tables and key, separated by dots.
     pub path: String,
-    /// Whether it is a table, and may be there several times.
+    /// Number of possible occurrences if it is a table, `None` if it is a key.
     pub table: Option<Repeats>,
     /// Meaning of the key or table.
     pub meaning: String,
-    /// The unit that its name ends in.
+    /// Unit at the end of its name.
     pub unit: Option<String>,
-    /// Which values it may have.
+    /// Range of its values, in words.
     pub range: String,
-    /// What it is where a scene does not say.
+    /// Default value, in words.
     pub default: String,
 }
 
-/// Whether a table is there once or several times.
+/// Number of possible occurrences of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Repeats {
-    /// The table is there once, as `[table]`.
+    /// The table occurs once, as `[table]`.
     Once,
-    /// The table may be there several times, as `[[table]]`.
+    /// The table can occur several times, as `[[table]]`.
     Several,
 }
 
-/// All keys and tables, each table before its keys.
+/// Returns all keys and tables, each table before its keys.
 pub fn keys() -> Vec<Key> {
     let mut keys = Vec::new();
     for (path, table) in Schema::tables() {
@@ -63,7 +63,7 @@ pub fn keys() -> Vec<Key> {
     keys
 }
 
-/// Its description, in one line.
+/// Returns the description in one line.
 fn text(schema: Schema) -> String {
     schema.description().unwrap_or_default().replace('\n', " ")
 }
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_have_what_the_schema_says() {
+    fn keys_match_the_schema() {
         let keys = keys();
         let key = |path: &str| keys.iter().find(|key| key.path == path).unwrap_or_else(|| panic!("{path}"));
         let block = key("controller.block_samples");

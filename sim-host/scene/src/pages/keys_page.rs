@@ -1,22 +1,33 @@
-//! The page of all keys of a scene, from its schema.
+//! The page of all keys of a scene and all settings of the controller, from the schema.
 
 use std::fmt::Write as _;
 
+use super::settings_page;
 use crate::all_keys::{Key, Repeats, keys};
 
 const HEAD: &str = "\
-# Keys of a scene
+# Keys of a scene and settings of the controller
 
-Which keys may a scene have, and what may they be? Every table is generated from the types that a scene is read into; `sim-host explain KEY` says the same of one key, `sim-host show NAME` prints a scene with all of
-its keys, and `sim-host schema` is the JSON Schema for an editor. Without a default a key is either required by its table or not there. `[table]` is there once, `[[table]]` as often as wanted. The settings of the controller have a [page of their own](settings.md), with what can be set over the link.
+Every key of a scene with its meaning, unit, range and default, and every setting of the controller.
+`sim-host explain KEY` prints the same for one key.
+`sim-host show lock` prints a scene with all its keys, and `sim-host schema` the JSON Schema for an editor.
+
+A key with the default `none` is optional. `[table]` occurs once, `[[table]]` any number of times.
+The settings of the controller are a table of a scene, `[controller]`, and parameters of a board: [below](#settings-of-the-controller).
 ";
 
-/// The page, in Markdown.
+/// Returns the page, in Markdown.
 pub fn page() -> String {
-    let mut page = format!("{HEAD}\n## Of the scene itself\n");
+    let keys = keys();
+    let of_scene = |key: &&Key| !(key.path == "controller" || key.path.starts_with("controller."));
+    let mut page = format!("{HEAD}\nTables of a scene:\n");
+    for key in keys.iter().filter(of_scene).filter(|key| key.table.is_some()) {
+        let anchor: String = key.path.chars().filter(|letter| *letter != '.').collect();
+        let _ = writeln!(page, "[`{}`](#{anchor})", key.path);
+    }
+    page += "\n## Keys at the top level\n";
     let mut head = true;
-    let of_others = |key: &&Key| !(key.path == "controller" || key.path.starts_with("controller."));
-    for key in keys().iter().filter(of_others) {
+    for key in keys.iter().filter(of_scene) {
         if let Some(repeats) = key.table {
             let name = match repeats {
                 Repeats::Once => format!("[{}]", key.path),
@@ -35,7 +46,7 @@ pub fn page() -> String {
         let meaning = key.meaning.replace('|', "\\|");
         let _ = writeln!(page, "| `{name}` | {meaning} | {unit} | {} | {} |", key.range, key.default);
     }
-    page
+    page + &settings_page::sections()
 }
 
 #[cfg(test)]

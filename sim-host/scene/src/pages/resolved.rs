@@ -1,4 +1,4 @@
-//! A scene with all its defaults written out, for `sim-host show` and for the manifest of a run.
+//! A scene with all defaults written out, for `sim-host show` and for the manifest of a run.
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -6,17 +6,18 @@ use toml::de::{DeTable, DeValue};
 use crate::Scene;
 use crate::schema::{Kind, Schema, join};
 
-/// Longest line of comment.
-const WIDTH: usize = 110;
-/// A key and its value up to this length have their comment beside them.
-const BESIDE: usize = 44;
+/// Longest comment line, characters.
+const MAX_COMMENT_CHARS: usize = 110;
+/// Longest key with value that has its comment on the same line, characters.
+const MAX_INLINE_CHARS: usize = 44;
 
-/// Most words of a choice that are listed beside it.
-const MOST_CHOICES: usize = 8;
+/// Largest number of choices that are listed in the comment.
+const MAX_CHOICES: usize = 8;
 
-/// The scene as TOML, every key with its meaning and unit. Reads back as the same scene.
+/// Returns the scene as TOML, every key with its meaning and unit. It can be read back as the same
+/// scene.
 pub fn resolved_toml(scene: &Scene) -> String {
-    // A scene holds finite numbers and integers that TOML has room for: loading sees to it.
+    // Loading ensures that a scene holds only finite numbers and integers that TOML can represent.
     let text = toml::to_string(scene).unwrap_or_default();
     let mut out = String::new();
     if let Ok(table) = DeTable::parse(&text) {
@@ -25,14 +26,14 @@ pub fn resolved_toml(scene: &Scene) -> String {
     out
 }
 
-/// The scene as JSON.
+/// Returns the scene as JSON.
 pub fn resolved_json(scene: &Scene) -> serde_json::Value {
     serde_json::to_value(scene).unwrap_or_default()
 }
 
 fn write_table(out: &mut String, text: &str, table: &DeTable<'_>, schema: Schema, path: &str) {
     let mut entries: Vec<_> = table.iter().collect();
-    // In the order of the types rather than of the alphabet.
+    // In the order of the types, not alphabetically.
     entries.sort_by_key(|(key, _)| key.span().start);
     let (tables, values): (Vec<_>, Vec<_>) = entries.into_iter().partition(|(_, value)| holds_tables(value.get_ref()));
     write_values(out, text, &values, schema);
@@ -78,7 +79,8 @@ fn write_values(
     });
     let lines: Vec<_> = lines.collect();
     let length = |text: &str| text.chars().count();
-    let beside = |line: &str, meaning: &str| length(line) <= BESIDE && length(line) + length(meaning) <= WIDTH;
+    let beside =
+        |line: &str, meaning: &str| length(line) <= MAX_INLINE_CHARS && length(line) + length(meaning) <= MAX_COMMENT_CHARS;
     let column = lines.iter().filter(|(line, meaning)| beside(line, meaning)).map(|(line, _)| length(line)).max().unwrap_or(0);
     for (line, meaning) in &lines {
         if beside(line, meaning) {
@@ -91,17 +93,18 @@ fn write_values(
     }
 }
 
-/// What the key means, and which words it takes.
+/// Returns the meaning of a key and its choices.
 fn meaning(schema: Schema) -> String {
     let description = schema.description().unwrap_or_default().replace('\n', " ");
     let choices = schema.choices();
-    if schema.kind() == Kind::Choice && choices.len() <= MOST_CHOICES {
+    if schema.kind() == Kind::Choice && choices.len() <= MAX_CHOICES {
         return format!("{}: {}.", description.trim_end_matches('.'), choices.join(" | "));
     }
     description
 }
 
-/// A value as in the text, but numbers as short as they get: `3e-7` rather than `0.0000003`.
+/// Returns a value as in the text, but numbers in their shortest form: `3e-7` instead of
+/// `0.0000003`.
 fn written(text: &str, value: &Spanned<DeValue<'_>>) -> String {
     match value.get_ref() {
         DeValue::Float(number) => {
@@ -112,11 +115,11 @@ fn written(text: &str, value: &Spanned<DeValue<'_>>) -> String {
     }
 }
 
-/// A comment of its own, in lines of even length.
+/// Appends a comment on its own lines, wrapped.
 fn comment(out: &mut String, text: &str) {
     let mut line = String::new();
     for word in text.split_whitespace() {
-        if !line.is_empty() && line.chars().count() + word.chars().count() + 3 > WIDTH {
+        if !line.is_empty() && line.chars().count() + word.chars().count() + 3 > MAX_COMMENT_CHARS {
             *out += &format!("#{line}\n");
             line.clear();
         }

@@ -1,4 +1,4 @@
-//! The page of all settings of the controller, from the tables that the firmware describes them by.
+//! Sections with all settings of the controller, from the tables in the firmware.
 
 use std::fmt::Write as _;
 use std::sync::LazyLock;
@@ -12,31 +12,32 @@ use serde_json::Value;
 use crate::nearest::shown;
 use crate::schema::{Kind, Schema, join};
 
-const HEAD: &str = "\
-# Settings of the controller
+const HEAD: &str = "
+## Settings of the controller
 
-Every setting with its range, its default, and where it can be set. Every table is generated from
-`firmware/src/seam/config`, where each setting is described once: the build's check, the scene's keys, the JSON Schema (`sim-host schema`) and the
-parameters of the link follow from the same lines.
+A scene has these keys in the table `[controller]`; a name ends with its unit.
+A board has them as **parameters**: `sim-host link PORT settings set NAME VALUE`, with table and key as NAME, such as `drive.amplitude_v`.
+A parameter takes effect after `settings store` and `reset`. Its number never changes its meaning.
 
-A **key** stands in the `[controller]` part of a scene; its unit is the end of its name. A **parameter** is set over the link with
-`sim-host link PORT settings set NAME VALUE`, where its name is table and key, and acts after `store` and `reset`; its number never changes its
-meaning. A limit can be lowered over the link and never raised beyond what is built into the image; the ceiling of a limit of
-voltage, current or power is as many codes of the converters as what is built in, whatever their scale factors say that a code is worth.
+Over the link, a limit can be lowered, but never raised above the value that is built into the image (`lowered only`).
+For limits of voltage, current and power, this ceiling is a fixed number of converter codes, independent of the scale factors.
 ";
 
-/// The settings that only a board has.
+/// Settings of the front end, which only a board has.
 static FRONT_END: LazyLock<Value> =
     LazyLock::new(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<FrontEnd>().to_value());
+/// Settings of the heat sink, which only a board has.
 static HEAT_SINK: LazyLock<Value> =
     LazyLock::new(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<HeatSink>().to_value());
+/// Settings of the supply, which only a board has.
 static SUPPLY: LazyLock<Value> =
     LazyLock::new(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Supply>().to_value());
+/// Settings of the link, which only a board has.
 static LINK: LazyLock<Value> =
     LazyLock::new(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Link>().to_value());
 
-/// The page, in Markdown.
-pub fn page() -> String {
+/// Returns the sections, in Markdown.
+pub fn sections() -> String {
     let mut page = HEAD.to_owned();
     let mut listed = Vec::new();
     let controller = Schema::tables().into_iter().filter_map(|(path, table)| {
@@ -47,14 +48,15 @@ pub fn page() -> String {
         let title = if path.is_empty() { "`[controller]`".to_owned() } else { format!("`[controller.{path}]`") };
         section(&mut page, &title, &path, table, &mut listed);
     }
-    page += "\n## Of a board alone\n\nNo scene has these: its converters and sensors say what they are worth, and it is its own host.\n";
+    page += "\n## Settings of a board only\n\n";
+    page += "A scene does not have these: its converters and sensors give the scale factors, and it needs no link.\n";
     for (path, value) in [("front_end", &FRONT_END), ("heat_sink", &HEAT_SINK), ("supply", &SUPPLY), ("link", &LINK)] {
-        section(&mut page, &format!("`{path}`"), path, Schema::of(value), &mut listed);
+        section(&mut page, &format!("`{path}`"), path, Schema::new(value), &mut listed);
     }
     page += "\n### Other parameters\n\n| name | range | parameter |\n|---|---|---|\n";
     for parameter in PARAMETERS.iter().filter(|parameter| !listed.contains(&parameter.key)) {
         let (least, most) = parameter.range.of(f32::INFINITY);
-        // As short as a number of single precision is written.
+        // Shortest form of a single-precision number.
         let [least, most] = [least, most].map(|end| end.to_string().parse().ok());
         let range = written_range(least, most);
         let _ = writeln!(page, "| `{}` | {range} | {} |", parameter.name, held(parameter));
@@ -63,8 +65,7 @@ pub fn page() -> String {
 }
 
 fn section(page: &mut String, title: &str, path: &str, table: Schema, listed: &mut Vec<u8>) {
-    let level = if title.contains('[') { "##" } else { "###" };
-    let _ = write!(page, "\n{level} {title}\n\n{}\n\n", table.description().unwrap_or_default().replace('\n', " "));
+    let _ = write!(page, "\n### {title}\n\n{}\n\n", table.description().unwrap_or_default().replace('\n', " "));
     *page += "| key | meaning | range | default | parameter |\n|---|---|---|---|---|\n";
     for (key, schema) in table.properties().filter(|(_, schema)| schema.kind() != Kind::Table) {
         let name = join(path, key);
@@ -77,7 +78,7 @@ fn section(page: &mut String, title: &str, path: &str, table: Schema, listed: &m
     }
 }
 
-/// Which values a key may have, in words.
+/// Returns the range of a key in words.
 pub(crate) fn range(schema: Schema) -> String {
     match schema.kind() {
         Kind::Choice => schema.choices().iter().map(|choice| format!("`{choice}`")).collect::<Vec<_>>().join(" "),
@@ -98,7 +99,7 @@ fn written_range(least: Option<f64>, most: Option<f64>) -> String {
     }
 }
 
-/// What a key is where a scene does not say, in words.
+/// Returns the default of a key in words.
 pub(crate) fn default(schema: Schema, required: bool) -> String {
     match schema.default() {
         Some(Value::Number(number)) => number.as_f64().map(shown).unwrap_or_default(),
@@ -106,14 +107,15 @@ pub(crate) fn default(schema: Schema, required: bool) -> String {
         Some(Value::String(text)) => format!("`{text}`"),
         Some(Value::Bool(flag)) => format!("`{flag}`"),
         _ if required => "must be given".to_owned(),
-        // What a scene leaves out where it is zero.
+        // Serde omits these keys if they have their default: false or, if that is allowed, zero.
         _ if schema.kind() == Kind::Flag => "`false`".to_owned(),
+        _ if schema.is_number() && schema.range().0.is_some_and(|least| least > 0.0) && !schema.is_optional() => String::new(),
         _ if schema.is_number() && !schema.is_optional() => "0".to_owned(),
         _ => "none".to_owned(),
     }
 }
 
-/// The number of a parameter, and what holds it back besides its range.
+/// Returns the number of a parameter, and its restriction in addition to the range.
 fn held(parameter: &Parameter) -> String {
     match parameter.range {
         Range::Within(..) | Range::Scale(..) | Range::Choice(_) | Range::Whole(..) => parameter.key.to_string(),
@@ -126,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_choice_has_the_same_names_over_the_link_and_in_a_scene() {
+    fn choices_have_equal_names_in_link_and_scene() {
         let mut choices = 0;
         for (path, table) in Schema::tables() {
             for (key, schema) in table.properties() {
@@ -138,7 +140,7 @@ mod tests {
                 assert_eq!(names, expected, "{name}");
             }
         }
-        // A scene has a table or has it not.
+        // A scene has no `enabled` keys: the table is present or absent.
         let in_scenes =
             |parameter: &&Parameter| matches!(parameter.range, Range::Choice(_)) && !parameter.name.ends_with(".enabled");
         assert_eq!(choices, PARAMETERS.iter().filter(in_scenes).count());

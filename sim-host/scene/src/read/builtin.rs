@@ -1,14 +1,14 @@
-//! The scenes that come with the program: every file of the folder `scenes`.
+//! The built-in scenes: every file in the folder `scenes`.
 
-/// Listed by the build script.
+/// Names and texts, listed by the build script.
 const SCENES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
 
-/// Name and text of every built-in scene, in alphabetical order.
+/// Returns name and text of every built-in scene, in alphabetical order.
 pub fn all() -> &'static [(&'static str, &'static str)] {
     SCENES
 }
 
-/// The text of one built-in scene.
+/// Returns the text of a built-in scene.
 pub fn text(name: &str) -> Option<&'static str> {
     SCENES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }

@@ -1,23 +1,24 @@
-//! Problems of a scene, shown as a compiler shows them: file, line, column, caret, what is allowed, what to do.
+//! Problems of a scene, shown in the style of a compiler: file, line, column, caret, expected value
+//! and help.
 
 use std::fmt;
 use std::ops::Range;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
-/// A text that problems point into.
+/// A text that problems refer to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// What a user calls it: a file, a built-in name, `<stdin>`, or `--set`.
+    /// Name for the user: a file, a built-in name, `<stdin>`, or `--set`.
     pub name: String,
     /// The text as read.
     pub text: String,
 }
 
-/// A stretch of bytes in one of the sources.
+/// A range of bytes in one of the sources.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Place {
-    /// Which source: an index into [`Report::sources`].
+    /// Index of the source in [`Report::sources`].
     pub source: usize,
     /// Offset of the first byte.
     pub start: usize,
@@ -26,32 +27,32 @@ pub struct Place {
 }
 
 impl Place {
-    /// The place of `span` in source number `source`.
+    /// Returns the place of `span` in source number `source`.
     pub fn new(source: usize, span: Range<usize>) -> Self {
         Self { source, start: span.start, end: span.end }
     }
 }
 
-/// One thing that is wrong.
+/// A mistake in a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
     /// Place of the problem in its source.
     pub at: Place,
-    /// What is wrong, in one line.
+    /// Description of the mistake, in one line.
     pub message: String,
-    /// What to say at the caret: what was expected there.
+    /// Text at the caret: the expected value.
     pub label: String,
-    /// What to do, or what else is worth knowing.
+    /// Advice or further information.
     pub help: Option<String>,
 }
 
 impl Problem {
-    /// A problem without help.
+    /// Creates a problem without help.
     pub fn new(at: Place, message: impl Into<String>, label: impl Into<String>) -> Self {
         Self { at, message: message.into(), label: label.into(), help: None }
     }
 
-    /// Adds what to do about it.
+    /// Adds the help text.
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into().replace('\n', " "));
         self
@@ -66,29 +67,29 @@ pub struct Report {
 }
 
 impl Report {
-    /// Sorts the problems; those of one source stay together.
+    /// Creates a report with the problems sorted by source and position.
     pub fn new(sources: Vec<Source>, mut problems: Vec<Problem>) -> Self {
         problems.sort_by(|a, b| a.at.cmp(&b.at));
         problems.dedup();
         Self { sources, problems }
     }
 
-    /// The texts the problems point into.
+    /// Returns the texts that the problems refer to.
     pub fn sources(&self) -> &[Source] {
         &self.sources
     }
 
-    /// The problems, sorted by position.
+    /// Returns the problems, sorted by position.
     pub fn problems(&self) -> &[Problem] {
         &self.problems
     }
 
-    /// How many problems there are.
+    /// Returns the number of problems.
     pub fn count(&self) -> usize {
         self.problems.len()
     }
 
-    /// The report as text, with escape codes for a terminal if `color`.
+    /// Returns the report as text, with escape codes for a terminal if `color`.
     pub fn render(&self, color: bool) -> String {
         let renderer = if color { Renderer::styled() } else { Renderer::plain() };
         let mut out = String::new();
@@ -128,13 +129,13 @@ impl fmt::Display for Report {
     }
 }
 
-/// Text of a file may hold control characters, which would reach the terminal; a message shows them as escapes.
+/// Escapes control characters, which a file may contain and which must not reach the terminal.
 fn visible(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() }).collect()
 }
 
-/// A span that starts and ends between characters of `text`. A caret stays on one line: a table or string over several lines
-/// is marked in its first.
+/// Moves the ends of a span to character boundaries of `text`, and its end to the end of the first
+/// line: a table or string over several lines is marked in its first line only.
 fn within(text: &str, span: Range<usize>) -> Range<usize> {
     let start = text.floor_char_boundary(span.start.min(text.len()));
     let end = text.ceil_char_boundary(span.end.clamp(start, text.len()));

@@ -1,20 +1,20 @@
 //! Groups of keys and tables that exclude each other.
 
-/// Keys of a table that exclude each other.
+/// A group of keys that exclude each other.
 #[derive(Debug)]
 pub struct Exclusive {
     /// Path of the table.
     pub table: &'static str,
-    /// What one of must be given.
+    /// Alternatives, of which exactly one must be given.
     pub alternatives: &'static [Alternative],
 }
 
-/// One way to say it.
+/// One of the alternatives.
 #[derive(Debug)]
 pub struct Alternative {
-    /// The keys of this way.
+    /// Keys of the alternative.
     pub keys: &'static [&'static str],
-    /// Whether all of them are needed, rather than any.
+    /// `true` if all of the keys are needed, `false` if any is sufficient.
     pub complete: bool,
 }
 
@@ -26,7 +26,8 @@ const fn any(keys: &'static [&'static str]) -> Alternative {
     Alternative { keys, complete: false }
 }
 
-/// All groups of keys that exclude each other. Laid over a scene, a key takes the place of those that it excludes.
+/// All groups of keys that exclude each other. In an overlay, a key replaces those that it
+/// excludes.
 pub const EXCLUSIVE: &[Exclusive] = &[
     Exclusive { table: "controller.drive", alternatives: &[all(&["amplitude_v"]), all(&["velocity_m_per_s"])] },
     Exclusive { table: "controller.burst", alternatives: &[all(&["on_s", "off_s"]), all(&["period_s", "duty"])] },
@@ -69,11 +70,12 @@ pub const EXCLUSIVE: &[Exclusive] = &[
     Exclusive { table: "expect", alternatives: &[any(&["min", "max"]), all(&["value", "tolerance"])] },
 ];
 
-/// Samples of a profile, or where they are read from.
+/// Samples of a profile, or the file with them.
 const PROFILE: &[Alternative] = &[any(&["file"]), any(&["time_s", "values"])];
 
-/// Keys that say the same of a circuit or a profile: one of a scene takes the place of the other of its base, and so it does of what is complete without it.
-pub(crate) const LAYERED: &[Exclusive] = &[
+/// Keys that describe the same quantity of a circuit or profile. A key of a scene replaces the
+/// alternative of its base, also if the circuit is already complete without it.
+pub(crate) const OVERLAY_EXCLUSIVE: &[Exclusive] = &[
     Exclusive { table: "disturbance.profile", alternatives: PROFILE },
     Exclusive { table: "excitation.profile", alternatives: PROFILE },
     Exclusive { table: "rig.dring.pulse", alternatives: PROFILE },

@@ -1,4 +1,5 @@
-//! From a name, a file or standard input to a scene, or to a report of everything that is wrong with it.
+//! Loading of a scene from a name, a file or standard input; failures give a report of all
+//! mistakes.
 
 mod inherited;
 mod manifest;
@@ -10,7 +11,7 @@ use std::path::{Path, PathBuf};
 use crate::diagnostic::{Problem, Report, Source};
 use crate::nearest::{nearest, short};
 use crate::overlay::{joined, overlay, parse_set, syntax};
-use crate::profile::resolve::{Found, files, resolve};
+use crate::profile::resolve::{PathProblem, files, resolve};
 use crate::schema::BASE;
 use crate::tree::{Node, Origin, Value};
 use crate::walk::walk;
@@ -18,38 +19,39 @@ use crate::{Scene, builtin, rules};
 
 pub use inherited::{Change, Inherited, inputs};
 
-/// A scene and where it comes from.
+/// A scene and its origin.
 #[derive(Clone, Debug)]
 pub struct Loaded {
-    /// Name of the scene: that of a built-in scene, or of the file without folder and ending.
+    /// Name of the scene: that of a built-in scene, or of the file without folder and extension.
     pub name: String,
-    /// What messages call its text: the built-in name, the file's path, or `<stdin>`.
+    /// Name of the text in messages: the built-in name, the file's path, or `<stdin>`.
     pub origin: String,
     /// The scene as read, with its changes.
     pub scene: Scene,
     /// The text as read.
     pub input: String,
-    /// The changes asked for, as `key=value`.
+    /// The requested changes, as `key=value`.
     pub sets: Vec<String>,
-    /// How many of the changes, the first of them, are defaults of the program and no user's.
+    /// Number of changes, at the beginning of `sets`, that are defaults of the program, not of the
+    /// user.
     pub defaults: usize,
-    /// Which of the scene's runs it is, if it is one of several.
+    /// Number of the run, if the scene has several.
     pub run: Option<u32>,
-    /// What the run that is repeated had of another scene.
+    /// Parts that the repeated run inherited from another scene.
     pub repeats: Option<Inherited>,
 }
 
-/// A scene without its grid and comparison, from which copies with some values changed are made; its text is read only once.
+/// A scene without grid and comparison, parsed once, for copies with some values changed.
 #[derive(Debug)]
 pub struct Template<'a> {
     loaded: &'a Loaded,
     root: Node,
-    /// What the texts of the scene are called: files are looked for beside them.
+    /// Names of the scene's texts. Files are searched relative to them.
     names: Vec<String>,
 }
 
 impl Template<'_> {
-    /// The scene with these changes, as [`Loaded::cell`] makes it.
+    /// Returns the scene with these changes, the same as [`Loaded::cell`].
     pub fn scene(&self, sets: &[String]) -> Result<Scene, LoadError> {
         let origin = Origin { source: 0, offset: 0 };
         let mut root = self.root.clone();
@@ -59,37 +61,39 @@ impl Template<'_> {
         }
         let mut sources: Vec<_> = self.names.iter().map(|name| Source { name: name.clone(), text: String::new() }).collect();
         let found = resolve(&mut root, &mut sources);
-        match judge(root, found) {
+        match checked_scene(root, found) {
             Ok(scene) if problems.is_empty() => Ok(scene),
-            // Only a text that is read again has the places that a report points at.
+            // Reading the text again gives the places for the report.
             _ => self.loaded.cell(sets).map(|cell| cell.scene),
         }
     }
 }
 
 impl Loaded {
-    /// The scene as a template, from which many changed copies are made.
+    /// Returns the scene as a template, for many changed copies.
     pub fn template(&self) -> Result<Template<'_>, LoadError> {
         let (sources, read) = read(&self.origin, &self.input, &self.sets);
         let names = sources.iter().map(|source| source.name.clone()).collect();
-        let Whole { mut root, found, .. } =
+        let ReadScene { mut root, found, .. } =
             read.map_err(|problems| LoadError::Invalid(Report::new(sources.clone(), problems)))?;
         if !found.is_empty() {
             let problems = found.into_iter().map(|(_, problem)| problem).collect();
             return Err(LoadError::Invalid(Report::new(sources, problems)));
         }
-        rules::alone(&mut root);
+        rules::remove_non_cell_keys(&mut root);
         Ok(Template { loaded: self, root, names })
     }
 
-    /// Returns the paths that the scene was read from: its own, those of its bases, and those of its measured profiles. Built-in names are among them.
+    /// Returns the paths that the scene was read from: its own, those of its bases, and those of
+    /// its measured profiles. Built-in names are included.
     pub fn files(&self) -> Vec<PathBuf> {
         let (sources, read) = read(&self.origin, &self.input, &self.sets);
         let measured = read.map(|whole| whole.files).unwrap_or_default();
         sources.iter().skip(1).map(|source| PathBuf::from(&source.name)).chain(measured).collect()
     }
 
-    /// The scene with values for keys that neither it nor a change gives, as `key=value`; no key of a list.
+    /// Returns the scene with default values, as `key=value`, for keys that neither it nor a change
+    /// gives. Keys of lists are not supported.
     pub fn with_defaults(self, defaults: &[String]) -> Result<Self, LoadError> {
         let (_, root) = read(&self.origin, &self.input, &self.sets);
         let gives = |set: &&String| {
@@ -105,26 +109,31 @@ impl Loaded {
         Ok(Self { name: self.name, defaults, ..loaded(&self.origin, &self.input, &sets, |_| ())? })
     }
 
-    /// The scene with further changes, and all else that it has.
+    /// Returns the scene with further changes.
     pub fn changed(&self, sets: &[String]) -> Result<Self, LoadError> {
         let sets = [self.sets.as_slice(), sets].concat();
         Ok(Self { name: self.name.clone(), defaults: self.defaults, ..loaded(&self.origin, &self.input, &sets, |_| ())? })
     }
 
-    /// The scene with further changes, without its grid and comparison: a cell of its grid, or a case of its comparison.
+    /// Returns the scene with further changes, without grid and comparison: a cell of its grid, or
+    /// a case of its comparison.
     pub fn cell(&self, sets: &[String]) -> Result<Self, LoadError> {
         let sets = [self.sets.as_slice(), sets].concat();
-        Ok(Self { name: self.name.clone(), defaults: self.defaults, ..loaded(&self.origin, &self.input, &sets, rules::alone)? })
+        Ok(Self {
+            name: self.name.clone(),
+            defaults: self.defaults,
+            ..loaded(&self.origin, &self.input, &sets, rules::remove_non_cell_keys)?
+        })
     }
 }
 
-/// Why there is no scene.
+/// Reason why a scene could not be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// Neither a built-in scene nor a file.
     #[error("there is no scene `{name}`: {}", suggest(nearest))]
     NotFound {
-        /// What was asked for.
+        /// The requested name.
         name: String,
         /// Built-in scenes with a similar name, or all if none is similar.
         nearest: Vec<&'static str>,
@@ -132,22 +141,23 @@ pub enum LoadError {
     /// The file cannot be read.
     #[error("cannot read the scene `{path}`: {io}")]
     Read {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Why.
+        /// Cause of the error.
         #[source]
         io: io::Error,
     },
-    /// The scene is wrong.
+    /// The scene has mistakes.
     #[error("{0}")]
     Invalid(Report),
 }
 
 fn suggest(nearest: &[&str]) -> String {
-    format!("neither a file nor built in; try {}", super::nearest::listed(nearest.iter().copied(), "or"))
+    format!("it is neither a file nor built in; try {}", super::nearest::listed(nearest.iter().copied(), "or"))
 }
 
-/// Loads a built-in scene by name, a TOML file or the manifest of a run by path, or standard input (`-`), with changes as `key=value`.
+/// Loads a scene, with changes as `key=value`. The source is the name of a built-in scene, the path
+/// of a TOML file or of the manifest of a run, or standard input (`-`).
 pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
     if source == "-" {
         const STDIN: &str = "<stdin>";
@@ -169,45 +179,47 @@ pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
     Ok(Loaded { name, ..load_text(source, &text, sets)? })
 }
 
-/// Loads a scene from its text. A relative `base` is looked for beside `name`.
+/// Loads a scene from its text. A relative `base` is relative to the folder of `name`.
 pub fn load_text(name: &str, text: &str, sets: &[String]) -> Result<Loaded, LoadError> {
     loaded(name, text, sets, |_| ())
 }
 
 /// A tree with the samples of its profiles.
-struct Whole {
+struct ReadScene {
     root: Node,
-    /// What is wrong with the profiles.
-    found: Vec<Found>,
+    /// Problems of the profiles.
+    found: Vec<PathProblem>,
     /// Files that the profiles are read from.
     files: Vec<PathBuf>,
-    /// How many of the sources, the first of them, are changes and texts of scenes; after them come files of profiles.
+    /// Number of sources, at the beginning of the list, that are changes and texts of scenes. The
+    /// rest are files of profiles.
     texts: usize,
 }
 
-/// The texts that a scene is made of, and the tree that they make with its changes and the samples of its profiles, with what is wrong with these.
-fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<Whole, Vec<Problem>>) {
+/// Reads the texts of a scene, and builds the tree with its changes and the samples of its
+/// profiles.
+fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<ReadScene, Vec<Problem>>) {
     let (changes, starts) = joined(sets);
-    // The newer a text, the earlier in this list.
+    // Newer texts come first in this list.
     let mut sources = vec![Source { name: "--set".to_owned(), text: changes }];
     sources.push(Source { name: name.to_owned(), text: text.to_owned() });
-    let root = layers(&mut sources).and_then(|root| change(root, sets, &starts)).map(|mut root| {
+    let root = merge_bases(&mut sources).and_then(|root| change(root, sets, &starts)).map(|mut root| {
         let texts = sources.len();
         let files = files(&root, &sources);
         let found = resolve(&mut root, &mut sources);
-        Whole { root, found, files, texts }
+        ReadScene { root, found, files, texts }
     });
     (sources, root)
 }
 
 fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Result<Loaded, LoadError> {
     let (sources, read) = read(name, text, sets);
-    let Whole { mut root, found, .. } = match read {
+    let ReadScene { mut root, found, .. } = match read {
         Ok(read) => read,
         Err(problems) => return Err(LoadError::Invalid(Report::new(sources, problems))),
     };
     prepare(&mut root);
-    match judge(root, found) {
+    match checked_scene(root, found) {
         Ok(scene) => Ok(Loaded {
             name: name.to_owned(),
             origin: name.to_owned(),
@@ -222,7 +234,7 @@ fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Re
     }
 }
 
-fn judge(mut root: Node, found: Vec<Found>) -> Result<Scene, Vec<Problem>> {
+fn checked_scene(mut root: Node, found: Vec<PathProblem>) -> Result<Scene, Vec<Problem>> {
     rules::circuit::clamped(&mut root);
     let mut walked = walk(&mut root);
     found.into_iter().for_each(|(path, problem)| walked.add(path, problem));
@@ -231,11 +243,12 @@ fn judge(mut root: Node, found: Vec<Found>) -> Result<Scene, Vec<Problem>> {
     if !problems.is_empty() {
         return Err(problems);
     }
-    Scene::of_tree(&root).map_err(|error| vec![Problem::new(root.place.clone(), error.message(), "")])
+    Scene::from_tree(&root).map_err(|error| vec![Problem::new(root.place.clone(), error.message(), "")])
 }
 
-/// The scene laid over its base, that over its own, and so on. Adds the bases to the sources.
-fn layers(sources: &mut Vec<Source>) -> Result<Node, Vec<Problem>> {
+/// Merges the scene with its base, the base with its own base, and so on. Adds the bases to the
+/// sources.
+fn merge_bases(sources: &mut Vec<Source>) -> Result<Node, Vec<Problem>> {
     let mut stack = Vec::new();
     loop {
         let number = sources.len() - 1;
@@ -245,7 +258,7 @@ fn layers(sources: &mut Vec<Source>) -> Result<Node, Vec<Problem>> {
         let base = take_base(&mut root);
         let empty = root.table().is_some_and(|table| table.is_empty());
         if empty && base.is_none() {
-            let problem = Problem::new(root.place.clone(), "the scene is empty", "nothing here says what to run");
+            let problem = Problem::new(root.place.clone(), "the scene is empty", "nothing to run");
             return Err(vec![problem.help("start from a copy: `sim-host show experiment-1 > my-scene.toml`")]);
         }
         stack.push(root);
@@ -286,7 +299,7 @@ fn find_base(base: &Node, sources: &[Source], number: usize) -> Result<Source, P
     };
     let same = |source: &&Source| canonical(&source.name) == canonical(&path);
     if let Some(earlier) = sources.iter().skip(1).find(same) {
-        let message = format!("`base` goes in a circle, back to {}", short(&earlier.name));
+        let message = format!("`base` is circular: it leads back to {}", short(&earlier.name));
         return Err(problem(message, "already part of this scene".to_owned()));
     }
     let text = read_source(&path, name).map_err(|error| match error {
@@ -302,7 +315,7 @@ fn canonical(name: &str) -> PathBuf {
     Path::new(name).canonicalize().unwrap_or_else(|_| PathBuf::from(name))
 }
 
-/// Applies `--set` arguments, each of which begins at a byte of the first source.
+/// Applies the `--set` arguments; `starts` are their offsets in the first source.
 fn change(mut root: Node, sets: &[String], starts: &[usize]) -> Result<Node, Vec<Problem>> {
     let mut problems = Vec::new();
     for (set, &offset) in sets.iter().zip(starts) {
@@ -320,7 +333,7 @@ fn change(mut root: Node, sets: &[String], starts: &[usize]) -> Result<Node, Vec
     if problems.is_empty() { Ok(root) } else { Err(problems) }
 }
 
-/// The text of a built-in scene or of a file, which the user calls `asked`.
+/// Reads the text of a built-in scene or of a file; `asked` is the name that the user gave.
 pub(crate) fn read_source(source: &str, asked: &str) -> Result<String, LoadError> {
     if let Some(text) = builtin::text(source) {
         return Ok(text.to_owned());
@@ -340,21 +353,21 @@ pub(crate) fn read_source(source: &str, asked: &str) -> Result<String, LoadError
 }
 
 fn read_text(file: impl Read) -> io::Result<String> {
-    /// Of a scene that is written by hand.
-    const LARGEST: u64 = 1 << 20;
-    /// Of a manifest, which has every sample of measured profiles.
-    const LARGEST_MANIFEST: u64 = 64 << 20;
+    /// Largest hand-written scene, bytes.
+    const MAX_SCENE_BYTES: u64 = 1 << 20;
+    /// Largest manifest, bytes. It contains every sample of measured profiles.
+    const MAX_MANIFEST_BYTES: u64 = 64 << 20;
     let refuse = |reason: String| Err(io::Error::new(io::ErrorKind::InvalidData, reason));
     let mut bytes = Vec::new();
-    let mut file = file.take(LARGEST + 1);
+    let mut file = file.take(MAX_SCENE_BYTES + 1);
     file.read_to_end(&mut bytes)?;
     let is_manifest = bytes.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{');
     if is_manifest {
-        file.set_limit(LARGEST_MANIFEST);
+        file.set_limit(MAX_MANIFEST_BYTES);
         file.read_to_end(&mut bytes)?;
     }
-    if bytes.len() as u64 > LARGEST && !is_manifest {
-        return refuse("larger than 1 MiB, so hardly a scene".to_owned());
+    if bytes.len() as u64 > MAX_SCENE_BYTES && !is_manifest {
+        return refuse("larger than 1 MiB, so probably not a scene".to_owned());
     }
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return refuse("encoded as UTF-16; save it as UTF-8".to_owned());

@@ -1,6 +1,6 @@
-//! Names a user may have meant.
+//! Search for similar names, and short forms of names and numbers for messages.
 
-/// Names similar enough to be a slip of the pen, the most similar first.
+/// Returns the names similar enough to be misspelled, the most similar first.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let plain = |name: &str| name.to_lowercase().replace(['-', ' '], "_");
     let name = plain(name);
@@ -15,7 +15,7 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     found.into_iter().map(|(candidate, _)| candidate).collect()
 }
 
-/// Names in backquotes, with commas and a last word between.
+/// Returns the names in backquotes, separated by commas and, before the last, the word `last`.
 pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>, last: &str) -> String {
     let quoted: Vec<_> = names.into_iter().map(|name| format!("`{name}`")).collect();
     match quoted.as_slice() {
@@ -25,16 +25,16 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>, last: &str) -> Strin
     }
 }
 
-/// A key or string of a user's text, short enough for a message.
+/// Shortens a key or string of the user for a message.
 pub fn short(text: &str) -> String {
-    const LONGEST: usize = 60;
-    match text.char_indices().nth(LONGEST) {
+    const MAX_CHARS: usize = 60;
+    match text.char_indices().nth(MAX_CHARS) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.to_owned(),
     }
 }
 
-/// A number as a person would write it.
+/// Formats a number in the usual way, with at most ten digits.
 pub fn shown(number: f64) -> String {
     let rounded: f64 = format!("{number:.9e}").parse().unwrap_or(number);
     if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn slips_are_found_and_strangers_are_not() {
+    fn similar_names_are_found_and_others_not() {
         assert_eq!(nearest("dutty", ["duty", "period_s"]), ["duty"]);
         assert_eq!(nearest("Duration-S", ["duration_s"]), ["duration_s"]);
         assert!(nearest("colour", ["duty", "period_s"]).is_empty());

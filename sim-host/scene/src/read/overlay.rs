@@ -1,22 +1,24 @@
-//! One text laid over another: a scene over its base, and `--set key=value` over a scene.
+//! Merging of texts: a scene over its base, and `--set key=value` over a scene.
 
 use crate::diagnostic::{Place, Problem};
-use crate::exclusive::{EXCLUSIVE, LAYERED};
+use crate::exclusive::{EXCLUSIVE, OVERLAY_EXCLUSIVE};
 use crate::nearest::short;
 use crate::schema::{Schema, is_index, join, without_indices};
 use crate::tree::{Entry, Node, Origin, Table, Value};
 
-/// Parses one `--set` argument, `key=value`. A value that is no TOML is taken as a string, so that names need no quotes in a
-/// shell; brackets and quotes show that TOML was meant.
+/// Parses one `--set` argument, `key=value`. A value that is not TOML is taken as a string, so that
+/// names need no quotes in a shell. A value that begins with a bracket or a quote must be TOML.
 pub(crate) fn parse_set(text: &str, origin: Origin) -> Result<Node, Problem> {
     let example = "for example `--set controller.drive.frequency_hz=40e3`";
     let everything = || origin.place(0..text.len());
     let Some((key, value)) = text.split_once('=').filter(|(key, _)| !key.trim().is_empty()) else {
-        return Err(Problem::new(everything(), "a change is written `key=value`", "lacks its key or its `=`").help(example));
+        return Err(
+            Problem::new(everything(), "a change has the form `key=value`", "the key or the `=` is missing").help(example)
+        );
     };
     let no_key = || {
-        let message = format!("`{}` is no key of a scene", short(key.trim()));
-        Problem::new(origin.place(0..key.len()), message, "names of tables and key, with points between").help(example)
+        let message = format!("`{}` is not a key of a scene", short(key.trim()));
+        Problem::new(origin.place(0..key.len()), message, "expected names of tables and key, separated by dots").help(example)
     };
     if value.trim().is_empty() {
         return Err(Problem::new(everything(), format!("no value for `{}`", key.trim()), "nothing after `=`").help(example));
@@ -36,7 +38,7 @@ pub(crate) fn parse_set(text: &str, origin: Origin) -> Result<Node, Problem> {
     Err(syntax(&error, text, origin))
 }
 
-/// A syntax error of TOML as a problem.
+/// Converts a TOML syntax error to a problem.
 pub(crate) fn syntax(error: &toml::de::Error, text: &str, origin: Origin) -> Problem {
     let span = error.span().unwrap_or(0..0);
     let (message, label) = error.message().split_once(", expected ").unwrap_or((error.message(), ""));
@@ -44,21 +46,21 @@ pub(crate) fn syntax(error: &toml::de::Error, text: &str, origin: Origin) -> Pro
     let rest = text.get(span.start..).unwrap_or_default();
     let (message, label, help) = match message {
         "duplicate key" => (
-            "this name is already taken".to_owned(),
-            "second time".to_owned(),
-            "a key or table is written once; of a list, each entry has its own header: `[[expect]]`",
+            "this name is already used".to_owned(),
+            "second occurrence".to_owned(),
+            "a key or table may appear only once; in a list, each entry has its own header: `[[expect]]`",
         ),
         "string values must be quoted" if rest.is_empty() || rest.starts_with(['\r', '\n', '#']) => {
             ("the value is missing".to_owned(), "expected a value".to_owned(), "")
         }
         "string values must be quoted" => (message.to_owned(), "neither a number nor in quotes".to_owned(), ""),
         "unexpected key or value" if rest.starts_with(',') => {
-            (message.to_owned(), "expected the end of the line".to_owned(), "decimals have a point: 0.5")
+            (message.to_owned(), "expected the end of the line".to_owned(), "write decimals with a point: 0.5")
         }
         "invalid unquoted key" => (
             message.to_owned(),
             "not a letter from a to z, digit, `_` or `-`".to_owned(),
-            "a key with anything else needs quotes",
+            "a key with other characters needs quotes",
         ),
         "cannot recurse further; max recursion depth met" | "recursion limit" => {
             ("nested too deeply".to_owned(), String::new(), "")
@@ -77,12 +79,13 @@ fn set_leaf(node: &mut Node, leaf: &Node) {
     }
 }
 
-/// Lays `over` on `under`: tables are merged, everything else is replaced. In a list of tables, keys that are numbers count its
-/// entries. A key that excludes others (see [`EXCLUSIVE`]) replaces them. A number that may be absent is so with `none`.
+/// Merges `over` into `under`: tables are merged, everything else is replaced. In a list of tables,
+/// numeric keys are indices. A key that excludes others (see [`EXCLUSIVE`]) replaces them. The
+/// value `none` removes an optional number.
 pub(crate) fn overlay(under: &mut Node, over: Node, path: &str, problems: &mut Vec<Problem>) {
     match (&mut under.value, over.value) {
         (Value::Table(below), Value::Table(above)) => {
-            give_way(below, &above, path);
+            remove_excluded(below, &above, path);
             for (name, entry) in above {
                 let path = join(path, &name);
                 if is_none(&path, &entry.node.value) {
@@ -99,22 +102,22 @@ pub(crate) fn overlay(under: &mut Node, over: Node, path: &str, problems: &mut V
                 }
             }
         }
-        (Value::List(below), Value::Table(above)) if counts_entries(&above) => {
+        (Value::List(below), Value::Table(above)) if is_indexed(&above) => {
             for (index, entry) in in_order(above) {
-                put(below, index, entry, path, problems);
+                put_entry(below, index, entry, path, problems);
             }
         }
         (_, value) => *under = Node { place: over.place, value },
     }
 }
 
-/// Whether a value says that a number is absent that may be so.
+/// Returns `true` if the value removes an optional number.
 fn is_none(path: &str, value: &Value) -> bool {
     let may_be = || Schema::root().at(path).is_some_and(|schema| schema.is_number() && schema.is_optional());
     matches!(value, Value::Text(text) if text == "none") && may_be()
 }
 
-fn put(list: &mut Vec<Node>, index: usize, entry: Entry, path: &str, problems: &mut Vec<Problem>) {
+fn put_entry(list: &mut Vec<Node>, index: usize, entry: Entry, path: &str, problems: &mut Vec<Problem>) {
     let length = list.len();
     match list.get_mut(index) {
         Some(old) => overlay(old, entry.node, &join(path, &index.to_string()), problems),
@@ -122,35 +125,36 @@ fn put(list: &mut Vec<Node>, index: usize, entry: Entry, path: &str, problems: &
         None => {
             let entries = if length == 1 { "entry" } else { "entries" };
             let message = format!("`{path}` has {length} {entries}, counted from 0");
-            let problem = Problem::new(entry.key, message, format!("there is no number {index}"));
-            problems.push(problem.help(format!("`{path}.{length}` would add one")));
+            let problem = Problem::new(entry.key, message, format!("there is no entry {index}"));
+            problems.push(problem.help(format!("`{path}.{length}` adds one")));
         }
     }
 }
 
-fn counts_entries(table: &Table) -> bool {
+fn is_indexed(table: &Table) -> bool {
     !table.is_empty() && table.keys().all(|name| is_index(name))
 }
 
-/// As text, 10 comes before 2.
+/// Sorts entries by number; as text, 10 would come before 2.
 fn in_order(table: Table) -> Vec<(usize, Entry)> {
     let mut entries: Vec<_> = table.into_iter().map(|(name, entry)| (name.parse().unwrap_or(usize::MAX), entry)).collect();
     entries.sort_by_key(|(index, _)| *index);
     entries
 }
 
-/// What to lay a value on where there is nothing yet.
+/// Returns an empty container for a value whose key does not exist yet.
 fn empty_like(value: &Value) -> Value {
     match value {
-        Value::Table(table) if counts_entries(table) => Value::List(Vec::new()),
+        Value::Table(table) if is_indexed(table) => Value::List(Vec::new()),
         _ => Value::Table(Table::new()),
     }
 }
 
-/// Removes the keys that those of `above` exclude. Of two in the same text, neither gives way: that is for the rules to tell.
-fn give_way(below: &mut Table, above: &Table, path: &str) {
+/// Removes the keys that those of `above` exclude. Two keys of the same text are both kept; the
+/// rules report them.
+fn remove_excluded(below: &mut Table, above: &Table, path: &str) {
     let path = without_indices(path);
-    for group in EXCLUSIVE.iter().chain(LAYERED).filter(|group| group.table == path) {
+    for group in EXCLUSIVE.iter().chain(OVERLAY_EXCLUSIVE).filter(|group| group.table == path) {
         for chosen in group.alternatives {
             let Some(source) = chosen.keys.iter().find_map(|key| above.get(*key)).map(|entry| entry.key.source) else { continue };
             let others = group.alternatives.iter().filter(|other| other.keys != chosen.keys).flat_map(|other| other.keys);
@@ -163,7 +167,7 @@ fn give_way(below: &mut Table, above: &Table, path: &str) {
     }
 }
 
-/// The `--set` arguments as one source, a line each, and where each begins.
+/// Joins the `--set` arguments to one source, one per line, and returns the offset of each.
 pub(crate) fn joined(sets: &[String]) -> (String, Vec<usize>) {
     let mut text = String::new();
     let starts = sets.iter().map(|set| {
@@ -178,7 +182,8 @@ pub(crate) fn joined(sets: &[String]) -> (String, Vec<usize>) {
     (text, starts)
 }
 
-/// Gives every place in a tree the same place: for text inside a string, whose own bytes are no place of the file.
+/// Sets all places of a tree to one place. Used for text inside a string, whose bytes have no place
+/// in the file.
 pub(crate) fn put_all_at(node: &mut Node, place: &Place) {
     node.place = place.clone();
     match &mut node.value {

@@ -1,7 +1,7 @@
-//! What a schema cannot say: how the keys of a scene depend on each other.
+//! Rules that a schema cannot express: dependencies between the keys of a scene.
 //!
-//! A rule reads the keys it looks at, and is silent if one of them is itself wrong, so that one mistake neither raises a second
-//! complaint nor hides another one.
+//! A rule is skipped if one of its keys is already known to be wrong. Thus one mistake neither
+//! causes a second message nor hides another mistake.
 
 mod angle;
 mod belt;
@@ -42,18 +42,18 @@ use crate::schema::{Schema, join};
 use crate::tree::Node;
 use crate::walk::{Findings, walk};
 
-pub(crate) use cells::alone;
+pub(crate) use cells::remove_non_cell_keys;
 use kind::Kind;
 
-/// Checks a scene on which the walk has been: adds to what it found.
+/// Checks a scene that has been walked, and adds to the findings of the walk.
 pub(crate) fn check(root: &Node, findings: Findings) -> Findings {
     let mut rules = Rules { root, findings, kind: None };
     rules.kind();
-    rules.belonging();
+    rules.check_tables();
     for group in EXCLUSIVE {
         if group.table == "stack.bvd" {
             rules.circuit(group);
-        } else if !rules.said_by_a_belt(group) {
+        } else if !rules.replaced_by_belt(group) {
             rules.tables(group.table).iter().for_each(|path| rules.exclusive(group, path));
         }
     }
@@ -89,24 +89,26 @@ pub(crate) fn check(root: &Node, findings: Findings) -> Findings {
     rules.axes();
     rules.comparison();
     rules.variations();
-    // The last five judge a scene in which nothing else is wrong: first this one, then what is made of it.
+    // The last five check only a scene without other problems: first the scene itself, then the
+    // scenes derived from it.
     rules.replaced();
     rules.firmware();
-    rules.cells();
-    rules.cases();
-    rules.ends();
+    rules.check_first_cell();
+    rules.check_cases();
+    rules.check_ends();
     rules.findings
 }
 
 struct Rules<'a> {
     root: &'a Node,
     findings: Findings,
-    /// What kind of scene it is, if that can be said.
+    /// Kind of the scene, if it is known.
     kind: Option<Kind>,
 }
 
 impl<'a> Rules<'a> {
-    /// Whether nothing is wrong with a value, or with its absence: not if it is there under another name.
+    /// Returns `true` if a value, or its absence, has no problem. An absent value that is given
+    /// under another name has one.
     fn clean(&self, path: &str) -> bool {
         self.findings.clean(path) && (self.given(path) || !self.findings.meant(path))
     }
@@ -115,17 +117,17 @@ impl<'a> Rules<'a> {
         self.root.at(path).is_some()
     }
 
-    /// Whether nothing is given at a path, under this name or another.
+    /// Returns `true` if nothing is given at a path, under this name or another.
     fn lacks(&self, path: &str) -> bool {
         !self.given(path) && self.clean(path)
     }
 
-    /// The value at a path, if it is there and right.
+    /// Returns the value at a path, if it is given and valid.
     fn value(&self, path: &str) -> Option<&'a Node> {
         self.root.at(path).filter(|_| self.clean(path))
     }
 
-    /// A number of the scene, or its default, if it is right.
+    /// Returns a number of the scene, or its default, if it is valid.
     fn number(&self, path: &str) -> Option<f64> {
         match self.root.at(path) {
             Some(_) => self.value(path)?.number(),
@@ -133,7 +135,7 @@ impl<'a> Rules<'a> {
         }
     }
 
-    /// A string of the scene, or its default, if it is right.
+    /// Returns a string of the scene, or its default, if it is valid.
     fn text(&self, path: &str) -> Option<&'a str> {
         match self.root.at(path) {
             Some(_) => self.value(path)?.text(),
@@ -141,7 +143,7 @@ impl<'a> Rules<'a> {
         }
     }
 
-    /// A list of numbers, if it is right; nothing in it if it is absent.
+    /// Returns a list of numbers, if it is valid; an absent list is empty.
     fn numbers(&self, path: &str) -> Option<Vec<f64>> {
         self.clean(path).then(|| self.root.at(path).into_iter().flat_map(Node::list).filter_map(Node::number).collect())
     }
@@ -150,7 +152,7 @@ impl<'a> Rules<'a> {
         Schema::root().at(path).filter(|_| self.clean(path))?.default()
     }
 
-    /// The tables at a path: one, none, or the entries of a list.
+    /// Returns the paths of the tables at a path: of a table itself, or of the entries of a list.
     fn tables(&self, path: &str) -> Vec<String> {
         let Some(node) = self.root.at(path) else { return Vec::new() };
         if node.table().is_some() {
@@ -159,7 +161,7 @@ impl<'a> Rules<'a> {
         (0..node.list().len()).map(|index| join(path, &index.to_string())).collect()
     }
 
-    /// Where a value stands, or else the table it would be in.
+    /// Returns the place of a value, or of the innermost table that would contain it.
     fn place(&self, path: &str) -> Place {
         let mut path = path;
         loop {
@@ -171,12 +173,13 @@ impl<'a> Rules<'a> {
         }
     }
 
-    /// Where a key stands.
+    /// Returns the place of a key.
     fn key(&self, path: &str) -> Place {
         self.root.entry(path).map_or_else(|| self.place(path), |entry| entry.key.clone())
     }
 
-    /// The path to point at, of two whose values contradict each other: that of the newer text, or else the first.
+    /// Returns the path to mark if two values contradict each other: that of the newer text, or
+    /// else the first.
     fn newer<'p>(&self, path: &'p str, other: &'p str) -> &'p str {
         if self.given(other) && self.place(other).source < self.place(path).source { other } else { path }
     }
@@ -188,12 +191,12 @@ impl<'a> Rules<'a> {
     fn expectations(&mut self) {
         for path in self.tables("expect") {
             self.metric(&join(&path, "metric"));
-            self.of_a_case(&path);
+            self.check_case(&path);
             let (least, most) = (join(&path, "min"), join(&path, "max"));
             if let (Some(min), Some(max)) = (self.number(&least), self.number(&most))
                 && min > max
             {
-                let message = format!("nothing is at least {} and at most {}", shown(min), shown(max));
+                let message = format!("no value is at least {} and at most {}", shown(min), shown(max));
                 let place = self.place(self.newer(&most, &least));
                 let problem = Problem::new(place, message, "`max` is less than `min`");
                 self.add(&most, problem);
@@ -204,14 +207,14 @@ impl<'a> Rules<'a> {
     fn metric(&mut self, path: &str) {
         let Some(name) = self.text(path).filter(|name| !metrics::is_known(name)) else { return };
         if metrics::machine_figure(name).is_some() {
-            let message = format!("`{name}` is a figure of the machine, and differs from run to run");
-            let problem = Problem::new(self.place(path), message, "no metric");
-            self.add(path, problem.help("it stands in `machine.json`, and in `machine` of `--format json`"));
+            let message = format!("`{name}` depends on the machine, and differs from run to run");
+            let problem = Problem::new(self.place(path), message, "not a metric");
+            self.add(path, problem.help("it is written to `machine.json`, and to `machine` of `--format json`"));
             return;
         }
         let meant = nearest(name, metrics::names());
         let label = meant.first().map_or("not measured".to_owned(), |meant| format!("did you mean `{meant}`?"));
         let problem = Problem::new(self.place(path), format!("there is no metric `{}`", short(name)), label);
-        self.add(path, problem.help("`sim-host explain` lists all metrics; of several runs also with `_p95` or `_max` behind"));
+        self.add(path, problem.help("`sim-host explain` lists all metrics; over several runs, append `_p95` or `_max`"));
     }
 }

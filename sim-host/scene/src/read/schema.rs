@@ -1,7 +1,7 @@
-//! The JSON Schema of a scene, and the questions other modules ask of it.
+//! The JSON Schema of a scene, with methods to query it.
 //!
-//! The schema is derived from the types of [`Scene`](crate::Scene); nothing here names a key of a scene, except `base`, which
-//! is gone before a scene becomes a value.
+//! The schema is derived from the types of [`Scene`](crate::Scene). This module names no key of a
+//! scene except `base`, which is removed before a scene becomes a value.
 
 use std::sync::LazyLock;
 
@@ -12,12 +12,12 @@ use serde_json::{Value, json};
 /// Top-level key that names the scene to start from.
 pub const BASE: &str = "base";
 
-/// The JSON Schema of a scene file.
+/// Returns the JSON Schema of a scene file.
 pub fn schema() -> Value {
     ROOT.clone()
 }
 
-/// The schema of a type, with everything in place.
+/// Returns the schema of a type, without references.
 pub(crate) fn of_type<T: JsonSchema>() -> Value {
     let mut settings = SchemaSettings::draft2020_12();
     settings.inline_subschemas = true;
@@ -33,14 +33,14 @@ static ROOT: LazyLock<Value> = LazyLock::new(|| {
     schema
 });
 
-/// What a value must be.
+/// Type of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A table of keys.
     Table,
     /// A list of values or tables.
     List,
-    /// A number, which is finite.
+    /// A finite number.
     Number,
     /// A number without a fraction.
     Integer,
@@ -48,7 +48,7 @@ pub enum Kind {
     Text,
     /// A flag, `true` or `false`.
     Flag,
-    /// One string out of a few.
+    /// A string out of several.
     Choice,
 }
 
@@ -57,17 +57,17 @@ pub enum Kind {
 pub struct Schema(&'static Value);
 
 impl Schema {
-    /// Schema of the whole scene.
+    /// Returns the schema of the whole scene.
     pub fn root() -> Self {
         Self(&ROOT)
     }
 
-    /// Another schema than that of a scene.
-    pub(crate) fn of(schema: &'static Value) -> Self {
+    /// Wraps the schema of another type than a scene.
+    pub(crate) fn new(schema: &'static Value) -> Self {
         Self(schema)
     }
 
-    /// The value at a dotted path such as `disturbance.0.to`; a list takes any index.
+    /// Returns the schema at a dotted path such as `disturbance.0.to`; a list accepts any index.
     pub fn at(self, path: &str) -> Option<Self> {
         path.split('.').filter(|name| !name.is_empty()).try_fold(self, |schema, name| match schema.kind() {
             Kind::List if is_index(name) => schema.items(),
@@ -75,7 +75,7 @@ impl Schema {
         })
     }
 
-    /// What the value must be.
+    /// Returns the type of the value.
     pub fn kind(self) -> Kind {
         if self.0.get("oneOf").is_some() || self.0.get("enum").is_some() {
             return Kind::Choice;
@@ -94,47 +94,47 @@ impl Schema {
         kinds.into_iter().find(|(name, _)| named(name)).map_or(Kind::Text, |(_, kind)| kind)
     }
 
-    /// Whether it is a number, whole or not.
+    /// Returns `true` for a number, whole or not.
     pub fn is_number(self) -> bool {
         matches!(self.kind(), Kind::Number | Kind::Integer)
     }
 
-    /// Whether it may be absent without any value in its place.
+    /// Returns `true` if the value may be absent and has no default.
     pub fn is_optional(self) -> bool {
         self.0["type"].as_array().is_some_and(|types| types.iter().any(|name| name == "null"))
     }
 
-    /// The keys of a table, in alphabetical order.
+    /// Returns the keys of a table, in alphabetical order.
     pub fn properties(self) -> impl Iterator<Item = (&'static str, Self)> {
         self.0["properties"].as_object().into_iter().flatten().map(|(name, schema)| (name.as_str(), Self(schema).value()))
     }
 
-    /// One key of a table.
+    /// Returns the schema of a key of a table.
     pub fn property(self, name: &str) -> Option<Self> {
         self.0.get("properties")?.get(name).map(|schema| Self(schema).value())
     }
 
-    /// The keys a table must have.
+    /// Returns the required keys of a table.
     pub fn required(self) -> impl Iterator<Item = &'static str> {
         self.0["required"].as_array().into_iter().flatten().filter_map(Value::as_str)
     }
 
-    /// What each entry of a list must be.
+    /// Returns the schema of the entries of a list.
     pub fn items(self) -> Option<Self> {
         self.0.get("items").map(|schema| Self(schema).value())
     }
 
-    /// Smallest and largest number.
+    /// Returns the smallest and the largest number.
     pub fn range(self) -> (Option<f64>, Option<f64>) {
         (self.0["minimum"].as_f64(), self.0["maximum"].as_f64())
     }
 
-    /// Fewest and most entries of a list.
+    /// Returns the smallest and the largest number of entries of a list.
     pub fn lengths(self) -> (Option<u64>, Option<u64>) {
         (self.0["minItems"].as_u64(), self.0["maxItems"].as_u64())
     }
 
-    /// The strings a choice may be, in the order of the type.
+    /// Returns the possible strings of a choice, in the order of the type.
     pub fn choices(self) -> Vec<&'static str> {
         let own = self.0["enum"].as_array().into_iter().flatten();
         let branches = self.0["oneOf"].as_array().into_iter().flatten();
@@ -142,7 +142,7 @@ impl Schema {
         own.chain(in_branches).filter_map(Value::as_str).collect()
     }
 
-    /// The strings a choice may be, each with its meaning.
+    /// Returns the possible strings of a choice, each with its meaning.
     pub fn described_choices(self) -> Vec<(&'static str, &'static str)> {
         let branches = self.0["oneOf"].as_array().into_iter().flatten();
         branches
@@ -150,22 +150,23 @@ impl Schema {
             .collect()
     }
 
-    /// Documentation of the value: meaning and unit.
+    /// Returns the documentation of the value: meaning and unit.
     pub fn description(self) -> Option<&'static str> {
         self.0["description"].as_str()
     }
 
-    /// Default of the value, if it has one.
+    /// Returns the default of the value, if it has one.
     pub fn default(self) -> Option<&'static Value> {
         self.0.get("default")
     }
 
-    /// Every table of a scene with its path; entries of a list of tables have the path of the list.
+    /// Returns every table of a scene with its path; entries of a list of tables have the path of
+    /// the list.
     pub fn tables() -> Vec<(String, Self)> {
         Self::root().tables_within()
     }
 
-    /// The same of any other schema.
+    /// Returns every table of a schema with its path, in the same way.
     pub(crate) fn tables_within(self) -> Vec<(String, Self)> {
         let mut found = vec![(String::new(), self)];
         let mut next = 0;
@@ -181,7 +182,7 @@ impl Schema {
         found
     }
 
-    /// The paths of all numbers of a scene.
+    /// Returns the paths of all numbers of a scene.
     pub fn numbers() -> Vec<String> {
         let keys = Self::tables().into_iter().flat_map(|(path, table)| {
             let numbers = table.properties().filter(|(_, schema)| schema.is_number());
@@ -190,24 +191,25 @@ impl Schema {
         keys.collect()
     }
 
-    /// An optional value may be described as "this or null"; this is the value.
+    /// Returns the schema of the value itself if the schema is "this or null".
     fn value(self) -> Self {
         let branches = self.0["anyOf"].as_array().into_iter().flatten();
         branches.into_iter().find(|branch| branch["type"] != "null").map_or(self, Self)
     }
 }
 
-/// The unit that a name ends in.
+/// Returns the unit at the end of a name.
 pub fn unit_of(name: &str) -> Option<String> {
     crate::units::split(name).1.map(|unit| unit.symbol)
 }
 
-/// Returns the last name of a path; of an entry of a list, that of the list.
+/// Returns the last name of a path; for an entry of a list, the name of the list.
 pub fn last_name(path: &str) -> &str {
     path.rsplit('.').find(|name| !is_index(name)).unwrap_or(path)
 }
 
-/// Returns the end of a path, from a name on, that no other of these paths has.
+/// Returns the shortest end of a path, beginning with a name, that distinguishes it from the other
+/// paths.
 pub fn tail<'a>(path: &'a str, paths: &[String]) -> &'a str {
     let ends_so =
         |path: &String, tail: &str| path.strip_suffix(tail).is_some_and(|tables| tables.is_empty() || tables.ends_with('.'));
@@ -216,22 +218,22 @@ pub fn tail<'a>(path: &'a str, paths: &[String]) -> &'a str {
     of_a_name.find(|tail| paths.iter().filter(|path| ends_so(path, tail)).count() <= 1).unwrap_or(path)
 }
 
-/// Quantity that a name states, without its unit: without the unit that it ends in.
+/// Returns the quantity in a name: its words without the unit at the end.
 pub fn words_of(name: &str) -> String {
     crate::units::split(name).0.replace('_', " ")
 }
 
-/// The dotted path of a key in a table.
+/// Returns the dotted path of a key in a table.
 pub(crate) fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
 
-/// Whether a part of a path counts entries of a list.
+/// Returns `true` if a part of a path is the index of a list entry.
 pub(crate) fn is_index(name: &str) -> bool {
     !name.is_empty() && name.bytes().all(|b| b.is_ascii_digit())
 }
 
-/// A path without its indices: the path of the table's description rather than of one table.
+/// Removes the indices from a path: the result is the path of the table's description.
 pub(crate) fn without_indices(path: &str) -> String {
     path.split('.').filter(|name| !is_index(name)).collect::<Vec<_>>().join(".")
 }
@@ -241,7 +243,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn answers_come_from_the_types() {
+    fn schema_follows_the_types() {
         let root = Schema::root();
         let block = root.at("controller.block_samples").unwrap();
         assert_eq!(block.kind(), Kind::Integer);
@@ -268,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn the_end_of_a_path_tells_it_from_others() {
+    fn path_tails_are_unique() {
         let paths = ["stack.bvd.q", "stack.mode.0.q", "stack.mode.1.q", "rig.slider.load_n", "burst.on_s.1"].map(str::to_owned);
         let tails = paths.each_ref().map(|path| tail(path, &paths));
         assert_eq!(tails, ["bvd.q", "mode.0.q", "mode.1.q", "load_n", "on_s.1"]);

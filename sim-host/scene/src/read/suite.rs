@@ -1,4 +1,5 @@
-//! A suite: many cases of scenes with what must come of them, as one TOML file that can be copied and edited.
+//! A suite: cases of scenes with targets for their metrics, as one TOML file that can be copied and
+//! edited.
 //!
 //! ```toml
 //! title = "Lock times of two loads"
@@ -37,7 +38,7 @@ pub use file::{Column, DERIVED, Preset, Quick, STEPS, Statistic, Suite, SuiteCas
 /// A suite, and its cases as scenes.
 #[derive(Clone, Debug)]
 pub struct LoadedSuite {
-    /// Name of the suite: that of the file without folder and ending.
+    /// Name of the suite: that of the file without folder and extension.
     pub name: String,
     /// The suite as its file describes it.
     pub suite: Suite,
@@ -50,7 +51,7 @@ pub fn load(path: &str, quick: bool) -> Result<LoadedSuite, LoadError> {
     load_text(path, &read_source(path, path)?, quick)
 }
 
-/// Loads a suite from its text. Relative scenes are looked for beside `name`.
+/// Loads a suite from its text. Relative scenes are relative to the folder of `name`.
 pub fn load_text(name: &str, text: &str, quick: bool) -> Result<LoadedSuite, LoadError> {
     let sources = vec![Source { name: name.to_owned(), text: text.to_owned() }];
     let stem = Path::new(name).file_stem().map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned());
@@ -65,7 +66,7 @@ fn read(name: &str, text: &str, quick: bool) -> Result<(Suite, Vec<ReadyCase>), 
     if found.problems.is_empty() {
         rules::check(&root, &mut found);
     }
-    if OF_EVERY_CASE.iter().any(|key| !found.clean(key)) {
+    if SHARED_KEYS.iter().any(|key| !found.clean(key)) {
         return Err(found.problems);
     }
     let sound = without_mistakes(root, &found);
@@ -83,10 +84,11 @@ fn read(name: &str, text: &str, quick: bool) -> Result<(Suite, Vec<ReadyCase>), 
     Err(problems)
 }
 
-/// Without one of these no case can be judged.
-const OF_EVERY_CASE: [&str; 5] = ["scene", "set", "runs", "quick", "preset"];
+/// Keys that every case needs: if one is wrong, no case can be checked.
+const SHARED_KEYS: [&str; 5] = ["scene", "set", "runs", "quick", "preset"];
 
-/// The suite without the keys and entries of lists in which something is wrong, so that the cases that are left can be judged, too.
+/// Removes the keys and list entries that have a problem, so that the remaining cases can be
+/// checked.
 fn without_mistakes(mut root: Node, found: &Findings) -> Node {
     let Value::Table(table) = &mut root.value else { return root };
     table.retain(|key, entry| match &mut entry.node.value {

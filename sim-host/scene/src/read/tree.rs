@@ -1,5 +1,5 @@
-//! A scene as written: values that remember where they come from, so that several texts can be laid over each other and every
-//! problem still points at the right one.
+//! A scene as a tree of values with their places, so that texts can be merged and every problem
+//! still points to its own text.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub(crate) enum Value {
     Text(String),
     Date(String),
     List(Vec<Node>),
-    /// The numbers of a long list, which have no places of their own.
+    /// The numbers of a long list, without individual places.
     Samples(Arc<[f64]>),
     Table(Table),
 }
@@ -33,14 +33,14 @@ pub(crate) enum Value {
 /// The keys of a table.
 pub(crate) type Table = BTreeMap<String, Entry>;
 
-/// A key's place, and its value.
+/// Place of a key, and its value.
 #[derive(Clone, Debug)]
 pub(crate) struct Entry {
     pub(crate) key: Place,
     pub(crate) node: Node,
 }
 
-/// Which source a text is, and at which of its bytes the text begins.
+/// Source of a text, and offset of the text in it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Origin {
     pub(crate) source: usize,
@@ -48,26 +48,27 @@ pub(crate) struct Origin {
 }
 
 impl Origin {
-    /// A span of the text, as a place in the source.
+    /// Converts a span of the text to a place in the source.
     pub(crate) fn place(self, span: std::ops::Range<usize>) -> Place {
         Place::new(self.source, span.start + self.offset..span.end + self.offset)
     }
 }
 
 impl Node {
-    /// Parses a text. Its root table has the place where the text ends: there a missing key would be added.
+    /// Parses a text. The root table has the place at the end of the text, where a missing key
+    /// would be added.
     pub(crate) fn parse(text: &str, origin: Origin) -> Result<Self, toml::de::Error> {
         let table = DeTable::parse(text)?;
         Ok(Self { place: origin.place(text.len()..text.len()), value: Value::Table(convert_table(table.get_ref(), origin)) })
     }
 
-    /// The entry at a dotted path, if it is a key of a table.
+    /// Returns the entry at a dotted path, if it is a key of a table.
     pub(crate) fn entry(&self, path: &str) -> Option<&Entry> {
         let (table, key) = path.rsplit_once('.').map_or((self, path), |(table, key)| (self.at(table).unwrap_or(self), key));
         table.table()?.get(key)
     }
 
-    /// The value of a key of this table, to be changed.
+    /// Returns mutable access to the value of a key of this table.
     pub(crate) fn entry_mut(&mut self, key: &str) -> Option<&mut Self> {
         match &mut self.value {
             Value::Table(table) => table.get_mut(key).map(|entry| &mut entry.node),
@@ -75,7 +76,7 @@ impl Node {
         }
     }
 
-    /// The value at a dotted path, to be changed.
+    /// Returns mutable access to the value at a dotted path.
     pub(crate) fn at_mut(&mut self, path: &str) -> Option<&mut Self> {
         path.split('.').filter(|name| !name.is_empty()).try_fold(self, |node, name| match &mut node.value {
             Value::Table(table) => table.get_mut(name).map(|entry| &mut entry.node),
@@ -84,7 +85,7 @@ impl Node {
         })
     }
 
-    /// The value at a dotted path.
+    /// Returns the value at a dotted path.
     pub(crate) fn at(&self, path: &str) -> Option<&Self> {
         path.split('.').filter(|name| !name.is_empty()).try_fold(self, |node, name| match &node.value {
             Value::Table(table) => table.get(name).map(|entry| &entry.node),
@@ -93,7 +94,7 @@ impl Node {
         })
     }
 
-    /// Its keys, if it is a table.
+    /// Returns the keys of a table.
     pub(crate) fn table(&self) -> Option<&Table> {
         match &self.value {
             Value::Table(table) => Some(table),
@@ -101,7 +102,7 @@ impl Node {
         }
     }
 
-    /// Its entries, if it is a list.
+    /// Returns the entries of a list; empty for other values.
     pub(crate) fn list(&self) -> &[Self] {
         match &self.value {
             Value::List(list) => list,
@@ -109,7 +110,7 @@ impl Node {
         }
     }
 
-    /// Its samples, if it is a long list of numbers.
+    /// Returns the samples of a long list of numbers.
     pub(crate) fn samples(&self) -> Option<&Arc<[f64]>> {
         match &self.value {
             Value::Samples(samples) => Some(samples),
@@ -117,7 +118,7 @@ impl Node {
         }
     }
 
-    /// Its number, if it is one.
+    /// Returns the number, if it is one.
     pub(crate) fn number(&self) -> Option<f64> {
         match self.value {
             Value::Integer(number) => Some(number as f64),
@@ -126,7 +127,7 @@ impl Node {
         }
     }
 
-    /// Its string, if it is one.
+    /// Returns the string, if it is one.
     pub(crate) fn text(&self) -> Option<&str> {
         match &self.value {
             Value::Text(text) => Some(text),
@@ -134,7 +135,7 @@ impl Node {
         }
     }
 
-    /// What it is, for a message.
+    /// Describes the type, for a message.
     pub(crate) fn kind(&self) -> &'static str {
         match &self.value {
             Value::Flag(_) => "true or false",
@@ -148,7 +149,8 @@ impl Node {
         }
     }
 
-    /// The value without places, and without samples: a scene takes these as they are.
+    /// Converts the value to TOML, without places and without samples, which a scene takes
+    /// directly.
     pub(crate) fn to_toml(&self) -> toml::Value {
         match &self.value {
             Value::Flag(flag) => toml::Value::Boolean(*flag),
@@ -180,7 +182,7 @@ fn convert(value: &Spanned<DeValue<'_>>, origin: Origin) -> Node {
     Node { place: origin.place(value.span()), value: converted }
 }
 
-/// A number too large for an integer becomes a float, so that its range can be judged like any other.
+/// Converts an integer. One that is too large becomes a float, so that its range can be checked.
 fn integer(number: &DeInteger<'_>) -> Value {
     let exact = i64::from_str_radix(number.as_str(), number.radix());
     let rounded = |_| number.as_str().parse().unwrap_or(f64::INFINITY);

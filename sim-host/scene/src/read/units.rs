@@ -1,34 +1,36 @@
-//! Units in key names: `speed_m_per_s` is a speed in m/s. A key with another unit is the most likely mistake of all, and the
-//! only one whose silent acceptance would spoil every number.
+//! Units in key names: `speed_m_per_s` is a speed in m/s.
+//!
+//! A key in another unit is the most likely mistake. Accepting it silently would make all results
+//! wrong.
 
 /// A unit of measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Unit {
-    /// How to write it: `m/s`.
+    /// Symbol, for example `m/s`.
     pub(crate) symbol: String,
-    /// How much of the base unit it is, unless the name leaves that open (`mohm`).
+    /// Factor to the base unit, `None` if the name is ambiguous (`mohm`).
     scale: Option<f64>,
     dimension: String,
 }
 
 impl Unit {
-    /// A unit by its symbol, how much of a base unit it is, and that base unit.
+    /// Creates a unit from its symbol, its factor to the base unit, and the base unit.
     pub(crate) fn new(symbol: &str, scale: f64, dimension: &str) -> Self {
         Unit { symbol: symbol.to_owned(), scale: Some(scale), dimension: dimension.to_owned() }
     }
 
-    /// Factor from this unit to another of the same kind.
+    /// Returns the factor from this unit to another of the same quantity.
     pub(crate) fn factor_to(&self, other: &Self) -> Option<f64> {
         (self.dimension == other.dimension).then_some(self.scale? / other.scale?)
     }
 
-    /// Whether both measure the same.
+    /// Returns `true` if both measure the same quantity.
     pub(crate) fn measures_like(&self, other: &Self) -> bool {
         self.dimension == other.dimension
     }
 }
 
-/// Spelling, symbol, base unit, and how many of it.
+/// Units: spelling, symbol, base unit, and factor to the base unit.
 const UNITS: &[(&str, &str, &str, f64)] = &[
     ("s", "s", "s", 1.0),
     ("sec", "s", "s", 1.0),
@@ -65,13 +67,13 @@ const UNITS: &[(&str, &str, &str, f64)] = &[
 /// SI prefixes as they appear in lower-case keys.
 const PREFIXES: &[(&str, f64)] = &[("p", 1e-12), ("n", 1e-9), ("u", 1e-6), ("m", 1e-3), ("c", 1e-2), ("k", 1e3), ("g", 1e9)];
 
-/// The name of a quantity and its unit, if the key ends in one.
+/// Splits a key into the name of a quantity and its unit, if the key ends in one.
 pub(crate) fn split(key: &str) -> (&str, Option<Unit>) {
     let cuts = key.match_indices('_').filter(|(at, _)| *at > 0);
     cuts.filter_map(|(at, _)| Some((&key[..at], Some(unit(&key[at + 1..])?)))).next().unwrap_or((key, None))
 }
 
-/// The unit of this spelling, as keys end in it: `m_per_s`.
+/// Returns the unit with this spelling, in the notation of keys: `m_per_s`.
 pub(crate) fn named(spelling: &str) -> Option<Unit> {
     unit(spelling)
 }
@@ -82,7 +84,7 @@ fn unit(name: &str) -> Option<Unit> {
         None => name.split_once("_per_").map_or((Some(name), None), |(above, below)| (Some(above), Some(below))),
     };
     let above = above.map_or_else(|| Some(simple("1", "1", 1.0)), single)?;
-    let Some(below) = below.map(below_the_line) else { return Some(above) };
+    let Some(below) = below.map(denominator) else { return Some(above) };
     let below = below?;
     Some(Unit {
         symbol: format!("{}/{}", above.symbol, below.symbol),
@@ -91,8 +93,8 @@ fn unit(name: &str) -> Option<Unit> {
     })
 }
 
-/// Below the line, `h` is the hour rather than the henry.
-fn below_the_line(name: &str) -> Option<Unit> {
+/// Returns the unit of a denominator, in which `h` is the hour and not the henry.
+fn denominator(name: &str) -> Option<Unit> {
     if name == "h" { Some(simple("h", "s", 3600.0)) } else { single(name) }
 }
 

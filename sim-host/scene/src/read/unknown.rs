@@ -1,4 +1,4 @@
-//! A key that a table does not have: what was meant by it?
+//! Explanation of unknown keys: search for the key that was meant.
 
 use crate::diagnostic::Problem;
 use crate::nearest::{listed, nearest, short, shown};
@@ -7,7 +7,7 @@ use crate::tree::{Entry, Node};
 use crate::units;
 use crate::wording::{header, named, within};
 
-/// Explains an unknown key, and says which keys of the scene were probably meant, as paths.
+/// Explains an unknown key, and returns the paths of the keys that were probably meant.
 pub(crate) fn unknown(root: Schema, table: Schema, path: &str, name: &str, entry: &Entry) -> (Problem, Vec<String>) {
     if let Some((problem, meant)) = wrong_unit(table, name, entry) {
         return (problem, vec![join(path, meant)]);
@@ -32,10 +32,10 @@ pub(crate) fn unknown(root: Schema, table: Schema, path: &str, name: &str, entry
 }
 
 fn allowed(table: Schema, path: &str) -> String {
-    format!("{} takes {}", header(path), listed(table.properties().map(|(name, _)| name), "and"))
+    format!("{} has the keys {}", header(path), listed(table.properties().map(|(name, _)| name), "and"))
 }
 
-/// A known quantity in a unit that is not the one of the key, or without any.
+/// Explains a known quantity whose unit is missing or wrong.
 fn wrong_unit(table: Schema, name: &str, entry: &Entry) -> Option<(Problem, &'static str)> {
     let lower = name.to_lowercase();
     let (quantity, given) = units::split(&lower);
@@ -48,7 +48,7 @@ fn wrong_unit(table: Schema, name: &str, entry: &Entry) -> Option<(Problem, &'st
     };
     let (key, _, unit) = same.or_else(alike).filter(|(key, ..)| *key != lower)?;
     let Some(given) = given else {
-        let message = format!("`{}` lacks its unit", short(name));
+        let message = format!("the unit of `{}` is missing", short(name));
         return Some((Problem::new(entry.key.clone(), message, format!("give it in {}: `{key}`", unit.symbol)), key));
     };
     if given == *unit {
@@ -66,7 +66,7 @@ fn wrong_unit(table: Schema, name: &str, entry: &Entry) -> Option<(Problem, &'st
     ))
 }
 
-/// The number, or the list of numbers, times a factor.
+/// Returns the number, or the list of numbers, multiplied by a factor.
 fn converted(node: &Node, factor: f64) -> Option<String> {
     let times = |node: &Node| node.number().filter(|n| n.is_finite()).map(|number| shown(number * factor));
     if node.list().is_empty() {

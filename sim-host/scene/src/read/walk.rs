@@ -1,4 +1,5 @@
-//! The walk through a scene, guided by the schema: every key, type, range and choice is checked, all problems are found at once.
+//! The walk through a scene, guided by the schema: it checks every key, type, range and choice, and
+//! finds all problems at once.
 
 use std::collections::BTreeSet;
 
@@ -9,46 +10,48 @@ use crate::tree::{Node, Value};
 use crate::unknown;
 use crate::wording::{header, range, unit, within};
 
-/// What was found, and at which paths.
+/// Problems, and the paths of their keys.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Findings {
     pub(super) problems: Vec<Problem>,
     bad: BTreeSet<String>,
-    /// Keys and tables that are there under another name, or in another table.
+    /// Paths of keys and tables that are given under another name or in another table.
     meant: BTreeSet<String>,
-    /// The schema of the whole file.
+    /// Schema of the whole file.
     root: Option<Schema>,
 }
 
 impl Findings {
-    /// Adds a problem with the value at a path.
+    /// Adds a problem, and marks the path of its value.
     pub(crate) fn add(&mut self, path: impl Into<String>, problem: Problem) {
         self.bad.insert(path.into());
         self.problems.push(problem);
     }
 
-    /// Marks a path that a problem with another one is about, too.
+    /// Marks a path that is affected by the problem of another path.
     pub(crate) fn mark(&mut self, path: impl Into<String>) {
         self.bad.insert(path.into());
     }
 
-    /// Whether nothing is wrong with the value at a path, in it, or with what it is part of.
+    /// Returns `true` if a value, its contents and the tables that contain it have no problem.
     pub(crate) fn clean(&self, path: &str) -> bool {
         !self.bad.iter().any(|bad| inside(bad, path) || inside(path, bad))
     }
 
-    /// Whether something is wrong with the value at a path itself, rather than in it or with what it is part of.
+    /// Returns `true` if the value itself has a problem; problems of its contents or its table do
+    /// not count.
     pub(crate) fn marked(&self, path: &str) -> bool {
         self.bad.contains(path)
     }
 
-    /// Whether a path, or a part of it, is probably there under another name: if it is absent, that has been said.
+    /// Returns `true` if a path, or a part of it, is probably given under another name. Its absence
+    /// is then already reported.
     pub(crate) fn meant(&self, path: &str) -> bool {
         self.meant.iter().any(|meant| inside(meant, path) || inside(path, meant))
     }
 }
 
-/// Whether a path is another one or a part of it.
+/// Returns `true` if a path equals another one or is a part of it.
 fn inside(part: &str, whole: &str) -> bool {
     part.strip_prefix(whole).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
@@ -58,7 +61,7 @@ pub(crate) fn walk(root: &mut Node) -> Findings {
     walk_by(root, Schema::root())
 }
 
-/// Checks another file than a scene, by its schema.
+/// Checks a file of another type than a scene, by its schema.
 pub(crate) fn walk_by(root: &mut Node, schema: Schema) -> Findings {
     let mut findings = Findings { root: Some(schema), ..Findings::default() };
     check(root, schema, "", &mut findings);
@@ -91,9 +94,9 @@ fn check(node: &mut Node, schema: Schema, path: &str, findings: &mut Findings) {
             let choices = schema.choices();
             if !choices.contains(&text.as_str()) {
                 let meant = nearest(text, choices.iter().copied());
-                let label = meant.first().map_or("none of its values".to_owned(), |meant| format!("did you mean `{meant}`?"));
+                let label = meant.first().map_or("not one of its values".to_owned(), |meant| format!("did you mean `{meant}`?"));
                 let message = format!("`{path}` cannot be \"{}\"", short(text));
-                let help = format!("it is {}", listed(choices, "or"));
+                let help = format!("it must be {}", listed(choices, "or"));
                 findings.add(path, Problem::new(node.place.clone(), message, label).help(help));
             }
         }
@@ -105,14 +108,14 @@ fn check(node: &mut Node, schema: Schema, path: &str, findings: &mut Findings) {
 fn check_table(node: &mut Node, schema: Schema, path: &str, findings: &mut Findings) {
     let place = node.place.clone();
     let Value::Table(table) = &mut node.value else { return };
-    let mut strange_table = false;
+    let mut unknown_table = false;
     for (name, entry) in table.iter_mut() {
         let inner = join(path, name);
         match schema.property(name) {
             Some(schema) => check(&mut entry.node, schema, &inner, findings),
             None => {
                 let (problem, meant) = unknown::unknown(findings.root.unwrap_or_else(Schema::root), schema, path, name, entry);
-                strange_table |= meant.is_empty() && entry.node.table().is_some();
+                unknown_table |= meant.is_empty() && entry.node.table().is_some();
                 findings.meant.extend(meant);
                 findings.add(inner, problem);
             }
@@ -120,8 +123,9 @@ fn check_table(node: &mut Node, schema: Schema, path: &str, findings: &mut Findi
     }
     for name in schema.required().filter(|name| !table.contains_key(*name)) {
         let missing = join(path, name);
-        // A misspelt key is already reported where it stands; a strange table is probably there in place of the right one.
-        let instead = strange_table && schema.property(name).is_some_and(|schema| schema.kind() == Kind::Table);
+        // A misspelt key is already reported at its place. An unknown table is probably meant to be
+        // the missing one.
+        let instead = unknown_table && schema.property(name).is_some_and(|schema| schema.kind() == Kind::Table);
         if !findings.meant(&missing) && !instead {
             findings.problems.push(missing_key(schema, path, name, &place));
         }
@@ -157,9 +161,9 @@ fn wrong_length(node: &Node, schema: Schema, path: &str) -> Option<Problem> {
     Some(Problem::new(node.place.clone(), format!("`{path}` has {length} {entries}"), label))
 }
 
-/// What is wrong with a number: not finite, out of range, or not whole.
+/// Returns the problem of a number that is not finite, out of range, or not whole.
 pub(crate) fn wrong_number(node: &Node, schema: Schema, path: &str) -> Option<Problem> {
-    const EXACT: f64 = 9_007_199_254_740_992.0;
+    const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
     let number = node.number()?;
     let problem = |message: String, label: String| {
         let problem = Problem::new(node.place.clone(), message, label);
@@ -175,7 +179,7 @@ pub(crate) fn wrong_number(node: &Node, schema: Schema, path: &str) -> Option<Pr
     if least.is_some_and(|least| number < least) || most.is_some_and(|most| number > most) {
         return problem(format!("`{path}` is out of range"), format!("must be {}", range((least, most), path)));
     }
-    let whole = matches!(node.value, Value::Integer(_)) || (number.fract() == 0.0 && number.abs() <= EXACT);
+    let whole = matches!(node.value, Value::Integer(_)) || (number.fract() == 0.0 && number.abs() <= MAX_EXACT_INTEGER);
     if schema.kind() == Kind::Integer && !whole {
         return problem(format!("`{path}` must be a whole number"), "has a fraction, or too many digits".to_owned());
     }
@@ -187,22 +191,22 @@ fn wrong_type(node: &Node, schema: Schema, path: &str) -> Problem {
     let problem = Problem::new(node.place.clone(), message, format!("expected {}", expected(schema, path)));
     let items = schema.items().map(Schema::kind);
     let help = match (schema.kind(), &node.value) {
-        (Kind::Table, Value::List(_)) => Some(format!("there is one only: write `[{path}]`, in single brackets")),
+        (Kind::Table, Value::List(_)) => Some(format!("there is only one: write `[{path}]`, in single brackets")),
         (Kind::Table, _) => Some(format!("write `{}` on a line of its own, and its keys below", header(path))),
         (Kind::List, Value::Table(_)) if items == Some(Kind::Table) => {
             Some(format!("there may be several: write `[[{path}]]`, in double brackets"))
         }
         (Kind::List, Value::Integer(_) | Value::Number(_)) if items == Some(Kind::Number) => {
-            Some(format!("one value is written in brackets, too: `[{}]`", shown(node.number().unwrap_or_default())))
+            Some(format!("a single value also needs brackets: `[{}]`", shown(node.number().unwrap_or_default())))
         }
         (Kind::List, Value::Text(text)) if items != Some(Kind::Table) => {
-            Some(format!("one value is written in brackets, too: `[\"{}\"]`", short(text)))
+            Some(format!("a single value also needs brackets: `[\"{}\"]`", short(text)))
         }
         (Kind::Number | Kind::Integer, Value::Text(text)) if text.trim().parse::<f64>().is_ok_and(f64::is_finite) => {
             Some(format!("without the quotes: {}", text.trim()))
         }
         (Kind::Number | Kind::Integer, Value::Text(_)) => {
-            unit(path).map(|unit| format!("a number only; the key's name says that it is in {unit}"))
+            unit(path).map(|unit| format!("a number only; the key's name gives its unit, {unit}"))
         }
         (Kind::Text | Kind::Choice, Value::Integer(_) | Value::Number(_)) => Some("a string is written in quotes".to_owned()),
         _ => None,
@@ -213,7 +217,7 @@ fn wrong_type(node: &Node, schema: Schema, path: &str) -> Problem {
     }
 }
 
-/// What a value must be, in words.
+/// Returns the expected type in words.
 fn expected(schema: Schema, path: &str) -> String {
     let with_unit = |what: &str| unit(path).map_or(what.to_owned(), |unit| format!("{what} in {unit}"));
     match schema.kind() {
@@ -228,6 +232,6 @@ fn expected(schema: Schema, path: &str) -> String {
         Kind::Text => "a string".to_owned(),
         Kind::Flag => "true or false".to_owned(),
         Kind::Choice if schema.choices().len() <= 8 => listed(schema.choices(), "or"),
-        Kind::Choice => "one of a few strings".to_owned(),
+        Kind::Choice => "one of several strings".to_owned(),
     }
 }

@@ -1,11 +1,11 @@
-//! How messages call the places of a scene.
+//! Names of the places of a scene in messages.
 
 use crate::nearest::{short, shown};
 use crate::schema::{Kind, Schema, last_name, unit_of, without_indices};
 use crate::suite::file;
 use crate::tree::Entry;
 
-/// A table as its header would be written.
+/// Returns the header of a table.
 pub(crate) fn header(path: &str) -> String {
     let table = without_indices(path);
     let known = Schema::root().at(&table).or_else(|| file::root().at(&table));
@@ -17,28 +17,28 @@ pub(crate) fn header(path: &str) -> String {
     }
 }
 
-/// Where in a scene a table is.
+/// Returns the position of a table in a scene, as an adverbial.
 pub(crate) fn within(path: &str) -> String {
     if path.is_empty() { "at the top level".to_owned() } else { format!("in {}", header(path)) }
 }
 
-/// The key of an entry in messages, shortened.
+/// Returns the key of an entry for messages, shortened.
 pub(crate) fn named(name: &str, entry: &Entry) -> String {
     let what = if entry.node.table().is_some() { "table" } else { "key" };
     format!("{what} `{}`", short(name))
 }
 
-/// The unit in which a key is given.
+/// Returns the unit of a key.
 pub(crate) fn unit(path: &str) -> Option<String> {
     unit_of(last_name(path))
 }
 
-/// A number with the unit of its key.
+/// Returns a number with the unit of its key.
 pub(crate) fn quantity(number: f64, path: &str) -> String {
     format!("{}{}", shown(number), unit(path).map_or(String::new(), |unit| format!(" {unit}")))
 }
 
-/// What a number may be, from the smallest to the largest, with the unit of its key.
+/// Describes the range of a number, with the unit of its key.
 pub(crate) fn range((least, most): (Option<f64>, Option<f64>), path: &str) -> String {
     match (least, most) {
         (Some(least), Some(most)) => format!("from {} to {}", shown(least), quantity(most, path)),
@@ -48,7 +48,8 @@ pub(crate) fn range((least, most): (Option<f64>, Option<f64>), path: &str) -> St
     }
 }
 
-/// The end of a range in six digits, rounded so that it is still allowed; `inward` is the sign of the way into the range.
+/// Rounds the end of a range to six digits, so that it is still allowed; `inward` is the sign of
+/// the direction into the range.
 pub(crate) fn bound(end: f64, inward: f64, allowed: impl Fn(f64) -> bool) -> f64 {
     let six_digits = |number: f64| format!("{number:.5e}").parse().unwrap_or(number);
     let near = six_digits(end);

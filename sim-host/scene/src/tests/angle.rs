@@ -1,23 +1,23 @@
-//! A vibration at an angle to the sliding: what is refused, each by its name.
+//! Messages about a vibration at an angle to the sliding.
 
 use super::{report, says};
 use crate::builtin;
 use crate::load::load_text;
 
-/// What is said of the built-in scene with changes.
+/// Returns the report on the built-in scene with changes.
 fn said(changes: &[&str]) -> String {
     report(builtin::text("contact-transverse").unwrap_or_default(), changes)
 }
 
 const DAHL: [&str; 3] = ["contact.dahl.mu=0.1", "contact.dahl.normal_n=1", "contact.dahl.stiffness_n_per_m=5e4"];
 
-/// The same with bristles.
-fn of_bristles(change: &str) -> String {
+/// Returns the same report for bristle friction.
+fn bristle_report(change: &str) -> String {
     said(&[&DAHL[..], &[change]].concat())
 }
 
 #[test]
-fn an_angle_is_of_a_given_vibration() {
+fn angle_needs_a_prescribed_vibration() {
     says(&said(&["excitation.angle_deg=91"]), &["`excitation.angle_deg` is out of range"]);
     says(&said(&["excitation.angle_deg=-1"]), &["`excitation.angle_deg` is out of range"]);
     let mass = ["rig.sdof.mass_kg=0.02", "rig.sdof.stiffness_n_per_m=133e6", "excitation.force_n=384"];
@@ -31,25 +31,25 @@ fn an_angle_is_of_a_given_vibration() {
 #[test]
 fn an_angle_has_its_own_method() {
     for method in ["linexp", "frozen", "taylor", "rk4", "rk4-events", "midpoint", "closed"] {
-        says(&of_bristles(&format!("integrator.method={method}")), &[&format!("{method} cannot do this"), "collocation"]);
+        says(&bristle_report(&format!("integrator.method={method}")), &[&format!("{method} does not apply here"), "collocation"]);
     }
-    says(&said(&["integrator.method=collocation"]), &["collocation cannot do this", "closed form only"]);
+    says(&said(&["integrator.method=collocation"]), &["collocation does not apply here", "only a closed form"]);
     says(
         &said(&["excitation.angle_deg=0", "integrator.method=collocation"]),
-        &["collocation cannot do this", "`excitation.angle_deg`"],
+        &["collocation does not apply here", "`excitation.angle_deg`"],
     );
-    says(&of_bristles("integrator.steps_per_period=100"), &["no steps a period", "leave it out"]);
-    says(&of_bristles("integrator.tolerance_of=record"), &["no record to have a tolerance", "its mean only"]);
+    says(&bristle_report("integrator.steps_per_period=100"), &["not solved in steps", "omit it"]);
+    says(&bristle_report("integrator.tolerance_of=record"), &["the record has no tolerance", "only the mean"]);
 }
 
 #[test]
-fn the_closed_form_is_of_one_period_under_one_load() {
+fn closed_form_needs_periodic_waveform_and_load() {
     says(
         &said(&["excitation.waveform=random", "excitation.hold_time_s=1e-5"]),
         &["a random vibration at an angle", "must be periodic"],
     );
     let load = ["disturbance.0.at_s=1e-3", "disturbance.0.key=contact.normal_n", "disturbance.0.to=1"];
-    says(&said(&load), &["that of one load", "not with [contact.coulomb]"]);
+    says(&said(&load), &["needs a constant load", "not with [contact.coulomb]"]);
     let text = builtin::text("contact-transverse").unwrap_or_default();
     for changes in [&["excitation.waveform=triangle"][..], &["excitation.angle_deg=0"], &["excitation.angle_deg=1e-6"]] {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();

@@ -1,4 +1,4 @@
-//! Scenes with a belt under a horn: its contact, its amplitude, its trigger.
+//! Scenes with a belt under a horn: its contact, amplitude and trigger.
 
 use super::{example, report, says, sets};
 use crate::load::load_text;
@@ -9,13 +9,13 @@ fn problems_of(changes: &[&str]) -> String {
     report(BELT, changes)
 }
 
-/// The scene without its grid and without a table, whose header is given.
+/// Returns the scene without its grid and without the table with this header.
 fn without(header: &str) -> String {
     BELT.split_inclusive("\n\n").filter(|part| !part.contains("[grid]") && !part.starts_with(header)).collect()
 }
 
 #[test]
-fn the_amplitude_is_a_part() {
+fn belt_amplitude_is_a_fraction() {
     says(
         &problems_of(&["rig.belt.amplitude_fraction=70"]),
         &["out of range", "from 0.001 to 1", "0.7 is 70 %", "--set:1:29", "1 problem"],
@@ -30,16 +30,16 @@ fn the_amplitude_is_a_part() {
 }
 
 #[test]
-fn the_amplitude_is_said_once() {
+fn belt_replaces_amplitude_keys() {
     for (change, key) in
         [("controller.drive.velocity_m_per_s=7.5", "velocity_m_per_s"), ("controller.drive.amplitude_v=500", "amplitude_v")]
     {
         let (has_no_place, instead) =
-            (format!("`controller.drive.{key}` has no place beside [rig.belt]"), "`rig.belt.amplitude_fraction` says it");
+            (format!("`controller.drive.{key}` cannot be combined with [rig.belt]"), "`rig.belt.amplitude_fraction` replaces it");
         says(&problems_of(&[change]), &[&has_no_place, instead, "0.7 is 70 %", "--set:1:", "1 problem"]);
     }
     let bare = BELT.replacen("scan_v = 40.0\n", "", 1);
-    says(&report(&bare, &[]), &["needs `scan_v` beside it", "1 problem"]);
+    says(&report(&bare, &[]), &["needs `scan_v` as well", "1 problem"]);
     let bare = BELT.replacen("nominal_force_factor_n_per_v = 0.331\n", "", 1);
     says(&report(&bare, &[]), &["needs the force factor", "amplitude_fraction", "1 problem"]);
 }
@@ -58,7 +58,7 @@ fn a_belt_and_its_law_need_each_other() {
     says(
         &report(&no_grid, &slider),
         &[
-            "[contact.empirical] and [rig.slider] do not go together",
+            "[contact.empirical] and [rig.slider] cannot be combined",
             "[contact.empirical] needs [rig.belt]",
             "[contact.dahl]",
             "1 problem",
@@ -68,7 +68,7 @@ fn a_belt_and_its_law_need_each_other() {
     says(
         &problems_of(&dahl),
         &[
-            "[rig.belt] and [contact.dahl] do not go together",
+            "[rig.belt] and [contact.dahl] cannot be combined",
             "[rig.belt] needs [contact.empirical]",
             "defaults for all",
             "1 problem",
@@ -76,38 +76,41 @@ fn a_belt_and_its_law_need_each_other() {
     );
     says(
         &report(example(), &["contact.empirical.mu=0.3"]),
-        &["[contact.empirical] and [rig.slider] do not go together", "1 problem"],
+        &["[contact.empirical] and [rig.slider] cannot be combined", "1 problem"],
     );
 }
 
 #[test]
-fn a_belt_is_under_a_driven_horn() {
+fn belt_needs_a_driven_horn() {
     let study = include_str!("excited.toml");
     let (head, _) = study.split_once("[rig.sdof]").unwrap();
     let belt = "[rig.belt]\nload_n = 270\nspeed_m_per_s = 0.025\namplitude_fraction = 0.7\n";
     says(
         &report(&format!("{head}{belt}"), &[]),
-        &["[rig.belt] has no place in a contact study", "a stack that the firmware drives"],
+        &["[rig.belt] cannot be used in a contact study", "a stack that the firmware drives"],
     );
     let (head, tail) = study.split_once("[contact.dahl]").unwrap();
     let (_, rig) = tail.split_once("[rig.sdof]").unwrap();
     let empirical = format!("{head}[contact.empirical]\nmu = 0.3\n\n[rig.sdof]{rig}");
-    says(&report(&empirical, &[]), &["[contact.empirical] has no place in a contact study", "[contact.hertz]"]);
+    says(&report(&empirical, &[]), &["[contact.empirical] cannot be used in a contact study", "[contact.hertz]"]);
     let usm = include_str!("../../scenes/usm.toml");
     says(&report(&format!("{usm}\n{belt}"), &[]), &["exclude each other"]);
 }
 
 #[test]
-fn a_trigger_delay_moves_windows() {
+fn trigger_delay_needs_listed_windows() {
     let repeated = ["controller.burst.period_s=1", "controller.burst.duty=0.5"];
-    says(&report(&without("none"), &repeated), &["a trigger delay moves listed windows", "`trigger_delay_s` of 0", "1 problem"]);
+    says(
+        &report(&without("none"), &repeated),
+        &["a trigger delay applies to listed windows", "`trigger_delay_s` of 0", "1 problem"],
+    );
     let prompt = [&repeated[..], &["rig.belt.trigger_delay_s=0"]].concat();
     assert!(load_text("a.toml", &without("none"), &sets(&prompt)).is_ok());
 }
 
-/// What the belt orders is in range of the firmware, or the belt's key is named.
+/// An amplitude beyond the firmware's range is reported at the key of the belt.
 #[test]
-fn the_firmware_s_limit_is_reported_at_the_amplitude() {
+fn firmware_limit_is_reported_at_the_belt_key() {
     let limit = ["controller.limits.current_a=2"];
     says(&problems_of(&limit), &["the firmware refuses `rig.belt.amplitude_fraction`", "must be"]);
 }

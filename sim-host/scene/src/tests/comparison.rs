@@ -1,10 +1,10 @@
-//! Comparisons that are wrong, and what a user reads about them.
+//! Invalid comparisons, and their messages.
 
 use super::{example, loaded, report, says};
 use crate::Equal;
 use crate::load::load_text;
 
-/// The example with an amplitude instead of a velocity, and a comparison.
+/// Returns the example with an amplitude instead of a velocity, and a comparison.
 fn compared(lines: &[(&str, &str)]) -> String {
     let driven = example().replacen("velocity_m_per_s = 0.175", "amplitude_v = 3.0", 1);
     let comparison = "
@@ -35,7 +35,7 @@ max = 0.5
     })
 }
 
-/// What is said about the comparison with some of its text replaced.
+/// Returns the report on the comparison with some of its text replaced.
 fn wrong(lines: &[(&str, &str)]) -> String {
     report(&compared(lines), &[])
 }
@@ -52,29 +52,29 @@ fn a_comparison_is_read() {
 }
 
 #[test]
-fn what_is_scaled_and_shown_is_there() {
+fn comparison_keys_and_metrics_must_exist() {
     says(
         &wrong(&[("amplitude_key = \"controller.drive.amplitude_v\"", "amplitude_key = \"controller.drive.amplitude\"")]),
-        &["is no number of a scene", "did you mean `controller.drive.amplitude_v`?", "a.toml:54:17"],
+        &["is not a number of a scene", "did you mean `controller.drive.amplitude_v`?", "a.toml:54:17"],
     );
     says(
         &wrong(&[("amplitude_key = \"controller.drive.amplitude_v\"", "amplitude_key = \"rig.slider.load_n\"")]),
-        &["is not the peak of what the firmware drives", "must be `controller.drive.amplitude_v`"],
+        &["is not the peak of the firmware's drive", "must be `controller.drive.amplitude_v`"],
     );
     says(
         &wrong(&[("amplitude_v = 3.0", "velocity_m_per_s = 0.175")]),
         &["`controller.drive.amplitude_v` is not given in this scene", "1 problem"],
     );
     says(&wrong(&[("\"drive_rms_v\"]", "\"drive_rms\"]")]), &["there is no metric `drive_rms`", "did you mean `drive_rms_v`?"]);
-    says(&wrong(&[("match = [\"peak\", \"rms\"", "match = [\"peak\", \"peak\"")]), &["stands here twice", "a.toml:55:18"]);
+    says(&wrong(&[("match = [\"peak\", \"rms\"", "match = [\"peak\", \"peak\"")]), &["appears twice", "a.toml:55:18"]);
     says(&wrong(&[("match = [\"peak\", \"rms\"", "match = [\"peak\", \"rsm\"")]), &["did you mean `rms`?"]);
 }
 
 #[test]
-fn cases_have_names_of_their_own_and_are_scenes() {
+fn cases_need_unique_names_and_valid_scenes() {
     says(
         &wrong(&[("name = \"sine\"", "name = \"square\"")]),
-        &["\"square\" stands here twice", "is another case's name", "a.toml:62:8"],
+        &["\"square\" appears twice", "is the name of another case", "a.toml:62:8"],
     );
     says(&wrong(&[("name = \"sine\"", "name = \" \"")]), &["a case without a name"]);
     says(
@@ -87,7 +87,7 @@ fn cases_have_names_of_their_own_and_are_scenes() {
     );
     says(
         &wrong(&[("\"controller.drive.shape=square\"", "\"duration_s=0.3\"")]),
-        &["in the case `square`: `controller.burst.on_s.0` is 0.4 s, but the run is over at 0.3 s", "--> a.toml:56:"],
+        &["in the case `square`: `controller.burst.on_s.0` is 0.4 s, but the run ends at 0.3 s", "--> a.toml:56:"],
     );
     says(&wrong(&[("name = \"sine\"", "name = \"sine\"\npicture = true")]), &["a picture without a sweep", "a.toml:60:11"]);
     says(
@@ -97,10 +97,10 @@ fn cases_have_names_of_their_own_and_are_scenes() {
 }
 
 #[test]
-fn expectations_name_a_case_that_there_is() {
+fn expectations_need_an_existing_case() {
     says(&wrong(&[("case = \"square\"", "case = \"sqare\"")]), &["the comparison has no case `sqare`", "did you mean `square`?"]);
-    says(&wrong(&[("match = \"rms\"", "")]), &["`case` needs `match`, too"]);
-    says(&wrong(&[("case = \"square\"", "")]), &["`match` needs `case`, too"]);
+    says(&wrong(&[("match = \"rms\"", "")]), &["`case` needs `match` as well"]);
+    says(&wrong(&[("case = \"square\"", "")]), &["`match` needs `case` as well"]);
     says(
         &wrong(&[("match = [\"peak\", \"rms\", \"power\"]", "match = [\"peak\"]")]),
         &["the comparison does not match by `rms`"],
@@ -110,7 +110,7 @@ fn expectations_name_a_case_that_there_is() {
 }
 
 #[test]
-fn a_contact_study_is_matched_by_its_peak() {
+fn contact_studies_match_only_by_peak() {
     let study = include_str!("excited.toml");
     let comparison = "
 [comparison]

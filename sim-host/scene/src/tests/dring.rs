@@ -1,4 +1,4 @@
-//! Scenes with a D-ring: it has its own contact, and a restraint needs a belt and its force.
+//! Scenes with a D-ring: it has its own contact, and a restraint needs a belt with a force sensor.
 
 use super::{example, says, sets};
 use crate::load::load_text;
@@ -7,13 +7,13 @@ const CRASH: &str = include_str!("../../scenes/dring-crash.toml");
 
 fn problems_of(text: &str, changes: &[&str]) -> String {
     match load_text("dring-crash.toml", text, &sets(changes)) {
-        Ok(_) => panic!("nothing is wrong with {changes:?}"),
+        Ok(_) => panic!("there is no problem with {changes:?}"),
         Err(error) => error.to_string(),
     }
 }
 
 #[test]
-fn an_actuator_that_is_none_is_named() {
+fn unknown_actuators_have_a_nearest_name() {
     says(
         &problems_of(CRASH, &["rig.dring.actuator=tangental"]),
         &["`rig.dring.actuator`", "did you mean `tangential`?", "1 problem"],
@@ -23,15 +23,18 @@ fn an_actuator_that_is_none_is_named() {
 }
 
 #[test]
-fn low_friction_is_low() {
+fn mu_low_must_not_exceed_mu_high() {
     says(&problems_of(CRASH, &["rig.dring.mu_low=0.4"]), &["low friction of 0.4 is more than high friction of 0.3", "1 problem"]);
 }
 
 #[test]
-fn a_d_ring_is_its_own_contact_and_hangs_on_a_stack() {
+fn dring_excludes_a_contact() {
     let contact = ["contact.dahl.mu=0.2", "contact.dahl.stiffness_n_per_m=1e6"];
-    says(&problems_of(CRASH, &contact), &["[contact] has no place beside [rig.dring]", "the D-ring is one", "1 problem"]);
-    says(&problems_of(CRASH, &["rig.dring.at_s=0.5"]), &["`rig.dring.at_s` is 0.5 s, but the run is over at 0.22 s"]);
+    says(
+        &problems_of(CRASH, &contact),
+        &["[contact] cannot be combined with [rig.dring]", "the D-ring is the contact", "1 problem"],
+    );
+    says(&problems_of(CRASH, &["rig.dring.at_s=0.5"]), &["`rig.dring.at_s` is 0.5 s, but the run ends at 0.22 s"]);
 }
 
 #[test]
@@ -50,23 +53,26 @@ fn a_restraint_needs_a_belt_and_its_force() {
 }
 
 #[test]
-fn it_reads_back_as_the_same_scene() {
+fn dring_scene_reads_back_the_same() {
     let scene = load_text("crash", CRASH, &sets(&["rig.dring.torso_kg=18"])).unwrap().scene;
     let text = crate::resolved::resolved_toml(&scene);
     assert_eq!(load_text("crash", &text, &[]).unwrap().scene, scene);
 }
 
 #[test]
-fn a_ring_vibrates_in_a_direction() {
+fn ring_needs_a_direction() {
     let ring = ["rig.dring.actuator=ring"];
-    says(&problems_of(CRASH, &ring), &["a ring that vibrates in no direction", "needs `ring_angle_deg`", "1 problem"]);
+    says(
+        &problems_of(CRASH, &ring),
+        &["the direction of the ring's vibration is missing", "needs `ring_angle_deg`", "1 problem"],
+    );
     says(
         &problems_of(CRASH, &["rig.dring.ring_angle_deg=0"]),
         &["`ring_angle_deg` with the actuator `ideal`", "for `ring` and `stack`", "1 problem"],
     );
     says(
         &problems_of(CRASH, &["rig.dring.ring_axis_deg=90"]),
-        &["`ring_axis_deg` says nothing without `ring_angle_deg`", "leave it out", "1 problem"],
+        &["`ring_axis_deg` has no effect without `ring_angle_deg`", "omit it", "1 problem"],
     );
     says(
         &problems_of(CRASH, &["rig.dring.actuator=ring", "rig.dring.ring_angle_deg=181"]),
@@ -74,12 +80,12 @@ fn a_ring_vibrates_in_a_direction() {
     );
     says(
         &problems_of(CRASH, &["rig.dring.actuator=ring", "rig.dring.ring_angle_deg=0", "rig.dring.ring_hz=40e3"]),
-        &["`ring_hz` says nothing without `ring_normal_part = \"fitted\"`", "1 problem"],
+        &["`ring_hz` has no effect without `ring_normal_part = \"fitted\"`", "1 problem"],
     );
 }
 
 #[test]
-fn the_fitted_normal_part_ends_where_it_was_fitted() {
+fn fitted_normal_part_has_a_largest_amplitude() {
     let fitted = |more: &str| {
         let changes = ["rig.dring.actuator=ring", "rig.dring.ring_angle_deg=0", "rig.dring.ring_normal_part=fitted", more];
         problems_of(CRASH, &changes)

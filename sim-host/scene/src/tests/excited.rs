@@ -1,4 +1,4 @@
-//! Contact studies: what their keys need of each other.
+//! Contact studies: dependencies between their keys.
 
 use super::{says, sets};
 use crate::load::load_text;
@@ -6,7 +6,7 @@ use crate::resolved::{resolved_json, resolved_toml};
 use crate::{Scene, Sign};
 use contact::Method;
 
-/// A contact study of these tests' own, so that line numbers stay what they are.
+/// Returns a contact study for these tests only, so that its line numbers do not change.
 fn example() -> &'static str {
     include_str!("excited.toml")
 }
@@ -19,13 +19,13 @@ fn report(changes: &[&str]) -> String {
     super::report(example(), changes)
 }
 
-/// The report on the example with one line replaced.
+/// Returns the report on the example with one line replaced.
 fn with_line(old: &str, new: &str) -> String {
     let line = example().lines().find(|line| line.starts_with(old)).unwrap_or_else(|| panic!("no line `{old}`"));
     super::report(&example().replacen(line, new, 1), &[])
 }
 
-/// The example on a given motion.
+/// Returns the example with a prescribed motion.
 fn kinematic(contact: &str) -> String {
     let text = example().replacen("force_n = 384.0\n", "", 1);
     let (head, _) = text.split_once("[contact.dahl]").unwrap();
@@ -33,7 +33,7 @@ fn kinematic(contact: &str) -> String {
 }
 
 #[test]
-fn the_example_is_a_contact_study_and_nothing_else() {
+fn example_is_only_a_contact_study() {
     let scene = loaded(&[]);
     let study = scene.excited().unwrap();
     assert!(scene.driven().is_none() && scene.amplifier.is_none() && scene.sensors.is_none());
@@ -42,7 +42,7 @@ fn the_example_is_a_contact_study_and_nothing_else() {
 }
 
 #[test]
-fn what_is_shown_reads_back_the_same() {
+fn resolved_study_reads_back_the_same() {
     let rich = [
         "excitation.waveform=chirp",
         "excitation.start_hz=20e3",
@@ -70,29 +70,29 @@ fn what_is_shown_reads_back_the_same() {
 }
 
 #[test]
-fn a_sliding_speed_takes_the_place_of_a_ratio() {
+fn set_sliding_speed_replaces_the_ratio() {
     let excitation = loaded(&["excitation.sliding_m_per_s=0.1"]).excitation.unwrap();
     assert_eq!((excitation.velocity_ratio, excitation.sliding_m_per_s), (None, Some(0.1)));
-    says(&with_line("velocity_ratio", ""), &["[excitation] says too little", "`velocity_ratio`, or `sliding_m_per_s`"]);
+    says(&with_line("velocity_ratio", ""), &["[excitation] is incomplete", "`velocity_ratio`, or `sliding_m_per_s`"]);
     let both = with_line("velocity_ratio", "velocity_ratio = 1\nsliding_m_per_s = 1");
     says(&both, &["`velocity_ratio` and `sliding_m_per_s` exclude each other in [excitation]", "a.toml:9:1"]);
 }
 
 #[test]
-fn a_contact_or_a_rig_takes_the_place_of_another() {
+fn set_contact_replaces_the_scenes_contact() {
     let scene = loaded(&["contact.coulomb.mu=0.2"]);
     assert!(scene.contact.as_ref().unwrap().dahl.is_none() && scene.excited().unwrap().model.mu() == 0.2);
     let two = with_line("[rig.sdof]", "[contact.coulomb]\nmu = 1\n[rig.sdof]");
     says(&two, &["[contact.coulomb] and [contact.dahl] exclude each other in [contact]", "give either [contact.coulomb], or"]);
-    says(&with_line("[contact.dahl]", "[contact]\n[expect]"), &["[contact] says too little"]);
+    says(&with_line("[contact.dahl]", "[contact]\n[expect]"), &["[contact] is incomplete"]);
     let mistake_inside = with_line("mu = 0.1", "mu = 9\n[contact.coulomb]\nmu = 1\n[contact.dahl.x]");
     says(&mistake_inside, &["out of range", "[contact.coulomb] and [contact.dahl] exclude each other"]);
 }
 
 #[test]
-fn a_force_belongs_to_a_mass_and_a_load_to_a_given_motion() {
+fn sdof_needs_a_force_and_kinematic_a_load() {
     says(&with_line("force_n", ""), &["`force_n` is missing in [excitation]", "a.toml:4:1"]);
-    says(&report(&["rig.kinematic.vibration_m_per_s=1"]), &["a force cannot shake [rig.kinematic]", "a.toml:6:1"]);
+    says(&report(&["rig.kinematic.vibration_m_per_s=1"]), &["a force has no effect on [rig.kinematic]", "a.toml:6:1"]);
     let weightless = kinematic("[contact.dahl]\nmu = 0.1\nstiffness_n_per_m = 1e5\n");
     says(&super::report(&weightless, &[]), &["`normal_n` is missing in [contact.dahl]", "has no mass whose weight"]);
     assert!(load_text("a.toml", &weightless, &sets(&["contact.dahl.normal_n=1"])).is_ok());
@@ -101,7 +101,7 @@ fn a_force_belongs_to_a_mass_and_a_load_to_a_given_motion() {
 }
 
 #[test]
-fn waveforms_have_what_they_need() {
+fn waveforms_need_their_keys() {
     says(&report(&["excitation.waveform=random"]), &["a random excitation without `hold_time_s`", "--set:1:21"]);
     says(&report(&["excitation.waveform=random", "excitation.hold_time_s=1e-9", "duration_s=1"]), &["1e9 values", "1e-8 s"]);
     let chirp = report(&["excitation.waveform=chirp", "excitation.start_hz=1e4"]);
@@ -111,18 +111,18 @@ fn waveforms_have_what_they_need() {
 }
 
 #[test]
-fn a_velocity_ratio_is_of_a_finite_vibration() {
+fn velocity_ratio_needs_a_finite_vibration() {
     let resonance = "excitation.frequency_hz=12978.69";
     says(&report(&[resonance]), &["grows without bound", "`rig.sdof.damping_ratio`, or `sliding_m_per_s`", "--set:1:25"]);
     assert!(loaded(&[resonance, "rig.sdof.damping_ratio=0.01"]).excited().is_some());
     assert!(loaded(&[resonance, "excitation.sliding_m_per_s=0.1"]).excited().is_some());
     assert!(loaded(&[resonance, "excitation.velocity_ratio_of=peak"]).excited().is_some());
     assert!(loaded(&["excitation.frequency_hz=12990"]).excited().is_some());
-    says(&report(&["excitation.force_n=0"]), &["no vibration that the velocity ratio could be of", "--set:1:20"]);
+    says(&report(&["excitation.force_n=0"]), &["the velocity ratio needs a vibration", "--set:1:20"]);
 }
 
 #[test]
-fn friction_has_a_ratio() {
+fn friction_must_be_valid_and_positive() {
     says(&with_line("mu", "mu = 0"), &["`contact.dahl.mu` is 0", "a.toml:11:6", "must be more than 0"]);
     says(&report(&["contact.dahl.alpha=2"]), &["an exponent of 2 is not implemented", "--set:1:20", "must be 1", "thesis"]);
     let lugre =
@@ -134,7 +134,7 @@ fn friction_has_a_ratio() {
 #[test]
 fn the_window_is_within_the_run() {
     says(&report(&["integrator.window_periods=[50, 200]"]), &["ends at period 200, but the run has 120", "at most 120"]);
-    says(&report(&["integrator.window_periods=[50, 50]"]), &["ends at period 50, but begins at 50 only"]);
+    says(&report(&["integrator.window_periods=[50, 50]"]), &["ends at period 50, but begins at 50"]);
     says(&report(&["integrator.window_periods=[50]"]), &["has 1 entry", "needs at least 2"]);
     let shorter = with_line("duration_s", "integrator.window_periods = [1, 100]\nduration_s = 1e-3");
     says(&shorter, &["but the run has 60", "give a `duration_s` of at least 0.001666"]);
@@ -144,61 +144,61 @@ fn the_window_is_within_the_run() {
 }
 
 #[test]
-fn a_load_steps() {
+fn load_disturbances_are_steps_in_range() {
     let load = ["disturbance.0.at_s=1e-3", "disturbance.0.key=contact.normal_n"];
     let with = |more: &[&str]| report(&[&load[..], more].concat());
-    says(&with(&["disturbance.0.rate_per_s=1"]), &["`contact.normal_n` changes in steps only", "--set:3:15", "give `to`"]);
+    says(&with(&["disturbance.0.rate_per_s=1"]), &["`contact.normal_n` changes only in steps", "--set:3:15", "give `to`"]);
     says(&with(&["disturbance.0.to=-1"]), &["`contact.dahl.normal_n` is out of range", "--set:3:18"]);
-    says(&report(&["disturbance.0.at_s=1", load[1], "disturbance.0.to=1"]), &["is 1 s, but the run is over"]);
+    says(&report(&["disturbance.0.at_s=1", load[1], "disturbance.0.to=1"]), &["is 1 s, but the run ends"]);
     says(&report(&[load[0], "disturbance.0.key=stack.bvd.q", "disturbance.0.to=9"]), &["the scene has no [stack]", "1 problem"]);
     says(&report(&[load[0], "disturbance.0.key=rig.slider.load_n", "disturbance.0.to=9"]), &["the scene has no [rig.slider]"]);
 }
 
 #[test]
-fn a_hertzian_contact_vibrates_across_under_a_sine() {
+fn hertzian_contact_needs_a_sine() {
     let hertz = "[contact.hertz]\nmu = 0.3\nnormal_n = 10\nstiffness_n_per_m15 = 1e9\n";
     assert!(load_text("a.toml", &kinematic(hertz), &[]).is_ok());
-    says(&super::report(&kinematic(hertz), &["excitation.waveform=square"]), &["studied under a sine only"]);
+    says(&super::report(&kinematic(hertz), &["excitation.waveform=square"]), &["supports only a sine"]);
     let on_a_mass = ["contact.hertz.mu=0.3", "contact.hertz.stiffness_n_per_m15=1e9"];
-    says(&report(&on_a_mass), &["not known beforehand", "give `sliding_m_per_s` instead"]);
+    says(&report(&on_a_mass), &["not known in advance", "give `sliding_m_per_s` instead"]);
     let on_a_mass = [&on_a_mass[..], &["excitation.sliding_m_per_s=0.1"]].concat();
     assert!(loaded(&on_a_mass).excited().is_some());
     let by_steps = |method: &'static str| [&on_a_mass[..], &[method]].concat();
-    says(&report(&by_steps("integrator.method=linexp")), &["linexp cannot do this", "rk4-events"]);
+    says(&report(&by_steps("integrator.method=linexp")), &["linexp does not apply here", "rk4-events"]);
     assert!(loaded(&by_steps("integrator.method=rk4-events")).excited().is_some());
 }
 
 #[test]
-fn a_method_is_made_for_the_contact_and_has_its_orders() {
+fn methods_and_orders_must_suit_the_contact() {
     says(&report(&["integrator.order=5"]), &["no order 5", "its orders are `2`, `4` and `6`", "1 problem"]);
     says(&report(&["integrator.method=taylor", "integrator.order=6"]), &["no order 6", "`32`"]);
-    says(&report(&["integrator.method=midpoint", "integrator.order=4"]), &["midpoint has no choice of order", "leave it out"]);
-    says(&report(&["integrator.method=closed"]), &["closed cannot do this", "no closed form", "1 problem"]);
-    says(&report(&["contact.coulomb.mu=0.1", "integrator.method=rk4"]), &["rk4 cannot do this", "linexp follows it exactly"]);
+    says(&report(&["integrator.method=midpoint", "integrator.order=4"]), &["midpoint has no choice of order", "omit it"]);
+    says(&report(&["integrator.method=closed"]), &["closed does not apply here", "no closed form", "1 problem"]);
+    says(&report(&["contact.coulomb.mu=0.1", "integrator.method=rk4"]), &["rk4 does not apply here", "linexp solves it exactly"]);
     assert!(loaded(&["integrator.method=taylor", "integrator.order=28"]).excited().is_some());
 }
 
 #[test]
-fn a_tolerance_of_the_record_needs_a_record() {
+fn record_tolerance_needs_a_record() {
     let record = "integrator.tolerance_of=record";
     let study = loaded(&[record]).excited().map(|study| crate::problem::numerics(&study, Some(&["tolerance_met"])));
-    // Also where only means are asked for: a metric is the same in every study of a scene.
+    // Also if only means are requested: a metric must be the same in every study of a scene.
     assert!(study.is_some_and(|numerics| numerics.tolerance_of == contact::ToleranceOf::Record && numerics.whole_run));
     assert_eq!(loaded(&[]).excited().and_then(|study| study.integrator.tolerance_of), None);
     says(&report(&["integrator.tolerance_of=trace"]), &["trace", "record", "1 problem"]);
     let hertz = ["contact.hertz.mu=0.3", "contact.hertz.stiffness_n_per_m15=1e9", "excitation.sliding_m_per_s=0.1", record];
-    says(&report(&hertz), &["there is no record to have a tolerance", "Hertzian", "leave `integrator.tolerance_of` out"]);
+    says(&report(&hertz), &["the record has no tolerance here", "Hertzian", "omit `integrator.tolerance_of`"]);
 }
 
 #[test]
-fn a_compliant_contact_vibrates_across_under_a_given_sine() {
+fn compliant_contact_needs_a_prescribed_sine() {
     let compliant = "[contact.compliant]\nmu = 0.3\nnormal_n = 10\nnormal_stiffness_n_per_m = 1e7\nstiffness_n_per_m = 8e6\n";
     let text = kinematic(compliant);
     let scene = load_text("a.toml", &text, &[]).unwrap_or_else(|error| panic!("{error}")).scene;
     let again = load_text("resolved", &resolved_toml(&scene), &[]).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(again.scene, scene);
     let refused = |changes: &[&str], parts: &[&str]| says(&super::report(&text, changes), parts);
-    refused(&["excitation.waveform=square"], &["studied under a sine only", "[contact.compliant]"]);
+    refused(&["excitation.waveform=square"], &["supports only a sine", "[contact.compliant]"]);
     refused(&["contact.compliant.stiffness_n_per_m=0"], &["`contact.compliant.stiffness_n_per_m` is out of range"]);
     refused(
         &["contact.compliant.normal_stiffness_n_per_m=-1"],
@@ -207,14 +207,17 @@ fn a_compliant_contact_vibrates_across_under_a_given_sine() {
     refused(&["contact.compliant.normal_n=0"], &["`contact.compliant.normal_n` is out of range"]);
     refused(&["contact.compliant.mu=0"], &["`contact.compliant.mu` is 0"]);
     refused(&["contact.compliant.held=gap"], &["gap", "load", "indentation"]);
-    refused(&["integrator.method=linexp"], &["linexp cannot do this", "by its arcs"]);
-    refused(&["integrator.tolerance_of=record"], &["there is no record to have a tolerance", "compliant"]);
+    refused(&["integrator.method=linexp"], &["linexp does not apply here", "solved piecewise"]);
+    refused(&["integrator.tolerance_of=record"], &["the record has no tolerance here", "compliant"]);
     let step = ["disturbance.0.at_s=1e-4", "disturbance.0.key=contact.normal_n", "disturbance.0.to=2"];
-    refused(&step, &["studied under one load only", "[contact.compliant]"]);
+    refused(&step, &["supports only a constant load", "[contact.compliant]"]);
     let weightless = text.replacen("normal_n = 10\n", "", 1);
     says(&super::report(&weightless, &[]), &["`normal_n` is missing in [contact.compliant]"]);
     let on_a_mass = ["mu=0.3", "normal_n=10", "normal_stiffness_n_per_m=1e7", "stiffness_n_per_m=8e6"];
     let on_a_mass: Vec<String> = on_a_mass.iter().map(|key| format!("contact.compliant.{key}")).collect();
     let on_a_mass: Vec<&str> = on_a_mass.iter().map(String::as_str).collect();
-    says(&report(&on_a_mass), &["the vibration of a compliant contact is given", "must be [rig.kinematic]", "[contact.hertz]"]);
+    says(
+        &report(&on_a_mass),
+        &["the vibration of a compliant contact must be prescribed", "must be [rig.kinematic]", "[contact.hertz]"],
+    );
 }

@@ -1,4 +1,4 @@
-//! Stacks at power: what cannot be, and what a user reads about it.
+//! Stacks at high power: limits and their messages.
 
 use super::{example, loaded, report, says, sets};
 use crate::load::load_text;
@@ -12,16 +12,16 @@ fn with_a_body(changes: &[&str]) -> Vec<String> {
 
 fn problems_of(changes: &[&str]) -> String {
     match load_text("example", example(), &with_a_body(changes)) {
-        Ok(_) => panic!("nothing is wrong with {changes:?}"),
+        Ok(_) => panic!("there is no problem with {changes:?}"),
         Err(error) => error.to_string(),
     }
 }
 
 #[test]
-fn a_body_has_a_capacity_and_a_resistance() {
+fn thermal_body_needs_capacity_and_resistance() {
     says(
         &problems_of(&["stack.thermal.heat_capacity_j_per_k=0"]),
-        &["must be from 1e-6 to 1e6 J/K", "Heat capacity of what becomes hot", "1 problem"],
+        &["must be from 1e-6 to 1e6 J/K", "Heat capacity of the heated body", "1 problem"],
     );
     says(&problems_of(&["stack.thermal.resistance_k_per_w=-3"]), &["must be from 1e-6 to 1e6 K/W", "1 problem"]);
     says(&problems_of(&["stack.thermal.heating_fraction=1.2"]), &["must be from 0 to 1", "1 problem"]);
@@ -32,7 +32,7 @@ fn a_body_has_a_capacity_and_a_resistance() {
 }
 
 #[test]
-fn a_stack_begins_below_what_its_ceramic_bears() {
+fn initial_temperature_must_be_below_depoling() {
     says(
         &problems_of(&["stack.temperature_k=310"]),
         &[
@@ -46,18 +46,18 @@ fn a_stack_begins_below_what_its_ceramic_bears() {
         &problems_of(&["stack.temperature_k=140"]),
         &["140 K over ambient are 165 °C, above 162.5 °C: the stack slowly loses its polarisation", "1 problem"],
     );
-    says(&problems_of(&["stack.thermal.ambient_c=200"]), &["0 K over ambient are 200 °C", "leaves -37.5 K", "1 problem"]);
+    says(&problems_of(&["stack.thermal.ambient_c=200"]), &["0 K over ambient are 200 °C", "allows only -37.5 K", "1 problem"]);
     let step = ["disturbance.0.at_s=1", "disturbance.0.key=stack.temperature_k", "disturbance.0.to=400"];
     says(&problems_of(&step), &["400 K over ambient are 425 °C", "must be less than 137.5 K", "1 problem"]);
     says(
         &problems_of(&["stack.thermal.depoling_c=400"]),
-        &["a ceramic cannot be used up to 400 °C with its Curie point at 325 °C", "must be at most 325", "1 problem"],
+        &["an operating temperature of 400 °C is above the Curie point of 325 °C", "must be at most 325", "1 problem"],
     );
     assert!(load_text("example", example(), &with_a_body(&["stack.thermal.depoling_c=325", "stack.temperature_k=299"])).is_ok());
 }
 
 #[test]
-fn laws_hold_at_the_largest_current_and_temperature() {
+fn laws_are_checked_at_largest_current_and_heat() {
     says(
         &problems_of(&["stack.bvd.amplitude_rm_per_a2=-0.2"]),
         &[
@@ -77,23 +77,23 @@ fn laws_hold_at_the_largest_current_and_temperature() {
     );
     says(
         &problems_of(&["stack.bvd.amplitude_rm_most=3"]),
-        &["ends what does not rise", "needs an `amplitude_rm_per_a2` above zero", "1 problem"],
+        &["limits a rise", "needs an `amplitude_rm_per_a2` above zero", "1 problem"],
     );
     says(
         &problems_of(&["stack.bvd.temperature_rm_per_k=-0.01"]),
         &[
-            "137.5 K over ambient the law multiplies the motional resistance by -0.375",
+            "at 137.5 K over ambient, the law multiplies the motional resistance by -0.375",
             "must be at least -0.00654545 1/K",
             "1 problem",
         ],
     );
     says(
         &report(example(), &["stack.bvd.temperature_force_factor_per_k=0.1", "stack.temperature_k=100"]),
-        &["100 K over ambient the law multiplies the force factor by 11", "must be at most 0.09 1/K", "1 problem"],
+        &["at 100 K over ambient, the law multiplies the force factor by 11", "must be at most 0.09 1/K", "1 problem"],
     );
 }
 
-/// It reads back from its own text, and a scene that asks for nothing says nothing.
+/// The scene is restored from its own text, and keys with default values are not written.
 #[test]
 fn a_stack_at_power_reads_back() {
     let changes =
@@ -107,10 +107,10 @@ fn a_stack_at_power_reads_back() {
 }
 
 #[test]
-fn the_damping_of_a_belt_follows_no_law_of_the_ceramic() {
+fn resistance_laws_are_refused_with_a_belt() {
     let belt = include_str!("../../scenes/experiment-2.toml");
     says(
         &report(belt, &["stack.bvd.temperature_rm_per_k=0.001"]),
-        &["has no place beside [rig.belt]", "would move the belt's damping, too", "1 problem"],
+        &["cannot be combined with [rig.belt]", "would also change the belt's damping", "1 problem"],
     );
 }

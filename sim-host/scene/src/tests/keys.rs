@@ -1,4 +1,4 @@
-//! Keys, types and ranges, and what is said about them.
+//! Messages about keys, types and ranges.
 
 use super::{example, report, says, with_line};
 
@@ -17,11 +17,11 @@ fn another_unit_is_converted() {
     says(&with_line("frequency_hz", "frequency_khz = 40"), &["write `frequency_hz = 40000`", "1 problem"]);
     says(&with_line("on_s", "on_ms = [3000]"), &["write `on_s = [3]`"]);
     says(&with_line("scan_v", "scan_vpp = 6"), &["in V peak to peak", "write `scan_v = 3`"]);
-    says(&with_line("load_n", "load = 0"), &["`load` lacks its unit", "give it in N: `load_n`"]);
+    says(&with_line("load_n", "load = 0"), &["the unit of `load` is missing", "give it in N: `load_n`"]);
 }
 
 #[test]
-fn a_key_in_the_wrong_table_is_reported_with_its_home() {
+fn misplaced_keys_are_reported_with_their_table() {
     says(&with_line("[contact", "[contact.dahl]\nseed = 3"), &["key `seed` is misplaced", "belongs at the top level"]);
     says(&with_line("scan_v", "scan_v = 3\nduty = 0.5"), &["belongs in [controller.burst]"]);
 }
@@ -39,7 +39,7 @@ fn types_ranges_and_choices_are_checked() {
     says(&with_line("off_s", "off_s = [1,2,3,4,5,6,7,8,9]"), &["has 9 entries", "takes at most 8"]);
     says(
         &with_line("scan_v", "scan_v = 3\nshape = \"sqare\""),
-        &["did you mean `square`?", "it is `sine`, `square`, `sawtooth` or `noise`"],
+        &["did you mean `square`?", "it must be `sine`, `square`, `sawtooth` or `noise`"],
     );
     says(&with_line("[controller.drive]", "[controller]\nblock_samples = 12.5\n[controller.drive]"), &["must be a whole number"]);
     says(&with_line("[contact.dahl]", "[[contact]]"), &["`contact` cannot be a list of tables", "write `[contact]`"]);
@@ -48,7 +48,7 @@ fn types_ranges_and_choices_are_checked() {
 }
 
 #[test]
-fn what_is_missing_is_named_where_it_belongs() {
+fn missing_keys_are_reported_at_their_table() {
     says(
         &with_line("frequency_hz", ""),
         &["`frequency_hz` is missing in [controller.drive]", "--> a.toml:5:1", "a number in Hz"],
@@ -68,10 +68,10 @@ fn all_problems_are_reported_in_order() {
 }
 
 #[test]
-fn syntax_errors_stand_alone() {
-    says(&with_line("mu", "mu = 0,3"), &["decimals have a point", "1 problem"]);
+fn syntax_errors_are_reported_alone() {
+    says(&with_line("mu", "mu = 0,3"), &["decimals with a point", "1 problem"]);
     says(&with_line("mu", "mu ="), &["the value is missing", "1 problem"]);
-    says(&with_line("mu", "mu = 0.3\nmu = 0.4"), &["this name is already taken", "second time", "a.toml:29:1"]);
+    says(&with_line("mu", "mu = 0.3\nmu = 0.4"), &["this name is already used", "second occurrence", "a.toml:29:1"]);
     says(&report("µ = 1", &[]), &["invalid unquoted key"]);
     says(&report(&format!("a = {}", "[".repeat(10_000)), &[]), &["nested too deeply"]);
     says(&report("a = 1\r\n\tb = \r\n", &[]), &["a.toml:2:6"]);

@@ -1,15 +1,15 @@
-//! The two kinds of scene: what each needs, and what has no place in it.
+//! The two kinds of scene: required and excluded tables.
 
 use super::{example, report, says, with_line};
 
 const STUDY: &str = include_str!("excited.toml");
 
 #[test]
-fn a_scene_is_of_one_kind() {
+fn a_scene_has_exactly_one_kind() {
     let both = format!("{}\n{}", example(), STUDY.split_once("[excitation]").unwrap().1);
     let both = both.replacen("waveform = ", "[excitation]\nwaveform = ", 1);
     let (both, _) = both.split_once("[contact.dahl]\nmu = 0.1").unwrap();
-    says(&report(both, &[]), &["[controller] and [excitation] exclude each other", "[controller] is given already"]);
+    says(&report(both, &[]), &["[controller] and [excitation] exclude each other", "[controller] is already given"]);
     says(&report(example(), &["excitation.force_n=1"]), &["[controller] and [excitation] exclude each other", "--set:1:1"]);
     let neither = report("title = \"x\"\nduration_s = 1\n", &[]);
     says(&neither, &["a scene needs [controller] or [excitation]", "with at least `drive` and `tracking`", "1 problem"]);
@@ -25,7 +25,7 @@ fn each_kind_needs_its_own_tables() {
 }
 
 #[test]
-fn a_contact_study_has_no_tables_of_a_driven_scene() {
+fn contact_studies_refuse_tables_of_driven_scenes() {
     for (table, header) in [
         ("[amplifier]\nbandwidth_hz = 1e5", "[amplifier]"),
         ("[sensors]\nadc_bits = 14", "[sensors]"),
@@ -36,7 +36,7 @@ fn a_contact_study_has_no_tables_of_a_driven_scene() {
         let problems = report(&format!("{STUDY}\n{table}\n"), &[]);
         says(
             &problems,
-            &[&format!("{header} has no place in a contact study"), "belongs to [controller]", "a.toml:18:", "1 problem"],
+            &[&format!("{header} cannot be used in a contact study"), "belongs to [controller]", "a.toml:18:", "1 problem"],
         );
     }
     let slider = STUDY.replacen(
@@ -44,13 +44,13 @@ fn a_contact_study_has_no_tables_of_a_driven_scene() {
         "[rig.slider]\nself_weight_n = 1\nspeed_m_per_s = 1",
         1,
     );
-    says(&report(&slider, &[]), &["[rig.slider] has no place in a contact study", "a.toml:14:6", "1 problem"]);
+    says(&report(&slider, &[]), &["[rig.slider] cannot be used in a contact study", "a.toml:14:6", "1 problem"]);
 }
 
 #[test]
-fn a_driven_scene_has_no_tables_of_a_contact_study() {
+fn driven_scenes_refuse_tables_of_contact_studies() {
     let rig = with_line("[rig.slider]", "[rig.sdof]\nmass_kg = 1\nstiffness_n_per_m = 1\n[rig.slider]");
-    says(&rig, &["[rig.sdof] has no place in a scene with [controller]", "belongs to [excitation]", "1 problem"]);
+    says(&rig, &["[rig.sdof] cannot be used in a scene with [controller]", "belongs to [excitation]", "1 problem"]);
     says(
         &report(
             example(),
@@ -61,17 +61,17 @@ fn a_driven_scene_has_no_tables_of_a_contact_study() {
                 "rig.kinematic.vibration_m_per_s=1",
             ],
         ),
-        &["[rig.kinematic] has no place in a scene with [controller]", "belongs to [excitation]"],
+        &["[rig.kinematic] cannot be used in a scene with [controller]", "belongs to [excitation]"],
     );
-    says(&report(example(), &["contact.coulomb.mu=0.2"]), &["[contact.coulomb] has no place", "[contact.dahl]"]);
-    says(&report(example(), &["contact.dahl.normal_n=1"]), &["`normal_n` has no place", "rig.slider.load_n"]);
-    says(&report(example(), &["contact.dahl.sign=literal"]), &["friction that pumps a stack", "must be `passive`"]);
+    says(&report(example(), &["contact.coulomb.mu=0.2"]), &["[contact.coulomb] cannot be used", "[contact.dahl]"]);
+    says(&report(example(), &["contact.dahl.normal_n=1"]), &["`normal_n` cannot be used", "rig.slider.load_n"]);
+    says(&report(example(), &["contact.dahl.sign=literal"]), &["friction that feeds energy into a stack", "must be `passive`"]);
     says(
         &report(example(), &["integrator.method=rk4"]),
-        &["`integrator.method` has no place", "belongs to [excitation]", "1 problem"],
+        &["`integrator.method` cannot be used", "belongs to [excitation]", "1 problem"],
     );
     says(&report(example(), &["integrator.steps_per_period=5000"]), &["must be at most 4096 with [controller]"]);
     let load = ["disturbance.0.at_s=1", "disturbance.0.key=contact.normal_n", "disturbance.0.to=1"];
-    says(&report(example(), &load), &["`contact.normal_n` has no place", "rig.slider.load_n"]);
+    says(&report(example(), &load), &["`contact.normal_n` cannot be used", "rig.slider.load_n"]);
     assert!(crate::load::load_text("a.toml", example(), &["contact.dahl.mu=0".to_owned()]).is_ok());
 }

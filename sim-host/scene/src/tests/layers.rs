@@ -1,4 +1,4 @@
-//! One text over another, and where they come from.
+//! Merged texts, and the texts that messages point to.
 
 use super::{driven, example, loaded, report, says, sets};
 use crate::load::{LoadError, load, load_text};
@@ -21,13 +21,13 @@ fn changes_replace_add_and_count() {
 }
 
 #[test]
-fn wrong_changes_are_reported_in_their_own_text() {
+fn wrong_changes_are_reported_at_set() {
     says(
         &report(example(), &["seed=1", "rig.slider.sped_m_per_s=1"]),
         &["--set:2:12", "did you mean `speed_m_per_s`?", "in --set"],
     );
     says(&report(example(), &["seed=fast"]), &["`seed` cannot be a string"]);
-    says(&report(example(), &["expect.7.min=1"]), &["`expect` has 1 entry", "there is no number 7"]);
+    says(&report(example(), &["expect.7.min=1"]), &["`expect` has 1 entry", "there is no entry 7"]);
     says(&report(example(), &["controller.burst.on_s=[3"]), &["unclosed array"]);
     for change in ["", "=", "seed", "=3", "seed=", "a b=3", "#=1", "..=1"] {
         says(&report(example(), &[change]), &["for example `--set"]);
@@ -37,14 +37,14 @@ fn wrong_changes_are_reported_in_their_own_text() {
 }
 
 #[test]
-fn a_base_is_laid_under() {
+fn scenes_are_merged_over_their_base() {
     let scene = load_text("a.toml", "base = \"experiment-1\"\n[controller.drive]\namplitude_v = 3\n", &[]).unwrap().scene;
     let drive = &scene.controller.as_ref().unwrap().drive;
     assert_eq!((drive.amplitude_v, drive.velocity_m_per_s), (Some(3.0), None));
     assert_eq!(scene.stack, loaded(&[]).stack);
     says(&report("base = \"experimnt-1\"", &[]), &["no scene `experimnt-1` to start from", "try `experiment-1`"]);
     says(&report("base = 3", &[]), &["`base` cannot be a whole number"]);
-    says(&report("base = \"a.toml\"", &[]), &["`base` goes in a circle"]);
+    says(&report("base = \"a.toml\"", &[]), &["`base` is circular"]);
     says(&report(example(), &["base=x"]), &["`base` cannot be set"]);
 }
 
@@ -65,7 +65,7 @@ fn files_are_found_read_or_refused() {
     assert_eq!((fixed.name.as_str(), fixed.scene.seed), ("my-scene", 2));
     assert_eq!(fixed.cell(&sets(&["seed=3"])).unwrap().scene.seed, 3);
     write("left.toml", b"base = \"right.toml\"");
-    says(&refused(&write("right.toml", b"base = \"left.toml\"")), &["`base` goes in a circle"]);
+    says(&refused(&write("right.toml", b"base = \"left.toml\"")), &["`base` is circular"]);
     says(&refused(&write("latin.toml", b"title = \"x\"\n\xff")), &["line 2 is not UTF-8 text"]);
     says(&refused(&write("wide.toml", b"\xff\xfet\0")), &["UTF-16"]);
     says(&refused(&write("nul.toml", b"t\0")), &["a binary file"]);

@@ -1,4 +1,4 @@
-//! Scenes with a motor: a stator instead of a stack, a rotor on it.
+//! Scenes with a motor: a stator instead of a stack, with or without a rotor.
 
 use super::{example, says, sets};
 use crate::load::load_text;
@@ -7,7 +7,7 @@ const USM: &str = include_str!("../../scenes/usm.toml");
 
 fn problems_of(text: &str, changes: &[&str]) -> String {
     match load_text("usm.toml", text, &sets(changes)) {
-        Ok(_) => panic!("nothing is wrong with {changes:?}"),
+        Ok(_) => panic!("there is no problem with {changes:?}"),
         Err(error) => error.to_string(),
     }
 }
@@ -17,27 +17,27 @@ fn a_stack_and_a_stator_exclude_each_other() {
     let stack = "[stack.bvd]\nc0_f = 3e-7\nseries_resonance_hz = 4e4\nq = 60\ncoupling = 0.25\n";
     says(
         &problems_of(&format!("{USM}\n{stack}"), &[]),
-        &["[stack] and [stator] exclude each other", "is given already", "1 problem"],
+        &["[stack] and [stator] exclude each other", "is already given", "1 problem"],
     );
 }
 
 #[test]
-fn a_stator_has_a_rotor_and_no_contact() {
+fn stator_excludes_a_contact_and_rotor_needs_it() {
     let contact = ["contact.dahl.mu=0.2", "contact.dahl.stiffness_n_per_m=1e6"];
-    says(&problems_of(USM, &contact), &["[contact] has no place beside [stator]", "[rig.rotor]", "1 problem"]);
+    says(&problems_of(USM, &contact), &["[contact] cannot be combined with [stator]", "[rig.rotor]", "1 problem"]);
     let rotor = "[rig.rotor]\ninertia_kg_m2 = 1e-6\npreload_n = 1\nmu = 0.2\nradius_m = 0.01\ncontact_stiffness_n_per_m = 1e7\n";
     let without: String =
         example().split_inclusive("\n\n").filter(|part| !part.contains("[rig") && !part.contains("[contact")).collect();
     says(&problems_of(&format!("{without}\n{rotor}"), &[]), &["[rig.rotor] without [stator]", "needs [stator]"]);
-    // A stator by itself is a scene.
+    // A stator without a rotor is a valid scene.
     let (bare, _) = USM.split_once("[rig.rotor]").unwrap();
     assert!(load_text("bare", bare, &[]).unwrap().scene.driven().unwrap().rotor().is_none());
 }
 
 #[test]
-fn only_a_stator_has_lanes_that_differ() {
+fn lane_errors_need_a_stator() {
     let problems = problems_of(example(), &["amplifier.lane_gain_error=[0, 0.1]"]);
-    says(&problems, &["`amplifier.lane_gain_error` has no place beside [stack]", "belongs to [stator]", "1 problem"]);
+    says(&problems, &["`amplifier.lane_gain_error` cannot be combined with [stack]", "belongs to [stator]", "1 problem"]);
 }
 
 #[test]
@@ -55,12 +55,15 @@ fn a_key_of_a_motor_can_be_disturbed() {
 }
 
 #[test]
-fn what_only_a_stack_can_do_has_no_place_beside_a_stator() {
-    says(&problems_of(USM, &["amplifier.delay_s=1e-6"]), &["`amplifier.delay_s` has no place beside [stator]", "1 problem"]);
+fn stack_only_keys_are_refused_with_a_stator() {
+    says(&problems_of(USM, &["amplifier.delay_s=1e-6"]), &["`amplifier.delay_s` cannot be combined with [stator]", "1 problem"]);
     for kind in ["short", "depoled", "cracked"] {
         let fault = ["fault.0.at_s=0.1".to_owned(), format!("fault.0.kind={kind}")];
         let fault: Vec<&str> = fault.iter().map(String::as_str).collect();
-        says(&problems_of(USM, &fault), &[&format!("a stator cannot be `{kind}`"), "happens to a [stack]", "1 problem"]);
+        says(
+            &problems_of(USM, &fault),
+            &[&format!("a stator cannot have the fault `{kind}`"), "only for a [stack]", "1 problem"],
+        );
     }
     for kind in ["swapped", "dropout", "open"] {
         let fault = ["fault.0.at_s=0.1".to_owned(), format!("fault.0.kind={kind}")];
@@ -73,7 +76,7 @@ fn what_only_a_stack_can_do_has_no_place_beside_a_stator() {
 }
 
 #[test]
-fn a_fault_of_a_lane_says_which_lane() {
+fn lane_faults_need_their_lane() {
     let fault = |changes: &[&str]| {
         let keys: Vec<String> = changes.iter().map(|change| format!("fault.0.{change}")).collect();
         ["fault.0.at_s=0.1".to_owned()].into_iter().chain(keys).collect::<Vec<_>>()
@@ -91,11 +94,11 @@ fn a_fault_of_a_lane_says_which_lane() {
     ] {
         assert!(load_text("usm", USM, &fault(changes)).is_ok(), "{changes:?}");
     }
-    says(&problems(&["kind=lane_open"]), &["the fault `lane_open` lacks `fault.0.lane`", "1 problem"]);
-    says(&problems(&["kind=lanes_exchanged", "lane=1"]), &["lacks `fault.0.other_lane`", "1 problem"]);
+    says(&problems(&["kind=lane_open"]), &["the fault `lane_open` needs `fault.0.lane`", "1 problem"]);
+    says(&problems(&["kind=lanes_exchanged", "lane=1"]), &["needs `fault.0.other_lane`", "1 problem"]);
     says(&problems(&["kind=lanes_exchanged", "lane=1", "other_lane=1"]), &["exchanged with itself", "1 problem"]);
-    says(&problems(&["kind=lane_open", "lane=1", "gain=0.5"]), &["`fault.0.gain` has no place", "lane_weak", "1 problem"]);
-    says(&problems(&["kind=open", "lane=1"]), &["`fault.0.lane` has no place beside the fault `open`", "1 problem"]);
+    says(&problems(&["kind=lane_open", "lane=1", "gain=0.5"]), &["`fault.0.gain` cannot be used", "lane_weak", "1 problem"]);
+    says(&problems(&["kind=open", "lane=1"]), &["`fault.0.lane` cannot be used with the fault `open`", "1 problem"]);
     says(&problems(&["kind=lane_open", "lane=4"]), &["must be from 0 to 3", "1 problem"]);
     let two = ["controller.drive.lanes=2", "fault.0.at_s=0.1", "fault.0.kind=lane_open", "fault.0.lane=2"];
     says(&problems_of(USM, &two), &["there is no lane 2", "must be less than 2", "1 problem"]);

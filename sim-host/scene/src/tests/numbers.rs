@@ -1,11 +1,12 @@
-//! A scene whose numbers are set is the scene that its text makes.
+//! Setting numbers in a scene gives the same scene as reading its text.
 
 use crate::load::load;
 use crate::numbers::Numbers;
 
-/// Every key, at values in and out of its range, in both kinds of rig: what is set without the text is valid, and the same.
+/// Every key, at values in and out of its range, with both kinds of rig: a scene that is set
+/// without its text is valid and equal.
 #[test]
-fn a_number_that_is_set_makes_the_scene_of_the_text() {
+fn setting_numbers_equals_reading_the_text() {
     let cases: [(&str, &[&str], &[&str]); 5] = [
         ("contact-kinematic", &[], &["contact.dahl.mu", "excitation.velocity_ratio"]),
         (
@@ -60,9 +61,10 @@ fn a_number_that_is_set_makes_the_scene_of_the_text() {
     assert!(set > 70 && judged > 40, "{set} {judged}");
 }
 
-/// A mass without damping at its resonance is for the rules, as is a scene that is none of a contact under one load.
+/// A mass without damping at its resonance must be checked by the rules, and so must other scenes
+/// than contact studies with constant load.
 #[test]
-fn what_the_rules_judge_is_left_to_them() {
+fn numbers_that_need_rules_are_not_set() {
     let loaded = load("contact", &[]).expect("built in");
     let template = loaded.template().expect("a template");
     let keys = ["rig.sdof.mass_kg", "rig.sdof.stiffness_n_per_m"];

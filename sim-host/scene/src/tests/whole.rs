@@ -1,4 +1,4 @@
-//! Whole scenes: written out and read again, and spoilt at random.
+//! Whole scenes: written and read again, and corrupted at random.
 
 use super::{example, loaded, says};
 use crate::Scene;
@@ -31,12 +31,12 @@ fn resolved_scenes_read_back_the_same() {
     }
     says(
         &resolved_toml(&loaded(&[])),
-        &["c0_f = 3e-7 ", "# Clamped capacitance, F, within a third.", "shape = \"sine\"", "sine | square", "\n[sensors]\n"],
+        &["c0_f = 3e-7 ", "# Clamped capacitance, F, accurate to a third.", "shape = \"sine\"", "sine | square", "\n[sensors]\n"],
     );
 }
 
 #[test]
-fn a_day_is_a_run() {
+fn long_runs_are_valid() {
     let scene = loaded(&["duration_s=99999"]);
     says(&resolved_toml(&scene), &["duration_s = 99999"]);
 }
@@ -52,7 +52,7 @@ fn exclusive_keys_exist() {
 }
 
 #[test]
-fn nothing_panics_whatever_the_text() {
+fn corrupted_texts_never_panic() {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut below = |bound: usize| {
         state ^= state << 13;

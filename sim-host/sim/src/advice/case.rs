@@ -1,4 +1,4 @@
-//! The case that is advised on: a stack, and the sensors and the amplifier around it, as a scene of their own.
+//! The case that is advised on: a scene of only a stack with its sensors and amplifier.
 
 use plant::circuit::Circuit;
 use plant::circuit_of;
@@ -6,25 +6,25 @@ use scene::load::{LoadError, Loaded, load_text};
 use scene::resolved::resolved_toml;
 use scene::{Amplifier, Bvd, Controller, Driven, Scene, Sensors, Stack, Tracking, TrackingMode, Transducer};
 
-/// Largest error of the nominal values: the resonance and the inductance relative, Q by a factor.
+/// Largest errors of the nominal values.
 pub const NOMINAL_ERROR: Spread = Spread { resonance: 0.02, q: 2.0, lm: 0.1 };
-/// Coupling that a stack can have.
-const COUPLING: std::ops::RangeInclusive<f64> = 1e-4..=0.99;
-/// Digits with which nominal values are written.
+/// Possible coupling of a stack.
+const COUPLING_RANGE: std::ops::RangeInclusive<f64> = 1e-4..=0.99;
+/// Number of digits of nominal values.
 const DIGITS: i32 = 4;
 
-/// Half widths of the errors of the nominal values.
+/// Largest errors of nominal values, to either side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Error of the series resonance, relative.
     pub resonance: f64,
-    /// Error of Q, a factor.
+    /// Error of Q, as a factor.
     pub q: f64,
     /// Error of the motional inductance, relative.
     pub lm: f64,
 }
 
-/// A transducer by its numbers, as telemetry or a report print them.
+/// Values of a transducer, as printed by telemetry or a report.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numbers {
     /// Series resonance of the stack, Hz.
@@ -37,32 +37,34 @@ pub struct Numbers {
     pub lm_h: f64,
 }
 
-/// What is asked for beside the transducer; nothing keeps what the scene says.
+/// Settings in addition to the transducer; `None` keeps the value of the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wishes {
     /// Peak drive voltage, V.
     pub volts: Option<f64>,
     /// Noise of a conversion, LSB rms.
     pub noise_lsb: Option<f64>,
-    /// Samples in a block; without it, that is advised, too.
+    /// Samples in a block; if `None`, the length is advised too.
     pub block_samples: Option<u16>,
 }
 
-/// Why nothing can be advised.
+/// Reason that a case cannot be advised on.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
     /// The scene has no controller.
     #[error(
-        "`{0}` is a contact study: it drives no transducer. Name a scene with [controller] and [stack]; `sim-host list` lists them"
+        "`{0}` is a contact study and drives no transducer. Name a scene with [controller] and [stack]; `sim-host list` lists \
+         them"
     )]
     NoController(String),
     /// The scene has a motor.
-    #[error("`{0}` drives the stator of a motor, whose two modes this advice does not know. Name a scene with a [stack]")]
+    #[error("`{0}` drives the stator of a motor; this advice does not support its two modes. Name a scene with a [stack]")]
     Stator(String),
     /// The numbers contradict each other.
     #[error(
-        "the numbers contradict each other: at {frequency_hz} Hz, Lm = {lm_h:e} H rings with Cm = {cm_f:.3e} F, which with C0 = {c0_f:e} F is a \
-         coupling of {coupling:.4}; a transducer has 0.0001 to 0.99. Check the units: farads and henries"
+        "the numbers contradict each other: at {frequency_hz} Hz, Lm = {lm_h:e} H resonates with Cm = {cm_f:.3e} F; with C0 = \
+         {c0_f:e} F this is a coupling of {coupling:.4}, but a transducer has 0.0001 to 0.99. Check the units: farads and \
+         henries"
     )]
     Coupling {
         /// Series resonance, Hz.
@@ -76,7 +78,7 @@ pub enum CaseError {
         /// Coupling.
         coupling: f64,
     },
-    /// What comes out is no scene.
+    /// The resulting scene is not valid.
     #[error(transparent)]
     Scene(#[from] LoadError),
 }
@@ -84,17 +86,18 @@ pub enum CaseError {
 /// A case that is advised on.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// The scene: one stack, driven continuously at its resonance and followed by the observer, with the true values as nominal ones.
+    /// Scene of one stack, driven continuously at its resonance and tracked by the observer, with
+    /// the true values as nominal ones.
     scene: Scene,
-    /// As asked for, V.
+    /// Requested peak voltage, V.
     pub asked_v: f64,
-    /// Samples in a block as they were, and whether they must stay.
+    /// Original samples in a block, and `true` if this length must stay.
     pub block_samples: (u16, bool),
-    /// Further modes that the scene knows of.
+    /// Number of further modes in the scene.
     pub modes: usize,
 }
 
-/// The parts of a case, as its equations need them.
+/// Parts of a case for its equations.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts<'a> {
     /// Settings of the controller.
@@ -108,14 +111,14 @@ pub struct Parts<'a> {
 }
 
 impl Case {
-    /// A case from a scene, whose transducer the numbers replace.
+    /// Creates a case from a scene; `numbers` replace its transducer.
     pub fn of(loaded: &Loaded, numbers: Option<Numbers>, wishes: &Wishes) -> Result<Self, CaseError> {
         let Some(driven) = loaded.scene.driven() else { return Err(CaseError::NoController(loaded.name.clone())) };
         let Transducer::Stack(stack, _) = driven.transducer else { return Err(CaseError::Stator(loaded.name.clone())) };
         let circuit = numbers.map_or_else(|| circuit_of(&driven), |numbers| numbers.circuit(stack.bvd.force_factor_n_per_v));
         let Circuit { cm_f, c0_f, lm_h, .. } = circuit;
         let coupling = (cm_f / (c0_f + cm_f)).sqrt();
-        if !COUPLING.contains(&coupling) {
+        if !COUPLING_RANGE.contains(&coupling) {
             return Err(CaseError::Coupling { frequency_hz: circuit.series_resonance_hz(), lm_h, cm_f, c0_f, coupling });
         }
         let drive = &driven.controller.drive;
@@ -128,11 +131,11 @@ impl Case {
             sensors.noise_lsb = noise_lsb;
         }
         let case = Case { scene, asked_v, block_samples: (block_samples, wishes.block_samples.is_some()), modes };
-        // What is too much for a scene is advised against later.
+        // The warnings report a voltage that is too high for a scene.
         case.with(block_samples, asked_v.min(most_v))
     }
 
-    /// The case with another length of a block and another voltage.
+    /// Returns the case with another block length and voltage.
     pub fn with(&self, block_samples: u16, volts: f64) -> Result<Self, CaseError> {
         self.changed(|controller| {
             controller.block_samples = block_samples;
@@ -140,7 +143,7 @@ impl Case {
         })
     }
 
-    /// The case with another window and another bandwidth of the fall-back loop.
+    /// Returns the case with another window and another bandwidth of the fall-back loop.
     pub fn tracking(&self, span: f64, bandwidth_hz: f64) -> Result<Self, CaseError> {
         self.changed(|controller| (controller.tracking.span, controller.tracking.bandwidth_hz) = (span, bandwidth_hz))
     }
@@ -150,22 +153,22 @@ impl Case {
         if let Some(controller) = &mut scene.controller {
             change(controller);
         }
-        // Read again, so that what a user has given by hand is judged like any scene.
+        // The scene is read again, so that values given by the user are checked as in any scene.
         let scene = load_text("the advised scene", &resolved_toml(&scene), &[])?.scene;
         Ok(Case { scene, ..self.clone() })
     }
 
-    /// The scene of the case.
+    /// Returns the scene of the case.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The scene as one that is driven.
+    /// Returns the scene as a driven one.
     pub fn driven(&self) -> Option<Driven<'_>> {
         self.scene.driven()
     }
 
-    /// The parts of the case. They are never `None`: the case was made of them.
+    /// Returns the parts of the case; never `None`, because the case was created from them.
     pub fn parts(&self) -> Option<Parts<'_>> {
         let driven = self.scene.driven()?;
         let (controller, amplifier, sensors) = (driven.controller, driven.amplifier, driven.sensors);
@@ -193,7 +196,7 @@ impl Numbers {
     }
 }
 
-/// The scene with this stack alone: nothing rubs on it, nothing changes on the way, and nothing is run beside it.
+/// Returns the scene with only this stack: without contact, disturbances, faults and comparisons.
 fn alone(scene: &Scene, driven: Driven<'_>, circuit: Circuit) -> Scene {
     let Circuit { c0_f, cm_f, lm_h, force_factor_n_per_v, .. } = circuit;
     let bvd = Bvd {
@@ -251,11 +254,11 @@ fn alone(scene: &Scene, driven: Driven<'_>, circuit: Circuit) -> Scene {
     }
 }
 
-/// With as many digits as a nominal value has.
+/// Rounds to the digits of a nominal value.
 pub fn rounded(value: f64) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;
     }
-    // By way of text, so that it is the number nearest to what is printed.
+    // Rounded as text, to obtain the number nearest to the printed one.
     format!("{value:.*e}", DIGITS as usize - 1).parse().unwrap_or(value)
 }

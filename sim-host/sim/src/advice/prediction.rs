@@ -1,17 +1,18 @@
-//! What the observer will do: rehearsed, with the Cramer-Rao bound beside it.
+//! Prediction of the observer's behaviour by rehearsal, with the Cramer-Rao bound.
 //!
-//! | | is |
+//! | quantity | definition |
 //! |---|---|
-//! | lock time to B | from the first sample of the lock stage to the last moment that the frequency played is more than B off: median and 95th percentile of noisy cold starts over the errors that nominal values may have ([`NOMINAL_ERROR`]) |
-//! | jitter | standard deviation of the frequency played, steady |
-//! | bandwidth | from a swing of the true resonance to the frequency played, down by 3 dB; without noise |
-//! | lag | true resonance less the frequency played, on a ramp; without noise |
-//! | bias | what a clamped capacitance that is 1 % more than was calibrated, or a current that is sampled 1 ns later, adds to the lock point |
-//! | loss | from the moment that the vibration has ended until the lock is called lost |
+//! | lock time to B | from the first sample of the lock stage to the last moment at which the drive frequency is off by more than B: median and 95th percentile of noisy cold starts over the possible errors of the nominal values ([`NOMINAL_ERROR`]) |
+//! | jitter | steady standard deviation of the drive frequency |
+//! | bandwidth | -3 dB, from a modulation of the true resonance to the drive frequency; without noise |
+//! | lag | true resonance minus drive frequency on a ramp; without noise |
+//! | bias | shift of the lock point if the clamped capacitance is 1 % above its calibration, or if the current is sampled 1 ns later |
+//! | loss | from the end of the vibration until the lock is reported lost |
 //!
-//! The bound of the jitter is that of a window of something that goes on, whose middle lies as far back as the observer is behind on a ramp
-//! without its second integrator; Lm and C0 are known, because what is wrong with them is bias. The bound of a ramp is the best compromise of
-//! lag and jitter that takes the resonance for constant within a window; or the jitter of one that fits the slope, too.
+//! The bound of the jitter is that of a continuing window whose middle lies back by the observer's
+//! lag on a ramp without its second integrator. Lm and C0 are known, because their errors are bias.
+//! The bound on a ramp is the best compromise of lag and jitter for a resonance assumed constant
+//! within a window, or the jitter of an estimate that also fits the slope.
 
 use firmware::seam::block::LATENCY_BLOCKS;
 use firmware::track::tracker::State;
@@ -21,43 +22,46 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::case::{Case, NOMINAL_ERROR};
-use super::rehearsal::{Bench, Rehearsal};
+use super::rehearsal::{Rehearsal, RehearsalBench};
 use super::response::bandwidth_hz;
-use super::rig::Rig;
+use super::rig::RehearsalRig;
 use crate::cramer_rao::{DEVIATIONS_95, Knowledge, PriorKnowledge, Setting, ramp, ramp_with_slope, steady, time_to};
 use plant::circuit::Circuit;
 use report::statistics::{ascending, percentile};
 
-/// Cold starts of a prediction.
+/// Number of cold starts of a prediction.
 pub const DRAWS: u64 = 400;
-/// Lock times are to within so much, Hz.
+/// Bounds within which a lock is counted, Hz.
 pub const BOUNDS_HZ: [f64; 3] = [100.0, 20.0, 4.0];
 /// Rates of a ramp, Hz/s.
 const RAMPS_HZ_PER_S: [f64; 2] = [1e3, 10e3];
-/// A cold start is watched for so long, s.
+/// Duration of a cold start, s.
 const WATCHED_S: f64 = 8e-3;
-/// Steady is what comes after so long, s; a ramp lasts as long.
+/// Time after which the state is steady, and duration of a ramp, s.
 pub(super) const SETTLED_S: f64 = 30e-3;
-/// Jitter is measured over so long, s, in so many rehearsals.
-const JITTER: (f64, u64) = (60e-3, 4);
-/// Longest time in which a loss is looked for, s.
+/// Duration of a jitter measurement, s.
+const JITTER_S: f64 = 60e-3;
+/// Number of rehearsals of a jitter measurement.
+const JITTER_REHEARSALS: u64 = 4;
+/// Maximum time until a loss is reported, s.
 const LOSS_S: f64 = 1.0;
-/// Deviations of a Gaussian that half of it is within.
+/// Standard deviations that contain half of a Gaussian distribution.
 const DEVIATIONS_50: f64 = 0.6745;
-/// Bias per part of C0, and per skew, s.
+/// Relative error of C0 for the bias.
 const ONE_PERCENT: f64 = 0.01;
+/// Skew for the bias, s.
 const ONE_NS: f64 = 1e-9;
 
 /// Predicted behaviour of the observer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Prediction {
-    /// Cold starts that were rehearsed.
+    /// Number of rehearsed cold starts.
     pub draws: u64,
     /// Lock times to within several bounds.
     pub lock: Vec<LockTime>,
-    /// Standard deviation of the frequency played, Hz.
+    /// Standard deviation of the drive frequency, Hz.
     pub jitter_hz: f64,
-    /// Standard deviation as the observer states it itself, Hz.
+    /// Standard deviation stated by the observer, Hz.
     pub jitter_stated_hz: f64,
     /// Bound of the standard deviation, Hz.
     pub jitter_bound_hz: f64,
@@ -65,30 +69,30 @@ pub struct Prediction {
     pub bandwidth_hz: Option<f64>,
     /// Lags on several ramps of the resonance.
     pub ramps: Vec<Ramp>,
-    /// Lock point for each per cent of C0, Hz.
+    /// Shift of the lock point per percent of C0, Hz.
     pub bias_hz_per_percent_c0: f64,
-    /// Lock point for each ns that the current is sampled later than the voltage, Hz.
+    /// Shift of the lock point per ns by which the current is sampled later than the voltage, Hz.
     pub bias_hz_per_ns_skew: f64,
-    /// Time until the end of the vibration is noticed, ms.
+    /// Time until the end of the vibration is detected, ms.
     pub loss_noticed_ms: Option<f64>,
 }
 
 /// Time to lock to within a bound.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LockTime {
-    /// Bound to which the time is counted, Hz.
+    /// Bound of the frequency error, Hz.
     pub within_hz: f64,
-    /// Median and 95th percentile, ms; nothing where it takes longer than was watched.
+    /// Median, ms; `None` if it exceeds the simulated time.
     pub median_ms: Option<f64>,
-    /// The 95th percentile of the lock times, ms.
+    /// 95th percentile, ms; `None` if it exceeds the simulated time.
     pub p95_ms: Option<f64>,
-    /// Bounds of both, ms.
+    /// Bound of the median, ms.
     pub bound_median_ms: Option<f64>,
     /// Bound of the 95th percentile, ms.
     pub bound_p95_ms: Option<f64>,
 }
 
-/// A resonance that drifts.
+/// Behaviour on a drifting resonance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ramp {
     /// Rate of the drift, Hz/s.
@@ -97,17 +101,19 @@ pub struct Ramp {
     pub lag_hz: f64,
     /// Lag without its second integrator, Hz.
     pub lag_without_rate_hz: f64,
-    /// Least error of an estimate that takes the resonance for constant: lag and jitter together, Hz rms.
+    /// Minimum error of an estimate for a constant resonance, lag and jitter combined, Hz rms.
     pub bound_constant_hz: Option<f64>,
-    /// Jitter of one that fits the slope, with the observer's memory, Hz rms.
+    /// Jitter of an estimate that fits the slope, with the observer's memory, Hz rms.
     pub bound_slope_hz: f64,
 }
 
-/// Predicts the observer's behaviour for a case; none where it has no rig.
+/// Predicts the observer's behaviour for a case; `None` if the firmware refuses its settings.
 pub fn predict(case: &Case) -> Option<Prediction> {
-    let rig = Rig::of(case)?;
-    let setting =
-        Setting { prior: PriorKnowledge::cold(rig.bench.nominal_hz, NOMINAL_ERROR.resonance), ..Setting::of(&case.driven()?)? };
+    let rig = RehearsalRig::from_case(case)?;
+    let setting = Setting {
+        prior: PriorKnowledge::cold(rig.bench.nominal_hz, NOMINAL_ERROR.resonance),
+        ..Setting::from_scene(&case.driven()?)?
+    };
     let latency = LATENCY_BLOCKS as f64;
     let times = lock_times(&rig, DRAWS);
     let bound_ms = |hz: f64| time_to(&setting, hz, latency).map(|s| 1e3 * s);
@@ -137,7 +143,7 @@ pub fn predict(case: &Case) -> Option<Prediction> {
         bound_constant_hz: ramp(&tracking, hz_per_s, latency).map(|best| best.error_hz()),
         bound_slope_hz: ramp_with_slope(&tracking, memory_s, latency),
     });
-    let bias = |bench: Bench| settle(&rig, bench).1 - locked.1;
+    let bias = |bench: RehearsalBench| settle(&rig, bench).1 - locked.1;
     Some(Prediction {
         draws: DRAWS,
         lock,
@@ -146,14 +152,15 @@ pub fn predict(case: &Case) -> Option<Prediction> {
         jitter_bound_hz: steady(&tracking, memory_s),
         bandwidth_hz,
         ramps: ramps.to_vec(),
-        bias_hz_per_percent_c0: bias(Bench { c0_error: ONE_PERCENT, ..rig.bench }),
-        bias_hz_per_ns_skew: bias(Bench { skew_s: ONE_NS, ..rig.bench }),
+        bias_hz_per_percent_c0: bias(RehearsalBench { c0_error: ONE_PERCENT, ..rig.bench }),
+        bias_hz_per_ns_skew: bias(RehearsalBench { skew_s: ONE_NS, ..rig.bench }),
         loss_noticed_ms: loss_s(&rig, locked.0).map(|s| 1e3 * s),
     })
 }
 
-/// Lock times of so many cold starts to each of [`BOUNDS_HZ`], s, rising; infinite where that was not reached.
-pub fn lock_times(rig: &Rig, draws: u64) -> [Vec<f64>; 3] {
+/// Returns the lock times of `draws` cold starts to each of [`BOUNDS_HZ`], s, in ascending order;
+/// infinite if not reached.
+pub fn lock_times(rig: &RehearsalRig, draws: u64) -> [Vec<f64>; 3] {
     let blocks = rig.blocks(WATCHED_S);
     let one = |number: u64| {
         let (mut rehearsal, circuit) = rig.draw(number);
@@ -167,31 +174,31 @@ pub fn lock_times(rig: &Rig, draws: u64) -> [Vec<f64>; 3] {
     [0, 1, 2].map(|n| ascending(all.iter().map(|times| times[n])))
 }
 
-/// The smallest value that at least this part does not exceed, ms; nothing if it is infinite.
+/// Returns the smallest value that at least the fraction `part` does not exceed, ms; `None` if it
+/// is infinite.
 pub fn percentile_ms(rising: &[f64], part: f64) -> Option<f64> {
     Some(1e3 * percentile(rising, part)).filter(|ms| ms.is_finite())
 }
 
-/// Standard deviation of the frequency played, and what the observer says of its own, Hz.
-fn jitter(rig: &Rig) -> (f64, f64) {
-    let (length_s, rehearsals) = JITTER;
+/// Returns the standard deviation of the drive frequency, and that stated by the observer, Hz.
+fn jitter(rig: &RehearsalRig) -> (f64, f64) {
     let one = |number: u64| {
         let mut rehearsal = rig.start(rig.bench, Some(Xoshiro256PlusPlus::seed_from_u64(number)));
         (0..rig.blocks(SETTLED_S)).for_each(|_| {
             rehearsal.step(&rig.circuit);
         });
-        let blocks: Vec<_> = (0..rig.blocks(length_s)).map(|_| rehearsal.step(&rig.circuit)).collect();
+        let blocks: Vec<_> = (0..rig.blocks(JITTER_S)).map(|_| rehearsal.step(&rig.circuit)).collect();
         let mean = |of: &dyn Fn(f64) -> f64| blocks.iter().map(|block| of(block.played_hz)).sum::<f64>() / blocks.len() as f64;
         let centre = mean(&|hz| hz);
         (mean(&|hz| (hz - centre).powi(2)), blocks.last().map_or(f64::NAN, |block| block.stated_hz))
     };
-    let all: Vec<(f64, f64)> = (1..=rehearsals).into_par_iter().map(one).collect();
+    let all: Vec<(f64, f64)> = (1..=JITTER_REHEARSALS).into_par_iter().map(one).collect();
     let mean = |of: fn(&(f64, f64)) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
     (mean(|one| one.0).sqrt(), mean(|one| one.1))
 }
 
-/// A rehearsal without noise that has settled, and where: Hz beside the true resonance.
-fn settle(rig: &Rig, bench: Bench) -> (Rehearsal, f64) {
+/// Returns a settled rehearsal without noise, and its offset from the true resonance, Hz.
+fn settle(rig: &RehearsalRig, bench: RehearsalBench) -> (Rehearsal, f64) {
     let mut rehearsal = rig.start(bench, None);
     let blocks = rig.blocks(SETTLED_S);
     let errors: Vec<f64> = (0..blocks).map(|_| rehearsal.step(&rig.circuit).error_hz()).collect();
@@ -199,8 +206,8 @@ fn settle(rig: &Rig, bench: Bench) -> (Rehearsal, f64) {
     (rehearsal, last.iter().sum::<f64>() / last.len() as f64)
 }
 
-/// How far a rehearsal comes to be behind, Hz.
-fn lag_hz(rig: &Rig, mut settled: Rehearsal, hz_per_s: f64) -> f64 {
+/// Returns the steady lag of a rehearsal on a ramp, Hz.
+fn lag_hz(rig: &RehearsalRig, mut settled: Rehearsal, hz_per_s: f64) -> f64 {
     let (from_s, own_hz) = (settled.time_s(), rig.circuit.series_resonance_hz());
     let blocks = rig.blocks(SETTLED_S);
     let mut lags = Vec::with_capacity(blocks);
@@ -212,9 +219,9 @@ fn lag_hz(rig: &Rig, mut settled: Rehearsal, hz_per_s: f64) -> f64 {
     last.iter().sum::<f64>() / last.len() as f64
 }
 
-/// When the end of the vibration is noticed, s.
-fn loss_s(rig: &Rig, mut settled: Rehearsal) -> Option<f64> {
-    /// So many times the inductance is no branch any more.
+/// Returns the time until the end of the vibration is detected, s.
+fn loss_s(rig: &RehearsalRig, mut settled: Rehearsal) -> Option<f64> {
+    /// Factor of the inductance that removes the motional branch.
     const BROKEN: f64 = 1e6;
     let own = rig.circuit;
     let broken = Circuit { lm_h: own.lm_h * BROKEN, cm_f: own.cm_f / BROKEN, rm_ohm: own.rm_ohm * BROKEN, ..own };

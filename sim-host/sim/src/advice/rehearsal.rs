@@ -1,15 +1,18 @@
-//! A rehearsal: the firmware's own tracker on the linear model of a ring-up, without converters, contact or amplifier around it.
+//! A rehearsal: the firmware's own tracker on the linear model of a ring-up, without converters,
+//! contact and amplifier.
 //!
-//! Within a block the drive has one frequency, and the current of the series branch behind the source resistance is, exactly,
+//! Within a block the drive has one frequency. The current of the series branch, fed through the
+//! source resistance, is exactly
 //!
 //! ```text
 //! i(t) = Re{ V Y(w) exp(j w t) + C exp(p t) },    p = -alpha + j sqrt(w0^2 - alpha^2),    Y = 1 / (R + j (w L - 1 / (w C)))
 //! ```
 //!
-//! with `C` from the current and the charge at the block's beginning (Butterworth 1914, Van Dyke 1928). Samples of it go through the same
-//! lock-in as in the firmware, least squares over a block, and what the tracker makes of a block is played two blocks later. With noise it
-//! is one draw of many; without, it shows what the filter's own gains do. Left out: rounding but as noise, images of the DAC, the
-//! amplifier's lag, and further modes.
+//! with `C` from the current and the charge at the beginning of the block (Butterworth 1914, Van
+//! Dyke 1928). Its samples pass the firmware's lock-in, least squares over a block, and the
+//! tracker's result for a block is played two blocks later. With noise, a rehearsal is one of many
+//! draws; without noise it shows the effect of the filter's own gains. The model omits images of
+//! the DAC, the amplifier's lag and further modes; rounding is only included as noise.
 
 use firmware::seam::block::LATENCY_BLOCKS;
 use firmware::seam::phasor::Phasor;
@@ -25,27 +28,27 @@ use realfft::num_complex::Complex64;
 use plant::circuit::Circuit;
 
 const TAU: f64 = std::f64::consts::TAU;
-/// What the observer knows of the transducer is taken by the controller every so many blocks.
+/// Interval at which the controller adopts the observer's transducer values, blocks.
 const LEARN_BLOCKS: usize = 64;
 
-/// What is around the stack.
+/// Test bench: the stack's surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bench {
+pub struct RehearsalBench {
     /// Nominal frequency of the drive, Hz.
     pub nominal_hz: f64,
-    /// Peak drive voltage, V, behind so many ohms.
+    /// Peak drive voltage before the source resistance, V.
     pub volts: f64,
     /// Source resistance of the amplifier, ohm.
     pub source_ohm: f64,
-    /// Samples a second, Hz.
+    /// Sample rate, Hz.
     pub sample_hz: f64,
     /// Samples in a block.
     pub samples: u16,
     /// Noise of a sample of the current, A rms, and of the voltage, V rms.
     pub noise: (f64, f64),
-    /// By which part the clamped capacitance is more than what is taken away for it.
+    /// Relative error of the clamped capacitance: true value over the compensated one, minus one.
     pub c0_error: f64,
-    /// How much later the current is sampled than the voltage, s.
+    /// Delay of the current samples after the voltage samples, s.
     pub skew_s: f64,
 }
 
@@ -54,40 +57,40 @@ pub struct Bench {
 pub enum Follower {
     /// The whole tracker of the firmware.
     Tracker(Box<Tracker>),
-    /// The observer by itself, without its second integrator.
+    /// The observer alone, without its second integrator.
     WithoutRate(Box<Observer>),
 }
 
 /// A block that was played and measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
-    /// Frequency played, and the true resonance in the middle of the block, Hz.
+    /// Frequency played, Hz.
     pub played_hz: f64,
-    /// True resonance of the stack, Hz.
+    /// True resonance of the stack in the middle of the block, Hz.
     pub resonance_hz: f64,
     /// Standard deviation that the observer states, Hz.
     pub stated_hz: f64,
-    /// What the tracker says of its lock; nothing of an observer by itself.
+    /// Lock state of the tracker; `None` for an observer alone.
     pub state: Option<State>,
 }
 
 impl Block {
-    /// How far off the drive is, Hz.
+    /// Returns the drive frequency minus the true resonance, Hz.
     pub fn error_hz(&self) -> f64 {
         self.played_hz - self.resonance_hz
     }
 }
 
-/// A rehearsal under way.
+/// Rehearsal in progress.
 #[derive(Clone, Debug)]
 pub struct Rehearsal {
-    bench: Bench,
+    bench: RehearsalBench,
     follower: Follower,
     branch: Motional,
-    /// Blocks played.
+    /// Number of blocks played.
     block: usize,
     learned: bool,
-    /// Offsets that are decided on and not yet played, the next first, Hz.
+    /// Frequency offsets decided and not yet played, the next first, Hz.
     ahead_hz: [f64; LATENCY_BLOCKS],
     current_a: f64,
     charge_c: f64,
@@ -97,9 +100,9 @@ pub struct Rehearsal {
 }
 
 impl Rehearsal {
-    /// A cold start: the drive begins where it passes zero, `phase` (turns) of a period after the first block does. Noise as `random`
-    /// draws it, or none.
-    pub fn new(bench: Bench, follower: Follower, c0_f: f64, phase: f64, random: Option<Xoshiro256PlusPlus>) -> Self {
+    /// Starts cold. The drive begins at its zero crossing, `phase` (turns) of a period after the
+    /// start of the first block. `random` draws the noise; `None` is without noise.
+    pub fn new(bench: RehearsalBench, follower: Follower, c0_f: f64, phase: f64, random: Option<Xoshiro256PlusPlus>) -> Self {
         let branch = Motional::of_capacitance(c0_f as f32, bench.nominal_hz as f32);
         Rehearsal {
             bench,
@@ -123,12 +126,12 @@ impl Rehearsal {
         }
     }
 
-    /// Moment of the middle of the next block, s.
+    /// Returns the time of the middle of the next block, s.
     pub fn time_s(&self) -> f64 {
         (self.block as f64 + 0.5) * f64::from(self.bench.samples) / self.bench.sample_hz
     }
 
-    /// Plays a block on a stack, measures it, and decides on the next.
+    /// Plays a block on a stack, measures it, and decides the frequency of the next.
     pub fn step(&mut self, circuit: &Circuit) -> Block {
         let offset_hz = self.ahead_hz[self.block % LATENCY_BLOCKS];
         let played_hz = self.bench.nominal_hz + offset_hz;
@@ -175,11 +178,11 @@ impl Rehearsal {
         Block { played_hz, resonance_hz: circuit.series_resonance_hz(), stated_hz: stated_hz.into(), state }
     }
 
-    /// Samples of a block, through the lock-in.
+    /// Computes the samples of a block and passes them through the lock-in.
     fn play(&mut self, circuit: &Circuit, hz: f64) -> Sensed {
-        let Bench { sample_hz, samples, source_ohm, volts, .. } = self.bench;
+        let RehearsalBench { sample_hz, samples, source_ohm, volts, .. } = self.bench;
         let step = TAU * hz / sample_hz;
-        // Before the first zero of the drive there is silence.
+        // The drive is silent before its first zero crossing.
         let silent = if self.phase < 0.0 { (-self.phase / step).min(f64::from(samples)) } else { 0.0 };
         let begins = self.phase + silent * step;
         let omega = TAU * hz;

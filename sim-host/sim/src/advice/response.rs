@@ -1,29 +1,34 @@
-//! Bandwidth: how fast a swing of the true resonance may be for the drive to follow it. Rehearsed without noise, so that it is the response
-//! of the filter with the gains that it has come to.
+//! Bandwidth from the true resonance to the drive frequency. It is rehearsed without noise, so that
+//! it is the response of the filter with its converged gains.
 
 use super::rehearsal::Rehearsal;
-use super::rig::Rig;
+use super::rig::RehearsalRig;
 
 const TAU: f64 = std::f64::consts::TAU;
-/// Size of the swing, Hz: so small that it is no more to the filter than its noise is.
+/// Amplitude of the modulation, Hz: comparable to the filter's noise.
 const SWING_HZ: f64 = 0.5;
-/// Of the swing, at the bandwidth: -3 dB.
+/// Gain at the bandwidth, -3 dB.
 const HALF_POWER: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// The slowest swing that is tried, Hz, and from one to the next.
-const SLOWEST: (f64, f64) = (10.0, 1.3);
-/// Swings are tried up to this part of the blocks' rate.
-const FASTEST: f64 = 0.25;
-/// Swings before it counts, and those that count.
-const PERIODS: (f64, f64) = (4.0, 4.0);
-/// Bisections between two swings.
+/// Lowest modulation frequency, Hz.
+const LOWEST_HZ: f64 = 10.0;
+/// Ratio of successive modulation frequencies.
+const STEP_RATIO: f64 = 1.3;
+/// Highest modulation frequency, relative to the block rate.
+const HIGHEST_REL: f64 = 0.25;
+/// Number of periods before the measurement.
+const SETTLING_PERIODS: f64 = 4.0;
+/// Number of measured periods.
+const MEASURED_PERIODS: f64 = 4.0;
+/// Number of bisections between two modulation frequencies.
 const BISECTIONS: u32 = 6;
 
-/// The swing that comes out 3 dB smaller, Hz; beyond it none comes out larger. Nothing where even the slowest does.
-pub fn bandwidth_hz(settled: &Rehearsal, rig: &Rig) -> Option<f64> {
+/// Returns the highest modulation frequency that is attenuated by at most 3 dB, Hz; `None` if the
+/// lowest one is attenuated more.
+pub fn bandwidth_hz(settled: &Rehearsal, rig: &RehearsalRig) -> Option<f64> {
     let follows = |hz: f64| gain(settled, rig, hz) >= HALF_POWER;
-    let fastest = FASTEST / rig.block_s;
+    let fastest = HIGHEST_REL / rig.block_s;
     let tried: Vec<f64> =
-        std::iter::successors(Some(SLOWEST.0), |hz| Some(hz * SLOWEST.1)).take_while(|&hz| hz < fastest).collect();
+        std::iter::successors(Some(LOWEST_HZ), |hz| Some(hz * STEP_RATIO)).take_while(|&hz| hz < fastest).collect();
     let last = tried.iter().rposition(|&hz| follows(hz))?;
     let (mut low, mut high) = (tried[last], tried.get(last + 1).copied().unwrap_or(fastest));
     for _ in 0..BISECTIONS {
@@ -33,11 +38,11 @@ pub fn bandwidth_hz(settled: &Rehearsal, rig: &Rig) -> Option<f64> {
     Some((low * high).sqrt())
 }
 
-/// How much of a swing comes out.
-fn gain(settled: &Rehearsal, rig: &Rig, swing_hz: f64) -> f64 {
+/// Returns the gain from the modulation of the resonance to the drive frequency.
+fn gain(settled: &Rehearsal, rig: &RehearsalRig, swing_hz: f64) -> f64 {
     let mut rehearsal = settled.clone();
     let (from_s, own_hz) = (rehearsal.time_s(), rig.circuit.series_resonance_hz());
-    let (before, counted) = (PERIODS.0 / swing_hz, PERIODS.1 / swing_hz);
+    let (before, counted) = (SETTLING_PERIODS / swing_hz, MEASURED_PERIODS / swing_hz);
     let (before, all) = (rig.blocks(before), rig.blocks(before + counted));
     let (mut sine, mut cosine) = (0.0, 0.0);
     for block in 0..all {

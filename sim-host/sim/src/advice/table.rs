@@ -1,8 +1,8 @@
-//! The advice as tables.
+//! Tables of an advice.
 
 use super::Advice;
 use super::prediction::LockTime;
-use super::verification::Measured;
+use super::verification::MeasuredLockTime;
 use report::TableBlock;
 
 fn block(title: &str, header: &[&str], rows: Vec<Vec<String>>, caption: &str) -> TableBlock {
@@ -23,7 +23,7 @@ fn row(name: &str, value: String, note: &str) -> Vec<String> {
     vec![name.into(), value, note.into()]
 }
 
-/// All tables, in order.
+/// Returns all tables, in order.
 pub fn tables(advice: &Advice) -> Vec<TableBlock> {
     let mut tables = vec![transducer(advice), blocks(advice), drive(advice), lock(advice), steady(advice)];
     tables.extend(verified(advice));
@@ -33,10 +33,8 @@ pub fn tables(advice: &Advice) -> Vec<TableBlock> {
 fn transducer(advice: &Advice) -> TableBlock {
     let it = &advice.transducer;
     let zero_phase = match it.zero_phase_bias_hz {
-        Some(hz) => {
-            row("V-I zero phase", format!("{hz:+.1} Hz"), "M > 2: a plain V-I loop would settle so far beside the resonance")
-        }
-        None => row("V-I zero phase", "none".into(), "M is not above 2: a plain V-I loop has no lock point"),
+        Some(hz) => row("V-I zero phase", format!("{hz:+.1} Hz"), "M > 2: a plain V-I loop would settle this far off resonance"),
+        None => row("V-I zero phase", "none".into(), "M <= 2: a plain V-I loop has no lock point"),
     };
     let rows = vec![
         row("series resonance fs", format!("{:.2} Hz", it.series_resonance_hz), ""),
@@ -62,7 +60,8 @@ fn blocks(advice: &Advice) -> TableBlock {
         let [median, p95] = times;
         vec![samples, format!("{:.2}", block.periods), median, p95, advised.into()]
     };
-    let caption = "A short block decides sooner and costs more instructions a sample; one of less than 0.6 periods does not determine its phasor.";
+    let caption = "A shorter block decides sooner but costs more instructions per sample. Fewer than 0.6 periods do not \
+                   determine its phasor.";
     let header = ["block [samples]", "periods", "to 4 Hz, median [ms]", "95 % [ms]", ""];
     block("Length of a block", &header, advice.settings.blocks.iter().map(of).collect(), caption)
 }
@@ -70,8 +69,8 @@ fn blocks(advice: &Advice) -> TableBlock {
 fn drive(advice: &Advice) -> TableBlock {
     let it = &advice.settings.drive;
     let rows = vec![
-        row("advised voltage", format!("{:.3} V peak", it.advised_v), &format!("asked for: {} V", it.asked_v)),
-        row("largest voltage", format!("{:.3} V peak", it.largest_v), &format!("at the resonance, by {}", it.bounded_by)),
+        row("advised voltage", format!("{:.3} V peak", it.advised_v), &format!("requested: {} V", it.asked_v)),
+        row("largest voltage", format!("{:.3} V peak", it.largest_v), &format!("at resonance, limited by {}", it.bounded_by)),
         row("current at the resonance", format!("{:.3} A peak", it.current_a), ""),
         row("current in the ADC", format!("{:.0} LSB", it.current_lsb), &format!("of {:.0}", it.full_scale_lsb)),
         row("voltage in the ADC", format!("{:.0} LSB", it.voltage_lsb), &format!("of {:.0}", it.full_scale_lsb)),
@@ -90,9 +89,9 @@ fn lock(advice: &Advice) -> TableBlock {
         std::iter::once(format!("{:.0}", time.within_hz)).chain(times).collect()
     };
     let caption = format!(
-        "Rehearsed: {} cold starts of the firmware's tracker on the linear model; the nominal values are off by up to 2 % (resonance), a factor of 2 (Q) and \
-         10 % (Lm). The first block is silent. Bound: Cramer-Rao, from the \
-         first sample of the drive, with two blocks from measurement to playback.",
+        "Rehearsal of {} cold starts of the firmware's tracker on the linear model, with errors of the nominal values up to 2 % \
+         (resonance), a factor of 2 (Q) and 10 % (Lm). The first block is silent. Bound: Cramer-Rao, from the first sample of \
+         the drive, with a delay of two blocks from measurement to playback.",
         advice.prediction.draws
     );
     let header = ["to within [Hz]", "median [ms]", "bound [ms]", "95 % [ms]", "bound [ms]"];
@@ -104,7 +103,7 @@ fn steady(advice: &Advice) -> TableBlock {
     let hz = |value: f64| format!("{value:.3} Hz");
     let line = |name: String, value: String, bound: String, note: &str| vec![name, value, bound, note.into()];
     let bandwidth = it.bandwidth_hz.map_or_else(|| "below 10 Hz".into(), |hz| format!("{hz:.0} Hz"));
-    let stated = format!("the observer itself states {:.3} Hz", it.jitter_stated_hz);
+    let stated = format!("stated by the observer: {:.3} Hz", it.jitter_stated_hz);
     let mut rows = vec![
         line("steady jitter".into(), hz(it.jitter_hz), hz(it.jitter_bound_hz), &stated),
         line("bandwidth".into(), bandwidth, String::new(), "-3 dB, from true resonance to drive"),
@@ -116,16 +115,16 @@ fn steady(advice: &Advice) -> TableBlock {
             format!("lag at {rate} kHz/s"),
             hz(ramp.lag_hz),
             hz(ramp.bound_slope_hz),
-            "bound: jitter of a fit with slope",
+            "bound: jitter of a fit with a slope",
         ));
-        let note = "bound: lag and jitter of a fit without slope";
-        rows.push(line("the same without rate integrator".into(), hz(ramp.lag_without_rate_hz), constant, note));
+        let note = "bound: lag and jitter of a fit without a slope";
+        rows.push(line("lag without rate integrator".into(), hz(ramp.lag_without_rate_hz), constant, note));
     }
     rows.push(line(
         "lock point per % of C0".into(),
         format!("{:+.4} Hz", it.bias_hz_per_percent_c0),
         String::new(),
-        "C0 more than calibrated",
+        "C0 above its calibration",
     ));
     rows.push(line(
         "lock point per ns of skew".into(),
@@ -134,14 +133,14 @@ fn steady(advice: &Advice) -> TableBlock {
         "current sampled later",
     ));
     let loss = it.loss_noticed_ms.map_or_else(|| "not within 1 s".into(), |ms| format!("{ms:.2} ms"));
-    rows.push(line("loss noticed after".into(), loss, String::new(), "the vibration has ended"));
+    rows.push(line("loss detected after".into(), loss, String::new(), "from the end of the vibration"));
     block("Predicted steady state", &["", "predicted", "bound", ""], rows, "")
 }
 
 fn verified(advice: &Advice) -> Option<TableBlock> {
     let it = advice.verified.as_ref()?;
     let predicted = &advice.prediction;
-    let of = |(time, found): (&LockTime, &Measured)| {
+    let of = |(time, found): (&LockTime, &MeasuredLockTime)| {
         let name = |what: &str| format!("to {:.0} Hz, {what} [ms]", time.within_hz);
         [vec![name("median"), ms(time.median_ms), ms(found.median_ms)], vec![name("95 %"), ms(time.p95_ms), ms(found.p95_ms)]]
     };
@@ -150,8 +149,8 @@ fn verified(advice: &Advice) -> Option<TableBlock> {
     rows.push(vec!["steady jitter [Hz]".into(), format!("{:.3}", predicted.jitter_hz), found(it.jitter_hz)]);
     rows.push(vec!["bias, 95 % [Hz]".into(), String::new(), found(it.bias_p95_hz)]);
     let caption = format!(
-        "Of {} runs {} locked, {} ended in a fault, {} called a lock that was none.",
+        "Of {} runs, {} locked, {} ended in a fault and {} reported a false lock.",
         it.runs, it.locked, it.faulted, it.false_locks
     );
-    Some(block("Prediction beside the whole controller", &["", "predicted", "run"], rows, &caption))
+    Some(block("Prediction and whole controller", &["", "predicted", "simulated"], rows, &caption))
 }

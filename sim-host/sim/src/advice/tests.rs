@@ -1,11 +1,11 @@
-//! The advice against the whole controller, and against what a user may rely on.
+//! Tests of the advice against the whole controller, and of its properties for the user.
 
 use super::case::{Case, CaseError, Numbers, Wishes};
 use super::verification::verify;
 use super::{Advice, advise};
 use scene::load::{load, load_text};
 
-/// The stack of experiment-1, at another Q.
+/// Advises on the stack of experiment-1 with another Q.
 fn of_q(q: f64, volts: f64) -> (Advice, Case) {
     let numbers = Numbers { frequency_hz: 40e3, q, c0_f: 300e-9, lm_h: 0.7916e-3 };
     let wishes = Wishes { volts: Some(volts), block_samples: Some(32), ..Wishes::default() };
@@ -13,10 +13,11 @@ fn of_q(q: f64, volts: f64) -> (Advice, Case) {
     advise(&case).unwrap()
 }
 
-/// The runs of docs/advise.md: every lock time is within two blocks, 64 us, of what was predicted, and the jitter within 7 %. Of 40 runs, a
-/// median scatters by two blocks more.
+/// These are the runs of docs/your-transducer.md: every lock time is within two blocks, 64 us, of
+/// the prediction, and the jitter within 7 %. With 40 runs, a median scatters by another two
+/// blocks.
 #[test]
-fn the_prediction_is_what_the_whole_controller_does() {
+fn prediction_matches_the_whole_controller() {
     for q in [20.0, 65.0, 500.0] {
         let (advice, advised) = of_q(q, 3.0);
         let verified = verify(&advised, 200, &mut |_| ()).unwrap();
@@ -32,7 +33,7 @@ fn the_prediction_is_what_the_whole_controller_does() {
     }
 }
 
-/// No unbiased estimate locks sooner than the bound, which has the latency, too.
+/// No unbiased estimate locks sooner than the bound, which includes the latency.
 #[test]
 fn no_lock_is_predicted_below_the_bound() {
     for time in of_q(65.0, 3.0).0.prediction.lock {
@@ -40,10 +41,10 @@ fn no_lock_is_predicted_below_the_bound() {
     }
 }
 
-/// A lossless C0 that is off by `d` moves the lock point by `d fs / (2 Q M)`, and a skew of `dt` by `omega dt fs / (2 Q)`: 0.710 Hz and
-/// 0.0773 Hz at Q 65.
+/// An error `d` of a lossless C0 moves the lock point by `d fs / (2 Q M)`, and a skew `dt` by
+/// `omega dt fs / (2 Q)`: 0.710 Hz and 0.0773 Hz at Q 65.
 #[test]
-fn the_lock_point_moves_as_theory_says() {
+fn lock_point_moves_as_in_theory() {
     let (advice, _) = of_q(65.0, 3.0);
     let (it, prediction) = (advice.transducer, advice.prediction);
     let half_hz = it.series_resonance_hz / (2.0 * it.q);
@@ -53,16 +54,16 @@ fn the_lock_point_moves_as_theory_says() {
     assert!((prediction.bias_hz_per_ns_skew / by_skew - 1.0).abs() < 0.01, "{} {by_skew}", prediction.bias_hz_per_ns_skew);
 }
 
-/// The second integrator takes the lag away: 2.8 Hz behind at 10 kHz/s become 0.16 Hz ahead.
+/// The second integrator removes the lag: from 2.8 Hz behind at 10 kHz/s to 0.16 Hz ahead.
 #[test]
-fn the_rate_integrator_takes_the_lag_away() {
+fn rate_integrator_removes_the_lag() {
     let fast = of_q(65.0, 3.0).0.prediction.ramps[1];
     assert!(fast.lag_hz.abs() < 0.17 && fast.lag_without_rate_hz > 2.0, "{fast:?}");
 }
 
-/// 3 V at Q 500 would be 4.3 A: beyond the limit of 3 A and the sensor's 4 A.
+/// 3 V at Q 500 would draw 4.3 A, above the limit of 3 A and the sensor's range of 4 A.
 #[test]
-fn a_voltage_that_clips_is_not_advised() {
+fn clipping_voltage_is_not_advised() {
     let (advice, advised) = of_q(500.0, 3.0);
     let drive = &advice.settings.drive;
     assert!(drive.asked_current_a > 4.0 && drive.current_a < 0.9 * 3.0, "{drive:?}");
@@ -71,7 +72,7 @@ fn a_voltage_that_clips_is_not_advised() {
 }
 
 #[test]
-fn a_heavy_load_has_no_zero_phase_and_says_so() {
+fn heavy_load_warns_of_missing_zero_phase() {
     let (heavy, light) = (of_q(20.0, 3.0).0, of_q(65.0, 3.0).0);
     assert!(heavy.transducer.zero_phase_bias_hz.is_none() && heavy.warnings[0].starts_with("M = 1.33"));
     let bias_hz = light.transducer.zero_phase_bias_hz.unwrap();

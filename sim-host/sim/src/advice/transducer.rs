@@ -1,11 +1,12 @@
-//! The transducer in full, from its equivalent circuit (Butterworth 1914, Van Dyke 1928).
+//! All values of a transducer, from its equivalent circuit (Butterworth 1914, Van Dyke 1928).
 //!
 //! ```text
 //! k^2 = Cm / (C0 + Cm),    M = 1 / (omega C0 Rm),    tau = Q / (pi fs)
 //! ```
 //!
-//! `M` is the figure of merit (IEEE 177): the phase between voltage and total current comes back to zero above the series resonance only if
-//! `M > 2`. About the resonance, with `x = 2 Q (f - fs) / fs`, it does where `Im{1 / (1 + j x)} + 1 / M = 0`:
+//! `M` is the figure of merit (IEEE 177): the phase between voltage and total current returns to
+//! zero above the series resonance only if `M > 2`. Near the resonance, with
+//! `x = 2 Q (f - fs) / fs`, the zero is at `Im{1 / (1 + j x)} + 1 / M = 0`:
 //!
 //! ```text
 //! x = M / 2 - sqrt(M^2 / 4 - 1)
@@ -15,10 +16,10 @@ use serde::Serialize;
 
 use plant::circuit::Circuit;
 
-/// The phase between voltage and total current has a zero from here on.
+/// Figure of merit above which the phase between voltage and total current has a zero.
 pub const ZERO_PHASE_M: f64 = 2.0;
 
-/// A transducer in full.
+/// Values of a transducer and those derived from them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Full {
     /// Series resonance of the stack, Hz.
@@ -41,13 +42,14 @@ pub struct Full {
     pub figure_of_merit: f64,
     /// Time constant of the ring-up, ms.
     pub time_constant_ms: f64,
-    /// How far above the series resonance a loop on the phase of the total current would settle, Hz; nothing where it has no zero.
+    /// Offset above the series resonance at which a loop on the phase of the total current would
+    /// settle, Hz; `None` if the phase has no zero.
     pub zero_phase_bias_hz: Option<f64>,
 }
 
 impl Full {
-    /// The derived values of a circuit.
-    pub fn of(circuit: &Circuit) -> Self {
+    /// Computes the derived values of a circuit.
+    pub fn from_circuit(circuit: &Circuit) -> Self {
         let (hz, q) = (circuit.series_resonance_hz(), circuit.q());
         let Circuit { c0_f, cm_f, lm_h, rm_ohm, .. } = *circuit;
         let m = 1.0 / (circuit.omega() * c0_f * rm_ohm);

@@ -1,5 +1,6 @@
-//! The prediction put to the test: the whole controller, from its self-test on, on the plant of the scenes, many times. The errors
-//! of the nominal values are drawn again each time, as for the prediction, and C0 within 5 % before its calibration.
+//! Verification of the prediction: many runs of the whole controller, from its self-test on, on the
+//! plant of the scenes. Each run draws the errors of the nominal values as the prediction does, and
+//! C0 within 5 % before its calibration.
 
 use serde::Serialize;
 
@@ -13,9 +14,11 @@ use scene::resolved::resolved_toml;
 
 /// Largest error of the nominal C0, relative.
 const NOMINAL_C0_ERROR: f64 = 0.05;
-/// Self-test, calibration and lock take less, s; and so many time constants of the resonance follow.
-const DURATION: (f64, f64) = (0.3, 4.0);
-/// Lock times, as metrics.
+/// Duration of self-test, calibration and lock, s.
+const BASE_DURATION_S: f64 = 0.3;
+/// Number of time constants of the resonance that follow.
+const TIME_CONSTANTS: f64 = 4.0;
+/// Metrics of the lock times: median and 95th percentile.
 const LOCK_TIMES: [(&str, &str); 3] = [
     ("lock_time_100hz_ms", "lock_time_100hz_ms_p95"),
     ("lock_time_20hz_ms", "lock_time_20hz_ms_p95"),
@@ -34,17 +37,17 @@ pub struct Verified {
     /// Number of runs that reported a lock away from the resonance.
     pub false_locks: f64,
     /// Lock times to within several bounds.
-    pub lock: Vec<Measured>,
-    /// Standard deviation of the frequency played, Hz: median.
+    pub lock: Vec<MeasuredLockTime>,
+    /// Median of the standard deviation of the drive frequency, Hz.
     pub jitter_hz: Option<f64>,
-    /// Lock point, Hz: the 95th percentile of its size.
+    /// 95th percentile of the absolute error of the lock point, Hz.
     pub bias_p95_hz: Option<f64>,
 }
 
-/// A lock time, measured.
+/// Measured lock time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Measured {
-    /// Bound to which the time is counted, Hz.
+pub struct MeasuredLockTime {
+    /// Bound of the frequency error, Hz.
     pub within_hz: f64,
     /// Median of the lock times, ms.
     pub median_ms: Option<f64>,
@@ -52,10 +55,10 @@ pub struct Measured {
     pub p95_ms: Option<f64>,
 }
 
-/// Why there is no verification.
+/// Reason that there is no verification.
 #[derive(Debug, thiserror::Error)]
 pub enum VerifyError {
-    /// The scene is none.
+    /// The advised scene is not valid.
     #[error(transparent)]
     Scene(#[from] LoadError),
     /// The runs have no result.
@@ -63,11 +66,11 @@ pub enum VerifyError {
     Study(#[from] StudyError),
 }
 
-/// Runs the advised settings so many times; `progress` receives the number of runs that have ended.
+/// Runs the advised settings `runs` times; `progress` receives the number of completed runs.
 pub fn verify(case: &Case, runs: u32, progress: &mut (dyn FnMut(f64) + Send)) -> Result<Verified, VerifyError> {
     let mut scene = case.scene().clone();
     let time_constant_s = case.parts().map_or(0.0, |parts| parts.circuit.time_constant_s());
-    (scene.runs, scene.duration_s) = (runs, DURATION.0 + DURATION.1 * time_constant_s);
+    (scene.runs, scene.duration_s) = (runs, BASE_DURATION_S + TIME_CONSTANTS * time_constant_s);
     let vary =
         |key: &str, spread: Option<f64>, factor: Option<f64>| Vary { key: key.into(), spread, factor, from: None, to: None };
     scene.vary = vec![
@@ -78,14 +81,14 @@ pub fn verify(case: &Case, runs: u32, progress: &mut (dyn FnMut(f64) + Send)) ->
     ];
     let loaded = load_text("the advised scene", &resolved_toml(&scene), &[])?;
     let study = study::run(&loaded, Options { progress: Some(progress), ..Options::default() })?;
-    Ok(Verified::of(runs, &study.metrics))
+    Ok(Verified::from_metrics(runs, &study.metrics))
 }
 
 impl Verified {
-    fn of(runs: u32, metrics: &Metrics) -> Self {
+    fn from_metrics(runs: u32, metrics: &Metrics) -> Self {
         let count = |name: &str| metrics.get(name).unwrap_or(0.0);
         let lock = BOUNDS_HZ.into_iter().zip(LOCK_TIMES);
-        let lock = lock.map(|(within_hz, (median, p95))| Measured {
+        let lock = lock.map(|(within_hz, (median, p95))| MeasuredLockTime {
             within_hz,
             median_ms: metrics.get(median),
             p95_ms: metrics.get(p95),

@@ -1,4 +1,4 @@
-//! The figures that two runs have in common, laid over each other: read from the CSV files beside them.
+//! Overlay of the figures that two runs have in common, read from the CSV files of their folders.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,25 +8,25 @@ use crate::data::FigureData;
 use report::{Axis, Figure, Panel, Series, Style};
 use scene::schema::{unit_of, words_of};
 
-/// Edges of a band, which are no curves of their own.
-const EDGES: [&str; 2] = ["_lower", "_upper"];
-/// Curves of a figure beyond which a picture of two runs is not readable.
-const MOST_CURVES: usize = 4;
+/// Ends of the names of a band's edges, which are not drawn as curves.
+const BAND_SUFFIXES: [&str; 2] = ["_lower", "_upper"];
+/// Maximum number of curves of a figure at which two runs remain readable.
+const MAX_CURVES: usize = 4;
 
-/// The columns of a figure's file by their names: the first and its name, and the others.
+/// Columns of a figure's file: the first, and the others with their names.
 struct Curves {
     x: Vec<f64>,
     columns: Vec<(String, Vec<f64>)>,
 }
 
-/// Figures of both, the first as solid lines, the second dashed.
+/// Returns the figures of both sides, the first with solid lines, the second dashed.
 pub(super) fn overlaid(a: &Side, b: &Side) -> Vec<Figure> {
     let (Some(one), Some(other)) = (&a.folder, &b.folder) else { return Vec::new() };
     let (ours, theirs) = (files(one), files(other));
     ours.iter().filter_map(|(id, file)| figure(id, &curves(file)?, &curves(theirs.get(id)?)?)).collect()
 }
 
-/// The files of a folder that may be a figure's data, by the figures' names.
+/// Returns the files of a folder that may contain a figure's data, by figure id.
 fn files(folder: &Path) -> BTreeMap<String, std::path::PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     entries
@@ -36,7 +36,7 @@ fn files(folder: &Path) -> BTreeMap<String, std::path::PathBuf> {
         .collect()
 }
 
-/// The curves of a file that has one x for all; none of a map, or of curves over different x.
+/// Reads the curves of a file with one common x; `None` for a map or for curves over different x.
 fn curves(file: &Path) -> Option<Curves> {
     let mut reader = csv::Reader::from_path(file).ok()?;
     let header: Vec<String> = reader.headers().ok()?.iter().map(str::to_owned).collect();
@@ -49,13 +49,13 @@ fn curves(file: &Path) -> Option<Curves> {
     }
     let mut columns = header.into_iter().zip(columns);
     let (_, x) = columns.next()?;
-    Some(Curves { x, columns: columns.filter(|(name, _)| !EDGES.iter().any(|edge| name.ends_with(edge))).collect() })
+    Some(Curves { x, columns: columns.filter(|(name, _)| !BAND_SUFFIXES.iter().any(|edge| name.ends_with(edge))).collect() })
 }
 
 fn figure(id: &str, a: &Curves, b: &Curves) -> Option<Figure> {
     let data = FigureData::of(id)?;
-    // A figure of many curves, or of a map, tells nothing twice over.
-    if a.columns.len() > MOST_CURVES || !a.columns.iter().chain(&b.columns).all(|(name, _)| data.may_have(name)) {
+    // Figures of many curves, and maps, are not readable when overlaid.
+    if a.columns.len() > MAX_CURVES || !a.columns.iter().chain(&b.columns).all(|(name, _)| data.may_have(name)) {
         return None;
     }
     let common = |(name, _): &&(String, Vec<f64>)| b.columns.iter().any(|(other, _)| other == name);
@@ -76,7 +76,7 @@ fn figure(id: &str, a: &Curves, b: &Curves) -> Option<Figure> {
         };
         curves.columns.iter().filter(|(name, _)| unit(name) == of).map(one).collect()
     };
-    // A unit has a plot of its own; distances from a truth are drawn by their sizes.
+    // Each unit has its own plot; errors are drawn by their magnitudes.
     let errors = id == "lock-acquisition";
     let panel = |of: &String| Panel {
         y: Axis { log: errors, magnitude: errors, ..Axis::of(quantity(of), of) },
@@ -100,7 +100,7 @@ fn figure(id: &str, a: &Curves, b: &Curves) -> Option<Figure> {
     })
 }
 
-/// The quantity that a unit is of, where curves of several names share an axis.
+/// Returns the quantity of a unit, for an axis that several names share.
 fn quantity(unit: &str) -> &'static str {
     match unit {
         "m/s" => "velocity",
@@ -115,7 +115,7 @@ fn quantity(unit: &str) -> &'static str {
         "S" => "admittance",
         "s" | "ms" => "time",
         "degrees" => "phase",
-        "%" => "part",
+        "%" => "fraction",
         _ => "ratio",
     }
 }

@@ -1,4 +1,4 @@
-//! One of two results: the folder of a run, or a file of measured metrics.
+//! One side of a comparison: the folder of a run, or a file of measured metrics.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,50 +8,50 @@ use serde_json::{Value, json};
 use super::CompareError;
 use scene::metrics;
 
-/// Columns of a file of measured metrics; the last may be missing.
+/// Columns of a file of measured metrics; the last is optional.
 const COLUMNS: [&str; 3] = ["metric", "value", "sd"];
 
-/// A value of a metric.
+/// Value of a metric.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
+pub struct MeasuredMetric {
     /// Name of the metric.
     pub metric: String,
     /// Value of the metric.
     pub value: f64,
-    /// Standard deviation of the value, if it was measured.
+    /// Standard deviation of the value, if known.
     pub sd: Option<f64>,
 }
 
-/// A result.
+/// A result to compare.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Side {
-    /// The result as the user has named it.
+    /// Path as given by the user.
     pub label: String,
     /// Values of its metrics.
-    pub metrics: Vec<Measured>,
-    /// Hash of what it has played, if it has played anything.
+    pub metrics: Vec<MeasuredMetric>,
+    /// Hash of the drive codes, if any were played.
     pub drive_hash: Option<String>,
-    /// Where it ran, and by which version; none of a measurement.
+    /// Level and version of the run; `None` for a measurement.
     level: Option<(String, String)>,
-    /// Folder of its figures; none of a measurement.
+    /// Folder of its figures; `None` for a measurement.
     pub(super) folder: Option<PathBuf>,
 }
 
 impl Side {
-    /// Reads the folder of a run, or a CSV with the columns `metric`, `value` and, where it is known, `sd`.
+    /// Reads the folder of a run, or a CSV with the columns `metric`, `value` and optionally `sd`.
     ///
     /// # Errors
-    /// If it is neither, or a line of it cannot be read.
+    /// If it is neither, or if a line of it cannot be read.
     pub fn read(path: &Path) -> Result<Self, CompareError> {
         if path.is_dir() { of_folder(path) } else { of_file(path) }
     }
 
-    /// The value of a metric.
-    pub fn metric(&self, name: &str) -> Option<&Measured> {
+    /// Returns the value of a metric.
+    pub fn metric(&self, name: &str) -> Option<&MeasuredMetric> {
         self.metrics.iter().find(|measured| measured.metric == name)
     }
 
-    /// The result in words.
+    /// Describes the result in words.
     pub(super) fn description(&self) -> String {
         match &self.level {
             Some((level, version)) => format!("{} ({level}; version {version})", self.label),
@@ -69,18 +69,19 @@ fn of_folder(path: &Path) -> Result<Side, CompareError> {
     let label = path.display().to_string();
     let no_result = |why: String| CompareError::NoResult { path: label.clone(), why };
     let read = |name: &str| -> Result<Value, CompareError> {
-        let text = fs::read_to_string(path.join(name)).map_err(|error| no_result(format!("holds no run: {name}: {error}")))?;
-        serde_json::from_str(&text).map_err(|error| no_result(format!("holds no run: {name} cannot be read: {error}")))
+        let text = fs::read_to_string(path.join(name)).map_err(|error| no_result(format!("contains no run: {name}: {error}")))?;
+        serde_json::from_str(&text).map_err(|error| no_result(format!("contains no run: {name} cannot be read: {error}")))
     };
     let manifest = read("manifest.json")?;
     if manifest["complete"] != json!(true) {
-        return Err(no_result("holds a run that is not whole: it was interrupted, or is still being written".into()));
+        return Err(no_result("contains an incomplete run: it was interrupted, or is still being written".into()));
     }
     let summary = read("summary.json")?;
     let text = |value: &Value| value.as_str().map(str::to_owned);
-    let metrics = summary["metrics"].as_object().ok_or_else(|| no_result("holds no run: summary.json has no metrics".into()))?;
-    // A statistic that is infinite is null.
-    let measured = |(name, value): (&String, &Value)| Measured {
+    let metrics =
+        summary["metrics"].as_object().ok_or_else(|| no_result("contains no run: summary.json has no metrics".into()))?;
+    // An infinite statistic is written as null.
+    let measured = |(name, value): (&String, &Value)| MeasuredMetric {
         metric: name.clone(),
         value: value.as_f64().unwrap_or(f64::INFINITY),
         sd: None,
@@ -106,11 +107,13 @@ fn of_file(path: &Path) -> Result<Side, CompareError> {
     let known =
         header.len() >= 2 && header.len() <= COLUMNS.len() && header.iter().zip(COLUMNS).all(|(have, known)| have == known);
     if !known {
-        let why =
-            format!("is neither the folder of a run nor a file of measured metrics, whose first line is `{}`", COLUMNS.join(","));
+        let why = format!(
+            "is neither the folder of a run nor a file of measured metrics, which begins with the line `{}`",
+            COLUMNS.join(",")
+        );
         return Err(no_result(why));
     }
-    let mut metrics: Vec<Measured> = Vec::new();
+    let mut metrics: Vec<MeasuredMetric> = Vec::new();
     for record in reader.records() {
         let at = |line: Option<u64>, why: String| CompareError::Line { file: label.clone(), line: line.unwrap_or(1), why };
         let record = record.map_err(|error| at(error.position().map(csv::Position::line), error.to_string()))?;
@@ -118,17 +121,17 @@ fn of_file(path: &Path) -> Result<Side, CompareError> {
         let name = record.get(0).unwrap_or_default();
         let name = metrics::known(name).map_err(|why| at(line, why))?;
         if metrics.iter().any(|measured| measured.metric == name) {
-            return Err(at(line, format!("`{name}` is there twice")));
+            return Err(at(line, format!("`{name}` occurs twice")));
         }
         let number = |cell: &str| match cell.parse::<f64>() {
             Ok(number) if number.is_finite() => Ok(number),
-            _ => Err(at(line, format!("`{cell}` is no number"))),
+            _ => Err(at(line, format!("`{cell}` is not a number"))),
         };
         let sd = record.get(2).filter(|cell| !cell.is_empty()).map(number).transpose()?;
         if let Some(sd) = sd.filter(|sd| *sd < 0.0) {
-            return Err(at(line, format!("a standard deviation of {sd}")));
+            return Err(at(line, format!("the standard deviation {sd} is negative")));
         }
-        metrics.push(Measured { metric: name.to_owned(), value: number(record.get(1).unwrap_or_default())?, sd });
+        metrics.push(MeasuredMetric { metric: name.to_owned(), value: number(record.get(1).unwrap_or_default())?, sd });
     }
     Ok(Side { label, metrics, drive_hash: None, level: None, folder: None })
 }

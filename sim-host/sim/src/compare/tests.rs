@@ -6,7 +6,7 @@ use crate::output;
 use crate::study::{self, Options};
 use scene::load::load;
 
-/// A folder that goes with the test.
+/// Temporary folder of a test, removed when dropped.
 struct Scratch(PathBuf);
 
 impl Scratch {
@@ -43,7 +43,7 @@ fn tolerances(texts: &[&str]) -> Tolerances {
 }
 
 #[test]
-fn the_same_scene_twice_is_the_same_and_another_is_not() {
+fn equal_scenes_compare_equal_and_others_do_not() {
     let scratch = Scratch::new("twice");
     let sides = || (scratch.run("a", "lock", &[]), scratch.run("b", "lock", &[]), scratch.run("c", "lock", &["seed=7"]));
     let (a, b, c) = sides();
@@ -51,7 +51,7 @@ fn the_same_scene_twice_is_the_same_and_another_is_not() {
     assert!(same.holds() && same.same_drive() == Some(true) && same.rows.len() > 10, "{:?}", same.table());
     let other = Comparison::new(a.clone(), c.clone(), &Tolerances::default(), &[]).expect("a comparison");
     assert!(!other.holds() && other.same_drive() == Some(false));
-    // Another noise leaves the resonance where it is.
+    // Another noise seed does not move the resonance.
     let names = ["series_resonance_hz".to_owned(), "q".to_owned()];
     let near = Comparison::new(a, c, &tolerances(&["1%"]), &names).expect("a comparison");
     assert!(near.holds() && near.rows.len() == 2, "{:?}", near.table());
@@ -73,35 +73,40 @@ fn a_measurement_is_compared_within_its_deviation() {
         let measured = scratch.file("measured.csv", &file(off)).expect("a measurement");
         let compared = Comparison::new(run.clone(), measured, &tolerances(&["friction_on_n=10"]), &[]).expect("a comparison");
         assert_eq!(compared.holds(), holds, "{:?}", compared.table());
-        assert!(compared.rows.iter().any(|row| row.holds().is_none()), "what was not measured is listed");
+        assert!(compared.rows.iter().any(|row| row.holds().is_none()), "metrics without a measurement are listed");
     }
 }
 
 #[test]
-fn tolerances_are_of_all_or_of_one_metric() {
+fn tolerances_apply_to_all_metrics_or_to_one() {
     let tolerances = tolerances(&["2%", "friction_ratio=0.5", "power_ratio=10%"]);
     for (metric, size, sd, allowed) in
         [("q", 50.0, 0.0, 1.0), ("q", 50.0, 3.0, 6.0), ("friction_ratio", 9.0, 3.0, 0.5), ("power_ratio", 2.0, 0.0, 0.2)]
     {
         assert!((tolerances.allowed(metric, size, sd) - allowed).abs() < 1e-12, "{metric}");
     }
-    for (text, why) in [("x", "no number"), ("-1", "not below zero"), ("q=", "no number"), ("frictoin_ratio=1", "did you mean")] {
+    for (text, why) in [
+        ("x", "`x` is not a non-negative number"),
+        ("-1", "`-1` is not a non-negative number"),
+        ("q=", "`` is not a non-negative number"),
+        ("frictoin_ratio=1", "did you mean"),
+    ] {
         let error = Tolerances::parse(&[text.to_owned()]).expect_err(text).to_string();
         assert!(error.contains(why), "{error}");
     }
 }
 
 #[test]
-fn what_is_no_result_is_named() {
+fn invalid_results_are_reported_with_the_reason() {
     let scratch = Scratch::new("none");
     let error = |text: &str| scratch.file("m.csv", text).expect_err(text).to_string();
-    assert!(Side::read(&scratch.0).expect_err("empty").to_string().contains("holds no run: manifest.json"));
+    assert!(Side::read(&scratch.0).expect_err("empty").to_string().contains("contains no run: manifest.json"));
     assert!(Side::read(&scratch.0.join("nowhere")).expect_err("absent").to_string().contains("cannot be read"));
-    assert!(error("time_s,force_n\n1,2\n").contains("whose first line is `metric,value,sd`"));
+    assert!(error("time_s,force_n\n1,2\n").contains("begins with the line `metric,value,sd`"));
     assert!(error("metric,value\nfrictoin_ratio,1\n").contains("line 2: there is no metric `frictoin_ratio`; did you mean"));
-    assert!(error("metric,value\nq,1\nq,2\n").contains("line 3: `q` is there twice"));
-    assert!(error("metric,value\nq,many\n").contains("`many` is no number"));
-    assert!(error("metric,value,sd\nq,1,-2\n").contains("a standard deviation of -2"));
+    assert!(error("metric,value\nq,1\nq,2\n").contains("line 3: `q` occurs twice"));
+    assert!(error("metric,value\nq,many\n").contains("`many` is not a number"));
+    assert!(error("metric,value,sd\nq,1,-2\n").contains("the standard deviation -2 is negative"));
     let (one, other) = (scratch.file("a.csv", "metric,value\nq,1\n"), scratch.file("b.csv", "metric,value\nrm_ohm,1\n"));
     let (one, other) = (one.expect("a side"), other.expect("a side"));
     let nothing = Comparison::new(one.clone(), other.clone(), &Tolerances::default(), &[]).expect_err("nothing in common");

@@ -1,24 +1,24 @@
-//! How far two values of a metric may be apart.
+//! Allowed difference of two values of a metric.
 
 use std::str::FromStr;
 
 use super::CompareError;
 use scene::metrics::known;
 
-/// Standard deviations of a measurement that a value may be off by.
+/// Number of standard deviations of a measurement by which a value may be off.
 const DEVIATIONS: f64 = 2.0;
 
-/// How far two values may be apart.
+/// Allowed difference of two values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerance {
     /// In the metric's unit.
     Absolute(f64),
-    /// Of the larger of the two.
+    /// Relative to the larger of the two values.
     Relative(f64),
 }
 
 impl Tolerance {
-    fn of(self, size: f64) -> f64 {
+    fn allowed(self, size: f64) -> f64 {
         match self {
             Tolerance::Absolute(most) => most,
             Tolerance::Relative(part) => part * size,
@@ -26,7 +26,7 @@ impl Tolerance {
     }
 }
 
-/// The tolerances of a comparison: of some metrics, and of all others.
+/// Tolerances of a comparison: those of named metrics, and one for all others.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tolerances {
     named: Vec<(String, Tolerance)>,
@@ -34,11 +34,11 @@ pub struct Tolerances {
 }
 
 impl Tolerances {
-    /// Tolerances as they are written: `1%` or `0.01` of all metrics, `METRIC=0.5` or `METRIC=2%` of one. Without one of all metrics they are to be the
-    /// same.
+    /// Parses tolerances: `1%` or `0.01` applies to all metrics, `METRIC=0.5` or `METRIC=2%` to
+    /// one. Metrics without a tolerance must be equal.
     ///
     /// # Errors
-    /// If one of them cannot be read, or names no metric.
+    /// If one of them cannot be read, or names an unknown metric.
     pub fn parse(texts: &[String]) -> Result<Self, CompareError> {
         let mut tolerances = Tolerances::default();
         for text in texts {
@@ -54,11 +54,12 @@ impl Tolerances {
         Ok(tolerances)
     }
 
-    /// The most that two values of a metric may differ by: `size` is the larger of the two, `sd` the standard deviation of their difference as it was
-    /// measured, which counts where the metric has no tolerance of its own.
+    /// Returns the maximum difference of two values of a metric. `size` is the larger of the two,
+    /// and `sd` the measured standard deviation of their difference, which counts if the metric has
+    /// no tolerance of its own.
     pub fn allowed(&self, metric: &str, size: f64, sd: f64) -> f64 {
-        let named = self.named.iter().rev().find(|(name, _)| name == metric).map(|(_, tolerance)| tolerance.of(size));
-        named.unwrap_or_else(|| self.others.map_or(0.0, |tolerance| tolerance.of(size)).max(DEVIATIONS * sd))
+        let named = self.named.iter().rev().find(|(name, _)| name == metric).map(|(_, tolerance)| tolerance.allowed(size));
+        named.unwrap_or_else(|| self.others.map_or(0.0, |tolerance| tolerance.allowed(size)).max(DEVIATIONS * sd))
     }
 }
 
@@ -72,7 +73,7 @@ impl FromStr for Tolerance {
             Ok(number) if number.is_finite() && number >= 0.0 => {
                 Ok(if part { Tolerance::Relative(number / 100.0) } else { Tolerance::Absolute(number) })
             }
-            _ => Err(format!("`{number}` is no number that is not below zero")),
+            _ => Err(format!("`{number}` is not a non-negative number")),
         }
     }
 }

@@ -1,8 +1,10 @@
-//! Fisher's information (Fisher 1922) of a few parameters, and the least standard deviation of one of them.
+//! Fisher information (Fisher 1922) of several parameters, and the minimum standard deviation of
+//! one of them.
 //!
-//! Samples `x(n) + noise` of independent noise with standard deviation s add `sum (dx/da)(dx/db) / s^2`; a prior of
-//! standard deviation p adds `1 / p^2` (van Trees 1968, section 2.4). No unbiased estimate has a smaller covariance than the inverse
-//! (Rao 1945, Cramer 1946).
+//! Samples `x(n) + noise` with independent noise of standard deviation s add
+//! `sum (dx/da)(dx/db) / s^2`; a prior of standard deviation p adds `1 / p^2` (van Trees 1968,
+//! section 2.4). No unbiased estimate has a smaller covariance than the inverse (Rao 1945, Cramer
+//! 1946).
 
 use super::response::PARAMETERS;
 
@@ -18,21 +20,22 @@ pub enum Knowledge {
 }
 
 impl Knowledge {
-    /// A uniform prior of this half width, in the parameter's unit, as the Gaussian of the same variance.
+    /// Returns a uniform prior of this half width, in the parameter's unit, as the Gaussian of the
+    /// same variance.
     pub fn either_side(half_width: f64) -> Self {
         Knowledge::Within(half_width / 3f64.sqrt())
     }
 }
 
-/// The smallest pivot, of a matrix with ones on its diagonal, that is not rounding.
-const ROUNDING: f64 = 1e-12;
+/// Minimum pivot of a matrix with unit diagonal that is significant against rounding.
+const MIN_PIVOT: f64 = 1e-12;
 
 /// Information about all parameters.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Information([[f64; PARAMETERS]; PARAMETERS]);
 
 impl Information {
-    /// Adds one sample, whose noise has this variance.
+    /// Adds one sample with this noise variance.
     pub(super) fn add(&mut self, by: &[f64; PARAMETERS], variance: f64) {
         for (row, a) in self.0.iter_mut().zip(by) {
             for (sum, b) in row.iter_mut().zip(by) {
@@ -41,12 +44,12 @@ impl Information {
         }
     }
 
-    /// The information shared by one parameter with each of them.
+    /// Returns the information that one parameter shares with each of them.
     pub(super) fn column(&self, n: usize) -> [f64; PARAMETERS] {
         self.0[n]
     }
 
-    /// The information with the priors added; rows and columns of known parameters are zero.
+    /// Adds the priors; rows and columns of known parameters become zero.
     pub(super) fn with(mut self, known: &[Knowledge; PARAMETERS]) -> Self {
         for (n, knowledge) in known.iter().enumerate() {
             match knowledge {
@@ -61,10 +64,11 @@ impl Information {
         self
     }
 
-    /// The inverse times a vector, by Cholesky's factors; what is known stays zero. `None` if a parameter is not determined.
+    /// Multiplies a vector by the inverse, with the Cholesky factors; known parameters remain zero.
+    /// `None` if a parameter is not determined.
     pub(super) fn solve(&self, vector: &[f64; PARAMETERS], known: &[Knowledge; PARAMETERS]) -> Option<[f64; PARAMETERS]> {
         let is_known = |n: usize| known[n] == Knowledge::Known;
-        // Ones on the diagonal: the units differ by orders.
+        // Scaled to a unit diagonal, because the units differ by orders of magnitude.
         let scale: [f64; PARAMETERS] = std::array::from_fn(|n| if is_known(n) { 0.0 } else { self.0[n][n].sqrt().recip() });
         if !scale.iter().all(|x| x.is_finite()) {
             return None;
@@ -76,7 +80,7 @@ impl Information {
                 let rest = scaled - (0..column).map(|n| lower[row][n] * lower[column][n]).sum::<f64>();
                 lower[row][column] = if row > column {
                     rest / lower[column][column]
-                } else if rest > ROUNDING {
+                } else if rest > MIN_PIVOT {
                     rest.sqrt()
                 } else {
                     return None;
@@ -93,7 +97,8 @@ impl Information {
         Some(std::array::from_fn(|n| x[n] * scale[n]))
     }
 
-    /// The least standard deviation of a weighted sum of the parameters; infinite if it is not determined.
+    /// Returns the minimum standard deviation of a weighted sum of the parameters; infinite if it
+    /// is not determined.
     pub(super) fn deviation(&self, weight: &[f64; PARAMETERS], known: &[Knowledge; PARAMETERS]) -> f64 {
         let Some(x) = self.solve(weight, known) else { return f64::INFINITY };
         x.iter().zip(weight).map(|(x, weight)| x * weight).sum::<f64>().sqrt()

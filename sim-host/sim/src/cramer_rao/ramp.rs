@@ -1,19 +1,20 @@
-//! The best length of memory for a resonance that drifts at a constant rate.
+//! Optimal memory length for a resonance that drifts at a constant rate.
 //!
 //! ```text
-//! lag(T) = r (T - m(T) + latency),   jitter(T) = bound over a window of length T whose first state is not known
+//! lag(T) = r (T - m(T) + latency),   jitter(T) = bound over a window of length T whose first state is unknown
 //! ```
 //!
-//! The least-squares estimate of a resonance that is taken for constant is the true one at the moment m, the window's centre as its
-//! information is weighted: `m = (F^-1 F_r)_f`, `F_r` the information shared with the rate. What the current was when the window began is
-//! not known: a short window determines the resonance only by the change of the current within it. An estimate that fits the slope, too, has
-//! no lag but more jitter.
+//! The least-squares estimate for a constant resonance equals the true resonance at the time m, the
+//! centre of the window weighted by its information: `m = (F^-1 F_r)_f`, with `F_r` the information
+//! shared with the rate. The current at the beginning of the window is unknown: a short window
+//! determines the resonance only from the change of the current within it. An estimate that also
+//! fits the slope has no lag but more jitter.
 
 use super::information::Knowledge;
 use super::response::{PARAMETERS, Parameter};
 use super::{LAST_S, Setting, Start};
 
-/// The best memory for a ramp.
+/// Optimal memory for a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compromise {
     /// Length of the estimator's window, s.
@@ -25,24 +26,24 @@ pub struct Compromise {
 }
 
 impl Compromise {
-    /// Lag and jitter together, Hz rms.
+    /// Returns lag and jitter combined, Hz rms.
     pub fn error_hz(&self) -> f64 {
         self.lag_hz.hypot(self.jitter_hz)
     }
 }
 
-/// The same experiment as a window of a continuing drive.
-fn going_on(setting: &Setting) -> Setting {
+/// Returns the same experiment as a window of a continuing drive.
+fn continuing(setting: &Setting) -> Setting {
     let mut setting = Setting { start: Start::Settled, ..*setting };
     setting.prior.state = Knowledge::Unknown;
     setting.prior.resonance_hz = Knowledge::Unknown;
     setting
 }
 
-/// The window of up to 5 ms that follows a ramp with the least error, by an estimate that takes the resonance for constant and that is
-/// played `latency_blocks` later. `None` if no window determines the resonance.
+/// Returns the window of up to 5 ms with the minimum error on a ramp, for an estimate of a constant
+/// resonance that is played `latency_blocks` later. `None` if no window determines the resonance.
 pub fn ramp(setting: &Setting, hz_per_s: f64, latency_blocks: f64) -> Option<Compromise> {
-    let setting = going_on(setting);
+    let setting = continuing(setting);
     let prior = setting.prior.of_each();
     let mut weight = [0.0; PARAMETERS];
     weight[Parameter::Resonance as usize] = 1.0;
@@ -56,9 +57,10 @@ pub fn ramp(setting: &Setting, hz_per_s: f64, latency_blocks: f64) -> Option<Com
     windows.min_by(|a, b| a.error_hz().total_cmp(&b.error_hz()))
 }
 
-/// Jitter, Hz rms, of an estimate by a window of this length, s, that fits the slope, too, and is played ahead by the latency.
+/// Returns the jitter, Hz rms, of an estimate over a window of this length, s, that also fits the
+/// slope and is extrapolated over the latency.
 pub fn ramp_with_slope(setting: &Setting, memory_s: f64, latency_blocks: f64) -> f64 {
-    let setting = going_on(setting);
+    let setting = continuing(setting);
     let mut prior = setting.prior.of_each();
     prior[Parameter::Rate as usize] = Knowledge::Unknown;
     let half_s = 0.5 / setting.sample_hz;

@@ -1,4 +1,4 @@
-//! The current of a circuit that is driven by a sine, and its derivatives by everything that may be unknown, exact.
+//! Exact current of a circuit driven by a sine, and its derivatives by all unknown parameters.
 //!
 //! ```text
 //! q'' + 2 alpha q' + omega0^2 q = v / Lm,   v = Re{V exp(j omega t)},   i = q' + C0 v'        alpha = omega0 / (2 Q)
@@ -6,8 +6,9 @@
 //! lambda = -alpha + j sqrt(omega0^2 - alpha^2),   B from current and charge at t = 0
 //! ```
 //!
-//! Steady state and one free oscillation, which is all that a second-order circuit has. The charge that a jump of the voltage at t = 0 puts
-//! onto C0 passes between two samples. Valid for Q above a half.
+//! The current is the sum of the steady state and the one free oscillation of a second-order
+//! circuit. The charge of C0 by a voltage jump at t = 0 flows between two samples. Valid for Q
+//! above 0.5.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +17,7 @@ use realfft::num_complex::Complex64;
 use super::{Drive, Start};
 use plant::circuit::Circuit;
 
-/// What may be unknown: a place in derivatives and information.
+/// Unknown parameter; its value is the index in derivatives and information.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Parameter {
     /// Series resonance of the stack, Hz.
@@ -33,13 +34,14 @@ pub(super) enum Parameter {
     Phase,
     /// Motional current at t = 0, A.
     State,
-    /// Motional current a quarter of a drive period later if nothing acted on it: drive frequency times charge at t = 0, A.
+    /// Motional current a quarter of a drive period later without a drive: drive frequency times
+    /// charge at t = 0, A.
     StateQuadrature,
-    /// Slope of the resonance, Hz/s; zero at t = 0. For a settled circuit only.
+    /// Slope of the resonance, Hz/s; its change is zero at t = 0. Only for a settled circuit.
     Rate,
 }
 
-/// How many there are.
+/// Number of parameters.
 pub(super) const PARAMETERS: usize = Parameter::Rate as usize + 1;
 
 /// `Re{(steady + steady_rate t) exp(j omega t) + (free + free_rate t) exp(lambda t)}`.
@@ -51,7 +53,7 @@ struct Term {
     free_rate: Complex64,
 }
 
-/// The current and its derivatives.
+/// Current and its derivatives.
 #[derive(Clone, Debug)]
 pub(super) struct Response {
     omega: f64,
@@ -61,7 +63,7 @@ pub(super) struct Response {
     by: [Term; PARAMETERS],
 }
 
-/// The motional branch at t = 0, or a derivative of it.
+/// State of the motional branch at t = 0, or its derivative.
 #[derive(Clone, Copy, Debug, Default)]
 struct State {
     /// Current, A.
@@ -71,13 +73,13 @@ struct State {
 }
 
 impl State {
-    /// Response of a current `Re{phasor exp(j omega t)}`.
-    fn of(phasor: Complex64, omega: f64) -> Self {
+    /// Returns the state of a current `Re{phasor exp(j omega t)}`.
+    fn from_phasor(phasor: Complex64, omega: f64) -> Self {
         State { current: phasor.re, charge: phasor.im / omega }
     }
 }
 
-/// The poles: decay, ringing frequency.
+/// Poles: decay, ringing frequency, and square of the undamped frequency.
 #[derive(Clone, Copy)]
 struct Poles {
     alpha: f64,
@@ -86,23 +88,23 @@ struct Poles {
 }
 
 impl Poles {
-    fn of(circuit: &Circuit) -> Self {
+    fn new(circuit: &Circuit) -> Self {
         let (alpha, omega0) = (0.5 * circuit.omega() / circuit.q(), circuit.omega());
         Poles { alpha, ringing: (omega0 * omega0 - alpha * alpha).sqrt(), square: omega0 * omega0 }
     }
 
-    /// The free oscillation that leads from the steady state to a current and its slope.
+    /// Returns the free oscillation with this initial current and slope.
     fn free(&self, current: f64, slope: f64) -> Complex64 {
         Complex64::new(current, -(slope + self.alpha * current) / self.ringing)
     }
 
-    /// What leaves from a state with nothing driving it.
-    fn left_by(&self, state: State) -> Complex64 {
+    /// Returns the free oscillation from a state without a drive.
+    fn free_from(&self, state: State) -> Complex64 {
         self.free(state.current, -2.0 * self.alpha * state.current - self.square * state.charge)
     }
 }
 
-/// Motional current of a circuit in steady state, A.
+/// Returns the steady motional current of a circuit, A.
 pub(super) fn settled(circuit: &Circuit, drive: &Drive) -> Complex64 {
     let omega = TAU * drive.hz;
     let reactance = omega * circuit.lm_h - 1.0 / (omega * circuit.cm_f);
@@ -111,7 +113,7 @@ pub(super) fn settled(circuit: &Circuit, drive: &Drive) -> Complex64 {
 
 impl Response {
     pub(super) fn new(circuit: &Circuit, drive: &Drive, start: &Start) -> Self {
-        let (omega, voltage, poles) = (TAU * drive.hz, drive.phasor(), Poles::of(circuit));
+        let (omega, voltage, poles) = (TAU * drive.hz, drive.phasor(), Poles::new(circuit));
         let (f0, q) = (circuit.series_resonance_hz(), circuit.q());
         let j = Complex64::i();
         let clamped = j * omega * circuit.c0_f * voltage;
@@ -119,7 +121,7 @@ impl Response {
         let lambda = Complex64::new(-poles.alpha, poles.ringing);
         let denominator = Complex64::new(poles.square - omega * omega, 2.0 * poles.alpha * omega);
 
-        // D by resonance and logarithm of Q.
+        // Derivatives of D by resonance and logarithm of Q.
         let denominator_by_f = TAU * Complex64::new(2.0 * circuit.omega(), omega / q);
         let denominator_by_q = -2.0 * j * omega * poles.alpha;
         let steady_by = [-steady * denominator_by_f / denominator, -steady * denominator_by_q / denominator, -steady];
@@ -127,15 +129,16 @@ impl Response {
         let is_settled = matches!(start, Start::Settled);
         let before = match start {
             Start::Rest => State::default(),
-            Start::Settled => State::of(steady, omega),
-            Start::Jump(before) => State::of(settled(before, drive), omega),
+            Start::Settled => State::from_phasor(steady, omega),
+            Start::Jump(before) => State::from_phasor(settled(before, drive), omega),
         };
         let push = voltage.re / circuit.lm_h;
         let slope = push - 2.0 * poles.alpha * before.current - poles.square * before.charge;
         let free_current = before.current - steady.re;
         let free = if is_settled { Complex64::default() } else { poles.free(free_current, slope - (j * omega * steady).re) };
 
-        // By resonance, logarithm of Q, logarithm of Lm: of alpha, of the ringing, of the slope at t = 0.
+        // Derivatives of alpha, ringing, and slope at t = 0, by resonance, logarithm of Q and of
+        // Lm.
         let alpha_by = [poles.alpha / f0, -poles.alpha, 0.0];
         let ringing_by = [poles.ringing / f0, poles.alpha.powi(2) / poles.ringing, 0.0];
         let slope_by = [
@@ -154,10 +157,11 @@ impl Response {
             }
         }
 
-        // The current measured before a jump is the sum of both branches: the less C0 takes, the more was motional.
+        // The current measured before a jump is the sum of both branches: less current through C0
+        // means more motional current.
         by[Parameter::C0 as usize].steady = clamped;
         if matches!(start, Start::Jump(_)) {
-            by[Parameter::C0 as usize].free = poles.left_by(State::of(-clamped, omega));
+            by[Parameter::C0 as usize].free = poles.free_from(State::from_phasor(-clamped, omega));
         }
         for (parameter, turn) in [(Parameter::Voltage, Complex64::new(1.0, 0.0)), (Parameter::Phase, j)] {
             let motional = turn * steady;
@@ -167,10 +171,11 @@ impl Response {
                 by[parameter as usize].free = poles.free(-motional.re, slope);
             }
         }
-        by[Parameter::State as usize].free = poles.left_by(State { current: 1.0, charge: 0.0 });
-        by[Parameter::StateQuadrature as usize].free = poles.left_by(State { current: 0.0, charge: 1.0 / omega });
+        by[Parameter::State as usize].free = poles.free_from(State { current: 1.0, charge: 0.0 });
+        by[Parameter::StateQuadrature as usize].free = poles.free_from(State { current: 0.0, charge: 1.0 / omega });
         if is_settled {
-            // D(d/dt) y = t exp(s t) has the solution y = (t / D - D' / D^2) exp(s t); the current is its slope.
+            // D(d/dt) y = t exp(s t) has the solution y = (t / D - D' / D^2) exp(s t); the current
+            // is its derivative.
             let charge = steady / (j * omega);
             let slope = 2.0 * (j * omega + poles.alpha);
             let force = -denominator_by_f * charge / denominator;
@@ -181,13 +186,13 @@ impl Response {
         Response { omega, lambda, voltage, current, by }
     }
 
-    /// Voltage, V, and how it changes with its relative size and its phase.
+    /// Returns the voltage, V, and its derivatives by its relative size and its phase.
     pub(super) fn voltage(&self, time_s: f64) -> (f64, [f64; 2]) {
         let now = self.voltage * Complex64::cis(self.omega * time_s);
         (now.re, [now.re, -now.im])
     }
 
-    /// Current, A, and its derivatives.
+    /// Returns the current, A, and its derivatives.
     pub(super) fn current(&self, time_s: f64) -> (f64, [f64; PARAMETERS]) {
         let driven = Complex64::cis(self.omega * time_s);
         let free = (self.lambda * time_s).exp();

@@ -4,18 +4,18 @@ mod table;
 
 use super::*;
 
-/// A sample of one conversion, as in the study whose figures are reproduced; a scene's default is two.
+/// Sensors with one conversion per sample, as in the reproduced study; a scene's default is two.
 pub(super) fn sensors(oversample: u8) -> Sensors {
     Sensors { oversample, offset_lsb: 0.0, ..Sensors::default() }
 }
 
-/// Set A at 40 kHz, driven so far beside its resonance.
+/// Returns set A at 40 kHz, driven `beside_hz` off resonance.
 pub(super) fn set_a(q: f64, beside_hz: f64, prior: PriorKnowledge) -> Setting {
     let circuit = Circuit { c0_f: 300e-9, cm_f: 20e-9, lm_h: 0.7916e-3, rm_ohm: 1.0, force_factor_n_per_v: 1.0 };
     setting(circuit.with_q(q), beside_hz, prior, &sensors(1))
 }
 
-/// From rest by 3 V.
+/// Returns a circuit driven from rest by 3 V.
 pub(super) fn setting(circuit: Circuit, beside_hz: f64, prior: PriorKnowledge, sensors: &Sensors) -> Setting {
     let hz = circuit.series_resonance_hz() + beside_hz;
     Setting {
@@ -30,15 +30,16 @@ pub(super) fn setting(circuit: Circuit, beside_hz: f64, prior: PriorKnowledge, s
     }
 }
 
-/// The resonance is 200 Hz higher and the load heavier from t = 0 on; the drive was on the old resonance.
+/// Returns a load step at t = 0: the resonance rises by 200 Hz and Q falls to 20; the drive was at
+/// the old resonance.
 pub(super) fn load_step(prior: PriorKnowledge, oversample: u8) -> Setting {
     let before = set_a(65.0, 0.0, prior);
     let circuit = before.circuit.with_series_resonance(before.drive.hz + 200.0).with_q(20.0);
     Setting { start: Start::Jump(before.circuit), drive: before.drive, ..setting(circuit, 0.0, prior, &sensors(oversample)) }
 }
 
-/// Current and voltage at the end of each sample by Runge and Kutta's rule, of a circuit that may change, from this motional current and
-/// charge. Nothing of the closed form is in it.
+/// Simulates current and voltage at the end of each sample with the Runge-Kutta method, from this
+/// motional current and charge. The circuit may change. It shares no code with the closed form.
 pub(super) fn simulated(circuit: impl Fn(f64) -> Circuit, drive: &Drive, state: [f64; 2], samples: u32) -> Vec<[f64; 2]> {
     const STEPS: u32 = 64;
     let omega = std::f64::consts::TAU * drive.hz;
@@ -65,7 +66,7 @@ pub(super) fn simulated(circuit: impl Fn(f64) -> Circuit, drive: &Drive, state: 
     measured
 }
 
-/// Motional current and charge at the start.
+/// Returns the initial motional current and charge.
 pub(super) fn first_state(setting: &Setting) -> [f64; 2] {
     let circuit = match setting.start {
         Start::Rest => return [0.0; 2],
@@ -76,7 +77,7 @@ pub(super) fn first_state(setting: &Setting) -> [f64; 2] {
     [phasor.re, phasor.im / (std::f64::consts::TAU * setting.drive.hz)]
 }
 
-/// The circuit and the drive with another resonance, other logarithms of Q, Lm, C0, another voltage and phase: by so much.
+/// Moves the resonance, the logarithms of Q, Lm and C0, and voltage and phase of the drive by `by`.
 pub(super) fn moved(setting: &Setting, by: &[f64; 6]) -> (Circuit, Drive) {
     let (circuit, drive) = (setting.circuit, setting.drive);
     let (omega, q) = (circuit.omega() + std::f64::consts::TAU * by[0], circuit.q() * by[1].exp());

@@ -1,4 +1,5 @@
-//! A belt under a horn: its pull, the empirical law of it, and how far that law is from what the thesis states.
+//! A belt under a horn: its pull, the empirical law of the pull, and deviations of the law from the
+//! thesis.
 
 mod figures;
 pub mod law;
@@ -9,7 +10,7 @@ use super::{Instrument, View};
 use crate::metrics::Metrics;
 use report::{Figure, TableBlock};
 
-/// The instrument of scenes with a belt under a horn.
+/// Instrument of scenes with a belt under a horn.
 pub(super) struct Belt;
 
 impl Instrument for Belt {
@@ -22,6 +23,6 @@ impl Instrument for Belt {
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {
-        figures::of(run)
+        figures::all(run)
     }
 }

@@ -1,4 +1,4 @@
-//! A belt that stops under drive: how soon the drive is OFF, and how much energy a stretch of belt takes.
+//! A belt that stops under drive: time until the drive is OFF, and energy into a section of belt.
 
 mod figures;
 mod metrics;
@@ -7,7 +7,7 @@ use super::{Instrument, Line, View};
 use crate::metrics::Metrics;
 use report::Figure;
 
-/// The instrument of scenes with a belt encoder.
+/// Instrument of scenes with a belt encoder.
 pub(super) struct BeltStop;
 
 impl Instrument for BeltStop {
@@ -17,13 +17,13 @@ impl Instrument for BeltStop {
 
     fn headline(&self) -> &'static [Line] {
         &[
-            ("belt stops to drive OFF", "belt_stop_to_mute_ms", "ms"),
-            ("rings down in", "ring_down_ms", "ms"),
-            ("largest energy into a millimetre of belt", "exposure_j_per_mm", "J"),
+            ("belt stop to drive OFF", "belt_stop_to_mute_ms", "ms"),
+            ("ring-down", "ring_down_ms", "ms"),
+            ("largest energy per millimetre of belt", "exposure_j_per_mm", "J"),
         ]
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {
-        figures::of(run)
+        figures::all(run)
     }
 }

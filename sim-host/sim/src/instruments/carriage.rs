@@ -1,4 +1,4 @@
-//! A carriage on a vibrating tip: what it takes to break away, whether it sticks and slips, how it is released and held.
+//! A carriage on a vibrating tip: breakaway, stick-slip, release and hold.
 
 mod figures;
 mod metrics;
@@ -9,7 +9,7 @@ use super::{Instrument, Line, View};
 use crate::metrics::Metrics;
 use report::{Figure, TableBlock};
 
-/// The instrument of scenes with a carriage.
+/// Instrument of scenes with a carriage.
 pub(super) struct Carriage;
 
 impl Instrument for Carriage {
@@ -20,12 +20,12 @@ impl Instrument for Carriage {
 
     fn headline(&self) -> &'static [Line] {
         &[
-            ("breaks away at, drive OFF", "breakaway_off_n", "N"),
-            ("breaks away at, drive ON", "breakaway_on_n", "N"),
+            ("breakaway force, drive OFF", "breakaway_off_n", "N"),
+            ("breakaway force, drive ON", "breakaway_on_n", "N"),
             ("stick-slip, drive OFF", "stick_slip_hz", "Hz"),
             ("rms of the speed over its mean, drive ON", "speed_ripple_on", ""),
-            ("released after", "release_time_ms", "ms"),
-            ("energy of the release", "release_energy_j", "J"),
+            ("release time", "release_time_ms", "ms"),
+            ("release energy", "release_energy_j", "J"),
         ]
     }
 
@@ -34,6 +34,6 @@ impl Instrument for Carriage {
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {
-        figures::of(run)
+        figures::all(run)
     }
 }

@@ -1,4 +1,4 @@
-//! The equivalent circuit of the transducer: as the controller identified it, beside the simulated one.
+//! Equivalent circuit of the transducer: as identified by the controller, and as simulated.
 
 mod figure;
 mod metrics;
@@ -8,7 +8,7 @@ use super::{Instrument, View};
 use crate::metrics::Metrics;
 use report::{Figure, TableBlock};
 
-/// The instrument of every driven scene.
+/// Instrument of every driven scene.
 pub(super) struct Circuit;
 
 impl Instrument for Circuit {
@@ -21,6 +21,6 @@ impl Instrument for Circuit {
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {
-        figure::Admittance::of(run).map_or_else(Vec::new, |of| vec![figure::locus(run, &of), figure::bode(&of)])
+        figure::Admittance::from_run(run).map_or_else(Vec::new, |of| vec![figure::locus(run, &of), figure::bode(&of)])
     }
 }

@@ -1,4 +1,4 @@
-//! A crash: forces, excursions and accelerations of the switched belt beside those of the passive one.
+//! A crash: forces, excursions and accelerations of the switched belt and of the passive one.
 
 mod figures;
 mod metrics;
@@ -13,7 +13,7 @@ use crate::metrics::Metrics;
 use plant::dring::crash::Playback;
 use report::{Figure, TableBlock};
 
-/// The instrument of scenes with a D-ring.
+/// Instrument of scenes with a D-ring.
 pub(super) struct Crash;
 
 impl Instrument for Crash {
@@ -25,13 +25,13 @@ impl Instrument for Crash {
 
     fn headline(&self) -> &'static [Line] {
         &[
-            ("less force at the shoulder", "shoulder_force_reduction_percent", "%"),
+            ("reduction of the force at the shoulder", "shoulder_force_reduction_percent", "%"),
             ("peak force, switched", "peak_shoulder_force_n", "N"),
             ("peak force, passive", "passive_peak_shoulder_force_n", "N"),
             ("excursion, switched", "torso_excursion_m", "m"),
             ("excursion, passive", "passive_torso_excursion_m", "m"),
             ("chest acceleration", "chest_acceleration_g", "g"),
-            ("friction LOW after", "switch_time_ms", "ms"),
+            ("time to LOW friction", "switch_time_ms", "ms"),
         ]
     }
 
@@ -45,12 +45,12 @@ impl Instrument for Crash {
 
     fn figures(&self, run: &View) -> Vec<Figure> {
         playback(run).map_or_else(Vec::new, |playback| {
-            figures::of(playback).into_iter().chain(playback.ring.as_ref().map(ring::figure)).collect()
+            figures::all(playback).into_iter().chain(playback.ring.as_ref().map(ring::figure)).collect()
         })
     }
 }
 
-/// The playback of a crash that has begun.
+/// Returns the playback of a crash that has begun.
 fn playback<'a>(run: &View<'a>) -> Option<&'a Playback> {
     run.record.crash.as_ref().filter(|playback| !playback.frames.is_empty())
 }

@@ -1,5 +1,5 @@
-//! What was driven, what it cost, and how the tip moved, by root mean square and peak: numbers that hold for any waveform, where an
-//! amplitude is a sine's only.
+//! Drive voltage, power and tip motion, as root mean square and peak. These hold for any waveform,
+//! an amplitude only for a sine.
 
 use super::curves::{axis, binned, curve, mean, shaded};
 use super::{Instrument, Line, View};
@@ -7,7 +7,7 @@ use crate::metrics::Metrics;
 use crate::record::Row;
 use report::{Figure, Style};
 
-/// The instrument of every driven scene.
+/// Instrument of every driven scene.
 pub(super) struct Drive;
 
 impl Instrument for Drive {
@@ -37,7 +37,7 @@ impl Instrument for Drive {
     }
 }
 
-/// Tip velocity three ways.
+/// Returns the figure of the tip velocity: command, estimate and truth.
 fn tip_velocity(run: &View) -> Option<Figure> {
     let rows = run.rows;
     let nominal = run.scene.controller.tracking.nominal_force_factor_n_per_v?;
@@ -54,7 +54,7 @@ fn tip_velocity(run: &View) -> Option<Figure> {
         id: "tip-velocity".into(),
         title: "Tip velocity: command, estimate, truth".into(),
         caption: "Peak velocity of the tip. The estimate is the motional current over the controller's nominal force factor; \
-                  the truth is the simulated stack's."
+                  the truth is that of the simulated stack."
             .into(),
         x: axis("time [s]"),
         y: axis("tip velocity [m/s]"),

@@ -1,4 +1,4 @@
-//! The edges of bursts: rise, fall, overshoot and residual vibration.
+//! Edges of bursts: rise, fall, overshoot and residual vibration.
 
 mod figures;
 mod metrics;
@@ -10,12 +10,12 @@ use crate::record::Window;
 use report::Figure;
 use scene::Driven;
 
-/// The instrument of every driven scene.
+/// Instrument of every driven scene.
 pub(super) struct Edges;
 
 impl Instrument for Edges {
     fn windows(&self, scene: &Driven) -> Vec<Window> {
-        windows::of(scene)
+        windows::around_edges(scene)
     }
 
     fn metrics(&self, run: &View, metrics: &mut Metrics) {
@@ -23,6 +23,6 @@ impl Instrument for Edges {
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {
-        figures::of(run)
+        figures::all(run)
     }
 }

@@ -1,4 +1,4 @@
-//! The energy budget: where the work of the amplifier goes, and the error of the balance.
+//! Energy budget: distribution of the amplifier's work, and the error of the balance.
 
 use super::curves::{axis, binned, mean, shaded};
 use super::{Instrument, View};
@@ -6,7 +6,7 @@ use crate::metrics::Metrics;
 use plant::truth::Truth;
 use report::{Axis, Figure, Series, Style};
 
-/// The instrument of every driven scene. A crash has a balance of its own.
+/// Instrument of every driven scene. A crash has its own balance.
 pub(super) struct EnergyBudget;
 
 impl Instrument for EnergyBudget {
@@ -21,8 +21,8 @@ impl Instrument for EnergyBudget {
     }
 }
 
-/// Work since the beginning, on a logarithmic scale: the friction that is switched takes a thousandth of what the stack's own loss
-/// takes.
+/// Returns the figure of the work since the beginning, on a logarithmic scale: the switched
+/// friction takes a thousandth of the stack's own loss.
 fn budget(run: &View) -> Option<Figure> {
     let rows = run.rows;
     let lost = |truth: &Truth| truth.lost_w;
@@ -32,7 +32,7 @@ fn budget(run: &View) -> Option<Figure> {
             .map(|bin| {
                 let length_s = bin.len() as f64 * run.record.sample_s * run.record.block_samples as f64;
                 work += mean(bin, |row| power(&row.truth)) * length_s;
-                // From nothing on a logarithmic scale: a gap.
+                // Zero on a logarithmic scale is drawn as a gap.
                 (mean(bin, |row| row.time_s), if work > 1e-9 { work } else { f64::NAN })
             })
             .unzip();
@@ -55,7 +55,7 @@ fn budget(run: &View) -> Option<Figure> {
         id: "energy".into(),
         title: "Energy budget".into(),
         caption: format!(
-            "Work since the beginning. What the sums do not account for is {:.1e} of what was supplied.",
+            "Work since the beginning. The error of the balance is {:.1e} of the supplied work.",
             run.record.energy.residual().abs()
         ),
         x: axis("time [s]"),

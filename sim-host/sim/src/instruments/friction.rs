@@ -1,4 +1,5 @@
-//! Friction of a sliding contact, switched by the vibration of its tip: the true force and the reading of a slow load cell.
+//! Friction of a sliding contact, switched by the vibration of its tip: true force, and reading of
+//! a slow load cell.
 
 use super::curves::{axis, binned, curve, shaded};
 use super::{Instrument, Line, View};
@@ -8,20 +9,20 @@ use report::statistics::mean;
 use report::{Figure, Series, Style};
 use scene::Slider;
 
-/// The load cell's reading has settled so long after an edge, s.
+/// Settling time of the load cell's reading after an edge, s.
 const CELL_SETTLE_S: f64 = 0.05;
 
-/// The instrument of scenes with a sliding contact.
+/// Instrument of scenes with a sliding contact.
 pub(super) struct Friction;
 
 impl Instrument for Friction {
     fn metrics(&self, run: &View, metrics: &mut Metrics) {
-        // A slider at rest has a force, and no friction to speak of.
+        // A slider at rest has a force, but no sliding friction.
         let sliding = |slider: &&Slider| slider.speed_m_per_s != 0.0;
         let Some(slider) = run.scene.sliding().map(|(_, slider)| slider).filter(sliding) else { return };
         let force = |row: &Row| row.truth.friction_mean_n;
         let cell = |row: &Row| row.truth.load_cell_n;
-        // What a belt keeps that stands is none either.
+        // The force of a stopped belt is not sliding friction either.
         let stops_s = run.scene.belt_stops_s().unwrap_or(f64::INFINITY);
         let off = |settle_s: f64| run.settled(0.0, settle_s).filter(move |row| row.time_s < stops_s);
         let off_n = mean(off(run.settle_s).map(force));
@@ -53,9 +54,10 @@ impl Instrument for Friction {
     }
 }
 
-/// Friction over time: the true force with its extremes in each bin, and the slow load cell beside it.
+/// Returns the figure of friction over time: the true force with its extremes in each bin, and the
+/// slow load cell.
 fn over_time(run: &View) -> Option<Figure> {
-    // The pull of a belt has a figure of its own.
+    // The pull of a belt has its own figure.
     run.scene.sliding()?;
     let rows = run.rows;
     let (lower, upper) = binned(rows)
@@ -76,8 +78,9 @@ fn over_time(run: &View) -> Option<Figure> {
         id: "friction".into(),
         title: "Friction, switched by ultrasound".into(),
         caption:
-            "The true friction at the tip swings within each vibration period (band); its mean is what slides. The load cell \
-                  shows the mean and hides the edges. Before the first ON window, self-test, scan and lock drive the stack too."
+            "The true friction at the tip oscillates within each vibration period (band); its mean acts on the slider. The load \
+             cell shows the mean and hides the edges. Before the first ON window, self-test, scan and lock also drive the \
+             stack."
                 .into(),
         x: axis("time [s]"),
         y: axis("friction [N]"),

@@ -1,4 +1,4 @@
-//! The friction switch: set point, estimate and truth of the friction ratio.
+//! Friction switch: set point, estimate and truth of the friction ratio.
 
 mod detents;
 mod figure;
@@ -12,26 +12,26 @@ use super::{Instrument, Line, View};
 use crate::metrics::Metrics;
 use report::Figure;
 
-/// The instrument of scenes whose controller has a friction set point.
+/// Instrument of scenes whose controller has a friction set point.
 pub(super) struct FrictionSwitch;
 
 impl Instrument for FrictionSwitch {
     fn metrics(&self, run: &View, metrics: &mut Metrics) {
         run.switch(metrics);
-        if let Some(detents) = Detents::of(run) {
+        if let Some(detents) = Detents::from_run(run) {
             detents.metrics(metrics);
         }
     }
 
     fn headline(&self) -> &'static [Line] {
         &[
-            ("depth of the detents over that asked for", "detent_depth", ""),
-            ("friction behind the knob's position", "detent_lag_ms", "ms"),
+            ("depth of the detents, relative to the set point", "detent_depth", ""),
+            ("lag of the friction on the knob's position", "detent_lag_ms", "ms"),
         ]
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {
-        let detents = Detents::of(run).map(|detents| detents.figure());
+        let detents = Detents::from_run(run).map(|detents| detents.figure());
         detents.into_iter().chain(figure::ratio(run)).collect()
     }
 }

@@ -1,11 +1,11 @@
-//! Faults and limits: in which the controller ended, and how soon the drive was OFF.
+//! Faults and limits: the final ones of the controller, and the time until the drive was OFF.
 
 use firmware::seam::fault::Limit;
 
 use super::{Instrument, View};
 use crate::metrics::Metrics;
 
-/// The instrument of every driven scene.
+/// Instrument of every driven scene.
 pub(super) struct Guard;
 
 impl Instrument for Guard {
@@ -17,25 +17,28 @@ impl Instrument for Guard {
 
     fn remarks(&self, run: &View) -> Vec<String> {
         let fault = run.record.last.fault;
-        let fault = fault.map(|fault| format!("The controller ended in fault {}: {fault:?}.", fault.code()));
+        let fault =
+            fault.map(|fault| format!("The run ended in fault {}, {}: see {}.", fault.code(), fault.called(), fault.place()));
         let limit = limit_code(run).and_then(|code| Limit::try_from(code).ok());
-        let limit = limit
-            .map(|limit| format!("In its last block under drive the controller was under limit {}: {limit:?}.", limit as u8));
+        let limit = limit.map(|limit| {
+            format!("In the last block under drive, limit {} was active, {}: see {}.", limit as u8, limit.called(), limit.place())
+        });
         fault.into_iter().chain(limit).collect()
     }
 }
 
-/// The number of the limit in the last block under drive, or zero.
+/// Returns the number of the limit in the last block under drive, or zero.
 fn limit_code(run: &View) -> Option<u8> {
     run.rows.iter().rfind(|row| row.drive_v > 0.0).map(|row| row.limit)
 }
 
-/// From the first fault of the scene to the first sample without drive: the beginning of a block, or what the fault dropped of the one before.
+/// Returns the time from the first fault of the scene to the first sample without drive: the
+/// beginning of a block, or the point at which the fault truncated the block before.
 fn fault_latency_s(run: &View) -> Option<f64> {
     let at = run.scene.fault.iter().map(|fault| fault.at_s).reduce(f64::min)?;
     let faulted = run.rows.iter().position(|row| row.fault != 0).filter(|&row| row > 0)?;
     let muted = faulted + run.rows[faulted..].iter().position(|row| row.drive_v == 0.0)?;
-    // What was muted until it faulted has been silent for longer.
+    // If the drive was muted before it faulted, it was silent earlier.
     let silent =
         run.rows[..=muted].iter().rev().take_while(|row| row.drive_v == 0.0 && row.time_s - run.block_s >= at - 1e-9).last()?;
     let (muted, dropped_s) = if run.rows[faulted - 1].limit == Limit::BeltMuted as u8 {

@@ -1,4 +1,4 @@
-//! A stack that heats itself: its temperature, its losses, whether that comes to an end, and what the ceramic bears.
+//! Self-heating of a stack: temperature, losses, thermal runaway, and limits of the ceramic.
 
 use super::curves::{axis, curve, shaded};
 use super::{Instrument, Line, View};
@@ -9,7 +9,7 @@ use report::statistics::mean;
 use report::{Figure, Style};
 use scene::Thermal;
 
-/// The instrument of a driven scene with `[stack.thermal]`.
+/// Instrument of driven scenes with `[stack.thermal]`.
 pub(super) struct Heat;
 
 impl Instrument for Heat {
@@ -26,7 +26,7 @@ impl Instrument for Heat {
     }
 
     fn headline(&self) -> &'static [Line] {
-        &[("stack over ambient", "peak_stack_temperature_k", "K")]
+        &[("stack temperature above ambient", "peak_stack_temperature_k", "K")]
     }
 
     fn remarks(&self, run: &View) -> Vec<String> {
@@ -35,19 +35,24 @@ impl Instrument for Heat {
         let runaway = first(&|heat| heat.gain >= 1.0).map(|s| {
             let gain = all(run).map(|(_, heat)| heat.gain).fold(0.0, f64::max);
             format!(
-                "Thermal runaway from {s:.3} s on: at its motional current a kelvin brings {gain:.2} times the loss that leaves with it, and no temperature of the stack \
-                 is steady while the current is held."
+                "Thermal runaway from {s:.3} s on: at this motional current, one kelvin adds {gain:.2} times as much loss as it \
+                 removes. The stack has no steady temperature while the current is held."
             )
         });
         let hottest = thermal.hottest_c();
         let depoling = first(&|heat| thermal.ambient_c + heat.temperature_k >= hottest).map(|s| {
             let of = if thermal.depoling_c.is_some() { "`stack.thermal.depoling_c`" } else { "half its Curie point" };
             format!(
-                "The stack is above {hottest:.1} °C, {of}, from {s:.3} s on. It slowly loses its polarisation there, which is not simulated: what follows is too good."
+                "The stack is above {hottest:.1} °C, {of}, from {s:.3} s on. It slowly loses its polarisation there, which is \
+                 not simulated: later results are too good."
             )
         });
         let depoled = first(&|heat| heat.depoled).map(|s| {
-            format!("The stack is at its Curie point of {:.1} °C at {s:.3} s, and has no polarisation from then on (as by the fault `depoled`).", thermal.curie_c)
+            format!(
+                "The stack reaches its Curie point of {:.1} °C at {s:.3} s and loses its polarisation (as by the fault \
+                     `depoled`).",
+                thermal.curie_c
+            )
         });
         [runaway, depoling, depoled].into_iter().flatten().collect()
     }
@@ -57,7 +62,7 @@ impl Instrument for Heat {
     }
 }
 
-/// How the stack of a scene heats itself, if it does.
+/// Returns the thermal model of the scene's stack, if it has one.
 fn thermal(run: &View) -> Option<Thermal> {
     match run.scene.transducer {
         scene::Transducer::Stack(stack, _) => stack.thermal,
@@ -65,28 +70,28 @@ fn thermal(run: &View) -> Option<Thermal> {
     }
 }
 
-/// All blocks, with their times, s.
+/// Returns all blocks, with their times, s.
 fn all<'a>(run: &View<'a>) -> impl Iterator<Item = (f64, &'a HeatTruth)> {
     run.rows.iter().filter_map(|row| Some((row.time_s, row.truth.heat.as_ref()?)))
 }
 
-/// The steady blocks.
+/// Returns the steady blocks.
 fn steady<'a>(run: &'a View) -> impl Iterator<Item = &'a HeatTruth> {
     run.steady().filter_map(|row| row.truth.heat.as_ref())
 }
 
-/// True temperature over the run, with the limits.
+/// Returns the figure of the true temperature over the run, with the limits.
 fn temperature(run: &View) -> Option<Figure> {
     let thermal = thermal(run)?;
     let of = |value: fn(&HeatTruth) -> f64| move |row: &crate::record::Row| row.truth.heat.as_ref().map_or(f64::NAN, value);
     let limits = &run.scene.controller.limits;
     let highest = all(run).map(|(_, heat)| heat.temperature_k).fold(0.0, f64::max);
     let lines = [
-        (limits.temperature_c - f64::from(DERATE_K), "derated from here on"),
-        (limits.temperature_c, "the controller's limit"),
-        (thermal.hottest_c(), "the ceramic's limit"),
+        (limits.temperature_c - f64::from(DERATE_K), "derating begins"),
+        (limits.temperature_c, "controller's limit"),
+        (thermal.hottest_c(), "ceramic's limit"),
     ];
-    // A line far above would press the curve to the ground.
+    // A limit far above the curve would compress it.
     let shown = lines
         .into_iter()
         .map(|(celsius, name)| (celsius - thermal.ambient_c, name))
@@ -94,7 +99,7 @@ fn temperature(run: &View) -> Option<Figure> {
     Some(Figure {
         id: "stack-temperature".into(),
         title: "Temperature of the stack".into(),
-        caption: "The stack as one body that its losses heat.".into(),
+        caption: "The stack is modelled as one body heated by its losses.".into(),
         x: axis("time [s]"),
         y: axis("temperature over ambient [K]"),
         series: vec![curve(run.rows, "truth", "stack_temperature_k", Style::Line, of(|heat| heat.temperature_k))],

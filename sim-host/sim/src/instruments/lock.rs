@@ -1,4 +1,5 @@
-//! The lock: how soon the drive is at the resonance, how well it stays there, and whether what the controller says of it is true.
+//! Lock: time to the resonance, accuracy after it, and correctness of the controller's lock
+//! reports.
 
 pub mod claims;
 mod figures;
@@ -10,7 +11,7 @@ use super::{Instrument, Line, View};
 use crate::metrics::Metrics;
 use report::Figure;
 
-/// The instrument of every driven scene.
+/// Instrument of every driven scene.
 pub(super) struct Lock;
 
 impl Instrument for Lock {
@@ -21,8 +22,8 @@ impl Instrument for Lock {
     fn headline(&self) -> &'static [Line] {
         &[
             ("frequency bias", "frequency_bias_hz", "Hz"),
-            ("acquired in", "acquire_time_ms", "ms"),
-            ("relocked to 20 Hz in", "relock_time_20hz_ms", "ms"),
+            ("acquisition time", "acquire_time_ms", "ms"),
+            ("relock time to 20 Hz", "relock_time_20hz_ms", "ms"),
         ]
     }
 
@@ -31,7 +32,7 @@ impl Instrument for Lock {
             return Vec::new();
         }
         let running = run.plays_from(Mode::Run).map_or("was not reached".to_owned(), |s| format!("began at {s:.3} s"));
-        vec![format!("There is no steady block with the drive ON, so most metrics are missing: the run {running}.")]
+        vec![format!("There is no steady block with the drive ON, so most metrics are missing: mode Run {running}.")]
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {

@@ -1,4 +1,4 @@
-//! A travelling-wave motor: its waves, its rotor and its lanes, beside the closed forms.
+//! A travelling-wave motor: waves, rotor and lanes, and their closed forms.
 
 mod figures;
 mod metrics;
@@ -11,12 +11,12 @@ use crate::record::Window;
 use report::{Figure, TableBlock};
 use scene::Driven;
 
-/// The instrument of scenes with a stator.
+/// Instrument of scenes with a stator.
 pub(super) struct Motor;
 
 impl Instrument for Motor {
     fn windows(&self, scene: &Driven) -> Vec<Window> {
-        window::of(scene).into_iter().collect()
+        window::wave_window(scene).into_iter().collect()
     }
 
     fn metrics(&self, run: &View, metrics: &mut Metrics) {
@@ -28,7 +28,7 @@ impl Instrument for Motor {
             ("rotor speed", "rotor_speed_rad_per_s", "rad/s"),
             ("backward wave", "backward_wave_percent", "%"),
             ("rotor over surface speed", "rotor_speed_ratio", ""),
-            ("stops in", "stop_time_ms", "ms"),
+            ("stop time", "stop_time_ms", "ms"),
         ]
     }
 
@@ -37,6 +37,6 @@ impl Instrument for Motor {
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {
-        figures::of(run)
+        figures::all(run)
     }
 }

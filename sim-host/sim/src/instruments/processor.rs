@@ -1,4 +1,4 @@
-//! The processor that ran the controller, where it is not this one: instructions and memory.
+//! Instructions and memory of a processor that runs the controller in an emulator.
 
 use super::{Instrument, View};
 use crate::metrics::Metrics;
@@ -7,19 +7,19 @@ use crate::processor::InFunction;
 use crate::record::Taken;
 use report::TableBlock;
 
-/// The instrument of runs in an emulator.
+/// Instrument of runs in an emulator.
 pub(super) struct ProcessorLoad;
 
-/// What is shown: label, metric.
+/// Rows of the table: label, metric.
 const ROWS: [(&str, &str); 14] = [
     ("instructions, all blocks", "instructions_total"),
-    ("instructions a block, mean", "mean_block_instructions"),
+    ("instructions per block, mean", "mean_block_instructions"),
     ("instructions of the worst block", "worst_block_instructions"),
-    ("cycles a block, mean", "mean_block_cycles"),
+    ("cycles per block, mean", "mean_block_cycles"),
     ("cycles of the worst block", "worst_block_cycles"),
-    ("load of a block, mean [%]", "mean_block_load_percent"),
+    ("load per block, mean [%]", "mean_block_load_percent"),
     ("load of the worst block [%]", "worst_block_load_percent"),
-    ("left to the background task [%]", "background_share_percent"),
+    ("remaining for the background task [%]", "background_share_percent"),
     ("instruction fetches from flash [%]", "flash_fetches_percent"),
     ("longest time with interrupts masked [cycles]", "longest_masked_cycles"),
     ("stack, power-up [bytes]", "stack_power_up_bytes"),
@@ -56,23 +56,24 @@ impl Instrument for ProcessorLoad {
         let whole = |value: f64| if value >= 1e7 { number(value) } else { format!("{value:.0}") };
         let row = |(label, metric): (&str, &str)| Some(vec![label.to_owned(), whole(metrics.get(metric)?)]);
         let caption = if metrics.get("worst_block_cycles").is_some() {
-            "Of the block interrupt in the image that is flashed, with its entry and return. Cycles are the most that the processor's manual allows, with what DMA \
-             can take of the buses, for the part at its own speed, whatever time the interrupt was given in this run; a sample of 1 us has 170 of them at 170 MHz."
+            "Block interrupt of the flashed image, with its entry and return. Cycles are the maximum by the processor's manual, \
+             including bus accesses by DMA, at the part's own speed, independent of the interrupt's duration in this run. A \
+             sample of 1 us has 170 cycles at 170 MHz."
         } else {
-            "Counted in an emulator: instructions, each block's to within 6, and not cycles. The image is built for speed and for any \
-             scene; a board's is smaller."
+            "Instructions, counted in an emulator to within 6 per block; cycles are not counted. The image is built for speed \
+             and for any scene; the image of a board is smaller."
         };
         let taken =
-            TableBlock::new("processor", "Processor", caption, &["", "taken"], ROWS.into_iter().filter_map(row).collect());
+            TableBlock::new("processor", "Processor", caption, &["", "value"], ROWS.into_iter().filter_map(row).collect());
         let functions = run.record.load.as_ref().map_or(&[][..], |load| &load.functions);
         [taken].into_iter().chain((!functions.is_empty()).then(|| profile(functions, run.record.cycles))).collect()
     }
 }
 
-/// Most rows of a profile.
-const MOST_FUNCTIONS: usize = 25;
+/// Maximum number of rows of a profile.
+const MAX_FUNCTIONS: usize = 25;
 
-/// The functions that take most of the block interrupt, a block.
+/// Returns the functions that take most of the block interrupt, per block.
 fn profile(functions: &[InFunction], blocks: Option<Taken>) -> TableBlock {
     let blocks = blocks.map_or(1.0, |taken| taken.blocks as f64);
     let all: u64 = functions.iter().map(|function| function.cycles).sum();
@@ -83,17 +84,17 @@ fn profile(functions: &[InFunction], blocks: Option<Taken>) -> TableBlock {
         vec![name.clone(), format!("{part:.1}"), a_block(*cycles), a_block(*instructions), a_block(*flash_fetches)]
     };
     let caption = format!(
-        "Mean of a block, without the cycles of entry and return. The {} functions with the most cycles, of {}; a function that the compiler has put into another \
-         one counts there.",
-        MOST_FUNCTIONS.min(functions.len()),
+        "Mean per block, without the cycles of entry and return. The {} functions with the most cycles, of {}; an inlined \
+         function counts as part of its caller.",
+        MAX_FUNCTIONS.min(functions.len()),
         functions.len()
     );
-    let header = ["function", "part, %", "cycles", "instructions", "fetches from flash"];
+    let header = ["function", "share, %", "cycles", "instructions", "fetches from flash"];
     TableBlock::new(
         "profile",
         "Block interrupt by function",
         caption,
         &header,
-        functions.iter().take(MOST_FUNCTIONS).map(row).collect(),
+        functions.iter().take(MAX_FUNCTIONS).map(row).collect(),
     )
 }

@@ -1,8 +1,9 @@
-//! A driven run as its instruments see it: which blocks are steady, which are ON, and when each mode begins to play.
+//! View of a driven run for its instruments: steady blocks, ON windows, and beginning of each mode.
 //!
-//! **Settled** is what comes 20 ms after an edge; or a third of what is left of the run from its first block of running, or from its last
-//! step disturbance, if that is less. **Steady** blocks are running, with envelope one, settled, and after the last step disturbance; where the
-//! friction is switched, from the survey or the last set point on.
+//! A block is **settled** if it is 20 ms after an edge. If a third of the run after its first block
+//! in `Run`, or after its last step disturbance, is shorter, that time applies instead. **Steady**
+//! blocks are in `Run`, with envelope one, settled, and after the last step disturbance; with
+//! switched friction, also after the survey and the last set point.
 
 use firmware::seam::mode::Mode;
 
@@ -10,34 +11,36 @@ use crate::record::{Record, Row};
 use plant::truth::MotorTruth;
 use scene::Driven;
 
-/// After an edge or a disturbance, this long is not counted as steady, s,
+/// Time after an edge or a disturbance that does not count as steady, s.
 const SETTLE_S: f64 = 0.02;
-/// or this part of what is left of the run, if that is less.
-const SETTLE_PART: f64 = 1.0 / 3.0;
+/// Fraction of the rest of the run that does not count as steady, if that is less.
+const SETTLE_FRACTION: f64 = 1.0 / 3.0;
 
-/// A scene and the record of its run, with what all instruments share: which blocks are steady, and for how long the envelope has been constant.
+/// A scene and the record of its run, with the steady blocks and the times of constant envelope
+/// that all instruments share.
 pub struct View<'a> {
     /// Scene that was run.
     pub scene: Driven<'a>,
-    /// The record of its run.
+    /// Record of the run.
     pub record: &'a Record,
     pub(super) rows: &'a [Row],
-    /// From one row to the next, s.
+    /// Interval between rows, s.
     pub(super) block_s: f64,
-    /// For each block, since when its envelope is what it is and nothing was disturbed, s.
+    /// Time of each block since the last change of envelope or mode, and the last step disturbance,
+    /// s.
     calm_s: Vec<f64>,
-    /// When each disturbance begins, s.
+    /// Beginning of each disturbance, s.
     pub(super) disturbed_s: Vec<f64>,
-    /// When each step disturbance comes, s.
+    /// Time of each step disturbance, s.
     pub(super) steps_s: Vec<f64>,
-    /// What is settled comes so long after an edge, s.
+    /// Settling time after an edge, s.
     pub(super) settle_s: f64,
-    /// When the friction switch begins to hold its last set point, s.
+    /// Time from which the friction switch holds its last set point, s.
     held_from_s: f64,
 }
 
 impl<'a> View<'a> {
-    /// Looks at a record.
+    /// Creates the view of a record.
     pub fn new(scene: &Driven<'a>, record: &'a Record) -> Self {
         let steps_s = scene.disturbance.iter().filter(|d| d.to.is_some()).map(|d| d.at_s).collect();
         let disturbed_s = scene.disturbance.iter().map(|d| d.at_s).collect::<Vec<_>>();
@@ -63,7 +66,7 @@ impl<'a> View<'a> {
         let running_s = self.plays_from(Mode::Run).unwrap_or(f64::NEG_INFINITY);
         let from_s = self.steps_s.iter().copied().fold(running_s, f64::max);
         let left_s = self.rows.last().map_or(0.0, |row| row.time_s - from_s);
-        if left_s > 0.0 { SETTLE_S.min(SETTLE_PART * left_s) } else { SETTLE_S }
+        if left_s > 0.0 { SETTLE_S.min(SETTLE_FRACTION * left_s) } else { SETTLE_S }
     }
 
     fn calm_times(&self) -> Vec<f64> {
@@ -83,7 +86,8 @@ impl<'a> View<'a> {
         calm
     }
 
-    /// Blocks of the run with this envelope, so long after an edge, s, and after the last step disturbance.
+    /// Returns the blocks in `Run` with this envelope, more than `settle_s` after an edge and after
+    /// the last step disturbance.
     pub(super) fn settled(&self, envelope: f64, settle_s: f64) -> impl Iterator<Item = &'a Row> + '_ {
         let last_step_s = self.steps_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let counts = move |row: &Row, calm: f64| {
@@ -92,17 +96,18 @@ impl<'a> View<'a> {
         self.rows.iter().zip(&self.calm_s).filter(move |&(row, &calm)| counts(row, calm)).map(|(row, _)| row)
     }
 
-    /// Running, envelope one, some time after the last edge, and after the last step disturbance.
+    /// Returns the steady blocks: in `Run`, with envelope one, settled after the last edge, and
+    /// after the last step disturbance.
     pub fn steady(&self) -> impl Iterator<Item = &'a Row> + '_ {
         self.settled(1.0, self.settle_s).filter(|row| row.time_s > self.held_from_s)
     }
 
-    /// The ON windows as they were played while running, s.
+    /// Returns the ON windows as played in `Run`, s.
     pub fn on_windows(&self) -> Vec<(f64, f64)> {
         let mut windows: Vec<(f64, f64)> = Vec::new();
         let mut open = false;
         for row in self.after(self.plays_from(Mode::Run).unwrap_or(f64::INFINITY)) {
-            // A block that is ON in part begins late or ends early by the rest of it.
+            // A partial block begins late or ends early by the rest of it.
             let (begins, part) = (row.time_s - self.block_s, self.block_s * row.envelope.min(1.0));
             match (open, windows.last_mut()) {
                 (true, Some(window)) if row.envelope > 0.0 => window.1 = begins + part,
@@ -114,30 +119,32 @@ impl<'a> View<'a> {
         windows
     }
 
-    /// The blocks that play entirely after a moment.
+    /// Returns the blocks that play entirely after a time.
     pub fn after(&self, time_s: f64) -> &'a [Row] {
         let half_s = 0.5 * self.block_s;
         &self.rows[self.rows.partition_point(|row| row.time_s - self.block_s < time_s - half_s)..]
     }
 
-    /// What only a motor has of the truth about a row's block.
+    /// Returns the true state of the motor in a row's block.
     pub(super) fn motor_truth(&self, row: &Row) -> Option<&'a MotorTruth> {
         self.record.motors.get(row.number as usize)
     }
 
-    /// When the first block of this mode begins to play, s.
+    /// Returns the time at which the first block of this mode begins to play, s.
     pub fn plays_from(&self, mode: Mode) -> Option<f64> {
-        // The row of block k is what `process` said after it; what it said plays two blocks after k, so begins one row later.
+        // The row of block k is the output of `process` after it. That output plays two blocks
+        // after k, and so begins one row later.
         self.rows.iter().find(|row| row.mode == mode).map(|row| row.time_s + self.block_s)
     }
 
-    /// The last block of the scan.
+    /// Returns the last block of the scan.
     pub(super) fn scan_ends(&self) -> Option<&'a Row> {
         self.rows.iter().rfind(|row| row.mode == Mode::Scan)
     }
 }
 
-/// When, between two blocks, the condition begins to hold, by linear interpolation of the tip velocity.
+/// Returns the time between two blocks at which the condition begins to hold, s, by linear
+/// interpolation of the tip velocity.
 pub(super) fn crossing(before: &Row, after: &Row, there: &dyn Fn(f64) -> bool, tip: impl Fn(&Row) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..20 {

@@ -1,9 +1,11 @@
-//! The folder of a result: it holds one result as a whole.
+//! Folder of a result, which contains one complete result.
 //!
-//! A result is written into a folder of its own within it, and moved from there when it is whole. The manifest comes last. It names the command and lists
-//! the files with their checksums. The same command replaces exactly these files, and only if none of them has changed and none is one of its inputs.
-//! Otherwise the folder stays as it is. While files are moved the manifest says `complete: false` and lists the files of both results: the next run
-//! cleans up after any interruption. While a result is being written into a folder, another one is refused.
+//! A result is written into a temporary subfolder, and moved from there when it is complete. The
+//! manifest comes last. It names the command and lists the files with their checksums. The same
+//! command replaces exactly these files, and only if none of them has changed and none is one of
+//! its inputs. Otherwise the folder remains unchanged. While files are moved, the manifest has
+//! `complete: false` and lists the files of both results: the next run cleans up after any
+//! interruption. While a result is being written into a folder, another one is refused.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File, TryLockError};
@@ -16,21 +18,21 @@ use serde_json::{Value, json};
 use super::OutputError;
 use super::sweep::{PLAN, SWEEP};
 
-/// The manifest, which says whose all other files are.
+/// Manifest, which names the command of all other files.
 const MANIFEST: &str = "manifest.json";
-/// Files that show that a folder without a manifest holds a result.
+/// Files that identify a folder without a manifest as a result.
 const NAMES: [&str; 9] =
     ["summary.json", "machine.json", "trace.csv", "trace.npy", "trace.parquet", "runs.csv", "grid.csv", "report.html", PLAN];
-/// How the folder of a run that is being written begins.
+/// Prefix of the folder of a run that is being written.
 const UNFINISHED: &str = ".unfinished-";
-/// Where a run goes that something is in the way of.
-const BESIDE: &str = "run";
+/// Prefix of the subfolder for a run whose files may not replace others.
+const ASIDE: &str = "run";
 /// Reason for keeping a file that no manifest lists.
 const UNLISTED: &str = "is not listed in the manifest of an earlier result";
 /// Reason for keeping a file that its user has edited.
 const CHANGED: &str = "was changed after it was written";
 
-/// Tells apart what one process writes at a time.
+/// Number that distinguishes simultaneous outputs of one process.
 static COUNT: AtomicU32 = AtomicU32::new(0);
 
 /// A command that writes a folder, and its inputs, which it never replaces.
@@ -41,33 +43,36 @@ pub struct Owner {
 }
 
 impl Owner {
-    /// Creates the owner from the name of the command and the files or folders that it reads; those that do not exist are ignored.
+    /// Creates the owner from the name of the command and the files or folders that it reads;
+    /// missing ones are ignored.
     pub fn new(command: &str, inputs: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
         let inputs = inputs.into_iter().filter_map(|path| path.as_ref().canonicalize().ok()).collect();
         Owner { command: command.to_owned(), inputs }
     }
 }
 
-/// Returns the folder of a result within `out`. A name that is not a plain file name could lead elsewhere.
+/// Returns the folder of a result within `out`. A name that is not a plain file name is replaced,
+/// because it could lead elsewhere.
 pub fn default_dir(name: &str) -> PathBuf {
     Path::new("out").join(if is_plain(name) { name } else { "unnamed" })
 }
 
-/// A folder that a result is to go into.
+/// Folder for a result.
 pub struct Folder {
     dir: PathBuf,
     owner: Owner,
-    /// File that rules out the preferred folder, and why.
+    /// File that rules out the preferred folder, with the reason.
     avoided: Option<String>,
-    /// It was not there before.
+    /// `true` if the folder did not exist before.
     made: bool,
-    /// Where the run is written until it is whole, which is locked as long as its process lives.
+    /// Temporary folder of the run until it is complete; locked while its process is alive.
     unfinished: PathBuf,
     _living: Option<File>,
 }
 
 impl Folder {
-    /// Opens the folder of a name within `out`, or the next free one (`out/NAME-COMMAND`) if the command may not replace what that holds.
+    /// Opens the folder of a name within `out`, or the next free one (`out/NAME-COMMAND`) if the
+    /// command may not replace its contents.
     pub fn open_default(name: &str, owner: &Owner) -> Result<Self, OutputError> {
         let dir = default_dir(name);
         let command = owner.command.rsplit(' ').next().unwrap_or_default();
@@ -88,17 +93,17 @@ impl Folder {
         }
     }
 
-    /// Makes the folder ready, before a run that may take long; refuses one with files that the command may not replace, and one into which another
-    /// result is being written.
+    /// Prepares the folder before a run that may take long. Refuses a folder with files that the
+    /// command may not replace, and one into which another result is being written.
     pub fn open(dir: &Path, owner: Owner) -> Result<Self, OutputError> {
         let made = !dir.exists();
         fs::create_dir_all(dir).map_err(write(dir))?;
         let own = format!("{UNFINISHED}{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
         let unfinished = dir.join(own);
-        // No other process takes the new folder for one that was left.
+        // The lock keeps other processes from removing the new folder as a leftover.
         let _alone = locked(dir);
         replaceable(dir, &owner)?;
-        if let Some(process) = unfinished_runs(dir).find_map(|path| lives(&path).then(|| process_of(&path))) {
+        if let Some(process) = unfinished_runs(dir).find_map(|path| is_alive(&path).then(|| process_of(&path))) {
             return Err(OutputError::Held { path: dir.to_owned(), process });
         }
         fs::create_dir_all(&unfinished).map_err(write(&unfinished))?;
@@ -111,17 +116,18 @@ impl Folder {
         &self.dir
     }
 
-    /// Returns why the result does not go into the preferred folder, if it does not.
+    /// Returns the reason for not using the preferred folder, if it is not used.
     pub fn avoided(&self) -> Option<&str> {
         self.avoided.as_deref()
     }
 
-    /// Where the run is to be written.
+    /// Returns the temporary folder into which the run must be written.
     pub fn unfinished(&self) -> &Path {
         &self.unfinished
     }
 
-    /// Replaces the previous result with the new one, and adds program, command, files and checksums to its manifest.
+    /// Replaces the previous result with the new one, and adds program, command, files and
+    /// checksums to its manifest.
     pub fn finish(&self, mut manifest: Value) -> Result<(), OutputError> {
         let files = plain_files(&self.unfinished)?;
         let sum = |name: &String| {
@@ -132,7 +138,7 @@ impl Folder {
         (manifest["program"], manifest["version"]) = (json!("sim-host"), json!(crate::VERSION));
         (manifest["command"], manifest["files"], manifest["checksums"]) = (json!(self.owner.command), json!(files), json!(sums));
         let _alone = locked(&self.dir);
-        remove_left(&self.dir);
+        remove_leftovers(&self.dir);
         let foreign = |former: &BTreeMap<String, String>| {
             let in_the_way = |file: &&String| !former.contains_key(*file) && self.dir.join(file).symlink_metadata().is_ok();
             files.iter().find(in_the_way).map(|file| self.dir.join(file))
@@ -144,7 +150,7 @@ impl Folder {
         let former = match former {
             Err(OutputError::Taken { path, why }) => {
                 self.put(&manifest)?;
-                return Err(OutputError::InTheWay { path, why, run: self.beside()? });
+                return Err(OutputError::InTheWay { path, why, run: self.move_aside()? });
             }
             former => former?,
         };
@@ -165,7 +171,8 @@ impl Folder {
         self.publish(MANIFEST)
     }
 
-    /// Writes a manifest where the run is written. Its own checksum is that of its text with an empty one.
+    /// Writes a manifest into the temporary folder. Its own checksum is computed with an empty one
+    /// in its text.
     fn put(&self, manifest: &Value) -> Result<(), OutputError> {
         let path = self.unfinished.join(MANIFEST);
         let mut manifest = manifest.clone();
@@ -182,17 +189,17 @@ impl Folder {
         fs::rename(self.unfinished.join(file), &path).map_err(write(&path))
     }
 
-    /// Moves the whole run into a folder of its own, and says where.
-    fn beside(&self) -> Result<PathBuf, OutputError> {
-        let free = (1_u32..).map(|n| self.dir.join(format!("{BESIDE}-{n}"))).find(|path| path.symlink_metadata().is_err());
-        let path = free.unwrap_or_else(|| self.dir.join(BESIDE));
+    /// Moves the complete run into a separate subfolder, and returns its path.
+    fn move_aside(&self) -> Result<PathBuf, OutputError> {
+        let free = (1_u32..).map(|n| self.dir.join(format!("{ASIDE}-{n}"))).find(|path| path.symlink_metadata().is_err());
+        let path = free.unwrap_or_else(|| self.dir.join(ASIDE));
         fs::rename(&self.unfinished, &path).map_err(write(&path))?;
         Ok(path)
     }
 }
 
 impl Drop for Folder {
-    /// What did not become whole is not left behind, nor a folder with nothing in it.
+    /// Removes an incomplete result, and the folder if it was created and is empty.
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(&self.unfinished);
         if self.made {
@@ -201,25 +208,26 @@ impl Drop for Folder {
     }
 }
 
-/// Keeps other runs from moving files in this folder, as long as it is held; where the system locks no folders, not.
+/// Keeps other runs from moving files in this folder while the lock is held; `None` if the system
+/// cannot lock folders.
 fn locked(dir: &Path) -> Option<File> {
     File::open(dir).ok().filter(|folder| folder.lock().is_ok())
 }
 
-/// Removes what runs have left that were killed.
-fn remove_left(dir: &Path) {
+/// Removes leftovers of killed runs.
+fn remove_leftovers(dir: &Path) {
     for path in unfinished_runs(dir) {
-        // Where the system locks no folders nobody knows who lives.
+        // If the system cannot lock folders, leftovers cannot be identified and remain.
         if File::open(&path).is_ok_and(|folder| folder.try_lock().is_ok()) {
             let _ = fs::remove_dir_all(&path);
         }
     }
 }
 
-/// Where runs are being written, or were when they were killed.
+/// Returns the temporary folders of runs in progress and of killed runs.
 fn unfinished_runs(dir: &Path) -> impl Iterator<Item = PathBuf> {
     let entries = fs::read_dir(dir).into_iter().flatten().flatten();
-    // The name of a folder of ours: process and number.
+    // The name of a temporary folder: process and number.
     let is_ours = |name: &str| {
         let numbers = name.strip_prefix(UNFINISHED).and_then(|rest| rest.split_once('-'));
         numbers.is_some_and(|(process, number)| [process, number].iter().all(|text| text.parse::<u64>().is_ok()))
@@ -227,18 +235,19 @@ fn unfinished_runs(dir: &Path) -> impl Iterator<Item = PathBuf> {
     entries.filter(move |entry| is_ours(&entry.file_name().to_string_lossy())).map(|entry| entry.path())
 }
 
-/// Whether the process lives that writes this run: it holds the lock of its own folder.
-fn lives(path: &Path) -> bool {
+/// Returns `true` if the process that writes this run is alive: it holds the lock of its folder.
+fn is_alive(path: &Path) -> bool {
     File::open(path).is_ok_and(|folder| matches!(folder.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
-/// The process that writes a run, by the name of its folder.
+/// Returns the process that writes a run, from the name of its folder.
 fn process_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.trim_start_matches(UNFINISHED).split('-').next().unwrap_or_default().to_owned()
 }
 
-/// Returns the files of the result that a folder holds and their checksums, without its manifest; refuses a folder that the command may not change.
+/// Returns the files and checksums of the result in a folder, without its manifest; refuses a
+/// folder that the command may not change.
 pub(super) fn replaceable(dir: &Path, owner: &Owner) -> Result<BTreeMap<String, String>, OutputError> {
     let taken = |path: PathBuf, why: &str| Err(OutputError::Taken { path, why: why.to_owned() });
     let path = dir.join(MANIFEST);
@@ -256,8 +265,8 @@ pub(super) fn replaceable(dir: &Path, owner: &Owner) -> Result<BTreeMap<String, 
     match (manifest["command"].as_str(), manifest["checksums"].as_object()) {
         _ if manifest["program"] != "sim-host" => return taken(path, "is not a manifest of sim-host"),
         (Some(command), Some(_)) if command == owner.command => {}
-        (Some(command), Some(_)) => return taken(path, &format!("is of the command `{command}`")),
-        _ => return taken(path, "is of an older version and has no checksums"),
+        (Some(command), Some(_)) => return taken(path, &format!("belongs to the command `{command}`")),
+        _ => return taken(path, "was written by an older version, without checksums"),
     }
     let known = |name: &str| [&manifest["checksums"][name], &manifest["former"][name]];
     let own = known(MANIFEST)[0].as_str().unwrap_or_default();
@@ -266,7 +275,7 @@ pub(super) fn replaceable(dir: &Path, owner: &Owner) -> Result<BTreeMap<String, 
     }
     let listed = manifest["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
     let mut files = BTreeMap::new();
-    // A name that leads out of the folder is none of a run's.
+    // A name that leads out of the folder is not a file of a run.
     for name in listed.filter(|name| is_plain(name)).chain([MANIFEST]) {
         let path = dir.join(name);
         let is_input = |path: &PathBuf| owner.inputs.iter().any(|input| path == input || path.parent() == Some(input));
@@ -283,7 +292,7 @@ pub(super) fn replaceable(dir: &Path, owner: &Owner) -> Result<BTreeMap<String, 
     Ok(files)
 }
 
-/// Returns the CRC-64/XZ of all that is read, as 16 hexadecimal digits.
+/// Returns the CRC-64/XZ of all data read, as 16 hexadecimal digits.
 fn checksum(mut from: impl Read) -> io::Result<String> {
     static TABLE: crc::Crc<u64, crc::Table<16>> = crc::Crc::<u64, crc::Table<16>>::new(&crc::CRC_64_XZ);
     let (mut digest, mut buffer) = (TABLE.digest(), vec![0; 1 << 16]);
@@ -295,7 +304,7 @@ fn checksum(mut from: impl Read) -> io::Result<String> {
     }
 }
 
-/// The files of a folder, by their names, without the manifest.
+/// Returns the names of the files in a folder, without the manifest.
 fn plain_files(dir: &Path) -> Result<BTreeSet<String>, OutputError> {
     let mut names = BTreeSet::new();
     for entry in fs::read_dir(dir).map_err(write(dir))? {
@@ -306,7 +315,7 @@ fn plain_files(dir: &Path) -> Result<BTreeSet<String>, OutputError> {
     Ok(names)
 }
 
-/// Whether this is a file's name, and no path.
+/// Returns `true` if this is a file name and not a path.
 fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     matches!((parts.next(), parts.next()), (Some(Component::Normal(part)), None) if part == name) && name != MANIFEST
@@ -322,7 +331,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_a_name_within_the_folder_is_one_of_its_files() {
+    fn paths_are_not_accepted_as_file_names() {
         assert!(["trace.csv", "a-b_1.svg", "..."].iter().all(|name| is_plain(name)));
         assert!(["", ".", "..", "/etc/passwd", "../trace.csv", "a/b", "a/", "manifest.json"].iter().all(|name| !is_plain(name)));
     }

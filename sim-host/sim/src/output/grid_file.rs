@@ -1,11 +1,11 @@
-//! The grid of a scene: `grid.csv`, a row a point.
+//! Grid of a scene: `grid.csv`, with a row per point.
 
 use std::path::Path;
 
 use crate::study::grid::GridResult;
 use crate::study::sweep::Rows;
 
-/// Writes the points; a last column says why one has no result.
+/// Writes the points; the last column states why a point has no result.
 pub(super) fn write(result: &GridResult, path: &Path) -> Result<(), csv::Error> {
     let mut file = csv::Writer::from_path(path)?;
     file.write_record(Rows::head(&result.keys(), &result.metrics).chain(["failure"]))?;

@@ -1,15 +1,17 @@
-//! Numbers as files of NumPy: a plain array, or rows as an array of records, so that `numpy.load("trace.npy")["friction_n"]` is a column.
+//! NumPy files: a plain array, or rows as an array of records, so that
+//! `numpy.load("trace.npy")["friction_n"]` is a column.
 //!
-//! Format version 1.0: a magic number, the length of the header, the header as a Python dictionary padded to a multiple of 64 bytes, then the
-//! records (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
+//! Format version 1.0: a magic number, the length of the header, the header as a Python dictionary
+//! padded to a multiple of 64 bytes, then the records
+//! (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-/// What every such file begins with: a name, and the version.
+/// Magic number: a name, and the version.
 const MAGIC: [u8; 8] = *b"\x93NUMPY\x01\x00";
-/// Records begin at a multiple of this.
+/// Alignment of the records, bytes.
 const ALIGN: usize = 64;
 
 /// Writes rows of numbers under these names.
@@ -25,7 +27,7 @@ pub(super) fn write(columns: &[String], rows: &[Vec<f64>], path: &Path) -> io::R
 /// Writes numbers as an array of this shape, the last dimension fastest.
 ///
 /// # Errors
-/// If it cannot be written.
+/// If the array cannot be written.
 pub fn write_array(shape: &[usize], values: &[f64], file: &mut impl Write) -> io::Result<()> {
     let shape: String = shape.iter().map(|length| format!("{length}, ")).collect();
     file.write_all(&padded(format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}), }}", shape.trim_end()))?)?;
@@ -37,13 +39,13 @@ fn head(columns: &[String], rows: usize) -> io::Result<Vec<u8>> {
     padded(format!("{{'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},), }}"))
 }
 
-/// A header with what stands before it and fills it up.
+/// Returns a header with its prefix and padding.
 fn padded(mut header: String) -> io::Result<Vec<u8>> {
     let begin = MAGIC.len() + 2;
     let padding = (begin + header.len() + 1).next_multiple_of(ALIGN) - (begin + header.len() + 1);
     header += &" ".repeat(padding);
     header.push('\n');
-    let length = u16::try_from(header.len()).map_err(|_| io::Error::other("too many columns for a file of NumPy"))?;
+    let length = u16::try_from(header.len()).map_err(|_| io::Error::other("too many columns for a NumPy file"))?;
     Ok([&MAGIC[..], &length.to_le_bytes(), header.as_bytes()].concat())
 }
 
@@ -64,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn the_header_is_the_one_that_numpy_reads() {
+    fn header_has_the_numpy_format() {
         let columns = ["time_s", "v_code"].map(String::from);
         let head = head(&columns, 3).expect("a header");
         assert_eq!((&head[..8], head.len() % ALIGN, head.last()), (&MAGIC[..], 0, Some(&b'\n')));

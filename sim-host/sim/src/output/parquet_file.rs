@@ -1,4 +1,5 @@
-//! What files of Parquet have in common here: row groups of [`GROUP`] rows, compressed by zstd, whose bytes follow from the rows alone.
+//! Common parts of the Parquet files: row groups of [`GROUP`] rows, compressed by zstd, whose bytes
+//! depend on the rows only.
 
 use std::fs::File;
 use std::io;
@@ -12,12 +13,12 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPrope
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
 
-/// Rows of a row group.
+/// Number of rows of a row group.
 pub(super) const GROUP: usize = 65_536;
-/// Level of the compression.
+/// Compression level.
 const LEVEL: i32 = 3;
 
-/// Properties of a file, with the program's name in place of the library's version.
+/// Returns the properties of a file, with the program's name instead of the library's version.
 pub(super) fn builder() -> Result<WriterPropertiesBuilder, ParquetError> {
     Ok(WriterProperties::builder()
         .set_created_by(format!("sim-host {}", crate::VERSION))
@@ -33,7 +34,7 @@ pub(super) fn write_table(columns: &[String], rows: &[Vec<f64>], path: &Path) ->
         };
         let fields = columns.iter().map(field).collect::<Result<Vec<_>, _>>()?;
         let schema = Type::group_type_builder("trace").with_fields(fields).build()?;
-        // Samples hardly repeat; their bytes, sorted by significance, do.
+        // Samples hardly repeat, but their bytes do when sorted by significance.
         let properties = builder()?.set_dictionary_enabled(false).set_encoding(Encoding::BYTE_STREAM_SPLIT).build();
         let mut file = SerializedFileWriter::new(File::create(path)?, Arc::new(schema), Arc::new(properties))?;
         for rows in rows.chunks(GROUP) {
@@ -49,23 +50,23 @@ pub(super) fn write_table(columns: &[String], rows: &[Vec<f64>], path: &Path) ->
     write().map_err(io_error)
 }
 
-/// Writes the next column, which has a value in each row.
+/// Writes the next column, with a value in each row.
 pub(super) fn whole<T: DataType>(group: &mut SerializedRowGroupWriter<File>, values: &[T::T]) -> Result<(), ParquetError> {
     column::<T>(group, values, None)
 }
 
-/// Writes the next column, with a level for each row where some rows have no value.
+/// Writes the next column. If some rows lack a value, `levels` has an entry for each row.
 pub(super) fn column<T: DataType>(
     group: &mut SerializedRowGroupWriter<File>,
     values: &[T::T],
     levels: Option<&[i16]>,
 ) -> Result<(), ParquetError> {
-    let mut column = group.next_column()?.ok_or_else(|| ParquetError::General("a column too many".to_owned()))?;
+    let mut column = group.next_column()?.ok_or_else(|| ParquetError::General("one column too many".to_owned()))?;
     column.typed::<T>().write_batch(values, levels, None)?;
     column.close()
 }
 
-/// What the system said, where it did.
+/// Returns the error of the system, if there is one.
 pub(super) fn io_error(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(inner) => match inner.downcast::<io::Error>() {

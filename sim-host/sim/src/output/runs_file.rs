@@ -1,11 +1,12 @@
-//! `runs.csv`: every run of several, with its seed, what it drew, and its metrics. Units are in the column names.
+//! `runs.csv`: every run of several, with its seed, drawn values and metrics. Units are in the
+//! column names.
 
 use std::path::Path;
 
 use crate::study::monte_carlo::MonteCarlo;
 use scene::metrics;
 
-/// Writes the runs. A metric that a run does not have is empty; one that none has is no column.
+/// Writes the runs. A metric that a run lacks is empty; a metric that all runs lack has no column.
 pub(super) fn write(runs: &MonteCarlo, path: &Path) -> Result<(), csv::Error> {
     let mut file = csv::Writer::from_path(path)?;
     let any = |name: &&str| runs.runs.iter().any(|run| run.metrics.get(name).is_some());

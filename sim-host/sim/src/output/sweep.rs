@@ -1,12 +1,16 @@
-//! The folder of a sweep: its plan, its parts, and when it is complete its rows as Parquet and CSV, with figures and a page.
+//! Folder of a sweep: its plan and its parts and, when it is complete, its rows as Parquet and CSV,
+//! with figures and a page.
 //!
 //! ```text
-//! plan.json --> points of this shard that no part has --> chunks (run in parallel) --> part-FIRST-END.parquet
+//! plan.json --> missing points of this shard --> chunks (run in parallel) --> part-FIRST-END.parquet
 //!               all parts, in order --> sweep.parquet, sweep.csv, failures.csv --> indices.csv, figures, report.html
 //! ```
 //!
-//! A part is written under another name and renamed when it is whole, so that whatever ends the process costs the chunk that it was at: the same
-//! call again goes on behind it. All other files are one result of a [`Folder`](super::Folder), which a sweep replaces only if nobody has changed it. Rows follow from the plan alone, so that what is joined is the same, byte for byte, however it was divided.
+//! A part is written under a temporary name and renamed when it is complete. If the process ends
+//! for any reason, only the current chunk is lost: the same call resumes after it. All other files
+//! are one result of a [`Folder`](super::Folder), which a sweep replaces only if it is unchanged.
+//! Rows depend only on the plan, so the joined result is identical, byte for byte, for any division
+//! into shards.
 
 mod joined;
 mod page;
@@ -32,11 +36,11 @@ use super::parquet_file::GROUP;
 use crate::study::StudyError;
 use crate::study::sweep::Sweep;
 
-/// The plan.
+/// Plan of the sweep.
 pub(super) const PLAN: &str = "plan.json";
 /// Command that owns the folder.
 pub(super) const SWEEP: &str = "sweep";
-/// Why points have no result.
+/// Points without a result, with reasons.
 const FAILURES: &str = "failures.csv";
 /// All rows.
 const ROWS: &str = "sweep.parquet";
@@ -44,115 +48,118 @@ const ROWS: &str = "sweep.parquet";
 const TABLE: &str = "sweep.csv";
 /// Sobol indices of a sample.
 const INDICES: &str = "indices.csv";
-/// The page.
+/// Page of the sweep.
 const PAGE: &str = "report.html";
-/// What a file that is being written ends in.
+/// Suffix of a file that is being written.
 const UNFINISHED: &str = ".tmp";
-/// How long a chunk is to take: what is lost when a process is killed.
-const CHUNK: Duration = Duration::from_secs(10);
-/// Fewest points of a chunk for each thread, so that threads seldom wait for the last of them.
-const PER_THREAD: u64 = 16;
+/// Target duration of a chunk, which is lost when a process is killed.
+const CHUNK_TIME: Duration = Duration::from_secs(10);
+/// Minimum number of points of a chunk per thread, so that threads seldom wait for the last of
+/// them.
+const MIN_POINTS_PER_THREAD: u64 = 16;
 
-/// Bytes of a megabyte.
+/// Megabyte, bytes.
 const MB: f64 = 1e6;
 
-/// What went wrong with the folder of a sweep.
+/// Error of the folder of a sweep.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     /// A file cannot be written.
     #[error("cannot write `{}`: {io}", path.display())]
     Write {
-        /// The file or folder.
+        /// File or folder.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         io: io::Error,
     },
     /// A file cannot be read.
     #[error("cannot read `{}`: {why}", path.display())]
     Read {
-        /// The file or folder.
+        /// File or folder.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         why: String,
     },
-    /// The folder holds another sweep.
-    #[error("`{}` holds another sweep, {differs}: choose another folder with -o, or remove it", path.display())]
+    /// The folder contains another sweep.
+    #[error("`{}` contains another sweep ({differs}): choose another folder with -o, or remove it", path.display())]
     Other {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// In what it differs.
+        /// Difference.
         differs: String,
     },
-    /// The folder has a file of a sweep, and no plan that says of which.
-    #[error("`{}` is there already, and no {PLAN} says of which sweep it is: remove it, or choose another folder with -o", path.display())]
+    /// The folder contains a file of a sweep, but no plan.
+    #[error("`{}` already exists, but there is no {PLAN} that identifies its sweep: remove it, or choose another folder with \
+             -o", path.display())]
     Strange {
-        /// The file.
+        /// File.
         path: PathBuf,
     },
-    /// The result has no room.
-    #[error("{points} points take at least {:.1} MB, and `{}` has room for {:.1} MB: choose another folder with -o, or fewer points or metrics", *least as f64 / MB, path.display(), *room as f64 / MB)]
+    /// There is not enough space for the result.
+    #[error("{points} points take at least {:.1} MB, but `{}` has only {:.1} MB free: choose another folder with -o, or fewer \
+             points or metrics", *least as f64 / MB, path.display(), *room as f64 / MB)]
     Room {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// How many points are still to be run.
+        /// Number of points that remain to be run.
         points: u64,
-        /// Bytes that they take at the least.
+        /// Minimum size of the result, bytes.
         least: u64,
-        /// Bytes that are free.
+        /// Free space, bytes.
         room: u64,
     },
-    /// Another process is at the same shard.
-    #[error("another process is at shard {shard} of the sweep in `{}`: wait for its end", path.display())]
+    /// Another process runs the same shard.
+    #[error("another process runs shard {shard} of the sweep in `{}`: wait until it ends", path.display())]
     Held {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
-        /// The shard.
+        /// Shard.
         shard: Shard,
     },
     /// There is no sweep in a folder.
     #[error("there is no sweep in `{}`: it has no {PLAN}", path.display())]
     None {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
     },
-    /// Folders are of different sweeps.
-    #[error("`{}` and `{}` are of different sweeps, {differs}", first.display(), second.display())]
+    /// Folders contain different sweeps.
+    #[error("`{}` and `{}` contain different sweeps ({differs})", first.display(), second.display())]
     Different {
-        /// A folder.
+        /// First folder.
         first: PathBuf,
-        /// Another folder.
+        /// Second folder.
         second: PathBuf,
-        /// In what they differ.
+        /// Difference.
         differs: String,
     },
     /// Parts are missing.
-    #[error("{missing} of {count} points are missing: {ranges}. Run their shards to the end, and name all their folders")]
+    #[error("{missing} of {count} points are missing: {ranges}. Complete their shards, and name all their folders")]
     Missing {
-        /// How many points are missing.
+        /// Number of missing points.
         missing: u64,
-        /// How many there are.
+        /// Number of points.
         count: u64,
-        /// Which they are.
+        /// Ranges of missing points.
         ranges: String,
     },
-    /// A part is not of this sweep, or has other rows than its name says.
-    #[error("`{}` is no part of this sweep: remove it, and run the sweep again", path.display())]
+    /// A part belongs to another sweep, or its rows do not match its name.
+    #[error("`{}` is not a valid part of this sweep: remove it, and run the sweep again", path.display())]
     Part {
-        /// Its file.
+        /// File of the part.
         path: PathBuf,
     },
-    /// The result cannot be written, or may not replace what the folder holds.
+    /// The result cannot be written, or may not replace the contents of the folder.
     #[error(transparent)]
     Output(#[from] OutputError),
     /// The points cannot be run.
     #[error(transparent)]
     Study(#[from] StudyError),
-    /// A figure or the page.
+    /// A figure or the page cannot be written.
     #[error(transparent)]
     Report(#[from] ReportError),
 }
 
-/// The folder of a sweep, held for one of its shards.
+/// Folder of a sweep, locked for one of its shards.
 pub struct SweepFolder {
     dir: PathBuf,
     plan: PlanFile,
@@ -162,10 +169,12 @@ pub struct SweepFolder {
 }
 
 impl SweepFolder {
-    /// Makes the folder ready for a shard of a sweep that reads `inputs` and its scene, or takes up what it holds of this sweep.
+    /// Prepares the folder for a shard of a sweep that reads `inputs` and its scene, or resumes
+    /// this sweep in it.
     ///
     /// # Errors
-    /// If the folder holds another sweep or another result, a changed file or an input, or another process is at this shard.
+    /// If the folder contains another sweep or another result, a changed file or an input, or if
+    /// another process runs this shard.
     pub fn open(dir: &Path, sweep: &Sweep, shard: Shard, inputs: &[PathBuf]) -> Result<Self, FolderError> {
         let plan = PlanFile::new(sweep);
         fs::create_dir_all(dir).map_err(write(dir))?;
@@ -175,15 +184,15 @@ impl SweepFolder {
         if let Some(differs) = found.as_ref().and_then(|found| plan.differs(found)) {
             return Err(FolderError::Other { path: dir.to_owned(), differs });
         }
-        let left = shard.missing(plan.count(), &parts::of(dir)?).iter().map(|range| range.end - range.start).sum();
-        // Of all metrics a scene has one at the least.
+        let left = shard.missing(plan.count(), &parts::list(dir)?).iter().map(|range| range.end - range.start).sum();
+        // With all metrics, a scene has at least one.
         let metrics = if sweep.all { 1 } else { plan.layout().metrics.len() };
         has_room(dir, left, plan.layout().keys.len() + metrics)?;
         match found {
             Some(_) => {}
             None => {
                 let own = [FAILURES, ROWS, TABLE, INDICES, PAGE].map(|name| dir.join(name));
-                let parts = parts::of(dir)?.into_iter().map(|part| part.path);
+                let parts = parts::list(dir)?.into_iter().map(|part| part.path);
                 if let Some(path) = own.into_iter().filter(|path| path.symlink_metadata().is_ok()).chain(parts).next() {
                     return Err(FolderError::Strange { path });
                 }
@@ -195,37 +204,38 @@ impl SweepFolder {
         if living.try_lock().is_err() {
             return Err(FolderError::Held { path: dir.to_owned(), shard });
         }
-        // Nobody else writes parts of this shard.
+        // No other process writes parts of this shard.
         parts::unfinished(dir, shard, plan.count())?.iter().for_each(|path| {
             let _ = fs::remove_file(path);
         });
         Ok(SweepFolder { dir: dir.to_owned(), plan, shard, lock, _living: living })
     }
 
-    /// How many points of this shard are still to be run.
+    /// Returns the number of points of this shard that remain to be run.
     ///
     /// # Errors
-    /// If a part in the folder cannot be read or is not of this sweep.
+    /// If a part in the folder cannot be read or belongs to another sweep.
     pub fn left(&self) -> Result<u64, FolderError> {
         Ok(self.missing()?.iter().map(|range| range.end - range.start).sum())
     }
 
-    /// The points of this shard that are still to be run, in ranges.
+    /// Returns the ranges of points of this shard that remain to be run.
     ///
     /// # Errors
-    /// If a part in the folder cannot be read or is not of this sweep.
+    /// If a part in the folder cannot be read or belongs to another sweep.
     pub fn missing(&self) -> Result<Vec<std::ops::Range<u64>>, FolderError> {
-        let parts = parts::of(&self.dir)?;
+        let parts = parts::list(&self.dir)?;
         parts.iter().try_for_each(|part| self.plan.check(part).map(drop))?;
         Ok(self.shard.missing(self.plan.count(), &parts))
     }
 
-    /// Runs what is missing of this shard, chunk by chunk, until it is stopped; whether it is complete. `done` is called after each point.
+    /// Runs the missing points of this shard, chunk by chunk, until it is stopped; returns `true`
+    /// if the shard is complete. `done` is called after each point.
     ///
     /// # Errors
     /// If the scene cannot be run at all, or a part cannot be written.
     pub fn run(&self, sweep: &Sweep, stop: &AtomicBool, done: &(dyn Fn() + Sync)) -> Result<bool, FolderError> {
-        let fewest = PER_THREAD * rayon::current_num_threads() as u64;
+        let fewest = MIN_POINTS_PER_THREAD * rayon::current_num_threads() as u64;
         let mut size = fewest;
         for range in self.missing()? {
             let mut next = range.start;
@@ -236,9 +246,9 @@ impl SweepFolder {
                     return Ok(false);
                 }
                 next = points.end;
-                // Towards the duration of a chunk, at most eight times as many as the last had.
+                // The next size approaches the target duration, by at most a factor of eight.
                 let rate = (points.end - points.start) as f64 / began.elapsed().as_secs_f64().max(1e-9);
-                size = ((rate * CHUNK.as_secs_f64()) as u64).min(8 * size).clamp(fewest, GROUP as u64);
+                size = ((rate * CHUNK_TIME.as_secs_f64()) as u64).min(8 * size).clamp(fewest, GROUP as u64);
                 if stop.load(Ordering::Relaxed) {
                     return Ok(false);
                 }
@@ -247,12 +257,12 @@ impl SweepFolder {
         Ok(true)
     }
 
-    /// Whether the folder has all points of the sweep, those of other shards as well.
+    /// Returns `true` if the folder has all points of the sweep, including those of other shards.
     ///
     /// # Errors
     /// If the folder cannot be read.
     pub fn is_whole(&self) -> Result<bool, FolderError> {
-        Ok(parts::gaps(0..self.plan.count(), &parts::of(&self.dir)?).is_empty())
+        Ok(parts::gaps(0..self.plan.count(), &parts::list(&self.dir)?).is_empty())
     }
 }
 
@@ -262,7 +272,8 @@ impl Drop for SweepFolder {
     }
 }
 
-/// Whether so many points of so many numbers have room in a folder, by the least that these take: 8 bytes each, in one of the three files that they go to.
+/// Checks the space in a folder for `points` rows of `columns` numbers. The minimum is 8 bytes
+/// each, in one of the three files with all rows.
 fn has_room(dir: &Path, points: u64, columns: usize) -> Result<(), FolderError> {
     let least = points.saturating_mul(columns as u64).saturating_mul(size_of::<f64>() as u64);
     let room = fs4::available_space(dir).map_err(|io| read(dir)(io))?;
@@ -272,13 +283,13 @@ fn has_room(dir: &Path, points: u64, columns: usize) -> Result<(), FolderError> 
     Ok(())
 }
 
-/// What a file is called until it is whole: each process has a name of its own.
+/// Returns the temporary name of a file until it is complete, which is unique to the process.
 fn unfinished(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{name}.{}{UNFINISHED}", std::process::id()))
 }
 
-/// Writes a file as a whole.
+/// Writes a file atomically.
 fn put(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
     let unfinished = unfinished(path);
     let put = fs::write(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, path));
@@ -303,12 +314,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_has_no_room_is_refused() {
+    fn result_without_disk_space_is_refused() {
         let dir = std::env::temp_dir();
         assert!(has_room(&dir, 1000, 2).is_ok());
-        // A hundred thousand petabytes.
+        // 1e20 bytes, a hundred thousand petabytes.
         let refused = has_room(&dir, 6_250_000_000_000_000_000, 2).map_err(|error| error.to_string());
-        let begins = "6250000000000000000 points take at least 18446744073709.6 MB, and `";
+        let begins = "6250000000000000000 points take at least 18446744073709.6 MB, but `";
         assert!(refused.is_err_and(|error| error.starts_with(begins)));
     }
 }

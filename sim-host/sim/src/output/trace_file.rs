@@ -1,7 +1,9 @@
-//! `trace.csv`, or `trace.npy` or `trace.parquet` where the scene's `[trace]` asks for it. Units are in the column names.
+//! `trace.csv`, or `trace.npy` or `trace.parquet` as set in the scene's `[trace]`. Units are in the
+//! column names.
 //!
-//! Of a driven run: what the scene's `[trace]` asked for, at the sample rate; or, without one, a table of the whole run, one row for
-//! every few blocks. Of a contact study: the last periods, step by step.
+//! A driven run has the signals of its `[trace]` at the sample rate; without `[trace]`, a table of
+//! the whole run with one row for every few blocks. A contact study has its last periods, step by
+//! step.
 
 use std::path::{Path, PathBuf};
 

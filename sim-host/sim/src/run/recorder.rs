@@ -1,4 +1,4 @@
-//! What is recorded of a run on its way between controller and plant.
+//! Recorder of a run between controller and plant.
 
 use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
@@ -13,25 +13,26 @@ use crate::trace::{Played, Tracer};
 use plant::{Plant, circuit_of};
 use scene::Driven;
 
-/// Middleware on the converters: hashes what is played, and keeps windows and traces sample by sample.
+/// Middleware on the converters: hashes the played codes, and records windows and traces sample by
+/// sample.
 pub(super) struct Recorder {
-    /// The plant, with what breaks on the way.
+    /// Plant with the scheduled faults.
     pub(super) plant: FaultInjector<Plant>,
     pub(super) hash: DriveHash,
     meter: SwingMeter,
-    /// How far the last block swung.
+    /// Swing of the last block.
     pub(super) swing: Swing,
-    /// What the slow sensors have said of it.
+    /// Readings of the slow sensors in the last block.
     pub(super) slow: SlowSense,
     pub(super) windows: Vec<Window>,
     pub(super) edges: EdgeMeter,
     pub(super) tracer: Option<Tracer>,
     sample_s: f64,
-    /// Samples played so far.
+    /// Number of samples played.
     played: u64,
-    /// Frequency of the block that is about to play, Hz.
+    /// Frequency of the next block, Hz.
     pub(super) frequency_hz: f64,
-    /// Whether the controller was running after the block before.
+    /// `true` if the controller was in `Run` after the previous block.
     pub(super) running: bool,
 }
 
@@ -65,7 +66,7 @@ impl Analog for Recorder {
     }
 }
 
-/// What is looked at sample by sample in a block.
+/// Recording of a block, sample by sample.
 pub(super) struct Watched {
     from_s: f64,
     to_s: f64,
@@ -81,7 +82,7 @@ impl Watched {
 }
 
 impl Recorder {
-    /// Before a block is played.
+    /// Prepares the recording before a block is played.
     pub(super) fn begin(&mut self, drive: &DriveBlock) -> Watched {
         let samples = drive.lanes.first().map_or(0, |lane| lane.len()) as u64;
         let (from_s, to_s) = (self.played as f64 * self.sample_s, (self.played + samples) as f64 * self.sample_s);
@@ -89,20 +90,20 @@ impl Recorder {
             window.record_frequency(from_s, self.frequency_hz);
         }
         let traced = self.tracer.as_mut().is_some_and(|tracer| tracer.records(self.played, samples));
-        let edge = self.edges.records(self.played, samples, self.running);
+        let edge = self.edges.begin_block(self.played, samples, self.running);
         let watched = Watched { from_s, to_s, samples, edge, traced };
         self.plant.inner.keep_samples(edge || traced || self.windows.iter().any(|window| watched.opens(window)));
         watched
     }
 
-    /// After the plant has played it and has been sampled.
+    /// Records a block after the plant has played and sampled it.
     pub(super) fn end(&mut self, watched: &Watched, drive: &DriveBlock, sense: &mut SenseBlock) {
         self.plant.damage(sense);
         self.slow = sense.slow;
         self.hash.add(drive);
         if let Some(codes) = drive.lanes.first().filter(|_| watched.edge) {
             let envelope = self.plant.inner.samples().iter().map(|sample| sample.tip_envelope_m_per_s);
-            self.edges.take(self.played, codes, envelope, self.frequency_hz);
+            self.edges.record_block(self.played, codes, envelope, self.frequency_hz);
         }
         self.swing = self.meter.measure(drive);
         for window in self.windows.iter_mut().filter(|window| watched.opens(window)) {

@@ -1,4 +1,4 @@
-//! The orders of a run.
+//! Commands of a run.
 
 use firmware::seam::block::{Gate, Orders, Request, Target};
 use firmware::seam::mode::Mode;
@@ -6,12 +6,12 @@ use firmware::seam::units::{Hertz, Turns};
 
 use scene::Driven;
 
-/// The orders of a run, which may begin with a calibration.
+/// Commands of a run, which may begin with a calibration.
 pub(super) struct Script {
     pub(super) orders: Orders,
-    /// Friction ratios to be ordered, and when, s; the last one first.
+    /// Times, s, and friction ratios to be commanded; the last one first.
     friction: Vec<(f64, f64)>,
-    /// The calibration has begun.
+    /// `true` if the calibration has begun.
     calibrating: bool,
 }
 
@@ -35,7 +35,7 @@ impl Script {
         Script { orders, friction: friction.collect(), calibrating: false }
     }
 
-    /// Orders the friction that is due.
+    /// Commands the friction that is due.
     pub(super) fn order_friction(&mut self, time_s: f64) {
         while let Some((_, ratio)) = self.friction.pop_if(|(at_s, _)| *at_s <= time_s) {
             let sequence = self.orders.sequence + 1;
@@ -43,7 +43,7 @@ impl Script {
         }
     }
 
-    /// Orders the run once the calibration is over. After a fault nothing follows.
+    /// Commands the run once the calibration is over. After a fault, no command follows.
     pub(super) fn follow(&mut self, mode: Mode) {
         self.calibrating |= mode == Mode::Calibrate;
         if self.calibrating && mode == Mode::Idle {

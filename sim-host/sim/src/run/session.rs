@@ -1,4 +1,5 @@
-//! A run on its way, block by block: its orders, its converters and its record. The controller is the caller's.
+//! A run in progress, block by block, with its commands, converters and record. The caller owns the
+//! controller.
 
 use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
 use firmware::seam::mode::Mode;
@@ -11,10 +12,11 @@ use crate::processor::{Lost, Processor};
 use crate::record::{Command, Record, Row, Window};
 use scene::Driven;
 
-/// Most rows of a record: half a minute of blocks. A longer run keeps every second block, or third, …
+/// Maximum number of rows of a record: half a minute of blocks. A longer run keeps every second or
+/// third block, and so on.
 const MAX_ROWS: u64 = 1_000_000;
 
-/// A run on its way.
+/// Run in progress.
 pub(super) struct Session {
     sample_hz: f64,
     samples: usize,
@@ -47,12 +49,12 @@ impl Session {
         }
     }
 
-    /// Number of the block that comes next, if there is one.
+    /// Returns the number of the next block, if there is one.
     pub(super) fn next(&self) -> Option<u64> {
         (self.block < self.blocks).then_some(self.block)
     }
 
-    /// When the block that comes next begins, s.
+    /// Returns the beginning of the next block, s.
     pub(super) fn time_s(&self) -> f64 {
         self.block as f64 * self.samples as f64 / self.sample_hz
     }
@@ -62,7 +64,7 @@ impl Session {
         self.record.interrupted = true;
     }
 
-    /// Plays the next block, and lets the controller answer it.
+    /// Plays the next block, and processes it in the controller.
     pub(super) fn tick(&mut self, processor: &mut (impl Processor + ?Sized)) -> Result<(), Lost> {
         self.begin();
         let (recorder, drive, sense) = self.clock.converters();
@@ -70,25 +72,25 @@ impl Session {
         self.answer(processor)
     }
 
-    /// Begins the next block: all of a tick before the plant plays.
+    /// Begins the next block: the part of a tick before the plant plays.
     pub(super) fn begin(&mut self) {
         self.script.order_friction(self.time_s());
         let slot = &self.pending[(self.block % LATENCY_BLOCKS as u64) as usize];
         self.clock.analog.frequency_hz = slot.frequency_hz(self.sample_hz);
     }
 
-    /// What is to be played, by what, and where to put what is sampled meanwhile.
+    /// Returns the recorder, the drive block to play, and the sense block to fill.
     pub(super) fn converters(&mut self) -> (&mut Recorder, &DriveBlock, &mut SenseBlock) {
         self.clock.converters()
     }
 
-    /// Ends a block that the plant has played by other means than an exchange.
+    /// Ends a block that the plant has played without an exchange.
     pub(super) fn played(&mut self, watched: &Watched) {
         let (recorder, drive, sense) = self.clock.converters();
         recorder.end(watched, drive, sense);
     }
 
-    /// Lets the controller answer a block that was played and sampled, and adds it to the record.
+    /// Processes a played and sampled block in the controller, and adds it to the record.
     pub(super) fn answer(&mut self, processor: &mut (impl Processor + ?Sized)) -> Result<(), Lost> {
         let Session { sample_hz, script, clock, record, block, .. } = self;
         let (block, sample_hz) = (*block, *sample_hz);
@@ -105,7 +107,7 @@ impl Session {
             record.cycles.get_or_insert_default().add(cycles);
         }
         let slot = &mut self.pending[(block % LATENCY_BLOCKS as u64) as usize];
-        let played = std::mem::replace(slot, Command::of(&record.last));
+        let played = std::mem::replace(slot, Command::from_telemetry(&record.last));
         self.pending[((block + 1) % LATENCY_BLOCKS as u64) as usize].dropped_s = clock.dropped() as f64 / sample_hz;
         let time_s = (block + 1) as f64 * self.samples as f64 / sample_hz;
         if (block + 1).is_multiple_of(record.every) {
@@ -117,7 +119,7 @@ impl Session {
         Ok(())
     }
 
-    /// The record of the run, which is at its end or was stopped.
+    /// Returns the record of a run that has ended or was stopped.
     pub(super) fn finish(self, processor: &mut (impl Processor + ?Sized)) -> Result<Record, RunError> {
         let Session { mut record, clock, .. } = self;
         let recorder = clock.analog;

@@ -1,5 +1,6 @@
-//! A contact study whose vibration is across the surface, on a Hertzian contact: the vibration is given (`rig.kinematic`), or a force shakes a
-//! mass that lies on the contact (`rig.sdof`), until it bounces if the force is large.
+//! A contact study with vibration normal to the surface, on a Hertzian contact. The vibration is
+//! given (`rig.kinematic`), or a force shakes a mass on the contact (`rig.sdof`), which bounces if
+//! the force is large.
 
 mod compliant;
 
@@ -14,17 +15,19 @@ use scene::Hertz;
 pub use compliant::Compliance;
 pub(super) use compliant::solve as solve_compliant;
 
-/// Largest step, in radians of the contact's own resonance, to begin with.
+/// Largest initial step, in radians of the contact's own resonance.
 const STEP_RAD: f64 = 0.2;
-/// Fewest steps a period to begin with, and most.
-const STEPS: (u32, u32) = (64, 1 << 14);
-/// Error of a mean over many steps.
+/// Minimum initial number of steps per period.
+const MIN_STEPS: u32 = 64;
+/// Maximum number of steps per period.
+const MAX_STEPS: u32 = 1 << 14;
+/// Round-off error of a mean over many steps.
 const ROUND_OFF: f64 = 1e-13;
 
-/// What is known of the normal direction beside the solution.
+/// Results for the normal direction in addition to the solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Across {
-    /// Part of the window in contact.
+    /// Fraction of the window in contact.
     pub contact_share: f64,
     /// Mean deflection while in contact, over the whole window, m.
     pub mean_indentation_m: f64,
@@ -32,11 +35,11 @@ pub struct Across {
     pub mean_normal_n: f64,
     /// Largest normal force, N.
     pub peak_normal_n: f64,
-    /// What is known of a compliant contact only.
+    /// Results of a compliant contact only.
     pub compliant: Option<Compliance>,
 }
 
-/// Solves the problem; `pause` is called now and then in the runs without a watch.
+/// Solves the problem; `pause` is called repeatedly in the runs without `watch`.
 pub(super) fn solve(
     problem: &Problem,
     model: &Hertz,
@@ -47,13 +50,14 @@ pub(super) fn solve(
     match problem.motion {
         Motion::Kinematic => given(problem, model, clock, watch),
         Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } => {
-            let shaken = Shaken::of(problem, model, (mass_kg, stiffness_n_per_m, damping_n_s_per_m))?;
+            let shaken = Shaken::new(problem, model, (mass_kg, stiffness_n_per_m, damping_n_s_per_m))?;
             shaken.solve(numerics, (pause, clock), watch)
         }
     }
 }
 
-/// A given vibration, in closed form: the body moves by `vibration / w` about its mean distance.
+/// Solves a given vibration in closed form: the body moves by `vibration / w` about its mean
+/// distance.
 fn given(
     problem: &Problem,
     model: &Hertz,
@@ -82,7 +86,7 @@ fn given(
     let solution = Solution {
         method: Method::Closed,
         why: format!(
-            "vibration across a Hertzian contact, quasi-static: in contact for {:.1} % of the period",
+            "vibration normal to a Hertzian contact, quasi-static: in contact for {:.1} % of the period",
             100.0 * found.contact_share
         ),
         steps_per_period: None,
@@ -106,24 +110,25 @@ fn given(
     Ok((solution, across))
 }
 
-/// What `work` returns, and how long it took, ns, if there is a clock.
+/// Returns the result of `work`, and its duration, ns, if there is a clock.
 fn timed<T>(clock: Option<Clock>, work: impl FnOnce() -> T) -> (T, Option<f64>) {
     let began = clock.map(|clock| clock());
     let done = work();
     (done, clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64() * 1e9))
 }
 
-/// Friction at a deflection over the static one, N: it is in proportion to the contact area, and that to the deflection.
+/// Returns the friction at a deflection relative to the static one, N. It is proportional to the
+/// contact area, and thus to the deflection.
 fn friction_n(problem: &Problem, deflection: f64) -> f64 {
     problem.coulomb_n * deflection.max(0.0)
 }
 
-/// The slip does not vary, so power goes as force.
+/// Returns the ratios; the slip velocity is constant, so power is proportional to force.
 fn ratios(friction: f64) -> Ratios {
     Ratios { friction, power: Some(friction), ..Ratios::default() }
 }
 
-/// A mass that a force shakes, and the units of its motion.
+/// Mass shaken by a force, and the units of its motion.
 struct Shaken<'a> {
     problem: &'a Problem,
     contact: DrivenContact,
@@ -134,7 +139,7 @@ struct Shaken<'a> {
 }
 
 impl<'a> Shaken<'a> {
-    fn of(problem: &'a Problem, model: &Hertz, (mass_kg, spring_n_per_m, damping): (f64, f64, f64)) -> Result<Self, SolveError> {
+    fn new(problem: &'a Problem, model: &Hertz, (mass_kg, spring_n_per_m, damping): (f64, f64, f64)) -> Result<Self, SolveError> {
         let hz = problem.waveform.frequency_hz();
         let whole = |time_s: f64| {
             let periods = time_s * hz;
@@ -156,13 +161,13 @@ impl<'a> Shaken<'a> {
             start: (1.0 + problem.start.x_m / static_m, problem.start.v_m_per_s / (resonance * static_m)),
             settle_periods: from,
             mean_periods: to - from,
-            steps_per_period: STEPS.0,
+            steps_per_period: MIN_STEPS,
         };
         Ok(Shaken { problem, contact, load_n, static_m, resonance_rad_per_s: resonance })
     }
 
-    /// Halves the step until the friction ratio stands still within the tolerance. Of a mass that bounces without a period it never does: there it
-    /// ends, and says how well the mean is known.
+    /// Halves the step until the friction ratio has converged within the tolerance. A mass that
+    /// bounces without a period never converges: the solution then states the error of the mean.
     fn solve(
         &self,
         numerics: &Numerics,
@@ -173,11 +178,11 @@ impl<'a> Shaken<'a> {
             let contact = DrivenContact { steps_per_period: steps, ..self.contact };
             self.finite(vibration::run(&contact, &mut |_| pause()))
         };
-        let resolved = (TAU / self.contact.frequency_ratio / STEP_RAD).ceil().clamp(1.0, f64::from(STEPS.1) / 2.0) as u32;
-        let mut steps = numerics.steps_per_period.unwrap_or(resolved.max(STEPS.0));
+        let resolved = (TAU / self.contact.frequency_ratio / STEP_RAD).ceil().clamp(1.0, f64::from(MAX_STEPS) / 2.0) as u32;
+        let mut steps = numerics.steps_per_period.unwrap_or(resolved.max(MIN_STEPS));
         let (mut coarse, mut fine) = (at(steps)?, at(2 * steps)?);
         let apart = |a: &DrivenMotion, b: &DrivenMotion| (a.friction_ratio - b.friction_ratio).abs().max(ROUND_OFF);
-        while numerics.steps_per_period.is_none() && apart(&coarse, &fine) > numerics.tolerance && 4 * steps <= STEPS.1 {
+        while numerics.steps_per_period.is_none() && apart(&coarse, &fine) > numerics.tolerance && 4 * steps <= MAX_STEPS {
             let finer = at(4 * steps)?;
             let settles = apart(&fine, &finer) < 0.5 * apart(&coarse, &fine);
             steps *= 2;
@@ -186,11 +191,11 @@ impl<'a> Shaken<'a> {
                 break;
             }
         }
-        // What was asked for is what is shown; of what was found, the finer.
+        // A requested step is used as it is; otherwise the finer of both.
         let shown = if numerics.steps_per_period.is_none() { 2 * steps } else { steps };
         let error = apart(&coarse, &fine);
         let asked = numerics.tolerance;
-        let missed = format!("the tolerance of {asked:e} is not met: the friction ratio is good to {error:.1e}");
+        let missed = format!("the tolerance of {asked:e} is not met: the error of the friction ratio is {error:.1e}");
         let (motion, ns) = timed(clock, || at(shown));
         let motion = motion?;
         vibration::run(&DrivenContact { steps_per_period: shown, ..self.whole() }, &mut |moment| watch(&self.state(moment)));
@@ -201,7 +206,8 @@ impl<'a> Shaken<'a> {
         let solution = Solution {
             method: Method::Rk4Events,
             why: format!(
-                "a mass on a Hertzian contact, shaken across it at {:.3} of its resonance: in contact for {:.1} % of the window",
+                "a mass on a Hertzian contact, shaken normal to it at {:.3} of its resonance: in contact for {:.1} % of the \
+                 window",
                 self.contact.frequency_ratio,
                 100.0 * motion.contact_share
             ),
@@ -226,7 +232,7 @@ impl<'a> Shaken<'a> {
         Ok((solution, across))
     }
 
-    /// All periods of the run, whatever the window.
+    /// Returns the contact with all periods of the run, independent of the window.
     fn whole(&self) -> DrivenContact {
         let periods = self.problem.duration_s * self.problem.waveform.frequency_hz();
         DrivenContact { settle_periods: 0, mean_periods: (periods + 1e-9).floor() as u32, ..self.contact }

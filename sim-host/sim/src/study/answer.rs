@@ -1,4 +1,4 @@
-//! The answer of a contact study.
+//! Answer of a contact study.
 
 use super::across::Across;
 use super::in_plane::InPlane;
@@ -11,8 +11,8 @@ pub struct Answer {
     pub problem: Problem,
     /// Solution of the problem.
     pub solution: Solution,
-    /// The normal direction, if the vibration is across the surface.
+    /// Normal direction, if the vibration is normal to the surface.
     pub across: Option<Across>,
-    /// The direction across the sliding, if the vibration is at an angle to it.
+    /// Direction transverse to the sliding, if the vibration is at an angle to it.
     pub in_plane: Option<InPlane>,
 }

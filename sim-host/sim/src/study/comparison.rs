@@ -1,4 +1,4 @@
-//! A comparison: cases beside each other, at equal peak, rms or power.
+//! A comparison: cases at equal peak, rms or power.
 
 use std::sync::atomic::AtomicBool;
 
@@ -6,7 +6,7 @@ use firmware::seam::fault::Fault;
 use rayon::prelude::*;
 
 use super::StudyError;
-use super::matching::{Found, Target, find};
+use super::matching::{Match, Target, find};
 use super::plan::{Cell, Made, Plan};
 use crate::instruments::sweep::record::SweepRecord;
 use crate::metrics::Metrics;
@@ -18,22 +18,22 @@ use scene::{Case, Comparison, Equal, Scene};
 /// Results of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComparisonResult {
-    /// The comparison asked for.
+    /// Comparison as defined in the scene.
     pub comparison: Comparison,
-    /// For each of what is made equal, its cases.
+    /// Cases for each matched quantity.
     pub matches: Vec<Matched>,
-    /// The sweeps of those cases whose pictures are drawn, at the last match.
+    /// Sweeps of the cases with pictures, at the last match.
     pub sweeps: Vec<SweepRecord>,
 }
 
-/// The cases at equal peak, rms or power.
+/// Cases at equal peak, rms or power.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Matched {
     /// Quantity that is equal in all cases.
     pub equal: Equal,
-    /// The metric that is equal, of the first case.
+    /// Metric of the first case that the others are matched to.
     pub target: Option<f64>,
-    /// The cases, in the order of the scene.
+    /// Cases, in the order of the scene.
     pub cases: Vec<CaseResult>,
 }
 
@@ -46,66 +46,68 @@ pub struct CaseResult {
     pub amplitude: f64,
     /// Metrics of the case at that amplitude.
     pub metrics: Metrics,
-    /// How it was matched.
+    /// Result of the matching.
     pub standing: Standing,
 }
 
-/// How a case compares with the first.
+/// Result of matching a case to the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Standing {
     /// The case is matched, up to a relative deviation.
     Equal {
-        /// Its metric over the first case's, less one.
+        /// Metric over the first case's, minus one.
         off: f64,
     },
-    /// A match would take more than the largest amplitude allowed; amplitude and metrics are those of the largest.
+    /// A match would require more than the largest allowed amplitude; amplitude and metrics are
+    /// those of the largest.
     Beyond {
-        /// The amplitude that it would take.
+        /// Amplitude required for a match.
         needs: f64,
     },
-    /// The case cannot be matched, because a run of it has no such metric. The amplitude is that run's.
+    /// The case cannot be matched, because one of its runs lacks the metric. The amplitude is that
+    /// of this run.
     Unmeasured {
-        /// The fault that the run ended in, if that is why.
+        /// Fault that ended the run, if that is the reason.
         fault: Option<Fault>,
     },
 }
 
 impl ComparisonResult {
-    /// A case, by its name.
+    /// Returns a case by its name.
     pub fn case(&self, name: &str, equal: Equal) -> Option<&CaseResult> {
         self.matches.iter().find(|matched| matched.equal == equal)?.cases.iter().find(|case| case.name == name)
     }
 }
 
 impl CaseResult {
-    /// A metric, if the case is equal to the first.
+    /// Returns a metric, if the case matches the first.
     pub fn metric(&self, name: &str) -> Option<f64> {
         matches!(self.standing, Standing::Equal { .. }).then(|| self.metrics.find(name)).flatten()
     }
 }
 
-/// What all cases have in common.
-struct Bench<'a> {
+/// Data that all cases share.
+struct CaseRunner<'a> {
     plan: Plan<'a>,
     comparison: &'a Comparison,
 }
 
-/// Runs every case of a comparison, in parallel; nothing if it is stopped.
+/// Runs every case of a comparison, in parallel; `None` if it is stopped.
 pub(super) fn run(loaded: &Loaded, comparison: &Comparison, stop: &AtomicBool) -> Result<Option<ComparisonResult>, StudyError> {
-    let bench = Bench { plan: Plan::new(loaded, stop)?, comparison };
+    let runner = CaseRunner { plan: Plan::new(loaded, stop)?, comparison };
     let cases: Vec<&Case> = comparison.case.iter().collect();
-    let peaks = bench.plan.run(cases, |case| bench.cell(case, None), |case, made| bench.peak(case, made))?;
+    let peaks = runner.plan.run(cases, |case| runner.cell(case, None), |case, made| runner.peak(case, made))?;
     let Some(peaks) = peaks.into_iter().collect::<Option<Vec<CaseResult>>>() else { return Ok(None) };
     let Some(first) = peaks.first() else { return Ok(None) };
     let pairs: Vec<(Equal, usize)> =
         comparison.matched.iter().flat_map(|&equal| (0..peaks.len()).map(move |case| (equal, case))).collect();
-    let matched = |&(equal, case): &(Equal, usize)| bench.matched(equal, &comparison.case[case], &peaks[case], first);
+    let matched = |&(equal, case): &(Equal, usize)| runner.matched(equal, &comparison.case[case], &peaks[case], first);
     let cases = pairs.par_iter().map(matched).collect::<Result<Vec<_>, StudyError>>()?;
     let last = &cases[cases.len().saturating_sub(peaks.len())..];
     let drawn: Vec<_> = comparison.case.iter().zip(last).filter(|(case, _)| case.picture).collect();
-    let played = |&(case, result): &(&Case, &CaseResult)| bench.cell(case, Some(result.amplitude));
-    let sweeps = bench.plan.run(drawn, played, |(case, _), made| made.sweep(&case.name))?;
-    if bench.plan.is_stopped() {
+    let played = |&(case, result): &(&Case, &CaseResult)| runner.cell(case, Some(result.amplitude));
+    let sweeps = runner.plan.run(drawn, played, |(case, _), made| made.sweep(&case.name))?;
+    if runner.plan.is_stopped() {
         return Ok(None);
     }
     let matches = comparison.matched.iter().zip(cases.chunks(peaks.len())).map(|(&equal, cases)| Matched {
@@ -117,15 +119,15 @@ pub(super) fn run(loaded: &Loaded, comparison: &Comparison, stop: &AtomicBool) -
     Ok(Some(ComparisonResult { comparison: comparison.clone(), matches, sweeps }))
 }
 
-impl Bench<'_> {
-    /// A case at an amplitude or at the scene's own.
+impl CaseRunner<'_> {
+    /// Returns the cell of a case at an amplitude, or at the scene's own.
     fn cell(&self, case: &Case, amplitude: Option<f64>) -> Cell {
         let scaled = amplitude.map(|amplitude| format!("{}={amplitude}", self.comparison.amplitude_key));
         let label = scaled.iter().fold(format!("`{}`", case.name), |label, scaled| format!("{label}, {scaled}"));
         Cell { label, sets: self.comparison.set.iter().chain(&case.set).chain(&scaled).cloned().collect() }
     }
 
-    /// A case at the scene's amplitude.
+    /// Runs a case at the scene's amplitude.
     fn peak(&self, case: &Case, made: &Made) -> Result<CaseResult, StudyError> {
         let amplitude = number(&made.scene, &self.comparison.amplitude_key).ok_or(StudyError::Incomplete)?;
         let metrics = made.metrics()?;
@@ -133,7 +135,7 @@ impl Bench<'_> {
         Ok(CaseResult { name: case.name.clone(), amplitude, metrics, standing })
     }
 
-    /// A case scaled until it equals the first.
+    /// Scales a case until it matches the first.
     fn matched(&self, equal: Equal, case: &Case, peak: &CaseResult, first: &CaseResult) -> Result<CaseResult, StudyError> {
         let Some(metric) = equal.metric() else { return Ok(peak.clone()) };
         let unmeasured = |amplitude: f64, metrics: &Metrics| CaseResult {
@@ -154,9 +156,9 @@ impl Bench<'_> {
             Ok::<_, StudyError>(measured)
         })?;
         let (point, standing) = match found {
-            Found::At(point) => (point, Standing::Equal { off: point.metric / goal - 1.0 }),
-            Found::Beyond { needs, reached } => (reached, Standing::Beyond { needs }),
-            Found::Unmeasured => {
+            Match::At(point) => (point, Standing::Equal { off: point.metric / goal - 1.0 }),
+            Match::Beyond { needs, reached } => (reached, Standing::Beyond { needs }),
+            Match::Unmeasured => {
                 let last = runs.pop().unwrap_or_else(|| (peak.amplitude, peak.metrics.clone()));
                 return Ok(unmeasured(last.0, &last.1));
             }
@@ -167,17 +169,18 @@ impl Bench<'_> {
     }
 }
 
-/// The fault that a run ended in.
+/// Returns the fault that ended a run.
 fn fault(metrics: &Metrics) -> Option<Fault> {
     metrics.get("fault_code").and_then(|code| Fault::try_from(code as u8).ok())
 }
 
-/// A number of a scene.
+/// Returns a number of a scene.
 fn number(scene: &Scene, key: &str) -> Option<f64> {
     resolved_json(scene).pointer(&format!("/{}", key.replace('.', "/")))?.as_f64()
 }
 
-/// The least and the largest amplitude that a scene may have: the range of its key, and what limits the drive.
+/// Returns the smallest and the largest allowed amplitude of a scene, from the range of its key and
+/// the limits of the drive.
 fn allowed(scene: &Scene, key: &str) -> (f64, f64) {
     let (least, most) = Schema::root().at(key).map_or((None, None), Schema::range);
     let drive = scene.driven().map_or(f64::INFINITY, |scene| {
@@ -193,7 +196,8 @@ mod tests {
     use crate::study;
     use scene::load::load_text;
 
-    /// A stack without contact, on its resonance, by a square, far off it, and far off it with little current allowed.
+    /// Scene of a stack without contact: at resonance, with a square wave, far off resonance, and
+    /// far off resonance with a low current limit.
     const SCENE: &str = r#"
         title = "Stack"
         duration_s = 0.05
@@ -229,7 +233,7 @@ mod tests {
     "#;
 
     #[test]
-    fn cases_are_equal_or_say_why_not() {
+    fn cases_are_matched_or_have_a_reason() {
         let loaded = load_text("a.toml", SCENE, &[]).unwrap_or_else(|error| panic!("{error}"));
         let study = study::run(&loaded, study::Options::default()).unwrap();
         let result = study.comparison.unwrap();
@@ -239,13 +243,14 @@ mod tests {
             |case: &CaseResult| matches!(case.standing, Standing::Equal { off } if off.abs() <= super::super::matching::CLOSE);
         assert!(["sine", "square", "off", "weak"].iter().all(|name| case(name, Equal::Peak).amplitude == 1.0));
 
-        // The rms of codes is in proportion to the peak, to the rounding of codes.
+        // The rms of codes is proportional to the peak, up to rounding of codes.
         let (sine, square) = (case("sine", Equal::Rms), case("square", Equal::Rms));
         let ratio = case("sine", Equal::Peak).metrics.get("drive_rms_v").unwrap()
             / case("square", Equal::Peak).metrics.get("drive_rms_v").unwrap();
         assert!(equal(sine) && equal(square) && (square.amplitude / ratio - 1.0).abs() < 2e-3, "{square:?}");
 
-        // Without a contact the plant is linear: power as the square of the amplitude.
+        // Without a contact the plant is linear: power is proportional to the square of the
+        // amplitude.
         assert!(equal(case("square", Equal::Power)));
         let Standing::Beyond { needs } = case("off", Equal::Power).standing else { panic!("{:?}", case("off", Equal::Power)) };
         assert!((needs / (power("sine") / power("off")).sqrt() - 1.0).abs() < 0.01, "{needs}");

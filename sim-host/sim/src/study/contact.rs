@@ -1,4 +1,4 @@
-//! A study of a contact by itself.
+//! A study of a contact alone.
 
 pub mod figures;
 pub mod metrics;
@@ -11,27 +11,27 @@ use super::across;
 use super::answer::Answer;
 use super::in_plane;
 use super::playback::Playback;
-use super::stopped::{leave_if, unless_stopped};
+use super::stopped::{interrupt_if, unless_stopped};
 use crate::metrics::Metrics;
 use crate::overlay::{self, Overlaid};
 use contact::{self, Clock, Law, Method, SolveError, State};
 use scene::{Excited, Model, problem};
 
-/// Steps after which a run at the latest tells how far it is, and asks whether it is to stop: some milliseconds.
-const STEPS: u32 = 1 << 16;
+/// Maximum number of steps between progress reports and checks of the stop flag: some milliseconds.
+const PROGRESS_STEPS: u32 = 1 << 16;
 
-/// A contact study, solved.
+/// A solved contact study.
 #[derive(Clone, Debug)]
 pub struct Solved<'a> {
     /// Scene of the contact study.
     pub scene: Excited<'a>,
-    /// The answer; none if it was stopped before there was one.
+    /// Answer; `None` if the study was stopped before.
     pub answer: Option<Answer>,
-    /// What was seen on the way.
+    /// Recorded states.
     pub playback: Playback,
 }
 
-/// Solves a scene, records and measures it.
+/// Solves a scene, records it and measures it.
 pub(super) fn run<'a>(
     scene: Excited<'a>,
     clock: Option<Clock>,
@@ -39,12 +39,12 @@ pub(super) fn run<'a>(
     mut progress: Option<&mut dyn FnMut(f64)>,
 ) -> Result<(Solved<'a>, Metrics, Option<Overlaid>), StudyError> {
     let mut playback = Playback::new(scene.duration_s, scene.excitation.frequency_hz);
-    // A bin of a long run has more steps than anybody waits for.
+    // A bin of a long run has too many steps to wait for its end.
     let mut steps = 0u32;
     let watch = &mut |state: &State| {
         steps = steps.wrapping_add(1);
-        if playback.see(state) || steps.is_multiple_of(STEPS) {
-            leave_if(stop);
+        if playback.add(state) || steps.is_multiple_of(PROGRESS_STEPS) {
+            interrupt_if(stop);
             if let Some(progress) = &mut progress {
                 progress(state.time_s);
             }
@@ -59,32 +59,33 @@ pub(super) fn run<'a>(
     Ok((solved, metrics, overlaid))
 }
 
-/// The figures of a study with the measured curves of its scene over them.
+/// Returns the figures of a study with the measured curves of its scene.
 fn overlaid(solved: &Solved) -> Overlaid {
     let scene = &solved.scene;
-    let mut laid = overlay::lay(figures::of(solved), &scene.overlay, Some(scene.excitation.frequency_hz));
+    let mut laid = overlay::lay(figures::all(solved), &scene.overlay, Some(scene.excitation.frequency_hz));
     if solved.answer.as_ref().is_some_and(|answer| answer.solution.method == Method::Closed) {
-        let why = " A closed form has no moments: `--set integrator.method=linexp` goes through them.";
+        let why = " A closed form has no time series: `--set integrator.method=linexp` computes one.";
         laid.not_drawn.iter_mut().for_each(|said| *said += why);
     }
     laid
 }
 
-/// The metrics of a scene that is solved in closed form, and what of its measured curves lies over its one period. None of a scene without such curves,
-/// and of one that takes steps.
-pub(super) fn laid_in_closed_form(scene: &Excited) -> Option<(Metrics, Overlaid)> {
+/// Returns the metrics of a scene that is solved in closed form, and its measured curves over its
+/// one period. `None` for a scene without measured curves or with steps.
+pub(super) fn overlaid_closed_form(scene: &Excited) -> Option<(Metrics, Overlaid)> {
     let problem = problem::problem(scene, problem::law(&scene.model)?).ok()?;
     let closed = !scene.overlay.is_empty() && contact::closed_form(&problem, &problem::numerics(scene, None)).is_some();
     let (_, metrics, overlaid) = closed.then(|| run(*scene, None, &AtomicBool::new(false), None))?.ok()?;
     Some((metrics, overlaid?))
 }
 
-/// Whether the metrics of a scene are held against a measurement, and so need all of its run: those that are wanted, or all.
+/// Returns `true` if the wanted metrics of a scene (all, if `None`) compare it with a measurement,
+/// and so need its complete run.
 pub(super) fn needs_figures(scene: &Excited, wanted: Option<&[&str]>) -> bool {
     !scene.overlay.is_empty() && wanted.is_none_or(|wanted| wanted.iter().any(|metric| overlay::is_metric(metric)))
 }
 
-/// The numbers of a scene that is a cell of a grid, or as many as some metrics need; none of them if it is stopped.
+/// Returns the metrics of a grid cell, or only as many as those wanted need; none if it is stopped.
 pub(super) fn cell(scene: &Excited, wanted: Option<&[&str]>, stop: &AtomicBool) -> Result<Metrics, StudyError> {
     if needs_figures(scene, wanted) {
         return run(*scene, None, stop, None).map(|(_, metrics, _)| metrics);
@@ -94,7 +95,7 @@ pub(super) fn cell(scene: &Excited, wanted: Option<&[&str]>, stop: &AtomicBool) 
 }
 
 fn measured(scene: &Excited, answer: Option<&Answer>) -> Metrics {
-    answer.map_or_else(Metrics::default, |answer| metrics::of(scene, answer))
+    answer.map_or_else(Metrics::default, |answer| metrics::measure(scene, answer))
 }
 
 fn answer<W: FnMut(&State)>(
@@ -103,9 +104,9 @@ fn answer<W: FnMut(&State)>(
     (stop, clock): (&AtomicBool, Option<Clock>),
     watch: Option<&mut W>,
 ) -> Result<Answer, SolveError> {
-    // A contact that vibrates across has Coulomb's law between its normal force and its friction.
+    // With vibration normal to the surface, friction is Coulomb's fraction of the normal force.
     let problem = problem::problem(scene, problem::law(&scene.model).unwrap_or(Law::Coulomb))?;
-    let (numerics, pause) = (problem::numerics(scene, wanted), || leave_if(stop));
+    let (numerics, pause) = (problem::numerics(scene, wanted), || interrupt_if(stop));
     if let Some(direction) = problem::direction(scene) {
         let (solution, in_plane) = in_plane::solve(&problem, direction, &numerics, (&pause, clock), watch)?;
         return Ok(Answer { problem, solution, across: None, in_plane: Some(in_plane) });
@@ -114,7 +115,7 @@ fn answer<W: FnMut(&State)>(
         Model::Hertz(model) => {
             let (solution, across) = match watch {
                 Some(watch) => across::solve(&problem, model, &numerics, (&pause, clock), watch)?,
-                None => across::solve(&problem, model, &numerics, (&pause, clock), &mut |_: &State| leave_if(stop))?,
+                None => across::solve(&problem, model, &numerics, (&pause, clock), &mut |_: &State| interrupt_if(stop))?,
             };
             (solution, Some(across))
         }

@@ -1,4 +1,4 @@
-//! A study without the scene that it is of: for a caller that holds the scene beside it, and not longer than it.
+//! A study without its scene, for a caller that stores the scene next to it.
 
 use super::answer::Answer;
 use super::comparison::ComparisonResult;
@@ -14,7 +14,7 @@ use crate::record::Record;
 use scene::Scene;
 use scene::load::Inherited;
 
-/// All of a study but its scene.
+/// All parts of a study except its scene.
 #[derive(Debug)]
 pub struct Detached {
     name: String,
@@ -39,7 +39,7 @@ enum DetachedOutcome {
 }
 
 impl Study<'_> {
-    /// The study without its scene. Nothing is copied.
+    /// Detaches the study from its scene without copying.
     pub fn detached(self) -> Detached {
         let Study {
             name, origin, changes, run_number, metrics, judged, inherited, grid, comparison, overlaid, interrupted, ..
@@ -67,7 +67,8 @@ impl Study<'_> {
 }
 
 impl Detached {
-    /// The study again, of the scene that it was run from. Nothing is copied. None where the scene is of another kind.
+    /// Attaches the study to its scene again without copying; `None` if the scene is of another
+    /// kind.
     pub fn of(self, scene: &Scene) -> Option<Study<'_>> {
         let Detached {
             name,
@@ -118,13 +119,13 @@ mod tests {
     use crate::{output, tables};
     use scene::load::load;
 
-    /// What is put together again is the same study, of each kind.
+    /// A reattached study of each kind equals the original.
     #[test]
-    fn a_study_is_the_same_with_its_scene_again() {
+    fn reattached_study_equals_the_original() {
         for (scene, sets) in [("contact-kinematic", &[][..]), ("lock", &[]), ("lock-cold", &["runs=2".to_owned()])] {
             let loaded = load(scene, sets).unwrap_or_else(|error| panic!("{error}"));
             let study = run(&loaded, Options::default()).expect("a study");
-            // As text, in which what is not a number is like itself.
+            // Compared as text, because NaN differs from itself.
             let text = |study: &Study| format!("{} {:?}", output::summary(study), tables::report(study, &Provenance::default()));
             let before = text(&study);
             let again = study.detached().of(&loaded.scene).expect("of the same kind");

@@ -1,4 +1,4 @@
-//! A study in which the firmware drives.
+//! A study driven by the firmware.
 
 use std::sync::atomic::AtomicBool;
 
@@ -12,20 +12,20 @@ use crate::run::{self, RunError, Watch};
 use contact::Clock;
 use scene::Driven;
 
-/// Where the controller of a study ran, and so what its result can show.
+/// Level at which the controller of a study ran, which determines the meaning of its result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// The controller ran on the host.
     Sil,
-    /// As thumb code in an emulator.
+    /// The controller ran as thumb code in an emulator.
     Pil,
-    /// In the image that is flashed, on a model of its part.
+    /// The controller ran in the flashed image, on a model of its part.
     Board,
 }
 
 impl Level {
-    /// The level of runs whose processors are started like this.
-    pub fn of(start: Option<Start>) -> Self {
+    /// Returns the level of runs with these processors.
+    pub fn from_start(start: Option<Start>) -> Self {
         start.map_or(Level::Sil, |start| start.level)
     }
 }
@@ -42,18 +42,18 @@ impl std::fmt::Display for Level {
     }
 }
 
-/// A run in which the firmware drove, with its results.
+/// A run driven by the firmware, with its results.
 #[derive(Clone, Debug)]
 pub struct Run<'a> {
     /// Scene that was run.
     pub scene: Driven<'a>,
-    /// Where the controller ran.
+    /// Level at which the controller ran.
     pub level: Level,
     /// Record of the run.
     pub record: Record,
 }
 
-/// Runs a scene, and measures it, with what its figures need.
+/// Runs a scene with the windows of its figures, and measures it.
 pub(super) fn run<'a, 'w>(
     scene: Driven<'a>,
     (start, clock): (Option<Start>, Option<Clock>),
@@ -63,14 +63,14 @@ pub(super) fn run<'a, 'w>(
     let watch = Watch { windows: instruments::windows(&scene), stop: Some(stop), progress, clock };
     let record = run_where(&scene, start, watch)?;
     let (metrics, overlaid) = instruments::overlaid(&View::new(&scene, &record));
-    Ok((Run { scene, level: Level::of(start), record }, metrics, overlaid))
+    Ok((Run { scene, level: Level::from_start(start), record }, metrics, overlaid))
 }
 
-/// Runs a scene with the controller on a processor that `start` starts, or in this process.
+/// Runs a scene with the controller on a processor from `start`, or in this process.
 fn run_where(scene: &Driven, start: Option<Start>, watch: Watch) -> Result<Record, RunError> {
     match start {
         Some(start) => {
-            // What it takes to start the processor is waited for as well.
+            // The time includes the start of the processor.
             let timed = watch.clock.map(|clock| (clock, clock()));
             let record = run::run_on(&mut *(start.processor)(scene)?, scene, watch)?;
             Ok(Record { wall_s: timed.map(|(clock, began)| (clock() - began).as_secs_f64()), ..record })
@@ -79,15 +79,15 @@ fn run_where(scene: &Driven, start: Option<Start>, watch: Watch) -> Result<Recor
     }
 }
 
-/// Runs a scene for its metrics: without what only its figures need.
+/// Runs a scene only for its metrics, without windows that only its figures need.
 pub(super) fn record(scene: &Driven, start: Option<Start>, stop: &AtomicBool) -> Result<Record, StudyError> {
     let windows = instruments::windows_of_metrics(scene);
     Ok(run_where(scene, start, Watch { windows, stop: Some(stop), ..Watch::default() })?)
 }
 
-/// The sweep of a scene that is a cell, sample by sample.
+/// Records the sweep of a cell's scene, sample by sample.
 pub(super) fn sweep(scene: &Driven, name: &str, stop: &AtomicBool) -> Result<Option<SweepRecord>, StudyError> {
     let windows = record::window(scene).into_iter().collect();
     let record = run::run(scene, Watch { windows, stop: Some(stop), ..Watch::default() })?;
-    Ok(SweepRecord::of(name, scene, &record))
+    Ok(SweepRecord::from_record(name, scene, &record))
 }

@@ -1,4 +1,4 @@
-//! A scene's grid: a small sweep, held in memory, that is run beside the scene itself.
+//! Grid of a scene: a small sweep, held in memory, that is run in addition to the scene itself.
 
 use std::sync::atomic::AtomicBool;
 
@@ -11,20 +11,22 @@ use scene::load::Loaded;
 /// Metrics over the values of some keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridResult {
-    /// The grid asked for.
+    /// Grid as defined in the scene.
     pub grid: Grid,
-    /// Its points.
+    /// Points of the grid.
     pub design: Design,
-    /// The metrics: those that were asked for, or else those that a point has.
+    /// Requested metrics; if none were named, those that a point has.
     pub metrics: Vec<String>,
-    /// For each point its values and its metrics, or why it has none.
+    /// Values and metrics of each point, or the reason that it has none.
     pub rows: Rows,
 }
 
-/// Runs every point of a grid of a scene, in parallel; nothing if it is stopped. The grid need not be the scene's own, and may have any size.
+/// Runs every point of a grid of a scene, in parallel; `None` if it is stopped. The grid need not
+/// be the scene's own, and may have any size.
 ///
 /// # Errors
-/// If what is the same at all points makes no scene, a key or metric is not known, or neither the first nor the last point is a scene.
+/// If the common part of all points is not a valid scene, if a key or metric is unknown, or if
+/// neither the first nor the last point is a valid scene.
 pub fn run(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result<Option<GridResult>, StudyError> {
     let changed = loaded.changed(&grid.set).map_err(|error| StudyError::Grid(SweepError::Scene(error)))?;
     let design = Design::product(grid.over.iter().map(Into::into).collect()).map_err(StudyError::Grid)?;
@@ -38,12 +40,13 @@ pub fn run(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result<Option<Gri
 }
 
 impl GridResult {
-    /// Paths of the keys that change.
+    /// Returns the paths of the keys that change.
     pub fn keys(&self) -> Vec<String> {
         self.grid.over.iter().map(|over| over.key.clone()).collect()
     }
 
-    /// The values of a key or a metric at all points; not a number where a point has none. None of what the grid does not have.
+    /// Returns the values of a key or a metric at all points, NaN if a point has none; `None` if
+    /// the grid does not have it.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
         if let Some(place) = self.grid.over.iter().position(|over| over.key == name) {
             return Some(self.rows.keys[place].clone());
@@ -77,7 +80,7 @@ mod tests {
         run(loaded, grid, &AtomicBool::new(false)).expect("a result").expect("not stopped")
     }
 
-    /// The metrics of each point as those of a scene of its own, which is asked for them only.
+    /// Computes the metrics of each point as a separate scene, requesting only these metrics.
     fn one_by_one(loaded: &Loaded, grid: &Grid, result: &GridResult) -> Vec<Vec<Option<f64>>> {
         let names: Vec<&str> = result.metrics.iter().map(String::as_str).collect();
         let point = |point: u64| {
@@ -92,9 +95,10 @@ mod tests {
         (0..names.len()).map(|metric| rows.iter().map(|row| row[metric]).collect()).collect()
     }
 
-    /// Closed forms, with and without reversals and of Coulomb friction, and waveforms and methods that have none.
+    /// Tests closed forms with and without reversals and for Coulomb friction, and waveforms and
+    /// methods without a closed form.
     #[test]
-    fn points_of_given_vibrations_are_their_runs() {
+    fn points_of_given_vibrations_equal_separate_runs() {
         let speeds = [0.001, 0.01, 0.02, 0.03, 0.04, 0.053, 0.06];
         let means = ["friction_ratio", "reduction_percent", "friction_on_n", "power_ratio"];
         for (law, metrics, sets) in [
@@ -117,10 +121,11 @@ mod tests {
         }
     }
 
-    /// A thousand points of a map of contacts with a mass: what is solved abreast has the metric of a run of its own, bit for bit, as have the points that
-    /// the rules judge (a velocity ratio of zero) among them.
+    /// At a thousand points of a map of contacts with a mass, batched solutions equal separate runs
+    /// bit for bit. Points that the rules treat separately (a velocity ratio of zero) are among
+    /// them.
     #[test]
-    fn a_map_of_contacts_is_its_runs() {
+    fn map_of_contacts_equals_separate_runs() {
         let loaded = loaded("contact", &["integrator.tolerance=1e-6"]);
         let ratios: Vec<f64> = (0..40).map(|column| 0.03 * f64::from(column)).collect();
         let stiffness = over("contact.dahl.stiffness_n_per_m", &[]);
@@ -137,9 +142,10 @@ mod tests {
         }
     }
 
-    /// Three keys, with all metrics that a point has; a point that is no scene says why, and a grid that is to end has no result.
+    /// With three keys and all metrics that a point has, an invalid point states its reason, and a
+    /// stopped grid has no result.
     #[test]
-    fn a_point_that_is_wrong_says_why_and_a_stop_is_heeded() {
+    fn invalid_points_have_reasons_and_a_stop_ends_the_grid() {
         let loaded = loaded("contact", &[]);
         let axes = [
             over("contact.dahl.mu", &[0.1, 0.0]),

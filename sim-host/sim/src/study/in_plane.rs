@@ -1,19 +1,19 @@
-//! A contact study whose vibration is at an angle to the sliding, in the plane of the contact.
+//! A contact study with vibration at an angle to the sliding, in the plane of the contact.
 
 use contact::plane::{self, Direction, Moment, PlaneSolution};
 use contact::{Clock, Numerics, Problem, Solution, SolveError, State};
 
-/// What is known of the direction across the sliding beside the solution.
+/// Results for the direction transverse to the sliding, in addition to the solution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InPlane {
-    /// Root mean square of the friction across the sliding over the window, N.
+    /// Root mean square of the friction transverse to the sliding over the window, N.
     pub transverse_rms_n: f64,
-    /// The last period, both ends; empty of a study that nobody watches.
+    /// Last period including both ends; empty for a study without a watch.
     pub last_period: Vec<Moment>,
 }
 
-/// Solves the problem; `pause` is called now and then. Whoever watches sees the last period, displacement and velocity in the direction of the vibration
-/// and friction along the sliding.
+/// Solves the problem; `pause` is called repeatedly. `watch` receives the last period: displacement
+/// and velocity in the direction of the vibration, and friction along the sliding.
 pub(super) fn solve<W: FnMut(&State)>(
     problem: &Problem,
     direction: Direction,

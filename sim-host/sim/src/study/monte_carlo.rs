@@ -1,8 +1,9 @@
-//! Monte Carlo: a scene run many times, each time with a seed of its own and with what the scene varies drawn again.
+//! Monte Carlo: many runs of a scene, each with its own seed and newly drawn values.
 //!
-//! What run `r` of a scene is follows from the scene's seed and from `r` only ([`draw`]), so that a run can be repeated by itself and
-//! nothing depends on the number of threads. Of each run its metrics are stored and, if the firmware drives, how its frequency error
-//! fell ([`error`]); its record is not, so that memory is a few kilobytes a run.
+//! Run `r` depends only on the scene's seed and on `r` ([`draw`]), so that it can be repeated
+//! alone, and is independent of the number of threads. Of each run, its metrics are stored and, if
+//! the firmware drives, its frequency error over time ([`error`]). Its record is not stored, so
+//! that the memory is a few kilobytes per run.
 
 pub mod draw;
 pub mod error;
@@ -29,39 +30,41 @@ use crate::run::LANES;
 use scene::Driven;
 use scene::load::Loaded;
 
-/// What it is called, and whether a run has it.
+/// Name of a flaw, and test for it.
 type Flaw = (&'static str, fn(&OneRun) -> bool);
 
-/// What makes a run the worst, the gravest first.
+/// Flaws that make a run the worst, the most severe first.
 const FLAWS: [Flaw; 4] = [
     ("a false lock", |run| run.metrics.get("false_locks") == Some(1.0)),
-    ("a loss of lock that was not noticed", |run| run.metrics.get("undetected_losses") == Some(1.0)),
+    ("an undetected loss of lock", |run| run.metrics.get("undetected_losses") == Some(1.0)),
     ("a fault", OneRun::faulted),
     ("no lock", |run| !run.locked),
 ];
-/// What the worst run has most of, where none has a flaw.
-const MEASURES: [(&str, &str); 5] = [
-    ("lock_time_20hz_ms", "longest to within 20 Hz"),
-    ("relock_time_20hz_ms", "longest to within 20 Hz again"),
-    ("lock_time_4hz_ms", "longest to within 4 Hz"),
-    ("relock_time_4hz_ms", "longest to within 4 Hz again"),
+/// Metrics whose maximum determines the worst run if no run has a flaw, with descriptions.
+const MEASURES: [(&str, &str); 6] = [
+    ("peak_shoulder_force_n", "largest force at the shoulder"),
+    ("lock_time_20hz_ms", "longest lock time to within 20 Hz"),
+    ("relock_time_20hz_ms", "longest relock time to within 20 Hz"),
+    ("lock_time_4hz_ms", "longest lock time to within 4 Hz"),
+    ("relock_time_4hz_ms", "longest relock time to within 4 Hz"),
     ("frequency_bias_hz", "largest bias"),
 ];
 
-/// A scene that was run many times.
+/// Result of several runs of a scene.
 #[derive(Clone, Debug)]
 pub struct MonteCarlo {
-    /// The keys that vary.
+    /// Keys that vary.
     pub keys: Vec<String>,
-    /// Where the controllers ran, if the firmware drove.
+    /// Level at which the controllers ran, if the firmware drove.
     pub level: Level,
-    /// How many runs were asked for.
+    /// Requested number of runs.
     pub asked: u32,
-    /// The runs that came to their end, in order.
+    /// Completed runs, in order.
     pub runs: Vec<OneRun>,
     /// Metrics that would be infinite.
     pub endless: Vec<&'static str>,
-    /// Moments of the error traces, ms from the first sample of the lock stage; none of a contact study.
+    /// Times of the error traces, ms from the first sample of the lock stage; empty for a contact
+    /// study.
     pub times_ms: Vec<f64>,
     /// Wall time of all runs together, s.
     pub wall_s: Option<f64>,
@@ -74,53 +77,53 @@ pub struct OneRun {
     pub draw: Draw,
     /// Metrics of the run.
     pub metrics: Metrics,
-    /// Whether it came to a lock that was one.
+    /// `true` if the run reached a true lock.
     pub locked: bool,
     /// Hash of every drive code played, if the firmware drove.
     pub drive_hash: Option<u64>,
-    /// How far the drive was from the true resonance at [`MonteCarlo::times_ms`], Hz: infinite before it ever comes to lock and after
-    /// a fault, not a number without drive.
+    /// Distance of the drive from the true resonance at [`MonteCarlo::times_ms`], Hz; infinite
+    /// before the lock stage and after a fault, NaN without drive.
     pub error_hz: Vec<f32>,
 }
 
 impl OneRun {
-    /// Runs it, and keeps its numbers.
+    /// Runs a scene, and stores its results.
     fn read(draw: Draw, made: &Made, grid: Option<&Grid>) -> Result<Self, StudyError> {
         let Some(scene) = made.scene.driven() else {
             let metrics = made.metrics()?;
             return Ok(OneRun { draw, metrics, locked: false, drive_hash: None, error_hz: Vec::new() });
         };
-        Ok(OneRun::of(draw, &scene, &made.record(&scene)?, grid))
+        Ok(OneRun::from_record(draw, &scene, &made.record(&scene)?, grid))
     }
 
-    /// Runs several side by side, and keeps their numbers.
-    fn read_abreast(group: Vec<(Draw, Made)>, grid: Option<&Grid>) -> Result<Vec<Self>, StudyError> {
+    /// Runs several scenes in a batch, and stores their results.
+    fn read_batch(group: Vec<(Draw, Made)>, grid: Option<&Grid>) -> Result<Vec<Self>, StudyError> {
         let cells: Vec<&Made> = group.iter().map(|(_, made)| made).collect();
-        let records = Made::abreast(&cells);
+        let records = Made::run_batch(&cells);
         let read =
             |((draw, made), record): ((Draw, Made), Result<Option<Record>, StudyError>)| match made.scene.driven().zip(record?) {
-                Some((scene, record)) => Ok(OneRun::of(draw, &scene, &record, grid)),
+                Some((scene, record)) => Ok(OneRun::from_record(draw, &scene, &record, grid)),
                 None => OneRun::read(draw, &made, grid),
             };
         group.into_iter().zip(records).map(read).collect()
     }
 
-    /// The numbers of a run.
-    fn of(draw: Draw, scene: &Driven, record: &Record, grid: Option<&Grid>) -> Self {
+    /// Evaluates the record of a run.
+    fn from_record(draw: Draw, scene: &Driven, record: &Record, grid: Option<&Grid>) -> Self {
         let view = View::new(scene, record);
-        let locked = claims::of(&view).is_some_and(|claims| claims.true_lock);
+        let locked = claims::evaluate(&view).is_some_and(|claims| claims.true_lock);
         let error_hz = grid.map_or_else(Vec::new, |grid| grid.errors_hz(&view));
         OneRun { draw, metrics: instruments::metrics(&view), locked, drive_hash: Some(record.drive_hash), error_hz }
     }
 
-    /// Whether it ended in a fault.
+    /// Returns `true` if the run ended in a fault.
     pub fn faulted(&self) -> bool {
         self.metrics.get("fault_code").is_some_and(|code| code != 0.0)
     }
 }
 
 impl MonteCarlo {
-    /// The run that did worst, and in what; none of a contact study.
+    /// Returns the worst run and its flaw or measure; `None` for a contact study.
     pub fn worst(&self) -> Option<(&OneRun, &'static str)> {
         if self.times_ms.is_empty() {
             return None;
@@ -129,7 +132,8 @@ impl MonteCarlo {
         flawed.or_else(|| MEASURES.iter().find_map(|(metric, measure)| Some((self.most(metric)?, *measure))))
     }
 
-    /// The first run that lacks a metric which others have, or else has the most of it; none if all have nothing of it.
+    /// Returns the first run that lacks a metric of others, or else the run with its maximum;
+    /// `None` if the metric is missing or zero in all.
     fn most(&self, metric: &str) -> Option<&OneRun> {
         let size = |run: &OneRun| run.metrics.get(metric).map_or(f64::INFINITY, f64::abs);
         let has = |run: &&OneRun| run.metrics.get(metric).is_some();
@@ -138,7 +142,7 @@ impl MonteCarlo {
         worst.filter(|run| size(run) > 0.0)
     }
 
-    /// A result without any runs.
+    /// Creates a result without runs.
     pub fn none() -> Self {
         MonteCarlo {
             keys: Vec::new(),
@@ -151,21 +155,21 @@ impl MonteCarlo {
         }
     }
 
-    /// A hash of what all runs played, in order.
+    /// Returns a hash of the codes of all runs, in order.
     pub fn drive_hash(&self) -> Option<u64> {
         let hashes: Option<Vec<String>> = self.runs.iter().map(|run| Some(format!("{:016x}", run.drive_hash?))).collect();
         hashes.map(|hashes| text_hash(&hashes.concat()))
     }
 }
 
-/// Runs a scene as often as it says, in parallel, and puts the metrics together. Stopped, it keeps the runs that came to their end.
-/// `progress` is called with how many have.
+/// Runs a scene `runs` times, in parallel, and combines the metrics. If it is stopped, it keeps the
+/// completed runs. `progress` is called with their number.
 pub(super) fn run(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Result<(MonteCarlo, Metrics), StudyError> {
     let Options { start, progress, clock, .. } = options;
     let began = clock.map(|clock| clock());
     let scene = &loaded.scene;
     let plan = Plan::on(loaded, stop, start, progress.map(|progress| progress as Progress))?;
-    let (draws, grid) = (Draws::of(scene), scene.driven().map(|scene| Grid::of(&scene)));
+    let (draws, grid) = (Draws::of(scene), scene.driven().map(|scene| Grid::from_scene(&scene)));
     let drawn = (1..=scene.runs).map(|number| draws.draw(number)).collect();
     let cell = |draw: &Draw| {
         let sets = draw.sets(&draws.keys);
@@ -173,16 +177,19 @@ pub(super) fn run(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Resul
     };
     let runs = match start {
         Some(_) => plan.run(drawn, cell, |draw, made| OneRun::read(draw, made, grid.as_ref()))?,
-        None => plan.run_groups(drawn, LANES, cell, |group| OneRun::read_abreast(group, grid.as_ref()))?,
+        None => plan.run_groups(drawn, LANES, cell, |group| OneRun::read_batch(group, grid.as_ref()))?,
     };
     let runs: Vec<OneRun> = runs.into_iter().flatten().collect();
     let wall_s = clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64());
-    let Statistics { mut metrics, endless } = statistics::of(runs.iter().map(|run| &run.metrics));
+    let Statistics { mut metrics, endless } = statistics::combine(runs.iter().map(|run| &run.metrics));
     metrics.put("runs_completed", runs.len() as f64);
     if scene.driven().is_some() {
         metrics.put("runs_locked", runs.iter().filter(|run| run.locked).count() as f64);
         metrics.put("runs_faulted", runs.iter().filter(|run| run.faulted()).count() as f64);
     }
     let times_ms = grid.map_or_else(Vec::new, |grid| grid.times_s.iter().map(|s| 1e3 * s).collect());
-    Ok((MonteCarlo { keys: draws.keys, level: Level::of(start), asked: scene.runs, runs, endless, times_ms, wall_s }, metrics))
+    Ok((
+        MonteCarlo { keys: draws.keys, level: Level::from_start(start), asked: scene.runs, runs, endless, times_ms, wall_s },
+        metrics,
+    ))
 }

@@ -1,12 +1,13 @@
-//! A plan of a study: its cells, each the scene with some keys set, run in parallel.
+//! Plan of a study: its cells, each the scene with some keys set, run in parallel.
 //!
 //! ```text
 //! [grid]        every pair of two keys      --+
-//! [comparison]  every case, every amplitude --+--> plan --> cells (scene + changes) --> what is read of each
+//! [comparison]  every case, every amplitude --+--> plan --> cells (scene + changes) --> result of each
 //! runs          every draw of [[vary]]      --+
 //! ```
 //!
-//! A cell is a scene of its own, seeded by itself, so that a result does not depend on the number of threads.
+//! Each cell is a separate scene with its own seed, so that results do not depend on the number of
+//! threads.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -18,14 +19,14 @@ use crate::instruments;
 use crate::instruments::sweep::record::SweepRecord;
 use crate::metrics::Metrics;
 use crate::record::Record;
-use crate::run::run_abreast;
+use crate::run;
 use scene::load::{Loaded, Template};
 use scene::{Driven, Kind, Scene};
 
-/// Called with how many cells have come to their end.
+/// Function called with the number of completed cells.
 pub(super) type Progress<'a> = &'a mut (dyn FnMut(f64) + Send);
 
-/// What the cells of a study have in common.
+/// Data that the cells of a study share.
 pub(super) struct Plan<'a> {
     template: Template<'a>,
     start: Option<Start<'a>>,
@@ -34,29 +35,29 @@ pub(super) struct Plan<'a> {
     done: AtomicU32,
 }
 
-/// A cell before it is a scene.
+/// Description of a cell.
 pub(super) struct Cell {
-    /// Its name, for messages.
+    /// Name for messages.
     pub(super) label: String,
-    /// What is changed in it, as `key=value`.
+    /// Changes of the scene, as `key=value`.
     pub(super) sets: Vec<String>,
 }
 
-/// A cell to be run.
+/// Cell with its scene.
 pub(super) struct Made<'p, 'a> {
-    /// Its scene.
+    /// Scene of the cell.
     pub(super) scene: Scene,
     label: String,
     plan: &'p Plan<'a>,
 }
 
 impl<'a> Plan<'a> {
-    /// Cells of a scene, whose controllers run in this process.
+    /// Creates a plan of a scene's cells, whose controllers run in this process.
     pub(super) fn new(loaded: &'a Loaded, stop: &'a AtomicBool) -> Result<Self, StudyError> {
         Self::on(loaded, stop, None, None)
     }
 
-    /// Cells of a scene, whose controllers run where `start` says.
+    /// Creates a plan of a scene's cells, whose controllers run on processors from `start`.
     pub(super) fn on(
         loaded: &'a Loaded,
         stop: &'a AtomicBool,
@@ -67,7 +68,8 @@ impl<'a> Plan<'a> {
         Ok(Plan { template, start, stop, progress: Mutex::new(progress), done: AtomicU32::new(0) })
     }
 
-    /// Makes the cell of each item, reads its result, and counts it as done. Nothing of a cell that was stopped.
+    /// Makes the cell of each item, reads its result, and counts it as completed; `None` for a cell
+    /// that was stopped.
     pub(super) fn run<I: Send, T: Send>(
         &self,
         items: Vec<I>,
@@ -78,7 +80,7 @@ impl<'a> Plan<'a> {
         self.run_groups(items, 1, cell, read)
     }
 
-    /// The same for up to `size` cells at a time, whose results are read together.
+    /// Does the same for groups of up to `size` cells, whose results are read together.
     pub(super) fn run_groups<I: Send, T: Send>(
         &self,
         items: Vec<I>,
@@ -86,7 +88,7 @@ impl<'a> Plan<'a> {
         cell: impl Fn(&I) -> Cell + Sync,
         read: impl Fn(Vec<(I, Made)>) -> Result<Vec<T>, StudyError> + Sync,
     ) -> Result<Vec<Option<T>>, StudyError> {
-        // A thread that has nothing to do gains nothing from what the others do together.
+        // Smaller groups keep all threads busy.
         let size = size.min(items.len().div_ceil(rayon::current_num_threads())).max(1);
         let of_group = |items: Vec<I>| {
             let stopped = std::iter::repeat_with(|| None).take(items.len());
@@ -96,7 +98,8 @@ impl<'a> Plan<'a> {
             let make = |item: I| self.make(cell(&item)).map(|made| (item, made));
             let results = read(items.into_iter().map(make).collect::<Result<_, _>>()?)?;
             let count = |result: T| {
-                // A contact study that is stopped has no metrics, and a cell that had just ended is left out with it.
+                // A stopped contact study has no metrics; a cell that has just ended is also
+                // omitted.
                 if self.is_stopped() {
                     return None;
                 }
@@ -114,7 +117,7 @@ impl<'a> Plan<'a> {
         Ok(results?.into_iter().flatten().collect())
     }
 
-    /// A cell as a scene.
+    /// Converts a cell to a scene.
     pub(super) fn make(&self, Cell { label, sets }: Cell) -> Result<Made<'_, 'a>, StudyError> {
         match self.template.scene(&sets) {
             Ok(scene) => Ok(Made { scene, label, plan: self }),
@@ -122,12 +125,12 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// The flag that ends the study.
+    /// Returns the flag that ends the study.
     pub(super) fn stop(&self) -> &'a AtomicBool {
         self.stop
     }
 
-    /// Whether the study is to end.
+    /// Returns `true` if the study must end.
     pub(super) fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
@@ -139,7 +142,7 @@ impl Made<'_, '_> {
         self.metrics_for(None)
     }
 
-    /// Runs the cell for some metrics, or for all: what only others need may be missing.
+    /// Runs the cell for some metrics, or for all; other metrics may be missing.
     pub(super) fn metrics_for(&self, wanted: Option<&[&str]>) -> Result<Metrics, StudyError> {
         match self.scene.kind().ok_or(StudyError::Incomplete)? {
             Kind::Driven(scene) => self.record(&scene).map(|record| instruments::measure(&scene, &record)),
@@ -147,22 +150,23 @@ impl Made<'_, '_> {
         }
     }
 
-    /// Runs a cell that the firmware drives.
+    /// Runs a cell that is driven by the firmware.
     pub(super) fn record(&self, scene: &Driven) -> Result<Record, StudyError> {
         driven::record(scene, self.plan.start, self.plan.stop).map_err(|error| self.empty(error))
     }
 
-    /// Runs cells that the firmware drives in this process, side by side. A cell of another kind has no record.
-    pub(super) fn abreast(cells: &[&Self]) -> Vec<Result<Option<Record>, StudyError>> {
+    /// Runs cells driven by the firmware in this process, in a batch. A cell of another kind has no
+    /// record.
+    pub(super) fn run_batch(cells: &[&Self]) -> Vec<Result<Option<Record>, StudyError>> {
         let driven: Vec<(&Self, Driven)> = cells.iter().filter_map(|made| Some((*made, made.scene.driven()?))).collect();
         let scenes: Vec<Driven> = driven.iter().map(|(_, scene)| *scene).collect();
         let stop = cells.first().map(|made| made.plan.stop);
-        let records = run_abreast(&scenes, stop).into_iter().zip(&driven);
+        let records = run::run_batch(&scenes, stop).into_iter().zip(&driven);
         let mut records = records.map(|(record, (made, _))| record.map_err(|error| made.empty(error.into())));
         cells.iter().map(|made| made.scene.driven().and_then(|_| records.next()).transpose()).collect()
     }
 
-    /// Runs the cell for its sweep, which is to be called `name`; nothing if it has none.
+    /// Runs the cell and returns its sweep with this name; `None` if it has none.
     pub(super) fn sweep(&self, name: &str) -> Result<Option<SweepRecord>, StudyError> {
         let Some(scene) = self.scene.driven() else { return Ok(None) };
         driven::sweep(&scene, name, self.plan.stop).map_err(|error| self.empty(error))

@@ -1,23 +1,24 @@
-//! The record of a contact study: the last periods step by step, and the extremes of the whole run bin by bin. However
-//! long the run, the playback stays as long as it is.
+//! Record of a contact study: the last periods step by step, and the extremes of the whole run in
+//! bins. Its size is bounded for runs of any length.
 
 use contact::State;
 
-/// Periods that are recorded step by step.
+/// Number of periods that are recorded step by step.
 const LAST_PERIODS: f64 = 4.0;
-/// Most states of the last periods: beyond, every second is dropped, then every second of what is left, and so on.
-const MOST_STATES: usize = 1 << 14;
-/// Most bins of the whole run, about.
+/// Maximum number of states of the last periods; whenever it is reached, every second state is
+/// dropped.
+const MAX_STATES: usize = 1 << 14;
+/// Approximate maximum number of bins of the whole run.
 const BINS: f64 = 1000.0;
-/// With fewer periods than this, a bin is a part of a period.
+/// Number of periods below which a bin is shorter than a period.
 const FEW_PERIODS: f64 = 50.0;
 
-/// The playback of a run.
+/// Playback of a run.
 #[derive(Clone, Debug)]
 pub struct Playback {
     duration_s: f64,
     frequency_hz: f64,
-    /// The last periods.
+    /// States of the last periods.
     last: Vec<State>,
     every: u32,
     skipped: u32,
@@ -25,29 +26,30 @@ pub struct Playback {
     bin_s: f64,
     bins: Vec<Bin>,
     open: Bin,
-    /// The open bin is full after this moment, s.
+    /// Time after which the open bin is full, s.
     full_s: f64,
-    /// When the last periods begin, s.
+    /// Beginning of the last periods, s.
     last_from_s: f64,
-    /// The last state; before the first, at no time.
+    /// Previous state; its time is NaN before the first.
     before: State,
 }
 
-/// When a bin is full: a step that ends with it, within round-off, is still in it.
+/// Returns the time after which a bin is full; a step that ends with the bin, within round-off,
+/// belongs to it.
 fn full_s(bin: &Bin, bin_s: f64) -> f64 {
     bin.end_s + 1e-9 * bin_s
 }
 
-/// Smallest and largest value.
+/// Range of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// Smallest value in the range.
+    /// Smallest value.
     pub least: f64,
-    /// Largest value in the range.
+    /// Largest value.
     pub most: f64,
 }
 
-/// A part of a run.
+/// Part of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Bin {
     /// End of the bin, s.
@@ -58,28 +60,28 @@ pub struct Bin {
     pub velocity_m_per_s: Range,
     /// Range of the displacement x, m.
     pub displacement_m: Range,
-    /// Integral of friction over the bin, by trapezoids, N s.
+    /// Integral of friction over the bin by the trapezoidal rule, N s.
     friction_n_s: f64,
-    /// Length of what was seen of it, s.
+    /// Length of the recorded part of the bin, s.
     seen_s: f64,
 }
 
 impl Range {
     const NOTHING: Range = Range { least: f64::INFINITY, most: f64::NEG_INFINITY };
 
-    /// Half way between the two.
+    /// Returns the middle of the range.
     pub fn middle(&self) -> f64 {
         0.5 * (self.least + self.most)
     }
 
-    /// The range of a multiple of the value.
+    /// Multiplies the range by a factor.
     pub fn times(&self, factor: f64) -> Range {
         Range { least: factor * self.least, most: factor * self.most }
     }
 
     #[inline]
     fn take(&mut self, value: f64) {
-        // Not f64::min, which minds not-a-number and costs three times as much.
+        // `f64::min` handles NaN and takes three times as long.
         self.least = if value < self.least { value } else { self.least };
         self.most = if value > self.most { value } else { self.most };
     }
@@ -91,14 +93,14 @@ impl Bin {
         Bin { end_s, friction_n: nothing, velocity_m_per_s: nothing, displacement_m: nothing, friction_n_s: 0.0, seen_s: 0.0 }
     }
 
-    /// Mean friction in the bin, N.
+    /// Returns the mean friction in the bin, N.
     pub fn mean_friction_n(&self) -> f64 {
         self.friction_n_s / self.seen_s
     }
 }
 
 impl Playback {
-    /// An empty playback for a run of so long, with periods of this frequency.
+    /// Creates an empty playback for a run of this duration, with periods of this frequency.
     pub fn new(duration_s: f64, frequency_hz: f64) -> Self {
         let periods = duration_s * frequency_hz;
         let bin_s = if periods < FEW_PERIODS { duration_s / BINS } else { (periods / BINS).ceil().max(1.0) / frequency_hz };
@@ -119,9 +121,9 @@ impl Playback {
         }
     }
 
-    /// Takes a state; says whether a bin is full. Time that goes back is the beginning of another run.
+    /// Records a state; returns `true` if a bin is full. If time decreases, another run begins.
     #[inline]
-    pub fn see(&mut self, state: &State) -> bool {
+    pub fn add(&mut self, state: &State) -> bool {
         let step_s = state.time_s - self.before.time_s;
         if step_s < 0.0 {
             *self = Playback::new(self.duration_s, self.frequency_hz);
@@ -138,7 +140,7 @@ impl Playback {
         open.friction_n.take(state.force_n);
         open.velocity_m_per_s.take(state.v_m_per_s);
         open.displacement_m.take(state.x_m);
-        // Neither at the first state, before which there is none.
+        // The first state has no step.
         if step_s > 0.0 {
             open.friction_n_s += 0.5 * step_s * (self.before.force_n + state.force_n);
             open.seen_s += step_s;
@@ -147,7 +149,7 @@ impl Playback {
         full
     }
 
-    /// The run is over, or stopped.
+    /// Ends the recording.
     pub fn finish(&mut self) {
         let end_s = self.before.time_s;
         if self.open.seen_s > 0.0 {
@@ -158,12 +160,12 @@ impl Playback {
         self.last.retain(|state| state.time_s >= from_s);
     }
 
-    /// The last periods, step by step or nearly so; in closed form, one steady period.
+    /// Returns the last periods, step by step or nearly so; for a closed form, one steady period.
     pub fn last_periods(&self) -> &[State] {
         &self.last
     }
 
-    /// Bins of the whole run.
+    /// Returns the bins of the whole run.
     pub fn bins(&self) -> &[Bin] {
         &self.bins
     }
@@ -176,7 +178,7 @@ impl Playback {
         }
         self.skipped = 0;
         self.last.push(*state);
-        if self.last.len() >= MOST_STATES {
+        if self.last.len() >= MAX_STATES {
             let mut odd = false;
             self.last.retain(|_| {
                 odd = !odd;
@@ -202,13 +204,13 @@ impl Playback {
 mod tests {
     use super::*;
 
-    /// So many periods of 1 Hz with so many steps each.
+    /// Records a run of `periods` periods of 1 Hz with `steps` steps each.
     fn recorded(periods: u32, steps: u32) -> Playback {
         let mut playback = Playback::new(f64::from(periods), 1.0);
         for step in 1..=periods * steps {
             let time_s = f64::from(step) / f64::from(steps);
             let (v_m_per_s, x_m) = (std::f64::consts::TAU * time_s).sin_cos();
-            playback.see(&State { time_s, x_m, v_m_per_s, force_n: 2.0 + v_m_per_s });
+            playback.add(&State { time_s, x_m, v_m_per_s, force_n: 2.0 + v_m_per_s });
         }
         playback.finish();
         playback
@@ -228,7 +230,7 @@ mod tests {
     fn memory_is_bounded() {
         for (periods, steps) in [(100_000, 16), (3, 1_000_000), (30_000, 100)] {
             let playback = recorded(periods, steps);
-            assert!(playback.last_periods().len() <= MOST_STATES && playback.bins().len() <= 1001, "{periods} {steps}");
+            assert!(playback.last_periods().len() <= MAX_STATES && playback.bins().len() <= 1001, "{periods} {steps}");
             assert!(playback.last_periods().len() > 60, "{periods} {steps}");
         }
     }
@@ -237,7 +239,7 @@ mod tests {
     fn a_run_that_restarts_is_recorded_again() {
         let mut playback = Playback::new(10.0, 1.0);
         for time_s in [1.0, 5.0, 9.9, 0.5, 1.0] {
-            playback.see(&State { time_s, force_n: time_s, ..State::default() });
+            playback.add(&State { time_s, force_n: time_s, ..State::default() });
         }
         playback.finish();
         assert_eq!(playback.last_periods().iter().map(|state| state.time_s).collect::<Vec<_>>(), [0.5, 1.0]);

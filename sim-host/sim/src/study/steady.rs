@@ -1,4 +1,4 @@
-//! Contact studies that have a closed form: the means of a steady sine follow from two numbers.
+//! Contact studies with a closed form: the means of a steady sine follow from two numbers.
 
 use contact::closed::ClosedForm;
 use contact::{Numerics, Problem, Shape, closed};
@@ -22,7 +22,7 @@ pub(super) enum Mean {
 }
 
 impl Mean {
-    /// The metric of this name, if it is one of these.
+    /// Returns the metric of this name, if it is one of these.
     pub(super) fn named(metric: &str) -> Option<Self> {
         Some(match metric {
             "friction_ratio" => Mean::FrictionRatio,
@@ -33,31 +33,33 @@ impl Mean {
         })
     }
 
-    /// The metric of a study, as [`metrics`](crate::study::contact::metrics) has it; none where a study has no power ratio.
-    pub(super) fn of(self, study: &Steady) -> Option<f64> {
+    /// Returns the metric of a study, as in [`metrics`](crate::study::contact::metrics); `None` if
+    /// the study has no power ratio.
+    pub(super) fn value(self, study: &Steady) -> Option<f64> {
         let Steady { velocity_ratio, kappa, .. } = *study;
         let ratio = || closed::friction_ratio(velocity_ratio, kappa);
         match self {
             Mean::FrictionRatio => Some(ratio()),
             Mean::ReductionPercent => Some(100.0 * (1.0 - ratio())),
             Mean::FrictionOnN => Some(ratio() * study.coulomb_n),
-            // Over Fc Vt, which is negative where the sliding is.
+            // The reference Fc Vt is negative if the sliding is.
             Mean::PowerRatio => Some(closed::power_ratio(velocity_ratio, kappa)? * velocity_ratio.signum()),
         }
     }
 }
 
-/// The study of a scene that has a closed form for a sine and is to be solved by it; none of any other.
-pub(super) fn of(scene: &Excited) -> Option<Steady> {
+/// Returns the steady sine of a scene that is solved by its closed form; `None` for any other
+/// scene.
+pub(super) fn from_scene(scene: &Excited) -> Option<Steady> {
     if problem::direction(scene).is_some() {
         return None;
     }
     let problem = problem::problem(scene, problem::law(&scene.model)?).ok()?;
-    of_problem(&problem, &problem::numerics(scene, None))
+    from_problem(&problem, &problem::numerics(scene, None))
 }
 
-/// The same of a problem.
-pub(super) fn of_problem(problem: &Problem, numerics: &Numerics) -> Option<Steady> {
+/// Returns the steady sine of a problem that is solved by its closed form.
+pub(super) fn from_problem(problem: &Problem, numerics: &Numerics) -> Option<Steady> {
     if problem.waveform.shape() != Shape::Sine {
         return None;
     }

@@ -1,20 +1,20 @@
-//! Stopping a solution on its way. A method calls its watcher after every step and asks it nothing, so a watcher that wants no more
-//! leaves by unwinding, without the message of a panic.
+//! Interruption of a solution. A method calls its watcher after every step but has no return
+//! channel, so that a watcher interrupts it by unwinding, without a panic message.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 struct Stopped;
 
-/// Leaves what [`unless_stopped`] called, if it is to stop.
+/// Leaves the work of [`unless_stopped`], if the flag is set.
 #[inline]
-pub(super) fn leave_if(stop: &AtomicBool) {
+pub(super) fn interrupt_if(stop: &AtomicBool) {
     if stop.load(Ordering::Relaxed) {
         resume_unwind(Box::new(Stopped));
     }
 }
 
-/// What `work` returns; nothing if it was left.
+/// Returns the result of `work`; `None` if it was left.
 pub(super) fn unless_stopped<T>(work: impl FnOnce() -> T) -> Option<T> {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(done) => Some(done),
@@ -28,12 +28,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn work_is_left_when_it_is_to_stop_and_not_before() {
+    fn work_is_interrupted_only_after_the_flag_is_set() {
         let stop = AtomicBool::new(false);
         let mut steps = 0;
         let done = unless_stopped(|| {
             for step in 0..10 {
-                leave_if(&stop);
+                interrupt_if(&stop);
                 steps += 1;
                 stop.store(step == 4, Ordering::Relaxed);
             }

@@ -1,4 +1,4 @@
-//! A suite, run: every case, the targets judged, the tables.
+//! Run of a suite: its cases, targets and tables.
 
 mod tables;
 
@@ -17,51 +17,51 @@ use report::statistics::ascending;
 use scene::suite::{LoadedSuite, ReadyCase, Target};
 use scene::{Scene, metrics, shown};
 
-/// Called with the name of each case that begins.
+/// Function called with the name of each case that begins.
 pub type Progress<'a> = &'a mut (dyn FnMut(&str) + Send);
 
-/// A suite that was run.
+/// Result of a suite.
 pub struct SuiteResult<'a> {
     /// Suite that was run.
     pub suite: &'a LoadedSuite,
     /// Results of the cases, in order.
     pub cases: Vec<CaseResult<'a>>,
-    /// Targets of the suite, each judged over all cases that it is for.
-    pub judged: Vec<Judged>,
+    /// Targets of the suite, each evaluated over all its cases.
+    pub judged: Vec<TargetResult>,
 }
 
-/// A case that was run.
+/// Result of a case.
 pub struct CaseResult<'a> {
     /// Case that was run.
     pub case: &'a ReadyCase,
-    /// Metrics of each run that came to its end.
+    /// Metrics of each completed run.
     pub each: Vec<Metrics>,
     /// Metrics of all runs together.
     pub metrics: Metrics,
     /// Metrics that would be infinite.
     pub endless: Vec<&'static str>,
-    /// Set points of a friction ratio, of a single run.
+    /// Set points of the friction ratio, for a single run.
     pub steps: Vec<Step>,
     derived: Vec<(&'static str, Option<f64>)>,
 }
 
-/// A target, held against the cases that it is of.
-pub struct Judged {
+/// A target, evaluated over its cases.
+pub struct TargetResult {
     /// Metric of the target.
     pub metric: String,
-    /// The limit, as text.
+    /// Limit, as text.
     pub limit: String,
-    /// How many cases it is of.
+    /// Number of cases.
     pub cases: usize,
-    /// The case that is nearest to missing it, or farthest beyond, and its value.
+    /// Case nearest to missing the target, or farthest beyond it, and its value.
     pub worst: Option<(String, Option<f64>)>,
-    /// The cases that miss it.
+    /// Cases that miss the target.
     pub missed: Vec<String>,
-    /// Where the target comes from.
+    /// Source of the target.
     pub source: String,
 }
 
-/// Runs every case of a suite, in parallel, until `stop` is set from outside.
+/// Runs every case of a suite, in parallel, until the caller sets `stop`.
 ///
 /// # Errors
 /// If a case has no result, or was stopped.
@@ -77,17 +77,17 @@ pub fn run<'a>(suite: &'a LoadedSuite, stop: Option<&AtomicBool>, progress: Prog
         if study.interrupted { Err(StudyError::Interrupted) } else { Ok(CaseResult::read(case, study)) }
     };
     let cases = suite.cases.par_iter().map(one).collect::<Result<Vec<_>, StudyError>>()?;
-    let judged = suite.suite.target.iter().map(|target| Judged::of(target, &cases)).collect();
+    let judged = suite.suite.target.iter().map(|target| TargetResult::evaluate(target, &cases)).collect();
     Ok(SuiteResult { suite, cases, judged })
 }
 
 impl SuiteResult<'_> {
-    /// Whether every target is reached.
+    /// Returns `true` if every target is met.
     pub fn holds(&self) -> bool {
-        self.judged.iter().all(Judged::holds)
+        self.judged.iter().all(TargetResult::holds)
     }
 
-    /// A case, by its name.
+    /// Returns a case by its name.
     pub fn case(&self, name: &str) -> Option<&CaseResult<'_>> {
         self.cases.iter().find(|case| case.case.name == name)
     }
@@ -104,7 +104,8 @@ impl<'a> CaseResult<'a> {
         CaseResult { case, each, endless, steps, derived, metrics: study.metrics }
     }
 
-    /// A metric of all runs together, or a derived quantity; infinite if it never comes in too many runs.
+    /// Returns a metric of all runs together, or a derived quantity; infinite if too many runs lack
+    /// it.
     pub fn value(&self, metric: &str) -> Option<f64> {
         let derived = self.derived.iter().find(|(name, _)| *name == metric).and_then(|(_, value)| *value);
         let alone =
@@ -113,16 +114,16 @@ impl<'a> CaseResult<'a> {
         derived.or_else(|| self.metrics.find(metric)).or_else(alone).or_else(endless)
     }
 
-    /// The values of a metric over the runs, in order.
+    /// Returns the values of a metric over the runs, in ascending order.
     pub fn sorted(&self, metric: &str) -> Vec<f64> {
         ascending(self.each.iter().filter_map(|run| run.get(metric)))
     }
 }
 
-/// The quantities that [`DERIVED`](scene::suite::DERIVED) lists.
+/// Returns the quantities listed in [`DERIVED`](scene::suite::DERIVED).
 fn derived(scene: &Scene, metrics: &Metrics, steps: &[Step]) -> Vec<(&'static str, Option<f64>)> {
     let Some(scene) = scene.driven() else { return Vec::new() };
-    let Bounds { times_ms: [to_20_hz, to_4_hz], ramp_hz } = Bounds::of(&scene);
+    let Bounds { times_ms: [to_20_hz, to_4_hz], ramp_hz } = Bounds::new(&scene);
     let tip_m_per_s = scene.controller.drive.velocity_m_per_s;
     let floor = scene.sliding().zip(tip_m_per_s).zip(metrics.get("kappa"));
     let error = |step: &Step| Some((step.estimate? - step.truth).abs());
@@ -142,8 +143,8 @@ fn derived(scene: &Scene, metrics: &Metrics, steps: &[Step]) -> Vec<(&'static st
     ]
 }
 
-impl Judged {
-    fn of(target: &Target, cases: &[CaseResult]) -> Self {
+impl TargetResult {
+    fn evaluate(target: &Target, cases: &[CaseResult]) -> Self {
         let listed = |case: &&CaseResult| {
             let ReadyCase { name, base, group, .. } = case.case;
             let by_name = target.cases.iter().any(|one| one == name || one == base);
@@ -169,7 +170,7 @@ impl Judged {
         let name = |(case, _): &(&&CaseResult, &(Option<f64>, f64))| case.case.name.clone();
         let both = || of.iter().zip(&found);
         let worst = both().reduce(|a, b| if b.1.1 > a.1.1 { b } else { a }).map(|worst| (name(&worst), worst.1.0));
-        Judged {
+        TargetResult {
             metric: target.metric.clone(),
             limit: text,
             cases: of.len(),
@@ -179,7 +180,7 @@ impl Judged {
         }
     }
 
-    /// Whether every case reaches it.
+    /// Returns `true` if every case meets the target.
     pub fn holds(&self) -> bool {
         self.missed.is_empty()
     }

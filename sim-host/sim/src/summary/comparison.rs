@@ -1,11 +1,13 @@
-//! A comparison in the summary: for each of what is equal, and each case, its amplitude, how it was matched, and its metrics.
+//! Comparison in the summary: amplitude, matching and metrics of each case, for each matched
+//! quantity.
 
 use firmware::seam::fault::Fault;
 use serde_json::{Map, Value, json};
 
 use crate::study::comparison::{CaseResult, ComparisonResult, Matched, Standing};
 
-/// The comparison as JSON. A case that could not be matched has no metrics; one that would need more than is allowed says how much.
+/// Returns the comparison as JSON. A case that could not be matched has no metrics; one that would
+/// need more than the allowed amplitude has the required one.
 pub(super) fn json(result: &ComparisonResult) -> Value {
     let comparison = &result.comparison;
     let case = |case: &CaseResult| {

@@ -1,10 +1,10 @@
-//! The grid of a scene in the summary.
+//! Grid of a scene in the summary.
 
 use serde_json::{Map, Value, json};
 
 use crate::study::grid::GridResult;
 
-/// The points by columns.
+/// Returns the points by columns, as JSON.
 pub(super) fn json(result: &GridResult) -> Value {
     let column = |name: &String| (name.clone(), json!(result.column(name).map(numbers)));
     let columns = |names: &[String]| -> Map<String, Value> { names.iter().map(column).collect() };
@@ -16,7 +16,7 @@ pub(super) fn json(result: &GridResult) -> Value {
     })
 }
 
-/// What is not a number is null.
+/// Replaces numbers that are not finite by null.
 fn numbers(values: Vec<f64>) -> Vec<Option<f64>> {
     values.into_iter().map(|value| Some(value).filter(|value| value.is_finite())).collect()
 }

@@ -1,4 +1,4 @@
-//! A comparison in tables: one for each of what is equal.
+//! Tables of a comparison: one for each matched quantity.
 
 use super::number;
 use crate::study::Study;
@@ -7,7 +7,7 @@ use report::TableBlock;
 use scene::Equal;
 use scene::schema::last_name;
 
-/// The tables.
+/// Returns the tables.
 pub(super) fn tables(study: &Study) -> Vec<TableBlock> {
     let host = if study.run().is_some() { " with the controller on the host (SIL)" } else { "" };
     let tables = |result: &ComparisonResult| result.matches.iter().map(|matched| table(result, matched, host)).collect();
@@ -24,13 +24,13 @@ fn table(result: &ComparisonResult, matched: &Matched, host: &str) -> TableBlock
     TableBlock {
         id: format!("comparison-{}", matched.equal.name()),
         title: format!("{}, at equal {}", comparison.title, matched.equal.name()),
-        caption: format!("{}; each case is a run of its own{host}", equality(matched)),
+        caption: format!("{}; each case is a separate run{host}", equality(matched)),
         header: header.map(str::to_owned).collect(),
         rows: matched.cases.iter().map(row).collect(),
     }
 }
 
-/// The amplitude, or why there is none.
+/// Returns the amplitude, or the reason that there is none.
 fn amplitude(case: &CaseResult) -> String {
     match case.standing {
         Standing::Equal { .. } => number(case.amplitude),
@@ -40,12 +40,12 @@ fn amplitude(case: &CaseResult) -> String {
     }
 }
 
-/// What is equal, and how nearly.
+/// Describes the matched quantity and its accuracy.
 fn equality(matched: &Matched) -> String {
     let (Some(metric), Some(target)) = (matched.equal.metric(), matched.target) else {
         return match matched.equal {
-            Equal::Peak => "The same peak asked for".to_owned(),
-            _ => "The first case cannot be measured, so nothing is matched to it".to_owned(),
+            Equal::Peak => "Equal commanded peak".to_owned(),
+            _ => "The first case cannot be measured, so no case is matched to it".to_owned(),
         };
     };
     let off = |case: &CaseResult| match case.standing {
@@ -53,5 +53,5 @@ fn equality(matched: &Matched) -> String {
         _ => None,
     };
     let worst = matched.cases.iter().filter_map(off).fold(0.0, f64::max);
-    format!("{metric} is {} as in the first case, to {worst:.1e} of it", number(target))
+    format!("{metric} equals {}, its value in the first case, within {worst:.1e} (relative)", number(target))
 }

@@ -1,4 +1,4 @@
-//! A driven run in words, and the tables of its instruments.
+//! Remarks on a driven run, and the tables of its instruments.
 
 use std::fmt::Write as _;
 
@@ -7,11 +7,11 @@ use crate::metrics::Metrics;
 use crate::study::driven::Run;
 use report::TableBlock;
 
-/// Where the controller ran, and what the three ways are.
+/// Returns the introduction: the level, and the meaning of command, estimate and truth.
 pub(super) fn preface(run: &Run) -> String {
     format!(
-        "{}, against a simulated {}. Command is what the controller played, estimate what it believed, truth what the \
-         simulated plant did; the controller sees converter codes only.",
+        "{}, against a simulated {}. Command is the controller's output, estimate is its internal value, and truth is the state \
+         of the simulated plant; the controller reads only converter codes.",
         run.level,
         match (run.scene.stator(), run.scene.dring()) {
             (Some(_), _) => "stator and rotor",
@@ -21,29 +21,29 @@ pub(super) fn preface(run: &Run) -> String {
     )
 }
 
-/// What a reader must know before the numbers.
+/// Returns remarks that a reader must know before the numbers.
 pub(super) fn remarks(run: &Run) -> Vec<String> {
     let view = View::new(&run.scene, &run.record);
     DRIVEN.iter().flat_map(|instrument| instrument.remarks(&view)).collect()
 }
 
-/// The numbers that come first of a run.
+/// Returns the headline numbers of a run.
 pub(super) fn headline() -> Vec<Line> {
     DRIVEN.iter().flat_map(|instrument| instrument.headline()).copied().collect()
 }
 
-/// The fault that the run ended in, as a headline.
+/// Returns the fault that ended the run, as a headline.
 pub(super) fn fault(run: &Run) -> Option<(String, String)> {
     run.record.rows.last().filter(|row| row.fault != 0).map(|row| ("ended in fault".to_owned(), row.fault.to_string()))
 }
 
-/// The tables of a driven run.
+/// Returns the tables of a driven run.
 pub(super) fn tables(run: &Run, metrics: &Metrics) -> Vec<TableBlock> {
     let view = View::new(&run.scene, &run.record);
     DRIVEN.iter().flat_map(|instrument| instrument.tables(&view, metrics)).collect()
 }
 
-/// Where the numbers come from.
+/// Returns drive hash, plant states and level for the footer.
 pub(super) fn footer(run: &Run) -> Vec<(&'static str, String)> {
     vec![
         ("drive hash", format!("{:016x}", run.record.drive_hash)),
@@ -52,19 +52,19 @@ pub(super) fn footer(run: &Run) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// How it was run, in one line.
+/// Describes in one line how it was run.
 pub(super) fn manner(run: &Run) -> String {
     let speed = run.record.simulated_s_per_wall_s();
     let speed = speed.map_or_else(String::new, |speed| format!("{} simulated seconds per wall second, ", super::number(speed)));
     format!("{}; {speed}{} plant states; drive hash {:016x}", run.level, run.record.plant_states, run.record.drive_hash)
 }
 
-/// How far an interrupted run came, s.
+/// Returns the time that an interrupted run reached, s.
 pub(super) fn reached_s(run: &Run) -> f64 {
     run.record.rows.last().map_or(0.0, |row| row.time_s)
 }
 
-/// The modes that the controller went through, and when.
+/// Returns the modes of the controller with their times.
 pub(super) fn modes(run: &Run) -> String {
     let mut text = String::new();
     let mut last = None;

@@ -1,4 +1,5 @@
-//! The tables of a grid: of two keys one a metric, with a key down and the other across; of any other number one of all points.
+//! Tables of a grid. With two keys, each metric has a table with one key down and the other across;
+//! with any other number of keys there is one table of all points.
 
 use crate::numbers::{distinct, number};
 use crate::study::Study;
@@ -6,27 +7,27 @@ use crate::study::grid::GridResult;
 use report::TableBlock;
 use scene::schema::tail;
 
-/// Most metrics that are shown.
-const METRICS: usize = 8;
-/// Most values of a key that are shown beside each other.
-const ACROSS: u64 = 12;
-/// Most points, or values of a key, that are shown below each other.
-const DOWN: u64 = 64;
+/// Maximum number of metrics shown.
+const MAX_METRICS: usize = 8;
+/// Maximum number of values of a key shown across.
+const MAX_ACROSS: u64 = 12;
+/// Maximum number of points, or values of a key, shown down.
+const MAX_DOWN: u64 = 64;
 
-/// The tables of a grid; of one that is too large only where its numbers are.
+/// Returns the tables of a grid; for a large one, a part with a reference to the file.
 pub(super) fn tables(study: &Study) -> Vec<TableBlock> {
     let Some(result) = &study.grid else { return Vec::new() };
     let host = if study.scene.controller.is_some() { " and the controller on the host (SIL)" } else { "" };
-    let shown = result.metrics.len().min(METRICS);
+    let shown = result.metrics.len().min(MAX_METRICS);
     match result.design.shape().counts.as_deref() {
-        Some(&[down, across]) if down <= DOWN && across <= ACROSS => {
+        Some(&[down, across]) if down <= MAX_DOWN && across <= MAX_ACROSS => {
             (0..shown).map(|metric| across_and_down(result, metric, across as usize, host)).collect()
         }
         _ => vec![points(result, shown, host)],
     }
 }
 
-/// A metric over two keys.
+/// Returns the table of a metric over two keys.
 fn across_and_down(result: &GridResult, metric: usize, across: usize, host: &str) -> TableBlock {
     let keys = result.keys();
     let columns = tail(&keys[1], &keys);
@@ -42,9 +43,9 @@ fn across_and_down(result: &GridResult, metric: usize, across: usize, host: &str
     }
 }
 
-/// A row for each point.
+/// Returns a table with a row for each point.
 fn points(result: &GridResult, shown: usize, host: &str) -> TableBlock {
-    let (count, drawn) = (result.rows.points.len(), result.rows.points.len().min(DOWN as usize));
+    let (count, drawn) = (result.rows.points.len(), result.rows.points.len().min(MAX_DOWN as usize));
     let keys: Vec<Vec<String>> = result.rows.keys.iter().map(|key| distinct(&key[..drawn])).collect();
     let row = |row: usize| {
         keys.iter()
@@ -68,25 +69,27 @@ fn points(result: &GridResult, shown: usize, host: &str) -> TableBlock {
     }
 }
 
-/// A table of the grid, yet empty.
+/// Returns a table of the grid without rows.
 fn table(result: &GridResult, place: usize, what: &str, (keys, host): (&str, &str)) -> TableBlock {
-    let besides = if result.grid.set.is_empty() { String::new() } else { format!(", besides {}", result.grid.set.join(", ")) };
+    let besides =
+        if result.grid.set.is_empty() { String::new() } else { format!(", in addition to {}", result.grid.set.join(", ")) };
     let mut failures = result.rows.failures.iter().flatten();
     let failed = match (failures.next(), failures.count()) {
         (None, _) => String::new(),
         (Some(why), 0) => format!(". One point has no result: {why}"),
-        (Some(why), more) => format!(". {} points have no result, the first because {why}", more + 1),
+        (Some(why), more) => format!(". {} points have no result; reason of the first: {why}", more + 1),
     };
     TableBlock {
         id: if place == 0 { "grid".to_owned() } else { format!("grid-{}", place + 1) },
         title: result.grid.title.clone(),
-        caption: format!("{what}; each is a run of its own, with {keys} set{besides}{host}{failed}"),
+        caption: format!("{what}; each point is a separate run with {keys} set{besides}{host}{failed}"),
         header: Vec::new(),
         rows: Vec::new(),
     }
 }
 
-/// A number beside others of its kind: a ratio with four digits after the point, else two, and what is small by its size.
+/// Formats a number for a column: a ratio with four decimals, other numbers with two, and small
+/// ones by their magnitude.
 fn cell(value: Option<f64>) -> String {
     match value {
         None => none(),
@@ -96,7 +99,7 @@ fn cell(value: Option<f64>) -> String {
     }
 }
 
-/// What a point does not have.
+/// Returns the text of a missing value.
 fn none() -> String {
     "–".to_owned()
 }

@@ -1,11 +1,12 @@
-//! What a study was run with: the values that differ from its base, all of them, and what of its texts is of other inputs.
+//! Inputs of a study: all values, those that differ from its base, and inherited texts that apply
+//! to other inputs.
 
 use crate::study::Study;
 use report::TableBlock;
 use scene::load::{Change, inputs};
 use scene::schema::{last_name, unit_of};
 
-/// Where the scene's numbers come from, as the line below its title.
+/// Returns the source of the scene's numbers, as the line below its title.
 pub(super) fn source(study: &Study) -> String {
     let source = &study.scene.source;
     match &study.inherited {
@@ -15,29 +16,29 @@ pub(super) fn source(study: &Study) -> String {
     }
 }
 
-/// The scene's notes, unless they are written for other inputs.
+/// Returns the scene's notes, unless they apply to other inputs.
 pub(super) fn notes(study: &Study) -> Vec<String> {
     let of_base = study.inherited.as_ref().is_some_and(|inherited| inherited.notes);
     if of_base { Vec::new() } else { study.scene.notes.clone() }
 }
 
-/// What of the texts is of other inputs, in a sentence.
+/// Returns a sentence about texts that apply to other inputs.
 pub(super) fn remark(study: &Study) -> Option<String> {
     let inherited = study.inherited.as_ref()?;
     let base = &inherited.base;
     let has_expect = inherited.expect && !study.judged.is_empty();
-    let expect = format!("the expectations of `{base}` are of its own inputs, and do not count");
-    let notes = format!("its notes are left out (`sim-host show {base}` has them)");
+    let expect = format!("the expectations of `{base}` apply to its own inputs and do not count");
+    let notes = format!("its notes are omitted (see `sim-host show {base}`)");
     let parts = match (has_expect, inherited.notes && !study.scene.notes.is_empty()) {
         (true, true) => format!("{expect}; {notes}"),
         (true, false) => expect,
-        (false, true) => format!("the notes of `{base}` are of its own inputs, and left out"),
+        (false, true) => format!("the notes of `{base}` apply to its own inputs and are omitted"),
         (false, false) => return None,
     };
     Some(format!("Inputs were changed: {parts}."))
 }
 
-/// The values that differ from the base.
+/// Returns the table of the values that differ from the base.
 pub(super) fn changed(study: &Study) -> Option<TableBlock> {
     let inherited = study.inherited.as_ref()?;
     let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "–".to_owned());
@@ -50,17 +51,18 @@ pub(super) fn changed(study: &Study) -> Option<TableBlock> {
     (!rows.is_empty()).then(|| TableBlock::new("changed-inputs", &title, "", &header, rows))
 }
 
-/// Every key of the scene with its value.
+/// Returns the table of every key of the scene with its value.
 pub(super) fn all(study: &Study) -> TableBlock {
     let rows = inputs(study.scene).into_iter().map(|(key, value)| {
         let unit = unit(&key);
         vec![key, value, unit]
     });
-    let caption = "Every key with its value, defaults included; `sim-host explain KEY` says what one means, and `manifest.json` has them for programs.";
+    let caption = "Every key with its value, including defaults. `sim-host explain KEY` explains a key; `manifest.json` contains \
+                   them for programs.";
     TableBlock::new("inputs", "All inputs", caption, &["key", "value", "unit"], rows.collect())
 }
 
-/// The unit that a key ends in; of an entry of a list, that of the list.
+/// Returns the unit in the suffix of a key; for an entry of a list, that of the list.
 fn unit(key: &str) -> String {
     unit_of(last_name(key)).unwrap_or_default()
 }

@@ -1,10 +1,11 @@
-//! A build without the model of the microcontroller: every use names the command that has it.
+//! Stand-in for the model of the microcontroller in a build without it: every use returns an error
+//! with the build that has it.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::link::LinkArgs;
-use super::{Color, Exit, mistake, without};
+use super::{Color, Exit, missing_part, mistake};
 use link::link_error::LinkError;
 use scene::Driven;
 use sim::processor::Processor;
@@ -12,18 +13,18 @@ use sim::run::RunError;
 
 const MODEL: &str = "model of the microcontroller (`--board`, `board:SCENE`)";
 
-/// Returns no values.
+/// Returns no settings.
 pub(super) fn defaults() -> Vec<String> {
     Vec::new()
 }
 
-/// The flashed image, which this build cannot run.
+/// Flashed image, which this build cannot run.
 pub(super) enum Flashed {}
 
 impl Flashed {
-    /// Refuses.
+    /// Returns the error of a build without the model.
     pub(super) fn new(_: Option<&Path>, _: &Driven, _: Option<f64>, _: bool) -> anyhow::Result<Self> {
-        Err(mistake(Exit::Usage, without(MODEL)))
+        Err(mistake(Exit::Usage, missing_part(MODEL)))
     }
 
     /// Cannot be called.
@@ -32,7 +33,7 @@ impl Flashed {
     }
 }
 
-/// Refuses.
+/// Returns the error of a build without the model.
 pub(super) fn talk(_: &LinkArgs, _: &Driven, _: Color) -> Result<(), LinkError> {
-    Err(LinkError::Usage(without(MODEL)))
+    Err(LinkError::Usage(missing_part(MODEL)))
 }

@@ -1,4 +1,5 @@
-//! The flash of a simulated board in a file, so that the board keeps over its runs what a real one keeps over power-off.
+//! Flash of a simulated board in a file, so that the board keeps its settings between runs as a
+//! real one keeps them over power-off.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -8,26 +9,24 @@ use hal_mock::bench::Setup;
 use hal_mock::flash::Flash;
 use link::link_error::LinkError;
 
-/// The flash in a file; none where there is no such file yet.
+/// Reads the flash from a file; `None` if the file does not exist yet.
 pub(super) fn read(file: &Path) -> Result<Option<Flash>, LinkError> {
     let fresh = Setup::default().flash;
-    let refused = |why: String| LinkError::Input(format!("the flash `{}` {why}", file.display()));
+    let refused = |why: String| LinkError::Input(format!("the flash file `{}` {why}", file.display()));
     match fs::read(file) {
         Ok(bytes) if bytes.len() == fresh.bytes().len() => Ok(Some(Flash::holding(bytes, 1))),
-        Ok(bytes) => Err(refused(format!(
-            "is not of a simulated board: it has {} bytes, and such a board has {}",
-            bytes.len(),
-            fresh.bytes().len()
-        ))),
+        Ok(bytes) => {
+            Err(refused(format!("has {} bytes, but the flash of a simulated board has {}", bytes.len(), fresh.bytes().len())))
+        }
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
         Err(error) => Err(refused(format!("cannot be read: {error}"))),
     }
 }
 
-/// Writes a flash into its file, whole or not at all.
+/// Writes the flash to its file, completely or not at all.
 pub(super) fn write(file: &Path, flash: &Flash) -> Result<(), LinkError> {
     let mut unfinished = file.as_os_str().to_owned();
     unfinished.push(".unfinished");
     let written = fs::write(&unfinished, flash.bytes()).and_then(|()| fs::rename(&unfinished, file));
-    written.map_err(|error| LinkError::Failed(format!("the flash `{}` cannot be written: {error}", file.display())))
+    written.map_err(|error| LinkError::Failed(format!("the flash file `{}` cannot be written: {error}", file.display())))
 }

@@ -1,12 +1,14 @@
-//! `sim-host link PORT` without a command: commands from a prompt, or line by line from standard input.
+//! `sim-host link PORT` without a command: commands from a prompt, or line by line from standard
+//! input.
 //!
 //! ```text
-//! who types --> editor, on a thread of its own --> lines --> the parser of scripts --> session
-//!                                            <-- the board's line, renewed above the prompt
+//! keyboard --> editor, on its own thread --> lines --> parser of scripts --> session
+//!                                      <-- status line of the board, updated above the prompt
 //! ```
 //!
-//! While a line is edited, the session tells the board that its host is there, and the time of a simulated board passes as that of a real one.
-//! Ctrl-C silences the drive, and the prompt stays; Ctrl-D, `exit`, and any other request to end leave as every session is left.
+//! While a line is edited, the session keeps the connection to the board alive, and a simulated
+//! board runs in real time. Ctrl-C silences the drive, and the prompt stays. Ctrl-D, `exit`, and
+//! any other request to end the session as usual.
 
 mod editor;
 
@@ -22,16 +24,16 @@ use link::script::Script;
 use link::session::Session;
 
 use self::editor::Editor;
-use super::{Color, END, LinkArgs, STOP, note, tell};
+use super::{Color, END, LinkArgs, STOP, note, print_answer};
 
-/// How often a line is looked for.
-const LOOK: Duration = Duration::from_millis(50);
-/// How often the board's line is renewed.
-const RENEW: Duration = Duration::from_millis(500);
-/// What messages call a line.
-const NAME: &str = "<prompt>";
+/// Time between two polls for a line.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
+/// Time between two updates of the status line.
+const STATUS_INTERVAL: Duration = Duration::from_millis(500);
+/// Name of the source of lines in messages.
+const SOURCE_NAME: &str = "<prompt>";
 
-/// What comes from who types.
+/// Input of the user.
 enum Input {
     Line(String),
     /// Ctrl-C at the prompt.
@@ -39,76 +41,78 @@ enum Input {
     End,
 }
 
-/// What a line has come to.
+/// Result of a line.
 enum Outcome {
     Done,
-    /// It is wrong, or its command has failed: this has been said.
+    /// The line is wrong, or its command has failed; the error has been printed.
     Failed,
     Leave,
 }
 
-/// Whether somebody sits at a terminal.
-pub(super) fn is_watched() -> bool {
+/// Returns `true` if input and output are a terminal.
+pub(super) fn is_interactive() -> bool {
     io::stdin().is_terminal() && io::stdout().is_terminal()
 }
 
-/// Does what is asked, until the end.
-pub(super) fn talk(args: &LinkArgs, session: &mut Session, color: Color) -> Result<(), LinkError> {
-    if is_watched() { at_terminal(args, session, color) } else { from_lines(args, session, color) }
+/// Runs commands until the end of the input.
+pub(super) fn run(args: &LinkArgs, session: &mut Session, color: Color) -> Result<(), LinkError> {
+    if is_interactive() { run_at_terminal(args, session, color) } else { run_lines(args, session, color) }
 }
 
-/// Lines of a file or a pipe: what fails is said, and the next line is done. Fails at the end if one has.
-fn from_lines(args: &LinkArgs, session: &mut Session, color: Color) -> Result<(), LinkError> {
+/// Runs the lines of a file or a pipe. Prints errors and continues; fails at the end if a line
+/// failed.
+fn run_lines(args: &LinkArgs, session: &mut Session, color: Color) -> Result<(), LinkError> {
     let lines = lines();
     let (mut count, mut failures) = (0, 0);
     while let Input::Line(line) = next(&lines, session)? {
         count += 1;
-        match act(&line, args, session, color)? {
+        match run_line(&line, args, session, color)? {
             Outcome::Done => {}
             Outcome::Failed => failures += 1,
             Outcome::Leave => break,
         }
     }
-    if failures > 0 { Err(LinkError::Failed(format!("{failures} of {count} lines have failed"))) } else { Ok(()) }
+    if failures > 0 { Err(LinkError::Failed(format!("{failures} of {count} lines failed"))) } else { Ok(()) }
 }
 
-/// The lines of standard input, read on a thread of their own.
+/// Reads the lines of standard input on a separate thread.
 fn lines() -> Receiver<Input> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
         let lines = io::stdin().lock().lines().map_while(Result::ok).map(Input::Line);
-        // Who has left does not want the rest.
+        // The iteration ends if the receiver is gone.
         lines.chain([Input::End]).try_for_each(|input| sender.send(input))
     });
     receiver
 }
 
-/// The next line, with the board looked after meanwhile. The time of a simulated board stands while none comes.
+/// Waits for the next line and keeps the connection to the board alive. The time of a simulated
+/// board does not advance meanwhile.
 fn next(lines: &Receiver<Input>, session: &mut Session) -> Result<Input, LinkError> {
     loop {
         match lines.try_recv() {
             Ok(input) => return Ok(input),
             Err(TryRecvError::Disconnected) => return Ok(Input::End),
             Err(TryRecvError::Empty) if STOP.load(Ordering::Relaxed) => return Err(LinkError::Interrupted),
-            Err(TryRecvError::Empty) if session.client.stands_still() => std::thread::sleep(LOOK),
-            Err(TryRecvError::Empty) => look_after(session)?,
+            Err(TryRecvError::Empty) if session.client.stands_still() => std::thread::sleep(POLL_INTERVAL),
+            Err(TryRecvError::Empty) => keep_alive(session)?,
         }
     }
 }
 
-/// Waits for a moment, and shows the board that its host is there: the wait by itself is too short for that.
-fn look_after(session: &mut Session) -> Result<(), LinkError> {
-    session.wait(LOOK)?;
+/// Waits briefly and sends the board a message: the wait alone is too short to send one.
+fn keep_alive(session: &mut Session) -> Result<(), LinkError> {
+    session.wait(POLL_INTERVAL)?;
     session.client.status().map(drop)
 }
 
-/// Commands of somebody at a terminal.
-fn at_terminal(args: &LinkArgs, session: &mut Session, color: Color) -> Result<(), LinkError> {
+/// Runs the commands of a user at a terminal.
+fn run_at_terminal(args: &LinkArgs, session: &mut Session, color: Color) -> Result<(), LinkError> {
     let mut editor = Editor::start()?;
     note("`help` lists the commands; Ctrl-C silences the drive, Ctrl-D leaves");
     loop {
-        let goes_on = match edited(&mut editor, session, args) {
-            Ok(Input::Line(line)) => !matches!(act(&line, args, session, color), Ok(Outcome::Leave)),
+        let goes_on = match edit_line(&mut editor, session, args) {
+            Ok(Input::Line(line)) => !matches!(run_line(&line, args, session, color), Ok(Outcome::Leave)),
             Ok(Input::Silence) => silence(session, args).map(|()| true)?,
             Ok(Input::End) => false,
             Err(LinkError::Interrupted) => true,
@@ -126,8 +130,9 @@ fn at_terminal(args: &LinkArgs, session: &mut Session, color: Color) -> Result<(
     }
 }
 
-/// A line from the editor. Meanwhile the board is looked after, and its line is renewed above that of the editor.
-fn edited(editor: &mut Editor, session: &mut Session, args: &LinkArgs) -> Result<Input, LinkError> {
+/// Returns a line from the editor. Meanwhile keeps the connection to the board alive and updates
+/// the status line above the editor.
+fn edit_line(editor: &mut Editor, session: &mut Session, args: &LinkArgs) -> Result<Input, LinkError> {
     let report = session.status()?;
     let mut shown = monitor::line(&report);
     println!("{shown}");
@@ -137,11 +142,11 @@ fn edited(editor: &mut Editor, session: &mut Session, args: &LinkArgs) -> Result
         if let Some(input) = editor.answer()? {
             return Ok(input);
         }
-        look_after(session)?;
-        if renewed.elapsed() >= RENEW {
+        keep_alive(session)?;
+        if renewed.elapsed() >= STATUS_INTERVAL {
             renewed = Instant::now();
             let line = monitor::line(&session.status()?);
-            // Once a line is complete, nothing above it is renewed.
+            // After a line is complete, the status line above it must not change.
             if let Some(input) = editor.answer()? {
                 return Ok(input);
             }
@@ -153,25 +158,25 @@ fn edited(editor: &mut Editor, session: &mut Session, args: &LinkArgs) -> Result
     }
 }
 
-/// Silence, whoever has ordered the drive on.
+/// Stops the drive, even if another client has started it.
 fn silence(session: &mut Session, args: &LinkArgs) -> Result<(), LinkError> {
     session.client.heed(&STOP);
     let silent = Order::Stop.run(session);
-    tell("", Order::Stop.name(), &silent, args.format).and(silent.map(drop))
+    print_answer("", Order::Stop.name(), &silent, args.format).and(silent.map(drop))
 }
 
-/// Does what a line says, as a script would; what is wrong is said, and only a lost board is an error.
-fn act(line: &str, args: &LinkArgs, session: &mut Session, color: Color) -> Result<Outcome, LinkError> {
+/// Runs a line as a script. Prints errors; returns only those that end the session.
+fn run_line(line: &str, args: &LinkArgs, session: &mut Session, color: Color) -> Result<Outcome, LinkError> {
     match line.split_whitespace().collect::<Vec<_>>()[..] {
         ["exit" | "quit"] => return Ok(Outcome::Leave),
         ["help" | "?"] => return explain(None),
         ["help" | "?", command] => return explain(Some(command)),
         _ => {}
     }
-    // What a command has left to itself until its end is heeded again.
+    // A command may have stopped listening to interrupts until its end.
     session.client.heed(&STOP);
-    let quietly = is_watched();
-    let script = match Script::parse(NAME, line) {
+    let quietly = is_interactive();
+    let script = match Script::parse(SOURCE_NAME, line) {
         Ok(script) => script,
         Err(LinkError::Script(report)) => {
             note(&report.render(color.stderr));
@@ -179,7 +184,8 @@ fn act(line: &str, args: &LinkArgs, session: &mut Session, color: Color) -> Resu
         }
         Err(error) => return Err(error),
     };
-    let done = script.run(session, |line, done| tell(if quietly { "" } else { &line.text }, line.name(), done, args.format));
+    let done =
+        script.run(session, |line, done| print_answer(if quietly { "" } else { &line.text }, line.name(), done, args.format));
     match done {
         Ok(()) => Ok(Outcome::Done),
         Err(error) if error.is_lost() => Err(error),
@@ -204,7 +210,7 @@ fn explain(command: Option<&str>) -> Result<Outcome, LinkError> {
             Ok(Outcome::Done)
         }
         None => {
-            note(&format!("error: there is no command `{}`; `help` lists them", command.unwrap_or_default()));
+            note(&format!("error: unknown command `{}`; `help` lists all commands", command.unwrap_or_default()));
             Ok(Outcome::Failed)
         }
     }

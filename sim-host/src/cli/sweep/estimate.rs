@@ -1,4 +1,5 @@
-//! `sim-host sweep plan`: how many points there are, and from a few of them, how much time and room they take. Nothing is written.
+//! `sim-host sweep plan`: number of points, and an estimate of the time and disk space from a few
+//! of them. Writes nothing.
 
 use std::time::Duration;
 
@@ -7,25 +8,25 @@ use serde_json::json;
 use super::{Exit, Format, STOP, Shard};
 use sim::study::sweep::{Rows, Sweep};
 
-/// How long points are run.
-const BUDGET: Duration = Duration::from_secs(3);
-/// Places within the sweep at which points are run.
+/// Processor time after which no further points are run.
+const TIME_BUDGET: Duration = Duration::from_secs(3);
+/// Number of places within the sweep at which points are run.
 const PLACES: u64 = 8;
-/// Points at a place, if they are fast.
-const TOGETHER: u64 = 32;
-/// Points that take no longer are fast.
-const FAST: Duration = Duration::from_millis(20);
+/// Number of fast points at each place.
+const POINTS_PER_PLACE: u64 = 32;
+/// Longest processor time of a fast point.
+const FAST_POINT: Duration = Duration::from_millis(20);
 
-/// Runs some points, on one thread, and says what all of them take.
+/// Runs some points on one thread, and prints the estimate for all.
 pub(super) fn run(sweep: &Sweep, shard: Shard, format: Format) -> anyhow::Result<Exit> {
     let count = sweep.design.count();
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let rows = |from: u64, to: u64| alone.install(|| sweep.rows(from..to.min(count), &STOP, &|| ()));
-    // The first one also reads tables that others find read.
+    // The first run also reads tables, which later runs find in memory.
     rows(0, 1)?;
     let began = processor_time();
     rows(0, 1)?;
-    let together = if processor_time() - began < FAST { TOGETHER } else { 1 };
+    let together = if processor_time() - began < FAST_POINT { POINTS_PER_PLACE } else { 1 };
     let (mut spent, mut found) = (Duration::ZERO, Rows::new(sweep.design.keys().len(), sweep.metrics.len()));
     for place in 0..PLACES {
         let from = (count - 1) * (2 * place + 1) / (2 * PLACES);
@@ -34,7 +35,7 @@ pub(super) fn run(sweep: &Sweep, shard: Shard, format: Format) -> anyhow::Result
             spent += processor_time() - began;
             found.append(some);
         }
-        if spent > BUDGET {
+        if spent > TIME_BUDGET {
             break;
         }
     }
@@ -49,9 +50,9 @@ pub(super) fn run(sweep: &Sweep, shard: Shard, format: Format) -> anyhow::Result
     let shard = if shard == Shard::WHOLE { String::new() } else { format!(" of {count}, shard {shard}") };
     super::super::print(&match format {
         Format::Human => format!(
-            "{of_shard} points{shard}\nabout {} of one processor, from {run} points run{}\nabout {} on disk\n",
+            "{of_shard} points{shard}\nabout {} of processor time, from {run} points run{}\nabout {} on disk\n",
             time(cpu_s),
-            if failed == 0 { String::new() } else { format!(", {failed} of them without result") },
+            if failed == 0 { String::new() } else { format!(", {failed} of them without a result") },
             size(bytes),
         ),
         Format::Json => {
@@ -62,7 +63,8 @@ pub(super) fn run(sweep: &Sweep, shard: Shard, format: Format) -> anyhow::Result
     Ok(Exit::Done)
 }
 
-/// Time that this process has had of processors, or where the system does not say so the time that has passed.
+/// Returns the processor time of this process, or the elapsed time if the system does not report
+/// it.
 fn processor_time() -> Duration {
     #[cfg(unix)]
     {
@@ -73,7 +75,7 @@ fn processor_time() -> Duration {
     super::super::clock()
 }
 
-/// Bytes of these rows in the parts, in the Parquet file of all, and in the CSV.
+/// Returns the bytes of these rows in the parts, in the joined Parquet file, and in the CSV.
 fn bytes(rows: &Rows) -> f64 {
     let text = |value: f64| format!("{value:?},").len() as f64;
     let keys = rows.keys.iter().flatten().map(|&value| (1.0, text(value)));
@@ -105,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_and_times_read_well() {
+    fn sizes_and_times_have_suitable_units() {
         assert_eq!((time(3.21), time(600.0), time(36_000.0)), ("3.2 s".into(), "10.0 min".into(), "10.0 h".into()));
         assert_eq!((size(2e3), size(3e7), size(4.5e9)), ("2 kB".into(), "30 MB".into(), "4.5 GB".into()));
     }

@@ -1,4 +1,5 @@
-//! Progress of a sweep on standard error: a bar on a terminal, else a line every ten seconds; with the rate and what is left.
+//! Progress of a sweep on standard error, with the rate and the remaining time: a bar on a
+//! terminal, otherwise a line every ten seconds.
 
 use std::io::{self, IsTerminal};
 use std::sync::Mutex;
@@ -7,10 +8,10 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// How often a line is written where there is no terminal.
+/// Time between two lines if standard error is not a terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
-/// Progress towards so many points.
+/// Progress towards a number of points.
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
     whole: u64,
@@ -23,14 +24,14 @@ pub(super) struct Progress {
 impl Progress {
     pub(super) fn new(whole: u64, quiet: bool) -> Self {
         let bar = (!quiet && io::stderr().is_terminal()).then(|| {
-            let style = ProgressStyle::with_template("{bar:40} {pos} of {len} points  {per_sec}  ends in {eta}");
+            let style = ProgressStyle::with_template("{bar:40} {pos} of {len} points  {per_sec}  {eta} remain");
             let bar = ProgressBar::new(whole);
             style.map(|style| bar.clone().with_style(style)).unwrap_or(bar)
         });
         Progress { bar, whole, done: AtomicU64::new(0), began: Instant::now(), last_line: Mutex::new(Instant::now()), quiet }
     }
 
-    /// One more point has come to its end.
+    /// Counts one more finished point.
     pub(super) fn point(&self) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         if let Some(bar) = &self.bar {
@@ -42,7 +43,7 @@ impl Progress {
             *last = Instant::now();
             let rate = done as f64 / self.began.elapsed().as_secs_f64();
             let left_s = (self.whole - done) as f64 / rate;
-            say!("{done} of {} points, {rate:.1} a second, ends in about {left_s:.0} s", self.whole);
+            say!("{done} of {} points, {rate:.1} per second, about {left_s:.0} s remain", self.whole);
         }
     }
 }

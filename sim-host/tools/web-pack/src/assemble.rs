@@ -1,4 +1,4 @@
-//! One HTML file out of the parts.
+//! Assembly of the parts into one HTML file.
 
 use std::fs;
 use std::io::Write;
@@ -13,7 +13,7 @@ use flate2::write::GzEncoder;
 
 use crate::compile::Core;
 
-/// What the page is made of.
+/// Parts of the page.
 pub struct Parts<'a> {
     /// Folder of the package `sonoglide-web`.
     pub web: &'a Path,
@@ -21,7 +21,7 @@ pub struct Parts<'a> {
     pub core: &'a Core,
 }
 
-/// The modules of the page, each after those that it imports.
+/// Modules of the page, each after those that it imports.
 const MODULES: [&str; 13] = [
     "format.js",
     "dom.js",
@@ -39,14 +39,14 @@ const MODULES: [&str; 13] = [
 ];
 const STYLES: [&str; 4] = ["../../report/assets/uPlot.min.css", "../../report/assets/crash.css", "page.css", "result.css"];
 
-/// Compressed as a server would send it.
+/// Compresses as a server would.
 pub fn gzip(bytes: &[u8]) -> Result<Vec<u8>> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
     encoder.write_all(bytes)?;
     Ok(encoder.finish()?)
 }
 
-/// The page with everything in it.
+/// Returns the page with everything in it.
 pub fn page(parts: &Parts) -> Result<String> {
     let read = |name: &str| {
         let path = parts.web.join("page").join(name);
@@ -68,24 +68,26 @@ pub fn page(parts: &Parts) -> Result<String> {
         ("/* page */", &script(&modules)),
         ("/* commit */", &commit()),
     ] {
-        ensure!(page.matches(mark).count() == 1, "index.html has no place, or more than one, for `{mark}`");
+        ensure!(page.matches(mark).count() == 1, "index.html must contain `{mark}` exactly once");
         page = page.replacen(mark, text, 1);
     }
     Ok(page)
 }
 
-/// A module within the one script of the page: names that modules give each other are names of the script.
+/// Converts a module to a part of the single script of the page, in which exported names are
+/// global.
 fn module(text: &str) -> String {
     let kept = text.lines().filter(|line| !line.starts_with("import "));
     kept.map(|line| line.strip_prefix("export ").unwrap_or(line)).flat_map(|line| [line, "\n"]).collect()
 }
 
-/// A text that does not end the element that it stands in.
+/// Escapes a text so that it cannot end its script element.
 fn script(text: &str) -> String {
     text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 }
 
-/// The commit that the page is packed from, with `+` where files had been changed; nothing outside of a checkout.
+/// Returns the commit that the page is packed from, with `+` if files were changed; empty outside a
+/// checkout.
 fn commit() -> String {
     let git = |arguments: &[&str]| {
         let output = Command::new("git").arg("-C").arg(env!("CARGO_MANIFEST_DIR")).args(arguments).output().ok()?;

@@ -1,4 +1,5 @@
-//! The simulator as WebAssembly with the glue that JavaScript calls it by, and the drive hashes of this machine.
+//! Compilation of the simulator to WebAssembly with its JavaScript glue, and the drive hashes of
+//! this machine.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -7,13 +8,13 @@ use std::{env, fs};
 use anyhow::{Context, Result, ensure};
 use wasm_bindgen_cli_support::Bindgen;
 
-/// What is compiled.
+/// Compiled parts.
 pub struct Core {
-    /// The script that defines `wasm_bindgen`.
+    /// Script that defines `wasm_bindgen`.
     pub glue: String,
-    /// The module.
+    /// WebAssembly module.
     pub wasm: Vec<u8>,
-    /// The drive hashes of the built-in scenes, as JSON.
+    /// Drive hashes of the built-in scenes, as JSON.
     pub hosts: String,
 }
 
@@ -25,7 +26,7 @@ fn cargo(arguments: &[&str], target: &Path) -> Command {
     cargo
 }
 
-/// Where the parts are put together.
+/// Returns the folder of the compiled parts.
 fn folder(target: &Path) -> PathBuf {
     target.join("web-parts")
 }
@@ -43,14 +44,14 @@ pub fn compile(target: &Path) -> Result<()> {
     bindgen.input_path(module).out_name("core").no_modules(true)?.typescript(false);
     bindgen.remove_name_section(true).remove_producers_section(true).omit_default_module_path(true);
     bindgen.generate(folder(target))?;
-    // Without `--package`, so that what `cargo run --release` has built is used.
+    // Without `--package`, so that the result of `cargo run --release` is used.
     let run = cargo(&["run", "--release", "--bin", "sonoglide-web-hashes"], target).stderr(Stdio::inherit()).output()?;
     ensure!(run.status.success(), "the built-in scenes could not be run on this machine");
     let path = folder(target).join("hosts.json");
     fs::write(&path, run.stdout).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// What was compiled last.
+/// Reads the parts of the last compilation.
 pub fn compiled(target: &Path) -> Result<Core> {
     let read = |name: &str| {
         let path = folder(target).join(name);

@@ -1,4 +1,5 @@
-//! Packs the simulator and its page into one file, `sonoglide.html`, that opens from a disk as from a server and loads nothing else.
+//! Packs the simulator and its page into one file, `sonoglide.html`, which opens from a disk or
+//! from a server and loads nothing else.
 //!
 //! ```text
 //! sonoglide-web --cargo--> wasm --wasm-bindgen--> glue + wasm --gzip, base64--+
@@ -6,8 +7,8 @@
 //! page/*.css, page/*.js, the scripts of a report -----------------------------+
 //! ```
 //!
-//! `cargo run --release -p sonoglide-web-pack -- FOLDER`; without a folder it is `target/web`. With `--page-only` what was compiled last is packed again with
-//! the page as it is now.
+//! `cargo run --release -p sonoglide-web-pack -- FOLDER`; the default folder is `target/web`. With
+//! `--page-only` the result of the last compilation is packed again with the present page.
 
 mod assemble;
 mod compile;

@@ -1,12 +1,13 @@
-//! A board that GDB can hold, by its remote serial protocol over TCP.
+//! Board under a debugger: GDB's remote serial protocol over TCP.
 //!
 //! ```text
 //! GDB <-- TCP --> Session: gdbstub <--> Target: registers, memories, breakpoints <--> Board
 //! ```
 //!
-//! At a halt the processor stands at once. The part and the plant go on for 200 us, so that what reacts to a halt is seen: the image's timer drops the
-//! amplifier. Then the board's time stands, until the debugger lets it go on. After `monitor freeze on` all time stands at once, and the board does
-//! not notice the halt.
+//! A halt stops the processor at once. Chip and plant continue for 200 us, so that reactions to the
+//! halt occur: the image's timer switches the amplifier off. Then the board's time stops until the
+//! debugger resumes it. After `monitor freeze on` all time stops at once, and the board does not
+//! notice the halt.
 
 mod hold;
 mod registers;
@@ -24,44 +25,46 @@ use crate::board::{Board, BoardError};
 use session::{Session, SessionError, Wire};
 use target::{Resume, Target};
 
-/// A board with a port for GDB. One debugger at a time; the next waits until the first has gone.
+/// Board with a port for GDB. It serves one debugger at a time; the next one waits.
 pub struct Debugged {
     target: Target,
     listener: TcpListener,
     session: Option<Session>,
-    /// GDB has halted the processor.
+    /// `true` if GDB has halted the processor.
     held: bool,
     note: fn(&str),
 }
 
 impl Debugged {
-    /// A board that a debugger finds at `listener`. It runs until one has come. `note` is called when one comes or goes, and with what stops the board.
+    /// Creates a board that listens for a debugger at `listener`, and runs until one connects.
+    ///
+    /// `note` receives messages about connections and about errors that stop the board.
     pub fn new(board: Board, listener: TcpListener, note: fn(&str)) -> io::Result<Self> {
         listener.set_nonblocking(true)?;
         Ok(Debugged { target: Target::new(board), listener, session: None, held: false, note })
     }
 
-    /// Where the debugger finds it.
+    /// Returns the address for the debugger.
     pub fn address(&self) -> io::Result<SocketAddr> {
         self.listener.local_addr()
     }
 
-    /// The board.
+    /// Returns the board.
     pub fn board(&self) -> &Board {
         &self.target.board
     }
 
-    /// The board, to be talked to.
+    /// Returns the board, mutable.
     pub fn board_mut(&mut self) -> &mut Board {
         &mut self.target.board
     }
 
-    /// Whether the debugger has halted the processor: the board's time stands.
+    /// Returns `true` if the debugger has halted the processor, which stops the board's time.
     pub fn is_held(&self) -> bool {
         self.held
     }
 
-    /// Looks after the debugger, without waiting: accepts one that comes, and does what it asks.
+    /// Accepts a debugger or executes its commands, without waiting.
     pub fn attend(&mut self) -> Result<(), BoardError> {
         let Some(mut session) = self.session.take() else { return self.accept() };
         let mut bytes = [0; 1024];
@@ -74,8 +77,8 @@ impl Debugged {
         self.keep(served)
     }
 
-    /// Runs for the time of a block, or to a breakpoint; a held board stays where it is. A finding of the model halts the processor where a debugger is
-    /// there, and is an error otherwise.
+    /// Runs for the duration of a block, or to a breakpoint; does nothing while halted. A finding
+    /// of the model halts the processor if a debugger is connected, and is an error otherwise.
     pub fn run_block(&mut self) -> Result<(), BoardError> {
         if self.held {
             return Ok(());
@@ -93,10 +96,10 @@ impl Debugged {
         self.keep(reported.map(Some))
     }
 
-    /// Ends the session; a board that is held runs on.
+    /// Ends the session and resumes a halted board.
     pub fn release(&mut self) -> Result<(), BoardError> {
         if self.session.take().is_some() {
-            (self.note)("the debugger is let go: the processor runs");
+            (self.note)("debugger disconnected: the processor runs");
         }
         self.go_without()
     }
@@ -107,12 +110,12 @@ impl Debugged {
         self.halt(Reason::Signal(Signal::SIGTRAP))?;
         let opened = Session::open(stream, &mut self.target);
         if opened.is_ok() {
-            (self.note)(&format!("a debugger from {from}: the processor is halted"));
+            (self.note)(&format!("debugger connected from {from}: the processor is halted"));
         }
         self.keep(opened.map(Some))
     }
 
-    /// Does what these bytes ask for; `None` once GDB has left.
+    /// Executes the commands in these bytes; `None` after GDB has left.
     fn serve(&mut self, mut session: Session, bytes: &[u8]) -> Result<Option<Session>, SessionError> {
         for byte in bytes {
             session = match session.take(&mut self.target, *byte)? {
@@ -124,7 +127,7 @@ impl Debugged {
                 Wire::Left => return Ok(None),
             };
             let resume = self.target.resume.take();
-            // A Ctrl-C that came before the order answers it: the processor stays where it is.
+            // An earlier Ctrl-C has answered the command already: the processor stays halted.
             let Some(resume) = resume.filter(|_| session.runs()) else { continue };
             if let Some(reason) = self.resume(resume)? {
                 session = session.report(&mut self.target, reason)?;
@@ -133,7 +136,7 @@ impl Debugged {
         Ok(Some(session))
     }
 
-    /// Goes on, or runs one instruction; why the processor is halted again, if it is.
+    /// Resumes the processor or runs one instruction. Returns the reason if it is halted again.
     fn resume(&mut self, resume: Resume) -> Result<Option<Reason<u32>>, BoardError> {
         let gone = match resume {
             Resume::Continue => self.target.go(),
@@ -153,7 +156,7 @@ impl Debugged {
         }
     }
 
-    /// Halts the processor; why, or a finding that came with the halt.
+    /// Halts the processor. Returns `reason`, or that of a finding during the halt.
     fn halt(&mut self, reason: Reason<u32>) -> Result<Reason<u32>, BoardError> {
         if std::mem::replace(&mut self.held, true) {
             return Ok(reason);
@@ -164,7 +167,8 @@ impl Debugged {
         }
     }
 
-    /// What a finding of the model is to GDB: the instruction that it names has not executed.
+    /// Converts a finding of the model to a stop reason. The instruction of the finding has not
+    /// executed.
     fn finding(&mut self, error: BoardError) -> Result<Reason<u32>, BoardError> {
         match &error {
             BoardError::Stopped(stop) if stop.finding.is::<BreakpointInstruction>() => {
@@ -177,23 +181,23 @@ impl Debugged {
         Ok(Reason::Signal(Signal::SIGABRT))
     }
 
-    /// Goes on with a session, or without: the board then runs.
+    /// Continues with a session, or without one, in which case the board runs.
     fn keep(&mut self, served: Result<Option<Session>, SessionError>) -> Result<(), BoardError> {
         match served {
             Ok(Some(session)) => {
                 self.session = Some(session);
                 return Ok(());
             }
-            Ok(None) => (self.note)("the debugger has gone: the processor runs"),
+            Ok(None) => (self.note)("debugger disconnected: the processor runs"),
             Err(SessionError::Board(error)) => return Err(error),
             Err(error) => (self.note)(&format!("{error}; the processor runs")),
         }
         self.go_without()
     }
 
-    /// Runs on as if no debugger had been there.
+    /// Continues as if no debugger had been connected.
     fn go_without(&mut self) -> Result<(), BoardError> {
-        self.target.forget();
+        self.target.detach();
         if std::mem::take(&mut self.held) { self.target.board.hold(false) } else { Ok(()) }
     }
 }

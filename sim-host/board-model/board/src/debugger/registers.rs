@@ -1,20 +1,20 @@
-//! The registers as GDB counts them: R0 to R12, SP, LR, PC, xPSR, D0 to D15, FPSCR; each little-endian.
+//! Registers in GDB's order: R0 to R12, SP, LR, PC, xPSR, D0 to D15, FPSCR; each little-endian.
 
 use cortex_m4::{Chip, Machine};
 use gdbstub::arch::{self, Arch};
 
-/// R0 to R15 and xPSR.
+/// Number of core registers: R0 to R15 and xPSR.
 const CORE: usize = 17;
-/// S0 to S31, two to a D register.
+/// Number of floating-point registers: S0 to S31, two to a D register.
 const FLOAT: usize = 32;
 
-/// A Cortex-M4 with its floating-point unit.
+/// Cortex-M4 with its floating-point unit.
 pub(super) enum CortexM4F {}
 
 impl Arch for CortexM4F {
     type Usize = u32;
     type Registers = Registers;
-    /// Bytes of the instruction.
+    /// Length of the instruction, bytes.
     type BreakpointKind = usize;
     type RegId = ();
 
@@ -23,7 +23,7 @@ impl Arch for CortexM4F {
     }
 }
 
-/// All registers that GDB knows.
+/// All registers that GDB accesses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Registers {
     core: [u32; CORE],
@@ -32,14 +32,14 @@ pub(super) struct Registers {
 }
 
 impl Registers {
-    pub(super) fn of<C: Chip>(machine: &Machine<C>) -> Registers {
+    pub(super) fn read<C: Chip>(machine: &Machine<C>) -> Registers {
         let core = std::array::from_fn(|n| if n < 16 { machine.register(n as u8) } else { machine.xpsr() });
         Registers { core, float: std::array::from_fn(|n| machine.float_register(n as u8)), fpscr: machine.fpscr() }
     }
 
     pub(super) fn write<C: Chip>(&self, machine: &mut Machine<C>) {
-        let present = Registers::of(machine);
-        // A program counter out of Thumb state stays so unless it is changed.
+        let present = Registers::read(machine);
+        // An unchanged program counter is not written, so that one outside Thumb state is kept.
         for n in (0..16).filter(|n| self.core[*n] != present.core[*n]) {
             machine.set_register(n as u8, self.core[n]);
         }

@@ -1,4 +1,4 @@
-//! The connection of one debugger.
+//! Connection of a debugger.
 
 use std::io::{self, Read};
 use std::net::TcpStream;
@@ -10,32 +10,32 @@ use gdbstub::stub::{GdbStub, GdbStubError, SingleThreadStopReason as Reason};
 use super::target::Target;
 use crate::board::BoardError;
 
-/// How long an answer to GDB may wait for room on the wire before the session ends.
+/// Maximum time to send an answer to GDB before the session ends.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// A connection, and how far the dialogue on it is.
+/// Connection with the state of its dialogue.
 pub(super) struct Session {
     stub: Stub<'static, Target, TcpStream>,
-    /// The same connection, to be read.
+    /// Handle of the same connection for reading.
     stream: TcpStream,
 }
 
-/// What has become of a session by a byte.
+/// Result of a received byte.
 pub(super) enum Wire {
-    /// It goes on.
+    /// The session continues.
     Served(Session),
-    /// GDB asks for a halt.
+    /// GDB requests a halt.
     Interrupt(Session),
-    /// GDB has detached, or killed what it debugged.
+    /// GDB has detached, or killed the target.
     Left,
 }
 
-/// Why a session ends before GDB leaves.
+/// Error that ends a session.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum SessionError {
-    #[error("the connection to the debugger has failed: {0}")]
+    #[error("the connection to the debugger failed: {0}")]
     Wire(#[from] io::Error),
-    #[error("the debugger has sent what cannot be answered: {0}")]
+    #[error("protocol error of the debugger: {0}")]
     Protocol(#[from] GdbStubError<BoardError, io::Error>),
     #[error(transparent)]
     Board(#[from] BoardError),
@@ -49,11 +49,11 @@ impl Session {
         Ok(Session { stub, stream })
     }
 
-    /// What has come; `None` if nothing has, 0 at the end.
+    /// Reads bytes; `None` if there are none yet, 0 at the end of the connection.
     pub(super) fn receive(&mut self, into: &mut [u8]) -> io::Result<Option<usize>> {
         self.stream.set_nonblocking(true)?;
         let read = self.stream.read(into);
-        // Answers wait for room.
+        // Answers block until they are sent.
         self.stream.set_nonblocking(false)?;
         match read {
             Ok(count) => Ok(Some(count)),
@@ -62,12 +62,12 @@ impl Session {
         }
     }
 
-    /// Whether GDB waits for the processor to stop.
+    /// Returns `true` while GDB waits for the processor to stop.
     pub(super) fn runs(&self) -> bool {
         matches!(self.stub, Stub::Running(_))
     }
 
-    /// Takes a byte from GDB, and answers what it completes.
+    /// Processes a byte from GDB, and answers a packet that it completes.
     pub(super) fn take(self, target: &mut Target, byte: u8) -> Result<Wire, SessionError> {
         let Session { stub, stream } = self;
         let stub = match stub {
@@ -82,7 +82,7 @@ impl Session {
         })
     }
 
-    /// The halt that GDB has asked for was made.
+    /// Confirms the halt that GDB has requested.
     pub(super) fn interrupted(self, target: &mut Target, reason: Reason<u32>) -> Result<Self, SessionError> {
         let stub = match self.stub {
             Stub::CtrlCInterrupt(stub) => stub.interrupt_handled(target, Some(reason))?,
@@ -91,7 +91,7 @@ impl Session {
         Ok(Session { stub, ..self })
     }
 
-    /// Tells GDB, where it waits for it, why the processor has stopped.
+    /// Reports the reason of a stop to GDB if it waits for one.
     pub(super) fn report(self, target: &mut Target, reason: Reason<u32>) -> Result<Self, SessionError> {
         let stub = match self.stub {
             Stub::Running(stub) => stub.report_stop(target, reason)?,

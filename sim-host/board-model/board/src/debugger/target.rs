@@ -1,4 +1,4 @@
-//! The board as GDB's target: registers, memories, breakpoints, and how to go on.
+//! The board as a target of GDB: registers, memories, breakpoints and execution.
 
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
@@ -19,25 +19,25 @@ use gdbstub::target::{self, TargetError, TargetResult};
 use super::registers::{CortexM4F, Registers};
 use crate::board::{Board, BoardError};
 
-/// The private peripheral bus (DDI 0403, B3.1).
+/// Addresses of the private peripheral bus (DDI 0403, B3.1).
 const PROCESSOR: RangeInclusive<u32> = 0xE000_0000..=0xE00F_FFFF;
 
-/// What GDB asks a halted processor to do.
+/// GDB command to a halted processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Resume {
     Continue,
     Step,
 }
 
-/// A board with its breakpoints.
+/// Board with its breakpoints.
 pub(super) struct Target {
     pub(super) board: Board,
     breakpoints: BTreeSet<u32>,
-    /// The order that has not been carried out yet.
+    /// Command that is not executed yet.
     pub(super) resume: Option<Resume>,
-    /// Where the processor stands: a breakpoint there has had its halt.
+    /// Address of the last halt; a breakpoint there does not halt again.
     halted_at: u32,
-    /// At a halt all time stands.
+    /// `true` if a halt stops all time.
     frozen: bool,
 }
 
@@ -56,7 +56,7 @@ impl Target {
         self.board.settle()
     }
 
-    /// Lets the processor go on, over a breakpoint or a breakpoint instruction that it was halted at.
+    /// Resumes the processor, past a breakpoint or a breakpoint instruction at its address.
     pub(super) fn go(&mut self) -> Result<(), BoardError> {
         self.board.hold(false)?;
         let pc = self.board.machine().register(15);
@@ -70,7 +70,7 @@ impl Target {
         Ok(())
     }
 
-    /// Runs one instruction, and halts again; between steps no time passes.
+    /// Runs one instruction and halts again; no time passes between steps.
     pub(super) fn step(&mut self) -> Result<(), BoardError> {
         self.board.hold(false)?;
         self.board.step()?;
@@ -78,7 +78,7 @@ impl Target {
         if self.frozen { Ok(()) } else { self.board.hold(true) }
     }
 
-    /// Runs for a block, or to a breakpoint. True: it is at one.
+    /// Runs for a block, or to a breakpoint. Returns `true` at a breakpoint.
     pub(super) fn run_block(&mut self) -> Result<bool, BoardError> {
         if self.breakpoints.is_empty() {
             return self.board.run_block().map(|()| false);
@@ -86,15 +86,16 @@ impl Target {
         self.board.run_block_to(&self.breakpoints)
     }
 
-    /// GDB has gone: nothing is to halt the board any more.
-    pub(super) fn forget(&mut self) {
+    /// Removes all breakpoints and halts after GDB has left.
+    pub(super) fn detach(&mut self) {
         self.breakpoints.clear();
         self.resume = None;
         self.frozen = false;
         self.board.machine_mut().attach_debugger(false);
     }
 
-    /// Registers of the processor, by bytes: as many as the model has from `start` on.
+    /// Reads registers of the processor as bytes from `start`. Returns the number of modelled
+    /// bytes.
     fn read_processor(&mut self, start: u32, data: &mut [u8]) -> usize {
         let mut count = 0;
         for (address, byte) in (start..).zip(data) {
@@ -129,7 +130,7 @@ impl target::Target for Target {
 
 impl SingleThreadBase for Target {
     fn read_registers(&mut self, registers: &mut Registers) -> TargetResult<(), Self> {
-        *registers = Registers::of(self.board.machine());
+        *registers = Registers::read(self.board.machine());
         Ok(())
     }
 
@@ -138,7 +139,8 @@ impl SingleThreadBase for Target {
         Ok(())
     }
 
-    /// Memories, and the processor's own registers. No peripherals: a load from one can change it.
+    /// Reads memories and the processor's own registers. Peripherals are excluded, because a load
+    /// can change them.
     fn read_addrs(&mut self, start: u32, data: &mut [u8]) -> TargetResult<usize, Self> {
         if PROCESSOR.contains(&start) {
             let count = self.read_processor(start, data);
@@ -154,7 +156,7 @@ impl SingleThreadBase for Target {
         Ok(count)
     }
 
-    /// RAM only: the flash stays as the image has it.
+    /// Writes to RAM only: the flash keeps the image.
     fn write_addrs(&mut self, start: u32, data: &[u8]) -> TargetResult<(), Self> {
         let memory = &mut self.board.machine_mut().memory;
         let holds = |region: &Region| start.checked_sub(region.base).is_some_and(|from| (from as usize) < region.bytes.len());
@@ -209,7 +211,7 @@ impl SwBreakpoint for Target {
     }
 }
 
-/// Both kinds are addresses that the run looks for, as many as GDB likes.
+/// Hardware breakpoints work as software breakpoints: addresses that the run checks, in any number.
 impl HwBreakpoint for Target {
     fn add_hw_breakpoint(&mut self, address: u32, bytes: usize) -> TargetResult<bool, Self> {
         self.add_sw_breakpoint(address, bytes)
@@ -224,22 +226,22 @@ impl MonitorCmd for Target {
     fn handle_monitor_cmd(&mut self, command: &[u8], mut out: ConsoleOutput<'_>) -> Result<(), BoardError> {
         let words: Vec<&[u8]> = command.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).collect();
         match words.as_slice() {
-            // `reset halt` and `reset init` are OpenOCD's.
+            // `reset halt` and `reset init` are commands of OpenOCD.
             [b"reset"] | [b"reset", b"halt" | b"init"] => {
                 self.board.machine_mut().reset();
                 outputln!(
                     out,
-                    "the part is reset, and halted at its first instruction: `maintenance flush register-cache` shows it"
+                    "the chip is reset and halted at its first instruction; `maintenance flush register-cache` shows it"
                 );
             }
-            // Also OpenOCD's: only a processor that is halted takes commands here.
+            // Also of OpenOCD; only a halted processor receives commands here.
             [b"halt"] => outputln!(out, "the processor is halted"),
             [b"freeze", how @ (b"on" | b"off")] => {
                 self.frozen = *how == b"on";
-                let what = if self.frozen { "all time stands" } else { "the part and the plant go on for 200 us" };
-                outputln!(out, "at a halt {what}");
+                let what = if self.frozen { "stops all time" } else { "lets the chip and the plant continue for 200 us" };
+                outputln!(out, "a halt {what}");
             }
-            _ => outputln!(out, "known are: monitor reset, monitor freeze on, monitor freeze off"),
+            _ => outputln!(out, "unknown command; use monitor reset, monitor freeze on or monitor freeze off"),
         }
         Ok(())
     }

@@ -1,76 +1,76 @@
-//! How a type of the image lies in memory (DWARF 5, chapter 5: data types; 5.7.10: variants).
+//! Memory layout of the image's types (DWARF 5, chapter 5: data types; 5.7.10: variants).
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use gimli::{DebuggingInformationEntry, Dwarf, Reader, Unit, UnitOffset};
 
-/// A type of the image: its size and what its bytes are.
+/// Type of the image: its size and the meaning of its bytes.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// Name, as the compiler wrote it.
+    /// Name from the compiler.
     pub name: String,
     /// Size, bytes.
     pub bytes: u32,
-    /// What the bytes are.
+    /// Meaning of the bytes.
     pub kind: Kind,
 }
 
-/// What the bytes of a type are.
+/// Meaning of the bytes of a type.
 #[derive(Clone, Debug)]
 pub enum Kind {
-    /// An unsigned number.
+    /// Unsigned number.
     Unsigned,
-    /// A signed number.
+    /// Signed number.
     Signed,
-    /// A floating-point number.
+    /// Floating-point number.
     Float,
-    /// True or false.
+    /// Boolean.
     Bool,
-    /// A structure, a tuple or a union; in a union all offsets are zero.
+    /// Structure, tuple or union; in a union all offsets are zero.
     Struct(Vec<Member>),
-    /// An enumeration without values: numbers and names.
+    /// Enumeration without values: numbers and names.
     Names(Vec<(u64, String)>),
-    /// An enumeration with values: where its discriminant stands, and the variants.
+    /// Enumeration with values: discriminant and variants.
     Variants(Option<Member>, Vec<Variant>),
-    /// An array, by the type and the number of its elements.
+    /// Array: type and number of its elements.
     Array(Arc<Layout>, u32),
-    /// A reference or pointer to one value. What it points to is read by its own layout, which is looked up only when it is followed.
+    /// Reference or pointer to one value of this layout.
     Pointer(Arc<Layout>),
-    /// Something that is never read: a function, a slice, a type within itself.
+    /// Type that is never read: a function, a slice, a type within itself.
     Opaque,
 }
 
-/// A field.
+/// Field of a type.
 #[derive(Clone, Debug)]
 pub struct Member {
-    /// Its name; `__0` and so on in a tuple.
+    /// Name; `__0` and so on in a tuple.
     pub name: String,
-    /// Where it begins, bytes from the start of the type.
+    /// Offset from the start of the type, bytes.
     pub offset: u32,
-    /// Its type.
+    /// Type of the field.
     pub layout: Arc<Layout>,
 }
 
-/// One variant of an enumeration with values.
+/// Variant of an enumeration with values.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// The discriminant that selects it; none for the one that all other discriminants select.
+    /// Discriminant of the variant; `None` for the variant of all other discriminants.
     pub discriminant: Option<u64>,
-    /// Its name, and the structure of its values.
+    /// Name, and the structure of its values.
     pub member: Member,
 }
 
-/// The types of one unit, each laid out once.
+/// Types of one unit; the layout of each is computed once.
 pub(super) struct Types<'a, R: Reader<Offset = usize>> {
     dwarf: &'a Dwarf<R>,
     unit: &'a Unit<R>,
     known: HashMap<UnitOffset, Arc<Layout>>,
-    /// Types that are being laid out: a type within itself ends here.
+    /// Types whose layout is being computed: a type within itself ends here.
     open: Vec<UnitOffset>,
 }
 
-/// The type that an entry names.
+/// Returns the type that an entry refers to.
 pub(super) fn type_of<R: Reader<Offset = usize>>(entry: &DebuggingInformationEntry<R>) -> Option<UnitOffset> {
     match entry.attr_value(gimli::DW_AT_type)? {
         gimli::AttributeValue::UnitRef(at) => Some(at),
@@ -88,13 +88,13 @@ impl<'a, R: Reader<Offset = usize>> Types<'a, R> {
         Types { dwarf, unit, known: HashMap::new(), open: Vec::new() }
     }
 
-    /// The name of an entry.
+    /// Returns the name of an entry.
     pub(super) fn name_of(&self, entry: &DebuggingInformationEntry<R>) -> Result<Option<String>, gimli::Error> {
         let Some(value) = entry.attr_value(gimli::DW_AT_name) else { return Ok(None) };
         Ok(Some(self.dwarf.attr_string(self.unit, value)?.to_string_lossy()?.into_owned()))
     }
 
-    /// The layout of the type at an offset of the unit.
+    /// Returns the layout of the type at an offset of the unit.
     pub(super) fn layout(&mut self, at: UnitOffset) -> Result<Arc<Layout>, gimli::Error> {
         if let Some(known) = self.known.get(&at) {
             return Ok(known.clone());
@@ -124,7 +124,7 @@ impl<'a, R: Reader<Offset = usize>> Types<'a, R> {
         Ok(layout)
     }
 
-    /// The layout of the type that an entry names.
+    /// Returns the layout of the type that an entry refers to.
     fn named(&mut self, entry: &DebuggingInformationEntry<R>) -> Result<Arc<Layout>, gimli::Error> {
         match type_of(entry) {
             Some(at) => self.layout(at),
@@ -132,7 +132,7 @@ impl<'a, R: Reader<Offset = usize>> Types<'a, R> {
         }
     }
 
-    /// The entries right below one.
+    /// Returns the direct children of an entry.
     fn children(&self, at: UnitOffset) -> Result<Vec<DebuggingInformationEntry<R>>, gimli::Error> {
         let mut tree = self.unit.entries_tree(Some(at))?;
         let mut children = tree.root()?.children();

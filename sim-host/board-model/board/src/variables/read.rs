@@ -1,13 +1,13 @@
-//! A value of the image's memory as a type of the host, by [serde].
+//! Deserializer from the image's memory to types of the host, by [serde].
 
 use serde::de::value::StrDeserializer;
 use serde::de::{self, DeserializeOwned, DeserializeSeed, IntoDeserializer, Visitor};
 
 use super::layout::{Kind, Layout, Member, Variant};
 
-/// The memory that values are read from.
+/// Memory that contains the values.
 pub trait Memory {
-    /// Copies the bytes from `address` on; false where there is no memory.
+    /// Copies the bytes at `address`; returns `false` if a memory does not contain all of them.
     fn copy(&self, address: u32, into: &mut [u8]) -> bool;
 }
 
@@ -17,7 +17,7 @@ impl Memory for cortex_m4::Memory {
     }
 }
 
-/// Why a value cannot be read.
+/// Error that prevents reading a value.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct ReadError(String);
@@ -28,12 +28,12 @@ impl de::Error for ReadError {
     }
 }
 
-/// Reads the value of `layout` at `address`. Fields are found by name, as `Deserialize` asks for them.
+/// Reads the value of `layout` at `address`. `Deserialize` selects fields by name.
 pub fn read<T: DeserializeOwned>(layout: &Layout, address: u32, memory: &dyn Memory) -> Result<T, ReadError> {
     T::deserialize(Value { layout, address, memory })
 }
 
-/// One value in memory.
+/// Value in memory.
 #[derive(Clone, Copy)]
 struct Value<'a> {
     layout: &'a Layout,
@@ -46,7 +46,7 @@ impl<'a> Value<'a> {
         Value { layout: &member.layout, address: self.address + member.offset, memory: self.memory }
     }
 
-    /// The number in the value's first bytes.
+    /// Returns the number in the value's first bytes.
     fn number(&self) -> Result<u64, ReadError> {
         let mut bytes = [0; 8];
         let wide = (self.layout.bytes as usize).min(8);
@@ -54,14 +54,15 @@ impl<'a> Value<'a> {
     }
 
     fn outside(&self) -> ReadError {
-        ReadError(format!("{} at {:#010x} is in no memory", self.layout.name, self.address))
+        ReadError(format!("{} at {:#010x} is outside the memories", self.layout.name, self.address))
     }
 
     fn unlike(&self, expected: &str) -> ReadError {
-        ReadError(format!("{} is no {expected}", self.layout.name))
+        ReadError(format!("{} is not a {expected}", self.layout.name))
     }
 
-    /// What is inside of wrappers of one field: `ManuallyDrop`, `MaybeUninit`, `UnsafeCell`, and newtypes.
+    /// Returns the value inside wrappers of one field: `ManuallyDrop`, `MaybeUninit`, `UnsafeCell`,
+    /// and newtypes.
     fn peeled(self) -> Value<'a> {
         let Kind::Struct(members) = &self.layout.kind else { return self };
         let mut solid = members.iter().filter(|member| member.layout.bytes > 0);
@@ -71,7 +72,7 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// The value in the wrappers of an element that may be uninitialised.
+    /// Returns the value inside the wrappers of an element that may be uninitialised.
     fn unwrapped(self) -> Value<'a> {
         let Kind::Struct(members) = &self.layout.kind else { return self };
         let wraps = ["MaybeUninit<", "ManuallyDrop<", "MaybeDangling<"].iter().any(|name| self.layout.name.starts_with(name));
@@ -81,24 +82,24 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// The only field of a newtype, or of a variant with one value.
+    /// Returns the only field of a newtype, or of a variant with one value.
     fn only(self) -> Result<Value<'a>, ReadError> {
         match &self.layout.kind {
             Kind::Struct(members) if members.len() == 1 => Ok(self.member(&members[0])),
-            _ => Err(self.unlike("type of one field")),
+            _ => Err(self.unlike("type with one field")),
         }
     }
 
     fn variant(&self) -> Result<&'a Variant, ReadError> {
-        let Kind::Variants(discriminant, variants) = &self.layout.kind else { return Err(self.unlike("enumeration")) };
+        let Kind::Variants(discriminant, variants) = &self.layout.kind else { return Err(self.unlike("type with variants")) };
         let value = discriminant.as_ref().map(|member| self.member(member).number()).transpose()?;
         let named = variants.iter().find(|variant| variant.discriminant.is_some() && variant.discriminant == value);
         named
             .or(variants.iter().find(|variant| variant.discriminant.is_none()))
-            .ok_or_else(|| self.unlike("enumeration that has this value"))
+            .ok_or_else(|| self.unlike("type with a variant of this value"))
     }
 
-    /// A list with a length of its own (`heapless::Vec`): elements and how many are in use.
+    /// Returns the used elements of a list with its own length (`heapless::Vec`).
     fn list(&self) -> Result<Elements<'a>, ReadError> {
         let Kind::Struct(members) = &self.layout.kind else { return Err(self.unlike("list")) };
         let field = |name: &str| members.iter().find(|member| member.name == name).map(|member| self.member(member));
@@ -107,13 +108,13 @@ impl<'a> Value<'a> {
         let Kind::Array(layout, capacity) = &buffer.layout.kind else { return Err(self.unlike("list")) };
         let len = len.peeled().number()?;
         if len > u64::from(*capacity) {
-            return Err(ReadError(format!("{} has {len} elements, and room for {capacity}", self.layout.name)));
+            return Err(ReadError(format!("{} has {len} elements, but a capacity of {capacity}", self.layout.name)));
         }
         Ok(Elements { next: Value { layout, address: buffer.address, ..*self }, left: len as u32 })
     }
 }
 
-/// The elements of a list or an array.
+/// Iterator over the elements of a list or an array.
 struct Elements<'a> {
     next: Value<'a>,
     left: u32,
@@ -133,7 +134,7 @@ impl<'a> de::SeqAccess<'a> for Elements<'a> {
     }
 }
 
-/// The fields of a structure, by name.
+/// Iterator over the fields of a structure, with their names.
 struct Fields<'a> {
     of: Value<'a>,
     members: std::slice::Iter<'a, Member>,
@@ -156,7 +157,7 @@ impl<'a> de::MapAccess<'a> for Fields<'a> {
     }
 }
 
-/// The fields of a tuple, in their order.
+/// Iterator over the fields of a tuple, in their order.
 struct Places<'a>(Value<'a>, std::slice::Iter<'a, Member>);
 
 impl<'a> de::SeqAccess<'a> for Places<'a> {
@@ -167,7 +168,7 @@ impl<'a> de::SeqAccess<'a> for Places<'a> {
     }
 }
 
-/// Numbers may stand in wrappers of one field, as the elements of a list of `MaybeUninit` do.
+/// Methods for numbers, which may be in wrappers of one field, such as elements of `MaybeUninit`.
 macro_rules! of_numbers {
     ($($name:ident)*) => {
         $(fn $name<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, ReadError> {
@@ -179,7 +180,7 @@ macro_rules! of_numbers {
 impl<'de> de::Deserializer<'de> for Value<'de> {
     type Error = ReadError;
 
-    /// As what it is in memory.
+    /// Deserializes by the kind of the value in memory.
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, ReadError> {
         match &self.layout.kind {
             Kind::Unsigned => visitor.visit_u64(self.number()?),
@@ -194,7 +195,7 @@ impl<'de> de::Deserializer<'de> for Value<'de> {
             Kind::Struct(members) => visitor.visit_map(Fields { of: self, members: members.iter(), value: None }),
             Kind::Names(_) | Kind::Variants(..) => self.deserialize_enum("", &[], visitor),
             Kind::Pointer(layout) => Value { layout, address: self.number()? as u32, ..self }.deserialize_any(visitor),
-            Kind::Opaque => Err(self.unlike("value that can be read")),
+            Kind::Opaque => Err(self.unlike("readable value")),
         }
     }
 
@@ -233,7 +234,7 @@ impl<'de> de::Deserializer<'de> for Value<'de> {
         if let Kind::Names(names) = &self.layout.kind {
             let value = self.number()?;
             let name = names.iter().find(|(number, _)| *number == value).map(|(_, name)| name.as_str());
-            let name = name.ok_or_else(|| self.unlike("enumeration that has this value"))?;
+            let name = name.ok_or_else(|| self.unlike("type with a variant of this value"))?;
             let name: StrDeserializer<ReadError> = name.into_deserializer();
             return visitor.visit_enum(name);
         }
@@ -244,10 +245,11 @@ impl<'de> de::Deserializer<'de> for Value<'de> {
         bool i128 u128 char str string bytes byte_buf unit unit_struct tuple_struct map struct identifier ignored_any
     }
 
-    of_numbers!(deserialize_u8 deserialize_u16 deserialize_u32 deserialize_u64 deserialize_i8 deserialize_i16 deserialize_i32 deserialize_i64 deserialize_f32 deserialize_f64);
+    of_numbers!(deserialize_u8 deserialize_u16 deserialize_u32 deserialize_u64
+        deserialize_i8 deserialize_i16 deserialize_i32 deserialize_i64 deserialize_f32 deserialize_f64);
 }
 
-/// The variant of an enumeration that is there.
+/// Active variant of an enumeration.
 struct Chosen<'a> {
     of: Value<'a>,
     variant: &'a Variant,

@@ -1,4 +1,4 @@
-//! Branches and control of 32 bits (A5.3.4, A5.3.5), and hints.
+//! Decoder of 32-bit branches and control instructions (A5.3.4, A5.3.5), and of hints.
 
 use super::{bit, field, reg, sign_extend};
 use crate::op::Op;
@@ -39,7 +39,7 @@ fn control(code: u32) -> Op {
     }
 }
 
-/// Hints, of 16 and of 32 bits. Those that are not allotted do nothing.
+/// Decodes a hint of 16 or 32 bits. Unallocated hints do nothing.
 pub(super) fn hint(number: u32) -> Op {
     match number {
         2 => Op::WaitEvent,

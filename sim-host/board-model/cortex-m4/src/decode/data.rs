@@ -1,4 +1,4 @@
-//! Data processing of 32 bits (A5.3.1, A5.3.3, A5.3.11 to A5.3.17).
+//! Decoder of 32-bit data processing (A5.3.1, A5.3.3, A5.3.11 to A5.3.17).
 
 use super::{bit, field, reg};
 use crate::op::{Alu, Bits, Extend, Lanes, Long, Op, Parallel, Product, Sets, Shift};
@@ -7,7 +7,8 @@ fn sets(code: u32) -> Sets {
     if bit(code, 20) { Sets::Always } else { Sets::Never }
 }
 
-/// The operation of an opcode of four bits, with destination 15 and first operand 15 as the manual decodes them.
+/// Returns the operation of an opcode of four bits. Destination 15 and first operand 15 select
+/// other operations, as in the manual.
 fn alu(opcode: u32, d: u8, n: u8, code: u32) -> Option<Alu> {
     let flags_only = d == 15 && bit(code, 20);
     Some(match opcode {
@@ -31,12 +32,13 @@ fn alu(opcode: u32, d: u8, n: u8, code: u32) -> Option<Alu> {
     })
 }
 
-/// `i:imm3` of a 32-bit instruction, above its lowest eight bits.
+/// Returns `i:imm3:imm8` of a 32-bit instruction.
 fn imm12(code: u32) -> u32 {
     field(code, 26, 1) << 11 | field(code, 12, 3) << 8 | field(code, 0, 8)
 }
 
-/// `ThumbExpandImm_C` (A5.3.2): the constant, and whether it sets the carry to its top bit.
+/// Returns the constant of `ThumbExpandImm_C` (A5.3.2), and `true` if the carry is set to its top
+/// bit.
 fn expand(imm12: u32) -> (u32, bool) {
     let byte = imm12 & 0xFF;
     match imm12 >> 8 {

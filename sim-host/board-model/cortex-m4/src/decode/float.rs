@@ -1,9 +1,9 @@
-//! Floating-point instructions (A6.4 to A6.7), and the coprocessors that do not exist.
+//! Decoder of floating-point instructions (A6.4 to A6.7) and of missing coprocessors.
 
 use super::{bit, field, reg};
 use crate::op::{Float1, Float2, Op};
 
-/// A register number of single precision, its lowest bit at `low`.
+/// Returns a single-precision register number, with its lowest bit at `low`.
 fn single(code: u32, high: u32, low: u32) -> u8 {
     (field(code, high, 4) << 1 | field(code, low, 1)) as u8
 }
@@ -27,7 +27,7 @@ pub(super) fn decode(code: u32) -> Op {
     }
     let double = coprocessor == 0b1011;
     match field(code, 24, 2) {
-        // The unconditional forms (`CDP2`, `MCR2` …) are not allotted.
+        // The unconditional forms (`CDP2`, `MCR2` …) are not allocated.
         _ if bit(code, 28) => Op::Undefined,
         0b00 | 0b01 => transfer(code, double),
         0b10 if bit(code, 4) => move_core(code, double),
@@ -37,7 +37,7 @@ pub(super) fn decode(code: u32) -> Op {
     }
 }
 
-/// A6.5: loads and stores, and moves of two registers (A6.7).
+/// Decodes loads and stores (A6.5), and moves of two registers (A6.7).
 fn transfer(code: u32, double: bool) -> Op {
     let (load, back, up, before) = (bit(code, 20), bit(code, 21), bit(code, 23), bit(code, 24));
     let rn = reg(code, 16);
@@ -54,7 +54,7 @@ fn transfer(code: u32, double: bool) -> Op {
             (_, false) => Op::FloatStore { d: first, n: rn, double, offset },
         };
     }
-    // The form with an odd number of words is that of `FLDMX`: it moves one word less here.
+    // The form with an odd number of words is `FLDMX`; here it moves one word less.
     let count = if double { field(code, 0, 8) as u8 & !1 } else { field(code, 0, 8) as u8 };
     if count == 0 || count > 32 || u32::from(first) + u32::from(count) > 32 || before == up || rn == 15 {
         return Op::Undefined;
@@ -128,7 +128,7 @@ fn expand(imm8: u32) -> u32 {
     (imm8 >> 7) << 31 | exponent | field(imm8, 0, 6) << 19
 }
 
-/// Other data processing (table A6-4).
+/// Decodes other data processing (table A6-4).
 fn other(code: u32) -> Op {
     let (d, m) = (d(code), m(code));
     let high = bit(code, 7);

@@ -1,9 +1,9 @@
-//! Loads and stores of 32 bits (A5.3.5 to A5.3.10).
+//! Decoder of 32-bit loads and stores (A5.3.5 to A5.3.10).
 
 use super::{bit, field, reg};
 use crate::op::{Index, Op, Size};
 
-/// Load and store multiple (A5.3.5).
+/// Decodes load and store multiple (A5.3.5).
 pub(super) fn multiple(code: u32) -> Op {
     let (n, list, back) = (reg(code, 16), field(code, 0, 16) as u16, bit(code, 21));
     let before = match field(code, 23, 2) {
@@ -27,7 +27,7 @@ fn index(code: u32) -> Index {
     }
 }
 
-/// Load and store of two words, exclusive access, table branch (A5.3.6).
+/// Decodes loads and stores of two words, exclusive accesses and table branches (A5.3.6).
 pub(super) fn dual_or_exclusive(address: u32, code: u32) -> Op {
     let (n, t, t2) = (reg(code, 16), reg(code, 12), reg(code, 8));
     let load = bit(code, 20);
@@ -58,7 +58,7 @@ pub(super) fn dual_or_exclusive(address: u32, code: u32) -> Op {
     }
 }
 
-/// The offset of the forms with eight bits.
+/// Returns the signed offset of the forms with eight bits.
 fn imm8(code: u32) -> i16 {
     let offset = field(code, 0, 8) as i16;
     if bit(code, 9) { offset } else { -offset }
@@ -104,7 +104,7 @@ pub(super) fn load_single(address: u32, code: u32) -> Op {
         (0b10, false) => Size::Word,
         _ => return Op::Undefined,
     };
-    // A byte or halfword into register 15 is a preload hint, or a hint that is not allotted.
+    // A byte or halfword into register 15 is a preload hint, or an unallocated hint.
     let hint = t == 15 && size != Size::Word;
     if n == 15 {
         let offset = field(code, 0, 12);

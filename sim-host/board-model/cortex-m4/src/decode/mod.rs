@@ -1,4 +1,4 @@
-//! From halfwords to [`Op`], after ARM DDI 0403 (ARMv7-M), chapter A5.
+//! Decoder from halfwords to [`Op`], after ARM DDI 0403 (ARMv7-M), chapter A5.
 
 mod branch;
 mod data;
@@ -8,12 +8,12 @@ mod thumb16;
 
 use crate::op::{Decoded, Op};
 
-/// Whether a first halfword belongs to an instruction of 32 bits (A5.1).
+/// Returns `true` if a first halfword belongs to a 32-bit instruction (A5.1).
 pub(crate) fn is_wide(first: u16) -> bool {
     first >= 0xE800
 }
 
-/// The instruction at `address`, whose second halfword counts only where the first asks for one.
+/// Decodes the instruction at `address`. The second halfword is used only by 32-bit instructions.
 pub(crate) fn decode(address: u32, first: u16, second: u16) -> Decoded {
     let (op, len) = if is_wide(first) {
         (wide(address, u32::from(first) << 16 | u32::from(second)), 4)
@@ -23,7 +23,7 @@ pub(crate) fn decode(address: u32, first: u16, second: u16) -> Decoded {
     Decoded::new(op, len)
 }
 
-/// Instructions of 32 bits (A5.3, table A5-9).
+/// Decodes a 32-bit instruction (A5.3, table A5-9).
 fn wide(address: u32, code: u32) -> Op {
     match field(code, 27, 2) {
         0b01 => match field(code, 25, 2) {
@@ -61,12 +61,12 @@ fn bit(code: u32, at: u32) -> bool {
     code >> at & 1 == 1
 }
 
-/// A register number.
+/// Returns a register number of four bits.
 fn reg(code: u32, low: u32) -> u8 {
     field(code, low, 4) as u8
 }
 
-/// The lowest `bits` of `value` as a signed number.
+/// Sign-extends the lowest `bits` of `value`.
 fn sign_extend(value: u32, bits: u32) -> u32 {
     let above = 32 - bits;
     ((value << above) as i32 >> above) as u32

@@ -1,9 +1,9 @@
-//! Instructions of 16 bits (A5.2).
+//! Decoder of 16-bit instructions (A5.2).
 
 use super::{bit, field, sign_extend};
 use crate::op::{Alu, Bits, Extend, Op, Sets, Shift, Size};
 
-/// A register number of three bits.
+/// Returns a register number of three bits.
 fn low(code: u32, at: u32) -> u8 {
     field(code, at, 3) as u8
 }
@@ -41,7 +41,7 @@ pub(super) fn decode(address: u32, code: u32) -> Op {
                 Op::BranchIf { condition: condition as u8, target: target(address, offset) }
             }
         },
-        // The others are instructions of 32 bits.
+        // The other codes are 32-bit instructions.
         _ => Op::Branch { target: target(address, sign_extend(field(code, 0, 11), 11) << 1) },
     }
 }
@@ -50,7 +50,7 @@ fn target(address: u32, offset: u32) -> u32 {
     address.wrapping_add(4).wrapping_add(offset)
 }
 
-/// A constant into a register, flags left alone.
+/// Returns a move of a constant to a register that leaves the flags unchanged.
 fn mov(imm: u32, d: u8) -> Op {
     Op::MovImm { d, sets: Sets::Never, rotated: false, imm }
 }
@@ -196,7 +196,7 @@ fn miscellaneous(address: u32, code: u32) -> Op {
     }
 }
 
-/// An empty list is not predictable; here it is undefined.
+/// Returns `op`, or undefined for an empty list, which is unpredictable in the manual.
 fn push_pop(code: u32, op: Op) -> Op {
     if field(code, 0, 9) == 0 { Op::Undefined } else { op }
 }

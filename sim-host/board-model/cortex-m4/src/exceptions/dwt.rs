@@ -1,4 +1,5 @@
-//! The cycle counter of the data watchpoint and trace unit (C1.8). Comparators and the event counters are not modelled.
+//! Cycle counter of the data watchpoint and trace unit (C1.8). Comparators and event counters are
+//! not modelled.
 
 use crate::chip::Cycle;
 
@@ -8,7 +9,7 @@ pub(crate) struct Dwt {
     pub(crate) control: u32,
     /// DEMCR.TRCENA
     pub(crate) enabled: bool,
-    /// The count while it stands, else what the cycle is ahead of it.
+    /// Count while the counter is stopped; otherwise the difference of cycle and count.
     base: u32,
 }
 
@@ -25,7 +26,7 @@ impl Dwt {
         self.base = if self.counts() { (now as u32).wrapping_sub(count) } else { count };
     }
 
-    /// Starts and stops the counter; it goes on where it stood.
+    /// Starts or stops the counter, which keeps its count.
     pub(crate) fn set_control(&mut self, control: u32, enabled: bool, now: Cycle) {
         let count = self.count(now);
         (self.control, self.enabled) = (control, enabled);

@@ -1,4 +1,5 @@
-//! Entry to and return from exceptions (B1.5.6 to B1.5.8), with the floating-point context (B1.5.7).
+//! Entry to and return from exceptions (B1.5.6 to B1.5.8), with the floating-point context
+//! (B1.5.7).
 
 use super::scb::*;
 use super::{BUS_FAULT, EXTERNAL, HARD_FAULT, MEMORY_FAULT, NMI};
@@ -8,23 +9,24 @@ use crate::cycles::{ENTRY, FLOAT_FRAME, RETURN, TAIL_CHAIN};
 use crate::machine::Machine;
 use crate::op::Size;
 
-/// Bytes of a frame without and with floating-point registers.
-const BASIC: u32 = 0x20;
-const EXTENDED: u32 = 0x68;
+/// Bytes of a frame without floating-point registers.
+const BASIC_FRAME: u32 = 0x20;
+/// Bytes of a frame with floating-point registers.
+const EXTENDED_FRAME: u32 = 0x68;
 
 impl Cpu {
-    /// xPSR as it is stacked: flags, IT bits, T, the number of the exception.
+    /// Returns xPSR as it is stacked: flags, IT bits, T, and the number of the exception.
     pub(crate) fn xpsr(&self) -> u32 {
         let it = u32::from(self.it);
         self.flags.bits() | (it & 3) << 25 | (it >> 2) << 10 | 1 << 24 | u32::from(self.ipsr)
     }
 
-    /// The next instruction's state of an IT block (A7.3.2).
+    /// Advances the IT state to the next instruction (A7.3.2).
     pub(crate) fn advance_it(&mut self) {
         self.it = if self.it & 7 == 0 { 0 } else { self.it & 0xE0 | self.it << 1 & 0x1F };
     }
 
-    /// CPACR: full access, or access for privileged code.
+    /// Returns `true` if CPACR permits floating point: full access, or access for privileged code.
     fn float_allowed(&self) -> bool {
         match self.scb.cpacr >> 20 & 3 {
             3 => true,
@@ -35,7 +37,7 @@ impl Cpu {
 }
 
 impl<C: Chip> Machine<C> {
-    /// Enters an exception from the present instruction: stacks a frame and goes to the handler.
+    /// Enters an exception from the current instruction: stacks a frame and jumps to the handler.
     pub(crate) fn enter(&mut self, exception: u16) {
         self.cpu.cost = ENTRY;
         let (link, failed) = self.stack();
@@ -51,14 +53,14 @@ impl<C: Chip> Machine<C> {
         self.cpu.spend_exception();
     }
 
-    /// Writes the frame; `EXC_RETURN`, and the fault that happened on the way.
+    /// Writes the frame. Returns `EXC_RETURN`, and the fault of the stacking if one occurred.
     fn stack(&mut self) -> (u32, Option<u16>) {
         let cpu = &mut self.cpu;
         let float = cpu.float_active && cpu.float_allowed();
         let lazy = float && cpu.scb.fpccr & LSPEN != 0;
         let align = cpu.scb.aligns_stack() || float;
         let sp = cpu.r[13];
-        let frame = sp.wrapping_sub(if float { EXTENDED } else { BASIC }) & !(4 * u32::from(align));
+        let frame = sp.wrapping_sub(if float { EXTENDED_FRAME } else { BASIC_FRAME }) & !(4 * u32::from(align));
         let padded = align && sp & 4 != 0;
         let handler = cpu.ipsr != 0;
         let link = 0xFFFF_FFE1 | u32::from(!float) << 4 | u32::from(!handler) << 3 | u32::from(cpu.on_process_stack) << 2;
@@ -70,27 +72,28 @@ impl<C: Chip> Machine<C> {
             failed = failed.or(self.store(Size::Word, at, word).err());
         }
         if lazy {
-            self.cpu.scb.fpcar = frame + BASIC;
-            // What the store would need to know later: B3.2.21.
+            self.cpu.scb.fpcar = frame + BASIC_FRAME;
+            // State that the later store needs: B3.2.21.
             let flags = u32::from(!handler) << 3 | u32::from(!self.cpu.privileged()) << 1;
             self.cpu.scb.fpccr = self.cpu.scb.fpccr & (ASPEN | LSPEN) | LSPACT | flags;
         } else if float {
             self.cpu.cost += FLOAT_FRAME;
-            failed = failed.or(self.store_float(frame + BASIC).err());
+            failed = failed.or(self.store_float(frame + BASIC_FRAME).err());
         }
         self.cpu.float_active = false;
         self.cpu.float_ready = false;
-        (link, failed.map(|trap| self.blame(trap, MSTKERR, STKERR)))
+        (link, failed.map(|trap| self.set_stack_fault(trap, MSTKERR, STKERR)))
     }
 
-    /// Sets the status of a fault on the stack; the exception that it stands for.
-    fn blame(&mut self, trap: Trap, memory: u32, bus: u32) -> u16 {
+    /// Sets the status of a fault on the stack and returns its exception.
+    fn set_stack_fault(&mut self, trap: Trap, memory: u32, bus: u32) -> u16 {
         let (exception, status) = if trap == Trap::Memory { (MEMORY_FAULT, memory) } else { (BUS_FAULT, bus) };
         self.cpu.scb.cfsr |= status;
         exception
     }
 
-    /// Which of two exceptions is entered: one whose frame could not be stacked, or the fault of the stacking. None locks up.
+    /// Selects the exception to enter after a failed stacking: the original one or the fault of the
+    /// stacking. `None` means a lock-up.
     fn derive(&mut self, derived: u16, exception: u16) -> Option<u16> {
         let cpu = &mut self.cpu;
         let group = cpu.scb.priority_group();
@@ -106,7 +109,7 @@ impl<C: Chip> Machine<C> {
         Some(HARD_FAULT)
     }
 
-    /// Goes to the handler, on the main stack.
+    /// Jumps to the handler, on the main stack.
     fn activate(&mut self, exception: u16) {
         let cpu = &mut self.cpu;
         cpu.use_process_stack(false);
@@ -117,7 +120,7 @@ impl<C: Chip> Machine<C> {
         cpu.event = true;
         cpu.float_ready = false;
         cpu.fetched = 1;
-        cpu.attend();
+        cpu.schedule_check();
         self.profile_entry(exception);
         self.pass(exception, true);
         match self.vector(exception) {
@@ -132,10 +135,10 @@ impl<C: Chip> Machine<C> {
         }
     }
 
-    /// An entry of the vector table.
+    /// Reads an entry of the vector table.
     pub(crate) fn vector(&mut self, number: u16) -> Result<u32, Trap> {
         let address = self.cpu.scb.vtor.wrapping_add(4 * u32::from(number));
-        // What the part shows at 0 after reset.
+        // Memory that the chip maps to address 0 after reset.
         let address = if self.memory.find(address).is_none() { address.wrapping_add(self.boot) } else { address };
         self.load(Size::Word, address)
     }
@@ -147,7 +150,8 @@ impl<C: Chip> Machine<C> {
         self.store_aligned(frame + 64, self.cpu.fpscr)
     }
 
-    /// Before a floating-point instruction: access, the lazy store, and a context of its own (`ExecuteFPCheck`).
+    /// Prepares a floating-point instruction: access check, lazy store, and new context
+    /// (`ExecuteFPCheck`).
     #[cold]
     pub(crate) fn prepare_float(&mut self) -> Result<(), Trap> {
         if !self.cpu.float_allowed() {
@@ -157,9 +161,9 @@ impl<C: Chip> Machine<C> {
             self.cpu.cost += FLOAT_FRAME;
             let frame = self.cpu.scb.fpcar;
             if let Err(trap) = self.store_float(frame) {
-                let exception = self.blame(trap, MLSPERR, LSPERR);
+                let exception = self.set_stack_fault(trap, MLSPERR, LSPERR);
                 self.cpu.nvic.pend_system(exception);
-                self.cpu.attend();
+                self.cpu.schedule_check();
             }
             self.cpu.scb.fpccr &= !LSPACT;
         }
@@ -207,11 +211,11 @@ impl<C: Chip> Machine<C> {
         if !handler && self.cpu.scb.sleeps_on_exit() {
             self.cpu.asleep = Some(Sleep::Interrupt);
         }
-        self.cpu.attend();
+        self.cpu.schedule_check();
         Ok(())
     }
 
-    /// An `EXC_RETURN` that does not fit: the exception ends, and a usage fault follows.
+    /// Ends the exception after an invalid `EXC_RETURN`; a usage fault follows.
     fn refuse(&mut self, link: u32) -> Result<(), Trap> {
         self.cpu.nvic.deactivate(self.cpu.ipsr);
         self.cpu.r[14] = link;
@@ -226,11 +230,11 @@ impl<C: Chip> Machine<C> {
                 Ok(value) => *word = value,
                 Err(Trap::Stop) => return Err(Trap::Stop),
                 Err(trap) => {
-                    let exception = self.blame(trap, MUNSTKERR, UNSTKERR);
+                    let exception = self.set_stack_fault(trap, MUNSTKERR, UNSTKERR);
                     self.cpu.r[14] = link;
                     let exception = if self.cpu.scb.handles(exception) { exception } else { HARD_FAULT };
                     self.cpu.nvic.pend_system(exception);
-                    self.cpu.attend();
+                    self.cpu.schedule_check();
                     return Ok(());
                 }
             }
@@ -242,21 +246,21 @@ impl<C: Chip> Machine<C> {
         }
         if float {
             if self.cpu.scb.fpccr & LSPACT != 0 {
-                // The registers were never stored: they still hold.
+                // The registers were never stored, so they are still valid.
                 self.cpu.scb.fpccr &= !LSPACT;
             } else {
                 self.cpu.cost += FLOAT_FRAME;
                 for s in 0..16 {
-                    self.cpu.s[s as usize] = self.load_aligned(frame + BASIC + 4 * s)?;
+                    self.cpu.s[s as usize] = self.load_aligned(frame + BASIC_FRAME + 4 * s)?;
                 }
-                self.cpu.fpscr = self.load_aligned(frame + BASIC + 64)? & crate::float::EXISTING;
+                self.cpu.fpscr = self.load_aligned(frame + BASIC_FRAME + 64)? & crate::float::FPSCR_BITS;
             }
         }
         let cpu = &mut self.cpu;
         cpu.float_active = float;
         cpu.float_ready = false;
         cpu.use_process_stack(process);
-        let size = if float { EXTENDED } else { BASIC };
+        let size = if float { EXTENDED_FRAME } else { BASIC_FRAME };
         let padding = 4 * u32::from(xpsr >> 9 & 1 == 1 && (cpu.scb.aligns_stack() || float));
         cpu.r[13] = frame.wrapping_add(size) | padding;
         (cpu.r[0], cpu.r[1], cpu.r[2], cpu.r[3], cpu.r[12], cpu.r[14]) =

@@ -1,4 +1,4 @@
-//! From a trap of an instruction to the exception that it causes (B1.5.14).
+//! Conversion of a trap of an instruction to the exception that it causes (B1.5.14).
 
 use super::scb::*;
 use super::{BUS_FAULT, HARD_FAULT, MEMORY_FAULT, SVCALL, USAGE_FAULT};
@@ -7,7 +7,7 @@ use crate::cpu::Trap;
 use crate::machine::Machine;
 
 impl<C: Chip> Machine<C> {
-    /// Takes the exception that `trap` stands for, at the instruction that ran. A trap that stops the run is not one.
+    /// Takes the exception of `trap`, at the current instruction. `Trap::Stop` is returned instead.
     pub(crate) fn take(&mut self, trap: Trap) -> Result<(), Trap> {
         let scb = &mut self.cpu.scb;
         let address = self.cpu.fault_address;
@@ -36,7 +36,7 @@ impl<C: Chip> Machine<C> {
             }
         };
         scb.cfsr |= status;
-        // A supervisor call returns behind itself, a fault to its instruction.
+        // A supervisor call returns to the next instruction, a fault to its own.
         if trap == Trap::Supervisor {
             self.cpu.pc = self.cpu.next;
             self.cpu.advance_it();
@@ -45,7 +45,8 @@ impl<C: Chip> Machine<C> {
         Ok(())
     }
 
-    /// Enters a synchronous exception now, as a hard fault where it is disabled or not urgent enough, and locks up where even that is not.
+    /// Enters a synchronous exception now. Without an enabled handler of sufficient priority it
+    /// becomes a hard fault, and if even that has no priority, the processor locks up.
     fn raise(&mut self, exception: u16) {
         let priority = self.cpu.execution_priority();
         let group = self.cpu.scb.priority_group();
@@ -60,13 +61,13 @@ impl<C: Chip> Machine<C> {
         }
     }
 
-    /// Stops executing for good (B1.5.15); only a reset ends it here.
+    /// Stops executing until a reset (B1.5.15).
     pub(crate) fn lock_up(&mut self) {
         self.cpu.locked = true;
-        self.cpu.attend();
+        self.cpu.schedule_check();
         let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
         if let Err(fault) = self.chip.lockup(self.cpu.cycle, ports) {
-            // Reported with the next look at events.
+            // The stop is reported at the next check for events.
             let _ = self.cpu.trap(fault);
         }
     }

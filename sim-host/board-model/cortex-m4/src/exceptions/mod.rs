@@ -1,4 +1,4 @@
-//! Exceptions, and the processor's own registers (ARM DDI 0403, B1.5 and B3).
+//! Exceptions, and registers of the processor (ARM DDI 0403, B1.5 and B3).
 
 mod dwt;
 mod entry;

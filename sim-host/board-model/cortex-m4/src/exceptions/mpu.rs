@@ -1,21 +1,21 @@
-//! The memory protection unit (B3.5), for data. Fetches are not checked.
+//! Memory protection unit (B3.5), for data. Fetches are not checked.
 
 const REGIONS: usize = 8;
 
-/// The eight regions of the Cortex-M4's MPU.
+/// Memory protection unit with eight regions.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Mpu {
     /// MPU_CTRL.ENABLE
     pub(crate) enabled: bool,
     control: u32,
     number: usize,
-    /// MPU_RBAR without its region number, MPU_RASR.
+    /// MPU_RBAR without its region number, and MPU_RASR.
     regions: [(u32, u32); REGIONS],
-    /// First address of the lowest enabled region, and bytes from there to the end of the last one.
+    /// First address of the lowest enabled region, and number of bytes to the end of the last one.
     spanned: (u32, u64),
 }
 
-/// The addresses of a region that is enabled: the first one, and how many.
+/// Returns the first address and the size of a region, if it is enabled.
 fn span((base, attributes): (u32, u32)) -> Option<(u32, u64)> {
     let bits = (attributes >> 1 & 0x1F) + 1;
     if attributes & 1 == 0 || bits < 5 {
@@ -26,7 +26,7 @@ fn span((base, attributes): (u32, u32)) -> Option<(u32, u64)> {
 }
 
 impl Mpu {
-    /// By the offset from MPU_TYPE.
+    /// Reads a register by its offset from MPU_TYPE.
     pub(crate) fn read(&self, register: u32) -> u32 {
         match register {
             0x00 => (REGIONS as u32) << 8,
@@ -45,7 +45,7 @@ impl Mpu {
             }
             0x08 => self.number = value as usize % REGIONS,
             0x0C | 0x14 | 0x1C | 0x24 => {
-                // VALID: the value names its region.
+                // VALID: the value contains the region number.
                 if value & 1 << 4 != 0 {
                     self.number = value as usize % REGIONS;
                 }
@@ -60,13 +60,15 @@ impl Mpu {
         self.spanned = (first, end - u64::from(first));
     }
 
-    /// Whether privileged code may do everything at an address, as no region comes near it (MPU_CTRL.PRIVDEFENA).
+    /// Returns `true` if privileged code has full access to an address, because it is outside the
+    /// span of all regions (MPU_CTRL.PRIVDEFENA).
     #[inline(always)]
     pub(crate) fn is_open(&self, address: u32) -> bool {
         self.control & 4 != 0 && u64::from(address.wrapping_sub(self.spanned.0)) >= self.spanned.1
     }
 
-    /// Whether an access may happen. `negative` is an execution priority below 0, which the MPU sits out unless HFNMIENA is set.
+    /// Returns `true` if an access is permitted. At a `negative` execution priority the MPU is
+    /// inactive unless HFNMIENA is set.
     pub(crate) fn allows(&self, address: u32, write: bool, privileged: bool, negative: bool) -> bool {
         if negative && self.control & 2 == 0 || address >> 20 == 0xE00 {
             return true;
@@ -74,7 +76,7 @@ impl Mpu {
         let hit = self.regions.iter().rev().find(|region| {
             let Some((first, size)) = span(**region) else { return false };
             let offset = u64::from(address).wrapping_sub(u64::from(first));
-            // From 256 bytes on each eighth can be left out.
+            // Regions of at least 256 bytes can exclude each eighth.
             offset < size && (size < 256 || region.1 >> (8 + offset * 8 / size) & 1 == 0)
         });
         let Some((_, attributes)) = hit else { return privileged && self.control & 4 != 0 };
@@ -93,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_open_is_allowed_and_regions_are_not_open() {
+    fn open_addresses_are_allowed_and_regions_are_not_open() {
         let mut mpu = Mpu::default();
         // Two regions without access: 32 bytes at 0x2000_0100, and 256 at 0x2000_0400.
         for (number, base, bits) in [(0, 0x2000_0100, 5), (3, 0x2000_0400, 8)] {
@@ -102,7 +104,7 @@ mod tests {
             mpu.write(0x10, (bits - 1) << 1 | 1);
         }
         mpu.write(0x04, 1);
-        assert!(!mpu.is_open(0), "without PRIVDEFENA nothing is");
+        assert!(!mpu.is_open(0), "without PRIVDEFENA no address is open");
         mpu.write(0x04, 5);
         for (address, open, allowed) in [
             (0x2000_00FF, true, true),

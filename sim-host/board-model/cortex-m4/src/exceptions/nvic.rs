@@ -1,24 +1,25 @@
-//! The nested vectored interrupt controller (B3.4), and the priorities of all exceptions (B1.5.4).
+//! Nested vectored interrupt controller (B3.4), and priorities of all exceptions (B1.5.4).
 
 use super::{DEBUG_MONITOR, EXTERNAL, HARD_FAULT, NMI, PENDSV};
 use crate::cpu::Cpu;
 use crate::interrupts::{Interrupts, LINES};
 
-/// What is pending, enabled and active, a bit an exception: number 16 is interrupt line 0.
+/// Pending, enabled and active exceptions, one bit each; exception 16 is interrupt line 0.
 #[derive(Clone, Debug)]
 pub(crate) struct Nvic {
-    /// Pending, active: exceptions below 16.
+    /// Pending exceptions below 16.
     pub(crate) system_pending: u16,
+    /// Active exceptions below 16.
     pub(crate) system_active: u16,
-    /// The same of the interrupt lines.
+    /// Pending interrupt lines.
     pub(crate) pending: u128,
     pub(crate) enabled: u128,
     pub(crate) active: u128,
-    /// Levels of the lines as they were looked at last.
+    /// Levels of the lines at the last update.
     pub(crate) levels: u128,
-    /// By exception number.
+    /// Priorities by exception number.
     priorities: [u8; (EXTERNAL + LINES) as usize],
-    /// The bits of a priority that exist.
+    /// Implemented bits of a priority.
     mask: u8,
 }
 
@@ -36,12 +37,12 @@ impl Nvic {
         }
     }
 
-    /// How many bits of a priority exist.
+    /// Returns the number of implemented bits of a priority.
     pub(crate) fn priority_bits(&self) -> u8 {
         self.mask.count_ones() as u8
     }
 
-    /// A priority without the bits that do not exist.
+    /// Returns the implemented bits of a priority.
     pub(crate) fn implemented(&self, priority: u8) -> u8 {
         priority & self.mask
     }
@@ -56,7 +57,7 @@ impl Nvic {
         self.priorities.get(usize::from(exception)).copied().unwrap_or(0)
     }
 
-    /// The priority of an exception; the less, the more urgent.
+    /// Returns the priority of an exception; lower is more urgent.
     pub(crate) fn priority(&self, exception: u16) -> i16 {
         match exception {
             1 => -3,
@@ -70,7 +71,7 @@ impl Nvic {
         self.system_pending |= 1 << exception;
     }
 
-    /// Takes the exception from pending to active.
+    /// Moves the exception from pending to active.
     pub(crate) fn activate(&mut self, exception: u16) {
         if exception < EXTERNAL {
             self.system_pending &= !(1 << exception);
@@ -112,7 +113,7 @@ impl Nvic {
         self.system_active.count_ones() + self.active.count_ones()
     }
 
-    /// Takes over the lines: those that have risen pend their interrupt.
+    /// Reads the lines; a rising line pends its interrupt.
     pub(crate) fn update(&mut self, interrupts: &mut Interrupts) {
         let levels = interrupts.levels();
         self.pending |= levels & !self.levels;
@@ -122,7 +123,7 @@ impl Nvic {
         }
     }
 
-    /// Exceptions of a set, in order of their numbers.
+    /// Iterates over the exceptions of a set, in order of their numbers.
     fn each(system: u16, external: u128) -> impl Iterator<Item = u16> {
         let (mut system, mut external) = (system, external);
         std::iter::from_fn(move || {
@@ -140,31 +141,33 @@ impl Nvic {
         })
     }
 
-    /// The most urgent pending exception that is enabled; of equal ones that with the least number.
+    /// Returns the most urgent pending and enabled exception; among equals the one with the lowest
+    /// number.
     pub(crate) fn most_urgent(&self) -> Option<u16> {
-        // A debug monitor is not modelled: it is never enabled.
+        // The debug monitor is not modelled: it is never enabled.
         let system = self.system_pending & !(1 << DEBUG_MONITOR);
         Self::each(system, self.pending & self.enabled).min_by_key(|number| (self.priority(*number), *number))
     }
 
-    /// The most urgent of the active exceptions, as a group priority.
+    /// Returns the group priority of the most urgent active exception.
     pub(crate) fn active_priority(&self, group: u8) -> i16 {
         Self::each(self.system_active, self.active).map(|number| self.group_priority(number, group)).min().unwrap_or(256)
     }
 
-    /// The priority without its subpriority, by AIRCR.PRIGROUP.
+    /// Returns the priority without its subpriority, by AIRCR.PRIGROUP.
     pub(crate) fn group_priority(&self, exception: u16, group: u8) -> i16 {
         in_group(self.priority(exception), group)
     }
 }
 
-/// A priority without the bits of the subpriority. Those of system exceptions below 0 are whole.
+/// Returns a priority without the bits of the subpriority. Negative ones, of system exceptions,
+/// have no subpriority.
 fn in_group(priority: i16, group: u8) -> i16 {
     if priority < 0 { priority } else { priority & !((2 << group) - 1) }
 }
 
 impl Cpu {
-    /// `ExecutionPriority` (B1.5.4).
+    /// Computes `ExecutionPriority` (B1.5.4).
     pub(crate) fn execution_priority(&self) -> i16 {
         let group = self.scb.priority_group();
         let mut priority = self.nvic.active_priority(group);
@@ -180,12 +183,13 @@ impl Cpu {
         priority
     }
 
-    /// The pending exception that preempts a given priority now. Those that a debugger's step holds back (C_MASKINTS, C1.6.2) stay pending.
+    /// Returns the pending exception that preempts a given priority now. Exceptions that a
+    /// debugger's step masks (C_MASKINTS, C1.6.2) stay pending.
     pub(crate) fn enters(&self, priority: i16) -> Option<u16> {
         self.preempting(priority).filter(|exception| !self.holds_interrupts || *exception < PENDSV)
     }
 
-    /// The pending exception that would preempt a given priority.
+    /// Returns the pending exception that would preempt a given priority.
     pub(crate) fn preempting(&self, priority: i16) -> Option<u16> {
         let number = self.nvic.most_urgent()?;
         (self.nvic.group_priority(number, self.scb.priority_group()) < priority).then_some(number)

@@ -1,4 +1,4 @@
-//! The private peripheral bus: which register stands where (B3.1).
+//! Private peripheral bus: addresses of the processor's registers (B3.1).
 
 use std::sync::Arc;
 
@@ -8,20 +8,20 @@ use crate::cpu::{Cpu, Trap};
 use crate::interrupts::LINES;
 use crate::machine::Machine;
 
-/// An access to a register of the processor that the model does not have.
+/// Access to a register of the processor that is not modelled.
 #[derive(Debug, thiserror::Error)]
-#[error("{} of the processor's register {address:#010x}, which is not modelled", if *.write { "write" } else { "read" })]
+#[error("{} of the processor register {address:#010x}, which is not modelled", if *.write { "write" } else { "read" })]
 pub struct UnknownRegister {
     /// Address of the register.
     pub address: u32,
-    /// Whether it was to be written.
+    /// `true` if the access is a write.
     pub write: bool,
 }
 
-/// Handlers' states in SHCSR: exception number and bits of active and pending (B3.2.13).
+/// States of handlers in SHCSR: exception number, and bits of active and pending (B3.2.13).
 const HANDLERS: [(u16, u32, u32); 6] = [(4, 0, 13), (5, 1, 14), (6, 3, 12), (11, 7, 15), (14, 10, 32), (15, 11, 32)];
 
-/// Where a word of 32 interrupt lines stands in the set of all.
+/// Returns the word of 32 interrupt lines with this number.
 fn word(set: u128, number: u32) -> u32 {
     set.checked_shr(32 * number).unwrap_or(0) as u32
 }
@@ -36,7 +36,7 @@ impl<C: Chip> Machine<C> {
         Trap::Stop
     }
 
-    /// Whether a register may be accessed by byte or halfword.
+    /// Returns `true` if a register may be accessed by byte or halfword.
     fn is_divisible(address: u32) -> bool {
         matches!(address, 0xE000_E400..0xE000_E500 | 0xE000_ED18..0xE000_ED24 | 0xE000_ED28..0xE000_ED2C)
     }
@@ -68,14 +68,14 @@ impl<C: Chip> Machine<C> {
             if !Self::is_divisible(address) {
                 return Err(self.unknown(address, true));
             }
-            // CFSR is cleared by ones: the bytes that are not written stay as they are.
+            // Writing ones clears CFSR, so the bytes that are not written must be zero.
             if address & !3 != 0xE000_ED28 {
                 value |= self.read_register(address & !3).unwrap_or(0) & !mask;
             }
         }
         let known = self.write_register(address & !3, value);
         self.cpu.float_ready = false;
-        self.cpu.attend();
+        self.cpu.schedule_check();
         known.ok_or_else(|| self.unknown(address, true))
     }
 
@@ -128,14 +128,14 @@ impl<C: Chip> Machine<C> {
         match address {
             0xE000_1000 => cpu.dwt.set_control(value & 0x007F_1FFF, cpu.dwt.enabled, now),
             0xE000_1004 => cpu.dwt.set_count(value, now),
-            // Lock access: there is no lock to open.
+            // Lock access register: there is no lock to open.
             0xE000_1FB0 => {}
             0xE000_E008 => cpu.scb.actlr = value & 0x307,
             0xE000_E010..0xE000_E01C => cpu.systick.write(address & 15, value, now),
             0xE000_E100..0xE000_E140 => cpu.nvic.enabled |= lines(number, value),
             0xE000_E180..0xE000_E1C0 => cpu.nvic.enabled &= !lines(number, value),
             0xE000_E200..0xE000_E240 => cpu.nvic.pending |= lines(number, value),
-            // A line that is high stays pending.
+            // The interrupt of a high line stays pending.
             0xE000_E280..0xE000_E2C0 => cpu.nvic.pending &= !lines(number, value) | cpu.nvic.levels & !cpu.nvic.active,
             0xE000_E400..0xE000_E500 => set_priorities(cpu, EXTERNAL + (address & 0xFF) as u16, value),
             0xE000_ED04 => {
@@ -155,7 +155,7 @@ impl<C: Chip> Machine<C> {
                     self.interrupts.pull_reset();
                 }
             }
-            // Without its key a write does nothing.
+            // A write without the key does nothing.
             0xE000_ED0C => {}
             0xE000_ED10 => cpu.scb.scr = value & 0x16,
             0xE000_ED14 => cpu.scb.ccr = value & 0x31B,
@@ -200,7 +200,7 @@ const IDENTITY: [u32; 13] = [
     0x0131_0132,
 ];
 
-/// Four priorities, from that of `first`.
+/// Returns four priorities, starting with exception `first`.
 fn priorities(cpu: &Cpu, first: u16) -> u32 {
     (0..4).map(|at| u32::from(cpu.nvic.stored_priority(first + at)) << (8 * at)).sum()
 }

@@ -1,10 +1,12 @@
-//! The system control block (B3.2) and the control of the floating-point context (B3.2.20 to B3.2.22).
+//! System control block (B3.2) and control of the floating-point context (B3.2.20 to B3.2.22).
 
 use super::{BUS_FAULT, MEMORY_FAULT, USAGE_FAULT};
 
-/// FPCCR: automatic state preservation, lazy preservation, the latter pending.
+/// FPCCR: automatic state preservation.
 pub(crate) const ASPEN: u32 = 1 << 31;
+/// FPCCR: lazy state preservation.
 pub(crate) const LSPEN: u32 = 1 << 30;
+/// FPCCR: lazy state preservation pending.
 pub(crate) const LSPACT: u32 = 1;
 
 /// CFSR (B3.2.15).
@@ -27,19 +29,21 @@ pub(crate) const NOCP: u32 = 1 << 19;
 pub(crate) const UNALIGNED: u32 = 1 << 24;
 pub(crate) const DIVBYZERO: u32 = 1 << 25;
 
-/// HFSR: a fault while reading a vector, a fault that was escalated, a breakpoint without debugger.
+/// HFSR: fault while reading a vector.
 pub(crate) const VECTTBL: u32 = 1 << 1;
+/// HFSR: escalated fault.
 pub(crate) const FORCED: u32 = 1 << 30;
+/// HFSR: breakpoint without a debugger.
 pub(crate) const DEBUGEVT: u32 = 1 << 31;
 
-/// The registers that only hold what was written, or what faults leave.
+/// Registers that only hold a written value, or a status that faults set.
 #[derive(Clone, Debug)]
 pub(crate) struct Scb {
     pub(crate) vtor: u32,
     pub(crate) aircr: u32,
     pub(crate) scr: u32,
     pub(crate) ccr: u32,
-    /// The enable bits of SHCSR.
+    /// Enable bits of SHCSR.
     pub(crate) shcsr: u32,
     pub(crate) cfsr: u32,
     pub(crate) hfsr: u32,
@@ -55,7 +59,7 @@ pub(crate) struct Scb {
 }
 
 impl Default for Scb {
-    /// Values after reset.
+    /// Returns the values after reset.
     fn default() -> Scb {
         Scb {
             vtor: 0,
@@ -109,7 +113,7 @@ impl Scb {
         self.scr & 1 << 4 != 0
     }
 
-    /// Whether a configurable fault has its own handler enabled.
+    /// Returns `true` if a configurable fault has its own handler enabled.
     pub(crate) fn handles(&self, fault: u16) -> bool {
         match fault {
             MEMORY_FAULT => self.shcsr & 1 << 16 != 0,

@@ -1,4 +1,4 @@
-//! The system timer (B3.3).
+//! System timer (B3.3).
 
 use crate::chip::Cycle;
 
@@ -8,16 +8,17 @@ const CLKSOURCE: u32 = 1 << 2;
 const COUNTFLAG: u32 = 1 << 16;
 const MASK: u32 = 0x00FF_FFFF;
 
-/// A counter that is not counted: only when it comes to zero is stored.
+/// System timer. Instead of a running count, only the time of its next zero is stored.
 #[derive(Clone, Debug)]
 pub(crate) struct SysTick {
     control: u32,
     reload: u32,
-    /// The count while it stands.
+    /// Count while the timer is stopped.
     value: u32,
-    /// When a running counter comes to zero, in cycles of the processor times the counts of [`rate`](SysTick::rate): a whole number.
+    /// Time of the next zero, in cycles of the processor times the counts of
+    /// [`rate`](SysTick::rate), which makes it a whole number.
     zero: Cycle,
-    /// Counts of the core clock in so many cycles of the processor.
+    /// Clock ratio of the core clock: counts, and cycles of the processor during these counts.
     core: (u32, u32),
 }
 
@@ -28,12 +29,13 @@ impl Default for SysTick {
 }
 
 impl SysTick {
-    /// Lets it count `counts` times in `cycles` cycles where it counts the core clock.
+    /// Sets the core clock to `counts` counts in `cycles` cycles.
     pub(crate) fn set_core_clock(&mut self, counts: u32, cycles: u32) {
         self.core = (counts, cycles);
     }
 
-    /// Counts, in so many cycles. The reference clock is an eighth of the processor's.
+    /// Returns the counts, and the cycles of the processor during these counts. The reference clock
+    /// is an eighth of the processor's.
     fn rate(&self) -> (Cycle, Cycle) {
         let (counts, cycles) = if self.control & CLKSOURCE != 0 { self.core } else { (1, 8) };
         (counts.into(), cycles.into())
@@ -43,12 +45,12 @@ impl SysTick {
         self.control & ENABLE != 0 && self.zero != Cycle::MAX
     }
 
-    /// When the counter next comes to zero.
+    /// Returns the cycle of the next zero.
     pub(crate) fn due(&self) -> Cycle {
         if self.runs() { self.zero.div_ceil(self.rate().0) } else { Cycle::MAX }
     }
 
-    /// Lets it count to `now`; whether the exception is pended.
+    /// Advances to `now`. Returns `true` if the exception is pended.
     pub(crate) fn advance(&mut self, now: Cycle) -> bool {
         if self.due() > now {
             return false;
@@ -68,17 +70,17 @@ impl SysTick {
         }
         let (counts, cycles) = self.rate();
         let left = self.zero.saturating_sub(now * counts).div_ceil(cycles) as u32;
-        // The count of a whole period is that of zero itself, just before the reload.
+        // A full period remaining is shown as zero: the counter reloads with the next clock.
         if left > self.reload && self.value == 0 { 0 } else { left & MASK }
     }
 
-    /// Lets it stand; returns when it would come to zero, for [`go_on`](SysTick::go_on).
+    /// Stops the timer; returns the time of its next zero, for [`resume`](SysTick::resume).
     pub(crate) fn hold(&mut self) -> Cycle {
         std::mem::replace(&mut self.zero, Cycle::MAX)
     }
 
-    /// Lets it go on after it has stood for some cycles of the processor.
-    pub(crate) fn go_on(&mut self, zero: Cycle, stood: Cycle) {
+    /// Resumes the timer after `stood` cycles of the processor.
+    pub(crate) fn resume(&mut self, zero: Cycle, stood: Cycle) {
         self.zero = if zero == Cycle::MAX { zero } else { zero + stood * self.rate().0 };
     }
 
@@ -91,7 +93,7 @@ impl SysTick {
             }
             4 => self.reload,
             8 => self.count(now),
-            // No calibration value.
+            // SYST_CALIB: no calibration value.
             _ => 1 << 31,
         }
     }
@@ -109,7 +111,8 @@ impl SysTick {
                 }
             }
             4 => self.reload = value & MASK,
-            // Any value clears the count and COUNTFLAG; a running counter reloads with the next clock.
+            // Any value clears the count and COUNTFLAG; a running counter reloads with the next
+            // clock.
             8 => {
                 self.control &= !COUNTFLAG;
                 self.value = 0;
@@ -121,7 +124,7 @@ impl SysTick {
         }
     }
 
-    /// Counts down from `count`, or from the reload value after zero.
+    /// Starts the timer from `count`, or from the reload value if `count` is zero.
     fn start(&mut self, count: u32, now: Cycle) {
         let (counts, cycles) = self.rate();
         self.value = count;

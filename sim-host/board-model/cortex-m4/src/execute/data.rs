@@ -3,7 +3,7 @@
 use crate::cpu::Cpu;
 use crate::op::{Alu, Bits, Extend, Sets, Shift};
 
-/// `AddWithCarry` (A2.2.1): sum, carry out and overflow.
+/// Returns sum, carry out and overflow: `AddWithCarry` (A2.2.1).
 #[inline(always)]
 pub(super) fn add_with_carry(x: u32, y: u32, carry: bool) -> (u32, bool, bool) {
     let wide = u64::from(x) + u64::from(y) + u64::from(carry);
@@ -12,7 +12,7 @@ pub(super) fn add_with_carry(x: u32, y: u32, carry: bool) -> (u32, bool, bool) {
 }
 
 impl Cpu {
-    /// `d = x + y + carry`, with all four flags if it sets them.
+    /// Computes `d = x + y + carry`, and all four flags if selected.
     #[inline(always)]
     pub(super) fn add(&mut self, d: u8, x: u32, y: u32, carry: bool, sets: Sets) {
         let (sum, c, v) = add_with_carry(x, y, carry);
@@ -32,7 +32,7 @@ impl Cpu {
         self.flags.v = v;
     }
 
-    /// A result that sets N, Z, and C from the shifter.
+    /// Stores a result, and sets N, Z, and C from the shifter if selected.
     #[inline(always)]
     pub(super) fn logical(&mut self, d: u8, result: u32, carry: bool, sets: Sets) {
         if self.sets(sets) {
@@ -42,7 +42,7 @@ impl Cpu {
         self.set(d, result);
     }
 
-    /// Any operation with its second operand and the carry out of the shifter.
+    /// Executes an operation with its second operand and the carry out of the shifter.
     #[inline]
     pub(super) fn alu(&mut self, alu: Alu, d: u8, n: u8, operand: (u32, bool), sets: Sets) {
         let (x, (y, carry)) = (self.get(n), operand);
@@ -73,7 +73,7 @@ impl Cpu {
         }
     }
 
-    /// An immediate with the carry that its expansion gives.
+    /// Returns an immediate with the carry of its expansion.
     #[inline(always)]
     pub(super) fn expanded(&self, imm: u32, rotated: bool) -> (u32, bool) {
         (imm, if rotated { imm >> 31 == 1 } else { self.flags.c })
@@ -97,7 +97,7 @@ impl Cpu {
         self.set(d, result);
     }
 
-    /// `SXTB` … `UXTAB16`; without an accumulator where `n` is 15.
+    /// Executes `SXTB` … `UXTAB16`; without an accumulator if `n` is 15.
     pub(super) fn extend(&mut self, extend: Extend, d: u8, n: u8, m: u8, rotate: u8) {
         let value = self.get(m).rotate_right(u32::from(rotate));
         let base = if n == 15 { 0 } else { self.get(n) };
@@ -114,14 +114,14 @@ impl Cpu {
         self.set(d, result);
     }
 
-    /// `UBFX`, `SBFX`; bits above 31 are not predictable and read as 0 here.
+    /// Executes `UBFX`, `SBFX`. Bits above 31 are unpredictable in the manual and read as 0 here.
     pub(super) fn extract(&mut self, signed: bool, d: u8, n: u8, lsb: u8, width: u8) {
         let above = 32 - u32::from(width);
         let field = (self.get(n) >> lsb) << above;
         self.set(d, if signed { (field as i32 >> above) as u32 } else { field >> above });
     }
 
-    /// `BFI`, and `BFC` where `n` is 15.
+    /// Executes `BFI`, and `BFC` if `n` is 15.
     pub(super) fn insert(&mut self, d: u8, n: u8, lsb: u8, width: u8) {
         let mask = (u32::MAX >> (32 - u32::from(width))) << lsb;
         let source = if n == 15 { 0 } else { self.get(n) << lsb };

@@ -3,7 +3,7 @@
 use crate::cpu::Cpu;
 use crate::op::{Lanes, Parallel, Shift};
 
-/// `value` within `bits` bits, signed or unsigned, and whether that changed it.
+/// Limits `value` to `bits` bits, signed or unsigned. Returns `true` if that changed it.
 fn saturate(value: i64, signed: bool, bits: u8) -> (u32, bool) {
     let (low, high) = match signed {
         true => (-(1i64 << (bits - 1)), (1i64 << (bits - 1)) - 1),
@@ -31,7 +31,7 @@ impl Cpu {
         self.set(d, low & 0xFFFF | high << 16);
     }
 
-    /// `QADD` and its kin: `m ± n`, `n` doubled with saturation first where asked.
+    /// Executes `QADD` and similar: `m ± n`, with `n` first doubled with saturation if selected.
     pub(super) fn saturating_add(&mut self, d: u8, n: u8, m: u8, double: bool, subtract: bool) {
         let (mut x, y) = (i64::from(self.get(n) as i32), i64::from(self.get(m) as i32));
         if double {
@@ -52,13 +52,13 @@ impl Cpu {
         self.set(d, low & 0xFFFF | high & 0xFFFF_0000);
     }
 
-    /// `SEL`: each byte from `n` where its GE flag is set, else from `m`.
+    /// Executes `SEL`: each byte comes from `n` if its GE flag is set, otherwise from `m`.
     pub(super) fn select(&mut self, d: u8, n: u8, m: u8) {
         let mask = (0..4).map(|lane| u32::from(self.flags.ge >> lane & 1) * (0xFF << (8 * lane))).sum::<u32>();
         self.set(d, self.get(n) & mask | self.get(m) & !mask);
     }
 
-    /// Parallel addition and subtraction in two halves or four bytes.
+    /// Adds or subtracts two halves or four bytes in parallel.
     pub(super) fn parallel(&mut self, lanes: Lanes, parallel: Parallel, d: u8, n: u8, m: u8) {
         let (x, mut y) = (self.get(n), self.get(m));
         let bytes = matches!(parallel, Parallel::Add8 | Parallel::Sub8);
@@ -89,7 +89,7 @@ impl Cpu {
                 Lanes::SignedSaturating | Lanes::UnsignedSaturating => saturate(exact, signed, width as u8).0,
             };
             result |= (value & (u32::MAX >> (32 - width))) << at;
-            // Not below zero; for an unsigned sum: a carry (A7.7, UADD16).
+            // GE: result not below zero; for an unsigned sum, a carry (A7.7, UADD16).
             let greater = if signed || subtracts { exact >= 0 } else { exact >> width != 0 };
             if greater {
                 ge |= (if bytes { 1 } else { 3 }) << (at / 8);

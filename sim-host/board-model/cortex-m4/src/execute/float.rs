@@ -17,14 +17,14 @@ impl Cpu {
         self.s[usize::from(s & 31)] = value;
     }
 
-    /// A result of arithmetic, which the very next instruction has to wait a cycle for.
+    /// Stores an arithmetic result. The very next instruction waits one cycle if it uses it.
     #[inline(always)]
     fn result(&mut self, d: u8, value: u32) {
         self.set_float(d, value);
         self.last_float = Last { register: d, next: self.instructions + 1 };
     }
 
-    /// An operand, with the wait for it.
+    /// Adds the wait for operands that the previous instruction has computed.
     #[inline(always)]
     fn operands(&mut self, n: u8, m: u8) {
         let last = self.last_float;
@@ -55,7 +55,7 @@ impl Cpu {
         let x = self.float(m);
         let old = self.float(d);
         let fpscr = &mut self.fpscr;
-        let mode = Rounding::of(*fpscr);
+        let mode = Rounding::from_fpscr(*fpscr);
         match op {
             Float1::Mov => x,
             Float1::Abs => x & !(1 << 31),
@@ -180,7 +180,7 @@ impl<C: Chip> Machine<C> {
                 (cpu.flags.n, cpu.flags.z, cpu.flags.c, cpu.flags.v) = (bit(31), bit(30), bit(29), bit(28));
             }
             Op::ReadFpscr { t } => cpu.set(t, cpu.fpscr),
-            Op::WriteFpscr { t } => cpu.fpscr = cpu.get(t) & float::EXISTING,
+            Op::WriteFpscr { t } => cpu.fpscr = cpu.get(t) & float::FPSCR_BITS,
             _ => return Err(Trap::Undefined),
         }
         Ok(())
@@ -188,7 +188,7 @@ impl<C: Chip> Machine<C> {
 }
 
 impl Cpu {
-    /// Where `VLDM`, `VSTM` begin, and the base register afterwards.
+    /// Returns the start address of `VLDM`, `VSTM`, and the base register afterwards.
     fn block(&self, n: u8, count: u8, before: bool) -> (u32, u32) {
         let (base, bytes) = (self.get(n), 4 * u32::from(count));
         if before { (base.wrapping_sub(bytes), base.wrapping_sub(bytes)) } else { (base, base.wrapping_add(bytes)) }

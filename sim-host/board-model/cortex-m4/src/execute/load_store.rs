@@ -1,4 +1,4 @@
-//! Loads and stores of one and of many words.
+//! Loads and stores of one or several words.
 
 use crate::chip::Chip;
 use crate::cpu::{Cpu, Last, Trap};
@@ -7,7 +7,7 @@ use crate::op::{Index, Size};
 use crate::timing::Target;
 
 impl Cpu {
-    /// The address of an access and the value of its base register afterwards.
+    /// Returns the address of an access and the value of its base register afterwards.
     pub(super) fn indexed(&self, n: u8, index: Index, offset: i16) -> (u32, u32) {
         // Register 15 as a base is aligned.
         let base = if n == 15 { self.get(15) & !3 } else { self.get(n) };
@@ -19,7 +19,8 @@ impl Cpu {
         }
     }
 
-    /// One cycle less right after a load, unless that gives the address, or the fetch of this instruction had to wait.
+    /// Subtracts one cycle right after a load, unless the load computes the address or the fetch of
+    /// this instruction had to wait.
     #[inline(always)]
     pub(super) fn pipeline(&mut self, n: u8, m: u8) {
         let last = self.last_load;
@@ -30,7 +31,7 @@ impl Cpu {
 }
 
 impl<C: Chip> Machine<C> {
-    /// Loads into a register, with the address from `n` and `m`.
+    /// Loads into a register. The address comes from registers `n` and `m`.
     #[inline(always)]
     pub(super) fn load_to(&mut self, size: Size, t: u8, address: u32, n: u8, m: u8) -> Result<(), Trap> {
         self.cpu.pipeline(n, m);
@@ -48,7 +49,7 @@ impl<C: Chip> Machine<C> {
         Ok(())
     }
 
-    /// `LDM`, `POP`. The PC comes last; the base is restored where a word faults.
+    /// Executes `LDM`, `POP`. The PC is loaded last; the base is restored if a word faults.
     pub(super) fn load_many(&mut self, n: u8, list: u16, before: bool, back: bool) -> Result<(), Trap> {
         let base = self.cpu.get(n);
         let bytes = 4 * list.count_ones();
@@ -104,7 +105,8 @@ impl<C: Chip> Machine<C> {
         Ok(())
     }
 
-    /// `STREX`, `STREXB`, `STREXH`. The mark is on one address; the M4's own covers all of memory, which no correct program can tell.
+    /// Executes `STREX`, `STREXB`, `STREXH`. One address is marked; the monitor of the M4 covers
+    /// all memory, which makes no difference to a correct program.
     pub(super) fn store_exclusive(&mut self, size: Size, d: u8, t: u8, n: u8, offset: u16) -> Result<(), Trap> {
         let address = self.cpu.get(n).wrapping_add(offset.into());
         self.must_be_aligned(size, address)?;
@@ -117,7 +119,7 @@ impl<C: Chip> Machine<C> {
         Ok(())
     }
 
-    /// `LDRT`, `STRT` and their kin: as in unprivileged thread mode.
+    /// Executes `LDRT`, `STRT` and similar, with the rights of unprivileged thread mode.
     pub(super) fn unprivileged(&mut self, load: bool, size: Size, t: u8, address: u32) -> Result<(), Trap> {
         self.as_user = true;
         let done = match load {

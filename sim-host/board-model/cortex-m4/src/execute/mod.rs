@@ -1,4 +1,4 @@
-//! What each instruction does (ARM DDI 0403, A7.7).
+//! Execution of instructions (ARM DDI 0403, A7.7).
 
 mod data;
 mod dsp;
@@ -93,12 +93,12 @@ impl<C: Chip> Machine<C> {
             Op::Nop | Op::Barrier => {}
             Op::WaitInterrupt => {
                 cpu.asleep = Some(Sleep::Interrupt);
-                cpu.attend();
+                cpu.schedule_check();
             }
             Op::WaitEvent if cpu.event => cpu.event = false,
             Op::WaitEvent => {
                 cpu.asleep = Some(Sleep::Event);
-                cpu.attend();
+                cpu.schedule_check();
             }
             Op::SendEvent => cpu.event = true,
             Op::Supervisor => return Err(Trap::Supervisor),
@@ -213,12 +213,12 @@ impl<C: Chip> Machine<C> {
         Ok(())
     }
 
-    /// Hands a breakpoint to the part, which may answer it as a semihosting host does.
+    /// Passes a breakpoint to the chip, which may answer it as a semihosting host does.
     fn breakpoint(&mut self, number: u8) -> Result<(), Trap> {
         let call = crate::chip::Breakpoint { number, r0: self.cpu.r[0], r1: self.cpu.r[1], pc: self.cpu.pc, at: self.cpu.cycle };
         let answer =
             self.chip.breakpoint(call, crate::chip::Ports { memory: &mut self.memory, interrupts: &mut self.interrupts });
-        self.look_at_part();
+        self.update_from_chip();
         match answer {
             Ok(Some(r0)) => {
                 self.cpu.r[0] = r0;

@@ -3,12 +3,12 @@
 use crate::cpu::{Cpu, Trap};
 use crate::op::{Long, Product};
 
-/// The low or the top half as a signed number.
+/// Returns the low or the top half as a signed number.
 fn half(value: u32, top: bool) -> i64 {
     i64::from(if top { (value >> 16) as i16 } else { value as i16 })
 }
 
-/// The sum or difference of the two products of halves.
+/// Returns the sum or difference of the two products of halves.
 fn dual(x: u32, y: u32, swap: bool, subtract: bool) -> i64 {
     let y = if swap { y.rotate_right(16) } else { y };
     let (low, high) = (half(x, false) * half(y, false), half(x, true) * half(y, true));
@@ -16,7 +16,8 @@ fn dual(x: u32, y: u32, swap: bool, subtract: bool) -> i64 {
 }
 
 impl Cpu {
-    /// A product of 32 bits; the accumulator is absent where `a` is 15. Q is set where an addition overflows.
+    /// Computes a product of 32 bits, without an accumulator if `a` is 15. An overflow of an
+    /// addition sets Q.
     pub(super) fn product(&mut self, product: Product, d: u8, n: u8, m: u8, a: u8) {
         let (x, y) = (self.get(n), self.get(m));
         let accumulator = if a == 15 { 0 } else { self.get(a) };
@@ -43,7 +44,7 @@ impl Cpu {
         self.set(d, result);
     }
 
-    /// A product of 64 bits.
+    /// Computes a product of 64 bits.
     #[inline]
     pub(super) fn long(&mut self, long: Long, lo: u8, hi: u8, n: u8, m: u8) {
         let (x, y) = (self.get(n), self.get(m));
@@ -63,7 +64,8 @@ impl Cpu {
         self.set(hi, (result >> 32) as u32);
     }
 
-    /// `SDIV`, `UDIV`: towards zero; by zero gives 0, or a fault where CCR.DIV_0_TRP is set.
+    /// Executes `SDIV`, `UDIV`, rounded towards zero. A division by zero gives 0, or a fault if
+    /// CCR.DIV_0_TRP is set.
     pub(super) fn divide(&mut self, signed: bool, d: u8, n: u8, m: u8) -> Result<(), Trap> {
         let (x, y) = (self.get(n), self.get(m));
         if y == 0 && self.scb.traps_division() {

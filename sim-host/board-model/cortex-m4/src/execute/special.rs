@@ -3,7 +3,8 @@
 use crate::cpu::{Cpu, Flags};
 
 impl Cpu {
-    /// PRIMASK and FAULTMASK; nothing where unprivileged. FAULTMASK cannot be set at the priority of a hard fault or above.
+    /// Changes PRIMASK and FAULTMASK in privileged state. FAULTMASK cannot be set at the priority
+    /// of a hard fault or above.
     pub(super) fn change_state(&mut self, disable: bool, primask: bool, faultmask: bool) {
         if !self.privileged() {
             return;
@@ -14,14 +15,14 @@ impl Cpu {
         if faultmask && (!disable || self.execution_priority() > -1) {
             self.faultmask = disable;
         }
-        self.attend();
+        self.schedule_check();
     }
 
     /// `MRS`
     pub(super) fn read_special(&mut self, d: u8, special: u8) {
         let privileged = self.privileged();
         let value = match special {
-            // APSR, EPSR (reads as zero) and IPSR by the bits of the number.
+            // APSR, EPSR (reads as zero) and IPSR, selected by the bits of the number.
             0..=7 => {
                 let ipsr = if special & 1 == 1 { u32::from(self.ipsr) } else { 0 };
                 let apsr = if special & 4 == 0 { self.flags.bits() } else { 0 };
@@ -61,7 +62,7 @@ impl Cpu {
             9 => self.set_stack_pointer(true, value),
             16 => self.set_primask(value & 1 == 1),
             17 => self.basepri = self.nvic.implemented(value as u8),
-            // BASEPRI_MAX: only towards more urgent.
+            // BASEPRI_MAX: can only become more urgent.
             18 => {
                 let priority = self.nvic.implemented(value as u8);
                 if priority != 0 && (self.basepri == 0 || priority < self.basepri) {
@@ -79,7 +80,7 @@ impl Cpu {
             }
             _ => {}
         }
-        self.attend();
+        self.schedule_check();
     }
 
     fn set_primask(&mut self, masked: bool) {
@@ -87,12 +88,12 @@ impl Cpu {
         self.watch.mask(masked, self.cycle);
     }
 
-    /// CONTROL.SPSEL; in handlers it reads as 0 in effect, as the main stack is in use.
+    /// Returns CONTROL.SPSEL. In handlers it reads as 0, because the main stack is active.
     fn process_stack_selected(&self) -> bool {
         self.on_process_stack
     }
 
-    /// MSP or PSP.
+    /// Returns MSP or PSP.
     pub(crate) fn stack_pointer(&self, process: bool) -> u32 {
         if process == self.on_process_stack { self.r[13] } else { self.other_sp }
     }

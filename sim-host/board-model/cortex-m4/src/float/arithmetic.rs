@@ -4,18 +4,19 @@ use super::number::{Finite, Number, SINGLE, infinity, invalid, is_nan, propagate
 use super::{DZC, IOC, Rounding, as_host, is_plain};
 
 fn finish(number: Finite, fpscr: &mut u32) -> u32 {
-    round(number, SINGLE, Rounding::of(*fpscr), fpscr)
+    round(number, SINGLE, Rounding::from_fpscr(*fpscr), fpscr)
 }
 
-/// The other sign, of a NaN as well.
+/// Inverts the sign, also of a NaN.
 #[inline]
 pub(crate) fn negate(bits: u32) -> u32 {
     bits ^ 1 << 31
 }
 
-/// The exact sum of two numbers, rounded. A sum that vanishes is negative if both are, or if the mode rounds down.
+/// Returns the exact sum of two numbers, rounded. A sum of zero is negative if both are, or if the
+/// mode rounds down.
 fn sum(x: Finite, y: Finite, fpscr: &mut u32) -> u32 {
-    let vanishing = if x.negative == y.negative { x.negative } else { Rounding::of(*fpscr) == Rounding::Down };
+    let vanishing = if x.negative == y.negative { x.negative } else { Rounding::from_fpscr(*fpscr) == Rounding::Down };
     let normal = |number: Finite| {
         let by = number.significand.leading_zeros() - 2;
         Finite { significand: number.significand << by, exponent: number.exponent - by as i32, ..number }
@@ -44,7 +45,7 @@ fn add_exactly(a: u32, b: u32, fpscr: &mut u32) -> u32 {
         (Number::Finite(x), Number::Finite(y)) => sum(x, y, fpscr),
         (Number::Infinite { negative: x }, Number::Infinite { negative: y }) if x != y => invalid(fpscr),
         (Number::Infinite { negative }, _) | (_, Number::Infinite { negative }) => infinity(negative),
-        _ => unreachable!("NaNs are propagated before"),
+        _ => unreachable!("NaNs are propagated earlier"),
     }
 }
 
@@ -52,7 +53,7 @@ fn add_exactly(a: u32, b: u32, fpscr: &mut u32) -> u32 {
 #[inline]
 pub(crate) fn add(a: u32, b: u32, fpscr: &mut u32) -> u32 {
     let result = f32::from_bits(a) + f32::from_bits(b);
-    // A sum that is zero, or subnormal, is exact.
+    // A sum that is zero or subnormal is exact.
     if as_host(*fpscr) && result.is_finite() {
         return result.to_bits();
     }
@@ -158,7 +159,7 @@ pub(crate) fn multiply_add(addend: u32, a: u32, b: u32, fpscr: &mut u32) -> u32 
     let negative = (a ^ b) >> 31 == 1;
     if is_nan(addend) || is_nan(a) || is_nan(b) {
         let result = propagate(&[addend, a, b], fpscr);
-        // Infinity times zero is invalid even next to a quiet NaN.
+        // Infinity times zero is invalid even if the addend is a quiet NaN.
         let (a, b) = (unpack(a, fpscr), unpack(b, fpscr));
         let is_zero = |number| matches!(number, Number::Finite(Finite { significand: 0, .. }));
         let is_infinite = |number| matches!(number, Number::Infinite { .. });
@@ -177,11 +178,11 @@ pub(crate) fn multiply_add(addend: u32, a: u32, b: u32, fpscr: &mut u32) -> u32 
         (Number::Infinite { negative: x }, Number::Infinite { negative: y }) if x != y => invalid(fpscr),
         (Number::Infinite { negative }, _) | (_, Number::Infinite { negative }) => infinity(negative),
         (Number::Finite(x), Number::Finite(y)) => sum(x, y, fpscr),
-        (Number::Nan, _) => unreachable!("NaNs are propagated before"),
+        (Number::Nan, _) => unreachable!("NaNs are propagated earlier"),
     }
 }
 
-/// `FPCompare`: N, Z, C, V in the lowest four bits.
+/// `FPCompare`: returns N, Z, C, V in the lowest four bits.
 pub(crate) fn compare(a: u32, b: u32, signal: bool, fpscr: &mut u32) -> u32 {
     if is_nan(a) || is_nan(b) {
         let _ = propagate(&[a, b], fpscr);

@@ -5,7 +5,7 @@ use super::number::{
 };
 use super::{AHP, DN, IOC, IXC, Rounding};
 
-/// `FixedToFP`: the lowest 16 or 32 bits with `fraction` bits below the point.
+/// `FixedToFP`: converts the lowest 16 or 32 bits with `fraction` bits below the point.
 pub(crate) fn from_fixed(value: u32, signed: bool, half: bool, fraction: u8, mode: Rounding, fpscr: &mut u32) -> u32 {
     let value = match (signed, half) {
         (true, true) => i64::from(value as i16),
@@ -36,7 +36,7 @@ pub(crate) fn to_fixed(bits: u32, signed: bool, half: bool, fraction: u8, mode: 
         Number::Finite(Finite { negative, exponent, significand }) => {
             let exponent = exponent + i32::from(fraction);
             let (magnitude, inexact) = match exponent {
-                // At least 2^63 unless zero: saturates.
+                // At least 2^63 unless zero, which saturates.
                 40.. => (if significand == 0 { 0 } else { i64::MAX as u128 }, false),
                 0..40 => (significand << exponent, false),
                 _ => {
@@ -93,7 +93,7 @@ pub(crate) fn to_half(bits: u32, fpscr: &mut u32) -> u32 {
     }
     match unpack(bits, fpscr) {
         Number::Finite(Finite { significand: 0, .. }) => sign,
-        Number::Finite(number) => round(number, HALF, Rounding::of(*fpscr), fpscr),
+        Number::Finite(number) => round(number, HALF, Rounding::from_fpscr(*fpscr), fpscr),
         _ if alternative => {
             *fpscr |= IOC;
             sign | 0x7FFF

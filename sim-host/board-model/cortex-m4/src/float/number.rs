@@ -1,12 +1,12 @@
-//! Taking numbers apart, and rounding exact ones.
+//! Unpacking of numbers, and rounding of exact ones.
 
 use super::{AHP, DN, FZ, IDC, IOC, IXC, OFC, Rounding, UFC};
 
-/// What `NaN` results are where nothing is propagated.
+/// NaN result if no operand is propagated.
 pub(super) const DEFAULT_NAN: u32 = 0x7FC0_0000;
 pub(super) const INFINITY: u32 = 0x7F80_0000;
 
-/// A number of single precision.
+/// Number of single precision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Number {
     Nan,
@@ -17,7 +17,7 @@ pub(super) enum Number {
     Finite(Finite),
 }
 
-/// `± significand · 2^exponent`; the lowest bit may stand for all below it.
+/// `± significand · 2^exponent`; the lowest bit can represent all bits below it (sticky).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Finite {
     pub(super) negative: bool,
@@ -25,7 +25,7 @@ pub(super) struct Finite {
     pub(super) significand: u128,
 }
 
-/// `FPUnpack`: flushes subnormal numbers where FPSCR asks for it.
+/// `FPUnpack`: flushes subnormal numbers if FPSCR selects it.
 pub(super) fn unpack(bits: u32, fpscr: &mut u32) -> Number {
     let negative = bits >> 31 == 1;
     let (exponent, fraction) = (bits >> 23 & 0xFF, bits & 0x7F_FFFF);
@@ -46,14 +46,14 @@ fn is_signalling(bits: u32) -> bool {
     bits & 0x7FC0_0000 == INFINITY && bits & 0x3F_FFFF != 0
 }
 
-/// Whether `bits` are a NaN.
+/// Returns `true` if `bits` are a NaN.
 pub(super) fn is_nan(bits: u32) -> bool {
     bits & 0x7FFF_FFFF > INFINITY
 }
 
-/// `FPProcessNaNs`: the first signalling operand, made quiet, else the first quiet one.
+/// `FPProcessNaNs`: returns the first signalling operand, made quiet, or else the first quiet one.
 pub(super) fn propagate(operands: &[u32], fpscr: &mut u32) -> u32 {
-    // Each operand is unpacked, and may be flushed.
+    // Each operand is unpacked, and flushed if subnormal.
     for bits in operands {
         unpack(*bits, fpscr);
     }
@@ -67,7 +67,7 @@ pub(super) fn propagate(operands: &[u32], fpscr: &mut u32) -> u32 {
     }
 }
 
-/// An invalid operation: the default NaN.
+/// Returns the default NaN and sets the flag of an invalid operation.
 pub(super) fn invalid(fpscr: &mut u32) -> u32 {
     *fpscr |= IOC;
     DEFAULT_NAN
@@ -81,7 +81,7 @@ pub(super) fn infinity(negative: bool) -> u32 {
     zero(negative) | INFINITY
 }
 
-/// Shifts right; what falls off stays in the lowest bit.
+/// Shifts right; the lowest bit is set if a shifted-out bit was set.
 pub(super) fn shift_sticky(significand: u128, by: u32) -> u128 {
     match significand.checked_shr(by) {
         _ if by == 0 => significand,
@@ -90,7 +90,8 @@ pub(super) fn shift_sticky(significand: u128, by: u32) -> u128 {
     }
 }
 
-/// Whether a magnitude whose integer part is odd or even is rounded up, by the part below: against half a unit.
+/// Returns `true` if a magnitude is rounded up. `odd` is the parity of its integer part, `rest` the
+/// part below it, and `half` half a unit.
 pub(super) fn rounds_up(mode: Rounding, negative: bool, odd: bool, rest: u128, half: u128) -> bool {
     match mode {
         Rounding::Nearest => rest > half || rest == half && odd,
@@ -100,19 +101,20 @@ pub(super) fn rounds_up(mode: Rounding, negative: bool, odd: bool, rest: u128, h
     }
 }
 
-/// A format of IEEE 754.
+/// Format of IEEE 754.
 #[derive(Clone, Copy)]
 pub(super) struct Format {
-    /// Bits of the fraction.
+    /// Number of bits of the fraction.
     pub(super) fraction: u32,
-    /// Bits of the exponent.
+    /// Number of bits of the exponent.
     pub(super) exponent: u32,
 }
 
 pub(super) const SINGLE: Format = Format { fraction: 23, exponent: 8 };
 pub(super) const HALF: Format = Format { fraction: 10, exponent: 5 };
 
-/// `FPRound`: an exact number, not zero, in a format. Whether it is subnormal is decided before rounding.
+/// `FPRound`: rounds an exact number that is not zero to a format. Subnormality is decided before
+/// rounding.
 pub(super) fn round(number: Finite, format: Format, mode: Rounding, fpscr: &mut u32) -> u32 {
     let Finite { negative, exponent, significand } = number;
     let bias = (1 << (format.exponent - 1)) - 1;

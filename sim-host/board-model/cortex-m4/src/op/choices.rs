@@ -1,15 +1,15 @@
-//! What instructions choose among: operations, shifts, sizes, addressing.
+//! Variants of instructions: operations, shifts, sizes, addressing.
 
-/// When an instruction of data processing sets the flags.
+/// Condition under which data processing sets the flags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sets {
     Never,
     Always,
-    /// The 16-bit forms: only outside of an IT block.
+    /// Only outside an IT block: the 16-bit forms.
     OutsideIt,
 }
 
-/// What an instruction of data processing computes.
+/// Operation of data processing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Alu {
     And,
@@ -30,7 +30,7 @@ pub(crate) enum Alu {
     Cmn,
 }
 
-/// How an operand is shifted.
+/// Type of shift of an operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shift {
     Lsl,
@@ -40,7 +40,7 @@ pub(crate) enum Shift {
     Rrx,
 }
 
-/// What a load or store moves.
+/// Size and signedness of a load or store.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Size {
     Word,
@@ -71,7 +71,7 @@ pub(crate) enum Extend {
     Bytes,
 }
 
-/// What a parallel addition or subtraction does with each lane's result.
+/// Treatment of each lane's result in parallel addition and subtraction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lanes {
     Signed,
@@ -82,7 +82,7 @@ pub(crate) enum Lanes {
     UnsignedHalving,
 }
 
-/// Which lanes a parallel addition or subtraction adds and subtracts.
+/// Lanes that a parallel operation adds and subtracts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Parallel {
     Add16,
@@ -113,7 +113,7 @@ pub(crate) enum Long {
     },
 }
 
-/// Products of 32 bits, with an accumulator where its register is not 15.
+/// Products of 32 bits, with an accumulator if its register is not 15.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Product {
     /// `SMULBB` … `SMLATT`.
@@ -128,7 +128,7 @@ pub(crate) enum Product {
     Differences,
 }
 
-/// Floating-point operations of two operands and a destination, but for the sum and the product.
+/// Floating-point operations of two operands and a destination, other than the sum and the product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Float2 {
     Sub,
@@ -163,7 +163,7 @@ pub(crate) enum Float1 {
     FromInt {
         signed: bool,
     },
-    /// `VCVT.S32.F32` towards zero, `VCVTR` by the rounding mode of FPSCR.
+    /// `VCVT.S32.F32` towards zero, or `VCVTR` with the rounding mode of FPSCR.
     ToInt {
         signed: bool,
         by_mode: bool,
@@ -182,7 +182,7 @@ pub(crate) enum Float1 {
     },
 }
 
-/// How the address of a load or store is formed and written back.
+/// Address of a load or store, and write-back to its base register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Index {
     /// `[Rn, #offset]`

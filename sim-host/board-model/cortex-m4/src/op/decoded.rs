@@ -1,33 +1,33 @@
-//! A decoded instruction with what its cycles depend on.
+//! Decoded instruction with the data that determines its cycles.
 
 use super::Op;
 
-/// A decoded instruction, as it stands next to its bytes.
+/// Decoded instruction, stored next to its bytes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Decoded {
     pub(crate) op: Op,
-    /// Bytes: 2 or 4, and 0 where nothing is decoded yet.
+    /// Length in bytes: 2 or 4, or 0 if nothing is decoded yet.
     pub(crate) len: u8,
-    /// Cycles that are known without the operands.
+    /// Cycles that do not depend on the operands.
     pub(crate) cycles: u8,
-    /// The register that data processing computes, or none.
+    /// Register that data processing computes, or none.
     pub(crate) computes: u8,
-    /// The two registers that give the address of a load or store, each in four bits; 15 for none.
+    /// The two registers of the address of a load or store, in four bits each; 15 for none.
     pub(crate) bases: u8,
 }
 
 impl Decoded {
     /// No register.
     pub(crate) const NONE: u8 = 0xFF;
-    /// What a branch computes: the next instruction is its target.
+    /// Mark of a branch: the next instruction is its target.
     pub(crate) const TARGET: u8 = 0xFE;
-    /// No load or store, or one relative to the PC.
+    /// Neither load nor store, or one relative to the PC.
     pub(crate) const NO_BASES: u8 = 0xFF;
     pub(crate) const NOTHING: Decoded =
         Decoded { op: Op::Undefined, len: 0, cycles: 0, computes: Decoded::NONE, bases: Decoded::NO_BASES };
 
     pub(crate) fn new(op: Op, len: u8) -> Decoded {
-        Decoded { op, len, cycles: crate::cycles::of(&op), computes: op.computes(), bases: op.bases() }
+        Decoded { op, len, cycles: crate::cycles::base_cycles(&op), computes: op.computes(), bases: op.bases() }
     }
 }
 
@@ -41,7 +41,7 @@ impl Op {
             Op::Saturate16 { d, .. } | Op::SaturatingAdd { d, .. } | Op::Pack { d, .. } | Op::Select { d, .. } => d,
             Op::Parallel { d, .. } | Op::Mul { d, .. } | Op::Mla { d, .. } | Op::Mls { d, .. } => d,
             Op::Product { d, .. } | Op::Divide { d, .. } => d,
-            // One of two; an address from the other one misses its stall.
+            // One of two registers; an address from the other one misses its stall.
             Op::Long { lo, .. } => lo,
             _ => Decoded::NONE,
         }

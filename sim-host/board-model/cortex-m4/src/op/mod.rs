@@ -1,4 +1,4 @@
-//! Instructions, decoded once.
+//! Decoded instructions.
 
 mod choices;
 mod decoded;
@@ -6,19 +6,19 @@ mod decoded;
 pub(crate) use choices::*;
 pub(crate) use decoded::Decoded;
 
-/// An instruction. Register fields are register numbers; addresses are absolute, as the place of the instruction is known.
-// A variant a line.
+/// Instruction. Register fields are register numbers; addresses are absolute.
+// One variant per line.
 #[rustfmt::skip]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Op {
-    /// An encoding that ARMv7E-M leaves undefined, `UDF` included.
+    /// Encoding that ARMv7E-M leaves undefined, including `UDF`.
     Undefined,
-    /// An instruction of a coprocessor that does not exist, or of the FPU in double precision.
+    /// Instruction of a missing coprocessor, or of the FPU in double precision.
     NoCoprocessor,
     AddImm { d: u8, n: u8, sets: Sets, imm: u32 },
     SubImm { d: u8, n: u8, sets: Sets, imm: u32 },
     CmpImm { n: u8, imm: u32 },
-    /// With the carry that the expansion of the immediate gives, if it gives one.
+    /// `MOV Rd, #imm`; the carry comes from the expansion of the immediate if it is rotated.
     MovImm { d: u8, sets: Sets, rotated: bool, imm: u32 },
     AddReg { d: u8, n: u8, m: u8, sets: Sets },
     SubReg { d: u8, n: u8, m: u8, sets: Sets },
@@ -60,7 +60,7 @@ pub(crate) enum Op {
     StoreImm { size: Size, t: u8, n: u8, offset: i16 },
     LoadReg { size: Size, t: u8, n: u8, m: u8, shift: u8 },
     StoreReg { size: Size, t: u8, n: u8, m: u8, shift: u8 },
-    /// A load from an address relative to the instruction.
+    /// Load from an address relative to the instruction.
     LoadLiteral { size: Size, t: u8, address: u32 },
     LoadIndexed { size: Size, t: u8, n: u8, after: bool, offset: i16 },
     StoreIndexed { size: Size, t: u8, n: u8, after: bool, offset: i16 },
@@ -68,7 +68,7 @@ pub(crate) enum Op {
     LoadPc { n: u8, index: Index, offset: i16 },
     LoadPcReg { n: u8, m: u8, shift: u8 },
     LoadPcLiteral { address: u32 },
-    /// The unprivileged forms, `LDRT`, `STRT` ….
+    /// Unprivileged forms, `LDRT`, `STRT` ….
     Unprivileged { load: bool, size: Size, t: u8, n: u8, offset: u8 },
     LoadDouble { t: u8, t2: u8, n: u8, index: Index, offset: i16 },
     StoreDouble { t: u8, t2: u8, n: u8, index: Index, offset: i16 },
@@ -123,7 +123,7 @@ pub(crate) enum Op {
     /// `VMOV Sm, Sm1, Rt, Rt2` and `VMOV Dm, Rt, Rt2`
     ToFloats { s: u8, t: u8, t2: u8 },
     FromFloats { s: u8, t: u8, t2: u8 },
-    /// `VMRS`, to the flags with register 15
+    /// `VMRS`; register 15 selects the flags.
     ReadFpscr { t: u8 },
     WriteFpscr { t: u8 },
 }

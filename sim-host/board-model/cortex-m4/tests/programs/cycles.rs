@@ -1,10 +1,11 @@
-//! The cycle table on short kernels, against the figures that ARM DDI 0439 prints (section 3.3, table 7-1).
+//! Cycles of short kernels, compared with ARM DDI 0439 (section 3.3, table 7-1).
 
 use sonoglide_cortex_m4::Timing::{self, Longest, Usual};
 
 use crate::support::{RAM, machine};
 
-/// Cycles of `kernel` between two `NOP`s, without wait states, from R1 to R7 in RAM.
+/// Returns the cycles of `kernel` between two `NOP`s, without wait states. R1 to R7 point into the
+/// RAM.
 fn cycles(kernel: &[u16]) -> u64 {
     cycles_of(Longest, kernel)
 }
@@ -17,7 +18,7 @@ fn cycles_of(timing: Timing, kernel: &[u16]) -> u64 {
     for register in 1..8 {
         machine.set_register(register, RAM + 64 * u32::from(register));
     }
-    // Each word of the RAM is an address of the RAM.
+    // Each word of the RAM contains an address in the RAM.
     for word in machine.memory.get_mut(RAM, 0x1000).expect("the RAM").chunks_exact_mut(4) {
         word.copy_from_slice(&RAM.to_le_bytes());
     }
@@ -37,23 +38,24 @@ fn cycles_of(timing: Timing, kernel: &[u16]) -> u64 {
 fn loads_in_a_row_are_pipelined() {
     // "LDR R0,[R1]; LDR R1,[R2] - normally three cycles total"
     assert_eq!(cycles(&[0x6808, 0x6811]), 3);
-    // "LDR R0,[R1,R5]; LDR R1,[R2]; LDR R2,[R3,#4] - normally four cycles total", without the register offset.
+    // "LDR R0,[R1,R5]; LDR R1,[R2]; LDR R2,[R3,#4] - normally four cycles total", without the
+    // register offset.
     assert_eq!(cycles(&[0x6808, 0x6811, 0x685A]), 4);
     // LDR R2, [R1]; LDR R0, [R2]: the result of the first is the address of the second.
     assert_eq!(cycles(&[0x680A, 0x6810]), 4);
-    // Not directly behind each other.
+    // With an instruction between them.
     assert_eq!(cycles(&[0x6808, 0xBF00, 0x6811]), 2 + 1 + 2);
 }
 
 #[test]
-fn a_slower_clock_changes_no_cost() {
-    // LDR R0, [R1]; LDR R4, [R2], eight times, at an eighth of the time: pipelined as ever.
+fn a_slower_clock_does_not_change_cycles() {
+    // LDR R0, [R1]; LDR R4, [R2], eight times, at an eighth of the time: still pipelined.
     let loads = [0x6808, 0x6814].repeat(8);
     let mut machine = machine(&[&[0xBF00; 2][..], &loads].concat(), &[]);
     for register in [1, 2] {
         machine.set_register(register, RAM);
     }
-    // The exception that is watched is none, so that the rate is that of the thread.
+    // No exception is watched, so the rate applies to the thread.
     machine.set_rate(0.125);
     for _ in 0..2 + loads.len() {
         machine.step(u64::MAX).expect("the program");
@@ -63,10 +65,10 @@ fn a_slower_clock_changes_no_cost() {
 
 #[test]
 fn time_can_be_counted_in_instructions() {
-    // LDR; UDIV; B to the next; two NOPs
+    // LDR; UDIV; B to the next instruction; two NOPs
     let kernel = [0x6810, 0xFBB1, 0xF0F2, 0xE7FF, 0xBF00, 0xBF00];
     assert_eq!(cycles_of(Timing::Instructions, &kernel), 5);
-    // SysTick of 21 counts in 125 cycles: reload, enable, 250 NOPs, its count into R3.
+    // SysTick with 21 counts in 125 cycles: reload, enable, 250 NOPs, its count to R3.
     let store = crate::support::store;
     let start = [store(0xE000_E014, 999), store(0xE000_E018, 0), store(0xE000_E010, 5)].concat();
     let nops = 250;
@@ -77,12 +79,12 @@ fn time_can_be_counted_in_instructions() {
     for _ in 0..3 * 5 + nops + 3 {
         machine.step(u64::MAX).expect("the program");
     }
-    // From the store to the load there are the NOPs and the constant.
+    // Between the store and the load are the NOPs and the constant.
     assert_eq!(machine.register(3), 1000 - (250 + 3) * 21 / 125);
 }
 
 #[test]
-fn a_store_takes_one_cycle_and_ends_the_row() {
+fn a_store_takes_one_cycle_and_ends_pipelining() {
     // STR R0, [R1]
     assert_eq!(cycles(&[0x6008]), 1);
     // LDR; STR; LDR
@@ -90,7 +92,7 @@ fn a_store_takes_one_cycle_and_ends_the_row() {
 }
 
 #[test]
-fn an_address_just_computed_costs_a_cycle() {
+fn a_just_computed_address_takes_a_cycle() {
     // ADDS R1, #4; LDR R0, [R1]
     assert_eq!(cycles(&[0x3104, 0x6808]), 1 + 3);
     // with an instruction between
@@ -98,7 +100,7 @@ fn an_address_just_computed_costs_a_cycle() {
 }
 
 #[test]
-fn several_words_cost_one_more_than_their_number() {
+fn several_words_take_one_cycle_more_than_their_number() {
     // LDM R1!, {R2-R5}; PUSH, POP of two; LDRD R4, R5, [R2]
     assert_eq!(cycles(&[0xC93C]), 5);
     assert_eq!(cycles(&[0xB430, 0xBC30]), 3 + 3);
@@ -113,8 +115,8 @@ fn products_take_one_cycle_and_quotients_twelve() {
 }
 
 #[test]
-fn a_loop_pays_the_refill_on_each_turn_but_the_last() {
-    // SUBS R0, #1; BNE: three turns
+fn each_iteration_but_the_last_adds_the_refill() {
+    // SUBS R0, #1; BNE: three iterations
     assert_eq!(cycles(&[0x3801, 0xD1FD]), 3 + 2 * 4 + 1);
     assert_eq!(cycles_of(Usual, &[0x3801, 0xD1FD]), 3 + 2 * 2 + 1);
 }
@@ -135,7 +137,7 @@ fn the_refill_depends_on_the_target() {
 }
 
 #[test]
-fn the_third_wide_instruction_that_is_not_aligned_waits() {
+fn the_third_unaligned_wide_instruction_waits() {
     let cycles = |timing, aligned: bool, count: usize| {
         let nop = if aligned { &[][..] } else { &[0xBF00] };
         // MOV.W R4, #0
@@ -173,13 +175,13 @@ fn floating_point_takes_the_manuals_cycles() {
     assert_eq!(start(&[0xEEB1, 0x0AC0]) - base, 14);
     // VMUL S0, S1, S2; VMUL S1, S0, S0 waits for the first.
     assert_eq!(start(&[0xEE20, 0x0A81, 0xEE60, 0x0A00]) - base, 3);
-    // VLDM R2, {S0-S7}: one more than words
+    // VLDM R2, {S0-S7}: one cycle more than words
     assert_eq!(start(&[0xEC92, 0x0A08]) - base, 9);
 }
 
 #[test]
-fn registers_have_wait_states_of_their_own() {
-    // LDR R0, [R1]; STR R0, [R1] of a register of the part
+fn registers_have_their_own_wait_states() {
+    // LDR R0, [R1]; STR R0, [R1] of a register of the chip
     let mut machine = machine(&[0x6808, 0x6008], &[]);
     machine.chip.register_wait = 2;
     machine.set_register(1, crate::support::PART + 8);
@@ -190,7 +192,7 @@ fn registers_have_wait_states_of_their_own() {
 }
 
 #[test]
-fn other_masters_take_cycles_of_the_longest_timing() {
+fn other_masters_delay_only_the_longest_timing() {
     for (timing, cycles) in [(Usual, 2), (Longest, 2 + 5)] {
         let mut machine = machine(&[0xBF00; 2], &[]);
         machine.set_timing(timing);
@@ -198,12 +200,12 @@ fn other_masters_take_cycles_of_the_longest_timing() {
         machine.chip.held_up = 5;
         machine.step(u64::MAX).expect("a NOP");
         assert_eq!(machine.cycle(), cycles);
-        assert_eq!(machine.chip.held_up, 0, "it is asked in any case");
+        assert_eq!(machine.chip.held_up, 0, "the delay is read with any timing");
     }
 }
 
 #[test]
-fn wait_states_are_those_of_each_eight_bytes() {
+fn each_group_of_eight_bytes_has_wait_states() {
     let mut machine = machine(&[0xBF00; 64], &[]);
     machine.chip.waits = (4, 0);
     let (cycle, instructions) = (machine.cycle(), 32);

@@ -1,4 +1,4 @@
-//! What a debugger does: breakpoints, steps, halts.
+//! Actions of a debugger: breakpoints, steps, halts.
 
 use std::collections::BTreeSet;
 
@@ -11,12 +11,13 @@ const RETURN: u16 = 0x4770;
 const ENABLE_LINES: u32 = 0xE000_E100;
 const LINE_0: u16 = 16;
 
-/// Address of an instruction of the program, by the halfwords before it.
+/// Returns the address of an instruction of the program, from the number of halfwords before it.
 fn at(halves: usize) -> u32 {
     CODE + 0x1000 + 2 * halves as u32
 }
 
-/// A machine that enables line 0 and then counts in R4; its handler acknowledges by R2 and adds one to R5. The address of the count.
+/// Returns a machine that enables line 0 and then counts in R4, and the address of the count. The
+/// handler acknowledges the line through R2 and adds one to R5.
 fn counting() -> (Machine<Part>, u32) {
     let start = store(ENABLE_LINES, 1);
     let count = at(start.len());
@@ -38,7 +39,7 @@ fn a_run_ends_before_the_instruction_at_a_breakpoint() {
     let (mut machine, count) = counting();
     assert_eq!(run_to(&mut machine, 1000, &[count]), Ended::Breakpoint);
     assert_eq!((machine.register(15), machine.register(4)), (count, 0));
-    // It stays there until it is stepped over; the loop then comes back.
+    // The run stays there until the instruction is stepped over; the loop then returns to it.
     assert_eq!(run_to(&mut machine, 1000, &[count]), Ended::Breakpoint);
     assert_eq!(machine.register(4), 0);
     step(&mut machine);
@@ -51,7 +52,7 @@ fn a_run_ends_before_the_instruction_at_a_breakpoint() {
 }
 
 #[test]
-fn a_run_with_breakpoints_is_as_one_without() {
+fn a_run_with_breakpoints_equals_one_without() {
     let (mut plain, _) = counting();
     let (mut watched, _) = counting();
     for machine in [&mut plain, &mut watched] {
@@ -73,14 +74,14 @@ fn a_watched_exception_and_a_breakpoint_in_it_both_end_a_run() {
     assert!(matches!(run_to(&mut machine, 1000, &[first]), Ended::Passage(passage) if passage.entered));
     assert_eq!(run_to(&mut machine, 1000, &[first]), Ended::Breakpoint);
     assert_eq!((machine.register(15), machine.exception()), (first, LINE_0));
-    // Its first instruction, and its return.
+    // The first instruction of the handler, and its return.
     step(&mut machine);
     assert_eq!(machine.register(15), first + 4);
     assert!(matches!(run_to(&mut machine, 1000, &[first]), Ended::Passage(passage) if !passage.entered));
 }
 
 #[test]
-fn an_interrupt_that_is_due_waits_for_a_step_and_is_entered_by_the_run() {
+fn a_pending_interrupt_waits_for_a_step_and_enters_in_a_run() {
     let (mut machine, count) = counting();
     assert_eq!(run_to(&mut machine, 1000, &[count]), Ended::Breakpoint);
     machine.chip.rises = machine.cycle();
@@ -109,7 +110,7 @@ fn a_step_returns_from_a_handler_and_does_not_enter_the_next() {
 }
 
 #[test]
-fn a_breakpoint_instruction_halts_only_where_a_debugger_is() {
+fn a_breakpoint_instruction_halts_only_with_a_debugger() {
     // MOVS R4, #1; BKPT #3; MOVS R4, #2; B to itself
     let start = [0x2401, 0xBE03, 0x2402, 0xE7FE];
     let mut alone = machine(&start, &[(3, &[0xE7FE])]);
@@ -129,8 +130,8 @@ fn a_breakpoint_instruction_halts_only_where_a_debugger_is() {
 }
 
 #[test]
-fn the_part_goes_on_while_the_processor_stands_and_its_counters_do_not() {
-    // TRCENA, CYCCNTENA, and SysTick by the core clock, without its exception.
+fn the_chip_runs_and_counters_stop_during_a_halt() {
+    // TRCENA, CYCCNTENA, and SysTick with the core clock and without its exception.
     let enable = [
         store(0xE000_EDFC, 1 << 24),
         store(0xE000_1000, 1),
@@ -148,11 +149,11 @@ fn the_part_goes_on_while_the_processor_stands_and_its_counters_do_not() {
     let (before, now) = (counters(&mut machine), machine.cycle());
     assert!(before.iter().all(|count| count.is_some_and(|count| count > 0)), "{before:?}");
     machine.chip.rises = now + 10;
-    machine.stand_until(now + 1000).expect("no finding");
+    machine.halt_until(now + 1000).expect("no finding");
     assert_eq!((machine.cycle(), machine.register(15), machine.exception()), (now + 1000, count, 0));
     assert_eq!(counters(&mut machine), before);
     assert_eq!(machine.chip.rises, u64::MAX, "the line has risen");
-    // The interrupt is pending, and both counters go on from where they stood.
+    // The interrupt is pending, and both counters continue from their values.
     assert_eq!(run_to(&mut machine, 1000, &[handler(LINE_0.into())]), Ended::Breakpoint);
     let ran = (machine.cycle() - now - 1000) as u32;
     let after = counters(&mut machine);

@@ -1,11 +1,11 @@
-//! What of an ELF file is loaded, and which files are refused.
+//! Loading of ELF files, and refused files.
 
 use crate::support::{CODE, Part, RAM};
 use sonoglide_cortex_m4::{ImageError, Machine, Memory, Region};
 
 const ARM: u16 = 40;
 
-/// What varies in a file.
+/// Variable fields of a file.
 struct File {
     machine: u16,
     entry: u32,
@@ -19,7 +19,8 @@ impl Default for File {
     }
 }
 
-/// A file of one segment: a vector table of two words and `MOVS R0, #6; B` to itself, in a function with a mangled name.
+/// Builds a file of one segment: a vector table of two words, and `MOVS R0, #6; B` to itself in a
+/// function with a mangled name.
 fn build(file: &File) -> Vec<u8> {
     let names = b"\0_ZN5board4main17h0123456789abcdefE\0.symtab\0.strtab\0";
     let text: Vec<u8> = [RAM + 0x100, CODE + 9, 0xE7FE_2006].iter().flat_map(|word| word.to_le_bytes()).collect();
@@ -32,7 +33,7 @@ fn build(file: &File) -> Vec<u8> {
     half(&mut bytes, &[2, file.machine]);
     word(&mut bytes, &[1, file.entry, 52, if file.symbols { sections_at } else { 0 }, 0x0500_0000]);
     half(&mut bytes, &[52, 32, 1, 40, if file.symbols { 3 } else { 0 }, if file.symbols { 2 } else { 0 }]);
-    // PT_LOAD: the run address differs from the load address, as that of initialised data does.
+    // PT_LOAD: the run address differs from the load address, as for initialised data.
     word(&mut bytes, &[1, text_at, RAM, file.load, text.len() as u32, text.len() as u32, 5, 4]);
     bytes.extend(&text);
     word(&mut bytes, &[0; 4]);
@@ -71,7 +72,7 @@ fn functions_have_their_demangled_names() {
 }
 
 #[test]
-fn files_that_do_not_fit_are_refused_by_name() {
+fn unsuitable_files_are_refused_by_name() {
     let refused = |file: File| load(&file).expect_err("the file is refused");
     assert!(matches!(refused(File { machine: 62, ..File::default() }), ImageError::NotArm));
     assert!(matches!(refused(File { entry: CODE + 8, ..File::default() }), ImageError::NotThumb(_)));

@@ -18,18 +18,18 @@ fn run(machine: &mut Machine<Part>, until: u64) {
     machine.run_until(machine.cycle() + until).expect("the program runs");
 }
 
-/// Acknowledges the line at the part, by R2.
+/// Returns code that acknowledges the line at the chip, through R2.
 fn acknowledge() -> Vec<u16> {
     [constant(2, PART), vec![0x6012]].concat()
 }
 
 #[test]
-fn an_interrupt_is_entered_twelve_cycles_after_it() {
+fn an_interrupt_is_entered_after_twelve_cycles() {
     let start = program(&[&store(ENABLE_LINES, 1), &[0xBF00; 200], &[LOOP]]);
     let mut machine = machine(&start, &[(16, &program(&[&acknowledge(), &[RETURN]]))]);
     machine.chip.rises = 100;
     run(&mut machine, 400);
-    // Entry, MOVW, MOVT; the stall of a computed address belongs to the store.
+    // Entry, MOVW, MOVT; the stall of a computed address counts for the store.
     assert_eq!(machine.chip.stores, [(PART, PART, 100 + 12 + 2)]);
     assert_eq!(machine.exception(), 0);
 }
@@ -41,7 +41,7 @@ fn a_line_that_stays_high_pends_again() {
     let mut machine = machine(&start, &[(16, &[0x3401, RETURN])]);
     (machine.chip.rises, machine.chip.falls) = (100, 1000);
     run(&mut machine, 3000);
-    // Each time two cycles of the body, and six of a tail-chained entry.
+    // Each pass takes two cycles of the body, and six of a tail-chained entry.
     assert!((110..115).contains(&machine.register(4)), "{}", machine.register(4));
 }
 
@@ -49,7 +49,7 @@ fn a_line_that_stays_high_pends_again() {
 fn an_interrupt_within_an_it_block_changes_nothing() {
     // MOVS R3, #200; CMP R3, #0; ITTT NE; ADDNE R4, R5, R6 #1 each; SUBS R3, #1; BNE.N back to CMP
     let start = program(&[&store(ENABLE_LINES, 1), &[0x23C8, 0x2B00, 0xBF1E, 0x3401, 0x3501, 0x3601, 0x3B01, 0xD1F8, LOOP]]);
-    // MOVS R0, #0 clears Z's complement and must not be skipped; R7 counts.
+    // MOVS R0, #0 changes Z and must not be skipped; R7 counts.
     let body = program(&[&acknowledge(), &[0x2000, 0x3701, RETURN]]);
     for rises in 20..60 {
         let mut machine = machine(&start, &[(16, &body)]);
@@ -89,14 +89,14 @@ fn an_undefined_instruction_is_a_hard_fault_unless_enabled() {
     let mut enabled = machine(&start, &[(3, &[LOOP]), (6, &[LOOP])]);
     run(&mut enabled, 100);
     assert_eq!((enabled.exception(), enabled.fault_status()), (6, (CFSR_UNDEFINED, 0)));
-    // The stacked return address is that of the instruction.
+    // The stacked return address is the address of the instruction.
     let frame = enabled.register(13);
     let stacked = enabled.memory.get(frame + 24, 4).expect("the frame");
     assert_eq!(stacked, (CODE + 0x1000 + 2 * (start.len() as u32 - 1)).to_le_bytes());
 }
 
 #[test]
-fn division_by_zero_faults_only_where_asked() {
+fn division_by_zero_faults_only_if_enabled() {
     // MOVS R1, #5; MOVS R2, #0; UDIV R0, R1, R2
     let divide = [0x2105, 0x2200, 0xFBB1, 0xF0F2, LOOP];
     let mut quiet = machine(&divide, &[(3, &[LOOP])]);
@@ -126,7 +126,7 @@ fn the_stack_guard_of_the_mpu_faults_before_memory_is_changed() {
         &store(0xE000_EDA0, 7 << 1 | 1),
         &store(0xE000_ED94, 5),
         &store(0xE000_ED24, 1 << 16),
-        // SUB SP, #256 (twice 128), PUSH {R0}: the word below the guard's end.
+        // SUB SP, #256 (twice 128), PUSH {R0}: the last word of the guard.
         &[0xB0A0, 0xB0A0, 0xB0A0, 0xB401],
     ]);
     // R0 = MMFAR
@@ -134,14 +134,15 @@ fn the_stack_guard_of_the_mpu_faults_before_memory_is_changed() {
     let mut machine = machine(&start, &[(4, &[LOOP]), (3, &body)]);
     machine.set_register(13, guard + 0x180 + 0x100);
     run(&mut machine, 200);
-    // The frame of the memory fault does not fit either: DACCVIOL, MSTKERR, MMARVALID, and a hard fault without a frame.
+    // The frame of the memory fault does not fit either: DACCVIOL, MSTKERR, MMARVALID, and a hard
+    // fault without a frame.
     assert_eq!((machine.exception(), machine.fault_status()), (3, (0x92, HFSR_FORCED)));
     assert_eq!(machine.register(0), guard + 0xFC);
     assert_eq!(machine.memory.get(guard, 256).expect("the guard"), [0; 256]);
 }
 
 #[test]
-fn sleep_ends_with_an_interrupt_even_where_it_is_masked() {
+fn a_masked_interrupt_ends_sleep() {
     // CPSID I; WFI; ADDS R4, #1; CPSIE I; loop
     let start = program(&[&store(ENABLE_LINES, 1), &[0xB672, 0xBF30, 0x3401, 0xBF00, 0xB662, LOOP]]);
     let mut machine = machine(&start, &[(16, &program(&[&acknowledge(), &[RETURN]]))]);
@@ -154,7 +155,7 @@ fn sleep_ends_with_an_interrupt_even_where_it_is_masked() {
 }
 
 #[test]
-fn the_system_timer_comes_every_reload_plus_one_cycles() {
+fn the_system_timer_fires_every_reload_plus_one_cycles() {
     let start = program(&[&store(0xE000_E014, 99), &store(0xE000_E018, 0), &store(0xE000_E010, 7), &[LOOP]]);
     let mut machine = machine(&start, &[(15, &[0x3401, RETURN])]);
     run(&mut machine, 100_000);
@@ -166,12 +167,12 @@ fn an_unknown_register_stops_the_run_by_address() {
     let mut machine = machine(&program(&[&constant(1, 0xE000_2000), &[0x6808]]), &[]);
     let stop = machine.run_until(100).expect_err("it is not modelled");
     assert_eq!(stop.pc, CODE + 0x1008);
-    assert!(stop.to_string().starts_with("read of the processor's register 0xe0002000"), "{stop}");
+    assert!(stop.to_string().starts_with("read of the processor register 0xe0002000"), "{stop}");
 }
 
 #[test]
-fn a_base_priority_holds_back_the_less_urgent_line() {
-    // Priority 0x40 of line 0; BASEPRI = 0x40: held back; 0x50: not.
+fn a_base_priority_masks_a_less_urgent_line() {
+    // Line 0 has the priority 0x40: BASEPRI = 0x40 masks it, 0x50 does not.
     for (limit, entered) in [(0x40, 0), (0x50, 1), (0, 1)] {
         let set = [constant(0, limit), vec![0xF380, 0x8811]].concat();
         let start = program(&[&set, &store(0xE000_E400, 0x40), &store(ENABLE_LINES, 1), &[LOOP]]);
@@ -183,7 +184,7 @@ fn a_base_priority_holds_back_the_less_urgent_line() {
 }
 
 #[test]
-fn a_supervisor_call_returns_behind_itself() {
+fn a_supervisor_call_returns_to_the_next_instruction() {
     // SVC #1; ADDS R4, #1; loop. In the handler: MRS R5, IPSR.
     let mut machine = machine(&[0xDF01, 0x3401, LOOP], &[(11, &[0xF3EF, 0x8505, RETURN])]);
     run(&mut machine, 100);
@@ -191,10 +192,10 @@ fn a_supervisor_call_returns_behind_itself() {
 }
 
 #[test]
-fn a_reset_request_starts_part_and_processor_again() {
+fn a_reset_request_restarts_chip_and_processor() {
     let start = program(&[&[0x3401], &store(0xE000_ED0C, 0x05FA_0004), &[LOOP]]);
     let mut machine = machine(&start, &[]);
-    machine.run_until(50).expect("it resets again and again");
+    machine.run_until(50).expect("it resets repeatedly");
     assert!(machine.chip.resets > 2);
     assert!(machine.register(4) <= 1);
 }
@@ -210,7 +211,7 @@ fn a_damaged_word_pends_the_nmi_where_it_is_read() {
 }
 
 #[test]
-fn an_answered_breakpoint_goes_on_with_the_answer() {
+fn an_answered_breakpoint_continues_with_the_answer() {
     let mut machine = machine(&[0xBEAB, 0x3401, LOOP], &[(3, &[LOOP])]);
     machine.chip.answer = Some(7);
     run(&mut machine, 50);
@@ -221,7 +222,7 @@ fn an_answered_breakpoint_goes_on_with_the_answer() {
 }
 
 #[test]
-fn code_that_is_overwritten_is_decoded_again() {
+fn overwritten_code_is_decoded_again() {
     let mut machine = machine(&[LOOP], &[]);
     let put = |machine: &mut Machine<Part>, halves: [u16; 2]| {
         let bytes: Vec<u8> = halves.iter().flat_map(|half| half.to_le_bytes()).collect();
@@ -233,7 +234,7 @@ fn code_that_is_overwritten_is_decoded_again() {
     assert_eq!(machine.register(4), 1);
     put(&mut machine, [0x2402, LOOP]);
     assert_eq!(machine.register(4), 2);
-    // The same by a store of the program: STRH R0, [R1] over the instruction that follows a branch to it.
+    // Overwriting by the program: STRH R0, [R1] over the instruction that follows a branch to it.
     machine.set_register(0, 0x2403);
     machine.set_register(1, RAM);
     let bytes: Vec<u8> = [0x8008u16, 0xE7FB].iter().flat_map(|half| half.to_le_bytes()).collect();

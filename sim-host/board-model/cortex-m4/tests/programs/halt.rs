@@ -1,4 +1,4 @@
-//! What a debugger, or a fault of the processor, does from outside.
+//! Actions on the run from outside the program, by a debugger or a fault of the processor.
 
 use crate::support::{PART, Part, RAM, constant, machine, store};
 use sonoglide_cortex_m4::Machine;
@@ -11,13 +11,14 @@ fn run(machine: &mut Machine<Part>, cycles: u64) {
     machine.run_until(machine.cycle() + cycles).expect("the program runs");
 }
 
-/// Acknowledges the line at the part by R2, adds one to R5, and returns.
+/// Returns a handler that acknowledges the line at the chip through R2, adds one to R5, and
+/// returns.
 fn handler() -> Vec<u16> {
     [constant(2, PART), vec![0x6012, 0x3501, RETURN]].concat()
 }
 
 #[test]
-fn a_halted_processor_stands_and_its_clone_goes_on_alike() {
+fn a_halted_processor_stops_and_its_clone_continues_equally() {
     // ADDS R4, #1; B back
     let start = [store(ENABLE_LINES, 1), vec![0x3401, 0xE7FD]].concat();
     let mut machine = machine(&start, &[(16, &handler())]);
@@ -25,7 +26,7 @@ fn a_halted_processor_stands_and_its_clone_goes_on_alike() {
     let mut twin = machine.clone();
     let (counted, now) = (machine.register(4), machine.cycle());
     machine.chip.rises = now + 10;
-    machine.stand_until(now + 1000).expect("the part goes on");
+    machine.halt_until(now + 1000).expect("the chip continues");
     assert_eq!((machine.register(4), machine.register(5), machine.cycle()), (counted, 0, now + 1000));
     run(&mut machine, 100);
     assert_eq!(machine.register(5), 1, "the interrupt was pending");
@@ -34,7 +35,7 @@ fn a_halted_processor_stands_and_its_clone_goes_on_alike() {
 }
 
 #[test]
-fn a_masked_processor_takes_no_interrupt_and_a_poked_one_has_other_memory() {
+fn masking_blocks_interrupts_and_poke_writes_memory() {
     let start = [store(ENABLE_LINES, 1), vec![LOOP]].concat();
     let mut machine = machine(&start, &[(16, &handler())]);
     run(&mut machine, 100);

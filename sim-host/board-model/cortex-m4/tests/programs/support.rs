@@ -1,29 +1,33 @@
-//! A part with memory, wait states and one interrupt line, for programs as machine code.
+//! Chip with memory, wait states and one interrupt line, for programs as machine code.
 
 use sonoglide_cortex_m4::{Access, Breakpoint, Chip, Cycle, Fault, Machine, Memory, Ports, Region};
 
-/// Address of the code, of the RAM, and of the first register of the part.
+/// Address of the code.
 pub const CODE: u32 = 0x0800_0000;
+/// Address of the RAM.
 pub const RAM: u32 = 0x2000_0000;
+/// Address of the first register of the chip.
 pub const PART: u32 = 0x4000_0000;
 
-/// What a test sets, and what it finds afterwards.
+/// Chip with settings of a test and records for its assertions.
 #[derive(Clone, Debug)]
 pub struct Part {
-    /// When line 0 rises, and when it falls.
+    /// Cycle at which line 0 rises.
     pub rises: Cycle,
+    /// Cycle at which line 0 falls.
     pub falls: Cycle,
     /// Wait states of a fetch and of a load.
     pub waits: (u32, u32),
-    /// Wait states of a register, and cycles that other masters have taken.
+    /// Wait states of a register access.
     pub register_wait: u32,
+    /// Delay by other bus masters, cycles.
     pub held_up: u32,
     pub lockups: u32,
     pub resets: u32,
     pub damaged: Vec<u32>,
-    /// Stores to the part's registers: address, value, cycle.
+    /// Stores to the chip's registers: address, value, cycle.
     pub stores: Vec<(u32, u32, Cycle)>,
-    /// The answer to a breakpoint; without one there is none.
+    /// Answer to a breakpoint, if any.
     pub answer: Option<u32>,
 }
 
@@ -113,12 +117,13 @@ impl Chip for Part {
     }
 }
 
-/// Offsets in the code of the handlers that the vector table of [`machine`] names: number `n` at `0x200 + 0x40 * n`.
+/// Returns the address of a handler in the vector table of [`machine`].
 pub const fn handler(exception: u32) -> u32 {
     CODE + 0x200 + 0x40 * exception
 }
 
-/// A machine with 64 KiB each of code and RAM, its stack at the end of the RAM, `program` at the entry and handlers at their places.
+/// Returns a machine with 64 KiB each of code and RAM and its stack at the end of the RAM.
+/// `program` is at the entry, and the handlers are at their addresses.
 pub fn machine(program: &[u16], handlers: &[(u32, &[u16])]) -> Machine<Part> {
     let mut code = vec![0; 0x1_0000];
     let mut put = |at: u32, halves: &[u16]| {
@@ -136,10 +141,10 @@ pub fn machine(program: &[u16], handlers: &[(u32, &[u16])]) -> Machine<Part> {
     let mut memory = Memory::default();
     memory.add(Region { base: CODE, bytes: code, writable: false, waits: true });
     memory.add(Region { base: RAM, bytes: vec![0; 0x1_0000], writable: true, waits: false });
-    Machine::of_memory(memory, Part::default(), CODE, 4)
+    Machine::from_memory(memory, Part::default(), CODE, 4)
 }
 
-/// `MOVW`, `MOVT`: a constant into R0 to R7.
+/// Returns `MOVW`, `MOVT` that load a constant to R0 to R7.
 pub fn constant(register: u16, value: u32) -> Vec<u16> {
     let half = |opcode: u16, value: u16| {
         let (i, high) = (value >> 11 & 1, value >> 12);
@@ -148,7 +153,7 @@ pub fn constant(register: u16, value: u32) -> Vec<u16> {
     [half(0xF240, value as u16), half(0xF2C0, (value >> 16) as u16)].concat()
 }
 
-/// Stores a constant at an address, by R0 and R1.
+/// Returns code that stores a constant at an address, through R0 and R1.
 pub fn store(address: u32, value: u32) -> Vec<u16> {
     [constant(0, address), constant(1, value), vec![0x6001]].concat()
 }

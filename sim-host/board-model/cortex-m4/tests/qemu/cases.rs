@@ -1,4 +1,4 @@
-//! Random cases: instructions with the state that they start from.
+//! Random cases: instructions with their initial state.
 
 use rand_core::Rng;
 
@@ -6,27 +6,28 @@ use crate::encodings::Class;
 
 /// Bytes of a state: R0 to R12 and LR, APSR, FPSCR, S0 to S31, and memory for loads and stores.
 pub const STATE: usize = 256;
-/// Where the memory of a state begins, and how long it is.
+/// Offset of the memory in a state, bytes.
 pub const SCRATCH: u32 = 192;
+/// Length of the memory in a state, bytes.
 pub const SCRATCH_LEN: u32 = 64;
 
-/// Instructions and the words of the state.
+/// Instructions and the words of their initial state.
 pub struct Case {
     pub code: Vec<u16>,
     pub state: [u32; STATE / 4],
 }
 
-/// Register numbers that stand for R0 to R12 and LR.
+/// Returns a random register number out of R0 to R12 and LR.
 pub fn register(rng: &mut impl Rng) -> u32 {
     [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 14][rng.next_u32() as usize % 14]
 }
 
-/// Where a register stands in the state.
+/// Returns the index of a register in the state.
 pub fn place(register: u32) -> usize {
     if register == 14 { 13 } else { register as usize }
 }
 
-/// A word: one at a border, one with few bits, or any.
+/// Returns a random word: a boundary value, one with few bits, or any.
 fn word(rng: &mut impl Rng) -> u32 {
     const BORDERS: [u32; 14] =
         [0, 1, 2, 31, 32, 33, 0x7F, 0x80, 0xFFFF, 0x8000, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF, 0x7FFF_8000];
@@ -38,7 +39,8 @@ fn word(rng: &mut impl Rng) -> u32 {
     }
 }
 
-/// The bits of a number of single precision: special ones, ones near each other, or any.
+/// Returns the bits of a random single-precision number: special ones, ones near each other, or
+/// any.
 fn float(rng: &mut impl Rng) -> u32 {
     const SPECIAL: [u32; 16] = [
         0,
@@ -70,7 +72,8 @@ fn float(rng: &mut impl Rng) -> u32 {
     }
 }
 
-/// A random state. FPSCR: mostly the default mode with inexactness noted, which is what programs run with.
+/// Returns a random state. FPSCR mostly has the default mode with the inexact flag set, as in real
+/// programs.
 pub fn state(rng: &mut impl Rng) -> [u32; STATE / 4] {
     let mut state = [0; STATE / 4];
     state[..14].fill_with(|| word(rng));
@@ -85,7 +88,7 @@ pub fn state(rng: &mut impl Rng) -> [u32; STATE / 4] {
     state
 }
 
-/// An instance of a pattern: the same letter of a register field stands for the same register.
+/// Returns an instance of a pattern. Equal letters of a register field are the same register.
 fn instance(pattern: &str, rng: &mut impl Rng) -> u32 {
     let mut registers = [None; 128];
     let mut code = 0;
@@ -108,12 +111,12 @@ fn instance(pattern: &str, rng: &mut impl Rng) -> u32 {
     code
 }
 
-/// The halfwords of an instruction.
+/// Returns the halfwords of an instruction.
 pub fn halfwords(code: u32) -> Vec<u16> {
     if code >> 16 == 0 { vec![code as u16] } else { vec![(code >> 16) as u16, code as u16] }
 }
 
-/// A predictable encoding of a class.
+/// Returns a random predictable encoding of a class.
 pub fn encoding(class: &Class, rng: &mut impl Rng) -> u32 {
     loop {
         let code = instance(class.patterns[rng.next_u32() as usize % class.patterns.len()], rng);
@@ -123,12 +126,12 @@ pub fn encoding(class: &Class, rng: &mut impl Rng) -> u32 {
     }
 }
 
-/// One instruction of a class.
+/// Returns a case with one instruction of a class.
 pub fn single(class: &Class, rng: &mut impl Rng) -> Case {
     Case { code: halfwords(encoding(class, rng)), state: state(rng) }
 }
 
-/// An IT block of one to four instructions of 16 and 32 bits.
+/// Returns an IT block of one to four instructions of 16 and 32 bits.
 pub fn it_block(classes: &[&Class], rng: &mut impl Rng) -> Case {
     let condition = rng.next_u32() % 14;
     let mask = 1 + rng.next_u32() % 15;
@@ -139,7 +142,8 @@ pub fn it_block(classes: &[&Class], rng: &mut impl Rng) -> Case {
     Case { code, state: state(rng) }
 }
 
-/// A branch over an instruction that changes R0: by condition, by zero, by table, by register.
+/// Returns a branch over an instruction that changes R0: by condition, by zero, by table, or by
+/// register.
 pub fn branch(rng: &mut impl Rng) -> Case {
     let mut state = state(rng);
     let condition = rng.next_u32() % 14;
@@ -156,13 +160,13 @@ pub fn branch(rng: &mut impl Rng) -> Case {
         6 => {
             let register = register(rng);
             state[place(register)] = rng.next_u32() % 3;
-            // Bytes 2, 3, 4 halfwords on.
+            // Byte table: 2, 3 or 4 halfwords ahead.
             return Case { code: vec![0xE8DF, 0xF000 | register as u16, 0x0302, 0x0004, 0x3001, 0x3101, 0x3201, 0xBF00], state };
         }
         _ => {
             let register = register(rng);
             state[place(register)] = rng.next_u32() % 2;
-            // Halfwords 2, 3.
+            // Halfword table: 2 or 3 halfwords ahead.
             return Case { code: vec![0xE8DF, 0xF010 | register as u16, 0x0002, 0x0003, 0x3001, 0x3101], state };
         }
     };

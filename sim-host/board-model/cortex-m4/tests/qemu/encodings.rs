@@ -1,10 +1,11 @@
-//! Encodings by class, as the manual prints them: fixed bits, letters of a register field, any other letter for free bits.
+//! Encodings by class, as the manual prints them: fixed bits, letters of a register field, and any
+//! other letter for free bits.
 
-/// A class of encodings: its name, and the patterns with what makes an instance of one predictable.
+/// Class of encodings: name, patterns, and the condition for a predictable instance.
 pub struct Class {
     pub name: &'static str,
     pub patterns: &'static [&'static str],
-    /// Whether an encoding is predictable.
+    /// Returns `true` if an encoding is predictable.
     pub allowed: fn(u32) -> bool,
 }
 
@@ -16,7 +17,7 @@ fn any(_: u32) -> bool {
     true
 }
 
-/// A repeated byte of zero is not predictable.
+/// Rejects a repeated byte of zero, which is unpredictable.
 fn immediate(code: u32) -> bool {
     field(code, 26, 1) != 0 || field(code, 14, 1) != 0 || field(code, 12, 2) == 0 || field(code, 0, 8) != 0
 }
@@ -33,7 +34,7 @@ fn insert(code: u32) -> bool {
     field(code, 0, 5) >= lsb(code)
 }
 
-/// With the shift of `SSAT16` there are four bits of width.
+/// Rejects more than four bits of width for `SSAT16`.
 fn saturate(code: u32) -> bool {
     field(code, 21, 1) == 0 || lsb(code) != 0 || field(code, 4, 1) == 0
 }
@@ -42,7 +43,7 @@ fn long(code: u32) -> bool {
     field(code, 8, 4) != field(code, 12, 4)
 }
 
-/// A compare of two low registers has another encoding.
+/// Rejects a compare of two low registers, which has another encoding.
 fn high(code: u32) -> bool {
     field(code, 7, 1) == 1 || field(code, 3, 4) > 7
 }

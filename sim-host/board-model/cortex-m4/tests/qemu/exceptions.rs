@@ -1,6 +1,8 @@
-//! Entry to and return from SVCall and PendSV against QEMU: stacked frames, stack pointers, special registers, floating-point context.
+//! Entry to and return from SVCall and PendSV, compared with QEMU: stacked frames, stack pointers,
+//! special registers, and floating-point context.
 //!
-//! A case sets the state at random and raises the exception. The handler stores what it sees, and the case what it finds after the return.
+//! A case sets a random state and raises the exception. The handler stores its view of the state,
+//! and the case stores the state after the return.
 
 use rand_core::Rng;
 
@@ -8,23 +10,33 @@ use crate::image::{self, STATES, constant};
 
 /// Bytes of a record.
 pub const RECORD: usize = 512;
-/// Cases that fit one program.
+/// Maximum number of cases in one program.
 pub const CASES: usize = 1200;
 
-/// The address of the present record stands here, and the two stacks end here.
+/// Address of the pointer to the current record.
 const POINTER: u32 = 0x003F_0000;
+/// End of the main stack.
 const MAIN: u32 = 0x003F_8000;
+/// End of the process stack.
 const PROCESS: u32 = 0x003F_C000;
 
-/// Words of a record: from the handler; the frame, basic and floating-point; what the handler is to do; registers, special and floating-point registers.
+// Word offsets in a record; the words before `FRAME` come from the handler.
+/// Basic frame.
 const FRAME: u16 = 16;
+/// Floating-point frame.
 const FLOATS: u16 = 24;
+/// Nonzero if the handler uses floating point.
 const USES_FLOAT: u16 = 48;
+/// Value of R0 that the handler returns.
 const NEW_R0: u16 = 49;
+/// Values read back from the mask registers.
 const MASKED: u16 = 50;
+/// R0 to R12 and LR.
 const REGISTERS: u16 = 64;
 const APSR: u16 = 78;
+/// Special registers after the return.
 const AFTER: u16 = 79;
+/// S0 to S31.
 const S: u16 = 88;
 const FPSCR: u16 = 120;
 
@@ -47,7 +59,7 @@ fn msr(special: u16, register: u16) -> [u16; 2] {
     [0xF380 | register, 0x8800 | special]
 }
 
-/// `LDR`, `STR` of a word of what `base` points to.
+/// Returns an `LDR` of word `word` at the address in `base`.
 fn ldr(register: u16, base: u16, word: u16) -> [u16; 2] {
     [0xF8D0 | base, (register << 12) | (4 * word)]
 }
@@ -56,7 +68,7 @@ fn str(register: u16, base: u16, word: u16) -> [u16; 2] {
     [0xF8C0 | base, (register << 12) | (4 * word)]
 }
 
-/// The handler of both exceptions.
+/// Returns the handler of both exceptions.
 fn handler() -> Vec<u16> {
     let mut code = Vec::new();
     code.extend(constant(1, POINTER));
@@ -66,7 +78,7 @@ fn handler() -> Vec<u16> {
         code.extend(mrs(2, special));
         code.extend(str(2, 1, word));
     }
-    // FPCCR without its bits of what could be entered, FPCAR, ICSR, SHCSR
+    // FPCCR without the bits of possible exceptions, FPCAR, ICSR, SHCSR
     for (word, (register, mask)) in
         (9..).zip([(0xE000_EF34, 0xC000_000B), (0xE000_EF38, u32::MAX), (0xE000_ED04, u32::MAX), (0xE000_ED24, u32::MAX)])
     {
@@ -76,7 +88,7 @@ fn handler() -> Vec<u16> {
         code.extend([0xEA02, 0x0203]); // AND R2, R2, R3
         code.extend(str(2, 1, word));
     }
-    // Privileged from now on: MRS R2, CONTROL; BIC R2, #1; MSR
+    // Privileged from here: MRS R2, CONTROL; BIC R2, #1; MSR
     code.extend(mrs(2, CONTROL));
     code.extend([0xF022, 0x0201]);
     code.extend(msr(CONTROL, 2));
@@ -89,7 +101,7 @@ fn handler() -> Vec<u16> {
         code.extend(ldr(2, 0, word));
         code.extend(str(2, 1, FRAME + word));
     }
-    // With floating point in the handler, the lazy frame is stored: VADD S0, S1, S2
+    // If the handler uses floating point, the lazy frame is stored: VADD S0, S1, S2
     let mut float = vec![0xEE30, 0x0A81];
     // TST LR, #16; BNE over the copy
     let mut copy = Vec::new();
@@ -99,7 +111,7 @@ fn handler() -> Vec<u16> {
     }
     float.extend([0xF01E, 0x0F10, 0xD100 | (copy.len() as u16 - 1)]);
     float.extend(copy);
-    // LDR R2, the choice; CMP R2, #0; BEQ over it
+    // LDR R2, the choice; CMP R2, #0; BEQ over the floating-point code
     code.extend(ldr(2, 1, USES_FLOAT));
     code.extend([0x2A00, 0xD000 | (float.len() as u16 - 1)]);
     code.extend(float);
@@ -110,8 +122,9 @@ fn handler() -> Vec<u16> {
     code
 }
 
-/// What is read back of BASEPRI after a write to it and one to BASEPRI_MAX, of PRIMASK, and of FAULTMASK; all are clear afterwards. Only implemented bits
-/// of a priority are written: QEMU stores the others as well.
+/// Returns code that writes BASEPRI, BASEPRI_MAX, PRIMASK and FAULTMASK, stores the values read
+/// back, and clears all of them. Only implemented bits of a priority are written: QEMU stores the
+/// others as well.
 fn masks(record: u32, values: [u32; 3]) -> Vec<u16> {
     let mut code = constant(0, record);
     let write = |code: &mut Vec<u16>, special: u16, value: u32| {
@@ -133,7 +146,7 @@ fn masks(record: u32, values: [u32; 3]) -> Vec<u16> {
     code
 }
 
-/// A case: its record, and the code around the exception.
+/// Returns a case: the code around the exception, and its record.
 fn case(record: u32, rng: &mut impl Rng) -> (Vec<u16>, [u32; RECORD / 4]) {
     let mut words = [0; RECORD / 4];
     for place in [NEW_R0..NEW_R0 + 1, REGISTERS..APSR, S..FPSCR].into_iter().flatten() {
@@ -155,7 +168,8 @@ fn case(record: u32, rng: &mut impl Rng) -> (Vec<u16>, [u32; RECORD / 4]) {
         code.push(0x6001);
     };
     set(&mut code, POINTER, record);
-    // A frame with floating-point registers is aligned in any case (`PushStack`), which QEMU does only where STKALIGN asks for it.
+    // A frame with floating-point registers is always aligned (`PushStack`); QEMU aligns it only if
+    // STKALIGN is set.
     set(&mut code, 0xE000_ED14, (align | float) << 9);
     set(&mut code, 0xE000_EF34, automatic << 31 | lazy << 30);
     code.extend(masks(record, [bit() << 7 | bit() << 6 | bit() << 5, bit() << 7 | bit() << 5, bit()]));
@@ -180,7 +194,7 @@ fn case(record: u32, rng: &mut impl Rng) -> (Vec<u16>, [u32; RECORD / 4]) {
     code.extend(ldr(1, 0, APSR - REGISTERS));
     code.extend([0xF381, 0x8C00, 0xE890, 0x5FFF]);
     if pend == 1 {
-        // Masked until CPSIE I, as QEMU takes an interrupt at the end of its block only.
+        // Masked until CPSIE I, because QEMU takes an interrupt only at the end of its block.
         code.push(0xB672);
         set(&mut code, 0xE000_ED04, 1 << 28);
         code.extend([0xF3BF, 0x8F4F]);
@@ -209,7 +223,7 @@ fn case(record: u32, rng: &mut impl Rng) -> (Vec<u16>, [u32; RECORD / 4]) {
         code.extend(str(2, 0, FPSCR));
         code.extend([0xF500, 0x70B0, 0xEC80, 0x0A20]);
     }
-    // On the main stack, without a floating-point context and a base priority.
+    // Back to the main stack, without a floating-point context and a base priority.
     code.push(0x2000);
     code.extend(msr(CONTROL, 0));
     code.extend(msr(BASEPRI, 0));
@@ -217,7 +231,7 @@ fn case(record: u32, rng: &mut impl Rng) -> (Vec<u16>, [u32; RECORD / 4]) {
     (code, words)
 }
 
-/// The program of some random cases.
+/// Returns a program with `count` random cases.
 pub fn build(count: usize, rng: &mut impl Rng) -> Vec<u8> {
     let handler = handler();
     let mut code = handler.clone();

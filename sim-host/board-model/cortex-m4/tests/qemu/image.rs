@@ -1,13 +1,14 @@
-//! A program that runs cases one after the other: it loads the state of each, runs its instructions, stores the state in place.
+//! Program that runs cases in sequence: it loads the state of each, runs its instructions, and
+//! stores the state in place.
 
 use crate::cases::{Case, STATE};
 
-/// Where the states are: the upper half of the 4 MiB at address 0 of the MPS2 boards.
+/// Address of the states: the upper half of the 4 MiB at address 0 of the MPS2 boards.
 pub const STATES: u32 = 0x0020_0000;
-/// Cases that fit one program.
+/// Maximum number of cases in one program.
 pub const CASES: usize = 6000;
 
-/// `MOVW`, `MOVT`: a constant into a low register.
+/// Returns `MOVW`, `MOVT` that load a constant to a low register.
 pub fn constant(register: u16, value: u32) -> Vec<u16> {
     let half = |opcode: u16, value: u16| {
         let (i, high) = (value >> 11 & 1, value >> 12);
@@ -16,17 +17,17 @@ pub fn constant(register: u16, value: u32) -> Vec<u16> {
     [half(0xF240, value as u16), half(0xF2C0, (value >> 16) as u16)].concat()
 }
 
-/// The address of a case's state.
+/// Returns the address of a case's state.
 pub fn state_address(number: usize) -> u32 {
     STATES + (number * STATE) as u32
 }
 
-/// CPACR: access to the FPU; then DSB, ISB.
+/// Returns code that enables the FPU in CPACR, with DSB and ISB.
 pub fn float_on() -> Vec<u16> {
     [constant(0, 0xE000_ED88), vec![0xF44F, 0x0170, 0x6001, 0xF3BF, 0x8F4F, 0xF3BF, 0x8F6F]].concat()
 }
 
-/// The whole memory: vectors, code, states.
+/// Returns the whole memory: vectors, code, states.
 pub fn build(cases: &[Case]) -> Vec<u8> {
     let mut code = float_on();
     for (number, case) in cases.iter().enumerate() {
@@ -41,8 +42,11 @@ pub fn build(cases: &[Case]) -> Vec<u8> {
     assemble(code, 0, &[], &states)
 }
 
-/// A program that begins `entry` halfwords into its code and writes its states to standard output at the end. The `handled` exceptions go to the
-/// code's beginning, all others end the program as well: the states after them stay as they are.
+/// Assembles a program that starts `entry` halfwords into its code and writes its states to
+/// standard output at the end.
+///
+/// The `handled` exceptions jump to the beginning of the code. All other exceptions end the
+/// program, so that later states do not change.
 pub fn assemble(mut code: Vec<u16>, entry: usize, handled: &[usize], states: &[u32]) -> Vec<u8> {
     let end = 0x100 + 2 * code.len() as u32;
     let arguments = end.next_multiple_of(4) + 0x40;
@@ -62,12 +66,12 @@ pub fn assemble(mut code: Vec<u16>, entry: usize, handled: &[usize], states: &[u
     };
     put(0, &[0x003F_FF00, 0x101 + 2 * entry as u32]);
     put(8, &std::array::from_fn::<u32, 14, _>(|at| if handled.contains(&(at + 2)) { 0x101 } else { end | 1 }));
-    // ":tt" for writing is standard output.
+    // Opening ":tt" for writing gives standard output.
     put(arguments, &[arguments + 32, 4, 3, 0, 0, STATES, 4 * states.len() as u32, 0, u32::from_le_bytes(*b":tt\0")]);
     for (place, half) in image[0x100..].chunks_exact_mut(2).zip(&code) {
         place.copy_from_slice(&half.to_le_bytes());
     }
-    assert!(0x100 + 2 * code.len() < arguments as usize && arguments + 64 < STATES, "the code leaves room for the states");
+    assert!(0x100 + 2 * code.len() < arguments as usize && arguments + 64 < STATES, "the code overlaps the states");
     image.extend(states.iter().flat_map(|word| word.to_le_bytes()));
     image
 }

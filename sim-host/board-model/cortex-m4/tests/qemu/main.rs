@@ -1,6 +1,7 @@
-//! Bit for bit against QEMU: random instructions from random states, in both.
+//! Comparison with QEMU, bit for bit: random instructions from random states.
 //!
-//! `CORTEX_M4_CASES` sets the number of cases a class (6000 a run of QEMU); `CORTEX_M4_SEED` another seed.
+//! `CORTEX_M4_CASES` sets the number of cases per class (6000 per run of QEMU); `CORTEX_M4_SEED`
+//! sets the seed.
 
 mod cases;
 mod encodings;
@@ -17,7 +18,7 @@ use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use sonoglide_cortex_m4::{Access, Breakpoint, Chip, Cycle, Fault, Machine, Memory, Ports, Region};
 
-/// A part that has memory only, and ends at the first breakpoint.
+/// Chip that has only memory, and ends the run at the first breakpoint.
 struct Bare;
 
 impl Chip for Bare {
@@ -51,20 +52,20 @@ impl Chip for Bare {
     fn reset(&mut self, _: Cycle, _: Ports) {}
 }
 
-/// The states after the program has run here.
+/// Runs the program in the model and returns the states.
 fn run_here(image: &[u8], len: usize) -> Vec<u8> {
     let mut memory = Memory::default();
     let mut bytes = image.to_vec();
     bytes.resize(4 << 20, 0);
     memory.add(Region { base: 0, bytes, writable: true, waits: false });
-    let mut machine = Machine::of_memory(memory, Bare, 0, 3);
+    let mut machine = Machine::from_memory(memory, Bare, 0, 3);
     let stop = machine.run_until(1 << 40).expect_err("the program ends with a breakpoint");
     assert_eq!(stop.finding.to_string(), "end", "{stop}");
     assert_eq!(machine.fault_status(), (0, 0), "no case faults");
     machine.memory.get(image::STATES, len).expect("the states").to_vec()
 }
 
-/// The states after the program has run in QEMU.
+/// Runs the program in QEMU and returns the states.
 fn run_there(image: &[u8], name: &str, len: usize) -> Vec<u8> {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.bin"));
     std::fs::write(&file, image).expect("the image is written");
@@ -75,7 +76,7 @@ fn run_there(image: &[u8], name: &str, len: usize) -> Vec<u8> {
         .stdin(Stdio::null())
         .output()
         .expect("QEMU runs");
-    assert_eq!(output.stdout.len(), len, "QEMU writes the states: {}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.stdout.len(), len, "QEMU did not write the states: {}", String::from_utf8_lossy(&output.stderr));
     output.stdout
 }
 
@@ -83,7 +84,7 @@ fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
 }
 
-/// What a word of the state is.
+/// Returns the name of a word of the state.
 fn name(index: usize) -> String {
     match index {
         0..13 => format!("R{index}"),
@@ -95,7 +96,7 @@ fn name(index: usize) -> String {
     }
 }
 
-/// Runs cases in both and compares every word; the differences.
+/// Runs cases in both, compares every word, and returns the differences.
 fn compare(class: &str, cases: &[Case]) -> Vec<String> {
     let image = image::build(cases);
     let len = cases.len() * STATE;
@@ -136,7 +137,7 @@ fn has_qemu() -> bool {
     found
 }
 
-/// Compares as many cases as asked for, in programs of what fits.
+/// Compares the requested number of cases, divided into programs of the maximum size.
 fn check(name: &str, mut generate: impl FnMut(u32, &mut Xoshiro256PlusPlus) -> Case) {
     if !has_qemu() {
         return;
@@ -164,7 +165,7 @@ fn class(name: &str) -> &'static Class {
     CLASSES.iter().find(|class| class.name == name).expect("a class of this name")
 }
 
-/// The classes whose names are given, one after the other.
+/// Checks the named classes in sequence.
 fn check_classes(names: &[&str]) {
     for name in names {
         check(name, |_, rng| cases::single(class(name), rng));
@@ -240,7 +241,7 @@ fn exceptions_agree() {
                 differences.iter().map(|word| format!("word {word}: {:#010x}, QEMU {:#010x}", ours[*word], theirs[*word]));
             assert!(differences.is_empty(), "case {number}:\n{}", shown.collect::<Vec<_>>().join("\n"));
         }
-        // R14 as the handler sees it: each way of return has been taken.
+        // R14 in the handler: each type of return must occur.
         let links: std::collections::BTreeSet<_> = here.chunks_exact(exceptions::RECORD).map(|record| words(record)[0]).collect();
         assert!(count < 200 || links.len() >= 5, "{links:08x?}");
         left -= count;

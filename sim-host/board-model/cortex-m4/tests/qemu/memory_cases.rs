@@ -4,12 +4,12 @@ use rand_core::Rng;
 
 use crate::cases::{Case, SCRATCH, SCRATCH_LEN, halfwords, place, register, state};
 
-/// A number below `end`.
+/// Returns a random number below `end`.
 fn below(rng: &mut impl Rng, end: u32) -> u32 {
     rng.next_u32() % end
 }
 
-/// A register that is none of some others.
+/// Returns a random register that is not in `taken`.
 fn other(rng: &mut impl Rng, taken: &[u32]) -> u32 {
     loop {
         let register = register(rng);
@@ -19,7 +19,7 @@ fn other(rng: &mut impl Rng, taken: &[u32]) -> u32 {
     }
 }
 
-/// Loads and stores of one value. `at` is the address of the state.
+/// Returns a load or store of one value. `at` is the address of the state.
 pub fn single(at: u32, rng: &mut impl Rng) -> Case {
     let mut state = state(rng);
     let (n, size, load) = (register(rng), below(rng, 3), below(rng, 2));
@@ -57,7 +57,7 @@ pub fn single(at: u32, rng: &mut impl Rng) -> Case {
     Case { code: halfwords(code), state }
 }
 
-/// The forms of 16 bits.
+/// Returns a load or store in a 16-bit form.
 pub fn narrow(at: u32, rng: &mut impl Rng) -> Case {
     let mut state = state(rng);
     let (n, t) = (below(rng, 8), below(rng, 8));
@@ -86,7 +86,7 @@ pub fn narrow(at: u32, rng: &mut impl Rng) -> Case {
     Case { code: vec![code as u16], state }
 }
 
-/// Loads and stores of several words, of two, and exclusive ones.
+/// Returns a load or store of several words, of two words, or an exclusive one.
 pub fn several(at: u32, rng: &mut impl Rng) -> Case {
     let mut state = state(rng);
     let n = register(rng);
@@ -128,7 +128,7 @@ pub fn several(at: u32, rng: &mut impl Rng) -> Case {
     Case { code, state }
 }
 
-/// `PUSH` with a `POP` of as many registers, which leaves the stack pointer where it was.
+/// Returns a `PUSH` with a `POP` of as many registers, which restores the stack pointer.
 pub fn stack(rng: &mut impl Rng) -> Case {
     let list = 1 + below(rng, 255);
     let mut other = 1 + below(rng, 255);
@@ -138,7 +138,7 @@ pub fn stack(rng: &mut impl Rng) -> Case {
     Case { code: vec![(0xB400 | list) as u16, (0xBC00 | other) as u16], state: state(rng) }
 }
 
-/// `VLDR`, `VSTR`, `VLDM`, `VSTM`.
+/// Returns a `VLDR`, `VSTR`, `VLDM` or `VSTM`.
 pub fn float(at: u32, rng: &mut impl Rng) -> Case {
     let mut state = state(rng);
     let (n, load, double) = (register(rng), below(rng, 2), below(rng, 2));

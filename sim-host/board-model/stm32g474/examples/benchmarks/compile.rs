@@ -1,15 +1,16 @@
-//! Builds a benchmark with GCC: the sources are the reader's, startup and port are those next to this file.
+//! Compiler of the benchmarks: GCC with the user's sources, and the startup and port of this
+//! folder.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::Error;
 
-/// Startup, linker script and ports.
+/// Folder of startup, linker script and ports.
 const PORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/benchmarks/port");
 const COMPILER: &str = "arm-none-eabi-gcc";
 
-/// The flags of every program; newlib as Debian has it.
+/// Flags of every program, for Debian's newlib.
 const FLAGS: [&str; 8] = [
     "-mcpu=cortex-m4",
     "-mthumb",
@@ -21,27 +22,27 @@ const FLAGS: [&str; 8] = [
     "-Wl,--gc-sections",
 ];
 
-/// A program and what it is made of.
+/// Program and its sources.
 pub struct Program {
     pub name: String,
     pub sources: Vec<PathBuf>,
-    /// The folder of its headers.
+    /// Folder of the headers.
     pub headers: PathBuf,
-    /// The port's source.
+    /// Source of the port.
     pub port: &'static str,
     pub defines: &'static [&'static str],
 }
 
-/// The first line of what the compiler says of itself.
+/// Returns the first line of the compiler's version.
 pub fn compiler() -> Result<String, Error> {
     let output = Command::new(COMPILER).arg("--version").output();
     let output = output.map_err(|error| {
-        format!("{COMPILER} does not start ({error}); Debian has it in gcc-arm-none-eabi and libnewlib-arm-none-eabi")
+        format!("{COMPILER} does not start ({error}); on Debian install gcc-arm-none-eabi and libnewlib-arm-none-eabi")
     })?;
     Ok(String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or_default().to_owned())
 }
 
-/// Compiles and links a program; its ELF.
+/// Compiles and links a program, and returns its ELF.
 pub fn build(program: &Program, flags: &str) -> Result<Vec<u8>, Error> {
     let elf = std::env::temp_dir().join(format!("sonoglide-{}-{}.elf", program.name, std::process::id()));
     let port = Path::new(PORT);

@@ -1,4 +1,5 @@
-//! Embench: cycles of its programs on an STM32F407 at 16 MHz, without wait states, as its own table has them.
+//! Embench: cycles of its programs on an STM32F407 at 16 MHz, without wait states, from its own
+//! table.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +8,7 @@ use cortex_m4::Timing;
 use crate::compile::{self, Program};
 use crate::{Error, FLASHES, cycles_of_iteration, hosted};
 
-/// The flags of its baseline.
+/// Compiler flags of the baseline.
 const FLAGS: &str = "-O2 -ffunction-sections -fdata-sections";
 
 /// Prints a row for each program, and the means.
@@ -16,7 +17,7 @@ pub fn measure(folder: &Path) -> Result<(), Error> {
     println!("|---|---|---|---|");
     let mut ratios = Vec::new();
     for (name, milliseconds) in baseline(folder)? {
-        // Milliseconds of 16 MHz with a scale of 16: thousands of cycles with a scale of 1.
+        // Milliseconds at 16 MHz with a scale of 16 are thousands of cycles with a scale of 1.
         let published = milliseconds * 1e3;
         let elf = compile::build(&program(folder, &name)?, FLAGS)?;
         let ratio =
@@ -31,14 +32,14 @@ pub fn measure(folder: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// Mean and standard deviation.
+/// Returns mean and standard deviation.
 fn mean(values: Vec<f64>) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt())
 }
 
-/// `baseline-data/speed.json`: pairs of a name and milliseconds.
+/// Reads `baseline-data/speed.json`: pairs of a name and milliseconds.
 fn baseline(folder: &Path) -> Result<Vec<(String, f64)>, Error> {
     let text = std::fs::read_to_string(folder.join("baseline-data/speed.json"))?;
     let pairs = text.trim().trim_matches(['{', '}']).split(',');
@@ -57,7 +58,7 @@ fn program(folder: &Path, name: &str) -> Result<Program, Error> {
     sources.sort();
     let support = folder.join("support");
     sources.extend(["main.c", "beebsc.c"].map(|name| support.join(name)));
-    // Version 1 scales by the first, version 2 by the second.
+    // Version 1 is scaled by the first define, version 2 by the second.
     let defines = &["-DCPU_MHZ=1", "-DGLOBAL_SCALE_FACTOR=1", "-DWARMUP_HEAT=1"];
     Ok(Program { name: name.to_owned(), sources, headers: support, port: "embench.c", defines })
 }

@@ -1,19 +1,20 @@
-//! A part with a host behind its breakpoints: what the program writes is collected, and its exit ends the run.
+//! Microcontroller with semihosting: the output of the program is collected, and its exit ends the
+//! run.
 
 use cortex_m4::{Access, Breakpoint, Chip, Cycle, Fault, Machine, Ports, Timing, Width};
 use sonoglide_stm32g474::map::{at, base};
 use sonoglide_stm32g474::{Bare, Config, Stm32g474};
 
-/// The program has ended.
+/// Finding that the program has ended.
 #[derive(Debug, thiserror::Error)]
 #[error("the program has ended")]
 struct Ended;
 
-/// The part, and what its program has written.
+/// Microcontroller with the output of its program.
 pub struct Hosted {
     part: Stm32g474<Bare>,
     written: Vec<u8>,
-    /// SYS_EXIT with ADP_Stopped_ApplicationExit.
+    /// `true` after SYS_EXIT with ADP_Stopped_ApplicationExit.
     succeeded: bool,
 }
 
@@ -52,7 +53,7 @@ impl Chip for Hosted {
         self.part.reset(at, ports);
     }
 
-    /// SYS_WRITEC and SYS_EXIT of ARM's semihosting.
+    /// Serves SYS_WRITEC and SYS_EXIT of ARM's semihosting.
     fn breakpoint(&mut self, breakpoint: Breakpoint, ports: Ports) -> Result<Option<u32>, Fault> {
         match (breakpoint.number, breakpoint.r0) {
             (0xAB, 0x03) => {
@@ -68,14 +69,14 @@ impl Chip for Hosted {
     }
 }
 
-/// What the flash is set to: FLASH_ACR.
+/// Setting of the flash: FLASH_ACR.
 #[derive(Clone, Copy)]
 pub struct Flash {
     pub name: &'static str,
     pub control: u32,
 }
 
-/// What a program wrote, and its mean cost from start to end.
+/// Output of a program, and its mean cost from start to end.
 pub struct Run {
     pub text: String,
     pub cycles_per_instruction: f64,
@@ -90,7 +91,7 @@ pub fn run(elf: &[u8], flash: Flash, timing: Timing) -> Result<Run, Box<dyn std:
     let access = Access { address: base::FLASH + at::flash::ACR, width: Width::Word, at: 0, pc: 0 };
     let ports = Ports { memory: &mut machine.memory, interrupts: &mut machine.interrupts };
     machine.chip.write(access, flash.control, ports).map_err(|fault| format!("FLASH_ACR: {fault:?}"))?;
-    // CYCCNT has 32 bits.
+    // CYCCNT has 32 bits, which limits the run.
     match machine.run_until(u64::from(u32::MAX)) {
         Err(stop) if stop.finding.is::<Ended>() && machine.chip.succeeded => {}
         Err(stop) => return Err(stop.into()),

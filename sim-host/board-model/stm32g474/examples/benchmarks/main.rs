@@ -1,15 +1,19 @@
-//! Embench, CoreMark and Dhrystone 2.1 on the model of the STM32G474, against what is published: the validation of its cycles.
+//! Embench, CoreMark and Dhrystone 2.1 on the model of the STM32G474, compared with published
+//! results to validate its cycles.
 //!
 //! ```text
 //! cargo run --release -p sonoglide-stm32g474 --example benchmarks -- --embench DIR --coremark DIR --dhrystone DIR
 //! ```
 //!
-//! The sources are not part of this repository: each `DIR` is a checkout of `embench/embench-iot`, `eembc/coremark`, or `sifive/benchmark-dhrystone`
-//! (Weicker's K&R text of version 2.1). They are built here with `arm-none-eabi-gcc` and the port in this folder, run to their end, and have to pass
-//! their own checks: Embench's results, CoreMark's check sums, and the values that Dhrystone says its variables should have.
+//! The sources are not part of this repository: each `DIR` is a checkout of `embench/embench-iot`,
+//! `eembc/coremark`, or `sifive/benchmark-dhrystone` (Weicker's K&R text of version 2.1). They are
+//! built with `arm-none-eabi-gcc` and the port in this folder, run to their end, and must pass
+//! their own checks: Embench's results, CoreMark's check sums, and the values that Dhrystone prints
+//! for its variables.
 //!
-//! Embench's baseline is that of its checkout. Commit 3ef636f has one of GCC 13.2 (says the commit after it), tag `embench-1.0` one of GCC 9.2, both by
-//! the cycle counter of an STM32F407 at 16 MHz, where its flash has no wait states.
+//! The baseline of Embench comes from its checkout. That of commit 3ef636f was made with GCC 13.2
+//! (according to the following commit), that of tag `embench-1.0` with GCC 9.2. Both were measured
+//! with the cycle counter of an STM32F407 at 16 MHz, without wait states of the flash.
 
 mod compile;
 mod embench;
@@ -23,7 +27,8 @@ use hosted::Flash;
 
 type Error = Box<dyn std::error::Error>;
 
-/// The flash without wait states, as at the 16 MHz after a reset; and with the four of 170 MHz: prefetch and caches (as the board sets it), caches only, neither.
+/// Settings of the flash: without wait states, as at the 16 MHz after a reset; and with the four of
+/// 170 MHz, with prefetch and caches (as on the board), with caches only, and with neither.
 const FLASHES: [Flash; 4] = [
     Flash { name: "no wait states", control: 0x0004_0600 },
     Flash { name: "4, prefetch, caches", control: 0x0004_0704 },
@@ -31,20 +36,21 @@ const FLASHES: [Flash; 4] = [
     Flash { name: "4, nothing", control: 0x0004_0004 },
 ];
 
-/// Flags of the compiler for CoreMark.
+/// Compiler flags for CoreMark.
 const COREMARK: [&str; 4] = ["-Os", "-O2", "-O3", "-O3 -funroll-loops"];
 
-/// Those for Dhrystone: by its rules, with functions inlined, and with both files compiled as one.
+/// Compiler flags for Dhrystone: by its rules, with inlined functions, and with both files compiled
+/// as one.
 const DHRYSTONE: [&str; 3] = ["-O2 -fno-inline -fno-ipa-cp -fno-ipa-sra", "-O3", "-O3 -flto"];
 
-/// Dhrystones a second of a VAX-11/780.
+/// Dhrystones per second of a VAX-11/780.
 const VAX: f64 = 1757.0;
 
 fn main() -> Result<(), Error> {
     println!("{}\n", compile::compiler()?);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
-        let folder = PathBuf::from(arguments.next().ok_or_else(|| format!("{argument} of which folder?"))?);
+        let folder = PathBuf::from(arguments.next().ok_or_else(|| format!("{argument} needs a folder"))?);
         match argument.as_str() {
             "--coremark" => {
                 let names = ["core_main.c", "core_list_join.c", "core_matrix.c", "core_state.c", "core_util.c"];
@@ -57,7 +63,7 @@ fn main() -> Result<(), Error> {
                 measure(&program, &DHRYSTONE, |cycles| 1e6 / cycles / VAX, check_dhrystone)?;
             }
             "--embench" => embench::measure(&folder)?,
-            _ => return Err(format!("{argument}: only --coremark, --dhrystone and --embench are known").into()),
+            _ => return Err(format!("unknown option {argument}: use --coremark, --dhrystone or --embench").into()),
         }
         println!();
     }
@@ -76,7 +82,7 @@ fn measure(
     score: impl Fn(f64) -> f64,
     check: impl Fn(&str) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    println!("| {}, flags | flash | cycles an iteration | an instruction | score a MHz | longest |", program.name);
+    println!("| {}, flags | flash | cycles per iteration | per instruction | score per MHz | longest |", program.name);
     println!("|---|---|---|---|---|---|");
     for flags in flags {
         let elf = compile::build(program, flags)?;
@@ -94,7 +100,7 @@ fn measure(
     Ok(())
 }
 
-/// The port prints `MEASURED n cycles of m iterations`.
+/// Parses the line `MEASURED n cycles of m iterations` of the port.
 fn cycles_of_iteration(text: &str) -> Result<f64, Error> {
     let line = text.lines().find_map(|line| line.strip_prefix("MEASURED ")).ok_or("the program reports no cycles")?;
     let numbers: Vec<f64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
@@ -106,10 +112,11 @@ fn cycles_of_iteration(text: &str) -> Result<f64, Error> {
 
 fn check_coremark(text: &str) -> Result<(), Error> {
     let valid = text.contains("2K performance run parameters") && text.contains("Correct operation validated.");
-    if valid { Ok(()) } else { Err(format!("CoreMark finds errors:\n{text}").into()) }
+    if valid { Ok(()) } else { Err(format!("CoreMark reports errors:\n{text}").into()) }
 }
 
-/// Each line `name: value` is followed by one `should be: value`, with a few in words.
+/// Checks that each line `name: value` equals its line `should be: value`; a few of these are
+/// words.
 fn check_dhrystone(text: &str) -> Result<(), Error> {
     let value = |line: &str| line.split_once(':').map(|(_, value)| value.trim().to_owned()).unwrap_or_default();
     let lines: Vec<&str> = text.lines().collect();

@@ -1,4 +1,4 @@
-//! What the peripherals do, one by one.
+//! Behaviour of single peripherals.
 
 use cortex_m4::{Chip, Cycle, Fault, Width};
 use sonoglide_stm32g474::map::at;
@@ -10,7 +10,7 @@ use crate::board::{Board, board};
 use crate::rig::{ADC_RING, Rig, Setup, UART_RING};
 
 #[test]
-fn the_watchdog_bites_after_its_time_unless_fed() {
+fn the_watchdog_resets_after_its_time_unless_fed() {
     let mut rig = Rig::on(Board::default());
     rig.write(IWDG + at::iwdg::KR, 0xcccc);
     rig.write(IWDG + at::iwdg::KR, 0x5555);
@@ -39,7 +39,7 @@ fn bytes_are_received_into_the_ring() {
     rig.uart(Setup::default());
     rig.part.wires.bytes.extend(*b"sonoglide");
     rig.us(60);
-    // 10.85 us a byte: five of them.
+    // 10.85 us per byte: five bytes.
     assert_eq!(rig.memory.get(UART_RING, 6).unwrap(), b"sonog\0");
     assert_eq!(rig.read(DMA1 + at::dma::CH_2_NDTR), 512 - 5);
     rig.us(60);
@@ -134,7 +134,7 @@ fn an_edge_pends_its_external_interrupt() {
 }
 
 #[test]
-fn a_peripheral_reset_takes_its_registers_back() {
+fn a_peripheral_reset_resets_its_registers() {
     let mut rig = board();
     rig.write(TIM3 + at::timgp16::ARR, 1000);
     rig.write(TIM3 + at::timgp16::CR1, 1);
@@ -164,7 +164,7 @@ fn an_update_sets_its_flag_and_its_interrupt() {
 }
 
 #[test]
-fn what_is_not_known_is_refused_by_name() {
+fn unmodelled_registers_are_refused_by_name() {
     let mut rig = board();
     rig.write(RCC + at::rcc::APB1ENR1, 1 << 28 | 0xf | 1 << 21);
     let cases: [(u32, u32, &str); 5] = [

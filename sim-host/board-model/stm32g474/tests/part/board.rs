@@ -1,4 +1,4 @@
-//! A board with settable levels and voltages.
+//! Board with settable levels and voltages.
 
 use std::collections::VecDeque;
 
@@ -7,9 +7,9 @@ use sonoglide_stm32g474::{Drive, Level, Pin, Received, Wires};
 
 use crate::rig::{Rig, Setup};
 
-/// A board with settable levels and voltages.
+/// Board with settable levels and voltages.
 pub struct Board {
-    /// PA1, PA7, V.
+    /// Voltage at PA1 and PA7, V.
     pub current: [f64; 2],
     pub stop_released: bool,
     pub due: Cycle,
@@ -51,7 +51,7 @@ impl Wires for Board {
     }
 
     fn inputs(&mut self, _at: Cycle, port: u8) -> Drive {
-        // The contact connects PC3 to the supply; its pull-down is the part's.
+        // The contact connects PC3 to the supply; the pull-down is in the microcontroller.
         if port == 2 && self.stop_released { Drive { driven: 8, high: 8 } } else { Drive::default() }
     }
 

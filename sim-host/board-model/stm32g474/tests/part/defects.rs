@@ -1,4 +1,4 @@
-//! The flash, and what happens when something fails.
+//! Flash, and injected defects.
 
 use cortex_m4::Chip;
 use sonoglide_stm32g474::map::at;
@@ -21,7 +21,7 @@ fn noise_flips_bits_and_sets_its_flag() {
     assert_eq!(rig.read(LPUART1 + at::lpuart::ISR) & 0xe, 1 << 2);
 }
 
-/// A double word of the second bank, and what was written to it.
+/// Address of a double word of the second bank.
 const WORD: u32 = 0x0807_c000;
 
 fn begin_programming(rig: &mut Rig<Board>) {
@@ -34,7 +34,7 @@ fn begin_programming(rig: &mut Rig<Board>) {
 }
 
 #[test]
-fn programming_takes_its_time_and_an_erase_undoes_it() {
+fn programming_takes_time_and_an_erase_reverts_it() {
     let mut rig = board();
     begin_programming(&mut rig);
     rig.us(81);
@@ -49,7 +49,7 @@ fn programming_takes_its_time_and_an_erase_undoes_it() {
 }
 
 #[test]
-fn only_the_bank_that_is_written_stalls() {
+fn only_the_bank_being_written_stalls() {
     let mut rig = board();
     begin_programming(&mut rig);
     let now = rig.now;
@@ -59,7 +59,7 @@ fn only_the_bank_that_is_written_stalls() {
 }
 
 #[test]
-fn a_power_cut_damages_the_word_that_is_written() {
+fn a_power_cut_damages_the_word_being_written() {
     let mut rig = board();
     begin_programming(&mut rig);
     rig.memory.get_mut(0x2000_0000, 1).unwrap()[0] = 77;
@@ -91,7 +91,7 @@ fn a_dead_crystal_falls_back_to_hsi_with_an_nmi() {
 }
 
 #[test]
-fn defects_of_the_stream_are_seen() {
+fn defects_of_the_stream_are_detected() {
     for (defect, rule) in [
         (Defect::DmaHalts { dma: 1, channel: 1 }, Some(Rule::AdcOverrun)),
         (Defect::DmaHalts { dma: 1, channel: 2 }, Some(Rule::DacUnderrun)),
@@ -137,7 +137,7 @@ fn a_lost_trigger_loses_one_sample() {
 }
 
 #[test]
-fn a_failed_transfer_switches_its_channel_off_and_says_so() {
+fn a_failed_transfer_disables_its_channel_and_sets_a_flag() {
     let mut rig = Rig::on(Board::default());
     rig.clocks(Setup::default());
     rig.streams(Setup::default());
@@ -172,7 +172,7 @@ fn the_watchdog_follows_its_oscillator() {
 }
 
 #[test]
-fn without_its_pll_nothing_happens_until_the_watchdog_bites() {
+fn without_its_pll_the_chip_stops_until_a_watchdog_reset() {
     let mut rig = Rig::on(Board::default());
     rig.clocks(Setup::default());
     watchdog(&mut rig);

@@ -1,4 +1,4 @@
-//! The part, driven as a program and the time drive it.
+//! The microcontroller without a processor, with accesses and time from the test.
 
 mod behaviour;
 mod board;

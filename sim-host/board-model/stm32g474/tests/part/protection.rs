@@ -1,4 +1,4 @@
-//! What drops the amplifier's enable.
+//! Events that switch the amplifier's enable off.
 
 use cortex_m4::{Chip, Ports};
 use sonoglide_stm32g474::map::at;
@@ -8,11 +8,11 @@ use sonoglide_stm32g474::{Defect, Level, Pin};
 use crate::board::{Board, board};
 use crate::rig::Rig;
 
-/// Arms the protection of `docs/board.md`, and raises the enable.
+/// Arms the protection of `docs/board.md`, and sets the enable.
 fn armed() -> Rig<Board> {
     let mut rig = board();
     rig.write(DAC3 + at::dac::MCR, 3 | 3 << 16 | 2 << 14);
-    // 3.05 V and 0.25 V of 3.3 V.
+    // 3.05 V and 0.25 V at a reference of 3.3 V.
     rig.write(DAC3 + at::dac::DHR12R_0, 3786);
     rig.write(DAC3 + at::dac::DHR12R_1, 310);
     rig.write(DAC3 + at::dac::CR, 1 | 1 << 16);
@@ -43,7 +43,7 @@ fn last_level(rig: &Rig<Board>) -> Level {
 }
 
 #[test]
-fn the_enable_follows_its_order() {
+fn the_enable_follows_its_command() {
     let mut rig = armed();
     assert_eq!(last_level(&rig), Level::High);
     assert!(rig.part.enable_is_high());
@@ -52,7 +52,7 @@ fn the_enable_follows_its_order() {
     assert_eq!(rig.findings(), []);
 }
 
-/// The voltage of a comparator changes by itself.
+/// Changes the voltage of a comparator without an access.
 fn current(rig: &mut Rig<Board>, volts: [f64; 2]) {
     rig.part.wires.current = volts;
     rig.part.wires.due = rig.now + 5;
@@ -60,7 +60,7 @@ fn current(rig: &mut Rig<Board>, volts: [f64; 2]) {
 }
 
 #[test]
-fn a_comparator_drops_the_enable_and_keeps_it_down() {
+fn a_comparator_clears_the_enable_and_keeps_it_low() {
     for volts in [[3.1, 1.65], [1.65, 0.2]] {
         let mut rig = armed();
         let before = rig.now;
@@ -68,7 +68,7 @@ fn a_comparator_drops_the_enable_and_keeps_it_down() {
         assert_eq!(last_level(&rig), Level::Low);
         assert_eq!(rig.part.wires.enable.last().unwrap().0, before + 5);
         assert_eq!(rig.read(TIM1 + at::timadv::SR) & 0x180, 0x80);
-        // While it stands, neither its flag can be cleared nor the enable be raised.
+        // While the break is active, its flag cannot be cleared and the enable cannot be set.
         rig.write(TIM1 + at::timadv::SR, !0x80);
         raise(&mut rig);
         assert_eq!(rig.read(TIM1 + at::timadv::SR) & 0x80, 0x80);
@@ -92,7 +92,7 @@ fn hysteresis_holds_a_comparator() {
 }
 
 #[test]
-fn an_open_stop_contact_drops_the_enable() {
+fn an_open_stop_contact_clears_the_enable() {
     let mut rig = armed();
     rig.part.wires.stop_released = false;
     rig.part.wires.due = rig.now + 3;
@@ -103,7 +103,7 @@ fn an_open_stop_contact_drops_the_enable() {
 }
 
 #[test]
-fn a_debugger_halt_drops_the_enable_until_it_goes_on() {
+fn a_debugger_halt_clears_the_enable_until_it_resumes() {
     let mut rig = armed();
     rig.write(0xe004_2010, 1 << 11);
     for (halted, level) in [(true, Level::Low), (false, Level::High)] {
@@ -115,7 +115,7 @@ fn a_debugger_halt_drops_the_enable_until_it_goes_on() {
 }
 
 #[test]
-fn a_lockup_drops_the_enable_only_if_syscfg_says_so() {
+fn a_lockup_clears_the_enable_only_if_syscfg_selects_it() {
     for (cll, level) in [(0, Level::High), (1, Level::Low)] {
         let mut rig = armed();
         rig.write(SYSCFG + at::syscfg::CFGR2, cll);
@@ -143,7 +143,7 @@ fn an_input_pin_sticks() {
     rig.part.wires.stop_released = false;
     rig.part.wires.due = rig.now + 3;
     rig.wait(10);
-    assert_eq!(last_level(&rig), Level::High, "the stop is not seen");
+    assert_eq!(last_level(&rig), Level::High, "the stop is not detected");
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn a_low_supply_breaks_if_it_is_connected() {
 }
 
 #[test]
-fn a_crystal_that_fails_drops_the_enable_by_css() {
+fn a_crystal_failure_clears_the_enable_with_css() {
     for (csson, level) in [(0, Level::High), (1 << 19, Level::Low)] {
         let mut rig = armed();
         rig.set(RCC + at::rcc::CR, 1 << 16);

@@ -1,10 +1,10 @@
-//! A part without a processor: what a program would write, written by the test.
+//! Microcontroller without a processor: the test writes registers as a program would.
 
 use cortex_m4::{Access, Chip, Cycle, Fault, Interrupts, Memory, Ports, Width};
 use sonoglide_stm32g474::map::{at, base::*};
 use sonoglide_stm32g474::{Bare, Config, Finding, Rule, Stm32g474, Verdict, Wires};
 
-/// A part, its memory, its interrupt lines, and the time.
+/// Microcontroller with its memory, its interrupt lines, and the time.
 pub struct Rig<W> {
     pub part: Stm32g474<W>,
     pub memory: Memory,
@@ -12,15 +12,17 @@ pub struct Rig<W> {
     pub now: Cycle,
 }
 
-/// An instruction in the first bank of the flash.
+/// Address of an instruction in the first bank of the flash.
 pub const PC: u32 = 0x0800_0400;
-/// Rings in RAM.
+/// Address of the ring of the ADCs.
 pub const ADC_RING: u32 = 0x2000_0000;
+/// Address of the ring of the DAC.
 pub const DAC_RING: u32 = 0x2000_0400;
+/// Address of the ring of the UART.
 pub const UART_RING: u32 = 0x2000_0800;
 
 impl Rig<Bare> {
-    /// On a bare board, with all findings collected.
+    /// Creates a microcontroller on a bare board, with all findings collected.
     pub fn bare() -> Self {
         Rig::on(Bare)
     }
@@ -67,7 +69,7 @@ impl<W: Wires> Rig<W> {
         self.write(address, old & !bits);
     }
 
-    /// Polls until the bits are as wanted.
+    /// Polls until the bits have the wanted value.
     pub fn poll(&mut self, address: u32, bits: u32, wanted: u32) {
         for _ in 0..100_000 {
             if self.read(address) & bits == wanted {
@@ -78,7 +80,7 @@ impl<W: Wires> Rig<W> {
         panic!("{address:#x} never has {wanted:#x} of {bits:#x}");
     }
 
-    /// Lets time pass as the processor does: the part is asked when it is next due.
+    /// Advances time as the processor does, by the cycles of the next events.
     pub fn try_wait(&mut self, cycles: Cycle) -> Result<(), Fault> {
         let end = self.now + cycles;
         while self.part.due() <= end {
@@ -105,7 +107,7 @@ impl<W: Wires> Rig<W> {
         self.interrupts.levels() >> line & 1 != 0
     }
 
-    /// The rules that were broken, each once.
+    /// Returns the violated rules, each once.
     pub fn rules(&self) -> Vec<Rule> {
         let mut rules: Vec<_> = self.part.lint.findings.iter().map(|finding| finding.rule).collect();
         rules.sort();
@@ -118,7 +120,7 @@ impl<W: Wires> Rig<W> {
     }
 }
 
-/// Bits of the set-up that a test leaves out, or does otherwise.
+/// Settings of the set-up that a test can change or omit.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Setup {
     pub latency: u32,
@@ -151,7 +153,7 @@ impl Default for Setup {
 }
 
 impl<W: Wires> Rig<W> {
-    /// 170 MHz from HSI16, as the manual wants it.
+    /// Sets the clock to 170 MHz from HSI16, in the order of the manual.
     pub fn clocks(&mut self, setup: Setup) {
         self.set(RCC + at::rcc::APB1ENR1, 1 << 28);
         self.wait(4);
@@ -176,7 +178,7 @@ impl<W: Wires> Rig<W> {
         self.wait(8);
     }
 
-    /// A channel of DMA1 (from 0), round and round.
+    /// Starts a channel of DMA1 (counted from 0) on a ring.
     pub fn dma(&mut self, channel: u32, request: u32, register: u32, ring: u32, count: u32, control: u32) {
         let first = DMA1 + at::dma::CH_0_CR + channel * 20;
         self.write(first, 0);
@@ -187,7 +189,7 @@ impl<W: Wires> Rig<W> {
         self.write(first, control);
     }
 
-    /// Regulator, calibration, enable of an ADC.
+    /// Starts the regulator of an ADC, calibrates and enables it.
     pub fn wake_adc(&mut self, adc: u32) {
         self.write(adc + at::adc::CR, 0);
         self.write(adc + at::adc::CR, 1 << 28);
@@ -199,7 +201,7 @@ impl<W: Wires> Rig<W> {
         self.poll(adc + at::adc::ISR, 1, 1);
     }
 
-    /// The stream of blocks: TIM3 at 1 MHz to DAC1, TIM4 at 2 MHz to ADC1 and ADC2, both by DMA.
+    /// Starts the block stream: TIM3 at 1 MHz to DAC1, TIM4 at 2 MHz to ADC1 and ADC2, both by DMA.
     pub fn streams(&mut self, setup: Setup) {
         self.write(ADC12_COMMON + at::adccommon::CCR, 3 << 16 | 6 | 2 << 14 | 1 << 13);
         for (adc, channel) in [(ADC1, 1_u32), (ADC2, 2)] {
@@ -232,7 +234,7 @@ impl<W: Wires> Rig<W> {
         self.write(TIM3 + at::timgp16::CR1, 5);
     }
 
-    /// LPUART1 at 921 600 baud, received by DMA.
+    /// Starts LPUART1 at 921 600 baud, received by DMA.
     pub fn uart(&mut self, setup: Setup) {
         self.write(LPUART1 + at::lpuart::BRR, setup.brr);
         self.write(LPUART1 + at::lpuart::CR3, u32::from(setup.rx_dma) << 6);

@@ -1,4 +1,4 @@
-//! Every rule of the lint: a program that is right, and one that trips just this rule.
+//! Every rule: a correct program, and one that violates only this rule.
 
 mod clocks;
 mod converters;
@@ -11,7 +11,7 @@ use crate::rig::{Rig, Setup};
 
 type Program = fn(&mut Rig<Bare>);
 
-/// Runs both programs: the first one has no finding, the second one just this one.
+/// Runs both programs: the first has no finding, the second only a finding of this rule.
 #[track_caller]
 pub fn check(rule: Rule, right: Program, wrong: Program) {
     for (program, expected) in [(right, &[][..]), (wrong, &[rule][..])] {
@@ -22,7 +22,7 @@ pub fn check(rule: Rule, right: Program, wrong: Program) {
     }
 }
 
-/// A part that runs at 170 MHz with all that the board uses clocked.
+/// Sets the clock to 170 MHz and enables the clocks of all peripherals of the board.
 pub fn up(rig: &mut Rig<Bare>) {
     rig.clocks(Setup::default());
 }

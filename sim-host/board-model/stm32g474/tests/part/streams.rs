@@ -1,11 +1,11 @@
-//! The block stream as a whole: timers, converters, DMA.
+//! Block stream as a whole: timers, converters, DMA.
 
 use crate::rig::{ADC_RING, DAC_RING, Rig, Setup};
 use cortex_m4::Cycle;
 use sonoglide_stm32g474::map::{at, base::*, line};
 use sonoglide_stm32g474::{Level, Pin, Wires};
 
-/// A board that writes down what it gets: the voltage at PA0 follows the DAC, that at PA1 is a ramp.
+/// Board that records its signals. The voltage at PA0 follows the DAC, that at PA1 is a ramp.
 #[derive(Default)]
 struct Recorder {
     codes: Vec<(Cycle, u16)>,
@@ -44,7 +44,7 @@ fn streaming() -> Rig<Recorder> {
 }
 
 #[test]
-fn the_stream_of_a_right_program_has_no_finding() {
+fn the_stream_of_a_correct_program_has_no_finding() {
     let mut rig = streaming();
     rig.us(100);
     assert_eq!(rig.findings(), []);
@@ -66,7 +66,7 @@ fn the_dac_plays_its_ring_one_sample_a_microsecond() {
 fn both_adcs_sum_two_conversions_a_sample() {
     let mut rig = streaming();
     rig.us(70);
-    // 1 V of 3.3 V is 1241 of 4096; twice.
+    // Twice 1241, the code of 1 V at a reference of 3.3 V.
     let word = u32::from_le_bytes(rig.memory.get(ADC_RING + 4 * 40, 4).unwrap().try_into().unwrap());
     assert_eq!(word >> 16, 2 * 1241);
     // PA0 follows the DAC, which has one code for both conversions of most samples.
@@ -77,7 +77,7 @@ fn both_adcs_sum_two_conversions_a_sample() {
 }
 
 #[test]
-fn half_and_end_of_the_ring_are_the_block_interrupt() {
+fn half_and_end_of_the_ring_raise_the_block_interrupt() {
     let mut rig = streaming();
     rig.us(31);
     assert!(!rig.line(line::DMA1_CHANNEL1));
@@ -88,7 +88,7 @@ fn half_and_end_of_the_ring_are_the_block_interrupt() {
     assert!(!rig.line(line::DMA1_CHANNEL1));
     rig.us(32);
     assert_eq!(rig.read(DMA1) & 0xf, 0b0011);
-    assert_eq!(rig.read(DMA1 + at::dma::CH_0_NDTR), 64 - 1, "the first sample is there 2 us after the start");
+    assert_eq!(rig.read(DMA1 + at::dma::CH_0_NDTR), 64 - 1, "the first sample is stored 2 us after the start");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! TIM1 counts once: what RM0440 28.3.12 and 28.3.22 say of PWM in one-pulse mode.
+//! TIM1 in one-pulse mode with PWM: RM0440 28.3.12 and 28.3.22.
 
 use cortex_m4::{Cycle, Ports};
 use sonoglide_stm32g474::map::at::timadv as reg;
@@ -9,7 +9,7 @@ use sonoglide_stm32g474::{Defect, Level};
 use crate::board::{Board, board};
 use crate::rig::Rig;
 
-/// The counter goes from 0 to this.
+/// Last count of the counter.
 const LAST: u32 = 99;
 const CR1: u32 = TIM1 + reg::CR1;
 const CNT: u32 = TIM1 + reg::CNT;
@@ -17,7 +17,8 @@ const SR: u32 = TIM1 + reg::SR;
 const ONCE: u32 = 1 << 3;
 const CEN: u32 = 1;
 
-/// PA10 is channel 3 in this mode (OC3M), compared with `compare`; returns when it was started.
+/// Starts channel 3 (PA10) in the mode OC3M = `mode` with the compare value `compare`. Returns the
+/// cycle of the start.
 fn started(mode: u32, compare: u32) -> (Rig<Board>, Cycle) {
     let mut rig = board();
     rig.write(TIM1 + reg::ARR, LAST);
@@ -32,7 +33,7 @@ fn started(mode: u32, compare: u32) -> (Rig<Board>, Cycle) {
     (rig, at)
 }
 
-/// The edges since the counter was started, in cycles from its first count on.
+/// Returns the edges since the start, in cycles from the first count.
 fn edges(rig: &Rig<Board>, started: Cycle) -> Vec<(Cycle, Level)> {
     let after = |(at, _): &&(Cycle, Level)| *at > started;
     rig.part.wires.enable.iter().filter(after).map(|(at, level)| (at - started - 1, *level)).collect()
@@ -68,7 +69,7 @@ fn the_end_stops_the_counter_at_zero_and_sets_uif() {
 }
 
 #[test]
-fn a_counter_that_is_put_back_in_time_does_not_end() {
+fn a_counter_that_is_set_back_in_time_does_not_end() {
     let (mut rig, at) = started(7, 1);
     for _ in 0..20 {
         rig.wait(90);
@@ -97,7 +98,7 @@ fn the_prescaler_counts_after_an_update() {
     let mut rig = board();
     rig.write(TIM1 + reg::PSC, 9);
     rig.write(TIM1 + reg::ARR, LAST);
-    assert!(rig.try_write(CR1, ONCE | CEN, cortex_m4::Width::Word).is_err(), "a prescaler that was not taken over");
+    assert!(rig.try_write(CR1, ONCE | CEN, cortex_m4::Width::Word).is_err(), "a prescaler that was not loaded");
     rig.write(TIM1 + reg::EGR, 1);
     rig.write(CR1, ONCE | CEN);
     rig.wait(10 * 50);
@@ -117,7 +118,7 @@ fn the_update_raises_its_interrupt() {
 }
 
 #[test]
-fn the_counter_stands_in_a_halt_only_if_dbgmcu_says_so() {
+fn a_halt_stops_the_counter_only_if_dbgmcu_selects_it() {
     for (stop, edge) in [(0, true), (1 << 11, false)] {
         let (mut rig, _) = started(7, 1);
         rig.write(0xe004_2010, stop);
@@ -132,7 +133,7 @@ fn the_counter_stands_in_a_halt_only_if_dbgmcu_says_so() {
 }
 
 #[test]
-fn what_goes_round_is_refused() {
+fn repeated_counting_is_refused() {
     let mut rig = board();
     rig.write(TIM1 + reg::ARR, LAST);
     assert!(rig.try_write(CR1, CEN, cortex_m4::Width::Word).is_err());
@@ -152,5 +153,5 @@ fn a_low_supply_raises_the_interrupt_of_pvd() {
     assert!(!rig.line(line::PVD_PVM));
     rig.part.inject(rig.now + 1, Defect::SupplyLow(false));
     rig.wait(4);
-    assert!(!rig.line(line::PVD_PVM), "a falling edge was not asked for");
+    assert!(!rig.line(line::PVD_PVM), "the falling edge is not enabled");
 }

@@ -1,4 +1,4 @@
-//! Problems that are solved beside each other are solved as they are alone.
+//! Problems solved together have the same solutions as alone.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
@@ -6,9 +6,10 @@ use super::*;
 use crate::table_4_1::table_4_1;
 use crate::{Law, Motion, Shape, Waveform, solve_unwatched};
 
-/// A map over the stiffness, whatever is asked for: pilots, two runs of the record, the Taylor series where nothing else will do.
+/// Map over the stiffness, with pilots, with two runs of the record, and with the Taylor series as
+/// the last resort.
 #[test]
-fn a_map_is_solved_as_its_points_are() {
+fn a_map_equals_its_single_solutions() {
     for (tolerance, periods, energies, count) in [(1e-6, 200.0, false, 100), (1e-11, 40.0, false, 10), (1e-7, 50.0, true, 10)] {
         let numerics = Numerics { tolerance, energies, whole_run: false, ..Numerics::default() };
         let problems: Vec<Problem> = (0..count)
@@ -24,9 +25,9 @@ fn a_map_is_solved_as_its_points_are() {
     }
 }
 
-/// Problems of every kind together, in the order they are given.
+/// Problems of every kind together, returned in the given order.
 #[test]
-fn what_lanes_cannot_do_is_among_them() {
+fn mixed_problems_equal_single_solutions() {
     let mut problems = vec![table_4_1(0.5, 60.0); 8];
     problems[1].law = Law::Coulomb;
     problems[2].law =
@@ -46,9 +47,9 @@ fn what_lanes_cannot_do_is_among_them() {
     }
 }
 
-/// Whoever wants no more leaves by unwinding.
+/// The caller can cancel by unwinding from `pause`.
 #[test]
-fn it_can_be_left_on_its_way() {
+fn solving_can_be_cancelled() {
     let numerics = Numerics { energies: false, ..Numerics::default() };
     let problems = vec![table_4_1(0.5, 20_000.0); 16];
     let left = catch_unwind(AssertUnwindSafe(|| solve_many(&problems, &numerics, &|| resume_unwind(Box::new("left")))));

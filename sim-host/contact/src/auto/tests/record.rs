@@ -1,4 +1,4 @@
-//! A tolerance of the whole record: met at every moment that is shown, or said not to be.
+//! A tolerance of the whole record: met at every reported moment, or reported as not met.
 
 use super::*;
 use crate::Record;
@@ -7,7 +7,8 @@ fn of_record(tolerance: f64) -> Numerics {
     Numerics { tolerance, tolerance_of: ToleranceOf::Record, energies: false, ..Numerics::default() }
 }
 
-/// The solution, and how far what it shows is from a series of high order at the same moments.
+/// Returns the solution, and the distance of its record from a high-order series at the same
+/// moments.
 fn shown(problem: &Problem, numerics: &Numerics) -> (Solution, f64) {
     let mut record = Record::default();
     let solution = solve(problem, numerics, &mut |state| record.add(state)).unwrap();
@@ -22,7 +23,7 @@ fn shown(problem: &Problem, numerics: &Numerics) -> (Solution, f64) {
     (solution, off)
 }
 
-/// Table 4.1; bristles that ring; LuGre's with a peak, and with damping.
+/// Returns Table 4.1, bristles that ring, and LuGre bristles with a peak and with damping.
 fn contacts() -> [Problem; 4] {
     let lugre = |sigma1| Law::Lugre { stiffness_n_per_m: 56e3, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1, sigma2: 0.0 };
     let rings = table_4_1(0.5, 60.0);
@@ -41,15 +42,15 @@ fn every_moment_is_within_the_tolerance() {
             let (solution, off) = shown(&problem, &of_record(tolerance));
             let estimate = solution.record_error_estimate.unwrap();
             assert!(solution.tolerance_met && off <= estimate && estimate <= tolerance, "{off:e}, {solution:?}");
-            // What is within it at every moment is so on the average.
+            // An error within the tolerance at every moment is also within it on average.
             assert!(solution.error_estimate.unwrap() <= estimate, "{solution:?}");
         }
     }
 }
 
-/// The mean is good to a tenth of what the record is off by: its tolerance is met by a coarser run.
+/// The error of the mean is a tenth of that of the record, so a coarser run meets its tolerance.
 #[test]
-fn a_mean_that_is_good_has_a_record_that_is_not() {
+fn an_accurate_mean_may_have_a_poor_record() {
     let problem = table_4_1(0.5, 200.0);
     let of_mean = Numerics { tolerance: 1e-4, energies: false, ..Numerics::default() };
     let (solution, off) = shown(&problem, &of_mean);
@@ -59,9 +60,10 @@ fn a_mean_that_is_good_has_a_record_that_is_not() {
     assert!(of_record.tolerance_met && of_record.ratios.friction != solution.ratios.friction, "{of_record:?}");
 }
 
-/// With energies, behind the window, and by steps that are asked for: what is shown is what the estimate is of, or finer.
+/// With energies, beyond the window, and with given steps: the estimate applies to the reported
+/// record, or to a coarser one.
 #[test]
-fn the_estimate_is_of_what_is_shown() {
+fn the_estimate_covers_the_reported_record() {
     let short = table_4_1(0.5, 60.0);
     let long = Problem { window_s: (0.0, 0.1 * short.duration_s), ..short.clone() };
     let energies = Numerics { energies: true, ..of_record(1e-6) };
@@ -76,7 +78,7 @@ fn the_estimate_is_of_what_is_shown() {
         let (solution, off) = shown(&short, &numerics);
         let estimate = solution.record_error_estimate.unwrap();
         assert_eq!(solution.steps_per_period, Some(steps));
-        // Two runs of order two: the finer has a quarter of the error left.
+        // Two runs of order two: the finer one still has a quarter of the error.
         assert!(off <= 1.5 * estimate && estimate < 100.0 * off.max(1e-13), "{method:?}: {off:e}, {solution:?}");
         assert_eq!(solution.tolerance_met, estimate <= 1e-6, "{solution:?}");
     }
@@ -87,16 +89,18 @@ fn coulomb_friction_has_a_record_too() {
     let problem = with(|problem| problem.law = Law::Coulomb);
     let (solution, off) = shown(&problem, &of_record(1e-8));
     assert!(solution.tolerance_met && off <= solution.record_error_estimate.unwrap(), "{off:e}, {solution:?}");
-    // Rigid bristles are solved as such: at a reversal friction is on the other side for a moment.
+    // Rigid bristles are solved as Coulomb friction: after a reversal friction has the opposite
+    // sign for a moment.
     let rigid = with(|problem| problem.coulomb_n *= 1e-60);
     let solution = solve(&rigid, &of_record(1e-3), &mut |_| ()).unwrap();
     assert!(!solution.tolerance_met && solution.record_error_estimate.unwrap() >= 1.0, "{solution:?}");
     assert!(solution.warnings.iter().any(|warning| warning.contains("not met")), "{solution:?}");
 }
 
-/// A mass near its resonance that damped bristles hold, whose error grows by a power of ten in a few periods until it is that of round-off.
+/// Mass near its resonance, held by damped bristles. Its error grows from round-off by a factor of
+/// ten every few periods.
 #[test]
-fn a_record_that_loses_its_way_is_said_to() {
+fn a_diverging_record_is_reported() {
     let problem = with(|problem| {
         let hz = problem.waveform.frequency_hz();
         problem.motion = Motion::Sdof { mass_kg: 0.02, stiffness_n_per_m: 2.184_002_8e9, damping_n_s_per_m: 0.0 };
@@ -130,9 +134,9 @@ fn a_closed_form_has_no_record() {
     assert!(matches!(solve(&kinematic, &closed, &mut |_| ()), Err(SolveError::Unsuited { .. })));
 }
 
-/// Of many problems each has the record of its own.
+/// Each of many problems has its own record.
 #[test]
-fn many_are_solved_as_one() {
+fn many_are_solved_as_single_problems() {
     let problems = contacts();
     let many = solve_many(&problems, &of_record(1e-6), &|| ());
     for (problem, solution) in problems.iter().zip(many) {

@@ -1,6 +1,6 @@
-//! One smooth piece of a motion, as power series in the part of it that has passed (0 to 1).
+//! One smooth piece of a motion, as power series in its elapsed fraction (0 to 1).
 //!
-//! From `m x'' + c x' + Ks x = Fe - F` with constant F follows, with the length L of the piece,
+//! For constant F, `m x'' + c x' + Ks x = Fe - F` gives, with the length L of the piece,
 //!
 //! ```text
 //! (k + 1) (k + 2) x_{k+2} = L^2 / m (Fe_k - F_k) - L c / m (k + 1) x_{k+1} - L^2 Ks / m x_k
@@ -9,27 +9,27 @@
 use crate::problem::Motion;
 use crate::state::State;
 
-/// Terms of a series.
+/// Number of terms of a series.
 pub(super) const TERMS: usize = 22;
 
 type Series = [f64; TERMS];
 
-/// A piece.
+/// Smooth piece of a motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arc {
     /// Length, s.
     pub(super) length: f64,
     /// Force on the oscillator, N, or given velocity, m/s.
     pub(super) forcing: Series,
-    /// x, m.
+    /// Displacement x, m.
     pub(super) place: Series,
-    /// x', m/s.
+    /// Velocity x', m/s.
     pub(super) velocity: Series,
     /// Friction, N.
     pub(super) friction: Series,
 }
 
-/// Taylor coefficients of time, in powers of the part of a length.
+/// Converts Taylor coefficients in time into powers of the fraction of a length.
 pub(super) fn scaled(coefficients: Series, length: f64) -> Series {
     let mut power = 1.0;
     coefficients.map(|c| {
@@ -40,7 +40,7 @@ pub(super) fn scaled(coefficients: Series, length: f64) -> Series {
 }
 
 impl Arc {
-    /// The velocity is given.
+    /// Computes a piece with a given velocity.
     pub(super) fn given(velocity: &Series, length: f64, from: &State, friction_n: f64) -> Self {
         let mut place = [0.0; TERMS];
         place[0] = from.x_m;
@@ -50,7 +50,8 @@ impl Arc {
         Arc { length, forcing: *velocity, place, velocity: *velocity, friction: constant(friction_n) }
     }
 
-    /// An oscillator with constant friction; kinematic motion has no such piece.
+    /// Computes a piece of an oscillator with constant friction; a kinematic motion has no such
+    /// piece.
     pub(super) fn free(motion: Motion, forcing: &Series, length: f64, from: &State, friction_n: f64) -> Self {
         let mut place = [0.0; TERMS];
         (place[0], place[1]) = (from.x_m, length * from.v_m_per_s);
@@ -70,7 +71,8 @@ impl Arc {
         Arc { length, forcing: *forcing, place, velocity, friction: constant(friction_n) }
     }
 
-    /// An oscillator that the contact holds: it moves on at its velocity, and friction is what that needs.
+    /// Computes a piece of an oscillator that the contact holds: its velocity is constant, and
+    /// friction balances the other forces.
     pub(super) fn held(motion: Motion, forcing: &Series, length: f64, from: &State) -> Self {
         let (mut place, mut friction) = ([0.0; TERMS], *forcing);
         (place[0], place[1]) = (from.x_m, length * from.v_m_per_s);
@@ -81,12 +83,12 @@ impl Arc {
         Arc { length, forcing: *forcing, place, velocity: constant(from.v_m_per_s), friction }
     }
 
-    /// x, x' and friction where `part` of the piece has passed.
+    /// Returns x, x' and friction at the fraction `part` of the piece.
     pub(super) fn at(&self, part: f64) -> (f64, f64, f64) {
         (value(&self.place, part), value(&self.velocity, part), value(&self.friction, part))
     }
 
-    /// Integral of friction over `part` of the piece, N s.
+    /// Returns the integral of friction over the fraction `part` of the piece, N s.
     pub(super) fn impulse(&self, part: f64) -> f64 {
         self.length * integral(&self.friction, part)
     }
@@ -98,7 +100,7 @@ fn constant(value: f64) -> Series {
     out
 }
 
-/// The sum of a series.
+/// Returns the value of a series at the fraction `part`.
 pub(super) fn value(series: &[f64], part: f64) -> f64 {
     series.iter().rev().fold(0.0, |sum, c| sum * part + c)
 }
@@ -111,7 +113,7 @@ fn integral(series: &Series, part: f64) -> f64 {
     })
 }
 
-/// Integral of the product of two series from 0 to `part`.
+/// Returns the integral of the product of two series from 0 to `part`.
 pub(super) fn product(a: &Series, b: &Series, part: f64) -> f64 {
     let terms = std::array::from_fn(|k| a[..=k].iter().zip(b[..=k].iter().rev()).map(|(a, b)| a * b).sum());
     integral(&terms, part)

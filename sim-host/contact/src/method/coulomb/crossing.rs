@@ -1,25 +1,27 @@
-//! The first place where a polynomial goes below zero.
+//! The first position at which a polynomial becomes negative.
 //!
-//! An interval of half width w about c holds no zero if `p(c) > |p'(c)| w + M w^2 / 2`, and is monotone if `|p'(c)| > M w`, where M bounds
-//! the second derivative on [0, 1]; an interval of which neither is known is split. A zero that only touches is therefore passed over,
-//! and two close together are not missed.
+//! An interval of half width w about c contains no zero if `p(c) > |p'(c)| w + M w^2 / 2`, and is
+//! monotone if `|p'(c)| > M w`, where M bounds the second derivative on [0, 1]. If neither is known
+//! to hold, the interval is split. A zero that only touches is therefore passed over, and two close
+//! together are not missed.
 
 use super::arc::value;
 
-/// Intervals below this width are not split: between two zeros so close nothing can happen.
-const NARROW: f64 = 1e-9;
+/// Width below which an interval is not split; two zeros closer together have no effect.
+const NARROWEST_INTERVAL: f64 = 1e-9;
 
-/// First part in (0, 1] at which the polynomial becomes negative. Its first `zeros` coefficients count as zero: it begins there, going up.
+/// Returns the first fraction in (0, 1] at which the polynomial becomes negative. Its first `zeros`
+/// coefficients count as zero.
 pub(super) fn first(series: &[f64], zeros: usize) -> Option<f64> {
-    // Divided by the powers that are known, its zero at the beginning is gone. What is zero throughout would be
-    // split without end, and never becomes negative.
+    // Dividing by the known powers removes the zero at the beginning. An all-zero polynomial never
+    // becomes negative; it would be split without end.
     let known = zeros + series.get(zeros..)?.iter().position(|&c| c != 0.0)?;
     let polynomial = series.get(known..)?;
     if *polynomial.first()? < 0.0 {
         return Some(0.0);
     }
     let curvature: f64 = polynomial.iter().enumerate().map(|(k, c)| (k * k.saturating_sub(1)) as f64 * c.abs()).sum();
-    // From left to right; the next interval is last.
+    // Intervals are searched from left to right; the next one is at the end of the list.
     let mut intervals = vec![(0.0, 1.0)];
     while let Some((from, to)) = intervals.pop() {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
@@ -28,7 +30,7 @@ pub(super) fn first(series: &[f64], zeros: usize) -> Option<f64> {
             continue;
         }
         let monotone = slope.abs() > curvature * half;
-        if monotone || half < NARROW {
+        if monotone || half < NARROWEST_INTERVAL {
             if value(polynomial, to) < 0.0 {
                 return Some(locate(polynomial, from, to));
             }
@@ -40,7 +42,8 @@ pub(super) fn first(series: &[f64], zeros: usize) -> Option<f64> {
     None
 }
 
-/// The zero between a place that is not below zero and one that is: Newton's method, bracketed by bisection.
+/// Locates the zero between a position that is not below zero and one that is: Newton's method,
+/// bracketed by bisection.
 fn locate(polynomial: &[f64], mut from: f64, mut to: f64) -> f64 {
     let mut at = 0.5 * (from + to);
     for _ in 0..80 {
@@ -68,7 +71,7 @@ fn with_slope(polynomial: &[f64], at: f64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// Coefficients of the product of (t - root).
+    /// Returns the coefficients of the product of (t - root).
     fn with_roots(roots: &[f64]) -> Vec<f64> {
         roots.iter().fold(vec![1.0], |polynomial, root| {
             let mut out = vec![0.0; polynomial.len() + 1];
@@ -108,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_zero_at_the_beginning_does_not_count() {
-        // t (0.5 - t) with round-off in place of its zero
+        // t (0.5 - t) with round-off instead of its zero
         assert!((first(&[-1e-17, 0.5, -1.0], 1).unwrap() - 0.5).abs() < 1e-15);
         assert_eq!(first(&[-1e-17, 0.5, 1.0], 1), None);
         assert_eq!(first(&[0.0, -0.5, 1.0], 1), Some(0.0));
@@ -116,9 +119,10 @@ mod tests {
         assert!((first(&[0.0, 0.0, 0.5, -1.0], 1).unwrap() - 0.5).abs() < 1e-15);
     }
 
-    /// A slip that stays zero, as under a square wave that is as fast to round-off: without an end of its own it was split into 2^30 intervals.
+    /// Slip that stays zero to round-off, as under a square wave whose velocity equals the sliding.
+    /// Without a special case it was split into 2^30 intervals.
     #[test]
-    fn what_is_zero_throughout_is_not_searched() {
+    fn an_all_zero_polynomial_is_not_searched() {
         assert_eq!(first(&[2.8e-17, 0.0, -0.0, 0.0], 1), None);
         assert_eq!(first(&[0.0; 22], 0), None);
         assert_eq!(first(&[], 0), None);

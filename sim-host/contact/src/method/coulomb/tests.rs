@@ -1,4 +1,5 @@
-//! Against exact solutions: Kumar and Hutchings's mean, Coulomb's decay, Den Hartog's forced vibration, and stiff Dahl friction.
+//! Comparison with exact solutions: Kumar and Hutchings's mean, Coulomb's decay, Den Hartog's
+//! forced vibration, and stiff Dahl friction.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,7 +13,7 @@ fn coulomb(mut problem: Problem) -> Problem {
     problem
 }
 
-/// One newton a metre and one kilogram, a force at a frequency ratio, no sliding.
+/// Returns an oscillator of 1 N/m and 1 kg under a force at a frequency ratio, without sliding.
 fn unit_oscillator(force: f64, frequency_ratio: f64, coulomb_n: f64, periods: f64) -> Problem {
     let hz = frequency_ratio / TAU;
     Problem {
@@ -34,7 +35,8 @@ fn ratios(problem: &Problem, steps: u32) -> (Ratios, Tally) {
     (Ratios::of(problem, &tally), tally)
 }
 
-/// Steady state at once: the closed form, at every shape and at both ends of the velocity ratio.
+/// A given motion is steady at once: compared with the closed form for every shape, from small to
+/// large velocity ratios.
 #[test]
 fn a_given_motion_has_the_closed_form() {
     let mut worst = 0.0f64;
@@ -46,7 +48,8 @@ fn a_given_motion_has_the_closed_form() {
                 (problem.motion, problem.sign) = (Motion::Kinematic, sign);
                 let exact = closed::ClosedForm::new(&problem).unwrap().ratios();
                 let (got, _) = ratios(&problem, 11);
-                // Where the slip only touches zero, round-off of 1e-16 in it is 1e-8 of a period.
+                // If the slip only touches zero, its round-off of 1e-16 shifts the event by 1e-8 of
+                // a period.
                 let near = if xi == 1.0 { 1e-8 } else { 1e-12 };
                 for (got, exact) in
                     [(Some(got.friction), Some(exact.friction)), (got.power, exact.power), (got.input, exact.input)]
@@ -61,7 +64,7 @@ fn a_given_motion_has_the_closed_form() {
     println!("worst {worst:e}");
 }
 
-/// Without sliding every reversal falls on a step's end at multiples of four.
+/// Without sliding and with a multiple of four steps, every reversal falls on the end of a step.
 #[test]
 fn reversals_are_counted_once() {
     for steps in [8, 11, 12, 16] {
@@ -75,7 +78,8 @@ fn reversals_are_counted_once() {
     }
 }
 
-/// Exact: each half swing takes 2 Fc / Ks, until the spring can no longer move it.
+/// Exact solution: each half swing loses 2 Fc / Ks of amplitude, until the spring force is below
+/// Fc.
 #[test]
 fn free_swings_shrink_by_equal_steps_and_stop() {
     let mut problem = unit_oscillator(0.0, 1.0, 0.1, 10.0);
@@ -92,19 +96,20 @@ fn free_swings_shrink_by_equal_steps_and_stop() {
         let tally = tally.unwrap();
         (Ratios::of(&problem, &tally), tally)
     };
-    // 1.05, -0.85, 0.65, -0.45, 0.25, -0.05: there 0.05 N are less than 0.1 N
+    // 1.05, -0.85, 0.65, -0.45, 0.25, -0.05: there the spring force of 0.05 N is below 0.1 N.
     for (half, x) in turns.iter().take(5).enumerate() {
         let exact = (1.05 - 0.2 * (half + 1) as f64) * if half % 2 == 0 { -1.0 } else { 1.0 };
         assert!((x - exact).abs() < 1e-14, "{half}: {x} {exact}");
     }
     assert!((last.x_m + 0.05).abs() < 1e-14 && last.v_m_per_s == 0.0 && (last.force_n - 0.05).abs() < 1e-14, "{last:?}");
     assert_eq!(tally.reversals, 5);
-    // All the energy went into friction: Fc times the way.
+    // All the energy went into friction: Fc times the path length.
     assert!((tally.totals.friction_work_j - 0.5 * (1.05 * 1.05 - 0.05 * 0.05)).abs() < 1e-14, "{got:?} {tally:?}");
 }
 
 /// Den Hartog 1931: amplitude of the steady vibration with Coulomb friction, without stops,
-/// `X / (F0 / Ks) = sqrt(V^2 - (Fc / F0)^2 U^2)`, V = 1 / (1 - b^2), U = sin(pi / b) / (b (1 + cos(pi / b))).
+/// `X / (F0 / Ks) = sqrt(V^2 - (Fc / F0)^2 U^2)`, V = 1 / (1 - b^2), U = sin(pi / b) / (b (1 +
+/// cos(pi / b))).
 #[test]
 fn forced_vibration_has_den_hartogs_amplitude() {
     for (b, share) in [(0.7f64, 0.2f64), (1.3, 0.4), (2.2, 0.2)] {
@@ -113,7 +118,7 @@ fn forced_vibration_has_den_hartogs_amplitude() {
         let v = 1.0 / (1.0 - b * b);
         let u = (PI / b).sin() / (b * (1.0 + (PI / b).cos()));
         let exact = (v * v - share * share * u * u).sqrt();
-        // Friction takes 4 Fc X a period.
+        // Friction dissipates 4 Fc X per period.
         let tally = run(&problem, 16, &mut |_| ()).unwrap();
         let got = tally.totals.friction_work_j / (4.0 * share * tally.time_s * problem.waveform.frequency_hz());
         println!("{b} {share}: {got} {exact} {:e} {}", got / exact - 1.0, tally.reversals);
@@ -132,7 +137,8 @@ fn a_small_force_never_moves_the_block() {
     assert_eq!(tally.unwrap().reversals, 0);
 }
 
-/// Carried along at Vt until the spring pulls with Fc: x = -Vt t to -Fc / Ks; then exactly a cosine about -Fc / Ks.
+/// The block moves with the belt until the spring pulls with Fc: x = -Vt t to -Fc / Ks; then
+/// exactly a cosine about -Fc / Ks.
 #[test]
 fn the_belt_carries_the_block_until_the_spring_holds_it() {
     let mut problem = unit_oscillator(0.0, 1.0, 0.2, 3.0);
@@ -143,7 +149,7 @@ fn the_belt_carries_the_block_until_the_spring_holds_it() {
         let t = state.time_s;
         let x = if t <= 4.0 { -0.05 * t } else { -0.2 - 0.05 * (t - 4.0).sin() };
         let force = if t <= 4.0 { 0.05 * t } else { 0.2 };
-        // One full swing later V only touches zero, at t = 4 + 2 pi.
+        // One full swing later, at t = 4 + 2 pi, V only touches zero.
         if t < 10.2 {
             worst = worst.max((state.x_m - x).abs()).max((state.force_n - force).abs());
         }
@@ -152,13 +158,15 @@ fn the_belt_carries_the_block_until_the_spring_holds_it() {
     assert!(worst < 1e-14, "{worst:e}");
 }
 
-/// The Dahl contact of table 4.1 made stiffer: r = r_Coulomb + const / Kt, so two
-/// stiffnesses give the limit, by Runge-Kutta; what is left goes with the root of 1 / Kt.
+/// For the Dahl contact of Table 4.1 at high stiffness, r = r_Coulomb + const / Kt. Two
+/// stiffnesses, solved by Runge-Kutta, give the limit; the remaining error falls with the root of 1
+/// / Kt.
 #[test]
-fn stiff_dahl_friction_tends_to_it() {
+fn stiff_dahl_friction_tends_to_coulomb() {
     for xi in [0.2, 0.5] {
         let mut problem = table_4_1(xi, 21.0);
-        // Away from reversals, whose layers of thickness 1 / kappa would otherwise be cut.
+        // The window avoids reversals, because it would cut through their layers of thickness 1 /
+        // kappa.
         problem.window_s = (10.25 / 60e3, 20.25 / 60e3);
         let (exact, _) = ratios(&coulomb(problem.clone()), 16);
         let dahl = |factor: f64| {
@@ -190,14 +198,14 @@ fn energy_closes_and_steps_do_not_matter() {
 
 /// At resonance without damping x' grows as F0 t / (2 m).
 #[test]
-fn resonance_is_no_special_case() {
+fn resonance_is_not_a_special_case() {
     let mut problem = unit_oscillator(1.0, 1.0, 0.0, 100.0);
     let mut last = State::default();
     run(&problem, 16, &mut |state| last = *state).unwrap();
     let t = last.time_s;
     // x = (t / 2) sin t
     assert!((last.v_m_per_s - 0.5 * (t.sin() + t * t.cos())).abs() < 1e-9 * t, "{last:?}");
-    // With Coulomb friction below pi / 4 F0 it still grows, by F0 / 2 - 2 Fc / pi a second.
+    // With Coulomb friction below pi / 4 F0 it still grows, by F0 / 2 - 2 Fc / pi per second.
     problem.coulomb_n = 0.3;
     run(&problem, 16, &mut |state| last = *state).unwrap();
     let slope = last.v_m_per_s / last.time_s;
@@ -205,7 +213,7 @@ fn resonance_is_no_special_case() {
 }
 
 #[test]
-fn literal_friction_pumps_and_has_no_rest() {
+fn literal_sign_gains_energy_and_refuses_rest() {
     let mut problem = coulomb(table_4_1(0.5, 200.0));
     problem.sign = Sign::Literal;
     let (got, _) = ratios(&problem, 16);

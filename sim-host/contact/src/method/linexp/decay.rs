@@ -1,40 +1,47 @@
-//! `exp(-x)` of several numbers at once, for exponents that are small.
+//! `exp(-x)` of several numbers at once, for small exponents.
 //!
-//! The slip of one step is a fraction of the Dahl length, so the short series is the usual way: all lanes at once, and nothing to call.
+//! The slip of one step is usually a fraction of the Dahl length, so the short series suffices: it
+//! evaluates all lanes at once, without a function call.
 
 use super::simd_nodes::SimdNodes;
-use crate::turn::WHOLE;
+use crate::turn::ROUNDING_OFFSET;
 
-/// Up to here the series is good to a few units of the last place: the term left out is below 1e-15.
-pub(super) const SHORT: f64 = 0.5;
+/// Largest exponent of the series, which is then accurate to a few units of the last place: the
+/// next term is below 1e-15.
+pub(super) const SERIES_LIMIT: f64 = 0.5;
 
-/// Below this all is as good as nothing.
-pub(super) const LEAST: f64 = -700.0;
-/// ln 2 in two parts; the first has room for eleven bits more, so that its multiples are exact (fdlibm's e_exp.c).
-pub(super) const LN_2: (f64, f64) = (0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10);
+/// Smallest exponent; below it the result counts as zero.
+pub(super) const SMALLEST_EXPONENT: f64 = -700.0;
+/// Upper part of ln 2; its lowest eleven bits are free, so that its multiples are exact (fdlibm's
+/// e_exp.c).
+pub(super) const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
+/// Lower part of ln 2.
+pub(super) const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
-/// `exp(-x)` of each. A slip against its sign is round-off: it does not grow beyond `exp(0.5)`, so that nothing times it is nothing.
+/// Returns `exp(-x)` of each number. A slip against its sign is round-off, so the result is limited
+/// to `exp(0.5)`; an infinite factor would turn zero into NaN.
 #[inline]
 pub(super) fn decay<L: SimdNodes>(x: L) -> L {
-    if (0..=L::END).any(|lane| x.lane(lane).abs() > SHORT) {
+    if (0..=L::END).any(|lane| x.lane(lane).abs() > SERIES_LIMIT) {
         return exponential(x);
     }
     series(x)
 }
 
-/// `exp(-x)` by powers of two and the series: to two units of the last place, and no less than `exp(-700)`.
+/// Returns `exp(-x)` by powers of two and the series: to two units of the last place, and at least
+/// `exp(-700)`.
 #[inline]
 fn exponential<L: SimdNodes>(x: L) -> L {
-    let y = (L::all(0.0) - x).at_most(SHORT).at_least(LEAST);
-    let whole = y * L::all(std::f64::consts::LOG2_E) + L::all(WHOLE);
-    let n = whole - L::all(WHOLE);
-    let r = y - n * L::all(LN_2.0) - n * L::all(LN_2.1);
+    let y = (L::all(0.0) - x).at_most(SERIES_LIMIT).at_least(SMALLEST_EXPONENT);
+    let whole = y * L::all(std::f64::consts::LOG2_E) + L::all(ROUNDING_OFFSET);
+    let n = whole - L::all(ROUNDING_OFFSET);
+    let r = y - n * L::all(LN_2_HIGH) - n * L::all(LN_2_LOW);
     series(L::all(0.0) - r).times_two_to(whole)
 }
 
 #[inline]
 fn series<L: SimdNodes>(x: L) -> L {
-    // The series to the thirteenth power, in pairs (Estrin) for short chains.
+    // Series up to the thirteenth power, in pairs (Estrin) for short chains.
     let pair = |even: usize| L::all(INVERSE[even]) - x * L::all(INVERSE[even + 1]);
     let x2 = x * x;
     let x4 = x2 * x2;
@@ -44,7 +51,7 @@ fn series<L: SimdNodes>(x: L) -> L {
     low + (x4 * x4) * high
 }
 
-/// One over the factorial.
+/// Reciprocal factorials.
 pub(super) const INVERSE: [f64; 14] = {
     let mut inverse = [1.0; 14];
     let mut k = 1;
@@ -62,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_the_exponential() {
+    fn decay_equals_the_exponential() {
         for n in -100..=2000 {
             let x = 0.005 * f64::from(n);
             let got = decay(f64x4::new([x, 0.1, x, 0.0])).to_array();

@@ -1,8 +1,10 @@
-//! The energy account of [`linexp`](super): what forcing, damper and friction do over a piece.
+//! The energy account of [`linexp`](super): energies of forcing, damper and friction over a piece.
 //!
-//! Friction acts as its first terms, which are smooth, and as kicks at the nodes. The work of a kick is its impulse times the mean of
-//! the velocities before and after it, exactly; all else is smooth from kick to kick and integrated by Gauss-Legendre quadrature, which
-//! is independent of the flow. So the account closes to round-off if, and only if, flow, signs and kicks are right, at any step.
+//! Friction acts through its first terms, which are smooth, and through kicks at the nodes. The
+//! work of a kick is exactly its impulse times the mean of the velocities before and after it. All
+//! else is smooth between kicks and integrated by Gauss-Legendre quadrature, which is independent
+//! of the flow. So the account closes to round-off at any step if, and only if, flow, signs and
+//! kicks are right.
 
 use super::exact_step::Exact;
 use super::quadrature::{self, Nodes};
@@ -14,7 +16,7 @@ impl<const K: usize, const N: usize> Exact<K, N>
 where
     Nodes<K>: Places,
 {
-    /// Adds up a piece of a part; the state is that at its beginning.
+    /// Adds a piece of a part; the present state is that at its beginning.
     pub(super) fn add_energy(&mut self, part: &Substep<N>, piece: &Piece<K>) {
         if self.oscillator.kinematic {
             self.add_given(part, piece);
@@ -23,7 +25,7 @@ where
         }
     }
 
-    /// In a kinematic motion friction's work is what moves it.
+    /// Adds a piece of a kinematic motion, which the work of friction drives.
     fn add_given(&mut self, part: &Substep<N>, piece: &Piece<K>) {
         let (h, s, excess) = (part.unit_s, self.sense, self.f - self.sense);
         let totals = &mut self.meter.totals;

@@ -1,9 +1,10 @@
-//! The exact step of [`linexp`](super): a step in substeps, each of which ends at a reversal, or before the friction law gets
-//! steep, or at the step's end.
+//! The exact step of [`linexp`](super): a step in substeps, each of which ends at a reversal,
+//! before the friction law becomes steep, or at the end of the step.
 //!
-//! In a part the motion is a polynomial, made with the first terms of the friction's own series; kicks at the nodes then carry only what
-//! friction differs from these, so the reversal is where the true slip velocity is zero. The sign of the slip is a state of its own: it
-//! flips at a reversal and is never taken from the round-off of a velocity near zero.
+//! In a part the motion is a polynomial, computed with the first terms of the friction's own
+//! series. Kicks at the nodes then contain only the difference of friction from these terms, so the
+//! reversal is at the true zero of the slip velocity. The sign of the slip is a separate state: it
+//! changes at a reversal and is never taken from the round-off of a velocity near zero.
 
 use super::Options;
 use super::decay::decay;
@@ -16,35 +17,40 @@ use crate::method::polynomial::{first_reversal, slope, value};
 use crate::problem::Problem;
 use crate::tally::{Meter, State};
 
-/// Steepest part, times the steps a period: the exponent of friction over one part is at most this over the steps.
-const STEEPEST: f64 = 64.0;
-/// Longest part in units of the time constant of mass and contact stiffness, sqrt(m / Kt).
-pub(super) const LONGEST: f64 = 0.5;
-/// Shortest part of a step.
-pub(super) const SHORTEST: f64 = 1e-12;
-/// A reversal is located to the square of this part of a step; friction, which is level there, is then off by the fourth power.
-pub(super) const LOCATED: f64 = 3e-4;
-/// Friction this close to its bound does not change any more.
-const SATURATED: f64 = 1e-15;
-/// Below this the third power is round-off.
-pub(super) const SMALL: f64 = 1e-5;
+/// Largest exponent of friction over one part, times the steps per period.
+const MAX_EXPONENT_STEPS: f64 = 64.0;
+/// Longest part, in units of the time constant of mass and contact stiffness, sqrt(m / Kt).
+pub(super) const LONGEST_PART: f64 = 0.5;
+/// Shortest part, as a fraction of a step.
+pub(super) const SHORTEST_PART: f64 = 1e-12;
+/// Square root of the accuracy to which a reversal is located, as a fraction of a step. Friction
+/// has zero slope there, so its error is of the fourth power.
+pub(super) const LOCATION_TOLERANCE: f64 = 3e-4;
+/// Distance of friction from its bound, over Fc, below which it does not change.
+const SATURATION_DISTANCE: f64 = 1e-15;
+/// Exponent whose third power is below round-off.
+pub(super) const SMALL_EXPONENT: f64 = 1e-5;
 
 /// State and sums of a run; the motion within a part has `N` coefficients.
 pub(super) struct Exact<const K: usize, const N: usize> {
     pub oscillator: Oscillator,
-    /// Displacement, m; velocity, m/s; friction over Fc.
+    /// Displacement, m.
     pub x: f64,
+    /// Velocity, m/s.
     pub v: f64,
+    /// Friction over Fc.
     pub f: f64,
-    /// Friction with its first two rates, as the present sign of the slip has them.
+    /// Friction over Fc with its first two rates, for the present sign of the slip.
     pub here: End,
     /// Sign of the slip velocity.
     pub sense: f64,
-    /// Slip velocity, m/s, and its rate, m/s^2.
+    /// Slip velocity, m/s.
     pub slip_velocity: f64,
+    /// Rate of the slip velocity, m/s^2.
     pub a: f64,
-    /// Sliding speed, m/s, and the sign of x' in the slip velocity.
+    /// Sliding speed, m/s.
     pub sliding: f64,
+    /// Sign of x' in the slip velocity.
     pub sign: f64,
     pub coulomb_n: f64,
     /// Kt / Fc, 1/m.
@@ -53,16 +59,16 @@ pub(super) struct Exact<const K: usize, const N: usize> {
     pub push: f64,
     /// Largest exponent of friction over a part.
     pub steepest: f64,
-    /// Distance from the bound below which friction does not change any more.
+    /// Distance from the bound, over Fc, below which friction does not change.
     pub saturated: f64,
     pub meter: Meter,
     kt: f64,
     pub kernel: [f64; KERNEL],
-    /// Whether the energies are added up.
+    /// `true` if the energies are added up.
     pub with_sums: bool,
-    /// Whether friction acts on the motion.
+    /// `true` if friction acts on the motion.
     coupled: bool,
-    /// Whether the slip has just reversed, and nothing has moved since.
+    /// `true` if the slip has just reversed, and nothing has moved since.
     turned: bool,
 }
 
@@ -72,7 +78,7 @@ where
 {
     pub fn new(problem: &Problem, kt: f64, steps_per_period: u32, options: Options) -> Self {
         let with_sums = options == Options::EnergySums;
-        let oscillator = Oscillator::of(problem);
+        let oscillator = Oscillator::new(problem);
         let meter = Meter::new(with_sums);
         let mut run = Exact {
             oscillator,
@@ -88,9 +94,10 @@ where
             coulomb_n: problem.coulomb_n,
             per_metre: 0.0,
             push: 0.0,
-            steepest: STEEPEST / f64::from(steps_per_period),
-            // Where a part takes less than round-off from what is left, it would stay.
-            saturated: SATURATED.max(2.0 * f64::EPSILON * f64::from(steps_per_period) / STEEPEST),
+            steepest: MAX_EXPONENT_STEPS / f64::from(steps_per_period),
+            // A part that removes less than round-off of the remaining distance would leave
+            // friction where it is.
+            saturated: SATURATION_DISTANCE.max(2.0 * f64::EPSILON * f64::from(steps_per_period) / MAX_EXPONENT_STEPS),
             meter,
             kt,
             kernel: oscillator.kernel(),
@@ -103,7 +110,7 @@ where
         run
     }
 
-    /// Another Coulomb force, N; the bristles keep their force.
+    /// Changes the Coulomb force, N; the bristles keep their force.
     pub fn set_coulomb_force(&mut self, coulomb_n: f64) {
         self.f *= self.coulomb_n / coulomb_n;
         self.coulomb_n = coulomb_n;
@@ -115,20 +122,20 @@ where
         State { time_s, x_m: self.x, v_m_per_s: self.v, force_n: self.coulomb_n * self.f }
     }
 
-    /// Whether a step of `h` seconds is too long for the contact spring at its stiffest.
+    /// Returns `true` if a step of `h` seconds is too long for the contact at its stiffest.
     pub fn is_stiff(&self, h: f64) -> bool {
-        h * h * self.push * self.per_metre * 2.0 > LONGEST * LONGEST
+        h * h * self.push * self.per_metre * 2.0 > LONGEST_PART * LONGEST_PART
     }
 
-    /// Acceleration, m/s^2, under `u`; of a kinematic motion, `u` itself.
+    /// Returns the acceleration under `u`, m/s^2; in a kinematic motion, `u` itself.
     #[inline]
     pub fn acceleration(&self, u: f64, x: f64, v: f64, f: f64) -> f64 {
         u - self.oscillator.damping * v - self.oscillator.stiffness * x - self.push * f
     }
 
-    /// A stretch begins: its forcing may have jumped.
+    /// Begins a stretch, whose forcing may have jumped.
     pub fn face(&mut self, forcing: &Forcing, length_s: f64) {
-        // A cosine goes on where the last one ended.
+        // A cosine continues the previous one.
         if self.sense != 0.0 && !self.oscillator.kinematic && matches!(forcing, Forcing::Cosine { .. }) {
             self.here = self.end(self.f, self.slip_velocity, self.a);
             return;
@@ -139,8 +146,9 @@ where
         }
         self.slip_velocity = self.sliding + self.sign * self.v;
         self.a = self.sign * part.v[1] / part.unit_s;
-        // The sign of the slip is a matter of history, except at the start and where a given velocity jumps. A slip that is zero,
-        // but for round-off, goes where its first derivative that is not zero leads.
+        // The sign of the slip follows from the preceding motion, except at the start and if a
+        // given velocity jumps. A slip that is zero to round-off takes the sign of its first
+        // non-zero derivative.
         if self.sense == 0.0 || self.oscillator.kinematic {
             let size = self.sliding.abs() + part.v.iter().map(|c| c.abs()).fold(0.0, f64::max);
             let slip = |(k, c): (usize, &f64)| self.sign * c + if k == 0 { self.sliding } else { 0.0 };
@@ -149,32 +157,34 @@ where
         self.here = self.end(self.f, self.slip_velocity, self.a);
     }
 
-    /// One step of `h` seconds from `from_s` on, of which `done_s` are behind.
+    /// Computes one step of `h` seconds that begins at `from_s`, of which `done_s` are already
+    /// done.
     pub fn step(&mut self, forcing: &Forcing, from_s: f64, h: f64, mut done_s: f64) {
         let mut flips = 0;
-        // The last part ends at the step's end within round-off.
+        // The last part ends at the end of the step within round-off.
         while h - done_s > 1e-13 * h {
             let left_s = h - done_s;
             let longest = self.longest();
             let unit_s = left_s.min(longest);
-            if longest.is_nan() || longest <= SHORTEST * h {
-                // The motion has run away: no part is short enough for it.
+            if longest.is_nan() || longest <= SHORTEST_PART * h {
+                // The motion has diverged: no part is short enough for it.
                 self.x = f64::NAN;
                 return;
             }
             let mut part = self.part(forcing, from_s + done_s, unit_s);
             let end = if flips > 1 { self.touch(&mut part) } else { self.go(&mut part) };
-            flips = if end * unit_s <= SHORTEST * h { flips + 1 } else { 0 };
+            flips = if end * unit_s <= SHORTEST_PART * h { flips + 1 } else { 0 };
             done_s = if end == 1.0 && unit_s == left_s { h } else { done_s + end * unit_s };
         }
     }
 
-    /// Goes along a part, across one reversal at most; tells how far, from 0 to 1.
+    /// Advances along a part, across one reversal at most; returns the fraction of the part that is
+    /// done.
     pub fn go(&mut self, part: &mut Substep<N>) -> f64 {
         let mut slip_velocity = part.v;
         slip_velocity.iter_mut().for_each(|c| *c *= self.sign);
         slip_velocity[0] += self.sliding;
-        let reversal = first_reversal(&slip_velocity, self.sense, LOCATED);
+        let reversal = first_reversal(&slip_velocity, self.sense, LOCATION_TOLERANCE);
         let end = reversal.unwrap_or(1.0);
         if end > 0.0 {
             let piece = self.piece(part, 0.0, end);
@@ -185,12 +195,13 @@ where
         }
         self.sense = -self.sense;
         self.here = self.end(self.f, self.slip_velocity, self.a);
-        // One that is found a little early, at a step's end, is taken back at the next one's beginning, and found there again: it is one.
+        // A reversal found slightly too early, at the end of a step, is undone at the beginning of
+        // the next step and found again. It counts once.
         let back = self.turned;
         self.turned = !back;
         let reversals = &mut self.meter.tally.reversals;
         *reversals = if back { reversals.saturating_sub(1) } else { *reversals + 1 };
-        // The same polynomial goes on, if nothing more happens on it.
+        // The rest of the part uses the same polynomial, if it has no other event.
         let rest = self.piece(part, end, 1.0);
         if rest.slip_velocity * self.sense > 0.0 && rest.steepness <= self.steepest {
             self.take(part, rest);
@@ -199,7 +210,8 @@ where
         end
     }
 
-    /// Goes along a part at whose beginning the slip velocity only touches zero: it has a sign, and no reversal.
+    /// Advances along a part at whose beginning the slip velocity only touches zero: it has a sign,
+    /// but does not reverse.
     pub fn touch(&mut self, part: &mut Substep<N>) -> f64 {
         let slip = self.sliding + self.sign * value(&part.v, 0.5);
         if slip * self.sense < 0.0 {
@@ -211,7 +223,8 @@ where
         1.0
     }
 
-    /// The longest part from here on, s: friction's exponent stays bounded, and the contact spring is resolved.
+    /// Returns the longest permitted part, s: the exponent of friction is bounded, and the contact
+    /// stiffness is resolved.
     pub fn longest(&self) -> f64 {
         if (self.f - self.sense).abs() <= self.saturated {
             return f64::INFINITY;
@@ -220,16 +233,16 @@ where
         let v = self.slip_velocity.abs();
         let by_slip = 2.0 * slip / (v + (v * v + 2.0 * self.a.abs() * slip).sqrt());
         let spring = self.push * self.per_metre * (1.0 - self.sense * self.f).abs();
-        by_slip.min(LONGEST / spring.sqrt())
+        by_slip.min(LONGEST_PART / spring.sqrt())
     }
 
-    /// The first terms of friction over Fc, over `unit_s` seconds.
+    /// Returns the first terms of friction over Fc, over `unit_s` seconds.
     pub fn friction_terms(&self, unit_s: f64) -> [f64; 3] {
         let End { value, slope, curvature } = self.here;
         [value, unit_s * slope, 0.5 * unit_s * unit_s * curvature]
     }
 
-    /// The motion over `unit_s` seconds, with friction as its own series begins.
+    /// Computes the motion over `unit_s` seconds, with the first terms of friction.
     pub fn part(&self, forcing: &Forcing, at_s: f64, unit_s: f64) -> Substep<N> {
         let u: [f64; N] = self.oscillator.forcing(forcing, at_s, unit_s);
         let f = self.friction_terms(unit_s);
@@ -241,12 +254,13 @@ where
         Substep::new(unit_s, (x, v), u, f)
     }
 
-    /// Slips from one moment of a part to another; the state is that at `from`.
+    /// Computes the slip from one moment of a part to another; the present state is that at `from`.
     fn piece(&self, part: &mut Substep<N>, from: f64, to: f64) -> Piece<K> {
         let (length, s, excess) = (to - from, self.sense, self.f - self.sense);
         let end = Lanes::<K>::END;
         let places = Lanes::<K>::each(|lane| if lane < K { from + length * place::<K>(lane) } else { to });
-        // The slip by the polynomial, and what friction is then; kicks of this part come on top, to second order.
+        // The slip from the polynomial, and the friction it gives; kicks of this part are added to
+        // second order.
         let slide = (places - Lanes::<K>::all(from)) * Lanes::<K>::all(self.sliding * part.unit_s);
         let there = values(&part.x, places);
         let slips = slide + (there - Lanes::<K>::all(self.x)) * Lanes::<K>::all(self.sign);
@@ -254,10 +268,10 @@ where
         let predicted = values(&part.f, places);
         let force = |lane: usize, back: f64| {
             let late = self.per_metre * s * self.sign * back;
-            if late.abs() < SMALL {
+            if late.abs() < SMALL_EXPONENT {
                 s + excess * decays.lane(lane) * (1.0 + late * (1.0 + 0.5 * late))
             } else {
-                // Against the sign that it has, the slip is round-off: friction does not grow by it.
+                // A slip against its sign is round-off: friction must not grow by it.
                 s + excess * (late - self.per_metre * s * slips.lane(lane)).min(0.0).exp()
             }
         };
@@ -275,7 +289,7 @@ where
         Piece { from, to, forces, x, v, f: force(end, back), slip, slip_velocity: self.sliding + self.sign * v, steepness }
     }
 
-    /// Goes to the end of a piece.
+    /// Advances to the end of a piece.
     fn take(&mut self, part: &Substep<N>, piece: Piece<K>) {
         let length_s = (piece.to - piece.from) * part.unit_s;
         let u = if self.oscillator.kinematic { slope(&part.v, piece.to) / part.unit_s } else { value(&part.u, piece.to) };
@@ -287,26 +301,28 @@ where
         self.add_friction(length_s, &piece.forces, (piece.f, piece.slip_velocity, a), piece.slip);
     }
 
-    /// How far the kicks so far have set the motion back at a moment of the part, m.
+    /// Returns the displacement by which the kicks so far have set the motion back at a moment of
+    /// the part, m.
     pub fn answer(&self, part: &Substep<N>, at: f64) -> f64 {
         let since = |when: f64| (at - when) * part.unit_s;
         part.kicks[..part.count].iter().map(|(when, kick)| kick * value(&self.kernel, since(*when))).sum()
     }
 
-    /// How much the kicks so far have changed the velocity at a moment of the part, m/s.
+    /// Returns the velocity that the kicks so far have taken away at a moment of the part, m/s.
     pub fn answer_velocity(&self, part: &Substep<N>, at: f64) -> f64 {
         let since = |when: f64| (at - when) * part.unit_s;
         part.kicks[..part.count].iter().map(|(when, kick)| kick * slope(&self.kernel, since(*when))).sum()
     }
 
-    /// Adds up the friction over a step or piece with a slip of `slip`, m, and goes to its end: friction over Fc, slip velocity and the
-    /// rate of that.
+    /// Adds up the friction over a step or piece with a slip of `slip`, m, and advances to its end:
+    /// friction over Fc, slip velocity and its rate.
     ///
     /// The work is exact in slip: the integral of F dz is `Fc (s z - s (f_end - f) Fc / Kt)`.
     #[inline]
     pub fn add_friction(&mut self, length_s: f64, forces: &[f64; K], (f, slip_velocity, a): (f64, f64, f64), slip: f64) {
         let s = self.sense;
-        // Friction that is at its bound but for round-off is there: its rates are that round-off times the stiffness, and its square.
+        // Friction at its bound to round-off is set to the bound; otherwise its rates would be that
+        // round-off times the stiffness, and its square.
         let f = if (f - s).abs() <= self.saturated { s } else { f };
         let there = self.end(f, slip_velocity, a);
         let ends = [self.here, there];
@@ -314,14 +330,14 @@ where
         totals.friction_n_s += self.coulomb_n * length_s * Nodes::<K>::mean(forces, ends, length_s);
         totals.friction_work_j += self.coulomb_n * s * (slip - (f - self.f) / self.per_metre);
         if self.oscillator.kinematic {
-            // What moves it feels all of it.
+            // The whole friction acts on the drive of the motion.
             totals.felt_work_j = totals.friction_work_j;
         }
         (self.f, self.slip_velocity, self.a, self.here) = (f, slip_velocity, a, there);
         self.turned = false;
     }
 
-    /// Friction over Fc and its first two rates: `f' = (Kt / Fc) V (1 - s f)`.
+    /// Returns friction over Fc and its first two rates: `f' = (Kt / Fc) V (1 - s f)`.
     #[inline]
     fn end(&self, f: f64, v: f64, a: f64) -> End {
         let free = self.per_metre * (1.0 - self.sense * f);

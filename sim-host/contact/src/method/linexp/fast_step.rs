@@ -1,9 +1,11 @@
-//! The fast step of [`linexp`](super): the flow over each step of a period is made once, as a table.
+//! The fast step of [`linexp`](super): the flow over each step of a period is computed once, as a
+//! table.
 //!
-//! A step is then a few multiplications for the motion, one exponential a node and one for the end, all four at once.
+//! A step then takes a few multiplications for the motion, and one exponential per node and one for
+//! the end, all computed together.
 
 use super::decay::decay;
-use super::exact_step::{Exact, SMALL};
+use super::exact_step::{Exact, SMALL_EXPONENT};
 use super::quadrature::Nodes;
 use super::simd_nodes::{Lanes, Places, SimdNodes, place};
 use super::substep::Substep;
@@ -12,15 +14,17 @@ use crate::method::polynomial::{slope, value};
 use crate::problem::Problem;
 use crate::timeline::Stretch;
 
-/// The flow over the steps of one whole piece of a periodic forcing. Of four lanes the first K are the nodes, the last is the end.
+/// Flow over the steps of one whole piece of a periodic forcing. Of four lanes the first K are the
+/// nodes, the last is the end.
 pub(super) struct Table<const K: usize, const N: usize>
 where
     Nodes<K>: Places,
 {
     h: f64,
-    /// Displacement from displacement, velocity, an acceleration of one, and of one per second at the beginning.
+    /// Displacement per unit of initial displacement, velocity, acceleration and rate of the
+    /// acceleration.
     x: By<Lanes<K>>,
-    /// Velocity at the end, from the same.
+    /// Velocity at the end, from the same four quantities.
     v_end: [f64; 4],
     /// Slip by sliding alone, m.
     slide: Lanes<K>,
@@ -30,16 +34,16 @@ where
     kick_end: [f64; K],
     /// Times of the nodes, s.
     at_s: [f64; K],
-    /// The motion as a polynomial, from displacement, velocity, and the first three terms of friction.
+    /// Motion as a polynomial, from displacement, velocity, and the first three terms of friction.
     by: [Series<N>; 5],
-    /// What the forcing adds, step by step.
+    /// Contribution of the forcing, step by step.
     forced: Vec<Forced<Lanes<K>, N>>,
 }
 
 /// Coefficients of displacement and velocity over a step.
 type Series<const N: usize> = ([f64; N], [f64; N]);
 
-/// Four lanes, by what they come from.
+/// Four lanes for each quantity that contributes to the displacement.
 pub(super) struct By<L> {
     x: L,
     v: L,
@@ -47,30 +51,33 @@ pub(super) struct By<L> {
     push_rate: L,
 }
 
-/// What the forcing adds within one step.
+/// Contribution of the forcing within one step.
 pub(super) struct Forced<L, const N: usize> {
     x: L,
     v_end: f64,
     /// Acceleration by the forcing at the end, m/s^2.
     last: f64,
-    /// The same as a polynomial, and the forcing itself.
+    /// Motion by the forcing as a polynomial.
     series: Series<N>,
+    /// Forcing as a polynomial.
     u: [f64; N],
 }
 
-/// Coefficients with which the tables are made: exact to round-off for steps of up to a radian.
-pub(super) const EXACT: usize = 24;
+/// Number of coefficients with which the tables are computed: exact to round-off for steps of up to
+/// one radian.
+pub(super) const TABLE_TERMS: usize = 24;
 
 impl<const K: usize, const N: usize> Table<K, N>
 where
     Nodes<K>: Places,
 {
     pub fn new(oscillator: &Oscillator, problem: &Problem, stretch: &Stretch, steps: u32, h: f64) -> Self {
-        let lanes = |c: &[f64; EXACT]| Lanes::<K>::each(|lane| value(c, place::<K>(lane)));
-        let (none, mut one, mut per_second) = ([0.0; EXACT], [0.0; EXACT], [0.0; EXACT]);
+        let lanes = |c: &[f64; TABLE_TERMS]| Lanes::<K>::each(|lane| value(c, place::<K>(lane)));
+        let (none, mut one, mut per_second) = ([0.0; TABLE_TERMS], [0.0; TABLE_TERMS], [0.0; TABLE_TERMS]);
         (one[0], per_second[1]) = (1.0, h);
-        // A kinematic velocity is the forcing itself: displacement goes on from displacement, and that is all.
-        let from = |x: f64, v: f64, u: &[f64; EXACT]| {
+        // A kinematic velocity is the forcing itself, so the displacement depends only on the
+        // initial displacement.
+        let from = |x: f64, v: f64, u: &[f64; TABLE_TERMS]| {
             if oscillator.kinematic {
                 let mut still = none;
                 still[0] = x;
@@ -82,7 +89,7 @@ where
         let [by_x, by_v, by_push, by_rate] =
             [from(1.0, 0.0, &none), from(0.0, 1.0, &none), from(0.0, 0.0, &one), from(0.0, 0.0, &per_second)];
         let forced = (0..steps).map(|step| {
-            let u: [f64; EXACT] = oscillator.forcing(&stretch.forcing, f64::from(step) * h, h);
+            let u: [f64; TABLE_TERMS] = oscillator.forcing(&stretch.forcing, f64::from(step) * h, h);
             let (xs, vs) = oscillator.series(0.0, 0.0, &u, h);
             let last = if oscillator.kinematic { slope(&u, 1.0) / h } else { value(&u, 1.0) };
             Forced { x: lanes(&xs), v_end: value(&vs, 1.0), last, series: short(&(xs, vs)), u: cut(&u) }
@@ -108,7 +115,7 @@ where
         }
     }
 
-    /// A whole step as one substep of the exact step, if a substep may be as long.
+    /// Returns a whole step as one substep of the exact step, if a substep may be that long.
     pub fn part(&self, run: &Exact<K, N>, step: usize) -> Option<Substep<N>> {
         let forced = self.forced.get(step).filter(|_| self.h <= run.longest())?;
         let f = run.friction_terms(self.h);
@@ -124,19 +131,21 @@ where
     }
 }
 
-/// The first coefficients.
-fn cut<const N: usize>(c: &[f64; EXACT]) -> [f64; N] {
+/// Returns the first coefficients.
+fn cut<const N: usize>(c: &[f64; TABLE_TERMS]) -> [f64; N] {
     std::array::from_fn(|k| c[k])
 }
 
-fn short<const N: usize>(series: &Series<EXACT>) -> Series<N> {
+fn short<const N: usize>(series: &Series<TABLE_TERMS>) -> Series<N> {
     (cut(&series.0), cut(&series.1))
 }
 
-/// One step by the tables; nothing done, and false, if it has a reversal or is steep.
+/// Computes one step from the tables. Does nothing and returns `false` if the step has a reversal
+/// or is steep.
 ///
-/// The motion is made with friction as it begins and with its slope; the kicks carry the rest, and are so small that friction at the
-/// end needs its exponential before they are known, and their effect on it only to second order.
+/// The motion is computed with the initial friction and its slope; the kicks contain the rest.
+/// Kicks are so small that the exponential for the friction can be evaluated before they are known,
+/// and corrected to second order.
 #[inline]
 pub(super) fn fast_step<const K: usize, const N: usize>(run: &mut Exact<K, N>, table: &Table<K, N>, step: usize) -> bool
 where
@@ -160,7 +169,8 @@ where
     let slips = table.slide + (there - all(x)) * all(run.sign);
     let exponents = slips * all(steep);
     let decays = decay(exponents);
-    // Kicks set the slip back by so little that the exponential is known to second order.
+    // Kicks set the slip back by so little that the exponential needs only a second-order
+    // correction.
     let answer = |lane: usize, kicks: &[f64; K]| kicks.iter().zip(&table.kick[lane]).map(|(kick, by)| kick * by).sum::<f64>();
     let force = |lane: usize, late: f64| s + excess * decays.lane(lane) * (1.0 + late * (1.0 + 0.5 * late));
     let (mut kicks, mut forces) = ([0.0; K], [0.0; K]);
@@ -177,10 +187,11 @@ where
     let slip = slips.lane(end) - run.sign * back;
     let slip_velocity = run.sliding + run.sign * v_end;
     let a_end = run.sign * run.acceleration(forced.last, x_end, v_end, f_end);
-    // A velocity that falls at the beginning and rises at the end may have dipped below zero in between.
+    // A velocity that falls at the beginning and rises at the end may have dipped below zero in
+    // between.
     let dips = run.a * s < 0.0 && a_end * s > 0.0;
     let too_steep = exponents.lane(end) > run.steepest && excess.abs() > run.saturated;
-    if slip_velocity * s < 0.0 || dips || too_steep || late.abs() > SMALL {
+    if slip_velocity * s < 0.0 || dips || too_steep || late.abs() > SMALL_EXPONENT {
         return false;
     }
     (run.x, run.v) = (x_end, v_end);

@@ -1,27 +1,31 @@
-//! Gauss-Legendre nodes on a step from 0 to 1, and the weights by which a time mean is had from what is known there anyway.
+//! Gauss-Legendre nodes on a step from 0 to 1, and weights for a time mean that also uses the
+//! values known at the ends.
 
 /// `K` Gauss-Legendre nodes, for K from 1 to 3.
 pub struct Nodes<const K: usize>;
 
-/// `sqrt(1/3) / 2` and `sqrt(3/5) / 2`.
+/// Distance of two nodes from the middle: `sqrt(1/3) / 2`.
 const TWO: f64 = 0.288_675_134_594_812_88;
+/// Distance of the outer of three nodes from the middle: `sqrt(3/5) / 2`.
 const THREE: f64 = 0.387_298_334_620_741_7;
 
 impl<const K: usize> Nodes<K> {
-    /// Places of the nodes, as parts of the step.
+    /// Positions of the nodes, as fractions of the step.
     pub const AT: [f64; K] = pick([0.5], [0.5 - TWO, 0.5 + TWO], [0.5 - THREE, 0.5, 0.5 + THREE]);
     /// Weights of the nodes, whose sum is one.
     pub const WEIGHT: [f64; K] = pick([1.0], [0.5, 0.5], [5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0]);
-    /// Weights of a mean that knows the ends, their slopes and their curvatures, too; exact for degree 7, 7 and 9.
+    /// Weights of the nodes in a mean that also uses value, slope and curvature at the ends; exact
+    /// for degree 7, 7 and 9.
     pub const MEAN: [f64; K] = pick([16.0 / 35.0], [27.0 / 35.0; 2], [125.0 / 189.0, 352.0 / 945.0, 125.0 / 189.0]);
-    /// Weights of the ends, of their slopes and of their curvatures: one number for each K.
+    /// Weights of the end values, of their slopes and of their curvatures in that mean, for each K.
     pub const OUTER: (f64, f64, f64) = match K {
         1 => (19.0 / 70.0, 1.0 / 35.0, 1.0 / 840.0),
         2 => (-19.0 / 70.0, -1.0 / 20.0, -1.0 / 420.0),
         _ => (-73.0 / 210.0, -13.0 / 420.0, -1.0 / 1260.0),
     };
 
-    /// The mean over a step of length `h` of what has these values at its nodes, and these values, slopes and curvatures at its ends.
+    /// Returns the mean over a step of length `h` of a function with these values at the nodes, and
+    /// these values, slopes and curvatures at the ends.
     #[inline]
     pub fn mean(nodes: &[f64; K], ends: [End; 2], h: f64) -> f64 {
         let [first, last] = ends;
@@ -32,18 +36,18 @@ impl<const K: usize> Nodes<K> {
     }
 }
 
-/// What is known at an end of a step.
+/// Function at an end of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct End {
     /// Value of the function at the end.
     pub value: f64,
     /// Slope of the function at the end.
     pub slope: f64,
-    /// The rate of that.
+    /// Second derivative of the function at the end.
     pub curvature: f64,
 }
 
-/// That of the three lists which has as many entries.
+/// Returns the list that has `K` entries.
 const fn pick<const K: usize>(one: [f64; 1], two: [f64; 2], three: [f64; 3]) -> [f64; K] {
     let mut out = [0.0; K];
     let mut i = 0;
@@ -58,7 +62,8 @@ const fn pick<const K: usize>(one: [f64; 1], two: [f64; 2], three: [f64; 3]) -> 
     out
 }
 
-/// Eight Gauss-Legendre nodes from `a` to `b` (exact for degree 15): where, and with what weight.
+/// Returns positions and weights of eight Gauss-Legendre nodes from `a` to `b` (exact for degree
+/// 15).
 #[inline]
 pub fn nodes(a: f64, b: f64) -> [(f64, f64); 8] {
     const HALF: [(f64, f64); 4] = [
@@ -78,7 +83,7 @@ pub fn nodes(a: f64, b: f64) -> [(f64, f64); 8] {
 mod tests {
     use super::*;
 
-    /// The mean of s^degree over 0 to 1, by the rule.
+    /// Returns the mean of s^degree over 0 to 1 by the rule.
     fn power<const K: usize>(degree: i32) -> f64 {
         let p = f64::from(degree);
         let start = [(0, [1.0, 0.0, 0.0]), (1, [0.0, 1.0, 0.0]), (2, [0.0, 0.0, 2.0])];

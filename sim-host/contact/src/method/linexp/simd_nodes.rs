@@ -1,4 +1,5 @@
-//! As many numbers side by side as a step has places to look at: its nodes, and its end in the last lane.
+//! SIMD vectors with a lane for each evaluation point of a step: its nodes, and its end in the last
+//! lane.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -7,27 +8,27 @@ use wide::{f64x2, f64x4, i64x2, i64x4};
 
 use super::quadrature::Nodes;
 
-/// Numbers side by side.
+/// Vector of numbers.
 pub(super) trait SimdNodes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// Number of the last lane.
+    /// Index of the last lane.
     const END: usize;
 
-    /// A number for each lane.
+    /// Creates a vector from a number for each lane.
     fn each(of: impl Fn(usize) -> f64) -> Self;
 
-    /// One number in all lanes.
+    /// Creates a vector with the same number in all lanes.
     fn all(value: f64) -> Self;
 
-    /// The number in a lane.
+    /// Returns the number in a lane.
     fn lane(self, lane: usize) -> f64;
 
-    /// The numbers, but no more than a bound; the bound where there is none.
+    /// Limits the numbers to an upper bound; NaN becomes the bound.
     fn at_most(self, bound: f64) -> Self;
 
-    /// The numbers, but no less than a bound.
+    /// Limits the numbers to a lower bound; NaN becomes the bound.
     fn at_least(self, bound: f64) -> Self;
 
-    /// Times the power of two that is in the lowest bits of another number each.
+    /// Multiplies each number by the power of two in the lowest bits of `whole`.
     fn times_two_to(self, whole: Self) -> Self;
 }
 
@@ -101,7 +102,7 @@ impl SimdNodes for f64x4 {
     }
 }
 
-/// How many lanes that takes.
+/// Vector type for the evaluation points of a step.
 pub(super) trait Places {
     /// Type that holds a number for each node.
     type Lanes: SimdNodes;
@@ -119,15 +120,16 @@ impl Places for Nodes<3> {
     type Lanes = f64x4;
 }
 
-/// The lanes of a step with `K` nodes.
+/// Lanes of a step with `K` nodes.
 pub(super) type Lanes<const K: usize> = <Nodes<K> as Places>::Lanes;
 
-/// Where in a step from 0 to 1 each lane looks: a node, or the end.
+/// Returns the position of a lane in a step from 0 to 1: a node, or the end.
 pub(super) fn place<const K: usize>(lane: usize) -> f64 {
     Nodes::<K>::AT.get(lane).copied().unwrap_or(1.0)
 }
 
-/// The values of a polynomial, by its even and its odd part: two short chains rather than a long one.
+/// Returns the values of a polynomial, from the even and the odd part: two short chains instead of
+/// a long one.
 #[inline]
 pub(super) fn values<L: SimdNodes, const N: usize>(c: &[f64; N], s: L) -> L {
     let square = s * s;

@@ -1,4 +1,5 @@
-//! What a block takes: instructions in QEMU, by its system timer; cycles on the board, by the core's own counter.
+//! Cost of a block: instructions in QEMU, by its system timer; cycles on the board, by the core's
+//! cycle counter.
 
 /// Unit of the counts on an emulated board.
 #[cfg(not(feature = "hil"))]
@@ -17,19 +18,19 @@ pub use self::cycles::Meter;
 mod instructions {
     use qemu_m4::counter::Counter;
 
-    /// Counts instructions, to within a tick of 6.
+    /// Counter of instructions, to within a tick of 6.
     pub struct Meter(Counter);
 
     impl Meter {
-        /// Starts the timer; panics where it does not count instructions.
+        /// Starts the timer, and panics if it does not count instructions.
         pub fn start() -> Self {
             let counter = Counter::start();
             assert_eq!(counter.calibrate(), Ok(()), "ticks of a loop of known length");
             Meter(counter)
         }
 
-        /// Instructions that `work` takes.
-        pub fn of(&self, work: &mut dyn FnMut()) -> u32 {
+        /// Returns the instructions that `work` takes.
+        pub fn measure(&self, work: &mut dyn FnMut()) -> u32 {
             let before = self.0.now();
             work();
             self.0.since(before) * 125 / 21
@@ -42,7 +43,8 @@ mod cycles {
     use cortex_m::Peripherals;
     use cortex_m::peripheral::DWT;
 
-    /// Counts cycles, at the part's 16 MHz after reset, where the flash has no wait states: fewer than at full speed.
+    /// Counter of cycles at the part's 16 MHz after reset. The flash has no wait states there, so a
+    /// block takes fewer cycles than at full speed.
     pub struct Meter;
 
     impl Meter {
@@ -54,8 +56,8 @@ mod cycles {
             Meter
         }
 
-        /// Cycles that `work` takes.
-        pub fn of(&self, work: &mut dyn FnMut()) -> u32 {
+        /// Returns the cycles that `work` takes.
+        pub fn measure(&self, work: &mut dyn FnMut()) -> u32 {
             let before = DWT::cycle_count();
             work();
             DWT::cycle_count().wrapping_sub(before)

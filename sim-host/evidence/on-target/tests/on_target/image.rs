@@ -1,4 +1,4 @@
-//! The tests.
+//! The tests of the image.
 
 #[cfg(feature = "hil")]
 mod board;
@@ -6,12 +6,12 @@ mod count;
 
 use core::panic::PanicInfo;
 
-// For the start of the image and the critical section.
+// Linked for the start of the image and the critical section.
 use cortex_m as _;
 use cortex_m_rt as _;
 use semihosting::{eprintln, process};
 
-/// Says what has failed, and ends the test as the runner expects of a panic.
+/// Prints the panic, and ends the test as the runner expects.
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
     eprintln!("{info}");
@@ -41,15 +41,15 @@ mod tests {
 
     use super::count::{Meter, UNIT};
 
-    /// A block has so many cycles on the reference board.
+    /// Length of a block on the reference board, cycles.
     const BLOCK_CYCLES: u32 = 5440;
-    /// What the controller may take of the stack, bytes: as of all of the board's image.
+    /// Stack that the controller may use, bytes: the limit of the board's whole image.
     const STACK_BYTES: u32 = 4096;
-    /// The same while it is built; given back before the first block.
+    /// Stack that building the controller may use, bytes; released before the first block.
     const BUILD_STACK_BYTES: u32 = 27 << 10;
 
     fn controller() -> Controller {
-        // One transducer at one lane: the others have no load.
+        // The transducer is at one lane; the others have no load.
         let mut config = config(TrackingMode::Observer, 4, SAMPLES);
         config.phasing.watch = false;
         Controller::build(&config).expect("a valid configuration")
@@ -81,15 +81,15 @@ mod tests {
         let meter = Meter::start();
         let (mut worst, mut total) = (0, 0);
         let played = stream::play(|_, process| {
-            let taken = meter.of(process);
+            let taken = meter.measure(process);
             worst = worst.max(taken);
             total += taken;
         });
         assert_eq!(played, Ok(OF_THE_HOST));
         println!("{} {UNIT} in the mean, {worst} in the worst block of {BLOCK_CYCLES} cycles", total / BLOCKS);
         assert!(worst < BLOCK_CYCLES, "{worst} {UNIT}");
-        // A counter that stands still would pass.
-        assert!(total / BLOCKS > 1000, "{total} {UNIT} in all");
+        // A counter that does not count would pass.
+        assert!(total / BLOCKS > 1000, "{total} {UNIT} in total");
     }
 
     #[test]
@@ -107,13 +107,13 @@ mod tests {
             }
         });
         assert_eq!(played, Ok(OF_THE_HOST));
-        println!("{} bytes of stack in the blocks, {above} above them", deepest - above);
+        println!("{} bytes of stack in the blocks, on top of {above} outside them", deepest - above);
         assert!((500..STACK_BYTES).contains(&(deepest - above)), "{deepest} less {above} bytes");
     }
 
     #[test]
     fn the_controller_is_built_within_its_stack() {
-        let place = singleton!(: MaybeUninit<Controller> = MaybeUninit::uninit()).expect("the only one");
+        let place = singleton!(: MaybeUninit<Controller> = MaybeUninit::uninit()).expect("taken once");
         let config = config(TrackingMode::Observer, 4, SAMPLES);
         stack::paint();
         let above = stack::deepest_bytes();
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_comes_back_from_the_link_and_a_damaged_one_does_not() {
+    fn the_link_returns_intact_frames_and_refuses_damaged_ones() {
         let mut receiver = Receiver::default();
         let mut sent = link::encode(300, 7, Command::TelemetryEvery(7)).expect("it fits");
         let mut take = |bytes: &[u8]| bytes.iter().filter_map(|&byte| receiver.take::<Command>(byte)).last();
@@ -181,7 +181,7 @@ mod tests {
     #[should_panic]
     fn a_panic_is_seen() {
         let codes = Codes::new();
-        // Beyond the end.
+        // Past the end.
         assert_eq!(codes[core::hint::black_box(1)], 0);
     }
 

@@ -1,17 +1,18 @@
-//! x, v, f, q as power series in time, about a moment.
+//! x, v, f, q as power series in time about a given moment.
 
 use crate::scaled::{Clock, Scaled};
 
-/// Coefficients of a series.
+/// Number of coefficients of a series.
 const TERMS: usize = 25;
-/// Where a reversal is looked for within a step: twice between neighbours would be missed.
+/// Number of points within a step at which the slip is tested for a reversal. Two reversals between
+/// neighbouring points are missed.
 const PROBES: u32 = 8;
 
-/// The series.
+/// Coefficients of the four series.
 pub struct Series([[f64; TERMS]; 4]);
 
 impl Series {
-    /// From a state on, the sign of the slip being held.
+    /// Expands the solution from a state on, with the sign of the slip held.
     pub fn new(scaled: &Scaled, sign: f64, clock: &Clock, y: &[f64; 4]) -> Self {
         let mut series = [[0.0; TERMS]; 4];
         let [x, v, f, q] = &mut series;
@@ -43,7 +44,7 @@ impl Series {
             (x[k + 1], q[k + 1]) = (v[k] * per, scaled.share * force * per);
             f[k + 1] = bristle * per;
             v[k + 1] = (scaled.forcing * cosine[k] - scaled.spring * x[k] - scaled.friction * force) * per;
-            // The phase's rate is the frequency and, in a chirp, what it gains.
+            // The rate of the phase is the frequency, which in a chirp grows with time.
             let gain = if k == 0 { 0.0 } else { scaled.rate };
             let before = k.saturating_sub(1);
             let (sine_before, cosine_before) = (gain * sine[before], gain * cosine[before]);
@@ -53,12 +54,13 @@ impl Series {
         Series(series)
     }
 
-    /// The state at a time from there.
+    /// Returns the state at a time after the moment of expansion.
     pub fn at(&self, t: f64) -> [f64; 4] {
         self.0.map(|series| series.iter().rev().fold(0.0, |sum, term| sum * t + term))
     }
 
-    /// First reversal within a length. At a reversal the slip is zero, and what is looked for is the next: a zero of slip over time.
+    /// Returns the first reversal within a length. At a reversal the slip is zero; there the next
+    /// zero is found as a zero of slip over time.
     pub fn reversal(&self, sliding: f64, sign: f64, length: f64) -> Option<f64> {
         let mut slip = self.0[1];
         slip[0] += sliding;

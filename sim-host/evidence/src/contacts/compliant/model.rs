@@ -1,11 +1,12 @@
-//! The law of a compliant contact in its two numbers: the paper's closed form beside the model, and what is held beyond the loss of contact.
+//! The law of a compliant contact in its two numbers: the paper's closed form next to the model,
+//! and the effect of the held quantity beyond the loss of contact.
 
 use std::f64::consts::TAU;
 
 use contact::compliant::{CompliantProblem, Press, friction_ratio, popov_ratio, solve};
 use report::TableBlock;
 
-/// The closed form of the paper beside the model, and what is held beyond the loss of contact.
+/// Returns both tables: the closed form next to the model, and the effect of the held quantity.
 pub fn tables() -> Vec<TableBlock> {
     let speeds = [0.0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0];
     let row = |&speed: &f64| {
@@ -16,7 +17,8 @@ pub fn tables() -> Vec<TableBlock> {
         .map(|i| 1e-3 * f64::from(i))
         .map(|speed| friction_ratio(1.0, speed, true) - popov_ratio(1.0, speed).unwrap_or(f64::NAN));
     let caption = format!(
-        "Friction ratio at A = 1; at any smaller A the loss is in proportion to it. Largest difference, of a thousand speeds: {:.4}.",
+        "Friction ratio at A = 1; at any smaller A the reduction is proportional to A. Largest difference over a thousand \
+         speeds: {:.4}.",
         worst.map(f64::abs).fold(0.0, f64::max)
     );
     let closed = TableBlock::new(
@@ -57,8 +59,10 @@ pub fn tables() -> Vec<TableBlock> {
         [0.5, 1.0, 2.0, 3.0, 10.0, 100.0].into_iter().flat_map(|indentations| [0.1, 0.6].map(|speed| (indentations, speed)));
     let held = TableBlock::new(
         "compliant-held",
-        "What is held, beyond the loss of contact",
-        "A is the amplitude over the indentation without vibration, s the sliding speed over mu kz w a / kx. The friction ratio is by the normal force without vibration; with the indentation held the mean normal force rises, and the ratio of the coefficients is by it. The critical speed with the load held is in the same unit as s; with the indentation held it is 1.",
+        "Load or indentation held, beyond the loss of contact",
+        "A is the amplitude over the indentation without vibration, s the sliding speed over mu kz w a / kx. The friction ratio \
+         refers to the normal force without vibration. With the indentation held the mean normal force rises; the coefficient \
+         ratio refers to that mean. The critical speed with the load held is in the unit of s; with the indentation held it is 1.",
         &[
             "A",
             "s",

@@ -1,99 +1,42 @@
-//! What fails around converters and amplifier, and what is no failure.
+//! Failures outside converters and amplifier, and changes that are not failures.
 
 use super::super::injected::{Failure, Load};
-use super::{Kind, REPORTED_MS, SENSE_MS, SENSE_OR_LIMIT};
+use super::{Kind, breakdown, doubtful, harmless, reported};
 
-/// Transducer and cable.
+/// Failures of transducer and cable.
 pub(super) const TRANSDUCER: &[Kind] = &[
-    Kind {
-        name: "stack shorted",
-        what: "50 milliohm across the stack",
-        draw: |_| Failure::Scene("short"),
-        named: &[20, 21, 22, 28],
-        off_ms: Some(REPORTED_MS),
-    },
-    Kind {
-        name: "current lead open",
-        what: "the current channel reads nothing",
-        draw: |_| Failure::Scene("open"),
-        named: &[20, 23],
-        off_ms: Some(SENSE_MS),
-    },
-    Kind {
-        name: "stack depoled",
-        what: "C0 falls by a third, the coupling to a tenth",
-        draw: |_| Failure::Scene("depoled"),
-        named: SENSE_OR_LIMIT,
-        off_ms: None,
-    },
-    Kind {
-        name: "stack cracked",
-        what: "Q falls to a fifth, a second mode appears",
-        draw: |_| Failure::Scene("cracked"),
-        named: SENSE_OR_LIMIT,
-        off_ms: None,
-    },
+    reported("stack shorted", &[20, 21, 22, 28], "50 milliohm across the stack", |_| Failure::Scene("short")),
+    Kind { named: &[20, 23], ..breakdown("current lead open", "the current channel reads zero", |_| Failure::Scene("open")) },
+    doubtful("stack depoled", "C0 falls by a third, the coupling to a tenth", |_| Failure::Scene("depoled")),
+    doubtful("stack cracked", "Q falls to a fifth, a second mode appears", |_| Failure::Scene("cracked")),
 ];
 
-/// Reported.
+/// Failures reported by hardware or host.
 pub(super) const REPORTED: &[Kind] = &[
-    Kind {
-        name: "too hot",
-        what: "the sensor at the driver reads 200 degrees Celsius",
-        draw: |_| Failure::Scene("overtemperature"),
-        named: &[44],
-        off_ms: Some(REPORTED_MS),
-    },
-    Kind {
-        name: "host lost",
-        what: "the host says nothing",
-        draw: |_| Failure::HostLost,
-        named: &[12],
-        off_ms: Some(REPORTED_MS),
-    },
-    Kind {
-        name: "emergency stop",
-        what: "the stop is pressed",
-        draw: |_| Failure::EmergencyStop,
-        named: &[10],
-        off_ms: Some(REPORTED_MS),
-    },
-    Kind {
-        name: "comparator fires",
-        what: "the hardware reports too much current",
-        draw: |_| Failure::Comparator,
-        named: &[21],
-        off_ms: Some(REPORTED_MS),
-    },
-    Kind {
-        name: "amplifier fault",
-        what: "the amplifier says that it has failed, or its supply is outside its window",
-        draw: |random| if random.toss() { Failure::AmplifierSays } else { Failure::Supply },
-        named: &[13, 14],
-        off_ms: Some(REPORTED_MS),
-    },
+    reported("too hot", &[44], "the sensor at the driver reads 200 degrees Celsius", |_| Failure::Scene("overtemperature")),
+    reported("host lost", &[12], "the host is silent", |_| Failure::HostLost),
+    reported("emergency stop", &[10], "the stop is pressed", |_| Failure::EmergencyStop),
+    reported("comparator fires", &[21], "the hardware reports an over-current", |_| Failure::Comparator),
+    reported("amplifier fault", &[13, 14], "the amplifier reports a failure, or its supply is outside its window", |random| {
+        if random.toss() { Failure::AmplifierReports } else { Failure::Supply }
+    }),
 ];
 
-/// No failure.
+/// Changes that are not failures.
 pub(super) const NONE: &[Kind] = &[
-    Kind {
-        name: "another load",
-        what: "no failure: Q becomes 0.3 to 2 times, C0 0.9 to 1.1 times what it was, and the resonance moves by half a bandwidth at most",
-        draw: |random| {
+    harmless(
+        "another load",
+        "not a failure: Q changes to 0.3 to 2 times, C0 to 0.9 to 1.1 times its value, and the resonance moves by at most \
+               half a bandwidth",
+        |random| {
             Failure::Load(Load {
                 q: random.between(0.3, 2.0),
                 c0: random.between(0.9, 1.1),
                 bandwidths: random.between(-0.5, 0.5),
             })
         },
-        named: &[],
-        off_ms: None,
-    },
-    Kind {
-        name: "another amplitude",
-        what: "no failure: 0.3 to 1 times the scan's voltage is ordered",
-        draw: |random| Failure::Ordered(random.between(0.3, 1.0)),
-        named: &[],
-        off_ms: None,
-    },
+    ),
+    harmless("another amplitude", "not a failure: 0.3 to 1 times the scan's voltage is ordered", |random| {
+        Failure::Ordered(random.between(0.3, 1.0))
+    }),
 ];

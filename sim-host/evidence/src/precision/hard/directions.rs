@@ -1,8 +1,9 @@
-//! Vibration that is not along the sliding: bristles in two dimensions, and a contact that vibration across it loads and unloads.
+//! Vibration in other directions than the sliding: bristles in two dimensions, and a contact that
+//! vibration across it loads and unloads.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use super::{Check, Found};
+use super::{Check, HardResult};
 use contact::compliant::stepped;
 use contact::compliant::{CompliantProblem, Press, friction_ratio, solve};
 use contact::plane::{self, Direction, coulomb};
@@ -14,10 +15,11 @@ const COULOMB_N: f64 = 2.0;
 const PERIODS: u32 = 40;
 /// Steps a period of the thesis.
 const STEPS: u32 = 1000;
-/// Steps a period of the reference of a compliant contact.
-const FINE: u32 = 1 << 17;
+/// Steps a period of the reference for a compliant contact.
+const REFERENCE_STEPS: u32 = 1 << 17;
 
-/// Dahl's bristles under a given sine, kappa times shorter than its amplitude, over the second half of the run.
+/// Returns Dahl's bristles under a prescribed sine, shorter than its amplitude by the factor kappa;
+/// the mean covers the second half of the run.
 pub fn bristles(kappa: f64, velocity_ratio: f64) -> Problem {
     let duration_s = f64::from(PERIODS) / HZ;
     Problem {
@@ -34,24 +36,25 @@ pub fn bristles(kappa: f64, velocity_ratio: f64) -> Problem {
     }
 }
 
-/// Bristles as good as rigid, at an angle, whose limit is Coulomb's closed form.
-pub fn in_plane(angle_deg: f64, velocity_ratio: f64) -> Result<Found, SolveError> {
+/// Compares nearly rigid bristles at an angle with their limit, Coulomb's closed form.
+pub fn in_plane(angle_deg: f64, velocity_ratio: f64) -> Result<HardResult, SolveError> {
     let problem = bristles(1e10, velocity_ratio);
     let numerics = Numerics { tolerance: 1e-9, ..Numerics::default() };
     let solved = plane::solve(&problem, Direction::from_degrees(angle_deg), &numerics, (&|| (), None), false)?.solution;
     let (r, limit) = (solved.ratios.friction, coulomb::friction_ratio(velocity_ratio, angle_deg));
-    Ok(Found {
-        problem: "bristles of 1e-10 of the amplitude in two dimensions, stiff but where the slip is smallest",
+    Ok(HardResult {
+        problem: "bristles of 1e-10 of the amplitude in two dimensions, stiff except where the slip is smallest",
         naive: naive(&problem, angle_deg),
         chosen: format!("collocation: r {r:.9}, Coulomb's limit {limit:.9}"),
         checks: vec![
-            Check::at_most("mean off Coulomb's limit", r - limit, 1e-8),
+            Check::at_most("mean: deviation from Coulomb's limit", r - limit, 1e-8),
             Check::at_most("stated error", solved.error_estimate.unwrap_or(f64::NAN), 1e-9),
         ],
     })
 }
 
-/// The classical Runge-Kutta method on the two bristle forces over Fc, at the thesis's step.
+/// Integrates the two bristle forces over Fc with the classical Runge-Kutta method at the thesis's
+/// step.
 fn naive(problem: &Problem, angle_deg: f64) -> String {
     let direction = Direction::from_degrees(angle_deg);
     let per_m = problem.law.stiffness_n_per_m().unwrap_or(f64::NAN) / problem.coulomb_n;
@@ -80,7 +83,7 @@ fn naive(problem: &Problem, angle_deg: f64) -> String {
     format!("n = {STEPS}: survives")
 }
 
-/// A contact under held load, in units of its load and stiffnesses.
+/// Returns a contact under constant load, in units of its load and stiffnesses.
 pub fn contact(indentations: f64, speed: f64) -> CompliantProblem {
     CompliantProblem {
         mu: 0.3,
@@ -93,35 +96,36 @@ pub fn contact(indentations: f64, speed: f64) -> CompliantProblem {
     }
 }
 
-/// A contact that is lost for most of the period.
-pub fn parted() -> Result<Found, SolveError> {
+/// Runs a contact that is lost for most of the period.
+pub fn parted() -> Result<HardResult, SolveError> {
     let problem = contact(1e3, 0.1);
-    let (solution, coarse, fine) = (solve(&problem)?, stepped::solve(&problem, STEPS), stepped::solve(&problem, FINE));
+    let (solution, coarse, fine) = (solve(&problem)?, stepped::solve(&problem, STEPS), stepped::solve(&problem, REFERENCE_STEPS));
     let (r, steps) = (solution.coefficient_ratio, fine.coefficient_ratio);
-    Ok(Found {
+    Ok(HardResult {
         problem: "contact for a fifteenth of the period, in which friction never reaches mu N for long",
         naive: format!("return mapping, n = {STEPS}: mean off by {:.1e}", coarse.coefficient_ratio - r),
         chosen: format!("arcs: r {r:.9}, in contact for {:.4} of the period", solution.contact_share),
         checks: vec![
             Check::between("r", r, 0.0, 1.0),
-            Check::at_most("mean off 131 072 steps, beside what these are unknown by", (r - steps) / fine.unknown, 4.0),
-            Check::at_most("what 131 072 steps are unknown by", fine.unknown, 1e-5),
+            Check::at_most("mean: deviation from 131 072 steps, over their uncertainty", (r - steps) / fine.unknown, 4.0),
+            Check::at_most("uncertainty of 131 072 steps", fine.unknown, 1e-5),
         ],
     })
 }
 
-/// Just below the critical speed, where the effect vanishes with the square of what is left.
-pub fn near_critical() -> Result<Found, SolveError> {
-    const BELOW: f64 = 1e-4;
-    let problem = contact(0.5, 1.0 - BELOW);
-    let lost = 1.0 - friction_ratio(0.5, 1.0 - BELOW, true);
-    // A (9 / (4 pi)) (1 - s)^2, docs/normal-vibration.md.
-    let limit = 0.5 * 9.0 / (16.0 * FRAC_PI_4) * BELOW * BELOW;
+/// Runs a contact just below the critical speed, where the effect vanishes with the square of the
+/// distance to it.
+pub fn near_critical() -> Result<HardResult, SolveError> {
+    const BELOW_CRITICAL_REL: f64 = 1e-4;
+    let problem = contact(0.5, 1.0 - BELOW_CRITICAL_REL);
+    let lost = 1.0 - friction_ratio(0.5, 1.0 - BELOW_CRITICAL_REL, true);
+    // A (9 / (4 pi)) (1 - s)^2, docs/evidence/normal-vibration.md.
+    let limit = 0.5 * 9.0 / (16.0 * FRAC_PI_4) * BELOW_CRITICAL_REL * BELOW_CRITICAL_REL;
     let coarse = stepped::solve(&problem, STEPS);
-    Ok(Found {
-        problem: "the contact sticks for a short time only, and loses a hundred-millionth of its friction",
+    Ok(HardResult {
+        problem: "the contact sticks for a short time only, and loses 1e-8 of its friction",
         naive: format!("return mapping, n = {STEPS}: loses {:.1e}", 1.0 - coarse.coefficient_ratio),
         chosen: format!("arcs: loses {lost:.4e}, the limit {limit:.4e}"),
-        checks: vec![Check::at_most("loss off its limit, relative", lost / limit - 1.0, 1e-3)],
+        checks: vec![Check::at_most("loss: deviation from its limit, relative", lost / limit - 1.0, 1e-3)],
     })
 }

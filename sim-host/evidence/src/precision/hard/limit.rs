@@ -1,21 +1,22 @@
-//! Coulomb friction on an undamped oscillator under a cosine, in closed form between its reversals: what a Dahl contact comes to as
-//! its stiffness grows. Independent of the stepping methods.
+//! Coulomb friction on an undamped oscillator under a cosine, in closed form between its reversals.
+//! This is the limit of a Dahl contact of growing stiffness, independent of the stepping methods.
 //!
 //! ```text
 //! m x'' + Ks x = F0 cos(w t) - s Fc,   s = sgn V,   V = Vt + x'
 //! x = -s Fc / Ks + xa cos(w t) + A cos(wn t) + B sin(wn t),   xa = F0 / (Ks - m w^2)
 //! ```
 //!
-//! Between reversals A and B are constant; at one, the velocity goes on and the displacement, so A and B change. It cannot stick, as
-//! Fc is far below the mass's inertia force.
+//! Between reversals A and B are constant. At a reversal velocity and displacement are continuous,
+//! so A and B change. The mass cannot stick, as Fc is far below its inertia force.
 //!
-//! Near it, a stiff Dahl contact lags behind each reversal: with `V = a t` there, friction is `s (1 - 2 exp(-Kt a t^2 / 2 Fc))`, so that
-//! each reversal takes `sqrt(2 pi Fc / (Kt a))` from its sign's time. What is left after that is of the order of one over kappa.
+//! Near the limit a stiff Dahl contact lags after each reversal: with `V = a t` there, friction is
+//! `s (1 - 2 exp(-Kt a t^2 / 2 Fc))`, so each reversal takes `sqrt(2 pi Fc / (Kt a))` from the time
+//! of its sign. The remaining difference is of the order of one over kappa.
 
 use contact::{Law, Motion, Problem};
 
-/// Places a period at which the slip is looked at.
-const LOOKS: u32 = 256;
+/// Number of places a period at which the slip is evaluated.
+const SAMPLES_PER_PERIOD: u32 = 256;
 
 /// Mean friction ratios of a problem from rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,8 +27,8 @@ pub struct Limit {
     pub lagging: f64,
 }
 
-/// The limit of a problem; none without an oscillator under Dahl friction.
-pub fn of(problem: &Problem) -> Option<Limit> {
+/// Computes the limit of a problem; `None` without an oscillator under Dahl friction.
+pub fn coulomb_limit(problem: &Problem) -> Option<Limit> {
     let Law::Dahl { stiffness_n_per_m: contact_n_per_m } = problem.law else { return None };
     let Motion::Sdof { mass_kg, stiffness_n_per_m, .. } = problem.motion else { return None };
     let omega = std::f64::consts::TAU * problem.waveform.frequency_hz();
@@ -40,12 +41,12 @@ pub fn of(problem: &Problem) -> Option<Limit> {
         -forced_m * omega * (omega * t).sin() + natural * (b * (natural * t).cos() - a * (natural * t).sin())
     };
     let slip = |t: f64, a: f64, b: f64| problem.sliding_m_per_s + rate(t, a, b);
-    // |dV/dt| of the motion; that of friction's own jump is far below it.
+    // |dV/dt| of the motion; the effect of friction's own jump is far smaller.
     let steepness = |t: f64, a: f64, b: f64| {
         let free = natural * natural * (b * (natural * t).sin() + a * (natural * t).cos());
         (forced_m * omega * omega * (omega * t).cos() + free).abs()
     };
-    let look_s = 1.0 / (problem.waveform.frequency_hz() * f64::from(LOOKS));
+    let look_s = 1.0 / (problem.waveform.frequency_hz() * f64::from(SAMPLES_PER_PERIOD));
     let looks = (problem.duration_s / look_s).round() as u64;
     let (mut forward_s, mut late_s, mut since) = (0.0, 0.0, 0.0f64);
     let (from, to) = problem.window_s;
@@ -60,7 +61,7 @@ pub fn of(problem: &Problem) -> Option<Limit> {
             }
             forward_s += sign * within(since, low);
             since = low;
-            // x goes on: the part that is free takes over what the offset loses.
+            // x is continuous: the free part takes over the change of the offset.
             let jump = 2.0 * sign * offset_m;
             a -= jump * (natural * low).cos();
             b -= jump * (natural * low).sin();
@@ -81,12 +82,13 @@ mod tests {
 
     #[test]
     fn a_steady_motion_has_the_arcsine_law() {
-        // Friction too small to matter, and a natural motion so slow that it is a small velocity: (2 / pi) asin xi.
+        // Negligible friction, and a natural motion so slow that its velocity is small:
+        // (2 / pi) asin xi.
         let mut problem = table_4_1(0.5, 2000.0);
         problem.coulomb_n *= 1e-9;
         problem.motion = Motion::Sdof { mass_kg: 0.02, stiffness_n_per_m: 1.0, damping_n_s_per_m: 0.0 };
         problem.sliding_m_per_s = 0.5 * problem.vibration_m_per_s();
-        let mean = of(&problem).unwrap().coulomb;
+        let mean = coulomb_limit(&problem).unwrap().coulomb;
         let exact = 2.0 / std::f64::consts::PI * 0.5f64.asin();
         assert!((mean - exact).abs() < 1e-4, "{mean} {exact}");
     }

@@ -1,4 +1,5 @@
-//! Equations whose sides disagree: the beam of appendix B, all of whose equations are gone through, and 4.13.
+//! Equations whose sides have different units: the beam of appendix B, with all its equations
+//! checked, and 4.13.
 
 use super::Erratum;
 use crate::thesis::claim::{Check, number};
@@ -25,7 +26,7 @@ impl Dimension {
         Dimension(self.0.map(|own| own * power))
     }
 
-    /// As a unit: `kg m s^-2`.
+    /// Formats the dimension as a unit: `kg m s^-2`.
     fn unit(self) -> String {
         let part = |(name, power): (&str, i32)| match power {
             0 => None,
@@ -41,7 +42,7 @@ impl Dimension {
     }
 }
 
-/// An equation of appendix B with the dimensions of its sides, or of two of its terms.
+/// Equation of appendix B with the dimensions of its sides, or of two of its terms.
 struct Equation {
     place: &'static str,
     printed: &'static str,
@@ -49,7 +50,8 @@ struct Equation {
     right: Dimension,
 }
 
-/// B.1 to B.14 as printed. A stray `s` in B.9 is left out; where B.1 has A for the section, B.12 has S.
+/// Returns B.1 to B.14 as printed. A stray `s` in B.9 is omitted; the section is A in B.1 and S in
+/// B.12.
 fn printed() -> Vec<Equation> {
     let inertia = DENSITY.times(AREA).times(LENGTH).times(ACCELERATION);
     let moment = FORCE.times(LENGTH);
@@ -86,14 +88,14 @@ fn printed() -> Vec<Equation> {
     ]
 }
 
-/// The equations of appendix B with the units of their sides.
+/// Tabulates the equations of appendix B with the units of their sides.
 pub fn table() -> TableBlock {
     let row = |equation: Equation| {
         let agrees = if equation.left == equation.right { "agree" } else { "differ" };
         vec![equation.place.into(), equation.printed.into(), equation.left.unit(), equation.right.unit(), agrees.into()]
     };
-    let caption = "Signs by B.2 and B.3: B.5 has the wrong one before dV/dx, B.7 and B.9 have the right one. c of B.10 is no speed. B.14 \
-                   follows from B.11 and B.13, not from B.12 and B.13.";
+    let caption = "Signs by B.2 and B.3: in B.5 the sign before dV/dx is wrong, in B.7 and B.9 it is right. c of B.10 is \
+                   not a speed. B.14 follows from B.11 and B.13, not from B.12 and B.13.";
     let header = ["equation", "as printed", "left", "right", "units"];
     TableBlock::new(
         "equations-b",
@@ -104,17 +106,17 @@ pub fn table() -> TableBlock {
     )
 }
 
-/// Contradictions in the equations of the beam.
+/// Returns the contradictions in the equations of the beam.
 pub fn errata() -> Vec<Erratum> {
     let of = |id, place: &str, places, instead| {
         let found = printed().into_iter().find(|equation| equation.place == place);
         found.map(|equation| unequal(id, places, equation.printed, instead, equation.left, equation.right))
     };
     let beam = [
-        of("beam-force", "B.5", "B.5", "Without dx on the right, and with -dV/dx, by B.2."),
+        of("beam-force", "B.5", "B.5", "Without dx on the right-hand side, and with -dV/dx, by B.2."),
         of("beam-moment", "B.6", "B.6", "dM/dx - V = 0, by B.3."),
         of("beam-shear", "before B.7", "between B.6 and B.7", "V = dM/dx."),
-        of("beam-combined", "B.7", "B.7, B.9", "Without dx; B.9 has dropped it, and gained a stray s."),
+        of("beam-combined", "B.7", "B.7, B.9", "Without dx; B.9 omits it, but has a stray s."),
     ];
     let lugre = unequal(
         "lugre-rate",
@@ -127,23 +129,23 @@ pub fn errata() -> Vec<Erratum> {
     beam.into_iter().flatten().chain([sign(), lugre]).collect()
 }
 
-/// B.11 put into B.5 (without dx) and B.8: what is left over the inertia.
+/// Inserts B.11 into B.5 (without dx) and B.8; the number is the residual over the inertia.
 fn sign() -> Erratum {
     let sheet = Sheet::BEAM;
     let hz = MEASURED_HZ[0];
     let inertia = sheet.density_kg_per_m3 * sheet.thickness_m * (std::f64::consts::TAU * hz).powi(2);
     let stiff = sheet.stiffness_n_m() * sheet.wave_number(hz).powi(4);
     let (printed, instead) = ((stiff + inertia) / inertia, (inertia - stiff) / inertia);
-    // Nine decimals: what is beyond is rounding.
+    // Nine decimals, as further ones are round-off.
     let nine = |value: f64| (1e9 * value).round() / 1e9;
-    let numbers = vec![number("left over with dV/dx", nine(printed)), number("with -dV/dx", nine(instead))];
+    let numbers = vec![number("residual with dV/dx", nine(printed)), number("with -dV/dx", nine(instead))];
     Erratum {
         id: "beam-shear-sign",
         places: "B.5, against B.2",
         printed: "dV/dx + f = ...",
-        instead: "-dV/dx + f = ...: with the sign as printed a bending wave (B.11, B.12) does not solve it.",
+        instead: "-dV/dx + f = ...: a bending wave (B.11, B.12) does not solve the equation with the sign as printed.",
         evidence: Check::new(
-            "B.11 and B.8 put in without dx, over rho A w'', 20 kHz",
+            "B.11 and B.8 inserted without dx, over rho A w'', 20 kHz",
             printed > 1.0 && instead.abs() < 1e-9,
             numbers,
         ),

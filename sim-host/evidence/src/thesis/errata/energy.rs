@@ -7,7 +7,7 @@ use crate::thesis::claim::{Check, number};
 use crate::thesis::sweep;
 use contact::SolveError;
 
-/// The balance and its dimensions.
+/// Computes the contradictions of the energy balance and its dimensions.
 pub fn errata() -> Result<Vec<Erratum>, SolveError> {
     Ok(vec![balance()?, dimensions()?, sliding_work()?])
 }
@@ -29,8 +29,8 @@ fn balance() -> Result<Erratum, SolveError> {
         id: "energy-balance",
         places: "4.23, 4.28, 4.33, 4.35",
         printed: "phi_ru = 1 + phi_iu - phi_su.",
-        instead: "phi_ru = r + phi_iu - dE/(Fc Vt T): the drive that slides does r Fc Vt T of work, and it is the gain of stored energy \
-                  that counts.",
+        instead: "phi_ru = r + phi_iu - dE/(Fc Vt T): the sliding drive does the work r Fc Vt T, and the gain of stored \
+                  energy counts, not its mean.",
         evidence: Check::new(
             "velocity ratio 0.5, first ms from rest",
             (identity - power).abs() < 1e-4 && (printed - power).abs() > 1.0,
@@ -58,7 +58,7 @@ fn dimensions() -> Result<Erratum, SolveError> {
         id: "energy-mean-and-work",
         places: "4.25, 4.26, 4.30, against 4.24, 4.27",
         printed: "Mean energies, in J, are subtracted from works over T, in J.",
-        instead: "A work grows with T and a mean energy does not: phi_su, and phi_ru by 4.35, depend on how long one looks.",
+        instead: "Work grows with T and a mean energy does not: phi_su, and phi_ru by 4.35, depend on the duration.",
         evidence: Check::new("velocity ratio 0.5, from rest", printed > 100.0 * direct, numbers),
     })
 }
@@ -69,15 +69,15 @@ fn sliding_work() -> Result<Erratum, SolveError> {
     let kinetic_j = 0.5 * TABLE_4_1.mass_kg * sliding_m_per_s * sliding_m_per_s;
     let friction_j = TABLE_4_1.coulomb_n() * sliding_m_per_s * SHORT_S;
     let numbers = vec![
-        number("friction that sliding works against, over Fn", ratios.friction),
+        number("friction against the sliding, over Fn", ratios.friction),
         number("m Vt^2/2 over Fn Vt T, T = 1 ms", kinetic_j / friction_j),
         number("T = 10 ms", 0.1 * kinetic_j / friction_j),
     ];
     Ok(Erratum {
         id: "energy-sliding-work",
         places: "4.23, 4.24, 4.28",
-        printed: "With ultrasonics the slide still takes Fn Vt T, and m Vt^2/2 again in every T.",
-        instead: "With ultrasonics it takes r Fn Vt T; a constant speed takes no kinetic energy.",
+        printed: "With ultrasonics the sliding still needs Fn Vt T, and also m Vt^2/2 in every T.",
+        instead: "With ultrasonics it needs r Fn Vt T; a constant speed needs no kinetic energy.",
         evidence: Check::new(
             "velocity ratio 0.5, first ms from rest",
             ratios.friction < 0.99 && kinetic_j > 0.01 * friction_j,

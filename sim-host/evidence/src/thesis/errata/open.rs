@@ -1,4 +1,5 @@
-//! What the thesis leaves undefined, what is chosen here, and what another choice does to the friction ratio.
+//! Points that the thesis leaves undefined, the choices made here, and the effect of other choices
+//! on the friction ratio.
 
 use crate::thesis::case::PLOTTED_RATIO;
 use crate::thesis::case::{Case, SHORT_S, TABLE_4_1};
@@ -6,23 +7,23 @@ use crate::thesis::claim::number;
 use crate::thesis::comparison::settled;
 use crate::thesis::kinematic_waveforms::{self, Match};
 use crate::thesis::oscillator_waveforms;
-use crate::thesis::waveforms::{Hold, Named, all};
+use crate::thesis::waveforms::{Hold, NamedWaveform, all};
 use crate::thesis::{steady, sweep};
 use contact::SolveError;
 use contact::{Shape, Sign};
 
-/// Something that must be chosen before the equations have an answer.
+/// Choice that is needed before the equations have a solution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// Question that the thesis leaves open.
+    /// Point that the thesis leaves open.
     pub what: &'static str,
-    /// What is chosen here.
+    /// Choice made here.
     pub here: &'static str,
-    /// The friction ratio at a velocity ratio of one half under each choice.
+    /// Friction ratio at a velocity ratio of one half under each choice.
     pub numbers: Vec<(String, f64)>,
 }
 
-/// All choices that the thesis leaves open.
+/// Computes all choices that the thesis leaves open.
 pub fn choices() -> Result<Vec<Choice>, SolveError> {
     Ok([oscillator()?, waveforms()?].concat())
 }
@@ -45,7 +46,7 @@ fn oscillator() -> Result<Vec<Choice>, SolveError> {
     Ok(vec![
         Choice {
             what: "simulation time and averaging window",
-            here: "the first millisecond, and the steady state beside it",
+            here: "the first millisecond, and also the steady state",
             numbers: vec![
                 number("0-1 ms", short),
                 number("0-10 ms", first(10.0 * SHORT_S)?),
@@ -63,7 +64,7 @@ fn oscillator() -> Result<Vec<Choice>, SolveError> {
             ],
         },
         Choice {
-            what: "velocity of vibration when there are two frequencies",
+            what: "vibration velocity with two frequencies",
             here: "the steady forced velocity of the sine, w F0/|Ks - m w^2|",
             numbers: vec![
                 number("Vt/Vv 0.5", short),
@@ -92,9 +93,10 @@ fn waveforms() -> Result<Vec<Choice>, SolveError> {
         let problem = kinematic_waveforms::problem(&TABLE_4_1, shape, matched, PLOTTED_RATIO);
         sweep::friction(&problem)
     };
-    let coupled =
-        |named: &Named, duration_s: f64| sweep::friction(&oscillator_waveforms::problem(named, PLOTTED_RATIO, duration_s));
-    // Turned round, a given rising sawtooth is a falling one.
+    let coupled = |named: &NamedWaveform, duration_s: f64| {
+        sweep::friction(&oscillator_waveforms::problem(named, PLOTTED_RATIO, duration_s))
+    };
+    // With the sign reversed, a prescribed rising sawtooth is a falling one.
     let turned = Case { sign: Sign::Literal, ..TABLE_4_1 };
     let falling = kinematic_waveforms::problem(&turned, Shape::Sawtooth, Match::Peak, PLOTTED_RATIO);
     let [_, _, _, chirp, tenth] = all(SHORT_S, Hold::TenthPeriod);
@@ -102,8 +104,8 @@ fn waveforms() -> Result<Vec<Choice>, SolveError> {
     let [_, _, _, _, stepped] = all(SHORT_S, Hold::SolverStep);
     Ok(vec![
         Choice {
-            what: "what is equal among waveforms",
-            here: "the peak; the root mean square beside it",
+            what: "quantity that is equal among waveforms",
+            here: "the peak, and also the root mean square",
             numbers: vec![
                 number("square, equal peaks", kinematic(Shape::Square, Match::Peak)?),
                 number("square, equal rms", kinematic(Shape::Square, Match::Rms)?),
@@ -121,14 +123,14 @@ fn waveforms() -> Result<Vec<Choice>, SolveError> {
         },
         Choice {
             what: "hold time of the random waveform (oscillator)",
-            here: "a tenth of a period, and the solver's step beside it",
+            here: "a tenth of a period, and also the solver's step",
             numbers: vec![
                 number("held T/10", coupled(&tenth, SHORT_S)?),
                 number("held a solver step", coupled(&stepped, SHORT_S)?),
             ],
         },
         Choice {
-            what: "end of the chirp, which is the simulation time (oscillator)",
+            what: "end of the chirp, equal to the simulation time (oscillator)",
             here: "one millisecond",
             numbers: vec![number("1 ms", coupled(&chirp, SHORT_S)?), number("5 ms", coupled(&chirp_5, 5.0 * SHORT_S)?)],
         },

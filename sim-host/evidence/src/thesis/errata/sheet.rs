@@ -1,4 +1,4 @@
-//! The sheet of appendix B and its electrodes.
+//! Contradictions about the sheet of appendix B and its electrodes.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use crate::thesis::motor::{
     DENSITY_5A_KG_PER_M3, DENSITY_5H_KG_PER_M3, DENSITY_KG_PER_M3, DENSITY_SIMULATED_KG_PER_M3, MEASURED_HZ, Pattern, Sheet,
 };
 
-/// Contradictions in the values of the sheet.
+/// Returns the contradictions in the values of the sheet.
 pub fn errata() -> Vec<Erratum> {
     vec![material(), density(), pattern()]
 }
@@ -17,7 +17,7 @@ fn material() -> Erratum {
     let off = |density: f64| (DENSITY_SIMULATED_KG_PER_M3 / density - 1.0).abs();
     let numbers = vec![
         number("density of Table B.1 [kg/m^3]", DENSITY_SIMULATED_KG_PER_M3),
-        number("of PZT-5A, by the literature", DENSITY_5A_KG_PER_M3),
+        number("of PZT-5A, from the literature", DENSITY_5A_KG_PER_M3),
         number("of PZT-5H", DENSITY_5H_KG_PER_M3),
     ];
     Erratum {
@@ -42,7 +42,7 @@ fn density() -> Erratum {
         id: "sheet-density",
         places: "Table B.1, against Figure B.8",
         printed: "7750 kg/m^3 in the simulation of a sheet of 7800 kg/m^3.",
-        instead: "7800 kg/m^3 for this sheet; the wave number moves by 0.2 % only.",
+        instead: "7800 kg/m^3 for this sheet; the wave number changes by 0.2 % only.",
         evidence: Check::new("densities", DENSITY_KG_PER_M3 > 1.005 * DENSITY_SIMULATED_KG_PER_M3, numbers),
     }
 }
@@ -58,13 +58,14 @@ fn pattern() -> Erratum {
         number("frequency of a wave of four tabs, beam [Hz]", Sheet::BEAM.frequency_hz(asked)),
         number("plate [Hz]", Sheet::PLATE.frequency_hz(asked)),
     ];
-    // Twelve tabs in step drive nothing a third of their wave number away: the first zero of their transform.
+    // Twelve tabs in phase do not excite waves off by a third of their wave number: the first zero
+    // of their transform.
     let fits = |k: f64| (k / asked - 1.0).abs() < 1.0 / 3.0;
     Erratum {
         id: "tabs-and-wave",
         places: "B.4.1, B.4.2 and B.5, against B.12",
         printed: "Twelve tabs 6.08 mm apart, signals a quarter period apart, driven at 20 and 40 kHz.",
-        instead: "Four such tabs are the wave of 9 kHz; those of 20 and 40 kHz are two thirds and half as long.",
+        instead: "Four such tabs are one wave length at 9 kHz; the waves at 20 and 40 kHz are two thirds and half as long.",
         evidence: Check::new("B.12 with Figure B.8", !fits(low) && !fits(high), numbers),
     }
 }

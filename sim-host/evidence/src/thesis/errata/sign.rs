@@ -8,10 +8,10 @@ use crate::thesis::self_excitation::first_and_last;
 use crate::thesis::sweep;
 use contact::{Sign, SolveError};
 
-/// Length of the run, s, whose second half counts: 200 periods.
+/// Length of the run, s: 200 periods, of which the second half is evaluated.
 const RUN_S: f64 = 200.0 / 60e3;
 
-/// The sign, and what hangs on it.
+/// Computes the contradictions about the sign and its consequence.
 pub fn errata() -> Result<Vec<Erratum>, SolveError> {
     Ok(vec![sign()?, self_excitation()?])
 }
@@ -36,8 +36,8 @@ fn sign() -> Result<Erratum, SolveError> {
     Ok(Erratum {
         id: "sign",
         places: "4.14 with 4.16, against 4.2, 4.25 and 4.27",
-        printed: "The slip velocity is Vt - x' in the equations that are integrated, Vt + x' in the energies and in the Coulomb model.",
-        instead: "With -F on the mass only V = Vt + x' lets friction take energy out; as printed, it drives the oscillator.",
+        printed: "The slip velocity is Vt - x' in the integrated equations, Vt + x' in the energies and in the Coulomb model.",
+        instead: "With -F on the mass, friction dissipates energy only for V = Vt + x'; as printed, it drives the oscillator.",
         evidence: Check::new("velocity ratio 0.5, periods 100 to 200 from rest", passive_j < 0.0 && literal_j > 0.0, numbers),
     })
 }
@@ -49,8 +49,8 @@ fn self_excitation() -> Result<Erratum, SolveError> {
         id: "self-excitation",
         places: "4.2 and 4.3.1, against 4.15",
         printed: "Friction alone excites an oscillation.",
-        instead: "Dahl friction (4.15) does not fall with speed, so with the passive sign an oscillation never grows. It grows with the \
-                  literal sign, and with LuGre friction on a falling Stribeck curve, which 4.15 leaves out.",
+        instead: "Dahl friction (4.15) does not fall with speed, so an oscillation never grows with the passive sign. It \
+                  grows with the literal sign, and with LuGre friction on a falling Stribeck curve, which 4.15 omits.",
         evidence: Check::new("no excitation, from x' = 0.0534 m/s at 0.0267 m/s", passive < 1.0 && literal > 1.0, numbers),
     })
 }

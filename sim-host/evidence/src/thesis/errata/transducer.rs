@@ -1,4 +1,4 @@
-//! The transducer of Table 3.1.
+//! Contradictions about the transducer of Table 3.1.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,7 @@ use crate::thesis::experiment_1::table_3_1::{
 /// Power that 5.2 states, W.
 const PRINTED_POWER_W: f64 = 6.0;
 
-/// What is wrong with it.
+/// Returns the contradictions about the transducer.
 pub fn errata() -> Vec<Erratum> {
     vec![frequency(), coupling(), displacement(), power()]
 }
@@ -41,7 +41,7 @@ fn frequency() -> Erratum {
 }
 
 fn coupling() -> Erratum {
-    // Force factor d33 n K; k^2 = (d33 n)^2 K / C is the share of energy that is converted.
+    // Force factor d33 n K; k^2 = (d33 n)^2 K / C is the converted share of the energy.
     let factor = D33_M_PER_V * DISCS * STACK_N_PER_M;
     let k2 = D33_M_PER_V * DISCS * factor / CAPACITANCE_F;
     let numbers = vec![number("force factor d33 n K [N/V]", factor), number("k^2 = (d33 n)^2 K/C", k2)];
@@ -49,8 +49,9 @@ fn coupling() -> Erratum {
         id: "transducer-coupling",
         places: "Table 3.1",
         printed: "d33 n = 45.3 nm/V, stack stiffness 3.14e8 N/m and 300 nF.",
-        instead: "The three cannot all hold: the coupling would exceed one, and a passive stack would convert more energy than it gets.",
-        evidence: Check::new("of the free stack", k2 > 1.0, numbers),
+        instead: "The three values exclude each other: the coupling would exceed one, and a passive stack would convert \
+                  more energy than it receives.",
+        evidence: Check::new("free stack", k2 > 1.0, numbers),
     }
 }
 
@@ -59,23 +60,23 @@ fn displacement() -> Erratum {
     let numbers = vec![
         number("maximum displacement by the table's formula [um]", 1e6 * maximum),
         number("voltage for the nominal 36 um [V]", NOMINAL_M / (D33_M_PER_V * DISCS)),
-        number("voltage for the required 0.7 um, the table's maximum [V]", voltage_v()),
+        number("voltage for the required 0.7 um, the table's maximum voltage [V]", voltage_v()),
         number("nominal over required", NOMINAL_M / REQUIRED_M),
     ];
     Erratum {
         id: "transducer-displacement",
         places: "Table 3.1",
         printed: "Maximum displacement 32.2 um at a maximum voltage of 15.466 V.",
-        instead: "At that voltage d33 n gives 0.7 um; 36 um would take some 800 V.",
+        instead: "At that voltage d33 n gives 0.7 um; 36 um would need about 800 V.",
         evidence: Check::new("quasi-static", NOMINAL_M > 10.0 * REQUIRED_M, numbers),
     }
 }
 
 fn power() -> Erratum {
-    // The mean of two sines in phase is half the product of the peaks.
+    // The mean power of two sines in phase is half the product of their peaks.
     let most = 0.5 * DRIVE_V * DRIVE_A;
     let numbers = vec![
-        number("most that 6 V and 2 A peak to peak can carry [W]", most),
+        number("largest power of 6 V and 2 A peak to peak [W]", most),
         number("5.2 states [W]", PRINTED_POWER_W),
         number("Vpp Ipp/2 [W]", 0.5 * (2.0 * DRIVE_V) * (2.0 * DRIVE_A)),
     ];

@@ -1,10 +1,10 @@
-//! Table 3.1 row by row, and what the scene `experiment-1` makes of it.
+//! Table 3.1 row by row, and the values that the scene `experiment-1` derives from it.
 
 use std::f64::consts::TAU;
 
 use report::{TableBlock, significant};
 
-/// Discs of the stack, n.
+/// Number of discs of the stack, n.
 pub(in crate::thesis) const DISCS: f64 = 62.0;
 /// Piezoelectric coefficient d33, m/V.
 pub(in crate::thesis) const D33_M_PER_V: f64 = 730e-12;
@@ -16,8 +16,9 @@ pub(in crate::thesis) const FREQUENCY_HZ: f64 = 40e3;
 pub(in crate::thesis) const CAPACITANCE_F: f64 = 300e-9;
 /// Preload, N.
 const PRELOAD_N: f64 = 670.0;
-/// Maximum current, A, and impedance, ohm.
+/// Maximum current, A.
 pub(in crate::thesis) const PRINTED_CURRENT_A: f64 = 1.75;
+/// Impedance, ohm.
 pub(in crate::thesis) const PRINTED_IMPEDANCE_OHM: f64 = 8.84;
 /// Stiffness of the stack, N/m.
 pub(in crate::thesis) const STACK_N_PER_M: f64 = 3.14e8;
@@ -25,25 +26,28 @@ pub(in crate::thesis) const STACK_N_PER_M: f64 = 3.14e8;
 pub(in crate::thesis) const BOLT_N_PER_M: f64 = 3.7e7;
 /// Nominal displacement, m.
 pub(in crate::thesis) const NOMINAL_M: f64 = 36e-6;
-/// Rod of the half-wave model (3.1.2).
+/// Young's modulus of the rod of the half-wave model (3.1.2), Pa.
 const MODULUS_PA: f64 = 120e9;
+/// Density of the rod, kg/m^3.
 const DENSITY_KG_PER_M3: f64 = 7900.0;
+/// Length of the rod, m.
 const LENGTH_M: f64 = 0.048_76;
-/// Drive of experiment 1 (3.1.4), V and A peak.
+/// Drive voltage of experiment 1 (3.1.4), V peak.
 pub(in crate::thesis) const DRIVE_V: f64 = 3.0;
+/// Drive current of experiment 1 (3.1.4), A peak.
 pub(in crate::thesis) const DRIVE_A: f64 = 1.0;
-/// Coupling that the scene's stack is assumed to have.
+/// Assumed coupling of the scene's stack.
 const COUPLING: f64 = 0.25;
 
-/// A row agrees if what follows is within this of what is printed.
-const AGREES: f64 = 0.01;
+/// Largest relative difference between a printed and a computed value that agree.
+const AGREES_REL: f64 = 0.01;
 
-/// Voltage for the required displacement, V: the table's maximum.
+/// Returns the voltage for the required displacement, V: the table's maximum.
 pub(in crate::thesis) fn voltage_v() -> f64 {
     REQUIRED_M / (D33_M_PER_V * DISCS)
 }
 
-/// Table 3.1: printed, and what follows.
+/// Tabulates Table 3.1: printed and computed values.
 pub fn table() -> TableBlock {
     let voltage = voltage_v();
     let speed = (MODULUS_PA / DENSITY_KG_PER_M3).sqrt();
@@ -53,12 +57,12 @@ pub fn table() -> TableBlock {
     let conductance = ((DRIVE_A / DRIVE_V).powi(2) - susceptance.powi(2)).sqrt();
     let motional_f = CAPACITANCE_F * COUPLING.powi(2) / (1.0 - COUPLING.powi(2));
     let inductance = 1.0 / ((TAU * FREQUENCY_HZ).powi(2) * motional_f);
-    // Half of the rod's mass moves at the tip; the inductance is its image.
+    // Half of the rod's mass moves at the tip; the inductance is its electrical equivalent.
     let factor = (0.5 * mass / inductance).sqrt();
     let tip = conductance * DRIVE_V / factor;
     let given = |name: &str, printed: String| vec![name.into(), printed, "–".into(), "given".into()];
     let derived = |name: &str, printed: f64, unit: &str, follows: f64, by: &str| {
-        let agrees = (follows / printed - 1.0).abs() <= AGREES;
+        let agrees = (follows / printed - 1.0).abs() <= AGREES_REL;
         let verdict = if agrees { format!("agrees: {by}") } else { format!("contradicts: {by}") };
         vec![name.into(), format!("{} {unit}", significant(printed)), format!("{} {unit}", significant(follows)), verdict]
     };
@@ -81,7 +85,7 @@ pub fn table() -> TableBlock {
             32.2,
             "um",
             1e6 * NOMINAL_M * STACK_N_PER_M / (STACK_N_PER_M + BOLT_N_PER_M),
-            "nominal, by the stiffnesses; but 0.7 um at the maximum voltage",
+            "nominal value and stiffnesses; but 0.7 um at the maximum voltage",
         ),
         derived("speed of sound (3.1.2)", 3900.0, "m/s", speed, "sqrt(E/rho), 120 GPa and 7900 kg/m^3"),
         derived("first mode (3.1.2)", 40_000.0, "Hz", speed / (2.0 * LENGTH_M), "c/2l, 1.92 in"),
@@ -90,7 +94,11 @@ pub fn table() -> TableBlock {
             format!("{} mm^2, {} g", significant(1e6 * area), significant(1e3 * mass)),
             "K l/E, rho A l",
         ),
-        ours("motional conductance", format!("{} S", significant(conductance)), "6 V and 2 A peak to peak (3.1.4) beside 300 nF"),
+        ours(
+            "motional conductance",
+            format!("{} S", significant(conductance)),
+            "6 V and 2 A peak to peak (3.1.4), parallel to 300 nF",
+        ),
         ours("motional resistance", format!("{} ohm", significant(1.0 / conductance)), "scene experiment-1: 3.08 ohm"),
         ours(
             "motional C and L, Q",
@@ -100,12 +108,13 @@ pub fn table() -> TableBlock {
                 significant(1e3 * inductance),
                 significant(TAU * FREQUENCY_HZ * inductance * conductance)
             ),
-            "ASSUMED: coupling 0.25 (the table's own would exceed 1)",
+            "ASSUMED: coupling 0.25 (by the table it would exceed 1)",
         ),
-        ours("force factor", format!("{} N/V", significant(factor)), "half the rod's mass over the inductance, square root"),
-        ours("tip velocity at 3 V", format!("{} m/s", significant(tip)), "the scene orders 0.175 m/s"),
+        ours("force factor", format!("{} N/V", significant(factor)), "square root of half the rod's mass over the inductance"),
+        ours("tip velocity at 3 V", format!("{} m/s", significant(tip)), "set point of the scene: 0.175 m/s"),
         ours("tip amplitude at 3 V", format!("{} um", significant(1e6 * tip / (TAU * FREQUENCY_HZ))), "required: 0.7 um"),
     ];
-    let caption = "Printed, and what follows from the other rows within one per cent. The last rows are the stack of the scene experiment-1.";
-    TableBlock::new("table-3-1", "Table 3.1: transducer of experiment 1", caption, &["", "printed", "follows", "verdict"], rows)
+    let caption =
+        "Computed: from the other rows; agreement is within one per cent. The last rows are the stack of the scene experiment-1.";
+    TableBlock::new("table-3-1", "Table 3.1: transducer of experiment 1", caption, &["", "printed", "computed", "verdict"], rows)
 }

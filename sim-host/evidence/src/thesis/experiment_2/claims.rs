@@ -1,4 +1,4 @@
-//! What 3.2 and 5 say of the second experiment.
+//! Claims of 3.2 and 5 about the second experiment.
 
 use super::normal::{self, Hertz};
 use super::{AMPLITUDES, FULL_M, LOADS_N, Runs, SPEED_M_PER_S, load_labels, time_labels};
@@ -9,12 +9,13 @@ use contact::hertz::contact_loss_threshold;
 use contact::{Shape, SolveError};
 use sim::instruments::belt::law::{Curve, POINTS};
 
-/// What an experiment of this kind can show, points.
-const SIGNIFICANT: f64 = 1.0;
-const INSIGNIFICANT: f64 = 0.5;
-const FIT: &str = "scene experiment-2, FITTED";
+/// Smallest difference that such an experiment can show, percentage points.
+const SIGNIFICANT_POINTS: f64 = 1.0;
+/// Largest difference that counts as none, percentage points.
+const INSIGNIFICANT_POINTS: f64 = 0.5;
+const FITTED_SCENE: &str = "scene experiment-2, FITTED";
 
-/// All claims of the second experiment.
+/// Judges all claims of the second experiment.
 pub fn all(runs: &Runs) -> Result<Vec<Claim>, SolveError> {
     let hertz = Hertz::through(0.01 * POINTS[0].percent);
     Ok(vec![
@@ -24,8 +25,8 @@ pub fn all(runs: &Runs) -> Result<Vec<Claim>, SolveError> {
         gradual(runs)?,
         pull(runs)?,
         load(runs, &hertz)?,
-        amplitude(runs, &hertz, 0, |points| points >= SIGNIFICANT)?,
-        amplitude(runs, &hertz, 1, |points| points.abs() < INSIGNIFICANT)?,
+        amplitude(runs, &hertz, 0, |points| points >= SIGNIFICANT_POINTS)?,
+        amplitude(runs, &hertz, 1, |points| points.abs() < INSIGNIFICANT_POINTS)?,
         made_up_for(&hertz),
         power(runs)?,
         speed()?,
@@ -42,10 +43,13 @@ fn area() -> Claim {
     Claim {
         id: "normal-vibration-lowers-friction",
         section: "3.2.1, 1.2",
-        says: "Vibration across the contact lowers its mean area, and friction with it.",
+        says: "Vibration across the contact lowers its mean area, and thereby friction.",
         checks: vec![
             check("Hertz, a tenth of the static deflection; model, nothing fitted", 0.1),
-            check("Hertz, contact just not lost (Hess and Soom: about ten per cent); model, nothing fitted", threshold),
+            check(
+                "Hertz, largest amplitude without loss of contact (Hess and Soom: about ten per cent); model, nothing fitted",
+                threshold,
+            ),
             check("Hertz, ten static deflections; model, nothing fitted", 10.0),
         ],
     }
@@ -54,7 +58,7 @@ fn area() -> Claim {
 fn size(runs: &Runs) -> Result<Claim, SolveError> {
     let check = |condition: &str, percent: f64, more: Vec<(String, f64)>| {
         let numbers = [vec![number("reduction [%]", percent)], more].concat();
-        Check::new(condition, (percent - POINTS[0].percent).abs() < SIGNIFICANT, numbers)
+        Check::new(condition, (percent - POINTS[0].percent).abs() < SIGNIFICANT_POINTS, numbers)
     };
     let hertz = |condition: &str, ratio: f64, static_m: Option<f64>| {
         let more = [vec![number("a/d0", ratio)], static_m.map(|m| number("d0 at 270 N [um]", 1e6 * m)).into_iter().collect()];
@@ -75,10 +79,10 @@ fn size(runs: &Runs) -> Result<Claim, SolveError> {
                 contact_loss_threshold(Shape::Sine).unwrap_or(f64::NAN),
                 None,
             ),
-            hertz("Hertz, a belt as stiff across as woven nylon (100 MPa, 1.2 mm, 470 mm^2 ASSUMED)", woven.0, woven.1),
-            hertz("Hertz, a belt as stiff as solid nylon (2.8 GPa, the same, ASSUMED)", solid.0, solid.1),
+            hertz("Hertz, a belt with the stiffness of woven nylon (100 MPa, 1.2 mm, 470 mm^2 ASSUMED)", woven.0, woven.1),
+            hertz("Hertz, a belt with the stiffness of solid nylon (2.8 GPa, 1.2 mm, 470 mm^2 ASSUMED)", solid.0, solid.1),
             hertz("Hertz, stiffness FITTED", needed, Some(amplitude_m / needed)),
-            check(FIT, scene, Vec::new()),
+            check(FITTED_SCENE, scene, Vec::new()),
         ],
     })
 }
@@ -87,9 +91,9 @@ fn on_time(runs: &Runs) -> Result<Claim, SolveError> {
     let reductions = runs.over_time()?;
     let lasting = runs.metric("lasting_reduction_percent", LOADS_N[0], AMPLITUDES[1])?;
     let scene = Check::new(
-        format!("270 N, 70 %, lag 0.45 s; {FIT}"),
-        reductions[1] < 0.95 * lasting && reductions[3] - reductions[2] < SIGNIFICANT,
-        [series("reduction [%]", &time_labels(), &reductions), vec![number("if it lasted [%]", lasting)]].concat(),
+        format!("270 N, 70 %, lag 0.45 s; {FITTED_SCENE}"),
+        reductions[1] < 0.95 * lasting && reductions[3] - reductions[2] < SIGNIFICANT_POINTS,
+        [series("reduction [%]", &time_labels(), &reductions), vec![number("steady value [%]", lasting)]].concat(),
     );
     let other = |lag_s: f64| {
         let curve = Curve { lag_s, ..Curve::fitted() };
@@ -103,7 +107,8 @@ fn on_time(runs: &Runs) -> Result<Claim, SolveError> {
     Ok(Claim {
         id: "on-time-bottoms-out",
         section: "3.2.3.1, Fig. 3.7",
-        says: "After 0.5 and 1 s ON friction has not bottomed out (1 s: below 95 % of what lasts); beyond 2 s little is gained (2.5 s: less than a point).",
+        says: "After 0.5 and 1 s ON friction has not bottomed out (1 s: below 95 % of the steady reduction); beyond 2 s \
+               little is gained (2.5 s: less than a point).",
         checks: vec![scene, other(0.35), other(0.55), other(0.25), other(0.8)],
     })
 }
@@ -123,9 +128,9 @@ fn gradual(runs: &Runs) -> Result<Claim, SolveError> {
     Ok(Claim {
         id: "friction-falls-gradually",
         section: "3.2.4",
-        says: "Friction does not drop at once but gradually (the horn itself is there ten times sooner than half of the fall).",
+        says: "Friction does not drop at once but gradually (the horn itself is ten times faster than half of the fall).",
         checks: vec![Check::new(
-            format!("270 N, 70 %; the horn is a model, the lag is not: {FIT}"),
+            format!("270 N, 70 %; the horn is a model, the lag is FITTED: {FITTED_SCENE}"),
             half_s > 10.0 * rise_s,
             numbers,
         )],
@@ -151,8 +156,8 @@ fn load(runs: &Runs, hertz: &Hertz) -> Result<Claim, SolveError> {
     for amplitude in AMPLITUDES {
         let percent = 100.0 * amplitude;
         let values = LOADS_N.iter().map(|&load| 100.0 * hertz.reduction(load, amplitude * FULL_M)).collect();
-        checks.push(check(format!("{percent} %; {FIT}"), runs.over_load(amplitude)?));
-        checks.push(check(format!("{percent} %; Hertz, its stiffness FITTED to 58 %, the trend its own"), values));
+        checks.push(check(format!("{percent} %; {FITTED_SCENE}"), runs.over_load(amplitude)?));
+        checks.push(check(format!("{percent} %; Hertz, stiffness FITTED to 58 %, trend not fitted"), values));
     }
     Ok(Claim {
         id: "load-lowers-normal-reduction",
@@ -187,13 +192,13 @@ fn amplitude(runs: &Runs, hertz: &Hertz, index: usize, holds: fn(f64) -> bool) -
         section,
         says,
         checks: vec![
-            check(FIT.into(), [half?, more?]),
-            check("Hertz, its stiffness FITTED to 58 %, the trend its own".into(), of_hertz),
+            check(FITTED_SCENE.into(), [half?, more?]),
+            check("Hertz, stiffness FITTED to 58 %, trend not fitted".into(), of_hertz),
         ],
     })
 }
 
-/// At 450 and 670 N the amplitude would have to rise: can it?
+/// Judges if a higher amplitude at 450 and 670 N can restore the reduction at 270 N.
 fn made_up_for(hertz: &Hertz) -> Claim {
     let curve = Curve::fitted();
     let target = curve.percent(LOADS_N[0], AMPLITUDES[1], 2.0);
@@ -203,18 +208,18 @@ fn made_up_for(hertz: &Hertz) -> Claim {
         Check::new(format!("{load} N; the law, FITTED, at 100 %"), most >= target, numbers)
     };
     let by_hertz = |load: f64| {
-        // The same a/d0, and d0 goes with the load's power 2/3.
+        // At equal a/d0, where d0 goes with the power 2/3 of the load.
         let needed = AMPLITUDES[1] * hertz.static_m(load) / hertz.static_m(LOADS_N[0]);
         Check::new(
-            format!("{load} N; Hertz, whatever its stiffness"),
+            format!("{load} N; Hertz, any stiffness"),
             needed <= 1.0,
-            vec![number("amplitude needed, part of the full", needed)],
+            vec![number("required amplitude over full amplitude", needed)],
         )
     };
     Claim {
         id: "amplitude-makes-up-for-load",
         section: "3.2.3.2, against 3.2.3.3",
-        says: "At higher loads a higher amplitude gives the same reduction (as 270 N at 70 %, with what the welder has).",
+        says: "At higher loads a higher amplitude gives the same reduction (as 270 N at 70 %, within the range of the welder).",
         checks: vec![by_law(LOADS_N[1]), by_law(LOADS_N[2]), by_hertz(LOADS_N[1]), by_hertz(LOADS_N[2])],
     }
 }
@@ -228,16 +233,16 @@ fn power(runs: &Runs) -> Result<Claim, SolveError> {
         number("reduction [%]", reduction),
         number("power [W]", power),
         number("power at 270 N [W]", runs.metric("drive_power_w", LOADS_N[0], amplitude)?),
-        number("power that friction no longer takes [W]", (off - on) * SPEED_M_PER_S),
-        number("energy for each metre of belt [kJ/m]", 1e-3 * power / SPEED_M_PER_S),
+        number("friction power saved [W]", (off - on) * SPEED_M_PER_S),
+        number("energy per metre of belt [kJ/m]", 1e-3 * power / SPEED_M_PER_S),
     ];
     Ok(Claim {
         id: "power-at-670-n",
         section: "5.2",
-        says: "A reduction of 55 % at 670 N takes nearly 1200 W.",
+        says: "A reduction of 55 % at 670 N needs nearly 1200 W.",
         checks: vec![Check::new(
-            format!("70 %, damping in proportion to the load; {FIT} to both numbers"),
-            (power - 1200.0).abs() < 12.0 && (reduction - POINTS[1].percent).abs() < SIGNIFICANT,
+            format!("70 %, damping in proportion to the load; {FITTED_SCENE} to both numbers"),
+            (power - 1200.0).abs() < 12.0 && (reduction - POINTS[1].percent).abs() < SIGNIFICANT_POINTS,
             numbers,
         )],
     })
@@ -252,7 +257,7 @@ fn speed() -> Result<Claim, SolveError> {
     });
     let ran = driven::each(super::SCENE, &sets)?;
     let values: Vec<f64> = ran.iter().map(|ran| ran.metric("reduction_percent")).collect::<Result<_, _>>()?;
-    let condition = "270 N, 70 %; the speed law of another experiment (JoVE 2015, 52931): the thesis has one speed";
+    let condition = "270 N, 70 %; the speed law of another experiment (JoVE 2015, 52931), as the thesis has one speed";
     Ok(Claim {
         id: "speed-lowers-normal-reduction",
         section: "5.1",

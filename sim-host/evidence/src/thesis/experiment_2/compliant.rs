@@ -1,11 +1,12 @@
-//! A contact with constant stiffness in both directions under vibration across it: what it makes of two experiments.
+//! A contact with constant stiffness in both directions under vibration across it, applied to two
+//! experiments.
 //!
 //! ```text
-//! pin on a disc (Dong and Dapino 2015): A and the critical speed through two speeds --> a third, an open prediction
-//! belt under a horn (3.2):              kz and kx / mu through two loads            --> load and amplitude
+//! pin on a disc (Dong and Dapino 2015): A and the critical speed from two speeds --> a third, an open prediction
+//! belt under a horn (3.2):              kz and kx / mu from two loads            --> load and amplitude
 //! ```
 //!
-//! Two numbers are fitted to two in both cases; only what follows from them tests the law.
+//! In both cases two parameters are fitted to two numbers; only further predictions test the law.
 
 use std::f64::consts::TAU;
 
@@ -17,23 +18,25 @@ use sim::instruments::belt::law::{Curve, POINTS};
 
 /// Frequency of the horn (Table 3.2), Hz.
 const HORN_HZ: f64 = 20e3;
-/// A speed between and beyond the two, m/s: S. Dong, M. J. Dapino, JoVE 2015, 52931, in which it was run, and whose number is not at hand.
+/// Speed between the two of the data, m/s (S. Dong, M. J. Dapino, JoVE 2015, 52931). It was
+/// measured there, but its number was not available.
 const OPEN_M_PER_S: f64 = 0.0406;
 /// Coefficient of friction of the belt, ASSUMED as in the scene: only kx over it is fitted.
 const MU: f64 = 0.3;
-/// Halvings of a bracket.
-const HALVINGS: u32 = 100;
+/// Number of bisections of a bracket.
+const BISECTIONS: u32 = 100;
 
-/// Where a falling function is zero.
+/// Returns the zero of a falling function.
 fn falls_through(mut low: f64, mut high: f64, off: impl Fn(f64) -> f64) -> f64 {
-    for _ in 0..HALVINGS {
+    for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
         if off(middle) > 0.0 { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
 
-/// A contact that never parts, by its amplitude and its critical speed: then the reduction is in proportion to A, whatever is held.
+/// Contact that is never lost, given by its amplitude and critical speed. Its reduction is
+/// proportional to A, under constant load as well as at constant height.
 #[derive(Clone, Copy, Debug)]
 pub struct Pin {
     /// Amplitude over mean indentation, A.
@@ -43,7 +46,7 @@ pub struct Pin {
 }
 
 impl Pin {
-    /// Through two reductions at two speeds, the first the slower.
+    /// Fits two reductions at two speeds, the first the slower.
     pub fn through([slow, fast]: [(f64, f64); 2]) -> Self {
         let loss = |speed: f64, critical: f64| 1.0 - friction_ratio(1.0, speed / critical, true);
         let off = |critical: f64| loss(slow.0, critical) / loss(fast.0, critical) - slow.1 / fast.1;
@@ -51,18 +54,18 @@ impl Pin {
         Pin { indentations: slow.1 / loss(slow.0, critical_m_per_s), critical_m_per_s }
     }
 
-    /// Through the two numbers of the pin on a disc.
+    /// Fits the two measured numbers of the pin on a disc.
     pub fn measured() -> Self {
         Self::through([2, 3].map(|i| (POINTS[i].speed_m_per_s, 0.01 * POINTS[i].percent)))
     }
 
-    /// Reduction at a speed, %.
+    /// Returns the reduction at a speed, %.
     pub fn percent(&self, speed_m_per_s: f64) -> f64 {
         100.0 * (1.0 - friction_ratio(self.indentations, speed_m_per_s / self.critical_m_per_s, true))
     }
 }
 
-/// A belt of two stiffnesses under a held load.
+/// Belt with two stiffnesses under a constant load.
 #[derive(Clone, Copy, Debug)]
 pub struct Belt {
     /// Normal stiffness, N/m.
@@ -72,7 +75,8 @@ pub struct Belt {
 }
 
 impl Belt {
-    /// Through the lasting reductions at the lightest and the heaviest load, 70 %. None if no stiffness meets both.
+    /// Fits the steady reductions at the lightest and the heaviest load at 70 % amplitude. `None`
+    /// if no stiffness meets both.
     pub fn through(light: f64, heavy: f64) -> Option<Self> {
         let amplitude_m = AMPLITUDES[1] * FULL_M;
         let of = |indentations: f64| {
@@ -82,12 +86,13 @@ impl Belt {
             Belt { normal_n_per_m, tangential_n_per_m: speed * unit / SPEED_M_PER_S }
         };
         let off = |indentations: f64| of(indentations).reduction(LOADS_N[2], SPEED_M_PER_S, AMPLITUDES[1]) - heavy;
-        // The heavy load's reduction rises with the normal stiffness, as contact is lost the further.
+        // The reduction at the heavy load rises with the normal stiffness, as contact is lost for
+        // longer.
         let (low, high) = (light.max(1.0), 1e3);
         (off(low) < 0.0 && off(high) > 0.0).then(|| of(falls_through(low, high, |indentations| -off(indentations))))
     }
 
-    /// Through the thesis's two numbers.
+    /// Fits the thesis's two numbers.
     pub fn measured() -> Option<Self> {
         let lasting = |i: usize| 0.01 * POINTS[i].percent / reached(1.0, 2.0, LAG_S);
         Self::through(lasting(0), lasting(1))
@@ -106,19 +111,19 @@ impl Belt {
         solve(&problem).ok()
     }
 
-    /// Lasting reduction, as a part.
+    /// Returns the steady reduction, as a fraction.
     pub fn reduction(&self, load_n: f64, speed_m_per_s: f64, amplitude: f64) -> f64 {
         self.solution(load_n, speed_m_per_s, amplitude).map_or(f64::NAN, |solution| 1.0 - solution.coefficient_ratio)
     }
 
-    /// As a law beside others.
+    /// Returns the reduction as a curve, for comparison with other laws.
     pub fn curve(self) -> Curve {
         let lasting = move |load: f64, speed: f64, amplitude: f64| self.reduction(load, speed, amplitude);
-        Curve { name: "compliant contact, its stiffnesses through both".into(), lasting: Box::new(lasting), lag_s: LAG_S }
+        Curve { name: "compliant contact, stiffnesses fitted to both numbers".into(), lasting: Box::new(lasting), lag_s: LAG_S }
     }
 }
 
-/// The pin on a disc over the sliding speed.
+/// Tabulates the pin on a disc over the sliding speed.
 pub fn speeds() -> TableBlock {
     let (pin, law) = (Pin::measured(), EmpiricalLaw::FITTED);
     let fitted =
@@ -135,13 +140,14 @@ pub fn speeds() -> TableBlock {
     };
     let rows = vec![
         row(POINTS[2].speed_m_per_s, format!("{}", POINTS[2].percent)),
-        row(OPEN_M_PER_S, "not at hand: OPEN PREDICTION".into()),
+        row(OPEN_M_PER_S, "not available: OPEN PREDICTION".into()),
         row(POINTS[3].speed_m_per_s, format!("{}", POINTS[3].percent)),
         row(pin.critical_m_per_s, "not measured".into()),
     ];
     let caption = format!(
-        "Reduction in per cent. S. Dong, M. J. Dapino, JoVE 2015, 52931: 22 kHz across, 1 to 4 MPa. A = {} and a critical speed of {} mm/s are FITTED to the two numbers; the third speed follows. The empirical law is the one \
-         of the belt with its speed scale of {} mm/s, through the first number.",
+        "Reduction in per cent. S. Dong, M. J. Dapino, JoVE 2015, 52931: 22 kHz across, 1 to 4 MPa. A = {} and a critical \
+         speed of {} mm/s are FITTED to the two numbers; the third speed is predicted. The empirical law is that of the \
+         belt with its speed scale of {} mm/s, scaled to the first number.",
         significant(pin.indentations),
         significant(1e3 * pin.critical_m_per_s),
         significant(1e3 * law.speed_scale_m_per_s)
@@ -149,14 +155,14 @@ pub fn speeds() -> TableBlock {
     let header = ["speed [mm/s]", "measured", "compliant contact", "the paper's closed form", "empirical law"];
     TableBlock::new(
         "compliant-speeds",
-        "A pin on a disc over its speed: compliant contact, FITTED to two numbers",
+        "A pin on a disc over sliding speed: compliant contact, FITTED to two numbers",
         &caption,
         &header,
         rows,
     )
 }
 
-/// The belt over load and amplitude.
+/// Tabulates the belt over load and amplitude.
 pub fn belt() -> TableBlock {
     let header = [
         "load [N]",
@@ -194,8 +200,9 @@ pub fn belt() -> TableBlock {
     let met = curve.statements().map(|statement| if statement.met { "yes" } else { "no" }).join(", ");
     let critical = belt.solution(LOADS_N[0], SPEED_M_PER_S, AMPLITUDES[1]).map_or(f64::NAN, |solution| solution.critical_m_per_s);
     let caption = format!(
-        "Reduction after 2 s at 25 mm/s, mean load held. kz = {} N/m and kx = {} N/m (with an ASSUMED mu of {MU}) are FITTED to both stated numbers; the critical speed at 270 N and 70 % is {} mm/s. Statements met (ON times, load, amplitude at \
-         270 N, amplitude at 450 N): {met}.",
+        "Reduction after 2 s at 25 mm/s under constant mean load. kz = {} N/m and kx = {} N/m (with an ASSUMED mu of {MU}) \
+         are FITTED to both stated numbers; the critical speed at 270 N and 70 % is {} mm/s. Statements met (ON times, \
+         load, amplitude at 270 N, amplitude at 450 N): {met}.",
         significant(belt.normal_n_per_m),
         significant(belt.tangential_n_per_m),
         significant(1e3 * critical)
@@ -207,7 +214,8 @@ pub fn belt() -> TableBlock {
 mod tests {
     use super::*;
 
-    /// An earlier study of the same equations: -49.9 % at the third speed, and both given ones met.
+    /// From an earlier study of the same equations: 49.9 % at the third speed; both fitted ones are
+    /// met.
     #[test]
     fn two_speeds_predict_a_third() {
         let pin = Pin::measured();
@@ -216,9 +224,10 @@ mod tests {
         assert!((pin.indentations - 0.770_737).abs() < 1e-5 && (pin.critical_m_per_s - 0.260_461).abs() < 1e-5, "{pin:?}");
     }
 
-    /// Both numbers are met, and neither of the trends is: a heavier load first gains, and 70 % gains ten points and more over 50 %.
+    /// Both numbers are met but neither trend: the reduction first rises with the load, and 70 %
+    /// gains ten points and more over 50 %.
     #[test]
-    fn the_belt_is_no_compliant_contact() {
+    fn a_compliant_contact_contradicts_the_belt() {
         let curve = Belt::measured().unwrap().curve();
         let percent = |load: f64, amplitude: f64| curve.percent(load, amplitude, 2.0);
         assert!((percent(270.0, 0.7) - 58.0).abs() < 1e-6 && (percent(670.0, 0.7) - 55.0).abs() < 1e-6);

@@ -1,8 +1,8 @@
-//! Figures 3.7 to 3.12, from runs of the scene; and two that show where the law stands.
+//! Figures 3.7 to 3.12 from runs of the scene, and two figures that explain the law.
 
 use super::normal;
 use super::{AMPLITUDES, DELAY_S, FULL_M, LAG_S, LOADS_N, ON_S, ON_TIMES_S, Runs};
-use crate::thesis::driven::Ran;
+use crate::thesis::driven::SceneRun;
 use crate::thesis::picture::{axis, dashed, figure, line, log_axis, ranged};
 use crate::thesis::sweep;
 use contact::empirical::reached;
@@ -12,13 +12,14 @@ use plant::load_cell::LoadCell;
 use report::{Figure, Marker, Span};
 use sim::instruments::belt::law::{Curve, POINTS};
 
-/// Coefficient of friction of the scene: assumed, the thesis states no force.
+/// Coefficient of friction of the scene: assumed, as the thesis states no force.
 const MU: f64 = 0.3;
 const CELL_HZ: f64 = 80.0;
-const FIT: &str = "FIT: the scene experiment-2 as run, controller and stack simulated, the belt by the empirical law. mu 0.3 is assumed, so only \
-                   ratios can be compared. Reading of the load cell; in the first tenth of a second calibration and lock shake the belt.";
+const FIT_CAPTION: &str = "FIT: the scene experiment-2 with controller and stack simulated, the belt by the empirical law. mu 0.3 \
+                   is assumed, so only ratios can be compared. Reading of the load cell; in the first tenth of a second \
+                   calibration and lock shake the belt.";
 
-/// All figures of the second experiment.
+/// Draws all figures of the second experiment.
 pub fn all(runs: &Runs) -> Result<Vec<Figure>, SolveError> {
     Ok(vec![
         duration(runs)?,
@@ -32,12 +33,12 @@ pub fn all(runs: &Runs) -> Result<Vec<Figure>, SolveError> {
     ])
 }
 
-/// A picture of pulls over time.
-fn pulls(id: &str, title: String, remark: &str, curves: &[(String, String, &Ran)], on_s: f64) -> Figure {
+/// Draws pulls over time.
+fn pulls(id: &str, title: String, remark: &str, curves: &[(String, String, &SceneRun)], on_s: f64) -> Figure {
     let series = curves.iter().map(|(name, column, ran)| line(name, column, &ran.time_s, ran.cell_n.clone())).collect();
     Figure {
         shaded: vec![Span { from: ON_S + DELAY_S, to: ON_S + DELAY_S + on_s, label: "ON".into() }],
-        ..figure(id, &title, format!("{remark} {FIT}"), [axis("time [s]"), axis("pull of the belt [N]")], series)
+        ..figure(id, &title, format!("{remark} {FIT_CAPTION}"), [axis("time [s]"), axis("pull of the belt [N]")], series)
     }
 }
 
@@ -47,7 +48,8 @@ fn duration(runs: &Runs) -> Result<Figure, SolveError> {
         Ok((format!("ON for {on_s} s"), format!("pull_{on_s}_s_n"), &case.ran))
     };
     let curves = ON_TIMES_S.iter().map(curve).collect::<Result<Vec<_>, SolveError>>()?;
-    let remark = "270 N, 70 %. A shorter window is the same curve cut off earlier: 0.5 and 1 s do not bottom out, 2.5 s gains little over 2 s.";
+    let remark =
+        "270 N, 70 %. A shorter window ends the same curve earlier: 0.5 and 1 s do not bottom out, 2.5 s gains little over 2 s.";
     let longest = ON_TIMES_S.iter().copied().fold(0.0, f64::max);
     Ok(pulls("fig-3-07", "Figure 3.7: duration of the vibration".into(), remark, &curves, longest))
 }
@@ -60,10 +62,11 @@ fn off() -> Figure {
         time_s.iter().map(|_| cell.measure(MU * load)).collect::<Vec<_>>()
     };
     let series = LOADS_N.iter().map(|&load| line(format!("{load} N"), format!("pull_{load}_n"), &time_s, curve(load))).collect();
-    let caption = "Model: Coulomb friction, mu 0.3 assumed, seen by the load cell (80 Hz) from the moment the belt slides; the \
-                   overshoot is the cell's filter and no static friction. The thesis's text has \
-                   no force, so only that it rises with the load can be compared."
-        .into();
+    let caption =
+        "Model: Coulomb friction, mu 0.3 assumed, as read by the load cell (80 Hz) from the moment the belt slides; the \
+                   overshoot is due to the cell's filter, not to static friction. The thesis's text gives \
+                   no force, so only its rise with the load can be compared."
+            .into();
     figure(
         "fig-3-08",
         "Figure 3.8: pull at different loads, OFF",
@@ -89,11 +92,11 @@ fn over_amplitude(runs: &Runs, load: f64, number: &str) -> Result<Figure, SolveE
     };
     let curves = AMPLITUDES.iter().map(curve).collect::<Result<Vec<_>, SolveError>>()?;
     let title = format!("Figure 3.{number}: amplitude of vibration, at {load} N");
-    let remark = "What 70 % gain over 50 % at 270 N and hardly at 450 N is in words only: the law is chosen so.";
+    let remark = "The gain of 70 % over 50 %, at 270 N and hardly at 450 N, is stated in words only; the law is fitted to them.";
     Ok(pulls(&format!("fig-3-{number}"), title, remark, &curves, 2.0))
 }
 
-/// The law over the load, beside Hertz's trend and the stated points.
+/// Draws the law over the load, with Hertz's trend and the stated points.
 fn law() -> Figure {
     let curve = Curve::fitted();
     let load = sweep::spaced(200.0, 800.0, 61);
@@ -115,10 +118,11 @@ fn law() -> Figure {
             of(&hertz, amplitude),
         ));
     }
-    let caption = "FIT. Reduction after 2 s ON at 25 mm/s. The points are the only numbers that the thesis states; the law is made to meet them. At 50 % it \
-                   has a hump between 270 and 450 N, where nothing was tested: a flaw of its exponents that q 0.07, s 2.4 would not have. \
-                   Hertz's contact with a fitted stiffness has the same trend over the load (friction left goes with its power 1/12), and \
-                   more gain from amplitude at 450 N than the words allow."
+    let caption = "FIT. Reduction after 2 s ON at 25 mm/s. The points are the only numbers that the thesis states; the law \
+                   is fitted to them. At 50 % it has a hump between the tested loads of 270 and 450 N, a flaw of its \
+                   exponents that q 0.07, s 2.4 avoids. Hertz's contact with a fitted stiffness has the same trend over the \
+                   load (the remaining friction goes with its power 1/12), but gains more from the amplitude at 450 N than \
+                   the thesis allows."
         .into();
     let marker = |load: f64, y: f64| Marker { x: load, y, label: format!("{y} % stated") };
     Figure {
@@ -133,7 +137,7 @@ fn law() -> Figure {
     }
 }
 
-/// Hertz's contact over the amplitude.
+/// Draws Hertz's contact over the amplitude.
 fn hertz() -> Figure {
     let ratio = sweep::geometric(0.1, 1000.0, 161);
     let beyond = sweep::geometric(1.0, 1000.0, 121);
@@ -150,8 +154,8 @@ fn hertz() -> Figure {
     let needed = normal::ratio_for(0.01 * POINTS[0].percent);
     let threshold = contact_loss_threshold(Shape::Sine).unwrap_or(f64::NAN);
     let loss = 100.0 * normal::reduction(threshold);
-    let caption = "Model, nothing fitted. Reduction over the amplitude of a vibration across the contact, in static deflections. Contact is lost \
-                   beyond 0.885, at 11.5 %. The 58 % of the experiment take 197."
+    let caption = "Model, nothing fitted. Reduction over the amplitude of a vibration across the contact, in static \
+                   deflections. Contact is lost beyond 0.885, at 11.5 %. The 58 % of the experiment need 197."
         .into();
     let axes = [log_axis("amplitude over static deflection"), ranged("reduction [%]", 0.0, 70.0)];
     Figure {
@@ -159,6 +163,6 @@ fn hertz() -> Figure {
             Marker { x: threshold, y: loss, label: "contact lost".into() },
             Marker { x: needed, y: POINTS[0].percent, label: "58 %".into() },
         ],
-        ..figure("exp-2-hertz", "Experiment 2: how far Hertz's contact goes", caption, axes, series)
+        ..figure("exp-2-hertz", "Experiment 2: range of Hertz's contact", caption, axes, series)
     }
 }

@@ -1,4 +1,4 @@
-//! Table 3.2 and the numbers around it, row by row.
+//! Table 3.2 and related numbers, row by row.
 
 use std::f64::consts::TAU;
 
@@ -7,13 +7,14 @@ use report::{TableBlock, significant};
 
 const FREQUENCY_HZ: f64 = 20e3;
 const HALF_WAVE_M: f64 = 5.0 * 0.0254;
-/// Steel: modulus, Pa, and density, kg/m^3, as tabulated in the literature.
+/// Young's modulus of steel, Pa, as tabulated in the literature.
 const STEEL_PA: f64 = 200e9;
+/// Density of steel, kg/m^3, as tabulated in the literature.
 const STEEL_KG_PER_M3: f64 = 7850.0;
 const PA_PER_PSI: f64 = 6894.757;
 const STROKE_M: f64 = 12.0 * 0.0254;
 
-/// Table 3.2: printed, and what follows.
+/// Tabulates Table 3.2: printed and computed values.
 pub fn table() -> TableBlock {
     let ram_m2 = 670.0 / (60.0 * PA_PER_PSI);
     let speed = |part: f64| significant(TAU * FREQUENCY_HZ * FULL_M * part);
@@ -32,14 +33,14 @@ pub fn table() -> TableBlock {
             "maximum amplitude",
             "85 microns",
             format!("{}, {}, {} m/s at 50, 70, 100 %", speed(AMPLITUDES[0]), speed(AMPLITUDES[1]), speed(1.0)),
-            "open: zero to peak (here) or peak to peak, which would be half",
+            "open: zero to peak (here) or peak to peak (half of it)",
         ),
         row("power", "2.5 kW", "1200 W at 670 N (5.2)".into(), "given"),
         row(
             "maximum normal load",
             "1500 N",
             format!("{} psi on the ram", significant(1500.0 / ram_m2 / PA_PER_PSI)),
-            "670 N at 60 psi (3.2.2) make a ram of 45 mm bore",
+            "670 N at 60 psi (3.2.2) correspond to a ram of 45 mm bore",
         ),
         row(
             "ram",
@@ -47,14 +48,14 @@ pub fn table() -> TableBlock {
             format!("{} mm bore", significant(2e3 * (ram_m2 / std::f64::consts::PI).sqrt())),
             "load over pressure",
         ),
-        row("air pressure for pneumatic cylinder", "14-45 psi", "–".into(), "given: the cylinder that pulls, not the ram"),
+        row("air pressure for pneumatic cylinder", "14-45 psi", "–".into(), "given: the pulling cylinder, not the ram"),
         row(
             "stroke at 0.025 m/s",
             "12 inches",
             format!("{} s", significant(STROKE_M / SPEED_M_PER_S)),
-            "room for 2.5 s ON, and for little more than one run",
+            "enough for 2.5 s ON, but hardly for more than one run",
         ),
     ];
-    let caption = "Printed (Table 3.2 and 3.2.2), and what follows.";
-    TableBlock::new("table-3-2", "Table 3.2: welder of experiment 2", caption, &["", "printed", "follows", "remark"], rows)
+    let caption = "Printed values (Table 3.2 and 3.2.2), and values computed from them.";
+    TableBlock::new("table-3-2", "Table 3.2: welder of experiment 2", caption, &["", "printed", "computed", "remark"], rows)
 }

@@ -1,7 +1,7 @@
-//! How long charge takes to spread over an electrode (B.6).
+//! Time in which charge spreads over an electrode (B.6).
 //!
-//! A tab is a film with resistance along it and capacitance through the sheet: fed at one end, the far end follows as
-//! `V(L)/V(0) = 1/cosh(sqrt(i w R C))`.
+//! A tab is a film with resistance along it and capacitance through the sheet. Fed at one end, its
+//! far end follows as `V(L)/V(0) = 1/cosh(sqrt(i w R C))`.
 
 use std::f64::consts::TAU;
 
@@ -10,58 +10,59 @@ use realfft::num_complex::Complex64;
 use super::electrodes::Pattern;
 use super::sheet::{PERMITTIVITY, SIDE_M, THICKNESS_M, VACUUM_F_PER_M};
 
-/// Resistivity of nickel in bulk at 20 C, Ohm m (*CRC Handbook of Chemistry and Physics*: 6.93 at 20 C).
+/// Resistivity of nickel in bulk at 20 C, Ohm m (*CRC Handbook of Chemistry and Physics*: 6.93 at
+/// 20 C).
 const NICKEL_OHM_M: f64 = 6.93e-8;
 /// Thickness of the film, m: 1000 angstroms (B.4.1).
 const FILM_M: f64 = 100e-9;
 /// Speed of light, m/s.
 const LIGHT_M_PER_S: f64 = 299_792_458.0;
 
-/// An electrode that is fed along one edge.
+/// Electrode that is fed along one edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Electrode {
     /// Length from the fed edge, m.
     pub length_m: f64,
     /// Width of the electrode, m.
     pub width_m: f64,
-    /// Resistivity over that of nickel in bulk; a thin sputtered film has more.
+    /// Resistivity over that of bulk nickel; that of a thin sputtered film is higher.
     pub resistivity: f64,
 }
 
 impl Electrode {
-    /// A tab, fed at its end.
+    /// Returns a tab, fed at its end.
     pub fn tab(resistivity: f64) -> Electrode {
         Electrode { length_m: SIDE_M, width_m: Pattern::PRINTED.width_m, resistivity }
     }
 
-    /// The whole face, fed along an edge.
+    /// Returns the whole face, fed along an edge.
     pub fn whole(resistivity: f64) -> Electrode {
         Electrode { length_m: SIDE_M, width_m: SIDE_M, resistivity }
     }
 
-    /// Resistance from end to end, Ohm.
+    /// Returns the resistance from end to end, Ohm.
     pub fn ohm(&self) -> f64 {
         self.resistivity * NICKEL_OHM_M * self.length_m / (FILM_M * self.width_m)
     }
 
-    /// Capacitance through the sheet, F.
+    /// Returns the capacitance through the sheet, F.
     pub fn farad(&self) -> f64 {
         VACUUM_F_PER_M * PERMITTIVITY * self.length_m * self.width_m / THICKNESS_M
     }
 
-    /// Voltage at the far end over that at the fed one.
+    /// Returns the voltage at the far end over that at the fed end.
     pub fn far_end(&self, frequency_hz: f64) -> Complex64 {
         let root = Complex64::new(0.0, TAU * frequency_hz * self.ohm() * self.farad()).sqrt();
         1.0 / root.cosh()
     }
 
-    /// What the far end is behind, degrees.
+    /// Returns the phase lag of the far end, degrees.
     pub fn lag_deg(&self, frequency_hz: f64) -> f64 {
         -self.far_end(frequency_hz).arg().to_degrees()
     }
 }
 
-/// Time of light through the ceramic along the sheet, s.
+/// Returns the travel time of light through the ceramic along the sheet, s.
 pub fn travel_s() -> f64 {
     SIDE_M * PERMITTIVITY.sqrt() / LIGHT_M_PER_S
 }
@@ -70,7 +71,7 @@ pub fn travel_s() -> f64 {
 mod tests {
     use super::*;
 
-    /// A ladder of resistors and capacitors, from its open end.
+    /// Compares with a ladder of resistors and capacitors, computed from its open end.
     #[test]
     fn the_far_end_is_that_of_a_ladder() {
         let electrode = Electrode::tab(30.0);
@@ -83,7 +84,7 @@ mod tests {
             voltage += current * r;
         }
         let ladder = 1.0 / voltage;
-        // A rung is a 2000th of the line.
+        // Each section is a 2000th of the line.
         assert!((ladder - electrode.far_end(40e3)).norm() < 1e-3, "{ladder} {}", electrode.far_end(40e3));
     }
 
@@ -92,7 +93,7 @@ mod tests {
         let electrode = Electrode::tab(1.0);
         let expected = (0.5 * TAU * 40e3 * electrode.ohm() * electrode.farad()).to_degrees();
         assert!((electrode.lag_deg(40e3) / expected - 1.0).abs() < 1e-3, "{}", electrode.lag_deg(40e3));
-        // 13 squares of 0.69 ohm, and 6.3 nF.
+        // By hand: 13 squares of 0.69 ohm, and 6.3 nF.
         assert!((electrode.ohm() - 9.0).abs() < 0.05 && (1e9 * electrode.farad() - 6.33).abs() < 0.01);
     }
 }

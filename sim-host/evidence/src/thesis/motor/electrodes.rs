@@ -1,7 +1,9 @@
-//! The electrodes: twelve tabs (B.4.1), four signals (B.4.2), and which bending waves they drive which way.
+//! The electrodes: twelve tabs (B.4.1), four signals (B.4.2), and the bending waves that they drive
+//! in each direction.
 //!
-//! Tabs at `n p` with signals `exp(i (w t + phi_n))` push a wave `exp(i (w t - k x))` as the spatial Fourier transform of the pattern at
-//! k says, and the wave that goes back as it says at -k. Equal tabs on an endless sheet: what the edges send back comes on top.
+//! Tabs at `n p` with signals `exp(i (w t + phi_n))` drive a forward wave `exp(i (w t - k x))` by
+//! the spatial Fourier transform of the pattern at k, and a backward wave by its value at -k. The
+//! tabs are equal and the sheet endless; reflections at the edges are not included.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -14,104 +16,110 @@ use crate::thesis::picture::{dashed, figure as draw, line, ranged};
 use crate::thesis::sweep;
 use report::{Figure, Marker};
 
-/// A wave whose amplitude varies less than twofold along it: the weaker direction below a third of the stronger.
-pub const TRAVELS: f64 = 1.0 / 3.0;
+/// Largest ratio of the weaker to the stronger direction at which the amplitude of a wave varies
+/// less than twofold along it.
+pub const TRAVELLING_RATIO: f64 = 1.0 / 3.0;
 
-/// Which tab gets which signal; the text leaves it open.
+/// Assignment of the signals to the tabs, which the text leaves open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Order {
-    /// Each tab a quarter period behind the one before it.
+pub enum SignalOrder {
+    /// Each tab lags the one before it by a quarter period.
     FourPhase,
-    /// Half of the tabs sine and its opposite by turns, the others cosine and its opposite.
+    /// Half of the tabs alternate between sine and its opposite, the others between cosine and its
+    /// opposite.
     TwoGroups,
 }
 
-/// Tabs on the sheet.
+/// Pattern of tabs on the sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pattern {
     /// Number of tabs on the sheet.
     pub tabs: u32,
     /// Width of a tab, m.
     pub width_m: f64,
-    /// Gap between two, m.
+    /// Gap between two tabs, m.
     pub gap_m: f64,
-    /// Order of the tabs' signals.
-    pub order: Order,
+    /// Assignment of the signals to the tabs.
+    pub order: SignalOrder,
 }
 
-impl Order {
-    /// The order in words.
+impl SignalOrder {
+    /// Returns the order in words.
     pub fn words(self) -> &'static str {
         match self {
-            Order::FourPhase => "each tab a quarter period after the last",
-            Order::TwoGroups => "six tabs of sine by turns, six of cosine",
+            SignalOrder::FourPhase => "each tab a quarter period after the last",
+            SignalOrder::TwoGroups => "six tabs with alternating sine, six with alternating cosine",
         }
     }
 }
 
 impl Pattern {
     /// Pattern of the prototype (B.4.1).
-    pub const PRINTED: Pattern = Pattern { tabs: 12, width_m: 0.2196 * INCH_M, gap_m: 0.0196 * INCH_M, order: Order::FourPhase };
+    pub const PRINTED: Pattern =
+        Pattern { tabs: 12, width_m: 0.2196 * INCH_M, gap_m: 0.0196 * INCH_M, order: SignalOrder::FourPhase };
 
-    /// Distance of the tabs, m.
+    /// Returns the distance of the tabs, m.
     pub fn pitch_m(&self) -> f64 {
         self.width_m + self.gap_m
     }
 
-    /// From the first tab's edge to the last's, m.
+    /// Returns the length from the first tab's edge to the last's, m.
     pub fn length_m(&self) -> f64 {
         f64::from(self.tabs) * self.width_m + f64::from(self.tabs - 1) * self.gap_m
     }
 
-    /// Wave number that the signals ask for, rad/m: four tabs a wave, or two.
+    /// Returns the wave number of the signals, rad/m: four tabs a wave, or two.
     pub fn wave_number(&self) -> f64 {
         let tabs = match self.order {
-            Order::FourPhase => 4.0,
-            Order::TwoGroups => 2.0,
+            SignalOrder::FourPhase => 4.0,
+            SignalOrder::TwoGroups => 2.0,
         };
         TAU / (tabs * self.pitch_m())
     }
 
-    /// Phase of a tab's signal, rad.
+    /// Returns the phase of a tab's signal, rad.
     pub fn phase(&self, tab: u32) -> f64 {
         match self.order {
-            Order::FourPhase => -FRAC_PI_2 * f64::from(tab),
-            Order::TwoGroups if tab < self.tabs / 2 => PI * f64::from(tab),
-            Order::TwoGroups => FRAC_PI_2 + PI * f64::from(tab - self.tabs / 2),
+            SignalOrder::FourPhase => -FRAC_PI_2 * f64::from(tab),
+            SignalOrder::TwoGroups if tab < self.tabs / 2 => PI * f64::from(tab),
+            SignalOrder::TwoGroups => FRAC_PI_2 + PI * f64::from(tab - self.tabs / 2),
         }
     }
 
-    /// Spatial Fourier transform at a wave number (positive: along the tabs), m, for a volt on each tab.
+    /// Returns the spatial Fourier transform at a wave number (positive: along the tabs), m, for
+    /// one volt on each tab.
     pub fn transform(&self, k: f64) -> Complex64 {
         let half = 0.5 * k * self.width_m;
         let tab = if half == 0.0 { self.width_m } else { self.width_m * half.sin() / half };
         (0..self.tabs).map(|n| Complex64::from_polar(tab, self.phase(n) + k * self.pitch_m() * f64::from(n))).sum()
     }
 
-    /// What drives the waves of a wave number along the tabs and back, as parts of what all tabs in step with a wave would.
+    /// Returns the drive of the forward and backward wave of a wave number, relative to all tabs in
+    /// phase with a wave.
     pub fn coupling(&self, k: f64) -> [f64; 2] {
         [k, -k].map(|k| self.transform(k).norm() / (f64::from(self.tabs) * self.width_m))
     }
 
-    /// The weaker direction over the stronger.
+    /// Returns the weaker direction over the stronger.
     pub fn weaker_over_stronger(&self, k: f64) -> f64 {
         let [along, back] = self.coupling(k);
         along.min(back) / along.max(back)
     }
 }
 
-/// Coupling over frequency, for both orders.
+/// Draws the coupling over frequency, for both orders.
 pub fn figures() -> Vec<Figure> {
     let khz = sweep::spaced(1.0, 60.0, 591);
-    let drawn = |order: Order, id: &str, title: &str, remark: &str| {
+    let drawn = |order: SignalOrder, id: &str, title: &str, remark: &str| {
         let pattern = Pattern { order, ..Pattern::PRINTED };
         let at = |hz: f64| pattern.coupling(Sheet::BEAM.wave_number(hz));
         let of = |side: usize| khz.iter().map(|khz| at(1e3 * khz)[side]).collect();
         let series =
-            vec![line("wave along the tabs", "coupling_along", &khz, of(0)), dashed("wave back", "coupling_back", &khz, of(1))];
+            vec![line("forward wave", "coupling_along", &khz, of(0)), dashed("backward wave", "coupling_back", &khz, of(1))];
         let caption = format!(
-            "Part of the most that twelve tabs can do, by the spatial Fourier transform of the pattern of B.4.1 at the wave number of \
-             B.12. {remark} Equal tabs, endless sheet. Dots: the stronger wave at the frequencies of B.5, and what the weaker is of it."
+            "Coupling relative to the largest of twelve tabs, by the spatial Fourier transform of the pattern of B.4.1 at \
+             the wave number of B.12. {remark} Equal tabs, endless sheet. Dots: the stronger wave at the frequencies of \
+             B.5; their labels: the weaker over the stronger."
         );
         let axes = [ranged("frequency [kHz]", 0.0, 60.0), ranged("coupling", 0.0, 1.0)];
         let mut figure = draw(id, title, caption, axes, series);
@@ -126,21 +134,21 @@ pub fn figures() -> Vec<Figure> {
     };
     vec![
         drawn(
-            Order::FourPhase,
+            SignalOrder::FourPhase,
             "app-b-pattern",
-            "Appendix B.4: the tabs' signals, each a quarter period after the last",
+            "Appendix B.4: coupling, each tab a quarter period after the last",
             "The signals fit the wave at 9 kHz.",
         ),
         drawn(
-            Order::TwoGroups,
+            SignalOrder::TwoGroups,
             "app-b-pattern-groups",
-            "Appendix B.4: six tabs of sine by turns, six of cosine",
-            "Here they fit at 36 kHz, but drive both directions alike.",
+            "Appendix B.4: coupling, six tabs with alternating sine, six with alternating cosine",
+            "The signals fit the wave at 36 kHz, but drive both directions equally.",
         ),
     ]
 }
 
-/// Claims about the electrodes.
+/// Judges the claims about the electrodes.
 pub fn claims() -> Vec<Claim> {
     vec![fills(), travels()]
 }
@@ -157,7 +165,7 @@ fn fills() -> Claim {
 }
 
 fn travels() -> Claim {
-    let check = |order: Order, hz: Option<f64>| {
+    let check = |order: SignalOrder, hz: Option<f64>| {
         let pattern = Pattern { order, ..Pattern::PRINTED };
         let theories = [("beam", Sheet::BEAM), ("plate", Sheet::PLATE)];
         let mut numbers = Vec::new();
@@ -169,23 +177,23 @@ fn travels() -> Claim {
             ratios.push(pattern.weaker_over_stronger(k));
             numbers.push(number(format!("{theory}: frequency [kHz]"), hz / 1e3));
             numbers.push(number(format!("{theory}: coupling along the tabs"), along));
-            numbers.push(number(format!("{theory}: back"), back));
+            numbers.push(number(format!("{theory}: backward"), back));
         }
-        let at = hz.map_or("where the wave fits the tabs".to_owned(), |hz| format!("{} kHz", hz / 1e3));
-        Check::new(format!("{}, {at}", order.words()), ratios.iter().all(|ratio| *ratio < TRAVELS), numbers)
+        let at = hz.map_or("at the frequency that fits the tabs".to_owned(), |hz| format!("{} kHz", hz / 1e3));
+        Check::new(format!("{}, {at}", order.words()), ratios.iter().all(|ratio| *ratio < TRAVELLING_RATIO), numbers)
     };
     Claim {
         id: "four-signals-travel",
         section: "B.4.2, B.5",
-        says: "Sine, -sine, cosine and -cosine on the tabs make a wave that travels (amplitude varying less than twofold along it, as \
-               beam and as plate).",
+        says: "Sine, -sine, cosine and -cosine on the tabs form a travelling wave (its amplitude varies less than twofold \
+               along it, as beam and as plate).",
         checks: vec![
-            check(Order::FourPhase, None),
-            check(Order::FourPhase, Some(MEASURED_HZ[0])),
-            check(Order::FourPhase, Some(MEASURED_HZ[1])),
-            check(Order::TwoGroups, None),
-            check(Order::TwoGroups, Some(MEASURED_HZ[0])),
-            check(Order::TwoGroups, Some(MEASURED_HZ[1])),
+            check(SignalOrder::FourPhase, None),
+            check(SignalOrder::FourPhase, Some(MEASURED_HZ[0])),
+            check(SignalOrder::FourPhase, Some(MEASURED_HZ[1])),
+            check(SignalOrder::TwoGroups, None),
+            check(SignalOrder::TwoGroups, Some(MEASURED_HZ[0])),
+            check(SignalOrder::TwoGroups, Some(MEASURED_HZ[1])),
         ],
     }
 }
@@ -194,11 +202,12 @@ fn travels() -> Claim {
 mod tests {
     use super::*;
 
-    /// The wave that bending moments under the tabs send out on an endless beam, by its Green's function
-    /// (`g'''' - k^4 g = delta`), integrated numerically and split into both directions where the near field has died away.
+    /// Returns the wave on an endless beam due to bending moments under the tabs, by its Green's
+    /// function (`g'''' - k^4 g = delta`), integrated numerically, on either side beyond the near
+    /// field.
     fn sent(pattern: &Pattern, k: f64, side: f64) -> f64 {
         let i = Complex64::i();
-        // g'' beside its two terms: outgoing wave and near field.
+        // g'' as the sum of outgoing wave and near field.
         let bent = |distance: f64| {
             let outgoing = i * 0.25 / k * (-i * k * distance.abs()).exp();
             outgoing - 0.25 / k * (-k * distance.abs()).exp()
@@ -221,13 +230,13 @@ mod tests {
     }
 
     #[test]
-    fn the_transform_is_what_a_beam_sends_out() {
-        for order in [Order::FourPhase, Order::TwoGroups] {
+    fn the_transform_is_the_radiated_wave() {
+        for order in [SignalOrder::FourPhase, SignalOrder::TwoGroups] {
             let pattern = Pattern { order, ..Pattern::PRINTED };
             for k in [258.5, 384.0, 517.0, 543.0] {
                 for (side, signed) in [(1.0, k), (-1.0, -k)] {
                     let (found, expected) = (sent(&pattern, k, side), pattern.transform(signed).norm());
-                    // The midpoint rule leaves (k ds)^2/24, 2e-6 of the largest.
+                    // Error of the midpoint rule: (k ds)^2/24, 2e-6 of the largest.
                     assert!((found - expected).abs() < 1e-5 * pattern.length_m(), "{order:?} {k} {side}: {found} {expected}");
                 }
             }

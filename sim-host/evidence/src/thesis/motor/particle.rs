@@ -1,4 +1,4 @@
-//! A particle of the face: B.11, B.13, B.14, and which way it drags what lies on it (B.2.2).
+//! A particle of the face: B.11, B.13, B.14, and the direction in which it drags a rotor (B.2.2).
 
 use std::f64::consts::TAU;
 
@@ -8,15 +8,15 @@ use crate::thesis::claim::{Check, Claim, number};
 use crate::thesis::picture::{axis, column, line};
 use report::{Figure, Series, Style};
 
-/// Points of a period.
+/// Number of points a period.
 const POINTS: usize = 48;
 
-/// A wave on a face of the sheet.
+/// Face of the sheet with a wave.
 #[derive(Clone, Copy)]
 struct Face {
     amplitude_m: f64,
     omega: f64,
-    /// Wave number, rad/m; negative for a wave that goes the other way.
+    /// Wave number, rad/m; negative for a wave in the opposite direction.
     k: f64,
     /// Height above the middle, m; negative below.
     z_m: f64,
@@ -29,29 +29,29 @@ impl Face {
         Face { amplitude_m: MEASURED_M, omega: TAU * frequency_hz, k, z_m: sheet.face_m() }
     }
 
-    /// Displacement by equation B.11, m.
+    /// Returns the displacement by equation B.11, m.
     fn w(&self, x: f64, t: f64) -> f64 {
         self.amplitude_m * (self.omega * t - self.k * x).sin()
     }
 
-    /// B.13's first half, m, with the slope by differences of B.11.
+    /// Returns the first expression of B.13, m, with the slope by differences of B.11.
     fn u_by_slope(&self, x: f64, t: f64) -> f64 {
         let step = 1e-4 / self.k.abs();
         -self.z_m * (self.w(x + step, t) - self.w(x - step, t)) / (2.0 * step)
     }
 
-    /// B.13's second half, m.
+    /// Returns the second expression of B.13, m.
     fn u(&self, x: f64, t: f64) -> f64 {
         self.amplitude_m * self.z_m * self.k * (self.omega * t - self.k * x).cos()
     }
 
-    /// Instants of a period at a place of no importance.
+    /// Returns the points of a period at an arbitrary place.
     fn locus(&self) -> Vec<(f64, f64)> {
         let x = 0.3 / self.k;
         (0..=POINTS).map(|i| TAU / self.omega * i as f64 / POINTS as f64).map(|t| (self.u_by_slope(x, t), self.w(x, t))).collect()
     }
 
-    /// Velocity along the sheet when the particle is farthest out, m/s, by differences.
+    /// Returns the velocity along the sheet at the crest, m/s, by differences.
     fn at_crest_m_per_s(&self) -> f64 {
         let period = TAU / self.omega;
         let outward = |t: f64| self.w(0.0, t) * self.z_m.signum();
@@ -62,7 +62,7 @@ impl Face {
     }
 }
 
-/// Figure B.6: displacement across the sheet over displacement along it.
+/// Draws Figure B.6: displacement across the sheet over displacement along it.
 pub fn figure() -> Figure {
     let nm = |values: &[f64]| values.iter().map(|value| 1e9 * value).collect::<Vec<_>>();
     let mut series = Vec::new();
@@ -81,19 +81,19 @@ pub fn figure() -> Figure {
     Figure {
         id: "fig-b-06".into(),
         title: "Figure B.6: locus of a particle of the face, 20 nm".into(),
-        caption: "A wave of 20 nm (B.6) on the sheet of Figure B.8, as a thin beam. Points: instants of B.11 and of B.13, whose slope is \
-                  taken by differences; lines: the ellipse of B.14. The motion along the sheet is z k of that across it: 0.195 at 20 kHz, \
-                  0.276 at 40 kHz."
+        caption: "A wave of 20 nm (B.6) on the sheet of Figure B.8, as a thin beam. Points: instants of B.11 and of B.13, \
+                  with the slope by differences. Lines: ellipse of B.14. The motion along the sheet is z k times that \
+                  across it: 0.195 at 20 kHz, 0.276 at 40 kHz."
             .into(),
         x: axis("along the sheet, u [nm]"),
-        y: axis("across it, w [nm]"),
+        y: axis("across the sheet, w [nm]"),
         series,
         equal_aspect: true,
         ..Figure::default()
     }
 }
 
-/// Claims about the motion of a particle.
+/// Judges the claims about the motion of a particle.
 pub fn claims() -> Vec<Claim> {
     vec![ellipse(), towards_source()]
 }
@@ -109,7 +109,7 @@ fn ellipse() -> Claim {
             off.fold(0.0, f64::max)
         })
     });
-    // The area that the points enclose, by trapezia, against pi times the half axes.
+    // Area enclosed by the points, by the trapezoidal rule, over pi times the half axes.
     let area = MEASURED_HZ.map(|hz| {
         let face = Face::upper(hz);
         let enclosed: f64 = face.locus().windows(2).map(|p| 0.5 * (p[0].0 * p[1].1 - p[1].0 * p[0].1)).sum();
@@ -125,14 +125,14 @@ fn ellipse() -> Claim {
         says: "A particle of the face moves on an ellipse with half axes a z k along the sheet and a across it.",
         checks: vec![
             Check::new(
-                "u as B.13 ends (left side of B.14 within 1e-12 of one)",
+                "u by the second expression of B.13 (left side of B.14 within 1e-12 of one)",
                 printed.iter().all(|off| *off < 1e-12),
-                pair("largest distance", printed),
+                pair("largest deviation", printed),
             ),
             Check::new(
-                "u by differences of B.11 (within 1e-7), area by trapezia (within 1e-6)",
+                "u by differences of B.11 (within 1e-7), area by the trapezoidal rule (within 1e-6)",
                 slope.iter().all(|off| *off < 1e-7) && area.iter().all(|area| (area.abs() - 1.0).abs() < 1e-6),
-                [pair("largest distance", slope), pair("area over that of the ellipse, signed", area)].concat(),
+                [pair("largest deviation", slope), pair("area over that of the ellipse, signed", area)].concat(),
             ),
             Check::new(
                 "with shear and rotary inertia (half axis along the sheet within 10 % of a z k)",
@@ -151,22 +151,19 @@ fn towards_source() -> Claim {
     ];
     let check = |(condition, turned): (&str, &dyn Fn(Face) -> Face)| {
         let faces = MEASURED_HZ.map(|hz| turned(Face::upper(hz)));
-        // Along the wave is positive.
+        // Positive in the direction of the wave.
         let speeds = faces.map(|face| 1e3 * face.at_crest_m_per_s() * face.k.signum());
         let numbers = vec![
-            number("crest's particle along the wave at 20 nm, 20 kHz [mm/s]", speeds[0]),
+            number("speed at the crest along the wave at 20 nm, 20 kHz [mm/s]", speeds[0]),
             number("40 kHz [mm/s]", speeds[1]),
         ];
-        Check::new(
-            format!("{condition}: velocity of the particle that is farthest out"),
-            speeds.iter().all(|v| *v < 0.0),
-            numbers,
-        )
+        Check::new(format!("{condition}: velocity of the particle at the crest"), speeds.iter().all(|v| *v < 0.0), numbers)
     };
     Claim {
         id: "rotor-towards-source",
         section: "B.2.2",
-        says: "At the crests the particle moves against the wave, so the rotor goes towards the wave's source, and turns with it.",
+        says: "At the crests the particle moves against the wave, so the rotor moves towards the wave's source, and turns \
+               with it.",
         checks: cases.into_iter().map(check).collect(),
     }
 }

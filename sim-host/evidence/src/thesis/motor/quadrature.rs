@@ -1,15 +1,15 @@
-//! The phase shifter: an all-pass filter of first order (B.4.2), whose phase is -2 atan(f/f0).
+//! The phase shifter: a first-order all-pass filter (B.4.2), whose phase is -2 atan(f/f0).
 
 use super::MEASURED_HZ;
-use super::backward::{AMPLIFIER_DEG, Errors};
+use super::backward::{AMPLIFIER_DEG, StandingWaveErrors};
 use crate::thesis::claim::{Check, Claim, number};
 
-/// Phase of an all-pass filter, degrees: 90 behind at its own frequency.
+/// Returns the phase of an all-pass filter, degrees: -90 at its own frequency.
 pub fn all_pass_deg(frequency_hz: f64, own_hz: f64) -> f64 {
     -2.0 * (frequency_hz / own_hz).atan().to_degrees()
 }
 
-/// Claim about drives that are not in quadrature.
+/// Judges the claim that the filter's signals are in quadrature.
 pub fn claim() -> Claim {
     let [low, high] = MEASURED_HZ;
     let check = |condition: &str, own: f64, at: f64| {
@@ -17,15 +17,15 @@ pub fn claim() -> Claim {
         let error = -90.0 - phase;
         let numbers = vec![
             number("phase [deg]", phase),
-            number("off a quarter period [deg]", error),
-            number("backward wave", Errors::degrees(error).backward()),
+            number("deviation from a quarter period [deg]", error),
+            number("backward wave", StandingWaveErrors::degrees(error).backward()),
         ];
         Check::new(condition, error.abs() < AMPLIFIER_DEG[1], numbers)
     };
     Claim {
         id: "all-pass-quadrature",
         section: "B.4.2, B.5",
-        says: "An all-pass filter makes the cosine of the sine (within the 10 degrees that the amplifier adds).",
+        says: "An all-pass filter turns the sine into the cosine (within the 10 degrees that the amplifier adds).",
         checks: vec![
             check("set for 20 kHz, at 20 kHz", low, low),
             check("set for 40 kHz, at 40 kHz", high, high),

@@ -1,25 +1,26 @@
-//! A rigid rotor on a travelling wave: Coulomb friction, and pressure as of a bed of springs.
+//! A rigid rotor on a travelling wave, with Coulomb friction and the pressure of a bed of springs.
 //!
-//! At the phase theta of a crest the face moves with `V cos theta`, and presses with `p(theta) = K a cos theta + d` where that is
-//! positive. What moves faster than the rotor drives it, the rest brakes:
+//! At the phase theta from a crest the face moves with `V cos theta`, and presses with
+//! `p(theta) = K a cos theta + d` if that is positive. Parts of the face that are faster than the
+//! rotor drive it, the others brake it:
 //!
 //! ```text
 //! F / (mu W) = 2 P(theta_v)/P(theta_c) - 1,   cos theta_v = v/V,   P(theta) = int_0^theta p
 //! ```
 //!
-//! Ours: the thesis has no model of the contact.
+//! This model is ours, as the thesis has no model of the contact.
 
 use std::f64::consts::PI;
 
-/// How the rotor lies on the wave.
+/// Contact of the rotor with the wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Offset of the pressure, d/(K a): above one, the troughs touch too.
+    /// Offset of the pressure, d/(K a); above one, the troughs also touch.
     offset: f64,
 }
 
 impl Contact {
-    /// The contact of a mean pressure W over that of the wave's amplitude, K a.
+    /// Creates the contact for a mean pressure W, given over K a.
     pub fn loaded(load: f64) -> Contact {
         if load >= 1.0 {
             return Contact { offset: load };
@@ -33,29 +34,30 @@ impl Contact {
         Contact { offset: -low.cos() }
     }
 
-    /// The contact of a half angle, rad.
+    /// Creates the contact for a half angle, rad.
     #[cfg(test)]
     fn half_angle(angle: f64) -> Contact {
         Contact { offset: -angle.cos() }
     }
 
-    /// Half angle of contact, rad.
+    /// Returns the half angle of contact, rad.
     pub fn angle(&self) -> f64 {
         (-self.offset).clamp(-1.0, 1.0).acos()
     }
 
-    /// Integral of the pressure over K a from the crest on.
+    /// Returns the integral of the pressure over K a, from the crest to `theta`.
     fn pressed(&self, theta: f64) -> f64 {
         theta.sin() + self.offset * theta
     }
 
-    /// Tangential force over mu W at a speed over the crest's.
+    /// Returns the tangential force over mu W at a speed over the crest's speed.
     pub fn force(&self, speed: f64) -> f64 {
         let theta = speed.clamp(-1.0, 1.0).acos().min(self.angle());
         2.0 * self.pressed(theta) / self.pressed(self.angle()) - 1.0
     }
 
-    /// Speed over the crest's at which the tangential force over mu W is this; none where it slips back even standing.
+    /// Returns the speed over the crest's speed at a tangential force over mu W; `None` if the
+    /// rotor slips back even at rest.
     pub fn speed(&self, force: f64) -> Option<f64> {
         if self.force(0.0) < force {
             return None;
@@ -69,8 +71,9 @@ impl Contact {
     }
 }
 
-/// Mean over the sheet of the face's velocity along it at the moment when each place is highest, over `a w z k` of the forward wave, with
-/// a backward wave so large: what drags a rotor that touches the tops.
+/// Returns the drag on a rotor that touches the tops, over `a w z k` of the forward wave, with a
+/// backward wave. It is the mean over the sheet of the face's velocity along it, each place taken
+/// at its highest moment.
 pub fn drag(backward: f64) -> f64 {
     let places = 360;
     let mean = |of: &dyn Fn(f64) -> f64| (0..places).map(|i| of(2.0 * PI * f64::from(i) / f64::from(places))).sum::<f64>();
@@ -81,7 +84,7 @@ pub fn drag(backward: f64) -> f64 {
         -((wt - kx).sin() - backward * (wt + kx).sin())
     };
     let drag = -mean(&at) / f64::from(places);
-    // What is left of a sum that cancels is rounding.
+    // A sum that cancels leaves round-off.
     if drag.abs() < 1e-12 { 0.0 } else { drag }
 }
 
@@ -89,7 +92,7 @@ pub fn drag(backward: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// No-load speeds of the feasibility study, which integrated the same pressure apart from this code.
+    /// No-load speeds of the feasibility study, which integrated the same pressure with other code.
     #[test]
     fn no_load_speeds_are_those_of_an_independent_study() {
         for (degrees, speed) in [(15.0_f64, 0.9959), (30.0, 0.9836), (45.0, 0.9637), (60.0, 0.9368)] {
@@ -98,7 +101,7 @@ mod tests {
         }
     }
 
-    /// The force by adding up friction around the wave.
+    /// Compares with the sum of the friction around the wave.
     #[test]
     fn the_force_is_the_sum_of_friction() {
         for load in [0.05, 0.3, 0.9, 2.0, 10.0] {

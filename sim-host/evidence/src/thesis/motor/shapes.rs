@@ -1,11 +1,12 @@
-//! Why the mode shapes are erratic (B.6): the thesis's two reasons, and four that it does not name, on one scale.
+//! Causes of the erratic mode shapes (B.6): the thesis's two reasons, and four that it does not
+//! name, on one scale.
 //!
-//! The scale is the weaker of two opposite waves over the stronger. Above a third, the amplitude varies more than twofold along the
-//! sheet, and it no longer looks like a wave that travels.
+//! The scale is the weaker of two opposite waves over the stronger. Above a third, the amplitude
+//! varies more than twofold along the sheet, which no longer looks like a travelling wave.
 
-use super::backward::{AMPLIFIER_DEG, Errors, standing_wave_ratio};
+use super::backward::{AMPLIFIER_DEG, StandingWaveErrors, standing_wave_ratio};
 use super::charge::{Electrode, travel_s};
-use super::electrodes::{Order, Pattern, TRAVELS};
+use super::electrodes::{Pattern, SignalOrder, TRAVELLING_RATIO};
 use super::sheet::{QUALITY, SIDE_M, Sheet};
 use super::{MEASURED_HZ, plate};
 use crate::thesis::claim::{Check, Claim, number};
@@ -13,55 +14,60 @@ use crate::thesis::picture::{dashed, figure as draw, line, ranged};
 use crate::thesis::sweep;
 use report::{Figure, Marker};
 
-/// How much more a thin sputtered film may resist than nickel in bulk.
-const THIN_FILM: f64 = 3.0;
-/// Imbalance of the two standing waves beside the phase error.
-const IMBALANCE: f64 = 0.1;
+/// Largest assumed resistivity of a thin sputtered film over that of bulk nickel.
+const THIN_FILM_RESISTIVITY: f64 = 3.0;
+/// Relative imbalance of the two standing waves, in addition to the phase error.
+const IMBALANCE_REL: f64 = 0.1;
 
-/// What comes back from the far edge to the middle of the sheet over what passes there: bending waves fade by `exp(-k x/(4 Q))`, and a
-/// free edge sends all back.
+/// Returns the wave reflected from the far edge over the incident wave, at the middle of the sheet.
+/// Bending waves decay by `exp(-k x/(4 Q))`, and a free edge reflects all.
 fn from_the_edge(frequency_hz: f64) -> f64 {
     (-Sheet::BEAM.wave_number(frequency_hz) * SIDE_M / (4.0 * QUALITY)).exp()
 }
 
-/// Degrees of a delay.
+/// Converts a delay to degrees.
 fn degrees(frequency_hz: f64, delay_s: f64) -> f64 {
     360.0 * frequency_hz * delay_s
 }
 
-/// Each cause over frequency.
+/// Draws each cause over frequency.
 pub fn figure() -> Figure {
     let khz = sweep::spaced(2.0, 50.0, 481);
     let of = |value: &dyn Fn(f64) -> f64| khz.iter().map(|khz| value(1e3 * khz)).collect::<Vec<_>>();
-    let tab = Electrode::tab(THIN_FILM);
+    let tab = Electrode::tab(THIN_FILM_RESISTIVITY);
     let pattern = |hz: f64| Pattern::PRINTED.weaker_over_stronger(Sheet::BEAM.wave_number(hz));
     let series = vec![
         line("tabs that do not fit the wave", "pattern", &khz, of(&pattern)),
         line("far edge", "edge", &khz, of(&from_the_edge)),
-        dashed("amplifier, 10 degrees", "amplifier_10_deg", &khz, of(&|_| Errors::degrees(AMPLIFIER_DEG[1]).backward())),
-        dashed("charge along a tab", "charge", &khz, of(&|hz| Errors::degrees(tab.lag_deg(hz)).backward())),
+        dashed(
+            "amplifier, 10 degrees",
+            "amplifier_10_deg",
+            &khz,
+            of(&|_| StandingWaveErrors::degrees(AMPLIFIER_DEG[1]).backward()),
+        ),
+        dashed("charge along a tab", "charge", &khz, of(&|hz| StandingWaveErrors::degrees(tab.lag_deg(hz)).backward())),
     ];
-    let caption = "The weaker of two opposite waves over the stronger, cause by cause. Tabs: each a quarter period after the last, endless \
-                   sheet. Far edge: free, Q 80, seen from the middle of the sheet. Charge: nickel of 1000 angstroms with three times the \
-                   resistivity of bulk, the whole lag of a tab's far end taken as an error between tabs, which it is not. Above the line \
-                   the amplitude varies more than twofold."
+    let caption = "The weaker of two opposite waves over the stronger, for each cause. Tabs: each a quarter period after \
+                   the last, endless sheet. Far edge: free, Q 80, at the middle of the sheet. Charge: nickel of 1000 \
+                   angstroms with three times the resistivity of bulk; as an upper bound, the whole lag of a tab's far end \
+                   counts as an error between tabs. Above the line the amplitude varies more than twofold."
         .into();
     let axes = [ranged("frequency [kHz]", 0.0, 50.0), ranged("weaker over stronger wave", 0.0, 1.0)];
-    let mut drawn = draw("app-b-causes", "Appendix B.6: what spoils a travelling wave", caption, axes, series);
-    drawn.hlines = vec![(TRAVELS, "amplitude varies twofold".into())];
+    let mut drawn = draw("app-b-causes", "Appendix B.6: causes that disturb a travelling wave", caption, axes, series);
+    drawn.hlines = vec![(TRAVELLING_RATIO, "amplitude varies twofold".into())];
     drawn.markers = MEASURED_HZ.map(|hz| Marker { x: hz / 1e3, y: pattern(hz), label: format!("{:.2}", pattern(hz)) }).to_vec();
     drawn
 }
 
-/// Claims about the shapes of the waves.
+/// Judges the claims about the shapes of the waves.
 pub fn claims() -> Vec<Claim> {
     vec![charge(), amplifier(), erratic()]
 }
 
-/// A check that a backward part is large enough.
+/// Checks if a backward wave is large enough to make the shapes erratic.
 fn spoils(condition: impl Into<String>, backward: f64, mut numbers: Vec<(String, f64)>) -> Check {
     numbers.insert(0, number("weaker over stronger wave", backward));
-    Check::new(condition, backward > TRAVELS, numbers)
+    Check::new(condition, backward > TRAVELLING_RATIO, numbers)
 }
 
 fn charge() -> Claim {
@@ -72,27 +78,31 @@ fn charge() -> Claim {
             number("resistance [ohm]", electrode.ohm()),
             number("capacitance [nF]", 1e9 * electrode.farad()),
             number("lag of the far end [deg]", lag),
-            number("voltage there over that at the feed", electrode.far_end(at).norm()),
+            number("voltage at the far end over that at the feed", electrode.far_end(at).norm()),
         ];
-        spoils(condition, Errors::degrees(lag).backward(), numbers)
+        spoils(condition, StandingWaveErrors::degrees(lag).backward(), numbers)
     };
     let light = degrees(at, travel_s());
     let numbers = vec![number("time along the sheet [ns]", 1e9 * travel_s()), number("lag [deg]", light)];
     Claim {
         id: "charge-makes-erratic",
         section: "B.6",
-        says: "Charge needs a finite time through the electrode, and so the shapes are erratic (amplitude varying more than twofold).",
+        says: "Charge needs a finite time through the electrode, so the shapes are erratic (amplitude varying more than \
+               twofold).",
         checks: vec![
-            electrode("a tab fed at its end, nickel as in bulk, 40 kHz", Electrode::tab(1.0)),
-            electrode("a tab fed at its end, three times that resistivity, 40 kHz", Electrode::tab(THIN_FILM)),
-            electrode("the whole face fed along an edge, three times, 40 kHz", Electrode::whole(THIN_FILM)),
-            spoils("light through the ceramic, 40 kHz", Errors::degrees(light).backward(), numbers),
+            electrode("a tab fed at its end, bulk nickel, 40 kHz", Electrode::tab(1.0)),
+            electrode("a tab fed at its end, three times the resistivity, 40 kHz", Electrode::tab(THIN_FILM_RESISTIVITY)),
+            electrode(
+                "the whole face fed along an edge, three times the resistivity, 40 kHz",
+                Electrode::whole(THIN_FILM_RESISTIVITY),
+            ),
+            spoils("light through the ceramic, 40 kHz", StandingWaveErrors::degrees(light).backward(), numbers),
         ],
     }
 }
 
 fn amplifier() -> Claim {
-    let check = |condition: String, errors: Errors| {
+    let check = |condition: String, errors: StandingWaveErrors| {
         let numbers = [
             errors.numbers("closed form"),
             vec![number("largest over smallest amplitude", standing_wave_ratio(errors.backward()))],
@@ -106,16 +116,19 @@ fn amplifier() -> Claim {
         section: "B.6",
         says: "The amplifier's phase shift of 5 to 10 degrees makes the shapes erratic (amplitude varying more than twofold).",
         checks: vec![
-            check(format!("{low} degrees"), Errors::degrees(low)),
-            check(format!("{high} degrees"), Errors::degrees(high)),
-            check("10 degrees, and one standing wave 10 % too large".into(), Errors { gain: IMBALANCE, ..Errors::degrees(high) }),
+            check(format!("{low} degrees"), StandingWaveErrors::degrees(low)),
+            check(format!("{high} degrees"), StandingWaveErrors::degrees(high)),
+            check(
+                "10 degrees, and one standing wave 10 % too large".into(),
+                StandingWaveErrors { gain: IMBALANCE_REL, ..StandingWaveErrors::degrees(high) },
+            ),
         ],
     }
 }
 
 fn erratic() -> Claim {
     let mut checks = Vec::new();
-    for order in [Order::FourPhase, Order::TwoGroups] {
+    for order in [SignalOrder::FourPhase, SignalOrder::TwoGroups] {
         let pattern = Pattern { order, ..Pattern::PRINTED };
         for hz in MEASURED_HZ {
             let [beam, wide] = [Sheet::BEAM, Sheet::PLATE].map(|sheet| pattern.weaker_over_stronger(sheet.wave_number(hz)));
@@ -134,7 +147,7 @@ fn erratic() -> Claim {
         let numbers = vec![
             number("bending modes within f/Q", overlap),
             number("within 10 % of f, by density", 2.0 * band * density),
-            number("the same counted by Warburton", plate::counted(hz - band, hz + band) as f64),
+            number("within 10 % of f, counted by Warburton", plate::counted(hz - band, hz + band) as f64),
         ];
         let condition = format!("resonances of the square sheet overlap (one or more within f/Q), {} kHz", hz / 1e3);
         checks.push(Check::new(condition, overlap >= 1.0, numbers));
@@ -152,8 +165,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_lossless_edge_sends_all_back() {
-        // The amplitude of a wave of energy loss 1/Q per radian falls by exp(-w t/(2 Q)); bending energy goes at twice the phase speed.
+    fn the_wave_from_the_edge_decays_with_q() {
+        // With an energy loss of 1/Q per radian the amplitude falls by exp(-w t/(2 Q)); bending
+        // energy travels at twice the phase speed.
         let (hz, sheet) = (40e3, Sheet::BEAM);
         let omega = std::f64::consts::TAU * hz;
         let group = 2.0 * omega / sheet.wave_number(hz);

@@ -1,6 +1,6 @@
-//! The sheet of the prototype: Figure B.8 and B.4, with what they leave out.
+//! The sheet of the prototype: values of Figure B.8 and B.4, and assumed values that they lack.
 
-/// Metres of an inch.
+/// Length of an inch, m.
 pub const INCH_M: f64 = 25.4e-3;
 /// Permittivity of free space, F/m.
 pub const VACUUM_F_PER_M: f64 = 8.854e-12;
@@ -9,7 +9,8 @@ pub const VACUUM_F_PER_M: f64 = 8.854e-12;
 pub const DENSITY_KG_PER_M3: f64 = 7800.0;
 /// Density of the simulation, kg/m^3 (Table B.1).
 pub const DENSITY_SIMULATED_KG_PER_M3: f64 = 7750.0;
-/// Young's modulus in the plane, Pa (Figure B.8, its second row): bending stretches along the sheet.
+/// Young's modulus in the plane, Pa (Figure B.8, its second row); bending stretches along the
+/// sheet.
 pub const IN_PLANE_PA: f64 = 6.6e10;
 /// Young's modulus through the thickness, Pa (Figure B.8, YE3).
 pub const THROUGH_PA: f64 = 5.2e10;
@@ -28,19 +29,19 @@ pub const THICKNESS_M: f64 = 0.040 * INCH_M;
 /// Side, m: 2.85" (B.4).
 pub const SIDE_M: f64 = 2.85 * INCH_M;
 
-/// Poisson's ratio, which the sheet does not give: -s12/s11 of PZT-5A, 5.74/16.4 (A. Erturk, D. J. Inman, *Piezoelectric Energy
-/// Harvesting*, 2011, Table E.1).
+/// Poisson's ratio, missing in Figure B.8: -s12/s11 of PZT-5A, 5.74/16.4 (A. Erturk, D. J. Inman,
+/// *Piezoelectric Energy Harvesting*, 2011, Table E.1).
 pub const POISSON: f64 = 5.74 / 16.4;
-/// Shear modulus of bending, Pa, which the sheet does not give: 1/s55 of PZT-5A (the same table).
+/// Shear modulus of bending, Pa, missing in Figure B.8: 1/s55 of PZT-5A (the same table).
 pub const SHEAR_PA: f64 = 1.0 / 47.5e-12;
-/// Shear per field across the poling, m/V, which the sheet does not give: d15 of PZT-5A (the same table).
+/// Shear per field across the poling, m/V, missing in Figure B.8: d15 of PZT-5A (the same table).
 pub const D15_M_PER_V: f64 = 584e-12;
 /// Density of PZT-5H, kg/m^3 (the same source).
 pub const DENSITY_5H_KG_PER_M3: f64 = 7500.0;
-/// Density of PZT-5A there, kg/m^3.
+/// Density of PZT-5A, kg/m^3 (the same source).
 pub const DENSITY_5A_KG_PER_M3: f64 = 7750.0;
 
-/// A sheet that bends.
+/// Sheet in bending.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sheet {
     /// Young's modulus along the wave, Pa.
@@ -54,38 +55,40 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// The prototype as a beam, as the appendix has it.
+    /// The prototype as a beam, as in the appendix.
     pub const BEAM: Sheet =
         Sheet { modulus_pa: IN_PLANE_PA, density_kg_per_m3: DENSITY_KG_PER_M3, thickness_m: THICKNESS_M, poisson: 0.0 };
-    /// The prototype as a plate that is wide against the wave.
+    /// The prototype as a plate that is wide compared with the wave.
     pub const PLATE: Sheet = Sheet { poisson: POISSON, ..Sheet::BEAM };
 
-    /// Bending stiffness per width, N m: `E h^3 / (12 (1 - nu^2))`.
+    /// Returns the bending stiffness per width, N m: `E h^3 / (12 (1 - nu^2))`.
     pub fn stiffness_n_m(&self) -> f64 {
         self.modulus_pa * self.thickness_m.powi(3) / (12.0 * (1.0 - self.poisson * self.poisson))
     }
 
-    /// The constant of B.10, m^2/s: `c = sqrt(EI / (rho A))`. It is no speed: the wave's is sqrt(c w).
+    /// Returns the constant of B.10, m^2/s: `c = sqrt(EI / (rho A))`. It is not a speed: the wave's
+    /// is sqrt(c w).
     pub fn c_m2_per_s(&self) -> f64 {
         (self.stiffness_n_m() / (self.density_kg_per_m3 * self.thickness_m)).sqrt()
     }
 
-    /// Wave number of the free bending wave, rad/m (B.12).
+    /// Returns the wave number of the free bending wave, rad/m (B.12).
     pub fn wave_number(&self, frequency_hz: f64) -> f64 {
         (std::f64::consts::TAU * frequency_hz / self.c_m2_per_s()).sqrt()
     }
 
-    /// Frequency of the free bending wave of a wave number, Hz: B.12 the other way round.
+    /// Returns the frequency of the free bending wave of a wave number, Hz: the inverse of B.12.
     pub fn frequency_hz(&self, wave_number: f64) -> f64 {
         wave_number * wave_number * self.c_m2_per_s() / std::f64::consts::TAU
     }
 
-    /// Distance of a face from the middle, m: z of B.13.
+    /// Returns the distance of a face from the middle, m: z of B.13.
     pub fn face_m(&self) -> f64 {
         0.5 * self.thickness_m
     }
 
-    /// Speed along the sheet of a crest's particle, m/s: `a w z k`, for a wave of amplitude a.
+    /// Returns the speed of a crest's particle along the sheet, m/s: `a w z k`, for a wave of
+    /// amplitude a.
     pub fn crest_m_per_s(&self, amplitude_m: f64, frequency_hz: f64) -> f64 {
         amplitude_m * std::f64::consts::TAU * frequency_hz * self.face_m() * self.wave_number(frequency_hz)
     }
@@ -95,7 +98,7 @@ impl Sheet {
 mod tests {
     use super::*;
 
-    /// Values of the feasibility study, which computed them apart from this code.
+    /// Values of the feasibility study, computed with other code.
     #[test]
     fn the_wave_has_the_numbers_of_an_independent_study() {
         let beam = Sheet::BEAM;

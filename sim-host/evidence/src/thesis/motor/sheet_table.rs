@@ -1,4 +1,4 @@
-//! The sheet and its wave in numbers, as a table.
+//! Table of the sheet and its wave.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,8 @@ use super::sheet::{
 use super::{MEASURED_M, wave};
 use report::{TableBlock, significant};
 
-/// What Figure B.8 gives, and what follows at the two frequencies of the measurement.
+/// Tabulates the values of Figure B.8, and values computed from them at the two measured
+/// frequencies.
 pub fn table() -> TableBlock {
     let row = |name: &str, [low, high]: [f64; 2], source: &str| {
         vec![name.to_owned(), significant(low), significant(high), source.to_owned()]
@@ -26,17 +27,17 @@ pub fn table() -> TableBlock {
         same("thickness [mm]", 1e3 * THICKNESS_M, "B.4"),
         same("side [mm]", 1e3 * SIDE_M, "B.4"),
         same("density [kg/m^3]", DENSITY_KG_PER_M3, "Figure B.8; Table B.1 has 7750"),
-        same("Young's modulus along the sheet [Pa]", IN_PLANE_PA, "Figure B.8; it is the one that bends"),
-        same("Young's modulus through it [Pa]", THROUGH_PA, "Figure B.8; not that of bending"),
+        same("Young's modulus along the sheet [Pa]", IN_PLANE_PA, "Figure B.8; applies to bending"),
+        same("Young's modulus through the sheet [Pa]", THROUGH_PA, "Figure B.8; does not apply to bending"),
         same("Poisson's ratio", POISSON, "assumed: -s12/s11 of PZT-5A"),
-        same("k31 by d31, modulus and permittivity", coupling(D31_M_PER_V, IN_PLANE_PA), "Figure B.8 says 0.35"),
-        same("k33 by d33, modulus and permittivity", coupling(D33_M_PER_V, THROUGH_PA), "Figure B.8 says 0.72"),
+        same("k31 by d31, modulus and permittivity", coupling(D31_M_PER_V, IN_PLANE_PA), "Figure B.8 states 0.35"),
+        same("k33 by d33, modulus and permittivity", coupling(D33_M_PER_V, THROUGH_PA), "Figure B.8 states 0.72"),
         same("bending stiffness per width, beam [N m]", beam.stiffness_n_m(), "E h^3/12"),
         same("bending stiffness per width, plate [N m]", plate.stiffness_n_m(), "E h^3/(12 (1 - nu^2))"),
-        same("c of B.10 [m^2/s]", beam.c_m2_per_s(), "sqrt(EI/(rho A)); no speed"),
+        same("c of B.10 [m^2/s]", beam.c_m2_per_s(), "sqrt(EI/(rho A)); not a speed"),
         row("wave number k, beam [rad/m]", at(&|hz| beam.wave_number(hz)), "B.12"),
-        row("k with Table B.1's density", at(&|hz| simulated.wave_number(hz)), "B.12"),
-        row("k with the modulus through the sheet", at(&|hz| through.wave_number(hz)), "B.12; the wrong one"),
+        row("k with the density of Table B.1", at(&|hz| simulated.wave_number(hz)), "B.12"),
+        row("k with the modulus through the sheet", at(&|hz| through.wave_number(hz)), "B.12; wrong modulus"),
         row("k, plate", at(&|hz| plate.wave_number(hz)), "B.12 with the plate's stiffness"),
         row("k, beam with shear and rotary inertia", at(&|hz| wave::timoshenko(&beam, hz)), "Timoshenko 1921"),
         row("wave length [mm]", at(&|hz| 1e3 * TAU / beam.wave_number(hz)), "2 pi/k"),

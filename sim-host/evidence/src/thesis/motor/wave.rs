@@ -1,4 +1,4 @@
-//! The bending wave of the sheet: B.10 to B.12, and where a thin beam stops being one.
+//! The bending wave of the sheet: B.10 to B.12, and the limits of the thin beam.
 
 use std::f64::consts::TAU;
 
@@ -11,11 +11,11 @@ use report::{Figure, Marker};
 
 /// Share of a rectangular section that carries shear (Reissner).
 const SHEAR_SHARE: f64 = 5.0 / 6.0;
-/// How near another theory must come.
-const NEAR: f64 = 0.05;
+/// Largest relative deviation of another theory.
+const NEAR_REL: f64 = 0.05;
 
-/// Wave number with shear and rotary inertia, rad/m (S. Timoshenko 1921): the larger root of
-/// `EI k^4 - rho I w^2 (1 + E/(s G)) k^2 - rho A w^2 + rho^2 I w^4/(s G) = 0`, per width.
+/// Returns the wave number with shear and rotary inertia, rad/m (S. Timoshenko 1921): the larger
+/// root of `EI k^4 - rho I w^2 (1 + E/(s G)) k^2 - rho A w^2 + rho^2 I w^4/(s G) = 0`, per width.
 pub fn timoshenko(sheet: &Sheet, frequency_hz: f64) -> f64 {
     let omega2 = (TAU * frequency_hz).powi(2);
     let (h, rho) = (sheet.thickness_m, sheet.density_kg_per_m3);
@@ -27,13 +27,14 @@ pub fn timoshenko(sheet: &Sheet, frequency_hz: f64) -> f64 {
     ((linear + (linear * linear - 4.0 * stiffness * constant).sqrt()) / (2.0 * stiffness)).sqrt()
 }
 
-/// Rotation of the section over the slope of the middle, with shear: what is left of B.13's u.
+/// Returns the rotation of the section over the slope of the middle, with shear: the factor on u of
+/// B.13.
 pub fn rotation_share(sheet: &Sheet, frequency_hz: f64) -> f64 {
     let k = timoshenko(sheet, frequency_hz);
     1.0 - sheet.density_kg_per_m3 * (TAU * frequency_hz / k).powi(2) / (SHEAR_SHARE * SHEAR_PA)
 }
 
-/// Wave number over frequency.
+/// Draws the wave number over frequency.
 pub fn figure() -> Figure {
     let khz = sweep::spaced(1.0, 60.0, 119);
     let of = |k: &dyn Fn(f64) -> f64| khz.iter().map(|khz| k(1e3 * khz)).collect();
@@ -43,9 +44,9 @@ pub fn figure() -> Figure {
         line("plate, Poisson's ratio 0.35", "k_plate_rad_per_m", &khz, of(&|hz| Sheet::PLATE.wave_number(hz))),
         dashed("beam with shear", "k_timoshenko_rad_per_m", &khz, of(&|hz| timoshenko(&Sheet::BEAM, hz))),
     ];
-    let caption = "Free bending wave of the sheet of Figure B.8. The horizontal line is the wave number that the electrodes ask for, four \
-                   tabs a wave; the wave has it at 9 kHz, and neither at 20 nor at 40 kHz. Assumed: Poisson's ratio and shear modulus of \
-                   PZT-5A, which the sheet does not give."
+    let caption = "Free bending wave of the sheet of Figure B.8. The horizontal line is the wave number of the electrodes, \
+                   four tabs a wave. The free wave has it at 9 kHz, neither at 20 nor at 40 kHz. Assumed: Poisson's ratio \
+                   and shear modulus of PZT-5A, as Figure B.8 does not give them."
         .into();
     let axes = [ranged("frequency [kHz]", 0.0, 60.0), ranged("wave number [rad/m]", 0.0, 700.0)];
     let mut drawn = draw("app-b-wave-number", "Appendix B (B.12): wave number of the sheet", caption, axes, series);
@@ -59,7 +60,8 @@ pub fn figure() -> Figure {
     drawn
 }
 
-/// Fourth derivative of a sine of this wave number by seven points, over the sine: k^4 without differentiating by hand.
+/// Computes the fourth derivative of a sine of wave number k over the sine, by differences of seven
+/// points: k^4.
 fn fourth_difference(k: f64) -> f64 {
     const WEIGHTS: [f64; 7] = [-1.0, 12.0, -39.0, 56.0, -39.0, 12.0, -1.0];
     let step = 0.05 / k;
@@ -69,7 +71,7 @@ fn fourth_difference(k: f64) -> f64 {
     sum / (6.0 * step.powi(4) * w(x))
 }
 
-/// B.12 and what it rests on.
+/// Judges B.12 and its assumptions.
 pub fn claim() -> Claim {
     let beam = Sheet::BEAM;
     let left = MEASURED_HZ.map(|hz| {
@@ -78,13 +80,13 @@ pub fn claim() -> Claim {
     });
     let off = |k: &dyn Fn(f64) -> f64| MEASURED_HZ.map(|hz| k(hz) / beam.wave_number(hz) - 1.0);
     let check = |condition: &str, off: [f64; 2]| {
-        let numbers = vec![number("k over B.12's, less one, 20 kHz", off[0]), number("40 kHz", off[1])];
-        Check::new(condition, off.iter().all(|off| off.abs() < NEAR), numbers)
+        let numbers = vec![number("k over that of B.12, minus one, 20 kHz", off[0]), number("40 kHz", off[1])];
+        Check::new(condition, off.iter().all(|off| off.abs() < NEAR_REL), numbers)
     };
     let mut solves = Check::new(
-        "B.11 with this k put into B.10, by differences (left over less than 1e-6)",
+        "B.11 with this k inserted into B.10, by differences (residual below 1e-6)",
         left.iter().all(|left| *left < 1e-6),
-        vec![number("left over at 20 kHz", left[0]), number("40 kHz", left[1])],
+        vec![number("residual at 20 kHz", left[0]), number("40 kHz", left[1])],
     );
     solves.numbers.extend(MEASURED_HZ.map(|hz| number(format!("k at {} kHz [rad/m]", hz / 1e3), beam.wave_number(hz))));
     Claim {
@@ -93,7 +95,10 @@ pub fn claim() -> Claim {
         says: "The stator's wave is that of a thin beam: k = w^(1/2) (rho S/EI)^(1/4).",
         checks: vec![
             solves,
-            check("a plate, wide against the wave, Poisson's ratio 0.35 (within 5 %)", off(&|hz| Sheet::PLATE.wave_number(hz))),
+            check(
+                "a plate, wide compared with the wave, Poisson's ratio 0.35 (within 5 %)",
+                off(&|hz| Sheet::PLATE.wave_number(hz)),
+            ),
             check("with shear and rotary inertia (within 5 %)", off(&|hz| timoshenko(&beam, hz))),
         ],
     }
@@ -106,14 +111,14 @@ mod tests {
     #[test]
     fn a_thin_sheet_has_no_shear() {
         let thin = Sheet { thickness_m: 1e-5, ..Sheet::BEAM };
-        // The correction is of the order (k h)^2, here 5e-3 of the prototype's.
+        // The correction is of the order (k h)^2, here 5e-3 times that of the prototype.
         assert!((timoshenko(&thin, 20e3) / thin.wave_number(20e3) - 1.0).abs() < 3e-4);
         assert!((rotation_share(&thin, 20e3) - 1.0).abs() < 1e-3);
     }
 
     /// First order of the correction: k grows by (k h)^2 (1 + E/(s G))/48.
     #[test]
-    fn shear_slows_the_wave_as_perturbation_theory_says() {
+    fn shear_slows_the_wave_to_first_order() {
         let thin = Sheet { thickness_m: 1e-4, ..Sheet::BEAM };
         let kh = thin.wave_number(20e3) * thin.thickness_m;
         let expected = kh * kh * (1.0 + thin.modulus_pa / (SHEAR_SHARE * SHEAR_PA)) / 48.0;

@@ -1,6 +1,7 @@
-//! The settings of a board while a transducer is commissioned: what they were, what they are, and how they become that again.
+//! Settings of a board during a commissioning: reads, changes and restores them.
 //!
-//! A setting becomes active by `settings store` and `reset`. What is tried is therefore stored, and what was stored before is stored again at the end.
+//! A setting becomes active by `settings store` and `reset`. Therefore settings are stored before
+//! they are tried, and the earlier ones are stored again at the end.
 
 use firmware::board::command::{Command, Verb};
 use firmware::board::stored_state::StoredState;
@@ -12,7 +13,7 @@ use crate::parameter::{parameter, report, shown};
 use crate::session::Session;
 use crate::words;
 
-/// Settings that are changed on the way, or by the result.
+/// Names of the settings that the commissioning or its result changes.
 const NAMES: [&str; 17] = [
     "drive.frequency_hz",
     "drive.amplitude_v",
@@ -33,25 +34,28 @@ const NAMES: [&str; 17] = [
     "restraint.enabled",
 ];
 
-/// A setting of the board.
+/// Setting of the board with its values.
 #[derive(Clone, Copy)]
 struct Setting {
     parameter: &'static Parameter,
-    /// Value before the commissioning, present value, and default of the image.
+    /// Value before the commissioning.
     before: f32,
+    /// Present value.
     now: f32,
+    /// Default of the image.
     built_in: f32,
 }
 
-/// The settings of a board that are changed, with their values from before.
+/// Changed settings of a board with their earlier values.
 pub struct BoardSettings {
     settings: Vec<Setting>,
-    /// Whether something else is stored than before.
+    /// `true` if the stored settings differ from the earlier ones.
     changed: bool,
 }
 
 impl BoardSettings {
-    /// Reads them. Refuses a board whose stored settings are not the active ones: they could not be restored.
+    /// Reads the settings. Refuses a board with active settings that are not the stored ones,
+    /// because they could not be restored.
     pub fn read(session: &mut Session) -> Result<Self, LinkError> {
         let mut settings = Vec::new();
         for name in NAMES {
@@ -59,8 +63,9 @@ impl BoardSettings {
             let of = report(parameter, &mut session.client)?;
             if !is_settled(of.stored) {
                 return Err(LinkError::Failed(format!(
-                    "commissioning ends with the settings as they were, and those of this board are not settled: {}. Before it: `settings \
-                     store` and `reset` to keep what is set, or `settings defaults`, `settings store` and `reset`",
+                    "commissioning restores the settings at its end, but the active settings of this board are not the stored \
+                     ones: {}. First send `settings store` and `reset` to keep the set values, or `settings defaults`, `settings \
+                     store` and `reset`",
                     words::stored(of.stored)
                 )));
             }
@@ -69,12 +74,12 @@ impl BoardSettings {
         Ok(BoardSettings { settings, changed: false })
     }
 
-    /// The value from before the commissioning.
+    /// Returns the value before the commissioning.
     pub fn before(&self, name: &str) -> f32 {
         self.of(name).map_or(f32::NAN, |setting| setting.before)
     }
 
-    /// Whether the board can be without this setting: its default is none.
+    /// Returns `true` if the setting may be absent: its default is `none`.
     pub fn can_be_none(&self, name: &str) -> bool {
         self.of(name).is_some_and(|setting| setting.built_in.is_infinite())
     }
@@ -83,7 +88,7 @@ impl BoardSettings {
         self.settings.iter().find(|setting| setting.parameter.name == name)
     }
 
-    /// Makes these settings active, beside the present ones.
+    /// Makes these settings active, in addition to the present ones.
     pub fn apply(&mut self, values: &[(&str, f32)], session: &mut Session) -> Result<(), LinkError> {
         for &(name, value) in values {
             let Some(place) = self.settings.iter().position(|setting| setting.parameter.name == name) else { continue };
@@ -103,7 +108,7 @@ impl BoardSettings {
         Ok(())
     }
 
-    /// Stores what is set, restarts the board, and sees that all of it is active.
+    /// Stores the set values, restarts the board, and checks that all of them are active.
     fn activate(&mut self, session: &mut Session) -> Result<(), LinkError> {
         self.changed = true;
         session.client.order(Command::Settings(Verb::Store))?;
@@ -112,11 +117,11 @@ impl BoardSettings {
         if is_settled(stored) {
             Ok(())
         } else {
-            Err(LinkError::Failed(format!("the settings do not fit beside the board's other ones: {}", words::stored(stored))))
+            Err(LinkError::Failed(format!("the settings conflict with other settings of the board: {}", words::stored(stored))))
         }
     }
 
-    /// Restores what was there before, with these values in their place.
+    /// Restores the earlier settings, except for these values.
     pub fn finish(&mut self, result: &[(&str, f32)], session: &mut Session) -> Result<(), LinkError> {
         if !self.changed {
             return Ok(());
@@ -131,7 +136,7 @@ impl BoardSettings {
         Ok(())
     }
 
-    /// The commands that restore the settings, where this client cannot any more.
+    /// Returns the commands with which the user can restore the settings.
     pub fn by_hand(&self) -> String {
         let differs = self.settings.iter().filter(|setting| setting.now != setting.before);
         let lines = differs
@@ -140,7 +145,7 @@ impl BoardSettings {
     }
 }
 
-/// Whether the active settings are the stored ones.
+/// Returns `true` if the active settings are the stored ones.
 fn is_settled(stored: StoredState) -> bool {
     matches!(stored, StoredState::Nothing | StoredState::Stored | StoredState::OneCopy | StoredState::Unfinished)
 }

@@ -1,6 +1,7 @@
-//! The admittance round the circle of a resonance, each point settled, before settings for it are proposed.
+//! Measurement of the admittance circle of a resonance, from which settings are proposed.
 //!
-//! The board holds a frequency and tracks nothing (`tracking.mode = off`), so that no tracker decides where a point is.
+//! The board holds a frequency without tracking (`tracking.mode = off`), so that the frequency of a
+//! point does not depend on a tracker. Each point has settled.
 
 use std::f64::consts::TAU;
 
@@ -16,30 +17,42 @@ use super::board_settings::BoardSettings;
 use super::fit::Point;
 use super::limits::Bounds;
 use super::probe;
-use super::proposal::{LESS, Proposal, USED, settle_s, width_hz};
+use super::proposal::{Proposal, REDUCTION, USED_CURRENT_REL, settle_s, width_hz};
 use crate::link_error::LinkError;
 use crate::session::Session;
 
-/// Points on the circle; fewer where the bandwidth is less than so many hertz, which is less precise than the bound of 1 Hz asks for.
-const POINTS: (u32, u32, f64) = (17, 9, 40.0);
-/// How far they go to either side, bandwidths.
-const REACH: f64 = 2.5;
-/// Widest window to each side, relative, and the part of it that is used.
-const WINDOW: (f64, f64) = (0.2, 0.95);
-/// How far beside the resonance the window's middle is, relative, where the tone of the board's self-test meets a resonance.
-const SHIFTS: [f64; 3] = [0.03, -0.03, 0.06];
-/// Noise of a block's voltage and current, codes of the converter.
+/// Number of points of a circle.
+const POINTS_WIDE: u32 = 17;
+/// Number of points of a circle with a narrow bandwidth, for which the bound of 1 Hz is wide.
+const POINTS_NARROW: u32 = 9;
+/// Bandwidth below which the smaller number is used, Hz.
+const NARROW_BANDWIDTH_HZ: f64 = 40.0;
+/// Largest offset of a point to either side, bandwidths.
+const REACH_BANDWIDTHS: f64 = 2.5;
+/// Largest half-width of the window, relative to its middle.
+const MAX_WINDOW_REL: f64 = 0.2;
+/// Part of the window that is used.
+const USED_WINDOW_REL: f64 = 0.95;
+/// Offsets of the middle of the window from the resonance, relative, tried if the tone of the
+/// board's self-test meets a resonance.
+const WINDOW_SHIFTS_REL: [f64; 3] = [0.03, -0.03, 0.06];
+/// Standard deviation of a block's voltage and current, codes of the converter.
 const NOISE_CODES: f64 = 0.4;
-/// What a circuit of resonances leaves of an admittance without noise, in parts of its conductance: the images of the DAC; and how much of it a step from
-/// one point to the next changes, of which a part has not settled.
-const MODEL: (f64, f64) = (5e-4, 0.3);
-/// From one level to the next, at most; and by how much more voltage is not worth another level.
-const STEP: (f64, f64) = (4.0, 1.1);
+/// Error of a fitted circuit without noise, relative to the conductance, due to the images of the
+/// DAC.
+const MODEL_ERROR_REL: f64 = 5e-4;
+/// Change of the admittance from one point to the next, relative to the conductance. A fraction of
+/// it has not settled.
+const POINT_CHANGE_REL: f64 = 0.3;
+/// Largest ratio of the voltages of two successive levels.
+const MAX_LEVEL_RATIO: f64 = 4.0;
+/// Smallest ratio for which another level is worthwhile.
+const MIN_LEVEL_RATIO: f64 = 1.1;
 
-/// The circle as measured.
+/// Measured admittance circle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circle {
-    /// Admittance at rising frequencies.
+    /// Admittance in order of frequency.
     pub points: Vec<Point>,
     /// Peak voltage of the drive, V.
     pub volts: f64,
@@ -47,34 +60,35 @@ pub struct Circle {
     pub amperes: f64,
 }
 
-/// Measures the circle as loud as the bounds allow; the board is silent afterwards. The fault that has ended it, if one has.
+/// Measures the circle at the largest voltage within the bounds; the drive is silent afterwards.
+/// Returns the fault that has ended it, if any.
 pub fn measure(
     of: &Proposal,
     bounds: &Bounds,
     board: &mut BoardSettings,
     session: &mut Session,
 ) -> Result<Result<Circle, Fault>, LinkError> {
-    let swell = swell(&of.transducer);
-    let mut used = USED / swell;
-    let mut of = of.as_loud_as(of.volts, swell * of.amperes, bounds);
+    let transient_ratio = transient_ratio(&of.transducer);
+    let mut used = USED_CURRENT_REL / transient_ratio;
+    let mut of = of.within_limits(of.volts, transient_ratio * of.amperes, bounds);
     let hz = f64::from(of.transducer.series_resonance_hz);
     let mut base_hz = hz;
-    let mut shifts = SHIFTS.into_iter();
+    let mut shifts = WINDOW_SHIFTS_REL.into_iter();
     loop {
         let q = f64::from(of.transducer.q);
-        let reach = REACH.min(WINDOW.0 * WINDOW.1 * q);
+        let reach = REACH_BANDWIDTHS.min(MAX_WINDOW_REL * USED_WINDOW_REL * q);
         let mut settings = bounds.settings();
         settings.extend(of.settings().into_iter().filter(|(name, _)| !name.starts_with("limits.")));
-        // Of two the later one counts.
-        let window = ((reach / q + (base_hz / hz - 1.0).abs()) / WINDOW.1).max(of.span).min(WINDOW.0);
+        // The later one of two settings with the same name applies.
+        let window = ((reach / q + (base_hz / hz - 1.0).abs()) / USED_WINDOW_REL).max(of.span).min(MAX_WINDOW_REL);
         settings.extend([("drive.frequency_hz", base_hz as f32), ("tracking.mode", 3.0), ("tracking.span", window as f32)]);
         board.apply(&settings, session)?;
         let measured = points(&of, (reach, base_hz), used, bounds, session);
         probe::quiet(session)?;
         session.client.order(Command::Detune(Hertz(0.0)))?;
         match measured? {
-            Err(Fault::OverCurrent | Fault::SenseSaturated) if of.volts > bounds.quietest_v => {
-                (of, used) = (of.quieter(), LESS * used);
+            Err(Fault::OverCurrent | Fault::SenseSaturated) if of.volts > bounds.min_v => {
+                (of, used) = (of.reduced(), REDUCTION * used);
             }
             Err(fault) if probe::is_of_self_test(fault) => match shifts.next() {
                 Some(shift) => base_hz = hz * (1.0 + shift),
@@ -85,9 +99,10 @@ pub fn measure(
     }
 }
 
-/// The largest current that can flow while the tone goes from one point to another, over that at the resonance. What still rings at the resonance beats with
-/// what the new tone rings up, and with the current of C0, so that for a moment all amounts may add.
-fn swell(of: &Transducer) -> f64 {
+/// Returns the largest current during a change from one point to another, relative to the current
+/// at the resonance. The decaying vibration at the resonance beats with the ring-up at the new
+/// frequency and with the current of C0, so that all amplitudes may add for a moment.
+fn transient_ratio(of: &Transducer) -> f64 {
     let omega = TAU * f64::from(of.series_resonance_hz);
     let (motional, clamped) = (1.0 / f64::from(of.rm_ohm), omega * f64::from(of.c0_f));
     (motional + clamped) / motional.hypot(clamped)
@@ -108,17 +123,17 @@ fn points(
     if let Err(fault) = probe::run(session)? {
         return Ok(Err(fault));
     }
-    let volts = match loudest(of, used, bounds, session)? {
+    let volts = match largest_voltage(of, used, bounds, session)? {
         Ok(volts) => volts,
         Err(fault) => return Ok(Err(fault)),
     };
     let scale = session.scale()?;
-    let count = if width_hz(it) < POINTS.2 { POINTS.1 } else { POINTS.0 };
-    let unsettled = MODEL.1 * (-settle_s(it) / f64::from(it.time_constant_s())).exp();
-    let model_s = (MODEL.0 + unsettled) / f64::from(it.rm_ohm);
+    let count = if width_hz(it) < NARROW_BANDWIDTH_HZ { POINTS_NARROW } else { POINTS_WIDE };
+    let unsettled = POINT_CHANGE_REL * (-settle_s(it) / f64::from(it.time_constant_s())).exp();
+    let model_s = (MODEL_ERROR_REL + unsettled) / f64::from(it.rm_ohm);
     let mut circle = Circle { points: Vec::new(), volts, amperes: 0.0 };
     for n in 0..count {
-        // From one end to the other, evenly round the circle, so that each step is small.
+        // From one end to the other in equal steps on the circle, so that each change is small.
         let part = 2.0 * f64::from(n) / f64::from(count - 1) - 1.0;
         let at_hz = hz + 0.5 * width_hz(it) * (part * (2.0 * reach).atan()).tan();
         session.client.order(Command::Detune(Hertz((at_hz - base_hz) as f32)))?;
@@ -138,8 +153,9 @@ fn points(
     Ok(Ok(circle))
 }
 
-/// The largest voltage within the bounds, V, reached step by step at the resonance: an amplifier with a source resistance drives less than its set point.
-fn loudest(of: &Proposal, used: f64, bounds: &Bounds, session: &mut Session) -> Result<Result<f64, Fault>, LinkError> {
+/// Returns the largest voltage within the bounds, V. It is approached in steps at the resonance,
+/// because an amplifier with a source resistance delivers less than its set point.
+fn largest_voltage(of: &Proposal, used: f64, bounds: &Bounds, session: &mut Session) -> Result<Result<f64, Fault>, LinkError> {
     let mut volts = of.volts;
     loop {
         let report = match probe::driven(settle_s(&of.transducer), session)? {
@@ -147,10 +163,10 @@ fn loudest(of: &Proposal, used: f64, bounds: &Bounds, session: &mut Session) -> 
             Err(fault) => return Ok(Err(fault)),
         };
         let allowed_v = (used * bounds.amperes * volts / f64::from(magnitude(report.i))).min(bounds.volts);
-        if allowed_v < STEP.1 * volts {
+        if allowed_v < MIN_LEVEL_RATIO * volts {
             return Ok(Ok(volts));
         }
-        volts = allowed_v.min(STEP.0 * volts);
+        volts = allowed_v.min(MAX_LEVEL_RATIO * volts);
         session.client.order(Command::Amplitude(Some(Amplitude::Volts(volts as f32))))?;
     }
 }

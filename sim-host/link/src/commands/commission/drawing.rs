@@ -1,4 +1,4 @@
-//! The drawing of what was found: the size of the admittance over the band, with the tones that were measured.
+//! Drawing of the result: magnitude of the admittance over the band, with the measured tones.
 
 use import::admittance::circuit::{Branch, Equivalent};
 use realfft::num_complex::Complex64;
@@ -8,11 +8,12 @@ use super::modes::Mode;
 use crate::terminal_plot::TerminalPlot;
 use report::statistics::ascending;
 
-/// Points of the line over the band, and about each mode.
-const PLACES: usize = 600;
-const ABOUT: usize = 100;
+/// Number of points of the line over the band, less one.
+const BAND_STEPS: usize = 600;
+/// Number of additional points around each mode, less one.
+const MODE_STEPS: usize = 100;
 
-/// Admittance of the identified circuit, S.
+/// Returns the admittance of the identified circuit, S.
 pub fn admittance(found: &Commissioned, hz: f64) -> Complex64 {
     let branch = |mode: &Mode| {
         let it = &mode.transducer;
@@ -22,18 +23,18 @@ pub fn admittance(found: &Commissioned, hz: f64) -> Complex64 {
     Equivalent { c0_f, loss_tangent: 0.0, branches: found.modes.iter().map(branch).collect() }.admittance(hz)
 }
 
-/// Frequencies over the band, denser about the modes, Hz.
+/// Returns frequencies over the band, denser around the modes, Hz.
 pub fn places(found: &Commissioned) -> Vec<f64> {
     let band = &found.band;
-    let even = (0..=PLACES).map(|n| band.low_hz + (band.high_hz - band.low_hz) * n as f64 / PLACES as f64);
+    let even = (0..=BAND_STEPS).map(|n| band.low_hz + (band.high_hz - band.low_hz) * n as f64 / BAND_STEPS as f64);
     let dense = found.modes.iter().flat_map(|mode| {
         let width_hz = mode.hz() / f64::from(mode.transducer.q);
-        (0..=ABOUT).map(move |n| mode.hz() + width_hz * (6.0 * n as f64 / ABOUT as f64 - 3.0))
+        (0..=MODE_STEPS).map(move |n| mode.hz() + width_hz * (6.0 * n as f64 / MODE_STEPS as f64 - 3.0))
     });
     ascending(even.chain(dense).filter(|hz| (band.low_hz..=band.high_hz).contains(hz)))
 }
 
-/// The drawing in characters.
+/// Draws the admittance in characters.
 pub fn in_terminal(found: &Commissioned) -> String {
     let mut plot = TerminalPlot::new("kHz", "|Y| [dB over 1 S]").stretched();
     let decibels = |y: Complex64| 20.0 * y.norm().log10();

@@ -1,4 +1,4 @@
-//! What a commissioning has found, in words and fields.
+//! Output of a commissioning's result, as text and fields.
 
 use serde_json::json;
 
@@ -7,7 +7,7 @@ use super::{CommissionArgs, Commissioned, drawing, output};
 use crate::answer::{Answer, quantity, short};
 use crate::commands::circuit;
 
-/// The modes as lines of a table, the chosen one marked.
+/// Returns the modes as lines of a table, with the chosen one marked.
 pub fn table(modes: &[Mode], chosen: Option<usize>) -> Vec<String> {
     let mut lines = vec!["      f_s [Hz]    f_p [Hz]       Q       k          Rm          C0".to_owned()];
     lines.extend(modes.iter().enumerate().map(|(place, mode)| {
@@ -27,22 +27,23 @@ pub fn table(modes: &[Mode], chosen: Option<usize>) -> Vec<String> {
     lines
 }
 
-/// The answer: what was found, proposed and tested.
+/// Returns the answer: the modes, the proposed settings and the test.
 pub fn in_words(found: &Commissioned, args: &CommissionArgs) -> Answer {
     let (it, verified, proposal) = (&found.proposal.transducer, &found.verified, &found.proposal);
     let answer = Answer::to("commission").line(format!(
-        "{}: {} by tones of {}",
+        "{}: {} measured by tones of {}",
         found.name,
         quantity(found.load.capacitance_f, "F"),
         quantity(found.load.volts, "V")
     ));
     let answer = table(&found.modes, Some(found.chosen)).into_iter().fold(answer, Answer::line);
-    let answer = answer.line(drawing::in_terminal(found)).line("proposed settings, and what they are worth:");
+    let answer = answer.line(drawing::in_terminal(found)).line("proposed settings, and their effect or uncertainty:");
     let answer = output::worth(found)
         .into_iter()
         .fold(answer, |answer, [what, value, worth]| answer.line(format!("  {what:<24} {value:>14}  {worth}")));
     let answer = answer.line(format!(
-        "test: locked at {:.2} Hz {:.0} ms after the order, at 0.7 of the amplitude {:.2} Hz, and {:.2} Hz after a burst; {} of motional current, {}",
+        "test: locked at {:.2} Hz {:.0} ms after the order, at 0.7 of the amplitude {:.2} Hz, and {:.2} Hz after a burst; \
+         motional current {}, {}",
         verified.locked_hz,
         verified.lock_ms,
         verified.stepped_hz.0,
@@ -51,15 +52,13 @@ pub fn in_words(found: &Commissioned, args: &CommissionArgs) -> Answer {
         quantity(verified.power_w, "W"),
     ));
     let answer = match &args.output {
-        Some(dir) => {
-            answer.line(format!("written: {} and beside it settings.txt and twin.toml", dir.join("report.html").display()))
-        }
+        Some(dir) => answer.line(format!("written: {}, with settings.txt and twin.toml", dir.join("report.html").display())),
         None => answer,
     };
     let answer = answer.line(if args.yes {
-        "stored over power-off, and active; the drive is silent"
+        "stored and active; the drive is silent"
     } else {
-        "nothing is stored: the settings are as before, and the drive is silent. --yes stores them"
+        "not stored: the settings are as before, and the drive is silent. --yes stores the new ones"
     });
     let modes: Vec<_> = found
         .modes

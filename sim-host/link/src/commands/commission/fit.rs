@@ -1,23 +1,26 @@
-//! Circuits of one, two or three resonances, fitted to measured admittance by least squares.
+//! Least-squares fit of circuits with one, two or three resonances to measured admittance.
 //!
 //! ```text
 //! Y(f) = Y0 + Y1 (f - f0) + sum over resonances of  G / (1 + j Q (f / fs - fs / f))
 //! ```
 //!
-//! Each resonance has its own fs, Q and G, all real. Y0 and Y1 are complex: the clamped capacitance, its losses, the images of the DAC in its current, and
-//! modes far away. The deviations of the points are known, and a circle has 9 to 17 of them: too few to estimate a noise model as
-//! `import admittance` does with hundreds. Branches and least squares are the same.
+//! Each resonance has its own fs, Q and G, all real. Y0 and Y1 are complex: they contain the
+//! clamped capacitance, its losses, the images of the DAC in its current, and distant modes. The
+//! standard deviations of the points are known. A circle has only 9 to 17 points, too few to
+//! estimate a noise model as `import admittance` does with hundreds. Branches and least squares are
+//! the same.
 
 use std::f64::consts::TAU;
 
-use import::admittance::circuit::{BRANCH, Branch, branch};
+use import::admittance::circuit::{BRANCH_PARAMETERS, Branch, branch};
 use import::least_squares::{Linear, minimise};
 use realfft::num_complex::Complex64;
 
 /// Number of parameters of the background.
-const BACKGROUND: usize = 4;
-/// Bounds of the quality factor.
+const BACKGROUND_PARAMETERS: usize = 4;
+/// Lower bound of the quality factor.
 const MIN_Q: f64 = 0.5;
+/// Upper bound of the quality factor.
 const MAX_Q: f64 = 1e6;
 
 /// Admittance at a frequency.
@@ -31,34 +34,35 @@ pub struct Point {
     pub deviation: f64,
 }
 
-/// A fitted circuit.
+/// Fitted circuit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// Frequency that the background is of, Hz; its admittance there, S, and the slope of that, S/Hz.
+    /// Background: reference frequency, Hz, admittance there, S, and its slope, S/Hz.
     pub background: (f64, Complex64, Complex64),
-    /// The resonances, in the order of their starting values.
+    /// Resonances, in the order of their starting values.
     pub resonances: Vec<Branch>,
     /// Standard deviation of each series resonance, Hz.
     pub deviations_hz: Vec<f64>,
-    /// Sum of the squares of all distances, in deviations of the points.
+    /// Sum of the squared distances, in standard deviations of the points.
     pub squares: f64,
-    /// Numbers measured beyond those fitted.
+    /// Degrees of freedom: measured numbers minus fitted parameters.
     pub free: usize,
 }
 
 impl Fit {
-    /// Mean square of the distances, in deviations of the points: one where nothing but noise is left.
+    /// Returns the mean squared distance, in standard deviations of the points; about 1 if only
+    /// noise remains.
     pub fn mean_square(&self) -> f64 {
         self.squares / self.free as f64
     }
 
-    /// Capacitance of the background, F.
+    /// Returns the capacitance of the background, F.
     pub fn c0_f(&self) -> f64 {
         let (at_hz, y0, _) = self.background;
         y0.im / (TAU * at_hz)
     }
 
-    /// Rms distance of points from the circuit, S.
+    /// Returns the rms distance of points from the circuit, S.
     pub fn distance(&self, points: &[Point]) -> f64 {
         let admittance = |hz: f64| {
             let motional: Complex64 = self.resonances.iter().map(|it| it.admittance(hz)).sum();
@@ -69,37 +73,42 @@ impl Fit {
         (squares / points.len() as f64).sqrt()
     }
 
-    /// The place of the strongest resonance, that of the largest motional capacitance.
+    /// Returns the index of the strongest resonance, with the largest motional capacitance.
     pub fn strongest(&self) -> usize {
         let places = 0..self.resonances.len();
         places.max_by(|&a, &b| self.resonances[a].cm_f().total_cmp(&self.resonances[b].cm_f())).unwrap_or(0)
     }
 }
 
-/// Fits a circuit to points, starting from these resonances. None if there are too few points, or if they do not determine the circuit.
+/// Fits a circuit to points, starting from these resonances. Returns none if there are too few
+/// points, or if they do not determine the circuit.
 pub fn fit(points: &[Point], from: &[Branch]) -> Option<Fit> {
     let first = from.first()?;
     let (hz, width_hz) = (first.hz, first.hz / first.q);
-    let free = (2 * points.len()).checked_sub(BACKGROUND + BRANCH * from.len()).filter(|&free| free > 0)?;
-    // The background starts as the mean of the rest.
+    let free = (2 * points.len()).checked_sub(BACKGROUND_PARAMETERS + BRANCH_PARAMETERS * from.len()).filter(|&free| free > 0)?;
+    // The background starts as the mean residual of the resonances.
     let rest = |point: &Point| point.siemens - from.iter().map(|it| it.admittance(point.hz)).sum::<Complex64>();
     let y0 = points.iter().map(rest).sum::<Complex64>() / points.len() as f64;
     let start: Vec<f64> = [y0.re, y0.im, 0.0, 0.0].into_iter().chain(from.iter().flat_map(Branch::parameters)).collect();
     let found = minimise(&start, |parameters| linear(points, parameters, (hz, width_hz)))?;
-    // A misfit beyond the noise enlarges the deviations.
+    // A misfit beyond the noise increases the standard deviations.
     let worse = (found.cost / free as f64).max(1.0).sqrt();
     let covariance = found.covariance()?;
-    let resonances: Vec<Branch> = found.parameters[BACKGROUND..].chunks_exact(BRANCH).map(Branch::from_parameters).collect();
-    let deviation_ln = |n: usize| worse * covariance[(BACKGROUND + BRANCH * n, BACKGROUND + BRANCH * n)].sqrt();
+    let resonances: Vec<Branch> =
+        found.parameters[BACKGROUND_PARAMETERS..].chunks_exact(BRANCH_PARAMETERS).map(Branch::from_parameters).collect();
+    let deviation_ln = |n: usize| {
+        worse * covariance[(BACKGROUND_PARAMETERS + BRANCH_PARAMETERS * n, BACKGROUND_PARAMETERS + BRANCH_PARAMETERS * n)].sqrt()
+    };
     let deviations_hz = resonances.iter().enumerate().map(|(n, it)| it.hz * deviation_ln(n)).collect();
     let complex = |at: usize| Complex64::new(found.parameters[at], found.parameters[at + 1]);
     Some(Fit { background: (hz, complex(0), complex(2) / width_hz), resonances, deviations_hz, squares: found.cost, free })
 }
 
-/// Distances of the points in their deviations, with derivatives: real parts of all points, then imaginary parts. None beyond the bounds of Q.
+/// Computes the residuals in standard deviations, with derivatives: first the real parts of all
+/// points, then the imaginary parts. Returns none beyond the bounds of Q.
 fn linear(points: &[Point], parameters: &[f64], (hz, width_hz): (f64, f64)) -> Option<Linear> {
-    let (background, branches) = parameters.split_at(BACKGROUND);
-    if !branches.chunks_exact(BRANCH).all(|own| (MIN_Q.ln()..MAX_Q.ln()).contains(&own[1])) {
+    let (background, branches) = parameters.split_at(BACKGROUND_PARAMETERS);
+    if !branches.chunks_exact(BRANCH_PARAMETERS).all(|own| (MIN_Q.ln()..MAX_Q.ln()).contains(&own[1])) {
         return None;
     }
     let mut residuals = vec![0.0; 2 * points.len()];
@@ -108,7 +117,7 @@ fn linear(points: &[Point], parameters: &[f64], (hz, width_hz): (f64, f64)) -> O
         let x = (point.hz - hz) / width_hz;
         let mut slopes = vec![Complex64::ONE, Complex64::I, x.into(), x * Complex64::I];
         let mut y: Complex64 = slopes.iter().zip(background).map(|(by, value)| by * value).sum();
-        for own in branches.chunks_exact(BRANCH) {
+        for own in branches.chunks_exact(BRANCH_PARAMETERS) {
             let (siemens, by) = branch([own[0], own[1], own[2]], point.hz);
             y += siemens;
             slopes.extend(by);
@@ -128,7 +137,8 @@ mod tests {
 
     const MAIN: Branch = Branch { hz: 40e3, q: 50.0, siemens: 0.3 };
 
-    /// Points to two bandwidths beside the main resonance, beside 300 nF, with a distance that changes its sign from point to point.
+    /// Returns points up to two bandwidths from the main resonance, with 300 nF in parallel and a
+    /// deviation that alternates from point to point.
     fn points(further: &[Branch], deviation: f64) -> Vec<Point> {
         (0..21)
             .map(|n| {
@@ -150,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn two_resonances_within_a_bandwidth_are_told_apart() {
+    fn two_resonances_within_a_bandwidth_are_distinguished() {
         let further = Branch { hz: 40.5e3, q: 80.0, siemens: 0.06 };
         let points = points(&[further], 1e-4);
         let one = fit(&points, &[MAIN]).unwrap();
@@ -162,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn too_few_points_determine_nothing() {
+    fn too_few_points_give_no_fit() {
         assert_eq!(fit(&points(&[], 0.0)[..2], &[MAIN]), None);
         assert_eq!(fit(&[], &[MAIN]), None);
     }

@@ -1,4 +1,4 @@
-//! The modes of a transducer: found window by window, then each looked at again closely.
+//! Search for the modes of a transducer: scans of all windows, then a closer scan of each mode.
 
 use std::f64::consts::TAU;
 
@@ -13,64 +13,75 @@ use super::tones::Load;
 use crate::link_error::LinkError;
 use crate::session::Session;
 
-/// Nominal quality factors of the passes: a scan finds a resonance whose Q is within a factor of about four of it.
-const PASSES: [f32; 3] = [160.0, 20.0, 1500.0];
-/// Current that the clamped capacitance draws in the first scan: part of the limit, and codes at least.
-const CAPACITIVE: (f64, f64) = (0.02, 24.0);
-/// From one level to the next.
-const STEP: f64 = 4.0;
-/// Part of the current limit that is expected in a closer look.
-const EXPECTED: f64 = 0.5;
-/// Bandwidths from the middle of a closer look to its ends, and its least and its largest span.
-const CLOSE: (f64, f64, f64) = (4.0, 0.01, 0.15);
-/// Resonances nearer than this part of a bandwidth, or of their frequency, are one.
-const SAME: (f64, f64) = (0.5, 5e-4);
-/// Modes with less than this part of the largest strength are not looked at again.
-const WEAKEST: f64 = 3e-3;
-/// A resonance that a closer look finds beyond so many bandwidths, or so much of its frequency, is another one.
-const MOVED: (f64, f64) = (1.0, 2e-3);
-/// Clamped capacitances that transducers have, F: a resonance may make the tones look like another one.
-const CAPACITANCES_F: (f64, f64) = (0.1e-9, 20e-6);
-/// How far beyond the band a mode may be, relative.
-const EDGE: f64 = 0.005;
+/// Nominal quality factors of the passes. A scan finds a resonance with a Q within a factor of
+/// about four of the nominal one.
+const NOMINAL_QS: [f32; 3] = [160.0, 20.0, 1500.0];
+/// Current of the clamped capacitance in the first scan, relative to the limit.
+const CAPACITIVE_CURRENT_REL: f64 = 0.02;
+/// Minimum current of the clamped capacitance in the first scan, codes.
+const MIN_CAPACITIVE_CODES: f64 = 24.0;
+/// Ratio of the voltages of two successive levels.
+const LEVEL_RATIO: f64 = 4.0;
+/// Current expected in a closer scan, relative to the limit.
+const EXPECTED_CURRENT_REL: f64 = 0.5;
+/// Half-width of a closer scan, bandwidths.
+const CLOSE_BANDWIDTHS: f64 = 4.0;
+/// Minimum half-width of a closer scan, relative to the frequency.
+const MIN_CLOSE_REL: f64 = 0.01;
+/// Maximum half-width of a closer scan, relative to the frequency.
+const MAX_CLOSE_REL: f64 = 0.15;
+/// Distance below which two resonances are the same: in bandwidths, or relative to the frequency.
+const SAME_MODE_DISTANCE: (f64, f64) = (0.5, 5e-4);
+/// Smallest motional capacitance for a closer scan, relative to the largest one.
+const MIN_STRENGTH_REL: f64 = 3e-3;
+/// Distance above which the result of a closer scan is another resonance: in bandwidths, or
+/// relative to the frequency.
+const OTHER_MODE_DISTANCE: (f64, f64) = (1.0, 2e-3);
+/// Smallest clamped capacitance of a transducer, F. A resonance may falsify the value of the tones.
+const MIN_CAPACITANCE_F: f64 = 0.1e-9;
+/// Largest clamped capacitance of a transducer, F.
+const MAX_CAPACITANCE_F: f64 = 20e-6;
+/// Largest distance of a mode outside the band, relative to the end of the band.
+const BAND_MARGIN_REL: f64 = 0.005;
 
-/// A mode that was looked at closely.
+/// Mode as identified by a closer scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
-    /// The mode as identified.
+    /// Identified transducer.
     pub transducer: Transducer,
     /// Peak voltage of the scan, V.
     pub volts: f64,
 }
 
 impl Mode {
-    /// Series resonance, Hz.
+    /// Returns the series resonance frequency, Hz.
     pub fn hz(&self) -> f64 {
         self.transducer.series_resonance_hz.into()
     }
 
-    /// Motional capacitance, F: how strong the mode is, whatever damps it.
+    /// Returns the motional capacitance, F, a measure of the mode's strength that is independent of
+    /// its damping.
     pub fn strength(&self) -> f64 {
         self.transducer.cm_f.into()
     }
 }
 
-/// Motional capacitance of a resonance, F.
+/// Returns the motional capacitance of a resonance, F.
 fn cm_f(resonance: &Resonance) -> f64 {
     1.0 / ((TAU * f64::from(resonance.hz)).powi(2) * f64::from(resonance.lm_h))
 }
 
-/// The larger of a part of the bandwidth and a part of the frequency, Hz.
+/// Returns the larger of a number of bandwidths and a fraction of the frequency, Hz.
 fn beyond_hz((bandwidths, part): (f64, f64), hz: f64, q: f64) -> f64 {
     (bandwidths * hz / q).max(part * hz)
 }
 
-/// Whether a resonance belongs to a band.
+/// Returns `true` if a resonance belongs to a band.
 fn is_in(band: &Band, hz: f64) -> bool {
-    hz > band.low_hz * (1.0 - EDGE) && hz < band.high_hz * (1.0 + EDGE)
+    hz > band.low_hz * (1.0 - BAND_MARGIN_REL) && hz < band.high_hz * (1.0 + BAND_MARGIN_REL)
 }
 
-/// Finds the modes of a band, at rising frequencies.
+/// Finds the modes of a band, in ascending order of frequency.
 pub fn find(
     band: &Band,
     load: &Load,
@@ -79,18 +90,18 @@ pub fn find(
     session: &mut Session,
 ) -> Result<Vec<Mode>, LinkError> {
     let code_a = session.scale()?.ampere_per_lsb;
-    let capacitive_a = (CAPACITIVE.0 * bounds.amperes).max(CAPACITIVE.1 * code_a);
+    let capacitive_a = (CAPACITIVE_CURRENT_REL * bounds.amperes).max(MIN_CAPACITIVE_CODES * code_a);
     let siemens = (TAU * band.high_hz * load.capacitance_f).abs().max(1e-9);
-    let mut volts = (capacitive_a / siemens).clamp(bounds.least_v, bounds.volts);
+    let mut volts = (capacitive_a / siemens).clamp(bounds.first_v, bounds.volts);
     let mut most_v = bounds.volts;
     loop {
-        for q in PASSES {
-            let (rough, quieter_v) = sweep(band, load, volts, q, bounds, board, session)?;
-            if quieter_v < volts {
-                // What was too loud once is not tried again.
-                (volts, most_v) = (quieter_v, quieter_v);
+        for q in NOMINAL_QS {
+            let (rough, reduced_v) = sweep(band, load, volts, q, bounds, board, session)?;
+            if reduced_v < volts {
+                // A voltage that drew too much current is not tried again.
+                (volts, most_v) = (reduced_v, reduced_v);
             }
-            let modes = look_closely(&rough, volts, band, load, bounds, board, session)?;
+            let modes = scan_closely(&rough, volts, band, load, bounds, board, session)?;
             if !modes.is_empty() {
                 return Ok(modes);
             }
@@ -98,11 +109,12 @@ pub fn find(
         if volts >= most_v {
             return Ok(Vec::new());
         }
-        volts = (STEP * volts).min(most_v);
+        volts = (LEVEL_RATIO * volts).min(most_v);
     }
 }
 
-/// Scans all windows of the band. Gives what was found, strongest first, and the voltage that was left after what drew too much current.
+/// Scans all windows of the band. Returns the resonances, strongest first, and the voltage, which
+/// was reduced if the current was too large.
 fn sweep(
     band: &Band,
     load: &Load,
@@ -115,12 +127,12 @@ fn sweep(
     let mut volts = volts;
     let mut found: Vec<Resonance> = Vec::new();
     for window in band.windows() {
-        session.live.stage(&format!("scan of {:.0} Hz, {:.1} % to each side, at {volts:.3} V", window.hz, 100.0 * window.span));
-        let (scanned, quieter_v) = scan_quieter(&window, volts, (q, None), load, bounds, board, session)?;
-        volts = quieter_v;
+        session.live.stage(&format!("scan at {:.0} Hz +- {:.1} %, with {volts:.3} V", window.hz, 100.0 * window.span));
+        let (scanned, reduced_v) = scan_within_limits(&window, volts, (q, None), load, bounds, board, session)?;
+        volts = reduced_v;
         for resonance in scanned.found.found.into_iter().flatten() {
             let (hz, q) = (f64::from(resonance.hz), f64::from(resonance.q));
-            let known = found.iter().any(|other| (f64::from(other.hz) - hz).abs() < beyond_hz(SAME, hz, q));
+            let known = found.iter().any(|other| (f64::from(other.hz) - hz).abs() < beyond_hz(SAME_MODE_DISTANCE, hz, q));
             if is_in(band, hz) && !known && resonance.lm_h > 0.0 && resonance.q > 0.5 {
                 found.push(resonance);
             }
@@ -130,8 +142,8 @@ fn sweep(
     Ok((found, volts))
 }
 
-/// Looks at the strongest ones again, each alone.
-fn look_closely(
+/// Scans each of the strongest resonances again, in a narrow window.
+fn scan_closely(
     rough: &[Resonance],
     volts: f64,
     band: &Band,
@@ -142,18 +154,18 @@ fn look_closely(
 ) -> Result<Vec<Mode>, LinkError> {
     let mut modes: Vec<Mode> = Vec::new();
     let strongest = rough.first().map_or(0.0, cm_f);
-    for resonance in rough.iter().filter(|resonance| cm_f(resonance) > WEAKEST * strongest).take(MOST_MODES) {
+    for resonance in rough.iter().filter(|resonance| cm_f(resonance) > MIN_STRENGTH_REL * strongest).take(MOST_MODES) {
         let hz = f64::from(resonance.hz);
-        session.live.stage(&format!("a closer look at {hz:.0} Hz"));
-        let window = Window { hz, span: (CLOSE.0 / f64::from(resonance.q)).clamp(CLOSE.1, CLOSE.2) };
+        session.live.stage(&format!("closer scan at {hz:.0} Hz"));
+        let window = Window { hz, span: (CLOSE_BANDWIDTHS / f64::from(resonance.q)).clamp(MIN_CLOSE_REL, MAX_CLOSE_REL) };
         let siemens = f64::from(resonance.conductance_s) + TAU * hz * load.capacitance_f.abs();
-        let loud_v = (EXPECTED * bounds.amperes / siemens).clamp(volts.min(bounds.least_v), bounds.volts);
-        let told = (resonance.q.clamp(2.0, 1e5), Some(resonance.lm_h));
-        let (scanned, at_v) = scan_quieter(&window, loud_v, told, load, bounds, board, session)?;
+        let expected_v = (EXPECTED_CURRENT_REL * bounds.amperes / siemens).clamp(volts.min(bounds.first_v), bounds.volts);
+        let nominal = (resonance.q.clamp(2.0, 1e5), Some(resonance.lm_h));
+        let (scanned, at_v) = scan_within_limits(&window, expected_v, nominal, load, bounds, board, session)?;
         let Some(transducer) = scanned.transducer else { continue };
         let (found_hz, q) = (f64::from(transducer.series_resonance_hz), f64::from(transducer.q));
-        let moved = (found_hz - hz).abs() >= beyond_hz(MOVED, hz, f64::from(resonance.q));
-        let again = modes.iter().any(|mode| (mode.hz() - found_hz).abs() < beyond_hz(SAME, found_hz, q));
+        let moved = (found_hz - hz).abs() >= beyond_hz(OTHER_MODE_DISTANCE, hz, f64::from(resonance.q));
+        let again = modes.iter().any(|mode| (mode.hz() - found_hz).abs() < beyond_hz(SAME_MODE_DISTANCE, found_hz, q));
         if !moved && !again && is_in(band, found_hz) && transducer.c0_f > 0.0 {
             modes.push(Mode { transducer, volts: at_v });
         }
@@ -162,8 +174,9 @@ fn look_closely(
     Ok(modes)
 }
 
-/// Scans a window, at less voltage as often as the current is too much, and beside it where the self-test's tone meets a resonance.
-fn scan_quieter(
+/// Scans a window. The voltage is reduced while the current is too large, and the window is shifted
+/// if the tone of the self-test meets a resonance.
+fn scan_within_limits(
     window: &Window,
     volts: f64,
     (q, lm_h): (f32, Option<f32>),
@@ -179,7 +192,7 @@ fn scan_quieter(
         let c0_f = if board.can_be_none("tracking.nominal_c0_f") {
             f32::INFINITY
         } else {
-            load.capacitance_f.clamp(CAPACITANCES_F.0, CAPACITANCES_F.1) as f32
+            load.capacitance_f.clamp(MIN_CAPACITANCE_F, MAX_CAPACITANCE_F) as f32
         };
         let lm = lm_h.or(board.can_be_none("tracking.nominal_lm_h").then_some(f32::INFINITY));
         let mut settings = bounds.settings();
@@ -196,8 +209,8 @@ fn scan_quieter(
         board.apply(&settings, session)?;
         let scanned = probe::scan(session)?;
         match scanned.fault {
-            Some(Fault::OverCurrent | Fault::SenseSaturated) if volts > bounds.quietest_v => {
-                volts = (volts / STEP).max(bounds.quietest_v);
+            Some(Fault::OverCurrent | Fault::SenseSaturated) if volts > bounds.min_v => {
+                volts = (volts / LEVEL_RATIO).max(bounds.min_v);
             }
             Some(fault) if probe::is_of_self_test(fault) => match shifts.next() {
                 Some(shift) => {

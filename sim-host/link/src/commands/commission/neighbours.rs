@@ -1,101 +1,110 @@
-//! Whether the chosen resonance is alone: its circle, fitted with one resonance, with two and with three.
+//! Search for further resonances near the chosen one, by fitting its circle with one, two and three
+//! resonances.
 //!
-//! A further mode within a few bandwidths bends the circle, and moves what a scan identifies, and the lock, without a word.
+//! A further mode within a few bandwidths bends the circle. Undetected, it falsifies the result of
+//! a scan and the frequency of a lock.
 
 use firmware::seam::transducer::{Deviations, Transducer};
 use import::admittance::circuit::Branch;
 
-use super::ALIKE;
+use super::ALIKE_CM_REL;
 use super::fit::{Fit, Point, fit};
 use super::proposal::bound_hz;
 use crate::link_error::LinkError;
 
-/// Starting values of a further resonance: distances, in bandwidths of the first; Q and conductance, as parts of the first.
-const DISTANCES: [f64; 8] = [0.2, 0.5, 1.0, 2.0, -0.2, -0.5, -1.0, -2.0];
-const QUALITIES: [f64; 3] = [0.3, 1.0, 3.0];
-const CONDUCTANCE: f64 = 0.1;
-/// A further resonance is there where it explains so many times as much of the squares as it would of noise.
-const SIGNIFICANT: f64 = 6.0;
-/// So many standard deviations of the series resonance are within the bound.
-const SIGMAS: f64 = 2.0;
-/// Mean square of the distances, in deviations, from which on a fit is none.
-const CROOKED: f64 = 16.0;
-/// Most resonances of a circuit.
-const MOST: usize = 3;
+/// Starting distances of a further resonance, in bandwidths of the first one.
+const START_DISTANCES: [f64; 8] = [0.2, 0.5, 1.0, 2.0, -0.2, -0.5, -1.0, -2.0];
+/// Starting quality factors of a further resonance, relative to the first one.
+const START_Q_RATIOS: [f64; 3] = [0.3, 1.0, 3.0];
+/// Starting conductance of a further resonance, relative to the first one.
+const START_CONDUCTANCE_REL: f64 = 0.1;
+/// Smallest F ratio of a further resonance: reduction of the sum of squares per parameter, relative
+/// to the mean square.
+const MIN_F_RATIO: f64 = 6.0;
+/// Number of standard deviations of the series resonance that must be within the bound.
+const MAX_ERROR_SIGMAS: f64 = 2.0;
+/// Mean square of the distances, in standard deviations, above which a fit is rejected.
+const MAX_MEAN_SQUARE: f64 = 16.0;
+/// Maximum number of resonances of a circuit.
+const MAX_RESONANCES: usize = 3;
 
-/// The circuit of the fewest resonances that explains the points; the first is that of `start`. None where there are too few points.
+/// Returns the circuit with the fewest resonances that explains the points. Its first resonance is
+/// that of `start`. Returns none if there are too few points.
 fn circuit(points: &[Point], start: Branch) -> Option<Fit> {
     let mut best = fit(points, &[start])?;
-    while best.resonances.len() < MOST {
-        let Some(more) = with_one_more(points, &best).filter(|more| explains(&best, more)) else { break };
+    while best.resonances.len() < MAX_RESONANCES {
+        let Some(more) = with_one_more(points, &best).filter(|more| is_significant(&best, more)) else { break };
         best = more;
     }
     Some(best)
 }
 
-/// The best fit with one resonance more.
+/// Returns the best fit with one more resonance.
 fn with_one_more(points: &[Point], of: &Fit) -> Option<Fit> {
     let first = of.resonances.first()?;
     let width_hz = first.hz / first.q;
-    let starts = DISTANCES.iter().flat_map(|distance| QUALITIES.iter().map(move |quality| (distance, quality)));
+    let starts = START_DISTANCES.iter().flat_map(|distance| START_Q_RATIOS.iter().map(move |quality| (distance, quality)));
     let fits = starts.filter_map(|(distance, quality)| {
-        let further =
-            Branch { hz: first.hz + distance * width_hz, q: (first.q * quality).max(1.0), siemens: CONDUCTANCE * first.siemens };
+        let further = Branch {
+            hz: first.hz + distance * width_hz,
+            q: (first.q * quality).max(1.0),
+            siemens: START_CONDUCTANCE_REL * first.siemens,
+        };
         fit(points, &[of.resonances.as_slice(), &[further]].concat())
     });
     fits.min_by(|a, b| a.squares.total_cmp(&b.squares))
 }
 
-/// Whether a fit with more parameters explains more than noise: the ratio of an F test.
-fn explains(fewer: &Fit, more: &Fit) -> bool {
+/// Returns `true` if a fit with more parameters explains more than noise, by an F test.
+fn is_significant(fewer: &Fit, more: &Fit) -> bool {
     let gained = (fewer.squares - more.squares) / (fewer.free - more.free) as f64;
-    gained > SIGNIFICANT * more.mean_square().max(1.0)
+    gained > MIN_F_RATIO * more.mean_square().max(1.0)
 }
 
-/// A resonance, with what is near it.
+/// Resonance, separated from its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolved {
-    /// The resonance as the circle has it, with the scan's values where only one resonance is there.
+    /// Resonance as fitted to the circle, or as identified by the scan if the circle has only one.
     pub transducer: Transducer,
-    /// Number of resonances that the circle has.
+    /// Number of resonances of the circle.
     pub resonances: usize,
-    /// Rms distance of the points from the fitted circuit, in parts of the conductance.
+    /// Rms distance of the points from the fitted circuit, relative to the conductance.
     pub distance: f64,
 }
 
-/// The resonance of a circle. Fails where the circle does not determine it.
+/// Returns the resonance of a circle. Fails if the circle does not determine it.
 pub fn resolve(points: &[Point], of: &Transducer, by_number: bool) -> Result<Resolved, LinkError> {
     let (hz, bound_hz) = (f64::from(of.series_resonance_hz), bound_hz(of));
     let start = Branch { hz, q: of.q.into(), siemens: 1.0 / f64::from(of.rm_ohm) };
     let refused =
-        |why: String| LinkError::Failed(format!("a resonance was identified at {hz:.2} Hz, and it is not alone: {why}"));
-    let circuit = circuit(points, start).ok_or_else(|| refused("the admittance round it cannot be fitted".into()))?;
+        |why: String| LinkError::Failed(format!("a resonance was identified at {hz:.2} Hz, but it is not alone: {why}"));
+    let circuit = circuit(points, start).ok_or_else(|| refused("the admittance around it cannot be fitted".into()))?;
     let distance = circuit.distance(points) / circuit.resonances[0].siemens;
-    if circuit.mean_square() > CROOKED {
+    if circuit.mean_square() > MAX_MEAN_SQUARE {
         return Err(refused(format!(
-            "the admittance round it is {:.1} % off that of a circuit of {}. Another mode is near it, or a load that changes",
+            "the admittance around it is {:.1} % off that of a circuit of {}. Another mode is nearby, or the load changes",
             100.0 * distance,
-            ["one resonance", "two resonances", "three resonances"][circuit.resonances.len().clamp(1, MOST) - 1]
+            ["one resonance", "two resonances", "three resonances"][circuit.resonances.len().clamp(1, MAX_RESONANCES) - 1]
         )));
     }
-    // By its number it is the one that was looked at, else the strongest.
+    // A mode chosen by its number is the one that was measured; otherwise the strongest is used.
     let place = if by_number { 0 } else { circuit.strongest() };
     let (found, deviation_hz) = (circuit.resonances[place], circuit.deviations_hz[place]);
     let others: Vec<Branch> = circuit.resonances.iter().enumerate().filter(|(at, _)| *at != place).map(|(_, it)| *it).collect();
-    if let Some(alike) = others.iter().find(|it| !by_number && it.cm_f() > ALIKE * found.cm_f()) {
+    if let Some(alike) = others.iter().find(|it| !by_number && it.cm_f() > ALIKE_CM_REL * found.cm_f()) {
         return Err(refused(format!(
-            "another one of {:.0} % of its strength is at {:.1} Hz",
+            "another resonance with {:.0} % of its strength is at {:.1} Hz",
             100.0 * alike.cm_f() / found.cm_f(),
             alike.hz
         )));
     }
-    if SIGMAS * deviation_hz > bound_hz {
+    if MAX_ERROR_SIGMAS * deviation_hz > bound_hz {
         let near = others.iter().map(|it| format!("{:.1} Hz", it.hz)).collect::<Vec<_>>().join(" and ");
         return Err(refused(format!(
-            "{} near it hides where it is: it is known to {:.2} Hz, and {bound_hz:.2} Hz are asked for. Two transducers in parallel, or a transducer with two modes \
-             that near",
-            if near.is_empty() { "something".into() } else { format!("another mode at {near}") },
-            SIGMAS * deviation_hz
+            "{} makes its frequency uncertain by {:.2} Hz, but {bound_hz:.2} Hz are required. Two transducers are in parallel, \
+             or the transducer has two modes close to each other",
+            if near.is_empty() { "a disturbance".into() } else { format!("another mode at {near}") },
+            MAX_ERROR_SIGMAS * deviation_hz
         )));
     }
     if others.is_empty() && (found.hz - hz).abs() <= bound_hz {
@@ -104,7 +113,7 @@ pub fn resolve(points: &[Point], of: &Transducer, by_number: bool) -> Result<Res
     Ok(Resolved { transducer: with(of, &circuit, place), resonances: circuit.resonances.len(), distance })
 }
 
-/// A transducer with the resonance of a fit.
+/// Returns a transducer with a resonance of a fit.
 fn with(of: &Transducer, circuit: &Fit, place: usize) -> Transducer {
     let (it, c0_f) = (circuit.resonances[place], circuit.c0_f());
     Transducer {
@@ -131,7 +140,7 @@ mod tests {
 
     const MAIN: Branch = Branch { hz: 40e3, q: 50.0, siemens: 0.3 };
 
-    /// The resonance as a scan has identified it, so many hertz off.
+    /// Returns the resonance as a scan would identify it, with this frequency error.
     fn identified(apart_hz: f64) -> Transducer {
         let c0_f = 300e-9;
         let cm_f = MAIN.cm_f();
@@ -145,7 +154,8 @@ mod tests {
         }
     }
 
-    /// Seventeen points to 2.5 bandwidths beside the resonance, beside 300 nF, a ten-thousandth of the conductance off to changing sides.
+    /// Returns seventeen points up to 2.5 bandwidths from the resonance, with 300 nF in parallel
+    /// and a changing deviation of a ten-thousandth of the conductance.
     fn points(further: &[Branch]) -> Vec<Point> {
         let off = 1e-4 * MAIN.siemens;
         (0..17)
@@ -159,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn a_resonance_alone_is_left_as_identified() {
+    fn a_single_resonance_keeps_its_identified_values() {
         let of = identified(1.0);
         let resolved = resolve(&points(&[]), &of, false).unwrap();
         assert_eq!((resolved.transducer, resolved.resonances), (of, 1));
@@ -167,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_neighbour_within_a_bandwidth_is_taken_off() {
+    fn a_neighbour_within_a_bandwidth_is_separated() {
         for hz in [40.4e3, 40.8e3, 39.4e3] {
             let neighbour = Branch { hz, q: 70.0, siemens: 0.06 };
             let resolved = resolve(&points(&[neighbour]), &identified(60.0), false).unwrap();
@@ -179,10 +189,10 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_told_is_refused_by_name() {
-        let alike = Branch { hz: 40.6e3, q: 50.0, siemens: 0.27 };
+    fn an_ambiguous_circle_is_refused_with_the_reason() {
+        let similar = Branch { hz: 40.6e3, q: 50.0, siemens: 0.27 };
         let error = |points: &[Point]| resolve(points, &identified(0.0), false).unwrap_err().to_string();
-        assert!(error(&points(&[alike])).contains("of its strength is at"), "{}", error(&points(&[alike])));
+        assert!(error(&points(&[similar])).contains("of its strength is at"), "{}", error(&points(&[similar])));
         let mut crooked = points(&[]);
         crooked.iter_mut().step_by(3).for_each(|point| point.siemens *= 1.02);
         assert!(error(&crooked).contains("off that of a circuit of"), "{}", error(&crooked));

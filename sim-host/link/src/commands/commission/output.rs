@@ -1,4 +1,4 @@
-//! What a commissioning writes: report, settings and twin.
+//! Files of a commissioning: report, settings and twin.
 
 use std::fs;
 use std::path::Path;
@@ -15,27 +15,27 @@ use sim::advice::table::tables;
 use sim::output::Folder;
 use sim::provenance::Provenance;
 
-/// Each proposed setting, its value, and what it is worth.
+/// Returns the name, the value and the effect or uncertainty of each proposed setting.
 pub fn worth(found: &Commissioned) -> Vec<[String; 3]> {
     let (it, proposal) = (&found.proposal.transducer, &found.proposal);
     let prediction = &found.advice.prediction;
     let lock = prediction.lock.iter().find(|lock| lock.within_hz == 20.0);
     let time = |value: Option<f64>| value.map_or_else(|| "not in time".to_owned(), |ms| format!("{ms:.2} ms"));
     let locks = lock.map_or_else(String::new, |lock| {
-        format!("; rehearsed: within 20 Hz in {} (95 %: {})", time(lock.median_ms), time(lock.p95_ms))
+        format!("; rehearsed lock: within 20 Hz in {} (95 %: {})", time(lock.median_ms), time(lock.p95_ms))
     });
     let worth = |name: &str| match name {
         "drive.amplitude_v" => format!("{} at the resonance", quantity(proposal.amperes, "A")),
-        "drive.scan_volts" => "self-test and scan as loud as the drive".into(),
-        "limits.voltage_v" | "limits.current_a" => "as given; never exceeded once stored".into(),
+        "drive.scan_volts" => "same voltage for self-test, scan and drive".into(),
+        "limits.voltage_v" | "limits.current_a" => "as given; not exceeded once stored".into(),
         "tracking.mode" => format!("rehearsed jitter {:.3} Hz", prediction.jitter_hz),
         "tracking.span" => {
             format!("finds a resonance that has moved by up to {:.0} Hz", proposal.span * f64::from(it.series_resonance_hz))
         }
-        "tracking.nominal_q" => format!("+- {:.2} as identified; a loss is noticed by it", it.deviations.q),
-        "tracking.nominal_lm_h" => "another mode is no lock (fault 34)".into(),
+        "tracking.nominal_q" => format!("+- {:.2} as identified; reference for a loss of Q", it.deviations.q),
+        "tracking.nominal_lm_h" => "another mode is not accepted as a lock (fault 34)".into(),
         "tracking.nominal_c0_f" => {
-            format!("{:+.2} Hz of the lock for each per cent that it is off", prediction.bias_hz_per_percent_c0)
+            format!("an error of 1 % moves the lock by {:+.2} Hz", prediction.bias_hz_per_percent_c0)
         }
         "drive.frequency_hz" => format!("+- {:.2} Hz as identified{locks}", it.deviations.series_resonance_hz),
         _ => String::new(),
@@ -50,7 +50,7 @@ pub fn worth(found: &Commissioned) -> Vec<[String; 3]> {
         .collect()
 }
 
-/// The settings as a script: `sim-host link PORT script settings.txt` stores them.
+/// Returns the settings as a script; `sim-host link PORT script settings.txt` stores them.
 fn settings(found: &Commissioned) -> String {
     let lines: String = worth(found).iter().map(|[name, value, _]| format!("settings set {name} {value}\n")).collect();
     format!(
@@ -78,15 +78,15 @@ fn page(found: &Commissioned) -> Report {
     let modes = TableBlock::new(
         "modes",
         "Modes",
-        "The mode with the star is driven.",
+        "The driven mode is marked with a star.",
         &[header.trim()],
         rows(table(&found.modes, Some(found.chosen))),
     );
     let proposed = TableBlock::new(
         "settings",
         "Proposed settings",
-        "What each is worth is rehearsed on the twin, or follows from the identified circuit.",
-        &["setting", "value", "worth"],
+        "The effects are rehearsed on the twin, or follow from the identified circuit.",
+        &["setting", "value", "effect or uncertainty"],
         worth(found).into_iter().map(Vec::from).collect(),
     );
     let places = places(found);
@@ -111,8 +111,8 @@ fn page(found: &Commissioned) -> Report {
         x: axis("frequency [kHz]"),
         y: Axis { log: true, ..axis("admittance [mS]") },
         series: vec![
-            line("circuit identified", "admittance_ms", Style::Line, circuit),
-            line("small tones, measured", "measured_admittance_ms", Style::Points, tones),
+            line("identified circuit", "admittance_ms", Style::Line, circuit),
+            line("measured small tones", "measured_admittance_ms", Style::Points, tones),
         ],
         markers: markers.collect(),
         ..Figure::default()

@@ -1,4 +1,4 @@
-//! The settings that are proposed for a mode.
+//! Settings proposed for a mode.
 
 use std::f64::consts::TAU;
 
@@ -6,59 +6,71 @@ use firmware::seam::transducer::Transducer;
 
 use super::limits::Bounds;
 
-/// Part of the current limit that the drive takes at the resonance.
-pub const USED: f64 = 0.8;
-/// What is left of the voltage where it was too much.
-pub const LESS: f64 = 0.6;
-/// Window to each side: what a resonance may move by; as a part of the distance to the parallel resonance, and at least.
-const SPAN: (f64, f64, f64) = (0.025, 0.9, 0.005);
+/// Current of the drive at the resonance, relative to the limit.
+pub const USED_CURRENT_REL: f64 = 0.8;
+/// Factor of the voltage after it was too high.
+pub const REDUCTION: f64 = 0.6;
+/// Usual half-width of the window, which is the largest change of a resonance, relative to its
+/// frequency.
+const SPAN_REL: f64 = 0.025;
+/// Largest half-width of the window, relative to the distance to the parallel resonance.
+const SPAN_TO_PARALLEL_REL: f64 = 0.9;
+/// Minimum half-width of the window, relative to the frequency.
+const MIN_SPAN_REL: f64 = 0.005;
 
-/// What a frequency may be off by, as a part of the bandwidth, which is 0.6 degrees of the motional phase, or Hz, if that is more.
-const AGREES: (f64, f64) = (0.005, 1.0);
-/// Time constants that a change has to settle beyond those that bring a bandwidth down to the bound; and in all at most; and least time, s.
-const SETTLE: (f64, f64, f64) = (3.0, 8.0, 2e-3);
+/// Largest frequency error of a lock, relative to the bandwidth: 0.6 degrees of the motional phase.
+const BOUND_REL: f64 = 0.005;
+/// Minimum of the largest frequency error, Hz.
+const MIN_BOUND_HZ: f64 = 1.0;
+/// Settling time in addition to the time that reduces a bandwidth to the bound, time constants.
+const EXTRA_SETTLE_TIME_CONSTANTS: f64 = 3.0;
+/// Maximum settling time, time constants.
+const MAX_SETTLE_TIME_CONSTANTS: f64 = 8.0;
+/// Minimum settling time, s.
+const MIN_SETTLE_S: f64 = 2e-3;
 
-/// Bandwidth of a resonance, Hz.
+/// Returns the bandwidth of a resonance, Hz.
 pub fn width_hz(of: &Transducer) -> f64 {
     f64::from(of.series_resonance_hz) / f64::from(of.q)
 }
 
-/// What the frequency of a lock may be off by, Hz.
+/// Returns the largest permitted frequency error of a lock, Hz.
 pub fn bound_hz(of: &Transducer) -> f64 {
-    AGREES.1.max(AGREES.0 * width_hz(of))
+    MIN_BOUND_HZ.max(BOUND_REL * width_hz(of))
 }
 
-/// Time that a change has to settle, s, so that what is left of it moves no frequency by the bound.
+/// Returns the settling time of a change, s, after which its residue moves no frequency by the
+/// bound.
 pub fn settle_s(of: &Transducer) -> f64 {
-    let time_constants = SETTLE.0 + (width_hz(of) / bound_hz(of)).ln().max(1.0);
-    (time_constants.min(SETTLE.1) * f64::from(of.time_constant_s())).max(SETTLE.2)
+    let time_constants = EXTRA_SETTLE_TIME_CONSTANTS + (width_hz(of) / bound_hz(of)).ln().max(1.0);
+    (time_constants.min(MAX_SETTLE_TIME_CONSTANTS) * f64::from(of.time_constant_s())).max(MIN_SETTLE_S)
 }
 
-/// Settings for a mode, as they are proposed.
+/// Proposed settings for a mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proposal {
-    /// The mode as it was identified.
+    /// Mode as identified.
     pub transducer: Transducer,
     /// Peak drive voltage, V.
     pub volts: f64,
     /// Peak current expected at the resonance, A.
     pub amperes: f64,
-    /// Limit of the voltage, V, and of the current, A.
+    /// Limits of the voltage, V, and of the current, A.
     pub limits: (f64, f64),
-    /// Frequency window to each side, relative.
+    /// Half-width of the frequency window, relative.
     pub span: f64,
-    /// Whether the observer tracks; else the phase loop.
+    /// `true` if the observer tracks, `false` for the phase loop.
     pub observer: bool,
 }
 
 impl Proposal {
-    /// The proposal for a mode.
-    pub fn of(it: &Transducer, bounds: &Bounds) -> Self {
+    /// Creates the proposal for a mode.
+    pub fn new(it: &Transducer, bounds: &Bounds) -> Self {
         let hz = f64::from(it.series_resonance_hz);
         let siemens = (1.0 / f64::from(it.rm_ohm)).hypot(TAU * hz * f64::from(it.c0_f));
-        let volts = three_digits((USED * bounds.amperes / siemens).min(bounds.volts));
+        let volts = three_digits((USED_CURRENT_REL * bounds.amperes / siemens).min(bounds.volts));
         let parallel = f64::from(it.parallel_resonance_hz) / hz - 1.0;
-        let span = SPAN.0.min(SPAN.1 * parallel).max(SPAN.2).max(2.0 / f64::from(it.q)).min(0.1);
+        let span = SPAN_REL.min(SPAN_TO_PARALLEL_REL * parallel).max(MIN_SPAN_REL).max(2.0 / f64::from(it.q)).min(0.1);
         Proposal {
             transducer: *it,
             volts,
@@ -69,20 +81,21 @@ impl Proposal {
         }
     }
 
-    /// The same as loud as a measurement of this peak voltage, V, and peak current, A, allows.
-    pub fn as_loud_as(self, volts: f64, amperes: f64, bounds: &Bounds) -> Self {
+    /// Changes the voltage to the largest one within the bounds, by a measurement of peak voltage,
+    /// V, and peak current, A.
+    pub fn within_limits(self, volts: f64, amperes: f64, bounds: &Bounds) -> Self {
         let siemens = amperes / volts;
-        let volts = three_digits((USED * bounds.amperes / siemens).min(bounds.volts));
+        let volts = three_digits((USED_CURRENT_REL * bounds.amperes / siemens).min(bounds.volts));
         Proposal { volts, amperes: volts * siemens, ..self }
     }
 
-    /// The same at less voltage.
-    pub fn quieter(self) -> Self {
-        let volts = three_digits(LESS * self.volts);
+    /// Reduces the voltage.
+    pub fn reduced(self) -> Self {
+        let volts = three_digits(REDUCTION * self.volts);
         Proposal { volts, amperes: self.amperes * volts / self.volts, ..self }
     }
 
-    /// As parameters of the board, by their names.
+    /// Returns the proposal as parameters of the board, by their names.
     pub fn settings(&self) -> Vec<(&'static str, f32)> {
         let it = &self.transducer;
         vec![
@@ -100,11 +113,11 @@ impl Proposal {
     }
 }
 
-/// Three digits, downwards.
+/// Rounds down to three digits.
 fn three_digits(value: f64) -> f64 {
     let step = 10f64.powf(value.log10().floor() - 2.0);
     let digits = (value / step + 1e-9).floor();
-    // By way of text, so that it is the number nearest to what is printed.
+    // Converted by text, so that the value is the number nearest to its decimal form.
     format!("{:.4e}", digits * step).parse().unwrap_or(value)
 }
 
@@ -113,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_voltage_has_three_digits_and_is_not_more() {
+    fn a_voltage_is_rounded_down_to_three_digits() {
         for (value, expected) in [(4.999, 4.99), (0.012_34, 0.0123), (5.0, 5.0), (123.9, 123.0)] {
             assert!((three_digits(value) - expected).abs() < 1e-9, "{value}");
         }

@@ -1,6 +1,8 @@
-//! What hangs on the board, by small tones before anything is scanned: how much current they draw, with which phase, and how loud they may become.
+//! Identification of the connected load by small tones before any scan: the magnitude and phase of
+//! its current, and the permitted voltage.
 //!
-//! The board holds a frequency and tracks nothing (`tracking.mode = off`); the client moves the tone over the middle of the band.
+//! The board holds a frequency without tracking (`tracking.mode = off`). The client moves the tone
+//! over the middle of the band.
 
 use std::f64::consts::TAU;
 use std::time::Duration;
@@ -21,58 +23,66 @@ use crate::link_error::LinkError;
 use crate::session::Session;
 use report::statistics::{ascending, quantile};
 
-/// Tones on each level.
+/// Number of tones per level.
 const TONES: usize = 11;
-/// How far they go to either side of the middle, as a part of it; the window of the settings is a little wider.
-const REACH: f64 = 0.15;
-const SPAN: f32 = 0.16;
-/// Time that a tone has before it is measured, s.
+/// Largest offset of a tone from the middle, relative.
+const REACH_REL: f64 = 0.15;
+/// Half-width of the window in the settings, relative, a little more than the largest offset.
+const SPAN_REL: f32 = 0.16;
+/// Settling time of a tone before it is measured, s.
 const SETTLE_S: f64 = 1e-3;
-/// A current of so many codes is measured well enough.
+/// Current that is measured accurately enough, codes.
 const CLEAR_CODES: f64 = 60.0;
-/// Below so many codes, as the mean of all tones by amount and phase, nothing is there: noise leaves a tenth of one.
+/// Current below which no load is connected, codes, as the complex mean of all tones. Noise leaves
+/// 0.1 codes.
 const OPEN_CODES: f64 = 0.4;
-/// From one level to the next.
-const STEP: f64 = 4.0;
-/// Part of the current limit that a level may be expected to reach.
-const EXPECTED: f64 = 0.25;
-/// The least capacitance of a transducer, F, with a margin for the current's noise: the self-test's own bound.
-const LEAST_F: f64 = 0.1e-9;
-/// Guesses of the capacitance where the board must have one, F: its self-test takes three times less and eight times more.
-const GUESSES_F: [f64; 5] = [300e-9, 15e-9, 1e-9, 0.15e-9, 5e-6];
-/// Less than this part of the tone's voltage at the load is a short, and so is an impedance below so many ohms.
-const SHORT: (f64, f64) = (0.5, 0.1);
-/// Phase of an admittance from which on it is that of a capacitance rather than a resistance, degrees.
+/// Ratio of the voltages of two successive levels.
+const LEVEL_RATIO: f64 = 4.0;
+/// Expected current of a level, relative to the limit.
+const EXPECTED_CURRENT_REL: f64 = 0.25;
+/// Smallest capacitance of a transducer, F, with a margin for the noise of the current: the bound
+/// of the self-test.
+const MIN_CAPACITANCE_F: f64 = 0.1e-9;
+/// Guesses of the capacitance, F, for a board that needs a value. Its self-test accepts a load from
+/// a third to eight times the guess.
+const CAPACITANCE_GUESSES_F: [f64; 5] = [300e-9, 15e-9, 1e-9, 0.15e-9, 5e-6];
+/// Voltage at the load, relative to the tone, below which the load is a short circuit.
+const SHORT_VOLTAGE_REL: f64 = 0.5;
+/// Impedance below which the load is a short circuit, ohm.
+const SHORT_OHM: f64 = 0.1;
+/// Phase of an admittance above which the load is a capacitance and not a resistance, degrees.
 const CAPACITIVE_DEGREES: f64 = 45.0;
 /// Change of the capacitance over the tones that shows a resonance outside the band, relative.
-const DISPERSION: f64 = 0.02;
+const MIN_DISPERSION_REL: f64 = 0.02;
 
-/// What the tones have measured.
+/// Result of the tones.
 #[derive(Clone, Debug, Default)]
 pub struct Load {
     /// Frequency, Hz, and admittance, S, of each tone.
     pub tones: Vec<(f64, Complex64)>,
-    /// Capacitance that takes the median current, F.
+    /// Capacitance that draws the median current, F.
     pub capacitance_f: f64,
     /// Peak voltage of the tones, V.
     pub volts: f64,
 }
 
 impl Load {
-    /// The load of some tones.
-    fn of(tones: Vec<(f64, Complex64)>, volts: f64) -> Self {
+    /// Creates the load from measured tones.
+    fn from_tones(tones: Vec<(f64, Complex64)>, volts: f64) -> Self {
         let capacitance_f = median(tones.iter().map(|(hz, y)| y.im / (TAU * hz)));
         Load { tones, capacitance_f, volts }
     }
 
-    /// Size of the mean admittance at the middle frequency, S: what differs from tone to tone in phase is noise.
+    /// Returns the magnitude of the mean admittance at the middle frequency, S. Noise, with a phase
+    /// that differs from tone to tone, averages out.
     fn mean_siemens(&self) -> f64 {
         let capacitances = self.tones.iter().map(|(hz, y)| y / Complex64::new(0.0, TAU * hz));
         let hz = median(self.tones.iter().map(|(hz, _)| *hz));
         (capacitances.sum::<Complex64>() / self.tones.len() as f64).norm() * TAU * hz
     }
 
-    /// By how much the capacitance rises over the tones, relative: the slope of a straight line through them.
+    /// Returns the relative rise of the capacitance over the tones, by a straight line through
+    /// them.
     fn rise(&self) -> f64 {
         let number = self.tones.len() as f64;
         let points: Vec<(f64, f64)> = self.tones.iter().map(|(hz, y)| (*hz, y.im / (TAU * hz))).collect();
@@ -82,22 +92,23 @@ impl Load {
             let apart_hz = point.0 - hz;
             (with + apart_hz * (point.1 - c), alone + apart_hz * apart_hz)
         });
-        2.0 * REACH * hz * with / alone / c
+        2.0 * REACH_REL * hz * with / alone / c
     }
 
-    /// Median phase of the admittance, degrees: 90 of a capacitance, 0 of a resistance.
+    /// Returns the median phase of the admittance, degrees: 90 for a capacitance, 0 for a
+    /// resistance.
     fn degrees(&self) -> f64 {
         median(self.tones.iter().map(|(_, y)| y.arg().to_degrees()))
     }
 
-    /// What a load without a resonance is.
+    /// Describes a load without a resonance.
     pub fn without_resonance(&self, band: &Band) -> String {
         let ends = format!("{:.0} to {:.0} Hz", band.low_hz, band.high_hz);
         let rise = self.rise();
         let capacitance = quantity(self.capacitance_f, "F");
-        let wider = "Look at the transducer's data sheet, and give a band that has its resonance";
+        let wider = "Give a band that contains the resonance of the transducer's data sheet";
         match self.degrees() {
-            degrees if degrees < -CAPACITIVE_DEGREES => format!("{LAGS}. There is no resonance from {ends}"),
+            degrees if degrees < -CAPACITIVE_DEGREES => format!("{LAGGING_CURRENT}. There is no resonance from {ends}"),
             degrees if degrees < CAPACITIVE_DEGREES => {
                 let ohm = 1.0 / median(self.tones.iter().map(|(_, y)| y.re));
                 format!(
@@ -105,24 +116,26 @@ impl Load {
                     quantity(ohm, "ohm")
                 )
             }
-            _ if rise.abs() > DISPERSION => format!(
-                "no resonance from {ends}; the capacitance of about {capacitance} changes with the frequency by {:.1} %, as that of a transducer \
-                 beside its resonance does: it is outside the band. {wider}",
+            _ if rise.abs() > MIN_DISPERSION_REL => format!(
+                "no resonance from {ends}; the capacitance of about {capacitance} changes with the frequency by {:.1} %, as next \
+                 to the resonance of a transducer: it is outside the band. {wider}",
                 100.0 * rise.abs()
             ),
             _ => format!(
-                "a capacitor of {capacitance}: no resonance from {ends}. A transducer looks like this far from its resonances. {wider}"
+                "a capacitor of {capacitance}: no resonance from {ends}. A transducer behaves like this far from its resonances. \
+                 {wider}"
             ),
         }
     }
 }
 
-/// Plays the tones, louder until they are measured well; names a load that is none.
+/// Plays the tones with rising voltage until the current is clear. Fails if the load cannot be a
+/// transducer, and names the load.
 pub fn measure(band: &Band, bounds: &Bounds, board: &mut BoardSettings, session: &mut Session) -> Result<Load, LinkError> {
     let middle_hz = band.middle_hz();
-    let guesses: &[f64] = if board.can_be_none("tracking.nominal_c0_f") { &[f64::INFINITY] } else { &GUESSES_F };
-    let mut volts = bounds.least_v;
-    // What was too loud once is not tried again.
+    let guesses: &[f64] = if board.can_be_none("tracking.nominal_c0_f") { &[f64::INFINITY] } else { &CAPACITANCE_GUESSES_F };
+    let mut volts = bounds.first_v;
+    // A voltage that was too high is not tried again.
     let mut most_v = bounds.volts;
     let mut last = None;
     for &guess_f in guesses {
@@ -133,7 +146,7 @@ pub fn measure(band: &Band, bounds: &Bounds, board: &mut BoardSettings, session:
                 ("drive.amplitude_v", volts as f32),
                 ("drive.scan_volts", volts as f32),
                 ("tracking.mode", 3.0),
-                ("tracking.span", SPAN),
+                ("tracking.span", SPAN_REL),
                 ("tracking.nominal_q", 100.0),
                 ("tracking.nominal_c0_f", guess_f as f32),
             ]);
@@ -142,12 +155,12 @@ pub fn measure(band: &Band, bounds: &Bounds, board: &mut BoardSettings, session:
             probe::quiet(session)?;
             match played? {
                 Ok(load) => return checked(load, bounds),
-                Err(Fault::LoadOpen) if volts < most_v && guesses.len() == 1 => volts = (STEP * volts).min(most_v),
-                Err(Fault::OverCurrent | Fault::SenseSaturated | Fault::SensorImplausible) if volts > bounds.quietest_v => {
-                    volts = (volts / STEP).max(bounds.quietest_v);
+                Err(Fault::LoadOpen) if volts < most_v && guesses.len() == 1 => volts = (LEVEL_RATIO * volts).min(most_v),
+                Err(Fault::OverCurrent | Fault::SenseSaturated | Fault::SensorImplausible) if volts > bounds.min_v => {
+                    volts = (volts / LEVEL_RATIO).max(bounds.min_v);
                     most_v = volts;
                 }
-                Err(Fault::SenseSwapped) => return Err(LinkError::Failed(LAGS.into())),
+                Err(Fault::SenseSwapped) => return Err(LinkError::Failed(LAGGING_CURRENT.into())),
                 Err(fault) => {
                     last = Some(fault);
                     break;
@@ -156,32 +169,32 @@ pub fn measure(band: &Band, bounds: &Bounds, board: &mut BoardSettings, session:
         }
     }
     let short =
-        "a short: the load draws more current than any transducer does, at the smallest voltage already. Look at stack and cable";
+        "a short: even at the smallest voltage the load draws more current than any transducer. Check the stack and the cable";
     Err(LinkError::Failed(match last {
         Some(Fault::LoadOpen) => open(bounds.volts),
         Some(Fault::LoadShorted | Fault::OverCurrent | Fault::SenseSaturated) => short.into(),
-        Some(Fault::SensorImplausible) if session_short(session)? => short.into(),
-        Some(fault) => format!("the tones end in {}", crate::words::fault(fault)),
+        Some(Fault::SensorImplausible) if is_short(session)? => short.into(),
+        Some(fault) => format!("the tones end with {}", crate::words::fault(fault)),
         None => "no tone could be measured".into(),
     }))
 }
 
 fn open(volts: f64) -> String {
     format!(
-        "no transducer: less current flows at {} than {} would take. Look at cable and plug, and whether the amplifier is on",
+        "no transducer: at {} the current is less than that of {}. Check the cable, the plug and the power of the amplifier",
         quantity(volts, "V"),
-        quantity(LEAST_F, "F")
+        quantity(MIN_CAPACITANCE_F, "F")
     )
 }
 
-/// Whether the voltage of the last fault was missing under a current that is there.
-fn session_short(session: &mut Session) -> Result<bool, LinkError> {
+/// Returns `true` if the voltage at the last fault was missing although a current flowed.
+fn is_short(session: &mut Session) -> Result<bool, LinkError> {
     let Some(entry) = probe::latest_fault(session)? else { return Ok(false) };
     let volts = f64::from(magnitude(entry.v));
-    Ok(volts < SHORT.0 * f64::from(entry.drive.0) && f64::from(magnitude(entry.i)) * 2.0 > volts)
+    Ok(volts < SHORT_VOLTAGE_REL * f64::from(entry.drive.0) && f64::from(magnitude(entry.i)) * 2.0 > volts)
 }
 
-/// All tones on rising levels, until the current is clear.
+/// Plays all tones with rising voltage, until the current is clear.
 fn play(middle_hz: f64, first_v: f64, bounds: &Bounds, session: &mut Session) -> Result<Result<Load, Fault>, LinkError> {
     let code_a = session.scale()?.ampere_per_lsb;
     let mut volts = first_v;
@@ -197,7 +210,7 @@ fn play(middle_hz: f64, first_v: f64, bounds: &Bounds, session: &mut Session) ->
         let mut most_a = 0.0_f64;
         for n in 0..TONES {
             let part = 2.0 * n as f64 / (TONES - 1) as f64 - 1.0;
-            let hz = middle_hz * (1.0 + REACH * part);
+            let hz = middle_hz * (1.0 + REACH_REL * part);
             session.client.order(Command::Detune(Hertz((hz - middle_hz) as f32)))?;
             let report = match probe::driven(SETTLE_S, session)? {
                 Ok(report) => report,
@@ -207,35 +220,36 @@ fn play(middle_hz: f64, first_v: f64, bounds: &Bounds, session: &mut Session) ->
             most_a = most_a.max(complex(report.i).norm());
             tones.push((report.frequency.0.into(), complex(report.i) / complex(report.v)));
         }
-        let allowed = volts * EXPECTED * bounds.amperes / most_a.max(code_a);
+        let allowed = volts * EXPECTED_CURRENT_REL * bounds.amperes / most_a.max(code_a);
         if most_a >= CLEAR_CODES * code_a || volts >= bounds.volts || allowed <= volts {
             session.client.order(Command::Idle)?;
             session.wait(Duration::from_secs_f64(SETTLE_S))?;
-            let load = Load::of(tones, volts);
+            let load = Load::from_tones(tones, volts);
             let is_open = load.mean_siemens() * volts < OPEN_CODES * code_a;
             return Ok(if is_open { Err(Fault::LoadOpen) } else { Ok(load) });
         }
-        volts = (STEP * volts).min(allowed).min(bounds.volts);
+        volts = (LEVEL_RATIO * volts).min(allowed).min(bounds.volts);
     }
 }
 
-/// A load whose current lags.
-const LAGS: &str = "the current lags the voltage: an inductance is connected, or the two sense channels are exchanged, or one of them is reversed";
+/// Message for a load with lagging current.
+const LAGGING_CURRENT: &str =
+    "the current lags the voltage: an inductance is connected, the two sense channels are exchanged, or one of them is inverted";
 
-/// The load, if it can be a transducer.
+/// Returns the load if it can be a transducer.
 fn checked(load: Load, bounds: &Bounds) -> Result<Load, LinkError> {
     let siemens = median(load.tones.iter().map(|(_, y)| y.norm()));
-    if siemens * SHORT.1 > 1.0 && load.degrees().abs() < CAPACITIVE_DEGREES {
-        return Err(LinkError::Failed(format!("a short of {}: look at stack and cable", quantity(1.0 / siemens, "ohm"))));
+    if siemens * SHORT_OHM > 1.0 && load.degrees().abs() < CAPACITIVE_DEGREES {
+        return Err(LinkError::Failed(format!("a short of {}: check the stack and the cable", quantity(1.0 / siemens, "ohm"))));
     }
     let hz = median(load.tones.iter().map(|(hz, _)| *hz));
-    if load.mean_siemens() < 0.5 * TAU * hz * LEAST_F {
+    if load.mean_siemens() < 0.5 * TAU * hz * MIN_CAPACITANCE_F {
         return Err(LinkError::Failed(open(bounds.volts)));
     }
     Ok(load)
 }
 
-/// The middle one of some values; not a number where there are none.
+/// Returns the median of finite values; NaN if there are none.
 pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     quantile(&ascending(values.filter(|value| value.is_finite())), 0.5).unwrap_or(f64::NAN)
 }

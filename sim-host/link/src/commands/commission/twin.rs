@@ -1,4 +1,5 @@
-//! The twin of what was commissioned: a scene with the identified transducer, the board's converters and the proposed settings.
+//! Twin of a commissioned transducer: a scene with the identified transducer, the board's
+//! converters and the proposed settings.
 
 use firmware::board::command::Converters;
 
@@ -10,18 +11,20 @@ use scene::load::{Loaded, load_text};
 use sim::advice::case::{Case, Wishes};
 use sim::advice::{Advice, advise};
 
-/// Duration of the scene, s, and ring-up times of the transducer that it has at least.
-const DURATION: (f64, f64) = (0.2, 60.0);
+/// Minimum duration of the scene, s.
+const MIN_DURATION_S: f64 = 0.2;
+/// Minimum duration of the scene, ring-up time constants of the transducer.
+const MIN_DURATION_TIME_CONSTANTS: f64 = 60.0;
 
-/// The scene as TOML.
+/// Returns the scene as TOML.
 pub fn toml(name: &str, proposal: &Proposal, others: &[Mode], scale: &Scale, converters: &Converters) -> String {
     let it = &proposal.transducer;
     let (drive_half, sense_half) = (u32::from(converters.drive_mid_code), u32::from(converters.sense_mid_code));
-    // Conversions are summed to codes: as many as leave a power of two.
+    // Conversions are summed to codes: the number of them that leaves a power of two.
     let oversample =
         (1..=8).find(|&n| sense_half % n == 0 && (sense_half / n).is_power_of_two() && sense_half / n <= 2048).unwrap_or(1);
     let bits = |half: u32| half.max(2).ilog2() + 1;
-    let duration_s = DURATION.0.max(DURATION.1 * f64::from(it.time_constant_s()));
+    let duration_s = MIN_DURATION_S.max(MIN_DURATION_TIME_CONSTANTS * f64::from(it.time_constant_s()));
     let modes: String = others
         .iter()
         .map(|mode| {
@@ -36,8 +39,8 @@ pub fn toml(name: &str, proposal: &Proposal, others: &[Mode], scale: &Scale, con
         .collect();
     format!(
         "title = {title:?}\nsource = \"identified by sim-host link commission\"\n\
-         notes = [\"Converters and settings are the board's; noise, bandwidth and source resistance of its amplifier are the defaults of scenes, \
-         because a commissioning does not measure them.\"]\n\
+         notes = [\"Converters and settings are those of the board. Noise, bandwidth and source resistance of the amplifier \
+         are defaults of scenes, because a commissioning does not measure them.\"]\n\
          duration_s = {duration_s:.3}\n\n\
          [controller]\nblock_samples = {block}\n\n\
          [controller.drive]\nfrequency_hz = {hz:?}\namplitude_v = {volts:?}\n\n\
@@ -68,12 +71,12 @@ pub fn toml(name: &str, proposal: &Proposal, others: &[Mode], scale: &Scale, con
     )
 }
 
-/// The scene, read as `sim-host run` reads it.
+/// Loads the scene as `sim-host run` does.
 pub fn load(name: &str, text: &str) -> Result<Loaded, LinkError> {
-    load_text(name, text, &[]).map_err(|error| LinkError::Failed(format!("the twin is no scene: {error}")))
+    load_text(name, text, &[]).map_err(|error| LinkError::Failed(format!("the twin is not a valid scene: {error}")))
 }
 
-/// What the settings are worth: rehearsed on the twin.
+/// Predicts the effect of the settings by runs of the twin.
 pub fn rehearse(twin: &Loaded) -> Result<Advice, LinkError> {
     let block_samples = twin.scene.controller.as_ref().map(|controller| controller.block_samples);
     let failed = |error: &dyn std::fmt::Display| LinkError::Failed(format!("the twin cannot be rehearsed: {error}"));

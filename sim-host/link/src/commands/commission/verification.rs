@@ -1,4 +1,4 @@
-//! The proposed settings, put to the test: lock, a step of the amplitude, and a burst.
+//! Test of the proposed settings: a lock, a step of the amplitude, and a burst.
 
 use std::time::Duration;
 
@@ -18,27 +18,30 @@ use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::words;
 
-/// The smaller amplitude of the step.
-const STEP: f64 = 0.7;
-/// Least time that a change of a lock has to settle, s.
-const SETTLE_S: f64 = 4e-3;
-/// Part of the bound that the lock may be off by: the rest is for the identification. To it come so many standard deviations of the mean of the lock.
-const AGREES: f64 = 0.9;
-const SIGMAS: f64 = 3.0;
-/// At the end of the pause of a burst less than this part of the current is left.
-const SILENT: f64 = 0.2;
-/// How long a measurement of the clamped branch, which takes up to 20 time constants, is waited for: settling times, and beyond, s.
-const PROBES: f64 = 5.0;
-const PATIENCE_S: f64 = 0.1;
-/// Reports that are averaged.
-const REPORTS: usize = 16;
+/// Smaller amplitude of the step, relative to the larger one.
+const STEP_REL: f64 = 0.7;
+/// Minimum settling time of a lock after a change, s.
+const MIN_SETTLE_S: f64 = 4e-3;
+/// Largest error of the lock relative to the bound; the rest is for the identification.
+const LOCK_BOUND_REL: f64 = 0.9;
+/// Number of standard deviations of the mean frequency that is added to the largest error.
+const ERROR_SIGMAS: f64 = 3.0;
+/// Largest current at the end of the pause of a burst, relative to the driven current.
+const MAX_PAUSE_CURRENT_REL: f64 = 0.2;
+/// Time to wait for a measurement of the clamped branch, settling times. The measurement takes up
+/// to 20 time constants.
+const PROBE_SETTLING_TIMES: f64 = 5.0;
+/// Additional time to wait for it, s.
+const PROBE_EXTRA_S: f64 = 0.1;
+/// Number of averaged reports.
+const AVERAGED_REPORTS: usize = 16;
 
-/// What the test has measured.
+/// Results of the test.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Verified {
     /// Frequency of the lock, Hz.
     pub locked_hz: f64,
-    /// Frequency at the smaller amplitude, Hz, and at full amplitude again, Hz.
+    /// Frequencies at the smaller amplitude and at full amplitude afterwards, Hz.
     pub stepped_hz: (f64, f64),
     /// Frequency after the burst, Hz.
     pub after_burst_hz: f64,
@@ -46,68 +49,68 @@ pub struct Verified {
     pub motional_a: f64,
     /// Electrical power, W.
     pub power_w: f64,
-    /// Time from the order to the lock, ms, as the host has seen it.
+    /// Time from the order to the lock, ms, as observed by the host.
     pub lock_ms: f64,
 }
 
-/// Why the test has failed.
+/// Failure of the test.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Failed {
-    /// Why, in words.
+pub struct TestFailure {
+    /// Reason, as text.
     pub why: String,
-    /// The drive was too loud for limits or converters.
-    pub too_loud: bool,
+    /// `true` if the voltage was too high for limits or converters.
+    pub voltage_too_high: bool,
 }
 
-/// Locks with the proposed settings, and tries them; why they fail, if they do.
+/// Locks with the proposed settings and tests them. Returns the reason if they fail.
 pub fn verify(
     proposal: &Proposal,
     bounds: &Bounds,
     board: &mut BoardSettings,
     session: &mut Session,
-) -> Result<Result<Verified, Failed>, LinkError> {
+) -> Result<Result<Verified, TestFailure>, LinkError> {
     let mut settings = bounds.settings();
     settings.extend(proposal.settings());
-    // Of two the later one counts: the limit with its margin, until it is done.
+    // The limit with its margin applies until the commissioning is finished.
     settings.retain(|(name, _)| *name != "limits.current_a");
     settings.push(("limits.current_a", bounds.amperes as f32));
     board.apply(&settings, session)?;
-    let tried = tried(proposal, session);
+    let tried = run_test(proposal, session);
     probe::quiet(session)?;
     session.client.order(Command::Gate(Gate::Scheduled))?;
     tried
 }
 
-fn tried(proposal: &Proposal, session: &mut Session) -> Result<Result<Verified, Failed>, LinkError> {
+fn run_test(proposal: &Proposal, session: &mut Session) -> Result<Result<Verified, TestFailure>, LinkError> {
     let it = &proposal.transducer;
     let hz = f64::from(it.series_resonance_hz);
-    let settle_s = settle_s(it).max(SETTLE_S);
-    let bound_hz = AGREES * bound_hz(it);
+    let settle_s = settle_s(it).max(MIN_SETTLE_S);
+    let bound_hz = LOCK_BOUND_REL * bound_hz(it);
     session.client.order(Command::Gate(Gate::On))?;
     session.client.order(Command::Detune(Hertz(0.0)))?;
     session.client.order(Command::Amplitude(None))?;
     let began = session.client.now();
     if let Err(fault) = probe::run(session)? {
-        return Ok(Err(named("the lock", fault)));
+        return Ok(Err(ended_by("the lock", fault)));
     }
     let mut verified = Verified { lock_ms: 1e3 * (session.client.now() - began).as_secs_f64(), ..Verified::default() };
-    // An amplitude of volts, lower and back.
-    let levels = [("the lock", 1.0), ("the step of the amplitude", STEP), ("the step back", 1.0)];
+    // The amplitude as a voltage, reduced and restored.
+    let levels = [("the lock", 1.0), ("the step of the amplitude", STEP_REL), ("the step back", 1.0)];
     let mut seen = [0.0; 3];
     let mut before = 1.0;
     for ((what, part), seen) in levels.into_iter().zip(&mut seen) {
-        // In two steps, for a clamped capacitance draws a peak of current with each.
+        // In two steps, because a clamped capacitance draws a current peak with each.
         for part in [0.5 * (before + part), part] {
             session.client.order(Command::Amplitude(Some(Amplitude::Volts((part * proposal.volts) as f32))))?;
         }
         before = part;
         let report = match steady(settle_s, session)? {
             Ok(report) => report,
-            Err(fault) => return Ok(Err(named(what, fault))),
+            Err(fault) => return Ok(Err(ended_by(what, fault))),
         };
         *seen = report.hz;
-        if let Some(why) = apart(what, &report, hz, bound_hz) {
-            return Ok(Err(because(why)));
+        if let Some(why) = lock_error(what, &report, hz, bound_hz) {
+            return Ok(Err(failure(why)));
         }
         if part == 1.0 {
             verified.motional_a = magnitude(report.report.motional_current).into();
@@ -118,54 +121,56 @@ fn tried(proposal: &Proposal, session: &mut Session) -> Result<Result<Verified, 
     session.client.order(Command::Gate(Gate::Off))?;
     let off = match probe::driven(settle_s, session)? {
         Ok(report) => report,
-        Err(fault) => return Ok(Err(named("the pause of the burst", fault))),
+        Err(fault) => return Ok(Err(ended_by("the pause of the burst", fault))),
     };
-    if f64::from(magnitude(off.i)) > SILENT * proposal.amperes {
-        return Ok(Err(because("current flows in the pause of the burst, while the gate is closed".into())));
+    if f64::from(magnitude(off.i)) > MAX_PAUSE_CURRENT_REL * proposal.amperes {
+        return Ok(Err(failure("current flows in the pause of the burst, while the gate is closed".into())));
     }
     session.client.order(Command::Gate(Gate::On))?;
     let report = match steady(settle_s, session)? {
         Ok(report) => report,
-        Err(fault) => return Ok(Err(named("the burst", fault))),
+        Err(fault) => return Ok(Err(ended_by("the burst", fault))),
     };
     verified.after_burst_hz = report.hz;
-    if let Some(why) = apart("the burst", &report, hz, bound_hz) {
-        return Ok(Err(because(why)));
+    if let Some(why) = lock_error("the burst", &report, hz, bound_hz) {
+        return Ok(Err(failure(why)));
     }
     Ok(Ok(verified))
 }
 
-fn named(what: &str, fault: Fault) -> Failed {
-    let too_loud = matches!(fault, Fault::OverCurrent | Fault::SenseSaturated);
-    Failed { why: format!("{what} ends in {}", words::fault(fault)), too_loud }
+fn ended_by(what: &str, fault: Fault) -> TestFailure {
+    let voltage_too_high = matches!(fault, Fault::OverCurrent | Fault::SenseSaturated);
+    TestFailure { why: format!("{what} ends with {}", words::fault(fault)), voltage_too_high }
 }
 
-fn because(why: String) -> Failed {
-    Failed { why, too_loud: false }
+fn failure(why: String) -> TestFailure {
+    TestFailure { why, voltage_too_high: false }
 }
 
-/// A steady lock.
+/// Settled lock.
 struct Steady {
-    /// Mean frequency, Hz, and its standard deviation, Hz.
+    /// Mean frequency, Hz.
     hz: f64,
+    /// Standard deviation of the mean frequency, Hz.
     deviation_hz: f64,
     /// The last report.
     report: Telemetry,
 }
 
-/// The lock after it has settled.
+/// Waits until the lock has settled, and averages its frequency.
 fn steady(settle_s: f64, session: &mut Session) -> Result<Result<Steady, Fault>, LinkError> {
     if let Err(fault) = probe::driven(settle_s, session)? {
         return Ok(Err(fault));
     }
-    let until = session.client.now() + Duration::from_secs_f64(PROBES * settle_s + PATIENCE_S);
+    let until = session.client.now() + Duration::from_secs_f64(PROBE_SETTLING_TIMES * settle_s + PROBE_EXTRA_S);
     let mut frequencies = Vec::new();
     loop {
         let report = match probe::driven(0.0, session)? {
             Ok(report) => report,
             Err(fault) => return Ok(Err(fault)),
         };
-        // Beside the resonance on purpose, until the board has measured the clamped branch; again and again where noise hides the branch.
+        // The drive is off resonance while the board measures the clamped branch. It repeats this
+        // if noise hides the branch.
         if report.limit == Some(Limit::Probing) {
             if session.client.now() <= until {
                 continue;
@@ -174,7 +179,7 @@ fn steady(settle_s: f64, session: &mut Session) -> Result<Result<Steady, Fault>,
         } else {
             frequencies.push(f64::from(report.frequency.0));
         }
-        if frequencies.len() >= REPORTS {
+        if frequencies.len() >= AVERAGED_REPORTS {
             let number = frequencies.len() as f64;
             let hz = frequencies.iter().sum::<f64>() / number;
             let squares: f64 = frequencies.iter().map(|at| (at - hz).powi(2)).sum();
@@ -183,20 +188,20 @@ fn steady(settle_s: f64, session: &mut Session) -> Result<Result<Steady, Fault>,
     }
 }
 
-/// Why this is no lock to the identified resonance.
-fn apart(what: &str, steady: &Steady, hz: f64, bound_hz: f64) -> Option<String> {
+/// Returns the reason if the drive is not locked to the identified resonance.
+fn lock_error(what: &str, steady: &Steady, hz: f64, bound_hz: f64) -> Option<String> {
     let Steady { hz: locked_hz, deviation_hz, report } = steady;
-    let bound_hz = bound_hz + SIGMAS * deviation_hz;
+    let bound_hz = bound_hz + ERROR_SIGMAS * deviation_hz;
     if report.mode != Mode::Run || !report.locked {
-        return Some(format!("after {what} the drive is not locked: the board is at `{}`", words::mode(report.mode)));
+        return Some(format!("after {what} the drive is not locked: the board is in mode `{}`", words::mode(report.mode)));
     }
     if let Some(limit @ (Limit::FrequencyWindow | Limit::NotTracking | Limit::LockUncertain)) = report.limit {
         return Some(format!("after {what}: {}", words::limit(limit)));
     }
     ((locked_hz - hz).abs() > bound_hz).then(|| {
         format!(
-            "after {what} the drive is at {locked_hz:.2} Hz, and the scan has identified {hz:.2} Hz: {:.2} Hz apart, where {bound_hz:.2} Hz \
-             are allowed",
+            "after {what} the drive is at {locked_hz:.2} Hz, but the scan has identified {hz:.2} Hz. The difference of {:.2} Hz \
+             exceeds the permitted {bound_hz:.2} Hz",
             locked_hz - hz
         )
     })

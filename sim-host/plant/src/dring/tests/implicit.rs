@@ -1,6 +1,6 @@
-//! The same crash by another method: one step length throughout, backward differences, no modes and no events. In each step the payout is
-//! what makes the tensions fit the friction at the speed that it takes, found by bisection; the spool gives what exceeds its limiter.
-//! First order in the step.
+//! The same crash by another method: constant steps, backward differences, no modes and no events.
+//! In each step the payout is found by bisection, so that the tensions match the friction at the
+//! resulting speed. The spool releases webbing above the limiter's force. First order in the step.
 
 use super::super::actuator::Actuator;
 use super::super::motion::Extremes;
@@ -23,16 +23,17 @@ impl Implicit {
             a = (a + h * rate(times, time_s - h - bench.pulse.at_s)).clamp(0.0, 1.0);
             let pulse = bench.pulse.at(time_s, bench.pulse.contains(time_s));
             let moved = x + h * v;
-            // Spool: what the span beyond its limits would hold, it lets go or winds up.
+            // The spool releases or winds up the webbing that exceeds the limits of the span.
             let spool = |p: f64| if kr * (p - s) + t0 > bench.limiter_n { p - (bench.limiter_n - t0) / kr } else { s.min(p) };
-            // How much more the shoulder pulls than friction can hold at the speed of this payout; falls as the payout rises.
+            // Excess of the shoulder tension over the friction limit at the speed of this payout;
+            // falls as the payout rises.
             let surplus = |next: f64| {
                 let (ts, tr) = (shoulder(moved - next), t0 + kr * (next - spool(next)));
                 let speed = (next - p) / h;
                 let gain = bench.capstan.gain(friction(bench, a, speed.abs(), ts, tr));
                 if speed >= 0.0 { ts - gain * tr } else { gain * ts - tr }
             };
-            // Around standing friction goes from one end to the other.
+            // Friction jumps from one end to the other at zero speed.
             let nudge = 1e-13;
             let next = match (surplus(p + nudge), surplus(p - nudge)) {
                 (out, _) if out > 0.0 => root(&surplus, p + nudge, p + 50.0 * h),
@@ -51,7 +52,7 @@ impl Implicit {
     }
 }
 
-/// The ratio of friction at a speed, from the laws as they are rather than from their inverses.
+/// Returns the ratio of friction at a speed, from the laws themselves rather than their inverses.
 fn friction(bench: &Bench, amplitude: f64, speed: f64, ts: f64, tr: f64) -> f64 {
     use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
     let floor = bench.capstan.floor();
@@ -71,7 +72,8 @@ fn friction(bench: &Bench, amplitude: f64, speed: f64, ts: f64, tr: f64) -> f64 
             let xi = by_velocity(tip);
             FRAC_PI_2 * xi / (xi * xi.asin() + (1.0 - xi * xi).sqrt())
         }
-        // The force of friction depends on the ratio that it makes: both must fit, and the larger the ratio, the less force is left.
+        // The friction force depends on the ratio that it causes: both must match. A larger ratio
+        // leaves less force.
         Actuator::Power(watts) => fitting(|ratio| {
             let coulomb = low * (bench.capstan.gain(ratio) - 1.0) / ratio;
             FRAC_2_PI * (coulomb * speed / (FRAC_PI_2 * used * watts)).atan()
@@ -85,7 +87,7 @@ fn friction(bench: &Bench, amplitude: f64, speed: f64, ts: f64, tr: f64) -> f64 
     ratio.clamp(floor, 1.0)
 }
 
-/// The ratio that a law, which rises less steeply than its argument, gives back.
+/// Solves `law(ratio) = ratio` for a law that rises less steeply than its argument.
 fn fitting(law: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (1e-6, 1.0);
     for _ in 0..34 {

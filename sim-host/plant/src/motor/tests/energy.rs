@@ -1,4 +1,4 @@
-//! The energy closes, friction only takes, and the step is fine enough.
+//! Tests of the energy balance, of the sign of the friction's work, and of the step.
 
 use super::*;
 
@@ -26,7 +26,8 @@ fn energy_closes() {
     }
 }
 
-/// Second order: a quarter of the error for half the step, until the converter's images are all that is left.
+/// Second order: half the step gives a quarter of the error, until only the converter's images
+/// remain.
 #[test]
 fn the_answer_does_not_depend_on_the_step() {
     let speed = |steps: &str| {
@@ -44,7 +45,7 @@ fn the_answer_does_not_depend_on_the_step() {
 }
 
 #[test]
-fn friction_only_takes() {
+fn friction_only_dissipates() {
     let mut bench = Bench::new(&["amplifier.lane_phase_error_deg=[0, 10, -5, 7]"]);
     let mut truths = bench.play(0.02);
     bench.volts = 0.0;

@@ -2,11 +2,13 @@
 
 use super::*;
 
-/// Settled: the wave rings up in 0.64 ms, the rotor follows within a millisecond.
+/// Settling time, s: the time constant of the wave is 0.64 ms, and the rotor follows within a
+/// millisecond.
 const SETTLED_S: f64 = 0.03;
 const LAST: usize = 100;
 
-/// Measured speed ratio, closed form at the same amplitude and torque, and contact angle.
+/// Returns the measured speed ratio, the closed form at the same amplitude and torque, and the
+/// contact angle.
 fn ratios(sets: &[&str]) -> (f64, f64, f64) {
     let mut bench = Bench::new(sets);
     let truths = bench.play(SETTLED_S);
@@ -47,7 +49,8 @@ fn swapped_lanes_turn_the_other_way() {
     assert!(speeds[0] > 3.0 && (speeds[0] + speeds[1]).abs() < 1e-3 * speeds[0], "{speeds:?}");
 }
 
-/// A torque beyond the friction's turns the rotor backwards; one below it is held without any drive.
+/// A torque above that of the friction turns the rotor backwards; a smaller one is held without any
+/// drive.
 #[test]
 fn at_standstill_the_preload_holds() {
     let holding = |torque: &str| {
@@ -60,9 +63,9 @@ fn at_standstill_the_preload_holds() {
     assert!(holding("rig.rotor.torque_nm=11.7e-3") < -0.1);
 }
 
-/// After the drive the rotor comes to an exact stop and stays there, loaded as it is.
+/// After the drive the rotor stops exactly and remains at rest under its load.
 #[test]
-fn off_is_a_stop() {
+fn the_rotor_stops_after_the_drive() {
     let mut bench = Bench::new(&[]);
     bench.play(SETTLED_S);
     bench.volts = 0.0;
@@ -82,7 +85,7 @@ fn the_mean_normal_force_is_the_preload() {
     }
 }
 
-/// A load that changes on the way leads to the speed of the new one.
+/// A load that changes during the run leads to the speed for the new load.
 #[test]
 fn a_load_step_leads_to_the_new_speed() {
     let step = ["disturbance.0.at_s=0.01", "disturbance.0.key=rig.rotor.torque_nm", "disturbance.0.to=6e-3"];

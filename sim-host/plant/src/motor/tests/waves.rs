@@ -1,10 +1,10 @@
-//! The waves that lane errors make, against closed forms.
+//! Tests of the waves caused by lane errors against closed forms.
 
 use super::*;
 
-/// Settled: Q 80 rings up in 0.64 ms.
+/// Settling time, s: the time constant at Q 80 is 0.64 ms.
 const SETTLED_S: f64 = 0.02;
-/// No rotor: friction acts on both modes and would couple them.
+/// Settings without rotor friction, which acts on both modes and would couple them.
 const BARE: [&str; 1] = ["rig.rotor.mu=0"];
 
 fn backward(sets: &[&str]) -> f64 {
@@ -15,11 +15,11 @@ fn backward(sets: &[&str]) -> f64 {
 
 #[test]
 fn four_even_lanes_make_one_wave() {
-    // What is left is the amplifiers' load by electrodes that differ in voltage and current phase not at all: nothing but codes.
+    // The amplifiers are loaded equally, so only the rounding of the codes remains.
     assert!(backward(&[]) < 2e-5, "{:e}", backward(&[]));
 }
 
-/// Lanes 1 and 3 late or early by eps: tan(eps / 2), either way.
+/// Lanes 1 and 3 are late or early by eps: tan(eps / 2) in both cases.
 #[test]
 fn a_phase_error_makes_a_backward_wave_of_tan_half() {
     for degrees in [1.0f64, 5.0, 10.0, -10.0] {
@@ -29,7 +29,7 @@ fn a_phase_error_makes_a_backward_wave_of_tan_half() {
     }
 }
 
-/// Lanes 1 and 3 larger by g: g / (2 + g).
+/// Lanes 1 and 3 are larger by g: g / (2 + g).
 #[test]
 fn a_gain_error_makes_a_backward_wave_of_half() {
     for gain in [0.01, 0.1, -0.1] {
@@ -39,7 +39,7 @@ fn a_gain_error_makes_a_backward_wave_of_half() {
     }
 }
 
-/// Any four errors: each mode is pushed by the sum of its two lanes.
+/// Any four errors: each mode is driven by the sum of its two lanes.
 #[test]
 fn any_errors_make_the_wave_of_their_sums() {
     let (degrees, gains) = ([0.0f64, 10.0, -5.0, 7.0], [0.0, 0.06, -0.03, 0.04]);
@@ -54,22 +54,24 @@ fn any_errors_make_the_wave_of_their_sums() {
     assert!((got - expected).abs() < 3e-5, "{got} {expected}");
 }
 
-/// A ring whose modes are half a bandwidth apart turns them against each other by their detuning: by +- atan(1 / 2).
+/// Modes half a bandwidth apart have phases of +- atan(1 / 2) by their detuning.
 #[test]
 fn a_split_ring_has_a_backward_wave_without_any_lane_error() {
-    // 250 Hz of 500 Hz of bandwidth: each mode is off by half of a half, so its phase by atan(1 / 2).
+    // 250 Hz of 500 Hz bandwidth: each mode is detuned by a quarter of the bandwidth, so its phase
+    // is atan(1 / 2).
     let got = backward(&["stator.split_hz=250"]);
     let expected = (0.5f64).atan().tan();
     assert!((got - expected).abs() < 0.005, "{got} {expected}");
 }
 
-/// The errors that the truth reports are those of the scene, seen from codes.
+/// The errors that the truth computes from codes are those of the scene.
 #[test]
-fn lane_errors_are_seen() {
+fn lane_errors_are_measured() {
     let mut bench =
         Bench::new(&["amplifier.lane_phase_error_deg=[2, 10, -5, 7]", "amplifier.lane_gain_error=[0, 0.06, -0.03, 0.04]"]);
     let truth = bench.play(SETTLED_S).pop().map(|truth| truth.motor).unwrap();
     let (phase, gain) = (truth.lane_phase_error_deg.unwrap(), truth.lane_gain_error_percent.unwrap());
-    // The frequency is that of a wave with some harmonics of friction, and the block is no whole number of periods: 2e-3 measured.
+    // Friction adds harmonics to the wave, and the block is not a whole number of periods: 2e-3
+    // measured.
     assert!((phase - 8.0).abs() < 4e-3 && (gain - 6.0).abs() < 4e-3, "{phase} {gain}");
 }

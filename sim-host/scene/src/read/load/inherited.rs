@@ -1,34 +1,35 @@
-//! What a scene has of the one that it is laid over, and what it has changed.
+//! Inherited parts of a scene, and its changes relative to its base.
 //!
-//! Title, source, notes and expectations are written for certain inputs. Where a text lies over another scene (`base`), or `--set` over a built-in one, and
-//! changes its inputs, those that it does not state itself are of the other scene still. A text of the user's own without a base states all of them
-//! itself, and so they count whatever `--set` changes.
+//! Title, source, notes and expectations are written for certain inputs. A text with a `base`, or
+//! `--set` on a built-in scene, can change these inputs. Then the parts that it does not state
+//! itself still describe the other scene. A user's own text without a base states all of them
+//! itself, so they remain valid with any `--set`.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Loaded, Whole, builtin, load_text, read};
+use super::{Loaded, ReadScene, builtin, load_text, read};
 use crate::resolved::resolved_json;
 use crate::tree::{Node, Value};
 
-/// Keys of a scene that change no input of its run.
-const NO_INPUTS: [&str; 9] = ["title", "source", "notes", "expect", "seed", "trace", "overlay", "grid", "comparison"];
+/// Keys of a scene that are not inputs of its run.
+const NON_INPUT_KEYS: [&str; 9] = ["title", "source", "notes", "expect", "seed", "trace", "overlay", "grid", "comparison"];
 
-/// What a scene inherits, and how it differs from the scene that it has it of.
+/// Inherited parts of a scene, and its differences from its base.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Inherited {
-    /// Name or file of the scene that the changes are of.
+    /// Name or file of the base.
     pub base: String,
-    /// The values that differ, by their keys.
+    /// Values that differ, sorted by key.
     pub changes: Vec<Change>,
-    /// Its title is that of the base, and the inputs were changed.
+    /// `true` if the title is that of the base, but inputs were changed.
     pub title: bool,
-    /// Its source is that of the base, and the inputs were changed.
+    /// `true` if the source is that of the base, but inputs were changed.
     pub source: bool,
-    /// Its notes are those of the base, and the inputs were changed.
+    /// `true` if the notes are those of the base, but inputs were changed.
     pub notes: bool,
-    /// Its expectations are those of the base, and the inputs were changed.
+    /// `true` if the expectations are those of the base, but inputs were changed.
     pub expect: bool,
 }
 
@@ -37,20 +38,20 @@ pub struct Inherited {
 pub struct Change {
     /// Path of the key.
     pub key: String,
-    /// Value of the base; none where it has no such key.
+    /// Value in the base, or `None` if it does not have the key.
     pub was: Option<String>,
-    /// Value here; none where the key was taken away.
+    /// Value here, or `None` if the key was removed.
     pub is: Option<String>,
 }
 
 impl Loaded {
-    /// What the scene has of the one that it is laid over; nothing where it lies over none.
+    /// Returns the inherited parts and the changes of the scene, or `None` if it has no base.
     pub fn inherited(&self) -> Option<Inherited> {
         if self.repeats.is_some() {
             return self.repeats.clone();
         }
         let (sources, read_whole) = read(&self.origin, &self.input, &self.sets);
-        let Whole { root, texts, .. } = read_whole.ok()?;
+        let ReadScene { root, texts, .. } = read_whole.ok()?;
         let built_in = builtin::text(&self.origin).is_some();
         let reference = if built_in || texts == 2 { 1 } else { 2 };
         let source = &sources[reference];
@@ -73,8 +74,8 @@ impl Loaded {
         changes.extend(gone.map(|(key, value)| Change { key: key.clone(), was: Some(value.clone()), is: at(&here, key) }));
         changes.retain(|change| change.was != change.is);
         changes.sort_by(|a, b| a.key.cmp(&b.key));
-        let changed = changes.iter().any(|change| !NO_INPUTS.contains(&change.key.split('.').next().unwrap_or_default()));
-        // A text of the user's own speaks for itself, whatever is set.
+        let changed = changes.iter().any(|change| !NON_INPUT_KEYS.contains(&change.key.split('.').next().unwrap_or_default()));
+        // A user's own text is always about its own inputs.
         let foreign = changed && (built_in || reference == 2);
         let of_base = |key: &str| foreign && root.entry(key).is_some_and(|entry| newest(&entry.node) >= reference);
         Some(Inherited {
@@ -88,7 +89,7 @@ impl Loaded {
     }
 }
 
-/// The newest text that a value has something of.
+/// Returns the newest text that contributes to a value.
 fn newest(node: &Node) -> usize {
     let inner = match &node.value {
         Value::List(list) => list.iter().map(newest).min(),
@@ -98,7 +99,7 @@ fn newest(node: &Node) -> usize {
     inner.map_or(node.place.source, |inner| inner.min(node.place.source))
 }
 
-/// Every value of a tree, by its path.
+/// Returns every value of a tree by its path.
 fn leaves(root: &Node) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     collect(root, "", &mut found);
@@ -118,7 +119,7 @@ fn collect(node: &Node, path: &str, found: &mut BTreeMap<String, String>) {
     }
 }
 
-/// A value as JSON has it, so that a number is the same however it was written.
+/// Returns a value in its JSON form, so that equal numbers have equal texts.
 fn shown(value: &Value) -> String {
     match value {
         Value::Flag(flag) => flag.to_string(),
@@ -136,27 +137,27 @@ fn shown_number(number: f64) -> String {
     if size == 0.0 || (1e-4..1e9).contains(&size) { number.to_string() } else { format!("{number:e}") }
 }
 
-/// The value at a path of a resolved scene.
+/// Returns the value at a path of a resolved scene.
 fn at(json: &serde_json::Value, path: &str) -> Option<String> {
     let found = path.split('.').try_fold(json, |value, key| match value {
         serde_json::Value::Array(list) => list.get(key.parse::<usize>().ok()?),
         value => value.get(key),
     })?;
-    of_json(found)
+    json_text(found)
 }
 
-/// A value of JSON as text; none of what is not there.
-pub(super) fn of_json(value: &serde_json::Value) -> Option<String> {
+/// Returns a JSON value as text, or `None` for null.
+pub(super) fn json_text(value: &serde_json::Value) -> Option<String> {
     match value {
         serde_json::Value::Null => None,
         serde_json::Value::Number(number) => number.as_f64().map(shown_number),
         serde_json::Value::String(text) => Some(text.clone()),
-        serde_json::Value::Array(list) => Some(format!("[{}]", list.iter().filter_map(of_json).collect::<Vec<_>>().join(", "))),
+        serde_json::Value::Array(list) => Some(format!("[{}]", list.iter().filter_map(json_text).collect::<Vec<_>>().join(", "))),
         other => Some(other.to_string()),
     }
 }
 
-/// Every key of a scene with its value, in the order of the scene: what it was run with, defaults included.
+/// Returns every key of a scene with its value, in the order of the scene, defaults included.
 pub fn inputs(scene: &crate::Scene) -> Vec<(String, String)> {
     let mut found = Vec::new();
     flatten(&resolved_json(scene), "", &mut found);
@@ -171,7 +172,7 @@ fn flatten(value: &serde_json::Value, path: &str, found: &mut Vec<(String, Strin
         serde_json::Value::Array(list) if list.iter().any(serde_json::Value::is_object) => {
             list.iter().enumerate().for_each(|(index, value)| flatten(value, &join(&index.to_string()), found));
         }
-        value => found.extend(of_json(value).map(|text| (path.to_owned(), text))),
+        value => found.extend(json_text(value).map(|text| (path.to_owned(), text))),
     }
 }
 
@@ -180,7 +181,7 @@ mod tests {
     use super::super::{load, load_text};
     use super::*;
 
-    fn of(text: &str, sets: &[&str]) -> Option<Inherited> {
+    fn inherited_by(text: &str, sets: &[&str]) -> Option<Inherited> {
         let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
         let loaded = if text.contains('=') { load_text("mine.toml", text, &sets) } else { load(text, &sets) };
         loaded.unwrap_or_else(|error| panic!("{error}")).inherited()
@@ -191,8 +192,8 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_over_another_inherits_what_it_does_not_state() {
-        let found = of("base = \"contact\"\ntitle = \"mine\"\n[contact.dahl]\nmu = 0.15\n", &[]).unwrap();
+    fn unstated_parts_are_inherited_from_the_base() {
+        let found = inherited_by("base = \"contact\"\ntitle = \"mine\"\n[contact.dahl]\nmu = 0.15\n", &[]).unwrap();
         assert_eq!((found.base.as_str(), flags(&found)), ("contact", [false, true, true, true]));
         let change = |key: &str, was: &str, is: &str| Change { key: key.into(), was: Some(was.into()), is: Some(is.into()) };
         assert_eq!(found.changes[0], change("contact.dahl.mu", "0.1", "0.15"));
@@ -200,40 +201,40 @@ mod tests {
     }
 
     #[test]
-    fn what_is_stated_again_counts() {
+    fn stated_expectations_are_not_inherited() {
         let text = "base = \"contact\"\n[contact.dahl]\nmu = 0.15\n[[expect]]\nmetric = \"friction_ratio\"\nmax = 1\n";
-        assert!(!of(text, &[]).unwrap().expect);
-        // Also where a change by hand lies over that.
-        assert!(!of(text, &["rig.sdof.mass_kg=0.03"]).unwrap().expect);
-        assert!(!of("contact", &["contact.dahl.mu=0.15", "expect.0.tolerance=1"]).unwrap().expect);
-        assert!(of("contact", &["contact.dahl.mu=0.15"]).unwrap().expect);
+        assert!(!inherited_by(text, &[]).unwrap().expect);
+        // The same after a `--set` on top of it.
+        assert!(!inherited_by(text, &["rig.sdof.mass_kg=0.03"]).unwrap().expect);
+        assert!(!inherited_by("contact", &["contact.dahl.mu=0.15", "expect.0.tolerance=1"]).unwrap().expect);
+        assert!(inherited_by("contact", &["contact.dahl.mu=0.15"]).unwrap().expect);
     }
 
     #[test]
-    fn what_changes_no_input_leaves_all_as_it_was() {
-        assert_eq!(of("contact", &[]), None);
+    fn changes_without_inputs_inherit_nothing() {
+        assert_eq!(inherited_by("contact", &[]), None);
         for sets in [&["seed=7"][..], &["contact.dahl.mu=0.1"], &["contact.dahl.mu=1e-1", "title=other"]] {
-            assert_eq!(flags(&of("contact", sets).unwrap()), [false; 4], "{sets:?}");
+            assert_eq!(flags(&inherited_by("contact", sets).unwrap()), [false; 4], "{sets:?}");
         }
     }
 
     #[test]
-    fn a_text_of_the_users_own_speaks_for_itself() {
+    fn a_text_without_base_inherits_nothing() {
         let text = builtin::text("contact").unwrap();
-        assert_eq!(of(text, &[]), None);
-        let found = of(text, &["contact.dahl.mu=0.15"]).unwrap();
+        assert_eq!(inherited_by(text, &[]), None);
+        let found = inherited_by(text, &["contact.dahl.mu=0.15"]).unwrap();
         assert_eq!((flags(&found), found.changes.len()), ([false; 4], 1));
     }
 
     #[test]
-    fn a_key_that_excludes_others_replaces_them() {
-        let found = of("lock", &["stack.bvd.rm_ohm=4", "stack.bvd.lm_h=7.7e-4", "stack.bvd.cm_f=20e-9"]).unwrap();
+    fn a_key_replaces_those_that_it_excludes() {
+        let found = inherited_by("lock", &["stack.bvd.rm_ohm=4", "stack.bvd.lm_h=7.7e-4", "stack.bvd.cm_f=20e-9"]).unwrap();
         let keys: Vec<&str> = found.changes.iter().map(|change| change.key.as_str()).collect();
         assert!(["rm_ohm", "lm_h", "q"].iter().all(|key| keys.contains(&format!("stack.bvd.{key}").as_str())), "{keys:?}");
     }
 
     #[test]
-    fn defaults_of_the_program_are_no_changes() {
+    fn program_defaults_are_not_changes() {
         let loaded = load("lock", &[]).unwrap().with_defaults(&["amplifier.delay_s=1e-6".to_owned()]).unwrap();
         assert_eq!((loaded.defaults, loaded.inherited()), (1, None));
         let changed = loaded.changed(&["stack.bvd.q=60".to_owned()]).unwrap().inherited().unwrap();

@@ -1,29 +1,30 @@
-//! The scene of a run, from the manifest that the run left: so that it can be repeated from that file alone.
+//! The scene in the manifest of a run, so that the run can be repeated from that file alone.
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use super::Inherited;
 
-/// Name and text of a scene, and what it has of another one.
+/// Name and text of a scene, and its inherited parts.
 type Repeated = (String, String, Option<Inherited>);
 
-/// The scene in a manifest, or why there is none; nothing where the text is no JSON.
+/// Returns the scene of a manifest, or an error if the manifest is not usable. `None` if the text
+/// is not JSON.
 pub(super) fn scene(text: &str) -> Option<Result<Repeated, String>> {
     let Ok(Value::Object(manifest)) = serde_json::from_str::<Value>(text) else { return None };
-    Some(of(&manifest))
+    Some(from_manifest(&manifest))
 }
 
-fn of(manifest: &Map<String, Value>) -> Result<Repeated, String> {
+fn from_manifest(manifest: &Map<String, Value>) -> Result<Repeated, String> {
     let scene = manifest.get("resolved_scene").filter(|_| manifest.get("program") == Some(&"sim-host".into()));
-    let scene = scene.ok_or("JSON, but no manifest of a run; a scene is TOML text")?;
+    let scene = scene.ok_or("JSON, but not the manifest of a run; a scene is TOML text")?;
     let name = manifest.get("scene").and_then(Value::as_str).unwrap_or("manifest");
-    let text = toml::to_string(&without_nulls(scene)).map_err(|error| format!("its resolved scene is none: {error}"))?;
+    let text = toml::to_string(&without_nulls(scene)).map_err(|error| format!("its resolved scene is invalid: {error}"))?;
     let inherited = manifest.get("inherited").and_then(|inherited| Inherited::deserialize(inherited).ok());
     Ok((name.to_owned(), text, inherited))
 }
 
-/// A value without what is not there, which TOML has no word for.
+/// Removes nulls, which TOML cannot represent.
 fn without_nulls(value: &Value) -> Value {
     match value {
         Value::Object(map) => {
@@ -41,12 +42,12 @@ mod tests {
     use crate::resolved::resolved_json;
     use serde_json::json;
 
-    /// Every built-in scene comes back from its manifest as it was.
+    /// Every built-in scene is restored unchanged from its manifest.
     #[test]
-    fn a_scene_comes_back_from_its_manifest() {
+    fn scenes_are_restored_from_manifests() {
         for (name, _) in crate::builtin::all() {
             let sets = ["seed=123456789012345", "duration_s=0.6000000000000001"].map(str::to_owned);
-            // Some have more to say on their duration.
+            // Some scenes restrict their duration.
             let loaded = load(name, &sets).or_else(|_| load(name, &sets[..1])).expect("built in");
             let manifest = json!({ "program": "sim-host", "scene": name, "resolved_scene": resolved_json(&loaded.scene) });
             let (found, text, _) = scene(&format!("{manifest:#}")).expect("JSON").expect("a manifest");
@@ -57,8 +58,8 @@ mod tests {
     }
 
     #[test]
-    fn other_json_is_refused_and_toml_is_left_alone() {
+    fn other_json_is_refused_and_toml_ignored() {
         assert!(scene("title = \"a\"").is_none());
-        assert!(scene("{\"a\": 1}").is_some_and(|scene| scene.is_err_and(|why| why.contains("no manifest"))));
+        assert!(scene("{\"a\": 1}").is_some_and(|scene| scene.is_err_and(|why| why.contains("not the manifest"))));
     }
 }

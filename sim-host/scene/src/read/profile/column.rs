@@ -1,4 +1,4 @@
-//! A column of a measured table, with its time or another column to lie over, in the units of a scene.
+//! A column of a measured table, with its time or other axis, converted to the units of a scene.
 
 use std::fs::File;
 use std::io::Read;
@@ -11,21 +11,21 @@ use super::heading;
 use crate::nearest::{listed, nearest, short};
 use crate::units::Unit;
 
-/// Largest file that is read, bytes.
-const LARGEST: u64 = 64 << 20;
-/// Most rows: a manifest has each of them as text.
-const MOST_ROWS: usize = 200_000;
+/// Largest file, bytes.
+const MAX_FILE_BYTES: u64 = 64 << 20;
+/// Largest number of rows. A manifest contains all of them as text.
+const MAX_ROWS: usize = 200_000;
 
-/// Part of a scene that a refusal is about, or a line of the file.
+/// Cause of a refusal: a part of the scene, or a line of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum About {
     /// The file as a whole.
     File,
-    /// Which column it is.
+    /// The choice of the column.
     Column,
     /// Unit of the column.
     Unit,
-    /// Which column the time is.
+    /// The choice of the time column.
     Axis,
     /// Unit of the time.
     AxisUnit,
@@ -33,7 +33,7 @@ pub(crate) enum About {
     Line(usize),
 }
 
-/// Why a column cannot be read.
+/// Reason why a column cannot be read.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Refusal {
     pub(crate) about: About,
@@ -56,44 +56,44 @@ impl Refusal {
 /// A table and its text.
 #[derive(Clone, Debug)]
 pub(crate) struct Measured {
-    /// What the user calls the file.
+    /// Name of the file as the user gave it.
     pub(crate) name: String,
     /// Decoded text of the file.
     pub(crate) text: String,
     table: Table,
 }
 
-/// A column in the unit that was asked for.
+/// A column in the requested unit.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Column {
     /// Heading of the column.
     pub(crate) heading: String,
-    /// Its values, in the unit that was asked for.
+    /// Its values, in the requested unit.
     pub(crate) values: Vec<f64>,
-    /// Whether the column holds lengths where a velocity was asked for.
+    /// `true` if the column holds lengths but a velocity was requested.
     pub(crate) is_path: bool,
 }
 
-/// The text of a file, decoded whatever it was written in.
+/// Reads and decodes the text of a file.
 pub(crate) fn text_of(path: &Path, asked: &str) -> Result<String, Refusal> {
     let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes));
+    let read = File::open(path).and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes));
     if let Err(error) = read {
         let message = format!("the file `{}` cannot be read", short(asked));
         let label = match near_file(path) {
             Some(name) if error.kind() == std::io::ErrorKind::NotFound => format!("did you mean `{}`?", short(&name)),
             _ => error.to_string(),
         };
-        return Err(Refusal::new(About::File, message, label).help(format!("it was looked for as `{}`", path.display())));
+        return Err(Refusal::new(About::File, message, label).help(format!("the path that was tried is `{}`", path.display())));
     }
-    if bytes.len() as u64 > LARGEST {
-        let message = format!("the file `{}` has more than {} MiB", short(asked), LARGEST >> 20);
-        return Err(Refusal::new(About::File, message, "leave out samples that are not needed"));
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        let message = format!("the file `{}` is larger than {} MiB", short(asked), MAX_FILE_BYTES >> 20);
+        return Err(Refusal::new(About::File, message, "remove samples that are not needed"));
     }
     Ok(decode(&bytes))
 }
 
-/// A file of a similar name in the same folder.
+/// Returns a file with a similar name in the same folder.
 fn near_file(path: &Path) -> Option<String> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let names: Vec<String> =
@@ -103,12 +103,12 @@ fn near_file(path: &Path) -> Option<String> {
 }
 
 impl Measured {
-    /// The table of a text.
-    pub(crate) fn of(name: &str, text: String) -> Result<Self, (Refusal, String)> {
+    /// Parses the table of a text.
+    pub(crate) fn from_text(name: &str, text: String) -> Result<Self, (Refusal, String)> {
         match delimited::read(&text, None) {
-            Ok(table) if table.lines.len() > MOST_ROWS => {
+            Ok(table) if table.lines.len() > MAX_ROWS => {
                 let message = format!("`{}` has {} rows", short(name), table.lines.len());
-                let label = format!("must have {MOST_ROWS} rows at most");
+                let label = format!("must have at most {MAX_ROWS} rows");
                 Err((Refusal::new(About::File, message, label), text))
             }
             Ok(table) => Ok(Measured { name: name.to_owned(), text, table }),
@@ -116,33 +116,34 @@ impl Measured {
                 let about = error.line().map_or(About::File, About::Line);
                 let message = match about {
                     About::Line(_) => error.to_string(),
-                    _ => format!("`{}` is no table of numbers: {error}", short(name)),
+                    _ => format!("`{}` is not a table of numbers: {error}", short(name)),
                 };
-                let help = "a table has a heading such as `t [s],v [mm/s]`, and lines of numbers with commas, semicolons, tabs or blanks between";
-                Err((Refusal::new(about, message, "no table of numbers").help(help), text))
+                let help = "a table has a heading such as `t [s],v [mm/s]`, and lines of numbers separated by commas, \
+                            semicolons, tabs or blanks";
+                Err((Refusal::new(about, message, "not a table of numbers").help(help), text))
             }
         }
     }
 
-    /// Bytes of a line of the text, from 1.
+    /// Returns the bytes of a line of the text; lines are counted from 1.
     pub(crate) fn span(text: &str, line: usize) -> Range<usize> {
         let starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1));
         let start = starts.clone().nth(line.saturating_sub(1)).unwrap_or(text.len());
         start..starts.clone().nth(line).map_or(text.len(), |next| next - 1)
     }
 
-    /// Number of the line of a row, from 1.
+    /// Returns the line of a row, from 1.
     pub(crate) fn line(&self, row: usize) -> usize {
         self.table.lines.get(row).copied().unwrap_or(1)
     }
 
-    /// The headings, or the numbers of columns that have none.
+    /// Returns the headings, or the numbers of the columns if there are no headings.
     fn names(&self) -> Vec<String> {
         let numbers = || (1..=self.table.columns.len()).map(|number| number.to_string()).collect();
         self.table.header.clone().unwrap_or_else(numbers)
     }
 
-    /// The column of the time, or what else is along the axis that `key` names.
+    /// Returns the column of the time or other axis; `key` is the key that selects it.
     pub(crate) fn axis_index(&self, name: Option<&str>, key: &str) -> Result<usize, Refusal> {
         if let Some(name) = name {
             return self.index(name, About::Axis, key);
@@ -152,14 +153,16 @@ impl Measured {
             None => Ok(0),
             Some(_) => names.iter().position(|name| heading::is_time(name)).ok_or_else(|| {
                 let message = format!("`{}` has no column `t` or `time`", short(&self.name));
-                let help =
-                    format!("`{key} = …` names another; the columns are {}", listed(names.iter().map(String::as_str), "and"));
-                Refusal::new(About::File, message, "which column is along the axis?").help(help)
+                let help = format!(
+                    "`{key} = …` selects another column; the columns are {}",
+                    listed(names.iter().map(String::as_str), "and")
+                );
+                Refusal::new(About::File, message, "which column is the axis?").help(help)
             }),
         }
     }
 
-    /// The column that is meant, which is the only one beside `other` where nothing says.
+    /// Returns the selected column; without a name, the only one other than `other`.
     pub(crate) fn value_index(&self, name: Option<&str>, other: usize) -> Result<usize, Refusal> {
         if let Some(name) = name {
             return self.index(name, About::Column, "column");
@@ -169,14 +172,14 @@ impl Measured {
             2 => Ok(1 - other.min(1)),
             count => {
                 let rest = names.iter().enumerate().filter(|(at, _)| *at != other).map(|(_, name)| name.as_str());
-                let message = format!("`{}` has {} columns beside `{}`", short(&self.name), count - 1, names[other]);
-                let help = format!("`column` names one of {}", listed(rest, "and"));
+                let message = format!("`{}` has {} columns other than `{}`", short(&self.name), count - 1, names[other]);
+                let help = format!("select one with `column`: {}", listed(rest, "or"));
                 Err(Refusal::new(About::File, message, "which column is it?").help(help))
             }
         }
     }
 
-    /// The column of a heading, with its unit or without, or of a number from 1.
+    /// Returns the column with this heading, with or without its unit, or with this number from 1.
     fn index(&self, name: &str, about: About, key: &str) -> Result<usize, Refusal> {
         let (asked, names) = (name.trim(), self.names());
         let plain = |text: &str| text.trim().to_lowercase();
@@ -191,21 +194,23 @@ impl Measured {
             let bare: Vec<&str> = names.iter().map(|name| heading::split(name).0).collect();
             let near = nearest(asked, names.iter().map(String::as_str)).first().copied();
             let near = near.or_else(|| nearest(asked, bare.iter().copied()).first().copied());
-            let label = near.map_or(format!("`{key}` is none of them"), |near| format!("did you mean `{}`?", short(near)));
+            let label =
+                near.map_or(format!("`{key}` must be one of its columns"), |near| format!("did you mean `{}`?", short(near)));
             let message = format!("`{}` has no column `{}`", short(&self.name), short(asked));
             Refusal::new(about, message, label).help(format!("it has {}", listed(names.iter().map(String::as_str), "and")))
         })
     }
 
-    /// A column as it is, and the unit that it is in.
-    pub(crate) fn as_it_is(&self, index: usize, given: Option<&str>) -> (Column, Option<String>) {
+    /// Returns a column without conversion, and its unit.
+    pub(crate) fn unconverted(&self, index: usize, given: Option<&str>) -> (Column, Option<String>) {
         let heading = self.names().get(index).cloned().unwrap_or_default();
         let unit = given.or(heading::split(&heading).1).map(str::to_owned);
         let values = self.table.columns.get(index).cloned().unwrap_or_default();
         (Column { heading, values, is_path: false }, unit)
     }
 
-    /// A column in a unit; `axis` is the key of the unit of an axis. A length where a velocity is asked for is one, too: `is_path` says so.
+    /// Returns a column in a unit; `axis` is the key of the unit of an axis. If a velocity is
+    /// requested, a length is also accepted: then `is_path` is `true`.
     pub(crate) fn column(
         &self,
         index: usize,
@@ -224,8 +229,8 @@ impl Measured {
             // Without a unit there is nothing to convert.
             return match written.filter(|unit| !["1", "-"].contains(unit)) {
                 Some(unit) => {
-                    let message = format!("`{shown}` is in {}, and a number without a unit is needed", short(unit));
-                    Err(Refusal::new(about, message, "expected no unit").help("`unit = \"1\"` says that there is none"))
+                    let message = format!("`{shown}` is in {}, but a number without a unit is needed", short(unit));
+                    Err(Refusal::new(about, message, "expected no unit").help("`unit = \"1\"` declares that it has no unit"))
                 }
                 None => Ok(Column { heading, values: values.to_vec(), is_path: false }),
             };
@@ -238,9 +243,9 @@ impl Measured {
         };
         let Some(unit) = heading::unit(written) else {
             let message = format!("there is no unit `{}`", short(written));
-            let label = format!("`{shown}` needs one that {} is a multiple of", wanted.symbol);
+            let label = format!("`{shown}` needs a unit that can be converted to {}", wanted.symbol);
             return Err(Refusal::new(about, message, label)
-                .help("known are SI units with prefixes p, n, u, m, c and k, as `mm/s`, `kN` or `ms`"));
+                .help("use an SI unit, also with a prefix p, n, u, m, c or k: for example `mm/s`, `kN` or `ms`"));
         };
         let velocity = heading::unit("m/s").filter(|velocity| velocity.measures_like(wanted));
         let length = heading::unit("m").filter(|length| velocity.is_some() && length.measures_like(&unit));
@@ -248,15 +253,16 @@ impl Measured {
             (Some(factor), _) => (factor, false),
             (None, Some(metre)) => (unit.factor_to(metre).unwrap_or(1.0), true),
             (None, None) => {
-                let message = format!("`{shown}` is in {}, and {} is needed", unit.symbol, wanted.symbol);
-                return Err(Refusal::new(about, message, format!("{} is no {}", unit.symbol, wanted.symbol)));
+                let message = format!("`{shown}` is in {}, but {} is needed", unit.symbol, wanted.symbol);
+                return Err(Refusal::new(about, message, format!("{} cannot be converted to {}", unit.symbol, wanted.symbol)));
             }
         };
         Ok(Column { heading, values: values.iter().map(|value| value * factor).collect(), is_path })
     }
 }
 
-/// Speeds of a path, m/s: the slope between two samples, at the middle of these, and at both ends as beside them.
+/// Returns the speeds of a path, m/s, with their times: the slope between two samples, at the
+/// middle between them. The ends have the adjacent slopes.
 pub(crate) fn speeds(time_s: &[f64], path_m: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let pairs = time_s.windows(2).zip(path_m.windows(2));
     let slopes: Vec<(f64, f64)> =

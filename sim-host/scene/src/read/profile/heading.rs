@@ -1,13 +1,13 @@
-//! Headings of a measured table: a name and a unit, as people and instruments write them.
+//! Headings of a measured table: name and unit, in the usual notations.
 
 use crate::units::{self, Unit};
 
-/// Names of a column of time.
-const TIMES: [&str; 6] = ["t", "time", "zeit", "elapsed time", "time since start", "timestamp"];
-/// Standard gravity as the scenes have it, m/s^2.
+/// Names of a time column.
+const TIME_NAMES: [&str; 6] = ["t", "time", "zeit", "elapsed time", "time since start", "timestamp"];
+/// Acceleration of gravity as in the scenes, m/s^2.
 const G_M_PER_S2: f64 = 9.81;
 
-/// Name and unit of a heading: `v [mm/s]`, `Force (N)`, `speed_mm_per_s`, `t`.
+/// Splits a heading into name and unit: `v [mm/s]`, `Force (N)`, `speed_mm_per_s`, `t`.
 pub(crate) fn split(heading: &str) -> (&str, Option<&str>) {
     let heading = heading.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
@@ -22,14 +22,15 @@ pub(crate) fn split(heading: &str) -> (&str, Option<&str>) {
     (name, given)
 }
 
-/// Whether a heading is that of the time.
+/// Returns `true` if the heading is that of a time column.
 pub(crate) fn is_time(heading: &str) -> bool {
     let name = split(heading).0.to_lowercase();
-    TIMES.contains(&name.as_str())
+    TIME_NAMES.contains(&name.as_str())
 }
 
-/// The unit of this name, as `mm/s`, `kN`, `m/s²`, `g` or as keys end in it: `mm_per_s`. Capital letters count where a prefix would be another
-/// one: `MN` is none.
+/// Returns the unit with this name, such as `mm/s`, `kN`, `m/s²` or `g`, or in the notation of
+/// keys: `mm_per_s`. Upper and lower case are distinguished only if the prefix would differ: `MN`
+/// is unknown.
 pub(crate) fn unit(name: &str) -> Option<Unit> {
     let name = name.trim();
     let square = |scale: f64| Unit::new("m/s^2", scale, "m/s^2");
@@ -49,13 +50,14 @@ pub(crate) fn unit(name: &str) -> Option<Unit> {
     units::named(&plain)
 }
 
-/// The unit in the label of an axis: `time [ms]`; nothing where it has none.
+/// Returns the unit in the label of an axis, such as `time [ms]`, or `None` if it has none.
 pub(crate) fn axis_unit(label: &str) -> Option<&str> {
     let (_, rest) = label.rsplit_once('[')?;
     Some(rest.split(']').next()?.trim())
 }
 
-/// How many of an axis's unit one of the points' is; nothing if they do not measure the same. Both may be without a unit.
+/// Returns the factor that converts `from` to `to`, or `None` if they measure different quantities.
+/// Both may be without a unit.
 pub(crate) fn factor(from: Option<&str>, to: Option<&str>) -> Option<f64> {
     let meant = |unit: Option<&str>| unit.map(str::trim).filter(|unit| !unit.is_empty() && *unit != "1").map(str::to_owned);
     match (meant(from), meant(to)) {
@@ -79,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn units_are_read_as_instruments_write_them() {
+    fn common_unit_notations_are_read() {
         let factor = |name: &str, to: &str| unit(name).and_then(|from| from.factor_to(&unit(to).unwrap()));
         let cases = [
             ("mm/s", "m/s", 1e-3),

@@ -1,4 +1,5 @@
-//! The profiles of a scene: a file becomes the samples of its column, before anything else looks at the scene.
+//! Profiles of a scene: each file is replaced by the samples of its column, before the scene is
+//! checked.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,32 +13,33 @@ use crate::tree::{Entry, Node, Table, Value};
 use crate::units::{self, Unit};
 
 /// Keys of a table that is read from a file.
-struct Form {
-    /// Keys that say what to read.
+struct TableKeys {
+    /// Keys that select the data.
     read: [&'static str; 5],
-    /// Keys of what was read.
+    /// Keys of the samples.
     samples: [&'static str; 2],
 }
 
-const PROFILE: Form = Form { read: ["file", "column", "unit", "time_column", "time_unit"], samples: ["time_s", "values"] };
-const OVERLAY: Form = Form { read: ["file", "column", "unit", "x_column", "x_unit"], samples: ["x", "values"] };
+const PROFILE: TableKeys =
+    TableKeys { read: ["file", "column", "unit", "time_column", "time_unit"], samples: ["time_s", "values"] };
+const OVERLAY: TableKeys = TableKeys { read: ["file", "column", "unit", "x_column", "x_unit"], samples: ["x", "values"] };
 
-impl Form {
-    /// The keys of the column along the axis, and of its unit.
+impl TableKeys {
+    /// Returns the keys of the axis column and of its unit.
     fn axis(&self) -> (&'static str, &'static str) {
         (self.read[3], self.read[4])
     }
 
-    /// Whether what is along the axis is time, in seconds and in ascending order.
+    /// Returns `true` if the axis is time, in seconds and in ascending order.
     fn is_over_time(&self) -> bool {
         self.axis().0 == PROFILE.axis().0
     }
 }
 
-/// A problem, and the path of the key that it is with.
-pub(crate) type Found = (String, Problem);
+/// Path of a key, and its problem.
+pub(crate) type PathProblem = (String, Problem);
 
-/// The paths of the profiles that a scene has.
+/// Returns the paths of the profiles of a scene.
 pub(crate) fn paths(root: &Node) -> Vec<String> {
     let disturbances = root.at("disturbance").map_or(0, |list| list.list().len());
     let courses = (0..disturbances).map(|index| format!("disturbance.{index}.profile"));
@@ -46,26 +48,26 @@ pub(crate) fn paths(root: &Node) -> Vec<String> {
 }
 
 /// Returns the paths of all tables that can name a file, with their forms.
-fn forms(root: &Node) -> Vec<(String, &'static Form)> {
+fn tables_with_files(root: &Node) -> Vec<(String, &'static TableKeys)> {
     let overlays = (0..root.at("overlay").map_or(0, |list| list.list().len())).map(|index| format!("overlay.{index}"));
     paths(root).into_iter().map(|path| (path, &PROFILE)).chain(overlays.map(|path| (path, &OVERLAY))).collect()
 }
 
 /// Returns the files that the profiles and overlays name.
 pub(crate) fn files(root: &Node, sources: &[Source]) -> Vec<PathBuf> {
-    let named = forms(root).into_iter().filter_map(|(path, _)| root.at(&join(&path, PROFILE.read[0])));
+    let named = tables_with_files(root).into_iter().filter_map(|(path, _)| root.at(&join(&path, PROFILE.read[0])));
     named.filter_map(|file| Some(path_of(file, file.text()?, sources))).collect()
 }
 
-/// Returns the path of a file that is named in a scene: it is relative to the text that names it.
+/// Returns the path of a file that is named in a scene, relative to the text that names it.
 fn path_of(file: &Node, name: &str, sources: &[Source]) -> PathBuf {
     sources.get(file.place.source).and_then(|source| Path::new(&source.name).parent()).unwrap_or(Path::new("")).join(name)
 }
 
-/// The unit of what a profile is the course of; nothing of a number without a unit.
+/// Returns the unit of the quantity that a profile describes, `None` for a number without a unit.
 ///
 /// # Errors
-/// Nothing says what it is the course of.
+/// If the quantity is unknown.
 fn wanted(root: &Node, path: &str) -> Result<Option<Unit>, ()> {
     if path == "rig.dring.pulse" {
         return Ok(heading::unit("m/s^2"));
@@ -85,10 +87,11 @@ fn wanted(root: &Node, path: &str) -> Result<Option<Unit>, ()> {
     if known { Ok(units::split(name).1) } else { Err(()) }
 }
 
-/// Reads the files of all profiles. What is wrong with one is returned, and the profile left as it was.
-pub(crate) fn resolve(root: &mut Node, sources: &mut Vec<Source>) -> Vec<Found> {
+/// Reads the files of all profiles. A profile with a problem is not changed, and the problem is
+/// returned.
+pub(crate) fn resolve(root: &mut Node, sources: &mut Vec<Source>) -> Vec<PathProblem> {
     let mut found = Vec::new();
-    for (path, form) in forms(root) {
+    for (path, form) in tables_with_files(root) {
         let wanted = wanted(root, &path);
         let whole = root.at(&path).map(|node| node.place.clone());
         let Some(Value::Table(table)) = root.at_mut(&path).map(|node| &mut node.value) else { continue };
@@ -103,7 +106,7 @@ pub(crate) fn resolve(root: &mut Node, sources: &mut Vec<Source>) -> Vec<Found> 
                     found.push((path, problem));
                 }
             }
-            // What is wrong with the file's name, or with the key that changes, is named elsewhere.
+            // A wrong file name and a wrong `key` are reported by other checks.
             (Some(_), _) => {}
             (None, _) => {
                 if let Some(problem) = incomplete(table, form, whole) {
@@ -115,7 +118,7 @@ pub(crate) fn resolve(root: &mut Node, sources: &mut Vec<Source>) -> Vec<Found> 
     found
 }
 
-/// A list of finite numbers as samples.
+/// Converts a list of finite numbers to samples.
 fn gather(node: &mut Node) {
     let numbers: Option<Arc<[f64]>> = match &node.value {
         Value::List(list) => list.iter().map(|node| node.number().filter(|number| number.is_finite())).collect(),
@@ -126,14 +129,14 @@ fn gather(node: &mut Node) {
     }
 }
 
-/// What a profile without a file lacks.
-fn incomplete(table: &Table, form: &Form, whole: Option<Place>) -> Option<Problem> {
+/// Returns the problem of an incomplete profile without a file.
+fn incomplete(table: &Table, form: &TableKeys, whole: Option<Place>) -> Option<Problem> {
     let [axis, values] = form.samples;
     let help = format!("`file` names a table of numbers; `{axis}` and `{values}` give the samples themselves");
-    // The unit along the axis stays with points that are no times.
+    // Points over other axes than time keep the unit of their axis.
     let read = &form.read[..if form.is_over_time() { 5 } else { 4 }];
     if let Some((key, entry)) = read.iter().find_map(|key| Some((key, table.get(*key)?))) {
-        return Some(Problem::new(entry.key.clone(), format!("`{key}` without `file`"), "is of no file").help(help));
+        return Some(Problem::new(entry.key.clone(), format!("`{key}` without `file`"), "there is no file").help(help));
     }
     match form.samples.map(|key| table.contains_key(key)) {
         [true, true] => None,
@@ -149,22 +152,22 @@ fn incomplete(table: &Table, form: &Form, whole: Option<Place>) -> Option<Proble
             let (given, lacks) = if has_axis { (axis, values) } else { (values, axis) };
             let entry = table.get(given)?;
             Some(
-                Problem::new(entry.key.clone(), format!("`{given}` without `{lacks}`"), format!("needs `{lacks}`, too"))
+                Problem::new(entry.key.clone(), format!("`{given}` without `{lacks}`"), format!("needs `{lacks}` as well"))
                     .help(help),
             )
         }
     }
 }
 
-/// Puts the samples of a file in the place of its name.
-fn read(table: &mut Table, form: &Form, wanted: Option<&Unit>, sources: &mut Vec<Source>) -> Result<(), Problem> {
+/// Replaces the name of a file by its samples.
+fn read(table: &mut Table, form: &TableKeys, wanted: Option<&Unit>, sources: &mut Vec<Source>) -> Result<(), Problem> {
     let text = |key: &str| table.get(key).and_then(|entry| entry.node.text());
     let entry = |key: &str| table.get(key);
     let Some((file, name)) = entry("file").zip(text("file")) else { return Ok(()) };
     if let Some((key, samples)) = form.samples.iter().find_map(|key| Some((key, entry(key)?))) {
         let problem =
-            Problem::new(samples.key.clone(), format!("`file` and `{key}` exclude each other"), "`file` is given already");
-        return Err(problem.help("either a file is read, or the samples are given"));
+            Problem::new(samples.key.clone(), format!("`file` and `{key}` exclude each other"), "`file` is already given");
+        return Err(problem.help("give either a file or the samples"));
     }
     let at = file.node.place.clone();
     let place = |about: About| {
@@ -189,7 +192,7 @@ fn read(table: &mut Table, form: &Form, wanted: Option<&Unit>, sources: &mut Vec
         Problem { at, message: refusal.message, label: refusal.label, help: refusal.help }
     };
     let content = text_of(&path, name).map_err(|refusal| refused(refusal, None))?;
-    let measured = Measured::of(name, content).map_err(|(refusal, text)| refused(refusal, Some(&text)))?;
+    let measured = Measured::from_text(name, content).map_err(|(refusal, text)| refused(refusal, Some(&text)))?;
     let (axis_key, axis_unit_key) = form.axis();
     let columns = || {
         let axis = measured.axis_index(text(axis_key), axis_key)?;
@@ -197,20 +200,20 @@ fn read(table: &mut Table, form: &Form, wanted: Option<&Unit>, sources: &mut Vec
         let (axis, axis_unit) = if form.is_over_time() {
             (measured.column(axis, text(axis_unit_key), heading::unit("s").as_ref(), Some(axis_unit_key))?, None)
         } else {
-            measured.as_it_is(axis, text(axis_unit_key))
+            measured.unconverted(axis, text(axis_unit_key))
         };
         Ok((axis, axis_unit, measured.column(value, text("unit"), wanted, None)?))
     };
     let (axis, axis_unit, value) = columns().map_err(|refusal: Refusal| refused(refusal, Some(&measured.text)))?;
-    if let Some(row) = falls(&axis.values).filter(|_| form.is_over_time()) {
+    if let Some(row) = first_not_rising(&axis.values).filter(|_| form.is_over_time()) {
         let (before, after) = (shown(axis.values[row - 1]), shown(axis.values[row]));
-        let message = format!("the time of `{name}` does not go on: {after} s comes after {before} s");
+        let message = format!("the time in `{name}` does not increase: {after} s follows {before} s");
         let refusal = Refusal { about: About::Line(measured.line(row)), message, label: "must be later".to_owned(), help: None };
         return Err(refused(refusal, Some(&measured.text)));
     }
     let source = format!("{name}: {} over {}, {} samples", value.heading, axis.heading, value.values.len());
     if value.is_path && !form.is_over_time() {
-        let message = format!("`{}` is a length, and a speed is needed", value.heading);
+        let message = format!("`{}` is a length, but a speed is needed", value.heading);
         let refusal = Refusal { about: About::Column, message, label: "must be a speed".to_owned(), help: None };
         return Err(refused(refusal, None));
     }
@@ -229,7 +232,7 @@ fn read(table: &mut Table, form: &Form, wanted: Option<&Unit>, sources: &mut Vec
     Ok(())
 }
 
-/// The first sample that is not later than the one before it.
-pub(crate) fn falls(time_s: &[f64]) -> Option<usize> {
+/// Returns the index of the first sample that is not later than the previous one.
+pub(crate) fn first_not_rising(time_s: &[f64]) -> Option<usize> {
     time_s.windows(2).position(|pair| !pair.is_sorted_by(|a, b| a < b)).map(|at| at + 1)
 }

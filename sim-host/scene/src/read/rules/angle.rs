@@ -1,4 +1,4 @@
-//! A vibration at an angle to the sliding, `excitation.angle_deg`: what is made of it.
+//! Rules of a vibration at an angle to the sliding, `excitation.angle_deg`.
 
 use super::Rules;
 use crate::diagnostic::Problem;
@@ -15,23 +15,26 @@ impl Rules<'_> {
     pub(super) fn angle(&mut self) {
         if self.number(ANGLE).unwrap_or_default() == 0.0 {
             if self.text(METHOD) == Some("collocation") {
-                let reason = "it is for a vibration at an angle to the sliding, `excitation.angle_deg`";
-                let problem = Problem::new(self.place(METHOD), "collocation cannot do this", reason);
-                self.add(METHOD, problem.help("leave `integrator.method` out: auto takes the cheapest that meets the tolerance"));
+                let reason = "only for a vibration at an angle to the sliding, `excitation.angle_deg`";
+                let problem = Problem::new(self.place(METHOD), "collocation does not apply here", reason);
+                self.add(
+                    METHOD,
+                    problem.help("omit `integrator.method`: auto selects the cheapest method that meets the tolerance"),
+                );
             }
             return;
         }
-        self.of_a_given_vibration();
-        self.by_what();
-        self.by_coulomb();
+        self.check_vibration();
+        self.check_angle_method();
+        self.check_coulomb();
     }
 
-    fn of_a_given_vibration(&mut self) {
-        const IN_THE_PLANE: &str = "in the plane of the contact vibrate [contact.coulomb], [contact.dahl] and [contact.lugre]";
+    fn check_vibration(&mut self) {
+        const IN_THE_PLANE: &str = "in the plane of the contact, use [contact.coulomb], [contact.dahl] or [contact.lugre]";
         let others = [
             (
                 "rig.sdof",
-                "only `rig.kinematic`, whose vibration is given, takes an angle; leave `angle_deg` out with [rig.sdof]"
+                "only `rig.kinematic`, whose vibration is prescribed, supports an angle; omit `angle_deg` with [rig.sdof]"
                     .to_owned(),
             ),
             ("contact.hertz", format!("a Hertzian contact vibrates across the surface; {IN_THE_PLANE}")),
@@ -43,44 +46,48 @@ impl Rules<'_> {
         self.add(ANGLE, Problem::new(self.place(ANGLE), message, format!("not with [{other}]")).help(help));
     }
 
-    fn by_what(&mut self) {
+    fn check_angle_method(&mut self) {
         let coulomb = self.given("contact.coulomb");
         let (known, reason) = if coulomb {
-            (["auto", "closed"], "Coulomb friction of a vibration at an angle has its closed form only")
+            (["auto", "closed"], "Coulomb friction under a vibration at an angle has only a closed form")
         } else {
-            (["auto", "collocation"], "bristles under a vibration at an angle are for collocation")
+            (["auto", "collocation"], "bristle friction under a vibration at an angle is solved only by collocation")
         };
         if let Some(method) = self.text(METHOD).filter(|method| !known.contains(method)) {
-            let problem = Problem::new(self.place(METHOD), format!("{method} cannot do this"), reason);
-            self.add(METHOD, problem.help("leave `integrator.method` out: auto takes the one that there is"));
+            let problem = Problem::new(self.place(METHOD), format!("{method} does not apply here"), reason);
+            self.add(METHOD, problem.help("omit `integrator.method`: auto selects the only method"));
         }
         if self.value(STEPS).is_some() {
-            let message = "a vibration at an angle to the sliding has no steps a period";
-            let problem = Problem::new(self.key(STEPS), message, "leave it out");
-            self.add(STEPS, problem.help("its panels follow the solution, and are halved until they agree to round-off"));
+            let message = "a vibration at an angle to the sliding is not solved in steps";
+            let problem = Problem::new(self.key(STEPS), message, "omit it");
+            self.add(
+                STEPS,
+                problem.help("its intervals adapt to the solution, and are halved until the results agree to round-off"),
+            );
         }
         if self.text(TOLERANCE_OF) == Some("record") {
-            let reason = "a vibration at an angle to the sliding has a tolerance of its mean only";
-            let problem = Problem::new(self.place(TOLERANCE_OF), "there is no record to have a tolerance", reason);
-            let help = "leave `integrator.tolerance_of` out: then `error_estimate` is of the mean friction ratio";
+            let reason = "for a vibration at an angle to the sliding, only the mean has a tolerance";
+            let problem = Problem::new(self.place(TOLERANCE_OF), "the record has no tolerance here", reason);
+            let help = "omit `integrator.tolerance_of`: `error_estimate` then refers to the mean friction ratio";
             self.add(TOLERANCE_OF, problem.help(help));
         }
     }
 
-    /// The closed form is of a whole period under one load.
-    fn by_coulomb(&mut self) {
+    /// Checks the conditions of the closed form, which covers one period: a periodic waveform and a
+    /// constant load.
+    fn check_coulomb(&mut self) {
         if !self.given("contact.coulomb") {
             return;
         }
         if let Some(waveform) = self.text(WAVEFORM).filter(|waveform| !PERIODIC.contains(waveform)) {
-            let message = format!("Coulomb friction of a {waveform} vibration at an angle to the sliding");
+            let message = format!("Coulomb friction under a {waveform} vibration at an angle to the sliding");
             let problem = Problem::new(self.place(WAVEFORM), message, "must be periodic with [contact.coulomb]");
-            self.add(WAVEFORM, problem.help("its closed form is of one period; [contact.dahl] follows any waveform"));
+            self.add(WAVEFORM, problem.help("its closed form covers one period; [contact.dahl] supports any waveform"));
         }
         for path in self.tables("disturbance") {
-            let message = "Coulomb friction of a vibration at an angle to the sliding is that of one load";
+            let message = "Coulomb friction under a vibration at an angle to the sliding needs a constant load";
             let problem = Problem::new(self.place(&path), message, "not with [contact.coulomb]");
-            self.add(&path, problem.help("its closed form is of one period; [contact.dahl] follows a load that changes"));
+            self.add(&path, problem.help("its closed form covers one period; [contact.dahl] supports a changing load"));
         }
     }
 }

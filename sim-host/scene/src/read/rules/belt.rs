@@ -1,4 +1,4 @@
-//! The belt's sensors: they need a belt, and what breaks in one needs the sensor.
+//! Rules of the belt's sensors: a sensor needs a belt, and a sensor fault needs the sensor.
 
 use super::Rules;
 use crate::diagnostic::Problem;
@@ -6,15 +6,15 @@ use crate::schema::join;
 
 const ENCODER: &str = "sensors.encoder_counts_per_mm";
 const FORCE: &str = "sensors.force_hz";
-/// Rigs in which something moves past the tip.
-const MOVING: [&str; 4] = ["rig.slider", "rig.belt", "rig.dring", "rig.carriage"];
+/// Rigs with a part that moves past the tip.
+const MOVING_RIGS: [&str; 4] = ["rig.slider", "rig.belt", "rig.dring", "rig.carriage"];
 
 impl Rules<'_> {
     pub(super) fn belt(&mut self) {
-        let moves = MOVING.iter().any(|rig| !self.lacks(rig));
+        let moves = MOVING_RIGS.iter().any(|rig| !self.lacks(rig));
         for sensor in [ENCODER, FORCE] {
             if self.given(sensor) && !moves {
-                let message = format!("`{sensor}` in a scene where no belt moves");
+                let message = format!("`{sensor}` in a scene without a moving belt");
                 let problem = Problem::new(self.key(sensor), message, "needs a rig with a belt, such as [rig.slider]");
                 self.add(sensor, problem);
             }
@@ -27,7 +27,7 @@ impl Rules<'_> {
                 _ => continue,
             };
             if self.lacks(needed) {
-                let message = "what is not there cannot break";
+                let message = "the sensor that fails does not exist";
                 let problem = Problem::new(self.place(&key), message, format!("needs `{needed}`"));
                 self.add(&key, problem);
             }

@@ -1,4 +1,4 @@
-//! The rule for the values of a circuit: a complete set of them, which does not contradict itself.
+//! The rule for circuit values: the set must be complete and consistent.
 
 use std::f64::consts::TAU;
 
@@ -11,17 +11,17 @@ use crate::tree::{Entry, Node, Value};
 use crate::wording::within;
 
 const TABLE: &str = "stack.bvd";
-/// Keys of a circuit beside its clamped capacitance.
+/// Keys of a circuit, except its clamped capacitance.
 const KEYS: [&str; 7] = ["cm_f", "lm_h", "rm_ohm", "series_resonance_hz", "parallel_resonance_hz", "q", "coupling"];
-/// Keys by which the rest of the program knows a circuit.
+/// Sets of keys that the rest of the program accepts.
 const FORMS: [[&str; 3]; 2] = [["cm_f", "lm_h", "rm_ohm"], ["series_resonance_hz", "q", "coupling"]];
 
-/// The values that a scene gives.
+/// Returns the values that a scene gives.
 fn given(root: &Node) -> Given {
     let number = |key: &str| root.at(&join(TABLE, key)).and_then(Node::number);
     Given {
         c0_f: number("c0_f"),
-        ct_f: number("ct_f").map(|ct_f| ct_f - further(root)),
+        ct_f: number("ct_f").map(|ct_f| ct_f - further_capacitance(root)),
         cm_f: number("cm_f"),
         lm_h: number("lm_h"),
         rm_ohm: number("rm_ohm"),
@@ -32,8 +32,8 @@ fn given(root: &Node) -> Given {
     }
 }
 
-/// Motional capacitances of the further modes together, F.
-fn further(root: &Node) -> f64 {
+/// Returns the sum of the motional capacitances of the further modes, F.
+fn further_capacitance(root: &Node) -> f64 {
     let modes = root.at("stack.mode").map_or(&[][..], Node::list);
     let capacitance = |mode: &Node| {
         let number = |key: &str| mode.at(key).and_then(Node::number);
@@ -42,7 +42,7 @@ fn further(root: &Node) -> f64 {
     modes.iter().filter_map(capacitance).sum()
 }
 
-/// Puts the clamped capacitance in the place of that far below the resonance, if the circuit is complete and says no more than that.
+/// Replaces `ct_f` by the clamped capacitance, if the circuit is complete and does not give `c0_f`.
 pub(crate) fn clamped(root: &mut Node) {
     let (Some(ct_f), Ok(elements)) = (root.at("stack.bvd.ct_f").cloned(), given(root).resolve()) else { return };
     let Some(Value::Table(table)) = root.at_mut(TABLE).map(|node| &mut node.value) else { return };
@@ -54,12 +54,13 @@ pub(crate) fn clamped(root: &mut Node) {
     table.insert("c0_f".to_owned(), Entry { key: ct_f.place, node });
 }
 
-/// The keys that a scene gives.
+/// Returns the keys that a scene gives.
 fn keys(root: &Node) -> Vec<&'static str> {
     KEYS.into_iter().filter(|key| root.at(&join(TABLE, key)).is_some()).collect()
 }
 
-/// Puts series resonance, Q and coupling in the place of any other complete set. A set that is not complete stays as it is, for the rules to say so.
+/// Replaces any other complete set by series resonance, Q and coupling. An incomplete set is not
+/// changed; the rules report it.
 pub(crate) fn complete(root: &mut Node) {
     let present = keys(root);
     if FORMS.iter().any(|form| form[..] == present[..] || present.iter().all(|key| form.contains(key))) {
@@ -77,32 +78,33 @@ pub(crate) fn complete(root: &mut Node) {
         [("series_resonance_hz", elements.series_resonance_hz()), ("q", elements.q()), ("coupling", elements.coupling())];
     KEYS.iter().filter(|key| !FORMS[1].contains(key)).for_each(|key| drop(table.remove(*key)));
     for (name, value) in values {
-        // What was given stays as it was given.
+        // Given values are not replaced.
         let new = Entry { key: key.clone(), node: Node { place: place.clone(), value: Value::Number(value) } };
         table.entry(name.to_owned()).or_insert(new);
     }
 }
 
 impl Rules<'_> {
-    /// Judges a capacitance far below the resonance that the clamped one does not follow from, or that stands beside it.
-    fn total(&mut self) {
+    /// Checks `ct_f`: the clamped capacitance must follow from it, and must not contradict `c0_f`.
+    fn check_total(&mut self) {
         let (path, clamped) = (join(TABLE, "ct_f"), join(TABLE, "c0_f"));
         if !self.given(&path) || !self.clean(&path) {
             return;
         }
         if let Err(error) = given(self.root).resolve() {
-            let problem = Problem::new(self.key(&path), error.to_string(), "of this circuit");
-            // That there is none is the same mistake.
+            let problem = Problem::new(self.key(&path), error.to_string(), "in this circuit");
+            // The missing `c0_f` is the same mistake.
             self.findings.problems.retain(|problem| problem.message != format!("`c0_f` is missing {}", within(TABLE)));
-            let help = "`ct_f` takes the place of `c0_f`: it is that of clamped and motional branches together";
+            let help = "`ct_f` replaces `c0_f`: it is the capacitance of the clamped and motional branches together";
             self.findings.problems.push(problem.help(help));
             [path, clamped].into_iter().for_each(|key| self.findings.mark(key));
         }
     }
 
-    /// Judges a set that is not one of the two usual forms; gives those to the rule for keys that exclude each other.
+    /// Checks a set that is not one of the two usual forms. The usual forms are checked by the rule
+    /// for exclusive keys.
     pub(super) fn circuit(&mut self, group: &Exclusive) {
-        self.total();
+        self.check_total();
         let present = keys(self.root);
         let usual = FORMS.iter().any(|form| present.iter().all(|key| form.contains(key)));
         let sound = KEYS.iter().chain(&["c0_f"]).all(|key| self.clean(&join(TABLE, key)));
@@ -117,8 +119,9 @@ impl Rules<'_> {
                     CircuitError::Incomplete(_) => present.first().copied(),
                 };
                 let key = first.map_or_else(|| TABLE.to_owned(), |key| join(TABLE, key));
-                let problem = Problem::new(self.key(&key), error.to_string(), "of this circuit");
-                let help = "beside `c0_f` give `q` or `rm_ohm`, and two of `series_resonance_hz`, `parallel_resonance_hz`, `lm_h`, and `cm_f` or `coupling`";
+                let problem = Problem::new(self.key(&key), error.to_string(), "in this circuit");
+                let help = "in addition to `c0_f`, give `q` or `rm_ohm`, and two of `series_resonance_hz`, \
+                            `parallel_resonance_hz`, `lm_h`, and (`cm_f` or `coupling`)";
                 self.findings.problems.push(problem.help(help));
                 present.iter().for_each(|key| self.findings.mark(join(TABLE, key)));
             }

@@ -1,4 +1,4 @@
-//! The contact: what its models need of each other's numbers.
+//! Rules of the contact: dependencies between the numbers of its models.
 
 use super::Rules;
 use super::kind::Kind;
@@ -34,7 +34,7 @@ impl Rules<'_> {
         }
     }
 
-    /// The path of the contact's model, if there is one.
+    /// Returns the path of the contact's model, if there is one.
     pub(super) fn model(&self) -> Option<String> {
         MODELS.iter().map(|model| join("contact", model)).find(|path| self.given(path))
     }
@@ -43,15 +43,18 @@ impl Rules<'_> {
         let Some(alpha) = self.number(ALPHA).filter(|alpha| *alpha != 1.0) else { return };
         let message = format!("Dahl's model with an exponent of {} is not implemented", shown(alpha));
         let problem = Problem::new(self.place(ALPHA), message, "must be 1");
-        self.add(ALPHA, problem.help("exponent 1 is what the thesis uses, and what is solved exactly in slip"));
+        self.add(ALPHA, problem.help("exponent 1 is used by the thesis, and is solved exactly in slip"));
     }
 
     fn friction(&mut self, model: &str) {
         let mu = join(model, "mu");
         if self.number(&mu) == Some(0.0) {
-            let message = format!("`{mu}` is 0, and without friction there is no friction ratio");
+            let message = format!("`{mu}` is 0, but without friction there is no friction ratio");
             let problem = Problem::new(self.place(&mu), message, "must be more than 0");
-            self.add(&mu, problem.help("the ratio of two forces that are both zero; 1e-9 is as good as none, and has a ratio"));
+            self.add(
+                &mu,
+                problem.help("the ratio of two zero forces is undefined; 1e-9 is practically frictionless, and has a ratio"),
+            );
         }
     }
 
@@ -60,7 +63,7 @@ impl Rules<'_> {
         if self.given("rig.kinematic") && self.lacks(&normal) {
             let message = format!("`normal_n` is missing in [{model}]");
             let problem = Problem::new(self.place(model), message, "needs `normal_n`, a number in N");
-            self.add(&normal, problem.help("[rig.kinematic] has no mass whose weight could press on the contact"));
+            self.add(&normal, problem.help("[rig.kinematic] has no mass whose weight could be the normal force"));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The converters: the firmware has 16 bits for a code.
+//! The rule of the converters: a code of the firmware has 16 bits.
 
 use super::Rules;
 use crate::diagnostic::Problem;
@@ -8,7 +8,7 @@ const CONVERSIONS: &str = "sensors.oversample";
 const LARGEST_CODE: u64 = u16::MAX as u64;
 
 impl Rules<'_> {
-    /// The sum of a sample's conversions is one code.
+    /// Checks that the sum of a sample's conversions fits into one code.
     pub(super) fn converters(&mut self) {
         let (Some(bits), Some(conversions)) = (self.number(BITS), self.number(CONVERSIONS)) else { return };
         let (bits, conversions) = (bits as u32, conversions as u64);

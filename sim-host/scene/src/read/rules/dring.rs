@@ -1,4 +1,4 @@
-//! A D-ring: it has its own contact, and the restraint that decides on it measures the belt's force.
+//! Rules of a D-ring: it has its own contact, and its restraint measures the belt's force.
 
 use std::f64::consts::TAU;
 
@@ -12,9 +12,10 @@ const FORCE: &str = "sensors.force_hz";
 const ACTUATOR: &str = "rig.dring.actuator";
 const ANGLE: &str = "rig.dring.ring_angle_deg";
 const NORMAL: &str = "rig.dring.ring_normal_part";
-/// Keys that say nothing without a direction, and keys that say nothing without the fitted law.
-const OF_A_DIRECTION: [&str; 2] = ["rig.dring.ring_axis_deg", NORMAL];
-const OF_THE_FIT: [&str; 2] = ["rig.dring.ring_hz", "rig.dring.ring_radius_m"];
+/// Keys that need a direction of vibration.
+const DIRECTION_KEYS: [&str; 2] = ["rig.dring.ring_axis_deg", NORMAL];
+/// Keys that need the fitted law.
+const FIT_KEYS: [&str; 2] = ["rig.dring.ring_hz", "rig.dring.ring_radius_m"];
 
 impl Rules<'_> {
     pub(super) fn dring(&mut self) {
@@ -23,8 +24,9 @@ impl Rules<'_> {
             return;
         }
         if self.given("contact") {
-            let problem = Problem::new(self.key("contact"), "[contact] has no place beside [rig.dring]", "the D-ring is one");
-            self.add("contact", problem.help("its friction is `rig.dring.mu_high`, `mu_low` and what `actuator` does"));
+            let problem =
+                Problem::new(self.key("contact"), "[contact] cannot be combined with [rig.dring]", "the D-ring is the contact");
+            self.add("contact", problem.help("its friction is given by `rig.dring.mu_high`, `mu_low` and `actuator`"));
         }
         let (low, high) = ("rig.dring.mu_low", "rig.dring.mu_high");
         if let (Some(mu_low), Some(mu_high)) = (self.number(low), self.number(high))
@@ -42,26 +44,38 @@ impl Rules<'_> {
         }
     }
 
-    /// The direction in which a whole ring vibrates, and what belongs to it.
+    /// Checks the direction in which the whole ring vibrates, and its keys.
     fn ring(&mut self) {
         let Some(actuator) = self.text(ACTUATOR) else { return };
         if self.given(ANGLE) && !["ring", "stack"].contains(&actuator) {
             let message = format!("`ring_angle_deg` with the actuator `{actuator}`");
-            let problem = Problem::new(self.key(ANGLE), message, "for `ring` and `stack`");
-            self.add(ANGLE, problem.help("the other actuators act along the whole wrap alike; leave `ring_angle_deg` out, or take `actuator = \"ring\"`"));
+            let problem = Problem::new(self.key(ANGLE), message, "only for `ring` and `stack`");
+            self.add(
+                ANGLE,
+                problem.help(
+                    "the other actuators act equally along the whole wrap; omit `ring_angle_deg`, or use `actuator = \"ring\"`",
+                ),
+            );
         }
         if actuator == "ring" && self.lacks(ANGLE) {
-            let problem = Problem::new(self.place(ACTUATOR), "a ring that vibrates in no direction", "needs `ring_angle_deg`");
-            self.add(ANGLE, problem.help("0 is radial at the middle of the wrap, 90 along the webbing there; `ring_axis_deg = 90` is along the ring's axis"));
+            let problem =
+                Problem::new(self.place(ACTUATOR), "the direction of the ring's vibration is missing", "needs `ring_angle_deg`");
+            self.add(
+                ANGLE,
+                problem.help(
+                    "0 is radial at the middle of the wrap, 90 along the webbing there; `ring_axis_deg = 90` is along the \
+                     ring's axis",
+                ),
+            );
         }
-        self.without(&OF_A_DIRECTION, ANGLE, self.lacks(ANGLE) && actuator != "ring");
+        self.check_effect(&DIRECTION_KEYS, ANGLE, self.lacks(ANGLE) && actuator != "ring");
         let fitted = self.text(NORMAL) == Some("fitted");
-        self.without(&OF_THE_FIT, "ring_normal_part = \"fitted\"", !fitted && self.clean(NORMAL));
+        self.check_effect(&FIT_KEYS, "ring_normal_part = \"fitted\"", !fitted && self.clean(NORMAL));
         if fitted && actuator == "stack" {
             let problem = Problem::new(self.place(NORMAL), "the fitted normal part with the actuator `stack`", "for `ring`");
             self.add(
                 NORMAL,
-                problem.help("the law is fitted to amplitudes of 42 um and more; a stack of 40 kHz has less than one"),
+                problem.help("the law is fitted to amplitudes of at least 42 um, but a 40 kHz stack reaches less than 1 um"),
             );
         }
         if fitted && actuator == "ring" {
@@ -69,18 +83,19 @@ impl Rules<'_> {
         }
     }
 
-    /// Keys that say nothing without another.
-    fn without(&mut self, keys: &[&'static str], other: &str, says_nothing: bool) {
-        let given: Vec<_> = keys.iter().copied().filter(|key| says_nothing && self.given(key)).collect();
+    /// Reports keys that have no effect without another key.
+    fn check_effect(&mut self, keys: &[&'static str], other: &str, no_effect: bool) {
+        let given: Vec<_> = keys.iter().copied().filter(|key| no_effect && self.given(key)).collect();
         for key in given {
             let short = |path: &str| path.rsplit_once("dring.").map_or(path.to_owned(), |(_, key)| key.to_owned());
             let problem =
-                Problem::new(self.key(key), format!("`{}` says nothing without `{}`", short(key), short(other)), "leave it out");
+                Problem::new(self.key(key), format!("`{}` has no effect without `{}`", short(key), short(other)), "omit it");
             self.add(key, problem);
         }
     }
 
-    /// The fitted law ends at the full amplitude of the horn that it is fitted to.
+    /// Checks that the amplitude is within the fitted law, which ends at the full amplitude of its
+    /// horn.
     fn fitted_amplitude(&mut self) {
         const TIP: &str = "rig.dring.tip_m_per_s";
         const HZ: &str = "rig.dring.ring_hz";
@@ -93,7 +108,13 @@ impl Rules<'_> {
             let message =
                 format!("{} m/s at {} Hz are an amplitude of {} um", shown(tip), shown(hz), shown(amplitude_um.round()));
             let problem = Problem::new(self.place(at), message, format!("at most {} um", shown(full_um)));
-            self.add(at, problem.help("the fitted normal part is known up to the full amplitude of its experiment; `ring_normal_part = \"none\"` has no amplitude"));
+            self.add(
+                at,
+                problem.help(
+                    "the law of the normal part is fitted up to the full amplitude of its experiment; `ring_normal_part = \
+                     \"none\"` has no such limit",
+                ),
+            );
         }
     }
 
@@ -102,7 +123,7 @@ impl Rules<'_> {
             return;
         }
         let missing =
-            [(DRING, "a restraint decides on the friction of a D-ring"), (FORCE, "it senses the crash by the force in the belt")];
+            [(DRING, "a restraint controls the friction of a D-ring"), (FORCE, "it detects the crash by the force in the belt")];
         for (path, why) in missing {
             if self.lacks(path) {
                 let called = if path == DRING { header(path) } else { format!("`{path}`") };
@@ -113,7 +134,7 @@ impl Rules<'_> {
         }
         if self.given("controller.burst") {
             let message = "[controller.burst] and [controller.restraint] exclude each other";
-            let problem = Problem::new(self.key("controller.burst"), message, "the restraint says when the drive is ON");
+            let problem = Problem::new(self.key("controller.burst"), message, "the restraint switches the drive");
             self.add("controller.burst", problem);
         }
     }

@@ -1,4 +1,4 @@
-//! The drive: what it needs to know beforehand, and what must hold it.
+//! Rules of the drive: required nominal values, and limits of voltage and frequency.
 
 use super::kind::BELT;
 use super::{Rules, shown};
@@ -20,27 +20,27 @@ impl Rules<'_> {
     }
 
     fn velocity(&mut self) {
-        let said_by = if self.given(BELT) { AMPLITUDE_FRACTION } else { VELOCITY };
-        if self.value(said_by).is_none() {
+        let key_given = if self.given(BELT) { AMPLITUDE_FRACTION } else { VELOCITY };
+        if self.value(key_given).is_none() {
             return;
         }
         let missing = [
             (
                 FORCE_FACTOR,
-                "a velocity is held by the motional current, which needs the force factor",
+                "a velocity is controlled through the motional current, which needs the force factor",
                 format!("needs `{FORCE_FACTOR}`"),
                 "motional current = force factor x tip velocity",
             ),
             (
                 SCAN,
-                "with a velocity, self-test and scan need a voltage of their own",
-                "needs `scan_v` beside it".to_owned(),
+                "with a velocity, self-test and scan need their own voltage",
+                "needs `scan_v` as well".to_owned(),
                 "`scan_v` is the peak voltage before the resonance is known",
             ),
         ];
         for (path, message, label, help) in missing {
             if self.lacks(path) {
-                let problem = Problem::new(self.key(said_by), message, label);
+                let problem = Problem::new(self.key(key_given), message, label);
                 self.add(path, problem.help(help));
             }
         }
@@ -53,24 +53,24 @@ impl Rules<'_> {
             let from = if self.given(limit) { "" } else { ", the default" };
             let message = format!("`{path}` is {} V, more than `{limit}` allows", shown(volts));
             let at = self.newer(path, limit);
-            let label = if at == path { format!("must be at most {} V{from}", shown(most)) } else { "too little".to_owned() };
+            let label = if at == path { format!("must be at most {} V{from}", shown(most)) } else { "too low".to_owned() };
             let problem = Problem::new(self.place(at), message, label);
             self.add(path, problem.help("voltages are peak values, half of peak to peak"));
         }
     }
 
     fn frequency(&mut self) {
-        const USABLE: f64 = 0.45;
+        const MAX_FREQUENCY_REL: f64 = 0.45;
         let numbers = (self.number(FREQUENCY), self.number("controller.tracking.span"), self.number("sensors.sample_hz"));
         let (Some(frequency_hz), Some(span), Some(sample_hz)) = numbers else { return };
         let highest = frequency_hz * (1.0 + span);
-        if highest < USABLE * sample_hz {
+        if highest < MAX_FREQUENCY_REL * sample_hz {
             return;
         }
-        let message = format!("the drive may reach {} Hz, too fast for the converters", shown(highest));
-        let label = format!("with its span, must stay below {} Hz", shown(USABLE * sample_hz));
+        let message = format!("the drive can reach {} Hz, too high for the converters", shown(highest));
+        let label = format!("including its span, must be below {} Hz", shown(MAX_FREQUENCY_REL * sample_hz));
         let problem = Problem::new(self.place(FREQUENCY), message, label);
-        let help = format!("`sensors.sample_hz` is {}, and a tone needs more than two samples a period", shown(sample_hz));
+        let help = format!("`sensors.sample_hz` is {}, and a tone needs more than two samples per period", shown(sample_hz));
         self.add(FREQUENCY, problem.help(help));
     }
 }

@@ -26,14 +26,14 @@ impl Rules<'_> {
         };
         let problem = match ways.as_slice() {
             [] => {
-                let message = format!("{} says too little", header(path));
+                let message = format!("{} is incomplete", header(path));
                 Problem::new(self.place(path), message, choice)
             }
             [(way, keys)] if way.complete && keys.len() < way.keys.len() => {
                 let missing = listed(way.keys.iter().copied().filter(|key| !keys.contains(key)), "and");
                 let Some(first) = keys.first() else { return };
                 let needs = if keys.len() == 1 { "needs" } else { "need" };
-                let message = format!("{} {needs} {missing}, too", listed(keys.iter().copied(), "and"));
+                let message = format!("{} {needs} {missing} as well", listed(keys.iter().copied(), "and"));
                 Problem::new(self.key(&join(path, first)), message, format!("without {missing}")).help(choice)
             }
             [_] => return,
@@ -42,21 +42,22 @@ impl Rules<'_> {
                 let message = format!("{} and {} exclude each other {}", called(first), called(second), within(path));
                 let (one, other) = (self.key(&join(path, first)), self.key(&join(path, second)));
                 let (later, earlier) = if one < other { (other, first) } else { (one, second) };
-                Problem::new(later, message, format!("{} is given already", called(earlier))).help(choice)
+                Problem::new(later, message, format!("{} is already given", called(earlier))).help(choice)
             }
         };
         self.findings.problems.push(problem);
         keys.into_iter().for_each(|key| self.findings.mark(key));
     }
 
-    /// Whether nothing is wrong with a key, or with its absence. What is wrong inside a table does not matter here.
+    /// Returns `true` if a key, or its absence, has no problem. Problems inside a table are
+    /// ignored.
     fn sound(&self, path: &str) -> bool {
         let table = self.root.at(path).and_then(Node::table).is_some();
         if table { !self.findings.marked(path) } else { self.clean(path) }
     }
 }
 
-/// A key in backquotes, or a table as its header would be written.
+/// Returns a key in backquotes, or the header of a table.
 fn called(path: &str, key: &str) -> String {
     let inner = join(path, key);
     let table = Schema::root().at(&inner).is_some_and(|schema| schema.kind() == Kind::Table);

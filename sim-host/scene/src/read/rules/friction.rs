@@ -1,4 +1,4 @@
-//! The friction switch: what it needs besides its own table.
+//! Rules of the friction switch: its requirements outside its own table.
 
 use super::Rules;
 use super::drive::VELOCITY;
@@ -22,11 +22,11 @@ impl Rules<'_> {
                 TABLE,
                 VELOCITY,
                 true,
-                "friction is switched by tip velocity, up to that of the drive",
-                "the maximum amplitude that the switch may use",
+                "the friction switch controls the tip velocity, up to that of the drive",
+                "the maximum velocity that the switch may use",
             ),
             (FORCE, CHANNEL, self.given(FORCE), "a target force needs a force channel", "or give `target_ratio`"),
-            (PREFER, PERIOD, bursts, "bursts need a period", "their `duty` is set by the switch, whatever it says"),
+            (PREFER, PERIOD, bursts, "bursts need a period", "their `duty` is set by the switch; the given value is ignored"),
         ];
         for (key, needed, applies, message, help) in needs {
             if applies && self.lacks(needed) {
@@ -37,7 +37,7 @@ impl Rules<'_> {
         self.friction_steps();
     }
 
-    /// As many times as ratios, and the times rise.
+    /// Checks for equal numbers of times and ratios, and for rising times.
     fn friction_steps(&mut self) {
         let [Some(times), Some(ratios)] = STEPS.map(|path| self.numbers(path)) else { return };
         let rising = times.windows(2).all(|pair| pair[0] < pair[1]);
@@ -45,8 +45,8 @@ impl Rules<'_> {
             return;
         }
         let at = if self.given(STEPS[0]) { STEPS[0] } else { STEPS[1] };
-        let label = if rising { "one time for each ratio" } else { "each later than the one before" };
-        let problem = Problem::new(self.place(at), "the steps of the friction are no steps", label);
-        self.add(at, problem.help("`step_s` says when, `step_ratio` what"));
+        let label = if rising { "must have one time per ratio" } else { "each must be later than the one before" };
+        let problem = Problem::new(self.place(at), "the steps of the friction are inconsistent", label);
+        self.add(at, problem.help("`step_s` has the times, `step_ratio` the ratios"));
     }
 }

@@ -1,7 +1,7 @@
-//! The grid: each of its points must be a valid scene, too.
+//! Rules of the grid: each of its points must be a valid scene.
 
 use super::Rules;
-use super::cells::{Cell, NOT_IN_A_CELL};
+use super::cells::{Cell, NON_CELL_KEYS};
 use crate::diagnostic::Problem;
 use crate::nearest::{nearest, short};
 use crate::schema::{Schema, join};
@@ -11,11 +11,12 @@ use crate::{Grid, Over};
 
 const OVER: &str = "grid.over";
 
-/// Most points of a grid: all of them are held in memory, and none is kept of a run that is stopped.
-const MOST_POINTS: f64 = 1e4;
+/// Largest number of points of a grid: all are held in memory, and a run that is stopped keeps
+/// none.
+const MAX_POINTS: f64 = 1e4;
 
 impl<'a> Rules<'a> {
-    /// The metrics, and what the keys are changed to.
+    /// Checks the metrics and the axes.
     pub(super) fn axes(&mut self) {
         let names = self.root.at("grid.metrics").map_or(0, |names| names.list().len());
         let metrics: Vec<String> = (0..names).map(|index| format!("grid.metrics.{index}")).collect();
@@ -23,7 +24,7 @@ impl<'a> Rules<'a> {
             self.metric(path);
             let twice = |earlier: &String| self.text(earlier).is_some() && self.text(earlier) == self.text(path);
             if metrics[..index].iter().any(twice) {
-                self.add(path, Problem::new(self.place(path), "a metric is asked for twice", "second time"));
+                self.add(path, Problem::new(self.place(path), "a metric appears twice", "second occurrence"));
             }
         }
         let over = self.tables(OVER);
@@ -32,7 +33,7 @@ impl<'a> Rules<'a> {
             self.axis(path);
             let name = self.text(&key);
             if name.is_some() && over[..index].iter().any(|earlier| self.text(&join(earlier, "key")) == name) {
-                let problem = Problem::new(self.place(&key), "two axes of the grid change the same key", "second time");
+                let problem = Problem::new(self.place(&key), "two axes of the grid change the same key", "second occurrence");
                 self.add(&key, problem);
             }
         }
@@ -41,18 +42,22 @@ impl<'a> Rules<'a> {
             None => self.number(&join(path, "points")).unwrap_or(1.0),
         });
         let points: f64 = counts.product();
-        if points > MOST_POINTS {
+        if points > MAX_POINTS {
             let problem = Problem::new(self.key(OVER), format!("a grid of {points} points"), "at most 10 000 in all");
-            self.add(OVER, problem.help("`sim-host sweep` runs as many as you like, and goes on where it was stopped"));
+            self.add(OVER, problem.help("`sim-host sweep` has no such limit, and can continue after a stop"));
         }
     }
 
-    /// An axis changes a number of the scene, to values which that number may have.
+    /// Checks that an axis changes a number of the scene, to valid values.
     fn axis(&mut self, path: &str) {
         let key = join(path, "key");
         let Some((name, schema)) = self.number_named(&key) else { return };
-        if name == "seed" || NOT_IN_A_CELL.contains(&name.split('.').next().unwrap_or(name)) {
-            let problem = Problem::new(self.place(&key), format!("`{name}` is the same at every point"), "no point has its own");
+        if name == "seed" || NON_CELL_KEYS.contains(&name.split('.').next().unwrap_or(name)) {
+            let problem = Problem::new(
+                self.place(&key),
+                format!("`{name}` is the same at every point"),
+                "cannot change from point to point",
+            );
             self.add(&key, problem.help("a grid changes a number of the plant, the contact or the controller"));
             return;
         }
@@ -68,19 +73,20 @@ impl<'a> Rules<'a> {
         if self.value(&log).is_some_and(|log| matches!(log.value, Value::Flag(true))) {
             match self.number(&from) {
                 Some(first) if first <= 0.0 => {
-                    let problem = Problem::new(self.place(&from), "equal ratios begin above zero", "not above zero");
-                    self.add(&from, problem.help("leave out `log`, or begin with a small number above zero"));
+                    let problem =
+                        Problem::new(self.place(&from), "with equal ratios, all values are above zero", "must be above zero");
+                    self.add(&from, problem.help("omit `log`, or begin with a small number above zero"));
                 }
                 None if self.lacks(&from) => {
-                    let problem = Problem::new(self.key(&log), "`log` is of a range", "there is no `from`");
-                    self.add(&log, problem.help("of `values` each is given"));
+                    let problem = Problem::new(self.key(&log), "`log` needs a range", "there is no `from`");
+                    self.add(&log, problem.help("with `values`, each value is given"));
                 }
                 _ => {}
             }
         }
     }
 
-    /// The number of a scene that a key names.
+    /// Returns the number of a scene that a key names.
     pub(super) fn number_named(&mut self, key: &str) -> Option<(&'a str, Schema)> {
         let name = self.text(key)?;
         if let Some(schema) = Schema::root().at(name).filter(|schema| schema.is_number()) {
@@ -89,13 +95,13 @@ impl<'a> Rules<'a> {
         let numbers = Schema::numbers();
         let meant = nearest(name, numbers.iter().map(String::as_str));
         let label = meant.first().map_or("no such key".to_owned(), |meant| format!("did you mean `{meant}`?"));
-        let problem = Problem::new(self.place(key), format!("`{}` is no number of a scene", short(name)), label);
-        self.add(key, problem.help("tables and key, with points between: \"rig.slider.load_n\""));
+        let problem = Problem::new(self.place(key), format!("`{}` is not a number of a scene", short(name)), label);
+        self.add(key, problem.help("tables and key, separated by dots, for example \"rig.slider.load_n\""));
         None
     }
 
-    /// Makes the first cell.
-    pub(super) fn cells(&mut self) {
+    /// Builds and checks the first cell.
+    pub(super) fn check_first_cell(&mut self) {
         let grid = self.root.at("grid").filter(|_| self.findings.problems.is_empty());
         let Some(grid) = grid.and_then(|grid| grid.to_toml().try_into::<Grid>().ok()) else { return };
         let first = |(index, over): (usize, &Over)| {
@@ -107,8 +113,8 @@ impl<'a> Rules<'a> {
             table: "grid",
             called: "in the cells of the grid".to_owned(),
             whole: if grid.set.is_empty() { self.place("grid") } else { self.key("grid.set") },
-            help: "each cell is this scene with `grid.set` laid over it: make them fit",
+            help: "each cell is this scene with the changes of `grid.set`: change these",
         };
-        self.cell(&cell, self.sets("grid.set").into_iter().chain(axes));
+        self.build_cell(&cell, self.sets("grid.set").into_iter().chain(axes));
     }
 }

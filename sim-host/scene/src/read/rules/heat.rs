@@ -1,4 +1,5 @@
-//! A stack whose losses grow and that heats itself: its laws must hold in all that the scene allows, and it must begin with its polarisation.
+//! Rules of a stack with variable losses or self-heating: its laws must be valid in the whole range
+//! of the scene, and it must begin with its polarisation.
 
 use super::kind::BELT;
 use super::{Rules, shown};
@@ -23,34 +24,34 @@ impl Rules<'_> {
         if !self.given("stack") {
             return;
         }
-        self.damped_by_a_belt();
-        self.loss_by_amplitude();
-        self.by_temperature();
+        self.check_belt_damping();
+        self.check_loss_by_amplitude();
+        self.check_by_temperature();
         if self.given(THERMAL) {
-            self.polarisation();
+            self.check_polarisation();
         }
     }
 
-    /// The damping of a belt is part of the motional resistance, and no law of the ceramic moves it.
-    fn damped_by_a_belt(&mut self) {
+    /// Checks that no law changes the motional resistance if it contains the damping of a belt.
+    fn check_belt_damping(&mut self) {
         for key in [BY_AMPLITUDE, BY_TEMPERATURE[0].0] {
             if self.given(BELT) && self.number(key).is_some_and(|number| number != 0.0) {
-                let message = format!("`{key}` has no place beside [{BELT}]");
-                let problem = Problem::new(self.key(key), message, "would move the belt's damping, too");
+                let message = format!("`{key}` cannot be combined with [{BELT}]");
+                let problem = Problem::new(self.key(key), message, "would also change the belt's damping");
                 self.add(
                     key,
-                    problem.help("the damping of a belt is part of the motional resistance that the law would multiply"),
+                    problem.help("the damping by a belt is part of the motional resistance, which the law would multiply"),
                 );
             }
         }
     }
 
-    /// Rm at the largest current that the scene allows.
-    fn loss_by_amplitude(&mut self) {
+    /// Checks Rm at the largest current of the scene.
+    fn check_loss_by_amplitude(&mut self) {
         let Some(per_a2) = self.number(BY_AMPLITUDE).or_else(|| self.lacks(BY_AMPLITUDE).then_some(0.0)) else { return };
         if let Some(most) = self.value(MOST_BY_AMPLITUDE) {
             if per_a2 <= 0.0 {
-                let message = format!("`{MOST_BY_AMPLITUDE}` ends what does not rise");
+                let message = format!("`{MOST_BY_AMPLITUDE}` limits a rise, but the resistance does not rise");
                 let problem = Problem::new(most.place.clone(), message, "needs an `amplitude_rm_per_a2` above zero");
                 self.add(MOST_BY_AMPLITUDE, problem);
             }
@@ -74,15 +75,16 @@ impl Rules<'_> {
         let label =
             format!("must be from {} to {} 1/A^2 for a factor from {} to {}", shown(least), shown(most), FACTORS.0, FACTORS.1);
         let help = match factor > FACTORS.1 {
-            true => format!("or give `{MOST_BY_AMPLITUDE}`, at which the rise ends, or a smaller `{CURRENT_LIMIT}`"),
+            true => format!("or give `{MOST_BY_AMPLITUDE}`, which limits the rise, or a smaller `{CURRENT_LIMIT}`"),
             false => format!("or give a smaller `{CURRENT_LIMIT}`"),
         };
         let problem = Problem::new(self.place(BY_AMPLITUDE), message, label);
         self.add(BY_AMPLITUDE, problem.help(help));
     }
 
-    /// Rm and phi at the temperatures that the scene states: the first one, those of steps, and the hottest of a stack that heats itself.
-    fn by_temperature(&mut self) {
+    /// Checks Rm and the force factor at the temperatures of the scene: the first one, those of
+    /// steps, and the highest operating temperature of a stack that heats itself.
+    fn check_by_temperature(&mut self) {
         let mut temperatures: Vec<f64> = self.stated_temperatures().into_iter().map(|(_, kelvin)| kelvin).collect();
         if self.given(THERMAL) {
             temperatures.extend(self.hottest_c().zip(self.number(AMBIENT)).map(|(hottest, ambient)| hottest - ambient));
@@ -92,18 +94,18 @@ impl Rules<'_> {
             let leaves = |kelvin: &&f64| !(FACTORS.0..=FACTORS.1).contains(&(1.0 + per_k * **kelvin));
             let Some(&kelvin) = temperatures.iter().find(leaves) else { continue };
             let factor = 1.0 + per_k * kelvin;
-            let message = format!("{} K over ambient the law multiplies the {what} by {}", shown(kelvin), shown(factor));
+            let message = format!("at {} K over ambient, the law multiplies the {what} by {}", shown(kelvin), shown(factor));
             let end = (if factor < 1.0 { FACTORS.0 } else { FACTORS.1 } - 1.0) / kelvin;
             let (way, word) = if end < 0.0 { (1.0, "least") } else { (-1.0, "most") };
             let end = bound(end, way, |x| way * (x - end) >= 0.0);
             let label = format!("must be at {word} {} 1/K for a factor from {} to {}", shown(end), FACTORS.0, FACTORS.1);
             let problem = Problem::new(self.place(key), message, label);
-            let help = "a stack that heats itself may come to the hottest that its ceramic can be used at";
+            let help = "a stack that heats itself may reach the highest operating temperature of its ceramic";
             self.add(key, if self.given(THERMAL) { problem.help(help) } else { problem });
         }
     }
 
-    /// The temperatures that a scene states, K over ambient, with the paths where it does.
+    /// Returns the temperatures that the scene gives, K over ambient, with their paths.
     fn stated_temperatures(&self) -> Vec<(String, f64)> {
         let of_temperature = |path: &String| self.text(&join(path, "key")) == Some(TEMPERATURE);
         let steps = self.tables("disturbance").into_iter().filter(of_temperature).map(|path| join(&path, "to"));
@@ -111,26 +113,27 @@ impl Rules<'_> {
         stated.filter_map(|path| self.number(&path).map(|kelvin| (path, kelvin))).collect()
     }
 
-    /// Hottest that the ceramic can be used, degrees Celsius.
+    /// Returns the highest operating temperature of the ceramic, degrees Celsius.
     fn hottest_c(&self) -> Option<f64> {
         if self.given(DEPOLING) { self.number(DEPOLING) } else { self.number(CURIE).map(|curie| 0.5 * curie) }
     }
 
-    /// The ceramic can be used up to its Curie point at most, and no temperature that the scene states is beyond.
-    fn polarisation(&mut self) {
+    /// Checks that the highest operating temperature is at most the Curie point, and that all
+    /// temperatures of the scene are below it.
+    fn check_polarisation(&mut self) {
         if let (Some(depoling), Some(curie)) = (self.number(DEPOLING), self.number(CURIE))
             && depoling > curie
         {
             let at = self.newer(DEPOLING, CURIE);
             let message =
-                format!("a ceramic cannot be used up to {} °C with its Curie point at {} °C", shown(depoling), shown(curie));
+                format!("an operating temperature of {} °C is above the Curie point of {} °C", shown(depoling), shown(curie));
             let label = if at == DEPOLING {
                 format!("must be at most {}", shown(curie))
             } else {
                 format!("must be at least {}", shown(depoling))
             };
             let problem = Problem::new(self.place(at), message, label);
-            self.add(at, problem.help("about half of the Curie point is usual; without `depoling_c` it is that"));
+            self.add(at, problem.help("about half of the Curie point is usual; this is the default of `depoling_c`"));
             return;
         }
         let (Some(hottest), Some(curie), Some(ambient)) = (self.hottest_c(), self.number(CURIE), self.number(AMBIENT)) else {
@@ -148,16 +151,16 @@ impl Rules<'_> {
             };
             let message = format!("{} K over ambient are {} °C, {what}", shown(kelvin), shown(celsius));
             let label = format!("must be less than {} K", shown(hottest - ambient));
-            // Without a temperature of its own, the ambient one is too hot.
+            // If the scene gives no temperature, the ambient one is too high.
             let (at, label) = match self.given(&path) {
                 true => (path.as_str(), label),
-                false => (self.newer(AMBIENT, CURIE), format!("leaves {} K", shown(hottest - ambient))),
+                false => (self.newer(AMBIENT, CURIE), format!("allows only {} K", shown(hottest - ambient))),
             };
             let problem = Problem::new(self.place(at), message, label);
             self.add(
                 at,
                 problem.help(format!(
-                    "what such a stack still does is shown by a [[fault]] of the kind `depoled`, without [{THERMAL}]"
+                    "for the behaviour of such a stack, use a [[fault]] of the kind `depoled`, without [{THERMAL}]"
                 )),
             );
         }

@@ -1,4 +1,4 @@
-//! The method of a contact study: whether it is made for the contact and the rig, and which orders it has.
+//! Rules of the integrator of a contact study: suitable method, order and tolerance.
 
 use super::Rules;
 use crate::diagnostic::Problem;
@@ -12,8 +12,8 @@ const TOLERANCE_OF: &str = "integrator.tolerance_of";
 impl Rules<'_> {
     pub(super) fn integrator(&mut self) {
         let Some(method) = (if self.given(METHOD) { self.text(METHOD) } else { Some("auto") }) else { return };
-        self.suited(method);
-        self.has_record(method);
+        self.check_method(method);
+        self.check_record(method);
         let orders: &[u32] = match method {
             "auto" | "linexp" | "frozen" => &linexp::ORDERS,
             "taylor" => &taylor::ORDERS,
@@ -25,9 +25,9 @@ impl Rules<'_> {
         }
         let names: Vec<String> = orders.iter().map(u32::to_string).collect();
         let (label, help) = match names.as_slice() {
-            [] => ("leave it out".to_owned(), "linexp and taylor have a choice of orders".to_owned()),
+            [] => ("omit it".to_owned(), "only linexp and taylor have a choice of orders".to_owned()),
             _ => (
-                format!("{method} has none of order {order}"),
+                format!("{method} does not have order {order}"),
                 format!("its orders are {}", listed(names.iter().map(String::as_str), "and")),
             ),
         };
@@ -37,59 +37,60 @@ impl Rules<'_> {
         self.add(ORDER, problem.help(help));
     }
 
-    /// A tolerance of the record needs a record: states from the start of the run on, in steps that can be made shorter.
-    fn has_record(&mut self, method: &str) {
+    /// Checks that a tolerance of the record has a record: states from the start of the run, in
+    /// steps that can be refined.
+    fn check_record(&mut self, method: &str) {
         if !self.given(TOLERANCE_OF) || self.text(TOLERANCE_OF) != Some("record") {
             return;
         }
         let (reason, help) = match method {
             _ if self.given("contact.hertz") => (
-                "vibration across a Hertzian contact has a tolerance of its mean only",
-                "leave `integrator.tolerance_of` out: then `error_estimate` is of the mean friction ratio",
+                "for vibration across a Hertzian contact, only the mean has a tolerance",
+                "omit `integrator.tolerance_of`: `error_estimate` then refers to the mean friction ratio",
             ),
             _ if self.given("contact.compliant") => (
-                "a compliant contact under vibration across it has one steady period, not a run from its start on",
-                "leave `integrator.tolerance_of` out: then `error_estimate` is of the mean friction ratio",
+                "a compliant contact under vibration across it is solved for one steady period, not from the start",
+                "omit `integrator.tolerance_of`: `error_estimate` then refers to the mean friction ratio",
             ),
             "closed" => (
-                "the closed form is one steady period, not a run from its start on",
-                "leave `integrator.method` out: auto takes a method with steps, whose record it compares",
+                "the closed form gives one steady period, not a run from the start",
+                "omit `integrator.method`: auto selects a method with steps, whose records it compares",
             ),
             _ => return,
         };
-        let problem = Problem::new(self.place(TOLERANCE_OF), "there is no record to have a tolerance", reason);
+        let problem = Problem::new(self.place(TOLERANCE_OF), "the record has no tolerance here", reason);
         self.add(TOLERANCE_OF, problem.help(help));
     }
 
-    /// A method that is asked for by name must be made for the contact.
-    fn suited(&mut self, method: &str) {
-        // A vibration at an angle to the sliding has methods of its own, and a rule for them.
+    /// Checks that a method that is named is suitable for the contact.
+    fn check_method(&mut self, method: &str) {
+        // A vibration at an angle to the sliding has its own methods and its own rule.
         if self.number("excitation.angle_deg").is_some_and(|angle| angle != 0.0) {
             return;
         }
         let has = |path: &str| self.given(path);
         let reason = match method {
-            "linexp" | "frozen" | "closed" if has("contact.lugre") => "LuGre friction is for taylor, rk4-events and midpoint",
+            "linexp" | "frozen" | "closed" if has("contact.lugre") => "for LuGre friction use taylor, rk4-events or midpoint",
             "frozen" | "taylor" | "rk4" | "rk4-events" | "midpoint" if has("contact.coulomb") => {
-                "Coulomb friction jumps at every reversal: linexp follows it exactly"
+                "Coulomb friction jumps at every reversal: linexp solves it exactly"
             }
             "closed" if has("rig.sdof") => "an oscillator has no closed form here",
-            "frozen" if has("rig.kinematic") => "a given motion is frozen already: take linexp",
+            "frozen" if has("rig.kinematic") => "a prescribed motion has nothing to freeze: use linexp",
             other if has("contact.hertz") && has("rig.sdof") && !["auto", "rk4-events"].contains(&other) => {
-                "a mass on a Hertzian contact is followed from one loss of contact to the next: rk4-events"
+                "a mass on a Hertzian contact can lose contact: use rk4-events, which locates each loss"
             }
             other if has("contact.hertz") && !has("rig.sdof") && !["auto", "closed"].contains(&other) => {
-                "a Hertzian contact has its closed form only"
+                "a Hertzian contact has only a closed form"
             }
             other if has("contact.compliant") && !has("rig.sdof") && !["auto", "closed"].contains(&other) => {
-                "a compliant contact under vibration across it is solved by its arcs, without steps"
+                "a compliant contact under vibration across it is solved piecewise, without steps"
             }
             _ => return,
         };
-        let problem = Problem::new(self.place(METHOD), format!("{method} cannot do this"), reason);
+        let problem = Problem::new(self.place(METHOD), format!("{method} does not apply here"), reason);
         self.add(
             METHOD,
-            problem.help("leave `integrator.method` out: auto takes the cheapest that meets the tolerance, and says why"),
+            problem.help("omit `integrator.method`: auto selects the cheapest method that meets the tolerance, and reports why"),
         );
     }
 }

@@ -1,4 +1,5 @@
-//! The two kinds of scene, and what belongs to which: the firmware drives a stack, or a contact is studied by itself.
+//! Rules of the two kinds of scene: the firmware drives a transducer, or a contact is studied
+//! alone.
 
 use super::Rules;
 use crate::diagnostic::Problem;
@@ -10,7 +11,7 @@ use crate::wording::header;
 const CONTROLLER: &str = "controller";
 const EXCITATION: &str = "excitation";
 
-/// What kind of scene it is.
+/// Kind of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// A scene in which the firmware drives.
@@ -21,7 +22,7 @@ pub(super) enum Kind {
 
 pub(super) const BELT: &str = "rig.belt";
 pub(super) const EMPIRICAL: &str = "contact.empirical";
-/// Tables that only a driven scene has.
+/// Tables that only a driven scene can have.
 const DRIVEN_ONLY: &[&str] = &[
     "amplifier",
     "sensors",
@@ -36,15 +37,15 @@ const DRIVEN_ONLY: &[&str] = &[
     "rig.carriage",
     "contact.empirical",
 ];
-/// Tables that only a contact study has.
+/// Tables that only a contact study can have.
 const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.hertz", "contact.compliant"];
-/// Keys of the integrator that only a contact study has.
+/// Keys of the integrator that only a contact study can have.
 const STUDY_KEYS: &[&str] = &["method", "order", "tolerance", "tolerance_of", "window_periods"];
-/// Most steps that a period of the stack is divided into.
-const MOST_DRIVEN_STEPS: f64 = 4096.0;
+/// Largest number of steps per period of the stack.
+const MAX_DRIVEN_STEPS: f64 = 4096.0;
 
 impl Rules<'_> {
-    /// Finds out what kind of scene it is: exactly one of two tables decides it.
+    /// Determines the kind of the scene, by which of two tables it has.
     pub(super) fn kind(&mut self) {
         self.kind = match (self.given(CONTROLLER), self.given(EXCITATION)) {
             (true, false) => Some(Kind::Driven),
@@ -53,8 +54,8 @@ impl Rules<'_> {
                 let (one, other) = (self.key(CONTROLLER), self.key(EXCITATION));
                 let (later, earlier) = if one < other { (other, CONTROLLER) } else { (one, EXCITATION) };
                 let message = "[controller] and [excitation] exclude each other";
-                let problem = Problem::new(later, message, format!("{} is given already", header(earlier)));
-                let help = "either the firmware drives a stack, or [excitation] shakes a contact that is studied by itself";
+                let problem = Problem::new(later, message, format!("{} is already given", header(earlier)));
+                let help = "either the firmware drives a stack, or [excitation] excites a contact that is studied alone";
                 self.findings.problems.push(problem.help(help));
                 None
             }
@@ -66,7 +67,7 @@ impl Rules<'_> {
                     };
                     let label = format!("add {}, or {}", keys(CONTROLLER), keys(EXCITATION));
                     let problem = Problem::new(self.root.place.clone(), "a scene needs [controller] or [excitation]", label);
-                    let help = "with [controller] the firmware drives a stack, with [excitation] a contact is studied by itself";
+                    let help = "with [controller] the firmware drives a stack, with [excitation] a contact is studied alone";
                     self.findings.problems.push(problem.help(help));
                 }
                 None
@@ -74,16 +75,16 @@ impl Rules<'_> {
         };
     }
 
-    /// Whether the scene has what its kind needs, and nothing of the other.
-    pub(super) fn belonging(&mut self) {
+    /// Checks that the scene has the tables that its kind requires, and none of the other kind.
+    pub(super) fn check_tables(&mut self) {
         let needed: &[(&str, &str, &str)] = match self.kind {
             Some(Kind::Driven) if self.given(BELT) => &[
-                (CONTROLLER, "stack", "there is no horn on the belt: add the stack that it is the tip of, [stack.bvd]"),
-                ("rig", "contact", "nothing says how the belt rubs: add [contact.empirical]"),
+                (CONTROLLER, "stack", "the horn on the belt is missing: add the stack whose tip it is, [stack.bvd]"),
+                ("rig", "contact", "the friction of the belt is missing: add [contact.empirical]"),
             ],
             Some(Kind::Driven) if self.given(EMPIRICAL) => &[
                 (CONTROLLER, "stack", "there is nothing to drive: add a stack, [stack.bvd]"),
-                ("contact", "rig", "there is no belt to rub on: add [rig.belt]"),
+                ("contact", "rig", "the belt is missing: add [rig.belt]"),
             ],
             Some(Kind::Driven) => &[
                 (CONTROLLER, "stack", "there is nothing to drive: add a stack, [stack.bvd], or a motor's [stator]"),
@@ -100,12 +101,12 @@ impl Rules<'_> {
             ],
         };
         for (given, missing, reason) in needed {
-            // A stator is driven instead of a stack, and its rotor has a contact of its own, as a D-ring has.
+            // A stator is driven instead of a stack; rotor and D-ring include their own contact.
             let own_contact = !self.lacks("rig.rotor") || !self.lacks("rig.dring");
             if (*missing == "stack" && !self.lacks("stator")) || (*given == "rig" && own_contact) {
                 continue;
             }
-            // What is wrong inside the table that is given does not matter here.
+            // Problems inside the given table are ignored here.
             if self.root.at(given).and_then(Node::table).is_some() && self.lacks(missing) {
                 let message = format!("[{given}] without [{missing}]");
                 let problem = Problem::new(self.place(given), message, format!("needs [{missing}]"));
@@ -118,49 +119,51 @@ impl Rules<'_> {
             None => &[],
         };
         for table in foreign.iter().filter(|table| self.given(table)).collect::<Vec<_>>() {
-            self.foreign(table);
+            self.add_foreign(table);
         }
     }
 
-    fn foreign(&mut self, table: &str) {
+    fn add_foreign(&mut self, table: &str) {
         let (scene, owner) = match self.kind {
             Some(Kind::Excited) => ("a contact study", CONTROLLER),
             _ => ("a scene with [controller]", EXCITATION),
         };
         let help = match table {
             "rig.slider" => {
-                "a contact study has [rig.sdof] or [rig.kinematic]; it slides by `excitation.velocity_ratio` or `sliding_m_per_s`"
+                "a contact study has [rig.sdof] or [rig.kinematic]; its sliding is `excitation.velocity_ratio` or \
+                 `sliding_m_per_s`"
             }
             "rig.belt" => "a belt is pulled under the horn of a stack that the firmware drives",
             "contact.empirical" => {
-                "this law is of a belt under a driven horn, [rig.belt]; across a contact that is studied by itself it is [contact.hertz]"
+                "this law describes a belt under a driven horn, [rig.belt]; to study a contact alone with vibration across it, \
+                 use [contact.hertz]"
             }
-            "rig.dring" => "the firmware decides on the friction of a D-ring",
+            "rig.dring" => "the firmware controls the friction of a D-ring",
             "rig.carriage" => "a carriage slides on the tip of a stack that the firmware drives",
             "rig.rotor" => "a rotor turns on a [stator], which the firmware drives",
             "rig.kinematic" | "rig.sdof" => "the stack vibrates along the motion of [rig.slider]",
             _ if table.starts_with("contact.") => {
-                "the contact at a stack's tip is Dahl's, [contact.dahl], or under [rig.carriage] LuGre's, [contact.lugre]"
+                "the contact at a stack's tip is Dahl's, [contact.dahl], or with [rig.carriage] LuGre's, [contact.lugre]"
             }
-            _ => "[excitation] shakes the contact itself: no controller, converter or stack is simulated",
+            _ => "[excitation] excites the contact directly: no controller, converter or stack is simulated",
         };
-        let message = format!("{} has no place in {scene}", header(table));
+        let message = format!("{} cannot be used in {scene}", header(table));
         let problem = Problem::new(self.key(table), message, format!("belongs to [{owner}]"));
         self.add(table, problem.help(help));
     }
 
-    /// What a driven scene leaves no choice about.
+    /// Checks keys that are fixed in a driven scene.
     pub(super) fn driven(&mut self) {
         for key in STUDY_KEYS.iter().map(|key| join("integrator", key)) {
             if self.value(&key).is_some() {
-                let message = format!("`{key}` has no place in a scene with [controller]");
+                let message = format!("`{key}` cannot be used in a scene with [controller]");
                 let problem = Problem::new(self.key(&key), message, "belongs to [excitation]");
-                self.add(&key, problem.help("how finely a driven contact is stepped is `integrator.steps_per_period`"));
+                self.add(&key, problem.help("the step of a driven contact is set by `integrator.steps_per_period`"));
             }
         }
         let steps = "integrator.steps_per_period";
-        if self.number(steps).is_some_and(|steps| steps > MOST_DRIVEN_STEPS) {
-            let label = format!("must be at most {} with [controller]", shown(MOST_DRIVEN_STEPS));
+        if self.number(steps).is_some_and(|steps| steps > MAX_DRIVEN_STEPS) {
+            let label = format!("must be at most {} with [controller]", shown(MAX_DRIVEN_STEPS));
             let problem = Problem::new(self.place(steps), format!("`{steps}` is out of range"), label);
             self.add(steps, problem);
         }
@@ -169,14 +172,14 @@ impl Rules<'_> {
             ("contact.lugre.normal_n", "the normal force is `rig.carriage.normal_n`"),
         ] {
             if self.value(normal).is_some() {
-                let message = "`normal_n` has no place in a scene with [controller]";
-                let problem = Problem::new(self.key(normal), message, "the rig presses on this contact");
+                let message = "`normal_n` cannot be used in a scene with [controller]";
+                let problem = Problem::new(self.key(normal), message, "the rig gives the normal force");
                 self.add(normal, problem.help(help));
             }
         }
         for sign in ["contact.dahl.sign", "contact.lugre.sign"] {
             if self.text(sign) == Some("literal") {
-                let message = "friction that pumps a stack is not simulated";
+                let message = "friction that feeds energy into a stack is not simulated";
                 let problem = Problem::new(self.place(sign), message, "must be `passive` with [controller]");
                 self.add(sign, problem.help("the literal sign is for contact studies, with [excitation]"));
             }

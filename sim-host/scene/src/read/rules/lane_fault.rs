@@ -1,4 +1,4 @@
-//! Faults of the lanes of a stator: which lane they happen to, and which of their keys belong to which kind.
+//! Rules of the faults of a stator's lanes: the lane, and the keys of each kind.
 
 use super::Rules;
 use crate::diagnostic::Problem;
@@ -9,23 +9,24 @@ const OPEN: &str = "lane_open";
 const WEAK: &str = "lane_weak";
 const REVERSED: &str = "lane_reversed";
 const EXCHANGED: &str = "lanes_exchanged";
-/// Keys of such faults, and the kinds that have them.
+/// Keys of such faults, and the kinds they belong to.
 const KEYS: [(&str, &[&str]); 3] =
     [("lane", &[OPEN, WEAK, REVERSED, EXCHANGED]), ("other_lane", &[EXCHANGED]), ("gain", &[WEAK])];
 
 impl Rules<'_> {
-    /// A fault of a lane needs a stator, and says which of its lanes; the other faults have none of these keys.
-    pub(super) fn fault_of_a_lane(&mut self, path: &str) {
+    /// Checks a fault of a lane: it needs a stator and its lane. Other faults must not have these
+    /// keys.
+    pub(super) fn check_lane_fault(&mut self, path: &str) {
         let kind = join(path, "kind");
         let Some(of) = self.text(&kind) else { return };
         for (key, kinds) in KEYS {
             let key = join(path, key);
             if self.value(&key).is_some() && !kinds.contains(&of) {
                 let problem =
-                    Problem::new(self.key(&key), format!("`{key}` has no place beside the fault `{of}`"), "not of this kind");
+                    Problem::new(self.key(&key), format!("`{key}` cannot be used with the fault `{of}`"), "not for this kind");
                 self.add(&key, problem.help(format!("it belongs to {}", kinds.join(", "))));
             } else if key.ends_with("lane") && kinds.contains(&of) && !self.given(&key) {
-                let problem = Problem::new(self.place(&kind), format!("the fault `{of}` lacks `{key}`"), "which lane?");
+                let problem = Problem::new(self.place(&kind), format!("the fault `{of}` needs `{key}`"), "which lane?");
                 self.add(&kind, problem.help("lanes are counted from 0"));
             }
         }
@@ -35,7 +36,7 @@ impl Rules<'_> {
         if self.lacks("stator") {
             let problem =
                 Problem::new(self.place(&kind), format!("a scene without [stator] cannot have `{of}`"), "needs [stator]");
-            self.add(&kind, problem.help("a stack hangs on the first lane alone"));
+            self.add(&kind, problem.help("a stack uses only the first lane"));
             return;
         }
         let (lane, other) = (join(path, "lane"), join(path, "other_lane"));

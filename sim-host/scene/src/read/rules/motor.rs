@@ -1,4 +1,5 @@
-//! A motor: a stator stands instead of a stack, a rotor on a stator, and only a stator has lanes that differ.
+//! Rules of a motor: a stator replaces the stack, a rotor needs a stator, and only a stator has
+//! lane errors.
 
 use super::Rules;
 use crate::diagnostic::Problem;
@@ -8,7 +9,7 @@ use crate::wording::header;
 const STACK: &str = "stack";
 const STATOR: &str = "stator";
 const ROTOR: &str = "rig.rotor";
-/// Faults of a stack itself.
+/// Faults that only a stack can have.
 const STACK_FAULTS: [&str; 3] = ["short", "depoled", "cracked"];
 
 impl Rules<'_> {
@@ -17,7 +18,7 @@ impl Rules<'_> {
             let (one, other) = (self.key(STACK), self.key(STATOR));
             let (later, earlier) = if one < other { (other, STACK) } else { (one, STATOR) };
             let message = "[stack] and [stator] exclude each other";
-            let problem = Problem::new(later, message, format!("{} is given already", header(earlier)));
+            let problem = Problem::new(later, message, format!("{} is already given", header(earlier)));
             self.add(STATOR, problem.help("the firmware drives a stack, or the stator of a motor"));
             return;
         }
@@ -27,11 +28,11 @@ impl Rules<'_> {
                 .filter(|table| self.given(table))
                 .collect::<Vec<_>>()
             {
-                let message = format!("{} has no place beside [stator]", header(table));
+                let message = format!("{} cannot be combined with [stator]", header(table));
                 let problem = Problem::new(self.key(table), message, "belongs to [stack]");
-                self.add(table, problem.help("what a stator moves is [rig.rotor], which has its contact in its own keys"));
+                self.add(table, problem.help("a stator moves [rig.rotor], whose keys include its contact"));
             }
-            self.of_a_stack();
+            self.check_stack_only_keys();
             return;
         }
         if self.given(ROTOR) && self.lacks(STATOR) {
@@ -40,24 +41,26 @@ impl Rules<'_> {
         }
         for key in ["amplifier.lane_phase_error_deg", "amplifier.lane_gain_error"] {
             if self.value(key).is_some_and(|list| !list.list().is_empty()) && self.given(STACK) {
-                let problem = Problem::new(self.key(key), format!("`{key}` has no place beside [stack]"), "belongs to [stator]");
-                self.add(key, problem.help("a stack hangs on the first lane alone, so that no lane can differ from another"));
+                let problem =
+                    Problem::new(self.key(key), format!("`{key}` cannot be combined with [stack]"), "belongs to [stator]");
+                self.add(key, problem.help("a stack uses only the first lane, so lanes cannot differ"));
             }
         }
     }
 
-    /// What only a stack has, in a scene with a stator.
-    fn of_a_stack(&mut self) {
+    /// Reports keys and faults that only a stack has, in a scene with a stator.
+    fn check_stack_only_keys(&mut self) {
         let delay = "amplifier.delay_s";
         if self.number(delay).is_some_and(|delay_s| delay_s != 0.0) {
-            let problem = Problem::new(self.key(delay), format!("`{delay}` has no place beside [stator]"), "belongs to [stack]");
-            self.add(delay, problem.help("the lanes of a stator are late by `amplifier.lane_phase_error_deg`"));
+            let problem =
+                Problem::new(self.key(delay), format!("`{delay}` cannot be combined with [stator]"), "belongs to [stack]");
+            self.add(delay, problem.help("the delay of a stator's lanes is `amplifier.lane_phase_error_deg`"));
         }
         for kind in self.tables("fault").into_iter().map(|path| join(&path, "kind")).collect::<Vec<_>>() {
             if let Some(broken) = self.text(&kind).filter(|broken| STACK_FAULTS.contains(broken)) {
-                let message = format!("a stator cannot be `{broken}`");
-                let problem = Problem::new(self.place(&kind), message, "happens to a [stack]");
-                self.add(&kind, problem.help("the simulated stator has no such fault"));
+                let message = format!("a stator cannot have the fault `{broken}`");
+                let problem = Problem::new(self.place(&kind), message, "only for a [stack]");
+                self.add(&kind, problem.help("this fault of a stator is not simulated"));
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Overlays: their figure has the curve, and an axis of their unit.
+//! Rules of overlays: the figure must have the curve, and an axis with a convertible unit.
 
 use super::{Rules, listed, nearest, short};
 use crate::diagnostic::Problem;
@@ -22,19 +22,22 @@ impl Rules<'_> {
             && FigureData::of(id).is_none()
         {
             let ids = FIGURES.iter().map(|figure| figure.id);
-            let label = nearest(id, ids).first().map_or("is none of a run".to_owned(), |near| format!("did you mean `{near}`?"));
+            let label =
+                nearest(id, ids).first().map_or("not a figure of a run".to_owned(), |near| format!("did you mean `{near}`?"));
             let problem = Problem::new(self.place(&figure), format!("there is no figure `{}`", short(id)), label);
-            return self
-                .add(&figure, problem.help("`sim-host explain FIGURE.csv` says what a figure shows; docs/data.md lists all"));
+            return self.add(
+                &figure,
+                problem.help("`sim-host explain FIGURE.csv` describes a figure; docs/metrics-and-files.md lists all"),
+            );
         }
-        let may_be = |figure: &&FigureData| named.as_ref().is_none_or(|id| figure.is(id)) && figure.is_of_curves();
+        let may_be = |figure: &&FigureData| named.as_ref().is_none_or(|id| figure.has_id(id)) && figure.has_curves();
         let candidates: Vec<&FigureData> = FIGURES.iter().filter(may_be).collect();
         let having: Vec<&FigureData> = candidates.iter().copied().filter(|figure| figure.has(&curve)).collect();
         if having.is_empty() {
             let curves: Vec<&str> = candidates.iter().flat_map(|figure| figure.columns.iter().copied()).collect();
             let label = nearest(&curve, curves.iter().copied())
                 .first()
-                .map_or("is none".to_owned(), |near| format!("did you mean `{near}`?"));
+                .map_or("not a curve".to_owned(), |near| format!("did you mean `{near}`?"));
             let message = match &named {
                 Some(id) => format!("the figure `{}` has no curve `{}`", short(id), short(&curve)),
                 None => format!("no figure has a curve `{}`", short(&curve)),
@@ -42,7 +45,7 @@ impl Rules<'_> {
             let problem = Problem::new(self.place(&quantity), message, label);
             let help = match &named {
                 Some(_) => format!("it has {}", listed(curves, "and")),
-                None => "the curves of each figure are the columns of its CSV; docs/data.md lists them".to_owned(),
+                None => "the curves of each figure are the columns of its CSV; docs/metrics-and-files.md lists them".to_owned(),
             };
             return self.add(&quantity, problem.help(help));
         }
@@ -53,9 +56,9 @@ impl Rules<'_> {
             && !axes.iter().any(|axis| factor(unit.as_deref(), axis_unit(axis)).is_some())
         {
             let given = unit.unwrap_or_else(|| "no unit".to_owned());
-            let message = format!("the points are along {given}, and the figure along {}", listed(axes, "or"));
+            let message = format!("the points are over {given}, but the figure is over {}", listed(axes, "or"));
             let problem = Problem::new(self.place(&join(path, "x")), message, "another axis");
-            self.add(path, problem.help("`x_column` and `x_unit` say what is along the horizontal axis"));
+            self.add(path, problem.help("`x_column` and `x_unit` select the horizontal axis"));
         }
     }
 
@@ -69,8 +72,8 @@ impl Rules<'_> {
         if self.clean(path) && (x != values || x == 0) {
             let problem = Problem::new(
                 self.place(&join(path, "values")),
-                format!("the overlay has {x} places and {values} values"),
-                "needs as many of both, one at least",
+                format!("the overlay has {x} positions and {values} values"),
+                "needs equal numbers of both, at least one",
             );
             self.add(path, problem);
         }

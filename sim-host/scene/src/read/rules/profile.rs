@@ -1,8 +1,9 @@
-//! Measured courses: their samples are in order, last as long as they are played, and stay in the range of what they move.
+//! Rules of measured profiles: samples in order of time, long enough for the run, and in the range
+//! of the quantity.
 
 use super::{Rules, shown};
 use crate::diagnostic::Problem;
-use crate::profile::resolve::{falls, paths};
+use crate::profile::resolve::{first_not_rising, paths};
 use crate::schema::{Schema, join};
 use crate::wording::range;
 
@@ -10,9 +11,9 @@ const WAVEFORM: &str = "excitation.waveform";
 const PROFILE: &str = "excitation.profile";
 const PULSE: &str = "rig.dring.pulse";
 /// Largest deceleration of a measured pulse, 200 g, m/s^2.
-const LARGEST_PULSE: f64 = 200.0 * 9.81;
-/// Rounding, relative to the duration of the run.
-const ROUNDING: f64 = 1e-9;
+const MAX_PULSE_M_PER_S2: f64 = 200.0 * 9.81;
+/// Round-off, relative to the duration of the run.
+const ROUND_OFF_REL: f64 = 1e-9;
 
 impl Rules<'_> {
     pub(super) fn profiles(&mut self) {
@@ -22,31 +23,31 @@ impl Rules<'_> {
             }
         }
         self.measured_waveform();
-        self.measured_alone();
+        self.check_only_disturbance();
     }
 
-    /// A measured waveform needs its course, and a course such a waveform.
+    /// Checks that a measured waveform and its profile occur together.
     fn measured_waveform(&mut self) {
         let measured = self.text(WAVEFORM) == Some("measured");
         if measured && self.lacks(PROFILE) {
             let message = "a measured excitation without `profile`";
             let problem = Problem::new(self.place(WAVEFORM), message, "needs [excitation.profile]");
-            self.add(PROFILE, problem.help("`profile.file` names a table of numbers with a column of time"));
+            self.add(PROFILE, problem.help("`profile.file` names a table of numbers with a time column"));
         }
         if !measured && self.given(PROFILE) && self.clean(WAVEFORM) {
-            let message = "[excitation.profile] is of a measured waveform";
+            let message = "[excitation.profile] is only for a measured waveform";
             let problem = Problem::new(self.key(PROFILE), message, "needs `waveform = \"measured\"`");
             self.add(PROFILE, problem);
         }
         let rms = "excitation.match";
         if measured && self.text(rms) == Some("rms") {
-            let message = "a measured waveform is played as it was measured";
+            let message = "a measured waveform is played without scaling";
             self.add(rms, Problem::new(self.place(rms), message, "not with `measured`"));
         }
     }
 
-    /// What follows a measured course does nothing else.
-    fn measured_alone(&mut self) {
+    /// Checks that a key with a measured profile has no other disturbance.
+    fn check_only_disturbance(&mut self) {
         let tables = self.tables("disturbance");
         let keys: Vec<_> = tables.iter().map(|path| self.text(&join(path, "key")).map(str::to_owned)).collect();
         for (index, path) in tables.iter().enumerate() {
@@ -54,8 +55,8 @@ impl Rules<'_> {
             let profile = join(path, "profile");
             if others && self.given(&profile) {
                 let key = keys[index].clone().unwrap_or_default();
-                let message = format!("`{key}` follows a measured course, and another disturbance changes it, too");
-                let problem = Problem::new(self.key(&profile), message, "must be the only one of its key");
+                let message = format!("`{key}` follows a measured profile, but another disturbance changes it as well");
+                let problem = Problem::new(self.key(&profile), message, "must be the only disturbance of this key");
                 self.add(&profile, problem);
             }
         }
@@ -68,24 +69,24 @@ impl Rules<'_> {
         let at = |key: &str| self.place(key);
         if time_s.len() != value.len() || time_s.len() < 2 {
             let message = format!("the profile has {} times and {} values", time_s.len(), value.len());
-            let problem = Problem::new(at(&values), message, "needs as many of both, two at least");
+            let problem = Problem::new(at(&values), message, "needs equal numbers of both, at least two");
             return self.add(path, problem);
         }
-        if let Some(later) = falls(&time_s) {
+        if let Some(later) = first_not_rising(&time_s) {
             let message =
-                format!("the time does not go on: {} s comes after {} s", shown(time_s[later]), shown(time_s[later - 1]));
+                format!("the time does not increase: {} s follows {} s", shown(time_s[later]), shown(time_s[later - 1]));
             let problem = Problem::new(at(&times), message, "must be in ascending order");
             return self.add(path, problem);
         }
         let (first, last) = (time_s[0], time_s[time_s.len() - 1]);
         let from = join(path, "from_s");
         let (Some(from_s), Some(duration)) = (self.number(&from), self.number("duration_s")) else { return };
-        let slack = ROUNDING * duration;
+        let slack = ROUND_OFF_REL * duration;
         if from_s < first - slack || from_s >= last {
             let place = if self.given(&from) { self.place(&from) } else { at(&times) };
-            let message = format!("the profile has no sample at {} s, from where it is played", shown(from_s));
+            let message = format!("the profile has no sample at {} s, where playback begins", shown(from_s));
             let label = format!("it has samples from {} to {} s", shown(first), shown(last));
-            let help = format!("`from_s = {}` plays it from its first sample on", shown(first));
+            let help = format!("with `from_s = {}`, playback begins at the first sample", shown(first));
             return self.add(path, Problem::new(place, message, label).help(help));
         }
         let begins = match path {
@@ -96,7 +97,7 @@ impl Rules<'_> {
         let needed = begins.map(|begins| duration - begins).filter(|needed| last - from_s < needed - slack);
         if let Some(needed) = needed {
             let message = format!(
-                "the profile is too short for the run: {} s are played, and it has {} s",
+                "the profile is too short for the run: {} s are needed, but it has only {} s",
                 shown(needed),
                 shown(last - from_s)
             );
@@ -105,7 +106,7 @@ impl Rules<'_> {
             return self.add(
                 path,
                 Problem::new(self.place(self.newer(&times, &from)), message, label)
-                    .help(format!("`duration_s` may be {most} at most")),
+                    .help(format!("`duration_s` can be at most {most}")),
             );
         }
         self.within_range(path, &time_s, &value);
@@ -124,11 +125,11 @@ impl Rules<'_> {
             None => return,
         };
         let limits = match path {
-            PULSE => (Some(-LARGEST_PULSE), Some(LARGEST_PULSE)),
+            PULSE => (Some(-MAX_PULSE_M_PER_S2), Some(MAX_PULSE_M_PER_S2)),
             _ => {
                 let Some(schema) = Schema::root().at(&target) else { return };
                 let (least, most) = schema.range();
-                // What vibrates goes to both sides.
+                // A vibration has both signs.
                 if path == PROFILE { (most.map(|most| -most), most) } else { (least, most) }
             }
         };
@@ -137,7 +138,7 @@ impl Rules<'_> {
         let message =
             format!("the profile leaves the range of `{target}`: it is {} at {} s", shown(values[at]), shown(time_s[at]));
         let what = if path == PULSE {
-            format!("from {} to {} m/s^2", shown(-LARGEST_PULSE), shown(LARGEST_PULSE))
+            format!("from {} to {} m/s^2", shown(-MAX_PULSE_M_PER_S2), shown(MAX_PULSE_M_PER_S2))
         } else {
             range(limits, &target)
         };

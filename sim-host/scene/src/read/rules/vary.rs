@@ -1,7 +1,8 @@
-//! What varies from run to run: each must be a number that the scene has, and both of its ends a valid scene.
+//! Rules of `[[vary]]`: each key must be a number of the scene, and the scene must be valid at both
+//! ends of its range.
 
 use super::Rules;
-use super::cells::{Cell, NOT_IN_A_CELL};
+use super::cells::{Cell, NON_CELL_KEYS};
 use crate::Vary;
 use crate::diagnostic::Problem;
 use crate::nearest::shown;
@@ -23,14 +24,14 @@ impl Rules<'_> {
                 self.add(&key, if help.is_empty() { problem } else { problem.help(help) });
             };
             let table = name.split('.').next().unwrap_or(name);
-            if name == SEED || NOT_IN_A_CELL.contains(&table) {
-                let help = "what varies is a number of the plant, or a nominal value of the controller";
-                wrong(format!("`{name}` cannot be varied"), "no run has a value of its own here", help);
+            if name == SEED || NON_CELL_KEYS.contains(&table) {
+                let help = "only numbers of the plant and nominal values of the controller can be varied";
+                wrong(format!("`{name}` cannot be varied"), "the same in every run", help);
                 continue;
             }
             let earlier = |earlier: &String| self.root.at(&join(earlier, "key")).and_then(|node| node.text()) == Some(name);
             if tables[..index].iter().any(earlier) {
-                self.add(&key, Problem::new(place, format!("`{name}` is varied twice"), "second time"));
+                self.add(&key, Problem::new(place, format!("`{name}` is varied twice"), "second occurrence"));
                 continue;
             }
             let relative = ["spread", "factor"].iter().any(|way| self.given(&join(path, way)));
@@ -41,13 +42,17 @@ impl Rules<'_> {
                     Problem::new(place, format!("`{name}` is varied, but the scene does not have it"), "not in this scene");
                 self.add(&key, problem.help(format!("give it a value first; it is optional: {meaning}")));
             } else if relative && own == Some(0.0) {
-                let problem = Problem::new(place, format!("a part of 0 is 0: `{name}` would not vary"), "is 0 in this scene");
+                let problem = Problem::new(
+                    place,
+                    format!("`spread` and `factor` are relative: `{name}` would not vary"),
+                    "is 0 in this scene",
+                );
                 self.add(&key, problem.help("give `from` and `to` instead"));
             } else {
                 self.in_order(path);
             }
         }
-        self.nothing_beside();
+        self.check_single_run();
     }
 
     pub(super) fn in_order(&mut self, path: &str) {
@@ -55,22 +60,22 @@ impl Rules<'_> {
         if let (Some(low), Some(high)) = (self.number(&from), self.number(&to))
             && low >= high
         {
-            let message = format!("nothing is from {} to {}", shown(low), shown(high));
+            let message = format!("the range from {} to {} is empty", shown(low), shown(high));
             let at = self.newer(&to, &from);
             self.add(&to, Problem::new(self.place(at), message, "`to` must be more than `from`"));
         }
     }
 
-    /// A comparison is run beside a scene that is run once.
-    fn nothing_beside(&mut self) {
+    /// Checks that a scene with a comparison is run once.
+    fn check_single_run(&mut self) {
         if self.number(RUNS).is_some_and(|runs| runs > 1.0) && self.given("comparison") {
-            let problem = Problem::new(self.place(RUNS), "a scene of several `runs` has no [comparison]", "must be 1");
-            self.add(RUNS, problem.help("[comparison] is run beside a scene that is run once"));
+            let problem = Problem::new(self.place(RUNS), "a scene with several `runs` cannot have a [comparison]", "must be 1");
+            self.add(RUNS, problem.help("[comparison] needs a scene that is run once"));
         }
     }
 
-    /// Makes the scenes at both ends of each variation.
-    pub(super) fn ends(&mut self) {
+    /// Builds and checks the scenes at both ends of each variation.
+    pub(super) fn check_ends(&mut self) {
         if !self.findings.problems.is_empty() {
             return;
         }
@@ -87,9 +92,9 @@ impl Rules<'_> {
                     table: TABLE,
                     called: format!("`{}` varied to {}", vary.key, shown(value)),
                     whole: place.clone(),
-                    help: "each run is this scene with what varies laid over it: make them fit, or vary it less",
+                    help: "each run is this scene with the drawn value: make the scene valid at both ends, or vary it less",
                 };
-                if self.cell(&cell, [(format!("{}={value:?}", vary.key), place)]).is_none() {
+                if self.build_cell(&cell, [(format!("{}={value:?}", vary.key), place)]).is_none() {
                     break;
                 }
             }

@@ -11,19 +11,19 @@ use crate::tree::Node;
 /// A case that is a scene.
 #[derive(Clone, Debug)]
 pub struct ReadyCase {
-    /// Name of the case, with that of the preset behind, if it is one of several.
+    /// Name of the case; if it is one of several, followed by the name of its preset.
     pub name: String,
     /// Name of the case in the suite.
     pub base: String,
     /// Group of the case.
     pub group: String,
-    /// The scene, to be run as often as the case says.
+    /// The scene, with the number of runs of the case.
     pub loaded: Loaded,
-    /// How to run it by itself.
+    /// Command that runs the case alone.
     pub command: String,
 }
 
-/// Every case, with the problems of all that are no scenes.
+/// Returns every case, or the problems of all cases that are not valid scenes.
 pub(super) fn ready(suite_name: &str, root: &Node, suite: &Suite, quick: bool) -> Result<Vec<ReadyCase>, Vec<Problem>> {
     let (mut cases, mut problems) = (Vec::new(), Vec::new());
     for (index, case) in suite.case.iter().enumerate() {
@@ -35,19 +35,19 @@ pub(super) fn ready(suite_name: &str, root: &Node, suite: &Suite, quick: bool) -
             if quick && !suite.quick.as_ref().is_none_or(listed) {
                 continue;
             }
-            match one(suite_name, suite, case, preset, quick) {
+            match load_case(suite_name, suite, case, preset, quick) {
                 Ok((loaded, command)) => {
                     let (base, group) = (case.name.clone(), case.group.clone());
                     cases.push(ReadyCase { name, base, group, loaded, command });
                 }
-                Err(error) => problems.extend(blamed(root, index, &name, &error)),
+                Err(error) => problems.extend(suite_problems(root, index, &name, &error)),
             }
         }
     }
     if problems.is_empty() { Ok(cases) } else { Err(problems) }
 }
 
-fn one(
+fn load_case(
     suite_name: &str,
     suite: &Suite,
     case: &SuiteCase,
@@ -75,27 +75,28 @@ fn one(
     Ok((loaded, command))
 }
 
-/// What is wrong with the scene of a case, at the string of the suite that makes it so, or at the case.
-fn blamed(root: &Node, index: usize, name: &str, error: &LoadError) -> Vec<Problem> {
+/// Converts the error of a case's scene to problems of the suite, each at the string that causes
+/// it, or at the case.
+fn suite_problems(root: &Node, index: usize, name: &str, error: &LoadError) -> Vec<Problem> {
     let path = format!("case.{index}");
     let case = root.entry(&format!("{path}.name")).map_or_else(|| root.place.clone(), |entry| entry.node.place.clone());
     let LoadError::Invalid(report) = error else {
         let at =
             [format!("{path}.scene"), "scene".to_owned()].iter().find_map(|path| root.at(path)).map(|node| node.place.clone());
-        return vec![Problem::new(at.unwrap_or(case), error.to_string(), "no scene")];
+        return vec![Problem::new(at.unwrap_or(case), error.to_string(), "not a scene")];
     };
     let lists = [format!("{path}.set"), "set".to_owned()];
     let presets = (0..root.at("preset").map_or(0, |list| list.list().len())).map(|preset| format!("preset.{preset}.set"));
     let strings: Vec<&Node> =
         lists.into_iter().chain(presets).filter_map(|path| root.at(&path)).flat_map(|list| list.list().iter()).collect();
     let one = |problem: &Problem| {
-        // The first source of a scene is its changes, a line each.
+        // The first source of a scene contains its changes, one per line.
         let text = report.sources().first().filter(|_| problem.at.source == 0).map_or("", |source| source.text.as_str());
         let begins = text.get(..problem.at.start).and_then(|before| before.rfind('\n')).map_or(0, |end| end + 1);
         let set = text.get(begins..).and_then(|rest| rest.lines().next());
         let place = set.and_then(|set| strings.iter().find(|node| node.text() == Some(set))).map(|node| {
             let mut place = node.place.clone();
-            // Within the quotes.
+            // The place is within the quotes.
             place.end = place.start + 1 + (problem.at.end - begins);
             place.start += 1 + (problem.at.start - begins);
             place

@@ -1,4 +1,4 @@
-//! What the schema of a suite cannot say: that names are those of something.
+//! Rules that the schema of a suite cannot express: names must refer to existing entries.
 
 use super::{DERIVED, STEPS};
 use crate::diagnostic::Problem;
@@ -9,7 +9,7 @@ use crate::walk::Findings;
 
 pub(super) fn check(root: &Node, found: &mut Findings) {
     for list in ["case", "preset"] {
-        each_once(root, list, found);
+        check_unique(root, list, found);
     }
     let names = |list: &str, key: &str| strings(root, &[&format!("{list}.*.{key}")]);
     let (presets, groups) = (names("preset", "name"), names("case", "group"));
@@ -38,7 +38,7 @@ pub(super) fn check(root: &Node, found: &mut Findings) {
     }
 }
 
-/// The strings at these paths, in which `*` is every entry of a list.
+/// Returns the strings at these paths, in which `*` is every entry of a list.
 fn strings(root: &Node, paths: &[&str]) -> Vec<(String, String)> {
     let mut found = Vec::new();
     for path in paths {
@@ -73,25 +73,25 @@ fn unknown<'a>(
     let at = root.at(path).map_or_else(|| root.place.clone(), |node| node.place.clone());
     let label = match nearest(name, known.clone()).first() {
         Some(meant) => format!("did you mean `{meant}`?"),
-        None => format!("no {what} of this suite"),
+        None => format!("not a {what} of this suite"),
     };
     let mut names: Vec<&str> = known.collect();
     names.sort_unstable();
     names.dedup();
     let problem = Problem::new(at, format!("there is no {what} `{}`", short(name)), label);
     let help =
-        if names.is_empty() { format!("there is no {what} at all") } else { format!("this suite has {}", listed(names, "and")) };
+        if names.is_empty() { format!("this suite has no {what}") } else { format!("this suite has {}", listed(names, "and")) };
     found.add(path, problem.help(help));
 }
 
-fn each_once(root: &Node, list: &str, found: &mut Findings) {
+fn check_unique(root: &Node, list: &str, found: &mut Findings) {
     let names = strings(root, &[&format!("{list}.*.name")]);
     for (index, (path, name)) in names.iter().enumerate() {
         if names[..index].iter().any(|(_, earlier)| earlier == name) {
             let at = root.at(path).map_or_else(|| root.place.clone(), |node| node.place.clone());
             found.add(
                 path,
-                Problem::new(at, format!("\"{}\" stands here twice", short(name)), format!("another {list} has this name")),
+                Problem::new(at, format!("\"{}\" appears twice", short(name)), format!("another {list} has this name")),
             );
         }
     }

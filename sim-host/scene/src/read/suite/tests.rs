@@ -1,4 +1,4 @@
-//! Suites that are right, and what is said of those that are not.
+//! Valid suites, and the messages of invalid ones.
 
 use super::*;
 
@@ -48,7 +48,7 @@ fn each_preset_makes_a_case() {
 }
 
 #[test]
-fn what_is_wrong_is_named_with_its_place() {
+fn mistakes_are_reported_with_their_place() {
     for (from, to, parts) in [
         ("runs = 30", "rums = 30", vec!["two.toml:4:1", "unknown key `rums`", "did you mean `runs`?"]),
         ("max = 0.5", "maxx = 0.5", vec!["two.toml:25:1", "unknown key `maxx` in [[target]]", "did you mean `max`?"]),
@@ -59,7 +59,7 @@ fn what_is_wrong_is_named_with_its_place() {
         ("noise_lsb=2", "noise_lbs=2", vec!["two.toml:21:17", "in the case `noise`", "did you mean `noise_lsb`?"]),
         ("nominal_q=200", "nominal_q=-1", vec!["two.toml:13:58", "in the case `load, Q 200`", "out of range"]),
         ("lock-cold", "lock-colt", vec!["two.toml:3:9", "no scene `lock-colt`", "`lock-cold`"]),
-        ("name = \"noise\"", "name = \"load\"", vec!["stands here twice"]),
+        ("name = \"noise\"", "name = \"load\"", vec!["appears twice"]),
     ] {
         let said = wrong(&TWO.replace(from, to));
         for part in parts {
@@ -69,7 +69,7 @@ fn what_is_wrong_is_named_with_its_place() {
 }
 
 #[test]
-fn mistakes_of_the_suite_and_of_its_cases_are_shown_together() {
+fn mistakes_of_suite_and_cases_are_shown_together() {
     let text =
         TWO.replace("max = 0.5", "maxx = 0.5").replace("noise_lsb=2", "noise_lbs=2").replace("title = \"Two loads\"\n", "");
     let shown = wrong(&text);
@@ -79,7 +79,7 @@ fn mistakes_of_the_suite_and_of_its_cases_are_shown_together() {
 }
 
 #[test]
-fn a_case_with_a_mistake_of_its_own_does_not_hide_another() {
+fn a_mistake_in_a_case_does_not_hide_another() {
     let shown = wrong(&TWO.replace("group = \"cold\"", "colour = \"cold\"").replace("noise_lsb=2", "noise_lbs=2"));
     assert!(shown.contains("unknown key `colour`") && shown.contains("in the case `noise`"), "{shown}");
 }

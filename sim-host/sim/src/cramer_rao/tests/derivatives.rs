@@ -1,4 +1,4 @@
-//! The closed form against Runge and Kutta, its derivatives against differences.
+//! Tests of the closed form against Runge-Kutta, and of its derivatives against differences.
 
 use super::*;
 
@@ -26,7 +26,7 @@ fn the_current_is_that_of_the_differential_equation() {
             worst = worst.max((response.current(t).0 - measured[0]).abs());
         }
     }
-    // 1.2e-10 A of up to 1 A: what is left are Runge and Kutta's steps.
+    // 1.2e-10 A of up to 1 A: the error of the Runge-Kutta steps.
     assert!(worst < 2e-10, "{worst:e}");
 }
 
@@ -36,7 +36,8 @@ fn derivatives_are_limits_of_differences() {
     let steps = [1e-2, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5];
     for setting in cases() {
         let response = Response::new(&setting.circuit, &setting.drive, &setting.start);
-        // What was there before a jump does not change with what comes after it; with C0 it does, which is tested below.
+        // The state before a jump does not depend on the circuit after it, except by C0, which is
+        // tested below.
         for n in (0..6).filter(|&n| n != 3 || !matches!(setting.start, Start::Jump(_))) {
             let at = |sign: f64| {
                 let mut by = [0.0; 6];
@@ -45,7 +46,8 @@ fn derivatives_are_limits_of_differences() {
             };
             let before = first_state(&setting);
             let of = |(circuit, drive): (Circuit, Drive)| match setting.start {
-                // The state stays while the voltage moves: a jump from rest, and what the first state leaves.
+                // The state is fixed while the voltage changes: a jump from rest, plus the free
+                // oscillation of the initial state.
                 Start::Jump(_) => {
                     let left = Response::new(&circuit, &drive, &Start::Rest);
                     let by = left.clone();
@@ -69,11 +71,11 @@ fn derivatives_are_limits_of_differences() {
             }
         }
     }
-    // 9.3e-10: rounding over the step.
+    // 9.3e-10: rounding divided by the step.
     assert!(worst < 2e-9, "{worst:e}");
 }
 
-/// Unit current or charge that is left to itself.
+/// A unit current or charge rings down freely.
 #[test]
 fn the_first_state_rings_down() {
     let mut worst: f64 = 0.0;
@@ -87,13 +89,13 @@ fn the_first_state_rings_down() {
             }
         }
     }
-    // 9.4e-11.
+    // The worst error is 9.4e-11.
     assert!(worst < 2e-10, "{worst:e}");
 }
 
-/// The sum before the jump is known: with more C0 less of it was motional.
+/// The total current before the jump is known: with a larger C0, less of it was motional.
 #[test]
-fn what_c0_took_before_a_jump_was_not_motional() {
+fn c0_derivative_after_a_jump_keeps_the_total_current() {
     let setting = load_step(PriorKnowledge::NONE, 1);
     let (response, part) = (Response::new(&setting.circuit, &setting.drive, &setting.start), 1e-4);
     let omega = std::f64::consts::TAU * setting.drive.hz;
@@ -109,13 +111,14 @@ fn what_c0_took_before_a_jump_was_not_motional() {
         let error = (above[0] - below[0]) / (2.0 * part) - response.current(time_s(n)).1[Parameter::C0 as usize];
         worst = worst.max(error.abs());
     }
-    // 1.8e-11 A.
+    // The worst error is 1.8e-11 A.
     assert!(worst < 4e-11, "{worst:e}");
 }
 
-/// The slope's derivative is a solution up to a free oscillation, which the first state takes.
+/// The derivative by the slope is a solution up to a free oscillation, which the initial state
+/// contains.
 #[test]
-fn a_slope_of_the_resonance_is_a_difference_of_ramps() {
+fn slope_derivative_equals_the_difference_of_ramps() {
     let setting = cases()[1];
     let (response, rate) = (Response::new(&setting.circuit, &setting.drive, &setting.start), 1e3);
     let resonance = setting.circuit.series_resonance_hz();
@@ -139,6 +142,6 @@ fn a_slope_of_the_resonance_is_a_difference_of_ramps() {
         let error = difference(n) - of[0] * free(n)[0] - of[1] * free(n)[1];
         worst = worst.max(error.abs() / scale);
     }
-    // 7.7e-6: the third power of a ramp of up to 1.5 Hz, in a half bandwidth of 308 Hz.
+    // 7.7e-6: the cubic term of a ramp of up to 1.5 Hz, with a half bandwidth of 308 Hz.
     assert!(worst < 1e-5, "{worst:e}");
 }

@@ -1,4 +1,5 @@
-//! The bound against maximum-likelihood fits of simulated codes: a simulation and a fit that share nothing with it but the current.
+//! Test of the bound against maximum-likelihood fits of simulated codes; they share only the
+//! current with it.
 
 use super::*;
 use plant::converter::Adc;
@@ -6,7 +7,7 @@ use plant::converter::Adc;
 const SEEDS: u64 = 200;
 const STEPS: [f64; 6] = [0.1, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5];
 
-/// Gauss's elimination.
+/// Solves a linear system by Gaussian elimination.
 fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     let size = rows.len();
     for n in 0..size {
@@ -20,7 +21,7 @@ fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     (0..size).map(|n| rows[n][size] / rows[n][n]).collect()
 }
 
-/// What a sample should be, in standard deviations of its noise.
+/// Returns the expected samples, in standard deviations of their noise.
 fn expected(setting: &Setting, by: &[f64; 6], samples: usize) -> Vec<f64> {
     let (circuit, drive) = moved(setting, by);
     let response = Response::new(&circuit, &drive, &setting.start);
@@ -30,7 +31,8 @@ fn expected(setting: &Setting, by: &[f64; 6], samples: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Gauss and Newton's fit; the result as a distance from the truth. `prior` is the mean of each parameter's prior.
+/// Fits by the Gauss-Newton method; returns the deviation from the truth. `prior` is the mean of
+/// each parameter's prior.
 fn fit(setting: &Setting, measured: &[f64], prior: &[f64; 6]) -> [f64; 6] {
     let knowledge = &setting.prior.of_each()[..6];
     let free: Vec<usize> = (0..6).filter(|&n| knowledge[n] != Knowledge::Known).collect();
@@ -65,7 +67,7 @@ fn fit(setting: &Setting, measured: &[f64], prior: &[f64; 6]) -> [f64; 6] {
     at
 }
 
-/// Error of the fits over the bound, rms.
+/// Returns the rms error of the fits, relative to the bound.
 fn ratio(setting: &Setting, oversample: u8, samples: u32) -> f64 {
     let sensors = sensors(oversample);
     let pure = simulated(|_| setting.circuit, &setting.drive, first_state(setting), samples);
@@ -87,7 +89,7 @@ fn ratio(setting: &Setting, oversample: u8, samples: u32) -> f64 {
                 .collect();
             let coarse = Sensors { adc_bits: 16, noise_lsb: 1000.0, v_full_scale_v: 32.768, ..sensors.clone() };
             let mut chance = Adc::new(&coarse, 3 * seed + 3);
-            // The mean of a prior is off by the prior's standard deviation: a Gaussian in steps of a thousandth.
+            // The mean of a prior deviates by its standard deviation: a Gaussian in steps of 0.001.
             let prior = std::array::from_fn(|n| match setting.prior.of_each()[n] {
                 Knowledge::Within(deviation) => deviation * (f64::from(chance.convert([0.0; 2])[0]) - 32768.0) / 1000.0,
                 _ => 0.0,

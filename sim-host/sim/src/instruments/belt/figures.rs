@@ -1,4 +1,4 @@
-//! A belt under a horn: its pull over time, and how the reduction comes, over the ON time and over the load.
+//! Figures of a belt under a horn: pull over time, and reduction over ON time and over load.
 
 use crate::instruments::View;
 use crate::instruments::curves::{axis, binned, curve, mean, shaded};
@@ -6,15 +6,15 @@ use crate::record::Row;
 use contact::empirical::reached;
 use report::{Figure, Marker, Series, Style};
 
-/// Loads beside the scene's own, N.
+/// Loads in addition to the scene's own, N.
 const LOADS_N: [f64; 3] = [270.0, 450.0, 670.0];
-/// Points of a curve in closed form.
+/// Number of points of a closed-form curve.
 const POINTS: u32 = 120;
-/// ON time that is drawn, s, if the run's is shorter.
+/// Minimum ON time that is drawn, s.
 const LONGEST_S: f64 = 3.0;
 
-/// All of them; none without a belt.
-pub(super) fn of(run: &View) -> Vec<Figure> {
+/// Returns all figures; none without a belt.
+pub(super) fn all(run: &View) -> Vec<Figure> {
     [pull(run), over_on_time(run), over_load(run)].into_iter().flatten().collect()
 }
 
@@ -26,9 +26,9 @@ fn pull(run: &View) -> Option<Figure> {
     Some(Figure {
         id: "friction".into(),
         title: "Pull of the belt, switched by ultrasound".into(),
-        caption: "The horn is at its amplitude within milliseconds; the pull follows with the lag of the rig. Dashed, where the law would take \
-                  it if the present amplitude lasted. Before the first ON window calibration and lock shake the belt, too. \
-                  The size of the reduction is FITTED to the thesis; mu is assumed."
+        caption: "The horn reaches its amplitude within milliseconds; the pull follows with the lag of the rig. Dashed: pull by \
+                  the law if the present amplitude lasted. Before the first ON window, calibration and lock also vibrate the \
+                  belt. The reduction is FITTED to the thesis; mu is assumed."
             .into(),
         x: axis("time [s]"),
         y: axis("pull of the belt [N]"),
@@ -54,7 +54,7 @@ fn over_on_time(run: &View) -> Option<Figure> {
     }
     let percent = |row: &Row| 100.0 * (1.0 - row.truth.friction_mean_n.abs() / rest_n);
     let (x, y) = binned(rows).map(|bin| (mean(bin, |row| row.time_s) - from_s, mean(bin, percent))).unzip();
-    let as_run = format!("as run: {} N, {} %", belt.load_n, 100.0 * belt.amplitude_fraction);
+    let as_run = format!("this run: {} N, {} %", belt.load_n, 100.0 * belt.amplitude_fraction);
     let mut series = vec![Series { name: as_run, csv_column: "reduction_percent".into(), x, y, style: Style::Line }];
     let time: Vec<f64> = (0..=POINTS).map(|n| f64::from(n) / f64::from(POINTS) * LONGEST_S.max(to_s - from_s)).collect();
     for load in LOADS_N {
@@ -67,8 +67,8 @@ fn over_on_time(run: &View) -> Option<Figure> {
         id: "reduction-on-time".into(),
         title: "Reduction over the ON time".into(),
         caption: format!(
-            "A window that ends earlier has the same curve up to there: of what lasts, 0.5 s reach {:.0} %, 1 s {:.0} %, 2 s {:.0} %. FITTED lag of \
-             {} s.",
+            "A shorter window has the same curve up to its end. Of the lasting reduction, {:.0} % is reached after 0.5 s, {:.0} \
+             % after 1 s and {:.0} % after 2 s. FITTED lag of {} s.",
             100.0 * reached(1.0, 0.5, belt.lag_s),
             100.0 * reached(1.0, 1.0, belt.lag_s),
             100.0 * reached(1.0, 2.0, belt.lag_s),
@@ -103,8 +103,8 @@ fn over_load(run: &View) -> Option<Figure> {
     Some(Figure {
         id: "reduction-load".into(),
         title: format!("Reduction over the load, ON for {:.3} s", to_s - from_s),
-        caption: "The fitted law with its lag, and this run. Tested were 270, 450 and 670 N at 50 and 70 %; elsewhere (dashed: other amplitudes) it is \
-                  a curve that fits, and its hump at 50 % means nothing."
+        caption: "The fitted law with its lag, and this run. Tests were made at 270, 450 and 670 N with 50 and 70 %. Elsewhere \
+                  (dashed: other amplitudes) the law is only a fitted curve, and its hump at 50 % has no meaning."
             .into(),
         x: axis("load [N]"),
         y: axis("reduction [%]"),

@@ -1,4 +1,5 @@
-//! Metrics of a belt under a horn, whose pull comes to its reduced value in a good second and not within the ring-up of the vibration.
+//! Metrics of a belt under a horn. Its pull reaches the reduced value after more than a second, not
+//! within the ring-up of the vibration.
 
 use firmware::seam::mode::Mode;
 
@@ -8,17 +9,17 @@ use crate::record::Row;
 use crate::schedule::first_on;
 use report::statistics::mean;
 
-/// What is averaged at the end of each state, s.
+/// Duration of the average at the end of each state, s.
 const AVERAGE_S: f64 = 0.002;
 
 impl View<'_> {
-    /// The first ON window that was ordered of a running controller, as played, s.
+    /// Returns the first ON window commanded in `Run`, as played, s.
     pub fn belt_window(&self) -> Option<(f64, f64)> {
         let (ordered_s, _) = first_on(&self.scene, self.plays_from(Mode::Run)?)?;
         self.on_windows().into_iter().find(|(_, to_s)| *to_s > ordered_s)
     }
 
-    /// Adds these numbers, if the scene has a belt that moves.
+    /// Adds the metrics of the belt, if the scene has a belt that moves.
     pub(super) fn belt(&self, metrics: &mut Metrics) {
         if !self.scene.belt().is_some_and(|(_, belt)| belt.speed_m_per_s != 0.0) {
             return;

@@ -1,4 +1,4 @@
-//! A belt that stops, and what is done about it: position and counts, drive, tip, force.
+//! Figures of a belt that stops: position and counts, drive, tip and force.
 
 use firmware::seam::fault::Limit;
 use firmware::seam::mode::Mode;
@@ -8,16 +8,16 @@ use crate::instruments::curves::axis;
 use crate::record::Row;
 use report::{Figure, Panel, Series, Span, Style};
 
-/// What is shown before the drive is muted and after, s.
-const SHOWN_S: (f64, f64) = (0.012, 0.012);
+/// Time shown before and after the drive is muted, s.
+const SHOWN_S: f64 = 0.012;
 
-/// Both figures of a run with an encoder that was muted or faulted under drive.
-pub(super) fn of(run: &View) -> Vec<Figure> {
+/// Returns both figures of a run with an encoder that was muted or faulted under drive.
+pub(super) fn all(run: &View) -> Vec<Figure> {
     let Some(counts_per_mm) = run.scene.sensors.encoder_counts_per_mm else { return Vec::new() };
     let running = run.after(run.plays_from(Mode::Run).unwrap_or(f64::INFINITY));
     let ends = |pair: &&[Row]| pair[0].drive_v > 0.0 && pair[1].drive_v == 0.0 && is_muted(&pair[1]);
     let Some(muted_s) = running.windows(2).find(ends).map(|pair| pair[0].time_s) else { return Vec::new() };
-    let (from_s, to_s) = (muted_s - SHOWN_S.0, muted_s + SHOWN_S.1);
+    let (from_s, to_s) = (muted_s - SHOWN_S, muted_s + SHOWN_S);
     let shown: Vec<&Row> = running.iter().filter(|row| (from_s..=to_s).contains(&row.time_s)).collect();
     let time: Vec<f64> = shown.iter().map(|row| 1e3 * (row.time_s - muted_s)).collect();
     let curve = |name: &str, column: &str, style: Style, value: &dyn Fn(&Row) -> f64| Series {
@@ -33,9 +33,9 @@ pub(super) fn of(run: &View) -> Vec<Figure> {
     let counted = |row: &Row| row.belt_counts.map_or(f64::NAN, |n| f64::from(n.wrapping_sub(first_counts)) / counts_per_mm);
     let motion = Figure {
         id: "belt-motion".into(),
-        title: "The belt stops, and the drive with it".into(),
-        caption: "Where the belt is, and where its encoder says it is: a line that ends is broken, and one that goes on is of an encoder that counts falsely. Time counts \
-                  from the first block without drive."
+        title: "Stop of the belt and of the drive".into(),
+        caption: "Position of the belt, and position by its encoder: a line that ends is a lost encoder, a line that continues \
+                  is an encoder that counts falsely. Time counts from the first block without drive."
             .into(),
         x: axis("time from the mute [ms]"),
         y: axis("belt position [mm]"),
@@ -55,9 +55,10 @@ pub(super) fn of(run: &View) -> Vec<Figure> {
     let drive = Figure {
         id: "belt-drive".into(),
         title: "Drive, tip and friction over the stop".into(),
-        caption: "Amplitudes of drive and tip, and the mean friction. Under ultrasound the friction of a belt that stands is zero in the \
-                  mean, which is what the force channel sees; once the tip has rung down, it stays where it is."
-            .into(),
+        caption:
+            "Amplitudes of drive and tip, and mean friction. Under ultrasound, the mean friction of a stopped belt is zero, \
+             which the force channel shows; once the tip has rung down, the friction keeps its value."
+                .into(),
         x: axis("time from the mute [ms]"),
         y: axis("drive [V]"),
         series: vec![curve("drive", "drive_v", Style::Line, &|row| row.drive_v)],

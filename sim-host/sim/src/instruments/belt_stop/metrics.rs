@@ -1,13 +1,13 @@
-//! Metrics of a belt that stops: how long it is still driven, and how much energy it gets.
+//! Metrics of a belt that stops: time under drive after the stop, and the energy into the belt.
 
 use crate::instruments::View;
 use crate::metrics::Metrics;
 use crate::record::Row;
 use scene::FaultKind;
 
-/// The tip has rung down to this part of its velocity.
-const RUNG_DOWN: f64 = 0.05;
-/// Belt that the energy is counted for, m.
+/// Tip velocity at which the tip has rung down, relative to that at the mute.
+const RUNG_DOWN_REL: f64 = 0.05;
+/// Length of belt over which the energy is counted, m.
 const STRETCH_M: f64 = 1e-3;
 
 impl View<'_> {
@@ -21,11 +21,11 @@ impl View<'_> {
         metrics.put("belt_stop_to_mute_ms", 1e3 * (muted_s - stop_s));
         let tip = |row: &Row| row.truth.tip_velocity_m_per_s;
         let rings = self.rows[..muted].last().map_or(0.0, tip);
-        let quiet = self.rows[muted..].iter().find(|row| tip(row) <= RUNG_DOWN * rings);
+        let quiet = self.rows[muted..].iter().find(|row| tip(row) <= RUNG_DOWN_REL * rings);
         metrics.put("ring_down_ms", quiet.map(|row| 1e3 * (row.time_s - muted_s)));
     }
 
-    /// When the belt becomes slower than this, or its encoder fails, s.
+    /// Returns the time at which the belt becomes slower than `slowest`, or its encoder fails, s.
     fn stop_s(&self, slowest: f64) -> Option<f64> {
         let fails = |kind| matches!(kind, FaultKind::EncoderStuck | FaultKind::EncoderLost);
         let failure = self.scene.fault.iter().filter(|fault| fails(fault.kind)).map(|fault| fault.at_s).reduce(f64::min);
@@ -33,7 +33,7 @@ impl View<'_> {
         failure.into_iter().chain(slow).reduce(f64::min)
     }
 
-    /// The first block without drive after a moment, if there was drive then.
+    /// Returns the first row without drive after a time, if the drive was on at that time.
     fn muted_after(&self, time_s: f64) -> Option<usize> {
         let at = self.rows.partition_point(|row| row.time_s - self.block_s < time_s - 0.5 * self.block_s);
         let driven = at > 0 && self.rows[at - 1].drive_v > 0.0;

@@ -1,4 +1,4 @@
-//! A carriage over time: its way and speed, and the force that moves it beside the friction.
+//! Figures of a carriage over time: position and speed, pull and friction.
 
 use super::stretch::pull;
 use crate::instruments::View;
@@ -6,8 +6,8 @@ use crate::instruments::curves::{axis, curve, shaded};
 use crate::record::Row;
 use report::{Figure, Panel, Style};
 
-/// All of them; none without a carriage.
-pub(super) fn of(run: &View) -> Vec<Figure> {
+/// Returns all figures; none without a carriage.
+pub(super) fn all(run: &View) -> Vec<Figure> {
     if run.scene.carriage().is_none() {
         return Vec::new();
     }
@@ -26,8 +26,8 @@ fn forces(run: &View) -> Figure {
     Figure {
         id: "carriage-force".into(),
         title: "Carriage: pull and friction".into(),
-        caption: "Without vibration the friction follows the pull up to the static friction; with it, it hardly opposes the carriage. Before the first ON window self-test, \
-                  scan and lock shake the contact, too."
+        caption: "Without vibration, the friction follows the pull up to the static friction. With vibration, it hardly opposes \
+                  the carriage. Before the first ON window, self-test, scan and lock also vibrate the contact."
             .into(),
         x: axis("time [s]"),
         y: axis("force [N]"),
@@ -49,11 +49,11 @@ fn motion(run: &View) -> Figure {
     let speed = curve(rows, "speed of the carriage", "carriage_mm_per_s", Style::Line, mm(|row| row.truth.belt_speed_m_per_s));
     Figure {
         id: "carriage-motion".into(),
-        title: "Carriage: way and speed".into(),
-        caption: "A carriage that sticks and slips goes in steps; one that slides under vibration follows the end of its spring."
+        title: "Carriage: position and speed".into(),
+        caption: "A carriage with stick-slip moves in steps; one that slides under vibration follows the end of its spring."
             .into(),
         x: axis("time [s]"),
-        y: axis("way [mm]"),
+        y: axis("position [mm]"),
         series,
         shaded: shaded(run),
         panels: vec![Panel { y: axis("speed [mm/s]"), series: vec![speed], ..Panel::default() }],

@@ -1,15 +1,15 @@
-//! A carriage, stretch by stretch: what the controller measures, and the truth.
+//! Table of the sections of a carriage's run: measurements of the controller, and the truth.
 
 use super::metrics::sensed_w;
-use super::stretch::{Stretch, all};
+use super::stretch::{DriveSection, sections};
 use crate::instruments::View;
-use crate::numbers::precise;
+use crate::numbers::number;
 use crate::record::Row;
 use report::TableBlock;
 
-/// The stretches of a carriage's run.
+/// Returns the table of the sections of a carriage's run.
 pub(super) fn stretches(run: &View) -> Option<TableBlock> {
-    let stretches = all(run);
+    let stretches = sections(run);
     let header = [
         "drive",
         "from [s]",
@@ -27,24 +27,25 @@ pub(super) fn stretches(run: &View) -> Option<TableBlock> {
         "power [W]",
         "by the controller",
     ];
-    let caption = "From one edge of the drive to the next, of a running controller, as far as the carriage is pulled; of a drive that comes ON under a wound spring from 0.2 s \
-                   after the edge on. The jump is the farthest that the carriage gains on the end of its spring.";
+    let caption = "Sections from one edge of the drive to the next, in Run, while the carriage is pulled. If the drive comes ON \
+                   under a wound spring, the section begins 0.2 s after the edge. The jump is the largest distance that the \
+                   carriage gains on the end of its spring.";
     (!stretches.is_empty()).then(|| {
         let rows = stretches.iter().map(|stretch| cells(run, stretch)).collect();
         TableBlock::new("carriage", "Carriage, drive ON and OFF", caption, &header, rows)
     })
 }
 
-fn cells(run: &View, stretch: &Stretch) -> Vec<String> {
-    let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), precise);
+fn cells(run: &View, stretch: &DriveSection) -> Vec<String> {
+    let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), number);
     let mean = |of: &dyn Fn(&Row) -> Option<f64>| cell(stretch.mean(of));
     let pulled = run.scene.carriage().is_some_and(|(_, carriage)| carriage.pull_m_per_s != 0.0);
     let force_factor = run.scene.controller.tracking.nominal_force_factor_n_per_v;
     vec![
         if stretch.on { "ON" } else { "OFF" }.into(),
-        precise(stretch.begins_s()),
-        precise(stretch.ends_s()),
-        cell(stretch.most_n()),
+        number(stretch.begins_s()),
+        number(stretch.ends_s()),
+        cell(stretch.largest_pull_n()),
         cell(pulled.then(|| 1e6 * stretch.jump_m())),
         if pulled && !stretch.on { stretch.slips_s().len().to_string() } else { "–".into() },
         cell(stretch.speed_m_per_s().map(|speed| 1e3 * speed)),
@@ -59,8 +60,8 @@ fn cells(run: &View, stretch: &Stretch) -> Vec<String> {
     ]
 }
 
-/// Mean speed by the counts of the encoder, mm/s.
-fn encoder_mm_per_s(run: &View, stretch: &Stretch) -> Option<f64> {
+/// Returns the mean speed from the encoder counts, mm/s.
+fn encoder_mm_per_s(run: &View, stretch: &DriveSection) -> Option<f64> {
     let counts_per_mm = run.scene.sensors.encoder_counts_per_mm?;
     let (first, last) = (stretch.settled().first()?, stretch.settled().last()?);
     let counts = f64::from(last.belt_counts?) - f64::from(first.belt_counts?);

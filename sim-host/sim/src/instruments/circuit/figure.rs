@@ -1,4 +1,5 @@
-//! The admittance, as a loop and over frequency: what the scan measured, the circle it found, and where the drive works.
+//! Figures of the admittance, as a loop and over frequency: measured points of the scan, identified
+//! circle, and working point of the drive.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -11,17 +12,17 @@ use plant::circuit::Circuit;
 use plant::circuit_of;
 use report::{Along, Axis, Figure, Marker, Panel, Series, Style};
 
-/// Blocks over which the working point is averaged.
+/// Number of blocks over which the working point is averaged.
 const WORKING_BLOCKS: usize = 1000;
-/// Bandwidths, half of them, that a Bode plot shows beside the resonances at least.
-const BANDWIDTHS: f64 = 12.0;
-/// Even steps of its frequency.
-const PLACES: u16 = 400;
-/// What the dots are.
-const DOTS: &str =
-    "Dots: block by block, the scan's last sweep, in which nothing settles: the further off the circle, the higher Q. ";
+/// Minimum margin of a Bode plot around the resonances, in half bandwidths.
+const MARGIN_HALF_BANDWIDTHS: f64 = 12.0;
+/// Number of equal frequency steps of a Bode plot.
+const FREQUENCY_STEPS: u16 = 400;
+/// Part of the caption that explains the dots.
+const DOTS: &str = "Dots: blocks of the scan's last sweep. The stack does not settle during a sweep, so the dots deviate from \
+                    the circle; more at higher Q. ";
 
-/// Admittance of a circuit, S, as conductance and susceptance.
+/// Returns the admittance of a circuit, S, as conductance and susceptance.
 fn admittance(circuit: &Circuit, hz: f64) -> (f64, f64) {
     let omega = TAU * hz;
     let reactance = omega * circuit.lm_h - 1.0 / (omega * circuit.cm_f);
@@ -29,20 +30,21 @@ fn admittance(circuit: &Circuit, hz: f64) -> (f64, f64) {
     (circuit.rm_ohm / square, omega * circuit.c0_f - reactance / square)
 }
 
-/// Frequencies about a resonance, Hz: equal steps of the motional phase, which are equal steps along the circle.
+/// Returns frequencies about a resonance, Hz, in equal steps of the motional phase, which are equal
+/// steps along the circle.
 fn places(hz: f64, q: f64) -> impl Iterator<Item = f64> {
     let half_bandwidth = hz / (2.0 * q);
     (-199..200).map(move |n| hz + half_bandwidth * (FRAC_PI_2 * f64::from(n) / 205.0).tan())
 }
 
-/// The loop of a circuit, and the frequencies along it, Hz.
+/// Returns the admittance loop of a circuit, and the frequencies along it, Hz.
 fn locus_of(circuit: &Circuit, name: &str, csv_column: &str, style: Style) -> (Series, Vec<f64>) {
     let frequencies: Vec<f64> = places(circuit.series_resonance_hz(), circuit.q()).collect();
     let (x, y) = frequencies.iter().map(|&hz| admittance(circuit, hz)).unzip();
     (Series { name: name.into(), csv_column: csv_column.into(), x, y, style }, frequencies)
 }
 
-/// What the figures of the admittance show.
+/// Data of the figures of the admittance.
 pub(super) struct Admittance {
     truth: Circuit,
     identified: Circuit,
@@ -51,8 +53,8 @@ pub(super) struct Admittance {
 }
 
 impl Admittance {
-    /// Only of a run that has identified its transducer.
-    pub(super) fn of(run: &View) -> Option<Self> {
+    /// Collects the data of a run; `None` if it has not identified its transducer.
+    pub(super) fn from_run(run: &View) -> Option<Self> {
         let found = run.record.last.transducer?;
         let identified = Circuit {
             c0_f: found.c0_f.into(),
@@ -65,7 +67,7 @@ impl Admittance {
     }
 }
 
-/// The loop.
+/// Returns the admittance loop.
 pub(super) fn locus(run: &View, of: &Admittance) -> Figure {
     let mut curves = Vec::new();
     if !of.measured.is_empty() {
@@ -88,8 +90,8 @@ pub(super) fn locus(run: &View, of: &Admittance) -> Figure {
         id: "admittance".into(),
         title: "Admittance loop".into(),
         caption: format!(
-            "{dots}The identified circle includes what the converters' images make of the clamped capacitance. The working point is the mean \
-             over the last steady blocks; a load and friction move it."
+            "{dots}The identified circle includes the effect of the converters' images on the clamped capacitance. The working \
+             point is the mean over the last steady blocks; a load and friction move it."
         ),
         x: axis("conductance [S]"),
         y: axis("susceptance [S]"),
@@ -101,18 +103,19 @@ pub(super) fn locus(run: &View, of: &Admittance) -> Figure {
     }
 }
 
-/// Parallel resonance, Hz: where Lm resonates with Cm and C0 in series.
+/// Returns the parallel resonance, Hz, of Lm with Cm and C0 in series.
 fn parallel_hz(circuit: &Circuit) -> f64 {
     circuit.series_resonance_hz() * (1.0 + circuit.cm_f / circuit.c0_f).sqrt()
 }
 
-/// Bode plot: magnitude and phase of the admittance over frequency, about both resonances.
+/// Returns the Bode plot: magnitude and phase of the admittance over frequency, about both
+/// resonances.
 pub(super) fn bode(of: &Admittance) -> Figure {
     let (series_hz, anti_hz) = (of.truth.series_resonance_hz(), parallel_hz(&of.truth));
     let half_bandwidth = series_hz / (2.0 * of.truth.q());
-    let room = (BANDWIDTHS * half_bandwidth).max(0.5 * (anti_hz - series_hz));
+    let room = (MARGIN_HALF_BANDWIDTHS * half_bandwidth).max(0.5 * (anti_hz - series_hz));
     let (from, to) = (series_hz - room, anti_hz + room);
-    let even = (0..=PLACES).map(|n| from + (to - from) * f64::from(n) / f64::from(PLACES));
+    let even = (0..=FREQUENCY_STEPS).map(|n| from + (to - from) * f64::from(n) / f64::from(FREQUENCY_STEPS));
     let both = [&of.truth, &of.identified].into_iter().flat_map(|circuit| {
         let about = |hz| places(hz, circuit.q());
         about(circuit.series_resonance_hz()).chain(about(parallel_hz(circuit)))
@@ -147,8 +150,8 @@ pub(super) fn bode(of: &Admittance) -> Figure {
     Figure {
         id: "admittance-bode".into(),
         title: "Admittance over frequency (Bode plot)".into(),
-        caption: "Magnitude and phase of the admittance about its series and its parallel resonance. In the loop the same values are drawn against \
-                  each other."
+        caption: "Magnitude and phase of the admittance about its series and its parallel resonance. The admittance loop shows \
+                  the same values as conductance and susceptance."
             .into(),
         x: axis("frequency [Hz]"),
         y: Axis { log: true, ..axis("magnitude [S]") },
@@ -164,10 +167,11 @@ pub(super) fn bode(of: &Admittance) -> Figure {
     }
 }
 
-/// Frequency, Hz, and current over voltage, S, in each block of the scan's last sweep.
+/// Returns frequency, Hz, and current over voltage, S, of each tone of the scan's last sweep.
 fn sweep_points(rows: &[Row]) -> Vec<(f64, (f64, f64))> {
     let scanned: Vec<&Row> = rows.iter().filter(|row| row.mode == Mode::Scan && row.admittance_s.is_some()).collect();
-    // A sweep runs upwards, and the next begins below where it ended; so does the ring-down, which has one frequency only.
+    // A sweep rises in frequency, and the next begins below its end. So does the ring-down, which
+    // has only one frequency.
     let passes = scanned.chunk_by(|before, after| after.frequency_hz >= before.frequency_hz);
     let moves = |pass: &[&Row]| pass.last().zip(pass.first()).is_some_and(|(last, first)| last.frequency_hz > first.frequency_hz);
     let last_pass = passes.rev().find(|pass| moves(pass)).unwrap_or(&[]);

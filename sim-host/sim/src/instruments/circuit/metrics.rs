@@ -1,4 +1,5 @@
-//! Metrics of the transducer as scan or observer identified it; with `_sd`, the standard deviation that the controller states.
+//! Metrics of the transducer as identified by scan or observer; `_sd` marks the standard deviation
+//! that the controller states.
 
 use firmware::seam::transducer::Deviations;
 

@@ -1,16 +1,16 @@
-//! Command, estimate and truth of the transducer beside each other.
+//! Table of command, estimate and truth of the transducer.
 
 use firmware::seam::transducer::Deviations;
 
 use crate::instruments::View;
 use crate::metrics::Metrics;
-use crate::numbers::precise;
+use crate::numbers::number;
 use crate::record::Row;
 use plant::circuit_of;
-use report::TableBlock;
 use report::statistics::mean;
+use report::{TableBlock, rounded_to, stated};
 
-/// The table of command (or nominal value), estimate and truth.
+/// Returns the table of command (or nominal value), estimate and truth.
 pub(super) fn three_ways(run: &View, metrics: &Metrics) -> TableBlock {
     let steady: Vec<&Row> = run.steady().collect();
     let mean = |value: &dyn Fn(&Row) -> f64| mean(steady.iter().map(|row| value(row)));
@@ -56,30 +56,42 @@ pub(super) fn three_ways(run: &View, metrics: &Metrics) -> TableBlock {
         ("coupling", None, identified(|t| t.coupling), Some((truth.cm_f / (truth.c0_f + truth.cm_f)).sqrt())),
     ];
     rows.retain(|row| row.2.is_some());
-    let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), precise);
-    let deviation = |what: &str| found.as_ref().and_then(|found| stated(what, &found.deviations));
+    let deviation = |what: &str| found.as_ref().and_then(|found| stated_sd(what, &found.deviations));
     let rows = rows
         .into_iter()
-        .map(|(what, command, found, truth)| vec![what.into(), cell(command), cell(found), cell(deviation(what)), cell(truth)])
+        .map(|(what, command, found, truth)| {
+            let sd = deviation(if what.starts_with("drive frequency") { "series resonance [Hz]" } else { what });
+            let shown = |value: f64| sd.map_or_else(|| number(value), |sd| rounded_to(value, sd));
+            let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown);
+            let stated_sd = deviation(what).zip(found).map(|(sd, found)| stated(found, sd).1);
+            vec![
+                what.into(),
+                command.map_or_else(|| "–".into(), number),
+                cell(found),
+                stated_sd.unwrap_or_else(|| "–".into()),
+                cell(truth),
+            ]
+        })
         .collect();
     TableBlock::new(
         "three-ways",
         "Command, estimate, truth",
         if run.scene.stator().is_some() {
-            "The circuit is what the first lane shows of the stator without its rotor; friction adds its loss. The tip velocity is the \
-             crests', across the ring."
+            "The circuit is that of the stator without its rotor, seen from the first lane; friction adds its loss. The tip \
+             velocity is that of the crests across the ring."
         } else if run.scene.belt().is_some() {
-            "The circuit is the stack's with the damping of the belt under its horn, at the beginning of the run."
+            "The circuit is that of the stack with the damping of the belt under its horn, at the beginning of the run."
         } else {
-            "The circuit is the stack's by itself, at the beginning of the run; a contact adds its stiffness and loss."
+            "The circuit is that of the stack alone, at the beginning of the run; a contact adds its stiffness and loss."
         },
         &["", "set point or nominal value", "controller's estimate", "its standard deviation", "plant's truth"],
         rows,
     )
 }
 
-/// The standard deviation that the controller states of an identified number, in the unit of its row.
-fn stated(what: &str, deviations: &Deviations) -> Option<f64> {
+/// Returns the standard deviation that the controller states of an identified number, in the unit
+/// of its row.
+fn stated_sd(what: &str, deviations: &Deviations) -> Option<f64> {
     let sd = match what {
         "series resonance [Hz]" => deviations.series_resonance_hz,
         "parallel resonance [Hz]" => deviations.parallel_resonance_hz,

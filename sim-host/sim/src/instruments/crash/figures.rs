@@ -1,37 +1,38 @@
-//! A crash: force, way and speed over time, of the belt that is switched and of the passive one.
+//! Figures of a crash: force, excursion and speed over time, of the switched belt and the passive
+//! one.
 
 use crate::instruments::curves::axis;
 use plant::dring::crash::{Belt, Frame, Playback};
 use report::{Figure, Series, Span, Style};
 
-/// Most points of a curve.
-const POINTS: usize = 3000;
+/// Maximum number of points of a curve.
+const MAX_POINTS: usize = 3000;
 
-/// The figures of a crash.
-pub(super) fn of(playback: &Playback) -> Vec<Figure> {
+/// Returns the figures of a crash.
+pub(super) fn all(playback: &Playback) -> Vec<Figure> {
     vec![
         figure(
             playback,
             "crash-force",
             "Force at the shoulder",
-            "What pulls the torso back, and presses on it. Each belt pulls with what its limiter and the friction at the D-ring let it: \
-             the limiter's force times exp(mu theta).",
+            "Force that pulls the torso back and presses on it. The limiter and the friction at the D-ring set the pull of each \
+             belt: the limiter's force times exp(mu theta).",
             ("force at the shoulder [N]", "shoulder_n"),
             |belt| belt.shoulder_n,
         ),
         figure(
             playback,
             "crash-excursion",
-            "How far the torso goes",
-            "Counted from where it sat. What a belt does not pull, the torso goes on: less force costs way.",
+            "Excursion of the torso",
+            "Measured from the initial position of the torso. Less force allows a larger excursion.",
             ("excursion [mm]", "excursion_mm"),
             |belt| 1e3 * belt.x_m,
         ),
         figure(
             playback,
             "crash-payout",
-            "How fast webbing slides over the D-ring",
-            "A tangential vibration lowers friction only where its own velocity is more than this.",
+            "Sliding speed of the webbing over the D-ring",
+            "A tangential vibration lowers friction only if its own velocity exceeds this speed.",
             ("sliding speed [m/s]", "payout_m_per_s"),
             |belt| belt.payout_m_per_s,
         ),
@@ -46,7 +47,7 @@ fn figure(
     (label, column): (&str, &str),
     value: fn(&Belt) -> f64,
 ) -> Figure {
-    let every = playback.frames.len().div_ceil(POINTS).max(1);
+    let every = playback.frames.len().div_ceil(MAX_POINTS).max(1);
     let frames: Vec<&Frame> = playback.frames.iter().step_by(every).collect();
     let series = |name: &str, side: &str, style: Style, belt: fn(&Frame) -> &Belt| Series {
         name: name.into(),

@@ -1,4 +1,5 @@
-//! Metrics of a crash, of the belt that is switched; with `passive_` before them, of the same belt without a drive.
+//! Metrics of a crash with the switched belt; the prefix `passive_` marks those of the same belt
+//! without a drive.
 
 use crate::metrics::Metrics;
 use plant::dring::crash::Playback;

@@ -5,14 +5,15 @@ use contact::wrap::normal::NormalPart;
 use plant::dring::crash::RingMoment;
 use report::{Figure, Series, Style};
 
-/// Steps between the points of a curve.
-const STEPS: u32 = 720;
+/// Number of steps between the points of a curve.
+const CURVE_STEPS: u32 = 720;
 
-/// Coefficient of friction along the wrap at the moment of the fastest sliding.
+/// Returns the figure of the friction coefficient along the wrap at the time of the fastest
+/// sliding.
 pub(super) fn figure(moment: &RingMoment) -> Figure {
     let ring = &moment.ring;
-    let step_rad = ring.wrap_rad / f64::from(STEPS);
-    let places: Vec<f64> = (0..=STEPS).map(|step| step_rad * f64::from(step)).collect();
+    let step_rad = ring.wrap_rad / f64::from(CURVE_STEPS);
+    let places: Vec<f64> = (0..=CURVE_STEPS).map(|step| step_rad * f64::from(step)).collect();
     let coefficients = coefficients(moment, &places);
     let degrees: Vec<f64> = places.iter().map(|place| place.to_degrees()).collect();
     let mean = (moment.shoulder_n / moment.retractor_n).ln() / ring.wrap_rad;
@@ -28,8 +29,9 @@ pub(super) fn figure(moment: &RingMoment) -> Figure {
         id: "ring-friction".into(),
         title: "Friction along the wrap".into(),
         caption: format!(
-            "The whole ring vibrates in one direction at {} m/s, and the webbing slides at {} m/s. Where the vibration is along the webbing, or along the ring's \
-             axis, friction is lowered; where it is normal to the webbing, it is not. The force grows along the wrap with the mean.",
+            "The whole ring vibrates in one direction at {} m/s, and the webbing slides at {} m/s. Vibration along the webbing, \
+             or along the ring's axis, lowers friction; vibration normal to the webbing does not. The force grows along the \
+             wrap according to the mean.",
             crate::numbers::number(moment.tip_m_per_s),
             crate::numbers::number(moment.speed_m_per_s)
         ),
@@ -45,7 +47,8 @@ pub(super) fn figure(moment: &RingMoment) -> Figure {
     }
 }
 
-/// At places from the retractor on, in equal steps; the tension, on which a fitted normal part depends by its power 0.06, is carried on from place to place.
+/// Returns the coefficients at places in equal steps from the retractor on. The tension, on which a
+/// fitted normal part depends by the power 0.06, is integrated from place to place.
 fn coefficients(moment: &RingMoment, places: &[f64]) -> Vec<f64> {
     let ring = &moment.ring;
     let part = moment.normal.map_or(NormalPart::None, NormalPart::Fitted);
@@ -54,7 +57,7 @@ fn coefficients(moment: &RingMoment, places: &[f64]) -> Vec<f64> {
     let found = places.iter().map(|&from_retractor| {
         let place = from_retractor - 0.5 * ring.wrap_rad;
         let in_surface = ring.in_surface(place, moment.speed_m_per_s / moment.tip_m_per_s);
-        // The frequency plays no part in the fitted law.
+        // The fitted law does not depend on the frequency.
         let normal = part.ratio(ring.parts(place).normal, tension_n, moment.speed_m_per_s, ring.mu, 0.0);
         let coefficient = ring.mu * in_surface * normal;
         let step = before.map_or(0.0, |before| from_retractor - before);

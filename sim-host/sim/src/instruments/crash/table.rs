@@ -1,4 +1,4 @@
-//! A crash in words, and both belts in a table.
+//! Remarks on a crash, and a table of both belts.
 
 use crate::instruments::View;
 use crate::numbers::number;
@@ -7,7 +7,7 @@ use plant::dring::motion::Extremes;
 use report::TableBlock;
 use scene::{ActuatorKind, Dring};
 
-/// What was decided, and what it came to.
+/// Returns the controller's decision and its effect, in sentences.
 pub(super) fn remarks(run: &View, playback: &Playback) -> Vec<String> {
     let Some(dring) = run.scene.dring() else { return Vec::new() };
     let mut remarks = vec![decision(dring, playback)];
@@ -15,8 +15,8 @@ pub(super) fn remarks(run: &View, playback: &Playback) -> Vec<String> {
     if playback.low_s.is_some() && dring.actuator == ActuatorKind::Stack && gain < 0.01 {
         let tip = run.rows.iter().map(|row| row.truth.tip_velocity_m_per_s).fold(0.0, f64::max);
         remarks.push(format!(
-            "The drive was ON, and it changed nothing: the tip of the stack moves at {} m/s, the webbing slides at up to {} m/s. A vibration \
-             lowers friction only while it is faster than the sliding; this one would have to be {} times as fast.",
+            "The drive was ON but had no effect: the tip of the stack moves at {} m/s, and the webbing slides at up to {} m/s. \
+             A vibration lowers friction only while it is faster than the sliding; this one would have to be {} times as fast.",
             number(tip),
             number(fastest),
             number((fastest / tip).ceil()),
@@ -25,22 +25,26 @@ pub(super) fn remarks(run: &View, playback: &Playback) -> Vec<String> {
     remarks
 }
 
-/// Why friction was what it was.
+/// Returns the reason for the friction state.
 fn decision(dring: &Dring, playback: &Playback) -> String {
     let said = match dring.seat_reading_kg() {
-        Some(kg) => format!("The seat had read a torso of {} kg", number(kg)),
-        None => "The seat had read nothing".to_owned(),
+        Some(kg) => format!("The seat reading was a torso of {} kg", number(kg)),
+        None => "There was no seat reading".to_owned(),
     };
     match playback.low_s {
-        Some(0.0) => format!("{said}. The drive was ON from the beginning: friction was LOW all the time."),
+        Some(0.0) => format!("{said}. The drive was ON from the beginning: friction was always LOW."),
         Some(s) => {
-            format!("{said}: light. The drive went ON {} ms after the crash had begun, and friction became LOW.", number(1e3 * s))
+            format!(
+                "{said}, a light occupant. The drive came ON {} ms after the beginning of the crash, and friction became \
+                     LOW.",
+                number(1e3 * s)
+            )
         }
-        None => format!("{said}. The drive stayed OFF, friction stayed HIGH, and the belt was what it is without a controller."),
+        None => format!("{said}. The drive stayed OFF and friction stayed HIGH, as without a controller."),
     }
 }
 
-/// Both belts beside each other.
+/// Returns the table of both belts.
 pub(super) fn belts(playback: &Playback) -> TableBlock {
     let row = |what: &str, value: &dyn Fn(&Extremes) -> f64| {
         let (passive, switched) = (value(&playback.passive), value(&playback.switched));
@@ -49,10 +53,10 @@ pub(super) fn belts(playback: &Playback) -> TableBlock {
     };
     let rows = vec![
         row("peak force at the shoulder [N]", &|belt| belt.shoulder_n),
-        row("acceleration of the chest by it [g]", &|belt| playback.chest_g(belt.shoulder_n)),
+        row("chest acceleration by this force [g]", &|belt| playback.chest_g(belt.shoulder_n)),
         row("excursion of the torso [mm]", &|belt| 1e3 * belt.excursion_m),
-        row("fastest payout [m/s]", &|belt| belt.payout_m_per_s),
+        row("maximum payout speed [m/s]", &|belt| belt.payout_m_per_s),
     ];
-    let caption = "The same crash twice: with the belt as it is, and with the drive as the controller switched it.";
+    let caption = "The same crash with the passive belt, and with the drive as switched by the controller.";
     TableBlock::new("belts", "Passive belt and switched belt", caption, &["", "passive", "switched", "change"], rows)
 }

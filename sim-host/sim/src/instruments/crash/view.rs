@@ -1,13 +1,13 @@
-//! A crash as a view that can be played.
+//! Animated view of a crash.
 
 use crate::instruments::View;
 use report::{CrashView, Instant};
 use scene::Occupant;
 
-/// Frames of the view: one every so many, s.
+/// Interval between the frames of the view, s.
 const EVERY_S: f64 = 0.5e-3;
 
-/// The crash as a view that can be played; none of another run.
+/// Returns the animated view of a crash; `None` for another run.
 pub fn view(run: &View) -> Option<CrashView> {
     let playback = super::playback(run)?;
     let dring = run.scene.dring()?;

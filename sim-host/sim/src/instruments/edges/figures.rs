@@ -1,4 +1,4 @@
-//! Both edges of a burst, sample by sample.
+//! Figures of both edges of a burst, sample by sample.
 
 use firmware::seam::mode::Mode;
 
@@ -9,8 +9,9 @@ use crate::record::Window;
 use plant::truth::Sample;
 use report::{Figure, Panel, Series, Span, Style};
 
-/// One figure for each edge that was recorded and played: an ON window may begin before there is a lock.
-pub(super) fn of(run: &View) -> Vec<Figure> {
+/// Returns one figure for each edge that was recorded in `Run`; an ON window may begin before the
+/// lock.
+pub(super) fn all(run: &View) -> Vec<Figure> {
     let Some(run_s) = run.plays_from(Mode::Run) else { return Vec::new() };
     let at_an_edge = |window: &Window| [ON, OFF].contains(&window.title.as_str());
     let played = |window: &&Window| window.edge_s > run_s && at_an_edge(window) && !window.samples.is_empty();
@@ -49,9 +50,9 @@ fn edge(run: &View, window: &Window) -> Figure {
         (true, _, true) => "drive ON, the rotor starts",
         (false, _, true) => "drive OFF, the rotor stops",
         (true, true, _) => "drive ON, friction falls",
-        (false, true, _) => "drive OFF, friction comes back",
-        (true, false, _) => "drive ON, it rings up",
-        (false, false, _) => "drive OFF, it rings down",
+        (false, true, _) => "drive OFF, friction returns",
+        (true, false, _) => "drive ON, ring-up",
+        (false, false, _) => "drive OFF, ring-down",
     };
     let (first, last) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
     let (from, to) = if on { (0.0, last) } else { (first, 0.0) };
@@ -59,7 +60,7 @@ fn edge(run: &View, window: &Window) -> Figure {
         id: format!("burst-{}", window.title),
         title: format!("Burst edge: {what}"),
         caption:
-            "Sample by sample. Time counts from the first DAC sample of the edge; what resonates rings with its own time constant."
+            "Sample by sample. Time counts from the first DAC sample of the edge; a resonance rings with its own time constant."
                 .into(),
         x: axis("time from the edge [ms]"),
         y: axis(velocity),

@@ -1,4 +1,5 @@
-//! The edges of bursts, by the envelope of the true tip velocity and to a fraction of a period: see [`edge_meter`](crate::edge_meter).
+//! Metrics of the edges of bursts, from the envelope of the true tip velocity, accurate to a
+//! fraction of a period: see [`edge_meter`](crate::edge_meter).
 
 use firmware::seam::mode::Mode;
 
@@ -8,10 +9,12 @@ use crate::metrics::Metrics;
 use crate::record::Row;
 use report::statistics::mean;
 
-/// Rung up, and rung down: parts of the steady envelope.
-const RUNG: (f64, f64) = (0.95, 0.05);
-/// What amplifier, hold and delay still bring when the codes have fallen silent, samples.
-const LATE: usize = 4;
+/// Envelope at the end of the ring-up, relative to the steady one.
+const RISEN_REL: f64 = 0.95;
+/// Envelope at the end of the ring-down, relative to the steady one.
+const FALLEN_REL: f64 = 0.05;
+/// Number of samples by which amplifier, hold and delay outlast the codes.
+const TAIL_SAMPLES: usize = 4;
 
 /// Adds the metrics of the edges, and of the tip velocity between them.
 pub(super) fn add(run: &View, metrics: &mut Metrics) {
@@ -24,7 +27,8 @@ pub(super) fn add(run: &View, metrics: &mut Metrics) {
     };
     metrics.put("tip_velocity_m_per_s", steady);
     metrics.put("peak_velocity_m_per_s", peak_from(f64::NEG_INFINITY));
-    // Where set points follow each other, the bursts that were watched have other amplitudes than the last one.
+    // With several friction set points, the recorded bursts have other amplitudes than the last
+    // one.
     if run.scene.controller.friction.is_some() {
         return;
     }
@@ -33,15 +37,21 @@ pub(super) fn add(run: &View, metrics: &mut Metrics) {
     metrics.put("overshoot_percent", first_s.map(|first_s| 100.0 * (peak_from(first_s) / steady - 1.0).max(0.0)));
 }
 
-/// Adds the worst of all bursts that were watched.
+/// Adds the worst of all recorded bursts.
 fn worst_edges(run: &View, steady: f64, metrics: &mut Metrics) {
     let (edges, sample_s) = (&run.record.edges, run.record.sample_s);
     let worst = |of: &dyn Fn(&Edges) -> Option<f64>| edges.iter().filter_map(of).reduce(f64::max);
-    let rise = |edges: &Edges| reaches(&edges.rising, |v| v >= RUNG.0 * steady).map(|samples| samples * sample_s);
-    let fall = |edges: &Edges| reaches(&edges.falling, |v| v <= RUNG.1 * steady).map(|samples| samples * sample_s);
-    // Of what ends without a brake or a ramp, the vibration itself is left.
+    let rise = |edges: &Edges| reaches(&edges.rising, |v| v >= RISEN_REL * steady).map(|samples| samples * sample_s);
+    let fall = |edges: &Edges| reaches(&edges.falling, |v| v <= FALLEN_REL * steady).map(|samples| samples * sample_s);
+    // After an end without a brake or a ramp, the remaining vibration is not a residue.
     let residual = |edges: &Edges| {
-        let left = edges.falling.get(edges.loud + LATE..).filter(|_| edges.loud > 0)?.iter().copied().reduce(f64::max)?;
+        let left = edges
+            .falling
+            .get(edges.samples_to_silence + TAIL_SAMPLES..)
+            .filter(|_| edges.samples_to_silence > 0)?
+            .iter()
+            .copied()
+            .reduce(f64::max)?;
         Some(100.0 * left / steady)
     };
     metrics.put("rise_time_ms", worst(&rise).map(|s| 1e3 * s));
@@ -49,12 +59,13 @@ fn worst_edges(run: &View, steady: f64, metrics: &mut Metrics) {
     metrics.put("residual_percent", worst(&residual));
 }
 
-/// After how many samples an envelope first is there, between its values at their ends; none if it is from the beginning, which is no edge.
+/// Returns the number of samples after which an envelope first meets a condition, interpolated;
+/// `None` if it does so from the beginning, which is not an edge.
 fn reaches(envelope: &[f64], there: impl Fn(f64) -> bool) -> Option<f64> {
     let after = envelope.iter().position(|&v| there(v))?;
     let now = envelope[after];
     let before = envelope.get(after.checked_sub(1)?)?;
-    // By halving, because the condition is all that is known of the level.
+    // Found by bisection, because only the condition is known, not its level.
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..20 {
         let part = 0.5 * (low + high);
@@ -68,10 +79,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_level_is_reached_between_two_samples() {
+    fn level_crossing_is_interpolated_between_samples() {
         let rising: Vec<f64> = (1..100).map(|n| 1.0 - (-0.05 * f64::from(n)).exp()).collect();
         let got = reaches(&rising, |v| v >= 0.95).unwrap();
-        // ln(20) / 0.05; measured: 59.9147 for 59.9146, a straight line between two samples.
+        // ln(20) / 0.05 = 59.9146; linear interpolation between two samples gives 59.9147.
         assert!((got - 59.9146).abs() < 2e-2, "{got}");
         assert_eq!(reaches(&rising, |v| v > 1.0), None);
     }

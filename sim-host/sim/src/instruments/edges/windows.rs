@@ -1,4 +1,4 @@
-//! The stretches around the edges of a burst that are recorded sample by sample.
+//! Windows around the edges of a burst that are recorded sample by sample.
 
 use crate::record::Window;
 use crate::schedule::first_on;
@@ -10,9 +10,10 @@ pub(super) const ON: &str = "on";
 /// Title of the window around the end of a burst.
 pub(super) const OFF: &str = "off";
 
-/// Both edges of the first ON window, sample by sample: a little before, and five time constants after. Of a repeated burst the
-/// last period, because the first ones find the stack not yet locked.
-pub(super) fn of(scene: &Driven) -> Vec<Window> {
+/// Returns windows for both edges of the first ON window, from slightly before to five time
+/// constants after. For a repeated burst, the last period is used, because the first ones may
+/// precede the lock.
+pub(super) fn around_edges(scene: &Driven) -> Vec<Window> {
     let after_s = 5.0 * circuit_of(scene).time_constant_s();
     let Some(burst) = &scene.controller.burst else { return Vec::new() };
     let late = burst.period_s.map_or(0.0, |period_s| scene.duration_s - 2.0 * period_s);

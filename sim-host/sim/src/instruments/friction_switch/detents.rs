@@ -1,7 +1,8 @@
-//! The detents of a knob: how deep and how late the friction follows their course.
+//! Detents of a knob: depth and lag of the friction over its position.
 //!
-//! Of command, estimate and truth over whole detents the fundamental is compared, `2 / n sum r exp(i 2 pi x / p)`, every block by the way that was made in it:
-//! its magnitude is half the depth, and its angle says how far behind the course the friction is.
+//! The fundamentals of command, estimate and truth over whole detents are compared,
+//! `2 / n sum r exp(i 2 pi x / p)`, with each block weighted by its displacement. The magnitude is
+//! half the depth, and the angle is the lag of the friction.
 
 use std::f64::consts::TAU;
 
@@ -12,14 +13,15 @@ use crate::metrics::Metrics;
 use crate::record::Row;
 use report::{Figure, Series, Style};
 
-/// Detents that the figure shows, the last ones, and the points of a curve: a block alone is no whole number of periods.
-const SHOWN: f64 = 3.0;
-const POINTS: usize = 240;
+/// Number of detents in the figure, the last ones.
+const SHOWN_DETENTS: f64 = 3.0;
+/// Maximum number of points of a curve; a single block does not contain whole vibration periods.
+const MAX_POINTS: usize = 240;
 
-/// What rises and falls by less than this has no depth.
-const FLAT: f64 = 1e-6;
+/// Fundamental of the command below which the detents have no depth.
+const MIN_FUNDAMENTAL: f64 = 1e-6;
 
-/// Blocks of a knob that is turned over detents, all of the same way.
+/// Blocks of a knob turned over whole detents in one direction.
 pub(super) struct Detents<'a> {
     rows: &'a [Row],
     pitch_m: f64,
@@ -28,8 +30,9 @@ pub(super) struct Detents<'a> {
 }
 
 impl<'a> Detents<'a> {
-    /// The whole detents that a knob is turned over while the last set point is held; none of less than two.
-    pub(super) fn of(run: &'a View) -> Option<Self> {
+    /// Collects the whole detents that a knob passes while the last set point is held; `None` for
+    /// fewer than two.
+    pub(super) fn from_run(run: &'a View) -> Option<Self> {
         let friction = run.scene.controller.friction.as_ref().filter(|friction| friction.detent_pitch_m > 0.0)?;
         let coulomb_n = run.silent_friction_n()?;
         let (held, pitch_m) = (run.held()?, friction.detent_pitch_m);
@@ -46,7 +49,8 @@ impl<'a> Detents<'a> {
         row.truth.friction_mean_n / self.coulomb_n
     }
 
-    /// The fundamental over the detents, real and imaginary part; a block without a value counts as it would without friction.
+    /// Returns the fundamental over the detents, real and imaginary part; a block without a value
+    /// counts as zero.
     fn fundamental(&self, value: impl Fn(&Row) -> Option<f64>) -> (f64, f64) {
         let (mut re, mut im, mut way) = (0.0, 0.0, 0.0);
         for pair in self.rows.windows(2) {
@@ -58,11 +62,11 @@ impl<'a> Detents<'a> {
         (2.0 * re / way, 2.0 * im / way)
     }
 
-    /// Adds depth and lag.
+    /// Adds depth and lag of the detents.
     pub(super) fn metrics(&self, metrics: &mut Metrics) {
-        // Less than zero where the friction is lowest at a detent.
+        // Negative if the friction is lowest at a detent.
         let command = self.fundamental(|row| Some(self.set_point.at(row))).0;
-        if command.abs() < FLAT {
+        if command.abs() < MIN_FUNDAMENTAL {
             return;
         }
         let estimate = self.fundamental(|row| row.friction.map(|estimate| f64::from(estimate.ratio)));
@@ -75,12 +79,12 @@ impl<'a> Detents<'a> {
         metrics.put("detent_lag_ms", 1e3 * behind_m / speed);
     }
 
-    /// Command, estimate and truth over the knob's position.
+    /// Returns the figure of command, estimate and truth over the knob's position.
     pub(super) fn figure(&self) -> Figure {
         let place_m = |row: &Row| row.truth.belt_position_m;
         let last_m = self.rows.last().map_or(0.0, place_m);
-        let shown = &self.rows[self.rows.partition_point(|row| (last_m - place_m(row)).abs() > SHOWN * self.pitch_m)..];
-        let bins = || shown.chunks(shown.len().div_ceil(POINTS));
+        let shown = &self.rows[self.rows.partition_point(|row| (last_m - place_m(row)).abs() > SHOWN_DETENTS * self.pitch_m)..];
+        let bins = || shown.chunks(shown.len().div_ceil(MAX_POINTS));
         let series = |name: &str, column: &str, style: Style, value: &dyn Fn(&Row) -> f64| {
             let (x, y) = bins().map(|bin| (1e3 * mean(bin, place_m), mean(bin, value))).unzip();
             Series { name: name.into(), csv_column: column.into(), x, y, style }
@@ -89,10 +93,11 @@ impl<'a> Detents<'a> {
         Figure {
             id: "detents".into(),
             title: "Detents: command, estimate, truth".into(),
-            caption: "The friction ratio as the knob is turned over its last detents, at whole multiples of their distance. The command is that of the knob's true position; each point is a \
-                      mean over some blocks."
-                .into(),
-            x: axis("way of the knob [mm]"),
+            caption:
+                "Friction ratio over the last detents of the knob, which lie at whole multiples of their pitch. The command is \
+                 that at the knob's true position; each point is a mean over several blocks."
+                    .into(),
+            x: axis("travel of the knob [mm]"),
             y: axis("friction ratio"),
             series: vec![
                 series("truth", "friction_ratio_true", Style::Line, &|row| self.truth(row)),

@@ -1,4 +1,4 @@
-//! The friction ratio over time, three ways.
+//! Figure of the friction ratio over time: command, estimate and truth.
 
 use firmware::seam::telemetry::FrictionEstimate;
 
@@ -8,7 +8,7 @@ use crate::instruments::curves::{axis, curve};
 use crate::record::Row;
 use report::{Figure, Style};
 
-/// The friction ratio three ways, where it is switched.
+/// Returns the figure of the friction ratio, if the friction is switched.
 pub(super) fn ratio(run: &View) -> Option<Figure> {
     let friction = run.scene.controller.friction.as_ref()?;
     let rows = run.rows;
@@ -21,10 +21,11 @@ pub(super) fn ratio(run: &View) -> Option<Figure> {
     Some(Figure {
         id: "friction-ratio".into(),
         title: "Friction ratio: command, estimate, truth".into(),
-        caption: "Friction over that without vibration, after the survey. The estimate is the law's, at the tip velocity that the controller measures; the \
-                  truth is the simulated contact's, each point a mean over some blocks. Set points below the floor cannot be reached: the controller plays the maximum \
-                  amplitude, and states a limit."
-            .into(),
+        caption:
+            "Friction relative to that without vibration, after the survey. The estimate is that of the law at the measured tip \
+             velocity; the truth is that of the simulated contact. Each point is a mean over several blocks. A set point below \
+             the floor cannot be reached: the controller plays the maximum amplitude and reports a limit."
+                .into(),
         x: axis("time [s]"),
         y: axis("friction ratio"),
         series: vec![

@@ -11,40 +11,42 @@ use plant::circuit_of;
 use report::statistics::mean;
 use scene::{Driven, Friction};
 
-/// Time from a new set point until it counts as held, s: the amplitude has settled, and so has the smoothed force.
+/// Time after a new set point until it counts as held, s; amplitude and smoothed force have then
+/// settled.
 const HOLD_S: f64 = 0.05;
 
-/// One set point of the friction ratio, with its estimate and truth.
+/// Set point of the friction ratio, with its estimate and truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// Set point of the ratio; over detents their mean.
+    /// Set point of the ratio; with detents, its mean over them.
     pub set_point: f64,
-    /// Ratio as the controller estimates it.
+    /// Ratio estimated by the controller.
     pub estimate: Option<f64>,
-    /// Ratio as the force channel measures it.
+    /// Ratio measured by the force channel.
     pub sensed: Option<f64>,
     /// True ratio of the simulated contact.
     pub truth: f64,
-    /// The limit that the controller stated, or zero.
+    /// Limit that the controller reported, or zero.
     pub limit: u8,
-    /// Whether the ratio was reached by bursts.
+    /// `true` if the ratio was reached by bursts.
     pub bursts: bool,
 }
 
 impl Step {
-    /// Whether the controller has stated that the set point cannot be reached.
+    /// Returns `true` if the controller has reported that the set point cannot be reached.
     pub fn is_refused(&self) -> bool {
         [Limit::NoAuthority, Limit::RatioUnreachable].iter().any(|&limit| limit as u8 == self.limit)
     }
 
-    /// True ratio less the set point.
+    /// Returns the true ratio minus the set point.
     pub fn error(&self) -> f64 {
         self.truth - self.set_point
     }
 }
 
 impl<'a> View<'a> {
-    /// Friction without vibration, N: of a carriage, which may stand, what it has when it slides.
+    /// Returns the friction without vibration, N; for a carriage, which may be at rest, its sliding
+    /// friction.
     pub fn silent_friction_n(&self) -> Option<f64> {
         if let Some((contact, carriage)) = self.scene.carriage() {
             return Some(contact.mu * carriage.normal_n);
@@ -52,24 +54,25 @@ impl<'a> View<'a> {
         mean(self.settled(0.0, self.settle_s).map(|row| row.truth.friction_mean_n))
     }
 
-    /// When the last set point began to be held, s.
+    /// Returns the time from which the last set point is held, s.
     pub(in crate::instruments) fn held_from_s(&self) -> f64 {
         let Some(friction) = &self.scene.controller.friction else { return f64::NEG_INFINITY };
         self.surveyed_s().unwrap_or(f64::INFINITY).max(friction.step_s.last().copied().unwrap_or(0.0))
     }
 
-    /// When the survey was over, s.
+    /// Returns the end of the survey, s.
     fn surveyed_s(&self) -> Option<f64> {
         self.rows.iter().find(|row| row.friction.is_some()).map(|row| row.time_s)
     }
 
-    /// The rows over which the last set point is held. None where the friction is not switched.
+    /// Returns the rows over which the last set point is held; `None` if the friction is not
+    /// switched.
     pub(in crate::instruments) fn held(&self) -> Option<&'a [Row]> {
         self.scene.controller.friction.as_ref()?;
         Some(self.whole_bursts(self.held_from_s(), f64::INFINITY))
     }
 
-    /// The rows from so long after a moment that what began then is held, to another moment: whole burst periods.
+    /// Returns the rows in whole burst periods, from [`HOLD_S`] after one time to another time.
     fn whole_bursts(&self, from_s: f64, to_s: f64) -> &'a [Row] {
         let rows = self.after(from_s + HOLD_S);
         let rows = &rows[..rows.partition_point(|row| row.time_s < to_s)];
@@ -81,7 +84,7 @@ impl<'a> View<'a> {
         &rows[rows.len() - blocks.min(rows.len())..]
     }
 
-    /// All set points of the ratio, and the results.
+    /// Returns all set points of the ratio with their results.
     pub fn steps(&self) -> Vec<Step> {
         let Some(friction) = &self.scene.controller.friction else { return Vec::new() };
         let (Some(surveyed_s), Some(coulomb_n)) = (self.surveyed_s(), self.silent_friction_n()) else { return Vec::new() };
@@ -130,12 +133,13 @@ impl<'a> View<'a> {
     }
 }
 
-/// The configured set point of the ratio, which holds until another is ordered; a force counts relative to the friction in silence, N.
+/// Returns the configured set point of the ratio, which applies until another is commanded; a force
+/// is divided by the friction without vibration, N.
 pub fn configured(friction: &Friction, coulomb_n: f64) -> Option<f64> {
     friction.target_ratio.or(friction.target_force_n.map(|newtons| newtons / coulomb_n))
 }
 
-/// `Kt Vv / (w Fc)` at the maximum amplitude of the switch.
+/// Returns `Kt Vv / (w Fc)` at the maximum amplitude of the switch.
 fn largest_kappa(scene: &Driven) -> Option<f64> {
     let (contact, slider) = scene.sliding()?;
     let coulomb_n = contact.mu * (slider.load_n + slider.self_weight_n);

@@ -1,22 +1,23 @@
-//! The set point of the friction ratio: by time, and where a knob has detents by its position.
+//! Set point of the friction ratio: a function of time and, for a knob with detents, of its
+//! position.
 
 use super::metrics::configured;
 use crate::record::Row;
 use scene::Friction;
 
-/// The set point of a run's friction switch.
+/// Set point of a run's friction switch.
 pub(super) struct SetPoint<'a> {
     friction: &'a Friction,
     first: f64,
 }
 
 impl<'a> SetPoint<'a> {
-    /// Of a friction switch over this friction without vibration, N.
+    /// Creates the set point; `coulomb_n` is the friction without vibration, N.
     pub(super) fn new(friction: &'a Friction, coulomb_n: f64) -> Self {
         SetPoint { friction, first: configured(friction, coulomb_n).unwrap_or(1.0) }
     }
 
-    /// The set point of a block: where the knob truly is.
+    /// Returns the set point of a block, at the true position of the knob.
     pub(super) fn at(&self, row: &Row) -> f64 {
         let friction = self.friction;
         let step = friction.step_s.iter().zip(&friction.step_ratio).rfind(|(at_s, _)| **at_s <= row.time_s);
@@ -24,13 +25,13 @@ impl<'a> SetPoint<'a> {
     }
 }
 
-/// The set point of a block, where it is `between` away from the detents.
+/// Returns the set point of a block; `between` is the ratio between the detents.
 pub(super) fn at_place(friction: &Friction, between: f64, row: &Row) -> f64 {
     if friction.detent_pitch_m == 0.0 {
         return between;
     }
     let detents = row.truth.belt_position_m / friction.detent_pitch_m;
     let away = 2.0 * (detents - detents.round()).abs();
-    // Flat at a detent and half way to the next.
+    // The slope is zero at a detent and halfway to the next.
     friction.detent_ratio + (between - friction.detent_ratio) * away * away * (3.0 - 2.0 * away)
 }

@@ -1,15 +1,16 @@
-//! Whether what the controller says of its lock is true. Counted from the record's rows, against the resonance of the plant.
+//! Correctness of the controller's lock reports, from the record's rows and the resonance of the
+//! plant.
 //!
-//! A drive is **near** if it is within half a bandwidth, `f_s / (2 Q)`, of the true series resonance: its motional phase is then
-//! within 45 degrees. From the lock stage on:
+//! A drive is **near** if it is within half a bandwidth, `f_s / (2 Q)`, of the true series
+//! resonance; its motional phase is then within 45 degrees. From the lock stage on:
 //!
-//! | | is |
+//! | term | definition |
 //! |---|---|
-//! | true lock | a block under drive that is near, and that the controller calls locked |
-//! | false lock | 1 ms and more that it calls locked without a break, and without having been near in any block of it |
-//! | undetected loss | after a true lock: under drive, called locked and not near, for longer than 1 ms more than the controller is allowed to take for fault 32 (3 ms, or 4 time constants of the true resonance, `Q / (pi f_s)`, if that is more) |
+//! | true lock | a block under drive that is near and is reported locked |
+//! | false lock | at least 1 ms reported locked without a break, in which no block is near |
+//! | undetected loss | after a true lock, under drive: reported locked but not near for longer than the time allowed for fault 32 (3 ms, or 4 time constants of the true resonance, `Q / (pi f_s)`, if longer) plus 1 ms |
 //!
-//! Blocks without drive are no part of an undetected loss, and do not end one.
+//! Blocks without drive do not count towards an undetected loss, and do not end one.
 
 use std::f64::consts::PI;
 
@@ -21,36 +22,37 @@ use plant::circuit_of;
 use plant::disturbance::Change;
 use scene::{Disturbance, DisturbedKey};
 
-/// Called locked for so long without ever having been near, it is a false lock, s.
+/// Minimum time reported locked without being near, of a false lock, s.
 pub const FALSE_LOCK_S: f64 = 1e-3;
-/// A lost lock is to be noticed within so long, s, as docs/control.md states for fault 32,
+/// Time within which a loss of lock must be detected, s, as docs/dev/control.md states for fault
+/// 32.
 pub const NOTICED_S: f64 = 3e-3;
-/// or within so many time constants, if that is more.
+/// Number of time constants within which a loss of lock must be detected, if that is longer.
 pub const NOTICED_TIME_CONSTANTS: f64 = 4.0;
-/// What is allowed beyond that, s: the drive leaves the half bandwidth before the phase leaves its 45 degrees.
+/// Additional time, s: the drive leaves the half bandwidth before the phase leaves its 45 degrees.
 pub const GRACE_S: f64 = 1e-3;
-/// A part of a block: sums of block lengths are no exact numbers.
+/// Tolerance of a sum of block lengths against rounding, blocks.
 const ROUNDING: f64 = 1e-3;
 
-/// What the controller said of its lock, judged.
+/// Result for the lock reports of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LockClaims {
-    /// Whether the controller reported a lock at the resonance.
+    /// `true` if the controller reported a lock at the resonance.
     pub true_lock: bool,
-    /// Whether the controller reported a lock away from the resonance.
+    /// `true` if the controller reported a lock away from the resonance.
     pub false_lock: bool,
-    /// Whether the controller still reported a lock after it was lost.
+    /// `true` if the controller still reported a lock after it was lost.
     pub undetected_loss: bool,
 }
 
-/// Judges a run; nothing of one that never came to lock.
-pub fn of(run: &View) -> Option<LockClaims> {
+/// Evaluates a run; `None` if it never reached the lock stage.
+pub fn evaluate(run: &View) -> Option<LockClaims> {
     let first = run.rows.iter().position(|row| row.mode == Mode::Lock)?;
     let quality = true_q(circuit_of(&run.scene).q(), &run.scene.disturbance, run.rows, run.block_s);
     Some(judge(&run.rows[first..], &quality[first..], run.block_s))
 }
 
-/// The stack's own quality factor in each block, as the scene's disturbances move it.
+/// Returns the stack's own quality factor in each block, including the scene's disturbances.
 fn true_q(own: f64, disturbances: &[Disturbance], rows: &[Row], block_s: f64) -> Vec<f64> {
     let of_q = disturbances.iter().filter(|change| change.key == DisturbedKey::Q);
     let mut changes: Vec<Change> = of_q.cloned().map(Change::new).collect();
@@ -64,7 +66,7 @@ fn true_q(own: f64, disturbances: &[Disturbance], rows: &[Row], block_s: f64) ->
     rows.iter().map(at).collect()
 }
 
-/// Judges the rows from the lock stage on; `quality` is the true Q in each.
+/// Evaluates the rows from the lock stage on; `quality` is the true Q of each.
 fn judge(rows: &[Row], quality: &[f64], block_s: f64) -> LockClaims {
     let mut found = LockClaims::default();
     let (mut stretch_s, mut was_near, mut lost_s) = (0.0, false, 0.0);
@@ -100,11 +102,11 @@ mod tests {
     use plant::truth::Truth;
 
     const BLOCK_S: f64 = 32e-6;
-    /// 40 kHz and Q 50: 400 Hz of half bandwidth, 0.4 ms of time constant.
+    /// Resonance with a half bandwidth of 400 Hz and a time constant of 0.4 ms at Q 50.
     const RESONANCE_HZ: f64 = 40e3;
     const Q: f64 = 50.0;
 
-    /// Blocks of one kind: how many, how far off, Hz, whether it calls itself locked, and its drive, V.
+    /// Returns `count` equal blocks: frequency offset, Hz, lock report, and drive, V.
     fn blocks(count: usize, off_hz: f64, locked: bool, drive_v: f64) -> Vec<Row> {
         let truth = Truth { series_resonance_hz: RESONANCE_HZ, ..Truth::default() };
         let played = (Swing::default(), Default::default(), &truth);
@@ -123,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_good_run_is_neither() {
+    fn good_run_has_no_false_lock_and_no_loss() {
         let pulls_in = blocks(20, 900.0, false, 3.0);
         assert_eq!(judged(&[pulls_in, blocks(1000, -399.0, true, 3.0)]), claims(true, false, false));
         assert_eq!(judged(&[blocks(1000, 3000.0, false, 3.0)]), claims(false, false, false));
@@ -131,43 +133,43 @@ mod tests {
 
     /// 32 blocks are 1.024 ms, 31 are 0.992 ms.
     #[test]
-    fn a_millisecond_that_never_was_near_is_a_false_lock() {
+    fn one_millisecond_off_resonance_is_a_false_lock() {
         let [short, long] = [31, 32].map(|count| blocks(count, 401.0, true, 3.0));
         let seeks = || blocks(5, 401.0, false, 3.0);
         assert_eq!(judged(&[seeks(), short.clone(), seeks(), short]), claims(false, false, false));
         assert_eq!(judged(&[seeks(), long.clone(), seeks()]), claims(false, true, false));
-        // The last stretch counts as any other, and one that comes near at last is none.
+        // The last section counts like any other. One that is near at its end is not a false lock.
         assert_eq!(judged(&[seeks(), long.clone()]), claims(false, true, false));
         assert_eq!(judged(&[long, blocks(1, 0.0, true, 3.0)]), claims(true, false, false));
     }
 
-    /// 3 ms and 1 ms: 125 blocks are 4 ms.
+    /// 125 blocks are 4 ms: the limit of 3 ms plus 1 ms.
     #[test]
-    fn a_loss_that_is_not_noticed_in_time_is_undetected() {
+    fn late_loss_report_is_an_undetected_loss() {
         let locks = || blocks(40, 10.0, true, 3.0);
         assert_eq!(judged(&[locks(), blocks(125, 500.0, true, 3.0)]), claims(true, false, false));
         assert_eq!(judged(&[locks(), blocks(126, 500.0, true, 3.0)]), claims(true, false, true));
-        // Noticed, come back from, or without drive.
+        // The loss is detected, is recovered from, or occurs without drive.
         let noticed = [locks(), blocks(100, 500.0, true, 3.0), blocks(100, 500.0, false, 3.0)];
         assert_eq!(judged(&noticed), claims(true, false, false));
         let back = [locks(), blocks(100, 500.0, true, 3.0), locks(), blocks(100, 500.0, true, 3.0)];
         assert_eq!(judged(&back), claims(true, false, false));
         assert_eq!(judged(&[locks(), blocks(1000, 500.0, true, 0.0)]), claims(true, false, false));
-        // Bursts: the time under drive adds up.
+        // With bursts, the time under drive adds up.
         let bursts = [locks(), blocks(63, 500.0, true, 3.0), blocks(9, 500.0, true, 0.0), blocks(63, 500.0, true, 3.0)];
         assert_eq!(judged(&bursts), claims(true, false, true));
     }
 
     #[test]
-    fn a_high_q_may_take_four_time_constants() {
+    fn high_q_allows_four_time_constants() {
         let rows = [blocks(40, 1.0, true, 3.0), blocks(300, 500.0, true, 3.0)].concat();
-        // Q 500: 4 ms of time constant, 16 ms and 1 ms are allowed, and 300 blocks are 9.6 ms.
+        // Q 500: the time constant is 4 ms, 16 ms plus 1 ms are allowed, and 300 blocks are 9.6 ms.
         assert!(!judge(&rows, &vec![500.0; rows.len()], BLOCK_S).undetected_loss);
         assert!(judge(&rows, &vec![Q; rows.len()], BLOCK_S).undetected_loss);
     }
 
     #[test]
-    fn a_disturbed_q_widens_the_band_from_its_moment_on() {
+    fn q_step_widens_the_band_from_its_time_on() {
         let step = Disturbance {
             at_s: 1e-3,
             key: DisturbedKey::Q,

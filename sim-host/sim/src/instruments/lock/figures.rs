@@ -1,4 +1,5 @@
-//! Frequency: command, estimate, truth; while it is looked for, at the moment of lock, and over the whole run.
+//! Figures of the frequency, as command, estimate and truth: during acquisition, at the lock, and
+//! over the whole run.
 
 use firmware::seam::mode::Mode;
 
@@ -9,21 +10,22 @@ use report::{Axis, Figure, Series, Style};
 
 /// Bounds of the lock times, Hz.
 const BOUNDS_HZ: [f64; 3] = [100.0, 20.0, 4.0];
-/// The least distance shown, Hz: where the two cross, it is zero for a moment.
-const LEAST_HZ: f64 = 0.01;
+/// Lower end of the axis, Hz; the distance is zero where the curves cross.
+const MIN_SHOWN_HZ: f64 = 0.01;
 
 fn series(name: &str, csv_column: &str, x: Vec<f64>, y: Vec<f64>, style: Style) -> Series {
     Series { name: name.into(), csv_column: csv_column.into(), x, y, style }
 }
 
-/// The blocks that play between two moments, with time in ms from the first.
+/// Returns the blocks that play between two times, with their times in ms from the first.
 fn between<'a>(view: &View<'a>, from_s: f64, to_s: f64) -> (Vec<f64>, &'a [Row]) {
     let rows = view.after(from_s);
     let rows = &rows[..rows.partition_point(|row| row.time_s <= to_s)];
     (rows.iter().map(|row| 1e3 * (row.time_s - from_s)).collect(), rows)
 }
 
-/// The frequency played while the resonance is looked for: the passes of the scan, then the lock.
+/// Returns the figure of the drive frequency during acquisition: the sweeps of the scan, then the
+/// lock.
 pub(super) fn acquisition(run: &View) -> Option<Figure> {
     let from = run.plays_from(Mode::Scan)?;
     let to = run.plays_from(Mode::Run).unwrap_or(run.rows.last()?.time_s);
@@ -33,10 +35,9 @@ pub(super) fn acquisition(run: &View) -> Option<Figure> {
     Some(Figure {
         id: "acquisition".into(),
         title: "Acquisition: scan, then lock".into(),
-        caption:
-            "A sweep over the window and a tenth more, from whose spectrum all resonances are found; then, if the working mode is not known \
-                  well enough, slow sweeps over two bandwidths about it. Nothing settles in between."
-                .into(),
+        caption: "A sweep over the window plus 10 %; its spectrum yields all resonances. If the working mode is not known well \
+                  enough, slow sweeps over two bandwidths about it follow, without settling times in between."
+            .into(),
         x: axis("time from the first sample of the scan [ms]"),
         y: axis("frequency [Hz]"),
         series: vec![
@@ -48,7 +49,8 @@ pub(super) fn acquisition(run: &View) -> Option<Figure> {
     })
 }
 
-/// How far command and estimate are from the truth, from the first sample of the lock stage on.
+/// Returns the figure of the distances of command and estimate from the truth, from the first
+/// sample of the lock stage on.
 pub(super) fn lock_acquisition(run: &View) -> Option<Figure> {
     let from = run.plays_from(Mode::Lock)?;
     let locked = run.plays_from(Mode::Run).unwrap_or(from + 0.01);
@@ -59,11 +61,17 @@ pub(super) fn lock_acquisition(run: &View) -> Option<Figure> {
     Some(Figure {
         id: "lock-acquisition".into(),
         title: "Lock acquisition".into(),
-        caption: "Distance from the true series resonance, without its sign, which the data file has. The scan ends when what its sweep has left \
-                  no longer turns the phase. A contact adds its own stiffness to the stack: under load the lock lies a little above the unloaded truth."
+        caption: "Absolute distance from the true series resonance; the data file has the sign. The scan ends when the residual \
+                  vibration of its sweep no longer affects the phase. A contact adds stiffness to the stack: under load, the \
+                  lock is slightly above the unloaded truth."
             .into(),
         x: axis("time from the first sample of the lock stage [ms]"),
-        y: Axis { log: true, magnitude: true, range: Some((LEAST_HZ, 1.5 * farthest)), ..axis("distance from the true resonance [Hz]") },
+        y: Axis {
+            log: true,
+            magnitude: true,
+            range: Some((MIN_SHOWN_HZ, 1.5 * farthest)),
+            ..axis("distance from the true resonance [Hz]")
+        },
         series: vec![
             series("played", "frequency_off_hz", x.clone(), played, Style::Line),
             series("controller's estimate", "estimate_off_hz", x, estimate, Style::Dashed),
@@ -74,16 +82,15 @@ pub(super) fn lock_acquisition(run: &View) -> Option<Figure> {
     })
 }
 
-/// Command, estimate and truth over the run, from the lock on.
+/// Returns the figure of command, estimate and truth over the run, from the lock on.
 pub(super) fn over_time(run: &View) -> Option<Figure> {
     let rows = run.after(run.plays_from(Mode::Run)?);
     Some(Figure {
         id: "frequency".into(),
         title: "Frequency: command, estimate, truth".into(),
-        caption:
-            "While the drive is OFF the frequency is held. The truth is the series resonance of the stack by itself; a contact \
-                  adds its stiffness, and the lock follows the two together."
-                .into(),
+        caption: "While the drive is OFF the frequency is held. The truth is the series resonance of the stack alone; a contact \
+                  adds its stiffness, and the lock follows the combined resonance."
+            .into(),
         x: axis("time [s]"),
         y: axis("frequency [Hz]"),
         series: vec![

@@ -1,4 +1,5 @@
-//! Metrics of the lock: how soon the frequency is right for good, how right it stays, and what the controller claims.
+//! Metrics of the lock: time to a lasting lock, accuracy after it, and correctness of the lock
+//! reports.
 
 use firmware::seam::mode::Mode;
 
@@ -8,14 +9,14 @@ use crate::metrics::Metrics;
 use crate::record::Row;
 use report::statistics::mean;
 
-/// An OFF that lasts longer ends the time to lock, s, and not one between the bursts of a schedule.
+/// Duration of an OFF above which it ends the time to lock, s; one between bursts is shorter.
 const PAUSE_S: f64 = 0.02;
 
 /// Adds the metrics of the lock.
 pub(super) fn add(run: &View, metrics: &mut Metrics) {
     run.lock(metrics);
     run.steady_state(metrics);
-    let claims = claims::of(run);
+    let claims = claims::evaluate(run);
     metrics.put("false_locks", claims.map(|claims| f64::from(u8::from(claims.false_lock))));
     metrics.put("undetected_losses", claims.map(|claims| f64::from(u8::from(claims.undetected_loss))));
 }
@@ -25,7 +26,7 @@ impl View<'_> {
         let (scan, lock, run) = (self.plays_from(Mode::Scan), self.plays_from(Mode::Lock), self.plays_from(Mode::Run));
         metrics.put("acquire_time_ms", scan.zip(run).map(|(scan, run)| 1e3 * (run - scan)));
         let first_disturbed = self.disturbed_s.iter().copied().fold(f64::INFINITY, f64::min);
-        // A scan that comes first has found the frequency, and nothing is left to be pulled in.
+        // A preceding scan has already found the frequency; there is no pull-in.
         let lock = lock.filter(|&lock| scan.is_none_or(|scan| scan > lock));
         let end_s = lock.and_then(|lock| self.pauses_s(lock)).map_or(first_disturbed, |s| s.min(first_disturbed));
         let last_step = self.steps_s.iter().copied().reduce(f64::max);
@@ -41,12 +42,12 @@ impl View<'_> {
         }
     }
 
-    /// The blocks under drive at the lock point between two moments, s.
+    /// Returns the blocks under drive at the lock point between two times, s.
     fn driven(&self, from: f64, to: f64) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(move |row| row.time_s > from && row.time_s < to && row.drive_v > 0.0 && !row.probes())
     }
 
-    /// When the first OFF of the run begins, after a moment, that lasts longer than [`PAUSE_S`], s.
+    /// Returns the beginning of the first OFF after `from` that lasts longer than [`PAUSE_S`], s.
     fn pauses_s(&self, from: f64) -> Option<f64> {
         let mut began: Option<f64> = None;
         for row in self.rows.iter().filter(|row| row.time_s > from) {
@@ -59,8 +60,9 @@ impl View<'_> {
         None
     }
 
-    /// How long a lock stage that begins at `from` takes to within `bound`, s, if it does before the first of two moments. The frequency is held while the
-    /// drive is OFF: the first block after that moment, before the second, says where the last one before has come to.
+    /// Returns the time from `from`, the beginning of the lock stage, to within `bound`, s, if that
+    /// is reached before `end_s`. The frequency is held while the drive is OFF, so the first block
+    /// between `end_s` and `to` shows the frequency reached by the last block before.
     fn locks_within(&self, from: f64, (end_s, to): (f64, f64), bound: f64) -> Option<f64> {
         let next = self.driven(end_s, to).next().filter(|row| is_within(row, bound));
         settles(self.driven(from, end_s).chain(next), from, bound)
@@ -77,12 +79,13 @@ impl View<'_> {
     }
 }
 
-/// Whether a block plays within so many Hz of the true resonance.
+/// Returns `true` if a block plays within `bound`, Hz, of the true resonance.
 fn is_within(row: &Row, bound: f64) -> bool {
     (row.frequency_hz - row.truth.series_resonance_hz).abs() <= bound
 }
 
-/// How long after `from` the last of these blocks is that plays off by more than `bound`, s; none if the very last is.
+/// Returns the time from `from` to the last of these blocks that is off by more than `bound`, s;
+/// `None` if that is the final block.
 fn settles<'a>(blocks: impl Iterator<Item = &'a Row>, from: f64, bound: f64) -> Option<f64> {
     let (mut outside, mut end) = (None, None);
     for row in blocks {

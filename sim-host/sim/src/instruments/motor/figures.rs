@@ -1,4 +1,4 @@
-//! The figures of a travelling-wave motor: its rotor, its waves, the path of its surface, its lanes.
+//! Figures of a travelling-wave motor: rotor, waves, path of a surface point, and lanes.
 
 use super::window::WAVE;
 use crate::instruments::View;
@@ -7,15 +7,15 @@ use crate::record::{Row, Window};
 use plant::truth::{MotorSample, MotorTruth};
 use report::{Figure, Series, Style};
 
-/// Periods in which lanes and surface are shown.
+/// Number of periods shown of lanes and surface.
 const PERIODS: f64 = 3.0;
 
 fn of_motor<'a>(run: &'a View, value: impl Fn(&MotorTruth) -> f64 + 'a) -> impl Fn(&Row) -> f64 + 'a {
     move |row| run.motor_truth(row).map_or(f64::NAN, &value)
 }
 
-/// All of them, the most telling first.
-pub(super) fn of(run: &View) -> Vec<Figure> {
+/// Returns all figures, the most important first.
+pub(super) fn all(run: &View) -> Vec<Figure> {
     if run.scene.stator().is_none() {
         return Vec::new();
     }
@@ -36,15 +36,15 @@ fn rotor_speed(run: &View) -> Option<Figure> {
     Some(Figure {
         id: "rotor-speed".into(),
         title: "Rotor speed".into(),
-        caption:
-            "The crests carry the rotor: it is slower than they are because the flanks of each contact are, and because of its load. \
-             Self-test, scan and lock drive the motor too. When the drive is OFF the preload brakes and holds it."
-                .into(),
+        caption: "The crests carry the rotor. It is slower than the crests because the flanks of each contact are slower, and \
+             because of its load. Self-test, scan and lock also drive the motor. When the drive is OFF, the preload brakes and \
+             holds the rotor."
+            .into(),
         x: axis("time [s]"),
         y: axis("speed [rad/s]"),
         series: vec![
             curve(rows, "rotor", "rotor_rad_per_s", Style::Line, of_motor(run, |motor| motor.rotor_rad_per_s)),
-            curve(rows, "crests: forward less backward wave", "crests_rad_per_s", Style::Dashed, of_motor(run, crests)),
+            curve(rows, "crests: forward minus backward wave", "crests_rad_per_s", Style::Dashed, of_motor(run, crests)),
         ],
         shaded: shaded(run),
         hlines: vec![(0.0, String::new())],
@@ -60,11 +60,10 @@ fn waves(run: &View) -> Figure {
     let top = 2e6 * most.fold(0.0, f64::max).max(1e-12);
     Figure {
         id: "waves".into(),
-        title: "The two waves on the stator".into(),
-        caption:
-            "Amplitudes of the wave that turns the rotor forwards and of the one that runs against it, which lanes out of balance make. \
-             A pure travelling wave has none of the second."
-                .into(),
+        title: "Forward and backward wave on the stator".into(),
+        caption: "Amplitudes of the wave that turns the rotor forwards, and of the opposite wave caused by unbalanced lanes. \
+             A pure travelling wave has no backward wave."
+            .into(),
         x: axis("time [s]"),
         y: report::Axis { label: "amplitude [µm]".into(), log: true, range: Some((5e-4 * top, top)), ..report::Axis::default() },
         series: vec![
@@ -77,7 +76,7 @@ fn waves(run: &View) -> Figure {
     }
 }
 
-/// The last periods of a window, with the time of each sample in us from the first.
+/// Returns the last periods of a window, with the time of each sample in us from the first.
 fn last_periods(run: &View, window: &Window) -> Vec<(f64, MotorSample)> {
     let sample_s = run.record.sample_s;
     let count = (PERIODS / run.scene.controller.drive.frequency_hz / sample_s).ceil() as usize + 1;
@@ -92,7 +91,7 @@ fn ellipse(run: &View, window: &Window) -> Figure {
     let stator = run.scene.stator();
     let slope = stator.map_or(0.0, |stator| std::f64::consts::TAU / stator.wave_length_m * stator.surface_height_m);
     let across = samples.iter().map(|(_, motor)| 1e9 * motor.surface_m[0].abs()).fold(0.0, f64::max);
-    // Thesis B.14, with the largest displacement across as the amplitude.
+    // Thesis B.14; the amplitude is the largest displacement across the ring.
     let ideal = (0..=120).map(|n| {
         let (sin, cos) = (std::f64::consts::TAU * f64::from(n) / 120.0).sin_cos();
         (slope * across * cos, across * sin)
@@ -102,16 +101,16 @@ fn ellipse(run: &View, window: &Window) -> Figure {
         |name: &str, csv_column: &str, x, y, style| Series { name: name.into(), csv_column: csv_column.into(), x, y, style };
     Figure {
         id: "surface".into(),
-        title: "Path of a point of the surface".into(),
+        title: "Path of a surface point".into(),
         caption: format!(
-            "Under the first tab, over {PERIODS} periods before the drive ends. In a pure travelling wave the path is the ellipse of \
-             thesis equation B.14 with half axes a and z k a (dashed, z k = {slope:.3}); a backward wave makes it thinner or thicker \
-             from place to place, and tilts it."
+            "Point under the first tab, over {PERIODS} periods before the drive ends. In a pure travelling wave the path is the \
+             ellipse of thesis equation B.14 with half axes a and z k a (dashed, z k = {slope:.3}). A backward wave changes its \
+             thickness along the ring and tilts it."
         ),
         x: axis("displacement along the ring [nm]"),
         y: axis("displacement across [nm]"),
         series: vec![
-            series("surface", "across_nm", x, y, Style::Line),
+            series("surface point", "across_nm", x, y, Style::Line),
             series("pure wave of the same height", "across_pure_nm", ideal_x, ideal_y, Style::Dashed),
         ],
         equal_aspect: true,
@@ -133,9 +132,8 @@ fn lanes(run: &View, window: &Window) -> Figure {
     Figure {
         id: "lanes".into(),
         title: "The four lanes at the electrodes".into(),
-        caption:
-            "Voltages at the electrode tabs behind amplifiers with their errors, over the last periods before the drive ends."
-                .into(),
+        caption: "Voltages at the electrode tabs, including the amplifiers' errors, over the last periods before the drive ends."
+            .into(),
         x: axis("time [µs]"),
         y: axis("voltage [V]"),
         series: series.collect(),

@@ -10,8 +10,8 @@ use plant::truth::MotorTruth;
 use report::statistics::mean;
 use scene::Direction;
 
-/// A stopped rotor has no more than this part of its steady speed.
-const STOPPED: f64 = 1e-3;
+/// Maximum speed of a stopped rotor, relative to its steady speed.
+const STOPPED_REL: f64 = 1e-3;
 
 impl View<'_> {
     fn steadily(&self, value: impl Fn(&MotorTruth) -> Option<f64>) -> Option<f64> {
@@ -38,7 +38,8 @@ impl View<'_> {
         metrics.put("lane_gain_error_percent_max", self.steadily(|motor| motor.lane_gain_error_percent));
     }
 
-    /// `wave` is the amplitude of the wave asked for, and its surface speed.
+    /// Adds the metrics of the rotor. `wave` is the amplitude of the commanded wave, and its
+    /// surface speed.
     fn rotor(&self, wave: Option<(f64, f64)>, metrics: &mut Metrics) {
         let Some(rotor) = self.scene.rotor() else { return };
         let speed = self.steadily(|motor| Some(motor.rotor_rad_per_s));
@@ -77,6 +78,6 @@ impl View<'_> {
             None
         };
         metrics.put("start_time_ms", window.and_then(|(on, _)| reaches(on, &|part| part >= 0.9)));
-        metrics.put("stop_time_ms", window.and_then(|(_, off)| reaches(off, &|part| part.abs() <= STOPPED)));
+        metrics.put("stop_time_ms", window.and_then(|(_, off)| reaches(off, &|part| part.abs() <= STOPPED_REL)));
     }
 }

@@ -1,12 +1,13 @@
-//! A motor against the closed forms.
+//! Table of a motor's measured values and their closed forms.
 
 use crate::metrics::Metrics;
-use crate::numbers::precise;
+use crate::numbers::number;
 use report::TableBlock;
 use scene::Driven;
 
-/// The backward wave, %, that four lanes with these errors make on a perfect ring whose tabs stand a quarter wave apart: each mode is
-/// pushed by the difference of its two lanes, and the waves are half the sum and half the difference of the modes.
+/// Returns the backward wave, %, of four lanes with these errors on a perfect ring with tabs a
+/// quarter wave apart. The difference of two lanes drives each mode; the waves are half the sum and
+/// half the difference of the modes.
 fn of_errors(phase_deg: &[f64], gain: &[f64]) -> f64 {
     let entry = |list: &[f64], lane: usize| list.get(lane).copied().unwrap_or(0.0);
     let lane = |lane: usize| {
@@ -18,7 +19,7 @@ fn of_errors(phase_deg: &[f64], gain: &[f64]) -> f64 {
     100.0 * (a.0 - b.0).hypot(a.1 - b.1) / (a.0 + b.0).hypot(a.1 + b.1)
 }
 
-/// What was measured beside what the closed forms say.
+/// Returns the table of measured values and closed forms.
 pub(super) fn closed_forms(scene: &Driven, metrics: &Metrics) -> Option<TableBlock> {
     scene.stator()?;
     let amplifier = scene.amplifier;
@@ -27,7 +28,7 @@ pub(super) fn closed_forms(scene: &Driven, metrics: &Metrics) -> Option<TableBlo
         "backward wave [%]",
         metric("backward_wave_percent"),
         Some(of_errors(&amplifier.lane_phase_error_deg, &amplifier.lane_gain_error)),
-        "the amplifiers' errors, no trims, no rotor, a perfect ring: tan(eps / 2) of phase, g / (2 + g) of gain",
+        "amplifier errors, no trims, no rotor, a perfect ring: tan(eps / 2) for phase, g / (2 + g) for gain",
     )];
     if let Some(rotor) = scene.rotor() {
         let limit = rotor.mu * rotor.preload_n * rotor.radius_m;
@@ -38,18 +39,18 @@ pub(super) fn closed_forms(scene: &Driven, metrics: &Metrics) -> Option<TableBlo
                 metric("rotor_speed_ratio_closed_form"),
                 "a pure wave of the same amplitude at the same torque",
             ),
-            ("normal force [N]", metric("normal_force_n"), Some(rotor.preload_n), "the preload"),
-            ("torque [mN m]", metric("rotor_torque_nm").map(|torque| 1e3 * torque), Some(1e3 * rotor.torque_nm), "the load"),
-            ("torque before all slips [mN m]", None, Some(1e3 * limit), "mu x preload x radius"),
+            ("normal force [N]", metric("normal_force_n"), Some(rotor.preload_n), "preload"),
+            ("torque [mN m]", metric("rotor_torque_nm").map(|torque| 1e3 * torque), Some(1e3 * rotor.torque_nm), "load"),
+            ("maximum torque before full slip [mN m]", None, Some(1e3 * limit), "mu x preload x radius"),
         ]);
     }
-    let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), precise);
+    let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), number);
     let rows = rows.into_iter().map(|(what, measured, closed, of)| vec![what.into(), cell(measured), cell(closed), of.into()]);
     Some(TableBlock::new(
         "closed-forms",
-        "Motor: measured, and in closed form",
-        "Measured on the simulated motor, friction acting back on the wave.",
-        &["", "measured", "closed form", "of"],
+        "Motor: measured values and closed forms",
+        "Measured on the simulated motor, including the reaction of friction on the wave.",
+        &["", "measured", "closed form", "assumptions"],
         rows.collect(),
     ))
 }

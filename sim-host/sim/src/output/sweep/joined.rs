@@ -1,4 +1,5 @@
-//! All parts in one: the rows as Parquet and CSV, the points without result, then indices, figures and the page.
+//! Joining of all parts: rows as Parquet and CSV, points without a result, indices, figures and
+//! page.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -17,40 +18,44 @@ use crate::study::sweep::Rows;
 use crate::study::sweep::sensitivity::{self, Sensitivity};
 use report::TableBlock;
 
-/// How many missing ranges of points are named.
-const NAMED: usize = 4;
+/// Maximum number of missing ranges that a message lists.
+const MAX_LISTED_RANGES: usize = 4;
 
-/// A sweep whose parts are joined.
+/// Result of joining the parts of a sweep.
 #[derive(Clone, Debug)]
 pub struct Joined {
-    /// How many points there are.
+    /// Number of points.
     pub points: u64,
-    /// How many of them have no result.
+    /// Number of points without a result.
     pub failures: u64,
-    /// Metrics that were asked for by name and that no point has.
+    /// Metrics requested by name that no point has.
     pub absent: Vec<String>,
-    /// The metrics, and of a sample the indices.
+    /// Table of the metrics and, for a sample, of the indices.
     pub tables: Vec<TableBlock>,
-    /// The page.
+    /// Path of the page.
     pub page: PathBuf,
 }
 
-/// Joins the parts in some folders, and writes the result into `target`, shown as it is asked for.
+/// Joins the parts in several folders, and writes the result into `target` with this presentation.
 ///
 /// # Errors
-/// If folders are of different sweeps, parts are missing or cannot be read, or a file cannot be written.
+/// If the folders contain different sweeps, if parts are missing or cannot be read, or if a file
+/// cannot be written.
 pub fn join(dirs: &[PathBuf], target: &Path, shown: &Presentation) -> Result<Joined, FolderError> {
     let plan = common_plan(dirs)?;
-    let mut parts = dirs.iter().map(|dir| parts::of(dir)).collect::<Result<Vec<_>, _>>()?.concat();
+    let mut parts = dirs.iter().map(|dir| parts::list(dir)).collect::<Result<Vec<_>, _>>()?.concat();
     parts::sort(&mut parts);
     let missing = parts::gaps(0..plan.count(), &parts);
     if !missing.is_empty() {
-        let ranges = missing.iter().take(NAMED).map(|range| match range.end - range.start {
+        let ranges = missing.iter().take(MAX_LISTED_RANGES).map(|range| match range.end - range.start {
             1 => format!("{}", range.start),
             _ => format!("{} to {}", range.start, range.end - 1),
         });
         let ranges = ranges.collect::<Vec<_>>().join(", ");
-        let more = missing.len().checked_sub(NAMED + 1).map_or_else(String::new, |more| format!(" and {} more ranges", more + 1));
+        let more = missing
+            .len()
+            .checked_sub(MAX_LISTED_RANGES + 1)
+            .map_or_else(String::new, |more| format!(" and {} more ranges", more + 1));
         let (count, missing) = (plan.count(), missing.iter().map(|range| range.end - range.start).sum());
         return Err(FolderError::Missing { missing, count, ranges: ranges + &more });
     }
@@ -64,7 +69,8 @@ pub fn join(dirs: &[PathBuf], target: &Path, shown: &Presentation) -> Result<Joi
     if !path.exists() {
         put(&path, plan.text().as_bytes())?;
     }
-    // One at a time, if the system locks files: two shards of a folder may end at once.
+    // Only one process at a time, if the system locks files: two shards of a folder may end
+    // simultaneously.
     let _alone = File::open(&path).ok().filter(|plan| plan.lock().is_ok());
     let folder = Folder::open(target, owner)?;
     let dir = folder.unfinished();
@@ -78,7 +84,7 @@ pub fn join(dirs: &[PathBuf], target: &Path, shown: &Presentation) -> Result<Joi
     Ok(Joined { points: plan.count(), failures, absent, tables: written, page: target.join(super::PAGE) })
 }
 
-/// The plan that all folders have.
+/// Returns the common plan of all folders.
 fn common_plan(dirs: &[PathBuf]) -> Result<PlanFile, FolderError> {
     let mut first: Option<(&PathBuf, PlanFile)> = None;
     for dir in dirs {
@@ -95,7 +101,8 @@ fn common_plan(dirs: &[PathBuf]) -> Result<PlanFile, FolderError> {
     first.map(|(_, plan)| plan).ok_or_else(|| FolderError::None { path: PathBuf::new() })
 }
 
-/// The columns of the result, and the metrics asked for by name that no point has. Of all metrics those are columns that a point has.
+/// Returns the columns of the result, and the metrics requested by name that no point has. If all
+/// metrics were requested, only those that a point has are columns.
 fn present(plan: &PlanFile, parts: &[Part]) -> Result<(Layout, Vec<String>), FolderError> {
     let mut some = BTreeSet::new();
     for part in parts {
@@ -113,7 +120,7 @@ fn present(plan: &PlanFile, parts: &[Part]) -> Result<(Layout, Vec<String>), Fol
     Ok((plan.layout().clone(), absent))
 }
 
-/// Writes all rows, and those without result beside them; how many these are.
+/// Writes all rows, and separately those without a result; returns the number of the latter.
 fn rows(plan: &PlanFile, parts: &[Part], layout: &Layout, target: &Path) -> Result<u64, FolderError> {
     let mut file = RowsWriter::create(&target.join(ROWS), layout, plan.hash(), false)?;
     let heads: Vec<&str> = ["point"].into_iter().chain(layout.keys.iter().map(String::as_str)).collect();
@@ -129,7 +136,7 @@ fn rows(plan: &PlanFile, parts: &[Part], layout: &Layout, target: &Path) -> Resu
         for group in 0..opened.groups() {
             let mut rows = opened.rows(group, plan.layout())?;
             rows.metrics = places.iter().map(|&place| std::mem::take(&mut rows.metrics[place])).collect();
-            // Parts may overlap: their rows are the same.
+            // Parts may overlap; their common rows are identical.
             let first = rows.points.partition_point(|&point| (point as u64) < next);
             rows.drop_first(first);
             next += rows.points.len() as u64;
@@ -161,11 +168,11 @@ fn text(rows: &Rows, table: &mut Text, without: &mut Text) -> Result<u64, Folder
     Ok(failures)
 }
 
-/// The Sobol indices of each metric that has some, written as a table.
+/// Computes the Sobol indices of each metric that has some, and writes them as a table.
 fn indices(layout: &Layout, file: &RowsFile, target: &Path) -> Result<Vec<(String, Sensitivity)>, FolderError> {
     let mut all = Vec::new();
     for metric in &layout.metrics {
-        let found = sensitivity::of(layout.keys.len(), &file.column(metric)?);
+        let found = sensitivity::compute(layout.keys.len(), &file.column(metric)?);
         all.extend(found.map(|found| (metric.clone(), found)));
     }
     let mut table = Text::create(
@@ -193,7 +200,7 @@ fn indices(layout: &Layout, file: &RowsFile, target: &Path) -> Result<Vec<(Strin
     Ok(all)
 }
 
-/// A CSV and its path, for messages.
+/// CSV writer with its path, for messages.
 struct Text {
     path: PathBuf,
     writer: csv::Writer<BufWriter<File>>,

@@ -1,4 +1,4 @@
-//! The page of a sweep and its tables.
+//! Page of a sweep, and its tables.
 
 use std::path::Path;
 
@@ -10,10 +10,10 @@ use crate::study::sweep::{figures, unit};
 use report::statistics::{ascending, quantile};
 use report::{Report, TableBlock};
 
-/// Most points that are drawn: a figure holds all of its columns.
-const DRAWN: u64 = 4_000_000;
+/// Maximum number of points that are drawn, because a figure stores all of its columns.
+const MAX_DRAWN_POINTS: u64 = 4_000_000;
 
-/// Writes the page and the figures; the tables that answer what was asked.
+/// Writes the page and the figures; returns the tables of metrics and indices.
 pub(super) fn write(
     plan: &PlanFile,
     layout: &Layout,
@@ -27,11 +27,11 @@ pub(super) fn write(
     let changes = plan.changes().join(", ");
     let mut paragraphs = vec![points(plan)];
     if !changes.is_empty() {
-        paragraphs.push(format!("Changed by hand at all points: {changes}."));
+        paragraphs.push(format!("Changed at all points: {changes}."));
     }
-    let drawn = plan.count() <= DRAWN;
+    let drawn = plan.count() <= MAX_DRAWN_POINTS;
     if !drawn {
-        paragraphs.push(format!("No figures: they are of at most {DRAWN} points. The rows are in {ROWS}."));
+        paragraphs.push(format!("Figures are drawn for at most {MAX_DRAWN_POINTS} points. The rows are in {ROWS}."));
     }
     let column = |name: &str| -> Result<Vec<f64>, FolderError> {
         Ok(file.column(name)?.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect())
@@ -42,7 +42,7 @@ pub(super) fn write(
         summary: vec![("points".to_owned(), plan.count().to_string()), ("without result".to_owned(), failures.to_string())],
         paragraphs,
         tables: [vec![keys(layout, file)?], tables.clone()].concat(),
-        figures: if drawn { figures::of(&plan.shape(), &layout.keys, &layout.metrics, column)? } else { Vec::new() },
+        figures: if drawn { figures::all(&plan.shape(), &layout.keys, &layout.metrics, column)? } else { Vec::new() },
         footer: [("scene", plan.scene()), ("plan", plan.hash())]
             .map(|(label, value)| (label.to_owned(), value.to_owned()))
             .into_iter()
@@ -54,11 +54,11 @@ pub(super) fn write(
     Ok(tables)
 }
 
-/// What a point is, in words.
+/// Describes the points in words.
 fn points(plan: &PlanFile) -> String {
     let each = match plan.runs() {
-        1 => "a run of its own, with the scene's seed".to_owned(),
-        runs => format!("{runs} runs of the scene, of which it has the statistics"),
+        1 => "one run, with the scene's seed".to_owned(),
+        runs => format!("the statistics of {runs} runs of the scene"),
     };
     let shape = plan.shape();
     let which = match (shape.counts, shape.sample) {
@@ -66,13 +66,13 @@ fn points(plan: &PlanFile) -> String {
             let counts: Vec<String> = counts.iter().map(u64::to_string).collect();
             format!("every combination of {} values of the keys", counts.join(" times "))
         }
-        (None, true) => "a sample of the keys by a scrambled Sobol sequence, laid out for Sobol indices".to_owned(),
+        (None, true) => "a sample of the keys from a scrambled Sobol sequence, arranged for Sobol indices".to_owned(),
         (None, false) => "a list of points".to_owned(),
     };
     format!("{} points: {which}. Each is {each}.", plan.count())
 }
 
-/// Least, median and greatest value of a column, and how many it has.
+/// Returns minimum, median and maximum of a column, and the number of its values.
 fn spread(file: &RowsFile, name: &str) -> Result<(Vec<String>, u64), FolderError> {
     let values = ascending(file.column(name)?.into_iter().flatten());
     let three = [values.first().copied(), quantile(&values, 0.5), values.last().copied()];
@@ -82,7 +82,7 @@ fn spread(file: &RowsFile, name: &str) -> Result<(Vec<String>, u64), FolderError
 fn keys(layout: &Layout, file: &RowsFile) -> Result<TableBlock, FolderError> {
     let row = |key: &String| Ok([vec![key.clone(), unit(key)], spread(file, key)?.0].concat());
     let rows = layout.keys.iter().map(row).collect::<Result<Vec<_>, FolderError>>()?;
-    Ok(TableBlock::new("keys", "Keys", "", &["key", "unit", "least", "median", "most"], rows))
+    Ok(TableBlock::new("keys", "Keys", "", &["key", "unit", "minimum", "median", "maximum"], rows))
 }
 
 fn metrics(layout: &Layout, file: &RowsFile) -> Result<TableBlock, FolderError> {
@@ -95,12 +95,12 @@ fn metrics(layout: &Layout, file: &RowsFile) -> Result<TableBlock, FolderError> 
         "metrics",
         "Metrics",
         "Over all points.",
-        &["metric", "unit", "least", "median", "most", "without value"],
+        &["metric", "unit", "minimum", "median", "maximum", "without value"],
         rows,
     ))
 }
 
-/// The Sobol indices, a table for all metrics.
+/// Returns one table of the Sobol indices of all metrics.
 fn indices(layout: &Layout, indices: &[(String, Sensitivity)]) -> Vec<TableBlock> {
     let shown = |of: Estimate| format!("{:.3} ({:.3} to {:.3})", of.value, of.interval.0, of.interval.1);
     let rows: Vec<Vec<String>> = indices
@@ -119,8 +119,8 @@ fn indices(layout: &Layout, indices: &[(String, Sensitivity)]) -> Vec<TableBlock
     vec![TableBlock::new(
         "indices",
         "Sobol indices",
-        "First order: the part of the metric's variance that the key makes alone. Total: the part in which it has a share. In brackets 95 % \
-         confidence, by a bootstrap.",
+        "First order: fraction of the metric's variance caused by the key alone. Total: fraction including interactions with \
+         other keys. In parentheses: 95 % confidence interval from a bootstrap.",
         &["metric", "key", "first order", "total", "draws"],
         rows,
     )]

@@ -1,7 +1,8 @@
-//! The parts of a sweep: each a file with the rows of some points that follow each other, named by them.
+//! Parts of a sweep: files with the rows of consecutive points, which are in their names.
 //!
-//! A shard has every n-th of [`BLOCKS`] n blocks of points, so that shards take equally long although neighbouring points are alike; a part
-//! lies within one block. What is missing of a sweep, or of a shard, follows from the names of its parts.
+//! Each of n shards has every n-th of [`BLOCKS`] n blocks of points, so that shards take equally
+//! long although neighbouring points are similar. A part lies within one block. The missing points
+//! of a sweep or a shard follow from the names of its parts.
 
 use std::fs;
 use std::ops::Range;
@@ -10,10 +11,10 @@ use std::str::FromStr;
 
 use super::FolderError;
 
-/// Blocks of points of a shard.
+/// Number of blocks of points per shard.
 const BLOCKS: u64 = 8;
 
-/// Which part of a sweep a process computes, written as `i/n`, from 1.
+/// Share of a sweep that a process computes, written as `i/n`, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     number: u64,
@@ -21,13 +22,13 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// The whole sweep.
+    /// Shard that contains the whole sweep.
     pub const WHOLE: Shard = Shard { number: 1, of: 1 };
 
-    /// The ranges of points that it has, of so many.
+    /// Returns the ranges of points of the shard, for a sweep of `count` points.
     fn ranges(self, count: u64) -> Vec<Range<u64>> {
         let blocks = (self.of * BLOCKS).min(count);
-        // Points times blocks is beyond 64 bits at no count that a sweep may have.
+        // The product of points and blocks can exceed 64 bits.
         let begin = |block: u64| (u128::from(count) * u128::from(block) / u128::from(blocks)) as u64;
         let mine = (0..blocks).filter(|block| block % self.of == self.number - 1);
         if self.of == 1 {
@@ -37,12 +38,12 @@ impl Shard {
         }
     }
 
-    /// The ranges of its points that no part has.
+    /// Returns the ranges of the shard's points that are in none of the parts.
     pub fn missing(self, count: u64, parts: &[Part]) -> Vec<Range<u64>> {
         self.ranges(count).into_iter().flat_map(|range| gaps(range, parts)).collect()
     }
 
-    /// How many points it has, of so many.
+    /// Returns the number of points of the shard, for a sweep of `count` points.
     pub fn count(self, count: u64) -> u64 {
         self.ranges(count).iter().map(|range| range.end - range.start).sum()
     }
@@ -58,13 +59,13 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        /// Most shards of a sweep.
+        /// Maximum number of shards of a sweep.
         const MOST: u64 = 100_000;
-        let (number, of) = text.split_once('/').ok_or("a shard is i/n, as 1/4 to 4/4")?;
-        let whole = |text: &str| text.trim().parse::<u64>().map_err(|_| format!("`{text}` is no whole number"));
+        let (number, of) = text.split_once('/').ok_or("a shard is written i/n, for example 1/4 to 4/4")?;
+        let whole = |text: &str| text.trim().parse::<u64>().map_err(|_| format!("`{text}` is not a whole number"));
         let (number, of) = (whole(number)?, whole(of)?);
         if !(1..=MOST).contains(&of) || !(1..=of).contains(&number) {
-            return Err(format!("there is no shard {number} of {of}: they are numbered from 1"));
+            return Err(format!("there is no shard {number} of {of}: shards are numbered from 1"));
         }
         Ok(Shard { number, of })
     }
@@ -73,14 +74,14 @@ impl FromStr for Shard {
 /// A part: its points and its file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// Its points.
+    /// Range of its points.
     pub points: Range<u64>,
-    /// Its file.
+    /// Path of its file.
     pub path: PathBuf,
 }
 
 impl Part {
-    /// The part of these points in a folder.
+    /// Creates the part of these points in a folder.
     pub(super) fn new(dir: &Path, points: Range<u64>) -> Self {
         let path = dir.join(format!("part-{:09}-{:09}.parquet", points.start, points.end));
         Part { points, path }
@@ -94,8 +95,8 @@ impl Part {
     }
 }
 
-/// The parts in a folder, in the order of their points.
-pub(super) fn of(dir: &Path) -> Result<Vec<Part>, FolderError> {
+/// Returns the parts in a folder, in the order of their points.
+pub(super) fn list(dir: &Path) -> Result<Vec<Part>, FolderError> {
     let mut parts = Vec::new();
     for entry in fs::read_dir(dir).map_err(super::read(dir))? {
         parts.extend(Part::named(entry.map_err(super::read(dir))?.path()));
@@ -104,13 +105,13 @@ pub(super) fn of(dir: &Path) -> Result<Vec<Part>, FolderError> {
     Ok(parts)
 }
 
-/// What killed processes have left of parts of this shard that they were writing.
+/// Returns the unfinished parts of this shard that killed processes have left.
 pub(super) fn unfinished(dir: &Path, shard: Shard, count: u64) -> Result<Vec<PathBuf>, FolderError> {
     let ranges = shard.ranges(count);
     let mut left = Vec::new();
     for entry in fs::read_dir(dir).map_err(super::read(dir))? {
         let path = entry.map_err(super::read(dir))?.path();
-        // `part-….parquet` and the process behind it.
+        // The name is `part-….parquet`, followed by the process.
         let whole = path.with_extension("").with_extension("");
         let part = path.extension().is_some_and(|end| end == "tmp").then(|| Part::named(whole)).flatten();
         let mine = |part: &Part| ranges.iter().any(|range| range.start <= part.points.start && part.points.end <= range.end);
@@ -119,12 +120,12 @@ pub(super) fn unfinished(dir: &Path, shard: Shard, count: u64) -> Result<Vec<Pat
     Ok(left)
 }
 
-/// Brings parts into the order of their points.
+/// Sorts parts by their points.
 pub(super) fn sort(parts: &mut [Part]) {
     parts.sort_by(|a, b| (a.points.start, a.points.end, &a.path).cmp(&(b.points.start, b.points.end, &b.path)));
 }
 
-/// What of a range is in none of these parts, which are in order.
+/// Returns the points of a range that are in none of these sorted parts.
 pub(super) fn gaps(range: Range<u64>, parts: &[Part]) -> Vec<Range<u64>> {
     let mut gaps = Vec::new();
     let mut next = range.start;
@@ -144,7 +145,8 @@ pub(super) fn gaps(range: Range<u64>, parts: &[Part]) -> Vec<Range<u64>> {
 mod tests {
     use super::*;
 
-    /// Each point is of exactly one shard, and shards are as large as each other, to a point in a block.
+    /// Each point belongs to exactly one shard. Shards are equally large, within one point per
+    /// block.
     #[test]
     fn shards_share_all_points() {
         for (count, of) in [(1, 1), (1, 3), (7, 2), (100, 3), (1000, 7), (100_000_000, 64)] {
@@ -159,9 +161,9 @@ mod tests {
         assert_eq!("2/3".parse::<Shard>().map(|shard| shard.to_string()), Ok("2/3".to_owned()));
     }
 
-    /// Of what was not ended only that of the own shard is to be cleared away.
+    /// Only unfinished files of the own shard are removed.
     #[test]
-    fn what_killed_processes_left_is_known_by_its_points() {
+    fn leftovers_are_found_by_their_points() {
         let dir = std::env::temp_dir().join(format!("left-{}", std::process::id()));
         fs::create_dir_all(&dir).expect("a folder");
         let written = |points: Range<u64>| super::super::unfinished(&Part::new(&dir, points).path);
@@ -173,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_part_has_is_missing() {
+    fn points_without_a_part_are_missing() {
         let parts: Vec<Part> = [0..3, 5..6, 5..9].map(|points| Part::new(Path::new("d"), points)).into();
         assert_eq!(gaps(0..12, &parts), [3..5, 9..12]);
         assert!(gaps(4..8, &parts).into_iter().eq(std::iter::once(4..5)));

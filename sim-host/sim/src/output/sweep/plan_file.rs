@@ -1,4 +1,5 @@
-//! `plan.json`: what a sweep is, so that its parts can be told from those of another. The same of all shards.
+//! `plan.json`: plan of a sweep, which distinguishes its parts from those of another. It is the
+//! same for all shards.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -15,18 +16,18 @@ use crate::study::sweep::design::Shape;
 use crate::study::sweep::{Sweep, unit};
 use scene::resolved::resolved_json;
 
-/// The fields in which two plans may differ, and what a reader calls them.
+/// Fields in which two plans may differ, and the difference in words.
 const FIELDS: [(&str, &str); 7] = [
-    ("program", "of another program"),
-    ("version", "of another version of sim-host"),
-    ("scene", "of another scene"),
-    ("resolved_scene", "of a scene with other values"),
-    ("design", "of other points"),
-    ("metrics", "of other metrics"),
-    ("all_metrics", "of other metrics"),
+    ("program", "different program"),
+    ("version", "different version of sim-host"),
+    ("scene", "different scene"),
+    ("resolved_scene", "different values of the scene"),
+    ("design", "different points"),
+    ("metrics", "different metrics"),
+    ("all_metrics", "different metrics"),
 ];
 
-/// The plan of a sweep.
+/// Plan of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanFile {
     json: Value,
@@ -36,7 +37,7 @@ pub struct PlanFile {
 }
 
 impl PlanFile {
-    /// The plan of a sweep.
+    /// Creates the plan of a sweep.
     pub fn new(sweep: &Sweep) -> Self {
         let keys: Vec<Value> = sweep.design.keys().iter().map(|key| json!({ "key": key, "unit": unit(key) })).collect();
         let metrics: Vec<Value> = sweep.metrics.iter().map(|metric| json!({ "metric": metric, "unit": unit(metric) })).collect();
@@ -46,13 +47,13 @@ impl PlanFile {
             "resolved_scene": resolved_json(&sweep.loaded.scene),
         });
         json["plan_hash"] = json!(format!("{:016x}", text_hash(&json.to_string())));
-        Self::of(json).unwrap_or_else(|| unreachable!("a plan has all its fields"))
+        Self::from_json(json).unwrap_or_else(|| unreachable!("a plan has all its fields"))
     }
 
-    /// The plan in a folder, if it has one.
+    /// Reads the plan in a folder, if there is one.
     ///
     /// # Errors
-    /// If it cannot be read.
+    /// If the plan cannot be read.
     pub fn find(dir: &Path) -> Result<Option<Self>, FolderError> {
         let path = dir.join(PLAN);
         let text = match fs::read_to_string(&path) {
@@ -60,11 +61,11 @@ impl PlanFile {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(super::read(&path)(error)),
         };
-        let plan = serde_json::from_str(&text).ok().and_then(Self::of);
-        plan.map(Some).ok_or_else(|| FolderError::Read { path, why: "it is no plan of a sweep".to_owned() })
+        let plan = serde_json::from_str(&text).ok().and_then(Self::from_json);
+        plan.map(Some).ok_or_else(|| FolderError::Read { path, why: "it is not a plan of a sweep".to_owned() })
     }
 
-    fn of(json: Value) -> Option<Self> {
+    fn from_json(json: Value) -> Option<Self> {
         let names = |list: &str, name: &str| {
             let names = json[list].as_array()?.iter().map(|entry| Some(entry[name].as_str()?.to_owned()));
             names.collect::<Option<Vec<String>>>()
@@ -74,31 +75,33 @@ impl PlanFile {
         Some(PlanFile { layout, hash, count, json })
     }
 
-    /// The file's text.
+    /// Returns the text of the file.
     pub fn text(&self) -> String {
         format!("{:#}\n", self.json)
     }
 
-    /// In what another plan differs, if it does.
+    /// Returns the difference to another plan in words, if there is one.
     pub fn differs(&self, other: &Self) -> Option<String> {
         if self.hash == other.hash {
             return None;
         }
         let field = FIELDS.iter().find(|(field, _)| self.json[field] != other.json[field]);
-        Some(field.map_or("of another plan", |&(_, differs)| differs).to_owned())
+        Some(field.map_or("different plan", |&(_, differs)| differs).to_owned())
     }
 
-    /// A part of this sweep, opened.
+    /// Opens a part of this sweep.
     ///
     /// # Errors
-    /// If it cannot be read, is of another plan, or has not as many rows as its name says.
+    /// If it cannot be read, belongs to another plan, or its number of rows does not match its
+    /// name.
     pub fn check(&self, part: &Part) -> Result<RowsFile, FolderError> {
         let file = RowsFile::open(&part.path)?;
         let fits = file.plan_hash().as_ref() == Some(&self.hash) && file.count() == part.points.end - part.points.start;
         if fits { Ok(file) } else { Err(FolderError::Part { path: part.path.clone() }) }
     }
 
-    /// Runs some points of the sweep, and writes their part into a folder; none if it is stopped. `done` is called after each point.
+    /// Runs points of the sweep and writes their part into a folder; `None` if it is stopped.
+    /// `done` is called after each point.
     ///
     /// # Errors
     /// If the scene cannot be run at all, or the part cannot be written.
@@ -117,48 +120,48 @@ impl PlanFile {
         Ok(Some(part))
     }
 
-    /// Names of the columns.
+    /// Returns the names of the columns.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// Hash of the plan.
+    /// Returns the hash of the plan.
     pub fn hash(&self) -> &str {
         &self.hash
     }
 
-    /// How many points there are.
+    /// Returns the number of points.
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Whether all metrics were asked for, rather than some by name.
+    /// Returns `true` if all metrics were requested, not some by name.
     pub fn is_of_all_metrics(&self) -> bool {
         self.json["all_metrics"] == true
     }
 
-    /// Name of the scene.
+    /// Returns the name of the scene.
     pub fn scene(&self) -> &str {
         self.json["scene"].as_str().unwrap_or_default()
     }
 
-    /// The title of the scene, and where it comes from.
+    /// Returns title and source of the scene.
     pub fn title(&self) -> (&str, &str) {
         let scene = &self.json["resolved_scene"];
         (scene["title"].as_str().unwrap_or_default(), scene["source"].as_str().unwrap_or_default())
     }
 
-    /// Changes of the scene by hand.
+    /// Returns the changes of the scene by `--set`.
     pub fn changes(&self) -> Vec<&str> {
         self.json["set"].as_array().into_iter().flatten().filter_map(Value::as_str).collect()
     }
 
-    /// How many runs of the scene a point is.
+    /// Returns the number of runs per point.
     pub fn runs(&self) -> u64 {
         self.json["resolved_scene"]["runs"].as_u64().unwrap_or(1)
     }
 
-    /// How the points lie.
+    /// Returns the arrangement of the points.
     pub fn shape(&self) -> Shape {
         let design = &self.json["design"];
         let axes = design["axes"].as_array();
@@ -172,7 +175,7 @@ impl PlanFile {
         }
     }
 
-    /// Whether the points are a sample with the points that Sobol indices need.
+    /// Returns `true` if the points are a sample arranged for Sobol indices.
     pub fn is_sample(&self) -> bool {
         self.json["design"]["sample"].is_string()
     }

@@ -1,15 +1,16 @@
-//! Rows as Parquet: a row a point, in row groups of [`GROUP`] rows, compressed by zstd.
+//! Rows as Parquet: one row per point, in row groups of [`GROUP`] rows, compressed by zstd.
 //!
 //! | column | type |
 //! |---|---|
 //! | `point` | 64-bit whole number |
 //! | each key | number |
-//! | each metric | number, or none |
-//! | `drive_hash` | text, or none |
-//! | `fault_code` | 32-bit whole number, or none |
-//! | `failure` | text, or none; only of a part |
+//! | each metric | number, or null |
+//! | `drive_hash` | text, or null |
+//! | `fault_code` | 32-bit whole number, or null |
+//! | `failure` | text, or null; only in a part |
 //!
-//! The bytes follow from the rows alone: no times, and the name of the program without the library's version.
+//! The bytes depend on the rows only: there are no times, and the program's name replaces the
+//! library's version.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -29,10 +30,10 @@ use super::FolderError;
 use crate::output::parquet_file::{GROUP, builder, column, io_error, whole};
 use crate::study::sweep::{Rows, unit};
 
-/// Name of the column that says why a point of a part has no result.
+/// Name of the column with the reason that a point of a part has no result.
 const FAILURE: &str = "failure";
 
-/// The columns of a file besides those that every file has.
+/// Columns of a file in addition to those of every file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Names of the keys.
@@ -41,7 +42,7 @@ pub struct Layout {
     pub metrics: Vec<String>,
 }
 
-/// A file of rows that is being written under another name, and has its own when it is whole.
+/// Writer of a file of rows, under a temporary name until the file is complete.
 pub(super) struct RowsWriter {
     path: PathBuf,
     unfinished: PathBuf,
@@ -51,7 +52,7 @@ pub(super) struct RowsWriter {
 }
 
 impl RowsWriter {
-    /// Begins a file; that of a `part` has the reasons of failures as well.
+    /// Begins a file; that of a `part` also contains the reasons of failures.
     pub(super) fn create(path: &Path, layout: &Layout, hash: &str, part: bool) -> Result<Self, FolderError> {
         let unfinished = super::unfinished(path);
         let begin = || -> Result<SerializedFileWriter<File>, ParquetError> {
@@ -62,7 +63,7 @@ impl RowsWriter {
         Ok(RowsWriter { path: path.to_owned(), unfinished, writer: Some(writer), layout: layout.clone(), part })
     }
 
-    /// Writes rows as row groups of their own, each of at most [`GROUP`].
+    /// Writes rows as separate row groups, each of at most [`GROUP`] rows.
     pub(super) fn write(&mut self, rows: &Rows) -> Result<(), FolderError> {
         let (layout, part) = (self.layout.clone(), self.part);
         let Some(writer) = &mut self.writer else { return Ok(()) };
@@ -78,7 +79,7 @@ impl RowsWriter {
         Ok(())
     }
 
-    /// Ends the file, and gives it its name.
+    /// Ends the file and renames it.
     pub(super) fn finish(mut self) -> Result<(), FolderError> {
         let Some(mut writer) = self.writer.take() else { return Ok(()) };
         let mut end = || -> Result<(), ParquetError> {
@@ -93,7 +94,7 @@ impl RowsWriter {
 
 impl Drop for RowsWriter {
     fn drop(&mut self) {
-        // What has its name is not there any more.
+        // A finished file no longer has the temporary name.
         let _ = fs::remove_file(&self.unfinished);
     }
 }
@@ -130,7 +131,7 @@ fn properties(layout: &Layout, hash: &str) -> Result<WriterProperties, ParquetEr
     let entry = |name: &str, value: String| KeyValue::new(format!("sonoglide.{name}"), value);
     let entries = vec![entry("plan_hash", hash.to_owned()), entry("units", serde_json::Value::from(units).to_string())];
     let mut properties = builder()?.set_key_value_metadata(Some(entries));
-    // Values of a metric hardly repeat; their bytes, sorted by significance, do.
+    // Values of a metric hardly repeat, but their bytes do when sorted by significance.
     for metric in &layout.metrics {
         let column = ColumnPath::new(vec![metric.clone()]);
         properties = properties
@@ -163,7 +164,7 @@ fn write_group(
     Ok(())
 }
 
-/// Writes the next column, which has a value in some rows.
+/// Writes the next column, with a value in some rows.
 fn some<T: DataType, V>(
     group: &mut SerializedRowGroupWriter<File>,
     values: &[Option<V>],
@@ -174,36 +175,36 @@ fn some<T: DataType, V>(
     column::<T>(group, &stored, Some(&levels))
 }
 
-/// A file of rows.
+/// File of rows.
 pub struct RowsFile {
     path: PathBuf,
     reader: SerializedFileReader<File>,
 }
 
 impl RowsFile {
-    /// Opens a file that was written whole.
+    /// Opens a complete file.
     pub fn open(path: &Path) -> Result<Self, FolderError> {
         let reader = File::open(path).map_err(ParquetError::from).and_then(SerializedFileReader::new).map_err(read(path))?;
         Ok(RowsFile { path: path.to_owned(), reader })
     }
 
-    /// How many rows it has.
+    /// Returns the number of rows.
     pub fn count(&self) -> u64 {
         self.reader.metadata().file_metadata().num_rows().max(0) as u64
     }
 
-    /// Hash of the plan that its rows are of.
+    /// Returns the hash of the plan of its rows.
     pub fn plan_hash(&self) -> Option<String> {
         let entries = self.reader.metadata().file_metadata().key_value_metadata()?;
         entries.iter().find(|entry| entry.key == "sonoglide.plan_hash")?.value.clone()
     }
 
-    /// How many row groups it has.
+    /// Returns the number of row groups.
     pub fn groups(&self) -> usize {
         self.reader.metadata().num_row_groups()
     }
 
-    /// The rows of a group, without some at its beginning. Columns are those of a part.
+    /// Reads the rows of a group. The columns are those of a part.
     pub fn rows(&self, group: usize, layout: &Layout) -> Result<Rows, FolderError> {
         let read = || -> Result<Rows, ParquetError> {
             let group = self.reader.get_row_group(group)?;
@@ -225,7 +226,7 @@ impl RowsFile {
         read().map_err(self::read(&self.path))
     }
 
-    /// How many values a column has that are some.
+    /// Returns the number of values in a column that are not null.
     pub fn present(&self, name: &str) -> u64 {
         let Some(place) = self.place(name) else { return 0 };
         let groups = self.reader.metadata().row_groups().iter();
@@ -237,7 +238,7 @@ impl RowsFile {
         count.sum()
     }
 
-    /// A column of numbers, all of it.
+    /// Reads a complete column of numbers.
     pub fn column(&self, name: &str) -> Result<Vec<Option<f64>>, FolderError> {
         let Some(place) = self.place(name) else { return Ok(vec![None; self.count() as usize]) };
         let read = || -> Result<Vec<Option<f64>>, ParquetError> {
@@ -256,7 +257,7 @@ impl RowsFile {
     }
 }
 
-/// A column that has a value in each row.
+/// Reads a column with a value in each row.
 fn each<T: DataType>(group: &dyn RowGroupReader, place: usize) -> Result<Vec<T::T>, ParquetError> {
     let mut values = Vec::new();
     let rows = group.metadata().num_rows().max(0) as usize;
@@ -265,7 +266,7 @@ fn each<T: DataType>(group: &dyn RowGroupReader, place: usize) -> Result<Vec<T::
     Ok(values)
 }
 
-/// A column that has a value in some rows; one that must have values is taken for one that has them all.
+/// Reads a column with a value in some rows, or in all.
 fn options<T: DataType>(group: &dyn RowGroupReader, place: usize) -> Result<Vec<Option<T::T>>, ParquetError> {
     if group.metadata().column(place).column_descr().max_def_level() == 0 {
         return Ok(each::<T>(group, place)?.into_iter().map(Some).collect());
@@ -309,9 +310,10 @@ mod tests {
         }
     }
 
-    /// Over more than one row group what is read is what was written, and the bytes are the same again.
+    /// With more than one row group, the rows read equal those written, and the bytes are
+    /// reproducible.
     #[test]
-    fn rows_come_back_and_their_bytes_are_the_same() {
+    fn rows_round_trip_with_reproducible_bytes() {
         let dir = std::env::temp_dir().join(format!("rows-{}", std::process::id()));
         fs::create_dir_all(&dir).expect("a folder");
         let layout = Layout { keys: vec!["contact.dahl.mu".into()], metrics: vec!["friction_ratio".into(), "reversals".into()] };
@@ -320,7 +322,7 @@ mod tests {
             let path = dir.join(name);
             let mut writer = RowsWriter::create(&path, &layout, "abc", true).expect("a file");
             writer.write(&rows).expect("rows");
-            assert!(!path.exists(), "a file has its name when it is whole");
+            assert!(!path.exists(), "a file is renamed only when it is complete");
             writer.finish().expect("an end");
             path
         };
@@ -342,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_given_up_leaves_nothing() {
+    fn abandoned_file_is_removed() {
         let dir = std::env::temp_dir().join(format!("given-up-{}", std::process::id()));
         fs::create_dir_all(&dir).expect("a folder");
         let layout = Layout { keys: Vec::new(), metrics: Vec::new() };

@@ -1,4 +1,4 @@
-//! A compliant contact under a given vibration across the surface.
+//! A compliant contact under a given vibration normal to the surface.
 
 use std::f64::consts::TAU;
 
@@ -7,12 +7,12 @@ use contact::compliant::{self, CompliantProblem};
 use contact::{Clock, Method, Numerics, Problem, Solution, SolveError, State};
 use scene::{Compliant, Held};
 
-/// What is known of a compliant contact beside the normal direction.
+/// Results of a compliant contact in addition to the normal direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compliance {
-    /// Sliding speed from which on the contact never sticks, m/s.
+    /// Sliding speed above which the contact never sticks, m/s.
     pub critical_m_per_s: f64,
-    /// Part of the window in which the contact sticks.
+    /// Fraction of the window in which the contact sticks.
     pub stick_share: f64,
     /// Mean friction over mu times the mean normal force.
     pub coefficient_ratio: f64,
@@ -20,18 +20,18 @@ pub struct Compliance {
     pub mu: f64,
     /// Normal stiffness, N/m.
     pub normal_n_per_m: f64,
-    /// Mean place, m: indentation if positive.
+    /// Mean position, m; positive for indentation.
     pub mean_place_m: f64,
 }
 
 impl Compliance {
-    /// Normal force at a displacement from the mean place, N.
+    /// Returns the normal force at a displacement from the mean position, N.
     pub fn normal_n(&self, displacement_m: f64) -> f64 {
         self.normal_n_per_m * (self.mean_place_m + displacement_m).max(0.0)
     }
 }
 
-/// Solves the problem by its arcs; `watch` sees one steady period.
+/// Solves the problem arc by arc; `watch` receives one steady period.
 pub(in crate::study) fn solve<W: FnMut(&State)>(
     problem: &Problem,
     model: &Compliant,
@@ -65,11 +65,14 @@ pub(in crate::study) fn solve<W: FnMut(&State)>(
     let from = problem.window_s.0 * hz;
     let early = if found.settle_periods.is_finite() {
         format!(
-            "the window begins at period {from:.0}, before the steady state, which this is: it is reached at {:.0}",
+            "the window begins at period {from:.0}, before the steady state, but the result is steady: this is reached at period \
+             {:.0}",
             found.settle_periods
         )
     } else {
-        "without sliding a spring that is relaxed at the start is never loaded: this is the limit of slow sliding".to_owned()
+        "without sliding, a spring that is relaxed at the start is never loaded: the result is the limit of slow \
+         sliding"
+            .to_owned()
     };
     let rounded = format!("the tolerance of {:e} is not met: round-off is {:.0e}", numerics.tolerance, found.error_estimate);
     let is_early = from + 1e-9 * from < found.settle_periods;
@@ -82,7 +85,8 @@ pub(in crate::study) fn solve<W: FnMut(&State)>(
     let solution = Solution {
         method: Method::Closed,
         why: format!(
-            "vibration across a compliant contact, quasi-static, mean {held} held: by its arcs, in contact for {:.1} % of the period and sticking for {:.1} %",
+            "vibration normal to a compliant contact, quasi-static, mean {held} held: solved arc by arc, in contact for {:.1} % \
+             of the period and sticking for {:.1} %",
             100.0 * found.contact_share,
             100.0 * found.stick_share
         ),

@@ -1,4 +1,4 @@
-//! The figures of a contact study: the last periods in full, and the whole run by its extremes.
+//! Figures of a contact study: the last periods in full, and the whole run by its extremes.
 
 mod between;
 mod in_plane;
@@ -14,13 +14,13 @@ use report::{Axis, Figure, Series, Style};
 
 const TIME: &str = "time [periods of the excitation]";
 
-/// All figures that this study has something to show in, the most telling first.
-pub fn of(solved: &Solved) -> Vec<Figure> {
+/// Returns all figures that apply to this study, the most important first.
+pub fn all(solved: &Solved) -> Vec<Figure> {
     let mut figures = Vec::new();
     if let Some(answer) = &solved.answer
         && let Some(in_plane) = &answer.in_plane
     {
-        figures.extend(in_plane::of(&answer.problem, in_plane));
+        figures.extend(in_plane::all(&answer.problem, in_plane));
     } else if let Some(answer) = &solved.answer
         && solved.playback.last_periods().len() > 1
     {
@@ -31,14 +31,14 @@ pub fn of(solved: &Solved) -> Vec<Figure> {
         figures.extend(last.along.then(|| last.against_slip()));
         figures.extend([last.motion(), last.velocity(), last.power()]);
     }
-    figures.extend(whole_run::of(solved));
+    figures.extend(whole_run::all(solved));
     figures
 }
 
-/// A quantity over the last periods.
+/// Figures over the last periods.
 struct Last<'a> {
     problem: &'a Problem,
-    /// Whether the vibration is along the sliding, and counts in the slip.
+    /// `true` if the vibration is along the sliding and contributes to the slip.
     along: bool,
     states: Vec<State>,
     periods: Vec<f64>,
@@ -56,7 +56,7 @@ impl<'a> Last<'a> {
         self.states.iter().map(value).collect()
     }
 
-    /// Slip velocity V, m/s.
+    /// Returns the slip velocity V, m/s.
     fn slip(&self, state: &State) -> f64 {
         let along = if self.along { self.problem.sign.factor() * state.v_m_per_s } else { 0.0 };
         self.problem.sliding_m_per_s + along
@@ -91,12 +91,14 @@ impl<'a> Last<'a> {
         figure
     }
 
-    /// Where friction is below its limit the contact sticks.
+    /// Returns the figure of normal force and friction; the contact sticks while friction is below
+    /// its limit.
     fn normal(&self, contact: &Compliance) -> Figure {
         let texts = (
             "normal-force",
             "Normal force and friction over the last periods",
-            "Where friction is below mu times the normal force the contact sticks, and its spring is loaded by the sliding; without a normal force it is relaxed.",
+            "While friction is below mu times the normal force, the contact sticks and the sliding loads its spring; without a \
+             normal force the spring relaxes.",
         );
         let normal = self.series("normal force N", "normal_n", |state| contact.normal_n(state.x_m));
         let mut figure = self.over_time(texts, "force [N]", normal);
@@ -108,7 +110,7 @@ impl<'a> Last<'a> {
     }
 
     fn velocity(&self) -> Figure {
-        let texts = ("velocity", "Velocity over the last periods", "Where the slip velocity changes its sign, friction turns.");
+        let texts = ("velocity", "Velocity over the last periods", "Friction reverses when the slip velocity changes its sign.");
         let vibration = self.series("vibration x'", "velocity_m_per_s", |state| state.v_m_per_s);
         let mut figure = self.over_time(texts, "velocity [m/s]", vibration);
         figure.series.push(self.series("slip V", "slip_m_per_s", |state| self.slip(state)));
@@ -125,8 +127,8 @@ impl<'a> Last<'a> {
         let texts = (
             "power",
             "Power into friction over the last periods",
-            "Friction times slip velocity. Negative where the contact gives back what it had stored elastically. Dashed: what Coulomb \
-             friction dissipates without vibration.",
+            "Friction times slip velocity. It is negative when the contact returns elastically stored energy. Dashed: power \
+             dissipated by Coulomb friction without vibration.",
         );
         let power = self.series("F V", "power_mw", |state| 1e3 * state.force_n * self.slip(state));
         let mut figure = self.over_time(texts, "power [mW]", power);
@@ -134,11 +136,12 @@ impl<'a> Last<'a> {
         figure
     }
 
-    /// The loop in displacement: its area is the work of friction on the vibration.
+    /// Returns the friction loop over displacement; its area is the work of friction on the
+    /// vibration.
     fn against_displacement(&self) -> Figure {
         let (x, y) = (self.values(|state| 1e6 * state.x_m), self.values(|state| state.force_n));
         loop_of(
-            ("hysteresis", "Friction against displacement", "Its area is the work of friction on the vibration in a period."),
+            ("hysteresis", "Friction against displacement", "The area is the work of friction on the vibration per period."),
             axis("displacement x [µm]"),
             line("friction", "friction_n", x, y),
         )
@@ -147,13 +150,17 @@ impl<'a> Last<'a> {
     fn against_slip(&self) -> Figure {
         let (x, y) = (self.values(|state| self.slip(state)), self.values(|state| state.force_n));
         loop_of(
-            ("slip-loop", "Friction against slip velocity", "Coulomb friction would jump at zero; a soft contact lags behind."),
+            (
+                "slip-loop",
+                "Friction against slip velocity",
+                "Coulomb friction would jump at zero; friction of a soft contact lags.",
+            ),
             axis("slip velocity V [m/s]"),
             line("friction", "friction_against_slip_n", x, y),
         )
     }
 
-    /// The Coulomb force at the end, N.
+    /// Returns the Coulomb force at the end, N.
     fn coulomb_n(&self) -> f64 {
         coulomb_n(self.problem, self.states.last().map_or(0.0, |state| state.time_s))
     }

@@ -5,8 +5,8 @@ use crate::study::answer::Answer;
 use contact::{Method, Motion};
 use scene::{Excited, problem};
 
-/// The numbers of a solved study.
-pub fn of(study: &Excited, answer: &Answer) -> Metrics {
+/// Returns the metrics of a solved study.
+pub fn measure(study: &Excited, answer: &Answer) -> Metrics {
     let Answer { problem, solution, across, in_plane } = answer;
     let mut metrics = Metrics::default();
     let (ratios, tally) = (&solution.ratios, solution.tally.as_ref());
@@ -17,7 +17,7 @@ pub fn of(study: &Excited, answer: &Answer) -> Metrics {
     metrics.put("friction_ratio", ratios.friction);
     metrics.put("transverse_friction_n", in_plane.as_ref().map(|in_plane| in_plane.transverse_rms_n));
     metrics.put("reduction_percent", 100.0 * (1.0 - ratios.friction));
-    // A mass on its contact has no vibration by itself.
+    // A mass on its contact has no given vibration.
     let shaken_across = across.is_some() && problem.motion != Motion::Kinematic;
     metrics.put("velocity_ratio", (!shaken_across).then(|| problem.sliding_m_per_s / sine.vibration_m_per_s()));
     if let Some(across) = across {

@@ -1,4 +1,4 @@
-//! A contact study in words and tables.
+//! Remarks and tables of a contact study.
 
 use crate::instruments::Line;
 use crate::numbers::{number, precise};
@@ -8,11 +8,12 @@ use contact::Solution;
 use report::TableBlock;
 use scene::{Body, Model, Sign, VibrationVelocity, problem};
 
-/// What a contact study is.
-pub const PREFACE: &str = "A contact study: a given excitation shakes the contact; no controller, converter or stack is \
-     simulated. Fc is the Coulomb force, mu N; Vt the sliding speed, Vv the vibration velocity; means are over the window stated.";
+/// Introduction to a contact study.
+pub const PREFACE: &str = "A contact study: a given excitation vibrates the contact; no controller, converter or stack is \
+     simulated. Fc is the Coulomb force, mu N; Vt the sliding speed, Vv the vibration velocity; means are over the stated \
+     window.";
 
-/// What a reader must know before the numbers.
+/// Returns remarks that a reader must know before the numbers.
 pub fn remarks(solved: &Solved) -> Vec<String> {
     let mut remarks = Vec::new();
     if let Body::Sdof(sdof) = solved.scene.body
@@ -20,19 +21,23 @@ pub fn remarks(solved: &Solved) -> Vec<String> {
         && problem::resonates(sdof.mass_kg, sdof.stiffness_n_per_m, sdof.damping_ratio, solved.scene.excitation.frequency_hz)
     {
         remarks.push(
-            "The excitation is at the resonance of an undamped oscillator: the motion grows without bound, and every ratio depends on \
-             the window. Give `rig.sdof.damping_ratio` for a steady state."
+            "The excitation is at the resonance of an undamped oscillator: the motion grows without bound, and every ratio \
+             depends on the window. Set `rig.sdof.damping_ratio` for a steady state."
                 .into(),
         );
     }
     if solved.scene.model.sign() == Sign::Literal && matches!(solved.scene.body, Body::Sdof(_)) {
-        remarks.push("With the literal sign of 4.14 and 4.16 friction pumps the oscillator: its own motion grows.".into());
+        remarks.push(
+            "With the literal sign of 4.14 and 4.16, friction feeds energy into the oscillator: its own motion \
+                      grows."
+                .into(),
+        );
     }
     remarks.extend(solved.answer.iter().flat_map(|answer| answer.solution.warnings.iter().map(|warning| sentence(warning))));
     remarks
 }
 
-/// A warning as a sentence.
+/// Formats a warning as a sentence.
 fn sentence(warning: &str) -> String {
     let mut letters = warning.chars();
     let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
@@ -40,7 +45,7 @@ fn sentence(warning: &str) -> String {
     format!("{first}{}{stop}", letters.as_str())
 }
 
-/// The numbers that come first: label, metric, unit.
+/// Headline metrics: label, metric, unit.
 pub const HEADLINE: &[Line] = &[
     ("friction reduction", "reduction_percent", "%"),
     ("mean friction", "friction_on_n", "N"),
@@ -50,7 +55,7 @@ pub const HEADLINE: &[Line] = &[
     ("kappa", "kappa", ""),
 ];
 
-/// The friction ratio with its error estimate, as a headline.
+/// Returns the friction ratio with its error estimate, as a headline.
 pub fn ratio(solved: &Solved) -> Option<(String, String)> {
     let solution = &solved.answer.as_ref()?.solution;
     Some(("friction ratio".to_owned(), with_error(solution)))
@@ -61,31 +66,31 @@ fn with_error(solution: &Solution) -> String {
     solution.error_estimate.map_or(ratio.clone(), |error| format!("{ratio} ± {error:.0e}"))
 }
 
-/// Where the numbers come from.
+/// Returns method and level for the footer.
 pub fn footer(solved: &Solved) -> Vec<(&'static str, String)> {
     let method = solved.answer.as_ref().map_or_else(String::new, |answer| answer.solution.method.name().to_owned());
     vec![("method", method), ("level", LEVEL.to_owned())]
 }
 
-/// What a contact study's result is worth.
+/// Level of a contact study.
 pub const LEVEL: &str = "contact study (no controller)";
 
-/// How it was solved, in one line.
+/// Describes the solution in one line.
 pub fn manner(solved: &Solved) -> String {
     let Some(answer) = &solved.answer else { return LEVEL.to_owned() };
     let solution = &answer.solution;
-    let steps = solution.steps_per_period.map_or_else(String::new, |steps| format!(", {steps} steps a period"));
+    let steps = solution.steps_per_period.map_or_else(String::new, |steps| format!(", {steps} steps per period"));
     let order = solution.order.map_or_else(String::new, |order| format!(", order {order}"));
-    let time = solution.ns_per_period.map_or_else(String::new, |ns| format!("{} ns a period, ", number(ns)));
+    let time = solution.ns_per_period.map_or_else(String::new, |ns| format!("{} ns per period, ", number(ns)));
     format!("{LEVEL}; method {}{steps}{order}: {time}{} states", solution.method.name(), solution.states)
 }
 
-/// How far an interrupted study came, s.
+/// Returns the time that an interrupted study reached, s.
 pub fn reached_s(solved: &Solved) -> f64 {
     solved.playback.bins().last().map_or(0.0, |bin| bin.end_s)
 }
 
-/// The answer and how it was come by.
+/// Returns the tables of the answer and of its solution.
 pub fn tables(study: &Study, solved: &Solved) -> Vec<TableBlock> {
     let Some(answer) = &solved.answer else { return Vec::new() };
     vec![ratios(study, solved, &answer.solution), solution(&answer.solution)]
@@ -98,37 +103,37 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
     let sliding = solved.answer.as_ref().map(|answer| precise(answer.problem.sliding_m_per_s));
     let vv = match solved.scene.excitation.velocity_ratio_of {
         VibrationVelocity::Peak if solved.scene.excitation.velocity_ratio.is_some() => {
-            "Vt over the steady Vv of the sine (the scene gives it over the peak)"
+            "Vt over the steady Vv of the sine (in the scene, it is over the peak)"
         }
-        _ => "Vt over the steady Vv of the sine, friction apart",
+        _ => "Vt over the steady Vv of the sine, without friction",
     };
     let rows = [
         ("friction ratio", Some(with_error(solution)), "mean friction / Fc (4.17)"),
-        ("friction across [N]", own("transverse_friction_n"), "root mean square of the friction across the sliding"),
+        ("transverse friction [N]", own("transverse_friction_n"), "root mean square of the friction transverse to the sliding"),
         ("power ratio", own("power_ratio"), "mean F V / (Fc Vt) (4.18)"),
-        ("input ratio", own("input_ratio"), "power that the excitation brings in / (Fc Vt) (4.31)"),
+        ("input ratio", own("input_ratio"), "power of the excitation / (Fc Vt) (4.31)"),
         ("stored ratio", own("stored_ratio"), "energy gained by mass and spring / (Fc Vt T)"),
         ("damper ratio", own("damper_ratio"), "loss in the damper / (Fc Vt T)"),
         ("power ratio as printed", own("power_ratio_as_printed"), "1 + phi_iu - phi_su (4.35): wrong, see the errata"),
-        ("energy residual", own("energy_residual"), "what the energy identity misses / (Fc Vt T)"),
+        ("energy residual", own("energy_residual"), "error of the energy identity / (Fc Vt T)"),
         ("velocity ratio", own("velocity_ratio"), vv),
         ("sliding speed Vt [m/s]", sliding, ""),
         ("kappa", own("kappa"), "Kt Vv / (w Fc): vibration amplitude in Dahl lengths"),
-        ("peak velocity [m/s]", own("peak_velocity_m_per_s"), "of the whole run"),
+        ("peak velocity [m/s]", own("peak_velocity_m_per_s"), "over the whole run"),
     ];
     let across = [
-        ("in contact [% of the time]", own("contact_time_percent"), "vibration across the surface"),
-        ("mean indentation [m]", own("mean_indentation_m"), "nothing while the bodies are apart"),
-        ("mean normal force [N]", own("mean_normal_n"), "the load, where nothing else carries it"),
+        ("in contact [% of the time]", own("contact_time_percent"), "vibration normal to the surface"),
+        ("mean indentation [m]", own("mean_indentation_m"), "zero while the bodies are apart"),
+        ("mean normal force [N]", own("mean_normal_n"), "equals the load, unless something else carries it"),
         ("largest normal force [N]", own("peak_normal_n"), ""),
         ("sticking [% of the time]", own("stick_time_percent"), "friction below mu times the normal force"),
-        ("critical speed [m/s]", own("critical_speed_m_per_s"), "from there on the contact never sticks"),
+        ("critical speed [m/s]", own("critical_speed_m_per_s"), "the contact never sticks above it"),
         ("coefficient ratio", own("coefficient_ratio"), "mean friction / (mu times the mean normal force)"),
     ];
     let rows =
         rows.into_iter().chain(across).filter_map(|(what, value, is)| Some(vec![what.into(), value?, is.into()])).collect();
     let caption = format!("Means over periods {} to {}.", number(from_s * hz), number(to_s * hz));
-    TableBlock::new("ratios", "Friction and power", &caption, &["", "value", "is"], rows)
+    TableBlock::new("ratios", "Friction and power", &caption, &["", "value", "definition"], rows)
 }
 
 fn solution(solution: &Solution) -> TableBlock {
@@ -137,8 +142,8 @@ fn solution(solution: &Solution) -> TableBlock {
     let of_mean = solution.error_estimate.map_or_else(|| "–".to_owned(), error);
     let rows = [
         ("method", Some(solution.method.name().to_owned())),
-        ("why", Some(solution.why.clone())),
-        ("steps a period", Some(or_none(solution.steps_per_period))),
+        ("reason", Some(solution.why.clone())),
+        ("steps per period", Some(or_none(solution.steps_per_period))),
         ("order", Some(or_none(solution.order))),
         ("error estimate of the friction ratio", Some(of_mean)),
         ("error estimate of the record", solution.record_error_estimate.map(error)),

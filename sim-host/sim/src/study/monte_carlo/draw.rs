@@ -1,5 +1,6 @@
-//! What a run draws. Its seed and each of its numbers follow from the scene's seed, the run's number and the number's key only: neither
-//! the order of `[[vary]]` nor another entry of it changes what a key draws.
+//! Draws of a run. Its seed and each of its numbers depend only on the scene's seed, the run's
+//! number and the number's key: neither the order of `[[vary]]` nor its other entries change the
+//! draw of a key.
 //!
 //! ```text
 //! seed of run r    = 53 bits of mix(mix(scene's seed) + r)
@@ -15,10 +16,10 @@ use crate::record::text_hash;
 use scene::schema::{Kind, Schema};
 use scene::{Scene, Vary, resolved};
 
-/// A seed has so many bits: every JSON reader keeps it exactly, and a scene takes it.
+/// Number of bits of a seed: every JSON reader preserves it exactly, and a scene accepts it.
 const SEED_BITS: u32 = 53;
 
-/// What varies in a scene, and about what.
+/// Varied keys of a scene, and their central values.
 #[derive(Clone, Debug)]
 pub struct Draws {
     /// Keys of the values that vary.
@@ -34,19 +35,20 @@ struct Varied {
     whole: bool,
 }
 
-/// What one run draws.
+/// Draw of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draw {
-    /// The run's number, from 1.
+    /// Number of the run, from 1.
     pub number: u32,
     /// Seed of the run.
     pub seed: u64,
-    /// Values of the run, one for each key that varies.
+    /// Values of the run, one for each varied key.
     pub values: Vec<f64>,
 }
 
 impl Draw {
-    /// The changes that make the scene that of this run, as `key=value`. A number is written so that it is read back exactly.
+    /// Returns the changes that convert the scene to that of this run, as `key=value`. Numbers are
+    /// written so that they are read back exactly.
     pub fn sets(&self, keys: &[String]) -> Vec<String> {
         let values = keys.iter().zip(&self.values).map(|(key, value)| format!("{key}={value:?}"));
         std::iter::once(format!("seed={}", self.seed)).chain(values).collect()
@@ -54,7 +56,7 @@ impl Draw {
 }
 
 impl Draws {
-    /// The draws of a scene that has passed its rules.
+    /// Collects the draws of a scene that has passed its rules.
     pub fn of(scene: &Scene) -> Self {
         let resolved = resolved::resolved_json(scene);
         let varied = scene.vary.iter().map(|vary| Varied {
@@ -66,7 +68,7 @@ impl Draws {
         Draws { keys, seed: scene.seed, varied: varied.collect() }
     }
 
-    /// What run `number`, counted from 1, draws.
+    /// Returns the draw of run `number`, counted from 1.
     pub fn draw(&self, number: u32) -> Draw {
         let seed = mix(mix(self.seed).wrapping_add(number.into())) >> (u64::BITS - SEED_BITS);
         let value = |varied: &Varied| {
@@ -78,7 +80,7 @@ impl Draws {
     }
 }
 
-/// The number at a dotted path.
+/// Returns the number at a dotted path.
 fn number_at(scene: &serde_json::Value, path: &str) -> Option<f64> {
     scene.pointer(&format!("/{}", path.replace('.', "/")))?.as_f64()
 }
@@ -98,15 +100,16 @@ mod tests {
         Draws::of(&load("lock-cold", &sets).unwrap_or_else(|error| panic!("{error}")).scene)
     }
 
-    /// First output of splitmix64 with seed 0, of its authors' reference.
+    /// The value is the first output of splitmix64 with seed 0 in its authors' reference.
     #[test]
     fn the_mixer_is_splitmix64() {
         assert_eq!(mix(0), 0xe220_a839_7b1d_cdaf);
     }
 
-    /// A uniform part has the mean 1/2 and the variance 1/12; of 20000 runs they are 0.0042 and 0.0009 off at most.
+    /// A uniform variable has mean 1/2 and variance 1/12; with 20000 runs they deviate by at most
+    /// 0.0042 and 0.0009.
     #[test]
-    fn each_key_is_drawn_evenly_and_by_itself() {
+    fn keys_are_drawn_uniformly_and_independently() {
         let draws = draws(&[
             "vary=[]",
             "vary.0.key=controller.tracking.nominal_q",

@@ -1,14 +1,15 @@
-//! How the frequency error of each run falls, at the same moments of all runs: dense at first, then in equal ratios.
+//! Frequency error of each run over time, at the same times in all runs: dense at first, then in
+//! equal ratios.
 
 use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
 use scene::Driven;
 
-/// From one moment to the next, once that is a block and more.
+/// Ratio of successive times, if that is at least a block.
 const RATIO: f64 = 1.04;
 
-/// The moments at which errors are recorded.
+/// Times at which errors are recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     /// Ends of blocks, s from the first sample of the lock stage.
@@ -16,16 +17,17 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The moments of a scene, from its first block to its duration.
-    pub fn of(scene: &Driven) -> Self {
+    /// Returns the times of a scene, from its first block to its duration.
+    pub fn from_scene(scene: &Driven) -> Self {
         let block_s = f64::from(scene.controller.block_samples) / scene.sensors.sample_hz;
         let most = (scene.duration_s / block_s) as u64;
         let next = |&block: &u64| Some((block + 1).max((block as f64 * RATIO) as u64)).filter(|&block| block <= most);
         Grid { times_s: std::iter::successors(Some(1), next).map(|block| block as f64 * block_s).collect() }
     }
 
-    /// How far the drive of a run is from the true resonance at these moments, Hz. Infinite where it never comes to lock and where a fault
-    /// has muted it; not a number without drive and after the end.
+    /// Returns the distance of a run's drive from the true resonance at these times, Hz. It is
+    /// infinite if the lock stage is never reached or a fault has muted the drive, and NaN without
+    /// drive and after the end.
     pub fn errors_hz(&self, view: &View) -> Vec<f32> {
         let record = view.record;
         let Some(from_s) = view.plays_from(Mode::Lock) else { return vec![f32::INFINITY; self.times_s.len()] };

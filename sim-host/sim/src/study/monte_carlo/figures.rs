@@ -1,4 +1,4 @@
-//! The figures of several runs: how soon they lock, and how their frequency error falls.
+//! Figures of several runs: lock times, and frequency error over time.
 
 use crate::bounds::PLAYED_BLOCKS;
 use crate::cramer_rao::{Setting, bound};
@@ -8,28 +8,29 @@ use report::statistics::{ascending, median, percentile};
 use report::{Axis, Figure, Series, Style};
 use scene::{Scene, TrackingMode};
 
-/// Bounds of the lock times, Hz, and how their metrics are called.
+/// Bounds of the lock times, and names of their metrics.
 const LOCK: [(&str, &str); 3] = [("100 Hz", "lock_time_100hz_ms"), ("20 Hz", "lock_time_20hz_ms"), ("4 Hz", "lock_time_4hz_ms")];
 const RELOCK: [(&str, &str); 3] =
     [("100 Hz", "relock_time_100hz_ms"), ("20 Hz", "relock_time_20hz_ms"), ("4 Hz", "relock_time_4hz_ms")];
-/// What lies below is drawn here, Hz: a logarithmic axis has no zero.
+/// Lower limit of drawn errors, Hz: a logarithmic axis has no zero.
 const FLOOR_HZ: f64 = 1e-2;
-/// The bounds that the lock times are counted to, Hz.
+/// Bounds of the lock times, Hz.
 const BOUNDS_HZ: [f64; 3] = [100.0, 20.0, 4.0];
 
-/// All figures that these runs of a scene have something to show in.
-pub fn of(scene: &Scene, runs: &MonteCarlo) -> Vec<Figure> {
+/// Returns all figures that apply to these runs of a scene.
+pub fn all(scene: &Scene, runs: &MonteCarlo) -> Vec<Figure> {
     let limits = limit(scene).into_iter().collect();
     let lock = Texts { id: "lock-times", title: "Time to lock", x: "time from the first sample of the lock stage [ms]" };
-    let relock = Texts { id: "relock-times", title: "Time to lock again", x: "time from the last step [ms]" };
+    let relock = Texts { id: "relock-times", title: "Time to relock", x: "time from the last step [ms]" };
     [error(runs, limits), within(runs, &lock, &LOCK), within(runs, &relock, &RELOCK)].into_iter().flatten().collect()
 }
 
-/// The Cramer-Rao bound of a cold start of the scene itself, each point delayed until its estimate can be played. Only for an observer, whose
-/// lock stage begins from rest; a loop's begins where a scan has ended.
+/// Returns the Cramer-Rao bound of a cold start of the scene itself, with each point delayed until
+/// its estimate can be played. It applies only to an observer, whose lock stage begins from rest;
+/// that of a loop begins at the end of a scan.
 fn limit(scene: &Scene) -> Option<Series> {
     let driven = scene.driven().filter(|driven| driven.controller.tracking.mode == TrackingMode::Observer)?;
-    let setting = Setting::of(&driven)?;
+    let setting = Setting::from_scene(&driven)?;
     let late_s = PLAYED_BLOCKS * setting.block_s;
     let (x, y) = bound(&setting).into_iter().filter(|(_, hz)| hz.is_finite()).map(|(s, hz)| (1e3 * (s + late_s), hz)).unzip();
     let (name, csv_column) = ("bound (Cramer-Rao), rms".into(), "cramer_rao_hz".into());
@@ -42,7 +43,7 @@ struct Texts {
     x: &'static str,
 }
 
-/// The part of the runs that is within a bound for good, over time.
+/// Returns the figure of the runs that remain within a bound, over time.
 fn within(runs: &MonteCarlo, texts: &Texts, bounds: &[(&str, &str)]) -> Option<Figure> {
     let times = |metric: &str| ascending(runs.runs.iter().filter_map(|run| run.metrics.get(metric)));
     let all: Vec<_> = bounds.iter().map(|&(bound, metric)| (bound, metric, times(metric))).collect();
@@ -58,7 +59,8 @@ fn within(runs: &MonteCarlo, texts: &Texts, bounds: &[(&str, &str)]) -> Option<F
         id: texts.id.into(),
         title: texts.title.into(),
         caption:
-            "Part of the runs that are within the bound and stay there. A curve that ends below 100 % lacks runs that never do."
+            "Fraction of the runs that are within the bound and remain there. A curve that ends below 100 % lacks runs that \
+             never lock."
                 .into(),
         x: axis(texts.x),
         y: Axis { range: Some((0.0, 102.0)), ..axis("runs [%]") },
@@ -67,8 +69,8 @@ fn within(runs: &MonteCarlo, texts: &Texts, bounds: &[(&str, &str)]) -> Option<F
     })
 }
 
-/// The frequency error over time: median and the middle nine tenths of the runs. Laid over it: `limits`, each an error in Hz rms over a
-/// time in ms.
+/// Returns the figure of the frequency error over time: median, and 5 to 95 % of the runs. `limits`
+/// are curves of an error in Hz rms over a time in ms.
 fn error(runs: &MonteCarlo, limits: Vec<Series>) -> Option<Figure> {
     let bands: Vec<(f64, Band)> =
         runs.times_ms.iter().enumerate().filter_map(|(place, &ms)| Some((ms, band(&runs.runs, place)?))).collect();
@@ -95,10 +97,10 @@ fn error(runs: &MonteCarlo, limits: Vec<Series>) -> Option<Figure> {
     Some(Figure {
         id: "frequency-error".into(),
         title: "Frequency error after the lock stage begins".into(),
-        caption: "Distance of the drive from the true series resonance, at the same moment of all runs. Runs that have ended, and blocks \
-                  without drive, are left out; a run that is muted by a fault, or never comes to lock, is infinitely far off, and \
-                  where that is true of more than a twentieth of them the band has no upper edge. The bound is that of the scene's own values, for an \
-                  unbiased estimate, and as late as it can be played."
+        caption: "Distance of the drive from the true series resonance, at the same time in all runs. Runs that have ended, and \
+                  blocks without drive, are excluded. The distance is infinite for a run that is muted by a fault or never \
+                  reaches the lock stage; if that applies to more than 5 % of the runs, the band has no upper edge. The bound \
+                  is that of the scene's own values, for an unbiased estimate, delayed until it can be played."
             .into(),
         x: Axis { log: true, ..axis("time from the first sample of the lock stage [ms]") },
         y: Axis { log: true, ..axis("distance from the true resonance [Hz]") },
@@ -108,7 +110,7 @@ fn error(runs: &MonteCarlo, limits: Vec<Series>) -> Option<Figure> {
     })
 }
 
-/// The errors of all runs at one moment, Hz.
+/// Statistics of the errors of all runs at one time, Hz.
 struct Band {
     low: f64,
     median: f64,
@@ -116,7 +118,8 @@ struct Band {
     rms: f64,
 }
 
-/// 5th percentile, median, 95th percentile and rms; nothing once fewer than half of the runs are left.
+/// Returns 5th percentile, median, 95th percentile and rms; `None` once fewer than half of the runs
+/// have an error.
 fn band(runs: &[OneRun], place: usize) -> Option<Band> {
     let errors = runs.iter().filter_map(|run| run.error_hz.get(place).map(|&hz| f64::from(hz))).filter(|hz| !hz.is_nan());
     let errors = ascending(errors.map(|hz| hz.max(FLOOR_HZ)));
@@ -150,9 +153,9 @@ mod tests {
         scene::load::load("lock-cold", &[]).unwrap().scene
     }
 
-    /// 2 blocks of 32 us after the first 25 us; a loop begins elsewhere.
+    /// The delay is 2 blocks of 32 us after the first 25 us; a loop has no bound.
     #[test]
-    fn the_bound_is_laid_over_what_an_observer_does() {
+    fn bound_is_drawn_for_an_observer_only() {
         let series = limit(&lock_cold()).unwrap();
         assert!((series.x[0] - 0.089).abs() < 1e-9 && series.y.is_sorted_by(|a, b| a >= b), "{series:?}");
         let looped = scene::load::load("lock-cold", &["controller.tracking.mode=phase_lock".into()]).unwrap().scene;
@@ -161,7 +164,7 @@ mod tests {
 
     #[test]
     fn the_distribution_ends_where_runs_never_lock() {
-        let figures = of(&lock_cold(), &runs(&[1.0, 2.0, 3.0, 4.0], &[Some(3.0), None, Some(1.0), Some(2.0)]));
+        let figures = all(&lock_cold(), &runs(&[1.0, 2.0, 3.0, 4.0], &[Some(3.0), None, Some(1.0), Some(2.0)]));
         let figure = figures.iter().find(|figure| figure.id == "lock-times").unwrap();
         assert_eq!(figure.series.len(), 1);
         let points: Vec<(f64, f64)> = figure.series[0].x.iter().copied().zip(figure.series[0].y.iter().copied()).collect();
@@ -170,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_of_the_runs_that_are_left() {
+    fn ended_runs_are_excluded_from_errors() {
         let nan = f32::NAN;
         let band = |errors: &[f32]| band(&runs(errors, &[None; 4]).runs, 0).map(|band| (band.median, band.rms));
         assert_eq!(band(&[3.0, 4.0, nan, nan]), Some((3.5, 12.5f64.sqrt())));

@@ -1,24 +1,26 @@
-//! Statistics of several runs: what is typical, and what is the worst.
+//! Statistics of several runs: typical values and worst cases.
 //!
-//! | | is |
+//! | name | definition |
 //! |---|---|
-//! | `NAME` | the median of the runs; the mean of the middle two of an even number |
-//! | `NAME_p95` | the smallest value that at least 95 % of the runs do not exceed (nearest rank) |
-//! | `NAME_max` | the largest |
+//! | `NAME` | median of the runs; for an even number, the mean of the middle two |
+//! | `NAME_p95` | smallest value that at least 95 % of the runs do not exceed (nearest rank) |
+//! | `NAME_max` | maximum |
 //!
-//! Of a metric that is [best at zero](Sign::Error), percentile and maximum are of its absolute value; [flags](Sign::Flag) are counted; a [code](Sign::Code)
-//! stands where all runs have the same. A run that lacks a time (one that never locks has no lock time) counts as infinite. A statistic that
-//! comes out infinite is absent, and `null` in JSON. A run that lacks anything else (a bias, if it was never steady) is not counted in that
-//! metric; how many were, the report's table says.
+//! If a metric is [best at zero](Sign::Error), percentile and maximum are those of its absolute
+//! value. [Flags](Sign::Flag) are counted. A [code](Sign::Code) is kept if it is the same in all
+//! runs. A run that lacks a time counts as infinite: one that never locks has no lock time. An
+//! infinite statistic is absent, and `null` in JSON. For any other metric, a run that lacks it is
+//! not counted: one that is never steady has no bias. The table of the report states the number of
+//! counted runs.
 
 use crate::metrics::Metrics;
 use report::statistics::{ascending, median, percentile};
 use scene::metrics::{OF_RUNS, Sign, metric};
 
-/// How the names of times end.
+/// Suffixes of the names of times.
 const TIMES: [&str; 2] = ["_ms", "_us"];
 
-/// What several runs come to.
+/// Statistics of several runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Statistics {
     /// Metrics of all runs together.
@@ -27,21 +29,21 @@ pub struct Statistics {
     pub endless: Vec<&'static str>,
 }
 
-/// One metric of all runs.
+/// Statistics of one metric over all runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Median of the values.
     pub median: f64,
-    /// The 95th percentile; of the absolute value if the metric is signed.
+    /// 95th percentile; of the absolute value if the metric is signed.
     pub p95: f64,
-    /// The largest; of the absolute value if the metric is signed.
+    /// Maximum; of the absolute value if the metric is signed.
     pub max: f64,
-    /// How many runs have it; those that are counted as infinite do not.
+    /// Number of runs that have the metric, excluding those that count as infinite.
     pub have: usize,
 }
 
-/// The numbers of these runs; of a metric that none of them has, none.
-pub fn of<'a>(runs: impl Iterator<Item = &'a Metrics> + Clone) -> Statistics {
+/// Computes the statistics of these runs, for each metric that at least one of them has.
+pub fn combine<'a>(runs: impl Iterator<Item = &'a Metrics> + Clone) -> Statistics {
     let mut over = Statistics::default();
     for names in OF_RUNS.iter() {
         let name = names.metric.name;
@@ -71,13 +73,13 @@ impl Statistics {
     }
 }
 
-/// What these values come to; nothing is a number where there are none.
+/// Computes the statistics of these values; NaN if there are none.
 pub fn spread_of(values: Vec<f64>) -> Spread {
     let values = ascending(values);
     Spread { median: median(&values), p95: percentile(&values, 0.95), max: percentile(&values, 1.0), have: values.len() }
 }
 
-/// One metric of these runs, if any of them has it.
+/// Computes the statistics of one metric of these runs, if any of them has it.
 pub fn spread<'a>(name: &str, runs: impl Iterator<Item = &'a Metrics>) -> Option<Spread> {
     let time = TIMES.iter().any(|end| name.ends_with(end));
     let all: Vec<Option<f64>> = runs.map(|run| run.get(name)).collect();
@@ -106,7 +108,7 @@ mod tests {
     fn over(name: &'static str, values: &[Option<f64>]) -> Statistics {
         let runs: Vec<Metrics> =
             values.iter().map(|value| run(&value.map(|v| (name, v)).into_iter().collect::<Vec<_>>())).collect();
-        of(runs.iter())
+        combine(runs.iter())
     }
 
     #[test]
@@ -123,9 +125,10 @@ mod tests {
         assert_eq!([one.get("q"), one.get("q_p95"), one.get("q_max")], [Some(65.0); 3]);
     }
 
-    /// One of 20 that never locks spoils the maximum only, two the 95th percentile, eleven the median.
+    /// If one run of 20 never locks, only the maximum is infinite; with two the 95th percentile is,
+    /// with ten the median.
     #[test]
-    fn what_never_happens_takes_for_ever() {
+    fn missing_times_count_as_infinite() {
         let missing = |count: usize| {
             let values: Vec<_> = (0..20).map(|n| (n >= count).then_some(1.0)).collect();
             over("lock_time_4hz_ms", &values).endless
@@ -136,12 +139,12 @@ mod tests {
         assert_eq!(missing(10), ["lock_time_4hz_ms", "lock_time_4hz_ms_p95", "lock_time_4hz_ms_max"]);
         let found = over("lock_time_4hz_ms", &[Some(1.0), Some(2.0), None]).metrics;
         assert_eq!([found.get("lock_time_4hz_ms"), found.get("lock_time_4hz_ms_max")], [Some(2.0), None]);
-        // No run has it: there was nothing to lock to, rather than a lock that took for ever.
+        // If no run has the metric, there was nothing to lock to.
         assert_eq!(over("relock_time_4hz_ms", &[None, None]), Statistics::default());
     }
 
     #[test]
-    fn what_is_signed_is_worst_by_its_size() {
+    fn error_metrics_use_absolute_values() {
         let found = over("frequency_bias_hz", &[Some(-3.0), Some(1.0), Some(2.0), None]).metrics;
         let names = ["frequency_bias_hz", "frequency_bias_hz_p95", "frequency_bias_hz_max"];
         assert_eq!(names.map(|name| found.get(name)), [Some(1.0), Some(3.0), Some(3.0)]);

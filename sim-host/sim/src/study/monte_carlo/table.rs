@@ -1,4 +1,4 @@
-//! Several runs in words and tables: what is typical, what is the worst, and how to repeat it.
+//! Remarks and tables of several runs: typical values, worst cases, and commands that repeat them.
 
 use super::statistics::{self, Spread};
 use crate::instruments::Line;
@@ -8,14 +8,14 @@ use crate::study::monte_carlo::MonteCarlo;
 use report::TableBlock;
 use scene::metrics;
 
-/// What the table of all runs shows, if they have it: label and metric.
+/// Rows of the table of all runs: label and metric.
 const ROWS: &[(&str, &str)] = &[
-    ("to within 100 Hz [ms]", "lock_time_100hz_ms"),
-    ("to within 20 Hz [ms]", "lock_time_20hz_ms"),
-    ("to within 4 Hz [ms]", "lock_time_4hz_ms"),
-    ("again within 100 Hz [ms]", "relock_time_100hz_ms"),
-    ("again within 20 Hz [ms]", "relock_time_20hz_ms"),
-    ("again within 4 Hz [ms]", "relock_time_4hz_ms"),
+    ("lock to within 100 Hz [ms]", "lock_time_100hz_ms"),
+    ("lock to within 20 Hz [ms]", "lock_time_20hz_ms"),
+    ("lock to within 4 Hz [ms]", "lock_time_4hz_ms"),
+    ("relock to within 100 Hz [ms]", "relock_time_100hz_ms"),
+    ("relock to within 20 Hz [ms]", "relock_time_20hz_ms"),
+    ("relock to within 4 Hz [ms]", "relock_time_4hz_ms"),
     ("scan and lock [ms]", "acquire_time_ms"),
     ("bias, steady [Hz]", "frequency_bias_hz"),
     ("jitter, steady [Hz]", "frequency_jitter_hz"),
@@ -23,27 +23,27 @@ const ROWS: &[(&str, &str)] = &[
     ("motional phase, steady [degrees]", "motional_phase_deg"),
     ("tip velocity [m/s]", "tip_velocity_m_per_s"),
     ("reduction [%]", "reduction_percent"),
-    ("less force at the shoulder [%]", "shoulder_force_reduction_percent"),
+    ("reduction of the force at the shoulder [%]", "shoulder_force_reduction_percent"),
     ("peak force at the shoulder [N]", "peak_shoulder_force_n"),
     ("the same, passive belt [N]", "passive_peak_shoulder_force_n"),
     ("excursion of the torso [m]", "torso_excursion_m"),
     ("the same, passive belt [m]", "passive_torso_excursion_m"),
     ("chest acceleration [g]", "chest_acceleration_g"),
-    ("friction LOW [ms]", "switch_time_ms"),
-    ("fault to silence [us]", "fault_latency_us"),
+    ("time to LOW friction [ms]", "switch_time_ms"),
+    ("time from fault to silence [us]", "fault_latency_us"),
 ];
 
-/// What is counted: label and metric.
+/// Counted results: label and metric.
 const COUNTS: &[(&str, &str)] = &[
     ("completed", "runs_completed"),
     ("with a true lock", "runs_locked"),
     ("ended in a fault", "runs_faulted"),
     ("with a false lock", "false_locks"),
-    ("with a loss of lock that was not noticed", "undetected_losses"),
+    ("with an undetected loss of lock", "undetected_losses"),
     ("with friction LOW", "switched"),
 ];
 
-/// What others have published about hardware: what, how long, how near, where.
+/// Published results of hardware: system, time, frequency deviation, source.
 const PUBLISHED: &[[&str; 4]] = &[
     [
         "ultrasonic scalpel and motor, voltage-sensing bridge: build-up",
@@ -65,51 +65,51 @@ const PUBLISHED: &[[&str; 4]] = &[
     ],
 ];
 
-/// The numbers that come first.
+/// Headline metrics.
 pub const HEADLINE: &[Line] = &[
-    ("within 20 Hz in, median", "lock_time_20hz_ms", "ms"),
-    ("within 20 Hz in, 95 %", "lock_time_20hz_ms_p95", "ms"),
-    ("relocked to 20 Hz in, 95 %", "relock_time_20hz_ms_p95", "ms"),
+    ("lock time to 20 Hz, median", "lock_time_20hz_ms", "ms"),
+    ("lock time to 20 Hz, 95 %", "lock_time_20hz_ms_p95", "ms"),
+    ("relock time to 20 Hz, 95 %", "relock_time_20hz_ms_p95", "ms"),
     ("bias, 95 %", "frequency_bias_hz_p95", "Hz"),
     ("locked", "runs_locked", "runs"),
     ("ended in a fault", "runs_faulted", "runs"),
     ("false locks", "false_locks", "runs"),
     ("undetected losses", "undetected_losses", "runs"),
     ("with friction LOW", "switched", "runs"),
-    ("less force at the shoulder, median", "shoulder_force_reduction_percent", "%"),
+    ("reduction of the force at the shoulder, median", "shoulder_force_reduction_percent", "%"),
 ];
 
-/// How many runs there were, as a headline.
+/// Returns the number of runs, as a headline.
 pub fn count(runs: &MonteCarlo) -> (String, String) {
     ("runs".to_owned(), runs.runs.len().to_string())
 }
 
-/// What the numbers are of.
+/// Returns the introduction.
 pub fn preface(runs: &MonteCarlo) -> String {
-    let varied = if runs.keys.is_empty() { "nothing but the seed".to_owned() } else { runs.keys.join(", ") };
+    let varied = if runs.keys.is_empty() { "only the seed".to_owned() } else { runs.keys.join(", ") };
     format!(
-        "Monte Carlo over {} runs, each with a seed of its own. What varies between them: {varied}. All runs, with what they drew, \
+        "Monte Carlo over {} runs, each with its own seed. Varied between them: {varied}. All runs, with their drawn values, \
          are in runs.csv.",
         runs.runs.len()
     )
 }
 
-/// Which run was worst, and how to repeat it.
+/// Returns the worst run and the command that repeats it.
 pub fn remarks(study: &Study, runs: &MonteCarlo) -> Vec<String> {
     let Some((worst, why)) = runs.worst() else { return Vec::new() };
     let changes: String = study.changes.iter().map(|change| format!(" --set '{change}'")).collect();
     let again = format!("sim-host run {} --run {}{changes}", study.origin, worst.draw.number);
     let drew = worst.draw.sets(&runs.keys).join(", ");
-    vec![format!("The worst run is number {} ({why}): {drew}. By itself, with its full report: {again}", worst.draw.number)]
+    vec![format!("The worst run is number {} ({why}): {drew}. To repeat it with its full report: {again}", worst.draw.number)]
 }
 
-/// The tables of several runs.
+/// Returns the tables of several runs.
 pub fn tables(study: &Study, runs: &MonteCarlo) -> Vec<TableBlock> {
     let mut tables = vec![spreads(study, runs), counts(study, runs)];
     if study.metrics.get("runs_locked").is_some() {
         let rows = PUBLISHED.iter().map(|row| row.map(str::to_owned).to_vec()).collect();
         let caption =
-            "Measured on hardware, of other loads, and by what each source calls locked. What stands above is simulated.";
+            "Measured on hardware with other loads, by each source's own definition of a lock. The results above are simulated.";
         tables.push(TableBlock::new("published", "Published figures", caption, &["", "time", "frequency", "source"], rows));
     }
     tables
@@ -126,17 +126,18 @@ fn spreads(study: &Study, runs: &MonteCarlo) -> TableBlock {
         Some(row)
     };
     let mut rows: Vec<Vec<String>> = ROWS.iter().filter_map(row).collect();
-    let mut header = vec!["", "median", "95 %", "largest", "runs that have it", "expected"];
+    let mut header = vec!["", "median", "95 %", "largest", "counted runs", "expected"];
     if rows.iter().all(|row| row.last().is_some_and(String::is_empty)) {
         header.pop();
         rows.iter_mut().for_each(|row| drop(row.pop()));
     }
-    let caption = "95 % of the runs are at or below the second number. A run without a time never came to it, and counts as infinite. Of bias and phase, the second and \
-                   third number are of the absolute value. Times are from the first sample of the lock stage, or from the last step.";
+    let caption = "95 % of the runs are at or below the second number. A run without a time never reached it, and counts as \
+                   infinite. For bias and phase, the second and third number are those of the absolute value. Times are from \
+                   the first sample of the lock stage, or from the last step.";
     TableBlock::new("runs", "All runs", caption, &header, rows)
 }
 
-/// What the scene expects of a metric, if anything.
+/// Returns the expectations of the scene for a metric, if there are any.
 fn reference(study: &Study, name: &str) -> String {
     let of = |judged: &str| match metrics::of_one_run(judged) {
         Some(base) if base.name == name => Some(if judged.ends_with("_p95") { "95 %: " } else { "largest: " }),
@@ -158,19 +159,19 @@ fn shown(value: f64) -> String {
     if value.is_finite() { number(value) } else { "never".to_owned() }
 }
 
-/// How they were run, in one line.
+/// Describes the runs in one line.
 pub fn manner(runs: &MonteCarlo) -> String {
     let count = runs.runs.len();
-    let time = |wall_s: f64| format!("{count} runs in {} s: {} runs a second", number(wall_s), number(count as f64 / wall_s));
+    let time = |wall_s: f64| format!("{count} runs in {} s: {} runs per second", number(wall_s), number(count as f64 / wall_s));
     runs.wall_s.map_or_else(|| format!("{count} runs"), time)
 }
 
-/// How far it came.
+/// Returns the number of completed runs in words.
 pub fn reached(runs: &MonteCarlo) -> String {
     format!("{} of {} runs", runs.runs.len(), runs.asked)
 }
 
-/// Where the numbers come from.
+/// Returns number of runs and drive hash for the footer.
 pub fn footer(runs: &MonteCarlo) -> Vec<(&'static str, String)> {
     let hash = runs.drive_hash().map(|hash| ("drive hash", format!("{hash:016x}")));
     std::iter::once(("runs", runs.runs.len().to_string())).chain(hash).collect()

@@ -1,4 +1,4 @@
-//! Many runs against each run by itself.
+//! Tests of many runs against each run alone.
 
 use std::sync::Mutex;
 use std::sync::atomic::Ordering;
@@ -27,7 +27,7 @@ fn on_threads(threads: usize) -> (Vec<OneRun>, Metrics) {
     })
 }
 
-/// A number that is none equals itself here.
+/// Returns the bits of the errors, by which NaN equals itself.
 fn bits(run: &OneRun) -> Vec<u32> {
     run.error_hz.iter().map(|hz| hz.to_bits()).collect()
 }
@@ -43,7 +43,7 @@ fn threads_do_not_matter() {
 }
 
 #[test]
-fn a_run_by_itself_is_the_run_of_many() {
+fn single_run_equals_the_run_of_many() {
     let loaded = cold(&[]);
     let study = studied(&loaded);
     let runs = study.monte_carlo().unwrap();
@@ -54,13 +54,13 @@ fn a_run_by_itself_is_the_run_of_many() {
     let alone = studied(&alone);
     assert_eq!(alone.run().unwrap().record.drive_hash, many.drive_hash.unwrap());
     assert_eq!(alone.metrics, many.metrics);
-    // The same by the seed alone would be another run: what varies is drawn, too.
+    // The seed alone would give another run, because the varied values are drawn too.
     let values = many.draw.values.clone();
     assert_ne!(values, runs.runs[3].draw.values);
 }
 
 #[test]
-fn what_is_judged_is_the_whole() {
+fn expectations_use_the_statistics_of_all_runs() {
     let loaded = cold(&[
         "expect.0.metric=runs_completed",
         "expect.0.max=6",
@@ -73,7 +73,7 @@ fn what_is_judged_is_the_whole() {
     assert_eq!((judged("runs_completed").value, judged("false_locks").value), (Some(6.0), Some(0.0)));
     let slow = judged("lock_time_4hz_ms_p95");
     assert!(!slow.pass && slow.value.is_some_and(|ms| ms > 0.3));
-    // Of one run, its 95th percentile is itself.
+    // For a single run, the 95th percentile is the value itself.
     let once = cold(&["runs=1"]);
     let once = studied(&once);
     assert!(
@@ -81,9 +81,9 @@ fn what_is_judged_is_the_whole() {
     );
 }
 
-/// Each of two keys is right at either of its ends, and not the two together.
+/// Each of two keys is valid at either of its ends, but not both together.
 #[test]
-fn a_run_that_is_no_scene_is_named() {
+fn invalid_run_is_reported() {
     let both = [
         "vary=[]",
         "vary.0.key=controller.tracking.nominal_q",
@@ -120,7 +120,7 @@ fn stopped_runs_are_left_out() {
     assert_eq!(study.monte_carlo().unwrap().asked, RUNS);
 }
 
-/// Flaws come before what is long, and what never happened before what took long.
+/// Flaws are worse than long times, and a missing lock is worse than a late one.
 #[test]
 fn the_worst_run_is_named() {
     let run = |number: u32, metrics: &[(&'static str, f64)]| {
@@ -136,8 +136,8 @@ fn the_worst_run_is_named() {
     };
     let quick = || run(1, &[("lock_time_20hz_ms", 1.0)]);
     let slow = || run(2, &[("lock_time_20hz_ms", 2.0)]);
-    assert_eq!(worst(vec![quick(), slow(), quick()]), Some((2, "longest to within 20 Hz")));
-    assert_eq!(worst(vec![quick(), slow(), run(3, &[])]), Some((3, "longest to within 20 Hz")));
+    assert_eq!(worst(vec![quick(), slow(), quick()]), Some((2, "longest lock time to within 20 Hz")));
+    assert_eq!(worst(vec![quick(), slow(), run(3, &[])]), Some((3, "longest lock time to within 20 Hz")));
     assert_eq!(worst(vec![quick(), slow(), run(3, &[("fault_code", 31.0)])]), Some((3, "a fault")));
     assert_eq!(worst(vec![run(1, &[("false_locks", 1.0)]), run(2, &[("fault_code", 31.0)])]), Some((1, "a false lock")));
     assert_eq!(worst(vec![run(1, &[("lock_time_20hz_ms", 0.0)])]), None);

@@ -1,13 +1,13 @@
-//! A suite as tables.
+//! Tables of a suite.
 
-use super::{CaseResult, Judged, SuiteResult};
+use super::{CaseResult, SuiteResult, TargetResult};
 use crate::instruments::friction_switch::Step;
 use report::statistics::percentile;
 use report::{TableBlock, verdict};
 use scene::suite::{Column, STEPS, Statistic, SuiteTable};
 
 impl SuiteResult<'_> {
-    /// The targets, and the tables of the suite.
+    /// Returns the targets and the tables of the suite.
     pub fn tables(&self) -> Vec<TableBlock> {
         let own = &self.suite.suite.table;
         let default = if own.is_empty() { self.default_tables() } else { Vec::new() };
@@ -17,14 +17,14 @@ impl SuiteResult<'_> {
         tables
     }
 
-    /// How to run each case by itself.
+    /// Returns the commands that run each case alone.
     pub fn commands(&self) -> TableBlock {
         let row = |case: &CaseResult| vec![case.case.name.clone(), format!("`{}`", case.case.command)];
-        TableBlock::new("commands", "Each case by itself", "", &["case", "command"], self.cases.iter().map(row).collect())
+        TableBlock::new("commands", "Command of each case", "", &["case", "command"], self.cases.iter().map(row).collect())
     }
 
     fn targets(&self) -> TableBlock {
-        let row = |judged: &Judged| {
+        let row = |judged: &TargetResult| {
             let worst =
                 judged.worst.as_ref().map_or_else(String::new, |(case, value)| format!("{} ({case})", number(*value, None)));
             let mut missed: Vec<&str> =
@@ -49,7 +49,7 @@ impl SuiteResult<'_> {
         TableBlock::new(&format!("table-{}", number + 1), &table.title, &table.caption, &header, of.map(row).collect())
     }
 
-    /// Default tables: for every group the metrics of its targets.
+    /// Returns the default tables: for every group, the metrics of its targets.
     fn default_tables(&self) -> Vec<SuiteTable> {
         let mut groups: Vec<&String> = self.cases.iter().map(|case| &case.case.group).collect();
         groups.dedup();
@@ -100,7 +100,8 @@ fn cell(case: &CaseResult, column: &Column) -> String {
     column.metrics.iter().flat_map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// A set point of a friction ratio, and by how much the true ratio is off; of one that is refused, the limit and the ratio.
+/// Formats a set point of the friction ratio with the error of the true ratio; for a refused one,
+/// with limit and ratio.
 fn step(step: &Step) -> String {
     match step.is_refused() {
         true => format!("{:.3}: limit {}, {:.3}", step.set_point, step.limit, step.truth),
@@ -108,7 +109,8 @@ fn step(step: &Step) -> String {
     }
 }
 
-/// A number of so many digits after the point, or of three digits; what is whole is shown so.
+/// Formats a number with this number of decimals, or with three significant digits; whole numbers
+/// have no decimals.
 fn number(value: Option<f64>, digits: Option<u32>) -> String {
     let Some(value) = value else { return "–".to_owned() };
     if !value.is_finite() {
@@ -126,7 +128,7 @@ fn number(value: Option<f64>, digits: Option<u32>) -> String {
         (None, _) => 0,
     };
     let text = format!("{value:.places$}");
-    // What rounds to nothing has no sign.
+    // A value that rounds to zero has no sign.
     if text.trim_start_matches(['-', '0', '.']).is_empty() { text.trim_start_matches('-').to_owned() } else { text }
 }
 

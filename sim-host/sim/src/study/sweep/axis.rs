@@ -1,4 +1,5 @@
-//! One key and the values it goes through, as a user writes them: `key=start:stop:n`, `key=start:stop:n:log` or `key=a,b,c`.
+//! One key and its values, as written by a user: `key=start:stop:n`, `key=start:stop:n:log` or
+//! `key=a,b,c`.
 //!
 //! ```text
 //! even   value i of n = start + (stop - start) i / (n - 1)
@@ -12,28 +13,29 @@ use std::str::FromStr;
 use super::SweepError;
 use scene::Over;
 
-/// A key of a scene with the range that a sample is drawn from, as a user writes it: `key=least:most` or `key=least:most:log`.
+/// A key of a scene with the range of a sample, as written by a user: `key=least:most` or
+/// `key=least:most:log`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
-    /// Path of the key: tables and key, with points between.
+    /// Path of the key: tables and key, joined by dots.
     pub key: String,
-    /// The smallest and the largest value.
+    /// Smallest and largest value.
     pub ends: (f64, f64),
-    /// The logarithm is drawn evenly, and not the value.
+    /// `true` if the logarithm is drawn uniformly, not the value.
     pub log: bool,
 }
 
 impl Range {
-    /// The value at a part of the range, from 0 to 1.
+    /// Returns the value at a fraction of the range, from 0 to 1.
     pub fn value(&self, part: f64) -> f64 {
         between(self.ends.0, self.ends.1, self.log, part)
     }
 }
 
-/// A key of a scene with the values it takes.
+/// A key of a scene with its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Path of the key: tables and key, with points between.
+    /// Path of the key: tables and key, joined by dots.
     pub key: String,
     values: Values,
 }
@@ -45,7 +47,7 @@ enum Values {
 }
 
 impl From<&Over> for Axis {
-    /// An axis of a scene's grid.
+    /// Creates an axis of a scene's grid.
     fn from(over: &Over) -> Self {
         let values = match (over.from, over.to, over.points) {
             (Some(start), Some(stop), Some(count)) => Values::Range { start, stop, count: count.into(), log: over.log },
@@ -56,7 +58,7 @@ impl From<&Over> for Axis {
 }
 
 impl Axis {
-    /// How many values it has.
+    /// Returns the number of values.
     pub fn count(&self) -> u64 {
         match &self.values {
             Values::Range { count, .. } => *count,
@@ -64,21 +66,21 @@ impl Axis {
         }
     }
 
-    /// One of the values, counted from zero.
+    /// Returns one of the values, counted from zero.
     pub fn value(&self, index: u64) -> f64 {
         match &self.values {
             Values::List(list) => list.get(index as usize).copied().unwrap_or(f64::NAN),
-            // The end is the number that was asked for, to the last bit.
+            // The end equals the given number to the last bit.
             Values::Range { stop, count, .. } if index + 1 == *count => *stop,
             Values::Range { start, stop, count, log } => {
                 let value = between(*start, *stop, *log, index as f64 / (count - 1) as f64);
-                // The last digit is rounding: 0.2 reads better than 0.19999999999999996.
+                // The last digit is rounded: 0.2 reads better than 0.19999999999999996.
                 format!("{value:.14e}").parse().unwrap_or(value)
             }
         }
     }
 
-    /// The smallest and the largest value.
+    /// Returns the smallest and the largest value.
     pub fn ends(&self) -> (f64, f64) {
         match &self.values {
             Values::Range { start, stop, .. } => (*start, *stop),
@@ -88,25 +90,25 @@ impl Axis {
         }
     }
 
-    /// Whether neighbours have the same ratio, and not the same distance.
+    /// Returns `true` if neighbours have equal ratios, not equal distances.
     pub fn is_log(&self) -> bool {
         matches!(self.values, Values::Range { log: true, .. })
     }
 
-    /// Whether the values are given one by one, and so may lie anywhere.
+    /// Returns `true` if the values are listed, and so may be unevenly spaced.
     pub fn is_list(&self) -> bool {
         matches!(self.values, Values::List(_))
     }
 
-    /// All values, if they are no more than so many.
+    /// Returns all values, if there are at most `most`.
     pub fn listed(&self, most: u64) -> Option<Vec<f64>> {
         (self.count() <= most).then(|| (0..self.count()).map(|index| self.value(index)).collect())
     }
 }
 
-/// The number at a part of a range, from 0 to 1.
+/// Returns the number at a fraction of a range, from 0 to 1.
 fn between(start: f64, stop: f64, log: bool, part: f64) -> f64 {
-    // The same on every machine, where the system's power differs in the last bit.
+    // `libm::pow` is identical on every machine; the system's power differs in the last bit.
     if log { start * libm::pow(stop / start, part) } else { start + (stop - start) * part }
 }
 
@@ -120,7 +122,7 @@ impl FromStr for Axis {
         } else {
             let list = values.split(',').map(|value| number(text, value)).collect::<Result<Vec<_>, _>>()?;
             if let Some((at, twice)) = list.iter().enumerate().find(|&(at, value)| list[..at].contains(value)) {
-                return Err(wrong(text, format!("value {} is {twice} again", at + 1)));
+                return Err(wrong(text, format!("value {} repeats {twice}", at + 1)));
             }
             Values::List(list)
         };
@@ -137,7 +139,7 @@ impl FromStr for Range {
         let (ends, log) = match parts[..] {
             [least, most] => ((least, most), false),
             [least, most, way] if way.trim() == "log" => ((least, most), true),
-            _ => return Err(wrong(text, "a sample is drawn from a range least:most or least:most:log".to_owned())),
+            _ => return Err(wrong(text, "a sample needs a range, least:most or least:most:log".to_owned())),
         };
         Ok(Range { key, ends: self::ends(text, ends, log)?, log })
     }
@@ -147,7 +149,7 @@ fn wrong(text: &str, why: String) -> SweepError {
     SweepError::Axis { text: text.to_owned(), why }
 }
 
-/// The key of an axis, and what stands behind its `=`.
+/// Splits an axis into its key and the text after `=`.
 fn split(text: &str) -> Result<(String, &str), SweepError> {
     text.split_once('=')
         .map(|(key, values)| (key.trim().to_owned(), values.trim()))
@@ -157,10 +159,10 @@ fn split(text: &str) -> Result<(String, &str), SweepError> {
 
 fn number(text: &str, number: &str) -> Result<f64, SweepError> {
     let value = number.trim().parse::<f64>().ok().filter(|number| number.is_finite());
-    value.ok_or_else(|| wrong(text, format!("`{}` is no number", number.trim())))
+    value.ok_or_else(|| wrong(text, format!("`{}` is not a number", number.trim())))
 }
 
-/// The two ends of a range, in order.
+/// Parses the two ends of a range, in order.
 fn ends(text: &str, (start, stop): (&str, &str), log: bool) -> Result<(f64, f64), SweepError> {
     let (start, stop) = (number(text, start)?, number(text, stop)?);
     if start >= stop {
@@ -177,12 +179,12 @@ fn range(text: &str, parts: &[&str]) -> Result<Values, SweepError> {
     let (asked, count, log) = match parts {
         [start, stop, count] => ((*start, *stop), count, false),
         [start, stop, count, way] if way.trim() == "log" => ((*start, *stop), count, true),
-        [_, _, _, way] => return Err(wrong(text, format!("`{}` is no spacing: leave it out, or write `log`", way.trim()))),
+        [_, _, _, way] => return Err(wrong(text, format!("`{}` is not a spacing: omit it, or write `log`", way.trim()))),
         _ => return Err(wrong(text, "a range is start:stop:n or start:stop:n:log".to_owned())),
     };
     let asked_count = number(text, count)?;
     if asked_count.fract() != 0.0 || !(2.0..=1e15).contains(&asked_count) {
-        return Err(wrong(text, format!("`{}` is no number of values: a whole number from 2", count.trim())));
+        return Err(wrong(text, format!("`{}` is not a number of values: give a whole number of at least 2", count.trim())));
     }
     let (start, stop) = ends(text, asked, log)?;
     Ok(Values::Range { start, stop, count: asked_count as u64, log })
@@ -202,7 +204,7 @@ mod tests {
         assert_eq!(axis("a.b=1e4:1e7:4:log").listed(9), Some(vec![1e4, 1e5, 1e6, 1e7]));
         assert_eq!(axis("a.b = 3, -1,2").listed(9), Some(vec![3.0, -1.0, 2.0]));
         assert_eq!((axis("a=3,-1,2").ends(), axis("a=7").count()), ((-1.0, 3.0), 1));
-        // The end is met although thirds are not exact.
+        // The end is exact although thirds are not.
         assert_eq!(axis("a=0.1:0.7:4").value(3), 0.7);
         assert_eq!(axis("a=0:1:1e12").listed(100), None);
     }
@@ -220,21 +222,21 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn invalid_axes_are_reported_with_the_reason() {
         for (text, why) in [
             ("a", "lacks its key"),
             ("=1,2", "lacks its key"),
             ("a=", "lacks its key"),
             ("a=1:2", "start:stop:n"),
-            ("a=1:2:3:lin", "no spacing"),
-            ("a=1:x:3", "`x` is no number"),
-            ("a=1:inf:3", "`inf` is no number"),
-            ("a=1:2:1", "whole number from 2"),
-            ("a=1:2:2.5", "whole number from 2"),
+            ("a=1:2:3:lin", "is not a spacing"),
+            ("a=1:x:3", "`x` is not a number"),
+            ("a=1:inf:3", "`inf` is not a number"),
+            ("a=1:2:1", "whole number of at least 2"),
+            ("a=1:2:2.5", "whole number of at least 2"),
             ("a=2:1:3", "backwards"),
             ("a=1:1:3", "empty"),
             ("a=0:1:3:log", "above zero"),
-            ("a=1,2,1", "value 3 is 1 again"),
+            ("a=1,2,1", "value 3 repeats 1"),
         ] {
             let error = text.parse::<Axis>().expect_err(text).to_string();
             assert!(error.contains(why) && error.contains(text), "{text}: {error}");

@@ -1,61 +1,63 @@
-//! The points of a sweep: every combination of some axes, a sample, or a list. A point has a number, and its values follow from that alone.
+//! Points of a sweep: every combination of several axes, a sample, or a list. A point has a number,
+//! which determines its values.
 //!
-//! A sample is laid out for Sobol indices (Saltelli et al., Comput. Phys. Commun. 181, 2010): of each pair of independent draws A and B of all keys there
-//! is a point A, one for each key that has this key from B and all others from A, and a point B. The draws are those of a Sobol sequence of twice as
-//! many dimensions as there are keys, with Owen's scrambling (the crate `sobol_burley`).
+//! A sample is arranged for Sobol indices (Saltelli et al., Comput. Phys. Commun. 181, 2010). Each
+//! pair of independent draws A and B of all keys gives a point A, one point per key with this key
+//! from B and all others from A, and a point B. The draws are those of a Sobol sequence with twice
+//! as many dimensions as keys and Owen's scrambling (the crate `sobol_burley`).
 
 use serde_json::{Value, json};
 
 use super::SweepError;
 use super::axis::{Axis, Range};
 
-/// Most points of a sweep.
+/// Maximum number of points of a sweep.
 pub const MOST_POINTS: u64 = 100_000_000;
-/// Most draws of a sample: as far as the sequence goes.
+/// Maximum number of draws of a sample: the length of the sequence.
 pub const MOST_DRAWS: u64 = 1 << 16;
-/// Most keys of a sample: half of the dimensions of the sequence.
+/// Maximum number of keys of a sample: half of the dimensions of the sequence.
 const MOST_SAMPLED: usize = 128;
-/// Of all scrambled sequences the one that samples are of.
+/// Number of the scrambled sequence of samples.
 const SCRAMBLE: u32 = 0;
-/// Most values of an axis that are written out where the sweep is described.
-const WRITTEN: u64 = 10_000;
+/// Maximum number of values of an axis that are written in the description of the sweep.
+const MAX_WRITTEN: u64 = 10_000;
 
-/// The points of a sweep.
+/// Points of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Design {
     /// Every combination; the last axis changes fastest.
     Product(Vec<Axis>),
-    /// A sample with the points that Sobol indices need.
+    /// A sample with the points for Sobol indices.
     Sample {
-        /// The keys with their ranges.
+        /// Keys with their ranges.
         ranges: Vec<Range>,
-        /// How many pairs of draws there are.
+        /// Number of pairs of draws.
         draws: u64,
     },
-    /// Given points.
+    /// Listed points.
     List {
-        /// The keys.
+        /// Keys of the points.
         keys: Vec<String>,
-        /// For each point, the value of each key.
+        /// Values of the keys at each point.
         rows: Vec<Vec<f64>>,
     },
 }
 
-/// How the points of a sweep lie, for figures of them.
+/// Arrangement of the points of a sweep, for figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
-    /// How many values each key has, if the points are every combination of these.
+    /// Number of values of each key, if the points are every combination of these.
     pub counts: Option<Vec<u64>>,
-    /// For each key whether its values are spread by ratios.
+    /// `true` for each key with logarithmic spacing.
     pub logs: Vec<bool>,
-    /// Whether the values of a key are given one by one, and so may lie anywhere.
+    /// `true` if the values of a key are listed, and so may be unevenly spaced.
     pub uneven: bool,
-    /// Whether the points are those that Sobol indices need.
+    /// `true` if the points are those for Sobol indices.
     pub sample: bool,
 }
 
 impl Design {
-    /// Every combination of some axes.
+    /// Creates every combination of several axes.
     pub fn product(axes: Vec<Axis>) -> Result<Self, SweepError> {
         each_once(axes.iter().map(|axis| &axis.key))?;
         let points = axes.iter().fold(1_u128, |points, axis| points.saturating_mul(axis.count().into()));
@@ -68,7 +70,7 @@ impl Design {
         Ok(Design::Product(axes))
     }
 
-    /// A sample of so many pairs of draws.
+    /// Creates a sample of `draws` pairs of draws.
     pub fn sample(ranges: Vec<Range>, draws: u64) -> Result<Self, SweepError> {
         each_once(ranges.iter().map(|range| &range.key))?;
         if ranges.is_empty() || ranges.len() > MOST_SAMPLED {
@@ -80,14 +82,17 @@ impl Design {
         Ok(Design::Sample { ranges, draws })
     }
 
-    /// Points of a CSV: a head with the keys, and a line a point.
+    /// Reads points from a CSV: a header with the keys, and one line per point.
     pub fn read(file: &str, text: impl std::io::Read) -> Result<Self, SweepError> {
         let wrong = |line: u64, why: String| SweepError::File { file: file.to_owned(), line, why };
         let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(text);
         let of_csv = |error: csv::Error| wrong(error.position().map_or(1, csv::Position::line), error.to_string());
         let keys: Vec<String> = reader.headers().map_err(of_csv)?.iter().map(str::to_owned).collect();
         if let Some(number) = keys.iter().find(|key| key.parse::<f64>().is_ok()) {
-            let why = format!("`{number}` is no key: a file of points begins with a line of keys, as `contact.dahl.mu`");
+            let why = format!(
+                "`{number}` is not a key: a file of points begins with a line of keys, for example \
+                               `contact.dahl.mu`"
+            );
             return Err(wrong(1, why));
         }
         each_once(keys.iter())?;
@@ -101,7 +106,7 @@ impl Design {
             }
             let number = |(key, cell): (&String, &str)| {
                 let number = cell.parse::<f64>().ok().filter(|number| number.is_finite());
-                number.ok_or_else(|| wrong(line, format!("`{cell}` is no number for `{key}`")))
+                number.ok_or_else(|| wrong(line, format!("`{cell}` is not a number (key `{key}`)")))
             };
             rows.push(keys.iter().zip(&record).map(number).collect::<Result<Vec<_>, _>>()?);
             if rows.len() as u64 > MOST_POINTS {
@@ -109,12 +114,12 @@ impl Design {
             }
         }
         if rows.is_empty() {
-            return Err(wrong(1, "no points: a first line with the keys, and then a line a point".to_owned()));
+            return Err(wrong(1, "no points: give a first line with the keys, then one line per point".to_owned()));
         }
         Ok(Design::List { keys, rows })
     }
 
-    /// How many points there are.
+    /// Returns the number of points.
     pub fn count(&self) -> u64 {
         match self {
             Design::Product(axes) => axes.iter().map(Axis::count).product(),
@@ -123,7 +128,7 @@ impl Design {
         }
     }
 
-    /// The keys that differ from point to point.
+    /// Returns the keys that differ between points.
     pub fn keys(&self) -> Vec<&str> {
         match self {
             Design::Product(axes) => axes.iter().map(|axis| axis.key.as_str()).collect(),
@@ -132,7 +137,7 @@ impl Design {
         }
     }
 
-    /// The smallest and the largest value of a key, by its place.
+    /// Returns the smallest and the largest value of a key, by its index.
     pub fn ends(&self, key: usize) -> (f64, f64) {
         match self {
             Design::Product(axes) => axes[key].ends(),
@@ -144,13 +149,13 @@ impl Design {
         }
     }
 
-    /// The values of one point, counted from zero.
+    /// Returns the values of one point, counted from zero.
     pub fn values(&self, point: u64) -> Vec<f64> {
         match self {
             Design::List { rows, .. } => rows[point as usize].clone(),
             Design::Sample { ranges, .. } => {
                 let (pair, place) = (point / (ranges.len() as u64 + 2), point % (ranges.len() as u64 + 2));
-                // Place 0 is A, the last is B; between them a key each is of B.
+                // Place 0 is A, the last is B; each place between has one key from B.
                 let of_b = |key: usize| place == key as u64 + 1 || place == ranges.len() as u64 + 1;
                 let draw = |(key, range): (usize, &Range)| {
                     let dimension = if of_b(key) { key + ranges.len() } else { key };
@@ -175,7 +180,7 @@ impl Design {
         }
     }
 
-    /// How the points lie.
+    /// Returns the arrangement of the points.
     pub fn shape(&self) -> Shape {
         let none = Shape { counts: None, logs: Vec::new(), uneven: false, sample: false };
         match self {
@@ -190,13 +195,13 @@ impl Design {
         }
     }
 
-    /// What makes this design, and no other.
+    /// Describes this design uniquely, as JSON.
     pub fn json(&self) -> Value {
         match self {
             Design::Product(axes) => {
                 let axis = |axis: &Axis| {
                     let (least, most) = axis.ends();
-                    json!({ "key": axis.key, "count": axis.count(), "least": least, "most": most, "log": axis.is_log(), "list": axis.is_list(), "values": axis.listed(WRITTEN) })
+                    json!({ "key": axis.key, "count": axis.count(), "least": least, "most": most, "log": axis.is_log(), "list": axis.is_list(), "values": axis.listed(MAX_WRITTEN) })
                 };
                 json!({ "axes": axes.iter().map(axis).collect::<Vec<_>>() })
             }
@@ -206,16 +211,16 @@ impl Design {
                 json!({ "sample": "sobol", "draws": draws, "ranges": ranges.iter().map(range).collect::<Vec<_>>() })
             }
             Design::List { keys, rows } => {
-                // A list may be long: its text stands for it.
+                // A list may be long: a hash of its text identifies it.
                 let text: String = rows.iter().flatten().map(|value| format!("{value:e},")).collect();
-                let written = (rows.len() * keys.len() <= WRITTEN as usize).then_some(rows);
+                let written = (rows.len() * keys.len() <= MAX_WRITTEN as usize).then_some(rows);
                 json!({ "keys": keys, "values_hash": format!("{:016x}", crate::record::text_hash(&text)), "values": written })
             }
         }
     }
 }
 
-/// Refuses a key that is there twice.
+/// Refuses a key that occurs twice.
 fn each_once<'a>(keys: impl Iterator<Item = &'a String>) -> Result<(), SweepError> {
     let mut seen = std::collections::BTreeSet::new();
     for key in keys {
@@ -249,9 +254,9 @@ mod tests {
         assert!(product(&["a=1,2", "a=3,4"]).expect_err("a key twice").to_string().contains("`a`"));
     }
 
-    /// Each key is from B in one point of a pair, all are in the last, and none in the first.
+    /// Each key is from B in one point of a pair; all are in the last point, and none in the first.
     #[test]
-    fn a_sample_is_laid_out_for_indices() {
+    fn sample_is_arranged_for_sobol_indices() {
         let ranges = ["a=0:1", "b=10:1000:log"].map(|range| range.parse().expect("a range"));
         let design = Design::sample(ranges.to_vec(), 64).expect("a sample");
         assert_eq!(design.count(), 256);
@@ -259,7 +264,7 @@ mod tests {
             let [a, first, second, b] = [0, 1, 2, 3].map(|place| design.values(4 * pair + place));
             assert_eq!((first, second), (vec![b[0], a[1]], vec![a[0], b[1]]));
         }
-        // In each half of a range lies half of the draws, as a sequence of low discrepancy has it.
+        // Half of the draws are in each half of a range, as in any sequence of low discrepancy.
         let below = |key: usize, middle: f64| (0..64).filter(|pair| design.values(4 * pair)[key] < middle).count();
         assert_eq!((below(0, 0.5), below(1, 100.0), below(0, 0.125)), (32, 32, 8));
         assert!(Design::sample(ranges.to_vec(), 1).is_err() && Design::sample(Vec::new(), 8).is_err());
@@ -267,13 +272,13 @@ mod tests {
     }
 
     #[test]
-    fn a_file_has_a_head_and_a_line_a_point() {
+    fn file_has_a_header_and_one_line_per_point() {
         let design = Design::read("p.csv", "a, b\n1, 2e3\n-3, 4\n".as_bytes()).expect("points");
         assert_eq!((design.keys(), design.values(1), design.ends(1)), (vec!["a", "b"], vec![-3.0, 4.0], (4.0, 2e3)));
         for (text, why) in [
             ("", "no points"),
             ("a\n", "no points"),
-            ("1,2\n3,4\n", "`1` is no key"),
+            ("1,2\n3,4\n", "`1` is not a key"),
             ("a,b\n1\n", "line 2: 1 values for 2 keys"),
             ("a\n1,2\n", "2 values for 1 keys"),
             ("a\n1\nx\n", "line 3"),

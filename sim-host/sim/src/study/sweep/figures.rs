@@ -1,13 +1,13 @@
-//! The figures of a sweep, by how many keys it has.
+//! Figures of a sweep, by its number of keys.
 //!
 //! | points | figure |
 //! |---|---|
 //! | one key | a curve of the metric |
-//! | every combination of two, one of few values | a family of curves |
+//! | every combination of two, one with few values | a family of curves |
 //! | every combination of two | a map |
-//! | any other | parallel coordinates; of a sample also the metric over each key |
+//! | any other | parallel coordinates; for a sample also the metric over each key |
 //!
-//! Each is of one metric. Metrics that are the same at all points have none.
+//! Each figure shows one metric. Metrics that are equal at all points have none.
 
 mod lines;
 mod map;
@@ -18,32 +18,33 @@ use super::unit;
 use report::{Axis, Figure};
 use scene::schema::{last_name, tail, words_of};
 
-/// Most metrics that have figures.
-const METRICS: usize = 8;
-/// Most curves of a family.
-const FAMILY: u64 = 7;
-/// Most points of a figure of separate points.
-const DOTS: usize = 2000;
-/// Most keys over which the metric of a sample is drawn.
-const KEYS: usize = 6;
+/// Maximum number of metrics with figures.
+const MAX_METRICS: usize = 8;
+/// Maximum number of curves of a family.
+const MAX_FAMILY: u64 = 7;
+/// Maximum number of points of a figure of separate points.
+const MAX_DOTS: usize = 2000;
+/// Maximum number of keys over which the metric of a sample is drawn.
+const MAX_KEYS: usize = 6;
 
-/// Columns of a sweep that are figures of one metric.
+/// Columns of a sweep for the figures of one metric.
 struct Data<'a> {
     keys: &'a [String],
-    /// For each key its values.
+    /// Values of each key.
     values: &'a [Vec<f64>],
     metric: &'a str,
-    /// For each key whether its values are spread by ratios.
+    /// `true` for each key with logarithmic spacing.
     logs: &'a [bool],
-    /// The metric at each point; not a number where it is missing.
+    /// Metric at each point; NaN if missing.
     results: Vec<f64>,
 }
 
-/// The figures of a sweep of these keys and metrics; `column` has the values of a key or a metric, which are not a number where they are missing.
+/// Returns the figures of a sweep of these keys and metrics. `column` returns the values of a key
+/// or a metric, with NaN for missing ones.
 ///
 /// # Errors
 /// If a column cannot be read.
-pub fn of<E>(
+pub fn all<E>(
     shape: &Shape,
     keys: &[String],
     metrics: &[String],
@@ -53,7 +54,7 @@ pub fn of<E>(
     let mut figures = Vec::new();
     let mut drawn = 0;
     for metric in metrics {
-        if drawn == METRICS {
+        if drawn == MAX_METRICS {
             break;
         }
         let results = column(metric)?;
@@ -69,48 +70,48 @@ fn figures_of(shape: &Shape, data: &Data) -> Vec<Figure> {
     match (data.keys.len(), shape.counts.as_deref()) {
         (1, _) => vec![lines::curve(data)],
         (2, Some(&[rows, columns])) => {
-            let few = rows.min(columns) <= FAMILY;
-            vec![if few || shape.uneven { lines::family(data, (rows, columns)) } else { map::of(data, (rows, columns)) }]
+            let few = rows.min(columns) <= MAX_FAMILY;
+            vec![if few || shape.uneven { lines::family(data, (rows, columns)) } else { map::draw(data, (rows, columns)) }]
         }
         _ => {
-            let mut figures = vec![parallel::of(data)];
+            let mut figures = vec![parallel::draw(data)];
             if shape.sample {
-                figures.extend((0..data.keys.len().min(KEYS)).map(|key| lines::dots(data, key)));
+                figures.extend((0..data.keys.len().min(MAX_KEYS)).map(|key| lines::dots(data, key)));
             }
             figures
         }
     }
 }
 
-/// Whether there is more than one value, beyond round-off.
+/// Returns `true` if there is more than one value, beyond round-off.
 fn varies(values: &[f64]) -> bool {
     let (least, most) = extremes(values);
     most - least > 1e-12 * least.abs().max(most.abs())
 }
 
-/// The smallest and the largest value, of those that are numbers.
+/// Returns the smallest and the largest value, excluding NaN.
 fn extremes(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &value| (least.min(value), most.max(value)))
 }
 
 impl Data<'_> {
-    /// Words for a key that tell it from the other keys, and its unit.
+    /// Returns words that distinguish a key from the others, and its unit.
     fn key(&self, place: usize) -> (String, String) {
         let key = &self.keys[place];
         let (tail, name) = (tail(key, self.keys), last_name(key));
         (if tail == name { words_of(name) } else { tail.to_owned() }, unit(key))
     }
 
-    /// The axis of a key.
+    /// Returns the axis of a key.
     fn axis(&self, place: usize) -> Axis {
         let (words, unit) = self.key(place);
         Axis { log: self.logs[place], ..Axis::of(&words, &unit) }
     }
 }
 
-/// The axis of a metric.
+/// Returns the axis of a metric.
 fn axis(name: &str) -> Axis {
-    // Of several runs a metric has the name of one, and what of them it is.
+    // A statistic of several runs has the name of the metric and a suffix.
     let unit = unit(name);
     let words = words_of(name);
     let words = words.strip_suffix(&format!(" {}", unit.to_lowercase())).unwrap_or(&words);
@@ -118,7 +119,7 @@ fn axis(name: &str) -> Axis {
     Axis::of(words, &unit)
 }
 
-/// A figure of a metric, yet empty.
+/// Returns a figure of a metric without curves.
 fn figure(kind: &str, title: String, caption: &str, data: &Data) -> Figure {
     let missing = data.results.iter().filter(|value| value.is_nan()).count();
     let gone = if missing == 0 { String::new() } else { format!(" {missing} points have no value.") };

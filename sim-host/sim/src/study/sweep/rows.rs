@@ -1,43 +1,44 @@
-//! The rows of a sweep: for each point its values, its metrics, and what it played, or why it has no result.
+//! Rows of a sweep: values and metrics of each point, and the hash of its codes, or the reason that
+//! it has no result.
 
-/// The rows of some points, by columns.
+/// Rows of some points, stored by columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rows {
-    /// The numbers of the points, from zero.
+    /// Numbers of the points, from zero.
     pub points: Vec<i64>,
-    /// For each key its values.
+    /// Values of each key.
     pub keys: Vec<Vec<f64>>,
-    /// For each metric its values, where a point has it.
+    /// Values of each metric, if a point has it.
     pub metrics: Vec<Vec<Option<f64>>>,
     /// Hash of every drive code of a driven run, in hexadecimal digits.
     pub drive_hashes: Vec<Option<String>>,
-    /// Number of the fault that a driven run ended in; 0 of none.
+    /// Number of the fault that ended a driven run, or 0.
     pub fault_codes: Vec<Option<i32>>,
-    /// Why a point has no result.
+    /// Reasons that points have no result.
     pub failures: Vec<Option<String>>,
 }
 
-/// What came of a point.
+/// Result of a point.
 #[derive(Default)]
-pub(super) struct Measured {
+pub(super) struct PointResult {
     pub(super) metrics: Vec<Option<f64>>,
     pub(super) drive_hash: Option<String>,
     pub(super) fault_code: Option<i32>,
 }
 
 impl Rows {
-    /// No rows, of so many keys and metrics.
+    /// Creates an empty table for these numbers of keys and metrics.
     pub fn new(keys: usize, metrics: usize) -> Self {
         Rows { keys: vec![Vec::new(); keys], metrics: vec![Vec::new(); metrics], ..Rows::default() }
     }
 
     /// Adds the row of a point.
-    pub(super) fn push(&mut self, point: u64, values: &[f64], measured: Result<Measured, String>) {
+    pub(super) fn push(&mut self, point: u64, values: &[f64], measured: Result<PointResult, String>) {
         self.points.push(point as i64);
         self.keys.iter_mut().zip(values).for_each(|(column, &value)| column.push(value));
         let (measured, failure) = match measured {
             Ok(measured) => (measured, None),
-            Err(why) => (Measured { metrics: vec![None; self.metrics.len()], ..Measured::default() }, Some(why)),
+            Err(why) => (PointResult { metrics: vec![None; self.metrics.len()], ..PointResult::default() }, Some(why)),
         };
         self.metrics.iter_mut().zip(measured.metrics).for_each(|(column, value)| column.push(value));
         self.drive_hashes.push(measured.drive_hash);
@@ -45,32 +46,33 @@ impl Rows {
         self.failures.push(failure);
     }
 
-    /// The heads of the columns of a table of such rows: number, keys, metrics, hash, fault.
+    /// Returns the column names of such rows: number, keys, metrics, hash, fault.
     pub fn head<'a>(keys: &'a [String], metrics: &'a [String]) -> impl Iterator<Item = &'a str> {
         let names = keys.iter().chain(metrics).map(String::as_str);
         ["point"].into_iter().chain(names).chain(["drive_hash", "fault_code"])
     }
 
-    /// The number of a row's point and the values of its keys, as text from which the same numbers are read.
+    /// Returns the number of a row's point and the values of its keys, as text that is read back
+    /// exactly.
     pub fn point_cells(&self, row: usize) -> impl Iterator<Item = String> {
         [self.points[row].to_string()].into_iter().chain(self.keys.iter().map(move |key| format!("{:?}", key[row])))
     }
 
-    /// All cells of a row, in the order of [`Rows::head`].
+    /// Returns all cells of a row, in the order of [`Rows::head`].
     pub fn cells(&self, row: usize) -> impl Iterator<Item = String> {
         let metrics = self.metrics.iter().map(move |metric| metric[row].map_or_else(String::new, |value| format!("{value:?}")));
         let fault = self.fault_codes[row].map_or_else(String::new, |code| code.to_string());
         self.point_cells(row).chain(metrics).chain([self.drive_hashes[row].clone().unwrap_or_default(), fault])
     }
 
-    /// Takes some rows away at the beginning.
+    /// Removes the first `count` rows.
     pub fn drop_first(&mut self, count: usize) {
         if count > 0 {
             *self = self.split_off(count);
         }
     }
 
-    /// Takes the rows from one on away, and returns them.
+    /// Removes the rows from `from` on, and returns them.
     pub fn split_off(&mut self, from: usize) -> Rows {
         Rows {
             points: self.points.split_off(from),
@@ -82,7 +84,7 @@ impl Rows {
         }
     }
 
-    /// Adds rows of the same keys and metrics at the end.
+    /// Appends rows of the same keys and metrics.
     pub fn append(&mut self, mut rows: Rows) {
         self.points.append(&mut rows.points);
         self.keys.iter_mut().zip(&mut rows.keys).for_each(|(all, some)| all.append(some));

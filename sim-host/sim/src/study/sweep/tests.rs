@@ -18,9 +18,9 @@ fn rows(sweep: &Sweep, points: Range<u64>) -> Rows {
     sweep.rows(points, &AtomicBool::new(false), &|| ()).expect("a plan").expect("not stopped")
 }
 
-/// A point is what a run of the scene with its keys set is, with a closed form, with steps, and driven.
+/// A point equals a separate run with its keys set: with a closed form, with steps, and driven.
 #[test]
-fn a_point_is_a_run_of_its_own() {
+fn point_equals_a_separate_run() {
     for (scene, axis, metrics) in [
         ("contact-kinematic", "excitation.velocity_ratio=0.2:1.4:4", &["friction_ratio", "power_ratio"][..]),
         ("contact-kinematic", "excitation.velocity_ratio=0.2:1.4:4", &["friction_ratio", "reversals", "input_ratio"]),
@@ -43,7 +43,7 @@ fn a_point_is_a_run_of_its_own() {
     }
 }
 
-/// However the points are divided, and on however many threads, the rows are the same.
+/// The rows do not depend on the division of the points or on the number of threads.
 #[test]
 fn rows_do_not_depend_on_their_division() {
     let loaded = loaded("contact-kinematic", &[]);
@@ -63,18 +63,18 @@ fn rows_do_not_depend_on_their_division() {
     }
 }
 
-/// What cannot be run is a row with its reason; the others are not touched by it.
+/// An invalid point has a row with its reason, and does not affect the others.
 #[test]
-fn a_bad_point_is_a_row() {
+fn invalid_point_has_a_row_with_its_reason() {
     let loaded = loaded("contact-kinematic", &[]);
-    // A window of the periods that the run does not have.
+    // The window contains periods that the shorter run does not have.
     let sweep = sweep(&loaded, &["duration_s=0.0005,0.01"], &["friction_ratio"]).unwrap_or_else(|error| panic!("{error}"));
     let rows = all(&sweep);
     assert!(rows.failures[0].as_ref().is_some_and(|why| why.contains("window_periods")), "{:?}", rows.failures);
     assert!(rows.metrics[0][0].is_none() && rows.metrics[0][1].is_some() && rows.failures[1].is_none());
 }
 
-/// A scene of several runs has its statistics at each point.
+/// A scene with several runs has statistics at each point.
 #[test]
 fn several_runs_have_statistics_at_each_point() {
     let loaded = loaded("lock-cold", &["runs=3"]);
@@ -86,16 +86,16 @@ fn several_runs_have_statistics_at_each_point() {
 }
 
 #[test]
-fn what_is_wrong_is_said_before_anything_is_run() {
+fn errors_are_reported_before_any_run() {
     let loaded = loaded("contact-kinematic", &[]);
     for (axis, metric, why) in [
         ("contact.dahl.mux=0.1,0.2", "friction_ratio", "did you mean `contact.dahl.mu`"),
         ("contact.dahl.mu=0.1,-0.2", "friction_ratio", "must be at least"),
         ("seed=1,2", "friction_ratio", "the same at every point"),
         ("contact.dahl.mu=0.1,0.2", "friction_rato", "did you mean `friction_ratio`"),
-        ("contact.dahl.mu=0.1,0.2", "friction_ratio_p95", "the scene is run once"),
-        ("title=1,2", "friction_ratio", "no number"),
-        ("contact.dahl.mu=0.1,0.2", "overlay_rms_n", "of a scene with [[overlay]]"),
+        ("contact.dahl.mu=0.1,0.2", "friction_ratio_p95", "the scene runs once"),
+        ("title=1,2", "friction_ratio", "is not a number"),
+        ("contact.dahl.mu=0.1,0.2", "overlay_rms_n", "requires a scene with [[overlay]]"),
     ] {
         let error = sweep(&loaded, &[axis], &[metric]).expect_err(axis).to_string();
         assert!(error.contains(why), "{axis}, {metric}: {error}");
@@ -104,9 +104,10 @@ fn what_is_wrong_is_said_before_anything_is_run() {
     assert!(twice.expect_err("twice").to_string().contains("twice"));
 }
 
-/// Nothing is left to sweep of a number that a course or a step sets from the beginning on, or that each run draws.
+/// A number cannot be swept if a profile or a step sets it from the beginning, or if each run draws
+/// it.
 #[test]
-fn a_key_that_something_else_sets_is_refused() {
+fn key_set_by_the_scene_is_refused() {
     let disturbed =
         |at_s: &str, by: &str| loaded("lock", &[&format!("disturbance.0={{at_s={at_s}, key=\"stack.bvd.q\", {by}}}")]);
     let (course, step) = ("profile={time_s=[0,1], values=[50,50]}", "to=50");
@@ -117,9 +118,9 @@ fn a_key_that_something_else_sets_is_refused() {
     let (q, sliding) = ("stack.bvd.q=60,70", "excitation.sliding_m_per_s=0.01,0.02");
     for (loaded, axis, why) in [
         (disturbed("0", course), q, "`stack.bvd.q` follows the measured `disturbance.0.profile`"),
-        (disturbed("0", step), q, "has the value of `disturbance.0.to` from the beginning of the run on"),
+        (disturbed("0", step), q, "has the value of `disturbance.0.to` from the beginning of the run"),
         (drawn("contact.dahl.mu"), "contact.dahl.mu=0.05,0.5", "`contact.dahl.mu` is drawn in each run"),
-        // The ratio that is drawn takes the place of a speed.
+        // The drawn ratio replaces the speed.
         (drawn("excitation.velocity_ratio"), sliding, "neither the first nor the last point"),
     ] {
         let error = sweep(&loaded, &[axis], &[]).expect_err("nothing to sweep").to_string();
@@ -133,20 +134,21 @@ fn a_key_that_something_else_sets_is_refused() {
     }
 }
 
-/// A measured friction at two moments.
+/// Returns an overlay with measured friction at two times.
 fn measured_at(times_s: &str) -> String {
     format!("overlay.0={{quantity=\"friction_n\", x={times_s}, values=[0.1, 0.15], x_unit=\"s\"}}")
 }
 
-/// What is measured over a figure is held against each point as against a run of its own: with steps, and over the period of a closed form.
+/// A measurement is compared with each point as with a separate run: with steps, and over the
+/// period of a closed form.
 #[test]
-fn points_of_a_contact_are_held_against_a_measurement() {
+fn contact_points_are_compared_with_a_measurement() {
     for (scene, times_s) in [("contact", "[3.31e-3, 3.32e-3]"), ("contact-kinematic", "[2e-6, 9e-6]")] {
-        held_against_a_measurement(&loaded(scene, &[&measured_at(times_s)]));
+        compare_with_a_measurement(&loaded(scene, &[&measured_at(times_s)]));
     }
 }
 
-fn held_against_a_measurement(loaded: &Loaded) {
+fn compare_with_a_measurement(loaded: &Loaded) {
     let metrics = ["overlay_rms_n", "overlay_max_n", "friction_ratio"];
     let sweep = sweep(loaded, &["contact.dahl.mu=0.2,0.3"], &metrics).unwrap_or_else(|error| panic!("{error}"));
     let rows = all(&sweep);
@@ -161,19 +163,22 @@ fn held_against_a_measurement(loaded: &Loaded) {
     assert_ne!(rows.metrics[0][0], rows.metrics[0][1]);
 }
 
-/// A closed form has one period: what is measured beside it is refused before anything is run, where no point takes steps.
+/// A closed form has one period. A measurement outside it is refused before any run, if no point
+/// takes steps.
 #[test]
-fn a_measurement_beside_the_period_of_a_closed_form_is_refused() {
+fn measurement_outside_the_closed_form_period_is_refused() {
     let loaded = loaded("contact-kinematic", &[&measured_at("[3.1e-3, 3.2e-3]")]);
     let over = |axis: &str, metric: &str| sweep(&loaded, &[axis], &[metric]).map_err(|error| error.to_string()).map(|_| ());
     let refused = over("contact.dahl.mu=0.2,0.3", "overlay_rms_n").expect_err("one period");
-    for part in ["no point has `overlay_rms_n`", "its points are from 186 to 192", "is from 0 to 1", "integrator.method=linexp"] {
+    for part in
+        ["no point has `overlay_rms_n`", "its points range from 186 to 192", "ranges from 0 to 1", "integrator.method=linexp"]
+    {
         assert!(refused.contains(part), "{part}: {refused}");
     }
     let unit = over("contact.dahl.mu=0.2,0.3", "overlay_rms_hz").expect_err("another unit");
     assert!(unit.contains("no point has `overlay_rms_hz`"), "{unit}");
     assert_eq!(over("contact.dahl.mu=0.2,0.3", "friction_ratio"), Ok(()));
-    // Within the longer of two periods.
+    // The times are within the longer of two periods.
     let loaded = self::loaded("contact-kinematic", &[&measured_at("[11e-6, 12e-6]")]);
     let rows =
         all(&sweep(&loaded, &["excitation.frequency_hz=120000,60000"], &["overlay_rms_n"])

@@ -1,5 +1,5 @@
-//! The line editor of a prompt: history, completion and hints. It has a thread of its own, which edits only while it is asked to, so that the terminal is in
-//! order while a command runs.
+//! Line editor of a prompt, with history, completion and hints. It runs on its own thread and edits
+//! only on request, so that the terminal is in its normal mode while a command runs.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
@@ -16,17 +16,20 @@ use rustyline::{CompletionType, Config, Context, ExternalPrinter, Helper};
 
 use super::Input;
 
-/// Most lines that are kept.
-const LINES: usize = 1000;
-/// One line up, wiped; and no break at the edge of the terminal, so that it stays one line.
-const LINE_ABOVE: (&str, &str) = ("\x1b[1A\r\x1b[2K\x1b[?7l", "\x1b[?7h\n");
+/// Maximum number of lines in the history.
+const MAX_HISTORY_LINES: usize = 1000;
+/// Escape sequences before a line that replaces the one above: move up, erase, and switch off
+/// wrapping at the edge of the terminal.
+const LINE_ABOVE_BEGIN: &str = "\x1b[1A\r\x1b[2K\x1b[?7l";
+/// Escape sequences after it: switch wrapping on.
+const LINE_ABOVE_END: &str = "\x1b[?7h\n";
 
-/// An editor.
+/// Line editor on its own thread.
 pub(super) struct Editor {
     prompts: Sender<String>,
     inputs: Receiver<Result<Input, String>>,
     printer: Box<dyn ExternalPrinter + Send>,
-    /// Dropped last: puts the terminal back if a line is still being edited.
+    /// Dropped last: restores the terminal if a line is still being edited.
     _terminal: Terminal,
 }
 
@@ -38,16 +41,16 @@ impl Editor {
         let (answers, inputs) = channel();
         let (printers, printer) = channel();
         std::thread::Builder::new().name("editor".into()).spawn(move || edit(&asked, &answers, &printers))?;
-        let printer = printer.recv().unwrap_or_else(|_| Err("it has ended".into())).map_err(not_editable)?;
+        let printer = printer.recv().unwrap_or_else(|_| Err("the editor has ended".into())).map_err(not_editable)?;
         Ok(Editor { prompts, inputs, printer, _terminal: terminal })
     }
 
-    /// Begins to edit a line.
+    /// Requests that a line is edited.
     pub(super) fn ask(&mut self, prompt: &str) -> Result<(), LinkError> {
-        self.prompts.send(prompt.to_owned()).map_err(|_| not_editable("it has ended".into()))
+        self.prompts.send(prompt.to_owned()).map_err(|_| not_editable("the editor has ended".into()))
     }
 
-    /// The line, if it is complete.
+    /// Returns the line if it is complete.
     pub(super) fn answer(&mut self) -> Result<Option<Input>, LinkError> {
         match self.inputs.try_recv() {
             Ok(input) => input.map(Some).map_err(not_editable),
@@ -56,24 +59,24 @@ impl Editor {
         }
     }
 
-    /// Writes another line over that above the one which is edited.
+    /// Replaces the line above the edited one.
     pub(super) fn renew(&mut self, line: &str) {
-        // A line that cannot be shown is no reason to leave a board.
-        let _ = self.printer.print(format!("{}{line}{}", LINE_ABOVE.0, LINE_ABOVE.1));
+        // A failed update of the status line must not end the session.
+        let _ = self.printer.print(format!("{LINE_ABOVE_BEGIN}{line}{LINE_ABOVE_END}"));
     }
 }
 
 fn not_editable(why: String) -> LinkError {
-    LinkError::Failed(format!("no line can be edited at this terminal: {why}"))
+    LinkError::Failed(format!("line editing failed at this terminal: {why}"))
 }
 
 type Printing = Result<Box<dyn ExternalPrinter + Send>, String>;
 
-/// Edits a line each time it is asked to.
+/// Edits one line per request.
 fn edit(asked: &Receiver<String>, answers: &Sender<Result<Input, String>>, printers: &Sender<Printing>) {
     let config = Config::builder().auto_add_history(true).completion_type(CompletionType::List);
     let started = config
-        .max_history_size(LINES)
+        .max_history_size(MAX_HISTORY_LINES)
         .and_then(|config| rustyline::Editor::<Words, FileHistory>::with_config(config.build()))
         .and_then(|mut editor| editor.create_external_printer().map(|printer| (editor, printer)));
     let (mut editor, printer) = match started {
@@ -88,7 +91,7 @@ fn edit(asked: &Receiver<String>, answers: &Sender<Result<Input, String>>, print
     }
     editor.set_helper(Some(Words));
     let history = history();
-    // Without a history file the lines of this session are there all the same.
+    // Without a history file the history contains the lines of this session only.
     if let Some(file) = &history {
         let _ = editor.load_history(file);
     }
@@ -110,7 +113,7 @@ fn edit(asked: &Receiver<String>, answers: &Sender<Result<Input, String>>, print
     }
 }
 
-/// The file of the history, in a folder that is made.
+/// Returns the path of the history file, and creates its folder.
 fn history() -> Option<PathBuf> {
     let folder = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let state = folder("XDG_STATE_HOME")
@@ -121,7 +124,7 @@ fn history() -> Option<PathBuf> {
     Some(state.join("link-history"))
 }
 
-/// Completes words by the commands themselves.
+/// Completion and hints from the grammar of the commands.
 struct Words;
 
 impl Completer for Words {
@@ -154,7 +157,7 @@ impl Highlighter for Words {}
 impl Validator for Words {}
 impl Helper for Words {}
 
-/// The terminal as it was.
+/// Saved settings of the terminal.
 struct Terminal {
     #[cfg(unix)]
     before: Option<rustix::termios::Termios>,
@@ -176,7 +179,7 @@ impl Terminal {
 impl Drop for Terminal {
     fn drop(&mut self) {
         if let Some(before) = &self.before {
-            // Nor does it go on to bracket what is pasted.
+            // Switches bracketed paste off.
             print!("\x1b[?2004l");
             let _ = std::io::Write::flush(&mut std::io::stdout());
             let _ = rustix::termios::tcsetattr(std::io::stdin(), rustix::termios::OptionalActions::Now, before);

@@ -1,4 +1,4 @@
-//! Clocks, and accesses as such.
+//! Rules of clocks, and of accesses in general.
 
 use cortex_m4::{Fault, Width};
 use sonoglide_stm32g474::map::at;
@@ -89,7 +89,7 @@ fn wait_states() {
 }
 
 #[test]
-fn wait_states_come_down_after_the_clock() {
+fn wait_states_are_reduced_after_the_clock() {
     check(
         Rule::WaitStates,
         |rig| {
@@ -107,7 +107,7 @@ fn wait_states_come_down_after_the_clock() {
 #[test]
 fn boost() {
     check(Rule::Boost, up, |rig| {
-        // Five wait states would be needed without boost: with them only the voltage is wrong.
+        // Without boost, five wait states are enough, so only the voltage is wrong.
         rig.clocks(Setup { boost: false, latency: 5, ..Setup::default() });
     });
 }
@@ -181,7 +181,7 @@ fn a_finding_names_fields_manual_and_instruction() {
 }
 
 impl Rig<Bare> {
-    /// The crystal runs and is not selected yet, in voltage range 2: 24 MHz need a wait state.
+    /// Starts the crystal without selecting it, in voltage range 2, where 24 MHz need a wait state.
     fn clocks_up_to_switch(&mut self) {
         self.set(RCC + at::rcc::APB1ENR1, 1 << 28);
         self.wait(4);

@@ -1,4 +1,4 @@
-//! ADC, DAC and DMA.
+//! Rules of ADC, DAC and DMA.
 
 use sonoglide_stm32g474::map::at;
 use sonoglide_stm32g474::map::base::*;
@@ -7,7 +7,7 @@ use sonoglide_stm32g474::{Bare, Rule};
 use super::{check, up};
 use crate::rig::{ADC_RING, DAC_RING, Rig, Setup};
 
-/// ADC1 with its clock.
+/// Enables the clock of ADC1.
 fn adc_clock(rig: &mut Rig<Bare>) {
     up(rig);
     rig.write(ADC12_COMMON + at::adccommon::CCR, 3 << 16);
@@ -126,7 +126,7 @@ pub fn stream(rig: &mut Rig<Bare>, setup: Setup) {
 
 #[test]
 fn adc_trigger_lost() {
-    // 12.5 + 12.5 cycles of 4 are more than the 85 from one trigger to the next.
+    // 12.5 + 12.5 ADC cycles, of four core cycles each, are more than the 85 between two triggers.
     check(
         Rule::AdcTriggerLost,
         |rig| stream(rig, Setup::default()),
@@ -136,7 +136,7 @@ fn adc_trigger_lost() {
 
 #[test]
 fn adc_trigger_margin() {
-    // 2.125 + 6.5 + 12.5 cycles of 4 are 84.5 of 85.
+    // 2.125 + 6.5 + 12.5 ADC cycles, of four core cycles each, are 84.5 of 85.
     check(
         Rule::AdcTriggerMargin,
         |rig| stream(rig, Setup::default()),

@@ -1,4 +1,4 @@
-//! Flash.
+//! Rules of the flash.
 
 use cortex_m4::{Chip, Fault, Ports, Width};
 use sonoglide_stm32g474::map::at;
@@ -8,7 +8,7 @@ use sonoglide_stm32g474::{Bare, Defect, Rule};
 use super::{check, up};
 use crate::rig::Rig;
 
-/// A double word of the second bank.
+/// Address of a double word of the second bank.
 const WORD: u32 = 0x0807_c000;
 
 /// Unlocks the flash, with its data cache off.

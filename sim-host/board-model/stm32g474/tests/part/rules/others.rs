@@ -1,4 +1,4 @@
-//! Timers, locks, watchdog, UART.
+//! Rules of timers, locks, watchdog and UART.
 
 use sonoglide_stm32g474::map::at;
 use sonoglide_stm32g474::map::base::*;
@@ -130,7 +130,7 @@ fn uart_lost() {
     fn send(rig: &mut Rig<Bare>, bytes: u32) {
         rig.clocks(Setup::default());
         rig.uart(Setup::default());
-        // One is shifted out, eight wait.
+        // One byte is being sent, and eight wait.
         (0..bytes).for_each(|byte| rig.write(LPUART1 + at::lpuart::TDR, byte));
     }
     check(Rule::UartLost, |rig| send(rig, 9), |rig| send(rig, 10));

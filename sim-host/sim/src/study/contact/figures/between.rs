@@ -1,15 +1,17 @@
-//! States between those that a method steps to. Some methods need sixteen steps a period, which would draw a polygon.
+//! Interpolation of states between the steps of a method. Some methods need only sixteen steps per
+//! period, which would be drawn as a polygon.
 //!
-//! Displacement is the cubic through both ends with their velocities, and velocity its slope. Friction follows its law along that
-//! motion: Coulomb's at once, Dahl's exactly in slip; of LuGre it is a straight line, for which its methods take steps enough. What the
-//! law then misses of the end is spread evenly.
+//! Displacement is the cubic through both ends with their velocities, and velocity its derivative.
+//! Friction follows its law along that motion: Coulomb's directly, Dahl's exactly in slip. For
+//! LuGre it is linear, because its methods take enough steps. The deviation from the end is
+//! distributed evenly.
 
 use contact::{Law, Problem, State};
 
-/// Fewest states a period.
+/// Minimum number of states per period.
 const STATES_PER_PERIOD: f64 = 96.0;
 
-/// The states, with others between where there are few.
+/// Returns the states, with interpolated ones where there are too few.
 pub(super) fn filled(problem: &Problem, states: &[State]) -> Vec<State> {
     let mut filled: Vec<State> = states.first().copied().into_iter().collect();
     for ends in states.windows(2) {
@@ -37,7 +39,7 @@ fn fill(problem: &Problem, from: &State, to: &State, filled: &mut Vec<State>) {
         filled.push(state);
         last = state;
     }
-    // The last of them is the end itself, but for what the law has missed.
+    // The last interpolated state is the end itself, except for the error of the law.
     let missed_n = to.force_n - last.force_n;
     filled.pop();
     for (index, state) in filled[first..].iter_mut().enumerate() {
@@ -45,7 +47,7 @@ fn fill(problem: &Problem, from: &State, to: &State, filled: &mut Vec<State>) {
     }
 }
 
-/// The state at a part of the way, friction apart.
+/// Returns the state at a fraction of the step, with the friction of its beginning.
 fn along(from: &State, to: &State, part: f64) -> State {
     let step_s = to.time_s - from.time_s;
     let (a, b, rise) = (step_s * from.v_m_per_s, step_s * to.v_m_per_s, to.x_m - from.x_m);
@@ -59,7 +61,7 @@ fn along(from: &State, to: &State, part: f64) -> State {
     }
 }
 
-/// Friction at a state after `last`, on the way to `end`, N.
+/// Returns the friction at a state after `last`, in the step to `end`, N.
 fn friction(problem: &Problem, coulomb_n: f64, last: &State, state: &State, end: &State) -> f64 {
     let sign = problem.sign.factor();
     match problem.law {
@@ -76,7 +78,7 @@ fn friction(problem: &Problem, coulomb_n: f64, last: &State, state: &State, end:
     }
 }
 
-/// The Coulomb force at a moment, N.
+/// Returns the Coulomb force at a time, N.
 pub(super) fn coulomb_n(problem: &Problem, time_s: f64) -> f64 {
     let stepped = problem.load_steps.iter().rfind(|(at_s, _)| *at_s <= time_s);
     stepped.map_or(problem.coulomb_n, |&(_, force)| force)
@@ -88,9 +90,9 @@ mod tests {
     use contact::rk4;
     use contact::table_4_1::table_4_1;
 
-    /// Every 60th of 960 steps a period, filled again, against the steps between.
+    /// Of 960 steps per period, every 60th is kept; the interpolation is compared with the others.
     #[test]
-    fn what_was_left_out_is_found_again() {
+    fn interpolation_matches_the_omitted_states() {
         for (stiffness_n_per_m, bound) in [(0.056e6, 5e-4), (0.56e6, 7e-3)] {
             let problem = Problem { law: Law::Dahl { stiffness_n_per_m }, ..table_4_1(0.5, 4.0) };
             let mut fine = Vec::new();
@@ -105,13 +107,13 @@ mod tests {
                 velocity = velocity.max((state.v_m_per_s - truth.v_m_per_s).abs() / vibration);
                 friction = friction.max((state.force_n - truth.force_n).abs() / problem.coulomb_n);
             }
-            // 4.6e-4 and 1.7e-4 at the softer contact, 2.2e-3 at the stiffer.
+            // The errors are 4.6e-4 and 1.7e-4 at the softer contact, and 2.2e-3 at the stiffer.
             assert!(velocity < 1.5e-3 && friction < bound, "{velocity:e} {friction:e}");
         }
     }
 
     #[test]
-    fn states_enough_are_left_alone() {
+    fn dense_states_are_not_changed() {
         let problem = table_4_1(0.5, 4.0);
         let mut fine = Vec::new();
         rk4::run(&problem, 100, &mut |state| fine.push(*state)).unwrap();
@@ -119,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn a_load_counts_from_its_step_on() {
+    fn load_step_changes_the_coulomb_force() {
         let problem = Problem { load_steps: vec![(1e-5, 1.0), (2e-5, 2.0)], ..table_4_1(0.5, 4.0) };
         assert_eq!([0.0, 1e-5, 1.9e-5, 1.0].map(|at| coulomb_n(&problem, at)), [problem.coulomb_n, 1.0, 1.0, 2.0]);
     }

@@ -1,4 +1,5 @@
-//! The last period of a contact whose vibration is at an angle to the sliding: both components.
+//! Figures of the last period of a contact with vibration at an angle to the sliding: both
+//! components.
 
 use super::{TIME, coulomb_n, line};
 use crate::instruments::curves::axis;
@@ -7,8 +8,8 @@ use contact::Problem;
 use contact::plane::Moment;
 use report::{Figure, Series};
 
-/// The figures; none of a study that nobody has watched.
-pub(super) fn of(problem: &Problem, in_plane: &InPlane) -> Vec<Figure> {
+/// Returns the figures; none for a study without a watch.
+pub(super) fn all(problem: &Problem, in_plane: &InPlane) -> Vec<Figure> {
     let moments = &in_plane.last_period;
     let Some(last) = moments.last() else { return Vec::new() };
     let hz = problem.waveform.frequency_hz();
@@ -31,22 +32,30 @@ pub(super) fn of(problem: &Problem, in_plane: &InPlane) -> Vec<Figure> {
         (
             "friction",
             "Friction over the last period",
-            "Along the sliding and across it. Dashed: the Coulomb force, which is the friction along the sliding without vibration.",
+            "Along and transverse to the sliding. Dashed: the Coulomb force, which is the friction along the sliding without \
+             vibration.",
         ),
         "friction [N]",
         vec![
             over_time("along the sliding", "friction_n", &|moment| moment.friction_n[0]),
-            over_time("across the sliding", "friction_across_n", &|moment| moment.friction_n[1]),
+            over_time("transverse to the sliding", "friction_across_n", &|moment| moment.friction_n[1]),
         ],
     );
     friction.hlines.extend([(coulomb_n, "mu N".into()), (-coulomb_n, "-mu N".into())]);
     let path = Figure {
         id: "friction-path".into(),
-        title: "Friction across against friction along the sliding".into(),
-        caption: "Coulomb friction is on the circle of mu N, against the slip; bristles turn with the slip, and are inside where they have not.".into(),
+        title: "Friction transverse to the sliding against friction along it".into(),
+        caption: "Coulomb friction lies on the circle of mu N, opposite to the slip. Bristles turn with the slip; friction lies \
+                  inside the circle until they have turned."
+            .into(),
         x: axis("friction along the sliding [N]"),
-        y: axis("friction across the sliding [N]"),
-        series: vec![line("friction", "friction_across_n", values(&|moment| moment.friction_n[0]), values(&|moment| moment.friction_n[1]))],
+        y: axis("friction transverse to the sliding [N]"),
+        series: vec![line(
+            "friction",
+            "friction_across_n",
+            values(&|moment| moment.friction_n[0]),
+            values(&|moment| moment.friction_n[1]),
+        )],
         hlines: vec![(0.0, String::new())],
         ..Figure::default()
     };
@@ -54,20 +63,21 @@ pub(super) fn of(problem: &Problem, in_plane: &InPlane) -> Vec<Figure> {
         (
             "velocity",
             "Velocity over the last period",
-            "The vibration in its own direction, and the slip along the sliding and across it. Friction turns fastest where the slip is smallest.",
+            "The vibration in its own direction, and the slip along and transverse to the sliding. Friction turns fastest when \
+             the slip is smallest.",
         ),
         "velocity [m/s]",
         vec![
             over_time("vibration x'", "velocity_m_per_s", &|moment| moment.vibration_m_per_s),
             over_time("slip along", "slip_m_per_s", &|moment| moment.slip_m_per_s[0]),
-            over_time("slip across", "slip_across_m_per_s", &|moment| moment.slip_m_per_s[1]),
+            over_time("slip transverse", "slip_across_m_per_s", &|moment| moment.slip_m_per_s[1]),
         ],
     );
     let mut power = figure(
         (
             "power",
             "Power into friction over the last period",
-            "Friction times slip velocity, both components. Dashed: what Coulomb friction dissipates without vibration.",
+            "Friction times slip velocity, both components. Dashed: power dissipated by Coulomb friction without vibration.",
         ),
         "power [mW]",
         vec![over_time("F w", "power_mw", &|moment| {

@@ -1,4 +1,4 @@
-//! Friction, velocity and displacement over the whole run, by their extremes.
+//! Figures of friction, velocity and displacement over the whole run, by their extremes.
 
 use super::TIME;
 use crate::instruments::curves::axis;
@@ -6,12 +6,12 @@ use crate::study::contact::Solved;
 use crate::study::playback::{Bin, Range};
 use report::{Figure, Series, Style};
 
-/// What is shown of a quantity in each part of the run.
+/// Quantity shown in each part of the run.
 struct Quantity {
     id: &'static str,
     title: &'static str,
     axis: &'static str,
-    /// What its line is, in words and as a column.
+    /// Line in words, and name of its column.
     line: (&'static str, &'static str),
     middle: fn(&Bin) -> f64,
     extremes: fn(&Bin) -> Range,
@@ -46,8 +46,8 @@ const QUANTITIES: [Quantity; 3] = [
     },
 ];
 
-/// The figures; none of a run that is shown whole already.
-pub(super) fn of(solved: &Solved) -> Vec<Figure> {
+/// Returns the figures; none for a run that is already shown completely.
+pub(super) fn all(solved: &Solved) -> Vec<Figure> {
     let (bins, hz) = (solved.playback.bins(), solved.scene.excitation.frequency_hz);
     if bins.len() < 2 {
         return Vec::new();
@@ -64,7 +64,7 @@ pub(super) fn of(solved: &Solved) -> Vec<Figure> {
         Figure {
             id: quantity.id.into(),
             title: quantity.title.into(),
-            caption: "The band holds all values of each part of the run.".into(),
+            caption: "The band contains all values of each part of the run.".into(),
             x: axis(TIME),
             y: axis(quantity.axis),
             series: vec![series],

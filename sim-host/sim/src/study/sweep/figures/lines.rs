@@ -1,10 +1,10 @@
-//! Curves of a metric over a key, alone or as a family, and separate points.
+//! Curves of a metric over a key, single or as a family, and separate points.
 
-use super::{DOTS, Data, FAMILY, axis, figure};
+use super::{Data, MAX_DOTS, MAX_FAMILY, axis, figure};
 use crate::numbers::distinct;
 use report::{Figure, Series, Style};
 
-/// The metric over the only key.
+/// Draws the metric over the only key.
 pub(super) fn curve(data: &Data) -> Figure {
     let key = &data.keys[0];
     let mut points: Vec<(f64, f64)> = data.values[0].iter().copied().zip(data.results.iter().copied()).collect();
@@ -16,18 +16,18 @@ pub(super) fn curve(data: &Data) -> Figure {
         y: axis(data.metric),
         series: vec![series(axis(data.metric).label, data.metric, x, y, Style::Line)],
         interactive: true,
-        ..figure("curve", title, "Each point is a run of its own.", data)
+        ..figure("curve", title, "Each point is a separate run.", data)
     }
 }
 
-/// The metric over the axis of more values, a curve for each value of the other, or for some of them. `rows` and `columns`
-/// are how many values the keys have; the second changes fastest.
+/// Draws the metric over the key with more values, with a curve for each value of the other, or for
+/// some of them. `rows` and `columns` are the numbers of values; the second key changes fastest.
 pub(super) fn family(data: &Data, (rows, columns): (u64, u64)) -> Figure {
     let along = usize::from(columns >= rows);
     let (long, short) = (rows.max(columns), rows.min(columns));
     let (key, other) = (&data.keys[along], &data.keys[1 - along]);
     let place = |line: usize, at: usize| if along == 1 { line * columns as usize + at } else { at * columns as usize + line };
-    let curves = short.min(FAMILY) as usize;
+    let curves = short.min(MAX_FAMILY) as usize;
     let lines: Vec<usize> = (0..curves).map(|n| n * (short as usize - 1) / (curves - 1).max(1)).collect();
     let (words, unit) = data.key(1 - along);
     let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
@@ -53,7 +53,7 @@ pub(super) fn family(data: &Data, (rows, columns): (u64, u64)) -> Figure {
             "family",
             format!("{} over {key}", data.metric),
             &format!(
-                "A curve for {} of {short} values of {other}. Each point is a run of its own.",
+                "A curve for {} of {short} values of {other}. Each point is a separate run.",
                 if curves < short as usize { "some" } else { "each" }
             ),
             data,
@@ -61,15 +61,15 @@ pub(super) fn family(data: &Data, (rows, columns): (u64, u64)) -> Figure {
     }
 }
 
-/// The metric over one of many keys, all others being at other values at each point.
+/// Draws the metric over one of many keys; all others have different values at each point.
 pub(super) fn dots(data: &Data, key: usize) -> Figure {
-    let every = data.results.len().div_ceil(DOTS);
+    let every = data.results.len().div_ceil(MAX_DOTS);
     let of = |column: &[f64]| column.iter().copied().step_by(every).collect();
     let name = &data.keys[key];
     let figure = figure(
         "over",
         format!("{} over {name}", data.metric),
-        "A point of the sample each, at most 2000 of them; all other keys have other values at each.",
+        "Points of the sample, at most 2000; all other keys have different values at each point.",
         data,
     );
     Figure {
@@ -89,7 +89,7 @@ fn series(name: String, csv_column: &str, x: Vec<f64>, y: Vec<f64>, style: Style
 mod tests {
     use super::*;
 
-    /// The legend has every digit that tells the curves apart, with key and unit.
+    /// The legend has key, unit and all digits that distinguish the curves.
     #[test]
     fn a_family_names_key_value_and_unit() {
         let keys = ["rig.slider.load_n".to_owned(), "rig.slider.speed_m_per_s".to_owned()];

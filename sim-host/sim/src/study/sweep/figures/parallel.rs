@@ -1,16 +1,17 @@
-//! Parallel coordinates: an upright axis for each key and one for the metric, and a line through them for each point.
+//! Parallel coordinates: a vertical axis for each key and one for the metric, with a line for each
+//! point.
 
 use super::{Data, extremes, figure};
 use report::{Axis, Figure, Series, Style};
 use scene::schema::tail;
 
-/// Most lines of a class.
-const LINES: usize = 30;
-/// Room beside the first and the last axis, for their names, in distances between axes.
-const ROOM: f64 = 0.3;
+/// Maximum number of lines of a class.
+const MAX_LINES: usize = 30;
+/// Margin outside the first and the last axis, for their names, in distances between axes.
+const MARGIN: f64 = 0.3;
 
-/// The points with the largest, middle and smallest values of the metric, each a tenth or at least some.
-pub(super) fn of(data: &Data) -> Figure {
+/// Draws the points with the smallest, middle and largest values of the metric, a tenth of each.
+pub(super) fn draw(data: &Data) -> Figure {
     let mut order: Vec<usize> = (0..data.results.len()).filter(|&point| !data.results[point].is_nan()).collect();
     order.sort_by(|&a, &b| data.results[a].total_cmp(&data.results[b]).then(a.cmp(&b)));
     let tenth = (order.len() / 10).max(1).min(order.len());
@@ -28,10 +29,10 @@ pub(super) fn of(data: &Data) -> Figure {
     };
     let class = |name: &str, points: &[usize]| {
         let (mut x, mut y) = (Vec::new(), Vec::new());
-        for &point in points.iter().step_by(points.len().div_ceil(LINES).max(1)) {
+        for &point in points.iter().step_by(points.len().div_ceil(MAX_LINES).max(1)) {
             x.extend((0..columns.len()).map(|axis| axis as f64));
             y.extend((0..columns.len()).map(|axis| part(axis, point)));
-            // The pen is lifted between lines.
+            // A gap separates the lines.
             x.push(columns.len() as f64 - 1.0);
             y.push(f64::NAN);
         }
@@ -39,8 +40,8 @@ pub(super) fn of(data: &Data) -> Figure {
     };
     let names = data.keys.iter().map(|key| tail(key, data.keys).to_owned()).chain([data.metric.to_owned()]).collect();
     Figure {
-        x: Axis { names, range: Some((-ROOM, columns.len() as f64 - 1.0 + ROOM)), ..Axis::default() },
-        y: Axis { label: "part of the range of each".into(), range: Some((0.0, 1.0)), ..Axis::default() },
+        x: Axis { names, range: Some((-MARGIN, columns.len() as f64 - 1.0 + MARGIN)), ..Axis::default() },
+        y: Axis { label: "fraction of the range of each".into(), range: Some((0.0, 1.0)), ..Axis::default() },
         series: vec![
             class("smallest", &order[..tenth]),
             class("middle", &order[middle..middle + tenth]),
@@ -48,9 +49,9 @@ pub(super) fn of(data: &Data) -> Figure {
         ],
         ..figure(
             "parallel",
-            format!("Where {} is smallest and largest", data.metric),
-            "A line for each of at most 30 points with the smallest tenth of its values, the middle and the largest tenth; each axis from the least to \
-             the greatest of its values, by their logarithms where they are spread by ratios.",
+            format!("Smallest and largest {}", data.metric),
+            "Lines of the points in the smallest, middle and largest tenth of its values, at most 30 each. Each axis spans the \
+             range of its values; it shows logarithms if their spacing is logarithmic.",
             data,
         )
     }

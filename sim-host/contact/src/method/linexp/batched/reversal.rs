@@ -1,27 +1,28 @@
-//! Where the slips of eight contacts reverse within a part: [`first_reversal`](crate::method::polynomial::first_reversal) abreast.
+//! Batched search for the reversals of eight contacts within a part; see
+//! [`first_reversal`](crate::method::polynomial::first_reversal).
 //!
-//! The usual cases are side by side: no reversal, or one between a beginning and an end of opposite sign. What dips, or begins at zero, is left to
-//! the scalar search.
+//! The usual cases are batched: no reversal, or one between a beginning and an end of opposite
+//! sign. The scalar search handles dips, and slips that begin at zero.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask};
 
-use super::vector::{Each, Which, all, numbers, slope, times_k, value};
-use crate::method::polynomial::{PARTS, SQUARES, first_reversal};
+use super::vector::{Mask, Vector, all, numbers, slope, times_k, value};
+use crate::method::polynomial::{QUADRATIC_STEP_RATIO, SECTIONS, first_reversal};
 
-/// Who of those that are `on` reverses, and when.
+/// Returns the contacts in `on` that reverse, and the moments.
 #[inline(always)]
 pub(super) fn reversals<S: Simd, const N: usize>(
-    velocity: &[Each<S>; N],
-    sense: Each<S>,
+    velocity: &[Vector<S>; N],
+    sense: Vector<S>,
     enough: f64,
-    on: Which<S>,
-) -> (Which<S>, Each<S>) {
+    on: Mask<S>,
+) -> (Mask<S>, Vector<S>) {
     let simd = sense.simd;
     let one = all(simd, 1.0);
     let end = value(velocity, one);
     let crosses = on & (sense * end).simd_lt(0.0);
     let plain = crosses & (sense * velocity[0]).simd_gt(0.0);
-    // No term falls further than its own size.
+    // No term can lower the value by more than its own size.
     let mut fall = all(simd, -0.0);
     for c in &velocity[1..] {
         let term = sense * *c;
@@ -47,14 +48,14 @@ pub(super) fn reversals<S: Simd, const N: usize>(
     (reverses, at)
 }
 
-/// Whether there may be a reversal that the ends do not show.
+/// Returns the contacts that may reverse although the ends do not show it.
 #[inline(always)]
-fn may_dip<S: Simd, const N: usize>(velocity: &[Each<S>; N], sense: Each<S>) -> Which<S> {
+fn may_dip<S: Simd, const N: usize>(velocity: &[Vector<S>; N], sense: Vector<S>) -> Mask<S> {
     let slopes = times_k(velocity);
     let mut low = sense * velocity[1];
     let mut dips = sense.simd_lt(all(sense.simd, f64::NEG_INFINITY));
-    for part in 1..=PARTS {
-        let at = all(sense.simd, f64::from(part) / f64::from(PARTS));
+    for part in 1..=SECTIONS {
+        let at = all(sense.simd, f64::from(part) / f64::from(SECTIONS));
         let high = sense * slope(&slopes, at);
         dips |= (sense * value(velocity, at)).simd_lt(0.0) | (low.simd_lt(0.0) & high.simd_gt(0.0));
         low = high;
@@ -62,9 +63,9 @@ fn may_dip<S: Simd, const N: usize>(velocity: &[Each<S>; N], sense: Each<S>) -> 
     dips
 }
 
-/// The roots between 0 and 1, where the polynomials have the values `last`.
+/// Returns the roots between 0 and 1 of polynomials that have the values `last` at 1.
 #[inline(always)]
-fn root<S: Simd, const N: usize>(c: &[Each<S>; N], last: Each<S>, enough: f64, on: Which<S>) -> Each<S> {
+fn root<S: Simd, const N: usize>(c: &[Vector<S>; N], last: Vector<S>, enough: f64, on: Mask<S>) -> Vector<S> {
     let simd = last.simd;
     let (zero, half) = (all(simd, 0.0), all(simd, 0.5));
     let (mut low, mut high, first) = (zero, all(simd, 1.0), c[0]);
@@ -77,7 +78,7 @@ fn root<S: Simd, const N: usize>(c: &[Each<S>; N], last: Each<S>, enough: f64, o
     let (near, other) = (first / far, far / bend);
     let part = is_inside(near).select(near, is_inside(other).select(other, half));
     let mut s = low + (high - low) * part;
-    let mut slopes: [Each<S>; N] = [zero; N];
+    let mut slopes: [Vector<S>; N] = [zero; N];
     for k in 1..N {
         slopes[k - 1] = c[k] * k as f64;
     }
@@ -91,7 +92,7 @@ fn root<S: Simd, const N: usize>(c: &[Each<S>; N], last: Each<S>, enough: f64, o
         let inside = newton.simd_ge(low) & newton.simd_le(high);
         let next = inside.select(newton, (low + high) * 0.5);
         let step = (next - s).abs();
-        let squares = step.simd_le(before * SQUARES) | step.simd_le(enough * enough);
+        let squares = step.simd_le(before * QUADRATIC_STEP_RATIO) | step.simd_le(enough * enough);
         let done = (inside & step.simd_le(enough) & squares) | (high - low).simd_le(2e-16);
         (s, before) = (next, step);
         found = left.select(s, found);
@@ -104,6 +105,6 @@ fn root<S: Simd, const N: usize>(c: &[Each<S>; N], last: Each<S>, enough: f64, o
 }
 
 #[inline(always)]
-fn is_inside<S: Simd>(part: Each<S>) -> Which<S> {
+fn is_inside<S: Simd>(part: Vector<S>) -> Mask<S> {
     part.simd_gt(0.0) & part.simd_lt(1.0)
 }

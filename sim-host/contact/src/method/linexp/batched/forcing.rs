@@ -1,24 +1,25 @@
-//! The forcing of eight contacts over a stretch: of all a cosine of constant frequency, or of all a straight line.
+//! The forcing of eight contacts over a stretch: cosines of constant frequency for all, or straight
+//! lines for all.
 
 use std::f64::consts::TAU;
 
 use fearless_simd::Simd;
 
 use super::turn::sine_cosine;
-use super::vector::{Each, WIDTH, all, each};
+use super::vector::{Vector, WIDTH, all, each};
 use crate::forcing::{Forcing, INVERSE};
 
-/// A forcing of each, of one kind.
+/// Forcings of one kind, one for each contact.
 #[derive(Clone, Copy)]
 pub(super) enum Forcings<S: Simd> {
-    Cosine { size: Each<S>, turns: Each<S>, hz: Each<S> },
-    Line { value: Each<S>, slope: Each<S> },
+    Cosine { size: Vector<S>, turns: Vector<S>, hz: Vector<S> },
+    Line { value: Vector<S>, slope: Vector<S> },
 }
 
 impl<S: Simd> Forcings<S> {
-    /// The forcings, if they are of one kind.
+    /// Combines the forcings, if they are of one kind.
     #[inline(always)]
-    pub fn of_all(simd: S, forcings: &[Forcing; WIDTH]) -> Option<Self> {
+    pub fn combine(simd: S, forcings: &[Forcing; WIDTH]) -> Option<Self> {
         let cosine = |forcing: &Forcing| match *forcing {
             Forcing::Cosine { size, turns, hz, hz_per_s: 0.0 } => Some([size, turns, hz]),
             _ => None,
@@ -35,7 +36,7 @@ impl<S: Simd> Forcings<S> {
         forcings.iter().all(|forcing| line(forcing).is_some()).then(|| Forcings::Line { value: of(0), slope: of(1) })
     }
 
-    /// That of one.
+    /// Returns the forcing of one contact.
     #[inline(always)]
     pub fn one(&self, number: usize) -> Forcing {
         match self {
@@ -46,9 +47,9 @@ impl<S: Simd> Forcings<S> {
         }
     }
 
-    /// As [`Oscillator::forcing`](crate::method::oscillator::Oscillator::forcing).
+    /// Batched [`Oscillator::forcing`](crate::method::oscillator::Oscillator::forcing).
     #[inline(always)]
-    pub fn taylor_in<const N: usize>(&self, s: Each<S>, unit: Each<S>, per_mass: Each<S>) -> [Each<S>; N] {
+    pub fn taylor_in<const N: usize>(&self, s: Vector<S>, unit: Vector<S>, per_mass: Vector<S>) -> [Vector<S>; N] {
         let mut out = [all(s.simd, 0.0); N];
         match *self {
             Forcings::Cosine { size, turns, hz } => {

@@ -1,4 +1,4 @@
-//! Eight runs from beginning to end, stretch by stretch in step.
+//! Eight batched runs from beginning to end, one stretch at a time.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask};
 
@@ -8,30 +8,31 @@ use super::super::quadrature::Nodes;
 use super::super::simd_nodes::Places;
 use super::fast_step::fast_step;
 use super::forcing::Forcings;
-use super::state::Abreast;
+use super::state::Batch;
 use super::table::Tables;
-use super::vector::{Each, WIDTH, Which, all, each, numbers, put};
+use super::vector::{Mask, Vector, WIDTH, all, each, numbers, put};
 use crate::SolveError;
 use crate::problem::Problem;
 use crate::state::State;
 use crate::tally::Tally;
 use crate::timeline::{Stretch, Timeline};
 
-/// Steps of all together between two pauses.
-const PAUSE: u32 = 1 << 16;
+/// Number of steps of the batch between two pauses, counted over all contacts.
+const STEPS_PER_PAUSE: u32 = 1 << 16;
 
-/// What a run has come to.
+/// Result of a run.
 pub(super) type Outcome = Result<Tally, SolveError>;
 
-/// Largest sizes at the steps' ends.
+/// Largest absolute values at the ends of steps.
 struct Peaks<S: Simd> {
-    velocity: Each<S>,
-    displacement: Each<S>,
-    force: Each<S>,
+    velocity: Vector<S>,
+    displacement: Vector<S>,
+    force: Vector<S>,
     steps: u64,
 }
 
-/// Runs of eight contacts, of which the first `count` are asked for; none if their stretches are not alike.
+/// Runs eight contacts and returns the first `count` results; `None` if their stretches are not
+/// equal.
 #[inline(always)]
 pub(super) fn run<S: Simd, const K: usize, const N: usize>(
     simd: S,
@@ -45,16 +46,16 @@ where
     Nodes<K>: Places,
 {
     let zero = all(simd, 0.0);
-    let mut runs = Abreast::new(simd, alone);
+    let mut runs = Batch::new(simd, alone);
     let mut peaks = Peaks { velocity: zero, displacement: zero, force: zero, steps: 0 };
     let mut timelines = problems.map(Timeline::new);
     let mut tables: Vec<Option<Tables<S, K, N>>> = Vec::new();
     let mut outcomes: [Option<Outcome>; WIDTH] = std::array::from_fn(|_| None);
-    let mut on = Which::from_bitmask(simd, (1 << count) - 1);
+    let mut on = Mask::from_bitmask(simd, (1 << count) - 1);
     let mut now_s = [0.0; WIDTH];
     let mut since_pause = 0;
     while let Some(stretches) = alike(&mut timelines, steps_per_period)? {
-        let forcings = Forcings::of_all(simd, &stretches.each_ref().map(|stretch| stretch.forcing))?;
+        let forcings = Forcings::combine(simd, &stretches.each_ref().map(|stretch| stretch.forcing))?;
         begin(&mut runs, &stretches, &forcings, now_s, on);
         let steps = stretches[0].steps(steps_per_period);
         let h = each(simd, |number| stretches[number].length_s / f64::from(steps));
@@ -80,7 +81,7 @@ where
             peaks.see(&runs, on);
         }
         since_pause += steps * WIDTH as u32;
-        if since_pause >= PAUSE {
+        if since_pause >= STEPS_PER_PAUSE {
             since_pause = 0;
             pause();
         }
@@ -101,7 +102,8 @@ where
     outcomes.into_iter().take(count).collect()
 }
 
-/// The next stretch of each; nothing when all are over, and none if they are not alike.
+/// Returns the next stretch of each timeline: `Some(None)` if all have ended, `None` if the
+/// stretches are not equal.
 #[inline(always)]
 fn alike(timelines: &mut [Timeline; WIDTH], steps_per_period: u32) -> Option<Option<[Stretch; WIDTH]>> {
     let next = timelines.each_mut().map(Iterator::next);
@@ -115,19 +117,19 @@ fn alike(timelines: &mut [Timeline; WIDTH], steps_per_period: u32) -> Option<Opt
     next.iter().all(|stretch| stretch.as_ref().is_some_and(like)).then(|| Some(next.map(|stretch| stretch.unwrap_or(first))))
 }
 
-/// A stretch begins, as [`Exact::face`] and the meter have it.
+/// Begins a stretch, as [`Exact::face`] and the meter do.
 #[inline(always)]
 fn begin<S: Simd, const K: usize, const N: usize>(
-    runs: &mut Abreast<S, K, N>,
+    runs: &mut Batch<S, K, N>,
     stretches: &[Stretch; WIDTH],
     forcings: &Forcings<S>,
     now_s: [f64; WIDTH],
-    on: Which<S>,
+    on: Mask<S>,
 ) where
     Nodes<K>: Places,
 {
     if matches!(forcings, Forcings::Cosine { .. }) && !(on & runs.sense.simd_eq(0.0)).any_true() {
-        // A cosine goes on where the last one ended.
+        // A cosine continues the previous one.
         runs.face(on, runs.end(runs.f, runs.slip_velocity, runs.a));
     } else {
         for number in numbers(on) {
@@ -145,7 +147,7 @@ fn begin<S: Simd, const K: usize, const N: usize>(
 }
 
 #[inline(always)]
-fn state<S: Simd, const K: usize, const N: usize>(runs: &Abreast<S, K, N>, number: usize, time_s: f64) -> State
+fn state<S: Simd, const K: usize, const N: usize>(runs: &Batch<S, K, N>, number: usize, time_s: f64) -> State
 where
     Nodes<K>: Places,
 {
@@ -153,13 +155,14 @@ where
     State { time_s, x_m: runs.x[number], v_m_per_s: runs.v[number], force_n }
 }
 
-/// One step of those that are `on`: by the table, or with one reversal by the table, or in parts.
+/// Computes one step of the contacts in `on`: by the table, by the table with one reversal, or in
+/// parts.
 #[inline(always)]
 fn go<S: Simd, const K: usize, const N: usize>(
-    runs: &mut Abreast<S, K, N>,
+    runs: &mut Batch<S, K, N>,
     table: Option<&Tables<S, K, N>>,
-    (forcings, step, h): (&Forcings<S>, u32, Each<S>),
-    (on, tabled): (Which<S>, Which<S>),
+    (forcings, step, h): (&Forcings<S>, u32, Vector<S>),
+    (on, tabled): (Mask<S>, Mask<S>),
 ) where
     Nodes<K>: Places,
 {
@@ -182,9 +185,9 @@ fn go<S: Simd, const K: usize, const N: usize>(
 }
 
 impl<S: Simd> Peaks<S> {
-    /// A step has ended.
+    /// Records the end of a step.
     #[inline(always)]
-    fn see<const K: usize, const N: usize>(&mut self, runs: &Abreast<S, K, N>, on: Which<S>)
+    fn see<const K: usize, const N: usize>(&mut self, runs: &Batch<S, K, N>, on: Mask<S>)
     where
         Nodes<K>: Places,
     {
@@ -194,9 +197,9 @@ impl<S: Simd> Peaks<S> {
         self.steps += 1;
     }
 
-    /// What one has added up.
+    /// Returns the sums of one run.
     #[inline(always)]
-    fn finish<const K: usize, const N: usize>(&self, runs: &mut Abreast<S, K, N>, number: usize, time_s: f64) -> Tally
+    fn finish<const K: usize, const N: usize>(&self, runs: &mut Batch<S, K, N>, number: usize, time_s: f64) -> Tally
     where
         Nodes<K>: Places,
     {
@@ -215,6 +218,6 @@ impl<S: Simd> Peaks<S> {
 }
 
 #[inline(always)]
-fn larger<S: Simd>(peak: &mut Each<S>, size: Each<S>, on: Which<S>) {
+fn larger<S: Simd>(peak: &mut Vector<S>, size: Vector<S>, on: Mask<S>) {
     put(peak, on & size.simd_gt(*peak), size);
 }

@@ -1,18 +1,20 @@
-//! Runs of many contacts at once, eight side by side in the lanes of SIMD registers: each bit for bit the run that it is alone.
+//! Batched runs of many contacts, eight at a time in the lanes of SIMD registers. Each is bit for
+//! bit equal to a single run.
 //!
 //! ```text
-//! problems --> eights of like stretches --> Abreast (state, number by number)
-//!                                             fast step   all at once, by tables of all
-//!                                             exact step  those with a reversal or a steep law, each in parts of its own
+//! problems --> groups of eight with equal stretches --> Batch (state, one vector per quantity)
+//!                                             fast step   all at once, by common tables
+//!                                             exact step  contacts with a reversal or a steep law, each in its own parts
 //!              the others ---------------> one by one
 //! ```
 //!
-//! The lanes do the operations of the scalar run in the same order, so what comes out is the same bits whatever the instruction set, which
-//! is chosen at run time. Contacts side by side cost as many exact steps as the one with most, and one wherever any of them reverses: so
-//! neighbours of a map, which reverse at nearly the same time, gain most.
+//! The lanes perform the operations of the scalar run in the same order, so the result has the same
+//! bits for every instruction set. The instruction set is chosen at run time. A batch takes as many
+//! exact steps as its worst contact, and one whenever any contact reverses. So neighbours in a map,
+//! which reverse at nearly the same time, gain most.
 #![cfg_attr(
     not(any(target_arch = "x86_64", target_arch = "aarch64")),
-    expect(dead_code, unused_variables, reason = "without instructions of that kind nothing runs side by side")
+    expect(dead_code, unused_variables, reason = "without such SIMD instructions nothing is batched")
 )]
 
 mod decay;
@@ -31,18 +33,19 @@ use fearless_simd::{Level, Simd};
 use super::exact_step::Exact;
 use super::quadrature::Nodes;
 use super::simd_nodes::Places;
-use super::{Options, PLAIN};
+use super::{Options, PLAIN_TERMS};
 use crate::problem::{Law, Motion, Problem};
 use crate::waveform::Shape;
 use run::Outcome;
 use vector::WIDTH;
 
-/// Runs problems of Dahl friction as [`run`](super::run) does without the energies; `pause` is called now and then.
-pub fn run_abreast(problems: &[&Problem], steps_per_period: u32, order: u32, pause: &dyn Fn()) -> Vec<Outcome> {
+/// Runs problems of Dahl friction as [`run`](super::run) does without the energies; `pause` is
+/// called from time to time.
+pub fn run_batched(problems: &[&Problem], steps_per_period: u32, order: u32, pause: &dyn Fn()) -> Vec<Outcome> {
     run_at(Level::new(), problems, steps_per_period, order, pause)
 }
 
-/// The same with the instructions of a level.
+/// Runs problems with the instructions of a level.
 fn run_at(level: Level, problems: &[&Problem], steps_per_period: u32, order: u32, pause: &dyn Fn()) -> Vec<Outcome> {
     let mut out = Vec::with_capacity(problems.len());
     for eight in problems.chunks(WIDTH) {
@@ -63,26 +66,27 @@ fn run_at(level: Level, problems: &[&Problem], steps_per_period: u32, order: u32
     out
 }
 
-/// Up to eight side by side; none if they cannot.
+/// Runs up to eight problems in one batch; `None` if they cannot be batched.
 fn chunk<const K: usize>(level: Level, problems: &[&Problem], steps_per_period: u32, pause: &dyn Fn()) -> Option<Vec<Outcome>>
 where
     Nodes<K>: Places,
 {
-    if problems.len() < 2 || !problems.iter().all(|problem| is_for_lanes(problem)) {
+    if problems.len() < 2 || !problems.iter().all(|problem| can_be_batched(problem)) {
         return None;
     }
     let last = *problems.last()?;
     let eight: [&Problem; WIDTH] = std::array::from_fn(|number| problems.get(number).copied().unwrap_or(last));
-    let alone = eight.map(|problem| Exact::<K, PLAIN>::new(problem, stiffness(problem), steps_per_period, Options::Plain));
+    let alone = eight.map(|problem| Exact::<K, PLAIN_TERMS>::new(problem, stiffness(problem), steps_per_period, Options::Plain));
     at(level, &eight, problems.len(), alone, steps_per_period, pause)
 }
 
-/// The run with the widest instructions of a level: AVX-512, AVX2, or what every machine of its kind has.
+/// Runs a batch with the widest instructions of a level: AVX-512, AVX2, or the baseline of the
+/// architecture.
 fn at<const K: usize>(
     level: Level,
     problems: &[&Problem; WIDTH],
     count: usize,
-    alone: [Exact<K, PLAIN>; WIDTH],
+    alone: [Exact<K, PLAIN_TERMS>; WIDTH],
     steps_per_period: u32,
     pause: &dyn Fn(),
 ) -> Option<Vec<Outcome>>
@@ -101,7 +105,7 @@ where
     }
     #[cfg(target_arch = "aarch64")]
     return with(level.as_neon()?, problems, count, alone, steps_per_period, pause);
-    // Without instructions of that kind lanes gain nothing.
+    // Without such SIMD instructions batches gain nothing.
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     return None;
 }
@@ -110,7 +114,7 @@ fn with<S: Simd, const K: usize>(
     simd: S,
     problems: &[&Problem; WIDTH],
     count: usize,
-    alone: [Exact<K, PLAIN>; WIDTH],
+    alone: [Exact<K, PLAIN_TERMS>; WIDTH],
     steps_per_period: u32,
     pause: &dyn Fn(),
 ) -> Option<Vec<Outcome>>
@@ -123,8 +127,9 @@ where
     )
 }
 
-/// Whether the lanes can do a problem: an oscillator with Dahl friction under one load and a periodic forcing.
-pub fn is_for_lanes(problem: &Problem) -> bool {
+/// Returns `true` if a problem can be batched: an oscillator with Dahl friction under one load and
+/// a periodic forcing.
+pub fn can_be_batched(problem: &Problem) -> bool {
     let periodic =
         matches!(problem.waveform.shape(), Shape::Sine | Shape::Square | Shape::Sawtooth | Shape::Triangle | Shape::Still);
     let oscillates = matches!(problem.motion, Motion::Sdof { .. });

@@ -1,55 +1,55 @@
-//! State and sums of eight runs: [`Exact`] abreast, number by number.
+//! State and sums of eight batched runs, with one vector per quantity; see [`Exact`].
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat};
 
-use super::super::exact_step::{Exact, LONGEST};
+use super::super::exact_step::{Exact, LONGEST_PART};
 use super::super::quadrature::{End, Nodes};
 use super::super::simd_nodes::Places;
-use super::vector::{Each, WIDTH, Which, all, each, put, times_k};
+use super::vector::{Mask, Vector, WIDTH, all, each, put, times_k};
 use crate::method::oscillator::KERNEL;
 
-/// Friction over Fc and its first two rates.
+/// Friction over Fc with its first two rates.
 #[derive(Clone, Copy)]
 pub(super) struct Rates<S: Simd> {
-    pub value: Each<S>,
-    pub slope: Each<S>,
-    pub curvature: Each<S>,
+    pub value: Vector<S>,
+    pub slope: Vector<S>,
+    pub curvature: Vector<S>,
 }
 
-/// Eight runs, with the names of [`Exact`].
-pub(super) struct Abreast<S: Simd, const K: usize, const N: usize>
+/// Eight batched runs; the fields are those of [`Exact`].
+pub(super) struct Batch<S: Simd, const K: usize, const N: usize>
 where
     Nodes<K>: Places,
 {
     pub simd: S,
-    pub x: Each<S>,
-    pub v: Each<S>,
-    pub f: Each<S>,
+    pub x: Vector<S>,
+    pub v: Vector<S>,
+    pub f: Vector<S>,
     pub here: Rates<S>,
-    pub sense: Each<S>,
-    pub slip_velocity: Each<S>,
-    pub a: Each<S>,
-    pub friction_n_s: Each<S>,
-    pub friction_work_j: Each<S>,
-    pub reversals: Each<S>,
-    pub sliding: Each<S>,
-    pub sign: Each<S>,
-    pub coulomb_n: Each<S>,
-    pub per_metre: Each<S>,
-    pub push: Each<S>,
-    pub damping: Each<S>,
-    pub stiffness: Each<S>,
-    pub per_mass: Each<S>,
+    pub sense: Vector<S>,
+    pub slip_velocity: Vector<S>,
+    pub a: Vector<S>,
+    pub friction_n_s: Vector<S>,
+    pub friction_work_j: Vector<S>,
+    pub reversals: Vector<S>,
+    pub sliding: Vector<S>,
+    pub sign: Vector<S>,
+    pub coulomb_n: Vector<S>,
+    pub per_metre: Vector<S>,
+    pub push: Vector<S>,
+    pub damping: Vector<S>,
+    pub stiffness: Vector<S>,
+    pub per_mass: Vector<S>,
     pub steepest: f64,
     pub saturated: f64,
-    pub kernel: [Each<S>; KERNEL],
-    /// Its coefficients times their index.
-    pub kernel_slopes: [Each<S>; KERNEL],
-    /// The same runs one by one: their constants and meters, and their state where one goes alone.
+    pub kernel: [Vector<S>; KERNEL],
+    /// Coefficients of the kernel times their index.
+    pub kernel_slopes: [Vector<S>; KERNEL],
+    /// The same runs as scalars: their constants and meters, and their state while one runs alone.
     pub alone: [Exact<K, N>; WIDTH],
 }
 
-impl<S: Simd, const K: usize, const N: usize> Abreast<S, K, N>
+impl<S: Simd, const K: usize, const N: usize> Batch<S, K, N>
 where
     Nodes<K>: Places,
 {
@@ -60,7 +60,7 @@ where
         let rates =
             Rates { value: of(|run| run.here.value), slope: of(|run| run.here.slope), curvature: of(|run| run.here.curvature) };
         let zero = all(simd, 0.0);
-        Abreast {
+        Batch {
             simd,
             x: of(|run| run.x),
             v: of(|run| run.v),
@@ -88,7 +88,7 @@ where
         }
     }
 
-    /// Lets one of the runs do something alone.
+    /// Applies a scalar operation to one of the runs.
     #[inline(always)]
     pub fn let_one<T>(&mut self, number: usize, act: impl FnOnce(&mut Exact<K, N>) -> T) -> T {
         let run = &mut self.alone[number];
@@ -112,57 +112,57 @@ where
         done
     }
 
-    /// As [`Exact::acceleration`].
+    /// Batched [`Exact::acceleration`].
     #[inline(always)]
-    pub fn acceleration(&self, u: Each<S>, x: Each<S>, v: Each<S>, f: Each<S>) -> Each<S> {
+    pub fn acceleration(&self, u: Vector<S>, x: Vector<S>, v: Vector<S>, f: Vector<S>) -> Vector<S> {
         u - self.damping * v - self.stiffness * x - self.push * f
     }
 
-    /// As [`Exact::longest`].
+    /// Batched [`Exact::longest`].
     #[inline(always)]
-    pub fn longest(&self) -> Each<S> {
+    pub fn longest(&self) -> Vector<S> {
         let simd = self.simd;
         let still = (self.f - self.sense).abs().simd_le(self.saturated);
         let slip = all(simd, self.steepest) / self.per_metre;
         let v = self.slip_velocity.abs();
         let by_slip = slip * 2.0 / (v + (v * v + self.a.abs() * 2.0 * slip).sqrt());
         let spring = self.push * self.per_metre * (all(simd, 1.0) - self.sense * self.f).abs();
-        let by_spring = all(simd, LONGEST) / spring.sqrt();
+        let by_spring = all(simd, LONGEST_PART) / spring.sqrt();
         still.select(all(simd, f64::INFINITY), least(by_slip, by_spring))
     }
 
-    /// As [`Exact::friction_terms`].
+    /// Batched [`Exact::friction_terms`].
     #[inline(always)]
-    pub fn friction_terms(&self, unit_s: Each<S>) -> [Each<S>; 3] {
+    pub fn friction_terms(&self, unit_s: Vector<S>) -> [Vector<S>; 3] {
         let Rates { value, slope, curvature } = self.here;
         [value, unit_s * slope, unit_s * 0.5 * unit_s * curvature]
     }
 
-    /// As [`Exact::end`].
+    /// Batched [`Exact::end`].
     #[inline(always)]
-    pub fn end(&self, f: Each<S>, v: Each<S>, a: Each<S>) -> Rates<S> {
+    pub fn end(&self, f: Vector<S>, v: Vector<S>, a: Vector<S>) -> Rates<S> {
         let free = self.per_metre * (all(self.simd, 1.0) - self.sense * f);
         let slope = v * free;
         Rates { value: f, slope, curvature: a * free - self.per_metre * v * self.sense * slope }
     }
 
-    /// Takes the rates of those that are chosen.
+    /// Sets the friction rates of the chosen runs.
     #[inline(always)]
-    pub fn face(&mut self, chosen: Which<S>, rates: Rates<S>) {
+    pub fn face(&mut self, chosen: Mask<S>, rates: Rates<S>) {
         put(&mut self.here.value, chosen, rates.value);
         put(&mut self.here.slope, chosen, rates.slope);
         put(&mut self.here.curvature, chosen, rates.curvature);
     }
 
-    /// As [`Exact::add_friction`], of those that are chosen.
+    /// Batched [`Exact::add_friction`] of the chosen runs.
     #[inline(always)]
     pub fn add_friction(
         &mut self,
-        chosen: Which<S>,
-        length_s: Each<S>,
-        forces: &[Each<S>; K],
-        (f, slip_velocity, a): (Each<S>, Each<S>, Each<S>),
-        slip: Each<S>,
+        chosen: Mask<S>,
+        length_s: Vector<S>,
+        forces: &[Vector<S>; K],
+        (f, slip_velocity, a): (Vector<S>, Vector<S>, Vector<S>),
+        slip: Vector<S>,
     ) {
         let s = self.sense;
         let f = (f - s).abs().simd_le(self.saturated).select(s, f);
@@ -177,9 +177,9 @@ where
         self.face(chosen, there);
     }
 
-    /// As [`Nodes::mean`], from here to there.
+    /// Batched [`Nodes::mean`] from the present state to `there`.
     #[inline(always)]
-    fn mean(&self, nodes: &[Each<S>; K], there: &Rates<S>, h: Each<S>) -> Each<S> {
+    fn mean(&self, nodes: &[Vector<S>; K], there: &Rates<S>, h: Vector<S>) -> Vector<S> {
         let here = &self.here;
         let mut inner = all(self.simd, -0.0);
         for (value, weight) in nodes.iter().zip(Nodes::<K>::MEAN) {
@@ -191,8 +191,8 @@ where
     }
 }
 
-/// The smaller of two; the first where the second is no number.
+/// Returns the smaller of two numbers; the first if the second is NaN.
 #[inline(always)]
-pub(super) fn least<S: Simd>(a: Each<S>, b: Each<S>) -> Each<S> {
+pub(super) fn least<S: Simd>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
     (b.simd_lt(a) | a.simd_ne(a)).select(b, a)
 }

@@ -1,10 +1,11 @@
-//! Several runs at once, whose plants go side by side; each has its own controller, its own orders and its own record.
+//! Several runs in a batch, with their plants computed together. Each has its own controller,
+//! commands and record.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::recorder::Watched;
 use super::session::Session;
-use super::{LOOK_EVERY, RunError};
+use super::{CHECK_INTERVAL_BLOCKS, RunError};
 use crate::instruments::windows_of_metrics;
 use crate::processor::{Here, Processor};
 use crate::record::Record;
@@ -14,24 +15,25 @@ use scene::{Driven, settings};
 
 pub use plant::quad::LANES;
 
-/// A run in a lane.
+/// Run in a lane.
 struct Lane {
     processor: Here,
     session: Session,
 }
 
-/// Runs up to [`LANES`] scenes with their controllers in this process. Each record is what [`run`](super::run) makes of its scene alone, bit for bit; a
-/// plant that is no stack, or a scene that ends before the others, goes its own way.
-pub fn run_abreast(scenes: &[Driven], stop: Option<&AtomicBool>) -> Vec<Result<Record, RunError>> {
+/// Runs up to [`LANES`] scenes in a batch, with their controllers in this process. Each record
+/// equals that of [`run`](super::run) bit for bit. A plant that is not a stack is computed
+/// separately, and a scene may end before the others.
+pub fn run_batch(scenes: &[Driven], stop: Option<&AtomicBool>) -> Vec<Result<Record, RunError>> {
     let mut lanes: Vec<Result<Lane, RunError>> = scenes.iter().map(Lane::new).collect();
-    let mut abreast = Abreast::default();
+    let mut batch = Abreast::default();
     let mut block = 0_u64;
     while lanes.iter().flatten().any(|lane| lane.session.next().is_some()) {
-        if block.is_multiple_of(LOOK_EVERY) && stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+        if block.is_multiple_of(CHECK_INTERVAL_BLOCKS) && stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
             lanes.iter_mut().flatten().for_each(|lane| lane.session.interrupt());
             break;
         }
-        tick(&mut lanes, &mut abreast);
+        tick(&mut lanes, &mut batch);
         block += 1;
     }
     lanes.into_iter().map(|lane| lane.and_then(|Lane { mut processor, session }| session.finish(&mut processor))).collect()
@@ -45,8 +47,8 @@ impl Lane {
     }
 }
 
-/// A block of every run that has one.
-fn tick(lanes: &mut [Result<Lane, RunError>], abreast: &mut Abreast) {
+/// Advances every run that has not ended by a block.
+fn tick(lanes: &mut [Result<Lane, RunError>], batch: &mut Abreast) {
     let mut voices: [Option<Voice>; LANES] = [const { None }; LANES];
     let mut watched: [Option<Watched>; LANES] = [const { None }; LANES];
     let going = lanes.iter_mut().map(|lane| lane.as_mut().ok().filter(|lane| lane.session.next().is_some()));
@@ -60,7 +62,7 @@ fn tick(lanes: &mut [Result<Lane, RunError>], abreast: &mut Abreast) {
             other => hal_mock::analog::Analog::exchange(other, drive, sense),
         }
     }
-    abreast.exchange(&mut voices);
+    batch.exchange(&mut voices);
     for (lane, watched) in lanes.iter_mut().zip(&watched) {
         let (Ok(running), Some(watched)) = (&mut *lane, watched) else { continue };
         running.session.played(watched);
@@ -84,7 +86,7 @@ mod tests {
 
     fn compare(group: &[Loaded]) {
         let scenes: Vec<Driven> = group.iter().map(|loaded| loaded.scene.driven().unwrap()).collect();
-        for ((together, scene), loaded) in run_abreast(&scenes, None).into_iter().zip(&scenes).zip(group) {
+        for ((together, scene), loaded) in run_batch(&scenes, None).into_iter().zip(&scenes).zip(group) {
             let (together, alone) = (together.unwrap(), run(scene, Watch::default()).unwrap());
             let what = format!("{} {:?}", loaded.name, loaded.sets);
             assert_eq!(together.drive_hash, alone.drive_hash, "{what}");
@@ -94,9 +96,10 @@ mod tests {
         }
     }
 
-    /// Cold starts of different nominal values, a fault that mutes one of them on the way, and one that ends before the others.
+    /// Tests cold starts with different nominal values, with a fault that mutes one of them during
+    /// the run, and with one that ends before the others.
     #[test]
-    fn cold_starts_side_by_side_are_what_each_is_alone() {
+    fn batched_cold_starts_equal_separate_runs() {
         compare(&[
             scene("lock-cold", &["seed=5", "controller.drive.frequency_hz=39.4e3"]),
             scene("lock-cold", &["seed=6", "controller.tracking.nominal_q=40", "stack.bvd.q=120"]),
@@ -105,9 +108,10 @@ mod tests {
         ]);
     }
 
-    /// Bursts with silence between them, a resonance that drifts, a contact, and a motor: what does not fit goes alone.
+    /// Tests bursts with silence between them, a drifting resonance, a contact and a motor. Plants
+    /// that cannot be batched are computed separately.
     #[test]
-    fn different_scenes_side_by_side_are_what_each_is_alone() {
+    fn batched_scenes_equal_separate_runs() {
         compare(&[scene("burst", &[]), scene("lock", &[]), scene("lock-step", &[])]);
         let contact = ["duration_s=0.15", "controller.burst.on_s=[0.06]", "controller.burst.off_s=[0.12]"];
         let motor = ["duration_s=0.02", "controller.burst.on_s=[0.01]", "controller.burst.off_s=[0.015]"];
@@ -115,10 +119,10 @@ mod tests {
     }
 
     #[test]
-    fn runs_that_are_stopped_say_so() {
+    fn stopped_runs_are_marked_interrupted() {
         let loaded = scene("lock-cold", &[]);
         let scenes = [loaded.scene.driven().unwrap(); 2];
-        let records = run_abreast(&scenes, Some(&AtomicBool::new(true)));
+        let records = run_batch(&scenes, Some(&AtomicBool::new(true)));
         assert!(records.iter().all(|record| record.as_ref().is_ok_and(|record| record.interrupted && record.rows.is_empty())));
     }
 }

@@ -1,46 +1,49 @@
-//! The flows of eight contacts over each step of a period: [`Table`](super::super::fast_step::Table) abreast, and made abreast.
+//! Batched tables of the flows of eight contacts over each step of a period; see
+//! [`Table`](super::super::fast_step::Table).
 
 use fearless_simd::Simd;
 
-use super::super::fast_step::EXACT;
+use super::super::fast_step::TABLE_TERMS;
 use super::super::quadrature::Nodes;
 use super::super::simd_nodes::{Places, place};
 use super::exact_step::{Substeps, series};
 use super::forcing::Forcings;
-use super::state::Abreast;
-use super::vector::{Each, all, value};
+use super::state::Batch;
+use super::vector::{Vector, all, value};
 
-/// With the names of [`Table`](super::super::fast_step::Table). Places are the nodes, and then the end.
+/// Tables of eight contacts; the fields are those of [`Table`](super::super::fast_step::Table). The
+/// evaluation points are the nodes, then the end.
 pub(super) struct Tables<S: Simd, const K: usize, const N: usize> {
-    pub h: Each<S>,
+    pub h: Vector<S>,
     pub x: By<S>,
-    pub v_end: [Each<S>; 4],
-    pub slide: [Each<S>; 4],
-    pub kick: [[Each<S>; K]; 4],
-    pub kick_end: [Each<S>; K],
-    pub at_s: [Each<S>; K],
+    pub v_end: [Vector<S>; 4],
+    pub slide: [Vector<S>; 4],
+    pub kick: [[Vector<S>; K]; 4],
+    pub kick_end: [Vector<S>; K],
+    pub at_s: [Vector<S>; K],
     by: [Series<S, N>; 5],
     pub forced: Vec<Forced<S>>,
-    /// What the forcing adds as polynomials, and the forcing itself: apart, as few steps need them.
-    curves: Vec<(Series<S, N>, [Each<S>; N])>,
+    /// Contribution of the forcing as polynomials, and the forcing itself; stored separately
+    /// because few steps need them.
+    curves: Vec<(Series<S, N>, [Vector<S>; N])>,
 }
 
 /// Coefficients of displacement and velocity over a step.
-type Series<S, const N: usize> = ([Each<S>; N], [Each<S>; N]);
+type Series<S, const N: usize> = ([Vector<S>; N], [Vector<S>; N]);
 
-/// Displacements at the places, by what they come from.
+/// Displacements at the evaluation points, for each quantity that contributes to them.
 pub(super) struct By<S: Simd> {
-    pub x: [Each<S>; 4],
-    pub v: [Each<S>; 4],
-    pub push: [Each<S>; 4],
-    pub push_rate: [Each<S>; 4],
+    pub x: [Vector<S>; 4],
+    pub v: [Vector<S>; 4],
+    pub push: [Vector<S>; 4],
+    pub push_rate: [Vector<S>; 4],
 }
 
-/// What the forcing adds within one step.
+/// Contribution of the forcing within one step.
 pub(super) struct Forced<S: Simd> {
-    pub x: [Each<S>; 4],
-    pub v_end: Each<S>,
-    pub last: Each<S>,
+    pub x: [Vector<S>; 4],
+    pub v_end: Vector<S>,
+    pub last: Vector<S>,
 }
 
 impl<S: Simd, const K: usize, const N: usize> Tables<S, K, N>
@@ -48,10 +51,10 @@ where
     Nodes<K>: Places,
 {
     #[inline(always)]
-    pub fn new(runs: &Abreast<S, K, N>, forcings: &Forcings<S>, steps: u32, h: Each<S>) -> Self {
+    pub fn new(runs: &Batch<S, K, N>, forcings: &Forcings<S>, steps: u32, h: Vector<S>) -> Self {
         let simd = runs.simd;
         let (zero, unit) = (all(simd, 0.0), all(simd, 1.0));
-        let none = [zero; EXACT];
+        let none = [zero; TABLE_TERMS];
         let (mut push, mut linear, mut square, mut rate) = (none, none, none, none);
         (push[0], linear[1], square[2], rate[1]) = (unit, unit, unit, h);
         let by_x = flow(runs, (unit, zero), &none, h);
@@ -62,7 +65,7 @@ where
         let by_square = flow(runs, (zero, zero), &square, h);
         let (mut forced, mut curves) = (Vec::with_capacity(steps as usize), Vec::with_capacity(steps as usize));
         for step in 0..steps {
-            let u: [Each<S>; EXACT] = forcings.taylor_in(h * f64::from(step), h, runs.per_mass);
+            let u: [Vector<S>; TABLE_TERMS] = forcings.taylor_in(h * f64::from(step), h, runs.per_mass);
             let (xs, vs) = flow(runs, (zero, zero), &u, h);
             forced.push(Forced { x: places::<S, K>(&xs), v_end: value_at(&vs, 1.0), last: value_at(&u, 1.0) });
             curves.push((short(&(xs, vs)), cut(&u)));
@@ -101,9 +104,9 @@ where
         }
     }
 
-    /// Whole steps as one substep each.
+    /// Returns whole steps as one substep each.
     #[inline(always)]
-    pub fn part(&self, runs: &Abreast<S, K, N>, step: usize) -> Option<Substeps<S, N>> {
+    pub fn part(&self, runs: &Batch<S, K, N>, step: usize) -> Option<Substeps<S, N>> {
         let ((mut x, mut v), u) = *self.curves.get(step)?;
         let f = runs.friction_terms(self.h);
         let scales = [runs.x, runs.v, -runs.push * f[0], -runs.push * f[1], -runs.push * f[2]];
@@ -117,14 +120,14 @@ where
     }
 }
 
-/// The flow from displacements and velocities under forcings over a step.
+/// Computes the flow over a step from initial displacements and velocities under forcings.
 #[inline(always)]
 fn flow<S: Simd, const K: usize, const N: usize>(
-    runs: &Abreast<S, K, N>,
-    from: (Each<S>, Each<S>),
-    u: &[Each<S>; EXACT],
-    h: Each<S>,
-) -> Series<S, EXACT>
+    runs: &Batch<S, K, N>,
+    from: (Vector<S>, Vector<S>),
+    u: &[Vector<S>; TABLE_TERMS],
+    h: Vector<S>,
+) -> Series<S, TABLE_TERMS>
 where
     Nodes<K>: Places,
 {
@@ -134,14 +137,14 @@ where
     )
 }
 
-/// Where in a step from 0 to 1 a place is: a node, or the end.
+/// Returns the position of an evaluation point in a step from 0 to 1: a node, or the end.
 #[inline(always)]
 fn part_of<const K: usize>(lane: usize) -> f64 {
     if lane < K { place::<K>(lane) } else { 1.0 }
 }
 
 #[inline(always)]
-fn value_at<S: Simd>(c: &[Each<S>; EXACT], s: f64) -> Each<S> {
+fn value_at<S: Simd>(c: &[Vector<S>; TABLE_TERMS], s: f64) -> Vector<S> {
     let simd = c[0].simd;
     simd.vectorize(
         #[inline(always)]
@@ -150,7 +153,7 @@ fn value_at<S: Simd>(c: &[Each<S>; EXACT], s: f64) -> Each<S> {
 }
 
 #[inline(always)]
-fn places<S: Simd, const K: usize>(c: &[Each<S>; EXACT]) -> [Each<S>; 4] {
+fn places<S: Simd, const K: usize>(c: &[Vector<S>; TABLE_TERMS]) -> [Vector<S>; 4] {
     let mut out = [all(c[0].simd, 0.0); 4];
     for (lane, out) in out.iter_mut().enumerate().take(K + 1) {
         *out = value_at(c, part_of::<K>(lane));
@@ -158,15 +161,15 @@ fn places<S: Simd, const K: usize>(c: &[Each<S>; EXACT]) -> [Each<S>; 4] {
     out
 }
 
-/// The first coefficients.
+/// Returns the first coefficients.
 #[inline(always)]
-fn cut<S: Simd, const N: usize>(c: &[Each<S>; EXACT]) -> [Each<S>; N] {
+fn cut<S: Simd, const N: usize>(c: &[Vector<S>; TABLE_TERMS]) -> [Vector<S>; N] {
     let mut out = [c[0]; N];
     out.copy_from_slice(&c[..N]);
     out
 }
 
 #[inline(always)]
-fn short<S: Simd, const N: usize>(series: &Series<S, EXACT>) -> Series<S, N> {
+fn short<S: Simd, const N: usize>(series: &Series<S, TABLE_TERMS>) -> Series<S, N> {
     (cut(&series.0), cut(&series.1))
 }

@@ -1,43 +1,46 @@
-//! The exact step of eight contacts, each in substeps of its own: [`exact_step`](super::super::exact_step) abreast.
+//! The batched exact step of eight contacts, each in its own substeps; see
+//! [`exact_step`](super::super::exact_step).
 //!
-//! Who has come to the end of the step waits for the others. What nearly never happens is done one by one, by the scalar step itself.
+//! A contact that has reached the end of the step waits for the others. Rare cases are handled one
+//! by one by the scalar step.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdMask};
 
-use super::super::exact_step::{LOCATED, SHORTEST, SMALL};
+use super::super::exact_step::{LOCATION_TOLERANCE, SHORTEST_PART, SMALL_EXPONENT};
 use super::super::quadrature::Nodes;
 use super::super::simd_nodes::{Places, place};
 use super::decay::decay;
 use super::forcing::Forcings;
 use super::reversal::reversals;
-use super::state::Abreast;
-use super::vector::{Each, Which, all, numbers, put, slope, value};
+use super::state::Batch;
+use super::vector::{Mask, Vector, all, numbers, put, slope, value};
 use crate::method::oscillator::{INVERSE, KERNEL};
 
-/// Kicks of two pieces, before and after a reversal.
-const KICKS: usize = 6;
+/// Largest number of kicks: those of two pieces, before and after a reversal.
+const MAX_KICKS: usize = 6;
 
-/// The motions over one part of each, with the names of [`Substep`](super::super::substep::Substep).
+/// Motions over one part of each contact; the fields are those of
+/// [`Substep`](super::super::substep::Substep).
 pub(super) struct Substeps<S: Simd, const N: usize> {
-    pub unit_s: Each<S>,
-    pub x: [Each<S>; N],
-    pub v: [Each<S>; N],
-    pub u: [Each<S>; N],
-    pub f: [Each<S>; 3],
-    kicks: [(Each<S>, Each<S>); KICKS],
+    pub unit_s: Vector<S>,
+    pub x: [Vector<S>; N],
+    pub v: [Vector<S>; N],
+    pub u: [Vector<S>; N],
+    pub f: [Vector<S>; 3],
+    kicks: [(Vector<S>, Vector<S>); MAX_KICKS],
     count: usize,
 }
 
 impl<S: Simd, const N: usize> Substeps<S, N> {
     #[inline(always)]
-    pub fn new(unit_s: Each<S>, (x, v): ([Each<S>; N], [Each<S>; N]), u: [Each<S>; N], f: [Each<S>; 3]) -> Self {
+    pub fn new(unit_s: Vector<S>, (x, v): ([Vector<S>; N], [Vector<S>; N]), u: [Vector<S>; N], f: [Vector<S>; 3]) -> Self {
         let zero = all(unit_s.simd, 0.0);
-        Substeps { unit_s, x, v, u, f, kicks: [(zero, zero); KICKS], count: 0 }
+        Substeps { unit_s, x, v, u, f, kicks: [(zero, zero); MAX_KICKS], count: 0 }
     }
 
-    /// As [`Exact::answer`](super::super::exact_step::Exact::answer).
+    /// Batched [`Exact::answer`](super::super::exact_step::Exact::answer).
     #[inline(always)]
-    fn answer(&self, at: Each<S>, kernel: &[Each<S>; KERNEL]) -> Each<S> {
+    fn answer(&self, at: Vector<S>, kernel: &[Vector<S>; KERNEL]) -> Vector<S> {
         let mut sum = all(at.simd, -0.0);
         for (when, kick) in &self.kicks[..self.count] {
             sum += *kick * value(kernel, (at - *when) * self.unit_s);
@@ -45,9 +48,10 @@ impl<S: Simd, const N: usize> Substeps<S, N> {
         sum
     }
 
-    /// As [`Exact::answer_velocity`](super::super::exact_step::Exact::answer_velocity), of the kernel's slopes.
+    /// Batched [`Exact::answer_velocity`](super::super::exact_step::Exact::answer_velocity), from
+    /// the slopes of the kernel.
     #[inline(always)]
-    fn answer_velocity(&self, at: Each<S>, kernel: &[Each<S>; KERNEL]) -> Each<S> {
+    fn answer_velocity(&self, at: Vector<S>, kernel: &[Vector<S>; KERNEL]) -> Vector<S> {
         let mut sum = all(at.simd, -0.0);
         for (when, kick) in &self.kicks[..self.count] {
             sum += *kick * slope(kernel, (at - *when) * self.unit_s);
@@ -56,32 +60,33 @@ impl<S: Simd, const N: usize> Substeps<S, N> {
     }
 }
 
-/// What is known of a piece before its kicks: friction less its bound at the beginning, its exponent over the slip, slips and decays.
+/// Quantities of a piece that do not depend on its kicks: initial friction minus its bound,
+/// exponent of friction per slip, slips and decays.
 struct Ahead<S: Simd> {
-    excess: Each<S>,
-    steep: Each<S>,
-    slips: [Each<S>; 4],
-    decays: [Each<S>; 4],
+    excess: Vector<S>,
+    steep: Vector<S>,
+    slips: [Vector<S>; 4],
+    decays: [Vector<S>; 4],
 }
 
-/// Stretches of parts without a reversal, and the states at their ends.
+/// Stretches of parts without a reversal, with the states at their ends.
 struct Pieces<S: Simd, const K: usize> {
-    forces: [Each<S>; K],
-    x: Each<S>,
-    v: Each<S>,
-    f: Each<S>,
-    slip: Each<S>,
-    slip_velocity: Each<S>,
-    steepness: Each<S>,
+    forces: [Vector<S>; K],
+    x: Vector<S>,
+    v: Vector<S>,
+    f: Vector<S>,
+    slip: Vector<S>,
+    slip_velocity: Vector<S>,
+    steepness: Vector<S>,
 }
 
-impl<S: Simd, const K: usize, const N: usize> Abreast<S, K, N>
+impl<S: Simd, const K: usize, const N: usize> Batch<S, K, N>
 where
     Nodes<K>: Places,
 {
-    /// As [`Exact::step`](super::super::exact_step::Exact::step), of those that are `on`.
+    /// Batched [`Exact::step`](super::super::exact_step::Exact::step) of the contacts in `on`.
     #[inline(always)]
-    pub fn step(&mut self, forcings: &Forcings<S>, from_s: Each<S>, h: Each<S>, done_s: Each<S>, on: Which<S>) {
+    pub fn step(&mut self, forcings: &Forcings<S>, from_s: Vector<S>, h: Vector<S>, done_s: Vector<S>, on: Mask<S>) {
         let simd = self.simd;
         let (mut done_s, mut flips, mut on) = (done_s, all(simd, 0.0), on);
         loop {
@@ -89,7 +94,7 @@ where
             on &= left_s.simd_gt(h * 1e-13);
             let longest = self.longest();
             let unit_s = longest.simd_lt(left_s).select(longest, left_s);
-            let lost = on & (longest.simd_ne(longest) | longest.simd_le(h * SHORTEST));
+            let lost = on & (longest.simd_ne(longest) | longest.simd_le(h * SHORTEST_PART));
             put(&mut self.x, lost, all(simd, f64::NAN));
             on &= !lost;
             if !on.any_true() {
@@ -111,7 +116,7 @@ where
                 });
             }
             let far = end * unit_s;
-            flips = far.simd_le(h * SHORTEST).select(flips + 1.0, all(simd, 0.0));
+            flips = far.simd_le(h * SHORTEST_PART).select(flips + 1.0, all(simd, 0.0));
             let whole = end.simd_eq(1.0) & unit_s.simd_eq(left_s);
             done_s = on.select(whole.select(h, done_s + far), done_s);
         }
@@ -119,7 +124,7 @@ where
 
     /// As [`Exact::part`](super::super::exact_step::Exact::part).
     #[inline(always)]
-    fn part(&self, forcings: &Forcings<S>, at_s: Each<S>, unit_s: Each<S>) -> Substeps<S, N> {
+    fn part(&self, forcings: &Forcings<S>, at_s: Vector<S>, unit_s: Vector<S>) -> Substeps<S, N> {
         let u = forcings.taylor_in(at_s, unit_s, self.per_mass);
         let f = self.friction_terms(unit_s);
         let mut driven = u;
@@ -130,9 +135,9 @@ where
         Substeps::new(unit_s, motion, u, f)
     }
 
-    /// As [`Exact::go`](super::super::exact_step::Exact::go), of those that are `on`.
+    /// Batched [`Exact::go`](super::super::exact_step::Exact::go) of the contacts in `on`.
     #[inline(always)]
-    pub fn go(&mut self, part: &mut Substeps<S, N>, on: Which<S>) -> Each<S> {
+    pub fn go(&mut self, part: &mut Substeps<S, N>, on: Mask<S>) -> Vector<S> {
         self.simd.vectorize(
             #[inline(always)]
             || self.go_within(part, on),
@@ -140,7 +145,7 @@ where
     }
 
     #[inline(always)]
-    fn go_within(&mut self, part: &mut Substeps<S, N>, on: Which<S>) -> Each<S> {
+    fn go_within(&mut self, part: &mut Substeps<S, N>, on: Mask<S>) -> Vector<S> {
         let simd = self.simd;
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let mut slip_velocity = part.v;
@@ -148,7 +153,7 @@ where
             *c *= self.sign;
         }
         slip_velocity[0] += self.sliding;
-        let (reverses, end) = reversals(&slip_velocity, self.sense, LOCATED, on);
+        let (reverses, end) = reversals(&slip_velocity, self.sense, LOCATION_TOLERANCE, on);
         let first = on & end.simd_gt(0.0);
         if first.any_true() {
             let piece = self.piece(part, zero, end, first);
@@ -166,9 +171,10 @@ where
         (reverses & !goes_on).select(end, one)
     }
 
-    /// As [`Exact::piece`](super::super::exact_step::Exact::piece), of those that are `on`: the others get no kicks.
+    /// Batched [`Exact::piece`](super::super::exact_step::Exact::piece) of the contacts in `on`;
+    /// the others get no kicks.
     #[inline(always)]
-    fn piece(&self, part: &mut Substeps<S, N>, from: Each<S>, to: Each<S>, on: Which<S>) -> Pieces<S, K> {
+    fn piece(&self, part: &mut Substeps<S, N>, from: Vector<S>, to: Vector<S>, on: Mask<S>) -> Pieces<S, K> {
         self.simd.vectorize(
             #[inline(always)]
             || self.piece_within(part, from, to, on),
@@ -176,7 +182,7 @@ where
     }
 
     #[inline(always)]
-    fn piece_within(&self, part: &mut Substeps<S, N>, from: Each<S>, to: Each<S>, on: Which<S>) -> Pieces<S, K> {
+    fn piece_within(&self, part: &mut Substeps<S, N>, from: Vector<S>, to: Vector<S>, on: Mask<S>) -> Pieces<S, K> {
         let simd = self.simd;
         let zero = all(simd, 0.0);
         let (length, s) = (to - from, self.sense);
@@ -216,23 +222,24 @@ where
         }
     }
 
-    /// Friction at a place, where the kicks so far have set the slip back.
+    /// Returns friction at an evaluation point where the kicks so far have set the slip back by
+    /// `back`.
     #[inline(always)]
-    fn force(&self, ahead: &Ahead<S>, lane: usize, back: Each<S>, on: Which<S>) -> Each<S> {
+    fn force(&self, ahead: &Ahead<S>, lane: usize, back: Vector<S>, on: Mask<S>) -> Vector<S> {
         let Ahead { excess, steep, slips, decays } = ahead;
         let (s, one) = (self.sense, all(self.simd, 1.0));
         let late = *steep * self.sign * back;
         let mut force = s + *excess * decays[lane] * (one + late * (one + late * 0.5));
-        for number in numbers(on & !late.abs().simd_lt(SMALL)) {
+        for number in numbers(on & !late.abs().simd_lt(SMALL_EXPONENT)) {
             let exponent = late[number] - steep[number] * slips[lane][number];
             force[number] = s[number] + excess[number] * exponent.min(0.0).exp();
         }
         force
     }
 
-    /// As [`Exact::take`](super::super::exact_step::Exact::take), of those that are chosen.
+    /// Batched [`Exact::take`](super::super::exact_step::Exact::take) of the chosen contacts.
     #[inline(always)]
-    fn take(&mut self, part: &Substeps<S, N>, length: Each<S>, to: Each<S>, piece: &Pieces<S, K>, chosen: Which<S>) {
+    fn take(&mut self, part: &Substeps<S, N>, length: Vector<S>, to: Vector<S>, piece: &Pieces<S, K>, chosen: Mask<S>) {
         let a = self.sign * self.acceleration(value(&part.u, to), piece.x, piece.v, piece.f);
         put(&mut self.x, chosen, piece.x);
         put(&mut self.v, chosen, piece.v);
@@ -240,9 +247,9 @@ where
     }
 }
 
-/// The decays at as many places as a step with `K` nodes has: those and its end.
+/// Returns the decays at the evaluation points of a step with `K` nodes: the nodes and the end.
 #[inline(always)]
-pub(super) fn decay_at<S: Simd, const K: usize>(exponents: &[Each<S>; 4], on: Which<S>) -> [Each<S>; 4] {
+pub(super) fn decay_at<S: Simd, const K: usize>(exponents: &[Vector<S>; 4], on: Mask<S>) -> [Vector<S>; 4] {
     let [a, b, c, d] = *exponents;
     match K {
         1 => {
@@ -257,14 +264,15 @@ pub(super) fn decay_at<S: Simd, const K: usize>(exponents: &[Each<S>; 4], on: Wh
     }
 }
 
-/// As [`Oscillator::series`](crate::method::oscillator::Oscillator::series) of an oscillator.
+/// Batched [`Oscillator::series`](crate::method::oscillator::Oscillator::series) of a non-kinematic
+/// oscillator.
 #[inline(always)]
 pub(super) fn series<S: Simd, const N: usize>(
-    (damping, stiffness): (Each<S>, Each<S>),
-    (x, v): (Each<S>, Each<S>),
-    u: &[Each<S>; N],
-    unit: Each<S>,
-) -> ([Each<S>; N], [Each<S>; N]) {
+    (damping, stiffness): (Vector<S>, Vector<S>),
+    (x, v): (Vector<S>, Vector<S>),
+    u: &[Vector<S>; N],
+    unit: Vector<S>,
+) -> ([Vector<S>; N], [Vector<S>; N]) {
     let zero = all(unit.simd, 0.0);
     let (mut xs, mut vs) = ([zero; N], [zero; N]);
     (xs[0], vs[0]) = (x, v);

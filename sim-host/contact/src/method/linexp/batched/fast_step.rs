@@ -1,23 +1,24 @@
-//! The fast step of eight contacts: [`fast_step`](super::super::fast_step) abreast.
+//! The batched fast step of eight contacts; see [`fast_step`](super::super::fast_step).
 
 use fearless_simd::{Simd, SimdBase, SimdMask};
 
-use super::super::exact_step::SMALL;
+use super::super::exact_step::SMALL_EXPONENT;
 use super::super::quadrature::Nodes;
 use super::super::simd_nodes::Places;
 use super::exact_step::decay_at;
-use super::state::Abreast;
+use super::state::Batch;
 use super::table::Tables;
-use super::vector::{Each, Which, all, put};
+use super::vector::{Mask, Vector, all, put};
 
-/// One step by the tables of those that are `on`; tells who has done it. Nothing is done with who has a reversal or is steep.
+/// Computes one step from the tables for the contacts in `on`; returns those for which it
+/// succeeded. Contacts with a reversal or a steep step stay unchanged.
 #[inline(always)]
 pub(super) fn fast_step<S: Simd, const K: usize, const N: usize>(
-    runs: &mut Abreast<S, K, N>,
+    runs: &mut Batch<S, K, N>,
     table: &Tables<S, K, N>,
     step: usize,
-    on: Which<S>,
-) -> Which<S>
+    on: Mask<S>,
+) -> Mask<S>
 where
     Nodes<K>: Places,
 {
@@ -62,16 +63,16 @@ where
     let a_end = runs.sign * runs.acceleration(forced.last, x_end, v_end, f_end);
     let dips = (runs.a * s).simd_lt(0.0) & (a_end * s).simd_gt(0.0);
     let too_steep = exponents[K].simd_gt(runs.steepest) & excess.abs().simd_gt(runs.saturated);
-    let done = on & !((slip_velocity * s).simd_lt(0.0) | dips | too_steep | late.abs().simd_gt(SMALL));
+    let done = on & !((slip_velocity * s).simd_lt(0.0) | dips | too_steep | late.abs().simd_gt(SMALL_EXPONENT));
     put(&mut runs.x, done, x_end);
     put(&mut runs.v, done, v_end);
     runs.add_friction(done, table.h, &forces, (f_end, slip_velocity, a_end), slip);
     done
 }
 
-/// What kicks have done, each by as much.
+/// Returns the sum of kicks times their responses.
 #[inline(always)]
-fn sum<S: Simd, const K: usize>(kicks: &[Each<S>; K], by: &[Each<S>; K]) -> Each<S> {
+fn sum<S: Simd, const K: usize>(kicks: &[Vector<S>; K], by: &[Vector<S>; K]) -> Vector<S> {
     let mut sum = all(by[0].simd, -0.0);
     for (kick, by) in kicks.iter().zip(by) {
         sum += *kick * *by;
