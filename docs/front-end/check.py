@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Numbers of docs/front-end.md: from the bill of materials, by calculation and by ngspice.
+"""Numbers of docs/board.md and docs/evidence/board.md: from the bill of materials, by calculation and by ngspice.
 
     python3 docs/front-end/check.py          Python 3.9 or later, ngspice 39; half a minute
 
@@ -22,7 +22,7 @@ UNITS = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "meg": 1e6}
 CODE = 3.3 / 4096
 VMID = 1.65
 RAIL = 24.0
-# Data sheets: see the table of sources in docs/front-end.md.
+# Data sheets: see the table of sources in docs/evidence/board.md.
 OPA_OFFSET, OPA_NOISE = 0.2e-3, 4.5e-9
 LM_OFFSET, LM_BIAS_OFFSET, LM_QUIESCENT = 10e-3, 0.2e-6, 0.05
 
@@ -213,7 +213,7 @@ def trip_us(ampere):
 
 
 def drive(netlist):
-    heading("drive path, ngspice, LM3886 of 8 MHz, 1 ohm: gain and phase at the stack, -3 dB, largest gain, what is left of the DAC's image at 960 kHz")
+    heading("drive path, ngspice, LM3886 of 8 MHz, 1 ohm: gain and phase at the stack, -3 dB, largest gain, remaining image of the DAC at 960 kHz")
     for load in ("1n", "3.6n", "30n", "100n", "300n", "1u"):
         g = netlist.run(cload=load)["gain"]
         held = math.sin(0.96 * math.pi) / (0.96 * math.pi) / (math.sin(0.04 * math.pi) / (0.04 * math.pi))
@@ -244,7 +244,7 @@ def drive(netlist):
 
 
 def loads():
-    heading("what it drives: largest voltage (14.5 V of DAC1; 3 A), dissipation of the LM3886, junction at 40 °C (1 + 0.5 + 0.8 K/W)")
+    heading("load: largest voltage (14.5 V of DAC1; 3 A), dissipation of the LM3886, junction at 40 °C (1 + 0.5 + 0.8 K/W)")
     for name, hz, c, rm in (
         ("experiment-1 stack, as it is driven (3 V)", 40e3, 300e-9, 3.08),
         ("experiment-1 stack, at its resonance", 40e3, 300e-9, 3.08),

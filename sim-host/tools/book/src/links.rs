@@ -1,8 +1,9 @@
-//! Links that lead out of the book, to files of the repository that the book does not hold.
+//! Links out of the book, to files of the repository that are not part of the book.
 
 use std::path::{Component, Path, PathBuf};
 
-/// Rewrites the links of a page in `folder`, a folder of the book: those to files outside of `docs` lead to the repository.
+/// Rewrites the links of a page in `folder`, a folder of the book: those to files outside `docs`
+/// lead to the repository.
 pub fn out_of_the_book(page: &str, docs: &Path, folder: &Path, repository: &str) -> String {
     let mut out = String::with_capacity(page.len());
     let mut rest = page;
@@ -22,7 +23,8 @@ pub fn out_of_the_book(page: &str, docs: &Path, folder: &Path, repository: &str)
     out + rest
 }
 
-/// Returns the path from the root of the repository if this one, from `docs`, leads out of `docs`.
+/// Returns the path from the root of the repository if this one, relative to `docs`, is outside
+/// `docs`.
 fn outside(path: &Path) -> Option<PathBuf> {
     let mut found = PathBuf::from("docs");
     for component in path.components() {

@@ -1,5 +1,6 @@
-//! The documentation as a book, by mdBook: the pages of `docs` in the order of `docs/SUMMARY.md`, with typeset equations and with links that lead out of
-//! them to the repository. Everything is in the folder: it opens from a disk, without a server and without the network.
+//! The documentation as a book, by mdBook: the pages of `docs` in the order of `docs/SUMMARY.md`,
+//! with typeset equations. Links out of the book lead to the repository. Everything is in the
+//! folder: it opens from a disk, without a server or a network.
 
 mod links;
 mod math;
@@ -21,7 +22,7 @@ struct Arguments {
     output: PathBuf,
 }
 
-/// What is done to each page before mdBook renders it.
+/// Processing of each page before mdBook renders it.
 struct Pages;
 
 impl Preprocessor for Pages {
@@ -46,7 +47,7 @@ impl Preprocessor for Pages {
     }
 }
 
-/// The folder `docs` of the repository.
+/// Returns the folder `docs` of the repository.
 fn docs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../docs")
 }

@@ -1,5 +1,5 @@
-//! Equations as MathML, which browsers typeset by themselves: fenced blocks of the language `math`, and spans between ``$` `` and `` `$ ``, as
-//! GitHub has them, too.
+//! Equations as MathML, which browsers typeset without a script: fenced blocks of the language
+//! `math`, and spans between ``$` `` and `` `$ ``, as on GitHub.
 
 use anyhow::{Context, bail};
 use pulldown_latex::config::DisplayMode;
@@ -9,10 +9,10 @@ const FENCE: &str = "```";
 const OPENS: &str = "$`";
 const CLOSES: &str = "`$";
 
-/// A page with its equations typeset.
+/// Returns a page with its equations typeset.
 ///
 /// # Errors
-/// An equation that is no LaTeX, with what is wrong about it, or that has no end.
+/// An equation is not valid LaTeX, or has no end.
 pub fn typeset(page: &str) -> anyhow::Result<String> {
     let mut out = String::with_capacity(page.len());
     let mut lines = page.lines();
@@ -20,7 +20,7 @@ pub fn typeset(page: &str) -> anyhow::Result<String> {
     while let Some(line) = lines.next() {
         if !in_code && line.trim_end() == "```math" {
             let equation: Vec<&str> = lines.by_ref().take_while(|line| line.trim_end() != FENCE).collect();
-            // A div is one block of HTML as long as no line of it is empty.
+            // A div is one block of HTML as long as it has no empty line.
             out += &format!("<div class=\"equation\">{}</div>\n", mathml(&equation.join("\n"), DisplayMode::Block)?);
             continue;
         }
@@ -33,7 +33,7 @@ pub fn typeset(page: &str) -> anyhow::Result<String> {
     Ok(out)
 }
 
-/// A line with the equations within it typeset.
+/// Returns a line with its equations typeset.
 fn spans(line: &str) -> anyhow::Result<String> {
     let mut out = String::new();
     let mut rest = line;

@@ -1,4 +1,5 @@
-//! The book is whole: every page is in it, every link leads somewhere, and nothing is fetched.
+//! Tests that the book is complete: it contains every page, every link has a target, and nothing is
+//! fetched.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::{build, docs, links, math};
 
-/// Pages of `docs` that are the book's own.
+/// Files of `docs` that are not pages.
 const NO_PAGE: [&str; 1] = ["SUMMARY.md"];
 
 #[test]
@@ -15,7 +16,7 @@ fn equations_become_mathml() {
     assert!(
         page.contains("<msup><mi>x</mi><mn>2</mn></msup>") && page.contains("<div class=\"equation\"><math display=\"block\">")
     );
-    assert!(page.contains("echo $`date`$"), "code is left alone: {page}");
+    assert!(page.contains("echo $`date`$"), "code is unchanged: {page}");
     for (wrong, says) in [("$`\\frac{1}`$", "\\frac"), ("$`x", "no end")] {
         let error = math::typeset(wrong).expect_err(wrong);
         assert!(format!("{error:#}").contains(says), "{error:#}");
@@ -42,27 +43,28 @@ fn every_page_is_in_the_book() {
         .filter(|name| name.ends_with(".md") && !NO_PAGE.contains(&name.as_str()))
         .filter(|name| !summary.contains(&format!("({name})")))
         .collect();
-    assert!(missing.is_empty(), "docs/SUMMARY.md has no {missing:?}");
+    assert!(missing.is_empty(), "docs/SUMMARY.md does not list {missing:?}");
 }
 
 #[test]
-fn links_lead_somewhere_and_nothing_is_fetched() {
+fn links_have_targets_and_nothing_is_fetched() {
     let output = std::env::temp_dir().join(format!("sonoglide-book-{}", std::process::id()));
     build(&output).expect("the book is built");
     let pages = [html(&output), html(&output.join("evidence"))].concat();
     let wrong: Vec<String> = pages.iter().flat_map(|page| wrong(page)).collect();
-    fs::remove_dir_all(&output).expect("the folder goes");
+    fs::remove_dir_all(&output).expect("the folder is removed");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The pages of a built book.
+/// Returns the pages of a built book.
 fn html(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
-    // What mdBook shows for any address that is not there: its links are of the root of a server.
+    // mdBook shows this page for any unknown address; its links are relative to the root of a
+    // server.
     entries.filter(|path| path.extension().is_some_and(|end| end == "html") && !path.ends_with("404.html")).collect()
 }
 
-/// Links of a page that lead nowhere, and what it fetches from elsewhere.
+/// Returns the broken links of a page, and the resources that it fetches from elsewhere.
 fn wrong(page: &Path) -> Vec<String> {
     let text = fs::read_to_string(page).expect("a page");
     let folder = page.parent().expect("a folder");
@@ -79,13 +81,13 @@ fn wrong(page: &Path) -> Vec<String> {
         let there = if file.is_empty() { page.to_owned() } else { folder.join(file) };
         let found = there.exists() && (anchor.is_empty() || ids(&there).contains(anchor));
         if !found {
-            wrong.push(format!("{}: leads nowhere: {target}", page.display()));
+            wrong.push(format!("{}: broken link: {target}", page.display()));
         }
     }
     wrong
 }
 
-/// Values of an attribute.
+/// Returns the values of an attribute.
 fn values<'a>(text: &'a str, attribute: &str) -> impl Iterator<Item = &'a str> {
     let opens = format!(" {attribute}=\"");
     text.match_indices(&opens)
