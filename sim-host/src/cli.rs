@@ -172,7 +172,8 @@ impl SceneArgs {
 pub fn main() -> ExitCode {
     let matches = command().try_get_matches().unwrap_or_else(|error| {
         let arguments: Vec<String> = std::env::args().skip(1).collect();
-        if let Some(meant) = hint::meant(error.kind(), &arguments) {
+        // Help and version are errors of clap, too.
+        if let Some(meant) = hint::meant(error.kind(), &arguments).filter(|_| error.use_stderr()) {
             say!("error: {meant}");
             std::process::exit(Exit::Usage as i32);
         }
