@@ -46,11 +46,14 @@ impl DriveArgs {
 /// Drives with the amplitude, frequency offset and quadrature of the arguments.
 pub fn run(args: &DriveArgs, session: &mut Session) -> Result<Answer, LinkError> {
     let amplitude = args.volts.map(Amplitude::Volts).or(args.current.map(Amplitude::MotionalCurrent));
-    let limit_v = parameter::report(parameter("limits.voltage_v")?, &mut session.client)?.acts;
-    if let Some(volts) = args.volts.filter(|volts| *volts > limit_v) {
-        session.client.note(&format!(
-            "warning: {volts} V exceeds the voltage limit of the board; it drives at most {limit_v} V (`settings get limits.voltage_v`)"
-        ));
+    if let Some(volts) = args.volts {
+        let limit_v = parameter::report(parameter("limits.voltage_v")?, &mut session.client)?.acts;
+        if volts > limit_v {
+            session.client.note(&format!(
+                "warning: {volts} V exceeds the voltage limit of the board, {limit_v} V, at which it drives \
+                 (`settings get limits.voltage_v`)"
+            ));
+        }
     }
     // Set before the start, so that the drive does not start with another amplitude.
     session.client.order(Command::Amplitude(amplitude))?;
