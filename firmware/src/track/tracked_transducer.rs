@@ -59,7 +59,7 @@ pub(crate) struct TrackedTransducer {
     learning: Learning,
     /// Mode that disturbs the driven one most: its series resonance, Hz, and its motional
     /// capacitance relative to that of the driven mode.
-    pub(crate) beside: Option<(f32, f32)>,
+    pub(crate) other_mode: Option<(f32, f32)>,
     /// `true` if the lock was not at the frequency that its first clamped branch gave: another
     /// resonance is near.
     is_uncertain: bool,
@@ -82,7 +82,7 @@ impl TrackedTransducer {
             learning: Learning::default(),
             tracker,
             online: Online::build(config),
-            beside: None,
+            other_mode: None,
             is_uncertain: false,
             is_unexplained: false,
         }
@@ -95,7 +95,7 @@ impl TrackedTransducer {
         let certain = self.transducer.take_if(|_| !self.is_uncertain);
         let remembered = certain.map(|known| [known.series_resonance_hz, known.q, known.lm_h]);
         self.remembered = remembered.or(self.remembered);
-        (self.transducer, self.beside) = (None, None);
+        (self.transducer, self.other_mode) = (None, None);
         (self.is_uncertain, self.is_unexplained) = (false, false);
         self.learning.abandon();
         self.tracker.restart();
@@ -160,20 +160,20 @@ impl TrackedTransducer {
         self.tracker.observe(clamped.motional, known, &prior);
         let (c0, hz, q) = (clamped.c0_f, clamped.resonance_hz.value, clamped.q.value);
         self.online.seed(clamped.motional, c0.deviation / c0.value, hz, q);
-        self.beside = clamped.second_mode;
+        self.other_mode = clamped.second_mode;
     }
 
-    /// Takes the transducer found by the scan. `beside` (words: a parameter) is the mode that
+    /// Takes the transducer found by the scan. `other_mode` is the mode that
     /// disturbs it most.
-    pub(crate) fn adopt(&mut self, found: &RingDown, beside: Option<(f32, f32)>) {
+    pub(crate) fn adopt(&mut self, found: &RingDown, other_mode: Option<(f32, f32)>) {
         let (transducer, branch) = (&found.transducer, found.motional);
         self.tracker.seed(transducer, branch, self.noise_a(&branch));
         self.lm_deviation = transducer.deviations.lm_h / transducer.lm_h;
         let deviation = transducer.deviations.c0_f / transducer.c0_f;
         self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
         self.online.set_slope(found.slope);
-        (self.transducer, self.beside) = (Some(*transducer), beside);
-        self.is_unexplained = self.is_uncertain && beside.is_none();
+        (self.transducer, self.other_mode) = (Some(*transducer), other_mode);
+        self.is_unexplained = self.is_uncertain && other_mode.is_none();
         self.learning.abandon();
     }
 

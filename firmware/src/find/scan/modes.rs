@@ -58,7 +58,7 @@ impl Modes {
 
     /// Returns the other resonance that rings most after a step of the drive: its series resonance
     /// frequency, Hz, and its motional capacitance relative to that of the chosen one.
-    pub(crate) fn beside(&self) -> Option<(f32, f32)> {
+    pub(crate) fn other_mode(&self) -> Option<(f32, f32)> {
         let (chosen, _) = self.chosen()?;
         let disturbs = |pole: &Pole| pole.strength() / (pole.offset_hz - chosen.offset_hz).abs();
         let most = self.others().max_by(|a, b| disturbs(a).total_cmp(&disturbs(b)))?;

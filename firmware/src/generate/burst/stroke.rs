@@ -38,7 +38,7 @@ const MAX_OTHER_MODE_REL: f32 = 0.02;
 
 /// Another mode, relative to the driven one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Beside {
+pub(crate) struct OtherMode {
     /// Half cycles of the drive in a beat with the other mode.
     pub(crate) beat: f32,
     /// Motional capacitance, relative to that of the driven mode.
@@ -118,11 +118,11 @@ enum Step {
 
 impl Planner {
     /// Creates a planner for a drive of `volts` under a ceiling, and a time constant of
-    /// `per_time_constant` half cycles. `beside` (words: a parameter) is another mode, if any.
-    pub(crate) fn new(per_time_constant: f32, volts: f32, ceiling: f32, beside: Option<Beside>) -> Self {
+    /// `per_time_constant` half cycles. `other_mode` is another mode, if any.
+    pub(crate) fn new(per_time_constant: f32, volts: f32, ceiling: f32, other_mode: Option<OtherMode>) -> Self {
         // Two steps of `ceiling / volts` times the drive, each with r = strength beat / (2 pi h).
         let least = MAX_OTHER_MODE_REL * core::f32::consts::PI * per_time_constant * volts / ceiling;
-        let beat = beside.filter(|it| it.strength * it.beat > least).map_or(0.0, |it| it.beat);
+        let beat = other_mode.filter(|it| it.strength * it.beat > least).map_or(0.0, |it| it.beat);
         Planner { per_time_constant, volts, ceiling, beat, ..Planner::default() }
     }
 
@@ -245,7 +245,7 @@ mod tests {
         let h = 2.0 * 65.0 / core::f32::consts::PI;
         let plain = Strokes::plan(h, 3.0, 15.466);
         for (beat, strength) in [(28.6, 0.3), (40.3, 0.1), (19.0, 0.5)] {
-            let mut planner = Planner::new(h, 3.0, 15.466, Some(Beside { beat, strength }));
+            let mut planner = Planner::new(h, 3.0, 15.466, Some(OtherMode { beat, strength }));
             let strokes = (0..4).find_map(|_| planner.step()).unwrap();
             // Vibration of another mode after two steps of this voltage, relative to the drive.
             let left = |stroke: &Stroke| {
@@ -257,10 +257,10 @@ mod tests {
             assert!(left(&strokes.up) < 0.008 && left(&plain.up) > 0.1, "{beat}: {} {}", left(&strokes.up), left(&plain.up));
             assert!(strokes.lands && strokes.up.volts(0.0, 3.0) < 15.466);
         }
-        let mut weak = Planner::new(h, 3.0, 15.466, Some(Beside { beat: 28.6, strength: 1e-3 }));
+        let mut weak = Planner::new(h, 3.0, 15.466, Some(OtherMode { beat: 28.6, strength: 1e-3 }));
         assert_eq!((0..4).find_map(|_| weak.step()), Some(plain));
         // A beat of four time constants.
-        let mut near = Planner::new(h, 3.0, 15.466, Some(Beside { beat: 4.0 * h, strength: 0.3 }));
+        let mut near = Planner::new(h, 3.0, 15.466, Some(OtherMode { beat: 4.0 * h, strength: 0.3 }));
         assert!(!(0..4).find_map(|_| near.step()).unwrap().lands);
     }
 

@@ -8,7 +8,7 @@
 
 use crate::controller::chain::{Chain, Measured};
 use crate::generate::burst::Brake;
-use crate::generate::burst::stroke::{Beside, Planner};
+use crate::generate::burst::stroke::{OtherMode, Planner};
 use crate::generate::signal_generator::SignalGenerator;
 use crate::seam::block::{Gate, LATENCY_BLOCKS, Orders};
 use crate::seam::compare::{larger, smaller};
@@ -185,9 +185,9 @@ impl Edges {
         let rate = 1.0 / time_constant_s + (beta * impedance).re;
         let driven = beta * gain;
         self.planned = chain.block;
-        let beside = (orders.detune.0 * core::f32::consts::TAU).abs() > MAX_DETUNING_REL * rate;
+        let detuned = (orders.detune.0 * core::f32::consts::TAU).abs() > MAX_DETUNING_REL * rate;
         // Also rejects a rate that is not a number.
-        if rate > 0.0 && self.braked_volts > 0.0 && !beside {
+        if rate > 0.0 && self.braked_volts > 0.0 && !detuned {
             self.per_ampere = Some(driven.conj() * (rate / driven.norm_sqr()));
             self.stage = Stage::Ceiling(rate);
         } else {
@@ -210,9 +210,10 @@ impl Edges {
         let clamped = libm::sqrtf(larger(left, 0.0) / chain.track.tracker.branch().y0.norm_sqr());
         let ceiling = smaller(clamped, amplitude.most_volts());
         let half_cycles = 2.0 * resonance_hz / rate;
-        let beside = chain.track.beside;
-        let beside = beside.map(|(hz, strength)| Beside { beat: 2.0 * resonance_hz / (hz - resonance_hz).abs(), strength });
-        self.stage = Stage::Strokes(Planner::new(half_cycles, volts, ceiling, beside));
+        let other_mode = chain.track.other_mode;
+        let other_mode =
+            other_mode.map(|(hz, strength)| OtherMode { beat: 2.0 * resonance_hz / (hz - resonance_hz).abs(), strength });
+        self.stage = Stage::Strokes(Planner::new(half_cycles, volts, ceiling, other_mode));
     }
 
     /// Prepares the brake for the residual vibration. A changed drive needs a new brake, because
