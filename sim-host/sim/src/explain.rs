@@ -187,7 +187,8 @@ fn suggestions(word: &str, keys: &[Key]) -> Vec<String> {
     let files = files();
     let numbered = Fault::ALL.iter().map(|fault| fault.called()).chain(Limit::ALL.iter().map(|limit| limit.called()));
     let files = files.iter().map(|file| file.name);
-    let terms = TERMS.iter().flat_map(|(names, ..)| names.split(", "));
+    // A term that is also a metric is named once, as the metric.
+    let terms = TERMS.iter().flat_map(|(names, ..)| names.split(", ")).filter(|term| metric(&term.replace(' ', "_")).is_none());
     let mut near: Vec<&str> = nearest(word, metrics.chain(ends).chain(files).chain(numbered).chain(terms));
     near.dedup();
     near.into_iter().take(MAX_SUGGESTIONS).map(str::to_owned).collect()
