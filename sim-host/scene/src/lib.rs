@@ -86,7 +86,7 @@ pub struct Scene {
     /// Number of runs. If there are several, each has its own seed and draws the keys of
     /// `[[vary]]`; metrics are then medians and 95th percentiles.
     #[serde(default = "default::runs", skip_serializing_if = "is_one")]
-    #[schemars(range(min = 1, max = 100_000))]
+    #[schemars(range(min = 1, max = 100_000), extend("default" = 1))]
     pub runs: u32,
     /// The settings of the firmware that drives the transducer. A scene has this table or
     /// `[excitation]`.

@@ -30,7 +30,7 @@ pub struct Limits {
     /// `sensors.encoder_counts_per_mm`.
     #[setting(min = 1e-3, max = 1e9, key = ENERGY_PER_METRE, ceiling)]
     pub energy_j_per_m: Option<f32>,
-    /// Longest time for which the drive may be ON without a pause, s. Absent: no limit.
+    /// Largest excess of ON time over OFF time, s; OFF time cancels ON time. Absent: no limit.
     #[setting(min = 1e-3, max = 3e4, key = 12, ceiling)]
     pub on_time_s: Option<f32>,
 }

@@ -55,7 +55,7 @@ pub struct Slider {
     pub ripple_rms: f64,
     /// Frequency of the ripple, Hz.
     #[serde(default = "default::ripple_hz", skip_serializing_if = "is_usual_ripple")]
-    #[schemars(range(min = 0.1, max = 1e3))]
+    #[schemars(range(min = 0.1, max = 1e3), extend("default" = default::ripple_hz()))]
     pub ripple_hz: f64,
 }
 
@@ -179,6 +179,6 @@ pub struct Belt {
     pub ripple_rms: f64,
     /// Frequency of the ripple, Hz.
     #[serde(default = "default::ripple_hz", skip_serializing_if = "is_usual_ripple")]
-    #[schemars(range(min = 0.1, max = 1e3))]
+    #[schemars(range(min = 0.1, max = 1e3), extend("default" = default::ripple_hz()))]
     pub ripple_hz: f64,
 }

@@ -135,7 +135,7 @@ pub enum LoadError {
     NotFound {
         /// The requested name.
         name: String,
-        /// Built-in scenes with a similar name, or all if none is similar.
+        /// Built-in scenes with a similar name.
         nearest: Vec<&'static str>,
     },
     /// The file cannot be read.
@@ -153,7 +153,10 @@ pub enum LoadError {
 }
 
 fn suggest(nearest: &[&str]) -> String {
-    format!("it is neither a file nor built in; try {}", super::nearest::listed(nearest.iter().copied(), "or"))
+    match nearest {
+        [] => "it is neither a file nor built in; `sim-host list` lists the built-in scenes".to_owned(),
+        names => format!("it is neither a file nor built in; try {}", super::nearest::listed(names.iter().copied(), "or")),
+    }
 }
 
 /// Loads a scene, with changes as `key=value`. The source is the name of a built-in scene, the path
@@ -235,6 +238,9 @@ fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Re
 }
 
 fn checked_scene(mut root: Node, found: Vec<PathProblem>) -> Result<Scene, Vec<Problem>> {
+    if let Some(problem) = rules::two_kinds(&root) {
+        return Err(vec![problem]);
+    }
     rules::circuit::clamped(&mut root);
     let mut walked = walk(&mut root);
     found.into_iter().for_each(|(path, problem)| walked.add(path, problem));
@@ -343,10 +349,12 @@ pub(crate) fn read_source(source: &str, asked: &str) -> Result<String, LoadError
     match File::open(path).and_then(read_text) {
         Ok(text) => Ok(text),
         Err(error) if error.kind() == io::ErrorKind::NotFound && looks_like_name => {
-            let names = || builtin::all().iter().map(|(name, _)| *name);
-            let similar = nearest(asked, names());
-            let nearest = if similar.is_empty() { names().collect() } else { similar };
+            let nearest = nearest(asked, builtin::all().iter().map(|(name, _)| *name));
             Err(LoadError::NotFound { name: asked.to_owned(), nearest })
+        }
+        Err(_) if path.join("manifest.json").is_file() => {
+            let what = format!("it is the folder of a run; `sim-host run {source}/manifest.json` repeats the run");
+            Err(LoadError::Read { path: source.to_owned(), io: io::Error::other(what) })
         }
         Err(io) => Err(LoadError::Read { path: source.to_owned(), io }),
     }

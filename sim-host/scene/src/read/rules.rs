@@ -44,6 +44,7 @@ use crate::walk::{Findings, walk};
 
 pub(crate) use cells::remove_non_cell_keys;
 use kind::Kind;
+pub(crate) use kind::two_kinds;
 
 /// Checks a scene that has been walked, and adds to the findings of the walk.
 pub(crate) fn check(root: &Node, findings: Findings) -> Findings {

@@ -4,6 +4,7 @@ use plant::circuit::Circuit;
 use plant::circuit_of;
 use scene::load::{LoadError, Loaded, load_text};
 use scene::resolved::resolved_toml;
+use scene::shown;
 use scene::{Amplifier, Bvd, Controller, Driven, Scene, Sensors, Stack, Tracking, TrackingMode, Transducer};
 
 /// Largest errors of the nominal values.
@@ -62,9 +63,10 @@ pub enum CaseError {
     Stator(String),
     /// The numbers contradict each other.
     #[error(
-        "the numbers contradict each other: at {frequency_hz} Hz, Lm = {lm_h:e} H resonates with Cm = {cm_f:.3e} F; with C0 = \
-         {c0_f:e} F this is a coupling of {coupling:.4}, but a transducer has 0.0001 to 0.99. Check the units: farads and \
-         henries"
+        "the numbers contradict each other: at {frequency_hz} Hz, Lm = {} H resonates with Cm = {cm_f:.3e} F; with C0 = {} F \
+         this is a coupling of {coupling:.4}, but a transducer has 0.0001 to 0.99. Check the units: farads and henries",
+        shown(*lm_h),
+        shown(*c0_f)
     )]
     Coupling {
         /// Series resonance, Hz.

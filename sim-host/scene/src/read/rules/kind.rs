@@ -2,7 +2,7 @@
 //! alone.
 
 use super::Rules;
-use crate::diagnostic::Problem;
+use crate::diagnostic::{Place, Problem};
 use crate::nearest::{listed, shown};
 use crate::schema::{Schema, join};
 use crate::tree::Node;
@@ -44,21 +44,27 @@ const STUDY_KEYS: &[&str] = &["method", "order", "tolerance", "tolerance_of", "w
 /// Largest number of steps per period of the stack.
 const MAX_DRIVEN_STEPS: f64 = 4096.0;
 
+/// Refuses a scene of both kinds. Everything else in the table that must go is of no interest.
+pub(crate) fn two_kinds(root: &Node) -> Option<Problem> {
+    let place = |table: &str| Some(root.table()?.get(table)?.key.clone());
+    let (controller, excitation) = (place(CONTROLLER)?, place(EXCITATION)?);
+    // Sources come before the ones that they change.
+    let order = |place: &Place| (std::cmp::Reverse(place.source), place.start);
+    let (later, earlier) =
+        if order(&excitation) < order(&controller) { (controller, EXCITATION) } else { (excitation, CONTROLLER) };
+    let message = "[controller] and [excitation] exclude each other";
+    let help = "either the firmware drives a stack, or [excitation] excites a contact that is studied alone";
+    Some(Problem::new(later, message, format!("{} is already given", header(earlier))).help(help))
+}
+
 impl Rules<'_> {
     /// Determines the kind of the scene, by which of two tables it has.
     pub(super) fn kind(&mut self) {
         self.kind = match (self.given(CONTROLLER), self.given(EXCITATION)) {
             (true, false) => Some(Kind::Driven),
             (false, true) => Some(Kind::Excited),
-            (true, true) => {
-                let (one, other) = (self.key(CONTROLLER), self.key(EXCITATION));
-                let (later, earlier) = if one < other { (other, CONTROLLER) } else { (one, EXCITATION) };
-                let message = "[controller] and [excitation] exclude each other";
-                let problem = Problem::new(later, message, format!("{} is already given", header(earlier)));
-                let help = "either the firmware drives a stack, or [excitation] excites a contact that is studied alone";
-                self.findings.problems.push(problem.help(help));
-                None
-            }
+            // Refused by `two_kinds` before.
+            (true, true) => None,
             (false, false) => {
                 if self.lacks(CONTROLLER) && self.lacks(EXCITATION) {
                     let keys = |table: &str| {
