@@ -1,4 +1,4 @@
-//! Option bytes that this board requires. RM0440 3.4, FLASH_OPTR (3.7.8), FLASH_WRP1AR (3.7.13).
+//! Option bytes that this board requires. RM0440 3.4, FLASH_OPTR, FLASH_WRP1AR.
 //!
 //! | bit of the report | option | required value | effect of another value |
 //! |---|---|---|---|
@@ -11,7 +11,7 @@
 //! | 6 | `SRAM_PE` | 1: parity of the RAM is not checked | parity error: at start the image reads RAM that survives a reset, which was never written after power-on (delivered: 1) |
 //! | 7 | `IWDG_SW`, `IWDG_STOP`, `IWDG_STDBY` | 1: the image starts the watchdog, which also runs in stop and standby | if 0, the hardware starts the watchdog with 0.5 s, too short for a swap by the first stage (delivered: 1) |
 
-/// Value of FLASH_OPTR.RDP for level 0 (3.7.8).
+/// Value of FLASH_OPTR.RDP for level 0.
 const RDP_LEVEL_0: u32 = 0xaa;
 /// Last page of the first stage.
 const LAST_PROTECTED: u32 = crate::slots::FIRST_STAGE / crate::pages::PAGE - 1;

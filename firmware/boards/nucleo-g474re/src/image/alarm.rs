@@ -24,7 +24,7 @@ unsafe fn NonMaskableInt() {
         in_second_bank: status.bk_ecc(),
         offset: status.addr_ecc(),
     });
-    // RCC_CIFR.CSSF (7.4.6), SYSCFG_CFGR2.SPF (10.2.8), FLASH_OPTR.DBANK (3.7.7).
+    // RCC_CIFR.CSSF (7.4.6), SYSCFG_CFGR2.SPF (10.2.8), FLASH_OPTR.DBANK.
     let alarm = Alarm::from_flags(RCC.cifr().read().cssf(), SYSCFG.cfgr2().read().spf(), word, FLASH.optr().read().dbank());
     match alarm {
         Alarm::Settings => {

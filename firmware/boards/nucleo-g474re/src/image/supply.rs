@@ -25,7 +25,7 @@ use super::panic;
 const DETECTOR_LEVEL: u8 = 6;
 /// EXTI line of the detector (RM0440 15.3.2, table of lines).
 const DETECTOR_LINE: usize = 16;
-/// Value of FLASH_OPTR.BOR_LEV for a reset below 2.8 V (3.7.7).
+/// Value of FLASH_OPTR.BOR_LEV for a reset below 2.8 V.
 const HIGHEST_RESET_LEVEL: u8 = 4;
 
 /// Starts the detector, waits until the supply is above its level, and connects the faults to the
