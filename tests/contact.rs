@@ -37,8 +37,8 @@ fn shape() -> impl Strategy<Value = Shape> {
     ]
 }
 
-/// Returns a mass and spring with a natural frequency of a tenth to twice that of the forcing, or a
-/// given motion. The amplitude is that of Table 4.1.
+/// Returns a given motion, or a mass and spring with a natural frequency of a tenth to twice the
+/// forcing frequency. Both vibrate with the amplitude of Table 4.1.
 fn motion() -> impl Strategy<Value = Motion> {
     let oscillator =
         (0.005..1.0, 0.1..2.0, prop_oneof![Just(0.0), 0.0..0.3]).prop_map(|(mass_kg, ratio, damping): (f64, f64, f64)| {

@@ -129,8 +129,8 @@ fn missing_authority_is_reported_and_silent() {
     assert!(last.friction.is_some());
 }
 
-/// Without a force channel there is no survey: the accuracy of the ratio is that of the nominal
-/// contact.
+/// Without a force channel there is no survey, so the friction ratio is only as accurate as the
+/// nominal contact.
 #[test]
 fn without_a_force_channel_the_nominal_contact_is_used() {
     let nominal = ["controller.friction.dahl_length_m=0.5e-6", "controller.friction.speed_m_per_s=0.038"];

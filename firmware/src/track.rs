@@ -1,5 +1,5 @@
 //! Tracking of the resonance while it is driven: observer, phase loop, lock detector, and the
-//! transducer identified on the way.
+//! transducer that is identified meanwhile.
 //!
 //! This layer depends on [`seam`](crate::seam), [`generate`](crate::generate),
 //! [`sense`](crate::sense) and [`find`](crate::find).

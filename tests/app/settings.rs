@@ -137,7 +137,7 @@ fn repeated_power_cuts_lose_no_record() {
         let mut flash = filled(7, seed);
         let mut last = record(6);
         for number in 100..500 {
-            // Often before a value is complete, and sometimes after it.
+            // The cut often occurs before a value is complete, and sometimes afterwards.
             flash.cut_power_after(chance.below(40));
             let mut settings = Settings::new(flash).unwrap();
             let stored = settings.store(&record(number));
@@ -191,7 +191,8 @@ fn damage(chance: &mut Chance) -> Damage {
 fn one_damaged_word_anywhere_leaves_the_last_record() {
     let (mut chance, mut named) = (Chance::new(1), 0);
     let mut words = 0;
-    // A partly filled page, a full one, and the next; with closed pages before them.
+    // A partly filled page, a full page and the first words of the next one; the larger counts also
+    // close earlier pages.
     for (pages, writes) in [(4, 1), (4, 2), (4, 5), (4, 8), (4, 9), (6, 17), (8, 27)] {
         let mut settings = Settings::new(Flash::new(pages, 1)).unwrap();
         (0..writes).for_each(|number| settings.store(&record(number)).unwrap());

@@ -93,9 +93,9 @@ type Map<'a, F> = MapStorage<u8, Blocking<'a, F>, Cache<Uncached, Uncached, Unca
 /// Content of a half.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Content {
-    /// Nothing was ever written to it.
+    /// The half was never written.
     Blank,
-    /// No value can be read in it.
+    /// The half contains no readable value.
     Unread,
     /// The last value is damaged, or not a record.
     Damaged,

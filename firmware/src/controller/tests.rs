@@ -59,7 +59,8 @@ fn run(first: u64, order: u32, blocks: usize) -> std::vec::Vec<(DriveBlock, Tele
     let mut load = Resonator::default();
     let mut played = std::vec::Vec::new();
     for n in 0..blocks {
-        // A second attempt in the middle, and new order numbers on the way.
+        // The attempt number increases in the middle of the run, the order number every 1000
+        // blocks.
         let steps = (n / 1000) as u32 + 1;
         let orders = Orders {
             sequence: order.wrapping_add(steps),

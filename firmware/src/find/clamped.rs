@@ -297,7 +297,7 @@ impl PowerOn {
         let shift = ((found.c0_f.value - self.c0_f).abs() - MARGIN_SIGMAS * found.c0_f.deviation) / self.c0_f;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
         let explained = fit::is_plausible(&solution.elements) && solution.misfit < MAX_MISFIT_SIGMAS;
-        // NaN does not resonate either.
+        // Written so that a NaN inductance counts as no resonance.
         let resonates = found.lm_h.value > MIN_STRENGTH_SIGMAS * found.lm_h.deviation;
         let most_strength = 1.0 + MARGIN_SIGMAS * found.lm_h.deviation / found.lm_h.value;
         let uncoupled =

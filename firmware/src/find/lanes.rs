@@ -11,9 +11,9 @@
 //! |I / V| > 1/4 of the smaller of |I0 / V0| and w C0:                                                  else fault 29
 //! ```
 //!
-//! The first bound is that of the calibration: a larger error cannot be trimmed. Trims correct the
-//! voltage at the terminals, so that it should be equal in all lanes; a gain may also be trimmed on
-//! purpose.
+//! The first bound is also the bound of the calibration: a larger error cannot be trimmed. Trims
+//! correct the voltage at the terminals, so that it should be equal in all lanes; a gain may also
+//! be trimmed on purpose.
 //!
 //! The second bound detects missing electrodes. Without them only the cable remains, about 100 pF
 //! per metre, compared with several nanofarads. The two phases may differ in resonance and load,

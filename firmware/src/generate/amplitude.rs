@@ -37,7 +37,7 @@ const SETTLED_BLOCKS: u32 = 32;
 /// plays as silence.
 #[derive(Clone, Debug)]
 pub(crate) struct AmplitudeLoop {
-    /// Limits; the voltage limit is that of the lane with the largest gain.
+    /// Limits; the lane with the largest gain determines the voltage limit.
     limits: Limits,
     /// Voltage limit at a gain of one, V.
     voltage_limit: f32,
@@ -170,7 +170,7 @@ impl AmplitudeLoop {
         self.volts
     }
 
-    /// Returns the voltage before a transducer is identified, which is that of the scan, V.
+    /// Returns the voltage before a transducer is identified, V: the voltage of the scan.
     pub(crate) fn start_volts(&self) -> f32 {
         self.start_volts
     }

@@ -243,7 +243,8 @@ impl Shaper {
         }
     }
 
-    /// Writes mid-code, with the compensation.
+    /// Writes mid-code, shifted by at most 32 codes until the DC offset of the preceding drive is
+    /// compensated.
     #[inline(never)]
     fn silence(&mut self, play: &Play, drive: &mut DriveBlock) {
         let mid = play.scale.silence();

@@ -104,8 +104,8 @@ impl SignalGenerator {
         (block + LATENCY_BLOCKS as u64) * self.samples as u64
     }
 
-    /// Applies the present trims to the voltage limit, which is that of the lane with the largest
-    /// gain. Returns that limit, V.
+    /// Applies the present trims to the voltage limit, which the lane with the largest gain
+    /// determines. Returns the limit, V.
     pub(crate) fn set_loudest(&mut self) -> f32 {
         self.amplitude.set_loudest(self.phasing.loudest())
     }

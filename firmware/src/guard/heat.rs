@@ -162,7 +162,7 @@ mod tests {
         heat.inspect(Some(30.0), false, 0.0);
         heat.update_temperature(&stack(-50.0, 0.075));
         assert_eq!(heat.stack_c, 30.0);
-        // 400 Hz lower is 40 K; 20 % more capacitance is 50 K.
+        // A resonance 400 Hz lower indicates 40 K, a capacitance 20 % higher 50 K.
         heat.update_temperature(&stack(-450.0, 0.075));
         assert!((heat.stack_c - 70.0).abs() < 1e-3, "{}", heat.stack_c);
         heat.update_temperature(&stack(-450.0, 0.075 * 1.2));
@@ -229,7 +229,7 @@ mod tests {
             heat.has_stack_temperature().then_some(heat.stack_c)
         };
         assert_eq!(celsius(0.0, 0.0), None);
-        // 150 Hz lower is 15 K; 10 % more capacitance is 25 K.
+        // A resonance 150 Hz lower indicates 15 K, a capacitance 10 % higher 25 K.
         assert!(celsius(-10.0, 0.0).is_some_and(|found| (found - 35.0).abs() < 0.01));
         assert!(celsius(0.0, 4e-3).is_some_and(|found| (found - 45.0).abs() < 0.01));
         assert!(celsius(-10.0, 4e-3).is_some_and(|found| (found - 45.0).abs() < 0.01));

@@ -215,7 +215,7 @@ mod tests {
     fn payout_is_counted_when_the_counter_wraps() {
         let (mut belt, mut position) = (belt(), f64::from(i32::MAX) - 100.0);
         let fresh = moves(&mut belt, &mut position, 0.1, 1000);
-        // 3.2 mm in a thousand blocks; the first block is the reference.
+        // The belt moves 3.2 mm in a thousand blocks, less one block, which sets the reference.
         let payout_m = f64::from(fresh) * 1e-5;
         assert!((payout_m - 3.1968e-3).abs() < 1.1e-5, "{payout_m}");
     }
@@ -230,7 +230,7 @@ mod tests {
             assert!(moves(&mut belt, &mut position, 0.0594, 1000) <= 1);
         }
         assert!(belt.still_blocks() >= 900, "{}", belt.still_blocks());
-        // 20 mm back; the payout counts as new ground again after 2 mm.
+        // The belt moves back by 20 mm. After 2 mm, forward motion counts as new ground again.
         moves(&mut belt, &mut position, -0.625, 1000);
         let fresh = moves(&mut belt, &mut position, 0.625, 1000);
         assert!((1798..=1802).contains(&fresh), "{fresh}");

@@ -77,7 +77,7 @@ mod tests {
             update(&mut source, 3.0, Phasor::new(-0.3, -0.8) * (1.0 - libm::expf(-0.1 * n as f32)));
         }
         let near = |(got_g, got_z): (Phasor, Phasor)| (got_g - g).norm_sqr() < 1e-8 && (got_z - z).norm_sqr() < 1e-8;
-        // Measured: 6e-7 of either.
+        // Measured error of gain and impedance: 6e-7.
         assert!(near(source.seen().unwrap()), "{:?}", source.seen());
         // A steady drive adds no information, and removes none.
         for _ in 0..20_000 {

@@ -1,5 +1,5 @@
-//! The tracked transducer: tracker, clamped capacitance, and the equivalent circuit identified on
-//! the way.
+//! The tracked transducer: tracker, clamped capacitance, and the equivalent circuit that is
+//! identified during tracking.
 
 use crate::find::clamped::online::{Online, Update};
 use crate::find::clamped::{Clamped, Measured};
@@ -63,7 +63,8 @@ pub(crate) struct TrackedTransducer {
     /// `true` if the lock was not at the frequency that its first clamped branch gave: another
     /// resonance is near.
     is_uncertain: bool,
-    /// `true` if a scan has not found another resonance either.
+    /// `true` if the lock is uncertain and a scan has found no other resonance that would explain
+    /// it.
     is_unexplained: bool,
 }
 
@@ -127,8 +128,9 @@ impl TrackedTransducer {
         libm::sqrtf(i + branch.y0.norm_sqr() * v)
     }
 
-    /// Returns resonance, Hz, and Q of the last tracked transducer, if resonance and Lm measured
-    /// off resonance show that it is the same.
+    /// Returns the series resonance, Hz, and Q of the last tracked transducer. Returns `None` if
+    /// the measurement off resonance gives a different resonance or Lm, so that another transducer
+    /// may be connected.
     fn remembered_lock(&self, clamped: &Clamped) -> Option<(f32, f32)> {
         let off = |found: &Measured, known: f32, rest: f32| {
             (found.value - known).abs() > TOLERANCE_SIGMAS * found.deviation + rest * known

@@ -2,11 +2,11 @@
 //!
 //! ```text
 //! q = P / (R theta w)                                   heat per time and area, P the power of
-//! friction
+//!                                                       friction
 //! ring   T(t) = (e_r sqrt(pi))^-1 int q_r(s) / sqrt(t - s) ds        half-space at rest, e =
-//! sqrt(k rho c)
+//!                                                                    sqrt(k rho c)
 //! belt   T    = (4/3) sqrt(t_c / pi) q_b / e_b,  t_c = R theta / v    half-space that enters cold:
-//! mean over the contact
+//!                                                                     mean over the contact
 //! q_r + q_b = q,  both temperatures are equal
 //! ```
 //!
@@ -18,10 +18,11 @@
 //! Both bodies act as half-spaces while heat does not penetrate their thickness: `sqrt(alpha t)` is
 //! 0.9 mm in steel after 60 ms and 0.03 mm in polyester after 10 ms.
 //!
-//! The temperature is that of the nominal contact, with the heat spread evenly over it. Fibres that
-//! carry the load are hotter; this model does not give their temperature. The capstan's tension,
-//! and with it the heat, is largest at the end with the higher tension: `x / (1 - exp(-x))` times
-//! the mean with `x = mu theta`. That is 1.44 for a passive belt with 0.3 over 150 degrees.
+//! The temperature refers to the nominal contact area, with the heat spread evenly over it. Fibres
+//! that carry the load are hotter; this model does not give their temperature. The capstan's
+//! tension, and with it the heat, is largest at the end with the higher tension:
+//! `x / (1 - exp(-x))` times the mean with `x = mu theta`. That is 1.44 for a passive belt with 0.3
+//! over 150 degrees.
 
 use std::f64::consts::PI;
 

@@ -21,7 +21,7 @@
 //! ```text
 //! A = a / u0                             amplitude in mean indentations; contact is lost above one
 //! s = kx v / (mu kz w a)                 sliding speed over the critical speed, at which the
-//! spring is loaded as fast as the normal force can rise
+//!                                        spring is loaded as fast as the normal force can rise
 //! ```
 //!
 //! and is computed from its arcs, without time steps (`arcs`). For A <= 1 the paper approximates it

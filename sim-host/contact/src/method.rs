@@ -41,8 +41,8 @@ pub enum Method {
     Closed,
     /// Friction computed on the motion that the oscillator has without friction.
     Frozen,
-    /// Exact linear flow, friction exact in slip, coupled at Gauss-Legendre nodes. For Coulomb
-    /// friction: exact from reversal to reversal.
+    /// Exact flow of the linear motion, and friction as an exact function of the slip, coupled at
+    /// Gauss-Legendre nodes. For Coulomb friction: exact from reversal to reversal.
     Linexp,
     /// Taylor series of high order with located reversals.
     Taylor,
@@ -50,7 +50,8 @@ pub enum Method {
     Rk4,
     /// Runge-Kutta with located reversals.
     Rk4Events,
-    /// Exponential midpoint rule, friction exact in slip, for stiff LuGre contacts.
+    /// Exponential midpoint rule, with friction as an exact function of the slip, for stiff LuGre
+    /// contacts.
     Midpoint,
     /// High-order collocation for a vibration at an angle to the sliding (`excitation.angle_deg`):
     /// one period is solved as a whole.

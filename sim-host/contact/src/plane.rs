@@ -163,7 +163,7 @@ fn in_closed_form(
     let peak = if problem.waveform.shape() == Shape::Still { 0.0 } else { problem.waveform.amplitude() };
     let means = coulomb::means(problem.waveform.shape(), problem.sliding_m_per_s / peak, direction)
         .ok_or_else(|| unsuited("the vibration is not periodic; use bristles, [contact.dahl], which accept any waveform"))?;
-    // The ratio over Fc Vt has the sign of the sliding.
+    // The dissipated power is positive. Divided by Fc Vt it has the sign of the sliding speed Vt.
     let power = means.power.map(|power| power.copysign(problem.sliding_m_per_s));
     let ratios = Ratios { friction: means.friction, power, input: input(problem, power, means.friction), ..Ratios::default() };
     let solution = Solution {

@@ -3,7 +3,7 @@
 //! ```text
 //! kinematic:  x' = Vv w(t)                                        (no system dynamics)
 //! SDOF:       m x'' + c x' + Ks x = F0 w(t) - F                   (thesis 4.14, 4.36; c is our
-//! addition)
+//!                                                                 addition)
 //! slip:       V = Vt + x'   passive (4.2, 4.25, 4.27)
 //!             V = Vt - x'   literal (4.16); here friction feeds energy into the oscillator
 //! ```

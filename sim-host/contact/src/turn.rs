@@ -1,8 +1,8 @@
 //! Sine and cosine of an angle in turns. Scalar and vector code share this implementation, so that
 //! both give the same bits.
 //!
-//! The reduction of the angle to an eighth of a turn is exact, so the accuracy is that of the
-//! polynomials. They are power series whose truncation error is below a quarter of the last place.
+//! The reduction of the angle to an eighth of a turn is exact, so only the polynomials limit the
+//! accuracy. They are power series whose truncation error is below a quarter of the last place.
 
 use std::f64::consts::TAU;
 

@@ -5,11 +5,9 @@
 //!            n    outward normal at the middle of the wrap
 //!            |  / d
 //!   shoulder | /  direction of the vibration: `a` in the plane of the wrap, from n towards the
-//! shoulder; `g` out of it, towards the ring's axis
-//!         .--+--.
+//!         .--+--.  shoulder; `g` out of it, towards the ring's axis
 //!        /   |   \      position p: angle from the middle, -wrap/2 at the retractor, +wrap/2 at
-//! the shoulder
-//!       |         |
+//!       |         |     the shoulder
 //! ```
 //!
 //! At the position p the vibration of peak velocity V has three parts,

@@ -32,11 +32,11 @@ use crate::evidence::{Error, Evidence, Options};
 const KIND_RUNS: u32 = 1200;
 /// Number of runs without a failure.
 const CALM_RUNS: u32 = 12_000;
-/// Number of runs of each kind in each place of the quick variant.
+/// Number of runs of each kind in each place, in the quick variant.
 const QUICK_RUNS: u32 = 2;
-/// Number of runs without a failure in each place of the quick variant.
+/// Number of runs without a failure in each place, in the quick variant.
 const QUICK_CALM_RUNS: u32 = 8;
-/// Number of runs without a failure for each run of a kind, with a given count.
+/// Ratio of runs without a failure to runs of each kind, if the user gives the number of runs.
 const CALM_PER_RUN: u32 = 10;
 
 /// A run with its verdict.

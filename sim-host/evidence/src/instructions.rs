@@ -35,11 +35,11 @@ pub struct Row {
     pub quality: Quality,
 }
 
-/// All counts and computed numbers.
+/// Instruction counts and the numbers computed from them.
 pub struct Measurement {
     /// Every kernel on the target.
     pub counted: Vec<Counted>,
-    /// The generators among them.
+    /// Counts of the sine generators, with their quality.
     pub generators: Vec<Row>,
     /// The budget, each line with its count.
     pub judged: Vec<Judged>,

@@ -113,7 +113,7 @@ pub(crate) fn unit(name: &str) -> Option<Unit> {
     of(dimension, factor)
 }
 
-/// Parses a heading; none if it is unknown.
+/// Parses a heading; `None` if it is unknown.
 pub(crate) fn heading(text: &str) -> Option<Heading> {
     let (name, given) = split(text);
     let by_unit = || given.filter(|unit| unit.dimension == Dimension::Angle).map(|_| Quantity::Angle);

@@ -62,8 +62,8 @@ impl Linear {
 }
 
 impl Solution {
-    /// Returns the covariance of the parameters for residuals of variance one; none if the data do
-    /// not determine them.
+    /// Returns the covariance of the parameters for residuals of variance one; `None` if the data
+    /// do not determine them.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         let (matrix, _, scales) = self.linear.normal();
         let inverse = factor(matrix)?.inverse();
@@ -73,7 +73,7 @@ impl Solution {
     }
 }
 
-/// Factorises a matrix with ones on its diagonal; none if it is singular to numerical precision.
+/// Factorises a matrix with ones on its diagonal; `None` if it is singular to numerical precision.
 fn factor(matrix: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
     const MIN_PIVOT: f64 = 1e-7;
     let n = matrix.nrows();
@@ -81,7 +81,7 @@ fn factor(matrix: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
     (0..n).all(|i| factor.l_dirty()[(i, i)] > MIN_PIVOT).then_some(factor)
 }
 
-/// Minimises the sum of squares from a start; none if the residuals at the start are undefined.
+/// Minimises the sum of squares from a start; `None` if the residuals at the start are undefined.
 pub fn minimise(start: &[f64], evaluate: impl Fn(&[f64]) -> Option<Linear>) -> Option<Solution> {
     let mut linear = evaluate(start)?;
     let mut parameters = start.to_vec();

@@ -83,7 +83,7 @@ pub enum SignalError {
         path: PathBuf,
         /// Line or row.
         place: String,
-        /// Step there, s.
+        /// Time step at this line or row, s.
         step_s: f64,
         /// Mean step, s.
         mean_s: f64,

@@ -120,8 +120,8 @@ impl Example {
         bounds::values(&self.truth)
     }
 
-    /// Returns the Cramér-Rao bounds of the standard deviations, in the order of [`NAMES`]; none if
-    /// the sweep does not determine the values.
+    /// Returns the Cramér-Rao bounds of the standard deviations, in the order of [`NAMES`]; `None`
+    /// if the sweep does not determine the values.
     pub fn bounds(&self) -> Option<[f64; 8]> {
         bounds::deviations(&self.truth, &self.hz, &self.between, &self.noise, |noise, y| noise.sd(y))
     }

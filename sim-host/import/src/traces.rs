@@ -25,7 +25,7 @@ fn marks(lines: &[&str]) -> Option<(usize, usize)> {
     mark("A").zip(mark("B")).filter(|(a, b)| a < b)
 }
 
-/// Joins the two traces in one table of frequency, trace A and trace B; none if the text has
+/// Joins the two traces in one table of frequency, trace A and trace B; `None` if the text has
 /// another format.
 ///
 /// # Errors

@@ -155,8 +155,8 @@ impl Client {
         }
     }
 
-    /// Returns the next report of the periodic telemetry, with the number of its frame; none if no
-    /// report arrives within `wait`.
+    /// Returns the next report of the periodic telemetry, with the number of its frame; `None` if
+    /// no report arrives within `wait`.
     pub fn telemetry(&mut self, wait: Duration) -> Result<Option<(u16, Telemetry)>, LinkError> {
         let until = self.line.port.now() + wait;
         loop {
@@ -227,8 +227,8 @@ impl Client {
         Err(self.silence(damaged > 0, seconds))
     }
 
-    /// Waits for the answer with this number in this session, or a frame that replaces it; none if
-    /// the time is over.
+    /// Waits for the answer with this number in this session, or a frame that replaces it; `None`
+    /// after the timeout.
     fn answer(&mut self, sequence: u16, session: u32) -> Result<Option<Received>, LinkError> {
         let mut until = self.line.port.now() + ANSWER_TIMEOUT;
         let mut damaged = false;
@@ -295,10 +295,11 @@ impl Client {
     }
 }
 
-/// Returns `true` if a command that is obeyed twice has another effect than if it is obeyed once.
+/// Returns `true` if a command starts a scan, run or calibration, so that a repetition of it could
+/// start the drive again.
 ///
-/// A second order does not change a run that is still active, but it would start again a run that
-/// another order has ended meanwhile.
+/// A repeated order does not change a run that is still active. If another order has ended the run
+/// meanwhile, the repetition would restart it.
 pub fn starts(command: &Command) -> bool {
     matches!(command, Command::Scan | Command::Run | Command::Calibrate)
 }

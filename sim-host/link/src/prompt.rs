@@ -48,7 +48,7 @@ pub fn hint(line: &str) -> Option<String> {
     })
 }
 
-/// Returns the table of commands, or the help of one command; none if there is no such command.
+/// Returns the table of commands, or the help of one command; `None` if there is no such command.
 pub fn help(command: Option<&str>) -> Option<String> {
     let grammar = grammar();
     if let Some(name) = command {

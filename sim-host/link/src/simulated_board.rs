@@ -47,7 +47,7 @@ impl Analog for Shared {
 /// Simulated board with its plant and its serial port.
 pub struct SimulatedBoard {
     setup: Setup,
-    /// Running board; none if it no longer starts.
+    /// Running board; `None` if it no longer starts.
     bench: Option<Bench<'static, Shared>>,
     rig: Rc<RefCell<Rig>>,
     to_board: VecDeque<u8>,

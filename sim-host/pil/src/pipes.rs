@@ -1,4 +1,4 @@
-//! Exchange of records with QEMU: one there, and one back.
+//! Exchange of records with QEMU: one request, one reply.
 
 use std::io::{self, PipeReader, PipeWriter, Read, Write};
 use std::path::Path;

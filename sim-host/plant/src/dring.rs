@@ -8,7 +8,7 @@
 //!
 //! ```text
 //! m x'' = m a(t) - Ts                       torso, once that is positive: then it leaves the back
-//! of its seat permanently.
+//!                                           of its seat permanently.
 //!                                           Nothing else holds it: no airbag, no lap belt
 //! Ts = T0 + ks [(x - p) beyond slack]       shoulder span
 //! Tr = T0 + kr (p - s)                      retractor span

@@ -10,9 +10,9 @@
 //! over a second. The damping is part of the motional resistance, `Rm + c / phi^2`, and adds no
 //! state.
 //!
-//! The lag is that of the whole pull, air cylinder, belt and load cell together. The thesis
-//! attributes it to inertia, and its data cannot separate them. The speed is constant, although
-//! less friction speeds up the real belt.
+//! The time constant `lag` describes the whole pull: air cylinder, belt and load cell together. The
+//! thesis attributes it to inertia, and its data cannot separate them. The speed is constant,
+//! although less friction speeds up the real belt.
 
 use crate::belt_motion::BeltMotion;
 use crate::circuit::Circuit;

@@ -4,7 +4,7 @@
 //! P(k) = |sum x(n) w(n) exp(-2 pi j k n / N)|^2,    w(n) = sin(pi n / N)^8
 //!
 //! SNDR   tone over everything else except the mean          SFDR   tone over the strongest other
-//! line
+//!                                                                  line
 //! alias  the strongest harmonic that the sample rate has folded back, relative to the tone
 //! ```
 //!

@@ -59,8 +59,8 @@ pub struct EdgeMeter {
 }
 
 impl EdgeMeter {
-    /// Creates a meter for the bursts of a scene; `time_constant_s` is that of the plant's
-    /// vibration.
+    /// Creates a meter for the bursts of a scene. `time_constant_s` is the decay time constant of
+    /// the plant's vibration.
     pub fn new(scene: &Driven, time_constant_s: f64) -> Self {
         let sample_s = 1.0 / scene.sensors.sample_hz;
         EdgeMeter {

@@ -53,7 +53,7 @@ pub enum OutputError {
     Held {
         /// Folder.
         path: PathBuf,
-        /// Process that writes it.
+        /// Process that writes the folder.
         process: String,
     },
     /// After the run, a file in the folder may not be replaced.

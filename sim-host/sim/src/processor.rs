@@ -73,11 +73,11 @@ pub struct Load {
 pub struct InFunction {
     /// Name of the function.
     pub name: String,
-    /// Number of instructions executed in it.
+    /// Number of instructions executed in the function.
     pub instructions: u64,
     /// Cycles of these instructions.
     pub cycles: u64,
-    /// Number of fetches from flash for them, of 8 bytes each.
+    /// Number of fetches of these instructions from flash, of 8 bytes each.
     pub flash_fetches: u64,
 }
 

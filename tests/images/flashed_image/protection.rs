@@ -47,7 +47,8 @@ fn the_emergency_stop_drops_the_enable_at_once() {
 #[test]
 fn an_over_current_drops_the_enable_in_hardware() {
     let Some(elf) = elf() else { return };
-    // 3.5 A are 3.05 V and 0.25 V; each comparator is tested alone.
+    // The limit of 3.5 A corresponds to pin voltages of 3.05 V and 0.25 V. Each comparator is
+    // tested alone.
     for (pin, volts) in [(POSITIVE, 3.1), (NEGATIVE, 0.2)] {
         let (board, mut client) = driving(elf);
         let tripped = board.borrow().machine().cycle() + 1000;

@@ -8,8 +8,8 @@
 //! `x(t)` is the position since power-up, `v` the speed, `p` the distance between detents, `r0` the
 //! set point between them and `rd` the set point at a detent. `d` is 0 at a detent and 1 halfway to
 //! the next. The cubic has zero slope at both and is within 0.01 of a raised cosine. The drive for
-//! a set point needs the time `T` to be computed and to take effect, so the set point is that of
-//! the expected position.
+//! a set point needs the time `T` to be computed and to take effect, so the set point is computed
+//! for the position expected after this time.
 //!
 //! Friction resists in both directions and pulls in neither: unlike the notch of a spring, such a
 //! detent holds the knob but does not draw it in.

@@ -27,7 +27,7 @@ const MAX_EVALUATIONS: u32 = 24;
 pub struct Solution {
     /// Velocity ratio Vt / Vv to drive at.
     pub xi: f32,
-    /// Friction ratio there.
+    /// Friction ratio at this velocity ratio.
     pub(crate) ratio: f32,
     /// Minimum friction ratio, at the maximum amplitude; one without authority.
     pub floor: f32,

@@ -1,18 +1,19 @@
 //! Choice of the regime for a friction ratio: amplitude, bursts, or silence.
 //!
-//! Both ways have the same mean, so that a change between them does not change the friction:
+//! Amplitude and bursts give the same mean friction, so a change between them does not disturb it:
 //!
 //! * **Amplitude**, at the velocity ratio from the inverse law. It needs the least power and acts
 //!   within a carrier period.
 //! * **Bursts** of the maximum amplitude, whose ratio is the floor `r_on`:
 //!   `r = 1 - (1 - r_on) (on + dead)`, with ON time and dead time relative to the period. This
-//!   holds for duties from 0.2 to 0.85; beyond, an edge is as long as the remaining time.
+//!   holds for duties from 0.2 to 0.85. Outside this range the ON time or the OFF time is no longer
+//!   than an edge.
 //!
-//! Close to the velocity threshold the tip is hardly faster than the belt. There, the friction of a
-//! stiff contact changes by twice the relative error of the velocity ratio: 0.04 for 2 %. Bursts
-//! are then better if their duty permits.
+//! Close to the velocity threshold the tip is hardly faster than the belt. The friction ratio of a
+//! stiff contact then changes by twice the relative error of the velocity ratio: by 0.04 for 2 %.
+//! Bursts are more accurate there, if their duty is within its range.
 //!
-//! A margin prevents frequent changes between the two.
+//! Hysteresis prevents frequent changes between amplitude and bursts.
 
 use super::inverse::Solution;
 use crate::seam::config::Prefer;

@@ -36,7 +36,7 @@ impl HostSession {
         self.number
     }
 
-    /// Returns `true` if `number` is that of the present session, which is then in use.
+    /// Returns `true` if `number` identifies the present session. If so, marks the session as used.
     pub(super) fn admit(&mut self, number: u32) -> bool {
         let admitted = number != NO_SESSION && number == self.number;
         self.used |= admitted;

@@ -101,7 +101,7 @@ impl<'a> Recorder<'a> {
                 CaptureReply::Records
             }
             Some(CaptureRequest::Look) => match self.memory.take_if(|_| self.state == CaptureState::Full) {
-                // The rings are full: the first sample is at the index of the next one.
+                // The rings are full: the oldest sample is the one that would be overwritten next.
                 Some(memory) => CaptureReply::Full(self.report(), self.next, memory),
                 None => CaptureReply::Not(self.report()),
             },

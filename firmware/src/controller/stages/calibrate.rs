@@ -1,5 +1,5 @@
-//! The calibration of the lanes as a stage. After it, the voltage limit is that of the lane with
-//! the largest gain under the new trims.
+//! The calibration of the lanes as a stage. Afterwards the lane with the largest gain under the new
+//! trims determines the voltage limit.
 
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;

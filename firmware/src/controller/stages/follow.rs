@@ -54,7 +54,8 @@ impl Stage for Follow {
             }
             (Mode::Run, true) => (Gate::Off, orders.amplitude),
             (_, false) => (Gate::On, orders.amplitude),
-            // A lock that is muted waits in silence.
+            // The guard has muted the drive while locking: play silence until it releases the
+            // drive.
             (_, true) => return Step::Silence,
         };
         if chain.lanes.are_heard() || chain.continuity.is_out_of_sequence() {

@@ -366,7 +366,8 @@ mod tests {
                 "{:?}",
                 found.elements
             );
-            // Measured: a misfit of 1.6; losses that differ by a factor of five converge slowly.
+            // Measured: a misfit of 1.6. Two modes whose losses differ by a factor of five converge
+            // slowly.
             assert!((found.elements[C] - exact[C]).abs() < 1e-3 && found.misfit < 2.0, "{:?}", found.elements);
         }
     }

@@ -77,7 +77,7 @@ pub struct Sample<'a> {
 pub struct Update {
     /// Clamped branch from all measurements so far.
     pub motional: Motional,
-    /// Standard deviation of its susceptance, relative to it.
+    /// Relative standard deviation of the susceptance of the clamped branch.
     pub(crate) deviation: f32,
     /// Relative excess of the estimate of this round alone, and its standard deviation.
     pub(crate) round: (f32, f32),
@@ -220,7 +220,7 @@ impl Online {
         self.motional
     }
 
-    /// Returns the standard deviation of its susceptance, relative to it.
+    /// Returns the relative standard deviation of the susceptance of the clamped branch.
     pub(crate) fn deviation(&self) -> f32 {
         libm::sqrtf(self.variance)
     }

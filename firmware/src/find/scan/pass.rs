@@ -80,7 +80,8 @@ impl Pass {
         let slow_s = ((MOST_LINES - 4) as f32 / fine.width_hz).min(40e-3);
         let fine = Pass { period_blocks: fine.period_blocks.max((slow_s / block_s) as u32), ..fine };
         let excess = seen.deviation_hz / (TARGET_BANDWIDTHS * bandwidth_hz).max(TARGET_REL * seen.hz);
-        // Time that this pass has spent there; the deviation falls with its square root.
+        // Time that this pass has spent within the range of the fine pass. The deviation falls with
+        // the square root of the measuring time.
         let there_s = self.blocks() as f32 * block_s * (fine.width_hz / self.width_hz).min(1.0);
         let target_s = (there_s * excess * excess).min(MAX_FINE_S);
         let repeats = if excess > 1.0 { (target_s / (fine.period_blocks as f32 * block_s)) as u32 + 1 } else { 0 };
@@ -130,7 +131,7 @@ mod tests {
         let repeats = |deviation_hz: f32| {
             window.fine(&MeasuredResonance { hz: 40e3, offset_hz: 0.0, q: 65.0, deviation_hz }, 1100.0, 32e-6).repeats
         };
-        // The target is 0.0615 Hz; a period of 30 ms.
+        // The target deviation is 0.0615 Hz. A period of the fine pass takes 30 ms.
         assert_eq!([0.05, 0.07, 0.1, 0.2].map(repeats), [0, 1, 1, 2]);
     }
 

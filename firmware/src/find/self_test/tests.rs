@@ -126,7 +126,7 @@ fn waits_until_the_vibration_is_a_quarter_of_the_tone() {
 
 #[test]
 fn decaying_current_is_not_noise() {
-    // The mean square falls from 99 to 90, or to 81, which is less than 0.85 of it.
+    // The mean square falls from 99 to 90, or to 81, which is below 0.85 times 99.
     for (pairs, blocks) in [(10, 32), (9, 48)] {
         let mut rig = Rig::new(&config());
         rig.sense.i = codes(0, 11, 12);

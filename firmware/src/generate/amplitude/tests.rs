@@ -117,8 +117,8 @@ fn a_soft_start_rises_along_a_line() {
         current += lag * (hold.volts() / 3.0 - current);
         hold.update(Amplitude::MotionalCurrent(1.0), 1.0, current.into());
         let line = 0.2 + 0.8 * (n as f32 * 1e-3).min(1.0);
-        // The current lags by the ring-up, 16 blocks. The loop, whose time constant is 83 blocks,
-        // finds the load on the way.
+        // The current lags the set point by the ring-up, 16 blocks. Meanwhile the loop, with a time
+        // constant of 83 blocks, finds the load.
         assert!(n < 250 || (current - line).abs() < 0.03, "{n}: {current} for {line}");
     }
 }

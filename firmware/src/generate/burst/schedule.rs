@@ -13,7 +13,7 @@ pub(super) enum Schedule {
     Continuous,
     Windows {
         windows: Vec<(u64, u64), MAX_WINDOWS>,
-        /// Sample from which the windows count; they include it.
+        /// Sample at which the schedule started. It has been added to the windows.
         from: u64,
     },
     Periodic {
@@ -47,7 +47,7 @@ impl Schedule {
         })
     }
 
-    /// Starts to count at a sample.
+    /// Starts the schedule at a sample: windows and periods are counted from this sample.
     pub(super) fn begin(&mut self, sample: u64) {
         match self {
             Schedule::Continuous => (),

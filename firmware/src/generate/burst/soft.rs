@@ -13,8 +13,8 @@ impl Burst {
     /// Advances along the edge, up if the gate is open, and stays at its end. Returns the position
     /// on the ramp.
     ///
-    /// The level is `(1 - cos(x)) / 2 = sin^2(x / 2)`, from a generated sine; down, it is that of
-    /// `-x`.
+    /// The level is `(1 - cos(x)) / 2 = sin^2(x / 2)`, from a generated sine. A falling edge has
+    /// the same level with `-x` instead of `x`, so that the generator runs forwards.
     pub(super) fn rise(&mut self, open: bool, edge: u32, span: Range<usize>) -> u32 {
         let half_angle = u64::from(self.half_turn_step * self.ramp) << 31;
         let word = u64::from(self.half_turn_step) << 31;

@@ -205,7 +205,7 @@ fn blocks_without_an_edge_are_flat_and_means_are_exact() {
             assert!(!got.is_flat() || same, "{edge:?} {k}");
             edges += usize::from(!got.is_flat());
         }
-        // The two blocks in which the gate changes, and those in which the drive follows it.
+        // Two blocks in which the gate changes, plus the blocks in which the drive follows.
         assert!((2..=6).contains(&edges), "{edges}");
     }
 }

@@ -220,7 +220,8 @@ mod tests {
         worst
     }
 
-    /// Half a step of a 12-bit converter is 2.4e-4, of a 16-bit one 1.5e-5.
+    /// Bounds the error of the swing, for an amplitude of one. For comparison: half a step of a
+    /// 12-bit converter is 2.4e-4, of a 16-bit converter 1.5e-5.
     #[test]
     fn the_swing_follows_the_phase() {
         for (from, to, samples, bound) in [
@@ -255,8 +256,8 @@ mod tests {
         worst
     }
 
-    /// Half a code is 0.5. At a large amplitude the error is that of the initial values in single
-    /// precision, as for a swing.
+    /// Bounds the error in codes. At a large amplitude it comes from the initial values, which are
+    /// in single precision, as for a swing.
     #[test]
     fn steps_follow_the_phase() {
         for (from, to, amplitude, bounds) in [

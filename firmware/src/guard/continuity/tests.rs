@@ -362,7 +362,7 @@ fn a_capacitance_change_is_a_susceptance_and_leaves_a_fifth() {
     let jumps = |siemens: f32, clamped: f32| {
         found(block(one(), one(), 1.0), LOAD, |_| block(one(), one() * (1.0 + siemens / CONDUCTANCE), clamped)).is_some()
     };
-    // 12 mS more, with a conductance below or above a fifth of it.
+    // The susceptance rises by 12 mS; the conductance changes by less or more than a fifth of that.
     assert_eq!([2.2e-3, 2.6e-3, -2.2e-3, -2.6e-3].map(|offset| jumps(offset, 1.6)), [false, true, false, true]);
     assert_eq!([0.21, 0.19].map(|left| jumps(0.0, left)), [false, true]);
 }

@@ -44,7 +44,8 @@ fn a_scan_or_calibration_is_done_once_per_attempt() {
             assert_eq!(way(&mut supervisor, &asks(request)), [Mode::SelfTest, mode, Mode::Idle]);
             assert!(!supervisor.judge(&Orders { sequence: 2, ..asks(request) }, None));
             assert_eq!(supervisor.mode(), Mode::Idle);
-            // Another attempt repeats it; a run may begin after either.
+            // A new attempt number repeats the scan or calibration. Afterwards an order to run is
+            // accepted.
             assert_eq!(way(&mut supervisor, &Orders { attempt: 2, ..asks(request) }), [Mode::SelfTest, mode, Mode::Idle]);
             assert!(supervisor.judge(&Orders { attempt: 2, ..asks(Request::Run) }, None));
         }

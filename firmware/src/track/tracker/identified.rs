@@ -123,7 +123,7 @@ impl Learning {
         // `fp / fs = sqrt(1 + Cm / C0)`, in which the resonance cancels a part of its own effect
         // on `fs`.
         let ratio = |strength: f32, clamped: f32| square(strength) + square(clamped);
-        // The relative deviation of `Rm` is that of the resonance in half bandwidths;
+        // The relative deviation of `Rm` equals the deviation of the resonance in half bandwidths.
         // `Q = ws Lm / Rm`.
         let half = 2.0 * *q * *resonance;
         match *parts_left {

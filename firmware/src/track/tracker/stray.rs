@@ -1,8 +1,9 @@
 //! Detection of a phase loop that has left the resonance it was given.
 //!
-//! A scan finds the resonance to a small part of its bandwidth. A lock far from it is that of
-//! another phase than the scan's: a channel has become late since then. A resonance may drift to
-//! the edge of the frequency window; a loop that leaps there follows something else.
+//! A scan finds the resonance to a small part of its bandwidth. A lock far from this resonance
+//! shows that a channel has become late since the scan, which changes the phase that the loop locks
+//! to. A resonance may drift to the edge of the frequency window, but cannot jump to it: a loop
+//! that jumps to the edge follows something else.
 
 use core::f32::consts::PI;
 
@@ -115,7 +116,7 @@ mod tests {
         assert!(stray.is_astray() && stray.has_leapt() && stray.take_second_scan());
         stray.seed(1000.0, TAU_S);
         assert!(!stray.is_astray() && !stray.has_leapt() && !stray.take_second_scan());
-        // A resonance seeded at the edge has not leapt there.
+        // A resonance that starts at the edge has not jumped to it.
         (0..100).for_each(|_| stray.take_output(1000.0, true));
         assert!(!stray.has_leapt());
     }

@@ -10,9 +10,9 @@ pub struct Passage {
     pub entered: bool,
     /// Cycle at the beginning of the entry or return.
     pub at: Cycle,
-    /// Number of instructions until then.
+    /// Number of instructions executed before this cycle.
     pub instructions: u64,
-    /// Number of fetches until then.
+    /// Number of fetches before this cycle.
     pub fetches: Fetches,
 }
 

@@ -24,7 +24,8 @@ const BEST_CONTRACTION: f64 = 0.125;
 const BEST_ORDER_CONTRACTION: f64 = 1e-2;
 /// Largest number of steps per period that is tried, unless stability requires more.
 const MAX_STEPS_PER_PERIOD: u32 = 1 << 14;
-/// The same for order six, which reaches round-off there.
+/// Largest number of steps per period for methods of order six, which reach round-off at this
+/// number.
 const MAX_STEPS_PER_PERIOD_ORDER_SIX: f64 = 2048.0;
 /// Largest number of steps of one run of order six, if fewer can be expected to suffice.
 const MAX_RUN_STEPS_ORDER_SIX: f64 = 1e7;

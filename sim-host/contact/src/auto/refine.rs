@@ -9,7 +9,7 @@
 //! ```text
 //! q    = d2 / d1                   observed contraction; expected is 1/4 per rung or less
 //! e(c) = d2 q' / (1 - q')          geometric series (Richardson), with q' at least the expected
-//! one, and d2 at least q' d1
+//!                                  one, and d2 at least q' d1
 //! e(c) = max(d1, d2)               if the runs do not contract: another run is needed
 //! e(i) = d(i, c) + e(c)            for any coarser run
 //! ```

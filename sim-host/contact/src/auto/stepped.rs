@@ -15,26 +15,27 @@ use crate::waveform::Shape;
 /// Ratio of run to window length above which the energies of the window come from a separate run.
 const LONG_RUN_RATIO: f64 = 2.0;
 /// Tolerance below which fourth-order methods take longer than the Taylor series. Also applies to
-/// linexp if errors fall unevenly, or if the forcing is not periodic.
+/// linexp if its errors decrease irregularly with the step, or if the forcing is not periodic.
 const ORDER_FOUR_TOLERANCE: f64 = 1e-6;
-/// The same limit for linexp if short bristles make the mass ring: there, two runs of linexp were
-/// found to share a common error.
+/// Tolerance below which the Taylor series is tried before linexp if short bristles make the mass
+/// ring. In such contacts two runs of linexp can share a common error, which their difference does
+/// not show.
 const RINGING_TOLERANCE: f64 = 1e-4;
-/// The same limit for linexp in all other contacts.
+/// Tolerance below which the Taylor series is tried before linexp in all other contacts.
 const ORDER_SIX_TOLERANCE: f64 = 1e-10;
 /// Number of steps per period required for stability above which midpoint is tried before
 /// Runge-Kutta.
 const MANY_STEPS_PER_PERIOD: f64 = 1000.0;
-/// Value of kappa above which errors fall unevenly.
+/// Value of kappa above which errors decrease irregularly with the step.
 const SMOOTH_KAPPA: f64 = 30.0;
 /// Contact stiffness over `m w^2` above which the mass rings on its bristles.
 const RINGING_STIFFNESS: f64 = 0.1;
 /// Contact stiffness over `m w^2` above which the mass rings far faster than the vibration.
 const FAST_RINGING_STIFFNESS: f64 = 30.0;
-/// Safety factor on estimates if errors fall unevenly; `evidence contacts` compares them with the
-/// true error.
+/// Safety factor on estimates if errors decrease irregularly with the step; `evidence contacts`
+/// compares them with the true error.
 const UNEVEN_FACTOR: f64 = 3.0;
-/// Safety factor on estimates if errors fall very unevenly.
+/// Safety factor on estimates if errors decrease very irregularly with the step.
 const VERY_UNEVEN_FACTOR: f64 = 10.0;
 /// Safety factor on the error of a pilot in all other contacts.
 const PILOT_FACTOR: f64 = 1.5;
@@ -368,8 +369,8 @@ fn answer<W: FnMut(&State)>(
     watch: Option<&mut W>,
 ) -> Result<Solution, SolveError> {
     let setting = found.setting;
-    // Energies are added up in a separate run. The friction is that of the run without them, so
-    // that it does not depend on whether they are requested.
+    // Energies are added up in a separate run. Friction always comes from the run without energies,
+    // so that a request for energies does not change it.
     let apart = numerics.energies && method != Method::Midpoint;
     let plain = match found.tally {
         None if apart => Some(runs.run(&problem.up_to_window(), method, setting, false)?),

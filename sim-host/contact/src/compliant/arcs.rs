@@ -185,8 +185,8 @@ fn stick(place: Indentation, speed: f64) -> (f64, f64) {
         return (from, place.half);
     }
     let jump = slope - speed;
-    // From the phase at which the limit's slope has fallen to the speed again, to the loss of
-    // contact or the minimum of the limit.
+    // The stick ends after the phase at which the limit's slope falls to the speed again, and
+    // before contact is lost or the limit reaches its minimum.
     let bracket = (0.5 * (-smooth - from).max(0.0), 0.5 * (place.half - from));
     let off = |h: f64| 0.5 * slope * less_sine(2.0 * h) - cosine * h.sin().powi(2) - jump * h;
     let rise = |h: f64| 2.0 * h.sin() * (from + h).cos() - jump;

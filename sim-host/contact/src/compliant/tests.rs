@@ -137,8 +137,8 @@ fn the_closed_form_of_the_paper_is_close() {
     assert_eq!(popov_ratio(1.0 + 1e-12, 0.5), None);
 }
 
-/// Just below the critical speed the loss is that of the fourth-order arc:
-/// `A (9 / (4 pi)) (1 - s)^2`; the paper has the factor `3/4`.
+/// Just below the critical speed, the expansion of the arc to fourth order gives the reduction of
+/// the friction ratio: `A (9 / (4 pi)) (1 - s)^2`. The paper has the factor `3/4`.
 #[test]
 fn friction_comes_smoothly_to_the_critical_speed() {
     for short in [1e-3, 1e-5, 1e-7] {
@@ -219,7 +219,8 @@ fn a_mean_gap_lowers_the_critical_speed() {
     assert!((unit(1e3) - half.sin()).abs() < 1e-12 && half < FRAC_PI_2);
     let ratio = |speed: f64| friction_ratio(1e3, speed * half.sin(), true);
     assert!(ratio(0.999) < 1.0 && (ratio(1.001) - 1.0).abs() < 1e-14, "{} {}", ratio(0.999), ratio(1.001));
-    // A held gap has no friction without vibration, but a mean with it.
+    // At a constant gap there is no friction without vibration. With vibration the mean friction is
+    // positive.
     let gap = CompliantProblem { press: Press::Indentation(-0.5e-6), ..contact(1.0, 0.2, false) };
     let gap = solved(&gap);
     assert!(gap.friction_ratio.is_none() && gap.friction_n > 0.0 && gap.coefficient_ratio < 1.0, "{gap:?}");

@@ -33,7 +33,7 @@ impl Spread {
         }
     }
 
-    /// Returns the amplitude at which D = a, from mean N = 1 there.
+    /// Returns the amplitude above which contact is lost: D = a, with mean N = 1.
     pub(super) fn threshold(self) -> f64 {
         self.mean_force(2.0, 1.0).powf(-2.0 / 3.0)
     }

@@ -11,7 +11,7 @@
 //! ```text
 //! passive:   |R| <= Fc  the contact sticks, F = R, until |R| exceeds Fc;   R > Fc  slips forward;   R < -Fc  backward
 //! literal:   R > Fc  slips backward;   R < -Fc  forward;   |R| < Fc  either direction or none: not
-//! unique, and refused
+//!                                                                    unique, and refused
 //! ```
 //!
 //! With the literal sign, the slip passes through V = 0 whenever it reaches it. Only starts at V =

@@ -1,5 +1,5 @@
-//! The default method: exact linear flow of the motion, friction exact in slip, both coupled at
-//! Gauss-Legendre nodes.
+//! The default method. The linear motion is solved exactly over a step, the friction law exactly as
+//! a function of slip; they are coupled at Gauss-Legendre nodes.
 //!
 //! Friction is a weak perturbation of the motion (5e-5 of the forcing in Table 4.1), and Dahl
 //! friction depends on the slip alone. Between reversals `f = s + (f0 - s) exp(-(Kt / Fc) s z)`,

@@ -241,7 +241,8 @@ impl<'a, const N: usize> Run<'a, N> {
             let totals = &mut self.meter.totals;
             totals.friction_n_s += h * self.coulomb_n * integral(series.friction(&self.problem.law), s);
             totals.friction_work_j += match self.problem.law {
-                // f' = (Kt / Fc) (V - s f V): the work is exact in slip.
+                // Dahl's law `f' = (Kt / Fc) (V - s f V)` gives the integral of `f V` from the slip
+                // and the change of f, without quadrature.
                 Law::Dahl { stiffness_n_per_m } => {
                     let slip_m = h * s * self.problem.sliding_m_per_s + self.problem.sign.factor() * (x - self.x);
                     let stretched_m = (bristle - self.bristle) * self.coulomb_n / stiffness_n_per_m;

@@ -84,11 +84,11 @@ pub(super) struct Passage {
     pub(super) fading: f64,
     lost: f64,
     gained: [f64; 2],
-    /// Integral of f, s: factor of the initial f, and constant.
+    /// Integral of f, s: `mean.0 f(0) + mean.1`.
     mean: (f64, [f64; 2]),
-    /// Integral of F w, m: factors of the initial f, and constant.
+    /// Integral of F w / Fc, m: `power.0 . f(0) + power.1`, with a scalar product.
     power: ([f64; 2], f64),
-    /// Integral of F_y^2, s: factors of f_y^2 and f_y, and constant.
+    /// Integral of (F_y / Fc)^2, s: coefficients of f_y(0)^2, f_y(0) and one.
     square: [f64; 3],
 }
 

@@ -1,4 +1,5 @@
-//! The passage of a stretch: panels are halved until the halves agree with the whole.
+//! Integration over a stretch of the timeline with adaptive panels: a panel is halved until its
+//! result agrees with that of its two halves.
 
 use super::super::problem::Law;
 use super::super::timeline::Stretch;
@@ -6,8 +7,8 @@ use super::super::{Method, SolveError};
 use super::marks::edges;
 use super::panel::{Bristles, Passage};
 
-/// Largest permitted difference of a panel and its halves; the error of the halves, which are used,
-/// is far smaller.
+/// Largest permitted difference between a panel and its two halves. The halves are used; their
+/// error is far smaller.
 const AGREEMENT: f64 = 1e-14;
 /// Difference below which a panel whose halving does not help is limited by round-off.
 const NOISE_DIFFERENCE: f64 = 1e-12;

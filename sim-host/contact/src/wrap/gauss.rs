@@ -2,8 +2,8 @@
 //! with the whole.
 //!
 //! Between two kinks the position is `p = a + (b - a) s^2 (3 - 2 s)`, which turns square roots of
-//! the distance from a kink, as in the law along the sliding, into polynomials of s. In a panel of
-//! s the state is that of collocation at 16 Gauss points, of order 32.
+//! the distance from a kink, as in the law along the sliding, into polynomials of s. In each panel
+//! of s the state is computed by collocation at 16 Gauss points, of order 32.
 
 use std::sync::LazyLock;
 

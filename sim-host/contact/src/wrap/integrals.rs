@@ -5,7 +5,7 @@
 //! G   = int r_s dp
 //! H_s = int r_s f exp(-q mu G(p)) dp               the shoulder pulls
 //! H_r = int r_s f exp(-q mu (G - G(p))) dp         the retractor pulls: counted from there, G(p)
-//! becomes G - G(p)
+//!                                                  becomes G - G(p)
 //! ```
 //!
 //! Panels are those of `gauss.rs`, but a panel is halved if its last Legendre coefficients are too

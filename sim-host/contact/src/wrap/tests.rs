@@ -134,8 +134,8 @@ fn the_tension_is_that_of_steps_along_the_wrap() {
     }
 }
 
-/// One table serves all tensions and amplitudes: at the speed from the table, the exponent is that
-/// of the equation.
+/// One table serves all tensions and amplitudes: the equation, evaluated at the velocity ratio from
+/// the table, returns the friction ratio that was looked up.
 #[test]
 fn the_table_is_the_inverse_of_the_exponent() {
     for direction in DIRECTIONS {

@@ -147,7 +147,7 @@ impl Case {
         TAU * f64::from(self.periods)
     }
 
-    /// Returns the beginning and the end of the averaging window; the end is that of the run.
+    /// Returns the beginning and the end of the averaging window, which ends with the run.
     pub fn marks(&self) -> [f64; 2] {
         [0.5 * self.length(), self.length()]
     }

@@ -25,7 +25,7 @@ pub trait Peer {
 pub struct Way {
     /// Name in tables: method, and treatment of the reversals of the slip.
     pub name: String,
-    /// The peer's own number of the way.
+    /// Number by which the peer identifies this way.
     pub number: usize,
     /// Longest step, scaled; `None` leaves it to the peer.
     pub longest: Option<f64>,

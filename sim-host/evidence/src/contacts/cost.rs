@@ -53,7 +53,7 @@ fn measure_contact(tried: &ContactRuns, truth: &Truth) -> Vec<Cost> {
         }
     }
     let best = |tolerance: f64| {
-        // The coarsest sufficient setting of each order; the cheapest of these.
+        // Finds the coarsest sufficient setting of each order, then the cheapest of them.
         let coarsest = ORDERS.into_iter().filter_map(|order| {
             grid.iter().filter(|((of, _), worst)| *of == order && *worst <= tolerance).map(|(setting, _)| *setting).next_back()
         });

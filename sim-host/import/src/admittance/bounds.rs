@@ -19,7 +19,7 @@ pub(crate) fn values(truth: &Equivalent) -> [f64; 8] {
     std::array::from_fn(|at| all[at])
 }
 
-/// Returns the bounds of the same values; none if the sweep does not determine them.
+/// Returns the Cramér-Rao bounds of the same values; `None` if the sweep does not determine them.
 pub(crate) fn deviations(
     truth: &Equivalent,
     hz: &[f64],

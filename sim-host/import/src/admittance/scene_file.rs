@@ -26,7 +26,7 @@ const MAX_SPAN_REL: f64 = 0.03;
 const MAX_WINDOW_BANDWIDTHS: f64 = 360.0;
 
 impl Admittance {
-    /// Returns the scene as TOML; none if a scene cannot have its resonance. `source` is the file
+    /// Returns the scene as TOML; `None` if a scene cannot have its resonance. `source` is the file
     /// of the measurement.
     pub fn scene(&self, source: &str) -> Option<String> {
         let circuit = &self.circuit;

@@ -58,8 +58,9 @@ pub(super) fn clamped(points: &Points) -> Option<Equivalent> {
 }
 
 /// Returns circuits with one more resonance than `known`: the best candidate of each quality
-/// factor, and of these the best few. A single start may mislead the fit if much of a circle is
-/// lost in noise. Returns none if no candidate has a positive conductance.
+/// factor, limited to the best five of them. Several starts are needed, because a single one may
+/// mislead the fit if much of a circle is lost in noise. The list is empty if no candidate has a
+/// positive conductance.
 pub(super) fn next(points: &Points, known: &[Branch]) -> Vec<Equivalent> {
     const MAX_STARTS: usize = 5;
     let shapes: Vec<(f64, f64)> = known.iter().map(|branch| (branch.hz, branch.q)).collect();
@@ -183,7 +184,7 @@ impl<'a> View<'a> {
         dot(&residual, &residual).is_finite().then_some(View { hz: points.hz, weight: points.weight, basis, residual })
     }
 
-    /// Returns the reduction of the sum of squares by a candidate; none if its conductance is not
+    /// Returns the reduction of the sum of squares by a candidate; `None` if its conductance is not
     /// positive. With a window only the points near it are used, for which the known part is
     /// negligible.
     fn gain(&self, (own, q): (f64, f64), window: Option<f64>) -> Option<f64> {

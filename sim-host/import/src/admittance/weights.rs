@@ -64,7 +64,8 @@ impl Weights {
     }
 }
 
-/// Returns the most likely variances for these squares, as a sum of some of the terms.
+/// Fits the variance of each point to the squared residuals: the combination of terms with the best
+/// value of the information criterion.
 fn variances(terms: &[Vec<f64>], squares: &[f64]) -> Vec<f64> {
     let floor = MIN_SD_REL * MIN_SD_REL;
     let points = squares.len();
@@ -86,7 +87,7 @@ fn variances(terms: &[Vec<f64>], squares: &[f64]) -> Vec<f64> {
     best.map_or_else(|| vec![mean; points], |(_, variance)| variance)
 }
 
-/// Returns the coefficients of the used terms, by scoring; none if one becomes negative.
+/// Returns the coefficients of the used terms by Fisher scoring; `None` if one becomes negative.
 fn likely(terms: &[Vec<f64>], used: &[usize], squares: &[f64], mean: f64, sum: &dyn Fn(&[f64]) -> Vec<f64>) -> Option<Vec<f64>> {
     const SCORING_ROUNDS: usize = 12;
     let n = used.len();

@@ -32,7 +32,7 @@ pub(crate) struct Searched {
 /// three standard deviations.
 const MAX_RIVAL_RISE: f64 = 9.0;
 
-/// Fits a model; none if no start leads to a finite result.
+/// Fits a model; `None` if no start leads to a finite result.
 pub(super) fn search(model: Model, log: &Log, used: &[bool]) -> Option<Searched> {
     let evaluate = |fitted: &[f64]| residuals(model, fitted, log, used);
     let linear = |fitted: &[f64]| {

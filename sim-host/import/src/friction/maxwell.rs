@@ -27,7 +27,7 @@ pub(super) struct Maxwell {
     pub(super) force_n: Vec<f64>,
 }
 
-/// Fits the samples that are `used`; none if the log resolves no deflection.
+/// Fits the samples that are `used`; `None` if the log resolves no deflection.
 pub(super) fn fit(log: &Log, used: &[bool]) -> Option<Maxwell> {
     // Steps around a reversal can be arbitrarily short. The median is the resolution of the log.
     let steps = ascending(log.slip_m.iter().map(|slip| slip.abs()).filter(|slip| *slip > 0.0));

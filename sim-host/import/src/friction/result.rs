@@ -23,7 +23,7 @@ pub struct Fitted {
     /// Model.
     pub model: Model,
     /// Parameters by name, those of a coefficient of friction first, with their standard
-    /// deviations; none if the log does not determine the parameter.
+    /// deviations. The deviation is `None` if the log does not determine the parameter.
     pub parameters: Vec<(String, f64, Option<f64>)>,
     /// Correlations of the fitted parameters, in the order of [`Fitted::names`].
     pub correlations: Vec<Vec<f64>>,

@@ -131,7 +131,7 @@ impl Friction {
         ]
     }
 
-    /// Returns a contact study with the contact as TOML; none if a scene cannot have the model.
+    /// Returns a contact study with the contact as TOML; `None` if a scene cannot have the model.
     pub fn scene(&self, source: &str) -> Option<String> {
         let log = &self.log;
         let speeds: Vec<f64> = log.velocity_m_per_s.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();

@@ -103,7 +103,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
     Ok(Columns { names: fields.into_iter().map(|(name, _)| name).collect(), cells, lines: None })
 }
 
-/// Returns the text between the brackets after a key; none if its value is not in brackets.
+/// Returns the text between the brackets after a key; `None` if its value is not in brackets.
 fn between<'a>(header: &'a str, key: &str, open: char, close: char) -> Option<&'a str> {
     let rest = header.split(key).nth(1)?.trim_start().strip_prefix(open)?;
     Some(&rest[..rest.find(close)?])

@@ -133,7 +133,7 @@ impl FrictionExample {
         fit("example", self.log.clone())
     }
 
-    /// Returns the values of the contact with their bounds; none if the log does not determine
+    /// Returns the values of the contact with their bounds; `None` if the log does not determine
     /// them.
     pub fn bounds(&self) -> Option<Vec<Bounded>> {
         let covariance = self.covariance()?;

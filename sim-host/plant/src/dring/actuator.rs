@@ -18,9 +18,9 @@
 //! `a`, from 0 to 1, is the present amplitude relative to the full one.
 //!
 //! The power of a tangential sine against Coulomb friction is `P = (2 / pi) Fc Vt sqrt(1 - xi^2)`.
-//! With `xi = sin(pi r / 2)` that becomes the law by power. The normal law is that of the belt
-//! experiments at 70 % amplitude without their rise over half a second, so it is better than
-//! measured.
+//! With `xi = sin(pi r / 2)` that becomes the law by power. The normal law was fitted to the belt
+//! experiments at 70 % amplitude. It omits the half second over which the reduction rose in the
+//! experiments, so it predicts a faster actuator than measured.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, TAU};
 use std::sync::Arc;
@@ -134,8 +134,8 @@ impl Actuator {
         if *self == Actuator::Ideal { capstan.floor() - 1.0 } else { 0.0 }
     }
 
-    /// Returns the speed at which webbing slides this way at a ratio of friction, m/s, with these
-    /// tensions, the higher one first. Infinite if any speed is possible.
+    /// Returns the speed at which webbing slides in the given direction at a friction ratio, m/s.
+    /// Infinite if any speed is possible.
     pub fn speed(&self, capstan: &Capstan, amplitude: f64, ratio: f64, (way, high_n, low_n): (Way, f64, f64)) -> f64 {
         let amplitude = amplitude.max(MIN_AMPLITUDE);
         let ratio = ratio.clamp(0.0, 1.0);

@@ -54,7 +54,7 @@ pub struct Mode {
     pub ramps: bool,
 }
 
-/// A bench in a mode, during a ramp.
+/// Bench, mode and ramp that together determine the motion until the next event.
 #[derive(Clone, Copy, Debug)]
 pub struct Phase<'a> {
     /// Constants of the bench.
@@ -82,7 +82,7 @@ impl Phase<'_> {
             + bench.retractor.stored_j(state.payout_m - state.spool_m, Part::Taut)
     }
 
-    /// Returns the ratio of friction that the tensions require for webbing to slide this way.
+    /// Returns the friction ratio at which the tensions make the webbing slide in this direction.
     pub fn ratio(&self, state: &State, way: Way) -> f64 {
         let (high, low) = self.tensions(state).along(way);
         self.bench.capstan.ratio(high, low)

@@ -88,7 +88,7 @@ pub struct Tensions {
 }
 
 impl Tensions {
-    /// Returns the tension that pulls this way, and the other one.
+    /// Returns the tension that pulls in this direction, and the opposing tension.
     pub fn along(self, way: Way) -> (f64, f64) {
         if way == Way::Out { (self.shoulder_n, self.retractor_n) } else { (self.retractor_n, self.shoulder_n) }
     }

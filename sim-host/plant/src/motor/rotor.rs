@@ -299,7 +299,8 @@ mod tests {
             let (per_newton, load) = (2e-3 / most, 1.2 * most * at(0.53));
             let force = rotor.holding(&wave, per_newton, load, most);
             let agrees = wave.friction(&rotor.layer, rotor.speed + per_newton * (force - load)).force_n;
-            // Near the end of the contact the slope of the friction is that of a square root.
+            // Near the end of the contact the friction rises like a square root, with an infinite
+            // slope, which limits the accuracy.
             assert!((agrees - force).abs() < 1e-4 * most, "{n}: {force} of {agrees}");
             held[usize::from(force.abs() == most)] += 1;
         }

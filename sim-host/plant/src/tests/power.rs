@@ -169,7 +169,7 @@ fn constant_voltage_heats_to_the_closed_form() {
     // Measured 2e-5: blocks, and the remainder after ten time constants.
     assert!((heat.temperature_k / end_k - 1.0).abs() < 3e-4, "{} {end_k}", heat.temperature_k);
     let gain = PER_K * end_k / (1.0 + PER_K * end_k);
-    // The loss of a single block is that of a fraction of a period.
+    // A block is not a whole number of periods, so its loss fluctuates: average over many.
     let mut mean = 0.0;
     for _ in 0..625 {
         bench.sine(40e3, 3.0, 32, |_| {});

@@ -301,7 +301,7 @@ mod tests {
         );
         assert!(!document.contains("&lt; b"));
         let bytes = png(&figure(), canvas).unwrap();
-        // 782 by 516 points of two pixels; 17778 of them in a metre.
+        // 782 by 516 points at two pixels each: 1564 by 1032 pixels, at 17778 pixels a metre.
         assert_eq!(&bytes[16..24], [0, 0, 0x06, 0x1c, 0, 0, 0x04, 0x08]);
         let physical = bytes.windows(4).position(|chunk| chunk == b"pHYs").unwrap();
         assert_eq!(&bytes[physical + 4..physical + 13], [0, 0, 0x45, 0x72, 0, 0, 0x45, 0x72, 1]);

@@ -9,10 +9,11 @@
 //! | bias | shift of the lock point if the clamped capacitance is 1 % above its calibration, or if the current is sampled 1 ns later |
 //! | loss | from the end of the vibration until the lock is reported lost |
 //!
-//! The bound of the jitter is that of a continuing window whose middle lies back by the observer's
-//! lag on a ramp without its second integrator. Lm and C0 are known, because their errors are bias.
-//! The bound on a ramp is the best compromise of lag and jitter for a resonance assumed constant
-//! within a window, or the jitter of an estimate that also fits the slope.
+//! The bound of the jitter is the Cramer-Rao bound of a sliding window. The middle of the window
+//! lies in the past, by the lag that the observer without its second integrator has on a ramp. Lm
+//! and C0 are known, because their errors are bias. The bound on a ramp is the best compromise of
+//! lag and jitter for a resonance assumed constant within a window, or the jitter of an estimate
+//! that also fits the slope.
 
 use firmware::seam::block::LATENCY_BLOCKS;
 use firmware::track::tracker::State;

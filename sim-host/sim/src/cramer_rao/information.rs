@@ -44,7 +44,8 @@ impl Information {
         }
     }
 
-    /// Returns the information that one parameter shares with each of them.
+    /// Returns one column of the matrix: the information that parameter `n` shares with each
+    /// parameter.
     pub(super) fn column(&self, n: usize) -> [f64; PARAMETERS] {
         self.0[n]
     }

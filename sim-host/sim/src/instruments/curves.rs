@@ -28,8 +28,8 @@ pub(super) fn curve(rows: &[Row], name: &str, csv_column: &str, style: Style, va
     Series { name: name.into(), csv_column: csv_column.into(), x, y, style }
 }
 
-/// Returns the ON windows as shaded spans; none if there are more than 12, because many short
-/// bursts would appear as one grey area.
+/// Returns the ON windows as shaded spans. The list is empty if there are more than 12 windows,
+/// because many short bursts would appear as one grey area.
 pub(super) fn shaded(run: &View) -> Vec<Span> {
     let windows = run.on_windows();
     if windows.len() > 12 {

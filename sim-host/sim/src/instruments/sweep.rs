@@ -59,7 +59,7 @@ impl Instrument for Sweep {
     }
 }
 
-/// Returns the pictures of a sweep; none if it was not recorded.
+/// Returns the pictures of a sweep; empty if it was not recorded.
 pub fn figures(record: &SweepRecord) -> Vec<Figure> {
     let signals: &[Signal] = if record.rubs { &[DRIVE, TIP, FRICTION] } else { &[DRIVE, TIP] };
     let whole = signals.iter().filter_map(|signal| short_time(record, signal));

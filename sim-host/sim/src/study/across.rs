@@ -191,7 +191,7 @@ impl<'a> Shaken<'a> {
                 break;
             }
         }
-        // A requested step is used as it is; otherwise the finer of both.
+        // A requested step is used unchanged; otherwise the finer of the last two steps.
         let shown = if numerics.steps_per_period.is_none() { 2 * steps } else { steps };
         let error = apart(&coarse, &fine);
         let asked = numerics.tolerance;

@@ -64,8 +64,8 @@ pub enum Standing {
         /// Amplitude required for a match.
         needs: f64,
     },
-    /// The case cannot be matched, because one of its runs lacks the metric. The amplitude is that
-    /// of this run.
+    /// The case cannot be matched, because one of its runs lacks the metric. The amplitude of the
+    /// result is the one at which the metric is missing.
     Unmeasured {
         /// Fault that ended the run, if that is the reason.
         fault: Option<Fault>,

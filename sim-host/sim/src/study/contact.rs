@@ -85,7 +85,8 @@ pub(super) fn needs_figures(scene: &Excited, wanted: Option<&[&str]>) -> bool {
     !scene.overlay.is_empty() && wanted.is_none_or(|wanted| wanted.iter().any(|metric| overlay::is_metric(metric)))
 }
 
-/// Returns the metrics of a grid cell, or only as many as those wanted need; none if it is stopped.
+/// Returns the metrics of a grid cell; with `wanted`, only as many as these metrics need. Returns
+/// no metrics if it is stopped.
 pub(super) fn cell(scene: &Excited, wanted: Option<&[&str]>, stop: &AtomicBool) -> Result<Metrics, StudyError> {
     if needs_figures(scene, wanted) {
         return run(*scene, None, stop, None).map(|(_, metrics, _)| metrics);

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 struct Stopped;
 
-/// Leaves the work of [`unless_stopped`], if the flag is set.
+/// Interrupts the work of [`unless_stopped`] if the flag is set.
 #[inline]
 pub(super) fn interrupt_if(stop: &AtomicBool) {
     if stop.load(Ordering::Relaxed) {
@@ -14,7 +14,7 @@ pub(super) fn interrupt_if(stop: &AtomicBool) {
     }
 }
 
-/// Returns the result of `work`; `None` if it was left.
+/// Returns the result of `work`; `None` if [`interrupt_if`] has interrupted it.
 pub(super) fn unless_stopped<T>(work: impl FnOnce() -> T) -> Option<T> {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(done) => Some(done),

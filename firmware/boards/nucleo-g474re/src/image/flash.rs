@@ -176,8 +176,7 @@ impl Open {
     /// Waits for the current operation, clears old errors, unlocks the flash and switches the data
     /// cache off.
     ///
-    /// FLASH_SR (3.7.4), FLASH_KEYR (3.7.3). Fails unless there are two banks: FLASH_OPTR.DBANK
-    /// (3.7.7).
+    /// FLASH_SR (3.7.4), FLASH_KEYR (3.7.3). Fails unless there are two banks: FLASH_OPTR.DBANK.
     fn unlock() -> Result<Self, FlashError> {
         if !FLASH.optr().read().dbank() {
             return Err(FlashError::Refused);

@@ -110,7 +110,7 @@ fn trims_are_stored_once_in_silence() {
         assert_eq!((reported(store, settings), settings.stores()), (StoredState::Due, 0));
         store.store_trims(true, settings);
         assert_eq!((reported(store, settings), settings.stores()), (StoredState::Stored, 1));
-        // They are stored only once.
+        // Unchanged trims are not stored again.
         store.store_trims(true, settings);
         assert_eq!(settings.stores(), 1);
         assert_eq!(store.obey(Verb::Clear, true, settings, None), Reply::Ack);

@@ -43,7 +43,7 @@ fn loads_in_a_row_are_pipelined() {
     assert_eq!(cycles(&[0x6808, 0x6811, 0x685A]), 4);
     // LDR R2, [R1]; LDR R0, [R2]: the result of the first is the address of the second.
     assert_eq!(cycles(&[0x680A, 0x6810]), 4);
-    // With an instruction between them.
+    // The same two loads with a NOP between them.
     assert_eq!(cycles(&[0x6808, 0xBF00, 0x6811]), 2 + 1 + 2);
 }
 

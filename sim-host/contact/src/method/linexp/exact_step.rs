@@ -317,7 +317,8 @@ where
     /// Adds up the friction over a step or piece with a slip of `slip`, m, and advances to its end:
     /// friction over Fc, slip velocity and its rate.
     ///
-    /// The work is exact in slip: the integral of F dz is `Fc (s z - s (f_end - f) Fc / Kt)`.
+    /// The work needs no quadrature. By Dahl's law the integral of F dz is
+    /// `Fc (s z - s (f_end - f) Fc / Kt)`.
     #[inline]
     pub fn add_friction(&mut self, length_s: f64, forces: &[f64; K], (f, slip_velocity, a): (f64, f64, f64), slip: f64) {
         let s = self.sense;

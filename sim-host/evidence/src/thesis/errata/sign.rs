@@ -1,4 +1,4 @@
-//! The sign of the vibration in the slip velocity.
+//! Erratum: the sign of the vibration velocity in the slip velocity.
 
 use super::Erratum;
 use crate::thesis::case::PLOTTED_RATIO;

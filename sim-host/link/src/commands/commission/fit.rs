@@ -37,7 +37,8 @@ pub struct Point {
 /// Fitted circuit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// Background: reference frequency, Hz, admittance there, S, and its slope, S/Hz.
+    /// Background: reference frequency, Hz, admittance at this frequency, S, and slope of the
+    /// admittance, S/Hz.
     pub background: (f64, Complex64, Complex64),
     /// Resonances, in the order of their starting values.
     pub resonances: Vec<Branch>,
@@ -80,7 +81,7 @@ impl Fit {
     }
 }
 
-/// Fits a circuit to points, starting from these resonances. Returns none if there are too few
+/// Fits a circuit to points, starting from these resonances. Returns `None` if there are too few
 /// points, or if they do not determine the circuit.
 pub fn fit(points: &[Point], from: &[Branch]) -> Option<Fit> {
     let first = from.first()?;

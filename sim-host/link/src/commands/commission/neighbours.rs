@@ -28,8 +28,8 @@ const MAX_MEAN_SQUARE: f64 = 16.0;
 /// Maximum number of resonances of a circuit.
 const MAX_RESONANCES: usize = 3;
 
-/// Returns the circuit with the fewest resonances that explains the points. Its first resonance is
-/// that of `start`. Returns none if there are too few points.
+/// Returns the circuit with the fewest resonances that explains the points. Its first resonance was
+/// fitted from `start`. Returns `None` if there are too few points.
 fn circuit(points: &[Point], start: Branch) -> Option<Fit> {
     let mut best = fit(points, &[start])?;
     while best.resonances.len() < MAX_RESONANCES {

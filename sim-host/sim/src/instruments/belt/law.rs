@@ -69,7 +69,7 @@ pub struct Statement {
     pub says: &'static str,
     /// `true` if the law meets the statement.
     pub met: bool,
-    /// The law's numbers that decide it.
+    /// Numbers computed from the law that the criterion is applied to.
     pub numbers: String,
 }
 

@@ -70,7 +70,7 @@ fn displacement_m(rows: &[Row]) -> f64 {
 }
 
 /// Returns the power into the motional branch from the controller's measurements, W:
-/// `|Im|^2 / (2 G)`, at the resonance, at which the conductance is that of the branch.
+/// `|Im|^2 / (2 G)`. Holds at the resonance, where the measured conductance is the motional one.
 pub(super) fn sensed_w(row: &Row) -> Option<f64> {
     let (conductance, _) = row.admittance_s?;
     (conductance > 0.0).then(|| 0.5 * row.motional_current_a.powi(2) / conductance)

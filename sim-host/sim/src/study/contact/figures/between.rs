@@ -1,10 +1,11 @@
 //! Interpolation of states between the steps of a method. Some methods need only sixteen steps per
 //! period, which would be drawn as a polygon.
 //!
-//! Displacement is the cubic through both ends with their velocities, and velocity its derivative.
-//! Friction follows its law along that motion: Coulomb's directly, Dahl's exactly in slip. For
-//! LuGre it is linear, because its methods take enough steps. The deviation from the end is
-//! distributed evenly.
+//! Displacement is the cubic that matches position and velocity at both ends of the step; velocity
+//! is its derivative. Friction is computed from this motion: Coulomb friction from the sign of the
+//! slip velocity, Dahl friction from its exact exponential in slip. LuGre friction is interpolated
+//! linearly, because its methods take enough steps. The computed friction misses the known value at
+//! the end of the step by a small amount, which is spread linearly over the step.
 
 use contact::{Law, Problem, State};
 
