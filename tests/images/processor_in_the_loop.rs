@@ -147,7 +147,7 @@ fn a_refused_configuration_comes_back_as_text() {
 #[test]
 fn a_lost_emulator_is_an_error() {
     let Some(image) = image() else { return };
-    for (signal, expected) in [("-KILL", "signal: 9"), ("-STOP", "no answer")] {
+    for (signal, expected) in [("-KILL", "signal: 9"), ("-STOP", "did not answer")] {
         let mut qemu = Qemu::start(&image, &config("experiment-1")).expect("QEMU starts");
         qemu.set_patience(Duration::from_millis(500));
         let killed = Command::new("kill").args([signal, &qemu.process_id().to_string()]).status().expect("kill runs");

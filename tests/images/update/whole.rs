@@ -60,7 +60,7 @@ fn an_image_that_hangs_is_rolled_back_after_a_watchdog_reset() {
     std::fs::write(&file, small()).expect("a file");
     let failed = run(&UpdateArgs { file: Some(file.clone()), key: None }, &mut session).expect_err("the image hangs").to_string();
     std::fs::remove_file(&file).expect("the file exists");
-    assert_eq!(failed, "the new image did not start or did not serve: the board runs 1.0.0 again");
+    assert_eq!(failed, "the new image did not start or did not work: the board runs 1.0.0 again");
     let after = report(&mut session.client);
     assert_eq!((after.running, after.standing), (Some([1, 0, 0]), Standing::RolledBack));
     let board = board.borrow();
