@@ -134,7 +134,7 @@ impl Scan {
         }
     }
 
-    /// Starts with the window.
+    /// Restarts the scan with a sweep of the window.
     pub(crate) fn restart(&mut self) {
         self.repeated = false;
         self.begin_window();

@@ -234,8 +234,7 @@ impl AmplitudeLoop {
     #[inline(never)]
     fn scale_voltage(&mut self, set_point: f32) {
         if self.last_set_point_a > 0.0 {
-            // At an amplitude within the noise, the loop may have left zero, which cannot be
-            // scaled.
+            // At an amplitude within the noise, the integral may be zero, which cannot be scaled.
             let (scaled, least) =
                 (self.integral_volts * (set_point / self.last_set_point_a), MIN_VOLTAGE_REL * self.ohm * set_point);
             self.integral_volts = up_to(self.limits.voltage_v, larger(scaled, least));

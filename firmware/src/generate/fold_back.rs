@@ -108,7 +108,8 @@ impl FoldBack {
     }
 }
 
-/// Returns one Newton step from `root` to the root of `square`, or the exact root if that is far.
+/// Returns one Newton step from `root` to the root of `square`, or the exact root if `root` is far
+/// from it.
 #[inline(always)]
 fn newton_step(root: f32, square: f32) -> f32 {
     let near = root > 0.0 && square <= MAX_NEWTON_RATIO * root * root;

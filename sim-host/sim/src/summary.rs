@@ -78,8 +78,8 @@ pub(crate) fn with_not_drawn(mut of: Value, study: &Study) -> Value {
     of
 }
 
-/// Adds the fields of this kind of study: the hash of the codes, or the description of the
-/// solution.
+/// Adds the fields of this kind of study: the hash of the drive codes, or the description
+/// of the solution.
 pub(crate) fn with_own(mut of: Value, study: &Study) -> Value {
     match &study.outcome {
         Outcome::Driven(run) => of["drive_hash"] = json!(format!("{:016x}", run.record.drive_hash)),

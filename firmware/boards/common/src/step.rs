@@ -18,9 +18,9 @@ pub struct Step<const RING: usize> {
 impl<const RING: usize> Step<RING> {
     /// Returns `true` if the rings are in step, from the positions in both rings (ADC, DAC).
     ///
-    /// If the lead differs from the expected one, `again` must look three more times, each a third
-    /// of a sample later, and these three looks decide. The first look can be up to a whole sample
-    /// earlier and does not count. The first call sets the expected lead.
+    /// If the lead differs from the expected one, `again` is called three times. Each call must
+    /// read the positions a third of a sample after the one before. These three decide, because
+    /// `positions` may be a sample older. The first call of `holds` sets the expected lead.
     #[inline]
     pub fn holds(&mut self, positions: (usize, usize), mut again: impl FnMut() -> (usize, usize)) -> bool {
         let lead = |(adc, dac): (usize, usize)| (dac + RING - adc % RING) % RING;

@@ -18,7 +18,7 @@ static TABLES: [Table; 10] = [
     odd_up_to(25),
 ];
 
-/// Tables of the square.
+/// Tables of the square, each with its highest harmonic.
 pub(crate) static BANDS: Bands = Bands::new(&[
     (1, &TABLES[0]),
     (3, &TABLES[1]),

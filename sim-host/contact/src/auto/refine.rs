@@ -74,7 +74,7 @@ pub struct Found {
     /// Steps and order of the coarsest run that meets the tolerance, or of the finest run if none
     /// does.
     pub setting: Setting,
-    /// Sums of the run; `None` if only a part of the problem was run.
+    /// Time integrals over the window of the run; `None` if only a part of the problem was run.
     pub tally: Option<Tally>,
     /// Estimated error of the mean friction.
     pub error: f64,

@@ -38,7 +38,7 @@ pub struct Rates {
     stiffness_per_force: f64,
     /// 1 / m, 1/kg.
     per_mass: f64,
-    /// Largest bristle force over Fc that counts as a solution.
+    /// Bristle force over Fc beyond which the solution has diverged.
     limit: f64,
 }
 

@@ -44,7 +44,7 @@ pub struct Mode {
     pub slide: Slide,
     /// Motion of the spool.
     pub spool: Spool,
-    /// The part of its law that applies to the shoulder span.
+    /// Part of the webbing law, such as slack or taut, that applies to the shoulder span.
     pub part: Part,
     /// `true` if the back of the seat still holds the torso against the pretension.
     pub seated: bool,

@@ -166,7 +166,7 @@ impl Schema {
         Self::root().tables_within()
     }
 
-    /// Returns every table of a schema with its path, in the same way.
+    /// Returns every table within this schema with its path, as [`Schema::tables`] does.
     pub(crate) fn tables_within(self) -> Vec<(String, Self)> {
         let mut found = vec![(String::new(), self)];
         let mut next = 0;

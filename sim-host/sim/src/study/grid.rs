@@ -142,8 +142,8 @@ mod tests {
         }
     }
 
-    /// With three keys and all metrics that a point has, an invalid point states its reason, and a
-    /// stopped grid has no result.
+    /// An invalid point of a grid with three keys and all metrics states its reason, and a stopped
+    /// grid has no result.
     #[test]
     fn invalid_points_have_reasons_and_a_stop_ends_the_grid() {
         let loaded = loaded("contact", &[]);

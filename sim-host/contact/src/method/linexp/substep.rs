@@ -27,7 +27,7 @@ impl<const N: usize> Substep<N> {
     }
 }
 
-/// Stretch of a part without a reversal, with the state at its end.
+/// Interval of a substep without a reversal of the slip, with the state at its end.
 pub(super) struct Piece<const K: usize> {
     pub from: f64,
     pub to: f64,
