@@ -71,6 +71,8 @@ fn files_are_found_read_or_refused() {
     says(&refused(&write("nul.toml", b"t\0")), &["a binary file"]);
     says(&refused(&write("large.toml", &vec![b'#'; 2 << 20])), &["larger than 1 MiB"]);
     says(&refused(&folder.to_string_lossy()), &["cannot read"]);
+    write("manifest.json", b"{}");
+    says(&refused(&folder.to_string_lossy()), &["the folder of a run", "/manifest.json` repeats the run"]);
     says(&refused("no-such-folder/scene.toml"), &["cannot read the scene `no-such-folder/scene.toml`"]);
     std::fs::remove_dir_all(folder).unwrap();
     let Err(LoadError::NotFound { nearest, .. }) = load("experment-1", &[]) else { panic!("found") };
