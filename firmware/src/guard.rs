@@ -5,7 +5,7 @@
 //! | `electrical` | voltage, current, lost blocks | faults 11, 13, 20, 21, 23, 28 |
 //! | `continuity` | changes of voltage and current under a steady drive | fault 20 |
 //! | [`weld`] | belt motion, friction force, energy per metre of belt | mutes (limit 101); faults 40 to 43, 46, 47 |
-//! | `heat` | temperature of board and stack, mean power | derates (limit 100); fault 44 |
+//! | `heat` | temperature of board and stack, energy taken, mean power | derates (limit 100); fault 44 |
 //! | [`on_time`] | time for which the drive is ON | fault 45 |
 //!
 //! Each part checks every block and returns a fault if it finds one; the first fault in the order
@@ -142,12 +142,24 @@ impl Guard {
     /// Checks belt, temperature, power and ON time of one block, and returns the fault found.
     /// Needed only if [`watches`](Self::watches) returns `true`.
     #[inline(never)]
-    pub fn watch(&mut self, sense: &SenseBlock, sensed: &Sensed, belt: &Belt, driven: &Driven) -> Option<Fault> {
+    pub fn watch(
+        &mut self,
+        convert: &Convert,
+        sense: &SenseBlock,
+        sensed: &Sensed,
+        belt: &Belt,
+        driven: &Driven,
+    ) -> Option<Fault> {
         // At an edge the amplitude is unknown, but the drive is ON.
         let driving = driven.stage != Stage::Silent && driven.volts.is_none_or(|volts| volts > 0.0);
         let power_w = if driving { 0.5 * (sensed.v.re * sensed.i.re + sensed.v.im * sensed.i.im) } else { 0.0 };
         let weld = self.weld.inspect(belt, sense.slow.force, &weld::Driving { driving, power_w, driven });
-        let heat = self.heat.inspect(sense.slow.temperature, driving, power_w);
+        if driving {
+            self.heat.limit_power(power_w);
+        }
+        // The power of all samples, also in silence: a brake returns energy.
+        let taken_w = if self.heat.has_stack_temperature() { convert.mean_power(&sense.v, &sense.i) } else { 0.0 };
+        let heat = self.heat.inspect_temperature(sense.slow.temperature, taken_w);
         let on_time = self.on_time.inspect(driving);
         weld.or(heat).or(on_time)
     }

@@ -177,7 +177,7 @@ fn a_lower_limit_holds_and_a_stored_value_above_it_never_acts() {
     // A value that is out of range, or a key that is unknown, is left out; the others act. A limit
     // that is too low is replaced by the lowest one, not by the built-in one.
     for (wrong, lowest) in
-        [((VOLTAGE_LIMIT, 50.0), None), ((CURRENT_LIMIT, -1.0), Some((CURRENT_LIMIT, 1e-6))), ((99, 1.0), None)]
+        [((VOLTAGE_LIMIT, 50.0), None), ((CURRENT_LIMIT, -1.0), Some((CURRENT_LIMIT, 1e-6))), ((199, 1.0), None)]
     {
         let setup = Setup { flash: keeping(LaneTrims::new(), &[(AMPLITUDE, 2.0), wrong]), ..Setup::default() };
         let mut queues = Queues::default();

@@ -33,7 +33,7 @@ use crate::seam::config::{
 use crate::seam::refusal::Refusal;
 
 /// Largest number of parameters that can be stored.
-pub(crate) const MAX_PARAMETERS: usize = 88;
+pub(crate) const MAX_PARAMETERS: usize = 93;
 
 /// Parameters that differ from their defaults, by their keys.
 pub type Overrides = heapless::Vec<(u8, f32), MAX_PARAMETERS>;

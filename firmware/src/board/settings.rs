@@ -57,7 +57,7 @@ const TRIMS_ONLY_VERSION: u8 = 1;
 /// Length of version and number, bytes.
 const HEAD_BYTES: usize = 5;
 /// Length of the longest value with its key and version, bytes: a multiple of any flash's word.
-const MAX_VALUE_BYTES: usize = 672;
+const MAX_VALUE_BYTES: usize = 704;
 
 /// Stored settings, which are written as a whole.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

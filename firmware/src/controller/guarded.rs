@@ -107,6 +107,6 @@ impl Chain {
             full: played.is_full(),
             asked,
         };
-        self.guard.watch(sense, sensed, &self.belt, &driven)
+        self.guard.watch(&self.convert, sense, sensed, &self.belt, &driven)
     }
 }

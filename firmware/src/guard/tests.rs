@@ -18,6 +18,10 @@ fn guard(change: impl FnOnce(&mut Config)) -> Guard {
     Guard::build(&config, BLOCK_S).unwrap()
 }
 
+fn convert() -> Convert {
+    Convert::build(&config().front_end).unwrap()
+}
+
 /// Returns a belt without an encoder.
 fn no_belt() -> Belt {
     Belt::of(0.0, BLOCK_S)
@@ -25,7 +29,7 @@ fn no_belt() -> Belt {
 
 /// Repeats a block, and returns the first fault with the number of blocks until it.
 fn found(guard: &mut Guard, belt: &Belt, driven: &Driven, blocks: usize) -> Option<(usize, Fault)> {
-    (1..=blocks).find_map(|n| Some((n, guard.watch(&SenseBlock::default(), &SENSED, belt, driven)?)))
+    (1..=blocks).find_map(|n| Some((n, guard.watch(&convert(), &SenseBlock::default(), &SENSED, belt, driven)?)))
 }
 
 #[test]
@@ -112,12 +116,12 @@ fn belt_faults_precede_heat_precede_on_time() {
     let mut hot = SenseBlock::default();
     let mut belt = Belt::of(1e-5, BLOCK_S);
     belt.update(Some(BeltSense { counts: 0, broken: false }));
-    assert!((0..40).all(|_| guard.watch(&hot, &SENSED, &belt, &RUNS) != Some(Fault::OverTemperature)));
-    assert_eq!(guard.watch(&hot, &SENSED, &belt, &RUNS), Some(Fault::OnTimeExceeded));
+    assert!((0..40).all(|_| guard.watch(&convert(), &hot, &SENSED, &belt, &RUNS) != Some(Fault::OverTemperature)));
+    assert_eq!(guard.watch(&convert(), &hot, &SENSED, &belt, &RUNS), Some(Fault::OnTimeExceeded));
     hot.slow.temperature = Some(61.0);
-    assert_eq!(guard.watch(&hot, &SENSED, &belt, &RUNS), Some(Fault::OverTemperature));
+    assert_eq!(guard.watch(&convert(), &hot, &SENSED, &belt, &RUNS), Some(Fault::OverTemperature));
     belt.update(None);
-    assert_eq!(guard.watch(&hot, &SENSED, &belt, &RUNS), Some(Fault::BeltSensorLost));
+    assert_eq!(guard.watch(&convert(), &hot, &SENSED, &belt, &RUNS), Some(Fault::BeltSensorLost));
 }
 
 #[test]
@@ -127,7 +131,7 @@ fn a_belt_at_rest_mutes_and_a_new_attempt_waits() {
     let mut stands = |guard: &mut Guard, driven: &Driven, blocks: usize| {
         (1..=blocks).find_map(|n| {
             belt.update(Some(BeltSense { counts: 0, broken: false }));
-            Some((n, guard.watch(&SenseBlock::default(), &SENSED, &belt, driven)?))
+            Some((n, guard.watch(&convert(), &SenseBlock::default(), &SENSED, &belt, driven)?))
         })
     };
     assert_eq!(stands(&mut guard, &RUNS, 75), None);
@@ -147,9 +151,8 @@ fn a_belt_at_rest_mutes_and_a_new_attempt_waits() {
 
 #[test]
 fn voltage_and_current_are_judged_above_a_minimum() {
-    let (mut guard, config) = (guard(|_| {}), config());
+    let (mut guard, convert) = (guard(|_| {}), convert());
     assert!(guard.is_judged(0.2) && !guard.is_judged(0.1) && !guard.is_implausible());
-    let convert = Convert::build(&config.front_end).unwrap();
     let codes: crate::seam::block::Codes = (0..32).map(|n| 4096 + n % 2).collect();
     let sense = SenseBlock { v: codes.clone(), i: codes, ..SenseBlock::default() };
     let mut inspect = |sensed: &Sensed| guard.inspect(&convert, &sense, sensed, Some(5.0), Suspect::default());

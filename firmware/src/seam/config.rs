@@ -79,7 +79,7 @@ pub struct Config {
     pub burst: Burst,
     /// Search and tracking of the resonance.
     pub tracking: Tracking,
-    /// The stack as its own thermometer.
+    /// Temperature of the stack.
     pub thermometer: Thermometer,
     /// Thermistor at the amplifier's heat sink.
     pub heat_sink: HeatSink,
@@ -141,6 +141,7 @@ impl Config {
         self.burst.check_schedule()?;
         self.tracking.check()?;
         self.thermometer.check()?;
+        self.thermometer.check_balance()?;
         self.heat_sink.check()?;
         self.supply.check()?;
         self.supply.check_window()?;

@@ -54,6 +54,12 @@ impl SenseScale {
         Ok(scale)
     }
 
+    /// Returns a code relative to the nominal middle.
+    #[inline]
+    fn centred(&self, code: u16) -> i32 {
+        i32::from(code) - i32::from(self.mid_code)
+    }
+
     /// Converts a phasor from codes to SI units.
     pub fn scale(&self, codes: Phasor) -> Phasor {
         codes * self.per_lsb
@@ -215,6 +221,22 @@ impl Convert {
             i: sense(front_end.ampere_per_lsb)?,
             drive: DriveScale::build(front_end)?,
         })
+    }
+
+    /// Computes the mean of voltage times current over the samples of a block, W: the electrical
+    /// power of any waveform. The integer sums are exact.
+    pub(crate) fn mean_power(&self, v: &Codes, i: &Codes) -> f32 {
+        let (mut products, mut v_sum, mut i_sum) = (0i64, 0i32, 0i32);
+        for (&v, &i) in v.iter().zip(i) {
+            let (v, i) = (self.v.centred(v), self.i.centred(i));
+            products += i64::from(v) * i64::from(i);
+            (v_sum, i_sum) = (v_sum + v, i_sum + i);
+        }
+        let count = v.len().min(i.len()).max(1) as f32;
+        let zero = |channel: &SenseScale| channel.zero - f32::from(channel.mid_code);
+        let (v_zero, i_zero) = (zero(&self.v), zero(&self.i));
+        let codes = (products as f32 - v_zero * i_sum as f32 - i_zero * v_sum as f32) / count + v_zero * i_zero;
+        codes * self.v.per_lsb * self.i.per_lsb
     }
 }
 

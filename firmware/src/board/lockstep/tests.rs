@@ -129,7 +129,7 @@ fn longest_config() -> Config {
             nominal_c0_f: Some(1.0),
             ..Tracking::new(1.0)
         },
-        thermometer: Thermometer { hz_per_k: 1.0, c0_per_k: 1.0, ambient_c: 1.0 },
+        thermometer: Thermometer { hz_per_k: 1.0, c0_per_k: 1.0, ambient_c: 1.0, ..Thermometer::default() },
         heat_sink: HeatSink { ohm_at_25_c: Some(1.0), ..HeatSink::default() },
         supply: Supply::default(),
         limits: Limits {

@@ -70,6 +70,7 @@ fn config_of(parameter: &Parameter) -> Config {
             config.tracking.mode = TrackingMode::Off;
             config.sweep = Sweep::Chirp(Chirp { start_hz: 35e3, stop_hz: 45e3, time_s: 0.02, ..Chirp::DEFAULT });
         }
+        "thermometer.resistance_k_per_w" => config.thermometer.heat_capacity_j_per_k = Some(0.05),
         name if name.starts_with("drive.noise") => {
             config.tracking.mode = TrackingMode::Off;
             config.drive.shape = ShapeKind::Noise;
@@ -89,6 +90,7 @@ fn another(parameter: &Parameter, built_in: f32) -> f32 {
         "front_end.force_hz" => 500.0,
         "heat_sink.ohm_at_25_c" => 10e3,
         "supply.divider" => 11.0,
+        "thermometer.resistance_k_per_w" | "thermometer.heat_capacity_j_per_k" | "thermometer.start_c" => 30.0,
         "supply.min_v" => 18.0,
         "friction.target_force_n" => 5.0,
         "sweep.start_hz" => 34e3,
@@ -119,7 +121,7 @@ fn keys_and_names_are_unique_and_zero_is_not_a_key() {
         assert!(parameter.key != 0 && PARAMETERS[..place].iter().all(|other| other.name != parameter.name), "{}", parameter.name);
     }
     assert!(PARAMETERS.len() <= MAX_PARAMETERS);
-    assert_eq!([0, 32, 65, 98, 255].map(place_of), [Err(Refusal::NoSuchKey); 5]);
+    assert_eq!([0, 32, 65, 199, 255].map(place_of), [Err(Refusal::NoSuchKey); 5]);
 }
 
 #[test]
@@ -292,7 +294,7 @@ fn only_differing_and_valid_values_are_kept() {
     let stored = overrides(&values, &built_in);
     assert_eq!(stored, [(8, 2.0), (21, 1.5)]);
     assert_eq!(overridden(&stored, &built_in), (values, true));
-    for wrong in [(8, 1000.0), (21, f32::NAN), (21, f32::INFINITY), (0, 1.0), (99, 1.0)] {
+    for wrong in [(8, 1000.0), (21, f32::NAN), (21, f32::INFINITY), (0, 1.0), (199, 1.0)] {
         let mut stored = stored.clone();
         stored.retain(|(key, _)| *key != wrong.0);
         let expected = overridden(&stored, &built_in).0;

@@ -214,7 +214,7 @@ fn records_of_another_version_stay_until_store_or_clear() {
 #[test]
 fn a_calibration_stores_its_trims_and_no_set_parameter() {
     let mut settings = Settings::new(Ram([0xFF; 8192])).unwrap();
-    let parameters = Overrides::from_iter([(5, 2.0), (99, 1.0)]);
+    let parameters = Overrides::from_iter([(5, 2.0), (199, 1.0)]);
     settings.store(&Record { trims: LaneTrims::new(), parameters: parameters.clone() }).unwrap();
     with_store(&mut settings, |settings_store, settings| {
         assert_eq!(settings_store.obey(Verb::Set(5, 1.0), true, settings, None), Reply::Ack);

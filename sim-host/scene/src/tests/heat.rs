@@ -32,6 +32,13 @@ fn thermal_body_needs_capacity_and_resistance() {
 }
 
 #[test]
+fn energy_balance_needs_both_values() {
+    let given = ["controller.thermometer.resistance_k_per_w=20"];
+    says(&report(example(), &given), &["needs the heat capacity", "controller.thermometer.heat_capacity_j_per_k", "1 problem"]);
+    assert!(load_text("example", example(), &sets(&[given[0], "controller.thermometer.heat_capacity_j_per_k=0.05"])).is_ok());
+}
+
+#[test]
 fn initial_temperature_must_be_below_depoling() {
     says(
         &problems_of(&["stack.temperature_k=310"]),

@@ -54,7 +54,15 @@ impl Instrument for Heat {
                 thermal.curie_c
             )
         });
-        [runaway, depoling, depoled].into_iter().flatten().collect()
+        let limit_c = run.scene.controller.limits.temperature_c;
+        let excess = all(run).map(|(_, heat)| thermal.ambient_c + heat.temperature_k - limit_c).fold(0.0, f64::max);
+        let unnoticed = (excess > 0.0 && run.rows.iter().all(|row| row.fault == 0)).then(|| {
+            format!(
+                "The stack exceeds `controller.limits.temperature_c` by {excess:.1} K, and the controller has not noticed it. \
+                 `[controller.thermometer]` tells it how to infer the temperature."
+            )
+        });
+        [runaway, depoling, depoled, unnoticed].into_iter().flatten().collect()
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {

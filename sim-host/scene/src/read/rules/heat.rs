@@ -19,8 +19,15 @@ const BY_TEMPERATURE: [(&str, &str); 2] =
     [("stack.bvd.temperature_rm_per_k", "motional resistance"), ("stack.bvd.temperature_force_factor_per_k", "force factor")];
 const CURRENT_LIMIT: &str = "controller.limits.current_a";
 const CURRENT_RANGE: &str = "sensors.i_full_scale_a";
+const BALANCE: [&str; 2] = ["controller.thermometer.resistance_k_per_w", "controller.thermometer.heat_capacity_j_per_k"];
+
 impl Rules<'_> {
     pub(super) fn heat(&mut self) {
+        if self.given(BALANCE[0]) && !self.given(BALANCE[1]) {
+            let message = format!("`{}` needs the heat capacity", BALANCE[0]);
+            let problem = Problem::new(self.key(BALANCE[0]), message, "the energy balance needs both");
+            self.add(BALANCE[0], problem.help(format!("give `{}`, J/K: mass times specific heat", BALANCE[1])));
+        }
         if !self.given("stack") {
             return;
         }
