@@ -40,9 +40,10 @@
 //! static SAMPLES: [AtomicU32; RING] = [const { AtomicU32::new(0) }; RING];
 //! static CODES: [AtomicU32; RING] = [const { AtomicU32::new(packing::word(SILENCE, SILENCE)) }; RING];
 //!
-//! // In the interrupt, at half and end of the ADC's ring. Both positions come from DMA counters.
+//! // In the interrupt, at half and end of the ADC's ring. Both positions come from DMA counters,
+//! // in a part of the sample in which neither moves.
 //! let (adc, dac) = (position::<RING>(BLOCK), position::<RING>(BLOCK - 1));
-//! assert!(Step::default().holds((adc, dac), || (adc, dac)), "the rings are in step");
+//! assert!(Step::default().holds((adc, dac)), "the rings are in step");
 //! let half = Half::at(adc).other();
 //! let mut sense = SenseBlock::default();
 //! packing::sense(half.filled(&SAMPLES), |place| place.load(Relaxed), &mut sense);

@@ -3,12 +3,12 @@
 
 /// Check that two rings of `RING` samples are in step: the lead of the DAC's ring must not change.
 ///
-/// In each sample the lead differs for a moment: after one ring has moved and before the other has.
-/// Three looks are taken a third of a sample apart. At most one of them meets this moment, if it is
-/// short enough:
+/// The positions must be read in a quiet part of the sample: after both rings have moved, and
+/// before a ring that is half a sample late would move. Two conversions of an ADC may make a
+/// sample, and a lost trigger of one of them delays the ring by half a sample.
 ///
 /// ```text
-/// moment < time between two looks < (sample - moment) / 2      (times in cycles)
+/// | both rings move |<- quiet ->| half a sample later: a late ring moves |         | next sample
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Step<const RING: usize> {
@@ -16,19 +16,11 @@ pub struct Step<const RING: usize> {
 }
 
 impl<const RING: usize> Step<RING> {
-    /// Returns `true` if the rings are in step, from the positions in both rings (ADC, DAC).
-    ///
-    /// If the lead differs from the expected one, `again` is called three times. Each call must
-    /// read the positions a third of a sample after the one before. These three decide, because
-    /// `positions` may be a sample older. The first call of `holds` sets the expected lead.
+    /// Returns `true` if the rings are in step, from the positions in both rings (ADC, DAC). The
+    /// first call sets the expected lead.
     #[inline]
-    pub fn holds(&mut self, positions: (usize, usize), mut again: impl FnMut() -> (usize, usize)) -> bool {
-        let lead = |(adc, dac): (usize, usize)| (dac + RING - adc % RING) % RING;
-        if self.lead == Some(lead(positions)) {
-            return true;
-        }
-        let [first, second, third] = [(); 3].map(|()| lead(again()));
-        let usual = if second == third { second } else { first };
-        *self.lead.get_or_insert(usual) == usual
+    pub fn holds(&mut self, (adc, dac): (usize, usize)) -> bool {
+        let lead = (dac + RING - adc % RING) % RING;
+        *self.lead.get_or_insert(lead) == lead
     }
 }

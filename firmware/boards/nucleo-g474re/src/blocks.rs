@@ -24,9 +24,6 @@ pub const CYCLES_PER_BLOCK: u32 = CYCLES_PER_SAMPLE * BLOCK as u32;
 /// Half of a ring.
 pub type Half = half::Half<RING>;
 /// Check that the rings of the ADC and of the DACs are in step.
-///
-/// In each sample there is a moment of about 8 of 170 cycles after one ring has moved and before
-/// the other has ([`TRIGGER_AFTER`](crate::sampling::TRIGGER_AFTER)).
 pub type Step = step::Step<RING>;
 /// Counter of missed blocks.
 pub type Beat = beat::Beat<CYCLES_PER_BLOCK>;

@@ -97,8 +97,6 @@ impl Board {
     /// Waits for the interrupt, serves it in `cycles`, and reads the reports.
     pub fn block(&mut self, cycles: u32) {
         self.part.wait_for_interrupt();
-        // Time from the trigger to the first look.
-        self.part.advance(20);
         self.interrupt(cycles);
         while let Some(report) = self.background.reports.dequeue() {
             self.latest = *report;
@@ -115,13 +113,9 @@ impl Board {
     /// Runs the block interrupt.
     fn interrupt(&mut self, cycles: u32) {
         let began = self.part.cycle_count();
-        let positions = |part: &Part| (position::<RING>(part.adc_remaining()), position::<RING>(part.dac_remaining()));
-        let (adc, dac) = positions(&self.part);
-        let again = || {
-            self.part.advance(CYCLES_PER_SAMPLE / 3);
-            positions(&self.part)
-        };
-        if !self.step.holds((adc, dac), again) {
+        self.part.await_quiet();
+        let (adc, dac) = (position::<RING>(self.part.adc_remaining()), position::<RING>(self.part.dac_remaining()));
+        if !self.step.holds((adc, dac)) {
             self.has_ended = true;
             return self.silence();
         }

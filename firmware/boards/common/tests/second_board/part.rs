@@ -82,6 +82,13 @@ impl Part {
         RING - self.fetched % RING
     }
 
+    /// Waits until neither ring can move, even if it is half a sample late.
+    pub fn await_quiet(&mut self) {
+        while !(CONVERSION_CYCLES + 1..CYCLES_PER_SAMPLE / 2).contains(&((self.now % u64::from(CYCLES_PER_SAMPLE)) as u32)) {
+            self.cycle();
+        }
+    }
+
     /// Makes one future trigger miss this stream.
     pub fn lose_a_trigger(&mut self, stream: Stream) {
         self.loses = Some(stream);

@@ -10,12 +10,11 @@ use core::cell::RefCell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use boards_common::packing;
-use cortex_m::asm::delay;
 use cortex_m::interrupt::{self as masked, Mutex};
 use cortex_m::peripheral::DWT;
 use firmware::board::block_task::BlockTask;
 use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense, Trips};
-use nucleo_g474re::blocks::{AHEAD, Beat, CYCLES_PER_SAMPLE, Half, Step};
+use nucleo_g474re::blocks::{AHEAD, Beat, Half, Step};
 use stm32_metapac::{GPIOC, interrupt};
 
 use super::dac::Lanes;
@@ -23,7 +22,7 @@ use super::dma::Place;
 use super::encoder::Encoder;
 use super::force::ForceChannel;
 use super::pins::Pin;
-use super::{adc, amplifier_supply, count, panic, protection, temperature};
+use super::{adc, amplifier_supply, count, panic, protection, temperature, timers};
 
 /// Duration of the longest block, cycles.
 static WORST_CYCLES: AtomicU32 = AtomicU32::new(0);
@@ -34,10 +33,6 @@ static HANDOVER: Mutex<RefCell<Option<&'static mut BlockInterrupt>>> = Mutex::ne
 pub fn worst_cycles() -> u32 {
     WORST_CYCLES.load(Ordering::Relaxed)
 }
-
-/// Argument of `delay` with which the wait and the reads of two positions take a third of a sample.
-/// The loop of `delay` takes three to five cycles per unit.
-const THIRD_OF_SAMPLE_DELAY: u32 = CYCLES_PER_SAMPLE / 14;
 
 /// Address pins of the sense multiplexer, which select the lane whose voltage and current are
 /// measured.
@@ -79,12 +74,9 @@ impl BlockInterrupt {
     fn block(&mut self) {
         let began = DWT::cycle_count();
         // DMA has just left the half of the ring opposite to its position.
+        timers::await_quiet();
         let (adc, dac) = (adc::next(), self.lanes.next());
-        let again = || {
-            delay(THIRD_OF_SAMPLE_DELAY);
-            (adc::next(), self.lanes.next())
-        };
-        if adc::CHANNEL.acknowledge() || adc::is_overrun() || !self.lanes.are_fed() || !self.step.holds((adc, dac), again) {
+        if adc::CHANNEL.acknowledge() || adc::is_overrun() || !self.lanes.are_fed() || !self.step.holds((adc, dac)) {
             panic::end_blocks();
             return self.lanes.silence();
         }

@@ -13,6 +13,8 @@
 //! Both timers keep running while a debugger has halted the processor (DBGMCU_APB1FZR1, 47.6.5, as
 //! after power-up). RM0440 29: general-purpose timers.
 
+use core::ops::RangeInclusive;
+
 use nucleo_g474re::blocks::CYCLES_PER_SAMPLE;
 use nucleo_g474re::sampling::{CYCLES_PER_CONVERSION, TRIGGER_AFTER};
 use stm32_metapac::timer::vals::{Mms, Ocm, Sms, Ts, Urs};
@@ -39,6 +41,20 @@ pub fn prepare() {
     TIM3.arr().write(|w| w.set_arr(CYCLES_PER_SAMPLE as u16 - 1));
     // CR2.MMS = update as TRGO.
     TIM3.cr2().modify(|w| w.set_mms(Mms::UPDATE));
+}
+
+/// Cycles of a sample in which neither ring of samples moves. Both have moved before. The ADC's
+/// ring would move 85 cycles later than usual if it had missed one of the two triggers of a sample.
+const QUIET: RangeInclusive<u16> = 34..=56;
+
+/// Waits for the quiet part of the sample: at most one sample, if the clock runs.
+#[inline]
+pub fn await_quiet() {
+    for _ in 0..CYCLES_PER_SAMPLE {
+        if QUIET.contains(&(TIM3.cnt().read().0 as u16)) {
+            return;
+        }
+    }
 }
 
 /// Starts the sample clock: CR1.CEN (29.5.1).
