@@ -1,6 +1,7 @@
 //! Tables in delimited text: encoding, delimiter, decimal sign, comments, preamble and heading are
 //! found from the text alone. [`read`] accepts only a table of numbers, and reports the first line
-//! that is not one; [`read_mixed`] also accepts columns of words.
+//! that is not one; [`read_mixed`] also accepts columns of words. [`file`] reads files within limits,
+//! and [`visible`] prepares text from outside for a terminal.
 //!
 //! # Example
 //!
@@ -16,6 +17,7 @@
 #![forbid(unsafe_code)]
 
 mod error;
+pub mod file;
 mod form;
 mod mixed;
 mod table;
@@ -24,4 +26,4 @@ mod text;
 pub use error::TableError;
 pub use mixed::{Cells, MixedTable, read_mixed};
 pub use table::{Table, read};
-pub use text::{beginning, decode, number};
+pub use text::{beginning, decode, hidden, number, visible, visible_line};

@@ -37,6 +37,35 @@ pub fn beginning(text: &str) -> String {
     if clean.chars().count() > MAX_LETTERS { clean.chars().take(MAX_LETTERS).collect::<String>() + " …" } else { clean }
 }
 
+/// Returns `true` for a control character, or one that overrides the direction of text.
+fn is_hidden(letter: char) -> bool {
+    letter.is_control() || matches!(letter, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// Returns the first control character of a text, or character that overrides its direction. Line
+/// breaks and tabs do not count.
+pub fn hidden(text: &str) -> Option<char> {
+    text.lines().flat_map(str::chars).find(|&letter| is_hidden(letter) && letter != '\t')
+}
+
+/// Returns a text for a terminal: hidden characters other than line breaks and tabs are escaped.
+pub fn visible(text: &str) -> String {
+    escaped(&text.replace("\r\n", "\n"), |letter| is_hidden(letter) && !matches!(letter, '\n' | '\t'))
+}
+
+/// Returns a text for one line of a terminal: all hidden characters are escaped.
+pub fn visible_line(text: &str) -> String {
+    escaped(text, is_hidden)
+}
+
+fn escaped(text: &str, is_escaped: impl Fn(char) -> bool) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for letter in text.chars() {
+        if is_escaped(letter) { safe.extend(letter.escape_default()) } else { safe.push(letter) }
+    }
+    safe
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -50,6 +79,14 @@ mod tests {
                 .iter()
                 .all(|(field, comma)| number(field, *comma).is_none())
         );
+    }
+
+    #[test]
+    fn hidden_characters_are_escaped() {
+        let hostile = "a\u{1b}[2Jb\u{9b}c\u{7f}d\u{202e}e\rf";
+        let safe = "a\\u{1b}[2Jb\\u{9b}c\\u{7f}d\\u{202e}e\\rf";
+        assert_eq!((visible(hostile), visible_line(hostile), hidden(hostile)), (safe.into(), safe.into(), Some('\u{1b}')));
+        assert_eq!((visible("µ\r\n\tb"), visible_line("µ\n"), hidden("µ\r\n\tb")), ("µ\n\tb".into(), "µ\\n".into(), None));
     }
 
     #[test]
