@@ -16,7 +16,7 @@ mod view;
 use std::path::Path;
 
 use crate::error::ImportError;
-use delimited::decode;
+use delimited::{decode, file};
 pub use log::{Log, Options};
 pub use models::Model;
 pub use result::{Fitted, Friction};
@@ -26,7 +26,8 @@ pub use result::{Fitted, Friction};
 /// # Errors
 /// Returns [`ImportError`], with the line or value that shows the reason.
 pub fn import(path: &Path, options: &Options) -> Result<Friction, ImportError> {
-    let bytes = std::fs::read(path).map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
+    let bytes =
+        file::read(path, file::MAX_DATA_BYTES).map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
     let name = path.file_stem().map_or_else(|| "contact".into(), |stem| stem.to_string_lossy().into_owned());
     fit(&name, Log::parse(&decode(&bytes), options)?)
 }

@@ -9,9 +9,9 @@ mod parquet_file;
 pub mod spectrogram;
 mod table;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
+use delimited::file;
 pub use table::Columns;
 
 /// Minimum number of samples of a signal.
@@ -136,7 +136,8 @@ impl Signal {
     /// # Errors
     /// Returns an error with the line if the file does not contain the signal.
     pub fn read(path: &Path, choice: &Choice) -> Result<Self, SignalError> {
-        let bytes = fs::read(path).map_err(|source| SignalError::Unreadable { path: path.to_owned(), source })?;
+        let bytes =
+            file::read(path, file::MAX_DATA_BYTES).map_err(|source| SignalError::Unreadable { path: path.to_owned(), source })?;
         let columns = Columns::parse(path, &bytes)?;
         Self::from_columns(path, &columns, choice)
     }

@@ -16,7 +16,7 @@ use crate::heading::{Heading, Quantity, heading};
 use crate::touchstone::{self, Kind, Touchstone};
 use crate::traces;
 use crate::units::to_si;
-use delimited::decode;
+use delimited::{decode, file};
 
 /// Sweep of a transducer's admittance over frequency.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +41,8 @@ impl Measured {
     /// # Errors
     /// Returns [`ImportError`], with the line or value that shows the reason.
     pub fn read(path: &Path, options: &Options) -> Result<Self, ImportError> {
-        let bytes = std::fs::read(path).map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
+        let bytes =
+            file::read(path, file::MAX_DATA_BYTES).map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
         Self::parse(&path.to_string_lossy(), &bytes, options)
     }
 

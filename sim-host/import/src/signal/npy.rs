@@ -5,7 +5,7 @@
 //! values (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
 
 use super::table::Columns;
-use delimited::Cells;
+use delimited::{Cells, beginning};
 
 /// Type of a stored number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,11 +69,22 @@ pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
     let shape: Vec<usize> = between(header, "'shape':", '(', ')')
         .ok_or("a NumPy file without a shape")?
         .split(',')
-        .filter_map(|part| part.trim().parse().ok())
-        .collect();
+        .map(str::trim)
+        .filter(|part| !part.is_empty())
+        .map(|part| part.parse().map_err(|_| format!("a NumPy file with the length `{}` in its shape", beginning(part))))
+        .collect::<Result<_, _>>()?;
     if header.contains("'fortran_order': True") && shape.len() > 1 {
         return Err("a NumPy array in Fortran order: save it with `numpy.ascontiguousarray`".to_owned());
     }
+    let rows = shape.first().copied().unwrap_or(0);
+    if rows == 0 {
+        return Err("a NumPy array without rows".to_owned());
+    }
+    // The header may state any size: it is compared with the bytes before any memory is reserved.
+    let check = |width: usize| match rows.checked_mul(width) {
+        Some(needed) if width > 0 && needed <= values.len() => Ok(width),
+        _ => Err(format!("a NumPy file with {rows} rows of {width} bytes by its header, but {} bytes after it", values.len())),
+    };
     let fields: Vec<(String, Kind)> = match between(header, "'descr':", '[', ']') {
         Some(list) => fields(list)?,
         None => {
@@ -85,14 +96,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
                 [_, width] => width,
                 _ => return Err(format!("an array with {} dimensions; a signal needs one or two", shape.len())),
             };
+            check(width.saturating_mul(kind.bytes()))?;
             (1..=width).map(|place| (format!("column {place}"), kind)).collect()
         }
     };
-    let width: usize = fields.iter().map(|(_, kind)| kind.bytes()).sum();
-    let rows = shape.first().copied().unwrap_or(0);
-    if width == 0 || rows.checked_mul(width).is_none_or(|needed| values.len() < needed) {
-        return Err(format!("a NumPy file with {rows} rows of {width} bytes by its header, but {} bytes after it", values.len()));
-    }
+    let width = check(fields.iter().map(|(_, kind)| kind.bytes()).sum())?;
     let mut at = 0;
     let mut cells = Vec::new();
     for (_, kind) in &fields {
@@ -148,6 +156,16 @@ mod tests {
     fn truncated_and_unknown_files_are_refused() {
         let plain = "{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }";
         assert!(read(&file(plain, &doubles(&[1.0]))).unwrap_err().contains("8 bytes after it"));
+        for (shape, why) in [
+            ("(0, 4294967296)", "without rows"),
+            ("(1, 4294967296)", "bytes after it"),
+            ("(4294967296, 4294967296)", "bytes after it"),
+            ("(1, 0)", "0 bytes by its header"),
+            ("(99999999999999999999, 2)", "the length `99999999999999999999`"),
+        ] {
+            let refused = read(&file(&plain.replace("(2,)", shape), &doubles(&[1.0, 2.0]))).unwrap_err();
+            assert!(refused.contains(why), "{shape}: {refused}");
+        }
         assert!(read(&file(&plain.replace("<f8", "<c16"), &[0; 32])).unwrap_err().contains("`<c16`"));
         assert!(read(&file(plain, &[])[..9]).unwrap_err().contains("within its header"));
     }

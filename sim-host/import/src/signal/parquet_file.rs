@@ -8,6 +8,11 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use super::table::Columns;
 use delimited::Cells;
 
+/// Largest number of values that are read: 2 GiB in memory.
+const MAX_VALUES: u64 = 1 << 28;
+/// Number of rows to reserve memory for, as the stated number may be wrong.
+const ROWS_PER_READ: usize = 1 << 16;
+
 /// Reads all columns of a file into memory.
 pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
     columns(bytes.to_vec()).map_err(|error| format!("a Parquet file that cannot be read: {error}"))
@@ -16,6 +21,13 @@ pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
 fn columns(bytes: Vec<u8>) -> Result<Columns, ParquetError> {
     let file = SerializedFileReader::new(bytes::Bytes::from(bytes))?;
     let schema = file.metadata().file_metadata().schema_descr_ptr();
+    let rows = (0..file.num_row_groups()).map(|group| file.metadata().row_group(group).num_rows().max(0).unsigned_abs());
+    let values = rows.fold(0, u64::saturating_add).saturating_mul(schema.num_columns() as u64);
+    if values > MAX_VALUES {
+        return Err(ParquetError::General(format!(
+            "it has {values} values, but at most {MAX_VALUES} are read; save fewer rows or columns"
+        )));
+    }
     let names = (0..schema.num_columns()).map(|place| schema.column(place).name().to_owned()).collect();
     let mut cells = Vec::new();
     for place in 0..schema.num_columns() {
@@ -52,7 +64,7 @@ fn column<T: DataType>(
     let (mut values, mut levels) = (Vec::new(), Vec::new());
     let mut done = 0;
     while done < rows {
-        let read = reader.read_records(rows - done, optional.then_some(&mut levels), None, &mut values)?.0;
+        let read = reader.read_records((rows - done).min(ROWS_PER_READ), optional.then_some(&mut levels), None, &mut values)?.0;
         if read == 0 {
             break;
         }
