@@ -5,6 +5,7 @@ use std::fmt;
 use std::ops::Range;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use delimited::visible_line as visible;
 
 /// A text that problems refer to.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -97,7 +98,8 @@ impl Report {
             out += &renderer.render(&[self.group(problem)]);
             out += "\n\n";
         }
-        out + &self.summary()
+        // The renderer replaces the escape characters of the source, but not all others.
+        out.split('\u{1b}').map(delimited::visible).collect::<Vec<_>>().join("\u{1b}") + &self.summary()
     }
 
     fn group<'a>(&'a self, problem: &'a Problem) -> Group<'a> {
@@ -105,7 +107,7 @@ impl Report {
         if let Some(source) = self.sources.get(problem.at.source) {
             let span = within(&source.text, problem.at.start..problem.at.end);
             let caret = AnnotationKind::Primary.span(span).label(visible(&problem.label));
-            group = group.element(Snippet::source(source.text.as_str()).path(source.name.as_str()).annotation(caret));
+            group = group.element(Snippet::source(source.text.as_str()).path(visible(&source.name)).annotation(caret));
         }
         match &problem.help {
             Some(help) => group.element(Level::HELP.message(visible(help))),
@@ -117,7 +119,7 @@ impl Report {
         let counts = self.sources.iter().enumerate().filter_map(|(number, source)| {
             let count = self.problems.iter().filter(|p| p.at.source == number).count();
             let plural = if count == 1 { "" } else { "s" };
-            (count > 0).then(|| format!("{count} problem{plural} in {}", source.name))
+            (count > 0).then(|| format!("{count} problem{plural} in {}", visible(&source.name)))
         });
         counts.collect::<Vec<_>>().join(", ")
     }
@@ -127,11 +129,6 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.render(false))
     }
-}
-
-/// Escapes control characters, which a file may contain and which must not reach the terminal.
-fn visible(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() }).collect()
 }
 
 /// Moves the ends of a span to character boundaries of `text`, and its end to the end of the first
@@ -177,6 +174,8 @@ mod tests {
     fn escape_codes_of_the_file_do_not_reach_the_terminal() {
         let mut report = report("x\u{1b}[31m = 1", &[(0, 6)]);
         report.problems[0].message = "unknown key `\u{1b}[31m`".into();
-        assert!(!report.render(false).contains('\u{1b}'), "{:?}", report.render(false));
+        report.sources[0] = Source { name: "\u{9b}a\n\u{1b}.toml".into(), text: "x\u{1b}[31m\u{9b}\u{202e} = 1".into() };
+        let shown = report.render(false);
+        assert!(!shown.contains(['\u{1b}', '\u{9b}', '\u{202e}']) && shown.contains("in \\u{9b}a\\n\\u{1b}.toml"), "{shown:?}");
     }
 }

@@ -4,9 +4,10 @@
 mod inherited;
 mod manifest;
 
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
+
+use delimited::file;
 
 use crate::diagnostic::{Problem, Report, Source};
 use crate::nearest::{nearest, short};
@@ -18,6 +19,11 @@ use crate::walk::walk;
 use crate::{Scene, builtin, rules};
 
 pub use inherited::{Change, Inherited, inputs};
+
+/// Largest manifest, bytes. It contains every sample of measured profiles.
+const MAX_MANIFEST_BYTES: u64 = 64 << 20;
+/// Maximum length of a chain of bases.
+const MAX_BASES: usize = 64;
 
 /// A scene and its origin.
 #[derive(Clone, Debug)]
@@ -164,7 +170,8 @@ fn suggest(nearest: &[&str]) -> String {
 pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
     if source == "-" {
         const STDIN: &str = "<stdin>";
-        let text = read_text(io::stdin().lock()).map_err(|io| LoadError::Read { path: STDIN.to_owned(), io })?;
+        let text = scene_text(file::read_from(io::stdin().lock(), MAX_MANIFEST_BYTES))
+            .map_err(|io| LoadError::Read { path: STDIN.to_owned(), io })?;
         return Ok(Loaded { name: "stdin".to_owned(), ..load_text(STDIN, &text, sets)? });
     }
     let text = read_source(source, source)?;
@@ -269,6 +276,11 @@ fn merge_bases(sources: &mut Vec<Source>) -> Result<Node, Vec<Problem>> {
         }
         stack.push(root);
         let Some(base) = base else { break };
+        if stack.len() > MAX_BASES {
+            let problem =
+                Problem::new(base.place, format!("more than {MAX_BASES} scenes start from one another"), "one too many");
+            return Err(vec![problem.help("combine some of the bases into one file")]);
+        }
         let found = find_base(&base, sources, number).map_err(|problem| vec![problem])?;
         sources.push(found);
     }
@@ -346,7 +358,7 @@ pub(crate) fn read_source(source: &str, asked: &str) -> Result<String, LoadError
     }
     let path = Path::new(source);
     let looks_like_name = Path::new(asked).extension().is_none() && Path::new(asked).components().count() == 1;
-    match File::open(path).and_then(read_text) {
+    match scene_text(file::read(path, MAX_MANIFEST_BYTES)) {
         Ok(text) => Ok(text),
         Err(error) if error.kind() == io::ErrorKind::NotFound && looks_like_name => {
             let nearest = nearest(asked, builtin::all().iter().map(|(name, _)| *name));
@@ -360,32 +372,11 @@ pub(crate) fn read_source(source: &str, asked: &str) -> Result<String, LoadError
     }
 }
 
-fn read_text(file: impl Read) -> io::Result<String> {
-    /// Largest hand-written scene, bytes.
-    const MAX_SCENE_BYTES: u64 = 1 << 20;
-    /// Largest manifest, bytes. It contains every sample of measured profiles.
-    const MAX_MANIFEST_BYTES: u64 = 64 << 20;
-    let refuse = |reason: String| Err(io::Error::new(io::ErrorKind::InvalidData, reason));
-    let mut bytes = Vec::new();
-    let mut file = file.take(MAX_SCENE_BYTES + 1);
-    file.read_to_end(&mut bytes)?;
-    let is_manifest = bytes.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{');
-    if is_manifest {
-        file.set_limit(MAX_MANIFEST_BYTES);
-        file.read_to_end(&mut bytes)?;
+/// Returns the text of a scene, or of a larger manifest.
+fn scene_text(read: io::Result<Vec<u8>>) -> io::Result<String> {
+    let bytes = read?;
+    if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) != Some(&b'{') {
+        file::check_size(bytes.len() as u64, file::MAX_TEXT_BYTES)?;
     }
-    if bytes.len() as u64 > MAX_SCENE_BYTES && !is_manifest {
-        return refuse("larger than 1 MiB, so probably not a scene".to_owned());
-    }
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return refuse("encoded as UTF-16; save it as UTF-8".to_owned());
-    }
-    if bytes.contains(&0) {
-        return refuse("a binary file; a scene is TOML text".to_owned());
-    }
-    let invalid = |error: &std::string::FromUtf8Error| {
-        let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        1 + before.iter().filter(|byte| **byte == b'\n').count()
-    };
-    String::from_utf8(bytes).or_else(|error| refuse(format!("line {} is not UTF-8 text", invalid(&error))))
+    file::text(bytes)
 }

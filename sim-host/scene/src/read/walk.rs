@@ -100,7 +100,13 @@ fn check(node: &mut Node, schema: Schema, path: &str, findings: &mut Findings) {
                 findings.add(path, Problem::new(node.place.clone(), message, label).help(help));
             }
         }
-        (Kind::Text, Value::Text(_)) | (Kind::Flag, Value::Flag(_)) | (Kind::List, Value::Samples(_)) => {}
+        (Kind::Text, Value::Text(text)) => {
+            if let Some(letter) = delimited::hidden(text) {
+                let message = format!("`{path}` contains the invisible character {}", letter.escape_default());
+                findings.add(path, Problem::new(node.place.clone(), message, "remove this character"));
+            }
+        }
+        (Kind::Flag, Value::Flag(_)) | (Kind::List, Value::Samples(_)) => {}
         _ => findings.add(path, wrong_type(node, schema, path)),
     }
 }

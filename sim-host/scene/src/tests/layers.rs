@@ -37,6 +37,20 @@ fn wrong_changes_are_reported_at_set() {
 }
 
 #[test]
+fn invisible_characters_are_refused_in_every_text() {
+    for (text, path) in
+        [("title = \"a\\u001b[2J\"", "title"), ("source = \"a\u{202e}b\"", "source"), ("notes = [\"\\u009b\"]", "notes.0")]
+    {
+        says(
+            &report(&format!("base = \"contact\"\n{text}"), &[]),
+            &[&format!("`{path}` contains the invisible character \\u{{"), "remove"],
+        );
+    }
+    says(&report("base = \"contact\"", &["title=a\\rb\u{7f}"]), &["`title` contains the invisible character \\u{7f}"]);
+    assert_eq!(load_text("a", "base = \"contact\"\ntitle = \"\"\"a\r\n\tb\"\"\"", &[]).unwrap().scene.title.lines().count(), 2);
+}
+
+#[test]
 fn scenes_are_merged_over_their_base() {
     let scene = load_text("a.toml", "base = \"experiment-1\"\n[controller.drive]\namplitude_v = 3\n", &[]).unwrap().scene;
     let drive = &scene.controller.as_ref().unwrap().drive;
@@ -70,7 +84,13 @@ fn files_are_found_read_or_refused() {
     says(&refused(&write("wide.toml", b"\xff\xfet\0")), &["UTF-16"]);
     says(&refused(&write("nul.toml", b"t\0")), &["a binary file"]);
     says(&refused(&write("large.toml", &vec![b'#'; 2 << 20])), &["larger than 1 MiB"]);
-    says(&refused(&folder.to_string_lossy()), &["cannot read"]);
+    says(&refused(&folder.to_string_lossy()), &["cannot read", "it is a folder"]);
+    for number in 0..=65 {
+        write(&format!("{number}.toml"), format!("base = \"{}.toml\"", number + 1).as_bytes());
+    }
+    says(&refused(&write("0.toml", b"base = \"1.toml\"")), &["more than 64 scenes start from one another", "64.toml:1:8"]);
+    #[cfg(unix)]
+    says(&refused(&write("zero.toml", b"base = \"/dev/zero\"")), &["it is a device", "the scene to start from"]);
     write("manifest.json", b"{}");
     says(&refused(&folder.to_string_lossy()), &["the folder of a run", "/manifest.json` repeats the run"]);
     says(&refused("no-such-folder/scene.toml"), &["cannot read the scene `no-such-folder/scene.toml`"]);

@@ -1,11 +1,9 @@
 //! A column of a measured table, with its time or other axis, converted to the units of a scene.
 
-use std::fs::File;
-use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
 
-use delimited::{Table, beginning, decode};
+use delimited::{Table, beginning, decode, file};
 
 use super::heading;
 use crate::nearest::{listed, nearest, short};
@@ -76,20 +74,14 @@ pub(crate) struct Column {
 
 /// Reads and decodes the text of a file.
 pub(crate) fn text_of(path: &Path, asked: &str) -> Result<String, Refusal> {
-    let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes));
-    if let Err(error) = read {
+    let bytes = file::read(path, MAX_FILE_BYTES).map_err(|error| {
         let message = format!("the file `{}` cannot be read", short(asked));
         let label = match near_file(path) {
             Some(name) if error.kind() == std::io::ErrorKind::NotFound => format!("did you mean `{}`?", short(&name)),
             _ => error.to_string(),
         };
-        return Err(Refusal::new(About::File, message, label).help(format!("the path that was tried is `{}`", path.display())));
-    }
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        let message = format!("the file `{}` is larger than {} MiB", short(asked), MAX_FILE_BYTES >> 20);
-        return Err(Refusal::new(About::File, message, "remove samples that are not needed"));
-    }
+        Refusal::new(About::File, message, label).help(format!("the path that was tried is `{}`", path.display()))
+    })?;
     Ok(decode(&bytes))
 }
 
