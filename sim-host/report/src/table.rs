@@ -37,20 +37,22 @@ impl TableBlock {
         format!("{heading}{}{rule}|\n{rows}{caption}", line(&self.header))
     }
 
-    /// Returns the table as text, with its title above and its caption below.
+    /// Returns the table as text for a terminal, with its title above and its caption below. Control
+    /// characters in its texts are escaped.
     #[cfg(feature = "terminal")]
     pub fn terminal(&self, color: bool) -> String {
         use comfy_table::{Cell, Color, ColumnConstraint, Table, Width, presets};
+        use delimited::visible;
         /// Widest column of prose.
         const MAX_WIDTH: u16 = 44;
         let coloured = |cell: &String| match cell.as_str() {
             "PASS" if color => Cell::new(cell).fg(Color::Green),
             "MISS" if color => Cell::new(cell).fg(Color::Red),
-            _ => Cell::new(cell),
+            _ => Cell::new(visible(cell)),
         };
         let mut table = Table::new();
         table.load_style(presets::UTF8_BORDERS_ONLY);
-        table.set_header(&self.header);
+        table.set_header(self.header.iter().map(|heading| visible(heading)));
         for row in &self.rows {
             table.add_row(row.iter().map(coloured));
         }
@@ -62,8 +64,8 @@ impl TableBlock {
         } else {
             table.force_no_tty();
         }
-        let caption = if self.caption.is_empty() { String::new() } else { format!("{}\n", self.caption) };
-        format!("{}\n{table}\n{caption}\n", self.title)
+        let caption = if self.caption.is_empty() { String::new() } else { format!("{}\n", visible(&self.caption)) };
+        format!("{}\n{table}\n{caption}\n", visible(&self.title))
     }
 }
 
@@ -85,5 +87,14 @@ mod tests {
     fn a_bar_in_a_cell_does_not_end_it() {
         let table = TableBlock::new("t", "T", "C.", &["a", "b"], vec![vec!["|x|".to_owned(), "1".to_owned()]]);
         assert_eq!(table.markdown(), "### T\n\n| a | b |\n|---|---|\n| \\|x\\| | 1 |\n\nC.\n");
+    }
+    #[cfg(feature = "terminal")]
+    #[test]
+    fn only_own_escape_codes_reach_the_terminal() {
+        let hostile = "a\u{1b}]0;b\u{202e}";
+        let rows = vec![vec![hostile.to_owned(), "PASS".to_owned()]];
+        let text = TableBlock::new("t", hostile, hostile, &[hostile, "b"], rows).terminal(true);
+        assert!(!text.contains("\u{1b}]") && !text.contains('\u{202e}') && text.contains("\u{1b}["), "{text:?}");
+        assert_eq!(text.matches("\\u{1b}]0;b\\u{202e}").count(), 4, "{text:?}");
     }
 }

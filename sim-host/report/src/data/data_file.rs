@@ -37,7 +37,7 @@ fn write_wide<W: Write>(figure: &Figure, x: &[f64], out: &mut csv::Writer<W>) ->
     let mut header = vec![column_name(&figure.x.label)];
     let mut columns = vec![x];
     for series in figure.all_series() {
-        header.push(series.csv_column.clone());
+        header.push(text_cell(&series.csv_column));
         if let Style::Band { .. } = series.style {
             header.extend(["lower", "upper"].map(|edge| format!("{}_{edge}", series.csv_column)));
         }
@@ -65,7 +65,7 @@ fn write_long<W: Write>(figure: &Figure, out: &mut csv::Writer<W>) -> csv::Resul
     for (place, series) in figure.all_series().enumerate() {
         let columns = series.columns();
         for (row, &x) in series.x.iter().enumerate() {
-            let mut record = vec![series.csv_column.clone()];
+            let mut record = vec![text_cell(&series.csv_column)];
             record.extend(along.map(|along| cell(along.values[place][row])));
             record.push(cell(x));
             record.extend(columns.iter().map(|column| cell(column[row])));
@@ -101,6 +101,12 @@ fn cell(value: f64) -> String {
     } else {
         format!("{value:e}")
     }
+}
+
+/// Returns a text as a cell that no spreadsheet evaluates: a formula begins with one of these signs.
+pub fn text_cell(text: &str) -> String {
+    let is_formula = text.starts_with(['=', '+', '-', '@']) && text.parse::<f64>().is_err();
+    format!("{}{text}", if is_formula { "'" } else { "" })
 }
 
 /// Converts an axis label to a column name: `time [ms]` becomes `time_ms`.
@@ -209,6 +215,12 @@ mod tests {
         let mut bytes = Vec::new();
         write(&figure, &mut bytes).unwrap();
         assert_eq!(String::from_utf8(bytes).unwrap(), "time_s,a_v,b_n\n0,1,2\n");
+    }
+
+    #[test]
+    fn texts_are_not_formulas() {
+        assert_eq!(text(vec![series("=1+1", &[0.0], &[-1.0])]), "time_ms,'=1+1\n0,-1\n");
+        assert_eq!(["+a", "@b", "-1e3", "-c", "d"].map(text_cell), ["'+a", "'@b", "-1e3", "'-c", "d"]);
     }
 
     #[test]

@@ -18,6 +18,7 @@ use super::extent::scales;
 use super::heat_map;
 use super::legend::Legend;
 use super::marks;
+use super::page::is_forbidden;
 use super::prepare::{panel, prepared};
 use super::sheet::{Failure, Lettering, Sheet};
 use super::style::{INK, Pen, prepare_font};
@@ -116,6 +117,7 @@ pub(super) fn svg(figure: &Figure, canvas: Canvas) -> Result<String, String> {
     if let Some(map) = &figure.map {
         document = heat_map::embedded(&document, map)?;
     }
+    document = document.replace(is_forbidden, "\u{fffd}");
     let fine = format!("width=\"{}\" height=\"{}\"", fine.0, fine.1);
     Ok(document.replacen(&fine, &canvas.extent(size), 1))
 }
@@ -264,7 +266,7 @@ mod tests {
         let y = x.iter().map(|x| if *x > 4.0 { f64::NAN } else { x.sin() }).collect();
         Figure {
             id: "wave".into(),
-            title: "a < b & \"c\"".into(),
+            title: "a < b & \"c\"\u{1b}".into(),
             series: vec![Series { x, y, ..Series::default() }],
             shaded: vec![Span { from: 1.0, to: 2.0, label: "ON".into() }],
             ..Figure::default()
@@ -276,7 +278,7 @@ mod tests {
         let document = svg(&figure(), SCREEN).unwrap();
         assert!(document.starts_with("<svg width=\"1600\" height=\"900\" viewBox=\"0 0 6400 3600\""));
         assert!(document.trim_end().ends_with("</svg>"));
-        assert!(document.contains("a &lt; b &amp; &quot;c&quot;"));
+        assert!(document.contains("a &lt; b &amp; &quot;c&quot;\u{fffd}"));
         assert!(document.contains("<polyline"));
         assert!(!document.contains("NaN"));
     }

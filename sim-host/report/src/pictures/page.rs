@@ -62,10 +62,16 @@ fn escape(text: &str) -> String {
             '>' => safe.push_str("&gt;"),
             '"' => safe.push_str("&quot;"),
             '\'' => safe.push_str("&#39;"),
+            other if is_forbidden(other) => safe.push('\u{fffd}'),
             other => safe.push(other),
         }
     }
     safe
+}
+
+/// Returns `true` for a character that XML does not allow, not even escaped.
+pub(super) fn is_forbidden(letter: char) -> bool {
+    letter.is_control() && !matches!(letter, '\t' | '\n' | '\r') || matches!(letter, '\u{fffe}' | '\u{ffff}')
 }
 
 /// Returns a text element, or nothing for an empty text.
@@ -228,7 +234,7 @@ mod tests {
     use super::*;
     use crate::figure::Series;
 
-    const EVIL: &str = "</script><b onclick=\"x\">&'";
+    const EVIL: &str = "</script><b onclick=\"x\">&'\u{1b}[2J\0";
 
     fn figure(interactive: bool) -> Figure {
         Figure {
@@ -260,7 +266,7 @@ mod tests {
             interrupted: true,
         };
         let html = page(&report, &PictureFormat::ALL).unwrap();
-        assert!(!html.contains("<b onclick"));
+        assert!(!html.contains("<b onclick") && !html.contains(is_forbidden) && html.contains("\u{fffd}[2J"));
         assert_eq!(html.matches("</script>").count(), 3);
     }
 
