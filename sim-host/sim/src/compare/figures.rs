@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::Side;
 use crate::data::FigureData;
+use delimited::file;
 use report::{Axis, Figure, Panel, Series, Style};
 use scene::schema::{unit_of, words_of};
 
@@ -37,8 +38,9 @@ fn files(folder: &Path) -> BTreeMap<String, std::path::PathBuf> {
 }
 
 /// Reads the curves of a file with one common x; `None` for a map or for curves over different x.
-fn curves(file: &Path) -> Option<Curves> {
-    let mut reader = csv::Reader::from_path(file).ok()?;
+fn curves(path: &Path) -> Option<Curves> {
+    let bytes = file::read(path, file::MAX_DATA_BYTES).ok()?;
+    let mut reader = csv::Reader::from_reader(&bytes[..]);
     let header: Vec<String> = reader.headers().ok()?.iter().map(str::to_owned).collect();
     let mut columns = vec![Vec::new(); header.len()];
     for record in reader.records() {

@@ -1,11 +1,11 @@
 //! One side of a comparison: the folder of a run, or a file of measured metrics.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
 use super::CompareError;
+use delimited::file;
 use scene::metrics;
 
 /// Columns of a file of measured metrics; the last is optional.
@@ -69,8 +69,9 @@ fn of_folder(path: &Path) -> Result<Side, CompareError> {
     let label = path.display().to_string();
     let no_result = |why: String| CompareError::NoResult { path: label.clone(), why };
     let read = |name: &str| -> Result<Value, CompareError> {
-        let text = fs::read_to_string(path.join(name)).map_err(|error| no_result(format!("contains no run: {name}: {error}")))?;
-        serde_json::from_str(&text).map_err(|error| no_result(format!("contains no run: {name} cannot be read: {error}")))
+        let bytes = file::read(&path.join(name), file::MAX_DATA_BYTES)
+            .map_err(|error| no_result(format!("contains no run: {name}: {error}")))?;
+        serde_json::from_slice(&bytes).map_err(|error| no_result(format!("contains no run: {name} cannot be read: {error}")))
     };
     let manifest = read("manifest.json")?;
     if manifest["complete"] != json!(true) {
@@ -98,8 +99,8 @@ fn of_folder(path: &Path) -> Result<Side, CompareError> {
 fn of_file(path: &Path) -> Result<Side, CompareError> {
     let label = path.display().to_string();
     let no_result = |why: String| CompareError::NoResult { path: label.clone(), why };
-    let file = fs::File::open(path).map_err(|error| no_result(format!("cannot be read: {error}")))?;
-    let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
+    let bytes = file::read(path, file::MAX_DATA_BYTES).map_err(|error| no_result(format!("cannot be read: {error}")))?;
+    let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).comment(Some(b'#')).from_reader(&bytes[..]);
     let header: Vec<String> = match reader.headers() {
         Ok(header) => header.iter().map(str::to_owned).collect(),
         Err(error) => return Err(no_result(format!("cannot be read: {error}"))),

@@ -17,6 +17,7 @@ use serde_json::{Value, json};
 
 use super::OutputError;
 use super::sweep::{PLAN, SWEEP};
+use delimited::{file, visible_line};
 
 /// Manifest, which names the command of all other files.
 const MANIFEST: &str = "manifest.json";
@@ -51,10 +52,23 @@ impl Owner {
     }
 }
 
-/// Returns the folder of a result within `out`. A name that is not a plain file name is replaced,
-/// because it could lead elsewhere.
+/// Returns the folder of a result within `out`. A name that is not a plain file name on every system
+/// is replaced, because it could lead elsewhere.
 pub fn default_dir(name: &str) -> PathBuf {
-    Path::new("out").join(if is_plain(name) { name } else { "unnamed" })
+    Path::new("out").join(if is_plain(name) && is_portable(name) { name } else { "unnamed" })
+}
+
+/// Returns `true` if a file can have this name on every system
+/// (<https://learn.microsoft.com/windows/win32/fileio/naming-a-file>).
+fn is_portable(name: &str) -> bool {
+    const DEVICES: [&str; 4] = ["CON", "PRN", "AUX", "NUL"];
+    let stem = name.split('.').next().unwrap_or_default().trim_end().to_uppercase();
+    let port = stem.strip_prefix("COM").or(stem.strip_prefix("LPT")).is_some_and(|port| port.chars().count() == 1);
+    let is_device = DEVICES.contains(&stem.as_str()) || port;
+    visible_line(name) == name
+        && !name.contains(['<', '>', ':', '"', '/', '\\', '|', '?', '*'])
+        && !name.ends_with(['.', ' '])
+        && !is_device
 }
 
 /// Folder for a result.
@@ -251,8 +265,8 @@ fn process_of(path: &Path) -> String {
 pub(super) fn replaceable(dir: &Path, owner: &Owner) -> Result<BTreeMap<String, String>, OutputError> {
     let taken = |path: PathBuf, why: &str| Err(OutputError::Taken { path, why: why.to_owned() });
     let path = dir.join(MANIFEST);
-    let text = match fs::read_to_string(&path) {
-        Ok(text) => text,
+    let text = match file::read(&path, file::MAX_DATA_BYTES) {
+        Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
         Err(error) if error.kind() == ErrorKind::NotFound => {
             // A sweep continues from its plan.
             let names = NAMES.iter().filter(|&&name| name != PLAN || owner.command != SWEEP);
@@ -333,6 +347,10 @@ mod tests {
     #[test]
     fn paths_are_not_accepted_as_file_names() {
         assert!(["trace.csv", "a-b_1.svg", "..."].iter().all(|name| is_plain(name)));
+        for name in ["...", "..", "a/b", "a\\b", "a\u{1b}[2J", "a\u{202e}b", "nul", "Com1.scene", "c:d", "a ", ""] {
+            assert_eq!(default_dir(name), Path::new("out/unnamed"), "{name:?}");
+        }
+        assert_eq!(default_dir("köln 1.5 comma"), Path::new("out/köln 1.5 comma"));
         assert!(["", ".", "..", "/etc/passwd", "../trace.csv", "a/b", "a/", "manifest.json"].iter().all(|name| !is_plain(name)));
     }
 }

@@ -10,7 +10,7 @@ pub(super) fn write(result: &GridResult, path: &Path) -> Result<(), csv::Error> 
     let mut file = csv::Writer::from_path(path)?;
     file.write_record(Rows::head(&result.keys(), &result.metrics).chain(["failure"]))?;
     for (row, failure) in result.rows.failures.iter().enumerate() {
-        file.write_record(result.rows.cells(row).chain([failure.clone().unwrap_or_default()]))?;
+        file.write_record(result.rows.cells(row).chain([report::text_cell(failure.as_deref().unwrap_or_default())]))?;
     }
     file.flush()?;
     Ok(())
