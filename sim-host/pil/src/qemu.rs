@@ -13,6 +13,7 @@ use super::cpu_affinity::CpuAffinity;
 use super::emulator::Serial;
 use super::pipes::Pipes;
 use super::size::Size;
+use delimited::file;
 use sim::processor::{Lost, Memory, Processor};
 
 /// The controller as thumb code under QEMU.
@@ -82,7 +83,7 @@ impl Processor for Qemu {
         let closing = self.pipes.close()?;
         let unreadable =
             |error: &dyn std::error::Error| Lost(format!("the image {} cannot be read: {error}", self.image.display()));
-        let elf = std::fs::read(&self.image).map_err(|error| unreadable(&error))?;
+        let elf = file::read(&self.image, file::MAX_DATA_BYTES).map_err(|error| unreadable(&error))?;
         let Size { flash, ram } = Size::of(&elf).map_err(|error| unreadable(&error))?;
         let Closing { stack_power_up_bytes: stack_power_up, stack_blocks_bytes: stack_blocks } = closing;
         Ok(Some(Memory { stack_power_up, stack_blocks, flash, ram }))

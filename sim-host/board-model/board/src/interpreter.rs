@@ -8,6 +8,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use cortex_m4::{Cycle, Machine, Memory, Region, Timing};
+use delimited::file;
 use firmware::board::lockstep::{self, Answer, Closing, Opening, Question, Record};
 use firmware::seam::block::{DriveBlock, Orders, SenseBlock};
 use firmware::seam::config::Config;
@@ -69,7 +70,7 @@ pub struct Interpreter {
 impl Interpreter {
     /// Starts an [image](fn@pil::image) and builds its controller.
     pub fn start(image: &Path, config: &Config) -> Result<Self, PilError> {
-        let elf = std::fs::read(image)?;
+        let elf = file::read(image, file::MAX_DATA_BYTES)?;
         let size = Size::of(&elf).map_err(|error| Lost(format!("the image cannot be read: {error}")))?;
         let mut memory = Memory::default();
         memory.add(Region { base: 0x0800_0000, bytes: vec![0xff; FLASH], writable: false, waits: false });

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
+use delimited::file::{MAX_DATA_BYTES, MAX_TEXT_BYTES};
 use firmware::board::command::{Command, Reply};
 use firmware::board::update::{CHUNK, Standing, UpdateDefect, UpdateReport, UpdateState, UpdateVerb};
 use nucleo_g474re::options;
@@ -16,7 +17,7 @@ use crate::answer::Answer;
 use crate::client::unexpected;
 use crate::link_error::LinkError;
 use crate::session::Session;
-use crate::update_file::pack;
+use crate::update_file::{pack, read};
 
 /// Maximum time for the board to verify the received image.
 const VERIFY_TIMEOUT: Duration = Duration::from_secs(20);
@@ -43,7 +44,7 @@ pub fn run(args: &UpdateArgs, session: &mut Session) -> Result<Answer, LinkError
         return Err(LinkError::Usage("--key signs a file: `sim-host link file:OUT update ELF --key FILE`".into()));
     }
     let Some(file) = &args.file else { return Ok(shown(&ask(UpdateVerb::Report, session)?)) };
-    let bytes = read(file)?;
+    let bytes = read(file, MAX_DATA_BYTES)?;
     let manifest = undamaged(&bytes)?;
     let before = ask(UpdateVerb::Report, session)?;
     if before.standing == Standing::Alone {
@@ -81,25 +82,26 @@ pub fn run(args: &UpdateArgs, session: &mut Session) -> Result<Answer, LinkError
 pub fn make(args: &UpdateArgs, out: &Path) -> Result<Answer, LinkError> {
     let elf = args.file.as_deref().ok_or_else(|| LinkError::Usage("the ELF file is missing: `update ELF`".into()))?;
     let seed = args.key.as_deref().map(seed).transpose()?;
-    let bytes = pack(&read(elf)?, Some(&seed.unwrap_or(key::DEVELOPMENT_SEED)))
+    let seed = seed.unwrap_or(key::DEVELOPMENT_SEED);
+    let bytes = pack(&read(elf, MAX_DATA_BYTES)?, Some(&seed))
         .map_err(|error| LinkError::Input(format!("{}: {error}", elf.display())))?;
     fs::write(out, &bytes).map_err(|io| LinkError::Write { path: out.to_owned(), io })?;
     let manifest = undamaged(&bytes)?;
-    let signer = match seed {
-        None => "signed by the development key, which is public: for the laboratory only".to_owned(),
-        Some(seed) => format!("signed by the key {}", digits(&key::public(&seed))),
-    };
-    let line = format!("{}: {}, {} bytes, {signer}", out.display(), named(&manifest), bytes.len());
+    let line = format!("{}: {}, {} bytes, {}", out.display(), named(&manifest), bytes.len(), signer(&seed));
     Ok(Answer::to("update").line(line).field("bytes", bytes.len()).field("version", version(Some(manifest.identity.version))))
 }
 
-fn read(file: &Path) -> Result<Vec<u8>, LinkError> {
-    fs::read(file).map_err(|error| LinkError::Input(format!("{} cannot be read: {error}", file.display())))
+/// Returns the key that signs, with a warning if everybody has it.
+fn signer(seed: &[u8; 32]) -> String {
+    match *seed {
+        key::DEVELOPMENT_SEED => "signed by the development key, which is public: for the laboratory only".to_owned(),
+        _ => format!("signed by the key {}", digits(&key::public(seed))),
+    }
 }
 
 /// Reads the seed of a key from a file.
 fn seed(file: &Path) -> Result<[u8; 32], LinkError> {
-    let text = String::from_utf8_lossy(&read(file)?).trim().to_owned();
+    let text = String::from_utf8_lossy(&read(file, MAX_TEXT_BYTES)?).trim().to_owned();
     let bytes: Option<Vec<u8>> = (0..text.len()).step_by(2).map(|n| u8::from_str_radix(text.get(n..n + 2)?, 16).ok()).collect();
     let seed = bytes.and_then(|bytes| <[u8; 32]>::try_from(bytes).ok());
     seed.ok_or_else(|| LinkError::Input(format!("{} is not a secret key: it needs 64 hexadecimal digits", file.display())))
@@ -270,5 +272,23 @@ pub fn reason(defect: UpdateDefect) -> String {
         UpdateDefect::Damaged => "it is damaged: a checksum is wrong".into(),
         UpdateDefect::Unsigned => "it is not signed".into(),
         UpdateDefect::WrongSignature => "it is not signed by the key of this board".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_development_key_from_a_file_is_named() {
+        let file = std::env::temp_dir().join(format!("sonoglide-key-{}", std::process::id()));
+        let signer = |text: String| {
+            fs::write(&file, text).unwrap();
+            signer(&seed(&file).unwrap())
+        };
+        assert!(signer(digits(&key::DEVELOPMENT_SEED)).contains("the development key, which is public"));
+        assert!(signer("01".repeat(32)).starts_with("signed by the key "));
+        fs::remove_file(&file).unwrap();
+        assert!(seed(&std::env::temp_dir()).unwrap_err().to_string().contains("it is a folder"));
     }
 }
