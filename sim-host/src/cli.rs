@@ -1,11 +1,10 @@
 //! The command line. Data goes to standard output, everything else to standard error.
 
-/// Writes a line to standard error and ignores errors: `eprintln!` panics if the reader is gone.
+/// Formats a line and writes it with [`note`].
 macro_rules! say {
-    ($($text:tt)*) => {{
-        use std::io::Write as _;
-        let _ = writeln!(std::io::stderr(), $($text)*);
-    }};
+    ($($text:tt)*) => {
+        $crate::cli::note(&format!($($text)*))
+    };
 }
 
 mod advise;
@@ -42,6 +41,7 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
+use delimited::visible;
 
 use self::drawing::DrawingArgs;
 use self::exit::{EXIT_CODES, Exit, mistake};
@@ -252,7 +252,25 @@ fn clock() -> Duration {
     START.elapsed()
 }
 
+/// Writes a line to standard error, with control characters escaped.
+fn note(line: &str) {
+    note_styled(&visible(line));
+}
+
+/// Writes a line with escape codes of this program to standard error and ignores errors:
+/// `eprintln!` panics if the reader is gone.
+fn note_styled(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Writes a text to standard output, with control characters escaped.
 fn print(text: &str) -> anyhow::Result<Exit> {
+    print_styled(&visible(text))
+}
+
+/// Writes JSON, or a text with escape codes of this program, to standard output. Texts from outside
+/// are already escaped in it.
+fn print_styled(text: &str) -> anyhow::Result<Exit> {
     io::stdout().lock().write_all(text.as_bytes())?;
     Ok(Exit::Done)
 }

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::progress::Progress;
-use super::{Color, DEFAULT_SCENE, Exit, Format, mistake};
+use super::{Color, DEFAULT_SCENE, Exit, Format, mistake, visible};
 use scene::circuit::Given;
 use scene::load::load;
 use sim::advice::case::{Case, CaseError, Numbers, Wishes};
@@ -116,15 +116,15 @@ pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<Exit> {
         advice.verified = Some(verify(&advised, runs, &mut |reached| progress.at(reached))?);
     }
     match args.format {
-        Format::Human => super::print(&human(&advice, color)),
-        Format::Json => super::print(&format!("{:#}\n", serde_json::to_value(&advice)?)),
+        Format::Human => super::print_styled(&human(&advice, color)),
+        Format::Json => super::print_styled(&format!("{:#}\n", serde_json::to_value(&advice)?)),
     }
 }
 
 fn human(advice: &Advice, color: Color) -> String {
     let tables: String = tables::tables(advice).iter().map(|block| block.terminal(color.stdout)).collect();
     let warnings: String = advice.warnings.iter().map(|warning| format!("note: {warning}\n")).collect();
-    format!("{tables}{warnings}\nSettings to paste into a scene:\n\n{}", advice.settings.snippet)
+    format!("{tables}{}\nSettings to paste into a scene:\n\n{}", visible(&warnings), visible(&advice.settings.snippet))
 }
 
 /// Parses a number within a range. The error states the quantity and the range.

@@ -5,21 +5,21 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
-use std::{fs, io};
 
 use board::debugger::Debugged;
 use board::linked::{DebuggedBoard, record};
 use board::{Board, configure};
+use delimited::file::MAX_DATA_BYTES;
 use link::link_error::LinkError;
-use link::update_file::pack;
+use link::update_file::{pack, read};
 use pil::{PilError, board_image};
 use scene::Driven;
 use sim::processor::Processor;
 use sim::run::RunError;
 use update::key::DEVELOPMENT_SEED;
 
-use super::link::{LinkArgs, STOP, listen, note, with_board};
-use super::{Color, Exit, mistake};
+use super::link::{LinkArgs, STOP, listen, with_board};
+use super::{Color, Exit, mistake, note};
 
 /// Returns the settings that a scene takes on the board if it does not give them.
 pub(super) fn defaults() -> Vec<String> {
@@ -37,8 +37,7 @@ impl Flashed {
     pub(super) fn new(file: Option<&Path>, scene: &Driven, speed: Option<f64>, profile: bool) -> anyhow::Result<Self> {
         configure::stored(scene).map_err(|error| mistake(Exit::Input, error.to_string()))?;
         let file = file.map_or_else(board_image, |file| Ok(file.to_owned()))?;
-        let refused = |error: io::Error| mistake(Exit::Input, format!("{} cannot be read: {error}", file.display()));
-        let elf = fs::read(&file).map_err(refused)?;
+        let elf = read(&file, MAX_DATA_BYTES)?;
         Ok(Flashed { elf, options: board::Options { profile, ..options(speed) } })
     }
 
@@ -69,25 +68,23 @@ fn started(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
         Some(file) => file.clone(),
         None => board_image().map_err(|error| lost(args, &error))?,
     };
-    Board::start(&read(&image)?, scene, options(args.board_speed)).map_err(|error| LinkError::Input(error.to_string()))
+    Board::start(&read(&image, MAX_DATA_BYTES)?, scene, options(args.board_speed))
+        .map_err(|error| LinkError::Input(error.to_string()))
 }
 
 /// Starts the first stage with the image in its slot, signed by the development key.
 fn in_slot(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
     let refused = |error: &dyn std::fmt::Display| LinkError::Input(error.to_string());
     let [first_stage, image] = pil::field_images().map_err(|error| lost(args, &error))?;
-    let elf = read(args.image.as_ref().unwrap_or(&image))?;
+    let elf = read(args.image.as_ref().unwrap_or(&image), MAX_DATA_BYTES)?;
     let slot = pack(&elf, Some(&DEVELOPMENT_SEED)).map_err(|error| refused(&error))?;
-    Board::start_in_slot(&read(&first_stage)?, &slot, &elf, scene, options(args.board_speed)).map_err(|error| refused(&error))
+    Board::start_in_slot(&read(&first_stage, MAX_DATA_BYTES)?, &slot, &elf, scene, options(args.board_speed))
+        .map_err(|error| refused(&error))
 }
 
 /// Returns the error for an image that cannot be built here.
 fn lost(args: &LinkArgs, error: &PilError) -> LinkError {
     LinkError::Open { port: args.port.clone(), why: error.to_string() }
-}
-
-fn read(file: &Path) -> Result<Vec<u8>, LinkError> {
-    fs::read(file).map_err(|error| LinkError::Input(format!("{} cannot be read: {error}", file.display())))
 }
 
 fn options(speed: Option<f64>) -> board::Options {

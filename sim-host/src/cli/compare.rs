@@ -44,7 +44,7 @@ pub(super) fn run(args: &CompareArgs, color: Color) -> anyhow::Result<Exit> {
         manifest["complete"] = json!(true);
         folder.finish(manifest)?;
     }
-    super::print(&match args.result.format {
+    super::print_styled(&match args.result.format {
         Format::Human => compared.table().terminal(color.stdout),
         Format::Json => format!("{:#}\n", compared.json()),
     })?;

@@ -78,7 +78,9 @@ pub(super) fn report(error: &anyhow::Error, color: Color) -> Exit {
         return Exit::Done;
     }
     match (error.downcast_ref(), error.downcast_ref()) {
-        (Some(LoadError::Invalid(report)), _) | (_, Some(LinkError::Script(report))) => say!("{}", report.render(color.stderr)),
+        (Some(LoadError::Invalid(report)), _) | (_, Some(LinkError::Script(report))) => {
+            super::note_styled(&report.render(color.stderr))
+        }
         (_, Some(LinkError::Interrupted)) => say!("interrupted"),
         _ => say!("error: {}", with_causes(error)),
     }

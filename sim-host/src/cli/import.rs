@@ -7,7 +7,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
 
-use super::{Color, Exit, Format, ReportArgs, mistake, print};
+use super::{Color, Exit, Format, ReportArgs, mistake, print_styled, visible};
 use ::import::admittance::coordinate::Topology;
 use ::import::admittance::options::Options;
 use ::import::admittance::{self, MOST_MODES};
@@ -211,11 +211,11 @@ fn finish<T>(
         written = scene.is_some().then(|| folder.dir().join(&name).display().to_string());
     }
     match common.report.result.format {
-        Format::Json => print(&format!("{:#}\n", with_scene(&found.json, written.as_deref())))?,
+        Format::Json => print_styled(&format!("{:#}\n", with_scene(&found.json, written.as_deref())))?,
         Format::Human => {
             let tables: String = found.report.tables.iter().map(|table| table.terminal(color.stdout)).collect();
             let notes: String = found.warnings.iter().map(|warning| format!("note: {warning}\n")).collect();
-            print(&format!("{}\n\n{tables}{notes}", found.report.title))?
+            print_styled(&format!("{}\n\n{tables}{}", visible(&found.report.title), visible(&notes)))?
         }
     };
     if let Some(folder) = folder.filter(|_| !common.report.result.quiet) {

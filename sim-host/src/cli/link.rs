@@ -4,8 +4,7 @@ mod flash_file;
 mod prompt;
 
 use std::cell::RefCell;
-use std::fs;
-use std::io::{self, IsTerminal, Read, Write};
+use std::io::{self, IsTerminal, Write};
 use std::net::{SocketAddr, TcpListener, ToSocketAddrs};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -13,10 +12,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::{Args, Subcommand};
+use delimited::{file, visible};
 use serde_json::Value;
 
 use super::run::times;
-use super::{Color, Exit, Format, board_model, interrupts, provenance};
+use super::{Color, Exit, Format, board_model, interrupts, note, provenance};
 use link::answer::{Answer, failure};
 use link::client::Client;
 use link::commands::{Order, amount, monitor, seconds, update};
@@ -316,14 +316,14 @@ fn print_answer(text: &str, name: &str, done: &Result<Answer, LinkError>, format
         (Format::Json, Err(error)) => writeln!(out, "{}", failure(name, error))?,
         (Format::Human, done) => {
             if !text.is_empty() {
-                writeln!(out, "> {text}")?;
+                writeln!(out, "> {}", visible(text))?;
             }
             if let Ok(answer) = done {
                 // The line of a monitor stays on the screen.
                 if name == "monitor" && io::stdout().is_terminal() {
                     writeln!(out)?;
                 }
-                write!(out, "{}", answer.text)?;
+                write!(out, "{}", visible(&answer.text))?;
             }
         }
     }
@@ -336,8 +336,8 @@ fn live(format: Format) -> Live {
     let report: fn(&str, &Value) = match format {
         Format::Json => |_, fields| print_report(&format!("{fields}\n")),
         // The line is overwritten in place, and the rest of a longer one erased.
-        Format::Human if io::stdout().is_terminal() => |line, _| print_report(&format!("\r{line}\x1b[K")),
-        Format::Human => |line, _| print_report(&format!("{line}\n")),
+        Format::Human if io::stdout().is_terminal() => |line, _| print_report(&format!("\r{}\x1b[K", visible(line))),
+        Format::Human => |line, _| print_report(&format!("{}\n", visible(line))),
     };
     Live { stage, report: Some(report) }
 }
@@ -351,19 +351,13 @@ fn print_report(text: &str) {
     }
 }
 
-/// Prints a line to standard error, and ignores errors.
-pub(super) fn note(line: &str) {
-    let _ = writeln!(io::stderr(), "{line}");
-}
-
-fn read(file: &str) -> Result<Script, LinkError> {
-    let mut text = String::new();
-    let (name, read) = match file {
-        "-" => ("<stdin>", io::stdin().read_to_string(&mut text).map(drop)),
-        file => (file, fs::read_to_string(file).map(|read| text = read)),
+fn read(script: &str) -> Result<Script, LinkError> {
+    let (name, read) = match script {
+        "-" => ("<stdin>", file::read_from(io::stdin().lock(), file::MAX_TEXT_BYTES)),
+        name => (name, file::read(Path::new(name), file::MAX_TEXT_BYTES)),
     };
-    read.map_err(|error| LinkError::Input(format!("cannot read the script `{name}`: {error}")))?;
-    Script::parse(name, &text)
+    let text = read.and_then(file::text);
+    Script::parse(name, &text.map_err(|error| LinkError::Input(format!("cannot read the script `{name}`: {error}")))?)
 }
 
 fn to_exit(done: Result<(), LinkError>) -> anyhow::Result<Exit> {

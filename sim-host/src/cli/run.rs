@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::board_model::{self, Flashed};
 use super::progress::Progress;
-use super::{Color, DrawingArgs, Exit, Format, ReportArgs, SceneArgs, interrupts, junit, mistake};
+use super::{Color, DrawingArgs, Exit, Format, ReportArgs, SceneArgs, interrupts, junit, mistake, visible};
 use pil::Qemu;
 use scene::Driven;
 use scene::load::{LoadError, Loaded, load};
@@ -130,8 +130,8 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     if matches!(args.report.result.format, Format::Json) {
         tables::not_drawn(&study).iter().for_each(|said| say!("warning: {said}"));
     }
-    super::print(&match args.report.result.format {
-        Format::Human if args.report.result.quiet => tables::in_short(&study),
+    super::print_styled(&match args.report.result.format {
+        Format::Human if args.report.result.quiet => visible(&tables::in_short(&study)),
         Format::Human => human(&study, args, color),
         Format::Json => format!("{:#}\n", output::printed(&study)),
     })?;
@@ -210,6 +210,7 @@ fn human(study: &Study, args: &RunArgs, color: Color) -> String {
     if let Some(modes) = tables::modes(study).filter(|_| args.verbose) {
         text += &format!("{modes}\n");
     }
+    text = visible(&text);
     let mut tables = tables::tables(study);
     if args.verbose || study.judged.is_empty() {
         tables.push(tables::all_metrics(study));
@@ -217,5 +218,5 @@ fn human(study: &Study, args: &RunArgs, color: Color) -> String {
     for block in &tables {
         text += &block.terminal(color.stdout);
     }
-    text + &tables::manner(study) + "\n"
+    text + &visible(&tables::manner(study)) + "\n"
 }

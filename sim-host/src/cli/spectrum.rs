@@ -8,7 +8,7 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use super::{Color, DrawingArgs, Exit, Format, ReportArgs, print};
+use super::{Color, DrawingArgs, Exit, Format, ReportArgs, print_styled};
 use import::signal::spectrogram::{Asked, Method, Spectrogram};
 use import::signal::{Choice, Signal};
 use report::Report;
@@ -120,8 +120,8 @@ pub(super) fn run(args: &SpectrumArgs, color: Color) -> anyhow::Result<Exit> {
         folder.finish(json!({ "spectrum": found.json(&source), "complete": true }))?;
     }
     match args.report.result.format {
-        Format::Human => print(&found.table(&source).terminal(color.stdout))?,
-        Format::Json => print(&format!("{:#}\n", found.json(&source)))?,
+        Format::Human => print_styled(&found.table(&source).terminal(color.stdout))?,
+        Format::Json => print_styled(&format!("{:#}\n", found.json(&source)))?,
     };
     if let Some(folder) = folder.filter(|_| !args.report.result.quiet) {
         say!("report: {}", folder.dir().join("report.html").display());

@@ -3,11 +3,11 @@
 mod estimate;
 mod progress;
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
+use delimited::file::MAX_DATA_BYTES;
 use serde_json::json;
 
 use self::progress::Progress;
@@ -115,8 +115,9 @@ fn design(args: &SweepArgs) -> Result<Design, SweepError> {
     match (&args.points, args.sample.as_ref().map(sample).transpose()?) {
         (Some(path), _) => {
             let file = path.display().to_string();
-            let open = File::open(path).map_err(|io| SweepError::Open { file: file.clone(), io })?;
-            Design::read(&file, open)
+            let read = delimited::file::read(path, MAX_DATA_BYTES);
+            let bytes = read.map_err(|io| SweepError::Open { file: file.clone(), io })?;
+            Design::read(&file, &bytes[..])
         }
         (None, Some(draws)) => Design::sample(args.over.iter().map(|over| over.parse()).collect::<Result<_, _>>()?, draws),
         (None, None) => Design::product(args.over.iter().map(|over| over.parse()).collect::<Result<_, _>>()?),
@@ -172,7 +173,7 @@ pub(super) fn merge(args: &MergeArgs, color: Color) -> anyhow::Result<Exit> {
 
 /// Prints the result of a complete sweep.
 fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow::Result<Exit> {
-    super::print(&match shown.format {
+    super::print_styled(&match shown.format {
         Format::Human => joined.tables.iter().map(|table| table.terminal(color.stdout)).collect(),
         Format::Json => {
             let json = json!({ "points": joined.points, "failures": joined.failures, "absent": joined.absent, "dir": dir, "complete": true });

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 
-use super::{Color, Exit, Format, ReportArgs, interrupts, mistake, print};
+use super::{Color, Exit, Format, ReportArgs, interrupts, mistake, print, print_styled, visible};
 use scene::suite::{self, LoadedSuite};
 use sim::evidence::{SuiteError, run_suite};
 use sim::output::Owner;
@@ -102,9 +102,9 @@ fn judge(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Res
             say!("report: {}", folder.dir().join("report.html").display());
         }
     }
-    print(&match args.report.result.format {
+    print_styled(&match args.report.result.format {
         Format::Json => format!("{:#}\n", evidence.json()),
-        Format::Human if args.markdown => report::markdown(&evidence.docs),
+        Format::Human if args.markdown => visible(&report::markdown(&evidence.docs)),
         Format::Human => evidence.report.tables.iter().map(|table| table.terminal(color.stdout)).collect(),
     })?;
     evidence.missed.iter().for_each(|missed| say!("missed: {missed}"));

@@ -5,6 +5,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
+use delimited::file::MAX_DATA_BYTES;
 use hal_mock::bench::Setup;
 use hal_mock::flash::Flash;
 use link::link_error::LinkError;
@@ -13,7 +14,7 @@ use link::link_error::LinkError;
 pub(super) fn read(file: &Path) -> Result<Option<Flash>, LinkError> {
     let fresh = Setup::default().flash;
     let refused = |why: String| LinkError::Input(format!("the flash file `{}` {why}", file.display()));
-    match fs::read(file) {
+    match delimited::file::read(file, MAX_DATA_BYTES) {
         Ok(bytes) if bytes.len() == fresh.bytes().len() => Ok(Some(Flash::holding(bytes, 1))),
         Ok(bytes) => {
             Err(refused(format!("has {} bytes, but the flash of a simulated board has {}", bytes.len(), fresh.bytes().len())))

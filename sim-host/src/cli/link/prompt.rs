@@ -12,11 +12,12 @@
 
 mod editor;
 
-use std::io::{self, BufRead, IsTerminal, Write};
+use std::io::{self, IsTerminal, Write};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
+use delimited::{file, visible, visible_line};
 use link::commands::{Order, monitor};
 use link::link_error::LinkError;
 use link::prompt::help;
@@ -25,11 +26,14 @@ use link::session::Session;
 
 use self::editor::Editor;
 use super::{Color, END, LinkArgs, STOP, note, print_answer};
+use crate::cli::note_styled;
 
 /// Time between two polls for a line.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// Time between two updates of the status line.
 const STATUS_INTERVAL: Duration = Duration::from_millis(500);
+/// Longest line of standard input, bytes.
+const MAX_LINE_BYTES: u64 = 64 << 10;
 /// Name of the source of lines in messages.
 const SOURCE_NAME: &str = "<prompt>";
 
@@ -76,22 +80,29 @@ fn run_lines(args: &LinkArgs, session: &mut Session, color: Color) -> Result<(),
 }
 
 /// Reads the lines of standard input on a separate thread.
-fn lines() -> Receiver<Input> {
+fn lines() -> Receiver<Result<Input, LinkError>> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
-        let lines = io::stdin().lock().lines().map_while(Result::ok).map(Input::Line);
-        // The iteration ends if the receiver is gone.
-        lines.chain([Input::End]).try_for_each(|input| sender.send(input))
+        let mut stdin = io::stdin().lock();
+        loop {
+            let line = file::read_line(&mut stdin, MAX_LINE_BYTES);
+            let is_last = !matches!(line, Ok(Some(_)));
+            let unreadable = |error| LinkError::Input(format!("standard input cannot be read: {error}"));
+            // Sending fails if the receiver is gone.
+            if sender.send(line.map(|line| line.map_or(Input::End, Input::Line)).map_err(unreadable)).is_err() || is_last {
+                return;
+            }
+        }
     });
     receiver
 }
 
 /// Waits for the next line and keeps the connection to the board alive. The time of a simulated
 /// board does not advance meanwhile.
-fn next(lines: &Receiver<Input>, session: &mut Session) -> Result<Input, LinkError> {
+fn next(lines: &Receiver<Result<Input, LinkError>>, session: &mut Session) -> Result<Input, LinkError> {
     loop {
         match lines.try_recv() {
-            Ok(input) => return Ok(input),
+            Ok(input) => return input,
             Err(TryRecvError::Disconnected) => return Ok(Input::End),
             Err(TryRecvError::Empty) if STOP.load(Ordering::Relaxed) => return Err(LinkError::Interrupted),
             Err(TryRecvError::Empty) if session.client.stands_still() => std::thread::sleep(POLL_INTERVAL),
@@ -135,8 +146,8 @@ fn run_at_terminal(args: &LinkArgs, session: &mut Session, color: Color) -> Resu
 fn edit_line(editor: &mut Editor, session: &mut Session, args: &LinkArgs) -> Result<Input, LinkError> {
     let report = session.status()?;
     let mut shown = monitor::line(&report);
-    println!("{shown}");
-    editor.ask(&format!("{}> ", args.port))?;
+    println!("{}", visible(&shown));
+    editor.ask(&visible_line(&format!("{}> ", args.port)))?;
     let mut renewed = Instant::now();
     loop {
         if let Some(input) = editor.answer()? {
@@ -151,7 +162,7 @@ fn edit_line(editor: &mut Editor, session: &mut Session, args: &LinkArgs) -> Res
                 return Ok(input);
             }
             if line != shown {
-                editor.renew(&line);
+                editor.renew(&visible_line(&line));
                 shown = line;
             }
         }
@@ -179,7 +190,7 @@ fn run_line(line: &str, args: &LinkArgs, session: &mut Session, color: Color) ->
     let script = match Script::parse(SOURCE_NAME, line) {
         Ok(script) => script,
         Err(LinkError::Script(report)) => {
-            note(&report.render(color.stderr));
+            note_styled(&report.render(color.stderr));
             return Ok(Outcome::Failed);
         }
         Err(error) => return Err(error),
