@@ -150,10 +150,16 @@ mod tests {
     #[test]
     fn devices_and_pipes_end() {
         assert!(refused(Path::new("/dev/zero"), 1).contains("it is a device"));
-        let path = std::env::temp_dir().join(format!("sonoglide-pipe-{}", std::process::id()));
-        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
-        let silent = read_pipe(&path, 1, Duration::from_millis(50)).unwrap_err().to_string();
-        assert!(silent.contains("has sent nothing"), "{silent}");
+        let pipe = |name: &str| {
+            let path = std::env::temp_dir().join(format!("sonoglide-{name}-{}", std::process::id()));
+            assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+            path
+        };
+        let silent = pipe("silent");
+        let refused = read_pipe(&silent, 1, Duration::from_millis(50)).unwrap_err().to_string();
+        fs::remove_file(silent).unwrap();
+        assert!(refused.contains("has sent nothing"), "{refused}");
+        let path = pipe("pipe");
         let sent = |mut bytes: Box<dyn Read + Send>| {
             let target = path.clone();
             let writer = std::thread::spawn(move || io::copy(&mut bytes, &mut fs::OpenOptions::new().write(true).open(target)?));
