@@ -14,7 +14,7 @@ use crate::circuit::Branch;
 use crate::circuit::Circuit;
 use crate::parts::Parts;
 
-/// Resistance of a short, ohm.
+/// Resistance of a short if the scene gives none, ohm.
 pub const SHORT_OHM: f64 = 0.05;
 /// Clamped capacitance of a depoled stack, relative to a sound one.
 pub const DEPOLED_CAPACITANCE: f64 = 2.0 / 3.0;
@@ -28,10 +28,10 @@ pub const CRACK_RESONANCE: f64 = 0.985;
 pub const CRACK_STRENGTH: f64 = 0.2;
 
 /// A part of the transducer that breaks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Breakage {
-    /// A short across the stack.
-    Shorted,
+    /// A short of this resistance across the stack, ohm.
+    Shorted(f64),
     /// The stack has lost its polarisation.
     Depoled,
     /// The stack has a crack.
@@ -39,7 +39,7 @@ pub enum Breakage {
 }
 
 /// A breakage that is scheduled for a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scheduled {
     /// Block at whose beginning it occurs, counted from zero.
     pub at_block: u64,
@@ -51,7 +51,7 @@ impl Breakage {
     /// Returns the elements of a stack after this breakage.
     pub fn apply(self, parts: Parts) -> Parts {
         match self {
-            Breakage::Shorted => Parts { leak_s: parts.leak_s + 1.0 / SHORT_OHM, ..parts },
+            Breakage::Shorted(ohm) => Parts { leak_s: parts.leak_s + 1.0 / ohm, ..parts },
             Breakage::Depoled => {
                 let coupling = DEPOLED_COUPLING * DEPOLED_COUPLING;
                 let further = parts.further.into_iter().map(|Branch { cm_f, lm_h, rm_ohm }| Branch {

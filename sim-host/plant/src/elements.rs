@@ -2,7 +2,7 @@
 //! and amplitude. A stack that heats itself has its own temperature; others have that of their
 //! surroundings.
 
-use crate::breakage::{Breakage, Scheduled};
+use crate::breakage::{Breakage, SHORT_OHM, Scheduled};
 use crate::circuit::Branch;
 use crate::circuit::Circuit;
 use crate::parts::Parts;
@@ -11,7 +11,7 @@ use crate::stack::Stack;
 use crate::thermal::{Body, Losses};
 use crate::truth::HeatTruth;
 use crate::webbing::{damped, with_damping};
-use scene::{DisturbedKey, Driven, FaultKind};
+use scene::{DisturbedKey, Driven, Fault, FaultKind};
 
 /// The quantities from which a stack's elements are computed.
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ impl Elements {
         let breaks = scene
             .fault
             .iter()
-            .filter_map(|fault| Some(Scheduled { at_block: (fault.at_s / block_s) as u64, breakage: breakage(fault.kind)? }));
+            .filter_map(|fault| Some(Scheduled { at_block: (fault.at_s / block_s) as u64, breakage: breakage(fault)? }));
         let elements = Elements {
             rest,
             shift,
@@ -141,9 +141,9 @@ impl Elements {
 }
 
 /// Returns the breakage of a stack that a scene's fault causes, if any.
-fn breakage(kind: FaultKind) -> Option<Breakage> {
-    match kind {
-        FaultKind::Short => Some(Breakage::Shorted),
+fn breakage(fault: &Fault) -> Option<Breakage> {
+    match fault.kind {
+        FaultKind::Short => Some(Breakage::Shorted(fault.ohm.unwrap_or(SHORT_OHM))),
         FaultKind::Depoled => Some(Breakage::Depoled),
         FaultKind::Cracked => Some(Breakage::Cracked),
         // Faults of the converters and around them.

@@ -30,6 +30,8 @@ pub(super) enum Failure {
     Lane(&'static str, u8),
     /// The load changes at once: Q and C0 by factors, the resonance by a number of bandwidths.
     Load(Load),
+    /// A resistance across the stack, relative to its motional resistance.
+    Leak(f64),
     /// Another amplitude is ordered, relative to that of the scan.
     Ordered(f64),
     /// The gain of a channel changes by this factor; a negative factor is a reversed line.

@@ -1,6 +1,7 @@
 //! Places of failures: a transducer, and its drive.
 
 use firmware::seam::mode::Mode;
+use plant::circuit::Circuit;
 use plant::circuit_of;
 use scene::load::load;
 use scene::settings;
@@ -130,6 +131,13 @@ impl Place {
         matches!(self.fails, Fails::Early)
     }
 
+    /// Returns the circuit of the place's stack.
+    fn circuit(&self) -> Result<Circuit, Error> {
+        let sets: Vec<String> = self.sets.iter().map(|&set| set.to_owned()).collect();
+        let loaded = scene::load::load(self.scene, &sets)?;
+        Ok(circuit_of(&loaded.scene.driven().ok_or(StudyError::Incomplete)?))
+    }
+
     /// Returns the settings that inject a failure into the plant of a scene.
     fn in_scene(&self, failure: Failure, at_s: f64) -> Result<Vec<String>, Error> {
         let fault = |kind: &str| vec![format!("fault.0.at_s={at_s}"), format!("fault.0.kind={kind}")];
@@ -139,10 +147,12 @@ impl Place {
                 let other = (kind == "lanes_exchanged").then(|| format!("fault.0.other_lane={}", (lane + 1) % 4));
                 fault(kind).into_iter().chain([format!("fault.0.lane={lane}")]).chain(other).collect()
             }
+            Failure::Leak(relative) => {
+                let ohm = relative * self.circuit()?.rm_ohm;
+                fault("short").into_iter().chain([format!("fault.0.ohm={ohm}")]).collect()
+            }
             Failure::Load(load) => {
-                let sets: Vec<String> = self.sets.iter().map(|&set| set.to_owned()).collect();
-                let loaded = scene::load::load(self.scene, &sets)?;
-                let circuit = circuit_of(&loaded.scene.driven().ok_or(StudyError::Incomplete)?);
+                let circuit = self.circuit()?;
                 let (hz, q) = (circuit.series_resonance_hz(), circuit.q());
                 let to = [
                     ("series_resonance_hz", hz * (1.0 + load.bandwidths / q)),
@@ -190,7 +200,7 @@ impl Running {
     pub(super) fn has(&self, kind: &Kind) -> bool {
         let motor = self.place.scene == MOTOR;
         match (kind.draw)(&mut Random::new(0)) {
-            Failure::Scene("short" | "open" | "depoled" | "cracked") | Failure::Load(_) => !motor,
+            Failure::Scene("short" | "open" | "depoled" | "cracked") | Failure::Load(_) | Failure::Leak(_) => !motor,
             Failure::Lane(..) => motor,
             _ => true,
         }

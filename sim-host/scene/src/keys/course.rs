@@ -135,6 +135,10 @@ pub struct Fault {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub gain: Option<f64>,
+    /// Resistance of a `short` across the stack, ohm. Default: 0.05.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-3, max = 1e6))]
+    pub ohm: Option<f64>,
 }
 
 /// Kinds of faults that a scene can have.
@@ -143,7 +147,7 @@ pub struct Fault {
 pub enum FaultKind {
     /// The current channel reads zero, as with a broken lead.
     Open,
-    /// A short of 50 milliohm across the stack.
+    /// A short across the stack, of 50 milliohm unless `ohm` is given.
     Short,
     /// The stack has lost its polarisation: C0 falls by a third, the coupling to a tenth.
     Depoled,

@@ -97,6 +97,7 @@ fn lane_faults_need_their_lane() {
     says(&problems(&["kind=lane_open"]), &["the fault `lane_open` needs `fault.0.lane`", "1 problem"]);
     says(&problems(&["kind=lanes_exchanged", "lane=1"]), &["needs `fault.0.other_lane`", "1 problem"]);
     says(&problems(&["kind=lanes_exchanged", "lane=1", "other_lane=1"]), &["exchanged with itself", "1 problem"]);
+    says(&problems(&["kind=open", "ohm=3"]), &["`fault.0.ohm` cannot be used", "short", "1 problem"]);
     says(&problems(&["kind=lane_open", "lane=1", "gain=0.5"]), &["`fault.0.gain` cannot be used", "lane_weak", "1 problem"]);
     says(&problems(&["kind=open", "lane=1"]), &["`fault.0.lane` cannot be used with the fault `open`", "1 problem"]);
     says(&problems(&["kind=lane_open", "lane=4"]), &["must be from 0 to 3", "1 problem"]);

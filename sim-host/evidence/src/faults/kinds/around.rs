@@ -6,6 +6,9 @@ use super::{Kind, breakdown, doubtful, harmless, reported};
 /// Failures of transducer and cable.
 pub(super) const TRANSDUCER: &[Kind] = &[
     reported("stack shorted", &[20, 21, 22, 28], "50 milliohm across the stack", |_| Failure::Scene("short")),
+    doubtful("partial short", "0.1 to 10 times the motional resistance across the stack", |random| {
+        Failure::Leak(10f64.powf(random.between(-1.0, 1.0)))
+    }),
     Kind { named: &[20, 23], ..breakdown("current lead open", "the current channel reads zero", |_| Failure::Scene("open")) },
     doubtful("stack depoled", "C0 falls by a third, the coupling to a tenth", |_| Failure::Scene("depoled")),
     doubtful("stack cracked", "Q falls to a fifth, a second mode appears", |_| Failure::Scene("cracked")),

@@ -1,4 +1,4 @@
-//! Rules of the faults of a stator's lanes: the lane, and the keys of each kind.
+//! Rules of the keys of each kind of fault, and of the lanes of a stator.
 
 use super::Rules;
 use crate::diagnostic::Problem;
@@ -10,8 +10,8 @@ const WEAK: &str = "lane_weak";
 const REVERSED: &str = "lane_reversed";
 const EXCHANGED: &str = "lanes_exchanged";
 /// Keys of such faults, and the kinds they belong to.
-const KEYS: [(&str, &[&str]); 3] =
-    [("lane", &[OPEN, WEAK, REVERSED, EXCHANGED]), ("other_lane", &[EXCHANGED]), ("gain", &[WEAK])];
+const KEYS: [(&str, &[&str]); 4] =
+    [("lane", &[OPEN, WEAK, REVERSED, EXCHANGED]), ("other_lane", &[EXCHANGED]), ("gain", &[WEAK]), ("ohm", &["short"])];
 
 impl Rules<'_> {
     /// Checks a fault of a lane: it needs a stator and its lane. Other faults must not have these
