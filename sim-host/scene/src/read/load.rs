@@ -18,6 +18,7 @@ use crate::walk::walk;
 use crate::{Scene, builtin, rules};
 
 pub use inherited::{Change, Inherited, inputs};
+pub use manifest::is_unchanged;
 
 /// A scene and its origin.
 #[derive(Clone, Debug)]
