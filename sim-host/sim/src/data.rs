@@ -132,7 +132,8 @@ pub(crate) fn signals() -> Vec<Column> {
 
 /// Returns all files that a run writes into its folder, except those of its figures.
 pub fn files() -> Vec<DataFile> {
-    let machine = MACHINE.iter().map(|figure| fixed((figure.name, figure.unit, figure.meaning))).collect();
+    let date = ("date", "", "Time of the run, UTC; not in `--format json`. `SOURCE_DATE_EPOCH` sets it");
+    let machine = MACHINE.iter().map(|figure| (figure.name, figure.unit, figure.meaning)).chain([date]).map(fixed).collect();
     let overview = OVERVIEW.iter().map(|column| fixed((column.name, column.unit, column.meaning))).collect();
     vec![
         DataFile {
@@ -143,7 +144,7 @@ pub fn files() -> Vec<DataFile> {
                       listed files, and no others. A folder is not changed if it contains files of another command, a file that \
                       was changed after it was written, or an input of the command. The command then uses another folder within \
                       `out` and names it, or refuses the folder given by `-o`. Runs of the same scene have the same manifest, \
-                      except for the checksums of `machine.json` and `report.html`, and its own",
+                      except for the checksum of `machine.json` and its own",
             columns: fields(&[
                 ("program", "", "`sim-host`"),
                 ("version", "", "Version of the program"),
@@ -268,7 +269,7 @@ pub fn files() -> Vec<DataFile> {
             name: "report.html",
             of: "every run",
             meaning: "The report: tables, figures, all metrics and all inputs, in one self-contained page, with version, \
-                      commit, date and command. Only the date differs from run to run; `SOURCE_DATE_EPOCH` sets it",
+                      commit and command. It is identical, byte for byte, for every run of the same scene",
             columns: Vec::new(),
         },
     ]

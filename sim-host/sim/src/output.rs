@@ -24,7 +24,8 @@ use scene::load::Loaded;
 use scene::resolved::resolved_json;
 
 pub use crate::summary::{machine, printed, summary};
-pub use folder::{Folder, Owner, default_dir};
+pub(crate) use folder::checksum;
+pub use folder::{Folder, Owner, default_dir, rename_synced};
 
 /// Error of writing a folder.
 #[derive(Debug, thiserror::Error)]
@@ -116,7 +117,11 @@ pub fn write(loaded: &Loaded, study: &Study, dir: &Path) -> Result<(), OutputErr
 /// Writes a study into a folder, and replaces the run in it.
 pub fn write_into(loaded: &Loaded, study: &Study, folder: &Folder, shown: &Presentation) -> Result<(), OutputError> {
     let dir = folder.unfinished();
-    for (name, json) in [("summary.json", summary(study)), ("machine.json", machine(study))] {
+    let mut machine = machine(study);
+    if let Some(date) = &shown.provenance.date {
+        machine["date"] = json!(date);
+    }
+    for (name, json) in [("summary.json", summary(study)), ("machine.json", machine)] {
         let path = dir.join(name);
         fs::write(&path, format!("{json:#}\n")).map_err(|io| OutputError::Write { path, io })?;
     }

@@ -1,4 +1,4 @@
-//! Provenance of a report: command, commit and date, which the program knows and a study does not.
+//! Provenance of a result: command, commit and date, which the program knows and a study does not.
 
 /// Provenance of a report in addition to the scene and its seed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -7,7 +7,7 @@ pub struct Provenance {
     pub command: Option<String>,
     /// Commit of the program's source.
     pub commit: Option<String>,
-    /// Date of the report.
+    /// Date of the run. A report is identical for every run, and does not contain it.
     pub date: Option<String>,
 }
 
@@ -15,7 +15,7 @@ impl Provenance {
     /// Returns the footer of a report: labels and values.
     pub fn footer(&self) -> Vec<(String, String)> {
         let version = ("sim-host", Some(crate::VERSION.to_owned()));
-        let known = [version, ("commit", self.commit.clone()), ("date", self.date.clone()), ("command", self.command.clone())];
+        let known = [version, ("commit", self.commit.clone()), ("command", self.command.clone())];
         known.into_iter().filter_map(|(label, value)| Some((label.to_owned(), value?))).collect()
     }
 }

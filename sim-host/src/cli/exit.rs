@@ -118,7 +118,7 @@ fn exit(error: &(dyn Error + 'static)) -> Option<Exit> {
         return match error {
             FolderError::Study(error) => exit(error),
             FolderError::Output(error) => exit(error),
-            FolderError::Write { .. } | FolderError::Report(_) => None,
+            FolderError::Damaged { .. } | FolderError::Write { .. } | FolderError::Report(_) => None,
             FolderError::Other { .. } | FolderError::Strange { .. } | FolderError::Held { .. } | FolderError::Room { .. } => {
                 Some(Usage)
             }

@@ -133,6 +133,9 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
     let dir = args.result.output.clone().unwrap_or_else(|| default_dir(&format!("{}-sweep", loaded.name)));
     let run = || -> Result<Option<Option<Joined>>, FolderError> {
         let folder = SweepFolder::open(&dir, sweep, args.shard, args.points.as_slice())?;
+        for damaged in folder.damaged().iter().filter(|_| !args.result.quiet) {
+            say!("note: {damaged}; its points are computed again");
+        }
         let (whole, left) = (args.shard.count(sweep.design.count()), folder.left()?);
         if left < whole && !args.result.quiet {
             say!("{}: {} of {whole} points are already done", dir.display(), whole - left);

@@ -63,6 +63,7 @@ fn threads_and_shards_write_the_same_bytes() {
     sweep(&[&CONTACT[..], &["--jobs", "1"]].concat(), &one);
     sweep(&[&CONTACT[..], &["--jobs", "3"]].concat(), &three);
     same(&one, &three);
+    assert!(bytes(&one, "report.html") == bytes(&three, "report.html"));
     sweep(&[&CONTACT[..], &["--shard", "1/2"]].concat(), &first);
     sweep(&[&CONTACT[..], &["--shard", "2/2"]].concat(), &second);
     assert!(!names(&first).contains("sweep.csv"), "a shard is not the whole sweep");
@@ -78,6 +79,7 @@ fn threads_and_shards_write_the_same_bytes() {
     sweep(&[&CONTACT[..], &["--shard", "2/2"]].concat(), &common);
     sweep(&[&CONTACT[..], &["--shard", "1/2"]].concat(), &common);
     same(&one, &common);
+    assert!(bytes(&one, "report.html") == bytes(&common, "report.html"));
     let text = String::from_utf8(bytes(&one, "sweep.csv")).expect("text");
     let head = "point,excitation.velocity_ratio,contact.dahl.stiffness_n_per_m,friction_ratio,power_ratio,drive_hash,fault_code";
     assert_eq!((text.lines().next(), text.lines().count()), (Some(head), 181));
@@ -154,10 +156,29 @@ fn folders_of_other_sweeps_are_refused() {
     std::fs::write(format!("{stray}/sweep.csv"), "mine").expect("a file");
     refused(2, &[&short[..], &["-o", &stray]].concat(), &["sweep.csv", "already exists"]);
     assert_eq!(names(&stray), ["sweep.csv".to_owned()].into());
-    let part = names(&one).into_iter().find(|name| name.starts_with("part-")).expect("a part");
-    std::fs::write(format!("{one}/{part}"), "not a part").expect("a file");
-    let output = sim_host(&[&short[..], &["-o", &one]].concat());
-    assert_eq!((code(&output), stderr(&output).contains(&part)), (3, true), "{}", stderr(&output));
+}
+
+#[test]
+fn a_damaged_part_is_refused_and_computed_again() {
+    let folder = Folder::new("sweep-damaged");
+    let [whole, damaged] = ["whole", "damaged"].map(|name| within(&folder, name));
+    let short = ["sweep", "contact-kinematic", "--over", "contact.dahl.mu=0.1,0.2", "--metric", "friction_ratio"];
+    sweep(&short, &whole);
+    sweep(&short, &damaged);
+    let part = names(&damaged).into_iter().find(|name| name.starts_with("part-")).expect("a part");
+    std::fs::write(format!("{damaged}/{part}"), "not a part").expect("a file");
+    let target = within(&folder, "target");
+    refused(1, &["merge", &damaged, "-o", &target], &[&part, "is damaged", "the `sweep` command that wrote it"]);
+    assert_eq!(names(&target), [].into());
+    let output = sim_host(&[&short[..], &["-o", &damaged]].concat());
+    let said = stderr(&output);
+    assert!(code(&output) == 0 && said.contains("note: `") && said.contains(&part) && said.contains("computed again"), "{said}");
+    same(&whole, &damaged);
+    assert_eq!(names(&whole), names(&damaged));
+    // A plan with another number of points.
+    let plan = String::from_utf8(bytes(&whole, "plan.json")).expect("text").replace("\"points\": 2", "\"points\": 1");
+    std::fs::write(format!("{whole}/plan.json"), plan).expect("a file");
+    refused(3, &["merge", &whole], &["plan.json", "was changed after it was written"]);
 }
 
 /// Checks a point with an invalid scene: a row without metrics, and a row of the failures with the

@@ -66,7 +66,10 @@ def _part(plan: Plan, begin: int, end: int) -> tuple[str, bytes, float]:
 
 
 def _write(path: Path, data: bytes) -> None:
-    """Writes a file atomically."""
+    """Writes a file atomically, also if the power fails."""
     unfinished = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-    unfinished.write_bytes(data)
+    with unfinished.open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
     unfinished.replace(path)

@@ -19,6 +19,7 @@ use crate::walk::walk;
 use crate::{Scene, builtin, rules};
 
 pub use inherited::{Change, Inherited, inputs};
+pub use manifest::is_unchanged;
 
 /// Largest manifest, bytes. It contains every sample of measured profiles.
 const MAX_MANIFEST_BYTES: u64 = 64 << 20;

@@ -28,7 +28,7 @@ pub(super) fn overlaid(a: &Side, b: &Side) -> Vec<Figure> {
 }
 
 /// Returns the files of a folder that may contain a figure's data, by figure id.
-fn files(folder: &Path) -> BTreeMap<String, std::path::PathBuf> {
+pub(super) fn files(folder: &Path) -> BTreeMap<String, std::path::PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     entries
         .filter(|path| path.extension().is_some_and(|end| end == "csv"))

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::CompareError;
+use super::{CompareError, figures};
+use crate::output::checksum;
 use delimited::file;
 use scene::metrics;
 
@@ -76,6 +77,16 @@ fn of_folder(path: &Path) -> Result<Side, CompareError> {
     let manifest = read("manifest.json")?;
     if manifest["complete"] != json!(true) {
         return Err(no_result("contains an incomplete run: it was interrupted, or is still being written".into()));
+    }
+    for file in figures::files(path).into_values().chain([path.join("summary.json")]) {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let known = manifest["checksums"][&*name].as_str();
+        if fs::File::open(&file).and_then(checksum).is_ok_and(|sum| known.is_some_and(|known| known != sum)) {
+            return Err(no_result(format!(
+                "contains a changed run: {name} does not match its checksum in manifest.json. Repeat the run, or delete this \
+                 checksum to use the file as it is"
+            )));
+        }
     }
     let summary = read("summary.json")?;
     let text = |value: &Value| value.as_str().map(str::to_owned);

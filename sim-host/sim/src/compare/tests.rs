@@ -78,6 +78,22 @@ fn a_measurement_is_compared_within_its_deviation() {
 }
 
 #[test]
+fn a_changed_run_is_refused() {
+    let scratch = Scratch::new("changed");
+    scratch.run("run", "lock", &[]);
+    let read = || Side::read(&scratch.0.join("run"));
+    for name in ["summary.json", "frequency.csv"] {
+        let path = scratch.0.join("run").join(name);
+        let text = fs::read_to_string(&path).expect("a file");
+        fs::write(&path, text.replacen('1', "2", 1)).expect("written");
+        let error = read().expect_err(name).to_string();
+        assert!(error.contains(&format!("{name} does not match its checksum")), "{error}");
+        fs::write(&path, text).expect("written");
+    }
+    assert!(read().is_ok());
+}
+
+#[test]
 fn tolerances_apply_to_all_metrics_or_to_one() {
     let tolerances = tolerances(&["2%", "friction_ratio=0.5", "power_ratio=10%"]);
     for (metric, size, sd, allowed) in

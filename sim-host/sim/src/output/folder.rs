@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 use super::OutputError;
 use super::sweep::{PLAN, SWEEP};
 use delimited::{file, visible_line};
+use scene::load::is_unchanged;
 
 /// Manifest, which names the command of all other files.
 const MANIFEST: &str = "manifest.json";
@@ -146,7 +147,8 @@ impl Folder {
         let files = plain_files(&self.unfinished)?;
         let sum = |name: &String| {
             let path = self.unfinished.join(name);
-            Ok((name.clone(), File::open(&path).and_then(checksum).map_err(write(&path))?))
+            let sum = synced(&path).and_then(|()| File::open(&path)).and_then(checksum);
+            Ok((name.clone(), sum.map_err(write(&path))?))
         };
         let sums = files.iter().map(sum).collect::<Result<BTreeMap<_, _>, OutputError>>()?;
         (manifest["program"], manifest["version"]) = (json!("sim-host"), json!(crate::VERSION));
@@ -172,7 +174,7 @@ impl Folder {
         let both: BTreeSet<&String> = former.keys().chain(&files).collect();
         (moving["complete"], moving["files"], moving["former"]) = (json!(false), json!(both), json!(former));
         self.put(&moving)?;
-        self.publish(MANIFEST)?;
+        self.publish_manifest()?;
         for file in former.keys().filter(|&file| !files.contains(file)) {
             let path = self.dir.join(file);
             match fs::remove_file(&path) {
@@ -180,9 +182,13 @@ impl Folder {
                 _ => {}
             }
         }
-        files.iter().try_for_each(|file| self.publish(file))?;
+        for file in &files {
+            let path = self.dir.join(file);
+            fs::rename(self.unfinished.join(file), &path).map_err(write(&path))?;
+        }
+        sync_folder(&self.dir);
         self.put(&manifest)?;
-        self.publish(MANIFEST)
+        self.publish_manifest()
     }
 
     /// Writes a manifest into the temporary folder. Its own checksum is computed with an empty one
@@ -197,10 +203,10 @@ impl Folder {
         sealed.and_then(|text| fs::write(&path, text)).map_err(write(&path))
     }
 
-    /// Moves a file into the folder.
-    fn publish(&self, file: &str) -> Result<(), OutputError> {
-        let path = self.dir.join(file);
-        fs::rename(self.unfinished.join(file), &path).map_err(write(&path))
+    /// Moves the manifest into the folder.
+    fn publish_manifest(&self) -> Result<(), OutputError> {
+        let path = self.dir.join(MANIFEST);
+        rename_synced(&self.unfinished.join(MANIFEST), &path).map_err(write(&path))
     }
 
     /// Moves the complete run into a separate subfolder, and returns its path.
@@ -208,6 +214,7 @@ impl Folder {
         let free = (1_u32..).map(|n| self.dir.join(format!("{ASIDE}-{n}"))).find(|path| path.symlink_metadata().is_err());
         let path = free.unwrap_or_else(|| self.dir.join(ASIDE));
         fs::rename(&self.unfinished, &path).map_err(write(&path))?;
+        sync_folder(&self.dir);
         Ok(path)
     }
 }
@@ -222,9 +229,30 @@ impl Drop for Folder {
     }
 }
 
-/// Keeps other runs from moving files in this folder while the lock is held; `None` if the system
-/// cannot lock folders.
-fn locked(dir: &Path) -> Option<File> {
+/// Renames a complete file. After a power failure the new name refers to all of its content, or
+/// does not exist.
+pub fn rename_synced(from: &Path, to: &Path) -> io::Result<()> {
+    synced(from)?;
+    fs::rename(from, to)?;
+    if let Some(dir) = to.parent() {
+        sync_folder(dir);
+    }
+    Ok(())
+}
+
+/// Waits until the content of a file is on the disk. Some systems require the right to write.
+fn synced(path: &Path) -> io::Result<()> {
+    File::options().write(true).open(path)?.sync_all()
+}
+
+/// Waits until the names in a folder are on the disk, if the system can.
+fn sync_folder(dir: &Path) {
+    let _ = File::open(dir).and_then(|dir| dir.sync_all());
+}
+
+/// Keeps other processes from moving files and taking locks in this folder while the lock is held;
+/// `None` if the system cannot lock folders.
+pub(super) fn locked(dir: &Path) -> Option<File> {
     File::open(dir).ok().filter(|folder| folder.lock().is_ok())
 }
 
@@ -249,8 +277,8 @@ fn unfinished_runs(dir: &Path) -> impl Iterator<Item = PathBuf> {
     entries.filter(move |entry| is_ours(&entry.file_name().to_string_lossy())).map(|entry| entry.path())
 }
 
-/// Returns `true` if the process that writes this run is alive: it holds the lock of its folder.
-fn is_alive(path: &Path) -> bool {
+/// Returns `true` if the process that locked this file or folder is alive.
+pub(super) fn is_alive(path: &Path) -> bool {
     File::open(path).is_ok_and(|folder| matches!(folder.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
@@ -283,8 +311,7 @@ pub(super) fn replaceable(dir: &Path, owner: &Owner) -> Result<BTreeMap<String, 
         _ => return taken(path, "was written by an older version, without checksums"),
     }
     let known = |name: &str| [&manifest["checksums"][name], &manifest["former"][name]];
-    let own = known(MANIFEST)[0].as_str().unwrap_or_default();
-    if checksum(text.replacen(own, "", 1).as_bytes()).ok().as_deref() != Some(own) {
+    if is_unchanged(&text, &manifest) != Some(true) {
         return taken(path, CHANGED);
     }
     let listed = manifest["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
@@ -307,7 +334,7 @@ pub(super) fn replaceable(dir: &Path, owner: &Owner) -> Result<BTreeMap<String, 
 }
 
 /// Returns the CRC-64/XZ of all data read, as 16 hexadecimal digits.
-fn checksum(mut from: impl Read) -> io::Result<String> {
+pub(crate) fn checksum(mut from: impl Read) -> io::Result<String> {
     static TABLE: crc::Crc<u64, crc::Table<16>> = crc::Crc::<u64, crc::Table<16>>::new(&crc::CRC_64_XZ);
     let (mut digest, mut buffer) = (TABLE.digest(), vec![0; 1 << 16]);
     loop {

@@ -2,15 +2,16 @@
 //! with figures and a page.
 //!
 //! ```text
-//! plan.json --> missing points of this shard --> chunks (run in parallel) --> part-FIRST-END.parquet
+//! plan.json --> missing points of this shard --> chunks (run in parallel) --> part-FIRST-END-CHECKSUM.parquet
 //!               all parts, in order --> sweep.parquet, sweep.csv, failures.csv --> indices.csv, figures, report.html
 //! ```
 //!
 //! A part is written under a temporary name and renamed when it is complete. If the process ends
-//! for any reason, only the current chunk is lost: the same call resumes after it. All other files
-//! are one result of a [`Folder`](super::Folder), which a sweep replaces only if it is unchanged.
-//! Rows depend only on the plan, so the joined result is identical, byte for byte, for any division
-//! into shards.
+//! for any reason, only the current chunk is lost: the same call resumes after it. It also runs the
+//! points of a part whose bytes do not match the checksum in its name. All other files are one
+//! result of a [`Folder`](super::Folder), which a sweep replaces only if it is unchanged. Rows
+//! depend only on the plan, so the joined result is identical, byte for byte, for any division into
+//! shards.
 
 mod joined;
 mod page;
@@ -31,7 +32,7 @@ pub use self::parts::{Part, Shard};
 pub use self::plan_file::PlanFile;
 pub use self::rows_file::{Layout, RowsFile};
 use super::OutputError;
-use super::folder::{Owner, replaceable};
+use super::folder::{Owner, is_alive, locked, rename_synced, replaceable};
 use super::parquet_file::GROUP;
 use crate::study::StudyError;
 use crate::study::sweep::Sweep;
@@ -50,6 +51,10 @@ const TABLE: &str = "sweep.csv";
 const INDICES: &str = "indices.csv";
 /// Page of the sweep.
 const PAGE: &str = "report.html";
+/// Prefix of the file that a process locks while it runs a shard.
+const LOCK: &str = ".shard-";
+/// Separator of number and count in the name of such a file.
+const LOCK_OF: &str = "-of-";
 /// Suffix of a file that is being written.
 const UNFINISHED: &str = ".tmp";
 /// Target duration of a chunk, which is lost when a process is killed.
@@ -108,12 +113,15 @@ pub enum FolderError {
         /// Free space, bytes.
         room: u64,
     },
-    /// Another process runs the same shard.
-    #[error("another process runs shard {shard} of the sweep in `{}`: wait until it ends", path.display())]
+    /// Another process runs points of the same shard.
+    #[error("another process runs shard {running} of the sweep in `{}`, which has points of this shard ({shard}): wait until it \
+             ends", path.display())]
     Held {
         /// Folder.
         path: PathBuf,
-        /// Shard.
+        /// Shard that is running.
+        running: Shard,
+        /// Shard that is refused.
         shard: Shard,
     },
     /// There is no sweep in a folder.
@@ -142,6 +150,14 @@ pub enum FolderError {
         /// Ranges of missing points.
         ranges: String,
     },
+    /// The bytes of a part have changed.
+    #[error("`{}` is damaged: it {why}; the `sweep` command that wrote it computes its points again", path.display())]
+    Damaged {
+        /// File of the part.
+        path: PathBuf,
+        /// Evidence, as a predicate.
+        why: &'static str,
+    },
     /// A part belongs to another sweep, or its rows do not match its name.
     #[error("`{}` is not a valid part of this sweep: remove it, and run the sweep again", path.display())]
     Part {
@@ -164,20 +180,23 @@ pub struct SweepFolder {
     dir: PathBuf,
     plan: PlanFile,
     shard: Shard,
+    damaged: Vec<String>,
     lock: PathBuf,
     _living: File,
 }
 
 impl SweepFolder {
     /// Prepares the folder for a shard of a sweep that reads `inputs` and its scene, or resumes
-    /// this sweep in it.
+    /// this sweep in it. Removes damaged parts with points of the shard.
     ///
     /// # Errors
     /// If the folder contains another sweep or another result, a changed file or an input, or if
-    /// another process runs this shard.
+    /// another process runs points of this shard.
     pub fn open(dir: &Path, sweep: &Sweep, shard: Shard, inputs: &[PathBuf]) -> Result<Self, FolderError> {
         let plan = PlanFile::new(sweep);
         fs::create_dir_all(dir).map_err(write(dir))?;
+        // Two processes must not examine the locks of the shards at the same time.
+        let alone = locked(dir);
         replaceable(dir, &Owner::new(SWEEP, [inputs, &sweep.loaded.files()].concat()))?;
         let path = dir.join(PLAN);
         let found = PlanFile::find(dir)?;
@@ -188,33 +207,49 @@ impl SweepFolder {
         // With all metrics, a scene has at least one.
         let metrics = if sweep.all { 1 } else { plan.layout().metrics.len() };
         has_room(dir, left, plan.layout().keys.len() + metrics)?;
-        match found {
-            Some(_) => {}
-            None => {
-                let own = [FAILURES, ROWS, TABLE, INDICES, PAGE].map(|name| dir.join(name));
-                let parts = parts::list(dir)?.into_iter().map(|part| part.path);
-                if let Some(path) = own.into_iter().filter(|path| path.symlink_metadata().is_ok()).chain(parts).next() {
-                    return Err(FolderError::Strange { path });
-                }
-                put(&path, plan.text().as_bytes())?;
-            }
+        if let Some(running) = running(dir, shard, plan.count())? {
+            return Err(FolderError::Held { path: dir.to_owned(), running, shard });
         }
-        let lock = dir.join(format!(".shard-{}", shard.to_string().replace('/', "-of-")));
+        if found.is_none() {
+            let own = [FAILURES, ROWS, TABLE, INDICES, PAGE].map(|name| dir.join(name));
+            let parts = parts::list(dir)?.into_iter().map(|part| part.path);
+            if let Some(path) = own.into_iter().filter(|path| path.symlink_metadata().is_ok()).chain(parts).next() {
+                return Err(FolderError::Strange { path });
+            }
+            put(&path, plan.text().as_bytes())?;
+        }
+        let lock = dir.join(format!("{LOCK}{}", shard.to_string().replace('/', LOCK_OF)));
         let living = File::create(&lock).map_err(write(&lock))?;
         if living.try_lock().is_err() {
-            return Err(FolderError::Held { path: dir.to_owned(), shard });
+            return Err(FolderError::Held { path: dir.to_owned(), running: shard, shard });
         }
+        drop(alone);
+        let mut folder = SweepFolder { dir: dir.to_owned(), plan, shard, damaged: Vec::new(), lock, _living: living };
         // No other process writes parts of this shard.
-        parts::unfinished(dir, shard, plan.count())?.iter().for_each(|path| {
+        parts::unfinished(dir, shard, folder.plan.count())?.iter().for_each(|path| {
             let _ = fs::remove_file(path);
         });
-        Ok(SweepFolder { dir: dir.to_owned(), plan, shard, lock, _living: living })
+        for part in parts::list(dir)?.iter().filter(|part| shard.has_points_of(&part.points, folder.plan.count())) {
+            match folder.plan.check(part) {
+                Err(FolderError::Damaged { path, why }) => {
+                    fs::remove_file(&path).map_err(write(&path))?;
+                    folder.damaged.push(format!("`{}` is damaged: it {why}", path.display()));
+                }
+                checked => drop(checked?),
+            }
+        }
+        Ok(folder)
+    }
+
+    /// Returns a sentence for each damaged part that was removed.
+    pub fn damaged(&self) -> &[String] {
+        &self.damaged
     }
 
     /// Returns the number of points of this shard that remain to be run.
     ///
     /// # Errors
-    /// If a part in the folder cannot be read or belongs to another sweep.
+    /// If the folder cannot be read.
     pub fn left(&self) -> Result<u64, FolderError> {
         Ok(self.missing()?.iter().map(|range| range.end - range.start).sum())
     }
@@ -222,11 +257,9 @@ impl SweepFolder {
     /// Returns the ranges of points of this shard that remain to be run.
     ///
     /// # Errors
-    /// If a part in the folder cannot be read or belongs to another sweep.
+    /// If the folder cannot be read.
     pub fn missing(&self) -> Result<Vec<std::ops::Range<u64>>, FolderError> {
-        let parts = parts::list(&self.dir)?;
-        parts.iter().try_for_each(|part| self.plan.check(part).map(drop))?;
-        Ok(self.shard.missing(self.plan.count(), &parts))
+        Ok(self.shard.missing(self.plan.count(), &parts::list(&self.dir)?))
     }
 
     /// Runs the missing points of this shard, chunk by chunk, until it is stopped; returns `true`
@@ -268,8 +301,23 @@ impl SweepFolder {
 
 impl Drop for SweepFolder {
     fn drop(&mut self) {
+        // Otherwise another process could open the file just before its removal, and lock it after.
+        let _alone = locked(&self.dir);
         let _ = fs::remove_file(&self.lock);
     }
+}
+
+/// Returns a shard that a living process runs in a folder and that has points of this shard.
+fn running(dir: &Path, shard: Shard, count: u64) -> Result<Option<Shard>, FolderError> {
+    for entry in fs::read_dir(dir).map_err(read(dir))? {
+        let path = entry.map_err(read(dir))?.path();
+        let name = path.file_name().and_then(|name| name.to_str()?.strip_prefix(LOCK));
+        let other = name.and_then(|name| name.replace(LOCK_OF, "/").parse().ok());
+        if let Some(other) = other.filter(|&other| shard.overlaps(other, count) && is_alive(&path)) {
+            return Ok(Some(other));
+        }
+    }
+    Ok(None)
 }
 
 /// Checks the space in a folder for `points` rows of `columns` numbers. The minimum is 8 bytes
@@ -289,10 +337,10 @@ fn unfinished(path: &Path) -> PathBuf {
     path.with_file_name(format!("{name}.{}{UNFINISHED}", std::process::id()))
 }
 
-/// Writes a file atomically.
+/// Writes a file atomically, also if the power fails.
 fn put(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
     let unfinished = unfinished(path);
-    let put = fs::write(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, path));
+    let put = fs::write(&unfinished, bytes).and_then(|()| rename_synced(&unfinished, path));
     put.map_err(|io| {
         let _ = fs::remove_file(&unfinished);
         write(path)(io)
@@ -312,6 +360,103 @@ fn read(path: &Path) -> impl FnOnce(io::Error) -> FolderError + use<> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::Presentation;
+    use crate::study::sweep::design::Design;
+    use scene::load::load;
+
+    fn with_sweep(name: &str, points: &str, test: impl FnOnce(&Path, &Sweep)) {
+        let dir = std::env::temp_dir().join(format!("{name}-{}", std::process::id()));
+        let loaded = load("contact-kinematic", &[]).expect("a scene");
+        let axis = format!("contact.dahl.mu={points}").parse().expect("an axis");
+        let design = Design::product(vec![axis]).expect("a design");
+        test(&dir, &Sweep::new(&loaded, design, &["friction_ratio".to_owned()]).expect("a sweep"));
+        fs::remove_dir_all(&dir).expect("removed");
+    }
+
+    fn open(dir: &Path, sweep: &Sweep, shard: &str) -> Result<SweepFolder, FolderError> {
+        SweepFolder::open(dir, sweep, shard.parse().expect("a shard"), &[])
+    }
+
+    /// A change of any bit is detected before the file is parsed. A resumed sweep replaces damaged
+    /// parts, and its result is identical.
+    #[test]
+    fn damaged_parts_are_detected_and_replaced() {
+        with_sweep("damaged", "0.1,0.2,0.3", |dir, sweep| {
+            let result = || {
+                let joined = join(&[dir.to_owned()], dir, &Presentation::default());
+                joined.map(|_| [TABLE, ROWS, PAGE].map(|name| fs::read(dir.join(name)).expect("a file")))
+            };
+            let run = || {
+                let folder = open(dir, sweep, "1/1").expect("a folder");
+                assert!(folder.run(sweep, &AtomicBool::new(false), &|| ()).expect("all points"));
+                folder.damaged().join(", ")
+            };
+            assert_eq!(run(), "");
+            let sound = result().expect("a result");
+            let plan = PlanFile::new(sweep);
+            let part = parts::list(dir).expect("a folder").remove(0);
+            let bytes = fs::read(&part.path).expect("a part");
+            let mut flipped = bytes.clone();
+            for bit in (0..8 * bytes.len()).step_by(7) {
+                flipped[bit / 8] ^= 1 << (bit % 8);
+                fs::write(&part.path, &flipped).expect("written");
+                assert!(matches!(plan.check(&part), Err(FolderError::Damaged { .. })), "bit {bit}");
+                flipped[bit / 8] = bytes[bit / 8];
+            }
+            flipped[100] ^= 1;
+            let tail = bytes[..bytes.len() - 1].to_vec();
+            for damaged in [flipped, vec![0; bytes.len()], Vec::new(), tail, bytes[..8].to_vec(), b"PAR1PAR1".to_vec()] {
+                fs::write(&part.path, &damaged).expect("written");
+                assert!(result().is_err_and(|error| matches!(error, FolderError::Damaged { .. })));
+                assert!(run().contains("does not match the checksum in its name"));
+                assert!(fs::read(&part.path).expect("a part") == bytes);
+            }
+            // A sound part without a checksum in its name.
+            fs::rename(&part.path, Part::new(dir, part.points.clone(), None).path).expect("renamed");
+            assert!(result().is_err() && run().contains("has no checksum in its name"));
+            assert!(result().expect("a result") == sound && parts::list(dir).expect("a folder") == [part]);
+        });
+    }
+
+    /// The points in a part must be those in its name.
+    #[test]
+    fn part_with_other_points_is_refused() {
+        with_sweep("other-points", "0.1,0.2,0.3,0.4", |dir, sweep| {
+            let plan = open(dir, sweep, "1/1").expect("a folder").plan.clone();
+            let part = plan.write_part(sweep, 0..2, dir, (&AtomicBool::new(false), &|| ())).expect("written").expect("a part");
+            let sum = part.path.file_stem().and_then(|name| Some(name.to_str()?.rsplit('-').next()?.to_owned()));
+            fs::copy(&part.path, Part::new(dir, 2..4, sum).path).expect("copied");
+            let refused = join(&[dir.to_owned()], dir, &Presentation::default());
+            assert!(matches!(&refused, Err(FolderError::Part { path }) if *path != part.path), "{refused:?}");
+        });
+    }
+
+    /// Shards with a common point are refused while one of them runs, all others are accepted.
+    #[test]
+    fn overlapping_shards_are_refused_while_one_runs() {
+        with_sweep("overlap", "0.1:0.5:40", |dir, sweep| {
+            let shards = ["1/1", "1/2", "2/2", "1/3", "3/3", "1/4", "2/4", "4/4", "40/40"];
+            let points = |shard: &str| -> Vec<u64> {
+                let shard: Shard = shard.parse().expect("a shard");
+                shard.missing(40, &[]).into_iter().flatten().collect()
+            };
+            for running in shards {
+                let held = open(dir, sweep, running).expect("a free folder");
+                for other in shards {
+                    let overlap = points(running).iter().any(|point| points(other).contains(point));
+                    match open(dir, sweep, other) {
+                        Ok(_) => assert!(!overlap, "{running}, {other}"),
+                        Err(error) => {
+                            let says = format!("another process runs shard {running} of the sweep");
+                            assert!(overlap && error.to_string().contains(&says), "{running}, {other}: {error}");
+                        }
+                    }
+                }
+                drop(held);
+            }
+            assert_eq!(running(dir, Shard::WHOLE, 40).expect("a folder"), None);
+        });
+    }
 
     #[test]
     fn result_without_disk_space_is_refused() {

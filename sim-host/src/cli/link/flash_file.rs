@@ -9,6 +9,7 @@ use delimited::file::MAX_DATA_BYTES;
 use hal_mock::bench::Setup;
 use hal_mock::flash::Flash;
 use link::link_error::LinkError;
+use sim::output::rename_synced;
 
 /// Reads the flash from a file; `None` if the file does not exist yet.
 pub(super) fn read(file: &Path) -> Result<Option<Flash>, LinkError> {
@@ -28,6 +29,6 @@ pub(super) fn read(file: &Path) -> Result<Option<Flash>, LinkError> {
 pub(super) fn write(file: &Path, flash: &Flash) -> Result<(), LinkError> {
     let mut unfinished = file.as_os_str().to_owned();
     unfinished.push(".unfinished");
-    let written = fs::write(&unfinished, flash.bytes()).and_then(|()| fs::rename(&unfinished, file));
+    let written = fs::write(&unfinished, flash.bytes()).and_then(|()| rename_synced(unfinished.as_ref(), file));
     written.map_err(|error| LinkError::Failed(format!("the flash file `{}` cannot be written: {error}", file.display())))
 }

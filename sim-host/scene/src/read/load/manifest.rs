@@ -1,7 +1,7 @@
 //! The scene in the manifest of a run, so that the run can be repeated from that file alone.
 
 use serde::Deserialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use super::Inherited;
 
@@ -11,11 +11,22 @@ type Repeated = (String, String, Option<Inherited>);
 /// Returns the scene of a manifest, or an error if the manifest is not usable. `None` if the text
 /// is not JSON.
 pub(super) fn scene(text: &str) -> Option<Result<Repeated, String>> {
-    let Ok(Value::Object(manifest)) = serde_json::from_str::<Value>(text) else { return None };
+    let manifest: Value = serde_json::from_str(text).ok().filter(Value::is_object)?;
+    if is_unchanged(text, &manifest) == Some(false) {
+        return Some(Err("it was changed after it was written: to use it as it is, delete `checksums` in it".to_owned()));
+    }
     Some(from_manifest(&manifest))
 }
 
-fn from_manifest(manifest: &Map<String, Value>) -> Result<Repeated, String> {
+/// Returns `true` if a manifest matches its own checksum, which is that of the text with an empty
+/// string in its place; `None` if it has none.
+pub fn is_unchanged(text: &str, manifest: &Value) -> Option<bool> {
+    let own = manifest["checksums"]["manifest.json"].as_str()?;
+    let sum = crc::Crc::<u64>::new(&crc::CRC_64_XZ).checksum(text.replacen(own, "", 1).as_bytes());
+    Some(format!("{sum:016x}") == own)
+}
+
+fn from_manifest(manifest: &Value) -> Result<Repeated, String> {
     let scene = manifest.get("resolved_scene").filter(|_| manifest.get("program") == Some(&"sim-host".into()));
     let scene = scene.ok_or("JSON, but not the manifest of a run; a scene is TOML text")?;
     let name = manifest.get("scene").and_then(Value::as_str).unwrap_or("manifest");
@@ -60,6 +71,8 @@ mod tests {
     #[test]
     fn other_json_is_refused_and_toml_ignored() {
         assert!(scene("title = \"a\"").is_none());
+        let changed = r#"{"checksums": {"manifest.json": "0123456789abcdef"}}"#;
+        assert!(scene(changed).is_some_and(|scene| scene.is_err_and(|why| why.contains("delete `checksums`"))));
         assert!(scene("{\"a\": 1}").is_some_and(|scene| scene.is_err_and(|why| why.contains("not the manifest"))));
     }
 }

@@ -39,8 +39,8 @@ pub struct Joined {
 /// Joins the parts in several folders, and writes the result into `target` with this presentation.
 ///
 /// # Errors
-/// If the folders contain different sweeps, if parts are missing or cannot be read, or if a file
-/// cannot be written.
+/// If the folders contain different sweeps, if parts are missing, damaged or cannot be read, or if
+/// a file cannot be written.
 pub fn join(dirs: &[PathBuf], target: &Path, shown: &Presentation) -> Result<Joined, FolderError> {
     let plan = common_plan(dirs)?;
     let mut parts = dirs.iter().map(|dir| parts::list(dir)).collect::<Result<Vec<_>, _>>()?.concat();
@@ -133,8 +133,12 @@ fn rows(plan: &PlanFile, parts: &[Part], layout: &Layout, target: &Path) -> Resu
     let mut waiting = Rows::new(layout.keys.len(), layout.metrics.len());
     for part in parts {
         let opened = plan.check(part)?;
+        let mut points = part.points.clone();
         for group in 0..opened.groups() {
             let mut rows = opened.rows(group, plan.layout())?;
+            if !rows.points.iter().all(|&point| points.next() == Some(point as u64)) {
+                return Err(FolderError::Part { path: part.path.clone() });
+            }
             rows.metrics = places.iter().map(|&place| std::mem::take(&mut rows.metrics[place])).collect();
             // Parts may overlap; their common rows are identical.
             let first = rows.points.partition_point(|&point| (point as u64) < next);

@@ -1,4 +1,5 @@
-//! Parts of a sweep: files with the rows of consecutive points, which are in their names.
+//! Parts of a sweep: files with the rows of consecutive points. Their names contain the range of
+//! the points and the checksum of the file.
 //!
 //! Each of n shards has every n-th of [`BLOCKS`] n blocks of points, so that shards take equally
 //! long although neighbouring points are similar. A part lies within one block. The missing points
@@ -9,7 +10,10 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use bytes::Bytes;
+
 use super::FolderError;
+use crate::output::folder::checksum;
 
 /// Number of blocks of points per shard.
 const BLOCKS: u64 = 8;
@@ -43,6 +47,16 @@ impl Shard {
         self.ranges(count).into_iter().flat_map(|range| gaps(range, parts)).collect()
     }
 
+    /// Returns `true` if some of these points belong to the shard, for a sweep of `count` points.
+    pub(super) fn has_points_of(self, points: &Range<u64>, count: u64) -> bool {
+        self.ranges(count).iter().any(|range| range.start < points.end && points.start < range.end)
+    }
+
+    /// Returns `true` if both shards have a point in common, for a sweep of `count` points.
+    pub(super) fn overlaps(self, other: Self, count: u64) -> bool {
+        other.ranges(count).iter().any(|range| self.has_points_of(range, count))
+    }
+
     /// Returns the number of points of the shard, for a sweep of `count` points.
     pub fn count(self, count: u64) -> u64 {
         self.ranges(count).iter().map(|range| range.end - range.start).sum()
@@ -71,27 +85,46 @@ impl FromStr for Shard {
     }
 }
 
-/// A part: its points and its file.
+/// A part: its points, its file and the checksum of this file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
     /// Range of its points.
     pub points: Range<u64>,
     /// Path of its file.
     pub path: PathBuf,
+    /// CRC-64/XZ of its file, as in the name; `None` until the file is complete.
+    checksum: Option<String>,
 }
 
 impl Part {
-    /// Creates the part of these points in a folder.
-    pub(super) fn new(dir: &Path, points: Range<u64>) -> Self {
-        let path = dir.join(format!("part-{:09}-{:09}.parquet", points.start, points.end));
-        Part { points, path }
+    /// Creates the part of these points in a folder, for a file with this checksum.
+    pub(super) fn new(dir: &Path, points: Range<u64>, checksum: Option<String>) -> Self {
+        let sum = checksum.as_ref().map_or_else(String::new, |sum| format!("-{sum}"));
+        let path = dir.join(format!("part-{:09}-{:09}{sum}.parquet", points.start, points.end));
+        Part { points, path, checksum }
+    }
+
+    /// Returns the content of its file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or does not match its checksum.
+    pub(super) fn read(&self) -> Result<Bytes, FolderError> {
+        let read = || fs::read(&self.path).and_then(|bytes| Ok((checksum(&bytes[..])?, bytes)));
+        let (sum, bytes) = read().map_err(super::read(&self.path))?;
+        let why = match &self.checksum {
+            Some(known) if *known == sum => return Ok(bytes.into()),
+            Some(_) => "does not match the checksum in its name",
+            None => "has no checksum in its name",
+        };
+        Err(FolderError::Damaged { path: self.path.clone(), why })
     }
 
     fn named(path: PathBuf) -> Option<Self> {
         let name = path.file_name()?.to_str()?.strip_prefix("part-")?.strip_suffix(".parquet")?;
-        let (start, end) = name.split_once('-')?;
-        let points = start.parse().ok()?..end.parse().ok()?;
-        (points.start < points.end).then_some(Part { points, path })
+        let mut fields = name.splitn(3, '-');
+        let points = fields.next()?.parse().ok()?..fields.next()?.parse().ok()?;
+        let checksum = fields.next().map(str::to_owned);
+        (points.start < points.end).then_some(Part { points, path, checksum })
     }
 }
 
@@ -166,8 +199,8 @@ mod tests {
     fn leftovers_are_found_by_their_points() {
         let dir = std::env::temp_dir().join(format!("left-{}", std::process::id()));
         fs::create_dir_all(&dir).expect("a folder");
-        let written = |points: Range<u64>| super::super::unfinished(&Part::new(&dir, points).path);
-        for path in [written(0..10), written(10..20), dir.join("sweep.csv.7.tmp"), Part::new(&dir, 20..30).path] {
+        let written = |points: Range<u64>| super::super::unfinished(&Part::new(&dir, points, None).path);
+        for path in [written(0..10), written(10..20), dir.join("sweep.csv.7.tmp"), Part::new(&dir, 20..30, None).path] {
             fs::write(path, "").expect("a file");
         }
         assert_eq!(unfinished(&dir, Shard { number: 2, of: 2 }, 160).expect("a folder"), [written(10..20)]);
@@ -176,13 +209,16 @@ mod tests {
 
     #[test]
     fn points_without_a_part_are_missing() {
-        let parts: Vec<Part> = [0..3, 5..6, 5..9].map(|points| Part::new(Path::new("d"), points)).into();
+        let parts: Vec<Part> = [0..3, 5..6, 5..9].map(|points| Part::new(Path::new("d"), points, None)).into();
         assert_eq!(gaps(0..12, &parts), [3..5, 9..12]);
         assert!(gaps(4..8, &parts).into_iter().eq(std::iter::once(4..5)));
         assert_eq!(gaps(6..8, &parts), []);
         assert!(Shard::WHOLE.missing(9, &parts).into_iter().eq(std::iter::once(3..5)));
         let named = |name: &str| Part::named(PathBuf::from(name));
-        assert_eq!(named(&Part::new(Path::new("d"), 5..9).path.to_string_lossy()).map(|part| part.points), Some(5..9));
+        for sum in [None, Some("0123456789abcdef".to_owned())] {
+            let part = Part::new(Path::new("d"), 5..9, sum);
+            assert_eq!(named(&part.path.to_string_lossy()), Some(part));
+        }
         assert!(
             ["part-9-5.parquet", "part-a-5.parquet", "part-1-5.parquet.tmp", "sweep.parquet"]
                 .iter()

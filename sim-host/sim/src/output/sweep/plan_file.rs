@@ -16,6 +16,8 @@ use crate::study::sweep::design::Shape;
 use crate::study::sweep::{Sweep, unit};
 use scene::resolved::resolved_json;
 
+/// Field with the hash of all others.
+const HASH: &str = "plan_hash";
 /// Fields in which two plans may differ, and the difference in words.
 const FIELDS: [(&str, &str); 7] = [
     ("program", "different program"),
@@ -46,14 +48,14 @@ impl PlanFile {
             "keys": keys, "metrics": metrics, "all_metrics": sweep.all, "design": sweep.design.json(),
             "resolved_scene": resolved_json(&sweep.loaded.scene),
         });
-        json["plan_hash"] = json!(format!("{:016x}", text_hash(&json.to_string())));
+        json[HASH] = hash(&json);
         Self::from_json(json).unwrap_or_else(|| unreachable!("a plan has all its fields"))
     }
 
     /// Reads the plan in a folder, if there is one.
     ///
     /// # Errors
-    /// If the plan cannot be read.
+    /// If the plan cannot be read, or was changed.
     pub fn find(dir: &Path) -> Result<Option<Self>, FolderError> {
         let path = dir.join(PLAN);
         let text = match fs::read_to_string(&path) {
@@ -61,8 +63,14 @@ impl PlanFile {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(super::read(&path)(error)),
         };
-        let plan = serde_json::from_str(&text).ok().and_then(Self::from_json);
-        plan.map(Some).ok_or_else(|| FolderError::Read { path, why: "it is not a plan of a sweep".to_owned() })
+        let why = match serde_json::from_str(&text).ok().and_then(Self::from_json) {
+            Some(plan) if hash(&plan.json) == plan.json[HASH] => return Ok(Some(plan)),
+            Some(_) => {
+                "it was changed after it was written: copy it from the folder of another shard, or start in another folder"
+            }
+            None => "it is not a plan of a sweep",
+        };
+        Err(FolderError::Read { path, why: why.to_owned() })
     }
 
     fn from_json(json: Value) -> Option<Self> {
@@ -71,7 +79,7 @@ impl PlanFile {
             names.collect::<Option<Vec<String>>>()
         };
         let layout = Layout { keys: names("keys", "key")?, metrics: names("metrics", "metric")? };
-        let (hash, count) = (json["plan_hash"].as_str()?.to_owned(), json["points"].as_u64()?);
+        let (hash, count) = (json[HASH].as_str()?.to_owned(), json["points"].as_u64()?);
         Some(PlanFile { layout, hash, count, json })
     }
 
@@ -92,10 +100,10 @@ impl PlanFile {
     /// Opens a part of this sweep.
     ///
     /// # Errors
-    /// If it cannot be read, belongs to another plan, or its number of rows does not match its
-    /// name.
+    /// If it cannot be read, is damaged, belongs to another plan, or its number of rows does not
+    /// match its name.
     pub fn check(&self, part: &Part) -> Result<RowsFile, FolderError> {
-        let file = RowsFile::open(&part.path)?;
+        let file = RowsFile::new(&part.path, part.read()?)?;
         let fits = file.plan_hash().as_ref() == Some(&self.hash) && file.count() == part.points.end - part.points.start;
         if fits { Ok(file) } else { Err(FolderError::Part { path: part.path.clone() }) }
     }
@@ -113,11 +121,10 @@ impl PlanFile {
         (stop, done): (&AtomicBool, &(dyn Fn() + Sync)),
     ) -> Result<Option<Part>, FolderError> {
         let Some(rows) = sweep.rows(points.clone(), stop, done)? else { return Ok(None) };
-        let part = Part::new(dir, points);
-        let mut file = RowsWriter::create(&part.path, &self.layout, &self.hash, true)?;
+        let path = Part::new(dir, points.clone(), None).path;
+        let mut file = RowsWriter::create(&path, &self.layout, &self.hash, true)?;
         file.write(&rows)?;
-        file.finish()?;
-        Ok(Some(part))
+        file.finish_part(|sum| Part::new(dir, points, Some(sum))).map(Some)
     }
 
     /// Returns the names of the columns.
@@ -179,4 +186,11 @@ impl PlanFile {
     pub fn is_sample(&self) -> bool {
         self.json["design"]["sample"].is_string()
     }
+}
+
+/// Returns the hash of all fields but the hash.
+fn hash(json: &Value) -> Value {
+    let mut json = json.clone();
+    json.as_object_mut().map(|fields| fields.remove(HASH));
+    json!(format!("{:016x}", text_hash(&json.to_string())))
 }

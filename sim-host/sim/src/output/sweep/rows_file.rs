@@ -22,11 +22,12 @@ use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int32Ty
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
-use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
+use parquet::file::reader::{ChunkReader, FileReader, RowGroupReader, SerializedFileReader};
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{ColumnPath, Type};
 
-use super::FolderError;
+use super::{FolderError, Part};
+use crate::output::folder::{checksum, rename_synced};
 use crate::output::parquet_file::{GROUP, builder, column, io_error, whole};
 use crate::study::sweep::{Rows, unit};
 
@@ -79,16 +80,22 @@ impl RowsWriter {
         Ok(())
     }
 
+    fn close(&mut self) -> Result<(), FolderError> {
+        self.writer.take().map_or(Ok(()), |writer| writer.close().map(drop).map_err(written(&self.path)))
+    }
+
     /// Ends the file and renames it.
     pub(super) fn finish(mut self) -> Result<(), FolderError> {
-        let Some(mut writer) = self.writer.take() else { return Ok(()) };
-        let mut end = || -> Result<(), ParquetError> {
-            writer.finish()?;
-            Ok(writer.inner().sync_all()?)
-        };
-        end().map_err(written(&self.path))?;
-        drop(writer);
-        fs::rename(&self.unfinished, &self.path).map_err(super::write(&self.path))
+        self.close()?;
+        rename_synced(&self.unfinished, &self.path).map_err(super::write(&self.path))
+    }
+
+    /// Ends the file of a part and renames it to the part with its checksum.
+    pub(super) fn finish_part(mut self, sealed: impl FnOnce(String) -> Part) -> Result<Part, FolderError> {
+        self.close()?;
+        let part = sealed(File::open(&self.unfinished).and_then(checksum).map_err(super::write(&self.path))?);
+        self.path.clone_from(&part.path);
+        self.finish().map(|()| part)
     }
 }
 
@@ -178,13 +185,18 @@ fn some<T: DataType, V>(
 /// File of rows.
 pub struct RowsFile {
     path: PathBuf,
-    reader: SerializedFileReader<File>,
+    reader: Box<dyn FileReader>,
 }
 
 impl RowsFile {
     /// Opens a complete file.
     pub fn open(path: &Path) -> Result<Self, FolderError> {
-        let reader = File::open(path).map_err(ParquetError::from).and_then(SerializedFileReader::new).map_err(read(path))?;
+        Self::new(path, File::open(path).map_err(super::read(path))?)
+    }
+
+    /// Reads a complete file from its content; the path is for messages.
+    pub(super) fn new(path: &Path, content: impl ChunkReader + 'static) -> Result<Self, FolderError> {
+        let reader = Box::new(SerializedFileReader::new(content).map_err(read(path))?);
         Ok(RowsFile { path: path.to_owned(), reader })
     }
 
