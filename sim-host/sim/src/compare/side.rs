@@ -1,5 +1,6 @@
 //! One side of a comparison: the folder of a run, or a file of measured metrics.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
