@@ -9,8 +9,9 @@
 //! ```
 //!
 //! The flash is changed in silence only. Nothing received is started before
-//! [`UpdateVerb::Install`], which is refused unless board, protocol, checksum and signature were
-//! checked. The crate `sonoglide-update` implements this for a board with a first stage.
+//! [`UpdateVerb::Install`], which is refused unless board, protocol, version, checksum and
+//! signature were checked. The crate `sonoglide-update` implements this for a board with a first
+//! stage.
 
 use serde::{Deserialize, Serialize};
 
@@ -59,8 +60,15 @@ pub enum UpdateDefect {
     Damaged,
     /// The update has no signature.
     Unsigned,
-    /// The signature is not by the key of this board.
+    /// The signature is not by a key of this board, or is not in its canonical form.
     WrongSignature,
+    /// The firmware is older than the running one, and nobody has confirmed that at the board.
+    OlderVersion {
+        /// Version of the running image: major, minor, patch.
+        running: [u16; 3],
+        /// Version of the update.
+        offered: [u16; 3],
+    },
 }
 
 /// State of a received update.
@@ -113,6 +121,8 @@ pub struct UpdateReport {
     pub room: u32,
     /// Option bytes with unexpected values, one bit each; the board's documentation names them.
     pub option_bytes: u16,
+    /// `true` if the board accepts updates signed by the development key, which is public.
+    pub accepts_development_key: bool,
 }
 
 /// Interface to the part of a board that receives, checks and installs updates.

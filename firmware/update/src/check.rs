@@ -8,6 +8,12 @@ use crate::manifest::{MANIFEST, Manifest, checksum};
 
 /// Number of bytes read at once: a multiple of 128, the block of SHA-512.
 const PIECE_BYTES: usize = 256;
+/// Order of the base point of Ed25519, little-endian (RFC 8032 5.1):
+/// 2^252 + 27742317777372353535851937790883648493.
+pub(crate) const GROUP_ORDER: [u8; 32] = [
+    0xed, 0xd3, 0xf5, 0x5c, 0x1a, 0x63, 0x12, 0x58, 0xd6, 0x9c, 0xf7, 0xa2, 0xde, 0xf9, 0xde, 0x14, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0x10,
+];
 
 /// Requirements on an image that a board can start.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +24,8 @@ pub struct Target {
     pub origin: u32,
     /// Room for the image without its manifest, bytes.
     pub room: u32,
-    /// Public key that must verify the signature.
-    pub key: [u8; 32],
+    /// Public keys, one of which must verify the signature.
+    pub keys: &'static [[u8; 32]],
 }
 
 /// Extent of the check of an image.
@@ -82,11 +88,15 @@ impl Target {
         Ok(manifest)
     }
 
-    /// Returns `true` if the manifest was signed by the board's key. Not inlined, so that the stack
-    /// used by the curve arithmetic is released.
+    /// Returns `true` if the manifest was signed by a key of the board. Not inlined, so that the
+    /// stack used by the curve arithmetic is released.
     #[inline(never)]
     fn has_signed(&self, manifest: &Manifest) -> bool {
         let signature = salty::Signature::from(&manifest.signature);
-        salty::PublicKey::try_from(&self.key).is_ok_and(|key| key.verify(&manifest.signed_bytes(), &signature).is_ok())
+        // `salty` compares encodings of R, but also accepts S + L (RFC 8032 5.1.7), another
+        // signature of the same image.
+        let canonical = signature.s.0.iter().rev().lt(GROUP_ORDER.iter().rev());
+        let verifies = |key: salty::PublicKey| key.verify(&manifest.signed_bytes(), &signature).is_ok();
+        canonical && self.keys.iter().any(|key| salty::PublicKey::try_from(key).is_ok_and(verifies))
     }
 }

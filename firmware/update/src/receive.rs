@@ -7,6 +7,7 @@ use firmware::board::update::{CHUNK, Chunk, Standing, UpdateDefect as Defect, Up
 use firmware::seam::refusal::Refusal;
 
 use crate::check::{Depth, Target};
+use crate::key::DEVELOPMENT;
 use crate::manifest::MANIFEST;
 
 /// Largest unit of writing of the state's flash, bytes.
@@ -19,6 +20,12 @@ pub struct Receiver<S, T> {
     target: Target,
     /// Protocol of the running image. An update with an older one is refused.
     protocol: u8,
+    /// Returns `true` while a person at the board confirms an older version, by a held button.
+    is_confirmed: fn() -> bool,
+    /// `true` if the update may be older than the running image, as confirmed at its beginning.
+    may_be_older: bool,
+    /// Version of the running image: the lowest one that is accepted. The slot holds the image that
+    /// was confirmed last, so that no second record of it can be lost.
     running: Option<[u16; 3]>,
     standing: Standing,
     update: UpdateState,
@@ -28,15 +35,24 @@ pub struct Receiver<S, T> {
 
 impl<S: NorFlash, T: NorFlash> Receiver<S, T> {
     /// Creates a receiver that stores updates in `store` and marks them in the first stage's
-    /// `state`. `slot` holds the running image.
-    pub fn new<R: ReadNorFlash>(store: S, mut state: T, mut slot: R, target: Target, protocol: u8) -> Self {
+    /// `state`. `slot` holds the running image. An older version is accepted only if `is_confirmed`
+    /// returns `true` when the update begins.
+    pub fn new<R: ReadNorFlash>(
+        store: S,
+        mut state: T,
+        mut slot: R,
+        target: Target,
+        protocol: u8,
+        is_confirmed: fn() -> bool,
+    ) -> Self {
         let running = target.manifest(&mut slot, 0).ok().map(|manifest| manifest.identity.version);
         let standing = match standing(&mut state) {
             Some(State::Swap) => Standing::Trial,
             Some(State::Revert) => Standing::RolledBack,
             _ => Standing::Confirmed,
         };
-        Receiver { store, state, target, protocol, running, standing, update: UpdateState::Nothing, length: 0 }
+        let (may_be_older, update, length) = (false, UpdateState::Nothing, 0);
+        Receiver { store, state, target, protocol, is_confirmed, may_be_older, running, standing, update, length }
     }
 
     /// Returns the flashes.
@@ -50,6 +66,7 @@ impl<S: NorFlash, T: NorFlash> Receiver<S, T> {
             return Err(Refusal::Busy);
         }
         self.length = length;
+        self.may_be_older = (self.is_confirmed)();
         let room = self.room();
         let fits = (MANIFEST as u32 + 1..=room).contains(&length);
         self.update = if fits { UpdateState::Receiving(0) } else { UpdateState::Refused(Defect::Length(length)) };
@@ -90,6 +107,10 @@ impl<S: NorFlash, T: NorFlash> Receiver<S, T> {
         if manifest.identity.protocol < self.protocol {
             return Err(Defect::OlderProtocol(manifest.identity.protocol));
         }
+        let offered = manifest.identity.version;
+        if let Some(running) = self.running.filter(|running| offered < *running && !self.may_be_older) {
+            return Err(Defect::OlderVersion { running, offered });
+        }
         if manifest.length != self.length - MANIFEST as u32 { Err(Defect::Length(manifest.length)) } else { Ok(()) }
     }
 
@@ -129,7 +150,14 @@ fn standing<T: NorFlash>(state: &mut T) -> Option<State> {
 
 impl<S: NorFlash, T: NorFlash> Updates for Receiver<S, T> {
     fn report(&mut self) -> UpdateReport {
-        UpdateReport { state: self.update, standing: self.standing, running: self.running, room: self.room(), option_bytes: 0 }
+        UpdateReport {
+            state: self.update,
+            standing: self.standing,
+            running: self.running,
+            room: self.room(),
+            option_bytes: 0,
+            accepts_development_key: self.target.keys.contains(&DEVELOPMENT),
+        }
     }
 
     fn obey(&mut self, verb: &UpdateVerb) -> Result<(), Refusal> {

@@ -59,6 +59,10 @@ fn invalid_updates_are_refused_with_their_defect() {
         (damaged, UpdateDefect::Damaged),
         (unsigned, UpdateDefect::Unsigned),
         (stranger, UpdateDefect::WrongSignature),
+        (
+            changed(|manifest| manifest.identity.version = [0, 9, 9]),
+            UpdateDefect::OlderVersion { running: [1, 0, 0], offered: [0, 9, 9] },
+        ),
     ];
     for (file, defect) in cases {
         assert_eq!(state_of(&file, &mut client), UpdateState::Refused(defect));

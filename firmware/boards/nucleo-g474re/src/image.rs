@@ -9,6 +9,8 @@ mod adc;
 mod alarm;
 mod amplifier_supply;
 mod block;
+#[cfg(feature = "slot")]
+mod button;
 mod ccmram;
 mod clocks;
 mod count;

@@ -23,7 +23,7 @@ use self::flash::{Damage, Pages};
 #[entry]
 fn main() -> ! {
     watchdog::start();
-    let target = Target { board: board(BOARD), origin: ORIGIN, room: SLOT.size - MANIFEST, key: key::PUBLIC };
+    let target = Target { board: board(BOARD), origin: ORIGIN, room: SLOT.size - MANIFEST, keys: &key::PUBLIC };
     let [mut slot, mut store, mut state] = [SLOT, STORE, STATE].map(|area| Pages::new(area, Damage::Zeros));
     match decide(&mut slot, &mut store, &mut state, &target) {
         Decision::Start => start_image(),

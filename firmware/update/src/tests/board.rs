@@ -27,7 +27,7 @@ const IMAGE_BYTES: usize = SLOT_PAGES * PAGE_BYTES - MANIFEST - 77;
 /// Returns the requirements of the board.
 pub fn target() -> Target {
     let room = (SLOT_PAGES * PAGE_BYTES - MANIFEST) as u32;
-    Target { board: board("test-board"), origin: ORIGIN, room, key: DEVELOPMENT }
+    Target { board: board("test-board"), origin: ORIGIN, room, keys: &[DEVELOPMENT] }
 }
 
 /// Returns an image of this version and its manifest without a signature.
@@ -52,6 +52,8 @@ pub fn update_to(version: u16) -> &'static [u8] {
 #[derive(Clone, Debug)]
 pub struct Board {
     pub part: Rc<RefCell<FlashPart>>,
+    /// Returns `true` while the button of the board is held.
+    pub is_confirmed: fn() -> bool,
 }
 
 impl Board {
@@ -59,12 +61,12 @@ impl Board {
     pub fn new(reads: DamagedRead) -> Self {
         let mut part = FlashPart::new(2 * SLOT_PAGES + 2, reads);
         part.load(0, update_to(1));
-        Board { part: Rc::new(RefCell::new(part)) }
+        Board { part: Rc::new(RefCell::new(part)), is_confirmed: || false }
     }
 
     /// Returns an independent board in the same state.
     pub fn copy(&self) -> Self {
-        Board { part: Rc::new(RefCell::new(self.part.borrow().clone())) }
+        Board { part: Rc::new(RefCell::new(self.part.borrow().clone())), ..*self }
     }
 
     fn area(&self, page: usize, pages: usize) -> Area {
@@ -96,7 +98,7 @@ impl Board {
 
     /// Returns the receiver of the running image.
     pub fn receiver(&self) -> Receiver<Area, Area> {
-        Receiver::new(self.store(), self.state(), self.slot(), target(), PROTOCOL)
+        Receiver::new(self.store(), self.state(), self.slot(), target(), PROTOCOL, self.is_confirmed)
     }
 
     /// Sends an update, then orders its check and its installation. Returns the final state.

@@ -5,8 +5,9 @@ use std::vec::Vec;
 
 use firmware::board::update::{UpdateDefect as Defect, UpdateState};
 
-use super::board::{Board, ORIGIN, PROTOCOL, file, image, target};
+use super::board::{Board, ORIGIN, PROTOCOL, file, image, target, update_to};
 use super::flash::{DamagedRead, PAGE_BYTES};
+use crate::check::{Depth, GROUP_ORDER, Target};
 use crate::identity::board;
 use crate::key::{DEVELOPMENT, DEVELOPMENT_SEED, public};
 use crate::manifest::{MANIFEST, Manifest, SIGNED};
@@ -93,6 +94,48 @@ fn the_first_stage_starts_no_image_that_was_only_marked() {
 }
 
 #[test]
-fn the_development_key_is_the_one_that_is_published() {
-    assert_eq!(public(&DEVELOPMENT_SEED), DEVELOPMENT);
+fn a_signature_with_the_group_order_added_is_refused() {
+    let (manifest, image) = image(2);
+    let mut manifest = manifest.signed_by(&DEVELOPMENT_SEED);
+    let mut carry = 0;
+    for (byte, order) in manifest.signature[32..].iter_mut().zip(GROUP_ORDER) {
+        let sum = u16::from(*byte) + u16::from(order) + carry;
+        (*byte, carry) = (sum as u8, sum >> 8);
+    }
+    assert_eq!(refused(&[manifest.encode().as_slice(), &image].concat()), Defect::WrongSignature);
+}
+
+#[test]
+fn each_key_of_a_board_is_accepted() {
+    let (manifest, image) = image(2);
+    let board = Board::new(DamagedRead::Zeros);
+    for seed in [DEVELOPMENT_SEED, [7; 32]] {
+        board.part.borrow_mut().load(0, &[manifest.signed_by(&seed).encode().as_slice(), &image].concat());
+        let keys = Vec::leak(Vec::from([DEVELOPMENT, public(&[7; 32])]));
+        assert!(Target { keys, ..target() }.image(&mut board.slot(), 0, Depth::Signature).is_ok());
+    }
+    assert_eq!(target().image(&mut board.slot(), 0, Depth::Signature), Err(Defect::WrongSignature));
+}
+
+#[test]
+fn an_older_version_is_refused_unless_it_is_confirmed_at_the_board() {
+    let board = Board::new(DamagedRead::Zeros);
+    board.update(update_to(2)).expect("received");
+    assert_eq!(board.start(), Some(2));
+    // On trial the version is not yet the lowest accepted one: the former image returns.
+    let returned = board.copy();
+    assert_eq!(returned.start(), Some(1));
+    assert_eq!(returned.update(update_to(1)), Ok(UpdateState::Marked));
+    board.confirm();
+    let older = Defect::OlderVersion { running: [0, 0, 2], offered: [0, 0, 1] };
+    for _ in 0..2 {
+        assert_eq!(board.update(update_to(1)), Ok(UpdateState::Refused(older)));
+        assert_eq!(board.copy().update(update_to(2)), Ok(UpdateState::Marked), "an equal version");
+        // Power off and on.
+        board.part.borrow_mut().power();
+        assert_eq!(board.start(), Some(2));
+    }
+    let held = Board { is_confirmed: || true, ..board };
+    assert_eq!(held.update(update_to(1)), Ok(UpdateState::Marked));
+    assert_eq!(held.start(), Some(1));
 }

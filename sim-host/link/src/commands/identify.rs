@@ -2,6 +2,7 @@
 
 use firmware::board::command::Identity;
 
+use super::update::ask_keys;
 use crate::answer::{Answer, quantity};
 use crate::link_error::LinkError;
 use crate::session::Session;
@@ -15,7 +16,7 @@ pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let Identity { protocol, firmware: [major, minor, patch], converters, .. } = identity;
     let counts = session.client.counts();
     let version = format!("{major}.{minor}.{patch}");
-    Ok(Answer::to("identify")
+    let answer = Answer::to("identify")
         .line(format!("{}: a Sonoglide board, firmware {version}, protocol {protocol}", session.client.port()))
         .line(format!(
             "converters: {}, {} samples per block, {} of 4 lanes",
@@ -36,5 +37,6 @@ pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
         .field("lanes", converters.lanes)
         .field("round_trip_ms", round_trip_ms)
         .field("repeated", counts.repeated)
-        .field("damaged", counts.damaged))
+        .field("damaged", counts.damaged);
+    ask_keys(answer, session)
 }

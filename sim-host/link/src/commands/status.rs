@@ -5,6 +5,7 @@ use firmware::seam::phasor::{Phasor, argument, magnitude};
 use firmware::seam::telemetry::Telemetry;
 use serde_json::Value;
 
+use super::update::ask_keys;
 use crate::answer::{Answer, quantity, short};
 use crate::link_error::LinkError;
 use crate::session::Session;
@@ -13,7 +14,7 @@ use crate::words;
 /// Requests the present state of the board.
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let report = session.status()?;
-    Ok(in_words(&report, Answer::to("status")))
+    ask_keys(in_words(&report, Answer::to("status")), session)
 }
 
 /// Adds a report to an answer, as text and fields.

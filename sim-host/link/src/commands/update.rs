@@ -36,6 +36,10 @@ pub struct UpdateArgs {
     /// is the development key, which is public.
     #[arg(long, value_name = "FILE")]
     pub key: Option<PathBuf>,
+    /// Send a file with an older version than the running one. The board accepts it only while its
+    /// user button is held.
+    #[arg(long, requires = "file")]
+    pub allow_downgrade: bool,
 }
 
 /// Shows the state of the board's image, or updates it.
@@ -53,6 +57,14 @@ pub fn run(args: &UpdateArgs, session: &mut Session) -> Result<Answer, LinkError
         return Err(LinkError::Failed(why.into()));
     }
     session.client.note(&format!("update: {}, {} bytes", named(&manifest), bytes.len()));
+    let offered = manifest.identity.version;
+    if let Some(running) = before.running.filter(|running| offered < *running) {
+        if !args.allow_downgrade {
+            let older = reason(UpdateDefect::OlderVersion { running, offered });
+            return Err(LinkError::Failed(format!("nothing was sent: {older}")));
+        }
+        session.client.note("update: it is older than the running version: the user button of the board must be held now");
+    }
     send(&bytes, session)?;
     session.client.note("update: all bytes have been received; the board verifies checksum and signature");
     match checked(session)?.state {
@@ -80,6 +92,9 @@ pub fn run(args: &UpdateArgs, session: &mut Session) -> Result<Answer, LinkError
 
 /// Packs an ELF file as an update: `sim-host link file:OUT update ELF`.
 pub fn make(args: &UpdateArgs, out: &Path) -> Result<Answer, LinkError> {
+    if args.allow_downgrade {
+        return Err(LinkError::Usage("--allow-downgrade is for sending: `sim-host link PORT update FILE`".into()));
+    }
     let elf = args.file.as_deref().ok_or_else(|| LinkError::Usage("the ELF file is missing: `update ELF`".into()))?;
     let seed = args.key.as_deref().map(seed).transpose()?;
     let seed = seed.unwrap_or(key::DEVELOPMENT_SEED);
@@ -222,7 +237,21 @@ fn fields(answer: Answer, report: &UpdateReport) -> Answer {
         Standing::Trial => "trial",
         Standing::RolledBack => "rolled_back",
     };
-    answer.field("version", report.running.map(|_| version(report.running))).field("standing", standing)
+    keys(answer.field("version", report.running.map(|_| version(report.running))).field("standing", standing), report)
+}
+
+/// Adds a warning to an answer if the board accepts the development key.
+fn keys(answer: Answer, report: &UpdateReport) -> Answer {
+    let answer = answer.field("accepts_development_key", report.accepts_development_key);
+    if !report.accepts_development_key {
+        return answer;
+    }
+    answer.line("warning: this board accepts updates by the development key, which is public: anyone can sign for it")
+}
+
+/// Asks the board for its keys, and adds a warning to an answer if the development key is accepted.
+pub(super) fn ask_keys(answer: Answer, session: &mut Session) -> Result<Answer, LinkError> {
+    Ok(keys(answer, &ask(UpdateVerb::Report, session)?))
 }
 
 fn named(manifest: &Manifest) -> String {
@@ -271,7 +300,13 @@ pub fn reason(defect: UpdateDefect) -> String {
         }
         UpdateDefect::Damaged => "it is damaged: a checksum is wrong".into(),
         UpdateDefect::Unsigned => "it is not signed".into(),
-        UpdateDefect::WrongSignature => "it is not signed by the key of this board".into(),
+        UpdateDefect::WrongSignature => "it is not signed by a key of this board".into(),
+        UpdateDefect::OlderVersion { running, offered } => format!(
+            "the board runs {} and the update is the older {}. To go back, hold the user button of the board and send the \
+             update with --allow-downgrade, or use a probe",
+            version(Some(running)),
+            version(Some(offered))
+        ),
     }
 }
 

@@ -12,6 +12,7 @@ use update::identity::{Identity, SIZE, board, number};
 use update::key;
 use update::receive::Receiver;
 
+use super::button;
 use super::flash::{Damage, Pages};
 use super::watchdog;
 
@@ -35,15 +36,16 @@ struct Field(Receiver<Pages, Pages>);
 
 /// Starts the receiver of updates. Called once.
 pub fn start() -> &'static mut dyn Updates {
-    if key::IS_DEVELOPMENT {
+    if key::PUBLIC.contains(&key::DEVELOPMENT) {
         defmt::warn!("this image accepts updates signed by the development key, which is public");
     }
+    button::start();
     // SAFETY: reads a constant. The read is volatile, so that the constant is kept at the address
     // in the ELF file, and a change by a probe is read.
     let identity = Identity::decode(&unsafe { core::ptr::read_volatile(&raw const SONOGLIDE_IDENTITY) });
-    let target = Target { board: board(BOARD), origin: ORIGIN, room: SLOT.size - MANIFEST, key: key::PUBLIC };
+    let target = Target { board: board(BOARD), origin: ORIGIN, room: SLOT.size - MANIFEST, keys: &key::PUBLIC };
     let [slot, store, state] = [SLOT, STORE, STATE].map(|area| Pages::new(area, Damage::Zeros));
-    let field = singleton!(: Field = Field(Receiver::new(store, state, slot, target, identity.protocol)));
+    let field = singleton!(: Field = Field(Receiver::new(store, state, slot, target, identity.protocol, button::is_held)));
     let Some(field) = field else { panic!("started twice") };
     field
 }
