@@ -1,7 +1,7 @@
 //! Over-temperature and mean power: the drive is derated before a fault ends it.
 //!
-//! The hotter of two temperatures counts: the sensor at the driver, and the [stack](stack). A sensor
-//! at the stack (`thermometer.at_stack`) replaces both.
+//! The hotter of two temperatures counts: the sensor at the driver, and the [stack](stack). A
+//! sensor at the stack (`thermometer.at_stack`) replaces both.
 //!
 //! From [`DERATE_K`] below `limits.temperature_c` the amplitude falls linearly to a tenth at the
 //! limit; above the limit it is fault 44. An integrator on a second factor holds the mean power

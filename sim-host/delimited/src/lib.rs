@@ -1,7 +1,7 @@
 //! Tables in delimited text: encoding, delimiter, decimal sign, comments, preamble and heading are
 //! found from the text alone. [`read`] accepts only a table of numbers, and reports the first line
-//! that is not one; [`read_mixed`] also accepts columns of words. [`file`] reads files within limits,
-//! and [`visible`] prepares text from outside for a terminal.
+//! that is not one; [`read_mixed`] also accepts columns of words. [`file`] reads files within
+//! limits, and [`visible`] prepares text from outside for a terminal.
 //!
 //! # Example
 //!

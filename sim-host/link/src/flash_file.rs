@@ -96,8 +96,8 @@ impl Mirror for FlashFile {
         let why = kept.err().map(|error| {
             let file = self.path.display();
             format!(
-                "the flash file `{file}` cannot be written: {error}. What was set or measured acts until this program ends, but \
-                 is NOT stored; free the space or the path, then `settings store` again"
+                "the flash file `{file}` cannot be written: {error}. The settings act until this program ends, but are NOT \
+                 stored; free the space or the path, then `settings store` again"
             )
         });
         let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);

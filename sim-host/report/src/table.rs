@@ -37,8 +37,8 @@ impl TableBlock {
         format!("{heading}{}{rule}|\n{rows}{caption}", line(&self.header))
     }
 
-    /// Returns the table as text for a terminal, with its title above and its caption below. Control
-    /// characters in its texts are escaped.
+    /// Returns the table as text for a terminal, with its title above and its caption below.
+    /// Control characters in its texts are escaped.
     #[cfg(feature = "terminal")]
     pub fn terminal(&self, color: bool) -> String {
         use comfy_table::{Cell, Color, ColumnConstraint, Table, Width, presets};

@@ -134,7 +134,7 @@ impl Place {
     /// Returns the circuit of the place's stack.
     fn circuit(&self) -> Result<Circuit, Error> {
         let sets: Vec<String> = self.sets.iter().map(|&set| set.to_owned()).collect();
-        let loaded = scene::load::load(self.scene, &sets)?;
+        let loaded = load(self.scene, &sets)?;
         Ok(circuit_of(&loaded.scene.driven().ok_or(StudyError::Incomplete)?))
     }
 

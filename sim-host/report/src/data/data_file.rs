@@ -103,7 +103,7 @@ fn cell(value: f64) -> String {
     }
 }
 
-/// Returns a text as a cell that no spreadsheet evaluates: a formula begins with one of these signs.
+/// Returns a text as a cell that no spreadsheet evaluates as a formula.
 pub fn text_cell(text: &str) -> String {
     let is_formula = text.starts_with(['=', '+', '-', '@']) && text.parse::<f64>().is_err();
     format!("{}{text}", if is_formula { "'" } else { "" })

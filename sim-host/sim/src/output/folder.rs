@@ -53,8 +53,8 @@ impl Owner {
     }
 }
 
-/// Returns the folder of a result within `out`. A name that is not a plain file name on every system
-/// is replaced, because it could lead elsewhere.
+/// Returns the folder of a result within `out`. A name that is not a plain file name on every
+/// system is replaced, because it could lead elsewhere.
 pub fn default_dir(name: &str) -> PathBuf {
     Path::new("out").join(if is_plain(name) && is_portable(name) { name } else { "unnamed" })
 }
