@@ -86,14 +86,15 @@ pub struct Setup {
 
 impl Default for Setup {
     /// Returns the configuration for the loop-back, one turn of the background task per block, a
-    /// watchdog of 10 ms, an unlimited link, and four empty pages.
+    /// watchdog of 10 ms, an unlimited link, and five empty pages: one for the marker of stored
+    /// settings, and two for each copy.
     fn default() -> Self {
         Setup {
             config: loop_back::config(),
             poll_every: 1,
             watchdog: Duration::from_millis(10),
             to_host: Wire::default(),
-            flash: Flash::new(4, 1),
+            flash: Flash::new(5, 1),
             start: Start::PowerOn,
         }
     }

@@ -8,5 +8,5 @@ fn the_settings_are_the_last_pages_of_the_second_bank() {
     let pages: Vec<_> = (0..PAGES).map(|page| number(START + page * PAGE)).collect();
     assert_eq!(pages, (120..128).collect::<Vec<_>>());
     const { assert!(START > SECOND_BANK) };
-    assert_eq!((SETTINGS.address(0, SIZE, PAGE), SETTINGS.address(SIZE, WORD, WORD)), (Some(START), None));
+    assert_eq!((SETTINGS.address(PAGE, SIZE, PAGE), SETTINGS.address(PAGE + SIZE, WORD, WORD)), (Some(START), None));
 }

@@ -77,7 +77,7 @@ fn unreadable_settings_are_reported_and_prevent_a_drive() {
     let board = board("lock", &[], 4);
     board.borrow_mut().power_cycle(|flash| {
         leave(flash, &[(8, 5.0), (5, 1.0), (7, 1.0)]);
-        [2, 2 * PAGE_BYTES / WORD_BYTES + 2].into_iter().for_each(|word| flash.damage(word, Damage::Unreadable));
+        [1, 3].into_iter().for_each(|page| flash.damage(page * PAGE_BYTES / WORD_BYTES + 2, Damage::Unreadable));
     });
     let mut session = session(&board);
     for order in ["lock", "scan", "calibrate", "drive"] {
@@ -88,7 +88,7 @@ fn unreadable_settings_are_reported_and_prevent_a_drive() {
     // A single damaged copy is reported, together with the number of stores.
     board.borrow_mut().power_cycle(|flash| {
         leave(flash, &[(8, 14.0)]);
-        flash.damage(2, Damage::Unreadable);
+        flash.damage(PAGE_BYTES / WORD_BYTES + 2, Damage::Unreadable);
     });
     let mut session = super::session(&board);
     run("settings get limits.voltage_v\nexpect acts = 14\nexpect kept = one_copy\nlock\nstop", &mut session).unwrap();

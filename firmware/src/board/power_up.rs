@@ -7,7 +7,7 @@
 //! | settings that do not build together | the limits, and all other settings that still build within them: [`StoredState::Refused`] |
 //! | two copies, of which one is older or damaged | the other one: [`StoredState::OneCopy`]; the next store writes both |
 //! | nothing | the built-in configuration |
-//! | unreadable settings, or settings of another version | the built-in configuration; the board does not drive, because a lower limit may be stored |
+//! | unreadable or erased settings, or settings of another version | the built-in configuration; the board does not drive, because a lower limit may be stored |
 //!
 //! **A stored limit is never exceeded by any other stored value.** Limits are applied first, and
 //! the drive is held within them. The other settings are then added one by one, in the order in

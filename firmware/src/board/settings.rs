@@ -26,6 +26,10 @@
 //! | nothing in one; unreadable data in the other | nothing: the first store was cut off, [`StoredState::Unfinished`] |
 //! | invalid values in both, or a record with invalid content | nothing: [`StoredState::Damaged`] |
 //! | the latest is of another version | nothing: [`StoredState::Version`] |
+//! | nothing in one or both, although the marker shows a store | nothing: [`StoredState::Damaged`] |
+//!
+//! The marker is the last word of a page before the halves, and is never erased here. If that page
+//! also holds data of others who erase it, the marker is written again.
 //!
 //! Reading never writes. Erasing a page stalls a processor that runs from the same flash (25 ms on
 //! an STM32G4): store in silence only.
@@ -41,7 +45,7 @@ use sequential_storage::map::{MapConfig, MapStorage};
 use serde::{Deserialize, Serialize};
 
 use self::blocking::{Blocking, wait};
-use self::whole::{ends_with, is_blank};
+use self::whole::{MAX_WORD_BYTES, ends_with, is_blank, is_marked, word};
 use crate::board::parameters::Overrides;
 use crate::board::stored_state::StoredState;
 use crate::generate::phasing::check_calibration;
@@ -83,6 +87,8 @@ pub struct NotStored;
 /// The settings in flash.
 pub struct Settings<F> {
     flash: F,
+    /// Offset of the first half, after the page of the marker; 0 without a marker.
+    first: u32,
     /// Length of each half, bytes.
     half: u32,
 }
@@ -137,6 +143,8 @@ struct Halves {
     /// Half that was written last.
     newest: u32,
     found: [HalfValue; 2],
+    /// `true` if the marker shows that settings were stored.
+    is_marked: bool,
 }
 
 impl Halves {
@@ -154,6 +162,7 @@ impl Halves {
             (Content::Record, Content::Record) if latest.number == other.number => StoredState::Stored,
             (Content::Record, _) => StoredState::OneCopy,
             (Content::Version(version), _) => StoredState::Version(version),
+            _ if self.is_marked => StoredState::Damaged,
             (Content::Blank, Content::Blank) => StoredState::Nothing,
             (Content::Blank, Content::Unread) | (Content::Unread, Content::Blank) => StoredState::Unfinished,
             _ => StoredState::Damaged,
@@ -180,14 +189,15 @@ impl Halves {
 
 impl<F: NorFlash> Settings<F> {
     /// Creates a store in all of this flash, which has four pages at least. A board passes the part
-    /// that it reserves for settings.
+    /// that it reserves for settings. If the number of pages is odd, the first one has the marker.
     pub fn new(flash: F) -> Result<Self, Error> {
-        let (page, word) = (F::ERASE_SIZE, F::WRITE_SIZE.max(F::READ_SIZE));
+        let page = F::ERASE_SIZE;
         in_range("settings.flash_page_bytes", page as f64, 2.0 * MAX_VALUE_BYTES as f64, 1e9)?;
-        in_range("settings.flash_word_bytes", word as f64, 1.0, 32.0)?;
+        in_range("settings.flash_word_bytes", f64::from(word::<F>()), 1.0, MAX_WORD_BYTES as f64)?;
         let half = flash.capacity() / (2 * page) * page;
         in_range("settings.flash_bytes", 2.0 * half as f64, 4.0 * page as f64, f64::from(u32::MAX))?;
-        Ok(Settings { flash, half: half as u32 })
+        let first = flash.capacity() / page % 2 * page;
+        Ok(Settings { flash, first: first as u32, half: half as u32 })
     }
 
     /// Returns the stored record and its state; an empty record if none can be used.
@@ -211,18 +221,37 @@ impl<F: NorFlash> Settings<F> {
         self.inspect(&[]).next_number().wrapping_sub(1)
     }
 
-    /// Stores a record in both halves. A record that is already stored is not written again.
+    /// Stores a record in both halves, and then writes the marker. A record that is already stored
+    /// is not written again.
     pub fn store(&mut self, record: &Record) -> Result<(), NotStored> {
         let mut value = [0; MAX_VALUE_BYTES];
         let length = HEAD_BYTES + postcard::to_slice(record, &mut value[HEAD_BYTES..]).map_err(|_| NotStored)?.len();
         let halves = self.inspect(&value[HEAD_BYTES..length]);
-        if halves.match_expected() || halves.state() == StoredState::Nothing && record.is_empty() {
+        if halves.match_expected() {
+            return self.mark();
+        }
+        if halves.state() == StoredState::Nothing && record.is_empty() {
             return Ok(());
         }
         value[0] = VERSION;
         value[1..HEAD_BYTES].copy_from_slice(&halves.next_number().to_le_bytes());
         // The half that was written last stays intact until the other one has the new record.
-        [1 - halves.newest, halves.newest].into_iter().try_for_each(|half| self.put(half, &value[..length]))
+        [1 - halves.newest, halves.newest].into_iter().try_for_each(|half| self.put(half, &value[..length]))?;
+        self.mark()
+    }
+
+    /// Writes the marker, if there is a place for it and it is blank.
+    pub(crate) fn mark(&mut self) -> Result<(), NotStored> {
+        if self.first == 0 || self.is_marked() {
+            return Ok(());
+        }
+        let word = word::<F>();
+        self.flash.write(self.first - word, &[0; MAX_WORD_BYTES][..word as usize]).map_err(|_| NotStored)
+    }
+
+    /// Returns `true` if the marker was written, or cannot be read.
+    fn is_marked(&mut self) -> bool {
+        self.first > 0 && is_marked(&mut self.flash, self.first - F::READ_SIZE as u32) != Some(false)
     }
 
     /// Writes a value into a half, and reads it back. If that fails, erases the half and tries
@@ -259,7 +288,7 @@ impl<F: NorFlash> Settings<F> {
     /// Reads both halves, and compares their values with `expected`.
     fn inspect(&mut self, expected: &[u8]) -> Halves {
         let found = [0, 1].map(|half| self.inspect_half(half, expected));
-        Halves { newest: found[1].is_newer_than(&found[0]).into(), found }
+        Halves { newest: found[1].is_newer_than(&found[0]).into(), found, is_marked: self.is_marked() }
     }
 
     fn inspect_half(&mut self, half: u32, expected: &[u8]) -> HalfValue {
@@ -277,7 +306,8 @@ impl<F: NorFlash> Settings<F> {
     }
 
     fn pages(&self, half: u32) -> Range<u32> {
-        half * self.half..(half + 1) * self.half
+        let from = self.first + half * self.half;
+        from..from + self.half
     }
 
     fn write(&mut self, half: u32, value: &[u8]) -> Result<(), NotStored> {

@@ -28,6 +28,8 @@ pub(crate) struct SettingsStore<'a> {
     changed: bool,
     /// Defect of the stored settings at power-up.
     flaw: Option<StoredState>,
+    /// `true` if the marker of stored settings was checked since its page may have been erased.
+    pub(crate) marker_checked: bool,
 }
 
 impl<'a> SettingsStore<'a> {
@@ -43,6 +45,7 @@ impl<'a> SettingsStore<'a> {
             stored: power_up.stored,
             changed: false,
             flaw: Some(power_up.stored).filter(|state| matches!(state, StoredState::Partly | StoredState::Refused)),
+            marker_checked: false,
         }
     }
 
@@ -54,6 +57,11 @@ impl<'a> SettingsStore<'a> {
             if !self.stored.hides_limits() {
                 self.stored = StoredState::Due;
             }
+        }
+        // Settings of earlier firmware have no marker. A failure leaves them as they were.
+        let has_record = !matches!(self.stored, StoredState::Nothing | StoredState::Unfinished | StoredState::Damaged);
+        if silent && !core::mem::replace(&mut self.marker_checked, true) && has_record {
+            let _ = settings.mark();
         }
         if !silent || self.stored != StoredState::Due {
             return;

@@ -10,8 +10,8 @@ pub enum StoredState {
     Nothing,
     /// The stored settings are the active ones, or will be after a reset.
     Stored,
-    /// Neither copy of the stored settings can be read, or their trims are invalid. The stored
-    /// limits are unknown, and the board does not drive.
+    /// Neither copy of the stored settings can be read, both were erased, or their trims are
+    /// invalid. The stored limits are unknown, and the board does not drive.
     Damaged,
     /// The stored settings are of this other version. They stay until an order to store or to
     /// clear, and the board does not drive before that.

@@ -70,7 +70,7 @@ fn words(refusal: Refusal) -> (&'static str, &'static str) {
             `reset`",
         ),
         Refusal::LimitsUnsure => (
-            "a stored limit may be inactive: the stored settings could not be read at start-up, or this image cannot check one \
+            "a stored limit may be inactive: the stored settings could not be read at start-up or were erased, or this image cannot check one \
              of them",
             "`settings get` shows the active values. Set the limits again and send `settings store`, or restore those of the \
              image by `settings clear`; then `reset`",

@@ -34,8 +34,8 @@ pub fn stored(stored: StoredState) -> String {
         StoredState::Nothing => "the board has stored nothing".into(),
         StoredState::Stored => "the board has stored its settings".into(),
         StoredState::Damaged => {
-            "neither copy of the stored settings can be read, and they may have contained a lower limit: the board does not \
-             drive until the limits are set again and stored (`settings store`), or removed (`settings clear`), and then `reset`"
+            "neither copy of the stored settings can be read, or both were erased, and they may have contained a lower limit: \
+             the board does not drive until the limits are set again and stored (`settings store`), or removed (`settings clear`), and then `reset`"
                 .into()
         }
         StoredState::Version(version) => {

@@ -20,8 +20,9 @@ pub const PAGES: u32 = 8;
 pub const START: u32 = 0x0808_0000 - PAGES * PAGE;
 /// Size of the settings, bytes.
 pub const SIZE: u32 = PAGES * PAGE;
-/// Flash area of the settings.
-pub const SETTINGS: Area = Area { start: START, size: SIZE };
+/// Flash area of the settings, and the page before them. The last word of that page marks that
+/// settings were stored; the rest of it belongs to the first stage.
+pub const SETTINGS: Area = Area { start: START - PAGE, size: PAGE + SIZE };
 
 /// Returns the number within its bank of the page at an address (`PNB`, RM0440 3.7.5).
 pub fn number(address: u32) -> u8 {

@@ -4,6 +4,7 @@
 //! bank 1  0x0800_0000  first stage, 16 KiB     0x0800_4000  slot, 234 KiB: manifest and running image      0x0803_e800  free, 6 KiB
 //! bank 2  0x0804_0000  store, 236 KiB: manifest and received or former image; one page more than the slot
 //!         0x0807_b000  state of the first stage, 4 KiB     0x0807_c000  settings, 16 KiB
+//!         0x0807_bff8  last word of that state: marker of stored settings
 //! ```
 //!
 //! The running image writes only to the second bank, so that its own code stays readable during the
@@ -11,7 +12,7 @@
 
 use boards_common::area::Area;
 
-use crate::pages::{FLASH, PAGE, SECOND_BANK, START};
+use crate::pages::{FLASH, PAGE, SECOND_BANK, START, WORD};
 
 /// Space reserved for the manifest before the image, bytes.
 pub const MANIFEST: u32 = 512;
@@ -29,6 +30,6 @@ pub const ORIGIN: u32 = SLOT.start + MANIFEST;
 pub const BOARD: &str = "nucleo-g474re";
 
 const _: () = assert!(SLOT.start + SLOT.size <= SECOND_BANK && STATE.start + STATE.size == START);
-const _: () = assert!(8 * (2 + 4 * (SLOT.size / PAGE)) <= STATE.size);
+const _: () = assert!(WORD * (2 + 4 * (SLOT.size / PAGE)) + WORD <= STATE.size);
 // VTOR ignores the low bits: ARM DDI 0403 B3.2.5. There are 16 exceptions and 102 interrupts.
 const _: () = assert!(ORIGIN.is_multiple_of(512) && 4 * (16 + 102) <= 512);

@@ -7,7 +7,7 @@ use embedded_storage::nor_flash::NorFlash;
 
 use super::{App, Watchdog};
 use crate::board::command::Reply;
-use crate::board::update::{UpdateReport, UpdateVerb};
+use crate::board::update::{Standing, UpdateReport, UpdateVerb};
 use crate::seam::refusal::Refusal;
 
 /// Number of blocks that an image on trial must have served before it is confirmed: 0.1 s of blocks
@@ -42,8 +42,10 @@ where
         let (silent, serves) = (self.is_silent(), self.block() >= MIN_SERVED_BLOCKS && self.host_obeyed);
         let Some(updates) = self.updates.as_mut().filter(|_| silent) else { return };
         updates.work();
-        if serves {
+        if serves && updates.report().standing == Standing::Trial {
             updates.confirm();
+            // The pages that this erases may contain the marker of stored settings.
+            self.settings_store.marker_checked = false;
         }
     }
 }

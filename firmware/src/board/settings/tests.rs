@@ -85,7 +85,7 @@ fn record_numbers_wrap_and_an_unreadable_record_is_older() {
 fn both_halves_determine_the_state() {
     let found = |number, content| HalfValue { number, content, is_expected: false };
     let state = |first: HalfValue, second: HalfValue| {
-        Halves { newest: second.is_newer_than(&first).into(), found: [first, second] }.state()
+        Halves { newest: second.is_newer_than(&first).into(), found: [first, second], is_marked: false }.state()
     };
     let rows = [
         ((3, Content::Record), (3, Content::Record), StoredState::Stored),

@@ -13,7 +13,7 @@ use core::ops::Range;
 use embedded_storage::nor_flash::NorFlash;
 
 /// Length of the longest word, bytes.
-const MAX_WORD_BYTES: usize = 32;
+pub(super) const MAX_WORD_BYTES: usize = 32;
 /// Value of an erased byte.
 const BLANK_BYTE: u8 = 0xFF;
 /// Number of zero bits that make a mark: half of a byte, more than a damaged blank byte has.
@@ -47,7 +47,7 @@ pub(super) fn is_blank<F: NorFlash>(flash: &mut F, pages: Range<u32>) -> bool {
 }
 
 /// Returns the number of bytes that are written at once.
-const fn word<F: NorFlash>() -> u32 {
+pub(super) const fn word<F: NorFlash>() -> u32 {
     if F::WRITE_SIZE > F::READ_SIZE { F::WRITE_SIZE as u32 } else { F::READ_SIZE as u32 }
 }
 
@@ -55,14 +55,15 @@ fn each<F: NorFlash>(pages: Range<u32>) -> impl Iterator<Item = Range<u32>> {
     pages.step_by(F::ERASE_SIZE).map(|from| from..from + F::ERASE_SIZE as u32)
 }
 
+/// Returns `true` if there is a mark at this offset, or `None` if it cannot be read.
+pub(super) fn is_marked<F: NorFlash>(flash: &mut F, at: u32) -> Option<bool> {
+    let mut bytes = [0; MAX_WORD_BYTES];
+    let bytes = &mut bytes[..F::READ_SIZE];
+    flash.read(at, bytes).ok().map(|()| bytes.iter().map(|byte| byte.count_zeros()).sum::<u32>() >= MARK_BITS)
+}
+
 fn state<F: NorFlash>(flash: &mut F, page: &Range<u32>) -> Page {
-    let mark = F::READ_SIZE as u32;
-    let is_marked = |flash: &mut F, at: u32| {
-        let mut bytes = [0; MAX_WORD_BYTES];
-        let bytes = &mut bytes[..mark as usize];
-        flash.read(at, bytes).ok().map(|()| bytes.iter().map(|byte| byte.count_zeros()).sum::<u32>() >= MARK_BITS)
-    };
-    match (is_marked(flash, page.start), is_marked(flash, page.end - mark)) {
+    match (is_marked(flash, page.start), is_marked(flash, page.end - F::READ_SIZE as u32)) {
         (Some(true), Some(false)) => Page::Open,
         (Some(true), Some(true)) => Page::Closed,
         (Some(false), Some(false)) if last_written(flash, page.clone()).is_none() => Page::Blank,

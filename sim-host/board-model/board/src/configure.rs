@@ -145,8 +145,8 @@ fn single(number: &serde_json::Number) -> Option<f32> {
 /// Stores settings in a flash; `flash` is the whole memory at [`pages::FLASH`].
 pub fn store(overrides: Overrides, flash: &mut [u8]) -> Result<(), Misfit> {
     let unstored = || Misfit(vec!["  the settings do not fit into their pages".to_owned()]);
-    let from = (pages::START - pages::FLASH) as usize;
-    let pages = flash.get_mut(from..from + pages::SIZE as usize).ok_or_else(unstored)?;
+    let from = (pages::SETTINGS.start - pages::FLASH) as usize;
+    let pages = flash.get_mut(from..from + pages::SETTINGS.size as usize).ok_or_else(unstored)?;
     let mut settings = Settings::new(Bytes(pages)).map_err(|_| unstored())?;
     settings.store(&Record { parameters: overrides, ..Record::default() }).map_err(|_| unstored())
 }
@@ -231,10 +231,11 @@ mod tests {
         assert_eq!(stored.len(), 2);
         let mut flash = vec![0xff; 0x8_0000];
         store(stored.clone(), &mut flash).unwrap();
-        let from = (pages::START - pages::FLASH) as usize;
+        let from = (pages::SETTINGS.start - pages::FLASH) as usize;
         let (record, state) = Settings::new(Bytes(&mut flash[from..])).unwrap().record();
         assert_eq!((record.parameters, state), (stored, StoredState::Stored));
-        assert!(flash[..from].iter().all(|&byte| byte == 0xff), "only the settings are written");
+        let marker = (pages::START - pages::WORD - pages::FLASH) as usize;
+        assert!(flash[..marker].iter().all(|&byte| byte == 0xff), "only the marker and the settings are written");
     }
 
     #[test]

@@ -263,7 +263,7 @@ fn a_word_that_fails_to_write_is_erased_and_written_again() {
 fn the_next_number_is_above_those_of_all_valid_writes() {
     let next = |first: (u32, Content), second: (u32, Content)| {
         let found = [first, second].map(|(number, content)| HalfValue { number, content, is_expected: false });
-        Halves { newest: found[1].is_newer_than(&found[0]).into(), found }.next_number()
+        Halves { newest: found[1].is_newer_than(&found[0]).into(), found, is_marked: false }.next_number()
     };
     let rows = [
         ((0, Content::Blank), (0, Content::Blank), 1),
@@ -276,5 +276,43 @@ fn the_next_number_is_above_those_of_all_valid_writes() {
     ];
     for (first, second, expected) in rows {
         assert_eq!([next(first, second), next(second, first)], [expected; 2], "{first:?} {second:?}");
+    }
+}
+
+#[test]
+fn erased_settings_differ_from_those_of_a_new_board() {
+    let new = Nor::with_pages(5);
+    // A first store that is cut off leaves no marker without a record.
+    let cut = (0..).map_while(|left| {
+        let mut settings = Settings::new(Nor { left, ..new.clone() }).unwrap();
+        settings.store(&record(1)).is_err().then(|| settings.record().1)
+    });
+    assert!(cut.clone().count() > 50 && cut.into_iter().all(|state| state != StoredState::Damaged));
+    let mut settings = Settings::new(new).unwrap();
+    assert_eq!((settings.clear(), settings.record().1, settings.flash.written), (Ok(()), StoredState::Nothing, 0));
+    settings.store(&record(1)).unwrap();
+    let whole = settings.release();
+    let erased = |pages: Range<usize>| {
+        let mut flash = whole.clone();
+        flash.bytes[pages.start * 2048..pages.end * 2048].fill(0xFF);
+        flash
+    };
+    assert_eq!([1..3, 3..5].map(|half| read_back(&erased(half))), [(); 2].map(|()| (record(1), StoredState::OneCopy)));
+    let mut unreadable = erased(1..3);
+    unreadable.bytes[3 * 2048 + 8..].fill(0xE7);
+    for flash in [erased(1..5), unreadable] {
+        let mut settings = Settings::new(flash).unwrap();
+        assert_eq!(settings.record(), (Record::default(), StoredState::Damaged));
+        settings.clear().unwrap();
+        assert_eq!(settings.record(), (Record::default(), StoredState::Nothing));
+    }
+    // Earlier firmware wrote no marker, and an update erases it: the board writes it in silence.
+    let mut settings = Settings::new(erased(0..1)).unwrap();
+    let power_up = PowerUp::read(&crate::board::parameters::tests::config(), &mut settings);
+    let (mut found, mut taken): (Queue<LaneTrims, 2>, Queue<LaneTrims, 2>) = (Queue::new(), Queue::new());
+    let mut store = SettingsStore::new(found.split().1, taken.split().0, &power_up);
+    for (silent, expected) in [(false, erased(0..1)), (true, whole.clone())] {
+        store.store_trims(silent, &mut settings);
+        assert!(settings.flash.bytes == expected.bytes, "{silent}");
     }
 }
