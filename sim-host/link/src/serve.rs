@@ -2,7 +2,8 @@
 //!
 //! One client holds the board at a time. Other clients wait for a moment, in case the holder
 //! leaves, and are then sent the address of the holder. The board runs with or without a client, as
-//! a real one does.
+//! a real one does. Bytes that no client takes are lost, so that nothing grows, and the next client
+//! does not wait for those of the last one.
 //!
 //! A holder that has sent nothing for the idle limit loses the board. A client that announces an
 //! order to stop ([`Client::announce_stop`](crate::client::Client::announce_stop)) takes the board
@@ -24,9 +25,9 @@ const TURN_PAUSE: Duration = Duration::from_micros(500);
 const MAX_TURN: Duration = Duration::from_millis(10);
 /// Maximum number of reads per turn.
 const MAX_READS: usize = 16;
-/// Maximum number of bytes on the wire to the board, many times the longest frame. Further bytes
-/// are lost.
-const MAX_WIRE_BYTES: usize = 4096;
+/// Maximum number of bytes on the wire to the board, which the next client waits for: 11 ms at the
+/// speed of the line. Further bytes are lost. A client sends one frame at a time.
+const MAX_WIRE_BYTES: usize = 4 * MAX_FRAME;
 /// Time that a client waits for the holder to leave. In this time the last bytes of a program that
 /// has ended are read.
 const HOLDER_WAIT: Duration = Duration::from_millis(500);
@@ -71,6 +72,7 @@ pub fn serve(
         match &client {
             Some(holder) => queue.refuse(&holder.stream),
             None => {
+                while board.receive(&mut [0; 1024]) > 0 {}
                 client = queue.take(|_| true);
                 client.iter().for_each(|client| note(&format!("a client has connected from {}", address(&client.stream))));
             }
@@ -181,10 +183,11 @@ fn address(stream: &TcpStream) -> String {
 
 /// Transfers bytes in both directions. Returns `false` if the client has disconnected.
 fn exchange(board: &mut impl InProcess, client: &mut Client) -> bool {
-    let mut bytes = [0; 1024];
-    let count = board.receive(&mut bytes);
-    // Bytes that do not fit into a full socket are lost, as on a wire without a receiver.
-    let sent = count == 0 || waits(client.stream.write_all(&bytes[..count])).is_some();
+    let (mut bytes, mut sent) = ([0; 1024], true);
+    while let count @ 1.. = board.receive(&mut bytes) {
+        // Bytes that do not fit into a full socket are lost, as on a wire without a receiver.
+        sent &= waits(client.stream.write_all(&bytes[..count])).is_some();
+    }
     // The number of reads is limited, so that the next block is not late. Bytes that exceed the
     // capacity of the wire are lost.
     for _ in 0..MAX_READS {
@@ -192,9 +195,8 @@ fn exchange(board: &mut impl InProcess, client: &mut Client) -> bool {
             Some(Some(0)) | None => return false,
             Some(Some(count)) => {
                 client.last_activity = Instant::now();
-                if board.waiting() < MAX_WIRE_BYTES {
-                    board.send(&bytes[..count]);
-                }
+                let room = MAX_WIRE_BYTES.saturating_sub(board.waiting());
+                board.send(&bytes[..count.min(room)]);
             }
             Some(None) => break,
         }
@@ -215,28 +217,36 @@ fn waits<T>(done: io::Result<T>) -> Option<Option<T>> {
 #[cfg(test)]
 mod tests {
     use std::collections::VecDeque;
+    use std::io::BufReader;
+    use std::net::SocketAddr;
 
     use super::*;
 
-    /// Board that echoes its input and runs at a fifth of real time.
+    /// Number of bytes that the wire of the board transfers per block of 1 ms.
+    const WIRE_BYTES: usize = 92;
+
+    /// Board that echoes its input after the byte 0 of each block.
     #[derive(Default)]
-    struct SlowBoard {
+    struct EchoBoard {
         wire: VecDeque<u8>,
+        echo: VecDeque<u8>,
         now: Duration,
+        /// Time that a block takes.
+        block_time: Duration,
     }
 
-    impl InProcess for SlowBoard {
+    impl InProcess for EchoBoard {
         fn send(&mut self, bytes: &[u8]) {
             self.wire.extend(bytes);
         }
 
         fn waiting(&self) -> usize {
-            0
+            self.wire.len()
         }
 
         fn receive(&mut self, into: &mut [u8]) -> usize {
-            let count = into.len().min(self.wire.len());
-            into.iter_mut().zip(self.wire.drain(..count)).for_each(|(into, byte)| *into = byte);
+            let count = into.len().min(self.echo.len());
+            into.iter_mut().zip(self.echo.drain(..count)).for_each(|(into, byte)| *into = byte);
             count
         }
 
@@ -245,34 +255,59 @@ mod tests {
         }
 
         fn block(&mut self) -> io::Result<()> {
-            std::thread::sleep(Duration::from_millis(5));
+            std::thread::sleep(self.block_time);
             self.now += Duration::from_millis(1);
+            self.echo.push_back(0);
+            self.echo.extend(self.wire.drain(..WIRE_BYTES.min(self.wire.len())));
             Ok(())
         }
     }
 
+    /// Serves a board while `act` runs with its address.
+    fn served<T>(block_time: Duration, act: impl FnOnce(SocketAddr) -> T) -> T {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let stop = AtomicBool::new(false);
+        let mut board = EchoBoard { block_time, ..Default::default() };
+        std::thread::scope(|scope| {
+            let serving = scope.spawn(|| serve(&mut board, &listener, &stop, Duration::ZERO, |_| ()).unwrap());
+            let done = act(listener.local_addr().unwrap());
+            stop.store(true, Ordering::Relaxed);
+            serving.join().unwrap();
+            done
+        })
+    }
+
+    /// Sends a byte and waits for its echo. Returns the duration, and the number of other bytes.
+    fn echoed(client: &mut TcpStream) -> (Duration, usize) {
+        let began = Instant::now();
+        client.write_all(b"x").unwrap();
+        let others = BufReader::new(client).bytes().take_while(|byte| *byte.as_ref().unwrap() != b'x').count();
+        (began.elapsed(), others)
+    }
+
     #[test]
     fn a_board_slower_than_real_time_still_answers() {
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let address = listener.local_addr().unwrap();
-        let stop = AtomicBool::new(false);
-        let waits = std::thread::scope(|scope| {
-            scope.spawn(|| serve(&mut SlowBoard::default(), &listener, &stop, Duration::ZERO, |_| ()).unwrap());
+        let waits = served(Duration::from_millis(5), |address| {
             let mut client = TcpStream::connect(address).unwrap();
             // Until the board is late by more than the limit.
             std::thread::sleep(2 * MAX_DELAY);
-            let waits: Vec<Duration> = (0..5)
-                .map(|_| {
-                    let began = Instant::now();
-                    client.write_all(b"x").unwrap();
-                    client.read_exact(&mut [0]).unwrap();
-                    began.elapsed()
-                })
-                .collect();
-            stop.store(true, Ordering::Relaxed);
-            waits
+            (0..5).map(|_| echoed(&mut client).0).collect::<Vec<_>>()
         });
         // If turns were not limited, they would become longer and longer.
         assert!(waits.iter().all(|wait| *wait < Duration::from_millis(500)), "{waits:?}");
+    }
+
+    #[test]
+    fn a_flood_of_one_client_does_not_delay_the_next() {
+        let (wait, others) = served(Duration::ZERO, |address| {
+            let mut flood = TcpStream::connect(address).unwrap();
+            // The echoes are not read.
+            (0..100).for_each(|_| flood.write_all(&[1; 20_000]).unwrap());
+            drop(flood);
+            // The board sends bytes that no client takes.
+            std::thread::sleep(Duration::from_secs(1));
+            echoed(&mut TcpStream::connect(address).unwrap())
+        });
+        assert!(wait < Duration::from_millis(500) && others < 500, "{wait:?} {others}");
     }
 }
