@@ -14,6 +14,11 @@
 //!
 //! A word can be damaged at any time ([`Flash::damage`]): its bits flip, or it becomes unreadable
 //! until its page is erased.
+//!
+//! A [`Mirror`] keeps the bytes outside the program after each operation, for example in a file.
+
+use std::fmt::Debug;
+use std::sync::Arc;
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
@@ -42,6 +47,8 @@ pub enum FlashError {
     PowerCut,
     /// A word in the range is damaged.
     Unreadable,
+    /// The mirror has failed, and the flash is unchanged.
+    NotMirrored,
 }
 
 impl NorFlashError for FlashError {
@@ -49,7 +56,9 @@ impl NorFlashError for FlashError {
         match self {
             FlashError::NotAligned => NorFlashErrorKind::NotAligned,
             FlashError::OutOfBounds => NorFlashErrorKind::OutOfBounds,
-            FlashError::NotErased | FlashError::PowerCut | FlashError::Unreadable => NorFlashErrorKind::Other,
+            FlashError::NotErased | FlashError::PowerCut | FlashError::Unreadable | FlashError::NotMirrored => {
+                NorFlashErrorKind::Other
+            }
         }
     }
 }
@@ -89,6 +98,12 @@ enum Completion {
     Interrupted,
 }
 
+/// Copy of a flash outside the program.
+pub trait Mirror: Debug + Send + Sync {
+    /// Keeps these bytes, which are the whole flash. Returns `false` if that fails.
+    fn keep(&self, bytes: &[u8]) -> bool;
+}
+
 /// Flash of pages and words, in memory.
 #[derive(Clone, Debug)]
 pub struct Flash {
@@ -101,6 +116,7 @@ pub struct Flash {
     words_written: u64,
     power: Power,
     chance: Chance,
+    mirror: Option<Arc<dyn Mirror>>,
 }
 
 impl Flash {
@@ -114,7 +130,26 @@ impl Flash {
             words_written: 0,
             power: Power::On,
             chance: Chance::new(seed),
+            mirror: None,
         }
+    }
+
+    /// Keeps the bytes in `mirror` after each later operation. If that fails, the operation fails
+    /// without effect.
+    pub fn with_mirror(self, mirror: Arc<dyn Mirror>) -> Self {
+        Flash { mirror: Some(mirror), ..self }
+    }
+
+    /// Performs an operation, and keeps its result in the mirror.
+    fn mirrored(&mut self, act: impl FnOnce(&mut Self) -> Result<(), FlashError>) -> Result<(), FlashError> {
+        let Some(mirror) = self.mirror.clone() else { return act(self) };
+        let before = self.clone();
+        let done = act(self);
+        if mirror.keep(&self.bytes) {
+            return done;
+        }
+        *self = before;
+        Err(FlashError::NotMirrored)
     }
 
     /// Creates a flash with these bytes, which must be whole pages. A word that is all ones counts
@@ -266,15 +301,14 @@ impl NorFlash for Flash {
     fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         self.powered()?;
         check_erase(self, from, to)?;
-        (from as usize / PAGE_BYTES..to as usize / PAGE_BYTES).try_for_each(|page| self.erase_page(page))
+        self.mirrored(|flash| (from as usize / PAGE_BYTES..to as usize / PAGE_BYTES).try_for_each(|page| flash.erase_page(page)))
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
         self.powered()?;
         check_write(self, offset, bytes.len())?;
-        (offset as usize / WORD_BYTES..)
-            .zip(bytes.chunks_exact(WORD_BYTES))
-            .try_for_each(|(word, value)| self.write_word(word, value))
+        let words = (offset as usize / WORD_BYTES..).zip(bytes.chunks_exact(WORD_BYTES));
+        self.mirrored(|flash| words.into_iter().try_for_each(|(word, value)| flash.write_word(word, value)))
     }
 }
 

@@ -42,6 +42,7 @@ pub mod commands;
 #[cfg(target_os = "linux")]
 pub mod emulated_board;
 pub mod expect;
+pub mod flash_file;
 pub mod link_error;
 pub mod parameter;
 pub mod port;

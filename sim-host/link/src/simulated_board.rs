@@ -77,11 +77,6 @@ impl SimulatedBoard {
         &self.setup.config
     }
 
-    /// Powers off the board and returns its flash.
-    pub fn power_off(&mut self) -> Flash {
-        self.bench.take().map_or_else(|| self.setup.flash.clone(), Bench::power_off)
-    }
-
     /// Returns the time since power-on.
     pub fn now(&self) -> Duration {
         Duration::from_secs_f64(self.blocks as f64 * self.block_s())

@@ -1,6 +1,5 @@
 //! `sim-host link`.
 
-mod flash_file;
 mod prompt;
 
 use std::cell::RefCell;
@@ -20,6 +19,7 @@ use super::{Color, Exit, Format, board_model, interrupts, provenance};
 use link::answer::{Answer, failure};
 use link::client::Client;
 use link::commands::{Order, amount, monitor, seconds, update};
+use link::flash_file::FlashFile;
 use link::link_error::LinkError;
 use link::port::{InProcess, Port, Serial, Simulated, Tcp};
 use link::script::Script;
@@ -177,18 +177,21 @@ fn open(port: &str) -> Result<Box<dyn Port>, LinkError> {
     })
 }
 
-/// Talks to a simulated board, and stores its flash if a file is given.
+/// Talks to a simulated board, with its flash in a file if one is given.
 fn simulated(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkError> {
-    let flash = args.flash.as_deref().map(flash_file::read).transpose()?.flatten();
+    let (flash, file) = args.flash.as_deref().map(|path| FlashFile::open(path, note)).transpose()?.unzip();
     let board = match flash {
         Some(flash) => SimulatedBoard::with_flash(scene, 0, flash),
         None => SimulatedBoard::new(scene, 0),
     };
     let board = board.map_err(|why| LinkError::Input(format!("the firmware refuses this scene: {why}")))?;
     let board = Rc::new(RefCell::new(board));
-    let done = with_board(args, Rc::clone(&board), color);
-    let stored = args.flash.as_deref().map_or(Ok(()), |file| flash_file::write(file, &board.borrow_mut().power_off()));
-    done.and(stored)
+    let done = with_board(args, board, color);
+    match file.map_or(Ok(()), |file| file.check()) {
+        // A lost setting is the more important result than Ctrl-C.
+        Err(error) if matches!(done, Ok(()) | Err(LinkError::Interrupted)) => Err(error),
+        _ => done,
+    }
 }
 
 /// Serves a board of this process, or runs the command or prompt on it.
