@@ -165,7 +165,7 @@ mod tests {
             assert_eq!(stored(&path), (1, StoredState::Stored));
             settings::run(&SettingsOrder::Clear, session).unwrap();
             assert_eq!(stored(&path), (0, StoredState::Nothing));
-            set_and_store(session, "2.5").unwrap();
+            set_and_store(session, "4.5").unwrap();
         });
         assert_eq!(stored(&path), (1, StoredState::Stored));
         // A file of an earlier version has no page for the marker.
@@ -195,7 +195,7 @@ mod tests {
         let why = file.check().unwrap_err().to_string();
         assert!(why.contains("board.flash` cannot be written: ") && why.contains("is NOT stored"), "{why}");
         at_board(&path, |session| {
-            let refused = set_and_store(session, "2.5").unwrap_err().to_string();
+            let refused = set_and_store(session, "4.5").unwrap_err().to_string();
             assert!(refused.contains("flash memory has failed"), "{refused}");
         });
         assert_eq!(fs::read(&path).unwrap(), before);
