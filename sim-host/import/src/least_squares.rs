@@ -55,7 +55,11 @@ impl Linear {
         };
         let scales: Vec<f64> = columns.iter().map(scale).collect();
         let n = columns.len();
-        let matrix = DMatrix::from_fn(n, n, |i, j| scales[i] * scales[j] * dot(&columns[i.min(j)], &columns[i.max(j)]));
+        let mut matrix = DMatrix::zeros(n, n);
+        for (i, j) in (0..n).flat_map(|i| (i..n).map(move |j| (i, j))) {
+            matrix[(i, j)] = scales[i] * scales[j] * dot(&columns[i], &columns[j]);
+            matrix[(j, i)] = matrix[(i, j)];
+        }
         let gradient = DVector::from_fn(n, |i, _| scales[i] * dot(&columns[i], &self.residuals));
         (matrix, gradient, scales)
     }
@@ -83,13 +87,18 @@ fn factor(matrix: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
 
 /// Minimises the sum of squares from a start; `None` if the residuals at the start are undefined.
 pub fn minimise(start: &[f64], evaluate: impl Fn(&[f64]) -> Option<Linear>) -> Option<Solution> {
+    minimise_within(MAX_STEPS, start, evaluate)
+}
+
+/// Minimises the sum of squares from a start within a number of steps, as [`minimise`] does.
+pub(crate) fn minimise_within(steps: usize, start: &[f64], evaluate: impl Fn(&[f64]) -> Option<Linear>) -> Option<Solution> {
     let mut linear = evaluate(start)?;
     let mut parameters = start.to_vec();
     let mut cost = linear.cost();
     let freedom = linear.residuals.len().saturating_sub(start.len()).max(1) as f64;
     let (mut damping, mut converged) = (1e-3, false);
     let (mut matrix, mut gradient, mut scales) = linear.normal();
-    for _ in 0..MAX_STEPS {
+    for _ in 0..steps.min(MAX_STEPS) {
         if !cost.is_finite() || cost == 0.0 {
             converged = cost == 0.0;
             break;

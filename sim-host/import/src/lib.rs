@@ -27,6 +27,7 @@ pub mod error;
 pub mod friction;
 mod heading;
 pub mod least_squares;
+mod rows;
 pub mod signal;
 pub mod synthetic;
 mod touchstone;

@@ -1,6 +1,7 @@
 //! Imports of synthetic and hand-made files: the results agree with the truth, and unusable files
 //! are refused with the reason.
 
+use sonoglide_import::admittance::coordinate::Coordinate;
 use sonoglide_import::admittance::measured::Measured;
 use sonoglide_import::admittance::options::Options;
 use sonoglide_import::admittance::{Admittance, Value, fit};
@@ -162,4 +163,43 @@ fn an_ambiguous_two_port_file_is_refused() {
     let line = |n: u32| format!("{} 0.1 0.2 0.3 -0.4 0.3 -0.4 0.1 0.2\n", 40_000 + n);
     let error = refused("x.s2p", &format!("# Hz S RI R 50\n{}", (0..40).map(line).collect::<String>()));
     assert!(error.starts_with("series-through or shunt-through?"), "{error}");
+}
+
+/// Returns a sweep of the conductance `g`, S, with relative noise and its correlation of neighbours.
+fn sweep(rows: u32, g: f64, noise: f64, rho: f64) -> Measured {
+    let mut state = 0x9e37_79b9_7f4a_7c15 ^ u64::from(rows);
+    let mut part = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state as f64 / u64::MAX as f64 - 0.5
+    };
+    let mut normal = || (0..12).map(|_| part()).sum::<f64>();
+    let mut last = num_complex::Complex64::ZERO;
+    let hz: Vec<f64> = (0..rows).map(|n| 39e3 + 2e3 * f64::from(n) / f64::from(rows)).collect();
+    let reading = |hz: &f64| {
+        last = rho * last + (1.0 - rho * rho).sqrt() * num_complex::Complex64::new(normal(), normal());
+        admittance(*hz, g) * (1.0 + noise * last)
+    };
+    let seen: Vec<_> = hz.iter().map(reading).collect();
+    Measured { hz, admittance: seen.clone(), seen, fixture: Vec::new(), coordinate: Coordinate::Immittance, remarks: Vec::new() }
+}
+
+#[test]
+fn many_rows_have_the_circuit_of_few_with_the_uncertainty_of_many() {
+    for (noise, rho) in [(1e-3, 0.0), (1e-5, 0.0), (1e-3, 0.9)] {
+        let [few, many] = [3_000, 300_000].map(|rows| fit("rows", sweep(rows, 2e-3, noise, rho), None).unwrap());
+        let values = |found: &Admittance| {
+            let c = &found.circuit;
+            [c.series_resonance_hz, c.q, c.rm_ohm, c.c0_f]
+        };
+        for ((few, many), truth) in values(&few).into_iter().zip(values(&many)).zip([40e3, 100.0, 500.0, 1e-9]) {
+            let far = |value: Value, truth: f64| (value.value - truth).abs() > 4.0 * value.sd;
+            assert!(!far(many, truth) && !far(few, many.value), "{noise} {rho}: {many:?} {few:?}");
+            assert!((7.0..13.0).contains(&(few.sd / many.sd)), "{noise} {rho}: {many:?} {few:?}");
+        }
+        assert_eq!((many.residuals.len(), many.modes.len()), (300_000, 1));
+        assert!((many.noise[0] / noise - 1.0).abs() < 0.05, "{:?}", many.noise);
+    }
+    assert!(fit("noise", sweep(20_001, 0.0, 30.0, 0.0), None).is_err());
 }

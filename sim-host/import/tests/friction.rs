@@ -99,3 +99,28 @@ fn successively_sliding_springs_fit_the_maxwell_model() {
     let maxwell = found.models.iter().find(|model| model.model == Model::Maxwell).unwrap();
     assert!(maxwell.rms_n < found.chosen().rms_n, "{} {}", maxwell.rms_n, found.chosen().rms_n);
 }
+
+#[test]
+fn many_samples_have_the_contact_of_few_with_the_uncertainty_of_many() {
+    // Few strokes over the whole log, and many of which means would show nothing.
+    for strokes in [6.0, 3000.0] {
+        let [few, many] = [1_500, 300_000].map(|rows| {
+            // The slip of a stroke is the same in both logs.
+            let (strokes, rows) = (if rows == 1_500 { 6.0 } else { strokes }, rows as f64);
+            let x = |n: f64| 20e-6 * (0.15 + n / rows) * (std::f64::consts::TAU * strokes * n / rows).sin();
+            let samples: Vec<_> = (0..rows as usize).map(|n| (n as f64, x(n as f64), x(n as f64) - x(n as f64 - 1.0))).collect();
+            let force = dahl(&samples, 0.6, 2e5).into_iter().enumerate().map(|(n, force)| force + noise(n, 0.005)).collect();
+            let slip_m = std::iter::once(0.0).chain(samples.windows(2).map(|pair| pair[1].1 - pair[0].1)).collect();
+            let velocity_m_per_s = samples.iter().map(|(.., v)| *v).collect();
+            let on = vec![false; samples.len()];
+            let log = Log { slip_m, velocity_m_per_s, force_n: force, normal_n: 2.0, on, ..Log::default() };
+            fit("rows", log).unwrap()
+        });
+        assert_eq!((many.chosen().model, many.chosen().force_n.len()), (Model::Dahl, 300_000), "{:?}", many.models);
+        for (name, truth) in [("mu", 0.3), ("stiffness_n_per_m", 2e5)] {
+            let ((value_few, sd_few), (value, sd)) = (value(&few, name), value(&many, name));
+            assert!((value - truth).abs() < 4.0 * sd && sd < 0.3 * sd_few, "{strokes} {name}: {value} {sd} {sd_few}");
+            assert!((value - value_few).abs() < 4.0 * sd_few, "{strokes} {name}: {value} {value_few}");
+        }
+    }
+}

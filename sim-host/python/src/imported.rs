@@ -1,7 +1,6 @@
 //! Measured data: an admittance as a circuit, a friction log as a contact.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 use ::import::admittance::coordinate::Topology;
 use ::import::admittance::options::Options;
@@ -66,7 +65,8 @@ pub fn import_admittance<'py>(
         return Err(PyValueError::new_err("z0_ohm: from 0.001 to 1e6 ohm; series_ohm: from 0 to 1e6 ohm"));
     }
     let options = Options { z0_ohm, topology: self::topology(topology)?, units, columns, open, short, series_ohm, modes };
-    let found = interruptible::run(py, &AtomicBool::new(false), || admittance::import(&path, &options))?;
+    let file = path.clone();
+    let found = interruptible::run_detached(py, move || admittance::import(&file, &options))?;
     let found = found.map_err(|error| import_error(&path, &error))?;
     let measured = &found.measured;
     let fitted = || measured.hz.iter().map(|hz| found.equivalent.admittance(*hz));
@@ -98,7 +98,8 @@ pub fn import_friction<'py>(
         return Err(PyValueError::new_err("on_s: pairs of ascending times in s"));
     }
     let options = friction::Options { columns, normal_n, on_s };
-    let found = interruptible::run(py, &AtomicBool::new(false), || friction::import(&path, &options))?;
+    let file = path.clone();
+    let found = interruptible::run_detached(py, move || friction::import(&file, &options))?;
     let found = found.map_err(|error| import_error(&path, &error))?;
     let (log, fitted) = (&found.log, &found.chosen().force_n);
     let arrays = vec![

@@ -124,7 +124,7 @@ impl Link {
 
 impl Link {
     fn reply(&self, py: Python<'_>) -> PyResult<(String, String)> {
-        interruptible::wait(py, self.stop, &self.replies)?.map_err(LinkError::new_err)
+        interruptible::wait(py, Some(self.stop), &self.replies)?.map_err(LinkError::new_err)
     }
 }
 

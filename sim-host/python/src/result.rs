@@ -14,6 +14,7 @@ use sim::study::{Detached, Study};
 use sim::{output, tables};
 
 use crate::errors::{RunError, run_error};
+use crate::interruptible::guarded;
 
 /// A table: identifier, title, caption, header, rows.
 type TableParts = (String, String, String, Vec<String>, Vec<Vec<String>>);
@@ -37,14 +38,14 @@ impl Result {
 
     /// Evaluates the study, without the interpreter's lock.
     fn with_study<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&Study) -> T + Send) -> PyResult<T> {
-        py.detach(|| {
+        let look = || {
             let mut kept = self.study.lock().unwrap_or_else(PoisonError::into_inner);
             let study = kept.take().and_then(|study| study.of(&self.loaded.scene))?;
             let seen = look(&study);
             *kept = Some(study.detached());
             Some(seen)
-        })
-        .ok_or_else(|| RunError::new_err("the result of this run was lost in an earlier error"))
+        };
+        py.detach(|| guarded(look))?.ok_or_else(|| RunError::new_err("the result of this run was lost in an earlier error"))
     }
 
     /// Returns the report, with the data of its figures; it is computed once.
@@ -141,7 +142,7 @@ impl Result {
     /// Returns a figure as SVG, by its index.
     fn svg(&self, py: Python<'_>, place: usize) -> PyResult<String> {
         let figure = self.figure(py, place)?;
-        py.detach(|| report::svg(figure)).map_err(|error| run_error(&error))
+        py.detach(|| guarded(|| report::svg(figure)))?.map_err(|error| run_error(&error))
     }
 
     /// Returns the data of a figure as CSV, by its index.

@@ -103,10 +103,8 @@ impl Sweep {
     /// Joins the parts in a folder, and writes the result next to them. Returns the number of
     /// points without a result.
     fn join(&self, py: Python<'_>, folder: PathBuf) -> PyResult<u64> {
-        let joined = py
-            .detach(|| join(std::slice::from_ref(&folder), &folder, &Presentation::default()))
-            .map_err(|error| run_error(&error))?;
-        Ok(joined.failures)
+        let work = move || join(std::slice::from_ref(&folder), &folder, &Presentation::default());
+        Ok(interruptible::run_detached(py, work)?.map_err(|error| run_error(&error))?.failures)
     }
 
     /// Returns a column of numbers of a folder's result: 64-bit floating-point numbers as bytes in

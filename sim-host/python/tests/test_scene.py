@@ -1,3 +1,5 @@
+import os
+import signal
 import threading
 import time
 
@@ -83,9 +85,19 @@ def test_other_threads_run_during_a_scene():
     assert ticks > 10
 
 
-def test_a_signal_ends_a_run():
-    import signal
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+def test_a_forked_child_runs_and_sweeps_after_its_parent():
+    scene = Scene.load("contact")
+    ratio = scene.run()["friction_ratio"]
+    child = os.fork()
+    if child == 0:
+        signal.alarm(60)  # ends a child that waits for ever
+        sweep = Scene.load("contact-kinematic").sweep({"contact.dahl.mu": [0.1, 0.2]}, metrics=["friction_ratio"])
+        os._exit(0 if scene.run()["friction_ratio"] == ratio and len(sweep["friction_ratio"]) == 2 else 1)
+    assert os.waitpid(child, 0)[1] == 0
 
+
+def test_a_signal_ends_a_run():
     def raised(*_: object) -> None:
         raise KeyboardInterrupt
 

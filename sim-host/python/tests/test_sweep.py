@@ -55,6 +55,9 @@ def test_errors_come_before_any_run(tmp_path: Path):
             KINEMATIC.sweep(over, metrics=metrics)
     with pytest.raises(ValueError, match="either keys"):
         KINEMATIC.sweep()
+    for jobs in (-1, 1025, 10**30):
+        with pytest.raises(ValueError, match="1024"):
+            KINEMATIC.sweep(OVER, metrics=["friction_ratio"], jobs=jobs)
     KINEMATIC.sweep(OVER, metrics=["friction_ratio"], output=tmp_path / "sweep")
     with pytest.raises(RunError, match="different points"):
         KINEMATIC.sweep({"contact.dahl.mu": [0.1]}, metrics=["friction_ratio"], output=tmp_path / "sweep")

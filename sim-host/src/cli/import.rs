@@ -7,6 +7,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
 
+use super::progress::timed;
 use super::{Color, Exit, Format, ReportArgs, mistake, print_styled, visible};
 use ::import::admittance::coordinate::Topology;
 use ::import::admittance::options::Options;
@@ -153,7 +154,8 @@ fn import_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<Exit
     };
     let inputs = [Some(&common.file), options.open.as_ref(), options.short.as_ref()].into_iter().flatten();
     let owner = Owner::new("import admittance", inputs);
-    finish((common, owner), admittance::import(&common.file, &options), color, |found, source| Imported {
+    let import = || admittance::import(&common.file, &options);
+    finish((common, owner), import, color, |found, source| Imported {
         scene: found.scene(&source),
         report: found.report(&source),
         json: found.json(None),
@@ -166,7 +168,8 @@ fn import_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<Exit> {
     let common = &args.common;
     let options = friction::Options { columns: common.columns.clone(), normal_n: args.normal_n, on_s: args.on.clone() };
     let owner = Owner::new("import friction", [&common.file]);
-    finish((common, owner), friction::import(&common.file, &options), color, |found, source| Imported {
+    let import = || friction::import(&common.file, &options);
+    finish((common, owner), import, color, |found, source| Imported {
         scene: found.scene(&source),
         report: found.report(&source),
         json: found.json(None),
@@ -192,13 +195,15 @@ struct Imported {
 /// Writes and prints the result of an import.
 fn finish<T>(
     (common, owner): (&Common, Owner),
-    imported: Result<T, ImportError>,
+    import: impl FnOnce() -> Result<T, ImportError>,
     color: Color,
     shown: impl Fn(T, String) -> Imported,
 ) -> anyhow::Result<Exit> {
     let stem = stem(&common.file);
     let source = common.file.file_name().map_or_else(|| stem.clone(), |name| name.to_string_lossy().into_owned());
-    let found = imported.map(|found| shown(found, source)).map_err(|error| match error {
+    let quiet = common.report.result.quiet;
+    let imported = timed(format!("fitting {source}"), quiet, || import().map(|found| shown(found, source)));
+    let found = imported.map_err(|error| match error {
         ImportError::Unreadable { .. } => anyhow::Error::from(error),
         error => anyhow::Error::from(error).context(common.file.display().to_string()),
     })?;
@@ -207,7 +212,8 @@ fn finish<T>(
     let scene = found.scene.clone().filter(|text| is_valid(&name, text));
     let mut written = None;
     if let Some(folder) = &folder {
-        write(folder, &found, scene.as_deref().map(|text| (name.as_str(), text)))?;
+        let scene = scene.as_deref().map(|text| (name.as_str(), text));
+        timed("writing the report".into(), quiet, || write(folder, &found, scene))?;
         written = scene.is_some().then(|| folder.dir().join(&name).display().to_string());
     }
     match common.report.result.format {
@@ -218,7 +224,7 @@ fn finish<T>(
             print_styled(&format!("{}\n\n{tables}{}", visible(&found.report.title), visible(&notes)))?
         }
     };
-    if let Some(folder) = folder.filter(|_| !common.report.result.quiet) {
+    if let Some(folder) = folder.filter(|_| !quiet) {
         say!("report: {}", folder.dir().join("report.html").display());
         if let Some(scene) = &written {
             say!("scene: {scene}; run it with `sim-host run {scene}`");

@@ -1,5 +1,5 @@
 //! Progress on standard error, in simulated seconds or runs: a bar on a terminal, otherwise a line
-//! every ten seconds.
+//! every ten seconds. Work without a known end shows its duration.
 
 use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
@@ -10,6 +10,19 @@ use indicatif::{ProgressBar, ProgressStyle};
 const LINE_EVERY: Duration = Duration::from_secs(10);
 /// Steps of the bar.
 const STEPS: u64 = 1000;
+/// Time between two pictures of work without a known end.
+const FRAME_EVERY: Duration = Duration::from_millis(100);
+
+/// Does some work without a known end, and shows its duration on a terminal.
+pub(super) fn timed<T>(what: String, quiet: bool, work: impl FnOnce() -> T) -> T {
+    let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+    let style = ProgressStyle::with_template("{spinner} {msg}  {elapsed}");
+    let bar = style.map(|style| bar.clone().with_style(style)).unwrap_or(bar).with_message(what);
+    bar.enable_steady_tick(FRAME_EVERY);
+    let done = work();
+    bar.finish_and_clear();
+    done
+}
 
 /// Progress towards a simulated time, s, or towards a number of runs.
 pub(super) struct Progress {

@@ -8,6 +8,7 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
+use super::progress::timed;
 use super::{Color, DrawingArgs, Exit, Format, ReportArgs, print_styled};
 use import::signal::spectrogram::{Asked, Method, Spectrogram};
 use import::signal::{Choice, Signal};
@@ -111,19 +112,21 @@ pub(super) fn run(args: &SpectrumArgs, color: Color) -> anyhow::Result<Exit> {
         smooth_s: args.smooth_s,
         band_hz: args.band,
     };
-    let found = Spectrogram::new(Signal::read(&args.file, &choice)?, &asked)?;
-    let source = args.file.display().to_string();
+    let (source, quiet) = (args.file.display().to_string(), args.report.result.quiet);
+    let found = timed(format!("analysing {source}"), quiet, || -> anyhow::Result<_> {
+        Ok(Spectrogram::new(Signal::read(&args.file, &choice)?, &asked)?)
+    })?;
     let stem = args.file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let folder = args.report.open(&format!("{stem}-{}", found.method), Owner::new("spectrum", [&args.file]))?;
     if let Some(folder) = &folder {
-        write(&found, &source, folder.unfinished(), args)?;
+        timed("writing the report".into(), quiet, || write(&found, &source, folder.unfinished(), args))?;
         folder.finish(json!({ "spectrum": found.json(&source), "complete": true }))?;
     }
     match args.report.result.format {
         Format::Human => print_styled(&found.table(&source).terminal(color.stdout))?,
         Format::Json => print_styled(&format!("{:#}\n", found.json(&source)))?,
     };
-    if let Some(folder) = folder.filter(|_| !args.report.result.quiet) {
+    if let Some(folder) = folder.filter(|_| !quiet) {
         say!("report: {}", folder.dir().join("report.html").display());
     }
     Ok(Exit::Done)

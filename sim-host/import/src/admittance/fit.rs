@@ -14,6 +14,20 @@
 //! over time, because of a drift, or because the circuit does not fit. They are whitened by their
 //! correlation, `e(t) - rho e(t - 1)`, and the remaining correlation multiplies the covariance by
 //! `1 + 2 sum rho(k)`.
+//!
+//! **Long sweeps.** The fit is to means over bins of rows (see [`bins`]). The circuit at the mean
+//! frequency of a bin is not its mean over the rows. The last fits therefore replace the mean `y` of
+//! a bin by
+//!
+//! ```text
+//! y' = f(mean frequency) - mean over rows (f - y),   f: circuit of the preceding fit
+//! ```
+//!
+//! so that their errors vanish with the mean error of the rows. The statistics are those of all
+//! rows, and the whole correlation multiplies the covariance, because neighbouring bins of unequal
+//! lengths cannot be whitened.
+
+use std::ops::Range;
 
 use num_complex::Complex64;
 
@@ -24,6 +38,7 @@ use super::start::{self, Points};
 use super::weights::Weights;
 use crate::error::ImportError;
 use crate::least_squares::{Linear, Solution, minimise};
+use crate::rows::{MAX_POINTS, bins, means};
 use report::rounded;
 use report::statistics::{ascending, quantile};
 
@@ -42,6 +57,8 @@ const MAX_Q: f64 = 1e5;
 const MAX_OUTSIDE_LN: f64 = 0.1;
 /// Number of rounds of weights and least squares.
 const WEIGHT_ROUNDS: usize = 3;
+/// Number of fits that compare the circuit with all rows of a long sweep.
+const ROW_ROUNDS: usize = 2;
 /// Largest correlation of neighbours that is whitened.
 const MAX_CORRELATION: f64 = 0.97;
 /// Largest standard deviation of the logarithm of conductance or quality factor for a resonance to
@@ -73,7 +90,12 @@ pub(super) struct Fit {
 
 /// Fit of a circuit to a sweep.
 pub(super) struct Fitter<'a> {
-    measured: &'a Measured,
+    rows: &'a Measured,
+    /// Rows of each point.
+    bins: Vec<Range<usize>>,
+    /// Number of rows of each point.
+    counts: Vec<f64>,
+    measured: Measured,
     readings: Vec<Complex64>,
     pub(super) farad: f64,
 }
@@ -86,16 +108,19 @@ struct Stage {
 }
 
 impl<'a> Fitter<'a> {
-    pub(super) fn new(measured: &'a Measured) -> Self {
-        let readings = measured.seen.iter().map(|y| measured.coordinate.of(*y)).collect();
+    pub(super) fn new(rows: &'a Measured) -> Self {
+        let bins = bins(&rows.readings(), MAX_POINTS);
+        let measured = rows.averaged(&bins);
+        let readings = measured.readings();
+        let counts = bins.iter().map(|bin| bin.len() as f64).collect();
         let farad = |(y, hz): (&Complex64, &f64)| y.norm_sqr().sqrt() / (std::f64::consts::TAU * hz);
         let sizes = ascending(measured.admittance.iter().zip(&measured.hz).map(farad));
         let farad = quantile(&sizes, 0.5).filter(|c| *c > 0.0).unwrap_or(1e-9);
-        Fitter { measured, readings, farad }
+        Fitter { rows, bins, counts, measured, readings, farad }
     }
 
     /// Fits a given number of resonances, or the number that the data show.
-    pub(super) fn fit(&self, modes: Option<usize>) -> Result<Fit, ImportError> {
+    pub(super) fn fit(self, modes: Option<usize>) -> Result<Fit, ImportError> {
         let first = modes.unwrap_or(1);
         self.check_points(first)?;
         let mut last = self.stage(&[], None).ok_or_else(|| no_fit("not even a clamped capacitance can be fitted"))?;
@@ -135,7 +160,7 @@ impl<'a> Fitter<'a> {
     }
 
     fn no_resonance(&self, modes: Option<usize>) -> ImportError {
-        let hz = &self.measured.hz;
+        let hz = &self.rows.hz;
         let why = match modes {
             Some(modes) if modes > 1 => format!("fewer than {modes} of them can be distinguished"),
             _ => "a capacitance with its loss explains the data as well as a circuit with a resonance. Sweep around the \
@@ -149,8 +174,8 @@ impl<'a> Fitter<'a> {
     /// Returns the circuit with one more resonance than the known ones; with the known ones alone
     /// if there are no weights yet.
     fn stage(&self, known: &[Branch], before: Option<&Weights>) -> Option<Stage> {
-        let measured = self.measured;
-        let weights = before.cloned().unwrap_or_else(|| Weights::equal(measured.seen.len()));
+        let measured = &self.measured;
+        let weights = before.cloned().unwrap_or_else(|| Weights::equal(&self.counts));
         let weight: Vec<Complex64> = measured
             .admittance
             .iter()
@@ -215,7 +240,7 @@ impl<'a> Fitter<'a> {
                 .zip(&self.readings)
                 .map(|(y, reading)| coordinate.difference(coordinate.of(*y), *reading) / freedom)
                 .collect();
-            let weights = Weights::from_residuals(coordinate, &fitted, &errors);
+            let weights = Weights::from_residuals(coordinate, &fitted, &errors, &self.counts);
             match self.solve(&stage.solution.parameters, &weights, 0.0) {
                 Some(solution) => stage = Stage { solution, weights },
                 None => break,
@@ -226,7 +251,7 @@ impl<'a> Fitter<'a> {
 
     /// Returns the admittances that the instrument would measure for a circuit.
     fn seen(&self, parameters: &[f64]) -> Vec<Complex64> {
-        let measured = self.measured;
+        let measured = &self.measured;
         let of = |(at, hz): (usize, &f64)| {
             let y = admittance(parameters, self.farad, *hz, None);
             measured.fixture.get(at).map_or(y, |fixture| fixture.seen(y).0)
@@ -258,22 +283,66 @@ impl<'a> Fitter<'a> {
         })
     }
 
+    /// Returns the errors of a circuit at all rows.
+    fn row_errors(&self, parameters: &[f64]) -> Vec<Complex64> {
+        let circuit = Equivalent::from_parameters(parameters, self.farad);
+        let clamped = std::f64::consts::TAU * circuit.c0_f * Complex64::new(circuit.loss_tangent, 1.0);
+        let error = |(at, (hz, reading)): (usize, (&f64, &Complex64))| {
+            let y = hz * clamped + circuit.branches.iter().map(|branch| branch.admittance(*hz)).sum::<Complex64>();
+            self.rows.coordinate.difference(self.rows.reading(at, y).0, *reading)
+        };
+        self.rows.hz.iter().zip(&self.rows.readings()).enumerate().map(error).collect()
+    }
+
+    /// Fits the circuit to all rows of a long sweep. Returns their residuals and the noise.
+    fn compare_rows(&mut self, solution: &mut Solution, weights: &Weights) -> (Vec<Complex64>, [f64; 2]) {
+        for _ in 0..ROW_ROUNDS {
+            let errors = means(&self.row_errors(&solution.parameters), &self.bins);
+            for (at, error) in errors.into_iter().enumerate() {
+                let y = admittance(&solution.parameters, self.farad, self.measured.hz[at], None);
+                self.readings[at] = self.measured.reading(at, y).0 - error;
+            }
+            if let Some(better) = self.solve(&solution.parameters, weights, 0.0) {
+                *solution = better;
+            }
+        }
+        let mut errors = self.row_errors(&solution.parameters);
+        let rms = |of: fn(&Complex64) -> f64| (errors.iter().map(of).map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+        let noise = [rms(|e| e.re), rms(|e| e.im)];
+        for (bin, sd) in self.bins.iter().zip(&weights.0) {
+            let [re, im] = sd.map(|sd| sd * (bin.len() as f64).sqrt());
+            errors[bin.clone()].iter_mut().for_each(|e| *e = Complex64::new(e.re / re, e.im / im));
+        }
+        (errors, noise)
+    }
+
     /// Whitens the residuals, and computes the covariance.
-    fn finish(&self, stage: Stage) -> Result<Fit, ImportError> {
+    fn finish(mut self, stage: Stage) -> Result<Fit, ImportError> {
         let Stage { mut solution, weights } = stage;
-        let (mut correlation, mut inflation) = memory(&complex(&solution.linear.residuals));
-        let misfit = roughness(&complex(&solution.linear.residuals));
-        let residuals = complex(&solution.linear.residuals);
-        if inflation > 1.0 {
+        let long = self.bins.len() < self.rows.hz.len();
+        let (mut residuals, noise) = if long {
+            self.compare_rows(&mut solution, &weights)
+        } else {
+            let mean = |part: usize| weights.0.iter().map(|sd| sd[part] * sd[part]).sum::<f64>() / weights.0.len() as f64;
+            (complex(&solution.linear.residuals), [mean(0).sqrt(), mean(1).sqrt()])
+        };
+        let (mut correlation, mut inflation) = memory(&residuals);
+        let misfit = roughness(&residuals);
+        if long {
+            solution.cost = residuals.iter().map(Complex64::norm_sqr).sum();
+            let sd = (solution.cost / (2 * residuals.len()) as f64).sqrt().max(f64::MIN_POSITIVE);
+            residuals.iter_mut().for_each(|e| *e /= sd);
+        }
+        if inflation > 1.0 && !long {
             let rho = correlation.min(MAX_CORRELATION);
             if let Some(white) = self.solve(&solution.parameters, &weights, rho).filter(|white| white.converged) {
                 inflation = memory(&complex(&white.linear.residuals)).1;
                 solution = white;
             }
-        } else {
+        } else if inflation <= 1.0 {
             correlation = 0.0;
         }
-        let free = 2 * self.readings.len() - solution.parameters.len();
+        let free = 2 * residuals.len() - solution.parameters.len();
         let variance = solution.cost / free as f64 * inflation;
         let covariance =
             solution.covariance().ok_or_else(|| no_fit("the data do not determine all parameters of the circuit"))?;
@@ -285,23 +354,19 @@ impl<'a> Fitter<'a> {
             .find(|at| !self.is_inside(solution.parameters[*at]))
         {
             let hz = libm::exp(solution.parameters[at]);
-            let [from_hz, to_hz] = [self.measured.hz[0], self.measured.hz[self.measured.hz.len() - 1]].map(|hz| rounded(hz, 9));
+            let [from_hz, to_hz] = [self.rows.hz[0], self.rows.hz[self.rows.hz.len() - 1]].map(|hz| rounded(hz, 9));
             return Err(ImportError::NoResonance {
                 from_hz,
                 to_hz,
                 why: format!("the nearest one that explains the data is outside, at {hz:.1} Hz"),
             });
         }
-        let mean = |part: usize| {
-            let squares = weights.0.iter().map(|sd| sd[part] * sd[part]).sum::<f64>();
-            (squares / weights.0.len() as f64).sqrt()
-        };
         Ok(Fit {
             parameters: solution.parameters.clone(),
             covariance: covariance * variance,
             farad: self.farad,
             residuals,
-            noise: [mean(0), mean(1)],
+            noise,
             correlation,
             inflation: inflation.sqrt(),
             misfit,
@@ -309,7 +374,7 @@ impl<'a> Fitter<'a> {
     }
 
     fn is_inside(&self, ln_hz: f64) -> bool {
-        let hz = &self.measured.hz;
+        let hz = &self.rows.hz;
         (libm::log(hz[0])..=libm::log(hz[hz.len() - 1])).contains(&ln_hz)
     }
 }

@@ -1,6 +1,7 @@
 //! Measured sweeps: from the text of a file to admittances over frequency, in the coordinates of
 //! the instrument.
 
+use std::ops::Range;
 use std::path::Path;
 
 use num_complex::Complex64;
@@ -13,6 +14,7 @@ use super::topology;
 use crate::complex::polar;
 use crate::error::ImportError;
 use crate::heading::{Heading, Quantity, heading};
+use crate::rows::means;
 use crate::touchstone::{self, Kind, Touchstone};
 use crate::traces;
 use crate::units::to_si;
@@ -66,6 +68,20 @@ impl Measured {
     pub(crate) fn reading(&self, at: usize, admittance: Complex64) -> (Complex64, Complex64) {
         let (seen, slope) = self.fixture.get(at).map_or((admittance, 1.0.into()), |fixture| fixture.seen(admittance));
         (self.coordinate.of(seen), self.coordinate.slope(seen) * slope)
+    }
+
+    /// Returns the readings of the instrument.
+    pub(super) fn readings(&self) -> Vec<Complex64> {
+        self.seen.iter().map(|y| self.coordinate.of(*y)).collect()
+    }
+
+    /// Returns the means of frequency and admittance over bins of rows, with the fixtures of their
+    /// middles.
+    pub(super) fn averaged(&self, bins: &[Range<usize>]) -> Self {
+        let middle = |bin: &Range<usize>| self.fixture.get(bin.start.midpoint(bin.end)).copied();
+        let [admittance, seen] = [&self.admittance, &self.seen].map(|values| means(values, bins));
+        let fixture = bins.iter().filter_map(middle).collect();
+        Measured { hz: means(&self.hz, bins), admittance, seen, fixture, coordinate: self.coordinate, remarks: Vec::new() }
     }
 
     /// Creates a sweep in order of frequency. The readings of an immittance are admittances.

@@ -25,25 +25,8 @@ pub(super) fn whitened(linear: &Linear, rho: f64) -> Linear {
 /// Returns the correlation of neighbours, and the factor of the variance due to all significant
 /// correlations.
 pub(super) fn memory(residuals: &[Complex64]) -> (f64, f64) {
-    let n = residuals.len();
-    let square: f64 = residuals.iter().map(Complex64::norm_sqr).sum();
-    if square == 0.0 {
-        return (0.0, 1.0);
-    }
-    let chance = 2.0 / (2.0 * n as f64).sqrt();
-    let (mut first, mut factor) = (0.0, 1.0);
-    for lag in 1..n / 4 {
-        let product: f64 = residuals.iter().zip(&residuals[lag..]).map(|(a, b)| a.re * b.re + a.im * b.im).sum();
-        let rho = product / square;
-        if lag == 1 {
-            first = rho;
-        }
-        if rho < chance {
-            break;
-        }
-        factor += 2.0 * rho;
-    }
-    (first, factor)
+    let (re, im): (Vec<f64>, Vec<f64>) = residuals.iter().map(|e| (e.re, e.im)).unzip();
+    crate::rows::memory(&[&re, &im])
 }
 
 /// Returns the variance of residuals relative to that of noise with the same third differences; 1

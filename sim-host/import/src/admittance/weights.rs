@@ -27,13 +27,15 @@ const MIN_VARIANCE_REL: f64 = 0.3;
 pub(super) struct Weights(pub(super) Vec<[f64; 2]>);
 
 impl Weights {
-    /// Creates equal weights for a number of points.
-    pub(super) fn equal(points: usize) -> Self {
-        Weights(vec![[1.0; 2]; points])
+    /// Creates equal weights of rows for the means of these numbers of rows.
+    pub(super) fn equal(counts: &[f64]) -> Self {
+        Weights(counts.iter().map(|count| [1.0 / count.sqrt(); 2]).collect())
     }
 
-    /// Determines weights from the residuals of a fit with the admittances `fitted`.
-    pub(super) fn from_residuals(coordinate: Coordinate, fitted: &[Complex64], residuals: &[Complex64]) -> Self {
+    /// Determines weights from the residuals of a fit with the admittances `fitted`. A mean of `n`
+    /// rows has the variance `v / n`.
+    pub(super) fn from_residuals(coordinate: Coordinate, fitted: &[Complex64], means: &[Complex64], counts: &[f64]) -> Self {
+        let residuals: Vec<Complex64> = means.iter().zip(counts).map(|(mean, count)| mean * count.sqrt()).collect();
         let square = |of: &dyn Fn(&Complex64) -> f64| residuals.iter().map(of).map(|e| e * e).collect::<Vec<f64>>();
         let (re, im) = (square(&|e| e.re), square(&|e| e.im));
         let (of_re, of_im) = match coordinate {
@@ -60,7 +62,8 @@ impl Weights {
                 (variances(&terms, &re), variances(&terms, &im))
             }
         };
-        Weights(of_re.iter().zip(&of_im).map(|(re, im)| [re, im].map(|v| v.sqrt().max(MIN_SD_REL))).collect())
+        let sd = |((re, im), count): ((&f64, &f64), &f64)| [re, im].map(|v| v.sqrt().max(MIN_SD_REL) / count.sqrt());
+        Weights(of_re.iter().zip(&of_im).zip(counts).map(sd).collect())
     }
 }
 

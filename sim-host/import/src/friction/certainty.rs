@@ -16,6 +16,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::least_squares::Linear;
+use crate::rows::{MAX_POINTS, memory};
 
 /// Number added to the diagonal of matrices whose columns have unit length. An undetermined
 /// direction then has a huge deviation, instead of an undefined one.
@@ -36,16 +37,16 @@ pub(super) fn covariance(linear: &Linear, places: &[usize]) -> Option<DMatrix<f6
     let ridge = |i: usize, j: usize| if i == j { RIDGE } else { 0.0 };
     let inverse = Cholesky::new(DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] + ridge(i, j)))?.inverse();
     let middle = |i: usize, j: usize| scales[i] * scales[j] * dot(&linear.columns[i.min(j)], &spread[i.max(j)]) + ridge(i, j);
-    let product = |a: &DMatrix<f64>, b: &dyn Fn(usize, usize) -> f64| {
-        DMatrix::from_fn(n, n, |i, j| (0..n).map(|k| a[(i, k)] * b(k, j)).sum::<f64>())
-    };
+    let middle = DMatrix::from_fn(n, n, middle);
+    let product =
+        |a: &DMatrix<f64>, b: &DMatrix<f64>| DMatrix::from_fn(n, n, |i, j| (0..n).map(|k| a[(i, k)] * b[(k, j)]).sum::<f64>());
     let half = product(&inverse, &middle);
-    let whole = product(&half, &|i, j| inverse[(i, j)]);
+    let whole = product(&half, &inverse);
     let count = linear.residuals.len() as f64;
     // A long memory leaves few independent samples; a tenth of all samples is the minimum.
     let free = (count - half.trace()).max(0.1 * count).max(1.0);
     let white = whitened(linear, &links);
-    let variance = dot(&linear.residuals, &linear.residuals) / free * memory(&white.residuals);
+    let variance = dot(&linear.residuals, &linear.residuals) / free * memory(&[&white.residuals]).1;
     let covariance = DMatrix::from_fn(n, n, |i, j| variance * scales[i] * scales[j] * 0.5 * (whole[(i, j)] + whole[(j, i)]));
     covariance.iter().all(|value| value.is_finite()).then_some(covariance)
 }
@@ -59,6 +60,7 @@ pub(super) fn sd_of_mean(residuals: Vec<f64>, places: &[usize]) -> Option<f64> {
 /// Returns the correlation of each sample with the preceding one; zero for the first.
 pub(crate) fn links(rho: f64, places: &[usize]) -> Vec<f64> {
     let link = |at: usize| match at.checked_sub(1) {
+        Some(before) if places[at] == places[before] + 1 => rho,
         Some(before) => libm::pow(rho, places[at].saturating_sub(places[before]) as f64),
         None => 0.0,
     };
@@ -98,8 +100,14 @@ fn correlated(columns: &[Vec<f64>], links: &[f64]) -> Vec<Vec<f64>> {
     columns.iter().map(of).collect()
 }
 
-/// Returns the correlation of neighbours with the greatest restricted likelihood.
+/// Returns the correlation of neighbours with the greatest restricted likelihood, from the middle of
+/// a long log.
 fn correlation(linear: &Linear, places: &[usize]) -> f64 {
+    let from = places.len().saturating_sub(MAX_POINTS) / 2;
+    let rows = from..places.len().min(from + MAX_POINTS);
+    let part = |values: &Vec<f64>| values[rows.clone()].to_vec();
+    let linear = &Linear { residuals: part(&linear.residuals), columns: linear.columns.iter().map(part).collect() };
+    let places = &places[rows.clone()];
     let mut best = (f64::INFINITY, 0.0);
     for step in CORRELATION_STEPS {
         let (coarse, middle) = (step == CORRELATION_STEPS[0], best.1);
@@ -130,22 +138,6 @@ fn deviance(linear: &Linear, links: &[f64]) -> Option<f64> {
     let of_columns: f64 = (0..p).map(|i| 2.0 * libm::log(factor.l_dirty()[(i, i)] / scales[i])).sum();
     let free = n.saturating_sub(p).max(1) as f64;
     Some(of_noise + of_columns + free * libm::log(square.max(f64::MIN_POSITIVE)))
-}
-
-/// Returns the factor of the variance due to the correlation of residuals.
-pub(super) fn memory(residuals: &[f64]) -> f64 {
-    let n = residuals.len();
-    let square: f64 = residuals.iter().map(|r| r * r).sum();
-    let chance = 2.0 / (n as f64).sqrt();
-    let mut factor = 1.0;
-    for lag in 1..n / 4 {
-        let rho = residuals.iter().zip(&residuals[lag..]).map(|(a, b)| a * b).sum::<f64>() / square.max(f64::MIN_POSITIVE);
-        if rho < chance {
-            break;
-        }
-        factor += 2.0 * rho;
-    }
-    factor
 }
 
 #[cfg(test)]

@@ -1,6 +1,9 @@
 //! Friction logs: slip and force of each sample, the normal force, and the time of the vibration.
 
+use num_complex::Complex64;
+
 use crate::error::ImportError;
+use crate::rows::{bins, means};
 use delimited::beginning;
 
 /// Options for properties that a file does not contain.
@@ -185,6 +188,31 @@ impl Log {
         let remarks = vec![format!("A table with {}", table.found)];
         let log = Log { time_s: time.unwrap_or_default(), slip_m, velocity_m_per_s, force_n, normal_n, on, remarks };
         log.checked()
+    }
+
+    /// Returns two logs of this number of samples, without times, for the search of a long one: the
+    /// means over bins, and the first samples without vibration. Means do not resolve an oscillation
+    /// that is repeated all the time; a part does not have the range of a slow change.
+    pub(super) fn shortened(&self, samples: usize) -> [Log; 2] {
+        let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |most, value| most.max(value.abs()));
+        let (force, velocity) = (largest(&self.force_n), largest(&self.velocity_m_per_s));
+        let course = self.force_n.iter().zip(&self.velocity_m_per_s).map(|(f, v)| Complex64::new(f / force, v / velocity));
+        let bins = bins(&course.collect::<Vec<_>>(), samples);
+        let first = self.on.iter().position(|on| !on).unwrap_or(0);
+        let part = first..self.on.len().min(first + samples);
+        let log = |slip_m: Vec<f64>, of: &dyn Fn(&[f64]) -> Vec<f64>, on: Vec<bool>| {
+            let (velocity_m_per_s, force_n) = (of(&self.velocity_m_per_s), of(&self.force_n));
+            Log { slip_m, velocity_m_per_s, force_n, on, normal_n: self.normal_n, ..Log::default() }
+        };
+        let mut x = self.slip_m.clone();
+        (1..x.len()).for_each(|at| x[at] += x[at - 1]);
+        let mut slip_m = means(&x, &bins);
+        (1..slip_m.len()).rev().for_each(|at| slip_m[at] -= slip_m[at - 1]);
+        let on = bins.iter().map(|bin| self.on[bin.clone()].contains(&true)).collect();
+        [
+            log(slip_m, &|values| means(values, &bins), on),
+            log(self.slip_m[part.clone()].to_vec(), &|values| values[part.clone()].to_vec(), self.on[part.clone()].to_vec()),
+        ]
     }
 
     fn checked(self) -> Result<Self, ImportError> {

@@ -51,14 +51,16 @@ pub(super) fn fit(log: &Log, used: &[bool]) -> Option<Maxwell> {
     let mut active: Vec<usize> = (0..SPRINGS).collect();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let scale: Vec<f64> = rows.iter().map(|row| dot(row, row).sqrt().max(f64::MIN_POSITIVE)).collect();
+    let gram = DMatrix::from_fn(SPRINGS, SPRINGS, |i, j| dot(&rows[i], &rows[j]) / scale[i] / scale[j]);
+    let right: Vec<f64> = rows.iter().zip(&scale).map(|(row, scale)| dot(row, &force) / scale).collect();
     loop {
         let n = active.len();
         if n == 0 {
             return None;
         }
-        let of = |i: usize, j: usize| dot(&rows[active[i]], &rows[active[j]]) / scale[active[i]] / scale[active[j]];
+        let of = |i: usize, j: usize| gram[(active[i], active[j])];
         let factor = Cholesky::new(DMatrix::from_fn(n, n, |i, j| of(i, j) + if i == j { 1e-10 } else { 0.0 }))?;
-        let found = factor.solve(&DVector::from_fn(n, |i, _| dot(&rows[active[i]], &force) / scale[active[i]]));
+        let found = factor.solve(&DVector::from_fn(n, |i, _| right[active[i]]));
         // The most negative spring is removed first.
         let worst = (0..n).min_by(|a, b| found[*a].total_cmp(&found[*b])).filter(|worst| found[*worst] <= 0.0);
         if let Some(worst) = worst {

@@ -4,13 +4,14 @@
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
 
-use super::certainty::{memory, sd_of_mean};
+use super::certainty::sd_of_mean;
 use super::fit::{Searched, criterion, search};
 use super::log::Log;
 use super::maxwell;
 use super::models::Model;
 use crate::admittance::Value;
 use crate::error::ImportError;
+use crate::rows::memory;
 
 /// Largest standard deviation of a determined value, relative to the value.
 const MAX_DETERMINED_SD_REL: f64 = 0.5;
@@ -58,11 +59,11 @@ pub struct Friction {
 impl Friction {
     pub(super) fn from_log(name: &str, log: Log) -> Result<Self, ImportError> {
         let used: Vec<bool> = log.on.iter().map(|on| !on).collect();
-        let searched: Vec<Searched> = Model::SEARCHED.into_iter().filter_map(|model| search(model, &log, &used)).collect();
+        let searched: Vec<Searched> = Model::SEARCHED.into_iter().filter_map(|model| search(model, &log)).collect();
         let square = |residuals: &[f64]| residuals.iter().map(|r| r * r).sum::<f64>();
         let best = searched.iter().min_by(|a, b| square(&a.residuals).total_cmp(&square(&b.residuals)));
         let best = best.ok_or_else(|| ImportError::NoFit("no contact model leads to a finite friction".into()))?;
-        let memory = memory(&best.residuals);
+        let (_, memory) = memory(&[&best.residuals]);
         let mut models: Vec<Fitted> = searched.iter().map(|found| fitted(found, &log, memory)).collect();
         models.extend(fit_maxwell(&log, &used, memory));
         models.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));

@@ -115,10 +115,15 @@ impl FrictionExample {
 
     /// Returns the smallest covariance of an unbiased estimate of the parameters.
     fn covariance(&self) -> Option<nalgebra::DMatrix<f64>> {
-        let columns = slopes(self.model, &self.truth, |fitted| {
-            let force = self.model.force(fitted, &self.log);
-            force.iter().all(|force| force.is_finite()).then(|| force.iter().map(|force| force / self.noise_n).collect())
-        })?;
+        let columns = slopes(
+            self.model,
+            &self.truth,
+            |fitted| {
+                let force = self.model.force(fitted, &self.log);
+                force.iter().all(|force| force.is_finite()).then(|| force.iter().map(|force| force / self.noise_n).collect())
+            },
+            None,
+        )?;
         let residuals = vec![0.0; columns.first()?.len()];
         let places: Vec<usize> = (0..residuals.len()).collect();
         let linear = whitened(&Linear { residuals, columns }, &links(self.correlation, &places));

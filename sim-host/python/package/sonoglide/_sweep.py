@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 #: The values of a key: numbers, or a range as the command line writes it.
 Values: TypeAlias = "str | Sequence[float] | NDArray[Any]"
+#: Largest number of threads of a sweep.
+MAX_JOBS = 1024
 
 
 class Sweep(Mapping[str, "NDArray[Any]"]):
@@ -103,6 +105,8 @@ def run(
 ) -> Sweep:
     """Runs a sweep into its folder, locally or on a cluster, and reads it."""
     draws, points = sampled
+    if not 0 <= (jobs or 0) <= MAX_JOBS:
+        raise ValueError(f"jobs: {jobs} is not from 0 (one thread per processor) to {MAX_JOBS}")
     if (points is None) == (not over):
         raise ValueError("give either keys to sweep over or points")
     axes = [f"{key}={_written(values)}" for key, values in over.items()]
