@@ -14,7 +14,6 @@ use std::time::Duration;
 
 use firmware::board::command::Command;
 use firmware::seam::block::{Amplitude, Gate};
-use firmware::seam::fault::Fault;
 use firmware::seam::mode::Mode;
 use firmware::seam::phasor::magnitude;
 use import::least_squares::{Linear, minimise};
@@ -106,29 +105,23 @@ pub fn hz_per_k(board: &BoardSettings) -> Result<f64, LinkError> {
 
 /// Heats the stack for this time with the active settings, and returns its thermal values.
 pub fn measure(time_s: f64, proposal: &Proposal, board: &BoardSettings, session: &mut Session) -> Result<Thermal, LinkError> {
-    session.live.stage(&format!("heating run of {time_s} s"));
-    let recorded = record(time_s, proposal, session)?;
+    session.live.stage(&format!("heating run of {} s", time_s as f32));
+    let reports = record(time_s, proposal, session)?;
     probe::quiet(session)?;
-    let reports = recorded.map_err(|fault| {
-        LinkError::Failed(format!("the heating run ends with {}. Lower --max-volts or --heating", words::fault(fault)))
-    })?;
     let points: Vec<Point> = reports.chunks(reports.len().div_ceil(POINTS).max(1)).map(mean).collect();
     fit(&points, time_s, hz_per_k(board)?).map_err(LinkError::Failed)
 }
 
-/// Returns the locked reports of the run, or the fault that has ended it.
-fn record(time_s: f64, proposal: &Proposal, session: &mut Session) -> Result<Result<Vec<Point>, Fault>, LinkError> {
+/// Returns the locked reports of the run.
+fn record(time_s: f64, proposal: &Proposal, session: &mut Session) -> Result<Vec<Point>, LinkError> {
+    let ended_by =
+        |fault| LinkError::Failed(format!("the heating run ends with {}. Lower --max-volts or --heating", words::fault(fault)));
     let converters = session.identity.converters;
     let block_s = f64::from(converters.block_samples) / f64::from(converters.sample_hz);
     let every = (time_s / (REPORTS_PER_POINT * POINTS as f64 * block_s)).max(MIN_REPORT_BLOCKS) as u32;
     session.client.order(Command::Gate(Gate::On))?;
-    if let Err(fault) = probe::run(session)? {
-        return Ok(Err(fault));
-    }
-    let first = match probe::driven(settle_s(&proposal.transducer), session)? {
-        Ok(report) => report.block,
-        Err(fault) => return Ok(Err(fault)),
-    };
+    probe::run(session)?.map_err(ended_by)?;
+    let first = probe::driven(settle_s(&proposal.transducer), session)?.map_err(ended_by)?.block;
     let mut points = Vec::new();
     for (part, levels) in PHASES {
         for level in levels {
@@ -146,10 +139,10 @@ fn record(time_s: f64, proposal: &Proposal, session: &mut Session) -> Result<Res
             report.fault.filter(|_| report.mode == Mode::Fault)
         })?;
         if let Some(fault) = ended {
-            return Ok(Err(fault));
+            return Err(ended_by(fault));
         }
     }
-    Ok(Ok(points))
+    Ok(points)
 }
 
 fn mean(reports: &[Point]) -> Point {
@@ -188,10 +181,9 @@ fn fit(points: &[Point], time_s: f64, hz_per_k: f64) -> Result<Thermal, String> 
     let worst = deviations_rel[0].max(deviations_rel[1]);
     let moved_hz = hz_per_w * points.iter().map(|point| point.watts).fold(0.0, f64::max);
     if time_constant_s > time_s || worst > MAX_DEVIATION_REL && 2.0 * time_constant_s > time_s {
-        let needed_s = (RUN_TIME_CONSTANTS * time_constant_s).clamp(2.0 * time_s, 10.0 * time_s);
-        Err(format!(
-            "the heating run of {time_s} s is too short for the stack's thermal time constant: use --heating {needed_s:.0}"
-        ))
+        let needed_s = (RUN_TIME_CONSTANTS * time_constant_s).clamp(2.0 * time_s, 10.0 * time_s).ceil();
+        let time_s = time_s as f32;
+        Err(format!("the heating run of {time_s} s is too short for the stack's thermal time constant: use --heating {needed_s}"))
     } else if worst > MAX_DEVIATION_REL {
         let noise_hz = (found.cost / free as f64).sqrt();
         Err(format!(
