@@ -75,6 +75,24 @@ fn with_consent_the_settings_are_stored_and_lock() {
     is_as_before(&board, true);
 }
 
+/// Heats a stack of 20 K/W and 0.05 J/K slowly enough for the preceding test of the lock.
+#[test]
+fn a_heating_run_measures_the_thermal_values() {
+    const SCRIPT: &str = "commission --band 30k:45k --max-volts 0.7 --yes --heating 4\n\
+        settings get thermometer.resistance_k_per_w\nexpect acts = 20 +- 2";
+    let sets = ["stack.thermal.heat_capacity_j_per_k=0.05", "controller.thermometer.hz_per_k=-10"];
+    let answers = run(SCRIPT, &mut session(&board("self-heating", &sets, 4))).unwrap_or_else(|error| panic!("{error}"));
+    let answer = &answers[0].1;
+    let deviations = answer.fields["thermal_deviations_rel"].as_array().unwrap();
+    for ((name, expected), deviation) in [("resistance_k_per_w", 20.0), ("heat_capacity_j_per_k", 0.05)].iter().zip(deviations) {
+        let (error, deviation) = (field(answer, name) / expected - 1.0, deviation.as_f64().unwrap());
+        println!("{name}: error {error:.4}, deviation {deviation:.4}");
+        assert!(error.abs() < 0.1 && error.abs() < 2.5 * deviation, "{name}: {error} {deviation}");
+    }
+    let error = commissioned(&[], "commission --band 30k:45k --max-volts 3 --heating 4").unwrap_err();
+    assert!(error.contains("`thermometer.hz_per_k` is zero"), "{error}");
+}
+
 #[test]
 fn a_load_that_is_not_a_transducer_is_identified() {
     for (sets, name) in [

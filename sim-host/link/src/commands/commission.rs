@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! small tones --> kind of load, C0, voltage --> scans of all windows --> closer scan of each mode --> chosen mode
-//!     --> proposed settings, rehearsed on the twin --> lock, step of the amplitude, burst --> stored (--yes), or as before
+//!     --> proposed settings --> lock, step of the amplitude, burst --> heating run (--heating) --> rehearsed on the twin
+//!     --> stored (--yes), or as before
 //! ```
 //!
 //! Only the band and the maximum voltage are given. However it ends, the drive is silent and the
@@ -14,6 +15,7 @@ mod circle;
 mod drawing;
 mod findings;
 mod fit;
+mod heating;
 mod limits;
 mod modes;
 mod neighbours;
@@ -35,6 +37,7 @@ use firmware::seam::units::Hertz;
 use self::band::Band;
 use self::board_settings::BoardSettings;
 use self::findings::{in_words, table};
+use self::heating::Thermal;
 use self::limits::Bounds;
 use self::modes::Mode;
 use self::neighbours::Resolved;
@@ -71,6 +74,10 @@ pub struct CommissionArgs {
     /// capacitance.
     #[arg(long, value_name = "N")]
     mode: Option<usize>,
+    /// Also drive for this time, s, and measure thermal resistance and heat capacity of the stack
+    /// without a load; three thermal time constants are enough.
+    #[arg(long, value_name = "S", value_parser = positive)]
+    heating: Option<f64>,
     /// Store the settings that have passed the test; without it the settings of the
     /// board remain as before.
     #[arg(long)]
@@ -101,6 +108,15 @@ struct Commissioned {
     twin: String,
     advice: Advice,
     verified: Verified,
+    /// Result of the heating run, if one was requested.
+    thermal: Option<Thermal>,
+}
+
+impl Commissioned {
+    /// Returns all proposed settings, by their names.
+    fn settings(&self) -> Vec<(&'static str, f32)> {
+        self.proposal.settings().into_iter().chain(self.thermal.iter().flat_map(Thermal::settings)).collect()
+    }
 }
 
 /// Commissions the transducer at the board. At the end the drive is silent, and the settings are as
@@ -121,14 +137,14 @@ pub fn run(args: &CommissionArgs, session: &mut Session) -> Result<Answer, LinkE
         return Err(LinkError::Failed("the drive is on: send `stop` first".into()));
     }
     let began = session.client.now();
-    let mut board = BoardSettings::read(session)?;
+    let mut board = BoardSettings::read(args.heating.is_some(), session)?;
     let done = commission(args, &mut board, session);
     let done = done.and_then(|found| {
         if let (Some(dir), Some(folder)) = (&args.output, &folder) {
             output::write(&found, folder, dir, &session.provenance)?;
         }
         if args.yes {
-            board.finish(&found.proposal.settings(), session)?;
+            board.finish(&found.settings(), session)?;
         }
         Ok(found)
     });
@@ -179,6 +195,8 @@ fn restore<T>(done: Result<T, LinkError>, board: &mut BoardSettings, session: &m
 fn commission(args: &CommissionArgs, board: &mut BoardSettings, session: &mut Session) -> Result<Commissioned, LinkError> {
     let scale = session.scale()?;
     let bounds = Bounds::new(args.max_volts, args.max_amps, board, &scale);
+    // An unsuitable board is reported before the first drive.
+    args.heating.map(|_| heating::hz_per_k(board)).transpose()?;
     session.live.stage("small tones");
     let load = tones::measure(&args.band, &bounds, board, session)?;
     let modes = modes::find(&args.band, &load, &bounds, board, session)?;
@@ -198,13 +216,15 @@ fn commission(args: &CommissionArgs, board: &mut BoardSettings, session: &mut Se
     let resolved = neighbours::resolve(&circle.points, &transducer, args.mode.is_some())?;
     let measured = Proposal::new(&resolved.transducer, &bounds).within_limits(circle.volts, circle.amperes, &bounds);
     let (mut proposal, verified) = passing_proposal(&measured, &bounds, board, session)?;
+    let thermal = args.heating.map(|time_s| heating::measure(time_s, &proposal, board, session)).transpose()?;
     proposal.limits = (bounds.volts, bounds.given_a);
     let others: Vec<Mode> = modes.iter().enumerate().filter(|(place, _)| *place != chosen).map(|(_, mode)| *mode).collect();
     let twin = twin::toml(&args.name, &proposal, &others, &scale, &session.identity.converters);
     session.live.stage("rehearsal on the twin");
     let loaded = twin::load(&args.name, &twin)?;
     let advice = session.meanwhile(|| twin::rehearse(&loaded))??;
-    Ok(Commissioned { name: args.name.clone(), band: args.band, load, modes, chosen, resolved, proposal, twin, advice, verified })
+    let (name, band) = (args.name.clone(), args.band);
+    Ok(Commissioned { name, band, load, modes, chosen, resolved, proposal, twin, advice, verified, thermal })
 }
 
 /// Returns the index of the mode to drive.

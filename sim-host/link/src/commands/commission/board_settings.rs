@@ -33,6 +33,9 @@ const NAMES: [&str; 17] = [
     "friction.enabled",
     "restraint.enabled",
 ];
+/// Names of the further settings of a commissioning with a heating run.
+const HEATING_NAMES: [&str; 4] =
+    ["thermometer.hz_per_k", "thermometer.resistance_k_per_w", "thermometer.heat_capacity_j_per_k", "thermometer.tolerance"];
 
 /// Setting of the board with its values.
 #[derive(Clone, Copy)]
@@ -56,9 +59,9 @@ pub struct BoardSettings {
 impl BoardSettings {
     /// Reads the settings. Refuses a board with active settings that are not the stored ones,
     /// because they could not be restored.
-    pub fn read(session: &mut Session) -> Result<Self, LinkError> {
+    pub fn read(heating: bool, session: &mut Session) -> Result<Self, LinkError> {
         let mut settings = Vec::new();
-        for name in NAMES {
+        for name in NAMES.into_iter().chain(HEATING_NAMES.into_iter().filter(|_| heating)) {
             let parameter = parameter(name)?;
             let of = report(parameter, &mut session.client)?;
             if !is_settled(of.stored) {

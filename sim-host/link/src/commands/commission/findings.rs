@@ -71,6 +71,12 @@ pub fn in_words(found: &Commissioned, args: &CommissionArgs) -> Answer {
             })
         })
         .collect();
+    let answer = found.thermal.iter().fold(answer, |answer, thermal| {
+        answer
+            .field("resistance_k_per_w", thermal.resistance_k_per_w)
+            .field("heat_capacity_j_per_k", thermal.capacity_j_per_k)
+            .field("thermal_deviations_rel", thermal.deviations_rel.to_vec())
+    });
     circuit::fields(it, answer.field("modes", modes).field("mode", found.chosen + 1))
         .field("amplitude_v", proposal.volts)
         .field("tracking_mode", if proposal.observer { "observer" } else { "phase_lock" })

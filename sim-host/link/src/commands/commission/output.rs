@@ -24,6 +24,10 @@ pub fn worth(found: &Commissioned) -> Vec<[String; 3]> {
     let locks = lock.map_or_else(String::new, |lock| {
         format!("; rehearsed lock: within 20 Hz in {} (95 %: {})", time(lock.median_ms), time(lock.p95_ms))
     });
+    let heated = |place: usize| {
+        let deviation_rel = found.thermal.map_or(f64::NAN, |thermal| thermal.deviations_rel[place]);
+        format!("+- {:.1} % as measured by the heating run", 100.0 * deviation_rel)
+    };
     let worth = |name: &str| match name {
         "drive.amplitude_v" => format!("{} at the resonance", quantity(proposal.amperes, "A")),
         "drive.scan_volts" => "same voltage for self-test, scan and drive".into(),
@@ -38,9 +42,12 @@ pub fn worth(found: &Commissioned) -> Vec<[String; 3]> {
             format!("an error of 1 % moves the lock by {:+.2} Hz", prediction.bias_hz_per_percent_c0)
         }
         "drive.frequency_hz" => format!("+- {:.2} Hz as identified{locks}", it.deviations.series_resonance_hz),
+        "thermometer.resistance_k_per_w" => heated(0),
+        "thermometer.heat_capacity_j_per_k" => heated(1),
+        "thermometer.tolerance" => "two standard deviations, at least 5 %".into(),
         _ => String::new(),
     };
-    proposal
+    found
         .settings()
         .into_iter()
         .map(|(name, value)| {
