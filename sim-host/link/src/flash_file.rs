@@ -193,7 +193,7 @@ mod tests {
         fs::create_dir(&blocker).unwrap();
         assert!(board.clear().is_err());
         let why = file.check().unwrap_err().to_string();
-        assert!(why.contains("board.flash` cannot be written: ") && why.contains("is NOT stored"), "{why}");
+        assert!(why.contains("board.flash` cannot be written: ") && why.contains("NOT stored"), "{why}");
         at_board(&path, |session| {
             let refused = set_and_store(session, "4.5").unwrap_err().to_string();
             assert!(refused.contains("flash memory has failed"), "{refused}");
