@@ -165,7 +165,7 @@ fn an_ambiguous_two_port_file_is_refused() {
     assert!(error.starts_with("series-through or shunt-through?"), "{error}");
 }
 
-/// Returns a sweep of the conductance `g`, S, with relative noise and its correlation of neighbours.
+/// Returns a sweep of the conductance `g`, S, with relative noise and its correlation.
 fn sweep(rows: u32, g: f64, noise: f64, rho: f64) -> Measured {
     let mut state = 0x9e37_79b9_7f4a_7c15 ^ u64::from(rows);
     let mut part = || {

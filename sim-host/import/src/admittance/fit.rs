@@ -16,8 +16,8 @@
 //! `1 + 2 sum rho(k)`.
 //!
 //! **Long sweeps.** The fit is to means over bins of rows (see [`bins`]). The circuit at the mean
-//! frequency of a bin is not its mean over the rows. The last fits therefore replace the mean `y` of
-//! a bin by
+//! frequency of a bin is not its mean over the rows. The last fits therefore replace the mean `y`
+//! of a bin by
 //!
 //! ```text
 //! y' = f(mean frequency) - mean over rows (f - y),   f: circuit of the preceding fit

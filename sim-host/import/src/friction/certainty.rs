@@ -100,8 +100,8 @@ fn correlated(columns: &[Vec<f64>], links: &[f64]) -> Vec<Vec<f64>> {
     columns.iter().map(of).collect()
 }
 
-/// Returns the correlation of neighbours with the greatest restricted likelihood, from the middle of
-/// a long log.
+/// Returns the correlation of neighbours with the greatest restricted likelihood, from the middle
+/// of a long log.
 fn correlation(linear: &Linear, places: &[usize]) -> f64 {
     let from = places.len().saturating_sub(MAX_POINTS) / 2;
     let rows = from..places.len().min(from + MAX_POINTS);

@@ -7,7 +7,7 @@
 //! samples of a slow drift are not independent.
 //!
 //! A long log is searched in two shorter ones. The result that explains all samples best is fitted
-//! to all of them in a few steps, so that parameters, covariance and residuals are those of the log.
+//! to all of them in a few steps. Parameters, covariance and residuals are those of the whole log.
 
 use nalgebra::DMatrix;
 

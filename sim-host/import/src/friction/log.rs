@@ -191,8 +191,8 @@ impl Log {
     }
 
     /// Returns two logs of this number of samples, without times, for the search of a long one: the
-    /// means over bins, and the first samples without vibration. Means do not resolve an oscillation
-    /// that is repeated all the time; a part does not have the range of a slow change.
+    /// means over bins, and the first samples without vibration. Means do not resolve a steady
+    /// oscillation; a part does not have the range of a slow change.
     pub(super) fn shortened(&self, samples: usize) -> [Log; 2] {
         let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |most, value| most.max(value.abs()));
         let (force, velocity) = (largest(&self.force_n), largest(&self.velocity_m_per_s));
