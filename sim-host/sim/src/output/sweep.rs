@@ -223,22 +223,31 @@ impl SweepFolder {
         if living.try_lock().is_err() {
             return Err(FolderError::Held { path: dir.to_owned(), running: shard, shard });
         }
-        drop(alone);
         let mut folder = SweepFolder { dir: dir.to_owned(), plan, shard, damaged: Vec::new(), lock, _living: living };
+        let damaged = folder.remove_damaged();
+        // An error below drops the folder, which needs this lock.
+        drop(alone);
+        folder.damaged = damaged?;
         // No other process writes parts of this shard.
         parts::unfinished(dir, shard, folder.plan.count())?.iter().for_each(|path| {
             let _ = fs::remove_file(path);
         });
-        for part in parts::list(dir)?.iter().filter(|part| shard.has_points_of(&part.points, folder.plan.count())) {
-            match folder.plan.check(part) {
+        Ok(folder)
+    }
+
+    /// Removes damaged parts with points of the shard, and returns a sentence for each.
+    fn remove_damaged(&self) -> Result<Vec<String>, FolderError> {
+        let mut damaged = Vec::new();
+        for part in parts::list(&self.dir)?.iter().filter(|part| self.shard.has_points_of(&part.points, self.plan.count())) {
+            match self.plan.check(part) {
                 Err(FolderError::Damaged { path, why }) => {
                     fs::remove_file(&path).map_err(write(&path))?;
-                    folder.damaged.push(format!("`{}` is damaged: it {why}", path.display()));
+                    damaged.push(format!("`{}` is damaged: it {why}", path.display()));
                 }
                 checked => drop(checked?),
             }
         }
-        Ok(folder)
+        Ok(damaged)
     }
 
     /// Returns a sentence for each damaged part that was removed.
