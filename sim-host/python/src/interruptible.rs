@@ -51,7 +51,9 @@ pub fn guarded<T: Send>(work: impl FnOnce() -> T + Send) -> PyResult<T> {
     catch_unwind(AssertUnwindSafe(pooled)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let why = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no reason is known");
-        Err(RunError::new_err(format!("internal error: {why}; report it with the scene and the version of this package")))
+        Err(RunError::new_err(format!(
+            "internal error: {why}; report it with the scene or the file, and `sonoglide.__version__`"
+        )))
     })
 }
 
