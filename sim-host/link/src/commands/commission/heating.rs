@@ -29,16 +29,12 @@ use crate::words;
 /// Phases of the run: part of the time, and amplitudes relative to the proposed one. The last
 /// amplitude of a phase is held. A clamped capacitance draws a current peak with each step.
 const PHASES: [(f64, &[f64]); 2] = [(0.6, &[1.0]), (0.4, &[0.75, 0.5])];
-/// Number of points of the run, each a mean.
-const POINTS: usize = 200;
-/// Number of reports per point.
-const REPORTS_PER_POINT: f64 = 8.0;
+/// Largest number of reports of a run.
+const MAX_REPORTS: f64 = 1600.0;
 /// Minimum number of blocks between two reports.
 const MIN_REPORT_BLOCKS: f64 = 64.0;
-/// Number of tried time constants.
-const TRIED: i32 = 30;
-/// Smallest tried time constant, and the ratio of adjacent ones, relative to the run.
-const TRIED_REL: (f64, f64) = (0.01, 1.25);
+/// Time constants from which the fit starts, relative to the run.
+const STARTS_REL: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
 /// Largest permitted standard deviation of a result, relative.
 const MAX_DEVIATION_REL: f64 = 0.15;
 /// Standard deviation of both results by the model, relative: C0, which changes with the
@@ -46,13 +42,8 @@ const MAX_DEVIATION_REL: f64 = 0.15;
 const MODEL_ERROR_REL: f64 = 0.02;
 /// Smallest proposed tolerance.
 const MIN_TOLERANCE: f64 = 0.05;
-/// Largest correlation of the residuals of adjacent points that is taken into account.
-const MAX_CORRELATION: f64 = 0.9;
-/// Duration of a sufficient run, time constants.
-const RUN_TIME_CONSTANTS: f64 = 3.0;
 
-/// Means of some reports.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Values of a report.
 struct Point {
     /// Time, s.
     seconds: f64,
@@ -106,9 +97,8 @@ pub fn hz_per_k(board: &BoardSettings) -> Result<f64, LinkError> {
 /// Heats the stack for this time with the active settings, and returns its thermal values.
 pub fn measure(time_s: f64, proposal: &Proposal, board: &BoardSettings, session: &mut Session) -> Result<Thermal, LinkError> {
     session.live.stage(&format!("heating run of {} s", time_s as f32));
-    let reports = record(time_s, proposal, session)?;
+    let points = record(time_s, proposal, session)?;
     probe::quiet(session)?;
-    let points: Vec<Point> = reports.chunks(reports.len().div_ceil(POINTS).max(1)).map(mean).collect();
     fit(&points, time_s, hz_per_k(board)?).map_err(LinkError::Failed)
 }
 
@@ -118,7 +108,7 @@ fn record(time_s: f64, proposal: &Proposal, session: &mut Session) -> Result<Vec
         |fault| LinkError::Failed(format!("the heating run ends with {}. Lower --max-volts or --heating", words::fault(fault)));
     let converters = session.identity.converters;
     let block_s = f64::from(converters.block_samples) / f64::from(converters.sample_hz);
-    let every = (time_s / (REPORTS_PER_POINT * POINTS as f64 * block_s)).max(MIN_REPORT_BLOCKS) as u32;
+    let every = (time_s / (MAX_REPORTS * block_s)).max(MIN_REPORT_BLOCKS) as u32;
     session.client.order(Command::Gate(Gate::On))?;
     probe::run(session)?.map_err(ended_by)?;
     let first = probe::driven(settle_s(&proposal.transducer), session)?.map_err(ended_by)?.block;
@@ -145,55 +135,41 @@ fn record(time_s: f64, proposal: &Proposal, session: &mut Session) -> Result<Vec
     Ok(points)
 }
 
-fn mean(reports: &[Point]) -> Point {
-    let mean = |of: fn(&Point) -> f64| reports.iter().map(of).sum::<f64>() / reports.len() as f64;
-    Point { seconds: mean(|at| at.seconds), hz: mean(|at| at.hz), watts: mean(|at| at.watts), square_a2: mean(|at| at.square_a2) }
-}
-
 /// Fits resistance and heat capacity to the points of a run. Returns the reason if the points do
 /// not determine them.
 fn fit(points: &[Point], time_s: f64, hz_per_k: f64) -> Result<Thermal, String> {
-    let free = points.len().checked_sub(5).filter(|&free| free > 0);
-    let fixed = |time_constant_s: f64| {
-        let parameters = |linear: &[f64]| [linear, &[time_constant_s.ln()]].concat();
-        let found = minimise(&[points[0].hz, 0.0, 0.0, 0.0], |linear| {
-            evaluate(points, &parameters(linear)).map(|it| Linear { columns: it.columns[..4].to_vec(), ..it })
-        })?;
-        Some((found.cost, parameters(&found.parameters)))
-    };
-    let (least, ratio) = TRIED_REL;
-    let tried = free.into_iter().flat_map(|_| (0..TRIED).filter_map(|n| fixed(least * ratio.powi(n) * time_s)));
-    let best = tried.min_by(|a, b| a.0.total_cmp(&b.0)).and_then(|(_, start)| minimise(&start, |at| evaluate(points, at)));
-    let (Some(found), Some(free)) = (best, free) else {
+    let start = |part: f64| [points.first().map_or(0.0, |first| first.hz), 0.0, 0.0, 0.0, (part * time_s).ln()];
+    let fits = STARTS_REL.into_iter().filter_map(|part| minimise(&start(part), |at| evaluate(points, at)));
+    let Some(found) = fits.min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
         return Err("the lock was lost in the heating run: lower --max-volts".into());
     };
     let (hz_per_w, time_constant_s) = (found.parameters[1], found.parameters[4].exp());
     // Residuals that are not independent contain less information.
     let residuals = &found.linear.residuals;
     let products: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();
-    let correlation = (products / found.cost.max(f64::MIN_POSITIVE)).clamp(0.0, MAX_CORRELATION);
-    let variance = found.cost / free as f64 * (1.0 + correlation) / (1.0 - correlation);
-    let statistical_rel = found.covariance().map_or([f64::INFINITY; 2], |by| {
+    let correlation = (products / found.cost).clamp(0.0, 0.99);
+    let noise_hz = (found.cost / residuals.len() as f64).sqrt();
+    let variance = noise_hz.powi(2) * (1.0 + correlation) / (1.0 - correlation);
+    let deviations_rel = found.covariance().map_or([f64::INFINITY; 2], |by| {
         let (resistance, both, time) = (by[(1, 1)] / hz_per_w.powi(2), by[(1, 4)] / hz_per_w, by[(4, 4)]);
-        [resistance, resistance + time - 2.0 * both].map(|relative| (variance * relative.max(0.0)).sqrt())
+        [resistance, resistance + time - 2.0 * both].map(|relative| (variance * relative).sqrt().hypot(MODEL_ERROR_REL))
     });
-    let deviations_rel = statistical_rel.map(|deviation| deviation.hypot(MODEL_ERROR_REL));
-    let worst = deviations_rel[0].max(deviations_rel[1]);
+    let uncertain = deviations_rel.into_iter().any(|deviation| deviation > MAX_DEVIATION_REL);
     let moved_hz = hz_per_w * points.iter().map(|point| point.watts).fold(0.0, f64::max);
-    if time_constant_s > time_s || worst > MAX_DEVIATION_REL && 2.0 * time_constant_s > time_s {
-        let needed_s = (RUN_TIME_CONSTANTS * time_constant_s).clamp(2.0 * time_s, 10.0 * time_s).ceil();
-        let time_s = time_s as f32;
-        Err(format!("the heating run of {time_s} s is too short for the stack's thermal time constant: use --heating {needed_s}"))
-    } else if worst > MAX_DEVIATION_REL {
-        let noise_hz = (found.cost / free as f64).sqrt();
+    if time_constant_s > time_s || uncertain && 2.0 * time_constant_s > time_s {
+        let needed_s = (3.0 * time_constant_s).clamp(2.0 * time_s, 10.0 * time_s).ceil();
         Err(format!(
-            "the heating run does not determine the thermal values: the power shifts the resonance by {moved_hz:.1} Hz, with {noise_hz:.1} \
-             Hz of noise. Raise --max-volts or --max-amps, and keep the load of the stack constant"
+            "the heating run of {} s is too short for the stack's thermal time constant: use --heating {needed_s}",
+            time_s as f32
+        ))
+    } else if uncertain {
+        Err(format!(
+            "the heating run does not determine the thermal values: the power shifts the resonance by {moved_hz:.1} Hz, with \
+             {noise_hz:.1} Hz of noise. Raise --max-volts or --max-amps, and keep the load of the stack constant"
         ))
     } else if hz_per_w * hz_per_k < 0.0 {
         Err(format!(
-            "heating shifts the resonance by {moved_hz:+.1} Hz, but `thermometer.hz_per_k` is {hz_per_k}: correct its sign, and \
-             keep the load of the stack constant"
+            "heating shifts the resonance by {moved_hz:+.1} Hz, but `thermometer.hz_per_k` is {hz_per_k}: correct its sign"
         ))
     } else {
         let resistance_k_per_w = hz_per_w / hz_per_k;
@@ -235,50 +211,42 @@ fn evaluate(points: &[Point], parameters: &[f64]) -> Option<Linear> {
 mod tests {
     use super::*;
 
-    const R_K_PER_W: f64 = 5.0;
-    const C_J_PER_K: f64 = 8.0;
-
-    /// Returns the points of a run of a stack with a time constant of 40 s that begins 3 K warm and
-    /// shifts by -10 Hz/K and -20 Hz/A^2. The power falls while it heats, and to a quarter later.
-    fn points(time_s: f64, watts: f64, noise_hz: f64) -> Vec<Point> {
-        let (mut kelvin, mut seed, step_s) = (3.0, 1_u64, time_s / 2e4);
-        let reports: Vec<Point> = (0..20_000)
-            .map(|n| {
-                let level = if n < 12_000 { 1.0_f64 } else { 0.5 };
-                let watts = watts * level.powi(2) / (1.0 + 0.005 * kelvin);
-                seed = seed.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
-                let noise_hz = 10.0 * noise_hz * 12.0_f64.sqrt() * ((seed >> 11) as f64 / 2.0_f64.powi(53) - 0.5);
-                kelvin += step_s * (watts - kelvin / R_K_PER_W) / C_J_PER_K;
-                let square_a2 = watts / (1.0 + 0.005 * kelvin);
-                Point { seconds: step_s * f64::from(n), hz: 4e4 - 10.0 * kelvin - 20.0 * square_a2 + noise_hz, watts, square_a2 }
-            })
-            .collect();
-        reports.chunks(100).map(mean).collect()
+    /// Fits a run of a stack with 5 K/W and 8 J/K that begins 3 K warm and shifts by -10 Hz/K and
+    /// -20 Hz/A^2. The power falls while it heats, and to a quarter later.
+    fn fitted(time_s: f64, watts: f64, noise_hz: f64, hz_per_k: f64) -> Result<Thermal, String> {
+        let (mut kelvin, mut seed, step_s) = (3.0, 1_u64, time_s / 2e3);
+        let points = (0..2000).map(|n| {
+            let watts = watts * if n < 1200 { 1.0 } else { 0.25 } / (1.0 + 0.005 * kelvin);
+            let square_a2 = watts / (1.0 + 0.005 * kelvin);
+            seed = seed.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            let noise_hz = noise_hz * 12.0_f64.sqrt() * ((seed >> 11) as f64 / 2.0_f64.powi(53) - 0.5);
+            let hz = 4e4 - 10.0 * kelvin - 20.0 * square_a2 + noise_hz;
+            kelvin += step_s * (watts - kelvin / 5.0) / 8.0;
+            Point { seconds: step_s * f64::from(n), hz, watts, square_a2 }
+        });
+        fit(&points.collect::<Vec<Point>>(), time_s, hz_per_k)
     }
 
     #[test]
     fn the_thermal_values_are_within_their_deviations() {
-        for (time_s, noise_hz) in [(400.0, 0.0), (120.0, 0.2), (60.0, 0.1)] {
-            let found = fit(&points(time_s, 2.0, noise_hz), time_s, -10.0).unwrap();
-            let errors = [found.resistance_k_per_w / R_K_PER_W - 1.0, found.capacity_j_per_k / C_J_PER_K - 1.0];
-            for (error, deviation) in errors.into_iter().zip(found.deviations_rel) {
-                assert!(error.abs() < 2.5 * deviation && error.abs() < 0.1, "{time_s}: {errors:?}, {found:?}");
-            }
+        for (time_s, noise_hz) in [(400.0, 0.0), (120.0, 0.6), (60.0, 0.3)] {
+            let found = fitted(time_s, 2.0, noise_hz, -10.0).unwrap();
+            let errors = [found.resistance_k_per_w / 5.0 - 1.0, found.capacity_j_per_k / 8.0 - 1.0];
+            let fits =
+                errors.iter().zip(found.deviations_rel).all(|(error, deviation)| error.abs() < 0.1_f64.min(2.5 * deviation));
+            assert!(fits, "{time_s}: {errors:?}, {found:?}");
         }
-        let deviations = Thermal { resistance_k_per_w: 5.0, capacity_j_per_k: 8.0, deviations_rel: [0.02, 0.041] };
-        assert_eq!(deviations.settings()[2].1, 0.09);
     }
 
     #[test]
     fn an_unsuitable_run_is_refused_with_its_remedy() {
         for (time_s, watts, noise_hz, hz_per_k, message) in [
-            (20.0, 2.0, 0.2, -10.0, "too short"),
-            (200.0, 0.01, 1.0, -10.0, "Raise --max-volts"),
-            (200.0, 2.0, 0.1, 10.0, "correct its sign"),
+            (20.0, 2.0, 0.6, -10.0, "too short"),
+            (200.0, 0.01, 5.0, -10.0, "Raise --max-volts"),
+            (200.0, 2.0, 0.3, 10.0, "correct its sign"),
         ] {
-            let refused = fit(&points(time_s, watts, noise_hz), time_s, hz_per_k).unwrap_err();
+            let refused = fitted(time_s, watts, noise_hz, hz_per_k).unwrap_err();
             assert!(refused.contains(message), "{refused}");
         }
-        assert!(fit(&[], 1.0, -10.0).unwrap_err().contains("the lock was lost"));
     }
 }
