@@ -133,7 +133,7 @@ fn a_raised_resonance_does_not_hide_the_heat() {
         let found = outcome("derating", &changes.iter().map(String::as_str).collect::<Vec<_>>());
         let peak_k = metric(&found, "peak_stack_temperature_k");
         println!("{loads:?}: {peak_k:.2} K, fault {}", metric(&found, "fault_code"));
-        assert!(peak_k < 45.0 && found.remarks.is_empty(), "{loads:?}: {peak_k} K, {}", found.remarks);
+        assert!(peak_k < 45.0 && !found.remarks.contains("exceeds"), "{loads:?}: {peak_k} K, {}", found.remarks);
     }
 }
 

@@ -59,7 +59,8 @@ impl<'a> SettingsStore<'a> {
             }
         }
         // Settings of earlier firmware have no marker. A failure leaves them as they were.
-        let has_record = !matches!(self.stored, StoredState::Nothing | StoredState::Unfinished | StoredState::Damaged);
+        use StoredState::{Changed, OneCopy, Partly, Refused, Stored, Version};
+        let has_record = matches!(self.stored, Stored | OneCopy | Partly | Refused | Changed | Version(_));
         if silent && !core::mem::replace(&mut self.marker_checked, true) && has_record {
             let _ = settings.mark();
         }

@@ -59,6 +59,8 @@ pub fn join(dirs: &[PathBuf], target: &Path, shown: &Presentation) -> Result<Joi
         let (count, missing) = (plan.count(), missing.iter().map(|range| range.end - range.start).sum());
         return Err(FolderError::Missing { missing, count, ranges: ranges + &more });
     }
+    // Reads all parts: a damaged one is found before anything is written.
+    let (layout, absent) = present(&plan, &parts)?;
     let owner = Owner::new(SWEEP, parts.iter().map(|part| &part.path));
     fs::create_dir_all(target).map_err(write(target))?;
     replaceable(target, &owner)?;
@@ -74,7 +76,6 @@ pub fn join(dirs: &[PathBuf], target: &Path, shown: &Presentation) -> Result<Joi
     let _alone = File::open(&path).ok().filter(|plan| plan.lock().is_ok());
     let folder = Folder::open(target, owner)?;
     let dir = folder.unfinished();
-    let (layout, absent) = present(&plan, &parts)?;
     let failures = rows(&plan, &parts, &layout, dir)?;
     let file = RowsFile::open(&dir.join(ROWS))?;
     let indices = if plan.is_sample() { indices(&layout, &file, dir)? } else { Vec::new() };
