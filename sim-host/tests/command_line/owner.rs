@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use super::folder::{listed, manifest, names};
-use super::{Folder, code, sim_host, stderr};
+use super::{Folder, code, stderr};
 
 /// Every command that writes a folder, without `-o`; each is fast.
 const WRITERS: [&str; 11] = [
