@@ -74,6 +74,8 @@ impl Heat {
 
     /// Checks the temperatures of one block: that of the board, °C, and that of the stack, which
     /// has taken the mean power `taken_w`, W.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
     pub(super) fn inspect_temperature(&mut self, board_c: Option<f32>, taken_w: f32) -> Option<Fault> {
         self.stack.add(board_c, taken_w);
         let hottest = match board_c {

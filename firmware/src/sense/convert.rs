@@ -225,6 +225,8 @@ impl Convert {
 
     /// Computes the mean of voltage times current over the samples of a block, W: the electrical
     /// power of any waveform. The integer sums are exact.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
     pub(crate) fn mean_power(&self, v: &Codes, i: &Codes) -> f32 {
         let (mut products, mut v_sum, mut i_sum) = (0i64, 0i32, 0i32);
         for (&v, &i) in v.iter().zip(i) {

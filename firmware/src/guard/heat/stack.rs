@@ -84,6 +84,8 @@ impl Stack {
     }
 
     /// Reads the thermometers.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
     pub(super) fn read(&mut self, now: &Thermometers) {
         if self.kelvin_per_hz == 0.0 && self.kelvin_per_part == 0.0 || self.balance.start_k() > SETTLED_K {
             return;
