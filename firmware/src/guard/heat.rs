@@ -74,16 +74,14 @@ impl Heat {
 
     /// Checks the temperatures of one block: that of the board, °C, and that of the stack, which
     /// has taken the mean power `taken_w`, W.
-    // Not inlined: the fast memory of a board has no room for it.
-    #[inline(never)]
     pub(super) fn inspect_temperature(&mut self, board_c: Option<f32>, taken_w: f32) -> Option<Fault> {
-        self.stack.add(board_c, taken_w);
+        if self.stack.is_used() {
+            self.stack.add(board_c, taken_w);
+        }
         let hottest = match board_c {
+            Some(board_c) if self.at_stack || !self.stack.is_known() => board_c,
             None if !self.stack.is_known() => return None,
-            None => self.stack.celsius(),
-            // Not `max`: a board reading that is not a number must reach the check below.
-            Some(board_c) if !self.at_stack && self.stack.celsius() > board_c => self.stack.celsius(),
-            Some(board_c) => board_c,
+            _ => self.stack.hotter(board_c),
         };
         let margin_k = self.most_c - hottest;
         self.by_heat = (MIN_FACTOR + (1.0 - MIN_FACTOR) / DERATE_K * margin_k).clamp(MIN_FACTOR, 1.0);

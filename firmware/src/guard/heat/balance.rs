@@ -17,6 +17,8 @@ use crate::seam::config::Config;
 const UNKNOWN_TIME_CONSTANT_S: f32 = 0.1;
 /// Steps in the shortest time constant.
 const STEPS_IN_TIME_CONSTANT: f32 = 512.0;
+/// Step of a stack whose thermal resistance is unknown, blocks.
+const UNKNOWN_STEP_BLOCKS: f32 = 32.0;
 /// Longest step, blocks: the sum of the powers keeps its precision.
 const MAX_STEP_BLOCKS: f32 = 65_536.0;
 /// Assumed fastest heating of a stack whose heat capacity is unknown, K/s.
@@ -60,6 +62,7 @@ impl Balance {
         let time_constant =
             |part: f32| body.map_or(UNKNOWN_TIME_CONSTANT_S, |(resistance, capacity)| part * resistance * capacity);
         let blocks = libm::floorf(time_constant(least * least) / (STEPS_IN_TIME_CONSTANT * block_s)).clamp(1.0, MAX_STEP_BLOCKS);
+        let blocks = if body.is_some() { blocks } else { UNKNOWN_STEP_BLOCKS };
         let step_s = blocks * block_s;
         let remains = |part: f32| libm::expf(-step_s / time_constant(part));
         let start_c = thermometer.start_c.unwrap_or(config.limits.temperature_c);

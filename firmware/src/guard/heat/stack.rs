@@ -34,6 +34,7 @@ pub(crate) struct Thermometers {
 #[derive(Clone, Debug)]
 pub(super) struct Stack {
     balance: Balance,
+    is_used: bool,
     kelvin_per_hz: f32,
     kelvin_per_part: f32,
     /// Temperature of the surroundings, °C: the last reading of the board's sensor, or the
@@ -55,8 +56,10 @@ impl Stack {
     pub(super) fn build(config: &Config, block_s: f32) -> Self {
         let thermometer = &config.thermometer;
         let inverse = |per_k: f32| if per_k == 0.0 { 0.0 } else { 1.0 / per_k };
+        let balance = Balance::build(config, block_s);
         Stack {
-            balance: Balance::build(config, block_s),
+            is_used: balance.is_known() || thermometer.hz_per_k != 0.0 || thermometer.c0_per_k != 0.0,
+            balance,
             kelvin_per_hz: inverse(thermometer.hz_per_k),
             kelvin_per_part: inverse(thermometer.c0_per_k),
             surroundings_c: thermometer.ambient_c,
@@ -67,15 +70,25 @@ impl Stack {
         }
     }
 
+    /// Returns `true` if a value is configured from which the temperature follows.
+    pub(super) fn is_used(&self) -> bool {
+        self.is_used
+    }
+
     /// Returns `true` if the temperature of the stack is known.
     pub(super) fn is_known(&self) -> bool {
         self.balance.is_known() || self.cold.is_some()
     }
 
     /// Adds a block: the reading of the board's sensor, °C, and the mean electrical power, W.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
     pub(super) fn add(&mut self, board_c: Option<f32>, power_w: f32) {
         // A reading that is not a number is a fault of its own, and must not stay in the balance.
         self.surroundings_c = board_c.filter(|celsius| celsius.is_finite()).unwrap_or(self.surroundings_c);
+        if !self.is_known() {
+            return;
+        }
         if let Some(Change { rise_k, remains }) = self.balance.add(power_w, self.surroundings_c) {
             let (least, most) = &mut self.possible_c;
             *least = least.min(self.surroundings_c + (*least - self.surroundings_c) * remains);
@@ -108,5 +121,14 @@ impl Stack {
     /// Returns the temperature, °C; minus infinity if it is unknown.
     pub(super) fn celsius(&self) -> f32 {
         self.read_c.max(self.balance.bound_c())
+    }
+
+    /// Returns the temperature or that of the board, °C, if this is higher or not a number.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
+    pub(super) fn hotter(&self, board_c: Option<f32>) -> f32 {
+        let stack_c = self.celsius();
+        // Not `max`: a board reading that is not a number must be reported.
+        board_c.map_or(stack_c, |board_c| if stack_c > board_c { stack_c } else { board_c })
     }
 }

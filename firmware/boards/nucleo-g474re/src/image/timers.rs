@@ -45,7 +45,7 @@ pub fn prepare() {
 
 /// Cycles of a sample in which neither ring of samples moves. Both have moved before. The ADC's
 /// ring would move 85 cycles later than usual if it had missed one of the two triggers of a sample.
-const QUIET: RangeInclusive<u16> = 34..=56;
+const QUIET: RangeInclusive<u16> = 30..=68;
 
 /// Waits for the quiet part of the sample: at most one sample, if the clock runs.
 #[inline]
