@@ -118,7 +118,11 @@ fn inspect(
     driven: &Driven,
 ) -> Option<Fault> {
     let electrical = guard.inspect(convert, sense, sensed, black_box(driven.volts), black_box(Suspect::default()));
-    if guard.watches(sense, belt) { electrical.or(guard.watch(sense, sensed, belt, black_box(driven))) } else { electrical }
+    if guard.watches(sense, belt) {
+        electrical.or(guard.watch(convert, sense, sensed, belt, black_box(driven)))
+    } else {
+        electrical
+    }
 }
 
 /// Counts the tracker, locked and under full drive.
