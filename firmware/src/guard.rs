@@ -95,7 +95,10 @@ impl Guard {
             weld,
             heat: Heat::build(config, block_s),
             on_time: OnTime::build(config, block_s),
-            limited: unscaled || config.limits.power_w.is_some() || config.limits.on_time_s.is_some(),
+            limited: unscaled
+                || config.thermometer.resistance_k_per_w.is_some()
+                || config.limits.power_w.is_some()
+                || config.limits.on_time_s.is_some(),
         })
     }
 
@@ -136,7 +139,7 @@ impl Guard {
     /// and current is present. Most boards have none.
     #[inline]
     pub fn watches(&self, sense: &SenseBlock, belt: &Belt) -> bool {
-        self.limited || belt.is_expected() || sense.slow.temperature.is_some() || self.heat.has_stack_temperature()
+        self.limited || belt.is_expected() || sense.slow.temperature.is_some() || self.heat.has_reading()
     }
 
     /// Checks belt, temperature, power and ON time of one block, and returns the fault found.

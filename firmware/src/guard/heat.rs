@@ -67,6 +67,12 @@ impl Heat {
         self.stack.read(now);
     }
 
+    /// Returns `true` if the stack was read as its own thermometer.
+    #[inline]
+    pub(super) fn has_reading(&self) -> bool {
+        self.stack.has_reading()
+    }
+
     /// Returns `true` if the temperature of the stack is known.
     pub(super) fn has_stack_temperature(&self) -> bool {
         self.stack.is_known()

@@ -75,6 +75,12 @@ impl Stack {
         self.is_used
     }
 
+    /// Returns `true` if resonance or capacitance were read.
+    #[inline]
+    pub(super) fn has_reading(&self) -> bool {
+        self.cold.is_some()
+    }
+
     /// Returns `true` if the temperature of the stack is known.
     pub(super) fn is_known(&self) -> bool {
         self.balance.is_known() || self.cold.is_some()
