@@ -79,7 +79,7 @@ pub struct Guard {
     weld: Weld,
     heat: Heat,
     on_time: OnTime,
-    /// `true` if power or ON time have a limit, or if the drive must be refused because a D-ring's
+    /// `true` if power or ON time have a limit, if the temperature of the stack is known, or if the drive must be refused because a D-ring's
     /// belt has no scale.
     limited: bool,
 }
@@ -139,7 +139,7 @@ impl Guard {
     /// and current is present. Most boards have none.
     #[inline]
     pub fn watches(&self, sense: &SenseBlock, belt: &Belt) -> bool {
-        self.limited || belt.is_expected() || sense.slow.temperature.is_some() || self.heat.has_reading()
+        self.limited || belt.is_expected() || sense.slow.temperature.is_some()
     }
 
     /// Checks belt, temperature, power and ON time of one block, and returns the fault found.
@@ -180,6 +180,7 @@ impl Guard {
     /// Updates the temperature of the stack from the tracker's estimates; needed only occasionally.
     pub(crate) fn update_temperature(&mut self, thermometers: &Thermometers) {
         self.heat.update_temperature(thermometers);
+        self.limited |= self.heat.has_reading();
     }
 
     /// Returns the factor of the amplitude set point, 0.1 to 1.
