@@ -79,8 +79,8 @@ pub struct Guard {
     weld: Weld,
     heat: Heat,
     on_time: OnTime,
-    /// `true` if power or ON time have a limit, if the temperature of the stack is known, or if the drive must be refused because a D-ring's
-    /// belt has no scale.
+    /// `true` if power or ON time have a limit, if the temperature of the stack is known, or if the
+    /// drive must be refused because a D-ring's belt has no scale.
     limited: bool,
 }
 
