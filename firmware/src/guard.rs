@@ -161,7 +161,7 @@ impl Guard {
             self.heat.limit_power(power_w);
         }
         // The power of all samples, also in silence: a brake returns energy.
-        let taken_w = if self.heat.has_stack_temperature() { convert.mean_power(&sense.v, &sense.i) } else { 0.0 };
+        let taken_w = if self.heat.has_balance() { convert.mean_power(&sense.v, &sense.i) } else { 0.0 };
         let heat = self.heat.inspect_temperature(sense.slow.temperature, taken_w);
         let on_time = self.on_time.inspect(driving);
         weld.or(heat).or(on_time)

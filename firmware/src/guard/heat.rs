@@ -73,9 +73,9 @@ impl Heat {
         self.stack.has_reading()
     }
 
-    /// Returns `true` if the temperature of the stack is known.
-    pub(super) fn has_stack_temperature(&self) -> bool {
-        self.stack.is_known()
+    /// Returns `true` if the energy that the stack takes bounds its temperature.
+    pub(super) fn has_balance(&self) -> bool {
+        self.stack.has_balance()
     }
 
     /// Checks the temperatures of one block: that of the board, °C, and that of the stack, which

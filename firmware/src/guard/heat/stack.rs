@@ -75,6 +75,11 @@ impl Stack {
         self.is_used
     }
 
+    /// Returns `true` if there is an energy balance.
+    pub(super) fn has_balance(&self) -> bool {
+        self.balance.is_known()
+    }
+
     /// Returns `true` if resonance or capacitance were read.
     #[inline]
     pub(super) fn has_reading(&self) -> bool {
