@@ -110,8 +110,8 @@ fn the_guard_holds_the_stack_below_its_limit() {
     assert!((end - low).abs() < 0.3, "{end} {low}");
 }
 
-/// Loads that raise the resonance, at once or slowly, and an exchange of the resonance for a higher
-/// one do not hide the heat: the energy is known.
+/// Loads that raise the resonance at once, slowly, or again and again do not hide the heat: the
+/// energy is known.
 #[test]
 fn a_raised_resonance_does_not_hide_the_heat() {
     let steps = [40080, 40200, 40720, 40920].map(|hz| vec![(0.4, hz)]);

@@ -232,21 +232,19 @@ fn overshoot_and_use(seed: u64, tolerance: f64, disturbed: bool) -> (f64, f64) {
 }
 
 #[test]
-fn no_combination_of_loads_hides_an_excess_of_5_k() {
-    let worst = (0..10_000)
-        .map(|seed| (overshoot_and_use(seed, 0.3, true).0, seed))
-        .fold((f64::NEG_INFINITY, 0), |a, b| if b.0 > a.0 { b } else { a });
-    std::println!("highest excess {:.2} K, seed {}", worst.0, worst.1);
-    assert!(worst.0 < 5.0, "{worst:?}");
+fn no_combination_of_loads_exceeds_the_limit() {
+    let excesses = (0..10_000).map(|seed| (overshoot_and_use(seed, 0.3, true).0, seed));
+    let (worst_k, seed) = excesses.max_by(|one, other| one.0.total_cmp(&other.0)).unwrap();
+    std::println!("highest excess {worst_k:.2} K, seed {seed}");
+    assert!(worst_k < 0.0, "{worst_k} K, seed {seed}");
 }
 
 /// The loss by the tolerance is that of the power at the same demand with exact values.
 #[test]
-fn the_bound_costs_a_tenth_of_the_power_if_measured_and_a_third_if_not() {
-    for (tolerance, most) in [(0.1, 0.10), (0.3, 0.35)] {
-        let losses =
-            (0..300).map(|seed| 1.0 - overshoot_and_use(seed, tolerance, false).1 / overshoot_and_use(seed, 0.0, false).1);
-        let worst = losses.fold(0.0, f64::max);
+fn the_bound_costs_a_tenth_of_the_power_if_measured_and_a_quarter_if_not() {
+    for (tolerance, most) in [(0.1, 0.10), (0.3, 0.24)] {
+        let used = |seed, tolerance| overshoot_and_use(seed, tolerance, false).1;
+        let worst = (0..300).map(|seed| 1.0 - used(seed, tolerance) / used(seed, 0.0)).fold(0.0, f64::max);
         std::println!("tolerance {tolerance}: at most {:.1} % less power", 100.0 * worst);
         assert!(worst <= most, "{tolerance}: {worst}");
     }
