@@ -242,15 +242,15 @@ impl<F: NorFlash> Settings<F> {
 
     /// Writes the marker, if there is a place for it and it is blank.
     pub(crate) fn mark(&mut self) -> Result<(), NotStored> {
-        if self.first == 0 || self.is_marked() {
+        if self.first == 0 || self.read_marker() {
             return Ok(());
         }
         let word = word::<F>();
         self.flash.write(self.first - word, &[0; MAX_WORD_BYTES][..word as usize]).map_err(|_| NotStored)
     }
 
-    /// Returns `true` if the marker was written, or cannot be read.
-    fn is_marked(&mut self) -> bool {
+    /// Reads the marker: `true` if it was written, or cannot be read.
+    fn read_marker(&mut self) -> bool {
         self.first > 0 && is_marked(&mut self.flash, self.first - F::READ_SIZE as u32) != Some(false)
     }
 
@@ -288,7 +288,7 @@ impl<F: NorFlash> Settings<F> {
     /// Reads both halves, and compares their values with `expected`.
     fn inspect(&mut self, expected: &[u8]) -> Halves {
         let found = [0, 1].map(|half| self.inspect_half(half, expected));
-        Halves { newest: found[1].is_newer_than(&found[0]).into(), found, is_marked: self.is_marked() }
+        Halves { newest: found[1].is_newer_than(&found[0]).into(), found, is_marked: self.read_marker() }
     }
 
     fn inspect_half(&mut self, half: u32, expected: &[u8]) -> HalfValue {
