@@ -1,6 +1,6 @@
 //! Tables in delimited text: encoding, delimiter, decimal sign, comments, preamble and heading are
 //! found from the text alone. [`read`] accepts only a table of numbers, and reports the first line
-//! that is not one; [`read_mixed`] also accepts columns of words. [`file`] reads files within
+//! that is not one; [`read_mixed`] also accepts columns of words. [`mod@file`] reads files within
 //! limits, and [`visible`] prepares text from outside for a terminal.
 //!
 //! # Example
