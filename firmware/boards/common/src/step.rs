@@ -7,12 +7,17 @@
 /// before a ring that is half a sample late would move. Two conversions of an ADC may make a
 /// sample, and a lost trigger of one of them delays the ring by half a sample.
 ///
+/// A lead that is off by one counts in the second consecutive block: while flash is written, single
+/// blocks read one.
+///
 /// ```text
 /// | both rings move |<- quiet ->| half a sample later: a late ring moves |         | next sample
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Step<const RING: usize> {
     lead: Option<usize>,
+    /// `true` if the last block had another lead.
+    was_off: bool,
 }
 
 impl<const RING: usize> Step<RING> {
@@ -21,6 +26,8 @@ impl<const RING: usize> Step<RING> {
     #[inline]
     pub fn holds(&mut self, (adc, dac): (usize, usize)) -> bool {
         let lead = (dac + RING - adc % RING) % RING;
-        *self.lead.get_or_insert(lead) == lead
+        let off = (lead + RING - *self.lead.get_or_insert(lead)) % RING;
+        let was_off = core::mem::replace(&mut self.was_off, off != 0);
+        off == 0 || !was_off && (off == 1 || off == RING - 1)
     }
 }
