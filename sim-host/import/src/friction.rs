@@ -16,7 +16,7 @@ mod view;
 use std::path::Path;
 
 use crate::error::ImportError;
-use delimited::{decode, file};
+use columns::file;
 pub use log::{Log, Options};
 pub use models::Model;
 pub use result::{Fitted, Friction};
@@ -29,7 +29,7 @@ pub fn import(path: &Path, options: &Options) -> Result<Friction, ImportError> {
     let bytes =
         file::read(path, file::MAX_DATA_BYTES).map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
     let name = path.file_stem().map_or_else(|| "contact".into(), |stem| stem.to_string_lossy().into_owned());
-    fit(&name, Log::parse(&decode(&bytes), options)?)
+    fit(&name, Log::parse(&bytes, options)?)
 }
 
 /// Fits contact models to a log.

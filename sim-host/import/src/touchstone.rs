@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use crate::complex::polar;
 use crate::error::ImportError;
-use delimited::{beginning, number};
+use columns::{beginning, number};
 
 /// Content of a file with one or two ports.
 #[derive(Clone, Debug, PartialEq)]

@@ -42,7 +42,7 @@ impl TableBlock {
     #[cfg(feature = "terminal")]
     pub fn terminal(&self, color: bool) -> String {
         use comfy_table::{Cell, Color, ColumnConstraint, Table, Width, presets};
-        use delimited::visible;
+        use columns::visible;
         /// Widest column of prose.
         const MAX_WIDTH: u16 = 44;
         let coloured = |cell: &String| match cell.as_str() {

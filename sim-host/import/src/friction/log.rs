@@ -4,7 +4,8 @@ use num_complex::Complex64;
 
 use crate::error::ImportError;
 use crate::rows::{bins, means};
-use delimited::beginning;
+use crate::units::{factor, numbers};
+use columns::{Heading, Table, beginning, formats};
 
 /// Options for properties that a file does not contain.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,39 +51,6 @@ enum Quantity {
 /// Minimum number of samples of the OFF part.
 const MIN_OFF_SAMPLES: usize = 20;
 
-/// Returns the factor of a unit to the SI unit of a quantity.
-fn factor(quantity: Quantity, unit: &str) -> Option<f64> {
-    let unit = unit.trim().to_lowercase();
-    match quantity {
-        Quantity::Time => match unit.as_str() {
-            "s" => Some(1.0),
-            "ms" => Some(1e-3),
-            "us" | "µs" | "μs" => Some(1e-6),
-            _ => None,
-        },
-        Quantity::Displacement | Quantity::Velocity => {
-            let length = match quantity {
-                Quantity::Velocity => unit.strip_suffix("/s").or(unit.strip_suffix("_per_s"))?,
-                _ => unit.as_str(),
-            };
-            match length {
-                "m" => Some(1.0),
-                "mm" => Some(1e-3),
-                "um" | "µm" | "μm" => Some(1e-6),
-                "nm" => Some(1e-9),
-                _ => None,
-            }
-        }
-        Quantity::Force | Quantity::Normal => match unit.as_str() {
-            "n" => Some(1.0),
-            "mn" => Some(1e-3),
-            "kn" => Some(1e3),
-            _ => None,
-        },
-        Quantity::On => None,
-    }
-}
-
 /// Returns the quantity of a name without its unit.
 fn quantity(name: &str) -> Option<Quantity> {
     let bare: String = name.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
@@ -97,30 +65,43 @@ fn quantity(name: &str) -> Option<Quantity> {
     })
 }
 
-/// Returns quantity and factor of a heading such as `x [mm]`, `force_n` or `on`.
-fn heading(text: &str) -> Option<(Quantity, Option<f64>)> {
-    let text = text.trim();
-    let brackets = [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
-        let (name, rest) = text.rsplit_once(open)?;
-        Some((name, rest.split(close).next()?))
-    });
-    let underscore = || {
-        let (name, unit) = text.split_once('_')?;
-        Some((name, unit))
-    };
-    let (name, unit) = brackets.or_else(underscore).unwrap_or((text, ""));
-    let quantity = quantity(name).or_else(|| quantity(text))?;
-    Some((quantity, factor(quantity, unit)))
+impl Quantity {
+    /// Returns the SI unit; `None` for a condition.
+    fn base(self) -> Option<&'static str> {
+        match self {
+            Quantity::Time => Some("s"),
+            Quantity::Displacement => Some("m"),
+            Quantity::Velocity => Some("m/s"),
+            Quantity::Force | Quantity::Normal => Some("N"),
+            Quantity::On => None,
+        }
+    }
+}
+
+/// Returns the values of a condition: 1 for ON, 0 for OFF.
+fn conditions(table: &Table, at: usize) -> Result<Vec<f64>, ImportError> {
+    let mut values = table.columns[at].values.clone();
+    for (row, word) in &table.columns[at].words {
+        values[*row] = match word.to_lowercase().as_str() {
+            "on" | "true" | "yes" => 1.0,
+            "off" | "false" | "no" => 0.0,
+            _ => {
+                let what = format!("the column `{}` is `{}`, not ON or OFF", table.headings()[at], beginning(word));
+                return Err(ImportError::bad_row(table, *row, what));
+            }
+        };
+    }
+    Ok(values)
 }
 
 impl Log {
-    /// Parses a log from text.
+    /// Parses a log from the content of a file.
     ///
     /// # Errors
     /// Returns [`ImportError`], with the line or column that shows the reason.
-    pub fn parse(text: &str, options: &Options) -> Result<Self, ImportError> {
-        let table = delimited::read(text, options.columns.as_deref())?;
-        let names = table.header.clone().unwrap_or_default();
+    pub fn parse(bytes: impl AsRef<[u8]>, options: &Options) -> Result<Self, ImportError> {
+        let table = formats::parse(bytes.as_ref(), options.columns.as_deref())?;
+        let names = table.headings();
         let seen = |what: &str| {
             let names = names.iter().map(|name| beginning(name)).collect::<Vec<_>>().join("`, `");
             let seen = format!(
@@ -129,20 +110,16 @@ impl Log {
             );
             ImportError::UnknownForm { seen }
         };
-        let known: Vec<_> = names.iter().map(|name| heading(name)).collect();
+        let known: Vec<_> = names.iter().map(|name| Heading::new(name, |name| quantity(name).is_some())).collect();
         let column = |wanted: Quantity| -> Result<Option<Vec<f64>>, ImportError> {
-            let Some(at) = known.iter().position(|known| known.is_some_and(|(quantity, _)| quantity == wanted)) else {
-                return Ok(None);
+            let Some(at) = known.iter().position(|heading| quantity(heading.name) == Some(wanted)) else { return Ok(None) };
+            let Some(base) = wanted.base() else { return conditions(&table, at).map(Some) };
+            let Some(factor) = factor(&names[at], known[at].unit, base)? else {
+                let help = "write it in the heading or in `--columns`, such as `x [mm]`, `v [mm/s]`, `F [N]`".to_owned();
+                return Err(ImportError::UnitMissing { column: format!("the column `{}`", names[at]), help });
             };
-            let factor = match (wanted, known[at].and_then(|(_, factor)| factor)) {
-                (Quantity::On, _) => 1.0,
-                (_, Some(factor)) => factor,
-                (_, None) => {
-                    let help = "write it in the heading or in `--columns`, such as `x [mm]`, `v [mm/s]`, `F [N]`".to_owned();
-                    return Err(ImportError::UnitMissing { column: format!("the column `{}`", names[at]), help });
-                }
-            };
-            Ok(Some(table.columns[at].iter().map(|value| value * factor).collect()))
+            let factor = if known[at].negative { -factor } else { factor };
+            Ok(Some(numbers(&table, at)?.into_iter().map(|value| value * factor).collect()))
         };
         let (time, x, v) = (column(Quantity::Time)?, column(Quantity::Displacement)?, column(Quantity::Velocity)?);
         let force_n = column(Quantity::Force)?.ok_or_else(|| seen("no column is the friction force"))?;
@@ -152,7 +129,7 @@ impl Log {
             .and_then(|time| time.windows(2).position(|pair| pair[0].partial_cmp(&pair[1]).is_none_or(|order| order.is_ge())))
         {
             let what = "the time does not increase here".to_owned();
-            return Err(ImportError::BadLine { line: table.lines[at + 1], what });
+            return Err(ImportError::bad_row(&table, at + 1, what));
         }
         let steps = |values: &[f64]| -> Vec<f64> {
             std::iter::once(0.0).chain(values.windows(2).map(|pair| pair[1] - pair[0])).collect()
