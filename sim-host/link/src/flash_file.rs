@@ -6,14 +6,15 @@
 //! operation a second file, `FILE.stored`, shows that the board was in use: if only that one is
 //! left, a limit may be lost, and the board is not replaced by a new one.
 
-use std::fs::{self, File};
-use std::io::{self, ErrorKind, Write};
+use std::fs;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use columns::file as bounded;
 use hal_mock::bench::Setup;
 use hal_mock::flash::{Flash, Mirror, PAGE_BYTES};
+use sim::output::rename_synced;
 
 use crate::link_error::LinkError;
 
@@ -76,16 +77,9 @@ impl FlashFile {
     /// Writes the file, completely or not at all.
     fn write(&self, bytes: &[u8]) -> io::Result<()> {
         let unfinished = self.beside(".unfinished");
-        let written = File::create(&unfinished)
-            .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-            .and_then(|()| fs::rename(&unfinished, &self.path));
-        if written.is_err() {
+        fs::write(&unfinished, bytes).and_then(|()| rename_synced(&unfinished, &self.path)).inspect_err(|_| {
             let _ = fs::remove_file(&unfinished);
-            return written;
-        }
-        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        // The new name must be on the disk, too. Some systems cannot open a folder.
-        File::open(folder).map_or(Ok(()), |folder| folder.sync_all())
+        })
     }
 }
 

@@ -189,7 +189,8 @@ fn exchange(board: &mut impl InProcess, client: &mut Client) -> bool {
         sent &= waits(client.stream.write_all(&bytes[..count])).is_some();
     }
     // The number of reads is limited, so that the next block is not late. Bytes that exceed the
-    // capacity of the wire are lost.
+    // capacity of the wire are lost; a large read finds the end of a client behind them sooner.
+    let mut bytes = [0; 1 << 16];
     for _ in 0..MAX_READS {
         match waits(client.stream.read(&mut bytes)) {
             Some(Some(0)) | None => return false,

@@ -245,9 +245,9 @@ fn synced(path: &Path) -> io::Result<()> {
     File::options().write(true).open(path)?.sync_all()
 }
 
-/// Waits until the names in a folder are on the disk, if the system can.
+/// Waits until the names in a folder (`""`: the current one) are on the disk, if the system can.
 fn sync_folder(dir: &Path) {
-    let _ = File::open(dir).and_then(|dir| dir.sync_all());
+    let _ = File::open(Path::new(".").join(dir)).and_then(|dir| dir.sync_all());
 }
 
 /// Keeps other processes from moving files and taking locks in this folder while the lock is held;

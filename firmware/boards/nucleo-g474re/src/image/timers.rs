@@ -43,8 +43,9 @@ pub fn prepare() {
     TIM3.cr2().modify(|w| w.set_mms(Mms::UPDATE));
 }
 
-/// Cycles of a sample in which neither ring of samples moves. Both have moved before. The ADC's
-/// ring would move 85 cycles later than usual if it had missed one of the two triggers of a sample.
+/// Cycles of a sample in which neither ring of samples moves: both have moved before, and the ADC's
+/// ring moves 85 cycles later than usual, from cycle 92 on, if it has missed one of the two
+/// triggers of a sample. The position of the ADC's ring is read first, within 20 cycles.
 const QUIET: RangeInclusive<u16> = 30..=68;
 
 /// Waits for the quiet part of the sample: at most one sample, if the clock runs.
