@@ -19,7 +19,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::certainty::covariance;
 use super::log::Log;
 use super::models::{Model, Parameter};
-use super::motion::Motion;
+use super::motion::{self, Motion};
 use super::start;
 use crate::least_squares::{Linear, Solution, minimise_within};
 use crate::rows::memory;
@@ -72,7 +72,7 @@ const HELD_OUT_SEGMENTS: usize = 20;
 /// Number of groups of these segments; the segments of one are held out together.
 const HELD_OUT_GROUPS: usize = 5;
 /// Number added to the diagonal of the held-out fit, whose columns have at most unit length.
-const HELD_OUT_RIDGE: f64 = 1e-6;
+const HELD_OUT_RIDGE: f64 = 1e-3;
 /// Smallest and largest coefficient of friction of a fit; the largest is that of a scene.
 pub(super) const MU: (f64, f64) = (1e-6, 5.0);
 
@@ -96,19 +96,10 @@ pub(super) fn search(log: &Log, baseline: usize) -> Vec<Searched> {
     }
     let parts = log.shortened(MAX_SEARCHED_SAMPLES / 2);
     let started = Model::SEARCHED.into_iter().filter_map(|model| {
-        // A part does not show the drift of the whole.
-        let of_part = parts.iter().filter_map(|part| search_model(model, part, baseline.min(1))).map(|mut found| {
-            let whole = |fitted: &mut Vec<f64>| fitted.extend((1..baseline).map(|_| 0.0));
-            found.rivals.iter_mut().chain([&mut found.fitted]).for_each(whole);
-            let count = found.fitted.len();
-            let known = found.covariance.nrows();
-            found.covariance = found.covariance.resize(count, count, 0.0);
-            (known..count).for_each(|at| found.covariance[(at, at)] = f64::INFINITY);
-            found.at_bound.resize(count, false);
-            found.parameters = model.parameters(baseline);
-            found
-        });
-        let found: Vec<Searched> = of_part.collect();
+        // A part does not show the drift of the whole, and may slide in one direction.
+        let of_part =
+            |part: &Log| Some(search_model(model, part, motion::baseline(part).min(baseline).min(1))?.extended(baseline));
+        let found: Vec<Searched> = parts.iter().filter_map(of_part).collect();
         let step = found.iter().map(|found| found.velocity_step).fold(f64::INFINITY, f64::min);
         let problem = Problem::new(model, log, baseline, step);
         let best = found.into_iter().map(|found| (problem.mean_square(&found.fitted), found));
@@ -219,7 +210,7 @@ impl<'a> Problem<'a> {
             let fine = (STRIBECK_STEP_REL * libm::exp(best.parameters[at])).max(MIN_VELOCITY_STEP_REL * fastest(self.log));
             if fine < MIN_STEP_REDUCTION * self.velocity_step {
                 self.velocity_step = fine;
-                self.motion = Motion::new(self.log, fine, self.motion.baseline.len());
+                self.motion = Motion::new(self.log, fine, self.motion.baseline);
                 best = self.minimised(&best.parameters, steps)?;
             }
         }
@@ -243,6 +234,17 @@ impl<'a> Problem<'a> {
 }
 
 impl Searched {
+    /// Adds the parameters of a longer baseline, which are not determined.
+    fn extended(mut self, baseline: usize) -> Self {
+        self.parameters = self.model.parameters(baseline);
+        let (known, count) = (self.fitted.len(), self.parameters.len());
+        self.rivals.iter_mut().chain([&mut self.fitted]).for_each(|fitted| fitted.resize(count, 0.0));
+        self.at_bound.resize(count, false);
+        self.covariance = self.covariance.resize(count, count, 0.0);
+        (known..count).for_each(|at| self.covariance[(at, at)] = f64::INFINITY);
+        self
+    }
+
     /// Returns `true` if a parameter is at a bound that no scene can have. A scene can have a contact
     /// without viscous friction.
     pub(super) fn is_bounded(&self) -> bool {

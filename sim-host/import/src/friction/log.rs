@@ -208,9 +208,9 @@ impl Log {
         log.checked()
     }
 
-    /// Returns two logs of this number of samples for the search of a long one: the
-    /// means over bins, and the first samples without vibration. Means do not resolve a steady
-    /// oscillation; a part does not have the range of a slow change.
+    /// Returns two logs of this number of samples for the search of a long one: the means over bins,
+    /// and the first samples without vibration. Means do not resolve a steady oscillation; a part does
+    /// not have the range of a slow change.
     pub(super) fn shortened(&self, samples: usize) -> [Log; 2] {
         let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |most, value| most.max(value.abs()));
         let (force, velocity) = (largest(&self.force_n), largest(&self.velocity_m_per_s));
@@ -246,21 +246,21 @@ impl Log {
         mean(true).zip(mean(false)).map_or(0.0, |(forward, back)| 0.5 * (forward + back))
     }
 
-    /// Turns the sign of a force that does work on the contact. Friction takes energy out of the
-    /// motion, whatever its model.
-    fn turned(mut self) -> Self {
+    /// Turns the sign of a force that does work on the contact, and returns `true` if it does.
+    /// Friction takes energy out of the motion, whatever its model.
+    pub(super) fn turn(&mut self) -> bool {
         let offset = self.offset_n();
         let parts = self.force_n.iter().zip(&self.slip_m).zip(&self.on).filter(|(_, on)| !**on);
         let works = parts.map(|((force, slip), _)| (force - offset) * slip);
         let (work, size) = works.fold((0.0, 0.0), |(work, size), part| (work + part, size + part.abs()));
-        if work < -MIN_WORK_REL * size {
+        let is_driven = work < -MIN_WORK_REL * size;
+        if is_driven {
             self.force_n.iter_mut().for_each(|force| *force = -*force);
-            self.remarks.push("The force is with the motion: its sign was turned".into());
         }
-        self
+        is_driven
     }
 
-    pub(crate) fn checked(self) -> Result<Self, ImportError> {
+    fn checked(self) -> Result<Self, ImportError> {
         let off = self.on.iter().filter(|on| !**on).count();
         if off < MIN_OFF_SAMPLES {
             return Err(ImportError::NoFit(format!("only {off} samples without vibration; a contact needs {MIN_OFF_SAMPLES}")));
@@ -268,7 +268,7 @@ impl Log {
         if self.slip_m.iter().all(|slip| *slip == 0.0) {
             return Err(ImportError::NoFit("nothing slides: the displacement is constant".into()));
         }
-        Ok(self.turned())
+        Ok(self)
     }
 }
 
@@ -314,5 +314,16 @@ mod tests {
         assert!(error("t [s],x,F [N]").starts_with("unit missing: the column `x` has no unit"));
         assert!(error("t [s],x [m],F [N]").starts_with("unit missing: the normal force"));
         assert!(error("t [s],x [m],u [V]").contains("no column is the friction force"));
+    }
+    #[test]
+    fn a_normal_force_has_one_sign() {
+        let log = |normal: fn(i32) -> i32| {
+            let lines: String = (0..30).map(|n| format!("{n},{n},2,{}\n", normal(n))).collect();
+            Log::parse(&format!("t [s],x [m],F [N],N [N]\n{lines}"), &Options::default())
+        };
+        let negative = log(|n| -10 - n % 2).unwrap();
+        assert_eq!((negative.normal_n, negative.normals_n[1]), (10.5, 11.0));
+        assert!(negative.remarks.iter().any(|remark| remark.contains("negative throughout")), "{:?}", negative.remarks);
+        assert!(log(|n| n - 20).unwrap_err().to_string().starts_with("line 23: the normal force changes its sign"));
     }
 }

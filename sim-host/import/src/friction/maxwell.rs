@@ -88,7 +88,7 @@ pub(super) fn fit(log: &Log, friction_n: &[f64], used: &[bool]) -> Option<Maxwel
 /// proportional to the normal force.
 fn stop(motion: &Motion, limit: f64) -> Vec<f64> {
     let mut deflection = 0.0_f64;
-    let mut column = Vec::with_capacity(motion.velocity_m_per_s.len());
+    let mut column = Vec::with_capacity(motion.count);
     for step in &motion.steps {
         let limit = limit * step.normal_rel;
         deflection = (deflection + step.slip_m).max(-limit).min(limit);

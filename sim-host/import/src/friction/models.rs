@@ -20,7 +20,7 @@
 //! within the presliding, which hardly any log resolves. Sources: P. Dahl, AIAA J. 14 (1976) 1675;
 //! C. Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419.
 
-use super::motion::Motion;
+use super::motion::{Motion, drift};
 
 /// Contact model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +59,8 @@ const STRIBECK: usize = 2;
 const VISCOUS: usize = 3;
 const STIFFNESS: usize = 4;
 const START: usize = 5;
-const BASELINE: usize = 6;
+const OFFSET: usize = 6;
+const DRIFT: usize = 7;
 
 impl Model {
     /// Models that are fitted by a search.
@@ -95,7 +96,7 @@ impl Model {
             Model::Lugre => &[FC, EXCESS, STRIBECK, VISCOUS, STIFFNESS, START],
             Model::Maxwell => &[],
         };
-        own.iter().copied().chain(BASELINE..BASELINE + baseline).collect()
+        own.iter().copied().chain(OFFSET..OFFSET + baseline).collect()
     }
 
     /// Returns the parameters, with this number of parameters of the baseline.
@@ -105,12 +106,12 @@ impl Model {
 
     /// Computes the force at every sample, N, and its derivatives by the parameters if `SLOPES`.
     pub(super) fn response<const SLOPES: bool>(self, fitted: &[f64], motion: &Motion) -> (Vec<f64>, Vec<Vec<f64>>) {
-        let places = self.places(motion.baseline.len());
+        let places = self.places(motion.baseline);
         let mut p = [0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0];
         for (place, value) in places.iter().zip(fitted) {
             p[*place] = if PARAMETERS[*place].1 { libm::exp(*value) } else { *value };
         }
-        let (falls, has_spring, count) = (self.falls(), self.has_spring(), motion.velocity_m_per_s.len());
+        let (falls, has_spring, count) = (self.falls(), self.has_spring(), motion.count);
         // Limit of the spring force with its derivatives.
         let limit = |v: f64, normal: f64| {
             let square = if falls { (v / p[STRIBECK]) * (v / p[STRIBECK]) } else { 0.0 };
@@ -119,7 +120,7 @@ impl Model {
         };
         let mut force = Vec::with_capacity(count);
         let mut columns = vec![Vec::with_capacity(if SLOPES { count } else { 0 }); if SLOPES { places.len() } else { 0 }];
-        let mut by = [0.0; BASELINE];
+        let mut by = [0.0; OFFSET];
         by[START] = 1.0;
         let first = &motion.steps[0];
         let (mut g0, mut dg0) = limit(first.velocity_m_per_s, first.normal_rel);
@@ -154,14 +155,14 @@ impl Model {
             (g0, dg0) = (g1, dg1);
             if step.is_sample {
                 let (at, v) = (force.len(), step.velocity_m_per_s);
-                let base = |n: usize| motion.baseline[n][at];
-                let of_base: f64 = (0..motion.baseline.len()).map(|n| p[BASELINE + n] * base(n)).sum();
-                force.push(spring + p[VISCOUS] * v + of_base);
+                let drift = drift(at, count);
+                force.push(spring + p[VISCOUS] * v + p[OFFSET] + p[DRIFT] * drift);
                 if SLOPES {
                     for (column, place) in columns.iter_mut().zip(&places) {
                         column.push(match *place {
                             VISCOUS => v,
-                            place if place >= BASELINE => base(place - BASELINE),
+                            OFFSET => 1.0,
+                            DRIFT => drift,
                             place => by[place],
                         });
                     }
@@ -169,5 +170,41 @@ impl Model {
             }
         }
         (force, columns)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::friction::Log;
+
+    #[test]
+    fn slopes_are_the_differences_of_forces() {
+        let at = |n: usize| libm::sin(n as f64 * 0.3) * (1.0 + n as f64 * 0.01);
+        let log = Log {
+            slip_m: (0..80).map(|n: usize| at(n) - at(n.max(1) - 1)).collect(),
+            velocity_m_per_s: (0..80).map(|n| 0.5 * (at(n + 1) - at(n.max(1) - 1))).collect(),
+            time_s: (0..80).map(f64::from).collect(),
+            normal_n: 2.0,
+            normals_n: (0..80).map(|n| 2.0 + 0.5 * at(n + 9)).collect(),
+            on: vec![false; 80],
+            ..Log::default()
+        };
+        for model in Model::SEARCHED {
+            let (places, values) = (model.places(2), [0.2, -0.5, -2.0, 0.3, 2.5, 0.4, 0.1, 0.2]);
+            let fitted: Vec<f64> = places.iter().map(|place| values[*place]).collect();
+            let motion = Motion::new(&log, if model.falls() { 0.02 } else { f64::INFINITY }, 2);
+            let (_, slopes) = model.response::<true>(&fitted, &motion);
+            for (at, slope) in slopes.iter().enumerate() {
+                let moved = |by: f64| {
+                    let mut moved = fitted.clone();
+                    moved[at] += by;
+                    model.response::<false>(&moved, &motion).0
+                };
+                let differences: Vec<f64> = moved(1e-5).iter().zip(moved(-1e-5)).map(|(up, down)| (up - down) / 2e-5).collect();
+                let is_same = |(slope, difference): (&f64, &f64)| (slope - difference).abs() < 1e-7 * (1.0 + difference.abs());
+                assert!(slope.iter().zip(&differences).all(is_same), "{model:?} {at}: {slope:?} {differences:?}");
+            }
+        }
     }
 }

@@ -12,8 +12,8 @@ use super::log::Log;
 
 /// Maximum number of steps of equal velocity change between two samples.
 const MAX_STEPS: f64 = 32.0;
-/// Minimum number of samples in each direction for an offset of the force.
-const MIN_DIRECTION_SAMPLES: usize = 5;
+/// Minimum travel in each direction for an offset of the force, relative to the whole.
+const MIN_TRAVEL_REL: f64 = 0.05;
 /// Minimum number of reversals for a drift of the force.
 const MIN_REVERSALS: usize = 4;
 
@@ -35,15 +35,15 @@ pub(super) struct Step {
 pub(super) struct Motion {
     /// All steps; the first has no slip and ends at the first sample.
     pub(super) steps: Vec<Step>,
-    /// Slip velocity of each sample, m/s.
-    pub(super) velocity_m_per_s: Vec<f64>,
-    /// Columns of the baseline of the force, for each sample: offset and drift, or fewer.
-    pub(super) baseline: Vec<Vec<f64>>,
+    /// Number of samples.
+    pub(super) count: usize,
+    /// Number of parameters of the baseline of the force: offset and drift, or fewer.
+    pub(super) baseline: usize,
 }
 
 impl Motion {
     /// Divides the motion of a log into steps in which the velocity changes by at most
-    /// `velocity_step`, m/s. `baseline` is the number of columns of the baseline.
+    /// `velocity_step`, m/s. `baseline` is the number of parameters of the baseline.
     pub(super) fn new(log: &Log, velocity_step: f64, baseline: usize) -> Self {
         let (v, count) = (&log.velocity_m_per_s, log.slip_m.len());
         let normal = |at: usize| log.normals_n.get(at).map_or(1.0, |normal| normal / log.normal_n);
@@ -72,15 +72,14 @@ impl Motion {
                 (u, x) = (end, to);
             }
         }
-        let columns = [vec![1.0; count], (0..count).map(|at| drift(at, count)).collect()];
-        Motion { steps, velocity_m_per_s: v.clone(), baseline: columns.into_iter().take(baseline).collect() }
+        Motion { steps, count, baseline }
     }
 }
 
 impl Motion {
     /// Returns `true` for each sample without a reversal before the next or after the last sample.
     pub(super) fn is_steady(&self) -> Vec<bool> {
-        let mut steady = vec![true; self.velocity_m_per_s.len()];
+        let mut steady = vec![true; self.count];
         let (mut at, mut sign) = (0, 0.0);
         for step in &self.steps {
             if step.slip_m * sign < 0.0 {
@@ -99,15 +98,44 @@ pub(crate) fn drift(at: usize, count: usize) -> f64 {
     at as f64 / (count.max(2) - 1) as f64 - 0.5
 }
 
-/// Returns the number of columns of a baseline of the force that the log determines: offset and
-/// drift, or fewer. Sliding in one direction does not show an offset, and few reversals no drift.
+/// Returns the number of parameters of the baseline that the log determines: offset and drift, or
+/// fewer. Sliding in one direction does not show an offset, and few reversals no drift.
 pub(super) fn baseline(log: &Log) -> usize {
-    let moving = || log.slip_m.iter().zip(&log.on).filter(|(slip, on)| **slip != 0.0 && !**on).map(|(slip, _)| *slip > 0.0);
-    let (forward, all) = (moving().filter(|forward| *forward).count(), moving().count());
-    let reversals = moving().zip(moving().skip(1)).filter(|(before, now)| before != now).count();
-    match forward.min(all - forward) {
-        ..MIN_DIRECTION_SAMPLES => 0,
-        _ if reversals < MIN_REVERSALS => 1,
-        _ => 2,
+    let (mut travel, mut reversals, mut last) = ([0.0; 2], 0, 0.0);
+    for slip in log.slip_m.iter().zip(&log.on).filter(|(slip, on)| **slip != 0.0 && !**on).map(|(slip, _)| *slip) {
+        travel[usize::from(slip > 0.0)] += slip.abs();
+        reversals += usize::from(slip * last < 0.0);
+        last = slip;
+    }
+    match travel[0].min(travel[1]) < MIN_TRAVEL_REL * (travel[0] + travel[1]) {
+        true => 0,
+        false if reversals < MIN_REVERSALS => 1,
+        false => 2,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_end_at_reversals_and_add_up_to_the_slip() {
+        let log = Log {
+            slip_m: vec![0.0, 0.0, 4e-3, 1e-3],
+            velocity_m_per_s: vec![2.0, -2.0, 6.0, 1e-3],
+            time_s: vec![0.0, 1e-3, 2e-3, 3e-3],
+            on: vec![false; 4],
+            ..Log::default()
+        };
+        let motion = Motion::new(&log, 1.0, 0);
+        let slips: Vec<f64> = motion.steps.iter().map(|step| step.slip_m).collect();
+        // From 2 to -2 m/s in 1 ms: 0.5 mm forth and back, in four steps of 1 m/s that the reversal joins.
+        let expected = [0.0, 3.75e-4, 1.25e-4, -1.25e-4, -3.75e-4];
+        assert!(slips.iter().zip(expected).all(|(slip, expected)| (slip - expected).abs() < 1e-12), "{slips:?}");
+        let second: f64 = slips[5..].iter().take_while(|slip| **slip != 1e-3).sum();
+        assert!((slips.iter().sum::<f64>() - 5e-3).abs() < 1e-12 && second > 0.0, "{slips:?}");
+        assert_eq!(motion.steps.iter().filter(|step| step.is_sample).count(), 4);
+        assert_eq!(motion.is_steady(), [false, false, false, true]);
+        assert_eq!(baseline(&log), 0);
     }
 }

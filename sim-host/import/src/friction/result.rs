@@ -19,6 +19,9 @@ use report::stated;
 const MAX_DETERMINED_SD_REL: f64 = 0.5;
 /// Difference above which the value of another fit is ambiguous, standard deviations.
 const AMBIGUOUS_SIGMAS: f64 = 2.0;
+/// Residuals of the generalised Maxwell slip, relative to those of the chosen model, below which a
+/// warning names the shape of the presliding.
+const MAX_SHAPE_REL: f64 = 0.8;
 /// Smallest offset that a warning names, standard deviations.
 const OFFSET_SIGMAS: f64 = 5.0;
 /// Smallest offset that a warning names, relative to the Coulomb friction.
@@ -48,8 +51,8 @@ pub struct Fitted {
     /// Root mean square of the errors at samples that the fit has not seen, N; `None` if the model
     /// is never chosen.
     pub held_out_n: Option<f64>,
-    /// `true` if a scene can have all parameters.
-    pub is_in_scenes: bool,
+    /// `true` if a scene can have all parameters, and none is at its bound.
+    pub is_within_bounds: bool,
     /// Force of the model at every sample, N.
     pub force_n: Vec<f64>,
 }
@@ -70,7 +73,8 @@ pub struct Friction {
 }
 
 impl Friction {
-    pub(super) fn from_log(name: &str, log: Log) -> Result<Self, ImportError> {
+    pub(super) fn from_log(name: &str, mut log: Log) -> Result<Self, ImportError> {
+        let is_turned = log.turn();
         let baseline = motion::baseline(&log);
         let searched = search(&log, baseline);
         let best = searched.iter().min_by(|a, b| rms(&a.residuals).total_cmp(&rms(&b.residuals)));
@@ -79,15 +83,15 @@ impl Friction {
         let count = log.on.iter().filter(|on| !**on).count() as f64 / memory(&[&best.residuals]).1;
         let mut models: Vec<Fitted> = searched.iter().map(|found| fitted(found, &log, count)).collect();
         models.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        models.sort_by_key(|model| !model.is_in_scenes);
+        models.sort_by_key(|model| !model.is_within_bounds);
         // More parameters must also improve the prediction of samples that the fit has not seen.
         let (most, held_out_n) = (models[0].names.len(), models[0].held_out_n);
-        let is_better = |model: &Fitted| model.is_in_scenes && model.names.len() < most && model.held_out_n < held_out_n;
+        let is_better = |model: &Fitted| model.is_within_bounds && model.names.len() < most && model.held_out_n < held_out_n;
         if let Some(at) = models.iter().position(is_better) {
             models[..=at].rotate_right(1);
         }
         let chosen = &models[0];
-        if !chosen.is_in_scenes {
+        if !chosen.is_within_bounds {
             let text = format!(
                 "no model of a scene fits: {} would need a parameter at the bound of a scene; check the unit of the force, the \
                  normal force, and if the force is the friction",
@@ -98,6 +102,9 @@ impl Friction {
         let friction_n = without_baseline(&log, chosen);
         models.extend(fit_maxwell(&log, &friction_n, count));
         let mut warnings = warnings(&models, log.normal_n);
+        if is_turned {
+            warnings.push("the force is with the motion: its sign was turned".into());
+        }
         if baseline == 0 {
             warnings.push("the log slides in one direction: an offset of the force would be a part of the friction".into());
         }
@@ -168,7 +175,7 @@ fn fitted(found: &Searched, log: &Log, count: f64) -> Fitted {
     let is_steep = |(name, value, _): &(String, f64, Option<f64>)| name == "static_mu" && *value > MU.1;
     Fitted {
         model: found.model,
-        is_in_scenes: !found.is_bounded() && !named.iter().any(is_steep),
+        is_within_bounds: !found.is_bounded() && !named.iter().any(is_steep),
         parameters: named,
         correlations: all.clone().map(|i| all.clone().map(|j| correlation(i, j)).collect()).collect(),
         names: parameters.iter().map(|(name, _)| *name).collect(),
@@ -256,7 +263,7 @@ fn fit_maxwell(log: &Log, friction_n: &[f64], count: f64) -> Option<Fitted> {
         ambiguous: Vec::new(),
         rms_n,
         held_out_n: None,
-        is_in_scenes: false,
+        is_within_bounds: false,
         force_n: found.force_n,
     })
 }
@@ -285,7 +292,7 @@ fn warnings(models: &[Fitted], normal_n: f64) -> Vec<String> {
     if !open.is_empty() {
         warnings.push(format!(
             "the log does not determine {} of the model `{}`: a stiffness needs samples within the presliding, a Stribeck \
-             velocity needs slow and fast sliding",
+             velocity needs slow and fast sliding, and a value of 0 is the bound of a scene",
             open.join(", "),
             chosen.model.name()
         ));
@@ -304,7 +311,7 @@ fn warnings(models: &[Fitted], normal_n: f64) -> Vec<String> {
         let (offset, sd) = stated(offset, sd);
         warnings.push(format!("the force has an offset of {offset} N with a standard deviation of {sd} N: it is not friction"));
     }
-    for model in models.iter().filter(|model| !model.is_in_scenes && chosen.criterion - model.criterion > MIN_DECREASE) {
+    for model in models.iter().filter(|model| !model.is_within_bounds && chosen.criterion - model.criterion > MIN_DECREASE) {
         if model.model != Model::Maxwell {
             warnings.push(format!(
                 "`{}` explains the log better than `{}`, but only with a parameter at the bound of a scene, which is not identified",
@@ -313,13 +320,13 @@ fn warnings(models: &[Fitted], normal_n: f64) -> Vec<String> {
             ));
         }
     }
-    if let Some(next) = models.iter().filter(|model| model.is_in_scenes).nth(1)
+    if let Some(next) = models.iter().filter(|model| model.is_within_bounds).nth(1)
         && (next.criterion - chosen.criterion).abs() < MIN_DECREASE
     {
         warnings.push(format!("`{}` explains the log nearly as well as `{}`", next.model.name(), chosen.model.name()));
     }
     if let Some(maxwell) = models.iter().find(|model| model.model == Model::Maxwell)
-        && maxwell.rms_n < 0.7 * chosen.rms_n
+        && maxwell.rms_n < MAX_SHAPE_REL * chosen.rms_n
     {
         warnings.push(format!(
             "`{}` cannot describe the shape of the presliding: the residuals of the generalised Maxwell slip are {:.2} times as \

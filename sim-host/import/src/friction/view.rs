@@ -18,7 +18,9 @@ impl Friction {
         Report {
             title: format!("Measured contact {}", self.name),
             subtitle: format!("contact models fitted to {source}"),
-            paragraphs: self.warnings.iter().map(|warning| format!("Note: {warning}.")).collect(),
+            paragraphs: (self.warnings.iter().map(|warning| format!("Note: {warning}.")))
+                .chain(self.log.remarks.iter().map(|remark| format!("{remark}.")))
+                .collect(),
             tables: vec![self.contact_table(), self.models_table(), self.correlation_table()],
             figures: self.figures(),
             ..Report::default()

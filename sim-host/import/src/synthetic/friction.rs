@@ -46,6 +46,9 @@ pub struct FrictionExample {
     truth: Vec<f64>,
     /// Standard deviation of the noise, N.
     noise_n: f64,
+    /// Smallest covariance of an unbiased estimate of the parameters, for noise of 1 N; `None` if the
+    /// log does not determine them.
+    unit_covariance: Option<nalgebra::DMatrix<f64>>,
 }
 
 /// Motion of the contact and filter of its instrument.
@@ -167,7 +170,9 @@ impl FrictionExample {
         let truth: Vec<f64> = model.parameters(BASELINE).into_iter().map(fitted).collect();
         let correlation = if random.chance(0.25) { random.between(0.3, 0.9) } else { 0.0 };
         let noise_n = fc * random.log(2e-3, 3e-2);
-        let mut example = FrictionExample { model, log: Log::default(), correlation, times_s, rig, truth, noise_n };
+        let mut example =
+            FrictionExample { model, log: Log::default(), correlation, times_s, rig, truth, noise_n, unit_covariance: None };
+        example.unit_covariance = example.unit_covariance();
         example.noise_n *= example.noise_factor();
         let mut last = random.normal();
         let mut noise = || {
@@ -189,7 +194,6 @@ impl FrictionExample {
             slip_m: std::iter::once(0.0).chain(smoothed.x_m.windows(2).map(|pair| pair[1] - pair[0])).collect(),
             velocity_m_per_s: smoothed.velocity_m_per_s,
             force_n,
-            // The friction is that at the normal force of the motion, of which the mean may differ.
             normal_n,
             normals_n: if normal_swing > 0.0 { normals_n } else { Vec::new() },
             on: vec![false; samples],
@@ -200,18 +204,18 @@ impl FrictionExample {
 
     /// Returns the factor of the noise with which every bound is small enough.
     fn noise_factor(&self) -> f64 {
-        let Some(covariance) = self.covariance() else { return 1e-3 };
+        let Some(covariance) = &self.unit_covariance else { return 1e-3 };
         let relative = |(at, (name, log)): (usize, &(&str, bool))| match (*name, *log) {
             ("initial_force_n" | "offset_n" | "drift_n", _) => 0.0,
             (_, true) => covariance[(at, at)].sqrt(),
             (_, false) => covariance[(at, at)].sqrt() / self.truth[at].abs(),
         };
         let largest = self.model.parameters(BASELINE).iter().enumerate().map(relative).fold(0.0, f64::max);
-        (MAX_BOUND_LN / largest).min(1.0)
+        (MAX_BOUND_LN / (largest * self.noise_n)).min(1.0)
     }
 
-    /// Returns the smallest covariance of an unbiased estimate of the parameters.
-    fn covariance(&self) -> Option<nalgebra::DMatrix<f64>> {
+    /// Computes the smallest covariance by derivatives of the integrated contact.
+    fn unit_covariance(&self) -> Option<nalgebra::DMatrix<f64>> {
         let parameters = self.model.parameters(BASELINE);
         let column = |(at, (_, log)): (usize, &(&str, bool))| {
             let step = if *log { SLOPE_STEP } else { SLOPE_STEP * (1e-3 + self.truth[at].abs()) };
@@ -220,7 +224,7 @@ impl FrictionExample {
                 moved[at] += by;
                 self.rig.force(self.model, &moved, &self.times_s)
             };
-            moved(step).iter().zip(moved(-step)).map(|(up, down)| (up - down) / (2.0 * step * self.noise_n)).collect()
+            moved(step).iter().zip(moved(-step)).map(|(up, down)| (up - down) / (2.0 * step)).collect()
         };
         let columns: Vec<Vec<f64>> = parameters.iter().enumerate().map(column).collect();
         let residuals = vec![0.0; columns.first()?.len()];
@@ -240,8 +244,33 @@ impl FrictionExample {
     /// Returns the values of the contact with their bounds; `None` if the log does not determine
     /// them.
     pub fn bounds(&self) -> Option<Vec<Bounded>> {
-        let covariance = self.covariance()?;
-        let all = named(&self.model.parameters(BASELINE), &self.truth, &|i, j| covariance[(i, j)], self.log.normal_n);
+        let unit = self.unit_covariance.as_ref()?;
+        let all =
+            named(&self.model.parameters(BASELINE), &self.truth, &|i, j| unit[(i, j)] * self.noise_n.powi(2), self.log.normal_n);
         Some(all.into_iter().map(|(name, value, bound)| Bounded { name, value, bound }).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_independent_integration_agrees_with_the_fit() {
+        let (mut all, mut covered) = (0, 0);
+        for number in 0..16 {
+            let example = FrictionExample::draw(number);
+            let found = example.import().unwrap();
+            let fitted = found.chosen();
+            assert_eq!(fitted.model, example.model, "{number}");
+            assert!(fitted.rms_n < 1.2 * example.noise_n, "{number}: {} {}", fitted.rms_n, example.noise_n);
+            for bounded in example.bounds().unwrap() {
+                let (_, value, sd) = fitted.parameters.iter().find(|(name, ..)| *name == bounded.name).unwrap();
+                let deviations = (value - bounded.value) / sd.unwrap();
+                assert!(deviations.abs() < 4.0, "{number} {}: {deviations}", bounded.name);
+                (all, covered) = (all + 1, covered + i32::from(deviations.abs() < 1.96));
+            }
+        }
+        assert!(covered * 100 >= all * 90, "{covered} of {all}");
     }
 }
