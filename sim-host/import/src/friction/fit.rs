@@ -110,7 +110,7 @@ pub(super) fn search(log: &Log, baseline: usize) -> Vec<Searched> {
     let finished = started.into_iter().filter_map(|(mut problem, square, mut found)| {
         if square > MAX_PART_RISE * least || found.is_bounded() {
             found.force_n = problem.model.response::<false>(&found.fitted, &problem.motion).0;
-            found.residuals = problem.errors(&found.fitted)?;
+            found.residuals = problem.less_measured(found.force_n.clone())?;
             return Some(found);
         }
         let steps = (MAX_SAMPLE_STEPS / log.on.len()).max(1);
@@ -188,12 +188,9 @@ impl<'a> Problem<'a> {
         self.picked(force)
     }
 
-    fn errors(&self, fitted: &[f64]) -> Option<Vec<f64>> {
-        self.less_measured(self.model.response::<false>(fitted, &self.motion).0)
-    }
-
     fn mean_square(&self, fitted: &[f64]) -> f64 {
-        self.errors(fitted).map_or(f64::INFINITY, |r| r.iter().map(|r| r * r).sum::<f64>() / r.len().max(1) as f64)
+        let errors = self.less_measured(self.model.response::<false>(fitted, &self.motion).0);
+        errors.map_or(f64::INFINITY, |r| r.iter().map(|r| r * r).sum::<f64>() / r.len().max(1) as f64)
     }
 
     fn minimised(&self, start: &[f64], steps: usize) -> Option<Solution> {

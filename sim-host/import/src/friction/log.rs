@@ -260,7 +260,7 @@ impl Log {
         is_driven
     }
 
-    fn checked(self) -> Result<Self, ImportError> {
+    pub(super) fn checked(self) -> Result<Self, ImportError> {
         let off = self.on.iter().filter(|on| !**on).count();
         if off < MIN_OFF_SAMPLES {
             return Err(ImportError::NoFit(format!("only {off} samples without vibration; a contact needs {MIN_OFF_SAMPLES}")));

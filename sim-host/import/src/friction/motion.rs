@@ -12,6 +12,8 @@ use super::log::Log;
 
 /// Maximum number of steps of equal velocity change between two samples.
 const MAX_STEPS: f64 = 32.0;
+/// Maximum number of such steps of a log with a mean of several between two samples.
+const MAX_ALL_STEPS: f64 = 4e6;
 /// Minimum travel in each direction for an offset of the force, relative to the whole.
 const MIN_TRAVEL_REL: f64 = 0.05;
 /// Minimum number of reversals for a drift of the force.
@@ -51,6 +53,7 @@ impl Motion {
         let size = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>().max(f64::MIN_POSITIVE);
         let mean_s = size(&log.slip_m) / size(v);
         let interval = |at: usize| if log.time_s.is_empty() { mean_s } else { log.time_s[at] - log.time_s[at - 1] };
+        let most = MAX_STEPS.min(MAX_ALL_STEPS / count as f64).max(1.0);
         let mut steps = Vec::with_capacity(count + count / 8);
         steps.push(Step { slip_m: 0.0, velocity_m_per_s: v[0], normal_rel: normal(0), is_sample: true });
         for at in 1..count {
@@ -60,7 +63,7 @@ impl Motion {
             let bend =
                 if v0 * v[at] < 0.0 { rise * interval(at) } else { (rise * interval(at)).clamp(-2.0 * d.abs(), 2.0 * d.abs()) };
             let reversal = 0.5 - d / bend;
-            let pieces = (rise.abs() / velocity_step).ceil().clamp(1.0, MAX_STEPS);
+            let pieces = (rise.abs() / velocity_step).ceil().clamp(1.0, most);
             let (mut u, mut x, mut next) = (0.0, 0.0, 1.0);
             while u < 1.0 {
                 let is_reversal = reversal > u && reversal < next / pieces;

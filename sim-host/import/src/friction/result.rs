@@ -73,7 +73,8 @@ pub struct Friction {
 }
 
 impl Friction {
-    pub(super) fn from_log(name: &str, mut log: Log) -> Result<Self, ImportError> {
+    pub(super) fn from_log(name: &str, log: Log) -> Result<Self, ImportError> {
+        let mut log = log.checked()?;
         let is_turned = log.turn();
         let baseline = motion::baseline(&log);
         let searched = search(&log, baseline);

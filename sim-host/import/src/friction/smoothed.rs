@@ -19,6 +19,8 @@ use report::statistics::{ascending, quantile};
 const MIN_HALF: usize = 2;
 /// Largest number of samples to each side of a cubic.
 const MAX_HALF: usize = 16;
+/// Largest mean interval of a cubic, relative to the nearer neighbour of its sample.
+const MAX_UNEVEN: f64 = 4.0;
 /// Number of neighbours in a difference of the sixth order.
 const ORDER: usize = 7;
 /// Maximum number of differences from which the noise is estimated.
@@ -60,11 +62,13 @@ impl Smoothed {
         for at in 0..count {
             half = (2 * half).min(MAX_HALF);
             let best = loop {
-                let Some((cubic, samples)) = cubic(time_s, x, at, half) else { return smoothed };
-                if half == MIN_HALF || cubic.square <= noise_m * noise_m * largest_square(samples - 4) {
-                    break cubic;
+                let found = cubic(time_s, x, at, half);
+                let is_noise = |free: usize, square: f64| square <= noise_m * noise_m * largest_square(free);
+                match found {
+                    Some((cubic, free)) if half == MIN_HALF || is_noise(free, cubic.square) => break cubic,
+                    None if half == MIN_HALF => break quotient(time_s, x, at),
+                    _ => half /= 2,
                 }
-                half /= 2;
             };
             // The shortest cubic does not change a displacement without noise.
             if half > MIN_HALF {
@@ -88,12 +92,30 @@ impl Smoothed {
     }
 }
 
-/// Fits a cubic around a sample, and returns it with the number of its samples; `None` if there are
-/// too few.
+/// Returns the interval to the nearer neighbour of a sample.
+fn nearest(time_s: &[f64], at: usize) -> (usize, usize) {
+    let before = (at.max(1) - 1, at.max(1));
+    let after = (at.min(time_s.len() - 2), at.min(time_s.len() - 2) + 1);
+    if time_s[before.1] - time_s[before.0] <= time_s[after.1] - time_s[after.0] { before } else { after }
+}
+
+/// Returns the difference quotient at a sample, for the edge of a gap.
+fn quotient(time_s: &[f64], x: &[f64], at: usize) -> Cubic {
+    let (from, to) = nearest(time_s, at);
+    let interval = time_s[to] - time_s[from];
+    Cubic { x: x[at], slope: (x[to] - x[from]) / interval, square: 0.0, gain: 2.0_f64.sqrt() / interval }
+}
+
+/// Fits a cubic around a sample, and returns it with its degrees of freedom; `None` if there are too
+/// few samples, or a gap between them.
 fn cubic(time_s: &[f64], x: &[f64], at: usize, half: usize) -> Option<(Cubic, usize)> {
     let least = 2 * MIN_HALF + 1;
     let from = at.saturating_sub(half).min(x.len().checked_sub(least)?);
     let rows = from..(at + half + 1).max(from + least).min(x.len());
+    let (near, far) = nearest(time_s, at);
+    if time_s[rows.end - 1] - time_s[rows.start] > MAX_UNEVEN * rows.len() as f64 * (time_s[far] - time_s[near]) {
+        return None;
+    }
     let unit = 0.5 * (time_s[rows.end - 1] - time_s[rows.start]);
     let (mut s, mut t) = ([0.0; 7], [0.0; 4]);
     let place = |row: usize| ((time_s[row] - time_s[at]) / unit, x[row] - x[at]);
@@ -116,7 +138,7 @@ fn cubic(time_s: &[f64], x: &[f64], at: usize, half: usize) -> Option<(Cubic, us
     };
     let square = rows.clone().map(|row| error(row) * error(row)).sum();
     let cubic = Cubic { x: x[at] + c[0], slope: c[1] / unit, square, gain: inverse[(1, 1)].max(0.0).sqrt() / unit };
-    Some((cubic, rows.len()))
+    Some((cubic, rows.len() - 4))
 }
 
 /// Returns the largest sum of squares of noise of size one with this number of degrees of freedom
@@ -155,7 +177,9 @@ mod tests {
     fn noise_of_a_displacement_does_not_hide_its_velocity() {
         let mut random = Random::new(5);
         let (w, a) = (std::f64::consts::TAU, 2e-3);
-        let time: Vec<f64> = (0..2000).map(|n| 5e-3 * (f64::from(n) + random.between(-0.2, 0.2))).collect();
+        // With uneven intervals, and a pause of 100 s in the middle.
+        let time = |n: u32| 5e-3 * (f64::from(n) + random.between(-0.2, 0.2)) + if n < 1000 { 0.0 } else { 100.0 };
+        let time: Vec<f64> = (0..2000).map(time).collect();
         for noise in [0.0, 2e-6] {
             let x: Vec<f64> = time.iter().map(|t| a * libm::sin(w * t) + noise * random.normal()).collect();
             let smoothed = Smoothed::new(&time, &x);
