@@ -150,13 +150,13 @@ pub(super) fn table(set: &[JudgedLog]) -> TableBlock {
     });
     let ambiguous = set.iter().filter(|log| log.numbers.iter().any(|named| named.ambiguous)).count();
     let caption = format!(
-        "{} friction logs of four models, 300 to 1500 samples, a quarter with correlated noise. An independent model integrates \
-         the contact in time; the instrument has uneven sample times, a resolution, a filter in both channels, an offset that \
-         drifts and, in half of the logs, a normal force that varies. The numbers are those of the true model; it was chosen as \
-         follows: {}. Open: logs that do not determine the number, according to the import. Covered: truths within the stated \
-         95 % interval, required {:.0} to {:.0} %, or 95 % within twice its deviation by chance; over the bound as above. In \
-         {ambiguous} logs the import reports that another value explains the log nearly as well; in all others no number may be \
-         {MAX_DEVIATIONS} sd off.",
+        "{} friction logs of four models, 300 to 1500 samples, a quarter with correlated noise. An independent model \
+         integrates the contact in time; the instrument has uneven sample times, a resolution, a filter in both channels, an \
+         offset that drifts and, in half of the logs, a normal force that varies. The numbers are those of the true model; it \
+         was chosen as follows: {}. Open: logs that do not determine the number, according to the import. Covered: truths \
+         within the stated 95 % interval, required {:.0} to {:.0} %, or 95 % within twice its deviation by chance; over the \
+         bound as above. In {ambiguous} logs the import reports that another value explains the log nearly as well; in all \
+         others no number may be {MAX_DEVIATIONS} sd off.",
         set.len(),
         models.join(", "),
         100.0 * COVERAGE.start(),

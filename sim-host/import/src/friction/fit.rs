@@ -162,8 +162,8 @@ impl<'a> Problem<'a> {
         let motion = Motion::new(log, velocity_step, baseline);
         let mut used: Vec<bool> = log.on.iter().map(|on| !on).collect();
         if !model.has_spring() {
-            // Close to a reversal, the filter of the instrument and the resolution of the slip decide
-            // the force of a model without presliding.
+            // Close to a reversal, the force depends on the filter of the instrument and on the
+            // resolution of the slip.
             let steady: Vec<bool> = used.iter().zip(motion.is_steady()).map(|(used, steady)| *used && steady).collect();
             let count = |rows: &[bool]| rows.iter().filter(|used| **used).count();
             if 2 * count(&steady) > count(&used) {
@@ -242,8 +242,7 @@ impl Searched {
         self
     }
 
-    /// Returns `true` if a parameter is at a bound that no scene can have. A scene can have a contact
-    /// without viscous friction.
+    /// Returns `true` if a parameter is at its bound, except for a viscous friction of zero.
     pub(super) fn is_bounded(&self) -> bool {
         self.parameters.iter().zip(&self.at_bound).any(|((name, _), at_bound)| *at_bound && *name != "sigma2")
     }

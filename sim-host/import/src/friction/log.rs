@@ -208,9 +208,9 @@ impl Log {
         log.checked()
     }
 
-    /// Returns two logs of this number of samples for the search of a long one: the means over bins,
-    /// and the first samples without vibration. Means do not resolve a steady oscillation; a part does
-    /// not have the range of a slow change.
+    /// Returns two logs of this number of samples for the search of a long one: the means over
+    /// bins, and the first samples without vibration. Means do not resolve a steady oscillation; a
+    /// part does not have the range of a slow change.
     pub(super) fn shortened(&self, samples: usize) -> [Log; 2] {
         let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |most, value| most.max(value.abs()));
         let (force, velocity) = (largest(&self.force_n), largest(&self.velocity_m_per_s));
@@ -240,8 +240,8 @@ impl Log {
     pub(super) fn offset_n(&self) -> f64 {
         let mean = |forward: bool| {
             let is_part = |at: &usize| !self.on[*at] && self.slip_m[*at] != 0.0 && (self.slip_m[*at] > 0.0) == forward;
-            let (count, sum) = (0..self.on.len()).filter(is_part).fold((0, 0.0), |(n, sum), at| (n + 1, sum + self.force_n[at]));
-            (count > 0).then(|| sum / f64::from(count))
+            let forces: Vec<f64> = (0..self.on.len()).filter(is_part).map(|at| self.force_n[at]).collect();
+            (!forces.is_empty()).then(|| forces.iter().sum::<f64>() / forces.len() as f64)
         };
         mean(true).zip(mean(false)).map_or(0.0, |(forward, back)| 0.5 * (forward + back))
     }
@@ -276,7 +276,7 @@ impl Log {
 fn normal_forces(mut normals: Vec<f64>, lines: &[usize], remarks: &mut Vec<String>) -> Result<(f64, Vec<f64>), ImportError> {
     let sign = normals.iter().find(|normal| **normal != 0.0).map_or(1.0, |normal| normal.signum());
     if let Some(at) = normals.iter().position(|normal| normal * sign < 0.0) {
-        let what = "the normal force changes its sign here; subtract its offset, or give a constant with `--normal-n`".to_owned();
+        let what = "the normal force changes its sign here; subtract its offset, or give a mean with `--normal-n`".to_owned();
         return Err(ImportError::BadLine { line: lines[at], what });
     }
     normals.iter_mut().for_each(|normal| *normal *= sign);

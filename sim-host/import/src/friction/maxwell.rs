@@ -12,7 +12,7 @@ use super::motion::Motion;
 use report::statistics::{ascending, quantile};
 
 /// Maximum number of slips of which the median is the resolution.
-const MAX_STEPS: usize = 20_000;
+const MAX_SLIPS: usize = 20_000;
 /// Number of springs of the model.
 const SPRINGS: usize = 8;
 
@@ -34,8 +34,8 @@ pub(super) struct Maxwell {
 pub(super) fn fit(log: &Log, friction_n: &[f64], used: &[bool]) -> Option<Maxwell> {
     let motion = &Motion::new(log, f64::INFINITY, 0);
     // Steps around a reversal can be arbitrarily short. The median is the resolution of the log.
-    let steps =
-        ascending(log.slip_m.iter().step_by(log.slip_m.len() / MAX_STEPS + 1).map(|slip| slip.abs()).filter(|slip| *slip > 0.0));
+    let some = log.slip_m.iter().step_by(log.slip_m.len() / MAX_SLIPS + 1);
+    let steps = ascending(some.map(|slip| slip.abs()).filter(|slip| *slip > 0.0));
     let least = quantile(&steps, 0.5).unwrap_or(f64::INFINITY);
     let mut at = 0.0_f64;
     let (mut low, mut high) = (0.0_f64, 0.0_f64);

@@ -7,8 +7,8 @@
 //! LuGre      z' = V - |V| z / G(V),  F = Kt z + s2 V,  Kt G(V) = Fc + (Fs - Fc) exp(-(V / Vs)^2)
 //! ```
 //!
-//! `Fc` and `Fs` are proportional to the normal force of each sample. Within a step of the slip `d`,
-//! the limit `g = Kt G` of the spring force goes linearly from `g0` to `g1`:
+//! `Fc` and `Fs` are proportional to the normal force of each sample. Within a step of the slip
+//! `d`, the limit `g = Kt G` of the spring force goes linearly from `g0` to `g1`:
 //!
 //! ```text
 //! w1 = g1 + (w0 - g0) E - (g1 - g0) (1 - E) / a,   E = exp(-a),   a = 2 Kt |d| / (g0 + g1)

@@ -315,7 +315,7 @@ fn warnings(models: &[Fitted], normal_n: f64) -> Vec<String> {
     for model in models.iter().filter(|model| !model.is_within_bounds && chosen.criterion - model.criterion > MIN_DECREASE) {
         if model.model != Model::Maxwell {
             warnings.push(format!(
-                "`{}` explains the log better than `{}`, but only with a parameter at the bound of a scene, which is not identified",
+                "`{}` explains the log better than `{}`, but with a parameter at the bound of a scene, which is not identified",
                 model.model.name(),
                 chosen.model.name()
             ));
@@ -330,8 +330,8 @@ fn warnings(models: &[Fitted], normal_n: f64) -> Vec<String> {
         && maxwell.rms_n < MAX_SHAPE_REL * chosen.rms_n
     {
         warnings.push(format!(
-            "`{}` cannot describe the shape of the presliding: the residuals of the generalised Maxwell slip are {:.2} times as \
-             large",
+            "`{}` cannot describe the shape of the presliding: the residuals of the generalised Maxwell slip are {:.2} times \
+             as large",
             chosen.model.name(),
             maxwell.rms_n / chosen.rms_n
         ));

@@ -1,14 +1,15 @@
 //! Velocity from a displacement with noise: the slope of a cubic fitted to neighbouring samples.
 //!
 //! ```text
-//! x(t) = c0 + c1 s + c2 s^2 + c3 s^3,  s = (t - ti) / T,   v = c1 / T,   sd(v) = sd(x) sqrt(A^-1(1,1)) / T
+//! x(t) = c0 + c1 s + c2 s^2 + c3 s^3,   s = (t - ti) / T,   v = c1 / T
+//! sd(v) = sd(x) sqrt(A^-1(1,1)) / T,   A = sum s^(i + j)
 //! ```
 //!
 //! The number of samples is the largest, from five to 33, for which the residuals of the cubic are
-//! noise: smooth parts of the motion have long cubics, reversals short ones. The noise follows from differences
-//! of the sixth order, to which a motion contributes little (O. V. Lepskii, Theory Probab. Appl. 35
-//! (1991) 454; A. Savitzky, M. Golay, Anal. Chem. 36 (1964) 1627). A displacement without
-//! noise is not changed.
+//! noise: smooth parts of the motion have long cubics, reversals short ones. The noise follows from
+//! differences of the sixth order, to which a motion contributes little (O. V. Lepskii, Theory
+//! Probab. Appl. 35 (1991) 454; A. Savitzky, M. Golay, Anal. Chem. 36 (1964) 1627). A displacement
+//! without noise is not changed.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -57,7 +58,8 @@ impl Smoothed {
     pub(crate) fn new(time_s: &[f64], x: &[f64]) -> Self {
         let noise_m = noise(time_s, x);
         let count = x.len();
-        let mut smoothed = Smoothed { x_m: x.to_vec(), velocity_m_per_s: vec![0.0; count], noise_m, velocity_noise_m_per_s: 0.0 };
+        let (x_m, velocity_m_per_s) = (x.to_vec(), vec![0.0; count]);
+        let mut smoothed = Smoothed { x_m, velocity_m_per_s, noise_m, velocity_noise_m_per_s: 0.0 };
         let (mut square, mut half) = (0.0, MIN_HALF);
         for at in 0..count {
             half = (2 * half).min(MAX_HALF);
@@ -106,8 +108,8 @@ fn quotient(time_s: &[f64], x: &[f64], at: usize) -> Cubic {
     Cubic { x: x[at], slope: (x[to] - x[from]) / interval, square: 0.0, gain: 2.0_f64.sqrt() / interval }
 }
 
-/// Fits a cubic around a sample, and returns it with its degrees of freedom; `None` if there are too
-/// few samples, or a gap between them.
+/// Fits a cubic around a sample, and returns it with its degrees of freedom; `None` if there are
+/// too few samples, or a gap between them.
 fn cubic(time_s: &[f64], x: &[f64], at: usize, half: usize) -> Option<(Cubic, usize)> {
     let least = 2 * MIN_HALF + 1;
     let from = at.saturating_sub(half).min(x.len().checked_sub(least)?);
@@ -185,7 +187,7 @@ mod tests {
             let smoothed = Smoothed::new(&time, &x);
             let error = |at: usize| smoothed.velocity_m_per_s[at] - a * w * libm::cos(w * time[at]);
             let rms = ((0..2000).map(|at| error(at).powi(2)).sum::<f64>() / 2000.0).sqrt();
-            // A tenth of the noise of a difference of neighbours is left, and no bias without noise.
+            // The noise is a small part of that of a difference of neighbours.
             let difference = 2.0_f64.sqrt() * noise / 5e-3;
             assert!(rms < 0.15 * difference + 2e-6, "{noise}: {rms}");
             assert!((smoothed.noise_m - noise).abs() < 0.1 * noise + 1e-10, "{}", smoothed.noise_m);

@@ -50,8 +50,8 @@ impl Friction {
         };
         let caption = "Bayes's information criterion, `n ln(sum of squares) + p ln n` with the number n of samples divided by \
                        their memory, relative to the chosen model. Held-out: error at segments that the fit has not seen; a \
-                       model with fewer parameters and a smaller error is preferred. The generalised Maxwell slip (maxwell) is not available in \
-                       scenes and is never chosen.";
+                       model with fewer parameters and a smaller error is preferred. The generalised Maxwell slip (maxwell) is \
+                       not available in scenes and is never chosen.";
         let header = ["model", "residuals, rms [N]", "held-out, rms [N]", "criterion"];
         TableBlock::new("models", "Models", caption, &header, self.models.iter().map(row).collect())
     }

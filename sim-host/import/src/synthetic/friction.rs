@@ -46,8 +46,8 @@ pub struct FrictionExample {
     truth: Vec<f64>,
     /// Standard deviation of the noise, N.
     noise_n: f64,
-    /// Smallest covariance of an unbiased estimate of the parameters, for noise of 1 N; `None` if the
-    /// log does not determine them.
+    /// Smallest covariance of an unbiased estimate of the parameters, for noise of 1 N; `None` if
+    /// the log does not determine them.
     unit_covariance: Option<nalgebra::DMatrix<f64>>,
 }
 
@@ -245,8 +245,8 @@ impl FrictionExample {
     /// them.
     pub fn bounds(&self) -> Option<Vec<Bounded>> {
         let unit = self.unit_covariance.as_ref()?;
-        let all =
-            named(&self.model.parameters(BASELINE), &self.truth, &|i, j| unit[(i, j)] * self.noise_n.powi(2), self.log.normal_n);
+        let covariance = |i: usize, j: usize| unit[(i, j)] * self.noise_n * self.noise_n;
+        let all = named(&self.model.parameters(BASELINE), &self.truth, &covariance, self.log.normal_n);
         Some(all.into_iter().map(|(name, value, bound)| Bounded { name, value, bound }).collect())
     }
 }
