@@ -1,7 +1,8 @@
 //! Contact models fitted to a friction log: [`import`].
 //!
 //! ```text
-//! file -> log (slip, force, normal force, OFF and ON) -> fit of each model to the OFF part -> choice -> contact, friction ratio ON over OFF, scene
+//! file -> log (slip, velocity, force, normal force, OFF and ON) -> motion between samples -> fit of each model to the OFF part
+//!      -> choice -> contact, friction ratio ON over OFF, scene
 //! ```
 
 pub(crate) mod certainty;
@@ -9,7 +10,9 @@ pub(crate) mod fit;
 mod log;
 mod maxwell;
 mod models;
+pub(crate) mod motion;
 pub(crate) mod result;
+pub(crate) mod smoothed;
 mod start;
 mod view;
 
@@ -35,7 +38,7 @@ pub fn import(path: &Path, options: &Options) -> Result<Friction, ImportError> {
 /// Fits contact models to a log.
 ///
 /// # Errors
-/// Returns [`ImportError`] if the log has too few points, or does not slide.
+/// Returns [`ImportError`] if no model of a scene fits.
 pub fn fit(name: &str, log: Log) -> Result<Friction, ImportError> {
     Friction::from_log(name, log)
 }
