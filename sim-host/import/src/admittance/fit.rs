@@ -34,6 +34,7 @@ use num_complex::Complex64;
 use super::circuit::{BRANCH_PARAMETERS, Branch, CLAMPED_PARAMETERS, Equivalent, admittance};
 use super::measured::Measured;
 use super::memory::{complex, memory, roughness, whitened};
+use super::passivity;
 use super::start::{self, Points};
 use super::weights::Weights;
 use crate::error::ImportError;
@@ -43,9 +44,13 @@ use report::rounded;
 use report::statistics::{ascending, quantile};
 
 /// Maximum number of resonances of a circuit.
-pub const MOST_MODES: usize = 3;
+pub const MOST_MODES: usize = 8;
 /// Minimum number of points beyond the number of parameters.
 const SPARE_POINTS: usize = 4;
+/// Maximum number of resonances that are added together, because one alone is not significant.
+const MOST_TOGETHER: usize = 2;
+/// Maximum number of the first resonances that are added together.
+const MOST_FIRST: usize = 3;
 /// Gain that a further resonance needs beyond Bayes's criterion.
 const CRITERION_MARGIN: f64 = 12.0;
 /// Smallest quality factor. Outside the range a sweep does not show a branch, and a fit that lacks
@@ -123,13 +128,15 @@ impl<'a> Fitter<'a> {
     pub(super) fn fit(self, modes: Option<usize>) -> Result<Fit, ImportError> {
         let first = modes.unwrap_or(1);
         self.check_points(first)?;
+        passivity::check_sense(&self.measured, &self.readings, start::gain)?;
         let mut last = self.stage(&[], None).ok_or_else(|| no_fit("not even a clamped capacitance can be fitted"))?;
         let most = modes.unwrap_or(MOST_MODES);
         // Best circuit so far with its number of resonances; none while the clamped branch is best.
         let mut best: Option<(usize, Stage)> = None;
         let mut clamped = Some(last.clone());
         for number in 1..=most {
-            if modes.is_none() && self.check_points(number).is_err() {
+            let is_last = best.as_ref().map_or(MOST_FIRST, |(have, _)| (have + MOST_TOGETHER).max(MOST_FIRST)) < number;
+            if modes.is_none() && (is_last || self.check_points(number).is_err()) {
                 break;
             }
             let known = Equivalent::from_parameters(&last.solution.parameters, self.farad).branches;
@@ -162,6 +169,7 @@ impl<'a> Fitter<'a> {
     fn no_resonance(&self, modes: Option<usize>) -> ImportError {
         let hz = &self.rows.hz;
         let why = match modes {
+            _ if passivity::is_inductive(&self.measured) => passivity::INDUCTIVE.to_owned(),
             Some(modes) if modes > 1 => format!("fewer than {modes} of them can be distinguished"),
             _ => "a capacitance with its loss explains the data as well as a circuit with a resonance. Sweep around the \
                   resonance of the transducer, with several points in its bandwidth"

@@ -15,7 +15,7 @@ use crate::complex::polar;
 use crate::error::ImportError;
 use crate::heading::{Heading, Quantity, heading};
 use crate::rows::means;
-use crate::touchstone::{self, Kind, Touchstone};
+use crate::touchstone::{self, Parameters, Touchstone};
 use crate::traces;
 use crate::units::to_si;
 use delimited::{decode, file};
@@ -57,7 +57,7 @@ impl Measured {
         let small = name.to_lowercase();
         let ports = ["s1p", "s2p"].iter().position(|end| small.ends_with(&format!(".{end}"))).map(|at| at + 1);
         if ports.is_some() || touchstone::looks_like(&text) {
-            from_touchstone(&touchstone::read(&text, ports)?, options)
+            from_touchstone(touchstone::read(&text, ports)?, options)
         } else {
             from_table(&text, options)
         }
@@ -110,32 +110,24 @@ impl Measured {
     }
 }
 
-fn from_touchstone(file: &Touchstone, options: &Options) -> Result<Measured, ImportError> {
-    let mut remarks = vec![file.found.clone()];
-    let ohm = file.ohm;
-    match file.kind {
-        Kind::S => {
-            let topology = match (options.topology, file.parameters.len()) {
+fn from_touchstone(file: Touchstone, options: &Options) -> Result<Measured, ImportError> {
+    let mut remarks = file.remarks;
+    let (coordinate, readings) = match &file.parameters {
+        Parameters::Admittance(admittance) => (Coordinate::Immittance, admittance),
+        Parameters::Scattering(parameters) => {
+            let topology = match (options.topology, parameters.len()) {
                 (Some(Topology::OnePort) | None, 1) => Topology::OnePort,
                 (Some(given), 1) => {
                     let why = format!("a one-port file has no S21, which {given:?} needs");
                     return Err(ImportError::TopologyDoubtful { why });
                 }
                 (Some(given), _) => given,
-                (None, _) => topology::found(&file.parameters, &mut remarks)?,
+                (None, _) => topology::found(parameters, &mut remarks)?,
             };
-            let readings = &file.parameters[usize::from(topology != Topology::OnePort)];
-            Measured::new(&file.lines, file.hz.clone(), readings, Coordinate::Scattering(topology, ohm), remarks)
+            (Coordinate::Scattering(topology, file.ohm), &parameters[usize::from(topology != Topology::OnePort)])
         }
-        Kind::Z => {
-            let readings: Vec<_> = file.parameters[0].iter().map(|z| (ohm * z).inv()).collect();
-            Measured::new(&file.lines, file.hz.clone(), &readings, Coordinate::Immittance, remarks)
-        }
-        Kind::Y => {
-            let readings: Vec<_> = file.parameters[0].iter().map(|y| y / ohm).collect();
-            Measured::new(&file.lines, file.hz.clone(), &readings, Coordinate::Immittance, remarks)
-        }
-    }
+    };
+    Measured::new(&file.lines, file.hz, readings, coordinate, remarks)
 }
 
 fn from_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
