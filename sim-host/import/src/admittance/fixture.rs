@@ -90,12 +90,10 @@ pub(crate) fn apply(
 /// Checks that the open fixture has a larger impedance than the shorted one and the transducer, and
 /// the shorted one a smaller impedance than both.
 fn check_order(measured: &Measured, open: Option<&Measured>, short: Option<&Measured>) -> Result<(), ImportError> {
-    let ohm = |sweep: &Measured, part: f64| {
-        let sizes = ascending(sweep.seen.iter().map(|y| y.norm_sqr().sqrt().recip()));
-        quantile(&sizes, part).unwrap_or(f64::NAN)
-    };
-    let (open, short) = (open.map(|open| ohm(open, 0.5)), short.map(|short| ohm(short, 0.5)));
-    let (least, most) = (ohm(measured, 0.0), ohm(measured, 1.0));
+    let sizes = |sweep: &Measured| ascending(sweep.seen.iter().map(|y| y.norm_sqr().sqrt().recip()));
+    let middle = |sweep: &Measured| quantile(&sizes(sweep), 0.5).unwrap_or(f64::NAN);
+    let (open, short, own) = (open.map(middle), short.map(middle), sizes(measured));
+    let (least, most) = (own.first().copied().unwrap_or(0.0), own.last().copied().unwrap_or(f64::INFINITY));
     let why = match (open, short) {
         (Some(open), Some(short)) if open < short => {
             format!("the open fixture has {open:.3e} ohm, the shorted one {short:.3e} ohm; exchange `--open` and `--short`")
@@ -158,6 +156,10 @@ mod tests {
         apply(&mut measured, Some(&open), Some(&short), 10.0).unwrap();
         assert!(measured.admittance.iter().all(|y| (y - own).norm_sqr() < 1e-24), "{measured:?}");
         assert!((measured.reading(1, own).0 - Coordinate::Immittance.of(measured.seen[1])).norm_sqr() < 1e-24);
+        let mut exchanged = |open, short| apply(&mut measured, open, short, 0.0).unwrap_err().to_string();
+        assert!(exchanged(Some(&short), Some(&open)).contains("exchange `--open` and `--short`"));
+        assert!(exchanged(Some(&short), None).contains("is it the shorted one?"));
+        assert!(exchanged(None, Some(&open)).contains("is it the open one?"));
         let narrow = Measured { hz: vec![40.5e3, 40.6e3], ..open };
         let error = apply(&mut measured, Some(&narrow), None, 0.0).unwrap_err().to_string();
         assert!(error.contains("open goes from 40500 to 40600 Hz, but the sweep has 40000 Hz"), "{error}");

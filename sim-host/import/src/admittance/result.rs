@@ -96,8 +96,8 @@ pub struct Admittance {
     pub noise: [f64; 2],
     /// Correlation of neighbouring residuals; zero if it is not significant.
     pub correlation: f64,
-    /// Factor by which the correlation that remains after whitening has increased the standard
-    /// deviations.
+    /// Factor by which the correlation that remains after whitening, or the misfit, has increased
+    /// the standard deviations.
     pub inflation: f64,
     /// Variance of the residuals relative to that of their noise from point to point.
     pub misfit: f64,
@@ -278,9 +278,11 @@ fn warnings(measured: &Measured, circuit: &Circuit, fit: &Fit) -> Vec<String> {
     if fit.misfit > MAX_MISFIT {
         warnings.push(format!(
             "the circuit does not describe the data to their noise: the variance of the residuals is {:.0} times that of their \
-             noise from point to point; see the figure of the residuals. Usual causes are a further resonance, a drift during \
-             the sweep, an uncorrected fixture, or too high a drive",
-            fit.misfit
+             noise from point to point, and the standard deviations are multiplied by {:.1}; see the figure of the residuals. \
+             Usual causes are a further resonance, a drift during the sweep, an uncorrected fixture, or too high a drive{}",
+            fit.misfit,
+            fit.inflation,
+            if fit.misfit > MAX_SCENE_MISFIT { ". No scene is written without `--force`" } else { "" }
         ));
     }
     if fit.correlation > 0.0 {

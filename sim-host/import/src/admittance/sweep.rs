@@ -57,3 +57,37 @@ pub(super) fn ordered(lines: &[usize], mut sweep: Measured) -> Result<Measured, 
     }
     Ok(sweep)
 }
+
+#[cfg(test)]
+mod tests {
+    use num_complex::Complex64;
+
+    use super::super::coordinate::Coordinate;
+    use super::*;
+
+    fn order(hz: &[f64]) -> Result<Measured, ImportError> {
+        let lines: Vec<usize> = (2..2 + hz.len()).collect();
+        let admittance: Vec<Complex64> = (0..hz.len()).map(|n| Complex64::new(n as f64, 1.0)).collect();
+        let seen = admittance.clone();
+        let coordinate = Coordinate::Immittance;
+        ordered(&lines, Measured { hz: hz.to_vec(), admittance, seen, fixture: Vec::new(), coordinate, remarks: Vec::new() })
+    }
+
+    #[test]
+    fn borders_of_segments_are_averaged_and_rounded_frequencies_refused() {
+        for falls in [false, true] {
+            let sorted = |mut hz: Vec<f64>| {
+                hz.sort_by(|a, b| if falls { b.total_cmp(a) } else { a.total_cmp(b) });
+                hz
+            };
+            let even: Vec<f64> = (0..200).map(|n| 4e4 + 10.0 * f64::from(n)).collect();
+            let found = order(&sorted([even.clone(), vec![40_500.0, 41_000.0]].concat())).unwrap();
+            assert_eq!((&found.hz, found.admittance.len(), found.remarks.len()), (&even, 200, 1));
+            assert_eq!(found.admittance[50].re.fract(), 0.5);
+            let rounded = even.iter().map(|hz| (hz / 50.0).round() * 50.0).collect();
+            assert!(matches!(order(&sorted(rounded)), Err(ImportError::FrequenciesEqual { .. })));
+            let triple = order(&sorted([even, vec![40_500.0; 2]].concat()));
+            assert!(matches!(triple, Err(ImportError::FrequenciesEqual { .. })), "{triple:?}");
+        }
+    }
+}
