@@ -11,7 +11,7 @@
 //! port 1. With voltages `v` and currents `i` into the ports, they are a relation `P v + Q i = 0`:
 //!
 //! ```text
-//! Z  v = Z i     H  (v1, i2) = H (i1, v2)     S  (v - R i) / sqrt R = S (v + R i) / sqrt R
+//! Z  v = Z i     H  (v1, i2) = H (i1, v2)
 //! Y  i = Y v     G  (i1, v2) = G (v1, i2)
 //! v = d (a + b),  i = (a - b) / d,  d = sqrt R:   (P d - Q / d) b = -(P d + Q / d) a
 //! ```
@@ -222,32 +222,25 @@ fn width(rows: &[Row], ports: Option<usize>, options: &Options, remarks: &mut Ve
 /// out: they have five numbers and begin at a frequency that is not above the last one.
 fn points(rows: &[Row], width: usize, options: &Options, remarks: &mut Vec<String>) -> Result<Vec<Row>, ImportError> {
     let mut points: Vec<Row> = Vec::new();
-    for (line, numbers) in rows {
-        let is_noise = |(_, last): &Row| last.len() == width && numbers.len() == 5 && numbers[0] <= last[0];
-        if width == 9 && !options.has_keywords && points.last().is_some_and(is_noise) {
+    let mut rows = rows.iter().peekable();
+    while let Some((line, numbers)) = rows.next() {
+        let is_noise = points.last().is_some_and(|(_, last)| numbers.len() == 5 && numbers[0] <= last[0]);
+        if is_noise && width == 9 && !options.has_keywords {
             remarks.push(format!("The noise parameters from line {line} on are not used"));
             break;
         }
-        match points.last_mut().filter(|(_, point)| point.len() < width) {
-            Some((_, point)) if width > 3 => point.extend(numbers),
-            Some(_) => break,
-            None => points.push((*line, numbers.clone())),
-        }
-        if points.last().is_some_and(|(_, point)| point.len() > width) {
-            break;
-        }
-    }
-    if let Some((line, point)) = points.iter().find(|(_, point)| point.len() != width) {
-        let own = rows.iter().find(|(number, _)| number == line).map_or(point, |(_, numbers)| numbers);
-        let what = if own.len() < width
-            && points.last().is_some_and(|(last, _)| last == line)
-            && rows.last().is_some_and(|(last, _)| last == line)
+        let mut point = numbers.clone();
+        while width > 3
+            && point.len() < width
+            && let Some((_, more)) = rows.next()
         {
-            format!("the file ends within a point: {} of {width} numbers; the line is cut short", own.len())
-        } else {
-            format!("{} numbers, but a point has {width}: a number is missing or added", own.len())
-        };
-        return Err(bad(*line, what));
+            point.extend(more);
+        }
+        if point.len() != width {
+            let end = if rows.peek().is_none() && point.len() < width { "the file ends within a point: " } else { "" };
+            return Err(bad(*line, format!("{end}{} of {width} numbers; a number is missing or added", numbers.len())));
+        }
+        points.push((*line, point));
     }
     match options.points {
         Some((stated, line)) if stated != points.len() => {
@@ -281,10 +274,13 @@ fn converted(rows: &[Row], width: usize, options: &Options, mut remarks: Vec<Str
                 Order::Row => [[own[0], own[1]], [own[2], own[3]]],
                 Order::Triangle => [[own[0], own[1]], [own[1], own[2]]],
             };
-            let scattering = scattering(matrix, options.kind, references, is_normalised)
-                .ok_or_else(|| bad(*line, "the parameters have no finite scattering parameters"))?;
-            let [[s11, s12], [s21, s22]] = scattering;
-            all.iter_mut().zip([s11, s21, s12, s22]).for_each(|(list, value)| list.push(value));
+            let [[s11, s12], [s21, s22]] = scattering(matrix, options.kind, references, is_normalised);
+            for (list, value) in all.iter_mut().zip([s11, s21, s12, s22]) {
+                if !value.norm_sqr().is_finite() {
+                    return Err(bad(*line, "the parameters have no finite scattering parameters"));
+                }
+                list.push(value);
+            }
         }
         Parameters::Scattering(all)
     };
@@ -304,38 +300,35 @@ fn converted(rows: &[Row], width: usize, options: &Options, mut remarks: Vec<Str
 /// Matrix of two ports.
 type Matrix = [[Complex64; 2]; 2];
 
-/// Returns the scattering parameters of two ports against the reference of port 1; `None` if they
-/// are not finite. `ohm` contains the references of the ports, ohm.
-fn scattering(own: Matrix, kind: Kind, ohm: [f64; 2], is_normalised: bool) -> Option<Matrix> {
+/// Returns the scattering parameters of two ports against the reference of port 1, not finite if
+/// there are none. `ohm` contains the references of the ports, ohm.
+fn scattering(own: Matrix, kind: Kind, ohm: [f64; 2], is_normalised: bool) -> Matrix {
     const ONE: Complex64 = Complex64::ONE;
     const ZERO: Complex64 = Complex64::ZERO;
     let [[a, b], [c, d]] = own;
-    let unit = [[ONE, ZERO], [ZERO, ONE]];
-    let negative = [[-a, -b], [-c, -d]];
-    let roots = ohm.map(f64::sqrt);
     let (p, q) = match kind {
-        Kind::S if ohm[0] == ohm[1] => return Some(own),
-        Kind::S => {
-            let own = |row: usize, column: usize, sign: f64| unit[row][column] * sign - own[row][column];
-            let of = |sign: f64, by: [f64; 2]| [0, 1].map(|row| [0, 1].map(|column| own(row, column, sign) * by[column]));
-            (of(1.0, roots.map(f64::recip)), of(-1.0, roots))
-        }
-        Kind::Z => (unit, negative),
+        Kind::S => return renormalised(own, ohm),
+        Kind::Z => ([[ONE, ZERO], [ZERO, ONE]], [[-a, -b], [-c, -d]]),
         Kind::Y => (own, [[-ONE, ZERO], [ZERO, -ONE]]),
         Kind::H => ([[ONE, -b], [ZERO, -d]], [[-a, ZERO], [-c, ONE]]),
         Kind::G => ([[-a, ZERO], [-c, ONE]], [[ONE, -b], [ZERO, -d]]),
     };
     // Normalised parameters belong to ports with a reference of one.
-    let is_normalised = is_normalised && kind != Kind::S;
-    let scale = if is_normalised { [1.0; 2] } else { [roots[0]; 2] };
-    let term = |row: usize, column: usize, sign: f64| p[row][column] * scale[column] + sign * q[row][column] / scale[column];
+    let root = if is_normalised { 1.0 } else { ohm[0].sqrt() };
+    let term = |row: usize, column: usize, sign: f64| p[row][column] * root + sign * q[row][column] / root;
     let [left, right] = [-1.0, 1.0].map(|sign| [0, 1].map(|row| [0, 1].map(|column| term(row, column, sign))));
     let determinant = left[0][0] * left[1][1] - left[0][1] * left[1][0];
     let inverse = [[left[1][1], -left[0][1]], [-left[1][0], left[0][0]]];
     let entry = |row: usize, column: usize| -(inverse[row][0] * right[0][column] + inverse[row][1] * right[1][column]);
     let found = [0, 1].map(|row| [0, 1].map(|column| entry(row, column) / determinant));
-    found.iter().flatten().all(|s| s.re.is_finite() && s.im.is_finite()).then_some(())?;
-    if is_normalised { scattering(found, Kind::S, ohm, false) } else { Some(found) }
+    if is_normalised { renormalised(found, ohm) } else { found }
+}
+
+/// Converts scattering parameters so that port 2 has the reference of port 1.
+fn renormalised([[s11, s12], [s21, s22]]: Matrix, ohm: [f64; 2]) -> Matrix {
+    let step = (ohm[0] - ohm[1]) / (ohm[0] + ohm[1]);
+    let [back, through] = [step, (1.0 - step * step).sqrt()].map(|part| part / (1.0 - step * s22));
+    [[s11 + s12 * s21 * back, s12 * through], [s21 * through, (s22 - step) / (1.0 - step * s22)]]
 }
 
 fn complex(first: f64, second: f64, format: Format) -> Complex64 {
@@ -414,33 +407,13 @@ mod tests {
     use super::*;
 
     const OHM: [f64; 2] = [75.0, 20.0];
+    const FORMATS: [Format; 3] = [Format::RealImaginary, Format::SizeAngle, Format::DbAngle];
 
-    fn one_port(text: &str) -> (f64, Complex64) {
-        let file = read(text, Some(1)).unwrap();
-        let Parameters::Scattering(s) = &file.parameters else { panic!("{file:?}") };
-        (file.hz[0], s[0][0])
-    }
-
-    fn refused(text: &str) -> String {
-        read(text, None).unwrap_err().to_string()
-    }
-
-    #[test]
-    fn all_formats_give_the_same_number() {
-        let ri = one_port("! a VNA\n# Hz S RI R 50\n40000 0 -0.5\n");
-        let ma = one_port("# kHz S MA R 50\n40 0.5 -90 ! remark\n");
-        let db = one_port("# MHz S DB R 75\n0.04 -6.020599913279624 -90\n");
-        let default = one_port("0.00004 0.5 -90\n");
-        for (hz, s) in [ma, db, default] {
-            assert!((hz - 40e3).abs() < 1e-9 && (s - ri.1).norm_sqr() < 1e-24);
-        }
-    }
-
-    /// Returns the matrix of a T of `z1`, `z3` across the line, and `z2`.
-    fn matrix(kind: Kind) -> Matrix {
-        let [z1, z2, z3] = [(30.0, 12.0), (8.0, -40.0), (110.0, 25.0)].map(|(re, im)| Complex64::new(re, im));
-        let z = [[z1 + z3, z3], [z3, z2 + z3]];
-        let [[a, b], [c, d]] = z;
+    /// Returns the matrix of two ports, `gain` is Z12 over Z21.
+    fn matrix(kind: Kind, gain: f64, [r1, r2]: [f64; 2]) -> Matrix {
+        let [a, c, d] = [(140.0, 37.0), (110.0, 25.0), (118.0, -15.0)].map(|(re, im)| Complex64::new(re, im));
+        let b = gain * c;
+        let z = [[a, b], [c, d]];
         let det = a * d - b * c;
         match kind {
             Kind::Z => z,
@@ -448,7 +421,6 @@ mod tests {
             Kind::H => [[det / d, b / d], [-c / d, d.inv()]],
             Kind::G => [[a.inv(), -b / a], [c / a, det / a]],
             Kind::S => {
-                let [r1, r2] = OHM;
                 let whole = (a + r1) * (d + r2) - b * c;
                 let through = 2.0 * (r1 * r2).sqrt() / whole;
                 [[((a - r1) * (d + r2) - b * c) / whole, b * through], [c * through, ((a + r1) * (d - r2) - b * c) / whole]]
@@ -456,8 +428,11 @@ mod tests {
         }
     }
 
-    /// Returns a file with one point of the T.
-    fn file(version: u32, kind: Kind, format: Format, order: Option<&str>, triangle: Option<&str>) -> String {
+    /// Version, order of the parameters, and triangle of the matrix.
+    type Variant = (u32, Option<&'static str>, Option<&'static str>);
+
+    /// Returns a file with one point.
+    fn file(kind: Kind, gain: f64, format: Format, (version, order, triangle): Variant) -> String {
         let [r1, r2] = OHM;
         let root = (r1 * r2).sqrt();
         let unit = match kind {
@@ -468,7 +443,7 @@ mod tests {
             Kind::H => [[r1, root / r2], [root / r2, 1.0 / r2]],
             Kind::G => [[1.0 / r1, root / r1], [root / r1, r2]],
         };
-        let own = matrix(kind);
+        let own = matrix(kind, gain, OHM);
         let pair = |(row, column): (usize, usize)| {
             let value = own[row][column] / unit[row][column];
             let (size, degrees) = (value.norm_sqr().sqrt(), crate::complex::angle(value).to_degrees());
@@ -504,34 +479,27 @@ mod tests {
 
     #[test]
     fn every_version_parameter_format_and_order_gives_the_same_two_ports() {
-        let expected = scattering(matrix(Kind::Z), Kind::Z, OHM, false).unwrap();
-        let z1 = matrix(Kind::Z)[0][0];
-        let s11 = (z1 - OHM[0]) / (z1 + OHM[0]);
-        let open = scattering([[z1, Complex64::ZERO], [Complex64::ZERO, z1]], Kind::Z, OHM, false).unwrap();
-        assert!((open[0][0] - s11).norm_sqr() < 1e-24);
+        const VARIANTS: [Variant; 6] = [
+            (1, None, None),
+            (2, None, None),
+            (2, Some("21_12"), None),
+            (2, Some("12_21"), None),
+            (2, None, Some("Lower")),
+            (2, None, Some("upper")),
+        ];
         for kind in [Kind::S, Kind::Z, Kind::Y, Kind::H, Kind::G] {
-            for format in [Format::RealImaginary, Format::SizeAngle, Format::DbAngle] {
-                let symmetric = matches!(kind, Kind::S | Kind::Z | Kind::Y);
-                let triangles = [Some("Lower"), Some("upper"), None, None, None].into_iter().zip([
-                    None,
-                    None,
-                    Some("12_21"),
-                    Some("21_12"),
-                    None,
-                ]);
-                let second = triangles
-                    .filter(|(triangle, _)| symmetric || triangle.is_none())
-                    .map(|(triangle, order)| (2, order, triangle));
-                for (version, order, triangle) in second.chain([(1, None, None)]) {
-                    let text = file(version, kind, format, order, triangle);
-                    let found = read(&text, Some(2)).unwrap_or_else(|error| panic!("{text}{error}"));
-                    let Parameters::Scattering(s) = &found.parameters else { panic!("{found:?}") };
-                    let [[s11, s12], [s21, s22]] = expected;
-                    for (found, expected) in s.iter().zip([s11, s21, s12, s22]) {
-                        assert!((found[0] - expected).norm_sqr() < 1e-22, "{text}{found:?} {expected}");
-                    }
-                    assert_eq!((found.hz.len(), found.ohm, found.remarks.len()), (1, OHM[0], 2), "{text}");
+            for (format, variant) in FORMATS.into_iter().flat_map(|format| VARIANTS.map(|variant| (format, variant))) {
+                let gain = if variant.2.is_some() { 1.0 } else { 1.5 };
+                if gain == 1.0 && matches!(kind, Kind::H | Kind::G) {
+                    continue;
                 }
+                let text = file(kind, gain, format, variant);
+                let found = read(&text, Some(2)).unwrap_or_else(|error| panic!("{text}{error}"));
+                let Parameters::Scattering(s) = &found.parameters else { panic!("{found:?}") };
+                let [[s11, s12], [s21, s22]] = matrix(Kind::S, gain, [OHM[0]; 2]);
+                let far = s.iter().zip([s11, s21, s12, s22]).map(|(found, expected)| (found[0] - expected).norm_sqr());
+                assert!(far.fold(0.0, f64::max) < 1e-22 && (found.hz[0] - 40e3).abs() < 1e-9, "{text}{found:?}");
+                assert_eq!((found.hz.len(), found.ohm, found.remarks.len()), (1, OHM[0], 2), "{text}");
             }
         }
     }
@@ -551,11 +519,11 @@ mod tests {
     fn the_message_names_the_wrong_line() {
         let nine = "1 2 3 4 5 6 7 8 9\n";
         for (text, begins) in [
-            ("# Hz S RI\n1 2 3\n2 3\n", "line 3: the file ends within a point: 2 of 3"),
-            ("# Hz S RI\n1 2 3\n2 3\n3 4 5\n4 5 6\n", "line 3: 2 numbers, but a point has 3"),
-            ("# Hz S RI\n1 2 3\n2 3 4 5\n", "line 3: 4 numbers, but a point has 3"),
+            ("# Hz S RI\n1 2 3\n2 3\n", "line 3: the file ends within a point: 2 of 3 numbers"),
+            ("# Hz S RI\n1 2 3\n2 3\n3 4 5\n4 5 6\n", "line 3: 2 of 3 numbers; a number is missing"),
+            ("# Hz S RI\n1 2 3\n2 3 4 5\n", "line 3: 4 of 3 numbers"),
             ("# Hz S RI\n1 2 3\n2 3 x\n", "line 3: `x` is not a number"),
-            (&format!("{nine}2 2 3 4 5 6 7 8\n3{nine}"), "line 2: 8 numbers, but a point has 9"),
+            (&format!("{nine}2 2 3 4 5 6 7 8\n3{nine}"), "line 2: 8 of 9 numbers"),
             ("# Hz T RI\n1 2 3\n", "line 1: the option line contains `T`"),
             ("# Hz S RI R\n1 2 3\n", "line 1: the reference resistance"),
             ("[Version] 3.0\n", "line 1: [version] has the unknown value `3.0`"),
@@ -566,13 +534,16 @@ mod tests {
             ("[Version] 2.0\n[Reference] 50 75\n[Network Data]\n1 2 3\n", "unknown format: Touchstone with 2 reference"),
             ("# Hz H RI R 50\n1 2 3\n", "unknown format: H or G parameters of one port"),
         ] {
-            let error = refused(text);
+            let error = read(text, None).unwrap_err().to_string();
             assert!(error.starts_with(begins), "{error}");
         }
     }
 
     #[test]
     fn content_and_not_the_name_decides_the_number_of_ports() {
+        let file = read("0.00004 0.5 -90\n", Some(2)).unwrap();
+        assert!((file.hz[0] - 40e3).abs() < 1e-9, "{file:?}");
+        assert!(matches!(&file.parameters, Parameters::Scattering(s) if s[0][0].im == -0.5), "{file:?}");
         let file = read("# Hz S RI R 50\n1 2 3 4 5 6 7 8 9\n", Some(1)).unwrap();
         assert!(matches!(&file.parameters, Parameters::Scattering(s) if s[1][0] == Complex64::new(4.0, 5.0)), "{file:?}");
         assert!(file.remarks[1].starts_with("The file has 2 port(s), although its name ends with .s1p"), "{file:?}");

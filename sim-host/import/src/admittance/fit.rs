@@ -54,8 +54,8 @@ const MOST_FIRST: usize = 3;
 /// Gain that a further resonance needs beyond Bayes's criterion.
 const CRITERION_MARGIN: f64 = 12.0;
 /// Variance of the residuals, relative to that of their third differences, above which they contain
-/// further resonances; correlated noise has up to 8.
-const MAX_ROUGHNESS: f64 = 10.0;
+/// further resonances; noise with a correlation of 0.9 has 16.
+const MAX_ROUGHNESS: f64 = 25.0;
 /// Smallest quality factor. Outside the range a sweep does not show a branch, and a fit that lacks
 /// a resonance would go there.
 const MIN_Q: f64 = 0.5;

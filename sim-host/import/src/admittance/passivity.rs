@@ -19,9 +19,10 @@ pub(super) const INDUCTIVE: &str = "The reactance is that of an inductor over mo
 /// A passive one has a positive real part and a falling imaginary part. `gain` returns the reduction
 /// of the sum of squares by one resonance.
 pub(super) fn check_sense(measured: &Measured, gain: impl Fn(&Points) -> f64) -> Result<(), ImportError> {
-    /// Gain over that of a passive resonance from which another sense explains the data; the smaller
-    /// one if the real part is negative.
-    const MIN_GAIN_RATIO: [f64; 2] = [1.5, 1.0];
+    /// Gain over that of a passive resonance from which a mirrored one explains the data.
+    const MIN_MIRRORED_RATIO: f64 = 1.5;
+    /// Number of standard deviations from which the sum of the real parts is negative.
+    const NEGATIVE_SIGMA: f64 = 4.0;
     /// Smallest significant gain, variances of the noise.
     const MIN_GAIN_SIGMA2: f64 = 200.0;
     // With relative weights, no single point dominates.
@@ -34,28 +35,35 @@ pub(super) fn check_sense(measured: &Measured, gain: impl Fn(&Points) -> f64) ->
     let third = ascending(weighted.windows(4).map(|y| (y[0] - 3.0 * (y[1] - y[2]) - y[3]).norm_sqr()));
     // The median, so that a narrow resonance does not count as noise.
     let noise = quantile(&third, 0.5).unwrap_or(0.0) / (std::f64::consts::LN_2 * ROUGHNESS_WEIGHT);
-    let is_negative = weighted.iter().map(|y| y.re * y.re.abs()).sum::<f64>() < 0.0;
-    let least = (MIN_GAIN_RATIO[usize::from(is_negative)] * of(|y| y)).max(MIN_GAIN_SIGMA2 * noise);
-    let senses: [(fn(Complex64) -> Complex64, &str); 3] = [
+    let real: Vec<f64> = weighted.iter().map(|y| y.re * y.re.abs()).collect();
+    let is_negative = real.iter().sum::<f64>() < -NEGATIVE_SIGMA * real.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let negative_ratio = if is_negative { 1.0 } else { f64::INFINITY };
+    let senses: [(fn(Complex64) -> Complex64, f64, &str); 3] = [
         (
             |y| y.conj(),
+            MIN_MIRRORED_RATIO,
             "the sign of the imaginary part is mirrored: only with the other sign does the sweep have a resonance. Negate the \
              column of the reactance, susceptance or angle",
         ),
         (
             |y| -y,
+            negative_ratio,
             "the real part is negative at the resonance, and all angles are off by 180 degrees. Turn the current probe, or add \
              180 degrees to the angle",
         ),
         (
             |y| -y.conj(),
+            negative_ratio,
             "the real part is negative at the resonance. `--series-ohm` may be too large, the fixture wrong, or the sign of the \
              real part mirrored",
         ),
     ];
-    let gains = senses.map(|(sense, what)| (of(sense), what));
-    match gains.into_iter().max_by(|(a, _), (b, _)| a.total_cmp(b)) {
-        Some((gain, what)) if gain > least => Err(ImportError::NotATransducer(what.to_owned())),
+    let passive = of(|y| y);
+    let gains = senses.map(|(sense, ratio, what)| (of(sense), ratio, what));
+    match gains.into_iter().max_by(|(a, ..), (b, ..)| a.total_cmp(b)) {
+        Some((gain, ratio, what)) if gain > (ratio * passive).max(MIN_GAIN_SIGMA2 * noise) => {
+            Err(ImportError::NotATransducer(what.to_owned()))
+        }
         _ => Ok(()),
     }
 }
