@@ -1,8 +1,8 @@
 //! Touchstone files, versions 1 and 2, with one or two ports.
 //!
 //! The option line is `# <frequency unit> <parameter> <format> R <ohm>`; the default is
-//! `# GHz S MA R 50`. Comments begin with `!`. Version 2 has keywords in brackets. Source: IBIS Open
-//! Forum, Touchstone File Format Specification, versions 1.1, 2.0 and 2.1.
+//! `# GHz S MA R 50`. Comments begin with `!`. Version 2 has keywords in brackets. Source: IBIS
+//! Open Forum, Touchstone File Format Specification, versions 1.1, 2.0 and 2.1.
 //!
 //! **Reference.** Version 1 normalises Z, Y, H and G by the reference resistance. Version 2 gives
 //! them in ohm and siemens, and may have a reference of its own for each port.

@@ -1,5 +1,5 @@
-//! Checks that a sweep and its circuit belong to a passive, capacitive transducer, with the probable
-//! cause if they do not.
+//! Checks that a sweep and its circuit belong to a passive, capacitive transducer. Errors name the
+//! probable cause.
 
 use num_complex::Complex64;
 
@@ -11,13 +11,13 @@ use crate::error::ImportError;
 use report::statistics::{ascending, quantile};
 
 /// Causes of an inductive baseline, with remedies.
-pub(super) const INDUCTIVE: &str = "The reactance is that of an inductor over most of the sweep. Disconnect a coil next to the \
-                                    transducer; check that `--open` and `--short` are not exchanged, and that S21 is not read as \
-                                    S11 (`--topology`)";
+pub(super) const INDUCTIVE: &str = "The reactance is that of an inductor over most of the sweep. Disconnect a coil next to \
+                                    the transducer; check that `--open` and `--short` are not exchanged, and that S21 is \
+                                    not read as S11 (`--topology`)";
 
 /// Checks the direction in which the admittance runs around the circle of the strongest resonance.
-/// A passive one has a positive real part and a falling imaginary part. `gain` returns the reduction
-/// of the sum of squares by one resonance.
+/// A passive one has a positive real part and a falling imaginary part. `gain` returns the
+/// reduction of the sum of squares by one resonance.
 pub(super) fn check_sense(measured: &Measured, gain: impl Fn(&Points) -> f64) -> Result<(), ImportError> {
     /// Gain over that of a passive resonance from which a mirrored one explains the data.
     const MIN_MIRRORED_RATIO: f64 = 1.5;
@@ -54,8 +54,8 @@ pub(super) fn check_sense(measured: &Measured, gain: impl Fn(&Points) -> f64) ->
         (
             |y| -y.conj(),
             negative_ratio,
-            "the real part is negative at the resonance. `--series-ohm` may be too large, the fixture wrong, or the sign of the \
-             real part mirrored",
+            "the real part is negative at the resonance. `--series-ohm` may be too large, the fixture wrong, or the sign of \
+             the real part mirrored",
         ),
     ];
     let passive = of(|y| y);

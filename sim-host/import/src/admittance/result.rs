@@ -17,6 +17,9 @@ use report::rounded;
 /// Largest variance of the residuals, relative to their noise from point to point, for a scene.
 const MAX_SCENE_MISFIT: f64 = 40.0;
 
+/// Chosen working mode; `None` chooses the strongest.
+type Choice = Option<ModeChoice>;
+
 /// Value with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Value {
@@ -163,7 +166,7 @@ pub(super) fn propagated<const N: usize>(
 
 impl Admittance {
     /// Creates the result from a fit.
-    pub(super) fn from_fit(name: String, measured: Measured, fit: Fit, choice: Option<ModeChoice>) -> Result<Self, ImportError> {
+    pub(super) fn from_fit(name: String, measured: Measured, fit: Fit, choice: Choice) -> Result<Self, ImportError> {
         let equivalent = Equivalent::from_parameters(&fit.parameters, fit.farad);
         if equivalent.c0_f.is_nan() || equivalent.c0_f <= 0.0 {
             let what = format!("the fit gives a clamped capacitance of {:.3e} F. {}", equivalent.c0_f, passivity::INDUCTIVE);
@@ -215,14 +218,14 @@ impl Admittance {
         json!({
             "circuit": self.circuit, "correlation": { "names": Circuit::NAMES, "matrix": self.correlations }, "modes": self.modes, "scene": scene, "points": self.measured.hz.len(),
             "from_hz": self.measured.hz.first(), "to_hz": self.measured.hz.last(), "noise": self.noise,
-            "residual_correlation": self.correlation, "sd_inflation": self.inflation, "misfit": self.misfit, "remarks": self.measured.remarks,
-            "warnings": self.warnings,
+            "residual_correlation": self.correlation, "sd_inflation": self.inflation, "misfit": self.misfit,
+            "remarks": self.measured.remarks, "warnings": self.warnings,
         })
     }
 }
 
 /// Returns the index of the working mode.
-fn working(circuit: &Equivalent, choice: Option<ModeChoice>) -> Result<usize, ImportError> {
+fn working(circuit: &Equivalent, choice: Choice) -> Result<usize, ImportError> {
     /// Largest distance of a chosen frequency from its mode, relative.
     const MAX_CHOICE_REL: f64 = 0.05;
     let branches = &circuit.branches;
@@ -261,7 +264,7 @@ fn near(modes: &[Mode]) -> Option<String> {
         .collect();
     (!list.is_empty()).then(|| {
         let (hz, list) = (hz(working), list.join(", "));
-        format!("the working mode is at {hz:.0} Hz; further modes are near, at {list}; choose one with `--mode N` or `--mode HZ`")
+        format!("the working mode is at {hz:.0} Hz; further modes are near, at {list}; `--mode N` or `--mode HZ` chooses one")
     })
 }
 

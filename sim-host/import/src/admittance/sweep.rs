@@ -31,7 +31,7 @@ pub(super) fn ordered(lines: &[usize], mut sweep: Measured) -> Result<Measured, 
             return Err(ImportError::FrequenciesEqual { first: lines[first], second: lines[second], hz: hz[first], step });
         }
         sweep.remarks.push(format!(
-            "Lines {} and {} both have {} Hz, as at the border of two segments; their readings are averaged ({} such pairs)",
+            "Lines {} and {} both have {} Hz, as at the border of two segments; their readings are averaged ({} such pair(s))",
             lines[first],
             lines[second],
             hz[first],
