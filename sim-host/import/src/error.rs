@@ -114,6 +114,9 @@ pub enum ImportError {
     /// A correction by measurements of the fixture is not possible.
     #[error("the fixture cannot be corrected: {0}")]
     Fixture(String),
+    /// The chosen mode is not among the resonances of the fit, which are listed.
+    #[error("no such mode; the resonances are {0}")]
+    NoSuchMode(String),
     /// The values are not those of a passive transducer.
     #[error("not a transducer: {0}")]
     NotATransducer(String),

@@ -15,7 +15,7 @@ use crate::complex::polar;
 use crate::error::ImportError;
 use crate::quantity::{Known, Part, Quantity, Subject};
 use crate::rows::means;
-use crate::touchstone::{self, Kind, Touchstone};
+use crate::touchstone::{self, Parameters, Touchstone};
 use crate::traces;
 use crate::units::{numbers, to_si};
 use columns::{file, formats};
@@ -58,7 +58,7 @@ impl Measured {
         let text = formats::text(bytes);
         match text {
             Ok(text) if ports.is_some() || touchstone::looks_like(&text) => {
-                from_touchstone(&touchstone::read(&text, ports)?, options)
+                from_touchstone(touchstone::read(&text, ports)?, options)
             }
             _ => from_table(bytes, text.ok().as_deref(), options),
         }
@@ -111,32 +111,24 @@ impl Measured {
     }
 }
 
-fn from_touchstone(file: &Touchstone, options: &Options) -> Result<Measured, ImportError> {
-    let mut remarks = vec![file.found.clone()];
-    let ohm = file.ohm;
-    match file.kind {
-        Kind::S => {
-            let topology = match (options.topology, file.parameters.len()) {
+fn from_touchstone(file: Touchstone, options: &Options) -> Result<Measured, ImportError> {
+    let mut remarks = file.remarks;
+    let (coordinate, readings) = match &file.parameters {
+        Parameters::Admittance(admittance) => (Coordinate::Immittance, admittance),
+        Parameters::Scattering(parameters) => {
+            let topology = match (options.topology, parameters.len()) {
                 (Some(Topology::OnePort) | None, 1) => Topology::OnePort,
                 (Some(given), 1) => {
                     let why = format!("a one-port file has no S21, which {given:?} needs");
                     return Err(ImportError::TopologyDoubtful { why });
                 }
                 (Some(given), _) => given,
-                (None, _) => topology::found(&file.parameters, &mut remarks)?,
+                (None, _) => topology::found(parameters, &mut remarks)?,
             };
-            let readings = &file.parameters[usize::from(topology != Topology::OnePort)];
-            Measured::new(&file.lines, file.hz.clone(), readings, Coordinate::Scattering(topology, ohm), remarks)
+            (Coordinate::Scattering(topology, file.ohm), &parameters[usize::from(topology != Topology::OnePort)])
         }
-        Kind::Z => {
-            let readings: Vec<_> = file.parameters[0].iter().map(|z| (ohm * z).inv()).collect();
-            Measured::new(&file.lines, file.hz.clone(), &readings, Coordinate::Immittance, remarks)
-        }
-        Kind::Y => {
-            let readings: Vec<_> = file.parameters[0].iter().map(|y| y / ohm).collect();
-            Measured::new(&file.lines, file.hz.clone(), &readings, Coordinate::Immittance, remarks)
-        }
-    }
+    };
+    Measured::new(&file.lines, file.hz, readings, coordinate, remarks)
 }
 
 /// Reads a table: text, or the bytes of another format.
