@@ -219,7 +219,7 @@ impl<'a> Fitter<'a> {
             (from - MAX_OUTSIDE_LN..=to + MAX_OUTSIDE_LN).contains(&own[0])
                 && (libm::log(MIN_Q)..=libm::log(MAX_Q)).contains(&own[1])
         };
-        minimise_within(steps, start, |parameters| {
+        minimise_within(steps, &[], start, |parameters| {
             if !parameters[CLAMPED_PARAMETERS..].chunks_exact(BRANCH_PARAMETERS).all(is_resonance) {
                 return None;
             }
