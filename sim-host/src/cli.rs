@@ -41,7 +41,7 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
-use delimited::visible;
+use columns::visible;
 
 use self::drawing::DrawingArgs;
 use self::exit::{EXIT_CODES, Exit, mistake};

@@ -9,6 +9,7 @@ pub mod fixture;
 pub mod measured;
 mod memory;
 pub mod options;
+mod passivity;
 mod result;
 mod scene_file;
 mod start;
@@ -33,7 +34,8 @@ pub fn import(path: &Path, options: &Options) -> Result<Admittance, ImportError>
     let mut measured = Measured::read(path, options)?;
     fixture::correct(&mut measured, options)?;
     let name = path.file_stem().map_or_else(|| "transducer".into(), |stem| stem.to_string_lossy().into_owned());
-    fit(&name, measured, options.modes)
+    let fit = fit::Fitter::new(&measured).fit(options.modes)?;
+    Admittance::from_fit(name, measured, fit, options.mode)
 }
 
 /// Fits a circuit to a sweep, with this number of resonances, or with the number that the data
@@ -43,5 +45,5 @@ pub fn import(path: &Path, options: &Options) -> Result<Admittance, ImportError>
 /// Returns [`ImportError`] if the sweep has no resonance, or too few points.
 pub fn fit(name: &str, measured: Measured, modes: Option<usize>) -> Result<Admittance, ImportError> {
     let fit = fit::Fitter::new(&measured).fit(modes)?;
-    Admittance::from_fit(name, measured, fit)
+    Admittance::from_fit(name.to_owned(), measured, fit, None)
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use delimited::TableError;
+use columns::{Table, TableError};
 
 /// Reason why no parameters can be determined from a measured file.
 #[derive(Debug, thiserror::Error)]
@@ -35,6 +35,16 @@ pub enum ImportError {
         /// Heading of the column.
         column: String,
         /// Ways to give the unit.
+        help: String,
+    },
+    /// The unit of a column is unknown, ambiguous, or that of another quantity.
+    #[error("the unit `{unit}` of the column `{column}` cannot be used: {help}")]
+    UnitUnknown {
+        /// Heading of the column.
+        column: String,
+        /// The unit as in the heading.
+        unit: String,
+        /// Known units.
         help: String,
     },
     /// An angle may be in degrees or in radians.
@@ -104,6 +114,9 @@ pub enum ImportError {
     /// A correction by measurements of the fixture is not possible.
     #[error("the fixture cannot be corrected: {0}")]
     Fixture(String),
+    /// The chosen mode is not among the resonances of the fit, which are listed.
+    #[error("no such mode; the resonances are {0}")]
+    NoSuchMode(String),
     /// The values are not those of a passive transducer.
     #[error("not a transducer: {0}")]
     NotATransducer(String),
@@ -112,18 +125,27 @@ pub enum ImportError {
     NoFit(String),
 }
 
+impl ImportError {
+    /// Returns the error of a row of a table.
+    pub(crate) fn bad_row(table: &Table, row: usize, what: String) -> Self {
+        match table.lines.get(row) {
+            Some(&line) => ImportError::BadLine { line, what },
+            None => ImportError::UnknownForm { seen: format!("{}: {what}", table.place(row)) },
+        }
+    }
+}
+
 impl From<TableError> for ImportError {
     fn from(error: TableError) -> Self {
         let what = error.to_string();
         match error {
-            TableError::NoTable { .. } => ImportError::UnknownForm {
+            TableError::Empty | TableError::NoNumbers { .. } | TableError::Binary(_) => ImportError::UnknownForm {
                 seen: format!(
-                    "{what}; expected a table of numbers, separated by commas, semicolons, tabs or blanks. Each line may contain \
-                     only numbers: delete columns with words. An admittance may also be a Touchstone file (.s1p, .s2p)"
+                    "{what}; expected a table with columns of numbers, separated by commas, semicolons, tabs or blanks. An \
+                     admittance may also be a Touchstone file (.s1p, .s2p)"
                 ),
             },
-            TableError::OneLine { .. } | TableError::Empty | TableError::NoNumbers => ImportError::UnknownForm { seen: what },
-            TableError::Interrupted { line, .. } => {
+            TableError::Interrupted { line, .. } | TableError::Cells { line, .. } => {
                 ImportError::BadLine { line, what: format!("{what}; fix or delete the line, or give one sweep per file") }
             }
             TableError::Width { line, decimal_comma: true, .. } => ImportError::BadLine { line, what },

@@ -87,13 +87,21 @@ fn factor(matrix: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
 
 /// Minimises the sum of squares from a start; `None` if the residuals at the start are undefined.
 pub fn minimise(start: &[f64], evaluate: impl Fn(&[f64]) -> Option<Linear>) -> Option<Solution> {
-    minimise_within(MAX_STEPS, start, evaluate)
+    minimise_within(MAX_STEPS, &[], start, evaluate)
 }
 
-/// Minimises the sum of squares from a start within a number of steps, as [`minimise`] does.
-pub(crate) fn minimise_within(steps: usize, start: &[f64], evaluate: impl Fn(&[f64]) -> Option<Linear>) -> Option<Solution> {
-    let mut linear = evaluate(start)?;
-    let mut parameters = start.to_vec();
+/// Minimises the sum of squares from a start within a number of steps, as [`minimise`] does, and
+/// keeps the parameters within bounds; none if `bounds` is empty. A parameter at its bound stays
+/// there while the sum of squares falls beyond it.
+pub(crate) fn minimise_within(
+    steps: usize,
+    bounds: &[(f64, f64)],
+    start: &[f64],
+    evaluate: impl Fn(&[f64]) -> Option<Linear>,
+) -> Option<Solution> {
+    let clamped = |at: usize, p: f64| bounds.get(at).map_or(p, |(least, most)| p.clamp(*least, *most));
+    let mut parameters: Vec<f64> = start.iter().enumerate().map(|(at, p)| clamped(at, *p)).collect();
+    let mut linear = evaluate(&parameters)?;
     let mut cost = linear.cost();
     let freedom = linear.residuals.len().saturating_sub(start.len()).max(1) as f64;
     let (mut damping, mut converged) = (1e-3, false);
@@ -104,10 +112,20 @@ pub(crate) fn minimise_within(steps: usize, start: &[f64], evaluate: impl Fn(&[f
             break;
         }
         let n = parameters.len();
-        let damped = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] + if i == j { damping } else { 0.0 });
-        let step = Cholesky::new(damped).map(|factor| -factor.solve(&gradient));
+        let is_held = |at: usize| {
+            let bound = bounds.get(at).map(|(least, most)| if gradient[at] > 0.0 { least } else { most });
+            bound.is_some_and(|bound| parameters[at] == *bound)
+        };
+        let held: Vec<bool> = (0..n).map(is_held).collect();
+        let damped = |i: usize, j: usize| match i == j {
+            true => matrix[(i, i)] + damping,
+            false if held[i] || held[j] => 0.0,
+            false => matrix[(i, j)],
+        };
+        let free = DVector::from_fn(n, |at, _| if held[at] { 0.0 } else { gradient[at] });
+        let step = Cholesky::new(DMatrix::from_fn(n, n, damped)).map(|factor| -factor.solve(&free));
         let next = step.as_ref().and_then(|step| {
-            let next: Vec<f64> = parameters.iter().zip(step.iter().zip(&scales)).map(|(p, (d, scale))| p + d * scale).collect();
+            let next: Vec<f64> = (0..n).map(|at| clamped(at, parameters[at] + step[at] * scales[at])).collect();
             let linear = evaluate(&next)?;
             let new = linear.cost();
             (new <= cost).then_some((next, linear, new))
@@ -151,6 +169,19 @@ mod tests {
         };
         let found = minimise(&[-1.2, 1.0], valley).unwrap();
         assert!((found.parameters[0] - 1.0).abs() < 1e-9 && (found.parameters[1] - 1.0).abs() < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn a_bounded_minimum_is_at_the_bound_and_optimal_along_it() {
+        let x = [0.0, 1.0, 2.0, 3.0];
+        let line = |p: &[f64]| {
+            let residuals = x.iter().map(|x| p[0] + p[1] * x - (1.0 + 2.0 * x)).collect();
+            Some(Linear { residuals, columns: vec![vec![1.0; 4], x.to_vec()] })
+        };
+        let bounds = [(f64::NEG_INFINITY, f64::INFINITY), (0.0, 1.5)];
+        let found = minimise_within(MAX_STEPS, &bounds, &[0.0, 3.0], line).unwrap();
+        // The mean of x is 1.5: the rest of the slope, 0.5, is added to the offset there.
+        assert!(found.converged && found.parameters[1] == 1.5 && (found.parameters[0] - 1.75).abs() < 1e-6, "{found:?}");
     }
 
     #[test]

@@ -1,17 +1,15 @@
 //! Signals from files: one column of a trace, a capture or any other table, evenly sampled.
 //!
 //! ```text
-//! CSV or other delimited text, NPY, Parquet -> columns by name -> samples and sample time, or an error -> time and frequency
+//! CSV or other delimited text, NPY, Parquet, WAV -> columns by name -> samples and sample time, or an error -> time and frequency
 //! ```
 
-mod npy;
-mod parquet_file;
 pub mod spectrogram;
 mod table;
 
 use std::path::{Path, PathBuf};
 
-use delimited::file;
+use columns::file;
 pub use table::Columns;
 
 /// Minimum number of samples of a signal.
@@ -72,6 +70,16 @@ pub enum SignalError {
         /// Existing columns.
         columns: String,
     },
+    /// The column of times has a unit that is not one of time.
+    #[error("{}: the unit `{unit}` of `{name}` is not a unit of time; known are s, ms, us, ns, min and h", path.display())]
+    Unit {
+        /// The file.
+        path: PathBuf,
+        /// Name of the column.
+        name: String,
+        /// Unit as in the file.
+        unit: String,
+    },
     /// The samples are not evenly spaced.
     #[error(
         "uneven sampling: {}, {place}: a step of {step_s:e} s, but the mean step is {mean_s:e} s; resample the signal evenly, or \
@@ -128,6 +136,8 @@ pub struct Signal {
     pub sample_s: f64,
     /// Samples.
     pub samples: Vec<f64>,
+    /// Assumption about the times, if one was necessary.
+    pub remark: Option<String>,
 }
 
 impl Signal {
@@ -152,23 +162,25 @@ impl Signal {
         }
         let time = match (&choice.time, choice.sample_hz) {
             (_, Some(_)) => None,
-            (Some(name), None) => Some((columns.place(path, name)?, 1.0)),
+            (Some(name), None) => Some(columns.place(path, name)?),
             (None, None) => columns.time(),
         };
         let place = match &choice.column {
             Some(name) => columns.place(path, name)?,
-            None => columns.only(path, time.map(|(place, _)| place))?,
+            None => columns.only(path, time)?,
         };
         let samples = columns.numbers(path, place)?;
-        let (start_s, sample_s) = match (choice.sample_hz, time) {
-            (Some(hz), _) => (0.0, 1.0 / hz),
-            (None, Some((time, scale))) => {
-                let scale = if choice.time.is_some() { table::time_scale(columns.name(time)).unwrap_or(1.0) } else { scale };
-                even(path, columns, &columns.numbers(path, time)?, scale)?
+        let (start_s, sample_s, remark) = match (choice.sample_hz, time) {
+            (Some(hz), _) => (0.0, 1.0 / hz, None),
+            (None, Some(time)) => {
+                let unit_s = columns.time_unit_s(path, time)?;
+                let (start_s, sample_s) = even(path, columns, &columns.numbers(path, time)?, unit_s.unwrap_or(1.0))?;
+                let assumed = || format!("`{}` has no unit: s is assumed", columns.name(time));
+                (start_s, sample_s, unit_s.is_none().then(assumed))
             }
             (None, None) => return Err(SignalError::Time { path: path.to_owned(), columns: columns.listed() }),
         };
-        let whole = Signal { name: columns.name(place).to_owned(), start_s, sample_s, samples };
+        let whole = Signal { name: columns.name(place).to_owned(), start_s, sample_s, samples, remark };
         whole.part(choice)
     }
 
@@ -219,7 +231,12 @@ fn even(path: &Path, columns: &Columns, times: &[f64], scale: f64) -> Result<(f6
     let uneven = (1..times.len()).find(|&n| {
         let step = times[n] - times[n - 1];
         let is_even = (step - mean).abs() <= MAX_STEP_ERROR_REL * mean.abs();
-        let is_rounded = || step > 0.0 && off(n) <= 0.5 * mean && off(n - 1) <= 0.5 * mean && rounded(times, mean);
+        // Late times have few binary digits left.
+        let resolution = 4.0 * f64::EPSILON * times[n].abs();
+        let is_rounded = || {
+            off(n) <= resolution && off(n - 1) <= resolution
+                || step > 0.0 && off(n) <= 0.5 * mean && off(n - 1) <= 0.5 * mean && rounded(times, mean)
+        };
         !is_even && !is_rounded()
     });
     if let Some(n) = uneven.or((mean <= 0.0).then_some(1)) {

@@ -10,10 +10,10 @@
 //! ...
 //! ```
 //!
-//! The quantities of the traces depend on settings of the instrument, and the file need not name
-//! them. `--columns` gives them.
+//! The quantities of the traces depend on settings of the instrument. `--columns` or the line
+//! `"MEASURE PARAMETER: IMPEDANCE MAG PHASE (DEG)"` gives them.
 
-use delimited::Table;
+use columns::Table;
 
 use crate::error::ImportError;
 
@@ -25,6 +25,24 @@ fn marks(lines: &[&str]) -> Option<(usize, usize)> {
     mark("A").zip(mark("B")).filter(|(a, b)| a < b)
 }
 
+/// Returns the names of frequency and traces from the line that names the measured parameter.
+fn parameters(lines: &[&str]) -> Option<String> {
+    let named = |line: &&str| line.trim().trim_matches('"').to_uppercase().strip_prefix("MEASURE PARAMETER:").map(str::to_owned);
+    let text = lines.iter().find_map(named)?;
+    let has = |word: &str| text.contains(word);
+    let (letter, unit) = match (has("IMPEDANCE") || has("Z"), has("ADMITTANCE") || has("Y")) {
+        (true, false) => ('Z', "ohm"),
+        (false, true) => ('Y', "S"),
+        _ => return None,
+    };
+    let angle = if has("RAD") { "rad" } else { "deg" };
+    match (has("MAG") && has("PHASE"), has("REAL") && has("IMAG")) {
+        (true, false) => Some(format!("f [Hz], |{letter}| [{unit}], phase {letter} [{angle}]")),
+        (false, true) => Some(format!("f [Hz], Re {letter} [{unit}], Im {letter} [{unit}]")),
+        _ => None,
+    }
+}
+
 /// Joins the two traces in one table of frequency, trace A and trace B; `None` if the text has
 /// another format.
 ///
@@ -33,7 +51,7 @@ fn marks(lines: &[&str]) -> Option<(usize, usize)> {
 pub(crate) fn joined(text: &str, columns: Option<&str>) -> Result<Option<Table>, ImportError> {
     let lines: Vec<&str> = text.lines().collect();
     let Some((a, b)) = marks(&lines) else { return Ok(None) };
-    let Some(columns) = columns else {
+    let Some(columns) = columns.map(str::to_owned).or_else(|| parameters(&lines)) else {
         let seen = "a file with two traces, A and B, which does not name their quantities; name frequency and traces with \
                     `--columns`, such as `--columns \"f [Hz], |Z| [ohm], theta [deg]\"`";
         return Err(ImportError::UnknownForm { seen: seen.to_owned() });
@@ -49,25 +67,29 @@ pub(crate) fn joined(text: &str, columns: Option<&str>) -> Result<Option<Table>,
     // Line numbers are kept: the lines of the other trace are replaced by empty ones.
     let part = |from: usize, to: usize| -> Result<Table, ImportError> {
         let kept = lines.iter().enumerate().map(|(at, line)| if (from..to).contains(&at) { *line } else { "" });
-        Ok(delimited::read(&kept.collect::<Vec<_>>().join("\n"), None)?)
+        Ok(columns::read(&kept.collect::<Vec<_>>().join("\n"), None)?)
     };
     let (one, other) = (part(a + 1, b)?, part(b + 1, lines.len())?);
+    let mut numbers = Vec::new();
     for table in [&one, &other] {
+        let columns = (0..table.columns.len()).map(|at| crate::units::numbers(table, at)).collect::<Result<Vec<_>, _>>()?;
         // The imaginary part of a real trace is zero.
-        if let Some(row) = table.columns.get(2).and_then(|imaginary| imaginary.iter().position(|value| *value != 0.0)) {
+        if let Some(row) = columns.get(2).and_then(|imaginary| imaginary.iter().position(|value| *value != 0.0)) {
             let what = "the trace is complex: set the format of both traces to real numbers, and export them again".to_owned();
-            return Err(ImportError::BadLine { line: table.lines[row], what });
+            return Err(ImportError::bad_row(table, row, what));
         }
+        numbers.push(columns);
     }
-    let (hz, again) = (&one.columns[0], &other.columns[0]);
+    let (hz, again) = (&numbers[0][0], &numbers[1][0]);
     if let Some(row) = (0..hz.len().max(again.len())).find(|row| hz.get(*row) != again.get(*row)) {
         let line = other.lines.get(row).or(one.lines.get(row)).copied().unwrap_or(b + 1);
         return Err(ImportError::BadLine { line, what: "trace B has other frequencies than trace A".to_owned() });
     }
+    let [a, b] = [&one, &other].map(|table| table.columns.get(1).cloned().unwrap_or_default());
     Ok(Some(Table {
-        header: Some(header),
+        names: Some(header),
         lines: one.lines,
-        columns: vec![one.columns[0].clone(), one.columns[1].clone(), other.columns[1].clone()],
+        columns: vec![one.columns[0].clone(), a, b],
         found: format!("{}, in two traces", one.found),
     }))
 }
@@ -82,7 +104,12 @@ mod tests {
     #[test]
     fn two_traces_are_joined_in_one_table() {
         let table = joined(FILE, NAMES).unwrap().unwrap();
-        assert_eq!(table.columns, [vec![4e4, 4.1e4], vec![80.5, 90.5], vec![-80.0, -70.0]]);
+        let values: Vec<_> = table.columns.into_iter().map(|column| column.values).collect();
+        assert_eq!(values, [vec![4e4, 4.1e4], vec![80.5, 90.5], vec![-80.0, -70.0]]);
+        let named = |parameter: &str| joined(&FILE.replace("TITLE: a", &format!("MEASURE PARAMETER: {parameter}")), None);
+        let names = named("IMPEDANCE MAG PHASE (DEG)").unwrap().unwrap().names.unwrap();
+        assert_eq!(names, ["f [Hz]", "|Z| [ohm]", "phase Z [deg]"]);
+        assert!(named("Ls-Q").is_err());
         assert_eq!((table.lines, joined("f,z\n1,2\n2,3\n", None).unwrap()), (vec![6, 7], None));
     }
 
@@ -95,6 +122,6 @@ mod tests {
             error(&FILE.replace("4.1E+04\t-70", "4.2E+04\t-70"), NAMES).starts_with("line 12: trace B has other frequencies")
         );
         assert!(error(&FILE.replace("90.5\t0.0", "90.5\t1.0"), NAMES).starts_with("line 7: the trace is complex"));
-        assert!(error(&FILE.replace("4.1E+04\t90.5\t0.0\n", ""), NAMES).contains("only line 6"));
+        assert!(error(&FILE.replace("4.1E+04\t90.5\t0.0\n", ""), NAMES).contains("trace B has other frequencies"));
     }
 }

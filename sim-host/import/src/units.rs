@@ -1,7 +1,9 @@
 //! Units that a heading does not give: from an option, or inferred if only one makes sense.
 
+use columns::{Table, Unit};
+
 use crate::error::ImportError;
-use crate::heading::{Dimension, Heading, Quantity, Unit, unit};
+use crate::quantity::{Known, Part, Quantity, Subject};
 
 /// Smallest series resonance that a scene can have, Hz. A frequency without a unit must be in the
 /// same range.
@@ -19,7 +21,10 @@ const IMPOSSIBLE_RADIANS: f64 = 6.3;
 /// Largest angle in degrees.
 const MAX_DEGREES: f64 = 360.0;
 
-/// Units given by option, at most one per dimension.
+/// Quantities that can have a unit, by their SI units.
+const BASES: [&str; 4] = ["Hz", "ohm", "S", "rad"];
+
+/// Units given by option, at most one per quantity.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Units(Vec<Unit>);
 
@@ -27,38 +32,73 @@ impl Units {
     /// Parses units by their names, such as `khz`, `ohm`, `mS`, `deg`.
     ///
     /// # Errors
-    /// Returns an error for a name that is not a unit, or for the second unit of a dimension.
+    /// Returns an error for a name that is not a unit, or for the second unit of a quantity.
     pub fn parse<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Self, String> {
         let mut units: Vec<Unit> = Vec::new();
         for name in names {
-            let unit =
-                unit(name).ok_or_else(|| format!("`{name}` is not a unit; known are Hz, ohm, S with a prefix, deg, rad"))?;
-            if units.iter().any(|known| known.dimension == unit.dimension) {
+            let like = |base: &&str| {
+                Unit::parse(base).and_then(|base| Unit::parse_like(name, &base).filter(|unit| unit.measures_like(&base)))
+            };
+            let unit = BASES.iter().find_map(like);
+            let unit = unit.ok_or_else(|| format!("`{name}` is not a unit; known are Hz, ohm, S with a prefix, deg, rad"))?;
+            if unit.is_ambiguous() {
+                return Err(format!("`{name}` may be milli or mega; write mOhm or MOhm"));
+            }
+            if units.iter().any(|known| known.measures_like(&unit)) {
                 return Err(format!("`{name}` is the second unit of its kind"));
             }
             units.push(unit);
         }
         Ok(Units(units))
     }
+}
 
-    fn get(&self, dimension: Dimension) -> Option<Unit> {
-        self.0.iter().find(|unit| unit.dimension == dimension).copied()
+/// Returns the numbers of a column of a table.
+pub(crate) fn numbers(table: &Table, at: usize) -> Result<Vec<f64>, ImportError> {
+    table.columns[at].numbers().map(<[f64]>::to_vec).map_err(|cell| {
+        let what = format!("the column `{}` is {}, but a number is needed in each row", table.headings()[at], cell.what);
+        ImportError::bad_row(table, cell.row, what)
+    })
+}
+
+/// Returns the factor from the unit of a heading to an SI unit; `None` without a unit.
+pub(crate) fn factor(text: &str, unit: Option<&str>, base: &str) -> Result<Option<f64>, ImportError> {
+    let (Some(written), Some(si)) = (unit, Unit::parse(base)) else { return Ok(None) };
+    let refuse = |help: String| Err(ImportError::UnitUnknown { column: text.to_owned(), unit: written.to_owned(), help });
+    match Unit::parse_like(written, &si) {
+        None => refuse(format!("write {base}, also with a prefix, in the heading or in `--columns`")),
+        Some(unit) if unit.is_ambiguous() => {
+            refuse("it may be milli or mega: write `mOhm` or `MOhm`, or `mN` or `MN`".to_owned())
+        }
+        Some(unit) => match unit.factor_to(&si) {
+            Some(factor) => Ok(Some(factor)),
+            None => refuse(format!("{base} is needed")),
+        },
     }
 }
 
 /// Converts a column to the SI unit, in place. Adds a remark if the unit was inferred.
-pub(crate) fn to_si(heading: &Heading, values: &mut [f64], units: &Units, remarks: &mut Vec<String>) -> Result<(), ImportError> {
-    let dimension = heading.quantity.dimension();
-    let factor = match heading.unit.or(units.get(dimension)) {
-        Some(unit) => unit.factor,
-        None => found(heading, values, remarks)?,
+pub(crate) fn to_si(heading: &Known, values: &mut [f64], units: &Units, remarks: &mut Vec<String>) -> Result<(), ImportError> {
+    let sign = if heading.negative { -1.0 } else { 1.0 };
+    let factor = match heading.quantity.base() {
+        // A ratio in percent, or without a unit.
+        None => factor(&heading.text, heading.unit.as_deref(), "%")?.map_or(1.0, |percent| 0.01 * percent),
+        Some("dB") => 1.0,
+        Some(base) => {
+            let si = Unit::parse(base);
+            let given = || si.as_ref().and_then(|si| units.0.iter().find_map(|unit| unit.factor_to(si)));
+            match factor(&heading.text, heading.unit.as_deref(), base)?.or_else(given) {
+                Some(factor) => factor,
+                None => found(heading, values, remarks)?,
+            }
+        }
     };
-    values.iter_mut().for_each(|value| *value *= factor);
+    values.iter_mut().for_each(|value| *value *= sign * factor);
     Ok(())
 }
 
 /// Infers the factor of a column without a unit.
-fn found(heading: &Heading, values: &[f64], remarks: &mut Vec<String>) -> Result<f64, ImportError> {
+fn found(heading: &Known, values: &[f64], remarks: &mut Vec<String>) -> Result<f64, ImportError> {
     let column = format!("the column `{}`", heading.text);
     match heading.quantity {
         Quantity::Frequency => {
@@ -81,7 +121,7 @@ fn found(heading: &Heading, values: &[f64], remarks: &mut Vec<String>) -> Result
                 }
             }
         }
-        Quantity::Angle => {
+        Quantity::Of(_, Part::Angle) => {
             let largest = values.iter().fold(0.0_f64, |most, angle| most.max(angle.abs()));
             if largest > IMPOSSIBLE_RADIANS && largest <= MAX_DEGREES {
                 remarks.push(format!("{column} has no unit: angles up to {largest} are degrees"));
@@ -94,9 +134,8 @@ fn found(heading: &Heading, values: &[f64], remarks: &mut Vec<String>) -> Result
                 Err(ImportError::AngleDoubtful { column, largest })
             }
         }
-        _ if heading.quantity.dimension() == Dimension::None => Ok(1.0),
-        Quantity::Conductance | Quantity::Susceptance | Quantity::Admittance => {
-            Err(ImportError::UnitMissing { column, help: "give it with `--unit`, such as `--unit s` or `--unit ms`".into() })
+        Quantity::Of(Some(Subject::Admittance), _) => {
+            Err(ImportError::UnitMissing { column, help: "give it with `--unit`, such as `--unit S` or `--unit mS`".into() })
         }
         _ => {
             Err(ImportError::UnitMissing { column, help: "give it with `--unit`, such as `--unit ohm` or `--unit kohm`".into() })
@@ -107,12 +146,11 @@ fn found(heading: &Heading, values: &[f64], remarks: &mut Vec<String>) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::heading::heading;
 
     fn converted(name: &str, values: &[f64], units: &[&str]) -> Result<Vec<f64>, String> {
         let units = Units::parse(units.iter().copied())?;
         let mut values = values.to_vec();
-        let heading = heading(name).ok_or("unknown")?;
+        let heading = Known::parse(name).ok_or("unknown")?;
         to_si(&heading, &mut values, &units, &mut Vec::new()).map_err(|error| error.to_string())?;
         Ok(values)
     }

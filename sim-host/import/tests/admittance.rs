@@ -94,28 +94,6 @@ fn written_scenes_are_valid() {
 }
 
 #[test]
-fn a_second_resonance_and_the_working_mode_are_found() {
-    let example = (0..).map(Example::draw).find(|example| example.truth.branches.len() == 2 && example.hz.len() == 401).unwrap();
-    let found = example.import().unwrap();
-    assert_eq!((found.modes.len(), found.modes.iter().filter(|mode| mode.working).count()), (2, 1));
-}
-
-#[test]
-fn a_misfit_is_reported_and_increases_the_deviations() {
-    let two = |hz: f64| {
-        let other = num_complex::Complex64::new(1.0, 80.0 * (hz / 40.6e3 - 40.6e3 / hz));
-        admittance(hz, 2e-3) + 4e-4 * other.inv()
-    };
-    let text: String =
-        (0..401).map(|n| 39e3 + 6.0 * f64::from(n)).map(|hz| format!("{hz},{:e},{:e}\n", two(hz).re, two(hz).im)).collect();
-    let sweep = parse("two.csv", &format!("f [Hz],G [S],B [S]\n{text}"), &Options::default()).unwrap();
-    let one = fit("two", sweep.clone(), Some(1)).unwrap();
-    assert!(one.warnings.iter().any(|warning| warning.contains("does not describe the data")), "{:?}", one.warnings);
-    let both = fit("two", sweep, None).unwrap();
-    assert!(both.modes.len() == 2 && both.circuit.q.sd < 1e-3 * one.circuit.q.sd, "{:?} {:?}", both.circuit.q, one.circuit.q);
-}
-
-#[test]
 fn rounded_frequencies_are_refused_with_the_step() {
     let hz = (0..40).map(|n| (39e3 + 300.0 * f64::from(n)) / 1e3).map(|khz| khz.round() * 1e3);
     let error = refused("rounded.csv", &table(1e-3, hz));

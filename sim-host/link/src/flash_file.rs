@@ -11,7 +11,7 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use delimited::file as bounded;
+use columns::file as bounded;
 use hal_mock::bench::Setup;
 use hal_mock::flash::{Flash, Mirror, PAGE_BYTES};
 use sim::output::rename_synced;

@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use delimited::file;
+use columns::file;
 use nucleo_g474re::slots::{MANIFEST, ORIGIN, SLOT};
 use object::elf::{PT_LOAD, ProgramHeader32};
 use object::read::elf::{ElfFile32, ProgramHeader as _};

@@ -13,7 +13,7 @@ use super::cpu_affinity::CpuAffinity;
 use super::emulator::Serial;
 use super::pipes::Pipes;
 use super::size::Size;
-use delimited::file;
+use columns::file;
 use sim::processor::{Lost, Memory, Processor};
 
 /// The controller as thumb code under QEMU.

@@ -64,7 +64,8 @@ pub fn import_admittance<'py>(
     if !sound(z0_ohm, 1e-3) || !sound(series_ohm, 0.0) {
         return Err(PyValueError::new_err("z0_ohm: from 0.001 to 1e6 ohm; series_ohm: from 0 to 1e6 ohm"));
     }
-    let options = Options { z0_ohm, topology: self::topology(topology)?, units, columns, open, short, series_ohm, modes };
+    let topology = self::topology(topology)?;
+    let options = Options { z0_ohm, topology, units, columns, open, short, series_ohm, modes, mode: None };
     let file = path.clone();
     let found = interruptible::run_detached(py, move || admittance::import(&file, &options))?;
     let found = found.map_err(|error| import_error(&path, &error))?;
@@ -79,7 +80,8 @@ pub fn import_admittance<'py>(
         ("residual_re", bytes(py, found.residuals.iter().map(|residual| residual.re))),
         ("residual_im", bytes(py, found.residuals.iter().map(|residual| residual.im))),
     ];
-    Ok((found.json(None).to_string(), found.scene(&source(&path)), arrays))
+    let scene = found.scene(&source(&path)).filter(|_| !found.is_doubtful());
+    Ok((found.json(None).to_string(), scene, arrays))
 }
 
 /// Fits the contact of a friction log.

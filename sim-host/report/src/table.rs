@@ -41,8 +41,8 @@ impl TableBlock {
     /// Control characters in its texts are escaped.
     #[cfg(feature = "terminal")]
     pub fn terminal(&self, color: bool) -> String {
+        use columns::visible;
         use comfy_table::{Cell, Color, ColumnConstraint, Table, Width, presets};
-        use delimited::visible;
         /// Widest column of prose.
         const MAX_WIDTH: u16 = 44;
         let coloured = |cell: &String| match cell.as_str() {

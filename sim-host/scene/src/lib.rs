@@ -59,7 +59,7 @@ pub use metrics::figures;
 pub use pages::{all_keys, keys_page, resolved, settings_page};
 pub use read::nearest::shown;
 pub use read::{builtin, diagnostic, load, nearest, schema, suite};
-use read::{exclusive, overlay, profile, rules, tree, units, unknown, walk, wording};
+use read::{exclusive, overlay, profile, rules, tree, unknown, walk, wording};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 pub use views::{Body, Driven, Excited, Kind, Transducer};

@@ -295,7 +295,7 @@ pub fn rank(name: &str) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units;
+    use columns::unit as units;
 
     #[test]
     fn names_are_unique_and_end_in_their_units() {

@@ -11,7 +11,6 @@ pub mod rules;
 pub mod schema;
 pub mod suite;
 pub mod tree;
-pub mod units;
 pub mod unknown;
 pub mod walk;
 pub mod wording;

@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 use board::debugger::Debugged;
 use board::linked::{DebuggedBoard, record};
 use board::{Board, configure};
-use delimited::file::MAX_DATA_BYTES;
+use columns::file::MAX_DATA_BYTES;
 use link::link_error::LinkError;
 use link::update_file::{pack, read};
 use pil::{PilError, board_image};

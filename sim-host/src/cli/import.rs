@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::progress::timed;
 use super::{Color, Exit, Format, ReportArgs, mistake, print_styled, visible};
 use ::import::admittance::coordinate::Topology;
-use ::import::admittance::options::Options;
+use ::import::admittance::options::{ModeChoice, Options};
 use ::import::admittance::{self, MOST_MODES};
 use ::import::error::ImportError;
 use ::import::friction;
@@ -78,9 +78,16 @@ struct AdmittanceArgs {
     /// External resistance in series with the transducer, ohm; it is subtracted.
     #[arg(long, value_name = "OHM", default_value_t = 0.0, value_parser = resistance)]
     series_ohm: f64,
-    /// Number of resonances to fit. Default: chosen from the data, at most three.
+    /// Number of resonances to fit. Default: chosen from the data, at most eight.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=MOST_MODES as i64))]
     modes: Option<u8>,
+    /// Working mode, by its number in the table of resonances or by a frequency near it, Hz, as
+    /// 40.1k. Default: the one with the largest figure of merit, Q Cm / C0.
+    #[arg(long, value_name = "N|HZ")]
+    mode: Option<ModeChoice>,
+    /// Write the scene even if the circuit does not describe the data.
+    #[arg(long)]
+    force: bool,
 }
 
 #[derive(Args)]
@@ -151,12 +158,13 @@ fn import_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<Exit
         short: args.short.clone(),
         series_ohm: args.series_ohm,
         modes: args.modes.map(usize::from),
+        mode: args.mode,
     };
     let inputs = [Some(&common.file), options.open.as_ref(), options.short.as_ref()].into_iter().flatten();
     let owner = Owner::new("import admittance", inputs);
     let import = || admittance::import(&common.file, &options);
     finish((common, owner), import, color, |found, source| Imported {
-        scene: found.scene(&source),
+        scene: found.scene(&source).filter(|_| args.force || !found.is_doubtful()),
         report: found.report(&source),
         json: found.json(None),
         warnings: found.warnings,

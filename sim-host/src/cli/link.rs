@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::{Args, Subcommand};
-use delimited::{file, visible};
+use columns::{file, visible};
 use serde_json::Value;
 
 use super::run::times;

@@ -19,7 +19,7 @@ use sim::output::{Owner, npy};
 #[derive(Args)]
 #[command(mut_arg("output", |arg| arg.help("Folder for report, figure, CSV and NPY. Default: `out/FILE-METHOD`")))]
 pub(super) struct SpectrumArgs {
-    /// Trace, link capture, or any table: CSV or other delimited text, NPY, Parquet.
+    /// Trace, link capture, or any table: CSV or other delimited text, NPY, Parquet, WAV.
     file: PathBuf,
     /// Column to analyse, by its name or its number from 1. Default: the only one besides the
     /// times.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use delimited::file::MAX_DATA_BYTES;
+use columns::file::MAX_DATA_BYTES;
 use serde_json::json;
 
 use self::progress::Progress;
@@ -115,7 +115,7 @@ fn design(args: &SweepArgs) -> Result<Design, SweepError> {
     match (&args.points, args.sample.as_ref().map(sample).transpose()?) {
         (Some(path), _) => {
             let file = path.display().to_string();
-            let read = delimited::file::read(path, MAX_DATA_BYTES);
+            let read = columns::file::read(path, MAX_DATA_BYTES);
             let bytes = read.map_err(|io| SweepError::Open { file: file.clone(), io })?;
             Design::read(&file, &bytes[..])
         }

@@ -7,8 +7,8 @@
 use std::io::Read as _;
 use std::path::Path;
 
+use columns::file;
 use cortex_m4::{Cycle, Machine, Memory, Region, Timing};
-use delimited::file;
 use firmware::board::lockstep::{self, Answer, Closing, Opening, Question, Record};
 use firmware::seam::block::{DriveBlock, Orders, SenseBlock};
 use firmware::seam::config::Config;

@@ -155,6 +155,7 @@ fn short_reason(error: &ImportError) -> &'static str {
         ImportError::NoResonance { .. } => "no resonance in the range",
         ImportError::TopologyDoubtful { .. } => "connection doubtful",
         ImportError::Fixture(_) => "fixture cannot be corrected",
+        ImportError::NoSuchMode(_) => "no such mode",
         ImportError::NotATransducer(_) => "not a transducer",
         ImportError::NoFit(_) => "no fit",
     }

@@ -81,6 +81,12 @@ impl Branch {
         (self.cm_f() / (c0_f + self.cm_f())).sqrt()
     }
 
+    /// Returns the figure of merit with a clamped capacitance, `Q Cm / C0`: the conductance at the
+    /// series resonance, relative to the susceptance of the clamped capacitance.
+    pub fn merit(&self, c0_f: f64) -> f64 {
+        self.q * self.cm_f() / c0_f
+    }
+
     /// Returns the motional resistance of the branch, ohm.
     pub fn rm_ohm(&self) -> f64 {
         1.0 / self.siemens

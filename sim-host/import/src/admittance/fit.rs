@@ -34,20 +34,28 @@ use num_complex::Complex64;
 use super::circuit::{BRANCH_PARAMETERS, Branch, CLAMPED_PARAMETERS, Equivalent, admittance};
 use super::measured::Measured;
 use super::memory::{complex, memory, roughness, whitened};
+use super::passivity;
 use super::start::{self, Points};
 use super::weights::Weights;
 use crate::error::ImportError;
-use crate::least_squares::{Linear, Solution, minimise};
+use crate::least_squares::{Linear, Solution, minimise_within};
 use crate::rows::{MAX_POINTS, bins, means};
 use report::rounded;
 use report::statistics::{ascending, quantile};
 
 /// Maximum number of resonances of a circuit.
-pub const MOST_MODES: usize = 3;
+pub const MOST_MODES: usize = 8;
 /// Minimum number of points beyond the number of parameters.
 const SPARE_POINTS: usize = 4;
+/// Maximum number of resonances that are added together, because one alone is not significant.
+const MOST_TOGETHER: usize = 2;
+/// Maximum number of the first resonances that are added together.
+const MOST_FIRST: usize = 3;
 /// Gain that a further resonance needs beyond Bayes's criterion.
 const CRITERION_MARGIN: f64 = 12.0;
+/// Variance of the residuals, relative to that of their third differences, above which they contain
+/// further resonances; noise with a correlation of 0.9 has 16.
+const MAX_ROUGHNESS: f64 = 25.0;
 /// Smallest quality factor. Outside the range a sweep does not show a branch, and a fit that lacks
 /// a resonance would go there.
 const MIN_Q: f64 = 0.5;
@@ -55,6 +63,8 @@ const MIN_Q: f64 = 0.5;
 const MAX_Q: f64 = 1e5;
 /// Largest distance of a resonance outside the sweep during the fit, as the logarithm of a ratio.
 const MAX_OUTSIDE_LN: f64 = 0.1;
+/// Number of steps after which the starts of a stage are compared.
+const START_STEPS: usize = 25;
 /// Number of rounds of weights and least squares.
 const WEIGHT_ROUNDS: usize = 3;
 /// Number of fits that compare the circuit with all rows of a long sweep.
@@ -81,7 +91,8 @@ pub(super) struct Fit {
     pub(super) noise: [f64; 2],
     /// Correlation of neighbouring residuals.
     pub(super) correlation: f64,
-    /// Factor by which the remaining correlation has increased the standard deviations.
+    /// Factor by which the remaining correlation or the misfit has increased the standard
+    /// deviations.
     pub(super) inflation: f64,
     /// Variance of the residuals relative to that of their third differences, a measure of the part
     /// that is not noise.
@@ -123,13 +134,16 @@ impl<'a> Fitter<'a> {
     pub(super) fn fit(self, modes: Option<usize>) -> Result<Fit, ImportError> {
         let first = modes.unwrap_or(1);
         self.check_points(first)?;
+        passivity::check_sense(&self.measured, start::gain)?;
         let mut last = self.stage(&[], None).ok_or_else(|| no_fit("not even a clamped capacitance can be fitted"))?;
         let most = modes.unwrap_or(MOST_MODES);
         // Best circuit so far with its number of resonances; none while the clamped branch is best.
         let mut best: Option<(usize, Stage)> = None;
         let mut clamped = Some(last.clone());
         for number in 1..=most {
-            if modes.is_none() && self.check_points(number).is_err() {
+            let is_last = best.as_ref().map_or(MOST_FIRST, |(have, _)| (have + MOST_TOGETHER).max(MOST_FIRST)) < number;
+            let is_white = roughness(&complex(&last.solution.linear.residuals)) < MAX_ROUGHNESS;
+            if modes.is_none() && (is_last && is_white || self.check_points(number).is_err()) {
                 break;
             }
             let known = Equivalent::from_parameters(&last.solution.parameters, self.farad).branches;
@@ -162,6 +176,7 @@ impl<'a> Fitter<'a> {
     fn no_resonance(&self, modes: Option<usize>) -> ImportError {
         let hz = &self.rows.hz;
         let why = match modes {
+            _ if passivity::is_inductive(&self.measured) => passivity::INDUCTIVE.to_owned(),
             Some(modes) if modes > 1 => format!("fewer than {modes} of them can be distinguished"),
             _ => "a capacitance with its loss explains the data as well as a circuit with a resonance. Sweep around the \
                   resonance of the transducer, with several points in its bandwidth"
@@ -185,19 +200,26 @@ impl<'a> Fitter<'a> {
             .collect();
         let points = Points { hz: &measured.hz, admittance: &measured.admittance, weight: &weight };
         let starts = if before.is_some() { start::next(&points, known) } else { start::clamped(&points).into_iter().collect() };
-        let solutions = starts.iter().filter_map(|start| self.solve(&start.parameters(self.farad), &weights, 0.0));
-        let best = solutions.filter(|found| found.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost));
-        best.map(|solution| Stage { solution, weights })
+        let few = |start: &Equivalent| self.solve_within(START_STEPS, &start.parameters(self.farad), &weights, 0.0);
+        let solutions = starts.iter().filter_map(few).filter(|found| found.cost.is_finite());
+        let best = solutions.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        let solution = if best.converged { Some(best) } else { self.solve(&best.parameters, &weights, 0.0) };
+        solution.map(|solution| Stage { solution, weights })
     }
 
     /// Solves least squares with these weights, whitened by a correlation of neighbours.
     fn solve(&self, start: &[f64], weights: &Weights, correlation: f64) -> Option<Solution> {
+        self.solve_within(usize::MAX, start, weights, correlation)
+    }
+
+    /// Solves as [`Fitter::solve`], within a number of steps.
+    fn solve_within(&self, steps: usize, start: &[f64], weights: &Weights, correlation: f64) -> Option<Solution> {
         let (from, to) = (libm::log(self.measured.hz[0]), libm::log(self.measured.hz[self.measured.hz.len() - 1]));
         let is_resonance = |own: &[f64]| {
             (from - MAX_OUTSIDE_LN..=to + MAX_OUTSIDE_LN).contains(&own[0])
                 && (libm::log(MIN_Q)..=libm::log(MAX_Q)).contains(&own[1])
         };
-        minimise(start, |parameters| {
+        minimise_within(steps, &[], start, |parameters| {
             if !parameters[CLAMPED_PARAMETERS..].chunks_exact(BRANCH_PARAMETERS).all(is_resonance) {
                 return None;
             }
@@ -341,6 +363,10 @@ impl<'a> Fitter<'a> {
             }
         } else if inflation <= 1.0 {
             correlation = 0.0;
+        }
+        // The errors of a circuit that lacks a resonance are not those of noise with a memory.
+        if misfit > MAX_ROUGHNESS {
+            inflation = inflation.max(misfit);
         }
         let free = 2 * residuals.len() - solution.parameters.len();
         let variance = solution.cost / free as f64 * inflation;

@@ -14,6 +14,7 @@ use num_complex::Complex64;
 use super::measured::Measured;
 use super::options::Options;
 use crate::error::ImportError;
+use report::statistics::{ascending, quantile};
 
 /// Network between transducer and instrument at one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +61,7 @@ pub(crate) fn apply(
     if open.is_none() && short.is_none() && series_ohm == 0.0 {
         return Ok(());
     }
+    check_order(measured, open, short)?;
     for at in 0..measured.hz.len() {
         let hz = measured.hz[at];
         let lead = short.map_or(Ok(Complex64::ZERO), |short| at_frequency(short, hz, "short", |y| y.inv()))?;
@@ -83,6 +85,28 @@ pub(crate) fn apply(
     let names: Vec<_> = names.into_iter().flatten().collect();
     measured.remarks.push(format!("Corrected for the {}", names.join(", ")));
     Ok(())
+}
+
+/// Checks that the open fixture has a larger impedance than the shorted one and the transducer, and
+/// the shorted one a smaller impedance than both.
+fn check_order(measured: &Measured, open: Option<&Measured>, short: Option<&Measured>) -> Result<(), ImportError> {
+    let sizes = |sweep: &Measured| ascending(sweep.seen.iter().map(|y| y.norm_sqr().sqrt().recip()));
+    let middle = |sweep: &Measured| quantile(&sizes(sweep), 0.5).unwrap_or(f64::NAN);
+    let (open, short, own) = (open.map(middle), short.map(middle), sizes(measured));
+    let (least, most) = (own.first().copied().unwrap_or(0.0), own.last().copied().unwrap_or(f64::INFINITY));
+    let why = match (open, short) {
+        (Some(open), Some(short)) if open < short => {
+            format!("the open fixture has {open:.3e} ohm, the shorted one {short:.3e} ohm; exchange `--open` and `--short`")
+        }
+        (Some(open), _) if open < least => {
+            format!("the open fixture has {open:.3e} ohm, less than the transducer ({least:.3e} ohm); is it the shorted one?")
+        }
+        (_, Some(short)) if short > most => {
+            format!("the shorted fixture has {short:.3e} ohm, more than the transducer ({most:.3e} ohm); is it the open one?")
+        }
+        _ => return Ok(()),
+    };
+    Err(ImportError::Fixture(why))
 }
 
 /// Returns a value of a fixture at a frequency, interpolated between its points.
@@ -132,6 +156,10 @@ mod tests {
         apply(&mut measured, Some(&open), Some(&short), 10.0).unwrap();
         assert!(measured.admittance.iter().all(|y| (y - own).norm_sqr() < 1e-24), "{measured:?}");
         assert!((measured.reading(1, own).0 - Coordinate::Immittance.of(measured.seen[1])).norm_sqr() < 1e-24);
+        let mut exchanged = |open, short| apply(&mut measured, open, short, 0.0).unwrap_err().to_string();
+        assert!(exchanged(Some(&short), Some(&open)).contains("exchange `--open` and `--short`"));
+        assert!(exchanged(Some(&short), None).contains("is it the shorted one?"));
+        assert!(exchanged(None, Some(&open)).contains("is it the open one?"));
         let narrow = Measured { hz: vec![40.5e3, 40.6e3], ..open };
         let error = apply(&mut measured, Some(&narrow), None, 0.0).unwrap_err().to_string();
         assert!(error.contains("open goes from 40500 to 40600 Hz, but the sweep has 40000 Hz"), "{error}");

@@ -13,12 +13,12 @@ use super::sweep;
 use super::topology;
 use crate::complex::polar;
 use crate::error::ImportError;
-use crate::heading::{Heading, Quantity, heading};
+use crate::quantity::{Known, Part, Quantity, Subject};
 use crate::rows::means;
-use crate::touchstone::{self, Kind, Touchstone};
+use crate::touchstone::{self, Parameters, Touchstone};
 use crate::traces;
-use crate::units::to_si;
-use delimited::{decode, file};
+use crate::units::{numbers, to_si};
+use columns::{file, formats};
 
 /// Sweep of a transducer's admittance over frequency.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,13 +53,14 @@ impl Measured {
     /// # Errors
     /// Returns [`ImportError`], as [`Measured::read`] does.
     pub fn parse(name: &str, bytes: &[u8], options: &Options) -> Result<Self, ImportError> {
-        let text = decode(bytes);
         let small = name.to_lowercase();
         let ports = ["s1p", "s2p"].iter().position(|end| small.ends_with(&format!(".{end}"))).map(|at| at + 1);
-        if ports.is_some() || touchstone::looks_like(&text) {
-            from_touchstone(&touchstone::read(&text, ports)?, options)
-        } else {
-            from_table(&text, options)
+        let text = formats::text(bytes);
+        match text {
+            Ok(text) if ports.is_some() || touchstone::looks_like(&text) => {
+                from_touchstone(touchstone::read(&text, ports)?, options)
+            }
+            _ => from_table(bytes, text.ok().as_deref(), options),
         }
     }
 
@@ -110,42 +111,33 @@ impl Measured {
     }
 }
 
-fn from_touchstone(file: &Touchstone, options: &Options) -> Result<Measured, ImportError> {
-    let mut remarks = vec![file.found.clone()];
-    let ohm = file.ohm;
-    match file.kind {
-        Kind::S => {
-            let topology = match (options.topology, file.parameters.len()) {
+fn from_touchstone(file: Touchstone, options: &Options) -> Result<Measured, ImportError> {
+    let mut remarks = file.remarks;
+    let (coordinate, readings) = match &file.parameters {
+        Parameters::Admittance(admittance) => (Coordinate::Immittance, admittance),
+        Parameters::Scattering(parameters) => {
+            let topology = match (options.topology, parameters.len()) {
                 (Some(Topology::OnePort) | None, 1) => Topology::OnePort,
                 (Some(given), 1) => {
                     let why = format!("a one-port file has no S21, which {given:?} needs");
                     return Err(ImportError::TopologyDoubtful { why });
                 }
                 (Some(given), _) => given,
-                (None, _) => topology::found(&file.parameters, &mut remarks)?,
+                (None, _) => topology::found(parameters, &mut remarks)?,
             };
-            let readings = &file.parameters[usize::from(topology != Topology::OnePort)];
-            Measured::new(&file.lines, file.hz.clone(), readings, Coordinate::Scattering(topology, ohm), remarks)
+            (Coordinate::Scattering(topology, file.ohm), &parameters[usize::from(topology != Topology::OnePort)])
         }
-        Kind::Z => {
-            let readings: Vec<_> = file.parameters[0].iter().map(|z| (ohm * z).inv()).collect();
-            Measured::new(&file.lines, file.hz.clone(), &readings, Coordinate::Immittance, remarks)
-        }
-        Kind::Y => {
-            let readings: Vec<_> = file.parameters[0].iter().map(|y| y / ohm).collect();
-            Measured::new(&file.lines, file.hz.clone(), &readings, Coordinate::Immittance, remarks)
-        }
-    }
+    };
+    Measured::new(&file.lines, file.hz, readings, coordinate, remarks)
 }
 
-fn from_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
+/// Reads a table: text, or the bytes of another format.
+fn from_table(bytes: &[u8], text: Option<&str>, options: &Options) -> Result<Measured, ImportError> {
     let columns = options.columns.as_deref();
-    let table = match traces::joined(text, columns)? {
-        Some(table) => table,
-        None => delimited::read(text, columns)?,
-    };
+    let traces = text.map_or(Ok(None), |text| traces::joined(text, columns))?;
+    let table = traces.map_or_else(|| formats::parse(bytes, columns), Ok)?;
     let mut remarks = vec![format!("A table with {}", table.found)];
-    let Some(names) = &table.header else {
+    let Some(names) = &table.names else {
         let seen = format!(
             "a table of {} columns without a heading; name them with `--columns`, such as `--columns \"f [Hz], |Z| [ohm], theta \
              [deg]\"`",
@@ -153,70 +145,68 @@ fn from_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
         );
         return Err(ImportError::UnknownForm { seen });
     };
-    let known: Vec<Option<Heading>> = names.iter().map(|name| heading(name)).collect();
-    let column = |quantity: Quantity| {
-        known.iter().position(|heading| heading.as_ref().is_some_and(|heading| heading.quantity == quantity))
-    };
-    let mut take = |quantity: Quantity| -> Result<Option<Vec<f64>>, ImportError> {
-        let Some(at) = column(quantity) else { return Ok(None) };
-        let mut values = table.columns[at].clone();
-        if let Some(heading) = &known[at] {
-            to_si(heading, &mut values, &options.units, &mut remarks)?;
+    let known: Vec<Option<Known>> = names.iter().map(|name| Known::parse(name)).collect();
+    let column =
+        |quantity: Quantity| known.iter().position(|known| known.as_ref().is_some_and(|known| known.quantity == quantity));
+    let mut take = |at: usize| -> Result<Vec<f64>, ImportError> {
+        let mut values = numbers(&table, at)?;
+        if let Some(known) = &known[at] {
+            to_si(known, &mut values, &options.units, &mut remarks)?;
         }
-        Ok(Some(values))
+        Ok(values)
     };
     let unknown = |what: &str| {
         let seen = format!(
-            "the columns are `{}`: {what}. Known are f with |Z| and theta, |Y| and theta, R and X, G and B, or S11 as real and \
-             imaginary part, or as magnitude or dB and phase; name the columns with `--columns`, such as `--columns \"f [Hz], \
+            "the columns are `{}`: {what}. Known are f with |Z| and theta, |Y| and theta, R and X, G and B, or S11 or S21 as real \
+             and imaginary part, or as magnitude or dB and phase; name the columns with `--columns`, such as `--columns \"f [Hz], \
              |Z| [ohm], theta [deg]\"`",
-            names.iter().map(|name| delimited::beginning(name)).collect::<Vec<_>>().join("`, `")
+            names.iter().map(|name| columns::beginning(name)).collect::<Vec<_>>().join("`, `")
         );
         Err(ImportError::UnknownForm { seen })
     };
-    let has = |quantity| column(quantity).is_some();
-    use Quantity::{
-        Admittance, Angle, Conductance, Frequency, Impedance, Reactance, Resistance, ScatteringDb, ScatteringImaginary,
-        ScatteringReal, ScatteringSize, Susceptance,
-    };
-    let Some(hz) = take(Frequency)? else { return unknown("no column is the frequency") };
-    let pair = [
-        (Resistance, Reactance),
-        (Conductance, Susceptance),
-        (ScatteringReal, ScatteringImaginary),
-        (Impedance, Angle),
-        (Admittance, Angle),
-        (ScatteringSize, Angle),
-        (ScatteringDb, Angle),
-    ];
-    let Some((first, second)) = pair.into_iter().find(|(first, second)| has(*first) && has(*second)) else {
-        return unknown("no two of them form a complex number");
-    };
-    let (Some(a), Some(b)) = (take(first)?, take(second)?) else { return unknown("no two of them form a complex number") };
-    let values: Vec<Complex64> = a
-        .iter()
-        .zip(&b)
-        .map(|(&a, &b)| match first {
-            Resistance | Conductance | ScatteringReal => Complex64::new(a, b),
-            ScatteringDb => polar(libm::exp10(a.min(400.0) / 20.0), b),
-            _ => polar(a, b),
-        })
+    let Some(at) = column(Quantity::Frequency) else { return unknown("no column is the frequency") };
+    let hz = take(at)?;
+    // Both parts are of the same quantity; an angle that names none belongs to the first magnitude.
+    let pairs = [(Part::Real, Part::Imaginary), (Part::Size, Part::Angle), (Part::Db, Part::Angle)];
+    let subjects = [Subject::Impedance, Subject::Admittance, Subject::Reflection, Subject::Transmission];
+    let pair =
+        pairs.into_iter().flat_map(|pair| subjects.map(|subject| (pair, subject))).find_map(|((first, second), subject)| {
+            let other = column(Quantity::Of(Some(subject), second));
+            let any = || (second == Part::Angle).then(|| column(Quantity::Of(None, second))).flatten();
+            Some((subject, first, column(Quantity::Of(Some(subject), first))?, other.or_else(any)?))
+        });
+    let Some((subject, part, first, second)) = pair else { return unknown("no two of them form a complex number") };
+    let (a, b) = (take(first)?, take(second)?);
+    let values = a.iter().zip(&b).map(|(&a, &b)| match part {
+        Part::Real => Complex64::new(a, b),
+        Part::Db => polar(libm::exp10(a.min(400.0) / 20.0), b),
+        _ => polar(a, b),
+    });
+    let values: Vec<Complex64> = if subject == Subject::Impedance { values.map(|z| z.inv()).collect() } else { values.collect() };
+    remarks.push(format!("Columns `{}` and `{}`", names[first], names[second]));
+    let left_out: Vec<&str> = (0..names.len())
+        .filter(|at| known[*at].is_none() && !table.columns[*at].words.is_empty())
+        .map(|at| names[at].as_str())
         .collect();
-    remarks.push(format!("Columns `{}` and `{}`", named(&known, column(first)), named(&known, column(second))));
-    match first {
-        Conductance | Admittance => Measured::new(&table.lines, hz, &values, Coordinate::Immittance, remarks),
-        Resistance | Impedance => {
-            let values: Vec<_> = values.iter().map(|z| z.inv()).collect();
-            Measured::new(&table.lines, hz, &values, Coordinate::Immittance, remarks)
-        }
-        _ => {
-            let topology = options.topology.unwrap_or(Topology::OnePort);
-            Measured::new(&table.lines, hz, &values, Coordinate::Scattering(topology, options.z0_ohm), remarks)
-        }
+    if !left_out.is_empty() {
+        remarks.push(format!("Left out, because they are words: `{}`", left_out.join("`, `")));
     }
+    let lines = if table.lines.is_empty() { (1..=hz.len()).collect() } else { table.lines.clone() };
+    let coordinate = match subject {
+        Subject::Impedance | Subject::Admittance => Coordinate::Immittance,
+        _ => Coordinate::Scattering(connection(subject, options.topology)?, options.z0_ohm),
+    };
+    Measured::new(&lines, hz, &values, coordinate, remarks)
 }
 
-/// Returns the heading of a column as in the file.
-fn named(known: &[Option<Heading>], at: Option<usize>) -> &str {
-    at.and_then(|at| known[at].as_ref()).map_or("", |heading| &heading.text)
+/// Returns the connection in which a scattering parameter was measured.
+fn connection(subject: Subject, given: Option<Topology>) -> Result<Topology, ImportError> {
+    let doubtful = |why: &str| Err(ImportError::TopologyDoubtful { why: why.to_owned() });
+    match (subject, given) {
+        (Subject::Transmission, None) => doubtful("the table has S21, the transmission between two ports"),
+        (Subject::Transmission, Some(Topology::OnePort)) => doubtful("the table has S21, which is not measured at one port"),
+        (Subject::Transmission, Some(through)) => Ok(through),
+        (_, None | Some(Topology::OnePort)) => Ok(Topology::OnePort),
+        (_, Some(_)) => doubtful("the table has S11, the reflection at one port, but the connection needs S21"),
+    }
 }

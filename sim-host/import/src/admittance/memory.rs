@@ -29,11 +29,13 @@ pub(super) fn memory(residuals: &[Complex64]) -> (f64, f64) {
     crate::rows::memory(&[&re, &im])
 }
 
+/// Sum of the squared weights of a third difference, 1 + 9 + 9 + 1.
+pub(super) const ROUGHNESS_WEIGHT: f64 = 20.0;
+
 /// Returns the variance of residuals relative to that of noise with the same third differences; 1
 /// for noise.
 pub(super) fn roughness(residuals: &[Complex64]) -> f64 {
-    const DIFFERENCE_WEIGHT: f64 = 20.0; // 1 + 9 + 9 + 1
-    let differences = residuals.windows(4).map(|e| (e[0] - 3.0 * e[1] + 3.0 * e[2] - e[3]).norm_sqr() / DIFFERENCE_WEIGHT);
+    let differences = residuals.windows(4).map(|e| (e[0] - 3.0 * e[1] + 3.0 * e[2] - e[3]).norm_sqr() / ROUGHNESS_WEIGHT);
     let count = residuals.len().saturating_sub(3).max(1) as f64;
     let rough = differences.sum::<f64>() / count;
     let whole = residuals.iter().map(Complex64::norm_sqr).sum::<f64>() / residuals.len().max(1) as f64;

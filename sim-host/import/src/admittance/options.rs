@@ -1,9 +1,36 @@
 //! Options for properties that a file does not contain.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
+use super::MOST_MODES;
 use super::coordinate::Topology;
 use crate::units::Units;
+
+/// Choice of the working mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ModeChoice {
+    /// Number of the mode by frequency, from 1.
+    Number(usize),
+    /// Frequency near the mode, Hz.
+    Near(f64),
+}
+
+impl FromStr for ModeChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        /// Smallest frequency of a mode, Hz.
+        const MIN_HZ: f64 = 100.0;
+        if let Some(number) = text.parse().ok().filter(|number| (1..=MOST_MODES).contains(number)) {
+            return Ok(ModeChoice::Number(number));
+        }
+        let (number, factor) = text.strip_suffix('k').map_or((text, 1.0), |number| (number, 1e3));
+        let hz = number.parse::<f64>().map(|hz| factor * hz).ok().filter(|hz| (MIN_HZ..1e12).contains(hz));
+        hz.map(ModeChoice::Near)
+            .ok_or_else(|| format!("give the number of a mode from 1 to {MOST_MODES}, or a frequency in Hz, as 40.1k"))
+    }
+}
 
 /// Options of an import.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +52,8 @@ pub struct Options {
     pub series_ohm: f64,
     /// Number of resonances to fit; `None` determines it from the data.
     pub modes: Option<usize>,
+    /// Working mode; `None` chooses the one with the largest figure of merit.
+    pub mode: Option<ModeChoice>,
 }
 
 impl Default for Options {
@@ -38,6 +67,7 @@ impl Default for Options {
             short: None,
             series_ohm: 0.0,
             modes: None,
+            mode: None,
         }
     }
 }

@@ -4,11 +4,21 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 use serde_json::{Value as Json, json};
 
-use super::circuit::{BRANCH_PARAMETERS, Branch, CLAMPED_PARAMETERS, Equivalent};
+use super::circuit::{BRANCH_PARAMETERS, CLAMPED_PARAMETERS, Equivalent};
 use super::coordinate::{Coordinate, Topology};
 use super::fit::Fit;
 use super::measured::Measured;
+use super::options::ModeChoice;
+use super::passivity;
+use super::scene_file::MAX_FURTHER_MODES;
 use crate::error::ImportError;
+use report::rounded;
+
+/// Largest variance of the residuals, relative to their noise from point to point, for a scene.
+const MAX_SCENE_MISFIT: f64 = 40.0;
+
+/// Chosen working mode; `None` chooses the strongest.
+type Choice = Option<ModeChoice>;
 
 /// Value with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -61,7 +71,9 @@ pub struct Mode {
     pub lm_h: Value,
     /// Motional capacitance, F.
     pub cm_f: Value,
-    /// `true` for the working mode, which has the largest motional capacitance.
+    /// Figure of merit `Q Cm / C0`.
+    pub merit: f64,
+    /// `true` for the working mode: the chosen one, or the one with the largest figure of merit.
     pub working: bool,
 }
 
@@ -87,9 +99,11 @@ pub struct Admittance {
     pub noise: [f64; 2],
     /// Correlation of neighbouring residuals; zero if it is not significant.
     pub correlation: f64,
-    /// Factor by which the correlation that remains after whitening has increased the standard
-    /// deviations.
+    /// Factor by which the correlation that remains after whitening, or the misfit, has increased
+    /// the standard deviations.
     pub inflation: f64,
+    /// Variance of the residuals relative to that of their noise from point to point.
+    pub misfit: f64,
     /// Warnings for the reader, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -152,29 +166,31 @@ pub(super) fn propagated<const N: usize>(
 
 impl Admittance {
     /// Creates the result from a fit.
-    pub(super) fn from_fit(name: &str, measured: Measured, fit: Fit) -> Result<Self, ImportError> {
+    pub(super) fn from_fit(name: String, measured: Measured, fit: Fit, choice: Choice) -> Result<Self, ImportError> {
         let equivalent = Equivalent::from_parameters(&fit.parameters, fit.farad);
         if equivalent.c0_f.is_nan() || equivalent.c0_f <= 0.0 {
-            let what =
-                format!("the fit gives a clamped capacitance of {:.3e} F; check topology, units and fixture", equivalent.c0_f);
+            let what = format!("the fit gives a clamped capacitance of {:.3e} F. {}", equivalent.c0_f, passivity::INDUCTIVE);
             return Err(ImportError::NotATransducer(what));
         }
-        let capacitance = |branch: &Branch| branch.cm_f();
-        let by_capacitance = |(_, a): &(usize, &Branch), (_, b): &(usize, &Branch)| capacitance(a).total_cmp(&capacitance(b));
-        let working = equivalent.branches.iter().enumerate().max_by(by_capacitance).map_or(0, |(at, _)| at);
+        let working = working(&equivalent, choice)?;
         let of = |at: usize| propagated(&fit.parameters, &fit.covariance, |parameters| derived(parameters, fit.farad, at));
         let (values, correlations) = of(working);
         let [series_resonance_hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, loss_tangent] = values;
         let circuit = Circuit { series_resonance_hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, loss_tangent };
         let mode = |at: usize| {
             let [series_resonance_hz, _, q, rm_ohm, lm_h, cm_f, ..] = of(at).0;
-            Mode { series_resonance_hz, q, rm_ohm, lm_h, cm_f, working: at == working }
+            let merit = equivalent.branches[at].merit(equivalent.c0_f);
+            Mode { series_resonance_hz, q, rm_ohm, lm_h, cm_f, merit, working: at == working }
         };
         let mut modes: Vec<Mode> = (0..(fit.parameters.len() - CLAMPED_PARAMETERS) / BRANCH_PARAMETERS).map(mode).collect();
         modes.sort_by(|a, b| a.series_resonance_hz.value.total_cmp(&b.series_resonance_hz.value));
-        let warnings = warnings(&measured, &circuit, &fit);
-        let Fit { residuals, noise, correlation, inflation, .. } = fit;
-        let name = name.to_owned();
+        passivity::check_circuit(&circuit)?;
+        let mut warnings = warnings(&measured, &circuit, &fit);
+        warnings.extend(near(&modes));
+        if modes.len() > 1 + MAX_FURTHER_MODES {
+            warnings.push(format!("the scene has only the {MAX_FURTHER_MODES} strongest of the further modes"));
+        }
+        let Fit { residuals, noise, correlation, inflation, misfit, .. } = fit;
         let correlations = correlations.iter().map(|row| row.to_vec()).collect();
         Ok(Admittance {
             name,
@@ -187,8 +203,14 @@ impl Admittance {
             noise,
             correlation,
             inflation,
+            misfit,
             warnings,
         })
+    }
+
+    /// Returns `true` if the circuit does not describe the data, so that its values cannot be used.
+    pub fn is_doubtful(&self) -> bool {
+        self.misfit > MAX_SCENE_MISFIT
     }
 
     /// Returns the result for programs. `scene` is the path of the written scene.
@@ -196,10 +218,54 @@ impl Admittance {
         json!({
             "circuit": self.circuit, "correlation": { "names": Circuit::NAMES, "matrix": self.correlations }, "modes": self.modes, "scene": scene, "points": self.measured.hz.len(),
             "from_hz": self.measured.hz.first(), "to_hz": self.measured.hz.last(), "noise": self.noise,
-            "residual_correlation": self.correlation, "sd_inflation": self.inflation, "remarks": self.measured.remarks,
-            "warnings": self.warnings,
+            "residual_correlation": self.correlation, "sd_inflation": self.inflation, "misfit": self.misfit,
+            "remarks": self.measured.remarks, "warnings": self.warnings,
         })
     }
+}
+
+/// Returns the index of the working mode.
+fn working(circuit: &Equivalent, choice: Choice) -> Result<usize, ImportError> {
+    /// Largest distance of a chosen frequency from its mode, relative.
+    const MAX_CHOICE_REL: f64 = 0.05;
+    let branches = &circuit.branches;
+    let mut by_hz: Vec<usize> = (0..branches.len()).collect();
+    by_hz.sort_by(|a, b| branches[*a].hz.total_cmp(&branches[*b].hz));
+    let merit = |at: &usize| branches[*at].merit(circuit.c0_f);
+    let found = match choice {
+        None => by_hz.iter().max_by(|a, b| merit(a).total_cmp(&merit(b))),
+        Some(ModeChoice::Number(number)) => by_hz.get(number - 1),
+        Some(ModeChoice::Near(hz)) => {
+            let far = |at: &usize| (branches[*at].hz / hz - 1.0).abs();
+            by_hz.iter().min_by(|a, b| far(a).total_cmp(&far(b))).filter(|at| far(at) < MAX_CHOICE_REL)
+        }
+    };
+    found.copied().ok_or_else(|| {
+        let list = by_hz.iter().enumerate().map(|(at, mode)| format!("{} at {} Hz", at + 1, rounded(branches[*mode].hz, 6)));
+        ImportError::NoSuchMode(list.collect::<Vec<_>>().join(", "))
+    })
+}
+
+/// Returns a warning if further modes are near the working one.
+fn near(modes: &[Mode]) -> Option<String> {
+    /// Largest relative distance of a near mode.
+    const NEAR_REL: f64 = 0.06;
+    /// Smallest figure of merit of a near mode, relative to the working one.
+    const MIN_MERIT_REL: f64 = 0.02;
+    let working = modes.iter().find(|mode| mode.working)?;
+    let hz = |mode: &Mode| mode.series_resonance_hz.value;
+    let is_near = |mode: &&Mode| {
+        !mode.working && mode.merit > MIN_MERIT_REL * working.merit && (hz(mode) / hz(working) - 1.0).abs() < NEAR_REL
+    };
+    let list: Vec<String> = modes
+        .iter()
+        .filter(is_near)
+        .map(|mode| format!("{:.0} Hz (Rm {} ohm)", hz(mode), rounded(mode.rm_ohm.value, 3)))
+        .collect();
+    (!list.is_empty()).then(|| {
+        let (hz, list) = (hz(working), list.join(", "));
+        format!("the working mode is at {hz:.0} Hz; further modes are near, at {list}; `--mode N` or `--mode HZ` chooses one")
+    })
 }
 
 /// Returns the warnings for the reader.
@@ -209,13 +275,17 @@ fn warnings(measured: &Measured, circuit: &Circuit, fit: &Fit) -> Vec<String> {
     const MAX_MISFIT: f64 = 4.0;
     const MIN_BANDWIDTH_POINTS: usize = 5;
     const MAX_SD_REL: f64 = 0.2;
+    /// Largest half-width of a sweep, relative to the resonance.
+    const MAX_SWEEP_REL: f64 = 0.3;
     let mut warnings = Vec::new();
     if fit.misfit > MAX_MISFIT {
         warnings.push(format!(
             "the circuit does not describe the data to their noise: the variance of the residuals is {:.0} times that of their \
-             noise from point to point; see the figure of the residuals. Usual causes are a further resonance, a drift during \
-             the sweep, an uncorrected fixture, or too high a drive",
-            fit.misfit
+             noise from point to point, and the standard deviations are multiplied by {:.1}; see the figure of the residuals. \
+             Usual causes are a further resonance, a drift during the sweep, an uncorrected fixture, or too high a drive{}",
+            fit.misfit,
+            fit.inflation,
+            if fit.misfit > MAX_SCENE_MISFIT { ". No scene is written without `--force`" } else { "" }
         ));
     }
     if fit.correlation > 0.0 {
@@ -235,10 +305,11 @@ fn warnings(measured: &Measured, circuit: &Circuit, fit: &Fit) -> Vec<String> {
     }
     let ends = [measured.hz.first(), measured.hz.last()];
     if ends.into_iter().flatten().any(|end| (end - hz).abs() < band) {
+        let half = (5.0 * band).min(MAX_SWEEP_REL * hz);
         warnings.push(format!(
             "the resonance is within a bandwidth of the end of the sweep; sweep from {:.0} to {:.0} Hz",
-            hz - 5.0 * band,
-            hz + 5.0 * band
+            hz - half,
+            hz + half
         ));
     }
     let uncertain: Vec<&str> = [("Q", circuit.q), ("Rm", circuit.rm_ohm), ("C0", circuit.c0_f), ("coupling", circuit.coupling)]

@@ -16,6 +16,8 @@ const MAX_RESONANCE_HZ: f64 = 450e3;
 const BLOCK_SAMPLES: [u16; 2] = [32, 64];
 /// Minimum number of periods of the lowest frequency per block.
 const MIN_PERIODS: f64 = 0.55;
+/// Maximum number of further modes of a scene.
+pub(super) const MAX_FURTHER_MODES: usize = 3;
 /// Peak drive voltage, V.
 const DRIVE_V: f64 = 2.0;
 /// Range of the current sensor relative to the expected current.
@@ -83,10 +85,17 @@ impl Admittance {
                 ("loss_tangent", rounded(circuit.loss_tangent.value.clamp(0.0, 1.0), 4)),
             ],
         );
-        for mode in self.modes.iter().filter(|mode| !mode.working) {
+        for mode in self.further_modes().into_iter().take(MAX_FURTHER_MODES) {
             further(&mut text, mode);
         }
         Some(text)
+    }
+
+    /// Returns the modes other than the working one, the strongest first.
+    fn further_modes(&self) -> Vec<&Mode> {
+        let mut modes: Vec<&Mode> = self.modes.iter().filter(|mode| !mode.working).collect();
+        modes.sort_by(|a, b| b.merit.total_cmp(&a.merit));
+        modes
     }
 }
 

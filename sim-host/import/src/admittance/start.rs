@@ -69,6 +69,11 @@ pub(super) fn next(points: &Points, known: &[Branch]) -> Vec<Equivalent> {
     found.into_iter().take(MAX_STARTS).filter_map(|(_, shape)| linear(points, &[shapes.as_slice(), &[shape]].concat())).collect()
 }
 
+/// Returns the largest reduction of the sum of squares by one resonance.
+pub(super) fn gain(points: &Points) -> f64 {
+    search(points, &[]).unwrap_or_default().into_iter().map(|(gain, _)| gain).fold(0.0, f64::max)
+}
+
 /// Fits the circuit with resonances at these frequencies and quality factors.
 fn linear(points: &Points, shapes: &[(f64, f64)]) -> Option<Equivalent> {
     let mut columns = base(points);

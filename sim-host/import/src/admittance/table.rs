@@ -62,13 +62,14 @@ impl Admittance {
     }
 
     fn modes_table(&self) -> TableBlock {
-        let row = |mode: &Mode| {
+        let row = |(at, mode): (usize, &Mode)| {
             let cell = |value: Value, factor: f64| {
                 let (number, sd) = stated(value.value * factor, value.sd * factor);
                 format!("{number} ± {sd}")
             };
             let role = if mode.working { "working mode" } else { "further mode" };
             vec![
+                (at + 1).to_string(),
                 cell(mode.series_resonance_hz, 1.0),
                 cell(mode.q, 1.0),
                 cell(mode.rm_ohm, 1.0),
@@ -77,9 +78,9 @@ impl Admittance {
                 role.to_owned(),
             ]
         };
-        let caption = "The working mode is the one with the largest motional capacitance.";
-        let header = ["series resonance [Hz]", "Q", "Rm [ohm]", "Lm [mH]", "Cm [pF]", ""];
-        TableBlock::new("modes", "Resonances", caption, &header, self.modes.iter().map(row).collect())
+        let caption = "The working mode has the largest figure of merit Q Cm / C0, if `--mode` does not choose another one.";
+        let header = ["mode", "series resonance [Hz]", "Q", "Rm [ohm]", "Lm [mH]", "Cm [pF]", ""];
+        TableBlock::new("modes", "Resonances", caption, &header, self.modes.iter().enumerate().map(row).collect())
     }
 
     fn data_table(&self) -> TableBlock {

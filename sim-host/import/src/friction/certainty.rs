@@ -37,7 +37,8 @@ pub(super) fn covariance(linear: &Linear, places: &[usize]) -> Option<DMatrix<f6
     let ridge = |i: usize, j: usize| if i == j { RIDGE } else { 0.0 };
     let inverse = Cholesky::new(DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] + ridge(i, j)))?.inverse();
     let middle = |i: usize, j: usize| scales[i] * scales[j] * dot(&linear.columns[i.min(j)], &spread[i.max(j)]) + ridge(i, j);
-    let middle = DMatrix::from_fn(n, n, middle);
+    let mut middle = DMatrix::from_fn(n, n, |i, j| if i <= j { middle(i, j) } else { 0.0 });
+    middle.fill_lower_triangle_with_upper_triangle();
     let product =
         |a: &DMatrix<f64>, b: &DMatrix<f64>| DMatrix::from_fn(n, n, |i, j| (0..n).map(|k| a[(i, k)] * b[(k, j)]).sum::<f64>());
     let half = product(&inverse, &middle);
@@ -45,7 +46,7 @@ pub(super) fn covariance(linear: &Linear, places: &[usize]) -> Option<DMatrix<f6
     let count = linear.residuals.len() as f64;
     // A long memory leaves few independent samples; a tenth of all samples is the minimum.
     let free = (count - half.trace()).max(0.1 * count).max(1.0);
-    let white = whitened(linear, &links);
+    let white = whitened(&Linear { residuals: linear.residuals.clone(), columns: Vec::new() }, &links);
     let variance = dot(&linear.residuals, &linear.residuals) / free * memory(&[&white.residuals]).1;
     let covariance = DMatrix::from_fn(n, n, |i, j| variance * scales[i] * scales[j] * 0.5 * (whole[(i, j)] + whole[(j, i)]));
     covariance.iter().all(|value| value.is_finite()).then_some(covariance)

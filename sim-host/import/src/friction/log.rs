@@ -2,9 +2,11 @@
 
 use num_complex::Complex64;
 
+use super::smoothed::Smoothed;
 use crate::error::ImportError;
 use crate::rows::{bins, means};
-use delimited::beginning;
+use crate::units::{factor, numbers};
+use columns::{Heading, Table, beginning, formats};
 
 /// Options for properties that a file does not contain.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,6 +32,8 @@ pub struct Log {
     pub force_n: Vec<f64>,
     /// Mean normal force, N.
     pub normal_n: f64,
+    /// Normal force of each sample, N; empty if it is constant.
+    pub normals_n: Vec<f64>,
     /// `true` for samples with vibration.
     pub on: Vec<bool>,
     /// Inferred properties of the file, one sentence each.
@@ -49,39 +53,13 @@ enum Quantity {
 
 /// Minimum number of samples of the OFF part.
 const MIN_OFF_SAMPLES: usize = 20;
-
-/// Returns the factor of a unit to the SI unit of a quantity.
-fn factor(quantity: Quantity, unit: &str) -> Option<f64> {
-    let unit = unit.trim().to_lowercase();
-    match quantity {
-        Quantity::Time => match unit.as_str() {
-            "s" => Some(1.0),
-            "ms" => Some(1e-3),
-            "us" | "µs" | "μs" => Some(1e-6),
-            _ => None,
-        },
-        Quantity::Displacement | Quantity::Velocity => {
-            let length = match quantity {
-                Quantity::Velocity => unit.strip_suffix("/s").or(unit.strip_suffix("_per_s"))?,
-                _ => unit.as_str(),
-            };
-            match length {
-                "m" => Some(1.0),
-                "mm" => Some(1e-3),
-                "um" | "µm" | "μm" => Some(1e-6),
-                "nm" => Some(1e-9),
-                _ => None,
-            }
-        }
-        Quantity::Force | Quantity::Normal => match unit.as_str() {
-            "n" => Some(1.0),
-            "mn" => Some(1e-3),
-            "kn" => Some(1e3),
-            _ => None,
-        },
-        Quantity::On => None,
-    }
-}
+/// Work on the contact above which the sign of the force is turned, relative to the sum of its
+/// sizes.
+const MIN_WORK_REL: f64 = 0.1;
+/// Largest range of a constant normal force, relative to its mean.
+const MAX_CONSTANT_REL: f64 = 1e-3;
+/// Smallest normal force of a sample, relative to the mean, so that no limit of a spring is zero.
+const MIN_NORMAL_REL: f64 = 1e-6;
 
 /// Returns the quantity of a name without its unit.
 fn quantity(name: &str) -> Option<Quantity> {
@@ -97,30 +75,43 @@ fn quantity(name: &str) -> Option<Quantity> {
     })
 }
 
-/// Returns quantity and factor of a heading such as `x [mm]`, `force_n` or `on`.
-fn heading(text: &str) -> Option<(Quantity, Option<f64>)> {
-    let text = text.trim();
-    let brackets = [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
-        let (name, rest) = text.rsplit_once(open)?;
-        Some((name, rest.split(close).next()?))
-    });
-    let underscore = || {
-        let (name, unit) = text.split_once('_')?;
-        Some((name, unit))
-    };
-    let (name, unit) = brackets.or_else(underscore).unwrap_or((text, ""));
-    let quantity = quantity(name).or_else(|| quantity(text))?;
-    Some((quantity, factor(quantity, unit)))
+impl Quantity {
+    /// Returns the SI unit; `None` for a condition.
+    fn base(self) -> Option<&'static str> {
+        match self {
+            Quantity::Time => Some("s"),
+            Quantity::Displacement => Some("m"),
+            Quantity::Velocity => Some("m/s"),
+            Quantity::Force | Quantity::Normal => Some("N"),
+            Quantity::On => None,
+        }
+    }
+}
+
+/// Returns the values of a condition: 1 for ON, 0 for OFF.
+fn conditions(table: &Table, at: usize) -> Result<Vec<f64>, ImportError> {
+    let mut values = table.columns[at].values.clone();
+    for (row, word) in &table.columns[at].words {
+        values[*row] = match word.to_lowercase().as_str() {
+            "on" | "true" | "yes" => 1.0,
+            "off" | "false" | "no" => 0.0,
+            _ => {
+                let what = format!("the column `{}` is `{}`, not ON or OFF", table.headings()[at], beginning(word));
+                return Err(ImportError::bad_row(table, *row, what));
+            }
+        };
+    }
+    Ok(values)
 }
 
 impl Log {
-    /// Parses a log from text.
+    /// Parses a log from the content of a file.
     ///
     /// # Errors
     /// Returns [`ImportError`], with the line or column that shows the reason.
-    pub fn parse(text: &str, options: &Options) -> Result<Self, ImportError> {
-        let table = delimited::read(text, options.columns.as_deref())?;
-        let names = table.header.clone().unwrap_or_default();
+    pub fn parse(bytes: impl AsRef<[u8]>, options: &Options) -> Result<Self, ImportError> {
+        let table = formats::parse(bytes.as_ref(), options.columns.as_deref())?;
+        let names = table.headings();
         let seen = |what: &str| {
             let names = names.iter().map(|name| beginning(name)).collect::<Vec<_>>().join("`, `");
             let seen = format!(
@@ -129,20 +120,16 @@ impl Log {
             );
             ImportError::UnknownForm { seen }
         };
-        let known: Vec<_> = names.iter().map(|name| heading(name)).collect();
+        let known: Vec<_> = names.iter().map(|name| Heading::new(name, |name| quantity(name).is_some())).collect();
         let column = |wanted: Quantity| -> Result<Option<Vec<f64>>, ImportError> {
-            let Some(at) = known.iter().position(|known| known.is_some_and(|(quantity, _)| quantity == wanted)) else {
-                return Ok(None);
+            let Some(at) = known.iter().position(|heading| quantity(heading.name) == Some(wanted)) else { return Ok(None) };
+            let Some(base) = wanted.base() else { return conditions(&table, at).map(Some) };
+            let Some(factor) = factor(&names[at], known[at].unit, base)? else {
+                let help = "write it in the heading or in `--columns`, such as `x [mm]`, `v [mm/s]`, `F [N]`".to_owned();
+                return Err(ImportError::UnitMissing { column: format!("the column `{}`", names[at]), help });
             };
-            let factor = match (wanted, known[at].and_then(|(_, factor)| factor)) {
-                (Quantity::On, _) => 1.0,
-                (_, Some(factor)) => factor,
-                (_, None) => {
-                    let help = "write it in the heading or in `--columns`, such as `x [mm]`, `v [mm/s]`, `F [N]`".to_owned();
-                    return Err(ImportError::UnitMissing { column: format!("the column `{}`", names[at]), help });
-                }
-            };
-            Ok(Some(table.columns[at].iter().map(|value| value * factor).collect()))
+            let factor = if known[at].negative { -factor } else { factor };
+            Ok(Some(numbers(&table, at)?.into_iter().map(|value| value * factor).collect()))
         };
         let (time, x, v) = (column(Quantity::Time)?, column(Quantity::Displacement)?, column(Quantity::Velocity)?);
         let force_n = column(Quantity::Force)?.ok_or_else(|| seen("no column is the friction force"))?;
@@ -152,47 +139,55 @@ impl Log {
             .and_then(|time| time.windows(2).position(|pair| pair[0].partial_cmp(&pair[1]).is_none_or(|order| order.is_ge())))
         {
             let what = "the time does not increase here".to_owned();
-            return Err(ImportError::BadLine { line: table.lines[at + 1], what });
+            return Err(ImportError::bad_row(&table, at + 1, what));
         }
-        let steps = |values: &[f64]| -> Vec<f64> {
-            std::iter::once(0.0).chain(values.windows(2).map(|pair| pair[1] - pair[0])).collect()
+        let mut remarks = vec![format!("A table with {}", table.found)];
+        let smoothed = match (&x, &time) {
+            (Some(x), Some(time)) => Some(Smoothed::new(time, x)),
+            _ => None,
         };
-        let slip_m = match (&x, &v, &time) {
-            (Some(x), ..) => steps(x),
-            (None, Some(v), Some(time)) => {
+        let steps = |x: &[f64]| std::iter::once(0.0).chain(x.windows(2).map(|pair| pair[1] - pair[0])).collect::<Vec<_>>();
+        let slip_m = match (&smoothed, &x, &v, &time) {
+            (Some(smoothed), ..) => steps(&smoothed.x_m),
+            (None, Some(x), ..) => steps(x),
+            (None, None, Some(v), Some(time)) => {
                 let mean = |at: usize| 0.5 * (v[at] + v[at - 1]) * (time[at] - time[at - 1]);
                 (0..count).map(|at| if at == 0 { 0.0 } else { mean(at) }).collect()
             }
             _ => return Err(seen("the slip needs a displacement, or time and velocity")),
         };
-        let velocity_m_per_s = match (v, &time) {
+        let velocity_m_per_s = match (v, smoothed) {
             (Some(v), _) => v,
-            (None, Some(time)) => {
-                let of = |at: usize| if at == 0 { 0.0 } else { slip_m[at] / (time[at] - time[at - 1]) };
-                (0..count).map(|at| of(at.max(1).min(count - 1))).collect()
+            (None, Some(smoothed)) => {
+                remarks.push(smoothed.remark());
+                smoothed.velocity_m_per_s
             }
             (None, None) => return Err(seen("the velocity needs a column, or time and displacement")),
         };
-        let normal = column(Quantity::Normal)?;
-        let mean = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len().max(1) as f64;
-        let normal_n = options.normal_n.or(normal.as_ref().map(mean)).filter(|normal| *normal > 0.0);
-        let normal_n = normal_n.ok_or_else(|| {
+        let normal = match options.normal_n {
+            Some(_) => None,
+            None => column(Quantity::Normal)?,
+        };
+        let (normal_n, normals_n) = match (options.normal_n, normal) {
+            (None, Some(normals)) => normal_forces(normals, &table.lines, &mut remarks)?,
+            (normal, _) => (normal.unwrap_or_default(), Vec::new()),
+        };
+        if normal_n <= 0.0 {
             let help = "give it with `--normal-n`, or as a column `N [N]`".to_owned();
-            ImportError::UnitMissing { column: "the normal force".into(), help }
-        })?;
+            return Err(ImportError::UnitMissing { column: "the normal force".into(), help });
+        }
         let on = match (column(Quantity::On)?, &time) {
             (Some(on), _) => on.iter().map(|on| *on > 0.5).collect(),
             (None, Some(time)) => time.iter().map(|t| options.on_s.iter().any(|(from, to)| (*from..*to).contains(t))).collect(),
             (None, None) => vec![false; count],
         };
-        let remarks = vec![format!("A table with {}", table.found)];
-        let log = Log { time_s: time.unwrap_or_default(), slip_m, velocity_m_per_s, force_n, normal_n, on, remarks };
+        let log = Log { time_s: time.unwrap_or_default(), slip_m, velocity_m_per_s, force_n, normal_n, normals_n, on, remarks };
         log.checked()
     }
 
-    /// Returns two logs of this number of samples, without times, for the search of a long one: the
-    /// means over bins, and the first samples without vibration. Means do not resolve a steady
-    /// oscillation; a part does not have the range of a slow change.
+    /// Returns two logs of this number of samples for the search of a long one: the means over
+    /// bins, and the first samples without vibration. Means do not resolve a steady oscillation; a
+    /// part does not have the range of a slow change.
     pub(super) fn shortened(&self, samples: usize) -> [Log; 2] {
         let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |most, value| most.max(value.abs()));
         let (force, velocity) = (largest(&self.force_n), largest(&self.velocity_m_per_s));
@@ -201,8 +196,10 @@ impl Log {
         let first = self.on.iter().position(|on| !on).unwrap_or(0);
         let part = first..self.on.len().min(first + samples);
         let log = |slip_m: Vec<f64>, of: &dyn Fn(&[f64]) -> Vec<f64>, on: Vec<bool>| {
+            let of = |values: &[f64]| if values.is_empty() { Vec::new() } else { of(values) };
             let (velocity_m_per_s, force_n) = (of(&self.velocity_m_per_s), of(&self.force_n));
-            Log { slip_m, velocity_m_per_s, force_n, on, normal_n: self.normal_n, ..Log::default() }
+            let (time_s, normals_n) = (of(&self.time_s), of(&self.normals_n));
+            Log { time_s, slip_m, velocity_m_per_s, force_n, on, normal_n: self.normal_n, normals_n, ..Log::default() }
         };
         let mut x = self.slip_m.clone();
         (1..x.len()).for_each(|at| x[at] += x[at - 1]);
@@ -215,7 +212,32 @@ impl Log {
         ]
     }
 
-    fn checked(self) -> Result<Self, ImportError> {
+    /// Returns the middle between the mean forces of both directions of the part without vibration,
+    /// N; zero if it slides in one direction.
+    pub(super) fn offset_n(&self) -> f64 {
+        let mean = |forward: bool| {
+            let is_part = |at: &usize| !self.on[*at] && self.slip_m[*at] != 0.0 && (self.slip_m[*at] > 0.0) == forward;
+            let forces: Vec<f64> = (0..self.on.len()).filter(is_part).map(|at| self.force_n[at]).collect();
+            (!forces.is_empty()).then(|| forces.iter().sum::<f64>() / forces.len() as f64)
+        };
+        mean(true).zip(mean(false)).map_or(0.0, |(forward, back)| 0.5 * (forward + back))
+    }
+
+    /// Turns the sign of a force that does work on the contact, and returns `true` if it does.
+    /// Friction takes energy out of the motion, whatever its model.
+    pub(super) fn turn(&mut self) -> bool {
+        let offset = self.offset_n();
+        let parts = self.force_n.iter().zip(&self.slip_m).zip(&self.on).filter(|(_, on)| !**on);
+        let works = parts.map(|((force, slip), _)| (force - offset) * slip);
+        let (work, size) = works.fold((0.0, 0.0), |(work, size), part| (work + part, size + part.abs()));
+        let is_driven = work < -MIN_WORK_REL * size;
+        if is_driven {
+            self.force_n.iter_mut().for_each(|force| *force = -*force);
+        }
+        is_driven
+    }
+
+    pub(super) fn checked(self) -> Result<Self, ImportError> {
         let off = self.on.iter().filter(|on| !**on).count();
         if off < MIN_OFF_SAMPLES {
             return Err(ImportError::NoFit(format!("only {off} samples without vibration; a contact needs {MIN_OFF_SAMPLES}")));
@@ -225,6 +247,27 @@ impl Log {
         }
         Ok(self)
     }
+}
+
+/// Returns the mean normal force and that of each sample, N. The size of a negative force is used.
+fn normal_forces(mut normals: Vec<f64>, lines: &[usize], remarks: &mut Vec<String>) -> Result<(f64, Vec<f64>), ImportError> {
+    let sign = normals.iter().find(|normal| **normal != 0.0).map_or(1.0, |normal| normal.signum());
+    if let Some(at) = normals.iter().position(|normal| normal * sign < 0.0) {
+        let what = "the normal force changes its sign here; subtract its offset, or give a mean with `--normal-n`".to_owned();
+        return Err(ImportError::BadLine { line: lines[at], what });
+    }
+    normals.iter_mut().for_each(|normal| *normal *= sign);
+    if sign < 0.0 {
+        remarks.push("The normal force is negative throughout: its size was used".into());
+    }
+    let mean = normals.iter().sum::<f64>() / normals.len().max(1) as f64;
+    let (least, most) = normals.iter().fold((mean, mean), |(least, most), normal| (least.min(*normal), most.max(*normal)));
+    if most - least <= MAX_CONSTANT_REL * mean {
+        return Ok((mean, Vec::new()));
+    }
+    remarks.push(format!("The friction is proportional to the normal force of each sample, {least:.3} to {most:.3} N"));
+    normals.iter_mut().for_each(|normal| *normal = normal.max(MIN_NORMAL_REL * mean));
+    Ok((mean, normals))
 }
 
 #[cfg(test)]
@@ -248,5 +291,16 @@ mod tests {
         assert!(error("t [s],x,F [N]").starts_with("unit missing: the column `x` has no unit"));
         assert!(error("t [s],x [m],F [N]").starts_with("unit missing: the normal force"));
         assert!(error("t [s],x [m],u [V]").contains("no column is the friction force"));
+    }
+    #[test]
+    fn a_normal_force_has_one_sign() {
+        let log = |normal: fn(i32) -> i32| {
+            let lines: String = (0..30).map(|n| format!("{n},{n},2,{}\n", normal(n))).collect();
+            Log::parse(&format!("t [s],x [m],F [N],N [N]\n{lines}"), &Options::default())
+        };
+        let negative = log(|n| -10 - n % 2).unwrap();
+        assert_eq!((negative.normal_n, negative.normals_n[1]), (10.5, 11.0));
+        assert!(negative.remarks.iter().any(|remark| remark.contains("negative throughout")), "{:?}", negative.remarks);
+        assert!(log(|n| n - 20).unwrap_err().to_string().starts_with("line 23: the normal force changes its sign"));
     }
 }

@@ -8,8 +8,11 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::log::Log;
+use super::motion::Motion;
 use report::statistics::{ascending, quantile};
 
+/// Maximum number of slips of which the median is the resolution.
+const MAX_SLIPS: usize = 20_000;
 /// Number of springs of the model.
 const SPRINGS: usize = 8;
 
@@ -27,10 +30,12 @@ pub(super) struct Maxwell {
     pub(super) force_n: Vec<f64>,
 }
 
-/// Fits the samples that are `used`; `None` if the log resolves no deflection.
-pub(super) fn fit(log: &Log, used: &[bool]) -> Option<Maxwell> {
+/// Fits the friction of the samples that are `used`; `None` if the log resolves no deflection.
+pub(super) fn fit(log: &Log, friction_n: &[f64], used: &[bool]) -> Option<Maxwell> {
+    let motion = &Motion::new(log, f64::INFINITY, 0);
     // Steps around a reversal can be arbitrarily short. The median is the resolution of the log.
-    let steps = ascending(log.slip_m.iter().map(|slip| slip.abs()).filter(|slip| *slip > 0.0));
+    let some = log.slip_m.iter().step_by(log.slip_m.len() / MAX_SLIPS + 1);
+    let steps = ascending(some.map(|slip| slip.abs()).filter(|slip| *slip > 0.0));
     let least = quantile(&steps, 0.5).unwrap_or(f64::INFINITY);
     let mut at = 0.0_f64;
     let (mut low, mut high) = (0.0_f64, 0.0_f64);
@@ -44,14 +49,17 @@ pub(super) fn fit(log: &Log, used: &[bool]) -> Option<Maxwell> {
     }
     let deflections_m: Vec<f64> =
         (0..SPRINGS).map(|n| least * libm::pow(most / least, n as f64 / (SPRINGS - 1) as f64)).collect();
-    let columns: Vec<Vec<f64>> = deflections_m.iter().map(|deflection| stop(log, *deflection)).collect();
+    let columns: Vec<Vec<f64>> = deflections_m.iter().map(|deflection| stop(motion, *deflection)).collect();
     let picked = |values: &[f64]| -> Vec<f64> { values.iter().zip(used).filter(|(_, used)| **used).map(|(v, _)| *v).collect() };
-    let force = picked(&log.force_n);
-    let rows: Vec<Vec<f64>> = columns.iter().map(|column| picked(column)).collect();
+    let force = picked(friction_n);
+    let some: Vec<Vec<f64>> = if used.contains(&false) { columns.iter().map(|c| picked(c)).collect() } else { Vec::new() };
+    let rows = if some.is_empty() { &columns } else { &some };
     let mut active: Vec<usize> = (0..SPRINGS).collect();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let scale: Vec<f64> = rows.iter().map(|row| dot(row, row).sqrt().max(f64::MIN_POSITIVE)).collect();
-    let gram = DMatrix::from_fn(SPRINGS, SPRINGS, |i, j| dot(&rows[i], &rows[j]) / scale[i] / scale[j]);
+    let product = |i: usize, j: usize| if i <= j { dot(&rows[i], &rows[j]) / scale[i] / scale[j] } else { 0.0 };
+    let mut gram = DMatrix::from_fn(SPRINGS, SPRINGS, product);
+    gram.fill_lower_triangle_with_upper_triangle();
     let right: Vec<f64> = rows.iter().zip(&scale).map(|(row, scale)| dot(row, &force) / scale).collect();
     loop {
         let n = active.len();
@@ -79,12 +87,17 @@ pub(super) fn fit(log: &Log, used: &[bool]) -> Option<Maxwell> {
     }
 }
 
-/// Returns the deflection of a spring that slides beyond `limit`, at every sample, m.
-fn stop(log: &Log, limit: f64) -> Vec<f64> {
+/// Returns the deflection of a spring that slides beyond `limit`, at every sample, m. The limit is
+/// proportional to the normal force.
+fn stop(motion: &Motion, limit: f64) -> Vec<f64> {
     let mut deflection = 0.0_f64;
-    let step = |slip: &f64| {
-        deflection = (deflection + slip).max(-limit).min(limit);
-        deflection
-    };
-    log.slip_m.iter().map(step).collect()
+    let mut column = Vec::with_capacity(motion.count);
+    for step in &motion.steps {
+        let limit = limit * step.normal_rel;
+        deflection = (deflection + step.slip_m).max(-limit).min(limit);
+        if step.is_sample {
+            column.push(deflection);
+        }
+    }
+    column
 }

@@ -18,7 +18,9 @@ impl Friction {
         Report {
             title: format!("Measured contact {}", self.name),
             subtitle: format!("contact models fitted to {source}"),
-            paragraphs: self.warnings.iter().map(|warning| format!("Note: {warning}.")).collect(),
+            paragraphs: (self.warnings.iter().map(|warning| format!("Note: {warning}.")))
+                .chain(self.log.remarks.iter().map(|remark| format!("{remark}.")))
+                .collect(),
             tables: vec![self.contact_table(), self.models_table(), self.correlation_table()],
             figures: self.figures(),
             ..Report::default()
@@ -43,12 +45,14 @@ impl Friction {
     fn models_table(&self) -> TableBlock {
         let least = self.chosen().criterion;
         let row = |model: &super::Fitted| {
-            vec![model.model.name().to_owned(), significant(model.rms_n), format!("{:.1}", model.criterion - least)]
+            let held_out = model.held_out_n.map_or_else(|| "-".into(), significant);
+            vec![model.model.name().to_owned(), significant(model.rms_n), held_out, format!("{:.1}", model.criterion - least)]
         };
         let caption = "Bayes's information criterion, `n ln(sum of squares) + p ln n` with the number n of samples divided by \
-                       their memory, relative to the chosen model. The generalised Maxwell slip (maxwell) is not available in \
-                       scenes and is never chosen.";
-        let header = ["model", "residuals, rms [N]", "criterion"];
+                       their memory, relative to the chosen model. Held-out: error at segments that the fit has not seen; a \
+                       model with fewer parameters and a smaller error is preferred. The generalised Maxwell slip (maxwell) is \
+                       not available in scenes and is never chosen.";
+        let header = ["model", "residuals, rms [N]", "held-out, rms [N]", "criterion"];
         TableBlock::new("models", "Models", caption, &header, self.models.iter().map(row).collect())
     }
 

@@ -198,6 +198,7 @@ impl Spectrogram {
             ),
             row("method", self.method.to_string()),
         ];
+        rows.extend(self.signal.remark.iter().map(|remark| row("times", remark.clone())));
         rows.extend(self.how.iter().map(|(what, value)| row(what, value.clone())));
         rows.push(row("strongest", format!("{} Hz at {} s", shown(hz), shown(time_s))));
         rows.push(row(
@@ -352,7 +353,7 @@ mod tests {
 
     fn signal(count: usize, value: impl Fn(f64) -> f64) -> Signal {
         let samples = (0..count).map(|n| value(n as f64 * SAMPLE_S)).collect();
-        Signal { name: "force_n".into(), start_s: 1.0, sample_s: SAMPLE_S, samples }
+        Signal { name: "force_n".into(), start_s: 1.0, sample_s: SAMPLE_S, samples, remark: None }
     }
 
     fn asked(method: Method) -> Asked {

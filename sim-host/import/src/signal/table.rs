@@ -1,37 +1,36 @@
-//! Columns of a file in any known format: names, and cells that may be numbers.
+//! Columns of a file in any known format, for a signal: by name or number, and the column of times.
 
 use std::path::Path;
 
-use delimited::{Cells, TableError, decode, read_mixed};
+use columns::{Heading, Table, Unit, formats, heading::is_time_name};
 
-use super::{SignalError, npy, parquet_file};
+use super::SignalError;
 
 /// Maximum number of names that a message lists.
 const MAX_LISTED: usize = 16;
 /// Smallest similarity of a suggested name.
 const MIN_SIMILARITY: f64 = 0.75;
+/// First words of the names of times.
+const TIME_WORDS: [&str; 6] = ["time", "t", "zeit", "seconds", "timestamp", "elapsed"];
 
 /// Columns of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
-    pub(super) names: Vec<String>,
-    pub(super) cells: Vec<Cells>,
-    /// Line number of each row; without it rows are counted.
-    pub(super) lines: Option<Vec<usize>>,
+    names: Vec<String>,
+    table: Table,
 }
 
 impl Columns {
     /// Reads a file; its format follows from its contents.
     ///
     /// # Errors
-    /// Returns an error if the format is unknown.
+    /// Returns an error if it does not contain a table.
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, SignalError> {
-        let read = match bytes {
-            [b'P', b'A', b'R', b'1', ..] => parquet_file::read(bytes),
-            [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::read(bytes),
-            _ => text(bytes),
-        };
-        read.map_err(|why| SignalError::Form { path: path.to_owned(), why })
+        let table = formats::parse(bytes, None).map_err(|error| {
+            let line = error.line().map_or_else(String::new, |line| format!("line {line}: "));
+            SignalError::Form { path: path.to_owned(), why: format!("{line}{error}") }
+        })?;
+        Ok(Columns { names: table.headings(), table })
     }
 
     /// Returns the name of a column.
@@ -50,10 +49,7 @@ impl Columns {
 
     /// Returns the place of a row in the file, as text.
     pub(super) fn at(&self, row: usize) -> String {
-        match self.lines.as_ref().and_then(|lines| lines.get(row)) {
-            Some(line) => format!("line {line}"),
-            None => format!("row {}", row + 1),
-        }
+        self.table.place(row)
     }
 
     /// Returns the index of the column with this name, or with this number from 1.
@@ -81,62 +77,47 @@ impl Columns {
         }
     }
 
-    /// Returns the index of the first column with a name of a time, and its unit in s.
-    pub(super) fn time(&self) -> Option<(usize, f64)> {
-        self.names.iter().enumerate().find_map(|(place, name)| Some((place, time_scale(name)?)))
+    /// Returns the index of the first column with a name of a time.
+    pub(super) fn time(&self) -> Option<usize> {
+        self.names.iter().position(|name| is_time(name))
+    }
+
+    /// Returns the unit of a column of times, s; `None` if its name has none.
+    pub(super) fn time_unit_s(&self, path: &Path, place: usize) -> Result<Option<f64>, SignalError> {
+        let name = self.name(place);
+        let Some((written, second)) = Heading::new(name, is_time_name).unit.zip(Unit::parse("s")) else { return Ok(None) };
+        match Unit::parse_like(written, &second).and_then(|unit| unit.factor_to(&second)) {
+            Some(factor) => Ok(Some(factor)),
+            None => {
+                let (path, name) = (path.to_owned(), name.to_owned());
+                Err(SignalError::Unit { path, name, unit: written.to_owned() })
+            }
+        }
     }
 
     /// Returns the numbers of a column.
     pub(super) fn numbers(&self, path: &Path, place: usize) -> Result<Vec<f64>, SignalError> {
-        let cell = |row: usize, what: String| {
+        self.table.columns[place].numbers().map(<[f64]>::to_vec).map_err(|cell| {
             let (path, name) = (path.to_owned(), self.names[place].clone());
-            SignalError::Cell { path, place: self.at(row), name, what }
-        };
-        match &self.cells[place] {
-            Cells::Other { row, what } => Err(cell(*row, what.clone())),
-            Cells::Numbers(numbers) => match numbers.iter().position(|number| !number.is_finite()) {
-                Some(row) => Err(cell(row, "not a finite number".to_owned())),
-                None => Ok(numbers.clone()),
-            },
-        }
+            SignalError::Cell { path, place: self.at(cell.row), name, what: cell.what }
+        })
     }
 }
 
-/// Reads the columns of delimited text.
-fn text(bytes: &[u8]) -> Result<Columns, String> {
-    const KNOWN: &str = "known are CSV and other delimited text, NPY and Parquet";
-    let is_wide = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
-    if bytes.contains(&0) && !is_wide {
-        return Err(format!("a binary file of unknown format; {KNOWN}"));
-    }
-    let table = read_mixed(&decode(bytes)).map_err(|error| match error {
-        TableError::Empty => error.to_string(),
-        _ => format!("{error}; {KNOWN}"),
-    })?;
-    Ok(Columns { names: table.names(), cells: table.columns, lines: Some(table.lines) })
-}
-
-/// Returns the unit of a column of times in s, by its name: `time_s`, `time [ms]`, `t (us)`,
-/// `Time`; none for another column.
-pub(super) fn time_scale(name: &str) -> Option<f64> {
-    let words: Vec<String> = name
-        .split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | 'μ'))
-        .filter(|word| !word.is_empty())
-        .map(str::to_lowercase)
-        .collect();
-    let (first, rest) = words.split_first()?;
-    if !matches!(first.as_str(), "time" | "t" | "zeit" | "seconds" | "timestamp") {
-        return None;
-    }
-    match rest.last().map(String::as_str) {
-        None | Some("s" | "sec" | "second" | "seconds") => Some(1.0),
-        Some("ms") => Some(1e-3),
-        Some("us" | "µs" | "μs") => Some(1e-6),
-        Some("ns") => Some(1e-9),
-        Some("min") => Some(60.0),
-        Some("periods" | "excitation") => None,
-        Some(_) => Some(1.0),
-    }
+/// Returns `true` for the heading of a time: a known name, or one that begins with a word for time
+/// and has a unit of time.
+fn is_time(name: &str) -> bool {
+    let heading = Heading::new(name, is_time_name);
+    let begins = || {
+        heading.name.to_lowercase().split(|c: char| !c.is_alphanumeric()).next().is_some_and(|word| TIME_WORDS.contains(&word))
+    };
+    let has_unit = || {
+        heading
+            .unit
+            .zip(Unit::parse("s"))
+            .is_some_and(|(unit, second)| Unit::parse_like(unit, &second).is_some_and(|unit| unit.measures_like(&second)))
+    };
+    is_time_name(heading.name) || begins() && has_unit()
 }
 
 #[cfg(test)]
@@ -144,21 +125,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_without_a_table_are_refused() {
-        assert_eq!(text(b"").unwrap_err(), "it is empty");
-        assert!(text(b"base = \"contact\"\nmu = high\n").unwrap_err().starts_with("no table of numbers; known are CSV"));
-        assert!(text(&[1, 0, 2, 0]).unwrap_err().starts_with("a binary file of unknown format"));
-    }
-
-    #[test]
     fn columns_of_times_are_recognised_by_name() {
-        for (name, scale) in
-            [("time_s", 1.0), ("Time [ms]", 1e-3), ("t (µs)", 1e-6), ("time", 1.0), ("time_from_the_edge_ms", 1e-3), ("t", 1.0)]
-        {
-            assert_eq!(time_scale(name), Some(scale), "{name}");
+        for name in ["time_s", "Time [ms]", "t (µs)", "time", "time_from_the_edge_ms", "t", "Time (msec)", "x-axis [second]"] {
+            assert!(is_time(name), "{name}");
         }
         for name in ["force_n", "tip_velocity_m_per_s", "temperature", "time_periods_of_the_excitation", ""] {
-            assert_eq!(time_scale(name), None, "{name}");
+            assert!(!is_time(name), "{name}");
         }
     }
 }

@@ -102,6 +102,7 @@ fn circuit_and_sweep(random: &mut Random) -> (Equivalent, Vec<f64>) {
             branches.push(branch(at, own, cm_f * random.log(0.02, 0.4)));
         }
     }
+    branches.sort_by(|a, b| b.merit(c0_f).total_cmp(&a.merit(c0_f)));
     let points = random.one(&[101, 201, 401, 801, 1601]);
     let step = (to - from) / (points - 1) as f64;
     // The frequencies of a sweep have few decimals.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
-use delimited::file::{MAX_DATA_BYTES, MAX_TEXT_BYTES};
+use columns::file::{MAX_DATA_BYTES, MAX_TEXT_BYTES};
 use firmware::board::command::{Command, Reply};
 use firmware::board::update::{CHUNK, Standing, UpdateDefect, UpdateReport, UpdateState, UpdateVerb};
 use nucleo_g474re::options;

@@ -67,7 +67,7 @@ impl Overlay {
 
     /// Returns the horizontal positions in this unit, or `None` if the unit is not convertible.
     pub fn along(&self, axis_unit: Option<&str>) -> Option<Vec<f64>> {
-        let factor = crate::profile::heading::factor(self.x_unit.as_deref(), axis_unit)?;
+        let factor = columns::heading::factor(self.x_unit.as_deref(), axis_unit)?;
         Some(self.x.iter().map(|x| factor * (x - self.x_zero)).collect())
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::schema::{Kind, Schema, join};
 use crate::settings_page::{default, range};
-use crate::units;
+use columns::unit as units;
 
 /// A key of a scene, or a table of keys.
 #[derive(Clone, Debug, PartialEq)]

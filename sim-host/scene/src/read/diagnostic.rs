@@ -5,7 +5,7 @@ use std::fmt;
 use std::ops::Range;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
-use delimited::visible_line as visible;
+use columns::visible_line as visible;
 
 /// A text that problems refer to.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -99,7 +99,7 @@ impl Report {
             out += "\n\n";
         }
         // The renderer replaces the escape characters of the source, but not all others.
-        out.split('\u{1b}').map(delimited::visible).collect::<Vec<_>>().join("\u{1b}") + &self.summary()
+        out.split('\u{1b}').map(columns::visible).collect::<Vec<_>>().join("\u{1b}") + &self.summary()
     }
 
     fn group<'a>(&'a self, problem: &'a Problem) -> Group<'a> {

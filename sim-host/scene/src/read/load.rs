@@ -7,7 +7,7 @@ mod manifest;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use delimited::file;
+use columns::file;
 
 use crate::diagnostic::{Problem, Report, Source};
 use crate::nearest::{nearest, short};

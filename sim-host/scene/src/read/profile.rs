@@ -1,5 +1,4 @@
 //! Measured profiles: their files, headings, columns and units.
 
 pub(crate) mod column;
-pub(crate) mod heading;
 pub(crate) mod resolve;

@@ -200,7 +200,7 @@ impl Schema {
 
 /// Returns the unit at the end of a name.
 pub fn unit_of(name: &str) -> Option<String> {
-    crate::units::split(name).1.map(|unit| unit.symbol)
+    columns::unit::split(name).1.map(|unit| unit.symbol)
 }
 
 /// Returns the last name of a path; for an entry of a list, the name of the list.
@@ -220,7 +220,7 @@ pub fn tail<'a>(path: &'a str, paths: &[String]) -> &'a str {
 
 /// Returns the quantity in a name: its words without the unit at the end.
 pub fn words_of(name: &str) -> String {
-    crate::units::split(name).0.replace('_', " ")
+    columns::unit::split(name).0.replace('_', " ")
 }
 
 /// Returns the dotted path of a key in a table.

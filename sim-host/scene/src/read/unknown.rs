@@ -4,8 +4,8 @@ use crate::diagnostic::Problem;
 use crate::nearest::{listed, nearest, short, shown};
 use crate::schema::{Schema, join};
 use crate::tree::{Entry, Node};
-use crate::units;
 use crate::wording::{header, named, within};
+use columns::unit as units;
 
 /// Explains an unknown key, and returns the paths of the keys that were probably meant.
 pub(crate) fn unknown(root: Schema, table: Schema, path: &str, name: &str, entry: &Entry) -> (Problem, Vec<String>) {

@@ -101,7 +101,7 @@ fn check(node: &mut Node, schema: Schema, path: &str, findings: &mut Findings) {
             }
         }
         (Kind::Text, Value::Text(text)) => {
-            if let Some(letter) = delimited::hidden(text) {
+            if let Some(letter) = columns::hidden(text) {
                 let message = format!("`{path}` contains the invisible character {}", letter.escape_default());
                 findings.add(path, Problem::new(node.place.clone(), message, "remove this character"));
             }

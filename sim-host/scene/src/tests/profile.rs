@@ -126,10 +126,7 @@ fn unreadable_profiles_are_reported_with_their_place() {
         &refused("order", "t [s],v [m/s]\n0,1\n2,1\n2,1\n9,1\n", v),
         &["speed.csv:4:1", "the time in `speed.csv` does not increase: 2 s follows 2 s"],
     );
-    says(
-        &refused("number", "t [s],v [m/s]\n0,1\n2,1\n3,n/a\n9,1\n", v),
-        &["speed.csv:4:1", "`3,n/a` interrupts the table of numbers"],
-    );
+    says(&refused("number", "t [s],v [m/s]\n0,1\n2,1\n3,n/a\n9,1\n", v), &["speed.csv:4:1", "`v [mm/s]` is `n/a`"]);
     says(&refused("unit", "t [s],v [furlong]\n0,1\n9,1\n", v), &["there is no unit `furlong`", "m/s"]);
     says(&refused("no-unit", "t [s],v\n0,1\n9,1\n", v), &["the column `v` has no unit", "needs `unit`", "`unit = \"m/s\"`"]);
     says(&refused("other-unit", "t [s],v [N]\n0,1\n9,1\n", v), &["`v [N]` is in N, but m/s is needed"]);
@@ -193,6 +190,8 @@ fn excitations_and_pulses_can_be_measured() {
     assert_eq!((dring.pulse_s(), dring.pulse_g), (0.1, None));
     let high = crate::load::load("dring-crash", &["rig.dring.pulse={time_s=[0,1], values=[0,9000]}".to_owned()]);
     says(&high.unwrap_err().to_string(), &["leaves the range of `rig.dring.pulse`"]);
+    let turned = crate::load::load("dring-crash", &["rig.dring.pulse={time_s=[0,0.05,0.1], values=[0,-200,0]}".to_owned()]);
+    says(&turned.unwrap_err().to_string(), &["does not slow the vehicle: its speed falls by -10 m/s", "turn the sign"]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::Side;
 use crate::data::FigureData;
-use delimited::file;
+use columns::file;
 use report::{Axis, Figure, Panel, Series, Style};
 use scene::schema::{unit_of, words_of};
 

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::{CompareError, figures};
 use crate::output::checksum;
-use delimited::file;
+use columns::file;
 use scene::metrics;
 
 /// Columns of a file of measured metrics; the last is optional.

@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 
 use super::OutputError;
 use super::sweep::{PLAN, SWEEP};
-use delimited::{file, visible_line};
+use columns::{file, visible_line};
 use scene::load::is_unchanged;
 
 /// Manifest, which names the command of all other files.

@@ -17,7 +17,7 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-use delimited::{file, visible, visible_line};
+use columns::{file, visible, visible_line};
 use link::commands::{Order, monitor};
 use link::link_error::LinkError;
 use link::prompt::help;

@@ -3,11 +3,9 @@
 use std::ops::Range;
 use std::path::Path;
 
-use delimited::{Table, beginning, decode, file};
+use columns::{Heading, Table, Unit, beginning, decode, file};
 
-use super::heading;
 use crate::nearest::{listed, nearest, short};
-use crate::units::Unit;
 
 /// Largest file, bytes.
 const MAX_FILE_BYTES: u64 = 64 << 20;
@@ -97,7 +95,8 @@ fn near_file(path: &Path) -> Option<String> {
 impl Measured {
     /// Parses the table of a text.
     pub(crate) fn from_text(name: &str, text: String) -> Result<Self, (Refusal, String)> {
-        match delimited::read(&text, None) {
+        let read = columns::read(&text, None);
+        match read {
             Ok(table) if table.lines.len() > MAX_ROWS => {
                 let message = format!("`{}` has {} rows", short(name), table.lines.len());
                 let label = format!("must have at most {MAX_ROWS} rows");
@@ -132,7 +131,16 @@ impl Measured {
     /// Returns the headings, or the numbers of the columns if there are no headings.
     fn names(&self) -> Vec<String> {
         let numbers = || (1..=self.table.columns.len()).map(|number| number.to_string()).collect();
-        self.table.header.clone().unwrap_or_else(numbers)
+        self.table.names.clone().unwrap_or_else(numbers)
+    }
+
+    /// Returns the numbers of a column.
+    fn numbers(&self, index: usize) -> Result<Vec<f64>, Refusal> {
+        let Some(column) = self.table.columns.get(index) else { return Ok(Vec::new()) };
+        column.numbers().map(<[f64]>::to_vec).map_err(|cell| {
+            let message = format!("`{}` is {}", short(&self.names()[index]), cell.what);
+            Refusal::new(About::Line(self.line(cell.row)), message, "not a number")
+        })
     }
 
     /// Returns the column of the time or other axis; `key` is the key that selects it.
@@ -141,9 +149,9 @@ impl Measured {
             return self.index(name, About::Axis, key);
         }
         let names = self.names();
-        match &self.table.header {
+        match &self.table.names {
             None => Ok(0),
-            Some(_) => names.iter().position(|name| heading::is_time(name)).ok_or_else(|| {
+            Some(_) => names.iter().position(|name| parts(name).is_time()).ok_or_else(|| {
                 let message = format!("`{}` has no column `t` or `time`", short(&self.name));
                 let help = format!(
                     "`{key} = …` selects another column; the columns are {}",
@@ -177,13 +185,13 @@ impl Measured {
         let plain = |text: &str| text.trim().to_lowercase();
         let whole = names.iter().position(|name| plain(name) == plain(asked));
         let by_name = || {
-            let fits = |name: &&String| plain(heading::split(name).0) == plain(asked);
+            let fits = |name: &&String| plain(parts(name).name) == plain(asked);
             let first = names.iter().position(|name| fits(&name));
             first.filter(|_| names.iter().filter(fits).count() == 1)
         };
         let by_number = || asked.parse::<usize>().ok()?.checked_sub(1).filter(|at| *at < names.len());
         whole.or_else(by_name).or_else(by_number).ok_or_else(|| {
-            let bare: Vec<&str> = names.iter().map(|name| heading::split(name).0).collect();
+            let bare: Vec<&str> = names.iter().map(|name| parts(name).name).collect();
             let near = nearest(asked, names.iter().map(String::as_str)).first().copied();
             let near = near.or_else(|| nearest(asked, bare.iter().copied()).first().copied());
             let label =
@@ -194,11 +202,10 @@ impl Measured {
     }
 
     /// Returns a column without conversion, and its unit.
-    pub(crate) fn unconverted(&self, index: usize, given: Option<&str>) -> (Column, Option<String>) {
+    pub(crate) fn unconverted(&self, index: usize, given: Option<&str>) -> Result<(Column, Option<String>), Refusal> {
         let heading = self.names().get(index).cloned().unwrap_or_default();
-        let unit = given.or(heading::split(&heading).1).map(str::to_owned);
-        let values = self.table.columns.get(index).cloned().unwrap_or_default();
-        (Column { heading, values, is_path: false }, unit)
+        let unit = given.or(parts(&heading).unit).map(str::to_owned);
+        Ok((Column { heading, values: self.numbers(index)?, is_path: false }, unit))
     }
 
     /// Returns a column in a unit; `axis` is the key of the unit of an axis. If a velocity is
@@ -213,8 +220,8 @@ impl Measured {
         let heading = self.names().get(index).cloned().unwrap_or_default();
         let (column, unit_key) = axis.map_or((About::Column, "unit"), |key| (About::Axis, key));
         let about_unit = if axis.is_some() { About::AxisUnit } else { About::Unit };
-        let values = self.table.columns.get(index).map_or(&[][..], Vec::as_slice);
-        let written = given.or(heading::split(&heading).1).map(str::trim).filter(|unit| !unit.is_empty());
+        let values = self.numbers(index)?;
+        let written = given.or(parts(&heading).unit).map(str::trim).filter(|unit| !unit.is_empty());
         let shown = short(&beginning(&heading));
         let about = if given.is_some() { about_unit } else { column };
         let Some(wanted) = wanted else {
@@ -224,7 +231,7 @@ impl Measured {
                     let message = format!("`{shown}` is in {}, but a number without a unit is needed", short(unit));
                     Err(Refusal::new(about, message, "expected no unit").help("`unit = \"1\"` declares that it has no unit"))
                 }
-                None => Ok(Column { heading, values: values.to_vec(), is_path: false }),
+                None => Ok(Column { heading, values, is_path: false }),
             };
         };
         let Some(written) = written else {
@@ -233,14 +240,17 @@ impl Measured {
             let help = format!("write it in the heading, as `{shown} [{0}]`, or give `{unit_key} = \"{0}\"`", wanted.symbol);
             return Err(Refusal::new(column, message, label).help(help));
         };
-        let Some(unit) = heading::unit(written) else {
-            let message = format!("there is no unit `{}`", short(written));
+        let Some(unit) = Unit::parse_like(written, wanted).filter(|unit| !unit.is_ambiguous()) else {
+            let message = match Unit::parse(written) {
+                Some(_) => format!("`{}` may be milli or mega", short(written)),
+                None => format!("there is no unit `{}`", short(written)),
+            };
             let label = format!("`{shown}` needs a unit that can be converted to {}", wanted.symbol);
             return Err(Refusal::new(about, message, label)
                 .help("use an SI unit, also with a prefix p, n, u, m, c or k: for example `mm/s`, `kN` or `ms`"));
         };
-        let velocity = heading::unit("m/s").filter(|velocity| velocity.measures_like(wanted));
-        let length = heading::unit("m").filter(|length| velocity.is_some() && length.measures_like(&unit));
+        let velocity = Unit::parse("m/s").filter(|velocity| velocity.measures_like(wanted));
+        let length = Unit::parse("m").filter(|length| velocity.is_some() && length.measures_like(&unit));
         let (factor, is_path) = match (unit.factor_to(wanted), &length) {
             (Some(factor), _) => (factor, false),
             (None, Some(metre)) => (unit.factor_to(metre).unwrap_or(1.0), true),
@@ -251,6 +261,11 @@ impl Measured {
         };
         Ok(Column { heading, values: values.iter().map(|value| value * factor).collect(), is_path })
     }
+}
+
+/// Splits the heading of a column.
+fn parts(heading: &str) -> Heading<'_> {
+    Heading::new(heading, columns::heading::is_time_name)
 }
 
 /// Returns the speeds of a path, m/s, with their times: the slope between two samples, at the

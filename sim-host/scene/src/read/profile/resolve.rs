@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::column::{About, Measured, Refusal, speeds, text_of};
-use super::heading;
 use crate::diagnostic::{Place, Problem, Source};
 use crate::nearest::shown;
 use crate::schema::{Schema, join};
 use crate::tree::{Entry, Node, Table, Value};
-use crate::units::{self, Unit};
+use columns::unit::{self as units, Unit};
 
 /// Keys of a table that is read from a file.
 struct TableKeys {
@@ -70,11 +69,11 @@ fn path_of(file: &Node, name: &str, sources: &[Source]) -> PathBuf {
 /// If the quantity is unknown.
 fn wanted(root: &Node, path: &str) -> Result<Option<Unit>, ()> {
     if path == "rig.dring.pulse" {
-        return Ok(heading::unit("m/s^2"));
+        return Ok(Unit::parse("m/s^2"));
     }
     if path == "excitation.profile" {
         let given = root.at("rig.kinematic").is_some();
-        return Ok(heading::unit(if given { "m/s" } else { "N" }));
+        return Ok(Unit::parse(if given { "m/s" } else { "N" }));
     }
     if path.starts_with("overlay.") {
         let quantity = root.at(&join(path, "quantity")).and_then(Node::text).ok_or(())?;
@@ -198,9 +197,9 @@ fn read(table: &mut Table, form: &TableKeys, wanted: Option<&Unit>, sources: &mu
         let axis = measured.axis_index(text(axis_key), axis_key)?;
         let value = measured.value_index(text("column"), axis)?;
         let (axis, axis_unit) = if form.is_over_time() {
-            (measured.column(axis, text(axis_unit_key), heading::unit("s").as_ref(), Some(axis_unit_key))?, None)
+            (measured.column(axis, text(axis_unit_key), Unit::parse("s").as_ref(), Some(axis_unit_key))?, None)
         } else {
-            measured.unconverted(axis, text(axis_unit_key))
+            measured.unconverted(axis, text(axis_unit_key))?
         };
         Ok((axis, axis_unit, measured.column(value, text("unit"), wanted, None)?))
     };

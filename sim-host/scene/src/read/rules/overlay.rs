@@ -3,8 +3,8 @@
 use super::{Rules, listed, nearest, short};
 use crate::diagnostic::Problem;
 use crate::figures::{FIGURES, FigureData};
-use crate::profile::heading::{axis_unit, factor};
 use crate::schema::join;
+use columns::heading::{axis_unit, factor};
 
 impl Rules<'_> {
     pub(super) fn overlays(&mut self) {

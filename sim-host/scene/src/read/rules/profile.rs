@@ -133,6 +133,15 @@ impl Rules<'_> {
                 if path == PROFILE { (most.map(|most| -most), most) } else { (least, most) }
             }
         };
+        if path == PULSE {
+            let area = |(time, value): (&[f64], &[f64])| 0.5 * (value[0] + value[1]) * (time[1] - time[0]);
+            let change_m_per_s: f64 = time_s.windows(2).zip(values.windows(2)).map(area).sum();
+            if change_m_per_s <= 0.0 {
+                let message = format!("the pulse does not slow the vehicle: its speed falls by {} m/s", shown(change_m_per_s));
+                let problem = Problem::new(self.place(&join(path, "values")), message, "a deceleration must be positive");
+                return self.add(path, problem.help("turn the sign of the file's column if it is an acceleration"));
+            }
+        }
         let outside = |value: f64| limits.0.is_some_and(|least| value < least) || limits.1.is_some_and(|most| value > most);
         let Some(at) = values.iter().position(|&value| outside(value)) else { return };
         let message =

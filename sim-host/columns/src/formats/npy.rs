@@ -4,8 +4,9 @@
 //! A magic number, version, length of the header, the header as a Python dictionary, then the
 //! values (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
 
-use super::table::Columns;
-use delimited::{Cells, beginning};
+use super::table;
+use crate::beginning;
+use crate::table::{Column, Table};
 
 /// Type of a stored number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +55,7 @@ impl Kind {
 }
 
 /// Reads the columns of an array.
-pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
+pub(super) fn read(bytes: &[u8]) -> Result<Table, String> {
     let short = || "a NumPy file that ends within its header".to_owned();
     let length = |at: usize, count: usize| {
         bytes.get(at..at + count).map(|bytes| bytes.iter().rev().fold(0, |sum, &byte| 256 * sum + usize::from(byte)))
@@ -102,13 +103,13 @@ pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
     };
     let width = check(fields.iter().map(|(_, kind)| kind.bytes()).sum())?;
     let mut at = 0;
-    let mut cells = Vec::new();
+    let mut columns = Vec::new();
     for (_, kind) in &fields {
         let column = (0..rows).map(|row| kind.value(&values[row * width + at..row * width + at + kind.bytes()]));
-        cells.push(Cells::Numbers(column.collect()));
+        columns.push(Column { values: column.collect(), words: Vec::new() });
         at += kind.bytes();
     }
-    Ok(Columns { names: fields.into_iter().map(|(name, _)| name).collect(), cells, lines: None })
+    Ok(table(Some(fields.into_iter().map(|(name, _)| name).collect()), columns, "NPY"))
 }
 
 /// Returns the text between the brackets after a key; `None` if its value is not in brackets.
@@ -139,17 +140,20 @@ mod tests {
         values.iter().flat_map(|value| value.to_le_bytes()).collect()
     }
 
+    fn values(table: &Table) -> Vec<Vec<f64>> {
+        table.columns.iter().map(|column| column.values.clone()).collect()
+    }
+
     #[test]
     fn records_and_plain_arrays_are_read() {
         let records = "{'descr': [('time_s', '<f8'), ('force_n', '<f4')], 'fortran_order': False, 'shape': (1,), }\n";
-        let columns = read(&file(records, &[&doubles(&[0.5])[..], &2.5f32.to_le_bytes()].concat())).unwrap();
-        assert_eq!(columns.names, ["time_s", "force_n"]);
-        assert_eq!(columns.cells, [Cells::Numbers(vec![0.5]), Cells::Numbers(vec![2.5])]);
+        let table = read(&file(records, &[&doubles(&[0.5])[..], &2.5f32.to_le_bytes()].concat())).unwrap();
+        assert_eq!(table.headings(), ["time_s", "force_n"]);
+        assert_eq!(values(&table), [vec![0.5], vec![2.5]]);
         let plain = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2), }";
-        let columns = read(&file(plain, &doubles(&[1.0, 2.0, 3.0, 4.0]))).unwrap();
-        assert_eq!(columns.cells, [Cells::Numbers(vec![1.0, 3.0]), Cells::Numbers(vec![2.0, 4.0])]);
+        assert_eq!(values(&read(&file(plain, &doubles(&[1.0, 2.0, 3.0, 4.0]))).unwrap()), [vec![1.0, 3.0], vec![2.0, 4.0]]);
         let whole = "{'descr': '<i2', 'fortran_order': False, 'shape': (2,), }";
-        assert_eq!(read(&file(whole, &[0xff, 0xff, 5, 0])).unwrap().cells, [Cells::Numbers(vec![-1.0, 5.0])]);
+        assert_eq!(values(&read(&file(whole, &[0xff, 0xff, 5, 0])).unwrap()), [vec![-1.0, 5.0]]);
     }
 
     #[test]

@@ -5,8 +5,8 @@ use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
-use super::table::Columns;
-use delimited::Cells;
+use super::table;
+use crate::table::{Column, Table};
 
 /// Largest number of values that are read: 2 GiB in memory.
 const MAX_VALUES: u64 = 1 << 28;
@@ -14,11 +14,11 @@ const MAX_VALUES: u64 = 1 << 28;
 const ROWS_PER_READ: usize = 1 << 16;
 
 /// Reads all columns of a file into memory.
-pub(super) fn read(bytes: &[u8]) -> Result<Columns, String> {
+pub(super) fn read(bytes: &[u8]) -> Result<Table, String> {
     columns(bytes.to_vec()).map_err(|error| format!("a Parquet file that cannot be read: {error}"))
 }
 
-fn columns(bytes: Vec<u8>) -> Result<Columns, ParquetError> {
+fn columns(bytes: Vec<u8>) -> Result<Table, ParquetError> {
     let file = SerializedFileReader::new(bytes::Bytes::from(bytes))?;
     let schema = file.metadata().file_metadata().schema_descr_ptr();
     let rows = (0..file.num_row_groups()).map(|group| file.metadata().row_group(group).num_rows().max(0).unsigned_abs());
@@ -29,11 +29,10 @@ fn columns(bytes: Vec<u8>) -> Result<Columns, ParquetError> {
         )));
     }
     let names = (0..schema.num_columns()).map(|place| schema.column(place).name().to_owned()).collect();
-    let mut cells = Vec::new();
+    let mut columns = Vec::new();
     for place in 0..schema.num_columns() {
         let optional = schema.column(place).max_def_level() > 0;
         let mut values: Vec<f64> = Vec::new();
-        let mut other = None;
         for group in 0..file.num_row_groups() {
             let group = file.get_row_group(group)?;
             let rows = group.metadata().num_rows().max(0) as usize;
@@ -46,12 +45,13 @@ fn columns(bytes: Vec<u8>) -> Result<Columns, ParquetError> {
             };
             match read {
                 Some(read) => values.extend(read),
-                None => other = other.or(Some(Cells::Other { row: 0, what: "not a number".to_owned() })),
+                None => values.extend(std::iter::repeat_n(f64::NAN, rows)),
             }
         }
-        cells.push(other.unwrap_or(Cells::Numbers(values)));
+        let words = (0..values.len()).filter(|&row| values[row].is_nan()).map(|row| (row, "not a number".to_owned())).collect();
+        columns.push(Column { values, words });
     }
-    Ok(Columns { names, cells, lines: None })
+    Ok(table(Some(names), columns, "Parquet"))
 }
 
 /// Reads the values of a column in one group of rows; an absent value is NaN.

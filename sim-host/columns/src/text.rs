@@ -14,20 +14,32 @@ pub fn decode(bytes: &[u8]) -> String {
     }
 }
 
-/// Parses a number with a decimal point, or a decimal comma if `comma`. Infinities and NaN are
-/// rejected.
+/// Smallest value with which instruments mark an overflow (SCPI: 9.9E37, 9.91E37).
+const MIN_OVERFLOW: f64 = 9.8e37;
+
+/// Parses a number with a decimal point, or a decimal comma if `comma`. Infinities, NaN and the
+/// overflow values of instruments are rejected.
 pub fn number(field: &str, comma: bool) -> Option<f64> {
-    let field = field.trim().trim_matches('"').trim();
+    parsed(field, comma).filter(|value| value.is_finite() && value.abs() < MIN_OVERFLOW)
+}
+
+/// Returns `true` for the overflow value of an instrument.
+pub(crate) fn is_overflow(field: &str) -> bool {
+    parsed(field, field.contains(',')).is_some_and(|value| value.abs() >= MIN_OVERFLOW)
+}
+
+fn parsed(field: &str, comma: bool) -> Option<f64> {
+    let field = field.trim();
     let looks = field.starts_with(|first: char| first.is_ascii_digit() || "+-.,".contains(first));
     if !looks || field.len() > 64 {
         return None;
     }
-    let parsed = match (comma, field.contains(','), field.contains('.')) {
-        (true, _, true) | (false, true, _) => return None,
-        (true, true, _) => field.replace(',', ".").parse::<f64>(),
-        _ => field.parse::<f64>(),
-    };
-    parsed.ok().filter(|value| value.is_finite())
+    match (comma, field.contains(','), field.contains('.')) {
+        (true, true, true) | (false, true, _) => None,
+        (true, true, _) => field.replace(',', ".").parse().ok().filter(|_| !field.ends_with(',')),
+        (true, _, true) => None,
+        _ => field.parse().ok(),
+    }
 }
 
 /// Returns the beginning of a text for a message.
@@ -72,12 +84,21 @@ mod tests {
 
     #[test]
     fn numbers_have_a_point_or_a_comma_and_never_both() {
-        assert_eq!(number(" \"1,5e3\" ", true), Some(1500.0));
+        assert_eq!((number(" 1,5e3 ", true), number("1,", true)), (Some(1500.0), None));
         assert_eq!((number("1.5", false), number("-.5", false)), (Some(1.5), Some(-0.5)));
         assert!(
-            [("1.000,5", true), ("1,5", false), ("nan", false), ("inf", false), ("1e999", false), ("", false)]
-                .iter()
-                .all(|(field, comma)| number(field, *comma).is_none())
+            [
+                ("1.000,5", true),
+                ("1,5", false),
+                ("nan", false),
+                ("inf", false),
+                ("1e999", false),
+                ("9.9E37", false),
+                ("-9,91e37", true),
+                ("", false)
+            ]
+            .iter()
+            .all(|(field, comma)| number(field, *comma).is_none())
         );
     }
 

@@ -1,0 +1,268 @@
+//! Tables of measured data. Columns may contain words, such as the condition of a measurement.
+//!
+//! ```text
+//! preamble | comments | names | [units] | rows | [footer]
+//! ```
+//!
+//! The rows are the lines with a number that have the most frequent number of cells. The line
+//! directly above them has the names, or the units below the names. A line within or after the rows
+//! that looks like a row but is not one is an error, never the end of the table.
+
+use crate::error::TableError;
+use crate::form::{Form, without_comment};
+use crate::text::{beginning, is_overflow};
+use crate::unit::Unit;
+
+/// A table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Names of the columns; a unit in a line of its own is appended as `name [unit]`.
+    pub names: Option<Vec<String>>,
+    /// Number of the line of each row, from 1; empty for a binary file.
+    pub lines: Vec<usize>,
+    /// The columns; all have the same number of rows. A column without any content is left out.
+    pub columns: Vec<Column>,
+    /// Description of the form, for a reader.
+    pub found: String,
+}
+
+/// A column of a table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Column {
+    /// Number in each row; NaN if the cell is not a number.
+    pub values: Vec<f64>,
+    /// Rows, from 0, whose cell is not a number, with its content.
+    pub words: Vec<(usize, String)>,
+}
+
+/// A cell that is not a number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BadCell {
+    /// Row, from 0.
+    pub row: usize,
+    /// Content of the cell, for a message.
+    pub what: String,
+}
+
+impl Column {
+    /// Returns the numbers of the column.
+    ///
+    /// # Errors
+    /// Returns the first cell that is not a number.
+    pub fn numbers(&self) -> Result<&[f64], BadCell> {
+        match self.words.first() {
+            None => match self.values.iter().position(|value| !value.is_finite()) {
+                Some(row) => Err(BadCell { row, what: "not a finite number".to_owned() }),
+                None => Ok(&self.values),
+            },
+            Some((row, text)) => {
+                let what = match text.as_str() {
+                    "" => "empty".to_owned(),
+                    text if is_overflow(text) => format!("`{}`, the overflow value of an instrument", beginning(text)),
+                    text => format!("`{}`", beginning(text)),
+                };
+                Err(BadCell { row: *row, what })
+            }
+        }
+    }
+
+    /// Adds a cell.
+    fn push(&mut self, number: Option<f64>, text: &str) {
+        if number.is_none() {
+            self.words.push((self.values.len(), text.to_owned()));
+        }
+        self.values.push(number.unwrap_or(f64::NAN));
+    }
+}
+
+impl Table {
+    /// Returns the number of rows.
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.values.len())
+    }
+
+    /// Returns the place of a row in the file, as text.
+    pub fn place(&self, row: usize) -> String {
+        self.lines.get(row).map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"))
+    }
+
+    /// Replaces the names of the columns by given ones, separated by commas.
+    ///
+    /// # Errors
+    /// If their number is wrong.
+    pub(crate) fn renamed(self, names: Option<&str>) -> Result<Self, TableError> {
+        let Some(names) = names else { return Ok(self) };
+        let names: Vec<String> = names.split(',').map(|name| name.trim().to_owned()).collect();
+        if names.len() == self.columns.len() {
+            return Ok(Table { names: Some(names), ..self });
+        }
+        Err(TableError::Width { line: 1, columns: self.columns.len(), names: names.len(), decimal_comma: false })
+    }
+
+    /// Returns the names of the columns; `column 1` and so on if they have none.
+    pub fn headings(&self) -> Vec<String> {
+        self.names.clone().unwrap_or_else(|| (1..=self.columns.len()).map(|place| format!("column {place}")).collect())
+    }
+}
+
+/// A line of a text that has content and is not a comment.
+struct Line<'a> {
+    /// Index in the text, from 0.
+    at: usize,
+    text: &'a str,
+    /// Number of cells.
+    cells: usize,
+    /// Number of cells up to the last one with content.
+    filled: usize,
+    /// Number of cells with a number.
+    numbers: usize,
+}
+
+/// Finds the table of a text. `names`, separated by commas, replaces the heading if given.
+///
+/// # Errors
+/// [`TableError`], with the line that causes it.
+pub fn read(text: &str, names: Option<&str>) -> Result<Table, TableError> {
+    let all: Vec<&str> = text.lines().collect();
+    let form = Form::find(&all);
+    let lines: Vec<Line> = all
+        .iter()
+        .enumerate()
+        .filter(|(_, text)| !text.trim().is_empty() && !without_comment(text).1)
+        .map(|(at, text)| Line::new(form, at, text))
+        .collect();
+    let Some(first) = lines.first() else { return Err(TableError::Empty) };
+    let with_number = || lines.iter().filter(|line| line.numbers > 0);
+    let Some(cells) = most_frequent(with_number().map(|line| line.cells)) else {
+        return Err(TableError::NoNumbers { begins: beginning(first.text) });
+    };
+    let width = with_number().filter(|line| line.cells == cells).map(|line| line.filled).max().unwrap_or(cells);
+    let is_row = |line: &Line| line.numbers > 0 && line.cells >= width && line.filled <= width;
+    let last = lines.iter().rposition(is_row).unwrap_or(0);
+    let begin = lines[..=last].iter().rposition(|line| !is_row(line)).map_or(0, |at| at + 1);
+    let rows = &lines[begin..=last];
+
+    let mut columns = vec![Column::default(); width];
+    for row in rows {
+        let mut cells = form.cells(row.text);
+        for column in &mut columns {
+            let cell = cells.next().unwrap_or_default();
+            column.push(form.number(cell), cell);
+        }
+    }
+    check_outside(&lines, begin, last, width, &columns, form)?;
+    let width_error = |names: usize| TableError::Width {
+        line: rows[0].at + 1,
+        columns: width,
+        names,
+        decimal_comma: form.has_commas() && width == 2 * names,
+    };
+    let mut found_names = heading(&all, rows[0].at, width, form).map_err(width_error)?;
+    let filled: Vec<bool> =
+        columns.iter().map(|column| column.words.iter().filter(|(_, text)| text.is_empty()).count() < rows.len()).collect();
+    let keep = |at: usize| filled.get(at).copied().unwrap_or(false);
+    let mut at = 0..;
+    columns.retain(|_| at.next().is_some_and(keep));
+    if let Some(names) = &mut found_names {
+        let mut at = 0..;
+        names.retain(|_| at.next().is_some_and(keep));
+    }
+    Table { names: found_names, lines: rows.iter().map(|row| row.at + 1).collect(), columns, found: form.to_string() }
+        .renamed(names)
+        .map_err(|error| match error {
+            TableError::Width { names, .. } => width_error(names),
+            error => error,
+        })
+}
+
+impl<'a> Line<'a> {
+    fn new(form: Form, at: usize, text: &'a str) -> Self {
+        let (mut cells, mut filled, mut numbers) = (0, 0, 0);
+        for cell in form.cells(text) {
+            cells += 1;
+            if !cell.is_empty() {
+                filled = cells;
+                numbers += usize::from(form.number(cell).is_some());
+            }
+        }
+        Line { at, text, cells, filled, numbers }
+    }
+}
+
+/// Returns the most frequent of some numbers of cells; the larger one if two are equally frequent.
+fn most_frequent(widths: impl Iterator<Item = usize>) -> Option<usize> {
+    let mut counts = std::collections::BTreeMap::new();
+    widths.for_each(|width| *counts.entry(width).or_insert(0) += 1);
+    counts.into_iter().max_by_key(|&(_, count)| count).map(|(width, _)| width)
+}
+
+/// Refuses a line outside the rows that belongs to them: one above with a number in each column of
+/// numbers, one below with numbers or with as many cells as a row.
+fn check_outside(
+    lines: &[Line],
+    begin: usize,
+    last: usize,
+    width: usize,
+    columns: &[Column],
+    form: Form,
+) -> Result<(), TableError> {
+    let refuse = |line: &Line| {
+        let at = line.at + 1;
+        Err(match line.numbers {
+            0 => TableError::Interrupted { line: at, begins: beginning(line.text) },
+            _ => TableError::Cells { line: at, cells: line.cells, columns: width },
+        })
+    };
+    let numeric: Vec<bool> = columns.iter().map(|column| column.words.is_empty()).collect();
+    let is_row_above = |line: &Line| {
+        let mut cells = form.cells(line.text);
+        line.filled == width
+            && numeric.iter().all(|numeric| cells.next().is_some_and(|cell| !numeric || form.number(cell).is_some()))
+    };
+    if let Some(before) = begin.checked_sub(1) {
+        // A line of numbers only is a row that was cut, unless it is a single one.
+        let is_cut = lines[before].numbers > 1 && lines[before].numbers == lines[before].filled;
+        if is_cut || numeric.contains(&true) && lines[..before].iter().any(is_row_above) {
+            return refuse(&lines[before]);
+        }
+    }
+    let below = lines[last + 1..].iter().find(|line| line.numbers > 0 || line.filled == width && width > 1);
+    below.map_or(Ok(()), refuse)
+}
+
+/// Returns the names of the columns from the lines above the first row: the nearest line, with the
+/// units of a line in between. Fails with the number of names if it differs from the width.
+fn heading(lines: &[&str], first: usize, width: usize, form: Form) -> Result<Option<Vec<String>>, usize> {
+    let mut above = lines[..first].iter().rev().filter(|line| !line.trim().is_empty()).map(|line| {
+        let (text, comment) = without_comment(line);
+        let mut cells: Vec<&str> = form.cells(text).collect();
+        while cells.len() > width && cells.last().is_some_and(|cell| cell.is_empty()) {
+            cells.pop();
+        }
+        (cells, comment)
+    });
+    let has_words = |cells: &[&str]| cells.iter().any(|cell| cell.chars().any(char::is_alphabetic));
+    let Some((cells, comment)) = above.next().filter(|(cells, _)| has_words(cells)) else { return Ok(None) };
+    if cells.len() != width {
+        // A remark or the last line of a preamble is not a heading.
+        let is_heading =
+            !comment && cells.len() > 1 && !form.has_blanks() && cells.iter().all(|cell| form.number(cell).is_none());
+        return if is_heading { Err(cells.len()) } else { Ok(None) };
+    }
+    let bare = |unit: &str| unit.trim_matches(|c| "[](){}".contains(c)).trim().to_owned();
+    let are_units = cells.iter().all(|cell| matches!(bare(cell).as_str(), "" | "-" | "1") || Unit::parse(&bare(cell)).is_some());
+    let names = above.next().filter(|(names, _)| are_units && names.len() == width && has_words(names));
+    Ok(Some(match names {
+        Some((names, _)) => {
+            let joined = |(name, unit): (&&str, &&str)| match bare(unit).as_str() {
+                "" | "-" => (*name).to_owned(),
+                unit => format!("{name} [{unit}]"),
+            };
+            names.iter().zip(&cells).map(joined).collect()
+        }
+        None => cells.into_iter().map(str::to_owned).collect(),
+    }))
+}
+
+#[cfg(test)]
+mod tests;
