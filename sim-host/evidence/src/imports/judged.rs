@@ -148,6 +148,7 @@ fn short_reason(error: &ImportError) -> &'static str {
         ImportError::UnknownForm { .. } => "unknown form",
         ImportError::BadLine { .. } => "a line cannot be used",
         ImportError::UnitMissing { .. } => "unit missing",
+        ImportError::UnitUnknown { .. } => "unit unknown",
         ImportError::AngleDoubtful { .. } => "degrees or radians doubtful",
         ImportError::FrequenciesEqual { .. } => "neighbouring frequencies equal",
         ImportError::FrequenciesUnordered { .. } => "frequencies not in order",

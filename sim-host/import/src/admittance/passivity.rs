@@ -10,6 +10,11 @@ use super::start::Points;
 use crate::error::ImportError;
 use report::statistics::{ascending, quantile};
 
+/// Change of the sign of an admittance, its smallest ratio of gains, and the cause to report.
+type Sense = (Turned, f64, &'static str);
+/// Change of the sign of an admittance.
+type Turned = fn(Complex64) -> Complex64;
+
 /// Causes of an inductive baseline, with remedies.
 pub(super) const INDUCTIVE: &str = "The reactance is that of an inductor over most of the sweep. Disconnect a coil next to \
                                     the transducer; check that `--open` and `--short` are not exchanged, and that S21 is \
@@ -38,7 +43,7 @@ pub(super) fn check_sense(measured: &Measured, gain: impl Fn(&Points) -> f64) ->
     let real: Vec<f64> = weighted.iter().map(|y| y.re * y.re.abs()).collect();
     let is_negative = real.iter().sum::<f64>() < -NEGATIVE_SIGMA * real.iter().map(|x| x * x).sum::<f64>().sqrt();
     let negative_ratio = if is_negative { 1.0 } else { f64::INFINITY };
-    let senses: [(fn(Complex64) -> Complex64, f64, &str); 3] = [
+    let senses: [Sense; 3] = [
         (
             |y| y.conj(),
             MIN_MIRRORED_RATIO,
@@ -139,7 +144,7 @@ mod tests {
     #[test]
     fn each_wrong_sense_is_named_in_each_coordinate() {
         let ports = [Topology::OnePort, Topology::SeriesThrough].map(|topology| Coordinate::Scattering(topology, 50.0));
-        let senses: [(fn(Complex64) -> Complex64, &str); 3] =
+        let senses: [(Turned, &str); 3] =
             [(|y| y.conj(), "imaginary part is mirrored"), (|y| -y, "off by 180 degrees"), (|y| -y.conj(), "`--series-ohm`")];
         for coordinate in ports.into_iter().chain([Coordinate::Immittance]) {
             for branches in [&TWO[..1], &SIX] {

@@ -277,9 +277,8 @@ mod tests {
     #[test]
     fn units_and_columns_of_a_log_are_recognised() {
         let lines: String = (0..30).map(|n| format!("{n};{},5;2;{}\n", n, n / 20)).collect();
-        let log =
-            Log::parse(&format!("t [ms];x [um];F [mN];on\n{lines}"), &Options { normal_n: Some(2.0), ..Options::default() })
-                .unwrap();
+        let log = Log::parse(format!("t [ms];x [um];F [mN];on\n{lines}"), &Options { normal_n: Some(2.0), ..Options::default() })
+            .unwrap();
         assert!((log.slip_m[1] - 1e-6).abs() < 1e-18 && (log.velocity_m_per_s[3] - 1e-3).abs() < 1e-12);
         assert_eq!((log.on[19], log.on[20], log.force_n[0]), (false, true, 2e-3));
     }
@@ -287,7 +286,7 @@ mod tests {
     #[test]
     fn a_log_without_unit_or_normal_force_is_refused() {
         let lines: String = (0..30).map(|n| format!("{n},{n},2\n")).collect();
-        let error = |head: &str| Log::parse(&format!("{head}\n{lines}"), &Options::default()).unwrap_err().to_string();
+        let error = |head: &str| Log::parse(format!("{head}\n{lines}"), &Options::default()).unwrap_err().to_string();
         assert!(error("t [s],x,F [N]").starts_with("unit missing: the column `x` has no unit"));
         assert!(error("t [s],x [m],F [N]").starts_with("unit missing: the normal force"));
         assert!(error("t [s],x [m],u [V]").contains("no column is the friction force"));
@@ -296,7 +295,7 @@ mod tests {
     fn a_normal_force_has_one_sign() {
         let log = |normal: fn(i32) -> i32| {
             let lines: String = (0..30).map(|n| format!("{n},{n},2,{}\n", normal(n))).collect();
-            Log::parse(&format!("t [s],x [m],F [N],N [N]\n{lines}"), &Options::default())
+            Log::parse(format!("t [s],x [m],F [N],N [N]\n{lines}"), &Options::default())
         };
         let negative = log(|n| -10 - n % 2).unwrap();
         assert_eq!((negative.normal_n, negative.normals_n[1]), (10.5, 11.0));
