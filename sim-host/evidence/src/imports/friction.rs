@@ -104,8 +104,8 @@ fn rows(set: &[JudgedLog]) -> Vec<Row> {
     by_name.into_iter().map(row).collect()
 }
 
-/// Returns the required coverage of `count` numbers: [`COVERAGE`], or within two standard deviations
-/// of 95 % by chance if that range is wider.
+/// Returns the required coverage of `count` numbers: [`COVERAGE`], or within two standard
+/// deviations of 95 % by chance if that range is wider.
 fn band(count: usize) -> (f64, f64) {
     const NORMAL: f64 = 0.95;
     let chance = 2.0 * (NORMAL * (1.0 - NORMAL) / count.max(1) as f64).sqrt();

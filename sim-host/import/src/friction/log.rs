@@ -224,7 +224,7 @@ impl Log {
     }
 
     /// Turns the sign of a force that does work on the contact, and returns `true` if it does.
-    /// Friction takes energy out of the motion, whatever its model.
+    /// Friction always takes energy out of the motion.
     pub(super) fn turn(&mut self) -> bool {
         let offset = self.offset_n();
         let parts = self.force_n.iter().zip(&self.slip_m).zip(&self.on).filter(|(_, on)| !**on);

@@ -126,7 +126,7 @@ fn unreadable_profiles_are_reported_with_their_place() {
         &refused("order", "t [s],v [m/s]\n0,1\n2,1\n2,1\n9,1\n", v),
         &["speed.csv:4:1", "the time in `speed.csv` does not increase: 2 s follows 2 s"],
     );
-    says(&refused("number", "t [s],v [m/s]\n0,1\n2,1\n3,n/a\n9,1\n", v), &["speed.csv:4:1", "`v [mm/s]` is `n/a`"]);
+    says(&refused("number", "t [s],v [m/s]\n0,1\n2,1\n3,n/a\n9,1\n", v), &["speed.csv:4:1", "`v [m/s]` is `n/a`"]);
     says(&refused("unit", "t [s],v [furlong]\n0,1\n9,1\n", v), &["there is no unit `furlong`", "m/s"]);
     says(&refused("no-unit", "t [s],v\n0,1\n9,1\n", v), &["the column `v` has no unit", "needs `unit`", "`unit = \"m/s\"`"]);
     says(&refused("other-unit", "t [s],v [N]\n0,1\n9,1\n", v), &["`v [N]` is in N, but m/s is needed"]);
