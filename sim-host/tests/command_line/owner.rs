@@ -42,7 +42,7 @@ fn prepared(name: &str) -> Folder {
     let folder = Folder::new(name);
     let admittance = |n: usize| {
         let hz = 39e3 + 10.0 * n as f64;
-        let (w, noise) = (std::f64::consts::TAU * hz, 1.0 + 1e-3 * (12.9 * n as f64).sin());
+        let (w, noise) = (std::f64::consts::TAU * hz, 1.0 + 1e-3 * ((n * n) as f64).sin());
         let (r, x) = (50.0, w * 0.02 - (std::f64::consts::TAU * 40e3).powi(2) * 0.02 / w);
         let size = r * r + x * x;
         format!("{hz},{},{}\n", noise * r / size, w * 4e-9 - noise * x / size)

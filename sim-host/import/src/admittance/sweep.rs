@@ -22,7 +22,7 @@ pub(super) fn ordered(lines: &[usize], mut sweep: Measured) -> Result<Measured, 
     if let Some(&second) = doubled.first() {
         let first = second - 1;
         // Segments meet at one frequency; each of them has many points.
-        if doubled.len() > (hz.len() / MIN_SEGMENT_POINTS).clamp(1, MAX_SEGMENTS)
+        if doubled.len() > (hz.len() / MIN_SEGMENT_POINTS).min(MAX_SEGMENTS)
             || doubled.windows(2).any(|pair| pair[1] - pair[0] < 2)
         {
             let step =
