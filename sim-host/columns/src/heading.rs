@@ -155,6 +155,8 @@ mod tests {
             ("MOhm", "ohm", 1e6),
             ("mΩ", "ohm", 1e-3),
             ("Megohm", "ohm", 1e6),
+            ("milliohm", "ohm", 1e-3),
+            ("meganewton", "N", 1e6),
             ("deg", "rad", std::f64::consts::PI / 180.0),
         ];
         for (from, to, expected) in cases {

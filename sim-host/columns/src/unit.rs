@@ -92,19 +92,12 @@ const WRITTEN: &[(&str, &str, &str, f64)] = &[
     ("%", "%", "1", 0.01),
 ];
 
-/// SI prefixes as they appear in lower-case keys.
-const PREFIXES: &[(&str, f64)] = &[("p", 1e-12), ("n", 1e-9), ("u", 1e-6), ("m", 1e-3), ("c", 1e-2), ("k", 1e3), ("g", 1e9)];
-/// Names of the prefixes, and their abbreviations.
-const PREFIX_NAMES: &[(&str, f64)] = &[
-    ("pico", 1e-12),
-    ("nano", 1e-9),
-    ("micro", 1e-6),
-    ("milli", 1e-3),
-    ("centi", 1e-2),
-    ("kilo", 1e3),
-    ("mega", 1e6),
-    ("meg", 1e6),
-];
+/// SI prefixes; those of keys are in lower case.
+const PREFIXES: &[(&str, f64)] =
+    &[("p", 1e-12), ("n", 1e-9), ("u", 1e-6), ("m", 1e-3), ("c", 1e-2), ("k", 1e3), ("M", 1e6), ("g", 1e9)];
+/// Names of prefixes that people write, and the prefixes.
+const PREFIX_NAMES: &[(&str, &str)] =
+    &[("pico", "p"), ("nano", "n"), ("micro", "u"), ("milli", "m"), ("centi", "c"), ("kilo", "k"), ("mega", "M"), ("meg", "M")];
 
 impl Unit {
     /// Parses a unit as people write it: `mm/s`, `kN`, `m/s²`, `msec`, `mS`, or in the notation of
@@ -171,11 +164,11 @@ fn named(name: &str) -> Option<Unit> {
         Some(below) => (None, Some(below)),
         None => name.split_once("_per_").map_or((Some(name), None), |(above, below)| (Some(above), Some(below))),
     };
-    let above = above.map_or_else(|| Some(simple("1", "1", 1.0)), |above| single(above, UNITS))?;
+    let above = above.map_or_else(|| Some(simple("1", "1", 1.0)), |above| single(above, false))?;
     match below {
         // In a denominator, `h` is the hour and not the henry.
         Some("h") => Some(above.over(&simple("h", "s", 3600.0))),
-        Some(below) => Some(above.over(&single(below, UNITS)?)),
+        Some(below) => Some(above.over(&single(below, false)?)),
         None => Some(above),
     }
 }
@@ -194,8 +187,8 @@ fn cased(text: &str) -> Option<Unit> {
             .strip_suffix('s')
             .filter(|prefix| text.ends_with('S') && (prefix.is_empty() || text.starts_with(char::is_lowercase)))
         {
-            Some(prefix) if prefix.len() <= 1 => single(&format!("{prefix}siemens"), WRITTEN)?,
-            _ => single(&lower, UNITS).or_else(|| single(&lower, WRITTEN))?,
+            Some(prefix) if prefix.len() <= 1 => single(&format!("{prefix}siemens"), true)?,
+            _ => single(&lower, true)?,
         },
     };
     let is_milli = unit.scale.is_none() || unit.scale == Some(1e-3) && unit.dimension == "N" && unit.symbol == "mN";
@@ -212,26 +205,29 @@ fn cased(text: &str) -> Option<Unit> {
     Some(Unit { symbol: format!("{first}{}", unit.dimension), scale, ..unit })
 }
 
-/// Finds a unit in a table, with a prefix if it is one.
-fn single(name: &str, units: &[(&str, &str, &str, f64)]) -> Option<Unit> {
-    let find = |name: &str| units.iter().find(|(spelling, ..)| *spelling == name);
+/// Returns the unit with this spelling in lower case, with a prefix if it has one; also those of
+/// [`WRITTEN`] and [`PREFIX_NAMES`] if `written`.
+fn single(name: &str, written: bool) -> Option<Unit> {
+    let find = |name: &str| UNITS.iter().chain(if written { WRITTEN } else { &[] }).find(|(spelling, ..)| *spelling == name);
     if let Some((_, symbol, base, scale)) = find(name) {
         return Some(simple(symbol, base, *scale));
     }
+    // A prefix belongs to a base unit; in a key, only to its symbol.
     let coherent = |stem: &str| {
-        let written = units.len() == WRITTEN.len();
-        let found = find(stem).or_else(|| UNITS.iter().find(|(spelling, ..)| written && *spelling == stem))?;
-        (found.3 == 1.0 && (written || found.0.eq_ignore_ascii_case(found.2))).then_some(found)
+        find(stem).filter(|(spelling, _, base, scale)| *scale == 1.0 && (written || spelling.eq_ignore_ascii_case(base)))
     };
-    let long = PREFIX_NAMES.iter().find_map(|(prefix, scale)| Some((*prefix, *scale, coherent(name.strip_prefix(prefix)?)?)));
-    let short = || PREFIXES.iter().find_map(|(prefix, scale)| Some((*prefix, *scale, coherent(name.strip_prefix(prefix)?)?)));
-    let (prefix, scale, (_, symbol, base, _)) = long.or_else(short)?;
+    let long =
+        PREFIX_NAMES.iter().filter(|_| written).find_map(|(long, prefix)| Some((*prefix, coherent(name.strip_prefix(long)?)?)));
+    let short = || PREFIXES.iter().find_map(|(prefix, _)| Some((*prefix, coherent(name.strip_prefix(prefix)?)?)));
+    let is_short = long.is_none();
+    let (prefix, (_, symbol, base, _)) = long.or_else(short)?;
+    let scale = PREFIXES.iter().find(|(known, _)| *known == prefix)?.1;
     Some(match (prefix, *base) {
         // No transducer is driven at millihertz.
         ("m", "Hz") => simple("MHz", base, 1e6),
-        ("m", "ohm") => Unit { symbol: name.to_owned(), scale: None, dimension: (*base).to_owned() },
+        ("m", "ohm") if is_short => Unit { symbol: name.to_owned(), scale: None, dimension: (*base).to_owned() },
         ("g", _) => simple(&format!("G{symbol}"), base, scale),
-        _ => simple(&format!("{}{symbol}", &prefix[..1]), base, scale),
+        _ => simple(&format!("{prefix}{symbol}"), base, scale),
     })
 }
 

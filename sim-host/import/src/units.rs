@@ -68,7 +68,7 @@ pub(crate) fn factor(text: &str, unit: Option<&str>, base: &str) -> Result<Optio
     match Unit::parse_like(written, &si) {
         None => refuse(format!("write {base}, also with a prefix, in the heading or in `--columns`")),
         Some(unit) if unit.is_ambiguous() => {
-            refuse("it may be milli or mega: write `mOhm` or `MOhm`, or `mN` or `MN`".to_owned())
+            refuse("it may be milli or mega; write the prefix in full, as in `megaohm`".to_owned())
         }
         Some(unit) => match unit.factor_to(&si) {
             Some(factor) => Ok(Some(factor)),
