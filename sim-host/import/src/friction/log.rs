@@ -169,7 +169,7 @@ impl Log {
             None => column(Quantity::Normal)?,
         };
         let (normal_n, normals_n) = match (options.normal_n, normal) {
-            (None, Some(normals)) => normal_forces(normals, &table.lines, &mut remarks)?,
+            (None, Some(normals)) => normal_forces(normals, &table, &mut remarks)?,
             (normal, _) => (normal.unwrap_or_default(), Vec::new()),
         };
         if normal_n <= 0.0 {
@@ -250,11 +250,11 @@ impl Log {
 }
 
 /// Returns the mean normal force and that of each sample, N. The size of a negative force is used.
-fn normal_forces(mut normals: Vec<f64>, lines: &[usize], remarks: &mut Vec<String>) -> Result<(f64, Vec<f64>), ImportError> {
+fn normal_forces(mut normals: Vec<f64>, table: &Table, remarks: &mut Vec<String>) -> Result<(f64, Vec<f64>), ImportError> {
     let sign = normals.iter().find(|normal| **normal != 0.0).map_or(1.0, |normal| normal.signum());
     if let Some(at) = normals.iter().position(|normal| normal * sign < 0.0) {
         let what = "the normal force changes its sign here; subtract its offset, or give a mean with `--normal-n`".to_owned();
-        return Err(ImportError::BadLine { line: lines[at], what });
+        return Err(ImportError::bad_row(table, at, what));
     }
     normals.iter_mut().for_each(|normal| *normal *= sign);
     if sign < 0.0 {
@@ -301,5 +301,12 @@ mod tests {
         assert_eq!((negative.normal_n, negative.normals_n[1]), (10.5, 11.0));
         assert!(negative.remarks.iter().any(|remark| remark.contains("negative throughout")), "{:?}", negative.remarks);
         assert!(log(|n| n - 20).unwrap_err().to_string().starts_with("line 23: the normal force changes its sign"));
+        // A binary file has rows without lines.
+        let header = "{'descr': [('t_s', '<f8'), ('x_m', '<f8'), ('force_n', '<f8'), ('load_n', '<f8')], 'fortran_order': False, 'shape': (30,), }";
+        let rows = (0..30).flat_map(|n| [f64::from(n), f64::from(n), 2.0, f64::from(n - 20)]).flat_map(f64::to_le_bytes);
+        let npy = [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), &rows.collect::<Vec<u8>>()]
+            .concat();
+        let error = Log::parse(&npy, &Options::default()).unwrap_err().to_string();
+        assert!(error.contains("row 22: the normal force changes its sign"), "{error}");
     }
 }
