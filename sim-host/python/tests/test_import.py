@@ -44,7 +44,7 @@ def test_refusals_match_the_command_line(tmp_path):
     with pytest.raises(MeasurementError, match="cannot be read"):
         import_admittance(tmp_path / "none.csv")
     text = path.read_text().splitlines()
-    (tmp_path / "equal.csv").write_text("\n".join([text[0], text[1], text[1], *text[2:]]))
+    (tmp_path / "equal.csv").write_text("\n".join([text[0], text[1], text[1], text[1], *text[2:]]))
     with pytest.raises(MeasurementError, match="equal.csv: neighbouring frequencies are equal: lines 2 and 3"):
         import_admittance(tmp_path / "equal.csv")
     with pytest.raises(MeasurementError, match="unit missing"):
