@@ -114,8 +114,8 @@ struct Line<'a> {
     cells: usize,
     /// Number of cells up to the last one with content.
     filled: usize,
-    /// Number of cells with a number.
-    numbers: usize,
+    /// `true` if a cell is a number.
+    has_number: bool,
 }
 
 /// Finds the table of a text. `names`, separated by commas, replaces the heading if given.
@@ -132,12 +132,12 @@ pub fn read(text: &str, names: Option<&str>) -> Result<Table, TableError> {
         .map(|(at, text)| Line::new(form, at, text))
         .collect();
     let Some(first) = lines.first() else { return Err(TableError::Empty) };
-    let with_number = || lines.iter().filter(|line| line.numbers > 0);
+    let with_number = || lines.iter().filter(|line| line.has_number);
     let Some(cells) = most_frequent(with_number().map(|line| line.cells)) else {
         return Err(TableError::NoNumbers { begins: beginning(first.text) });
     };
     let width = with_number().filter(|line| line.cells == cells).map(|line| line.filled).max().unwrap_or(cells);
-    let is_row = |line: &Line| line.numbers > 0 && line.cells >= width && line.filled <= width;
+    let is_row = |line: &Line| line.has_number && line.cells >= width && line.filled <= width;
     let last = lines.iter().rposition(is_row).unwrap_or(0);
     let begin = lines[..=last].iter().rposition(|line| !is_row(line)).map_or(0, |at| at + 1);
     let rows = &lines[begin..=last];
@@ -177,15 +177,15 @@ pub fn read(text: &str, names: Option<&str>) -> Result<Table, TableError> {
 
 impl<'a> Line<'a> {
     fn new(form: Form, at: usize, text: &'a str) -> Self {
-        let (mut cells, mut filled, mut numbers) = (0, 0, 0);
+        let (mut cells, mut filled, mut has_number) = (0, 0, false);
         for cell in form.cells(text) {
             cells += 1;
             if !cell.is_empty() {
                 filled = cells;
-                numbers += usize::from(form.number(cell).is_some());
+                has_number = has_number || form.number(cell).is_some();
             }
         }
-        Line { at, text, cells, filled, numbers }
+        Line { at, text, cells, filled, has_number }
     }
 }
 
@@ -208,9 +208,9 @@ fn check_outside(
 ) -> Result<(), TableError> {
     let refuse = |line: &Line| {
         let at = line.at + 1;
-        Err(match line.numbers {
-            0 => TableError::Interrupted { line: at, begins: beginning(line.text) },
-            _ => TableError::Cells { line: at, cells: line.cells, columns: width },
+        Err(match line.has_number {
+            false => TableError::Interrupted { line: at, begins: beginning(line.text) },
+            true => TableError::Cells { line: at, cells: line.cells, columns: width },
         })
     };
     let numeric: Vec<bool> = columns.iter().map(|column| column.words.is_empty()).collect();
@@ -221,12 +221,13 @@ fn check_outside(
     };
     if let Some(before) = begin.checked_sub(1) {
         // A line of numbers only is a row that was cut, unless it is a single one.
-        let is_cut = lines[before].numbers > 1 && lines[before].numbers == lines[before].filled;
+        let is_cut =
+            lines[before].filled > 1 && form.cells(lines[before].text).all(|cell| cell.is_empty() || form.number(cell).is_some());
         if is_cut || numeric.contains(&true) && lines[..before].iter().any(is_row_above) {
             return refuse(&lines[before]);
         }
     }
-    let below = lines[last + 1..].iter().find(|line| line.numbers > 0 || line.filled == width && width > 1);
+    let below = lines[last + 1..].iter().find(|line| line.has_number || line.filled == width && width > 1);
     below.map_or(Ok(()), refuse)
 }
 
