@@ -26,8 +26,23 @@ impl<const RING: usize> Step<RING> {
     #[inline]
     pub fn holds(&mut self, (adc, dac): (usize, usize)) -> bool {
         let lead = (dac + RING - adc % RING) % RING;
-        let off = (lead + RING - *self.lead.get_or_insert(lead)) % RING;
-        let was_off = core::mem::replace(&mut self.was_off, off != 0);
-        off == 0 || !was_off && (off == 1 || off == RING - 1)
+        if self.lead == Some(lead) {
+            self.was_off = false;
+            return true;
+        }
+        self.accepts(lead)
+    }
+
+    /// Returns `true` for the first lead, and for a first one that is off by one. Not in the fast
+    /// memory of the block interrupt, which is full.
+    #[cold]
+    #[inline(never)]
+    fn accepts(&mut self, lead: usize) -> bool {
+        let Some(expected) = self.lead else {
+            self.lead = Some(lead);
+            return true;
+        };
+        let off = (lead + RING - expected) % RING;
+        !core::mem::replace(&mut self.was_off, true) && (off == 1 || off == RING - 1)
     }
 }

@@ -111,13 +111,8 @@ fn is_time(name: &str) -> bool {
     let begins = || {
         heading.name.to_lowercase().split(|c: char| !c.is_alphanumeric()).next().is_some_and(|word| TIME_WORDS.contains(&word))
     };
-    let has_unit = || {
-        heading
-            .unit
-            .zip(Unit::parse("s"))
-            .is_some_and(|(unit, second)| Unit::parse_like(unit, &second).is_some_and(|unit| unit.measures_like(&second)))
-    };
-    is_time_name(heading.name) || begins() && has_unit()
+    let unit = heading.unit.zip(Unit::parse("s")).and_then(|(unit, second)| Unit::parse_like(unit, &second)?.factor_to(&second));
+    is_time_name(heading.name) || unit.is_some() && begins()
 }
 
 #[cfg(test)]
