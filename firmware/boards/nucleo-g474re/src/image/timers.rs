@@ -48,10 +48,14 @@ pub fn prepare() {
 /// triggers of a sample. The position of the ADC's ring is read first, within 20 cycles.
 const QUIET: RangeInclusive<u16> = 30..=68;
 
-/// Waits for the quiet part of the sample: at most one sample, if the clock runs.
+/// Cycles between two reads of the counter in [`await_quiet`], at least.
+const MIN_READ_CYCLES: u32 = 6;
+
+/// Waits for the quiet part of the sample: at most one sample if the clock runs, and about two if
+/// it has stopped.
 #[inline]
 pub fn await_quiet() {
-    for _ in 0..CYCLES_PER_SAMPLE {
+    for _ in 0..CYCLES_PER_SAMPLE / MIN_READ_CYCLES {
         if QUIET.contains(&(TIM3.cnt().read().0 as u16)) {
             return;
         }
