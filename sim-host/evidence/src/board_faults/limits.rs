@@ -25,8 +25,6 @@ pub enum Limit {
     Hardware,
     /// "1 block": the interrupt at the end of the block that contains the fault acts.
     OneBlock,
-    /// "2 blocks": the interrupt at the end of the block after that one acts.
-    TwoBlocks,
     /// "8 blocks" and so on (`seam::fault`): whole blocks after the one that contains the fault,
     /// and the block of the interrupt that mutes.
     Blocks(u32),
@@ -44,7 +42,6 @@ impl Limit {
         match self {
             Limit::Hardware => HARDWARE_S,
             Limit::OneBlock => BLOCK_S + ENTRY_S,
-            Limit::TwoBlocks => 2.0 * BLOCK_S + ENTRY_S,
             Limit::Blocks(blocks) => f64::from(blocks + 2) * BLOCK_S,
             // The last block may be complete, but its interrupt not entered yet.
             Limit::NoBlock => f64::from(MISSED) * BLOCK_S + ENTRY_S,

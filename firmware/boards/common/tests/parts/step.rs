@@ -16,25 +16,13 @@ fn positions(cycle: usize, lost: (usize, usize)) -> (usize, usize) {
 }
 
 #[test]
-fn every_lost_trigger_is_detected_within_two_blocks_and_nothing_else() {
+fn every_lost_trigger_is_detected_and_nothing_else() {
     for quiet in 25..=99 {
         for lost in [(0, 0), (1, 0), (2, 0), (5, 0), (0, 2), (0, 6)] {
             let mut step = Step::<RING>::default();
             let blocks = (0..5).map(|block| quiet + block * RING / 2 * CYCLES_PER_SAMPLE);
             assert!(blocks.clone().all(|cycle| step.holds(positions(cycle, (0, 0)))), "{quiet}");
-            let held: Vec<bool> = blocks.clone().map(|cycle| step.holds(positions(cycle, lost))).collect();
-            let expected = if lost == (0, 0) { [true; 5] } else { [held[0], false, false, false, false] };
-            assert_eq!(held, expected, "{quiet} {lost:?}");
-            // More than one sample off counts at once.
-            assert!(!held[0] || lost.0 < 3 && lost.1 < 4, "{quiet} {lost:?}");
+            assert!(blocks.clone().all(|cycle| step.holds(positions(cycle, lost)) == (lost == (0, 0))), "{quiet} {lost:?}");
         }
     }
-}
-
-#[test]
-fn a_single_block_off_by_one_is_accepted() {
-    let mut step = Step::<RING>::default();
-    let leads = [2, 2, 3, 2, 1, 2, 2];
-    assert!(leads.into_iter().all(|dac| step.holds((0, dac))));
-    assert!(!step.holds((0, 4)) && !step.holds((0, 3)));
 }

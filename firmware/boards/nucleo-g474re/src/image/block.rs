@@ -34,6 +34,8 @@ pub fn worst_cycles() -> u32 {
     WORST_CYCLES.load(Ordering::Relaxed)
 }
 
+/// Number of further samples in which the rings must be out of step.
+const CONFIRMED_SAMPLES: usize = 3;
 /// Address pins of the sense multiplexer, which select the lane whose voltage and current are
 /// measured.
 const MULTIPLEXER_PINS: [Pin; 2] = [Pin::new(GPIOC, 8), Pin::new(GPIOC, 9)];
@@ -76,7 +78,11 @@ impl BlockInterrupt {
         // DMA has just left the half of the ring opposite to its position.
         timers::await_quiet();
         let (adc, dac) = (adc::next(), self.lanes.next());
-        if adc::CHANNEL.acknowledge() || adc::is_overrun() || !self.lanes.are_fed() || !self.step.holds((adc, dac)) {
+        if adc::CHANNEL.acknowledge()
+            || adc::is_overrun()
+            || !self.lanes.are_fed()
+            || !self.step.holds((adc, dac)) && self.has_lost_sample()
+        {
             panic::end_blocks();
             return self.lanes.silence();
         }
@@ -111,6 +117,17 @@ impl BlockInterrupt {
         self.late = !half.is_in_time::<AHEAD>(self.lanes.next());
         WORST_CYCLES.fetch_max(DWT::cycle_count().wrapping_sub(began), Ordering::Relaxed);
         count::count_block();
+    }
+
+    /// Returns `true` if the rings remain out of step in the next samples. While flash is written,
+    /// single reads are. Not in the core-coupled RAM, which is full.
+    #[cold]
+    #[inline(never)]
+    fn has_lost_sample(&mut self) -> bool {
+        (0..CONFIRMED_SAMPLES).all(|_| {
+            timers::await_next_quiet();
+            !self.step.holds((adc::next(), self.lanes.next()))
+        })
     }
 
     /// Selects the lane to measure in the block that begins, which plays the answer of the previous

@@ -62,6 +62,16 @@ pub fn await_quiet() {
     }
 }
 
+/// Waits for the quiet part of the next sample, if the clock runs.
+pub fn await_next_quiet() {
+    for _ in 0..CYCLES_PER_SAMPLE / MIN_READ_CYCLES {
+        if !QUIET.contains(&(TIM3.cnt().read().0 as u16)) {
+            break;
+        }
+    }
+    await_quiet();
+}
+
 /// Starts the sample clock: CR1.CEN (29.5.1).
 pub fn start() {
     TIM3.cr1().modify(|w| w.set_cen(true));
