@@ -119,15 +119,16 @@ impl BlockInterrupt {
         count::count_block();
     }
 
-    /// Returns `true` if the rings remain out of step in the next samples. While flash is written,
-    /// single reads are. Not in the core-coupled RAM, which is full.
+    /// Returns `true` if the clock has stopped, or the rings remain out of step in the next samples.
+    /// While flash is written, single reads are. Not in the core-coupled RAM, which is full.
     #[cold]
     #[inline(never)]
     fn has_lost_sample(&mut self) -> bool {
-        (0..CONFIRMED_SAMPLES).all(|_| {
-            timers::await_next_quiet();
-            !self.step.holds((adc::next(), self.lanes.next()))
-        })
+        !timers::is_running()
+            || (0..CONFIRMED_SAMPLES).all(|_| {
+                timers::await_next_quiet();
+                !self.step.holds((adc::next(), self.lanes.next()))
+            })
     }
 
     /// Selects the lane to measure in the block that begins, which plays the answer of the previous

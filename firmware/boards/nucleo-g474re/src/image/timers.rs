@@ -72,6 +72,11 @@ pub fn await_next_quiet() {
     await_quiet();
 }
 
+/// Returns `true` if the sample clock counts.
+pub fn is_running() -> bool {
+    TIM3.cnt().read() != TIM3.cnt().read()
+}
+
 /// Starts the sample clock: CR1.CEN (29.5.1).
 pub fn start() {
     TIM3.cr1().modify(|w| w.set_cen(true));
