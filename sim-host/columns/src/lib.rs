@@ -27,7 +27,18 @@ mod text;
 pub mod unit;
 
 pub use error::TableError;
+#[cfg(feature = "formats")]
+pub use formats::parse;
 pub use heading::Heading;
 pub use table::{BadCell, Column, Table, read};
 pub use text::{beginning, decode, hidden, number, visible, visible_line};
 pub use unit::Unit;
+
+/// Reads the table of a text file. `names`, separated by commas, replaces the heading if given.
+///
+/// # Errors
+/// [`TableError`], with the line that causes it.
+#[cfg(not(feature = "formats"))]
+pub fn parse(bytes: &[u8], names: Option<&str>) -> Result<Table, TableError> {
+    read(&decode(bytes), names)
+}

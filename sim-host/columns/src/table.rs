@@ -20,7 +20,8 @@ pub struct Table {
     pub names: Option<Vec<String>>,
     /// Number of the line of each row, from 1; empty for a binary file.
     pub lines: Vec<usize>,
-    /// The columns; all have the same number of rows. A column without any content is left out.
+    /// The columns; all have the same number of rows. A column without any content is left out, and
+    /// one without a name that is mostly empty.
     pub columns: Vec<Column>,
     /// Description of the form, for a reader.
     pub found: String,
@@ -66,6 +67,17 @@ impl Column {
         }
     }
 
+    /// Returns the text of a cell that is not a number.
+    pub fn word(&self, row: usize) -> Option<&str> {
+        let at = self.words.binary_search_by_key(&row, |(row, _)| *row).ok()?;
+        Some(&self.words[at].1)
+    }
+
+    /// Returns the number of cells with content.
+    pub fn filled(&self) -> usize {
+        self.values.len() - self.words.iter().filter(|(_, text)| text.is_empty()).count()
+    }
+
     /// Adds a cell.
     fn push(&mut self, number: Option<f64>, text: &str) {
         if number.is_none() {
@@ -84,6 +96,21 @@ impl Table {
     /// Returns the place of a row in the file, as text.
     pub fn place(&self, row: usize) -> String {
         self.lines.get(row).map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"))
+    }
+
+    /// Returns the table of these rows, in ascending order.
+    #[must_use]
+    pub fn selected(&self, rows: &[usize]) -> Self {
+        let column = |column: &Column| {
+            let mut selected = Column::default();
+            for &row in rows {
+                let value = column.values[row];
+                selected.push((!value.is_nan()).then_some(value), column.word(row).unwrap_or_default());
+            }
+            selected
+        };
+        let lines = rows.iter().filter_map(|row| self.lines.get(*row).copied()).collect();
+        Table { names: self.names.clone(), lines, columns: self.columns.iter().map(column).collect(), found: self.found.clone() }
     }
 
     /// Replaces the names of the columns by given ones, separated by commas.
@@ -157,9 +184,10 @@ pub fn read(text: &str, names: Option<&str>) -> Result<Table, TableError> {
         names,
         decimal_comma: form.has_commas() && width == 2 * names,
     };
-    let mut found_names = heading(&all, rows[0].at, width, form).map_err(width_error)?;
-    let filled: Vec<bool> =
-        columns.iter().map(|column| column.words.iter().filter(|(_, text)| text.is_empty()).count() < rows.len()).collect();
+    let mut found_names = heading(&all, rows[0].at, width, cells, form).map_err(width_error)?;
+    // Without names, a column that is filled in a few rows describes the instrument.
+    let least = if found_names.is_some() { 1 } else { rows.len().div_ceil(2) };
+    let filled: Vec<bool> = columns.iter().map(|column| column.filled() >= least).collect();
     let keep = |at: usize| filled.get(at).copied().unwrap_or(false);
     let mut at = 0..;
     columns.retain(|_| at.next().is_some_and(keep));
@@ -227,27 +255,32 @@ fn check_outside(
             return refuse(&lines[before]);
         }
     }
-    let below = lines[last + 1..].iter().find(|line| line.has_number || line.filled == width && width > 1);
+    let below = lines[last + 1..].iter().find(|line| line.has_number || line.filled == width);
     below.map_or(Ok(()), refuse)
 }
 
 /// Returns the names of the columns from the lines above the first row: the nearest line, with the
-/// units of a line in between. Fails with the number of names if it differs from the width.
-fn heading(lines: &[&str], first: usize, width: usize, form: Form) -> Result<Option<Vec<String>>, usize> {
-    let mut above = lines[..first].iter().rev().filter(|line| !line.trim().is_empty()).map(|line| {
+/// units of a line in between. A name above `width` belongs to a column without content. Fails with
+/// the number of names if it differs from the width.
+fn heading(lines: &[&str], first: usize, width: usize, all: usize, form: Form) -> Result<Option<Vec<String>>, usize> {
+    let above = lines[..first].iter().rev().filter(|line| !line.trim().is_empty()).map(|line| {
         let (text, comment) = without_comment(line);
         let mut cells: Vec<&str> = form.cells(text).collect();
+        if cells.len() == all {
+            cells.truncate(width);
+        }
         while cells.len() > width && cells.last().is_some_and(|cell| cell.is_empty()) {
             cells.pop();
         }
         (cells, comment)
     });
+    // A remark may stand between heading and rows; a heading may be a comment.
+    let mut above = above.filter(|(cells, comment)| !comment || cells.len() == width);
     let has_words = |cells: &[&str]| cells.iter().any(|cell| cell.chars().any(char::is_alphabetic));
-    let Some((cells, comment)) = above.next().filter(|(cells, _)| has_words(cells)) else { return Ok(None) };
+    let Some((cells, _)) = above.next().filter(|(cells, _)| has_words(cells)) else { return Ok(None) };
     if cells.len() != width {
-        // A remark or the last line of a preamble is not a heading.
-        let is_heading =
-            !comment && cells.len() > 1 && !form.has_blanks() && cells.iter().all(|cell| form.number(cell).is_none());
+        // The last line of a preamble is not a heading.
+        let is_heading = cells.len() > 1 && !form.has_blanks() && cells.iter().all(|cell| form.number(cell).is_none());
         return if is_heading { Err(cells.len()) } else { Ok(None) };
     }
     let bare = |unit: &str| unit.trim_matches(|c| "[](){}".contains(c)).trim().to_owned();

@@ -136,7 +136,7 @@ pub struct Signal {
     pub sample_s: f64,
     /// Samples.
     pub samples: Vec<f64>,
-    /// Assumption about the times, if one was necessary.
+    /// Assumption about the times, and omitted rows, if there are any.
     pub remark: Option<String>,
 }
 
@@ -169,17 +169,23 @@ impl Signal {
             Some(name) => columns.place(path, name)?,
             None => columns.only(path, time)?,
         };
-        let samples = columns.numbers(path, place)?;
+        let rows = columns.span(place);
+        let samples = columns.numbers(path, place, &rows)?;
         let (start_s, sample_s, remark) = match (choice.sample_hz, time) {
             (Some(hz), _) => (0.0, 1.0 / hz, None),
             (None, Some(time)) => {
                 let unit_s = columns.time_unit_s(path, time)?;
-                let (start_s, sample_s) = even(path, columns, &columns.numbers(path, time)?, unit_s.unwrap_or(1.0))?;
+                let times = columns.numbers(path, time, &rows)?;
+                let (start_s, sample_s) = even(path, columns, rows.start, &times, unit_s.unwrap_or(1.0))?;
                 let assumed = || format!("`{}` has no unit: s is assumed", columns.name(time));
                 (start_s, sample_s, unit_s.is_none().then(assumed))
             }
             (None, None) => return Err(SignalError::Time { path: path.to_owned(), columns: columns.listed() }),
         };
+        let empty = columns.rows() - rows.len();
+        let cut = (empty > 0).then(|| format!("{empty} rows at the ends, in which the column is empty, are left out"));
+        let remarks: Vec<String> = remark.into_iter().chain(cut).collect();
+        let remark = (!remarks.is_empty()).then(|| remarks.join("; "));
         let whole = Signal { name: columns.name(place).to_owned(), start_s, sample_s, samples, remark };
         whole.part(choice)
     }
@@ -218,7 +224,7 @@ impl Signal {
 }
 
 /// Returns the first time and the step, s, if the times are evenly spaced.
-fn even(path: &Path, columns: &Columns, times: &[f64], scale: f64) -> Result<(f64, f64), SignalError> {
+fn even(path: &Path, columns: &Columns, first_row: usize, times: &[f64], scale: f64) -> Result<(f64, f64), SignalError> {
     let (Some(first), Some(last)) = (times.first(), times.last()) else {
         return Err(SignalError::TooFew { count: 0, part: String::new() });
     };
@@ -241,7 +247,12 @@ fn even(path: &Path, columns: &Columns, times: &[f64], scale: f64) -> Result<(f6
     });
     if let Some(n) = uneven.or((mean <= 0.0).then_some(1)) {
         let step_s = scale * (times[n] - times[n - 1]);
-        return Err(SignalError::Uneven { path: path.to_owned(), place: columns.at(n), step_s, mean_s: scale * mean });
+        return Err(SignalError::Uneven {
+            path: path.to_owned(),
+            place: columns.at(first_row + n),
+            step_s,
+            mean_s: scale * mean,
+        });
     }
     Ok((scale * first, scale * mean))
 }
@@ -328,6 +339,47 @@ mod tests {
         assert!(refused("a,b\n1,2\n2,3\n", &named("b")).contains("--sample-hz (a, b)"));
         let hole = even.replace("20,400,Run", "20,,Run");
         assert_eq!(refused(&hole, &force()), "a.csv, line 22: `force_n` is empty, but a signal needs a number in every row");
+    }
+
+    /// Layouts of Keysight, PicoScope, Digilent WaveForms, Tektronix (TDS, MSO) and Siglent, as in
+    /// public repositories.
+    #[test]
+    fn files_of_oscilloscopes_are_read() {
+        let layouts: [(&str, fn(usize) -> String, Choice); 6] = [
+            ("x-axis,1,2\nsecond,Ampere,Volt\n", |n| format!("{:.6E},{n}.5,0\n", n as f64 * 1e-6), Choice::default()),
+            ("Time,Channel A\n(ms),(V)\n\n", |n| format!("{:.8},{n}.5\n", n as f64 * 1e-3), Choice::default()),
+            (
+                "#Digilent WaveForms Oscilloscope Acquisition\n#Samples: 99\n\nTime (s),Channel 1 (V)\n",
+                |n| format!("{:.3e},{n}.5\n", n as f64 * 1e-6),
+                Choice::default(),
+            ),
+            (
+                "Record Length,2.5e+03,,0,0.5,\nVertical Units,V,,1e-6,1.5,\n",
+                |n| format!(",,,{:.9},{n}.5,\n", (n + 2) as f64 * 1e-6),
+                Choice { time: Some("1".into()), ..Choice::default() },
+            ),
+            (
+                "Model,MSO4034\n\nRecord Length,99\nVertical Units,V,\n\nTIME,CH1\n",
+                |n| format!("{:.4e},{n}.5\n", n as f64 * 1e-6),
+                Choice::default(),
+            ),
+            (
+                "Sample Interval,CH1:1.00E-06\nModel Number,SDS1104X-E\nSource,CH1\nSecond,Volt\n",
+                |n| format!("{:.11},{n}.5\n", n as f64 * 1e-6),
+                Choice::default(),
+            ),
+        ];
+        for (head, row, choice) in layouts {
+            let rows: String = (0..99).map(row).collect();
+            let found = signal(&format!("{head}{rows}"), &Choice { column: Some("2".into()), ..choice });
+            let found = found.unwrap_or_else(|error| panic!("{head}: {error}"));
+            assert!((found.sample_s - 1e-6).abs() < 1e-11, "{head}: {}", found.sample_s);
+        }
+        // The first samples of a channel may be missing.
+        let missing: String = (0..99).map(|n| format!("{n}e-6,{}\n", if n < 3 { "" } else { "0.5" })).collect();
+        let found = signal(&format!("x-axis,1\nsecond,Volt\n{missing}"), &Choice::default()).unwrap();
+        assert_eq!((found.samples.len(), found.start_s), (96, 3e-6));
+        assert!(found.remark.is_some_and(|remark| remark.starts_with("3 rows at the ends")));
     }
 
     #[test]

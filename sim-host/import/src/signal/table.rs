@@ -1,8 +1,9 @@
 //! Columns of a file in any known format, for a signal: by name or number, and the column of times.
 
+use std::ops::Range;
 use std::path::Path;
 
-use columns::{Heading, Table, Unit, formats, heading::is_time_name};
+use columns::{Column, Heading, Table, Unit, formats, heading::is_time_name};
 
 use super::SignalError;
 
@@ -77,9 +78,25 @@ impl Columns {
         }
     }
 
-    /// Returns the index of the first column with a name of a time.
+    /// Returns the index of the first column with a name of a time, or of the only one with a unit
+    /// of time.
     pub(super) fn time(&self) -> Option<usize> {
-        self.names.iter().position(|name| is_time(name))
+        let mut by_unit = (0..self.names.len()).filter(|at| unit_of_time(Heading::new(&self.names[*at], is_time_name).unit));
+        let only = by_unit.next().filter(|_| by_unit.next().is_none());
+        self.names.iter().position(|name| is_time(name)).or(only)
+    }
+
+    /// Returns the number of rows.
+    pub(super) fn rows(&self) -> usize {
+        self.table.rows()
+    }
+
+    /// Returns the rows without those at the beginning and the end in which a column is empty.
+    pub(super) fn span(&self, place: usize) -> Range<usize> {
+        let is_filled = |row: &usize| self.table.columns[place].word(*row) != Some("");
+        let rows = 0..self.table.rows();
+        let first = rows.clone().find(is_filled).unwrap_or(0);
+        first..rows.rev().find(is_filled).map_or(first, |last| last + 1)
     }
 
     /// Returns the unit of a column of times, s; `None` if its name has none.
@@ -95,11 +112,14 @@ impl Columns {
         }
     }
 
-    /// Returns the numbers of a column.
-    pub(super) fn numbers(&self, path: &Path, place: usize) -> Result<Vec<f64>, SignalError> {
-        self.table.columns[place].numbers().map(<[f64]>::to_vec).map_err(|cell| {
+    /// Returns the numbers of a column in these rows.
+    pub(super) fn numbers(&self, path: &Path, place: usize, rows: &Range<usize>) -> Result<Vec<f64>, SignalError> {
+        let column = &self.table.columns[place];
+        let words = column.words.iter().filter(|(row, _)| rows.contains(row)).map(|(row, text)| (row - rows.start, text.clone()));
+        let part = Column { values: column.values[rows.clone()].to_vec(), words: words.collect() };
+        part.numbers().map(<[f64]>::to_vec).map_err(|cell| {
             let (path, name) = (path.to_owned(), self.names[place].clone());
-            SignalError::Cell { path, place: self.at(cell.row), name, what: cell.what }
+            SignalError::Cell { path, place: self.at(rows.start + cell.row), name, what: cell.what }
         })
     }
 }
@@ -111,8 +131,12 @@ fn is_time(name: &str) -> bool {
     let begins = || {
         heading.name.to_lowercase().split(|c: char| !c.is_alphanumeric()).next().is_some_and(|word| TIME_WORDS.contains(&word))
     };
-    let unit = heading.unit.zip(Unit::parse("s")).and_then(|(unit, second)| Unit::parse_like(unit, &second)?.factor_to(&second));
-    is_time_name(heading.name) || unit.is_some() && begins()
+    is_time_name(heading.name) || unit_of_time(heading.unit) && begins()
+}
+
+fn unit_of_time(unit: Option<&str>) -> bool {
+    let factor = unit.zip(Unit::parse("s")).and_then(|(unit, second)| Unit::parse_like(unit, &second)?.factor_to(&second));
+    factor.is_some()
 }
 
 #[cfg(test)]
