@@ -90,7 +90,10 @@ impl Known {
 fn words(name: &str) -> Vec<String> {
     let lower = name.to_lowercase();
     let words = lower.split(|c: char| !(c.is_alphanumeric() || c == '\'')).filter(|word| !word.is_empty());
-    words.filter(|word| !["trace", "data", "measured", "value", "channel", "of"].contains(word)).map(str::to_owned).collect()
+    words
+        .filter(|word| !["trace", "data", "measured", "identified", "true", "value", "channel", "of"].contains(word))
+        .map(str::to_owned)
+        .collect()
 }
 
 /// Returns the complex quantity that a name contains.

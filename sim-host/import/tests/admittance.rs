@@ -59,7 +59,7 @@ fn damaged_files_do_not_panic() {
     let small: Vec<Example> = (0..).map(Example::draw).filter(|example| example.hz.len() == 101).take(12).collect();
     for number in 0..150 {
         let example = &small[number as usize % small.len()];
-        let bytes = mutated(example, number);
+        let bytes = mutated(&example.bytes, number);
         let _ = Measured::parse(&example.name, &bytes, &example.options).and_then(|sweep| fit("damaged", sweep, None));
     }
 }

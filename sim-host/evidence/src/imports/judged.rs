@@ -130,7 +130,7 @@ pub(super) fn damaged(number: u64) -> Damaged {
     let first = (number % DAMAGED_EXAMPLES) * 7;
     let small = (first..).map(Example::draw).find(|example| example.hz.len() <= FEW_POINTS);
     let Some(example) = small else { return Damaged { number, end: ImportResult::Taken } };
-    let bytes = mutated(&example, number);
+    let bytes = mutated(&example.bytes, number);
     let tried =
         catch_unwind(|| Measured::parse(&example.name, &bytes, &example.options).and_then(|sweep| fit("damaged", sweep, None)));
     let end = match tried {

@@ -18,7 +18,10 @@ use crate::rows::means;
 use crate::touchstone::{self, Parameters, Touchstone};
 use crate::traces;
 use crate::units::{numbers, to_si};
-use columns::{file, formats};
+use columns::{Table, file, formats};
+
+/// Minimum number of points of a measured series next to a computed one.
+const MIN_SERIES_POINTS: usize = 12;
 
 /// Sweep of a transducer's admittance over frequency.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,6 +140,7 @@ fn from_table(bytes: &[u8], text: Option<&str>, options: &Options) -> Result<Mea
     let traces = text.map_or(Ok(None), |text| traces::joined(text, columns))?;
     let table = traces.map_or_else(|| formats::parse(bytes, columns), Ok)?;
     let mut remarks = vec![format!("A table with {}", table.found)];
+    let table = one_series(table, &mut remarks);
     let Some(names) = &table.names else {
         let seen = format!(
             "a table of {} columns without a heading; name them with `--columns`, such as `--columns \"f [Hz], |Z| [ohm], theta \
@@ -146,8 +150,12 @@ fn from_table(bytes: &[u8], text: Option<&str>, options: &Options) -> Result<Mea
         return Err(ImportError::UnknownForm { seen });
     };
     let known: Vec<Option<Known>> = names.iter().map(|name| Known::parse(name)).collect();
-    let column =
-        |quantity: Quantity| known.iter().position(|known| known.as_ref().is_some_and(|known| known.quantity == quantity));
+    let column = |quantity: Quantity| {
+        let has = |at: &usize| known[*at].as_ref().is_some_and(|known| known.quantity == quantity);
+        // A column of few points next to curves has many empty cells.
+        let is_sparse = |at: &usize| 2 * table.columns[*at].filled() < table.rows();
+        (0..names.len()).filter(has).min_by_key(is_sparse)
+    };
     let mut take = |at: usize| -> Result<Vec<f64>, ImportError> {
         let mut values = numbers(&table, at)?;
         if let Some(known) = &known[at] {
@@ -197,6 +205,24 @@ fn from_table(bytes: &[u8], text: Option<&str>, options: &Options) -> Result<Mea
         _ => Coordinate::Scattering(connection(subject, options.topology)?, options.z0_ohm),
     };
     Measured::new(&lines, hz, &values, coordinate, remarks)
+}
+
+/// Returns the rows of one series of a table with several, as our figures have: the measured series
+/// if a circuit can be fitted to it, otherwise the longest.
+fn one_series(table: Table, remarks: &mut Vec<String>) -> Table {
+    let Some(at) = table.headings().iter().position(|name| name.eq_ignore_ascii_case("series")) else { return table };
+    let mut series: Vec<(&str, Vec<usize>)> = Vec::new();
+    for (row, name) in &table.columns[at].words {
+        match series.iter_mut().find(|(known, _)| known == name) {
+            Some((_, rows)) => rows.push(*row),
+            None => series.push((name, vec![*row])),
+        }
+    }
+    let is_measured = |(name, rows): &&(&str, Vec<usize>)| name.contains("measured") && rows.len() >= MIN_SERIES_POINTS;
+    let longest = || series.iter().max_by_key(|(_, rows)| rows.len());
+    let Some(one) = series.iter().find(is_measured).or_else(longest) else { return table };
+    remarks.push(format!("The series `{}` of {}", columns::beginning(one.0), series.len()));
+    table.selected(&one.1)
 }
 
 /// Returns the connection in which a scattering parameter was measured.

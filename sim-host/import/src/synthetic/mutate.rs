@@ -1,7 +1,6 @@
 //! Damaged files: bytes, lines and numbers of an example are changed as mail programs, editors and
 //! faulty exporters change them.
 
-use super::Example;
 use super::random::Random;
 
 /// Bytes with a meaning in tables.
@@ -10,10 +9,10 @@ const TELLING: &[u8] = b"0123456789.,;-+eE \t\n!#\"[]()/xnN\xff\x00\xc3";
 const ODD: [&str; 12] =
     ["nan", "inf", "-", "", "1e999", "0", "-0", "9.9e37", "overload", "1,5", "1e-320", "99999999999999999999"];
 
-/// Returns the damaged content of an example, by a seed.
-pub fn mutated(example: &Example, seed: u64) -> Vec<u8> {
+/// Returns the damaged content of a file, by a seed.
+pub fn mutated(bytes: &[u8], seed: u64) -> Vec<u8> {
     let mut random = Random::new(seed ^ 0x00da_3a9e);
-    let mut bytes = example.bytes.clone();
+    let mut bytes = bytes.to_vec();
     for _ in 0..1 + random.below(6) {
         mutate(&mut bytes, &mut random);
     }
