@@ -21,7 +21,7 @@ use crate::commands::lock::{LockArgs, acquire};
 use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::terminal_plot::TerminalPlot;
-use report::{self, Axis, Figure, Marker, Report, Series, Style};
+use report::{self, Along, Axis, Figure, Marker, Report, Series, Style};
 use sim::provenance::Provenance;
 
 /// Number of points of a drawn loop, less one.
@@ -34,6 +34,12 @@ const MIN_SETTLE_S: f64 = 2e-3;
 /// Converts a resonance of a scan report.
 pub fn branch(found: &Resonance) -> Branch {
     Branch { hz: found.hz.into(), q: found.q.into(), siemens: found.conductance_s.into() }
+}
+
+/// Returns the phase along curves of admittances over frequency.
+pub fn phases(curves: &[&[(f64, Complex64)]]) -> Along {
+    let phase = |curve: &&[(f64, Complex64)]| curve.iter().map(|(_, y)| y.arg().to_degrees()).collect();
+    Along { csv_column: "phase_deg".into(), values: curves.iter().map(phase).collect() }
 }
 
 /// Admittance loop of a transducer.
@@ -97,36 +103,28 @@ impl Loop {
     /// Writes the loop as SVG, PNG and CSV.
     pub fn write(&self, dir: &Path, provenance: &Provenance) -> Result<(), LinkError> {
         let places = self.places();
-        let of = |y: &[Complex64], name: &str, column: &str, style: Style| Series {
-            name: name.into(),
-            csv_column: column.into(),
-            x: y.iter().map(|y| 1e3 * y.re).collect(),
-            y: y.iter().map(|y| 1e3 * y.im).collect(),
-            style,
-        };
-        let circuit: Vec<Complex64> = places.iter().map(|&hz| self.circuit.admittance(hz)).collect();
-        let measured: Vec<Complex64> = self.measured.iter().map(|(_, y)| *y).collect();
-        let mut series = vec![of(&circuit, "identified circuit", "susceptance_ms", Style::Line)];
-        if !measured.is_empty() {
-            series.push(of(&measured, "measured, settled", "measured_susceptance_ms", Style::Points));
+        let drawn: Vec<(f64, Complex64)> = places.iter().map(|&hz| (hz, self.circuit.admittance(hz))).collect();
+        let mut curves = vec![("identified circuit", "admittance_identified", Style::Line, &drawn[..])];
+        if !self.measured.is_empty() {
+            curves.push(("measured, settled", "admittance_measured", Style::Points, &self.measured[..]));
         }
+        let series = |x: fn(&(f64, Complex64)) -> f64, y: fn(&(f64, Complex64)) -> f64| {
+            let one = |(name, column, style, points): &(&str, &str, Style, &[(f64, Complex64)])| Series {
+                name: (*name).into(),
+                csv_column: (*column).into(),
+                x: points.iter().map(x).collect(),
+                y: points.iter().map(y).collect(),
+                style: style.clone(),
+            };
+            curves.iter().map(one).collect()
+        };
         let mark = |hz: f64, label: String| {
             let y = 1e3 * self.circuit.admittance(hz);
             Marker { x: y.re, y: y.im, label }
         };
         let markers = self.chosen.iter().map(|about| mark(about.hz, format!("f_s {:.1} Hz", about.hz))).collect();
-        let magnitude = |places: &[(f64, Complex64)], name: &str, column: &str, style: Style| Series {
-            name: name.into(),
-            csv_column: column.into(),
-            x: places.iter().map(|(hz, _)| 1e-3 * hz).collect(),
-            y: places.iter().map(|(_, y)| 1e3 * y.norm()).collect(),
-            style,
-        };
-        let drawn: Vec<(f64, Complex64)> = places.iter().copied().zip(circuit).collect();
-        let mut sizes = vec![magnitude(&drawn, "identified circuit", "admittance_ms", Style::Line)];
-        if !self.measured.is_empty() {
-            sizes.push(magnitude(&self.measured, "measured, settled", "measured_admittance_ms", Style::Points));
-        }
+        let points: Vec<&[(f64, Complex64)]> = curves.iter().map(|curve| curve.3).collect();
+        let hz = points.iter().map(|points| points.iter().map(|(hz, _)| *hz).collect()).collect();
         let axis = |label: &str| Axis { label: label.into(), ..Axis::default() };
         let figures = vec![
             Figure {
@@ -134,8 +132,9 @@ impl Loop {
                 title: "Admittance loop".into(),
                 x: axis("conductance [mS]"),
                 y: axis("susceptance [mS]"),
-                series,
+                series: series(|(_, y)| 1e3 * y.re, |(_, y)| 1e3 * y.im),
                 markers,
+                along: Some(Along { csv_column: "frequency_hz".into(), values: hz }),
                 equal_aspect: true,
                 ..Figure::default()
             },
@@ -144,7 +143,8 @@ impl Loop {
                 title: "Admittance over frequency".into(),
                 x: axis("frequency [kHz]"),
                 y: Axis { log: true, ..axis("admittance [mS]") },
-                series: sizes,
+                series: series(|(hz, _)| 1e-3 * hz, |(_, y)| 1e3 * y.norm()),
+                along: Some(phases(&points)),
                 ..Figure::default()
             },
         ];

@@ -15,12 +15,17 @@ pub fn significant(value: f64) -> String {
     }
 }
 
+/// Smallest standard deviation that is stated, relative to its value: the digits of a file end
+/// there.
+const MIN_STATED_REL: f64 = 1e-9;
+
 /// Formats a number and its standard deviation, such as `40012.34` and `0.56`: the deviation has
 /// two digits.
 pub fn stated(value: f64, sd: f64) -> (String, String) {
     if sd <= 0.0 || !value.is_finite() || !sd.is_finite() {
         return (significant(value), if sd == 0.0 { "0".into() } else { "none".into() });
     }
+    let sd = sd.max(MIN_STATED_REL * value.abs());
     let decimals = decimals(sd);
     (format!("{value:.decimals$}"), format!("{sd:.decimals$}"))
 }

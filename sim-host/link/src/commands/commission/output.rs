@@ -3,10 +3,12 @@
 use std::fs;
 use std::path::Path;
 
+use realfft::num_complex::Complex64;
 use serde_json::json;
 
 use super::drawing::{admittance, places};
 use super::{Commissioned, table};
+use crate::admittance::phases;
 use crate::answer::quantity;
 use crate::link_error::LinkError;
 use crate::parameter::{parameter, shown};
@@ -97,16 +99,16 @@ fn page(found: &Commissioned) -> Report {
         worth(found).into_iter().map(Vec::from).collect(),
     );
     let places = places(found);
-    let line = |name: &str, column: &str, style: Style, points: Vec<(f64, f64)>| Series {
+    let line = |name: &str, column: &str, style: Style, points: &[(f64, Complex64)]| Series {
         name: name.into(),
         csv_column: column.into(),
         x: points.iter().map(|(hz, _)| 1e-3 * hz).collect(),
-        y: points.iter().map(|(_, y)| 1e3 * y).collect(),
+        y: points.iter().map(|(_, y)| 1e3 * y.norm()).collect(),
         style,
     };
     let axis = |label: &str| Axis { label: label.into(), ..Axis::default() };
-    let circuit = places.iter().map(|&hz| (hz, admittance(found, hz).norm())).collect();
-    let tones = found.load.tones.iter().map(|(hz, y)| (*hz, y.norm())).collect();
+    let circuit: Vec<_> = places.iter().map(|&hz| (hz, admittance(found, hz))).collect();
+    let tones = &found.load.tones;
     let markers = found.modes.iter().enumerate().map(|(place, mode)| Marker {
         x: 1e-3 * mode.hz(),
         y: 1e3 * admittance(found, mode.hz()).norm(),
@@ -118,9 +120,10 @@ fn page(found: &Commissioned) -> Report {
         x: axis("frequency [kHz]"),
         y: Axis { log: true, ..axis("admittance [mS]") },
         series: vec![
-            line("identified circuit", "admittance_ms", Style::Line, circuit),
-            line("measured small tones", "measured_admittance_ms", Style::Points, tones),
+            line("identified circuit", "admittance_identified", Style::Line, &circuit),
+            line("measured small tones", "admittance_measured", Style::Points, tones),
         ],
+        along: Some(phases(&[&circuit, tones])),
         markers: markers.collect(),
         ..Figure::default()
     };
