@@ -10,9 +10,6 @@ use crate::output::checksum;
 use columns::file;
 use scene::metrics;
 
-/// Columns of a file of measured metrics; the last is optional.
-const COLUMNS: [&str; 3] = ["metric", "value", "sd"];
-
 /// Value of a metric.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredMetric {
@@ -40,7 +37,8 @@ pub struct Side {
 }
 
 impl Side {
-    /// Reads the folder of a run, or a CSV with the columns `metric`, `value` and optionally `sd`.
+    /// Reads the folder of a run, or a table with the columns `metric`, `value` and optionally
+    /// `sd`.
     ///
     /// # Errors
     /// If it is neither, or if a line of it cannot be read.
@@ -112,39 +110,41 @@ fn of_file(path: &Path) -> Result<Side, CompareError> {
     let label = path.display().to_string();
     let no_result = |why: String| CompareError::NoResult { path: label.clone(), why };
     let bytes = file::read(path, file::MAX_DATA_BYTES).map_err(|error| no_result(format!("cannot be read: {error}")))?;
-    let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).comment(Some(b'#')).from_reader(&bytes[..]);
-    let header: Vec<String> = match reader.headers() {
-        Ok(header) => header.iter().map(str::to_owned).collect(),
-        Err(error) => return Err(no_result(format!("cannot be read: {error}"))),
+    let at = |line: usize, why: String| CompareError::Line { file: label.clone(), line: line as u64, why };
+    let table = columns::parse(&bytes, None).map_err(|error| match error.line() {
+        Some(line) => at(line, error.to_string()),
+        None => no_result(format!("is neither the folder of a run nor a file of measured metrics: {error}")),
+    })?;
+    let names = table.headings();
+    let column = |name: &str| names.iter().position(|heading| heading == name).map(|at| &table.columns[at]);
+    let (Some(metric), Some(value)) = (column("metric"), column("value")) else {
+        return Err(no_result(format!(
+            "is neither the folder of a run nor a file of measured metrics, which has the columns metric, value and optionally \
+             sd; it has `{}`",
+            names.join("`, `")
+        )));
     };
-    let known =
-        header.len() >= 2 && header.len() <= COLUMNS.len() && header.iter().zip(COLUMNS).all(|(have, known)| have == known);
-    if !known {
-        let why = format!(
-            "is neither the folder of a run nor a file of measured metrics, which begins with the line `{}`",
-            COLUMNS.join(",")
-        );
-        return Err(no_result(why));
-    }
+    let sd = column("sd");
     let mut metrics: Vec<MeasuredMetric> = Vec::new();
-    for record in reader.records() {
-        let at = |line: Option<u64>, why: String| CompareError::Line { file: label.clone(), line: line.unwrap_or(1), why };
-        let record = record.map_err(|error| at(error.position().map(csv::Position::line), error.to_string()))?;
-        let line = record.position().map(csv::Position::line);
-        let name = record.get(0).unwrap_or_default();
-        let name = metrics::known(name).map_err(|why| at(line, why))?;
+    for (row, &number) in value.values.iter().enumerate() {
+        let at = |why: String| at(table.lines.get(row).map_or(row + 1, |line| *line), why);
+        let name = metrics::known(metric.word(row).unwrap_or_default()).map_err(at)?;
         if metrics.iter().any(|measured| measured.metric == name) {
-            return Err(at(line, format!("`{name}` occurs twice")));
+            return Err(at(format!("`{name}` occurs twice")));
         }
-        let number = |cell: &str| match cell.parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(number),
-            _ => Err(at(line, format!("`{cell}` is not a number"))),
+        let cell = |word: &str| at(format!("`{}` is not a number", columns::beginning(word)));
+        if let Some(word) = value.word(row) {
+            return Err(cell(word));
+        }
+        let sd = match sd.and_then(|sd| sd.word(row)) {
+            None => sd.map(|sd| sd.values[row]),
+            Some("") => None,
+            Some(word) => return Err(cell(word)),
         };
-        let sd = record.get(2).filter(|cell| !cell.is_empty()).map(number).transpose()?;
         if let Some(sd) = sd.filter(|sd| *sd < 0.0) {
-            return Err(at(line, format!("the standard deviation {sd} is negative")));
+            return Err(at(format!("the standard deviation {sd} is negative")));
         }
-        metrics.push(MeasuredMetric { metric: name.to_owned(), value: number(record.get(1).unwrap_or_default())?, sd });
+        metrics.push(MeasuredMetric { metric: name.to_owned(), value: number, sd });
     }
     Ok(Side { label, metrics, drive_hash: None, level: None, folder: None })
 }

@@ -68,7 +68,7 @@ fn a_measurement_is_compared_within_its_deviation() {
     let scratch = Scratch::new("measured");
     let run = scratch.run("run", "contact-kinematic", &[]);
     let ratio = run.metric("friction_ratio").expect("a ratio").value;
-    let file = |off: f64| format!("metric,value,sd\n# by hand\nfriction_ratio,{},0.01\nfriction_on_n,1\n", ratio + off);
+    let file = |off: f64| format!("metric,value,sd\n# by hand\nfriction_ratio,{},0.01\nfriction_on_n,1,\n", ratio + off);
     for (off, holds) in [(0.019, true), (0.021, false)] {
         let measured = scratch.file("measured.csv", &file(off)).expect("a measurement");
         let compared = Comparison::new(run.clone(), measured, &tolerances(&["friction_on_n=10"]), &[]).expect("a comparison");
@@ -118,10 +118,10 @@ fn invalid_results_are_reported_with_the_reason() {
     let error = |text: &str| scratch.file("m.csv", text).expect_err(text).to_string();
     assert!(Side::read(&scratch.0).expect_err("empty").to_string().contains("contains no run: manifest.json"));
     assert!(Side::read(&scratch.0.join("nowhere")).expect_err("absent").to_string().contains("cannot be read"));
-    assert!(error("time_s,force_n\n1,2\n").contains("begins with the line `metric,value,sd`"));
+    assert!(error("time_s,force_n\n1,2\n").contains("has the columns metric, value and optionally sd; it has `time_s`"));
     assert!(error("metric,value\nfrictoin_ratio,1\n").contains("line 2: there is no metric `frictoin_ratio`; did you mean"));
     assert!(error("metric,value\nq,1\nq,2\n").contains("line 3: `q` occurs twice"));
-    assert!(error("metric,value\nq,many\n").contains("`many` is not a number"));
+    assert!(error("metric,value\nq,1\nrm_ohm,many\n").contains("line 3: `rm_ohm,many` interrupts the table"));
     assert!(error("metric,value,sd\nq,1,-2\n").contains("the standard deviation -2 is negative"));
     let (one, other) = (scratch.file("a.csv", "metric,value\nq,1\n"), scratch.file("b.csv", "metric,value\nrm_ohm,1\n"));
     let (one, other) = (one.expect("a side"), other.expect("a side"));

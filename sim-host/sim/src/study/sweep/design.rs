@@ -10,6 +10,8 @@ use serde_json::{Value, json};
 
 use super::SweepError;
 use super::axis::{Axis, Range};
+use columns::{Column, TableError};
+use scene::metrics;
 
 /// Maximum number of points of a sweep.
 pub const MOST_POINTS: u64 = 100_000_000;
@@ -19,6 +21,8 @@ pub const MOST_DRAWS: u64 = 1 << 16;
 const MOST_SAMPLED: usize = 128;
 /// Number of the scrambled sequence of samples.
 const SCRAMBLE: u32 = 0;
+/// Columns of a sweep's result that are neither keys nor metrics.
+const RESULT_COLUMNS: [&str; 4] = ["point", "drive_hash", "fault_code", "failure"];
 /// Maximum number of values of an axis that are written in the description of the sweep.
 const MAX_WRITTEN: u64 = 10_000;
 
@@ -82,40 +86,35 @@ impl Design {
         Ok(Design::Sample { ranges, draws })
     }
 
-    /// Reads points from a CSV: a header with the keys, and one line per point.
-    pub fn read(file: &str, text: impl std::io::Read) -> Result<Self, SweepError> {
-        let wrong = |line: u64, why: String| SweepError::File { file: file.to_owned(), line, why };
-        let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(text);
-        let of_csv = |error: csv::Error| wrong(error.position().map_or(1, csv::Position::line), error.to_string());
-        let keys: Vec<String> = reader.headers().map_err(of_csv)?.iter().map(str::to_owned).collect();
-        if let Some(number) = keys.iter().find(|key| key.parse::<f64>().is_ok()) {
-            let why = format!(
-                "`{number}` is not a key: a file of points begins with a line of keys, for example \
-                               `contact.dahl.mu`"
-            );
-            return Err(wrong(1, why));
-        }
-        each_once(keys.iter())?;
-        let mut rows = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(of_csv)?;
-            let line = record.position().map_or(0, csv::Position::line);
-            if record.len() != keys.len() {
-                let (values, keys) = (record.len(), keys.len());
-                return Err(wrong(line, format!("{values} values for {keys} keys")));
+    /// Reads points from the table of a file: a heading with the keys, and one row per point. The
+    /// other columns of a sweep's result are left out.
+    ///
+    /// # Errors
+    /// If the file is not such a table, with the line that shows it.
+    pub fn read(file: &str, bytes: &[u8]) -> Result<Self, SweepError> {
+        let wrong = |line: usize, why: String| SweepError::File { file: file.to_owned(), line: line as u64, why };
+        let table = columns::parse(bytes, None).map_err(|error| match error {
+            TableError::Empty | TableError::NoNumbers { .. } => {
+                wrong(1, "no points: give a first line with the keys, then one line per point".to_owned())
             }
-            let number = |(key, cell): (&String, &str)| {
-                let number = cell.parse::<f64>().ok().filter(|number| number.is_finite());
-                number.ok_or_else(|| wrong(line, format!("`{cell}` is not a number (key `{key}`)")))
-            };
-            rows.push(keys.iter().zip(&record).map(number).collect::<Result<Vec<_>, _>>()?);
-            if rows.len() as u64 > MOST_POINTS {
-                return Err(SweepError::Points(rows.len() as u128));
-            }
+            error => wrong(error.line().unwrap_or(1), error.to_string()),
+        })?;
+        let line = |row: usize| table.lines.get(row).map_or(row + 1, |line| *line);
+        let Some(names) = &table.names else {
+            let why = "no keys: a file of points begins with a line of keys, for example `contact.dahl.mu`";
+            return Err(wrong(line(0), why.to_owned()));
+        };
+        each_once(names.iter())?;
+        let is_key = |name: &str| !RESULT_COLUMNS.contains(&name) && metrics::known(name).is_err();
+        let (keys, columns): (Vec<String>, Vec<&Column>) =
+            names.iter().cloned().zip(&table.columns).filter(|(name, _)| is_key(name)).unzip();
+        for (key, column) in keys.iter().zip(&columns) {
+            column.numbers().map_err(|cell| wrong(line(cell.row), format!("the key `{key}` is {}, not a number", cell.what)))?;
         }
-        if rows.is_empty() {
-            return Err(wrong(1, "no points: give a first line with the keys, then one line per point".to_owned()));
+        if table.rows() as u64 > MOST_POINTS {
+            return Err(SweepError::Points(table.rows() as u128));
         }
+        let rows = (0..table.rows()).map(|row| columns.iter().map(|column| column.values[row]).collect()).collect();
         Ok(Design::List { keys, rows })
     }
 
@@ -273,15 +272,19 @@ mod tests {
 
     #[test]
     fn file_has_a_header_and_one_line_per_point() {
-        let design = Design::read("p.csv", "a, b\n1, 2e3\n-3, 4\n".as_bytes()).expect("points");
+        let design = Design::read("p.csv", b"a, b\n1, 2e3\n-3, 4\n").expect("points");
         assert_eq!((design.keys(), design.values(1), design.ends(1)), (vec!["a", "b"], vec![-3.0, 4.0], (4.0, 2e3)));
+        for text in ["# mine\na;b\n1,0;2e3\n-3;4\n", "point,a,b,q,drive_hash,failure\n0,1,2e3,64.9,,\n1,-3,4,,0a1b,\n"] {
+            assert_eq!(Design::read("p.csv", text.as_bytes()).expect(text), design);
+        }
         for (text, why) in [
             ("", "no points"),
             ("a\n", "no points"),
-            ("1,2\n3,4\n", "`1` is not a key"),
-            ("a,b\n1\n", "line 2: 1 values for 2 keys"),
-            ("a\n1,2\n", "2 values for 1 keys"),
+            ("1,2\n3,4\n", "line 1: no keys"),
+            ("a,b\n1,2\n1\n", "line 3: 1 cells, but the table has 2 columns"),
+            ("a\n1,2\n", "no keys"),
             ("a\n1\nx\n", "line 3"),
+            ("a,b\n1,2\n1,x\n", "line 3: the key `b` is `x`, not a number"),
             ("a,a\n1,2\n", "`a`"),
         ] {
             let error = Design::read("p.csv", text.as_bytes()).expect_err(text).to_string();
