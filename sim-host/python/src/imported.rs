@@ -54,6 +54,8 @@ pub fn import_admittance<'py>(
     short: Option<PathBuf>,
     series_ohm: f64,
     modes: Option<usize>,
+    mode: Option<f64>,
+    force: bool,
 ) -> PyResult<Parts<'py>> {
     let units =
         Units::parse(units.iter().map(String::as_str)).map_err(|error| PyValueError::new_err(format!("unit: {error}")))?;
@@ -65,7 +67,9 @@ pub fn import_admittance<'py>(
         return Err(PyValueError::new_err("z0_ohm: from 0.001 to 1e6 ohm; series_ohm: from 0 to 1e6 ohm"));
     }
     let topology = self::topology(topology)?;
-    let options = Options { z0_ohm, topology, units, columns, open, short, series_ohm, modes, mode: None };
+    let mode = mode.map(|mode| mode.to_string().parse()).transpose();
+    let mode = mode.map_err(|why: String| PyValueError::new_err(format!("mode: {why}")))?;
+    let options = Options { z0_ohm, topology, units, columns, open, short, series_ohm, modes, mode };
     let file = path.clone();
     let found = interruptible::run_detached(py, move || admittance::import(&file, &options))?;
     let found = found.map_err(|error| import_error(&path, &error))?;
@@ -80,7 +84,7 @@ pub fn import_admittance<'py>(
         ("residual_re", bytes(py, found.residuals.iter().map(|residual| residual.re))),
         ("residual_im", bytes(py, found.residuals.iter().map(|residual| residual.im))),
     ];
-    let scene = found.scene(&source(&path)).filter(|_| !found.is_doubtful());
+    let scene = found.scene(&source(&path)).filter(|_| force || !found.is_doubtful());
     Ok((found.json(None).to_string(), scene, arrays))
 }
 

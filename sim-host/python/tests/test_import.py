@@ -4,10 +4,11 @@ import pytest
 from sonoglide import MeasurementError, import_admittance, import_friction
 
 
-def sweep(path, noise=1e-3):
+def sweep(path, noise=1e-3, second_ohm=np.inf):
     hz = np.linspace(39.5e3, 40.5e3, 201)
     branch = 50 * (1 + 1j * 120 * (hz / 40e3 - 40e3 / hz))
-    z = 1 / (1 / branch + 2j * np.pi * hz * 4e-9)
+    second = 1 / second_ohm / (1 + 1j * 400 * (hz / 40.2e3 - 40.2e3 / hz))
+    z = 1 / (1 / branch + second + 2j * np.pi * hz * 4e-9)
     random = np.random.default_rng(1)
     z *= 1 + noise * (random.standard_normal(hz.size) + 1j * random.standard_normal(hz.size))
     np.savetxt(path, np.column_stack([hz, z.real, z.imag]), delimiter=",", header="f [Hz],R [ohm],X [ohm]", comments="")
@@ -24,6 +25,12 @@ def test_an_admittance_is_a_circuit_with_deviations_and_a_scene(tmp_path):
     assert found.correlation.names == list(found.circuit) and matrix.shape == (9, 9)
     assert np.allclose(matrix, matrix.T) and np.allclose(np.diag(matrix), 1) and np.all(np.linalg.eigvalsh(matrix) > -1e-6)
     assert found.modes[0]["working"] and found.scene().to_dict()["stack"]["bvd"]["rm_ohm"] == pytest.approx(rm.value, rel=1e-3)
+
+
+def test_a_mode_is_chosen_and_a_misfit_has_a_scene_by_force_only(tmp_path):
+    path = sweep(tmp_path / "two.csv", second_ohm=200)
+    assert import_admittance(path, mode=40.2e3).circuit["rm_ohm"].value == pytest.approx(200, rel=0.05)
+    assert import_admittance(path, modes=1).scene_toml is None and import_admittance(path, modes=1, force=True).scene() is not None
 
 
 def test_a_friction_log_is_a_contact(tmp_path):
@@ -51,5 +58,7 @@ def test_refusals_match_the_command_line(tmp_path):
         import_friction(tmp_path / "mine.csv", columns="t [s], x, F [N]")
     with pytest.raises(ValueError, match="furlong"):
         import_admittance(path, units=["furlong"])
+    with pytest.raises(ValueError, match="mode: give the number of a mode"):
+        import_admittance(path, mode=9)
     with pytest.raises(ValueError, match="one-port"):
         import_admittance(path, topology="both")

@@ -137,17 +137,20 @@ def import_admittance(
     short: str | os.PathLike[str] | None = None,
     series_ohm: float = 0.0,
     modes: int | None = None,
+    mode: float | None = None,
+    force: bool = False,
 ) -> Admittance:
     """Fits the equivalent circuit of a measured admittance or impedance, as `sim-host import admittance` does (docs/measured-data.md).
 
     `columns` names the columns of a table, such as `"f [Hz], |Z| [ohm], theta [deg]"`. `units` are the units of columns without one. `z0_ohm` is the reference
     of scattering parameters in a table, ohm. `open` and `short` are sweeps of the fixture, `series_ohm` is a resistance in series. `modes` is the number of
-    resonances to fit.
+    resonances to fit, and `mode` the working mode, by its number or by a frequency near it, Hz. `force` gives a scene even if the circuit does not describe the
+    data.
 
     Raises `MeasurementError` with the reason, and the line or the column, if the file cannot be used.
     """
     text, scene, arrays = _native.import_admittance(
-        os.fspath(path), columns, list(units), z0_ohm, topology, _optional(open), _optional(short), series_ohm, modes
+        os.fspath(path), columns, list(units), z0_ohm, topology, _optional(open), _optional(short), series_ohm, modes, mode, force
     )
     found, part = json.loads(text), {name: _numbers(values) for name, values in arrays}
     return Admittance(

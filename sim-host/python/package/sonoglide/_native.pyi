@@ -84,6 +84,8 @@ def import_admittance(
     short: str | None,
     series_ohm: float,
     modes: int | None,
+    mode: float | None,
+    force: bool,
 ) -> Imported: ...
 def import_friction(path: str, columns: str | None, normal_n: float | None, on_s: list[tuple[float, float]]) -> Imported: ...
 def scenes() -> list[str]:
