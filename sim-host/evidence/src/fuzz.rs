@@ -17,6 +17,7 @@ mod scenes;
 mod scripts;
 pub(crate) mod soak;
 mod suites;
+mod tables;
 mod target;
 mod text;
 mod updates;
@@ -38,8 +39,16 @@ const MILLIONS: [u32; 2] = [100, 2];
 const MAX_LISTED: usize = 20;
 
 /// All targets.
-const TARGETS: [Target; 7] =
-    [link::TARGET, replies::TARGET, flash::TARGET, scenes::TARGET, suites::TARGET, scripts::TARGET, updates::TARGET];
+const TARGETS: [Target; 8] = [
+    link::TARGET,
+    replies::TARGET,
+    flash::TARGET,
+    scenes::TARGET,
+    suites::TARGET,
+    scripts::TARGET,
+    updates::TARGET,
+    tables::TARGET,
+];
 
 /// Runs all targets, and returns the evidence.
 pub(crate) fn evidence(options: &mut Options) -> Result<Evidence, Error> {

@@ -21,6 +21,8 @@ pub(super) const SCENES: &[File] = folder!["scenes/deep.toml", "scenes/empty-tab
 pub(super) const SUITES: &[File] = folder!["suites/nothing-fits.toml", "suites/small.toml"];
 /// Scripts of the link; they are mutated too.
 pub(super) const SCRIPTS: &[File] = folder!["scripts/every-order.txt", "scripts/quotes.txt"];
+/// Files of measured data that no generator writes; they are mutated too.
+pub(super) const TABLES: &[(&str, &[u8])] = &[("tables/labels.parquet", include_bytes!("../../corpus/tables/labels.parquet"))];
 
 #[cfg(test)]
 mod tests {
@@ -38,7 +40,8 @@ mod tests {
                 there.insert(format!("{target}/{file}"));
             }
         }
-        let listed = [LINK, SCENES, SUITES, SCRIPTS].concat();
-        assert_eq!(listed.iter().map(|(name, _)| (*name).to_owned()).collect::<BTreeSet<_>>(), there);
+        let texts = [LINK, SCENES, SUITES, SCRIPTS].concat();
+        let listed = texts.iter().map(|(name, _)| *name).chain(TABLES.iter().map(|(name, _)| *name));
+        assert_eq!(listed.map(str::to_owned).collect::<BTreeSet<_>>(), there);
     }
 }

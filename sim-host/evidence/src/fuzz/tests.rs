@@ -3,7 +3,7 @@
 use super::*;
 
 /// Outcomes that each target must reach; input that is only damaged would not reach them.
-const REACHED: [(&str, &[&str]); 7] = [
+const REACHED: [(&str, &[&str]); 8] = [
     (
         "link",
         &[
@@ -28,6 +28,7 @@ const REACHED: [(&str, &[&str]); 7] = [
     ("suites", &["a suite"]),
     ("scripts", &["a script", "an expectation that holds", "this quote is not closed"]),
     ("updates", &["packed", "a manifest", "Damaged"]),
+    ("tables", &["admittance", "log", "signal", "converted"]),
 ];
 
 #[test]
