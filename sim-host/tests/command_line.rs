@@ -22,6 +22,8 @@ mod owner;
 mod prompt;
 #[path = "command_line/report.rs"]
 mod report;
+#[path = "command_line/round_trip.rs"]
+mod round_trip;
 #[cfg(unix)]
 #[path = "command_line/signals.rs"]
 mod signals;

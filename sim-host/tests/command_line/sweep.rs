@@ -181,6 +181,48 @@ fn a_damaged_part_is_refused_and_computed_again() {
     refused(3, &["merge", &whole], &["plan.json", "was changed after it was written"]);
 }
 
+/// Kills a sweep at random times, damages a part after half of the kills, and continues it. The
+/// result has the same bytes as that of an undisturbed sweep.
+#[test]
+#[ignore = "two minutes"]
+fn a_sweep_survives_170_kills_and_damaged_parts() {
+    let folder = Folder::new("sweep-attack");
+    let [whole, attacked] = ["whole", "attacked"].map(|name| within(&folder, name));
+    assert!(slow(&whole).output().expect("sim-host starts").status.success());
+    let mut state = std::time::UNIX_EPOCH.elapsed().expect("a time").as_nanos() as u64;
+    println!("seed {state}");
+    let mut below = |bound: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % bound.max(1)
+    };
+    for _ in 0..170 {
+        let mut child = slow(&attacked).stderr(Stdio::null()).spawn().expect("sim-host starts");
+        std::thread::sleep(Duration::from_millis(below(1500) as u64));
+        child.kill().expect("it can be killed");
+        child.wait().expect("an end");
+        let parts: Vec<String> = names(&attacked).into_iter().filter(|name| name.ends_with(".parquet")).collect();
+        if let Some(part) = parts.get(below(2 * parts.len())) {
+            let path = Path::new(&attacked).join(part);
+            let mut bytes = std::fs::read(&path).expect("a part");
+            match below(3) {
+                0 => bytes.truncate(below(bytes.len())),
+                1 => bytes.fill(0),
+                _ => {
+                    let at = below(bytes.len());
+                    bytes[at] ^= 1 << below(8);
+                }
+            }
+            std::fs::write(&path, bytes).expect("a part");
+        }
+        if names(&attacked).contains("sweep.csv") || below(10) == 0 {
+            let end = slow(&attacked).output().expect("sim-host starts");
+            assert!(end.status.success(), "{}", stderr(&end));
+            same(&whole, &attacked);
+            std::fs::remove_dir_all(&attacked).expect("it is deleted");
+        }
+    }
+}
+
 /// Checks a point with an invalid scene: a row without metrics, and a row of the failures with the
 /// reason.
 #[test]
