@@ -244,10 +244,11 @@ impl TrackedTransducer {
         }
     }
 
-    /// Repeats the identification every [`LEARN_BLOCKS`]. `following`: the resonance is tracked.
+    /// Repeats the identification every [`LEARN_BLOCKS`], from a settled block: an estimate without
+    /// drive, or after a jump, is worse than the last one. `following`: the resonance is tracked.
     /// `whole`: all parts in one block. `idle`: this block has time for a part.
     pub(crate) fn learn_periodically(&mut self, block: u64, following: bool, whole: bool, idle: bool) {
-        if following && self.transducer.is_some() && self.since_learned(block) >= LEARN_BLOCKS && self.tracker.has_converged() {
+        if following && self.transducer.is_some() && self.since_learned(block) >= LEARN_BLOCKS && self.tracker.is_settled() {
             if whole {
                 self.learn(block);
             } else {
