@@ -119,8 +119,9 @@ impl BlockInterrupt {
         count::count_block();
     }
 
-    /// Returns `true` if the clock has stopped, or the rings remain out of step in the next samples.
-    /// While flash is written, single reads are. Not in the core-coupled RAM, which is full.
+    /// Returns `true` if the clock has stopped, or the rings remain out of step in the next
+    /// samples. While flash is written, single reads are. Not in the core-coupled RAM, which is
+    /// full.
     #[cold]
     #[inline(never)]
     fn has_lost_sample(&mut self) -> bool {
