@@ -106,7 +106,7 @@ fn page(found: &Commissioned) -> Report {
     };
     let axis = |label: &str| Axis { label: label.into(), ..Axis::default() };
     let circuit = places.iter().map(|&hz| (hz, admittance(found, hz).norm())).collect();
-    let tones = found.load.tones.iter().map(|(hz, y)| (*hz, y.norm())).collect();
+    let tones = found.load.tones.iter().map(|tone| (tone.hz, tone.siemens.norm())).collect();
     let markers = found.modes.iter().enumerate().map(|(place, mode)| Marker {
         x: 1e-3 * mode.hz(),
         y: 1e3 * admittance(found, mode.hz()).norm(),
