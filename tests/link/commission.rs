@@ -1,6 +1,8 @@
 //! `commission` on the simulated board: its results agree with the plant, failures are identified,
 //! and at the end the board is as before.
 
+mod drawn;
+
 use std::cell::{Cell, RefCell};
 use std::io;
 use std::rc::Rc;

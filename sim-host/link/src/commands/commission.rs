@@ -48,7 +48,6 @@ use super::amount;
 use crate::answer::Answer;
 use crate::link_error::LinkError;
 use crate::session::Session;
-use crate::words;
 use sim::advice::Advice;
 
 /// Ratio of the motional capacitances of two modes above which neither is the stronger one.
@@ -199,21 +198,24 @@ fn commission(args: &CommissionArgs, board: &mut BoardSettings, session: &mut Se
     args.heating.map(|_| heating::hz_per_k(board)).transpose()?;
     session.live.stage("small tones");
     let load = tones::measure(&args.band, &bounds, board, session)?;
-    let modes = modes::find(&args.band, &load, &bounds, board, session)?;
-    if modes.is_empty() {
-        return Err(LinkError::Failed(load.without_resonance(&args.band)));
+    let search = modes::find(&args.band, &load, &bounds, board, session)?;
+    if search.modes.is_empty() {
+        return Err(LinkError::Failed(load.without_resonance(&args.band, &search)));
     }
+    let modes = search.modes;
     let chosen = choose(&modes, args.mode)?;
     let transducer = modes[chosen].transducer;
     session.live.stage(&format!("admittance circle at {:.0} Hz", modes[chosen].hz()));
-    let circle = circle::measure(&Proposal::new(&transducer, &bounds), &bounds, board, session)?.map_err(|fault| {
-        LinkError::Failed(format!(
-            "a resonance was identified at {:.2} Hz, but the admittance around it cannot be measured: {}",
-            modes[chosen].hz(),
-            words::fault(fault)
-        ))
-    })?;
-    let resolved = neighbours::resolve(&circle.points, &transducer, args.mode.is_some())?;
+    let by_number = args.mode.is_some();
+    let mut circle = circle::measured(&transducer, &bounds, board, session)?;
+    let resolved = match neighbours::resolve(&circle.points, &transducer, by_number) {
+        Ok(resolved) => resolved,
+        // In one of some hundred circles the noise resembles a neighbour; not in two.
+        Err(_) => {
+            circle.points.extend(circle::measured(&transducer, &bounds, board, session)?.points);
+            neighbours::resolve(&circle.points, &transducer, by_number)?
+        }
+    };
     let measured = Proposal::new(&resolved.transducer, &bounds).within_limits(circle.volts, circle.amperes, &bounds);
     let (mut proposal, verified) = passing_proposal(&measured, &bounds, board, session)?;
     let thermal = args.heating.map(|time_s| heating::measure(time_s, &proposal, board, session)).transpose()?;

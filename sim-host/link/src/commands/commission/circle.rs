@@ -20,6 +20,7 @@ use super::probe;
 use super::proposal::{Proposal, REDUCTION, USED_CURRENT_REL, settle_s, width_hz};
 use crate::link_error::LinkError;
 use crate::session::Session;
+use crate::words;
 
 /// Number of points of a circle.
 const POINTS_WIDE: u32 = 17;
@@ -37,7 +38,7 @@ const USED_WINDOW_REL: f64 = 0.95;
 /// board's self-test meets a resonance.
 const WINDOW_SHIFTS_REL: [f64; 3] = [0.03, -0.03, 0.06];
 /// Standard deviation of a block's voltage and current, codes of the converter.
-const NOISE_CODES: f64 = 0.4;
+pub const NOISE_CODES: f64 = 0.4;
 /// Error of a fitted circuit without noise, relative to the conductance, due to the images of the
 /// DAC.
 const MODEL_ERROR_REL: f64 = 5e-4;
@@ -60,9 +61,20 @@ pub struct Circle {
     pub amperes: f64,
 }
 
+/// Measures the circle of a transducer. Fails if a fault has ended it.
+pub fn measured(of: &Transducer, bounds: &Bounds, board: &mut BoardSettings, session: &mut Session) -> Result<Circle, LinkError> {
+    measure(&Proposal::new(of, bounds), bounds, board, session)?.map_err(|fault| {
+        LinkError::Failed(format!(
+            "a resonance was identified at {:.2} Hz, but the admittance around it cannot be measured: {}",
+            of.series_resonance_hz,
+            words::fault(fault)
+        ))
+    })
+}
+
 /// Measures the circle at the largest voltage within the bounds; the drive is silent afterwards.
 /// Returns the fault that has ended it, if any.
-pub fn measure(
+fn measure(
     of: &Proposal,
     bounds: &Bounds,
     board: &mut BoardSettings,

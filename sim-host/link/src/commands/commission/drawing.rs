@@ -39,6 +39,6 @@ pub fn in_terminal(found: &Commissioned) -> String {
     let mut plot = TerminalPlot::new("kHz", "|Y| [dB over 1 S]").stretched();
     let decibels = |y: Complex64| 20.0 * y.norm().log10();
     plot.line(places(found).into_iter().map(|hz| (1e-3 * hz, decibels(admittance(found, hz)))));
-    plot.marks(found.load.tones.iter().map(|(hz, y)| (1e-3 * hz, decibels(*y))));
+    plot.marks(found.load.tones.iter().map(|tone| (1e-3 * tone.hz, decibels(tone.siemens))));
     plot.drawn()
 }

@@ -30,12 +30,7 @@ pub fn table(modes: &[Mode], chosen: Option<usize>) -> Vec<String> {
 /// Returns the answer: the modes, the proposed settings and the test.
 pub fn in_words(found: &Commissioned, args: &CommissionArgs) -> Answer {
     let (it, verified, proposal) = (&found.proposal.transducer, &found.verified, &found.proposal);
-    let answer = Answer::to("commission").line(format!(
-        "{}: {} measured by tones of {}",
-        found.name,
-        quantity(found.load.capacitance_f, "F"),
-        quantity(found.load.volts, "V")
-    ));
+    let answer = Answer::to("commission").line(format!("{}: {}", found.name, found.load.in_words()));
     let answer = table(&found.modes, Some(found.chosen)).into_iter().fold(answer, Answer::line);
     let answer = answer.line(drawing::in_terminal(found)).line("proposed settings, and their effect or uncertainty:");
     let answer = output::worth(found)

@@ -1,6 +1,7 @@
 //! Search for the modes of a transducer: scans of all windows, then a closer scan of each mode.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use firmware::seam::fault::Fault;
 use firmware::seam::transducer::{MOST_MODES, Resonance, Transducer};
@@ -41,8 +42,19 @@ const OTHER_MODE_DISTANCE: (f64, f64) = (1.0, 2e-3);
 const MIN_CAPACITANCE_F: f64 = 0.1e-9;
 /// Largest clamped capacitance of a transducer, F.
 const MAX_CAPACITANCE_F: f64 = 20e-6;
-/// Largest distance of a mode outside the band, relative to the end of the band.
-const BAND_MARGIN_REL: f64 = 0.005;
+/// Factor of the nominal capacitance after the self-test has found too much or too little current;
+/// it accepts a range of 24.
+const CAPACITANCE_STEP: f64 = 12.0;
+/// Maximum number of these steps for a window.
+const MAX_CAPACITANCE_STEPS: u32 = 2;
+/// Motional inductances that the settings of the board accept, H.
+const LM_H: RangeInclusive<f32> = 1e-9..=1e4;
+/// Largest distance of a mode outside the band, bandwidths.
+const BAND_MARGIN_BANDWIDTHS: f64 = 0.1;
+/// Largest distance of a resonance outside the band before its closer scan, relative.
+const ROUGH_MARGIN_REL: f64 = 0.005;
+/// Largest distance of a resonance from the middle of the window that has found it, relative.
+const NEAR_REL: f64 = 0.25;
 
 /// Mode as identified by a closer scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,6 +78,17 @@ impl Mode {
     }
 }
 
+/// Result of the search.
+#[derive(Clone, Debug, Default)]
+pub struct Search {
+    /// Modes in the band, in ascending order of frequency.
+    pub modes: Vec<Mode>,
+    /// Strongest mode next to the band, if there is none inside.
+    pub outside: Option<Mode>,
+    /// Last fault that prevented the scan of a window.
+    pub fault: Option<Fault>,
+}
+
 /// Returns the motional capacitance of a resonance, F.
 fn cm_f(resonance: &Resonance) -> f64 {
     1.0 / ((TAU * f64::from(resonance.hz)).powi(2) * f64::from(resonance.lm_h))
@@ -76,45 +99,67 @@ fn beyond_hz((bandwidths, part): (f64, f64), hz: f64, q: f64) -> f64 {
     (bandwidths * hz / q).max(part * hz)
 }
 
-/// Returns `true` if a resonance belongs to a band.
-fn is_in(band: &Band, hz: f64) -> bool {
-    hz > band.low_hz * (1.0 - BAND_MARGIN_REL) && hz < band.high_hz * (1.0 + BAND_MARGIN_REL)
+/// Returns `true` if a frequency is in a band, with a relative margin.
+fn is_in(band: &Band, hz: f64, margin_rel: f64) -> bool {
+    hz * (1.0 + margin_rel) > band.low_hz && hz * (1.0 - margin_rel) < band.high_hz
 }
 
-/// Finds the modes of a band, in ascending order of frequency.
+/// Finds the modes of a band.
 pub fn find(
     band: &Band,
     load: &Load,
     bounds: &Bounds,
     board: &mut BoardSettings,
     session: &mut Session,
-) -> Result<Vec<Mode>, LinkError> {
+) -> Result<Search, LinkError> {
     let code_a = session.scale()?.ampere_per_lsb;
     let capacitive_a = (CAPACITIVE_CURRENT_REL * bounds.amperes).max(MIN_CAPACITIVE_CODES * code_a);
     let siemens = (TAU * band.high_hz * load.capacitance_f).abs().max(1e-9);
     let mut volts = (capacitive_a / siemens).clamp(bounds.first_v, bounds.volts);
     let mut most_v = bounds.volts;
+    let mut search = Search::default();
     loop {
         for q in NOMINAL_QS {
-            let (rough, reduced_v) = sweep(band, load, volts, q, bounds, board, session)?;
-            if reduced_v < volts {
+            let swept = sweep(band, load, volts, q, bounds, board, session)?;
+            if swept.volts < volts {
                 // A voltage that drew too much current is not tried again.
-                (volts, most_v) = (reduced_v, reduced_v);
+                (volts, most_v) = (swept.volts, swept.volts);
             }
-            let modes = scan_closely(&rough, volts, band, load, bounds, board, session)?;
-            if !modes.is_empty() {
-                return Ok(modes);
+            search.fault = swept.fault;
+            // One confirmed resonance outside the band is enough.
+            let near = search.outside.is_none().then_some(&swept.outside);
+            for rough in [Some(&swept.inside), near].into_iter().flatten() {
+                let modes = scan_closely(rough, volts, load, bounds, board, session)?;
+                let margin_rel = |mode: &Mode| BAND_MARGIN_BANDWIDTHS / f64::from(mode.transducer.q);
+                let (inside, outside): (Vec<Mode>, Vec<Mode>) =
+                    modes.into_iter().partition(|mode| is_in(band, mode.hz(), margin_rel(mode)));
+                if !inside.is_empty() {
+                    return Ok(Search { modes: inside, ..search });
+                }
+                search.outside = search.outside.into_iter().chain(outside).max_by(|a, b| a.strength().total_cmp(&b.strength()));
             }
         }
         if volts >= most_v {
-            return Ok(Vec::new());
+            return Ok(search);
         }
         volts = (LEVEL_RATIO * volts).min(most_v);
     }
 }
 
-/// Scans all windows of the band. Returns the resonances, strongest first, and the voltage, which
-/// was reduced if the current was too large.
+/// Result of the scans of all windows.
+#[derive(Clone, Debug, Default)]
+struct Swept {
+    /// Resonances in the band, strongest first.
+    inside: Vec<Resonance>,
+    /// Resonances near the band, strongest first.
+    outside: Vec<Resonance>,
+    /// Peak voltage, V, reduced if the current was too large.
+    volts: f64,
+    /// Last fault that prevented a scan.
+    fault: Option<Fault>,
+}
+
+/// Scans all windows of the band.
 fn sweep(
     band: &Band,
     load: &Load,
@@ -123,30 +168,35 @@ fn sweep(
     bounds: &Bounds,
     board: &mut BoardSettings,
     session: &mut Session,
-) -> Result<(Vec<Resonance>, f64), LinkError> {
-    let mut volts = volts;
-    let mut found: Vec<Resonance> = Vec::new();
+) -> Result<Swept, LinkError> {
+    let mut swept = Swept { volts, ..Swept::default() };
     for window in band.windows() {
+        let volts = swept.volts;
         session.live.stage(&format!("scan at {:.0} Hz +- {:.1} %, with {volts:.3} V", window.hz, 100.0 * window.span));
         let (scanned, reduced_v) = scan_within_limits(&window, volts, (q, None), load, bounds, board, session)?;
-        volts = reduced_v;
+        swept.volts = reduced_v;
+        swept.fault = scanned.fault.filter(|fault| !matches!(fault, Fault::NoResonance | Fault::WrongMode)).or(swept.fault);
         for resonance in scanned.found.found.into_iter().flatten() {
             let (hz, q) = (f64::from(resonance.hz), f64::from(resonance.q));
-            let known = found.iter().any(|other| (f64::from(other.hz) - hz).abs() < beyond_hz(SAME_MODE_DISTANCE, hz, q));
-            if is_in(band, hz) && !known && resonance.lm_h > 0.0 && resonance.q > 0.5 {
-                found.push(resonance);
+            let list = if is_in(band, hz, ROUGH_MARGIN_REL) { &mut swept.inside } else { &mut swept.outside };
+            let known = list.iter().any(|other| (f64::from(other.hz) - hz).abs() < beyond_hz(SAME_MODE_DISTANCE, hz, q));
+            let is_near = (hz / window.hz - 1.0).abs() < NEAR_REL;
+            let is_plausible = LM_H.contains(&resonance.lm_h) && resonance.q > 0.5;
+            if is_near && !known && is_plausible {
+                list.push(resonance);
             }
         }
     }
-    found.sort_by(|a, b| cm_f(b).total_cmp(&cm_f(a)));
-    Ok((found, volts))
+    for list in [&mut swept.inside, &mut swept.outside] {
+        list.sort_by(|a, b| cm_f(b).total_cmp(&cm_f(a)));
+    }
+    Ok(swept)
 }
 
 /// Scans each of the strongest resonances again, in a narrow window.
 fn scan_closely(
     rough: &[Resonance],
     volts: f64,
-    band: &Band,
     load: &Load,
     bounds: &Bounds,
     board: &mut BoardSettings,
@@ -166,7 +216,7 @@ fn scan_closely(
         let (found_hz, q) = (f64::from(transducer.series_resonance_hz), f64::from(transducer.q));
         let moved = (found_hz - hz).abs() >= beyond_hz(OTHER_MODE_DISTANCE, hz, f64::from(resonance.q));
         let again = modes.iter().any(|mode| (mode.hz() - found_hz).abs() < beyond_hz(SAME_MODE_DISTANCE, found_hz, q));
-        if !moved && !again && is_in(band, found_hz) && transducer.c0_f > 0.0 {
+        if !moved && !again && transducer.c0_f > 0.0 {
             modes.push(Mode { transducer, volts: at_v });
         }
     }
@@ -188,12 +238,11 @@ fn scan_within_limits(
     let mut volts = volts;
     let mut window = *window;
     let mut shifts = [0.03, -0.06, 0.09].into_iter();
+    let needs_c0 = !board.can_be_none("tracking.nominal_c0_f");
+    let mut c0_f = load.capacitance_f.clamp(MIN_CAPACITANCE_F, MAX_CAPACITANCE_F);
+    // The tones measure the capacitance roughly if a resonance rings.
+    let mut capacitance_steps = 0..MAX_CAPACITANCE_STEPS;
     loop {
-        let c0_f = if board.can_be_none("tracking.nominal_c0_f") {
-            f32::INFINITY
-        } else {
-            load.capacitance_f.clamp(MIN_CAPACITANCE_F, MAX_CAPACITANCE_F) as f32
-        };
         let lm = lm_h.or(board.can_be_none("tracking.nominal_lm_h").then_some(f32::INFINITY));
         let mut settings = bounds.settings();
         settings.extend([
@@ -203,7 +252,7 @@ fn scan_within_limits(
             ("tracking.mode", 1.0),
             ("tracking.span", window.span as f32),
             ("tracking.nominal_q", q),
-            ("tracking.nominal_c0_f", c0_f),
+            ("tracking.nominal_c0_f", if needs_c0 { c0_f as f32 } else { f32::INFINITY }),
         ]);
         settings.extend(lm.map(|lm_h| ("tracking.nominal_lm_h", lm_h)));
         board.apply(&settings, session)?;
@@ -211,6 +260,10 @@ fn scan_within_limits(
         match scanned.fault {
             Some(Fault::OverCurrent | Fault::SenseSaturated) if volts > bounds.min_v => {
                 volts = (volts / LEVEL_RATIO).max(bounds.min_v);
+            }
+            Some(fault @ (Fault::LoadOpen | Fault::LoadShorted)) if needs_c0 && capacitance_steps.next().is_some() => {
+                c0_f *= if fault == Fault::LoadOpen { 1.0 / CAPACITANCE_STEP } else { CAPACITANCE_STEP };
+                c0_f = c0_f.clamp(MIN_CAPACITANCE_F, MAX_CAPACITANCE_F);
             }
             Some(fault) if probe::is_of_self_test(fault) => match shifts.next() {
                 Some(shift) => {

@@ -108,7 +108,7 @@ fn page(found: &Commissioned) -> Report {
     };
     let axis = |label: &str| Axis { label: label.into(), ..Axis::default() };
     let circuit: Vec<_> = places.iter().map(|&hz| (hz, admittance(found, hz))).collect();
-    let tones = &found.load.tones;
+    let tones: Vec<_> = found.load.tones.iter().map(|tone| (tone.hz, tone.siemens)).collect();
     let markers = found.modes.iter().enumerate().map(|(place, mode)| Marker {
         x: 1e-3 * mode.hz(),
         y: 1e3 * admittance(found, mode.hz()).norm(),
@@ -121,9 +121,9 @@ fn page(found: &Commissioned) -> Report {
         y: Axis { log: true, ..axis("admittance [mS]") },
         series: vec![
             line("identified circuit", "admittance_identified", Style::Line, &circuit),
-            line("measured small tones", "admittance_measured", Style::Points, tones),
+            line("measured small tones", "admittance_measured", Style::Points, &tones),
         ],
-        along: Some(phases(&[&circuit, tones])),
+        along: Some(phases(&[&circuit, &tones])),
         markers: markers.collect(),
         ..Figure::default()
     };
