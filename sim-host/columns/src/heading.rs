@@ -45,7 +45,9 @@ impl<'a> Heading<'a> {
         }
         // The whole unit, before its last part: `speed_mm_s`.
         let long = text.match_indices('_').map(|(at, _)| (&text[..at], &text[at + 1..]));
-        if let Some((name, unit)) = long.into_iter().find(|(name, unit)| !name.is_empty() && unit.ends_with("m_s") && is_unit(unit)) {
+        if let Some((name, unit)) =
+            long.into_iter().find(|(name, unit)| !name.is_empty() && unit.ends_with("m_s") && is_unit(unit))
+        {
             return whole(name, Some(unit));
         }
         if let (name, Some(_)) = unit::split(&text.to_lowercase())

@@ -49,7 +49,9 @@ pub fn import_files(paths: &[PathBuf], options: &Options) -> Result<Found, Impor
         let has = |quantity| columns.place(quantity).is_some();
         has(Quantity::Force(None)) && (has(Quantity::Displacement) || has(Quantity::Time) && has(Quantity::Velocity))
     };
-    let [(path, columns)] = &files[..] else { return Ok(Found::Conditions(Box::new(Conditions::from_files(&files, options, None)?), None)) };
+    let [(path, columns)] = &files[..] else {
+        return Ok(Found::Conditions(Box::new(Conditions::from_files(&files, options, None)?), None));
+    };
     let states = columns.states().map_err(|error| error.of_file(path))?;
     let has_on = states.map_or(!options.on_s.is_empty(), |states| states.contains(&true));
     let log = || Log::from_columns(columns, options).and_then(|log| fit(&stem(paths), log));

@@ -66,7 +66,7 @@ impl Units {
         Ok(Units(units))
     }
 
-    /// Returns the factor from the given unit of a quantity to its SI unit; `None` if none is given.
+    /// Returns the factor from the given unit of a quantity to its SI unit; `None` without one.
     pub(crate) fn factor_to(&self, base: &str) -> Option<f64> {
         let si = Unit::parse(base)?;
         self.0.iter().find_map(|unit| unit.factor_to(&si))
@@ -104,12 +104,10 @@ pub(crate) fn to_si(heading: &Known, values: &mut [f64], units: &Units, remarks:
         // A ratio in percent, or without a unit.
         None => factor(&heading.text, heading.unit.as_deref(), "%")?.map_or(1.0, |percent| 0.01 * percent),
         Some("dB") => 1.0,
-        Some(base) => {
-            match factor(&heading.text, heading.unit.as_deref(), base)?.or_else(|| units.factor_to(base)) {
-                Some(factor) => factor,
-                None => found(heading, values, remarks)?,
-            }
-        }
+        Some(base) => match factor(&heading.text, heading.unit.as_deref(), base)?.or_else(|| units.factor_to(base)) {
+            Some(factor) => factor,
+            None => found(heading, values, remarks)?,
+        },
     };
     values.iter_mut().for_each(|value| *value *= sign * factor);
     Ok(())

@@ -116,7 +116,8 @@ impl Conditions {
         remarks: Vec<String>,
     ) -> Result<Self, ImportError> {
         measurements.retain(|m| m.speed_m_per_s > 0.0 && m.mu.is_finite());
-        let mut assumptions = vec!["the vibration is a sine along the sliding, and the friction ratio is quasi-static".to_owned()];
+        let mut assumptions =
+            vec!["the vibration is a sine along the sliding, and the friction ratio is quasi-static".to_owned()];
         // An amplitude and a frequency are a velocity.
         if let (Some("m"), Some(hz)) = (level_unit.as_deref(), frequency_hz) {
             assumptions.push("the amplitude is that of the sliding surface, from zero to the peak".into());
@@ -174,10 +175,13 @@ impl Conditions {
         let conditions = table::conditions(&measurements, &fit);
         let mut warnings = table::warnings(&conditions, &fit);
         if scatter.is_none() {
-            warnings.push("there are too few measurements for a scatter: the intervals contain the noise within a measurement only".into());
+            warnings.push(
+                "there are too few measurements for a scatter: the intervals contain the noise within a measurement only".into(),
+            );
         }
         if fit.model.has_trend {
-            assumptions.push("the coefficient of friction at the rms of the slip velocity is that of OFF sliding at this speed".into());
+            assumptions
+                .push("the coefficient of friction at the rms of the slip velocity is that of OFF sliding at this speed".into());
         }
         let stiffness = fit.stiffness;
         Ok(Conditions {

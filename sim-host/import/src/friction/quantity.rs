@@ -134,7 +134,11 @@ impl Columns {
         let one = |(row, value): (usize, &f64)| {
             let word = words.next_if(|(at, _)| *at == row).map_or_else(|| value.to_string(), |(_, word)| word.clone());
             state(&word).ok_or_else(|| {
-                let what = format!("the column `{}` is `{}`, not ON or OFF (or 1 or 0)", self.names[at], beginning(&word));
+                let what = format!(
+                    "the column `{}` is `{}`, not ON or OFF (or 1 or 0); correct the cell",
+                    self.names[at],
+                    beginning(&word)
+                );
                 ImportError::bad_row(&self.table, row, what)
             })
         };

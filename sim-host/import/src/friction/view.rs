@@ -134,7 +134,12 @@ impl Friction {
     pub fn scene(&self, source: &str, options: &Options) -> Result<String, String> {
         let (Some(hz), Some(tip)) = (options.frequency_hz, options.tip_m_per_s) else {
             let given = [("`--frequency-hz`", options.frequency_hz), ("`--tip-m-per-s`", options.tip_m_per_s)];
-            return Err(given.into_iter().filter(|(_, value)| value.is_none()).map(|(name, _)| name).collect::<Vec<_>>().join(" and "));
+            return Err(given
+                .into_iter()
+                .filter(|(_, value)| value.is_none())
+                .map(|(name, _)| name)
+                .collect::<Vec<_>>()
+                .join(" and "));
         };
         let log = &self.log;
         let speeds: Vec<f64> = log.velocity_m_per_s.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();

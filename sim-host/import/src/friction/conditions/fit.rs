@@ -4,9 +4,10 @@
 //! var = sd^2 + (tau mu_fit)^2,   sum over a group e^2 / var = sum over the group (1 - h)
 //! ```
 //!
-//! `sd` is the noise within a measurement, `tau` the relative scatter between measurements (a random
-//! effect), and `h` the leverage. ON and OFF have their own scatter if both have enough measurements
-//! to determine it (R. C. Paule, J. Mandel, J. Res. NBS 87 (1982) 377, here with leverages).
+//! `sd` is the noise within a measurement, `tau` the relative scatter between measurements (a
+//! random effect), and `h` the leverage. ON and OFF have their own scatter if both have enough
+//! measurements to determine it (R. C. Paule, J. Mandel, J. Res. NBS 87 (1982) 377, here with
+//! leverages).
 //!
 //! The other parameters are fitted for each stiffness. A stiffness is as probable as the data make
 //! it, with a flat prior of its logarithm between the soft and the rigid limit. Data that do not
@@ -25,6 +26,8 @@ use crate::least_squares::{Linear, Solution, minimise_within};
 const KAPPA: (f64, f64) = (0.02, 1000.0);
 /// Number of stiffnesses of a grid.
 const GRID: usize = 31;
+/// Maximum number of finer grids.
+const MAX_GRIDS: usize = 3;
 /// Maximum number of steps of a fit.
 const MAX_STEPS: usize = 60;
 /// Number of refinements of the scatter.
@@ -91,7 +94,8 @@ pub(super) fn fit(measurements: &[Measurement], fits_tip: bool, known: Option<(f
     model.has_trend = demands_trend(&off().map(|m| (libm::log(m.speed_m_per_s), m.mu)).collect::<Vec<_>>());
     let speeds = range(&mut points.iter().map(|point| point.speed_m_per_s));
     let drives = range(&mut points.iter().filter_map(|point| point.drive));
-    let problem = Problem { measurements, points, model, tip: (TIP_REL.0 * speeds.0 / drives.1, TIP_REL.1 * speeds.1 / drives.0) };
+    let problem =
+        Problem { measurements, points, model, tip: (TIP_REL.0 * speeds.0 / drives.1, TIP_REL.1 * speeds.1 / drives.0) };
     problem.solved(known)
 }
 
@@ -144,17 +148,23 @@ impl Problem<'_> {
         }
         let coarse = self.grid(ends, &variances);
         let least = coarse.iter().map(|slice| slice.cost).fold(f64::INFINITY, f64::min);
-        let is_near = |slice: &&Slice| slice.cost - least < MAX_RISE;
-        let near = || coarse.iter().filter(is_near).map(|slice| slice.ln_compliance);
-        let step = (ends.1 - ends.0) / (GRID - 1) as f64;
-        let fine = (near().fold(ends.1, f64::min) - step).max(ends.0)..=(near().fold(ends.0, f64::max) + step).min(ends.1);
         let excluded = |at: usize| coarse.get(at).is_none_or(|slice| slice.cost - least > EXCLUDED_RISE);
         let stiffness = match (excluded(0), excluded(coarse.len() - 1)) {
             (_, false) => Stiffness::Rigid,
             (true, true) => Stiffness::Identified,
             (false, true) => Stiffness::Soft,
         };
-        let mut slices = self.grid((*fine.start(), *fine.end()), &variances);
+        // A finer grid of the stiffnesses near the best one, until it resolves their range.
+        let mut slices = coarse;
+        for _ in 0..MAX_GRIDS {
+            let near = || slices.iter().filter(|slice| slice.cost - least < MAX_RISE).map(|slice| slice.ln_compliance);
+            if near().count() > GRID / 2 || slices.len() < 2 {
+                break;
+            }
+            let step = slices[1].ln_compliance - slices[0].ln_compliance;
+            let (low, high) = (near().fold(ends.1, f64::min), near().fold(ends.0, f64::max));
+            slices = self.grid(((low - step).max(ends.0), (high + step).min(ends.1)), &variances);
+        }
         let p = self.model.count();
         let log_weight = |slice: &Slice| {
             let rise = slice.cost - least;

@@ -66,13 +66,17 @@ pub(super) fn read(path: &Path, columns: &Columns, options: &Options) -> Result<
     let (units, mut remarks) = (&options.units, vec![format!("{}: a table with {}", file_name(path), columns.table.found)]);
     let column = |wanted: Quantity| columns.numbers(wanted, units);
     let of_name = |wanted: Quantity| Ok::<_, ImportError>(named.number(wanted, units)?.map(|value| vec![value; count]));
-    let either = |wanted: Quantity| Ok::<_, ImportError>(match column(wanted)? {
-        None => of_name(wanted)?,
-        values => values,
-    });
+    let either = |wanted: Quantity| {
+        Ok::<_, ImportError>(match column(wanted)? {
+            None => of_name(wanted)?,
+            values => values,
+        })
+    };
     let (time, displacement) = (column(Quantity::Time)?, column(Quantity::Displacement)?);
     let speed = match (column(Quantity::Velocity)?, &displacement, &time) {
-        (None, Some(x), Some(time)) if time.windows(2).all(|pair| pair[0] < pair[1]) => Some(Smoothed::new(time, x).velocity_m_per_s),
+        (None, Some(x), Some(time)) if time.windows(2).all(|pair| pair[0] < pair[1]) => {
+            Some(Smoothed::new(time, x).velocity_m_per_s)
+        }
         (None, ..) => of_name(Quantity::Velocity)?,
         (speed, ..) => speed,
     };
@@ -95,7 +99,9 @@ pub(super) fn read(path: &Path, columns: &Columns, options: &Options) -> Result<
             let of_on = all.iter().filter(|hz| **hz > 0.0);
             let (least, most) = of_on.fold((f64::INFINITY, 0.0_f64), |(least, most), hz| (least.min(*hz), most.max(*hz)));
             if most > least * (1.0 + MAX_FREQUENCY_CHANGE_REL) {
-                return Err(ImportError::NoFit(format!("the frequency of the vibration goes from {least} to {most} Hz; fit each alone")));
+                return Err(ImportError::NoFit(format!(
+                    "the frequency of the vibration goes from {least} to {most} Hz; fit each alone"
+                )));
             }
             (most > 0.0).then_some(0.5 * (least + most))
         }
@@ -114,7 +120,8 @@ pub(super) fn read(path: &Path, columns: &Columns, options: &Options) -> Result<
     } else {
         let mu = friction(columns, None, &rows, options)?
             .ok_or_else(|| columns.missing("no column is the friction, as a force or as a coefficient `mu`"))?;
-        let by_level = || rows.level.as_ref().or(rows.tip.as_ref()).map(|levels| levels.iter().map(|level| *level > 0.0).collect());
+        let by_level =
+            || rows.level.as_ref().or(rows.tip.as_ref()).map(|levels| levels.iter().map(|level| *level > 0.0).collect());
         let states: Vec<bool> = states.or_else(by_level).ok_or_else(|| {
             columns.missing("no column and no file name says ON or OFF; add a column `state`, name the file `…_on` or `…_off`, or give `--on`")
         })?;

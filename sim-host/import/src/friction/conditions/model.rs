@@ -1,4 +1,4 @@
-//! Mean friction under vibration as a function of speed, normal force and strength of the vibration.
+//! Mean friction as a function of speed, normal force and strength of the vibration.
 //!
 //! The steady state under a prescribed vibration depends on two numbers ([`contact::closed`]):
 //!

@@ -1,8 +1,8 @@
 //! Conditions in the name of a file, such as `v0.1_ON.csv`, `speed=0.05mps_off.csv` or
 //! `100mm_s_on_3.csv`.
 //!
-//! A number with the name of a quantity before it or a unit behind it is a condition. Other numbers,
-//! such as that of a repeat, are not.
+//! A number with the name of a quantity before it or a unit behind it is a condition. Other
+//! numbers, such as that of a repeat, are not.
 
 use super::super::quantity::{Quantity, state, unit_missing};
 use crate::error::ImportError;
@@ -30,7 +30,8 @@ const BY_UNIT: [(&str, Quantity); 5] = [
 impl Named {
     /// Reads the name of a file without its extension.
     pub(super) fn parse(stem: &str) -> Self {
-        let parts: Vec<&str> = stem.split(|c: char| !(c.is_alphanumeric() || ".+%".contains(c))).filter(|p| !p.is_empty()).collect();
+        let parts: Vec<&str> =
+            stem.split(|c: char| !(c.is_alphanumeric() || ".+%".contains(c))).filter(|p| !p.is_empty()).collect();
         let mut named = Named::default();
         let mut at = 0;
         while let Some(part) = parts.get(at) {
@@ -67,7 +68,8 @@ impl Named {
         let Some(base) = wanted.base() else { return Ok(Some(*value)) };
         let written = Unit::parse(base).and_then(|si| Unit::parse_like(unit, &si)?.factor_to(&si));
         let given = || units.factor_to(base).filter(|_| unit.is_empty());
-        let factor = written.or_else(given).ok_or_else(|| unit_missing(format!("`{value}{unit}` in the name of the file"), base))?;
+        let factor =
+            written.or_else(given).ok_or_else(|| unit_missing(format!("`{value}{unit}` in the name of the file"), base))?;
         Ok(Some(value * factor))
     }
 

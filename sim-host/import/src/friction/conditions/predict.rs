@@ -56,7 +56,10 @@ impl FromStr for Request {
                 "" => Ok(number),
                 unit => {
                     let base = Unit::parse(base).ok_or_else(wrong)?;
-                    Unit::parse_like(unit, &base).and_then(|unit| unit.factor_to(&base)).map(|factor| factor * number).ok_or_else(wrong)
+                    Unit::parse_like(unit, &base)
+                        .and_then(|unit| unit.factor_to(&base))
+                        .map(|factor| factor * number)
+                        .ok_or_else(wrong)
                 }
             };
             match Quantity::parse(name) {
@@ -106,7 +109,8 @@ impl Conditions {
             Some((value, unit)) if unit.is_empty() || unit == base => Some(*value),
             Some((value, unit)) => {
                 let factor = Unit::parse(base).and_then(|base| Unit::parse_like(unit, &base)?.factor_to(&base));
-                let why = || ImportError::NoFit(format!("--predict amplitude={value}{unit}: the unit of the measurements is `{base}`"));
+                let why =
+                    || ImportError::NoFit(format!("--predict amplitude={value}{unit}: the unit of the measurements is `{base}`"));
                 Some(value * factor.ok_or_else(why)?)
             }
         };
@@ -137,7 +141,9 @@ impl Conditions {
             if let (Some(value), Some((low, high))) = (value, range)
                 && !(0.99 * low..=1.01 * high).contains(&value)
             {
-                outside.push(format!("{name}, measured from {} to {} {unit}", significant(low), significant(high)).trim_end().to_owned());
+                outside.push(
+                    format!("{name}, measured from {} to {} {unit}", significant(low), significant(high)).trim_end().to_owned(),
+                );
             }
         }
         let condition = self.describe(Some(request.speed_m_per_s), normal_n, strength, "");

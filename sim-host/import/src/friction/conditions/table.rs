@@ -3,7 +3,7 @@
 use super::fit::Fit;
 use super::measurement::Measurement;
 use super::model::Point;
-use report::significant;
+use report::{rounded, significant};
 
 /// Condition with vibration.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -78,7 +78,8 @@ pub(super) fn conditions(measurements: &[Measurement], fit: &Fit) -> Vec<Conditi
     let of = fit.model.parameters(&slice.fitted, slice.ln_compliance);
     let one = |group: &Vec<usize>| {
         let first = &measurements[group[0]];
-        let off: Vec<usize> = (0..measurements.len()).filter(|at| !measurements[*at].on && is_place(&measurements[*at], first)).collect();
+        let off: Vec<usize> =
+            (0..measurements.len()).filter(|at| !measurements[*at].on && is_place(&measurements[*at], first)).collect();
         let average = |value: &dyn Fn(&Measurement) -> Option<f64>| {
             group.iter().map(|at| value(&measurements[*at])).sum::<Option<f64>>().map(|sum| sum / group.len() as f64)
         };
@@ -105,11 +106,9 @@ pub(super) fn conditions(measurements: &[Measurement], fit: &Fit) -> Vec<Conditi
         }
     };
     let mut conditions: Vec<Condition> = groups.iter().map(one).collect();
-    let key = |c: &Condition| (c.label.clone(), [c.level.unwrap_or(0.0), c.normal_n.unwrap_or(0.0), c.speed_m_per_s]);
-    conditions.sort_by(|a, b| {
-        let (a, b) = (key(a), key(b));
-        a.0.cmp(&b.0).then(a.1.partial_cmp(&b.1).unwrap_or(std::cmp::Ordering::Equal))
-    });
+    // Means of the same condition differ in the last digits.
+    let key = |c: &Condition| [c.level, c.normal_n, Some(c.speed_m_per_s)].map(|value| rounded(value.unwrap_or(0.0), 2));
+    conditions.sort_by(|a, b| a.label.cmp(&b.label).then(key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal)));
     conditions
 }
 
@@ -121,12 +120,16 @@ pub(super) fn warnings(conditions: &[Condition], fit: &Fit) -> Vec<String> {
     let freedom = conditions.len().saturating_sub(fit.model.count()).max(1) as f64;
     let misfit: f64 = conditions.iter().map(|c| c.residual().powi(2)).sum::<f64>() / freedom;
     if repeats >= 3 && misfit > MAX_MISFIT * within / repeats as f64 {
-        warnings.push("the model misses the conditions by more than the scatter of their repeats: the bands contain the misfit".into());
+        warnings.push(
+            "the model misses the conditions by more than the scatter of their repeats: the bands contain the misfit".into(),
+        );
     }
     if repeats == 0 {
         warnings.push("no condition with vibration is repeated: the scatter is that about the fit".into());
     }
-    if let Some(worst) = conditions.iter().filter(|c| c.residual().abs() > 3.0).max_by(|a, b| a.residual().abs().total_cmp(&b.residual().abs())) {
+    if let Some(worst) =
+        conditions.iter().filter(|c| c.residual().abs() > 3.0).max_by(|a, b| a.residual().abs().total_cmp(&b.residual().abs()))
+    {
         warnings.push(format!(
             "the ratio at {} m/s differs from the fit by {:.1} standard deviations",
             significant(worst.speed_m_per_s),

@@ -28,9 +28,9 @@ impl Conditions {
             None => format!("tip {} m/s", significant(level)),
         };
         let parts = [
-            speed.map(|speed| format!("{} m/s", significant(speed))),
+            speed.map(|speed| format!("{} m/s", significant(rounded(speed, 3)))),
             level.filter(|_| varies(&|c| c.level)).map(level_text),
-            normal.filter(|_| varies(&|c| c.normal_n)).map(|normal| format!("{} N", significant(normal))),
+            normal.filter(|_| varies(&|c| c.normal_n)).map(|normal| format!("{} N", significant(rounded(normal, 3)))),
             Some(label.to_owned()).filter(|label| !label.is_empty()),
         ];
         parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
@@ -64,7 +64,9 @@ impl Conditions {
         let mut rows: Vec<Vec<String>> = self.values().iter().map(|(name, value)| row(name, value)).collect();
         match self.stiffness {
             Stiffness::Rigid => rows.push(vec!["stiffness".into(), "not identified: rigid limit".into(), "-".into(), "-".into()]),
-            Stiffness::Soft => rows.push(vec!["stiffness".into(), "only the upper end is identified".into(), "-".into(), "-".into()]),
+            Stiffness::Soft => {
+                rows.push(vec!["stiffness".into(), "only the upper end is identified".into(), "-".into(), "-".into()])
+            }
             Stiffness::Identified => {}
         }
         if self.fit.model.has_trend {
@@ -73,7 +75,12 @@ impl Conditions {
             rows.push(row("exponent of mu over the speed", &trend));
         }
         if let Some([off, on]) = self.scatter {
-            rows.push(vec!["scatter OFF, ON [%]".into(), format!("{:.1}, {:.1}", 100.0 * off, 100.0 * on), "-".into(), "-".into()]);
+            rows.push(vec![
+                "scatter OFF, ON [%]".into(),
+                format!("{:.1}, {:.1}", 100.0 * off, 100.0 * on),
+                "-".into(),
+                "-".into(),
+            ]);
         }
         let (off, on) = (self.measurements.iter().filter(|m| !m.on).count(), self.conditions.iter().map(|c| c.on).sum::<usize>());
         let caption = format!(
@@ -99,7 +106,8 @@ impl Conditions {
                 format!("{} to {}", digits(interval.low), digits(interval.high))
             };
             let one = |p: &Prediction| {
-                let measured = if p.outside.is_empty() { "inside".to_owned() } else { format!("EXTRAPOLATED: {}", p.outside.join("; ")) };
+                let measured =
+                    if p.outside.is_empty() { "inside".to_owned() } else { format!("EXTRAPOLATED: {}", p.outside.join("; ")) };
                 let value = rounded_to(p.fit.value, 0.25 * (p.fit.high - p.fit.low));
                 let both = p.fit_and_scatter.as_ref().map_or_else(|| "unknown".into(), band);
                 vec![p.condition.clone(), value, band(&p.fit), both, measured]
@@ -130,7 +138,8 @@ impl Conditions {
         let mut groups: Vec<Vec<&Condition>> = Vec::new();
         let near = |a: Option<f64>, b: Option<f64>| a.zip(b).is_none_or(|(a, b)| (a / b - 1.0).abs() < 0.05);
         for c in &self.conditions {
-            let same = |g: &&mut Vec<&Condition>| near(g[0].level, c.level) && near(g[0].normal_n, c.normal_n) && g[0].label == c.label;
+            let same =
+                |g: &&mut Vec<&Condition>| near(g[0].level, c.level) && near(g[0].normal_n, c.normal_n) && g[0].label == c.label;
             match groups.iter_mut().find(same) {
                 Some(group) => group.push(c),
                 None => groups.push(vec![c]),
@@ -175,7 +184,8 @@ impl Conditions {
 
     /// Returns the result for programs.
     pub fn json(&self, predictions: &[Prediction]) -> Json {
-        let values: serde_json::Map<String, Json> = self.values().into_iter().map(|(name, value)| (name.to_owned(), json!(value))).collect();
+        let values: serde_json::Map<String, Json> =
+            self.values().into_iter().map(|(name, value)| (name.to_owned(), json!(value))).collect();
         json!({
             "fit": values, "stiffness": match self.stiffness {
                 Stiffness::Identified => "identified",
@@ -238,6 +248,9 @@ impl Conditions {
 }
 
 fn row(name: &str, value: &Interval) -> Vec<String> {
-    let digits = |number| rounded_to(number, 0.25 * (value.high - value.low));
+    let digits = |number: f64| match number {
+        1e5.. => format!("{number:.2e}"),
+        _ => rounded_to(number, 0.25 * (value.high - value.low)),
+    };
     vec![name.to_owned(), digits(value.value), digits(value.low), digits(value.high)]
 }
