@@ -19,7 +19,12 @@ struct Truth {
     levels: Vec<f64>,
     repeats: usize,
     scatter: f64,
+    /// `true` if the table has the amplitude, and the frequency is given.
+    has_amplitude: bool,
 }
+
+/// Frequency of the vibration, Hz.
+const HZ: f64 = 40e3;
 
 /// Mean friction ratio of Dahl friction under a sine, by Runge-Kutta steps in the phase until the
 /// period repeats: `df/dp = kappa (1 - f sgn V) V`, `V = xi + cos p`.
@@ -80,6 +85,7 @@ impl Truth {
             levels: if random.between(0.0, 1.0) < 0.5 { vec![1.0] } else { vec![0.5, 1.0] },
             repeats: 2 + (3.0 * random.between(0.0, 1.0)) as usize,
             scatter: random.log(0.02, 0.08),
+            has_amplitude: random.between(0.0, 1.0) < 0.3,
         }
     }
 
@@ -94,16 +100,21 @@ impl Truth {
 
     /// Writes a table with one row for each measurement, and fits it.
     fn fitted(&self, name: &str, ratios: &[(f64, f64, f64)], random: &mut Random) -> Conditions {
-        let mut text = "speed_mm_s,drive level,state,mu\n".to_owned();
+        let (head, unit) = if self.has_amplitude { ("amplitude [m]", self.amplitude_m()) } else { ("drive level", 1.0) };
+        let mut text = format!("speed_mm_s,{head},state,mu\n");
         for _ in 0..self.repeats {
             for speed in &self.speeds {
                 text += &format!("{},0,OFF,{}\n", 1e3 * speed, self.mu * self.scattered(random));
             }
             for (speed, level, ratio) in ratios {
-                text += &format!("{},{level},ON,{}\n", 1e3 * speed, self.mu * ratio * self.scattered(random));
+                text += &format!("{},{},ON,{}\n", 1e3 * speed, unit * level, self.mu * ratio * self.scattered(random));
             }
         }
-        conditions(&[(name, &text)], &Options::default())
+        conditions(&[(name, &text)], &Options { frequency_hz: Some(HZ).filter(|_| self.has_amplitude), ..Options::default() })
+    }
+
+    fn amplitude_m(&self) -> f64 {
+        self.tip_m_per_s / (std::f64::consts::TAU * HZ)
     }
 }
 
@@ -128,7 +139,7 @@ fn conditions(files: &[(&str, &str)], options: &Options) -> Conditions {
 
 /// Returns the coverage of the intervals of mu, tip velocity, stiffness, ratio and new ratio, %.
 fn coverage(draws: u64, fits: usize) -> [f64; 5] {
-    let mut inside = [0.0; 5];
+    let (mut inside, mut counts) = ([0.0; 5], [0.0; 5]);
     for seed in 0..draws {
         let mut random = Random(Xoshiro256PlusPlus::seed_from_u64(seed));
         let truth = Truth::draw(&mut random);
@@ -138,22 +149,25 @@ fn coverage(draws: u64, fits: usize) -> [f64; 5] {
         let ratio = truth.ratio(speed, 1.0);
         for _ in 0..fits {
             let fit = truth.fitted(&format!("draw{seed}.csv"), &ratios, &mut random);
-            let request: Request = format!("speed={speed},amplitude=1").parse().unwrap();
+            let strength = if truth.has_amplitude { truth.amplitude_m() } else { 1.0 };
+            let request: Request = format!("speed={speed},amplitude={strength}").parse().unwrap();
             let predicted = fit.predict(&request).unwrap();
             let new = ratio * truth.scattered(&mut random) / truth.scattered(&mut random);
             let is_in = |interval: &Interval, truth: f64| f64::from(u8::from((interval.low..=interval.high).contains(&truth)));
             let stiffness = truth.kappa * truth.mu / truth.tip_m_per_s;
             let all = [
                 is_in(&fit.mu, truth.mu),
-                is_in(&fit.tip.unwrap(), truth.tip_m_per_s),
+                fit.tip.map_or(f64::NAN, |tip| is_in(&tip, truth.tip_m_per_s)),
                 is_in(&fit.stiffness_s, stiffness),
                 is_in(&predicted.fit, ratio),
                 is_in(&predicted.fit_and_scatter.unwrap(), new),
             ];
-            inside.iter_mut().zip(all).for_each(|(sum, one)| *sum += 100.0 * one / (draws as usize * fits) as f64);
+            for ((sum, count), one) in inside.iter_mut().zip(&mut counts).zip(all).filter(|(_, one)| !one.is_nan()) {
+                (*sum, *count) = (*sum + 100.0 * one, *count + 1.0);
+            }
         }
     }
-    inside
+    std::array::from_fn(|at| inside[at] / counts[at])
 }
 
 #[test]

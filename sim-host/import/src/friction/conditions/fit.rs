@@ -146,16 +146,11 @@ impl Problem<'_> {
             };
             variances = self.measurements.iter().zip(&self.points).map(variance).collect();
         }
-        let coarse = self.grid(ends, &variances);
-        let least = coarse.iter().map(|slice| slice.cost).fold(f64::INFINITY, f64::min);
-        let excluded = |at: usize| coarse.get(at).is_none_or(|slice| slice.cost - least > EXCLUDED_RISE);
-        let stiffness = match (excluded(0), excluded(coarse.len() - 1)) {
-            (_, false) => Stiffness::Rigid,
-            (true, true) => Stiffness::Identified,
-            (false, true) => Stiffness::Soft,
-        };
+        let mut slices = self.grid(ends, &variances);
+        let least_of = |slices: &[Slice]| slices.iter().map(|slice| slice.cost).fold(f64::INFINITY, f64::min);
+        let [soft, rigid] = [slices.first(), slices.last()].map(|slice| slice.map_or(f64::INFINITY, |slice| slice.cost));
         // A finer grid of the stiffnesses near the best one, until it resolves their range.
-        let mut slices = coarse;
+        let mut least = least_of(&slices);
         for _ in 0..MAX_GRIDS {
             let near = || slices.iter().filter(|slice| slice.cost - least < MAX_RISE).map(|slice| slice.ln_compliance);
             if near().count() > GRID / 2 || slices.len() < 2 {
@@ -164,7 +159,13 @@ impl Problem<'_> {
             let step = slices[1].ln_compliance - slices[0].ln_compliance;
             let (low, high) = (near().fold(ends.1, f64::min), near().fold(ends.0, f64::max));
             slices = self.grid(((low - step).max(ends.0), (high + step).min(ends.1)), &variances);
+            least = least_of(&slices);
         }
+        let stiffness = match (soft - least > EXCLUDED_RISE, rigid - least > EXCLUDED_RISE) {
+            (_, false) => Stiffness::Rigid,
+            (true, true) => Stiffness::Identified,
+            (false, true) => Stiffness::Soft,
+        };
         let p = self.model.count();
         let log_weight = |slice: &Slice| {
             let rise = slice.cost - least;

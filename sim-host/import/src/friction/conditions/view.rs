@@ -10,11 +10,6 @@ use super::model::Point;
 use super::{Condition, Conditions, Prediction};
 use report::{Axis, Figure, Report, Series, Style, TableBlock, rounded, rounded_to, significant};
 
-/// Largest number of curves of the figure.
-const MAX_CURVES: usize = 6;
-/// Number of points of a curve.
-const CURVE_POINTS: u32 = 60;
-
 impl Conditions {
     /// Returns a condition as text. Load and strength of the vibration are named if they vary.
     pub(super) fn describe(&self, speed: Option<f64>, normal: Option<f64>, level: Option<f64>, label: &str) -> String {
@@ -133,51 +128,21 @@ impl Conditions {
         }
     }
 
-    /// Returns the figure of the friction ratio over the speed.
-    pub(crate) fn figure(&self) -> Figure {
-        let mut groups: Vec<Vec<&Condition>> = Vec::new();
-        let near = |a: Option<f64>, b: Option<f64>| a.zip(b).is_none_or(|(a, b)| (a / b - 1.0).abs() < 0.05);
-        for c in &self.conditions {
-            let same =
-                |g: &&mut Vec<&Condition>| near(g[0].level, c.level) && near(g[0].normal_n, c.normal_n) && g[0].label == c.label;
-            match groups.iter_mut().find(same) {
-                Some(group) => group.push(c),
-                None => groups.push(vec![c]),
-            }
-        }
-        let slice = &self.fit.slices[self.fit.chosen];
-        let of = self.fit.model.parameters(&slice.fitted, slice.ln_compliance);
-        let mut series = Vec::new();
-        for (n, group) in groups.iter().take(MAX_CURVES).enumerate() {
-            let first = group[0];
-            let name = self.describe(None, first.normal_n, first.level, &first.label);
-            let speeds: Vec<f64> = group.iter().map(|c| c.speed_m_per_s).collect();
-            let (low, high) = speeds.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
-            let drive = self.measurements.iter().find(|m| m.on && near(m.level.or(m.tip_m_per_s), first.level)).map(Point::new);
-            let point = |speed: f64| Point {
-                speed_m_per_s: speed,
-                normal_n: first.normal_n.unwrap_or(1.0),
-                drive: drive.and_then(|point| point.drive).or(Some(1.0)),
-            };
-            let x: Vec<f64> = (0..=CURVE_POINTS).map(|at| low + (high - low) * f64::from(at) / f64::from(CURVE_POINTS)).collect();
-            let curve = |kind: &str, x: Vec<f64>, y: Vec<f64>, style| Series {
-                name: format!("{kind} {name}").trim_end().to_owned(),
-                csv_column: format!("ratio_{kind}_{n}"),
-                x,
-                y,
-                style,
-            };
-            let fitted = x.iter().map(|v| self.fit.model.ratio(&of, &point(*v))).collect();
-            series.push(curve("measured", speeds, group.iter().map(|c| c.measured).collect(), Style::Points));
-            series.push(curve("fitted", x, fitted, Style::Line));
-        }
+    /// Returns the figure of the measured over the fitted friction ratio.
+    fn figure(&self) -> Figure {
+        let of = |value: fn(&Condition) -> f64| self.conditions.iter().map(value).collect::<Vec<f64>>();
+        let most = of(|c| c.fitted.max(c.measured)).into_iter().fold(1.0, f64::max);
+        let series = |name: &str, x, y, style| Series { name: name.into(), csv_column: format!("ratio_{name}"), x, y, style };
         Figure {
             id: "friction-ratio".into(),
-            title: "Friction ratio over the sliding speed".into(),
-            caption: "Dots: measured. Lines: the fit to all conditions.".into(),
-            x: Axis { label: "sliding speed [m/s]".into(), ..Axis::default() },
-            y: Axis { label: "friction ratio".into(), ..Axis::default() },
-            series,
+            title: "Measured and fitted friction ratio".into(),
+            caption: "Dots: conditions. Line: equal ratios.".into(),
+            x: Axis { label: "fitted friction ratio".into(), ..Axis::default() },
+            y: Axis { label: "measured friction ratio".into(), ..Axis::default() },
+            series: vec![
+                series("measured", of(|c| c.fitted), of(|c| c.measured), Style::Points),
+                series("equal", vec![0.0, most], vec![0.0, most], Style::Line),
+            ],
             ..Figure::default()
         }
     }
