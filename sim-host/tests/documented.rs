@@ -256,6 +256,15 @@ fn measured_files() -> Vec<(&'static str, String)> {
             ),
         ),
         ("log.csv", format!("t [s],x [m],F [N]\n{}", (0..600).map(slide).collect::<String>())),
+        ("conditions.csv", {
+            // A rigid contact with a tip velocity of 0.25 m/s, and three repeats.
+            let row = |n: usize| {
+                let (speed, on) = ([0.02, 0.05, 0.1, 0.15, 0.2][n / 2 % 5], n % 2 == 1);
+                let ratio = if on { std::f64::consts::FRAC_2_PI * (speed / 0.25_f64).asin() } else { 1.0 };
+                format!("{speed},{},10,{:.4}\n", if on { "ON" } else { "OFF" }, 3.0 * ratio * (1.0 + 20.0 * noise(n, 12.9)))
+            };
+            format!("speed [m/s],state,normal [N],force [N]\n{}", (0..30).map(row).collect::<String>())
+        }),
     ]
 }
 

@@ -43,6 +43,13 @@ impl<'a> Heading<'a> {
         if is_known(text) {
             return whole(text, None);
         }
+        // The whole unit, before its last part: `speed_mm_s`.
+        let long = text.match_indices('_').map(|(at, _)| (&text[..at], &text[at + 1..]));
+        if let Some((name, unit)) =
+            long.into_iter().find(|(name, unit)| !name.is_empty() && unit.ends_with("m_s") && is_unit(unit))
+        {
+            return whole(name, Some(unit));
+        }
         if let (name, Some(_)) = unit::split(&text.to_lowercase())
             && let Some((name, unit)) = text.split_at_checked(name.len())
         {
@@ -102,6 +109,7 @@ mod tests {
             ("v [mm/s]", "v", Some("mm/s")),
             (" Belt speed (m/s) ", "Belt speed", Some("m/s")),
             ("speed_mm_per_s", "speed", Some("mm_per_s")),
+            ("speed_mm_s", "speed", Some("mm_s")),
             ("time_s", "time", Some("s")),
             ("load", "load", None),
             ("Re(Z)", "Re(Z)", None),
@@ -132,6 +140,8 @@ mod tests {
         let cases = [
             ("mm/s", "m/s", 1e-3),
             ("mm/sec", "m/s", 1e-3),
+            ("mm_s", "m/s", 1e-3),
+            ("mmps", "m/s", 1e-3),
             ("in/s", "m/s", 0.0254),
             ("km/h", "m/s", 1.0 / 3.6),
             ("kN", "N", 1e3),

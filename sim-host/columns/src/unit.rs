@@ -81,6 +81,8 @@ const WRITTEN: &[(&str, &str, &str, f64)] = &[
     ("inch", "in", "m", 0.0254),
     ("inches", "in", "m", 0.0254),
     ("ft", "ft", "m", 0.3048),
+    ("mps", "m/s", "m/s", 1.0),
+    ("m_s", "m/s", "m/s", 1.0),
     ("degree", "degrees", "turns", 1.0 / 360.0),
     ("degrees", "degrees", "turns", 1.0 / 360.0),
     ("grad", "degrees", "turns", 1.0 / 360.0),

@@ -1,6 +1,6 @@
 //! Reasons why measured data are refused, with the line or the values that show it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use columns::{Table, TableError};
 
@@ -14,6 +14,14 @@ pub enum ImportError {
         path: PathBuf,
         /// Reason given by the system.
         source: std::io::Error,
+    },
+    /// One of several files has an error.
+    #[error("{file}: {source}")]
+    InFile {
+        /// Name of the file.
+        file: String,
+        /// Error of the file.
+        source: Box<ImportError>,
     },
     /// The file does not contain a table of numbers in a known format.
     #[error("unknown format: {seen}")]
@@ -126,6 +134,14 @@ pub enum ImportError {
 }
 
 impl ImportError {
+    /// Returns the error with the file that has it.
+    pub(crate) fn of_file(self, path: &Path) -> Self {
+        match self {
+            ImportError::Unreadable { .. } | ImportError::InFile { .. } => self,
+            error => ImportError::InFile { file: path.display().to_string(), source: Box::new(error) },
+        }
+    }
+
     /// Returns the error of a row of a table.
     pub(crate) fn bad_row(table: &Table, row: usize, what: String) -> Self {
         match table.lines.get(row) {

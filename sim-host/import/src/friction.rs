@@ -1,38 +1,87 @@
-//! Contact models fitted to a friction log: [`import`].
+//! Friction measurements: contact models fitted to a log without vibration, and one fit of all
+//! conditions with and without vibration: [`import_files`].
 //!
 //! ```text
-//! file -> log (slip, velocity, force, normal force, OFF and ON) -> motion between samples -> fit of each model to the OFF part
-//!      -> choice -> contact, friction ratio ON over OFF, scene
+//! log -> (slip, velocity, force, normal force, OFF and ON) -> motion between samples -> fit of each model to the OFF part
+//!     -> choice -> contact, scene
+//! logs or tables with OFF and ON -> measurements -> conditions -> shared fit, friction ratios, predictions, scene
 //! ```
 
 pub(crate) mod certainty;
+pub mod conditions;
 pub(crate) mod fit;
 mod log;
 mod maxwell;
 mod models;
 pub(crate) mod motion;
+mod quantity;
 pub(crate) mod result;
 pub(crate) mod smoothed;
 mod start;
 mod view;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::ImportError;
 use columns::file;
+use conditions::Conditions;
 pub use log::{Log, Options};
 pub use models::Model;
+use quantity::{Columns, Quantity};
 pub use result::{Fitted, Friction};
 
-/// Fits contact models to a measured file.
+/// Result of files.
+pub enum Found {
+    /// Log of a contact without vibration.
+    Log(Box<Friction>),
+    /// Measurements without and with vibration, and the contact of the part without, if they are
+    /// one log.
+    Conditions(Box<Conditions>, Option<Box<Friction>>),
+}
+
+/// Fits a log without vibration, or the conditions of one or several files.
+///
+/// # Errors
+/// Returns [`ImportError`], with the file, the line or the column that shows the reason.
+pub fn import_files(paths: &[PathBuf], options: &Options) -> Result<Found, ImportError> {
+    let files = conditions::open(paths, options)?;
+    let is_log = |columns: &Columns| {
+        let has = |quantity| columns.place(quantity).is_some();
+        has(Quantity::Force(None)) && (has(Quantity::Displacement) || has(Quantity::Time) && has(Quantity::Velocity))
+    };
+    let [(path, columns)] = &files[..] else {
+        return Ok(Found::Conditions(Box::new(Conditions::from_files(&files, options, None)?), None));
+    };
+    let states = columns.states().map_err(|error| error.of_file(path))?;
+    let has_on = states.map_or(!options.on_s.is_empty(), |states| states.contains(&true));
+    let log = || Log::from_columns(columns, options).and_then(|log| fit(&stem(paths), log));
+    if is_log(columns) && !has_on {
+        return Ok(Found::Log(Box::new(log().map_err(|error| error.of_file(path))?)));
+    }
+    // The presliding of the OFF part may show the stiffness.
+    let contact = if is_log(columns) { log().ok().map(Box::new) } else { None };
+    let known = contact.as_ref().zip(options.frequency_hz).and_then(|(contact, hz)| contact.stiffness_s(hz));
+    Ok(Found::Conditions(Box::new(Conditions::from_files(&files, options, known)?), contact))
+}
+
+/// Fits contact models to a log.
 ///
 /// # Errors
 /// Returns [`ImportError`], with the line or value that shows the reason.
 pub fn import(path: &Path, options: &Options) -> Result<Friction, ImportError> {
-    let bytes =
-        file::read(path, file::MAX_DATA_BYTES).map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })?;
-    let name = path.file_stem().map_or_else(|| "contact".into(), |stem| stem.to_string_lossy().into_owned());
-    fit(&name, Log::parse(&bytes, options)?)
+    fit(&stem(&[path.to_owned()]), Log::parse(read(path)?, options)?)
+}
+
+/// Returns the name of a contact from its files.
+pub fn stem(paths: &[PathBuf]) -> String {
+    match paths {
+        [path] => path.file_stem().map_or_else(|| "contact".into(), |stem| stem.to_string_lossy().into_owned()),
+        _ => "conditions".to_owned(),
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, ImportError> {
+    file::read(path, file::MAX_DATA_BYTES).map_err(|source| ImportError::Unreadable { path: path.to_owned(), source })
 }
 
 /// Fits contact models to a log.

@@ -23,6 +23,8 @@ const MAX_DEGREES: f64 = 360.0;
 
 /// Quantities that can have a unit, by their SI units.
 const BASES: [&str; 4] = ["Hz", "ohm", "S", "rad"];
+/// Quantities of a friction measurement that can have a unit, by their SI units.
+const FRICTION_BASES: [&str; 7] = ["s", "m", "m/s", "N", "Hz", "V", "A"];
 
 /// Units given by option, at most one per quantity.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,13 +36,25 @@ impl Units {
     /// # Errors
     /// Returns an error for a name that is not a unit, or for the second unit of a quantity.
     pub fn parse<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Self, String> {
+        Self::parse_among(&BASES, "Hz, ohm, S with a prefix, deg, rad", names)
+    }
+
+    /// Parses units of the quantities of a friction measurement, such as `mm/s`, `N`, `um`, `V`.
+    ///
+    /// # Errors
+    /// Returns an error for a name that is not a unit, or for the second unit of a quantity.
+    pub fn parse_friction<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Self, String> {
+        Self::parse_among(&FRICTION_BASES, "s, m, m/s, N, Hz, V, A, also with a prefix", names)
+    }
+
+    fn parse_among<'a>(bases: &[&str], known: &str, names: impl IntoIterator<Item = &'a str>) -> Result<Self, String> {
         let mut units: Vec<Unit> = Vec::new();
         for name in names {
             let like = |base: &&str| {
                 Unit::parse(base).and_then(|base| Unit::parse_like(name, &base).filter(|unit| unit.measures_like(&base)))
             };
-            let unit = BASES.iter().find_map(like);
-            let unit = unit.ok_or_else(|| format!("`{name}` is not a unit; known are Hz, ohm, S with a prefix, deg, rad"))?;
+            let unit = bases.iter().find_map(like);
+            let unit = unit.ok_or_else(|| format!("`{name}` is not a unit; known are {known}"))?;
             if unit.is_ambiguous() {
                 return Err(format!("`{name}` may be milli or mega; write mOhm or MOhm"));
             }
@@ -50,6 +64,12 @@ impl Units {
             units.push(unit);
         }
         Ok(Units(units))
+    }
+
+    /// Returns the factor from the given unit of a quantity to its SI unit; `None` without one.
+    pub(crate) fn factor_to(&self, base: &str) -> Option<f64> {
+        let si = Unit::parse(base)?;
+        self.0.iter().find_map(|unit| unit.factor_to(&si))
     }
 }
 
@@ -84,14 +104,10 @@ pub(crate) fn to_si(heading: &Known, values: &mut [f64], units: &Units, remarks:
         // A ratio in percent, or without a unit.
         None => factor(&heading.text, heading.unit.as_deref(), "%")?.map_or(1.0, |percent| 0.01 * percent),
         Some("dB") => 1.0,
-        Some(base) => {
-            let si = Unit::parse(base);
-            let given = || si.as_ref().and_then(|si| units.0.iter().find_map(|unit| unit.factor_to(si)));
-            match factor(&heading.text, heading.unit.as_deref(), base)?.or_else(given) {
-                Some(factor) => factor,
-                None => found(heading, values, remarks)?,
-            }
-        }
+        Some(base) => match factor(&heading.text, heading.unit.as_deref(), base)?.or_else(|| units.factor_to(base)) {
+            Some(factor) => factor,
+            None => found(heading, values, remarks)?,
+        },
     };
     values.iter_mut().for_each(|value| *value *= sign * factor);
     Ok(())

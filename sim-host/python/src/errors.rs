@@ -34,7 +34,7 @@ pub fn scene_error(error: &LoadError) -> PyErr {
 /// Converts the error of a measured file that is refused, with the message of the command line.
 pub fn import_error(path: &Path, error: &import::error::ImportError) -> PyErr {
     MeasurementError::new_err(match error {
-        import::error::ImportError::Unreadable { .. } => error.to_string(),
+        import::error::ImportError::Unreadable { .. } | import::error::ImportError::InFile { .. } => error.to_string(),
         error => format!("{}: {error}", path.display()),
     })
 }

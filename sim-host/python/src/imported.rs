@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use ::import::admittance::coordinate::Topology;
 use ::import::admittance::options::Options;
 use ::import::admittance::{self, MOST_MODES};
-use ::import::friction;
+use ::import::error::ImportError;
+use ::import::friction::{self, Found};
 use ::import::units::Units;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -88,14 +89,17 @@ pub fn import_admittance<'py>(
     Ok((found.json(None).to_string(), scene, arrays))
 }
 
-/// Fits the contact of a friction log.
+/// Fits the contact of a friction log, and its conditions if it has parts with vibration.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "same as on the command line")]
 pub fn import_friction<'py>(
     py: Python<'py>,
     path: PathBuf,
     columns: Option<String>,
     normal_n: Option<f64>,
     on_s: Vec<(f64, f64)>,
+    frequency_hz: Option<f64>,
+    tip_m_per_s: Option<f64>,
 ) -> PyResult<Parts<'py>> {
     if normal_n.is_some_and(|normal_n| !(1e-9..=1e6).contains(&normal_n)) {
         return Err(PyValueError::new_err("normal_n: from 1e-9 to 1e6 N"));
@@ -103,10 +107,23 @@ pub fn import_friction<'py>(
     if on_s.iter().any(|(from, to)| from.partial_cmp(to).is_none_or(|order| order.is_ge())) {
         return Err(PyValueError::new_err("on_s: pairs of ascending times in s"));
     }
-    let options = friction::Options { columns, normal_n, on_s };
-    let file = path.clone();
-    let found = interruptible::run_detached(py, move || friction::import(&file, &options))?;
-    let found = found.map_err(|error| import_error(&path, &error))?;
+    let options = friction::Options { columns, normal_n, on_s, frequency_hz, tip_m_per_s, ..friction::Options::default() };
+    let (file, given) = (path.clone(), options.clone());
+    let found = interruptible::run_detached(py, move || friction::import_files(&[file], &given))?;
+    let (found, conditions) = match found.map_err(|error| import_error(&path, &error))? {
+        Found::Log(contact) => (contact, None),
+        Found::Conditions(conditions, Some(contact)) => (contact, Some(conditions)),
+        Found::Conditions(_, None) => {
+            let why = "not a log with samples OFF; `sim-host import friction` fits tables of means".to_owned();
+            return Err(import_error(&path, &ImportError::NoFit(why)));
+        }
+    };
+    let mut json = found.json(None);
+    let mut scene = found.scene(&source(&path), &options).ok();
+    if let Some(conditions) = &conditions {
+        json["on"] = conditions.json(&[]);
+        scene = conditions.scene(&source(&path), &[]).ok();
+    }
     let (log, fitted) = (&found.log, &found.chosen().force_n);
     let arrays = vec![
         ("time_s", bytes(py, log.time_s.iter().copied())),
@@ -115,5 +132,5 @@ pub fn import_friction<'py>(
         ("fitted_n", bytes(py, fitted.iter().copied())),
         ("on", bytes(py, log.on.iter().map(|on| f64::from(u8::from(*on))))),
     ];
-    Ok((found.json(None).to_string(), found.scene(&source(&path)), arrays))
+    Ok((json.to_string(), scene, arrays))
 }

@@ -38,9 +38,10 @@ def test_a_friction_log_is_a_contact(tmp_path):
     friction = np.where((time >= 2) & (time < 4), 0.5, 1.5) * (1 + 0.01 * np.random.default_rng(2).standard_normal(time.size))
     path = tmp_path / "log.csv"
     np.savetxt(path, np.column_stack([time, 1e-2 * time, friction]), delimiter=",", header="t [s],x [m],F [N]", comments="")
-    found = import_friction(path, normal_n=5, on_s=[(2, 4)])
+    found = import_friction(path, normal_n=5, on_s=[(2, 4)], frequency_hz=40e3)
     mu = found.contact.parameters["mu"]
-    assert mu.value == pytest.approx(0.3, rel=0.02) and found.friction_ratio.value == pytest.approx(1 / 3, rel=0.02)
+    assert mu.value == pytest.approx(0.3, rel=0.02) and found.on_fit["conditions"][0]["measured"] == pytest.approx(1 / 3, rel=0.02)
+    assert import_friction(path, normal_n=5).scene_toml is None
     off = ~found.on
     assert found.on.sum() == 200 and np.sqrt(np.mean(found.residual_n[off] ** 2)) == pytest.approx(found.contact.rms_n, rel=1e-6)
     assert found.scene().to_dict()["excitation"] and {model.model for model in found.models} >= {"coulomb", "dahl"}

@@ -13,7 +13,8 @@ use ::import::admittance::coordinate::Topology;
 use ::import::admittance::options::{ModeChoice, Options};
 use ::import::admittance::{self, MOST_MODES};
 use ::import::error::ImportError;
-use ::import::friction;
+use ::import::friction::conditions::Request;
+use ::import::friction::{self, Found};
 use ::import::units::Units;
 use report::Report;
 use scene::load::load_text;
@@ -32,10 +33,12 @@ enum ImportKind {
     ///
     /// Reads Touchstone (.s1p or .s2p) or a table. Prints the circuit with standard deviations.
     Admittance(AdmittanceArgs),
-    /// Fit contact models to a friction log.
+    /// Fit friction at all conditions, or contact models to a log.
     ///
-    /// Reads time or displacement, force and velocity, with parts without (OFF) and with vibration
-    /// (ON). Prints the models with standard deviations, and the friction ratio.
+    /// Reads one file or several: logs with time, force and speed, or tables with a row for each
+    /// measurement. Conditions are columns or parts of file names, such as `speed=0.1mps_on.csv`.
+    /// Friction without (OFF) and with vibration (ON) is fitted together. A log without vibration
+    /// becomes a contact.
     Friction(FrictionArgs),
 }
 
@@ -45,8 +48,6 @@ enum ImportKind {
 same kind are replaced. Default: `out/` and the name of the file, with `-admittance` or `-friction` appended if that folder may \
 not be replaced")))]
 struct Common {
-    /// Measured file.
-    file: PathBuf,
     /// Column names that replace the table's heading, as `"f [Hz], |Z| [ohm], theta [deg]"`.
     #[arg(long, value_name = "NAMES")]
     columns: Option<String>,
@@ -56,6 +57,8 @@ struct Common {
 
 #[derive(Args)]
 struct AdmittanceArgs {
+    /// Measured file.
+    file: PathBuf,
     #[command(flatten)]
     common: Common,
     /// Unit of a column that states none, as `khz`, `ohm`, `ms`, `deg` (repeatable).
@@ -92,6 +95,9 @@ struct AdmittanceArgs {
 
 #[derive(Args)]
 struct FrictionArgs {
+    /// Measured files.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
     #[command(flatten)]
     common: Common,
     /// Normal force, N, if no column contains it.
@@ -100,6 +106,20 @@ struct FrictionArgs {
     /// Time with vibration ON, s, if no column states it (repeatable).
     #[arg(long, value_name = "FROM:TO", value_parser = span)]
     on: Vec<(f64, f64)>,
+    /// Unit of a column or of a part of a file name that states none, as `m/s`, `N`, `um`
+    /// (repeatable).
+    #[arg(long = "unit", value_name = "UNIT")]
+    units: Vec<String>,
+    /// Frequency of the vibration, Hz, if no column contains it. A scene needs it.
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    frequency_hz: Option<f64>,
+    /// Peak velocity of the vibration at the contact, m/s, if it was measured and no column
+    /// contains it. Default: fitted to the friction ON.
+    #[arg(long, value_name = "V", value_parser = positive)]
+    tip_m_per_s: Option<f64>,
+    /// Condition to predict, as `speed=0.15,amplitude=5um,normal=10` (repeatable).
+    #[arg(long, value_name = "CONDITION")]
+    predict: Vec<Request>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -125,6 +145,11 @@ fn resistance(text: &str) -> Result<f64, String> {
 fn newtons(text: &str) -> Result<f64, String> {
     let newtons = text.parse::<f64>().ok().filter(|newtons| (1e-9..=1e6).contains(newtons));
     newtons.ok_or_else(|| "give a force from 1e-9 to 1e6 N".to_owned())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (1e-9..=1e9).contains(number));
+    number.ok_or_else(|| "give a positive number, as 40e3".to_owned())
 }
 
 fn span(text: &str) -> Result<(f64, f64), String> {
@@ -160,30 +185,64 @@ fn import_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<Exit
         modes: args.modes.map(usize::from),
         mode: args.mode,
     };
-    let inputs = [Some(&common.file), options.open.as_ref(), options.short.as_ref()].into_iter().flatten();
+    let inputs = [Some(&args.file), options.open.as_ref(), options.short.as_ref()].into_iter().flatten();
     let owner = Owner::new("import admittance", inputs);
-    let import = || admittance::import(&common.file, &options);
-    finish((common, owner), import, color, |found, source| Imported {
+    let import = || admittance::import(&args.file, &options);
+    finish((common, owner), std::slice::from_ref(&args.file), import, color, |found, source| Imported {
         scene: found.scene(&source).filter(|_| args.force || !found.is_doubtful()),
         report: found.report(&source),
         json: found.json(None),
-        warnings: found.warnings,
+        notes: notes(&found.warnings),
         source,
     })
 }
 
 fn import_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<Exit> {
     let common = &args.common;
-    let options = friction::Options { columns: common.columns.clone(), normal_n: args.normal_n, on_s: args.on.clone() };
-    let owner = Owner::new("import friction", [&common.file]);
-    let import = || friction::import(&common.file, &options);
-    finish((common, owner), import, color, |found, source| Imported {
-        scene: found.scene(&source),
-        report: found.report(&source),
-        json: found.json(None),
-        warnings: found.warnings,
-        source,
+    let units = Units::parse_friction(args.units.iter().flat_map(|units| units.split(',')));
+    let options = friction::Options {
+        columns: common.columns.clone(),
+        normal_n: args.normal_n,
+        on_s: args.on.clone(),
+        units: units.map_err(|error| mistake(Exit::Usage, format!("--unit: {error}")))?,
+        frequency_hz: args.frequency_hz,
+        tip_m_per_s: args.tip_m_per_s,
+    };
+    let owner = Owner::new("import friction", &args.files);
+    let import = || {
+        let found = friction::import_files(&args.files, &options)?;
+        let predictions = match &found {
+            Found::Conditions(conditions, _) => args.predict.iter().map(|request| conditions.predict(request)).collect(),
+            Found::Log(_) if args.predict.is_empty() => Ok(Vec::new()),
+            Found::Log(_) => {
+                let why = "--predict needs measurements with the vibration ON; add them, or mark them with `--on`";
+                Err(ImportError::NoFit(why.into()))
+            }
+        };
+        Ok((found, predictions?))
+    };
+    finish((common, owner), &args.files, import, color, |(found, predictions), source| {
+        let (scene, report, json, mut notes) = match &found {
+            Found::Log(log) => (log.scene(&source, &options), log.report(&source), log.json(None), notes(&log.warnings)),
+            Found::Conditions(conditions, contact) => {
+                let (mut report, mut json) = (conditions.report(&predictions), conditions.json(&predictions));
+                let mut notes = notes(&conditions.warnings);
+                notes.extend(conditions.assumptions.iter().map(|assumed| format!("assumed: {assumed}")));
+                if let Some(contact) = contact {
+                    report.figures.extend(contact.report(&source).figures);
+                    json["off"] = contact.json(None);
+                }
+                (conditions.scene(&source, &predictions), report, json, notes)
+            }
+        };
+        notes.extend(scene.as_ref().err().map(|missing| format!("note: no scene is written: it needs {missing}")));
+        Imported { scene: scene.ok(), report, json, notes, source }
     })
+}
+
+/// Returns warnings as lines for the terminal.
+fn notes(warnings: &[String]) -> Vec<String> {
+    warnings.iter().map(|warning| format!("note: {warning}")).collect()
 }
 
 /// Result of an import, as its folder and its output need it.
@@ -196,24 +255,29 @@ struct Imported {
     report: Report,
     /// Result as JSON, still without the path of its scene.
     json: Value,
-    /// Warnings about the result.
-    warnings: Vec<String>,
+    /// Notes about the result, a line each.
+    notes: Vec<String>,
 }
 
 /// Writes and prints the result of an import.
 fn finish<T>(
     (common, owner): (&Common, Owner),
+    files: &[PathBuf],
     import: impl FnOnce() -> Result<T, ImportError>,
     color: Color,
     shown: impl Fn(T, String) -> Imported,
 ) -> anyhow::Result<Exit> {
-    let stem = stem(&common.file);
-    let source = common.file.file_name().map_or_else(|| stem.clone(), |name| name.to_string_lossy().into_owned());
+    let stem = if let [file] = files { stem(file) } else { "conditions".to_owned() };
+    let source = match files {
+        [file] => file.file_name().map_or_else(|| stem.clone(), |name| name.to_string_lossy().into_owned()),
+        _ => format!("{} files", files.len()),
+    };
     let quiet = common.report.result.quiet;
     let imported = timed(format!("fitting {source}"), quiet, || import().map(|found| shown(found, source)));
     let found = imported.map_err(|error| match error {
-        ImportError::Unreadable { .. } => anyhow::Error::from(error),
-        error => anyhow::Error::from(error).context(common.file.display().to_string()),
+        ImportError::Unreadable { .. } | ImportError::InFile { .. } => anyhow::Error::from(error),
+        error if files.len() > 1 => anyhow::Error::from(error),
+        error => anyhow::Error::from(error).context(files[0].display().to_string()),
     })?;
     let folder = common.report.open(&stem, owner)?;
     let name = format!("{stem}.toml");
@@ -228,7 +292,7 @@ fn finish<T>(
         Format::Json => print_styled(&format!("{:#}\n", with_scene(&found.json, written.as_deref())))?,
         Format::Human => {
             let tables: String = found.report.tables.iter().map(|table| table.terminal(color.stdout)).collect();
-            let notes: String = found.warnings.iter().map(|warning| format!("note: {warning}\n")).collect();
+            let notes: String = found.notes.iter().map(|note| format!("{note}\n")).collect();
             print_styled(&format!("{}\n\n{tables}{}", visible(&found.report.title), visible(&notes)))?
         }
     };

@@ -2,11 +2,12 @@
 
 use num_complex::Complex64;
 
+use super::quantity::{Columns, Quantity};
 use super::smoothed::Smoothed;
 use crate::error::ImportError;
 use crate::rows::{bins, means};
-use crate::units::{factor, numbers};
-use columns::{Heading, Table, beginning, formats};
+use crate::units::Units;
+use columns::Table;
 
 /// Options for properties that a file does not contain.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,6 +18,12 @@ pub struct Options {
     pub normal_n: Option<f64>,
     /// Intervals in which the vibration is ON, s, if no column contains it.
     pub on_s: Vec<(f64, f64)>,
+    /// Units of columns and parts of file names that state none.
+    pub units: Units,
+    /// Frequency of the vibration, Hz, if no column contains it.
+    pub frequency_hz: Option<f64>,
+    /// Peak velocity of the vibration, m/s, if it was measured and no column contains it.
+    pub tip_m_per_s: Option<f64>,
 }
 
 /// Friction log.
@@ -40,17 +47,6 @@ pub struct Log {
     pub remarks: Vec<String>,
 }
 
-/// Quantity of a column of a log.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Quantity {
-    Time,
-    Displacement,
-    Velocity,
-    Force,
-    Normal,
-    On,
-}
-
 /// Minimum number of samples of the OFF part.
 const MIN_OFF_SAMPLES: usize = 20;
 /// Work on the contact above which the sign of the force is turned, relative to the sum of its
@@ -61,85 +57,28 @@ const MAX_CONSTANT_REL: f64 = 1e-3;
 /// Smallest normal force of a sample, relative to the mean, so that no limit of a spring is zero.
 const MIN_NORMAL_REL: f64 = 1e-6;
 
-/// Returns the quantity of a name without its unit.
-fn quantity(name: &str) -> Option<Quantity> {
-    let bare: String = name.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
-    Some(match bare.as_str() {
-        "t" | "time" | "zeit" => Quantity::Time,
-        "x" | "s" | "displacement" | "position" | "slip" | "weg" => Quantity::Displacement,
-        "v" | "velocity" | "speed" | "sliding" | "slidingspeed" => Quantity::Velocity,
-        "f" | "ff" | "force" | "friction" | "frictionforce" | "ft" | "tangential" => Quantity::Force,
-        "n" | "fn" | "normal" | "normalforce" | "load" => Quantity::Normal,
-        "on" | "drive" | "vibration" | "ultrasound" => Quantity::On,
-        _ => return None,
-    })
-}
-
-impl Quantity {
-    /// Returns the SI unit; `None` for a condition.
-    fn base(self) -> Option<&'static str> {
-        match self {
-            Quantity::Time => Some("s"),
-            Quantity::Displacement => Some("m"),
-            Quantity::Velocity => Some("m/s"),
-            Quantity::Force | Quantity::Normal => Some("N"),
-            Quantity::On => None,
-        }
-    }
-}
-
-/// Returns the values of a condition: 1 for ON, 0 for OFF.
-fn conditions(table: &Table, at: usize) -> Result<Vec<f64>, ImportError> {
-    let mut values = table.columns[at].values.clone();
-    for (row, word) in &table.columns[at].words {
-        values[*row] = match word.to_lowercase().as_str() {
-            "on" | "true" | "yes" => 1.0,
-            "off" | "false" | "no" => 0.0,
-            _ => {
-                let what = format!("the column `{}` is `{}`, not ON or OFF", table.headings()[at], beginning(word));
-                return Err(ImportError::bad_row(table, *row, what));
-            }
-        };
-    }
-    Ok(values)
-}
-
 impl Log {
     /// Parses a log from the content of a file.
     ///
     /// # Errors
     /// Returns [`ImportError`], with the line or column that shows the reason.
     pub fn parse(bytes: impl AsRef<[u8]>, options: &Options) -> Result<Self, ImportError> {
-        let table = formats::parse(bytes.as_ref(), options.columns.as_deref())?;
-        let names = table.headings();
-        let seen = |what: &str| {
-            let names = names.iter().map(|name| beginning(name)).collect::<Vec<_>>().join("`, `");
-            let seen = format!(
-                "the columns are `{names}`: {what}. Known are t, x, v, F (friction), N (normal force) and on; name the columns \
-                 with `--columns`, such as `--columns \"t [s], x [mm], F [N]\"`"
-            );
-            ImportError::UnknownForm { seen }
-        };
-        let known: Vec<_> = names.iter().map(|name| Heading::new(name, |name| quantity(name).is_some())).collect();
-        let column = |wanted: Quantity| -> Result<Option<Vec<f64>>, ImportError> {
-            let Some(at) = known.iter().position(|heading| quantity(heading.name) == Some(wanted)) else { return Ok(None) };
-            let Some(base) = wanted.base() else { return conditions(&table, at).map(Some) };
-            let Some(factor) = factor(&names[at], known[at].unit, base)? else {
-                let help = "write it in the heading or in `--columns`, such as `x [mm]`, `v [mm/s]`, `F [N]`".to_owned();
-                return Err(ImportError::UnitMissing { column: format!("the column `{}`", names[at]), help });
-            };
-            let factor = if known[at].negative { -factor } else { factor };
-            Ok(Some(numbers(&table, at)?.into_iter().map(|value| value * factor).collect()))
-        };
+        Self::from_columns(&Columns::parse(bytes.as_ref(), options.columns.as_deref())?, options)?.checked()
+    }
+
+    /// Reads a log from the columns of a table.
+    pub(super) fn from_columns(columns: &Columns, options: &Options) -> Result<Self, ImportError> {
+        let column = |wanted: Quantity| columns.numbers(wanted, &options.units);
+        let (table, seen) = (&columns.table, |what: &str| columns.missing(what));
         let (time, x, v) = (column(Quantity::Time)?, column(Quantity::Displacement)?, column(Quantity::Velocity)?);
-        let force_n = column(Quantity::Force)?.ok_or_else(|| seen("no column is the friction force"))?;
+        let force_n = column(Quantity::Force(None))?.ok_or_else(|| seen("no column is the friction force"))?;
         let count = force_n.len();
         if let Some(at) = time
             .as_ref()
             .and_then(|time| time.windows(2).position(|pair| pair[0].partial_cmp(&pair[1]).is_none_or(|order| order.is_ge())))
         {
             let what = "the time does not increase here".to_owned();
-            return Err(ImportError::bad_row(&table, at + 1, what));
+            return Err(ImportError::bad_row(table, at + 1, what));
         }
         let mut remarks = vec![format!("A table with {}", table.found)];
         let smoothed = match (&x, &time) {
@@ -169,20 +108,19 @@ impl Log {
             None => column(Quantity::Normal)?,
         };
         let (normal_n, normals_n) = match (options.normal_n, normal) {
-            (None, Some(normals)) => normal_forces(normals, &table, &mut remarks)?,
+            (None, Some(normals)) => normal_forces(normals, table, &mut remarks)?,
             (normal, _) => (normal.unwrap_or_default(), Vec::new()),
         };
         if normal_n <= 0.0 {
             let help = "give it with `--normal-n`, or as a column `N [N]`".to_owned();
             return Err(ImportError::UnitMissing { column: "the normal force".into(), help });
         }
-        let on = match (column(Quantity::On)?, &time) {
-            (Some(on), _) => on.iter().map(|on| *on > 0.5).collect(),
+        let on = match (columns.states()?, &time) {
+            (Some(on), _) => on,
             (None, Some(time)) => time.iter().map(|t| options.on_s.iter().any(|(from, to)| (*from..*to).contains(t))).collect(),
             (None, None) => vec![false; count],
         };
-        let log = Log { time_s: time.unwrap_or_default(), slip_m, velocity_m_per_s, force_n, normal_n, normals_n, on, remarks };
-        log.checked()
+        Ok(Log { time_s: time.unwrap_or_default(), slip_m, velocity_m_per_s, force_n, normal_n, normals_n, on, remarks })
     }
 
     /// Returns two logs of this number of samples for the search of a long one: the means over

@@ -1,16 +1,12 @@
-//! Result of an import: parameters with standard deviations, the chosen model, the friction ratio
-//! of ON over OFF, and warnings.
+//! Result of a log: parameters with standard deviations, the chosen model, and warnings.
 
-use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
 
-use super::certainty::sd_of_mean;
 use super::fit::{MU, Searched, criterion, search};
 use super::log::Log;
 use super::maxwell;
 use super::models::{Model, Parameter};
 use super::motion;
-use crate::admittance::Value;
 use crate::error::ImportError;
 use crate::rows::memory;
 use report::stated;
@@ -66,8 +62,6 @@ pub struct Friction {
     pub log: Log,
     /// All models, the best first.
     pub models: Vec<Fitted>,
-    /// Friction ON over friction OFF, if the log has both.
-    pub ratio: Option<Value>,
     /// Warnings for the reader, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -109,12 +103,19 @@ impl Friction {
         if baseline == 0 {
             warnings.push("the log slides in one direction: an offset of the force would be a part of the friction".into());
         }
-        Ok(Friction { name: name.to_owned(), ratio: ratio(&log, &friction_n), log, models, warnings })
+        Ok(Friction { name: name.to_owned(), log, models, warnings })
     }
 
     /// Returns the chosen model.
     pub fn chosen(&self) -> &Fitted {
         &self.models[0]
+    }
+
+    /// Returns the logarithm of the stiffness over angular frequency and its standard deviation, if
+    /// the log determines it.
+    pub(super) fn stiffness_s(&self, frequency_hz: f64) -> Option<(f64, f64)> {
+        let (_, value, sd) = self.chosen().parameters.iter().find(|(name, ..)| name == "stiffness_n_per_m")?;
+        Some((libm::log(value / (std::f64::consts::TAU * frequency_hz)), (*sd)? / value))
     }
 
     /// Returns the result for programs. `scene` is the path of the written scene.
@@ -131,13 +132,9 @@ impl Friction {
             object.insert("correlation".into(), json!({ "names": fitted.names, "matrix": fitted.correlations }));
             Json::Object(object)
         };
-        #[derive(Serialize)]
-        struct Ratio {
-            friction_ratio: Value,
-        }
         json!({
             "contact": of(self.chosen()), "models": self.models.iter().map(of).collect::<Vec<_>>(), "scene": scene,
-            "normal_n": self.log.normal_n, "samples": self.log.force_n.len(), "on": self.ratio.map(|friction_ratio| Ratio { friction_ratio }),
+            "normal_n": self.log.normal_n, "samples": self.log.force_n.len(),
             "remarks": self.log.remarks, "warnings": self.warnings,
         })
     }
@@ -267,23 +264,6 @@ fn fit_maxwell(log: &Log, friction_n: &[f64], count: f64) -> Option<Fitted> {
         is_within_bounds: false,
         force_n: found.force_n,
     })
-}
-
-/// Returns the mean friction ON over OFF, each in the direction of the slip and at the mean normal
-/// force.
-fn ratio(log: &Log, friction_n: &[f64]) -> Option<Value> {
-    let normal = |at: usize| log.normals_n.get(at).map_or(1.0, |normal| normal / log.normal_n);
-    let mean_and_variance = |wanted: bool| {
-        let is_part = |at: &usize| log.on[*at] == wanted && log.slip_m[*at] != 0.0;
-        let places: Vec<usize> = (0..log.on.len()).filter(is_part).collect();
-        let values: Vec<f64> = places.iter().map(|at| friction_n[*at] / normal(*at) * log.slip_m[*at].signum()).collect();
-        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-        let sd = sd_of_mean(values.iter().map(|value| mean - value).collect(), &places)?;
-        (values.len() >= 3).then_some((mean, sd * sd))
-    };
-    let ((on, of_on), (off, of_off)) = (mean_and_variance(true)?, mean_and_variance(false)?);
-    let value = on / off;
-    Some(Value { value, sd: value.abs() * (of_on / (on * on) + of_off / (off * off)).sqrt() })
 }
 
 fn warnings(models: &[Fitted], normal_n: f64) -> Vec<String> {

@@ -2,15 +2,11 @@
 
 use std::fmt::Write as _;
 
+use super::log::Options;
 use super::models::Model;
 use super::result::Friction;
 use report::{Axis, Figure, Report, Series, Style, TableBlock, significant};
 use report::{rounded, stated};
-
-/// Drive frequency of the scene, Hz.
-const DRIVE_HZ: f64 = 40e3;
-/// Vibration velocity of the scene, relative to the sliding velocity.
-const VIBRATION_RATIO: f64 = 2.0;
 
 impl Friction {
     /// Returns the report. `source` is the file of the measurement.
@@ -28,11 +24,7 @@ impl Friction {
     }
 
     fn contact_table(&self) -> TableBlock {
-        let mut rows: Vec<Vec<String>> = self.chosen().parameters.iter().map(row).collect();
-        if let Some(ratio) = self.ratio {
-            let (value, sd) = stated(ratio.value, ratio.sd);
-            rows.push(vec!["friction ratio, ON over OFF".into(), value, sd]);
-        }
+        let rows: Vec<Vec<String>> = self.chosen().parameters.iter().map(row).collect();
         let caption = format!(
             "Model {}, fitted to the OFF part at a normal force of {} N. Standard deviations follow from the noise of the \
              residuals and its correlation.",
@@ -135,8 +127,20 @@ impl Friction {
         ]
     }
 
-    /// Returns a contact study with the contact as TOML; `None` if a scene cannot have the model.
-    pub fn scene(&self, source: &str) -> Option<String> {
+    /// Returns a contact study with the contact as TOML, at the mean sliding speed of the log.
+    ///
+    /// # Errors
+    /// Returns the options that it needs, or that a scene cannot have the model.
+    pub fn scene(&self, source: &str, options: &Options) -> Result<String, String> {
+        let (Some(hz), Some(tip)) = (options.frequency_hz, options.tip_m_per_s) else {
+            let given = [("`--frequency-hz`", options.frequency_hz), ("`--tip-m-per-s`", options.tip_m_per_s)];
+            return Err(given
+                .into_iter()
+                .filter(|(_, value)| value.is_none())
+                .map(|(name, _)| name)
+                .collect::<Vec<_>>()
+                .join(" and "));
+        };
         let log = &self.log;
         let speeds: Vec<f64> = log.velocity_m_per_s.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
         let speed = rounded(speeds.iter().sum::<f64>() / speeds.len().max(1) as f64, 4);
@@ -145,28 +149,28 @@ impl Friction {
         let quoted = |text: &str| text.replace(['"', '\\'], "'");
         let mut text = format!(
             "title = \"Measured contact {}: friction under a {} kHz vibration\"\nsource = \"contact fitted to {} by `sim-host import friction`\"\n\
-             duration_s = {:?}\n\n[excitation]\nwaveform = \"sine\"\nfrequency_hz = {DRIVE_HZ:?}\nsliding_m_per_s = {speed:?}\n",
+             duration_s = {:?}\n\n[excitation]\nwaveform = \"sine\"\nfrequency_hz = {hz:?}\nsliding_m_per_s = {speed:?}\n",
             quoted(&self.name),
-            DRIVE_HZ / 1e3,
+            hz / 1e3,
             quoted(source),
-            200.0 / DRIVE_HZ
+            200.0 / hz
         );
         let (name, keys): (&str, &[&str]) = match self.chosen().model {
             Model::Coulomb => ("coulomb", &["mu"]),
             Model::Dahl => ("dahl", &["mu", "stiffness_n_per_m"]),
             Model::Lugre => ("lugre", &["mu", "static_mu", "stiffness_n_per_m", "stribeck_m_per_s", "sigma2"]),
-            Model::Stribeck | Model::Maxwell => return None,
+            Model::Stribeck | Model::Maxwell => return Err("a contact that a scene can have: log the presliding".into()),
         };
         let _ = write!(text, "\n[contact.{name}]\nnormal_n = {:?}\n", rounded(log.normal_n, 6));
         for key in keys {
-            let _ = writeln!(text, "{key} = {:?}", value(key)?);
+            let _ = writeln!(text, "{key} = {:?}", value(key).unwrap_or_default());
         }
         let _ = write!(
             text,
             "\n[rig.kinematic]\nvibration_m_per_s = {:?}\n\n[integrator]\nwindow_periods = [100, 200]\n",
-            rounded(VIBRATION_RATIO * speed, 4)
+            rounded(tip, 4)
         );
-        Some(text)
+        Ok(text)
     }
 }
 

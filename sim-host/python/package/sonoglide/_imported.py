@@ -95,8 +95,9 @@ class Friction:
     contact: Contact
     #: All models, the best first.
     models: list[Contact]
-    #: Mean friction with vibration over that without; `None` if the log does not have both.
-    friction_ratio: Stated | None
+    #: One fit of all conditions with and without vibration, as `sim-host import friction --format json` prints it; `None` if the log has no part with
+    #: vibration. `on_fit["conditions"]` are the measured and the fitted friction ratios.
+    on_fit: dict[str, Any] | None
     #: Mean normal force, N.
     normal_n: float
     #: Time of each sample, s; empty if the log has none.
@@ -113,7 +114,7 @@ class Friction:
     remarks: list[str] = field(repr=False)
     #: Warnings, a sentence each.
     warnings: list[str]
-    #: The contact study as TOML; `None` for a model that a scene does not support.
+    #: The contact study as TOML; `None` without a frequency or a tip velocity, or for a model that a scene does not support.
     scene_toml: str | None = field(repr=False)
 
     @property
@@ -175,19 +176,25 @@ def import_friction(
     columns: str | None = None,
     normal_n: float | None = None,
     on_s: Sequence[tuple[float, float]] = (),
+    frequency_hz: float | None = None,
+    tip_m_per_s: float | None = None,
 ) -> Friction:
     """Fits the contact of a friction log, as `sim-host import friction` does (docs/measured-data.md).
 
     `normal_n` is the normal force, N, if no column contains it. `on_s` are pairs of times, s, between which the vibration is ON, if no column contains it.
+    `frequency_hz` is the frequency of the vibration and `tip_m_per_s` its peak velocity, if they were measured; a scene needs both, but a tip velocity is
+    fitted to the parts with vibration.
 
     Raises `MeasurementError` with the reason, and the line or the column, if the file cannot be used.
     """
-    text, scene, arrays = _native.import_friction(os.fspath(path), columns, normal_n, [(float(a), float(b)) for a, b in on_s])
+    text, scene, arrays = _native.import_friction(
+        os.fspath(path), columns, normal_n, [(float(a), float(b)) for a, b in on_s], frequency_hz, tip_m_per_s
+    )
     found, part = json.loads(text), {name: _numbers(values) for name, values in arrays}
     return Friction(
         contact=_contact(found["contact"]),
         models=[_contact(model) for model in found["models"]],
-        friction_ratio=Stated(**found["on"]["friction_ratio"]) if found["on"] else None,
+        on_fit=found.get("on"),
         normal_n=found["normal_n"],
         time_s=part["time_s"],
         velocity_m_per_s=part["velocity_m_per_s"],

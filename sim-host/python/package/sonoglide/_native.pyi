@@ -87,7 +87,14 @@ def import_admittance(
     mode: float | None,
     force: bool,
 ) -> Imported: ...
-def import_friction(path: str, columns: str | None, normal_n: float | None, on_s: list[tuple[float, float]]) -> Imported: ...
+def import_friction(
+    path: str,
+    columns: str | None,
+    normal_n: float | None,
+    on_s: list[tuple[float, float]],
+    frequency_hz: float | None,
+    tip_m_per_s: float | None,
+) -> Imported: ...
 def scenes() -> list[str]:
     """Names of the built-in scenes."""
 

@@ -1,0 +1,311 @@
+//! Weighted least squares of all measurements, for each stiffness of a grid, and the scatter.
+//!
+//! ```text
+//! var = sd^2 + (tau mu_fit)^2,   sum over a group e^2 / var = sum over the group (1 - h)
+//! ```
+//!
+//! `sd` is the noise within a measurement, `tau` the relative scatter between measurements (a
+//! random effect), and `h` the leverage. ON and OFF have their own scatter if both have enough
+//! measurements to determine it (R. C. Paule, J. Mandel, J. Res. NBS 87 (1982) 377, here with
+//! leverages).
+//!
+//! The other parameters are fitted for each stiffness. A stiffness is as probable as the data make
+//! it, with a flat prior of its logarithm between the soft and the rigid limit. Data that do not
+//! determine the stiffness thus widen the intervals of everything that depends on it.
+
+use nalgebra::{Cholesky, DMatrix};
+
+use super::measurement::Measurement;
+use super::model::{Model, Parameters, Point};
+use crate::error::ImportError;
+use crate::friction::fit::criterion;
+use crate::least_squares::{Linear, Solution, minimise_within};
+
+/// Range of kappa at the typical measurement. At its ends, the ratio is that of a soft and of a
+/// rigid contact within 0.001.
+const KAPPA: (f64, f64) = (0.02, 1000.0);
+/// Number of stiffnesses of a grid.
+const GRID: usize = 31;
+/// Maximum number of finer grids.
+const MAX_GRIDS: usize = 3;
+/// Maximum number of steps of a fit.
+const MAX_STEPS: usize = 60;
+/// Number of refinements of the scatter.
+const SCATTER_STEPS: usize = 6;
+/// Smallest relative scatter of a weight.
+const MIN_SCATTER_REL: f64 = 1e-4;
+/// Smallest number of degrees of freedom for a scatter.
+pub(super) const MIN_FREEDOM: f64 = 1.5;
+/// Rise of the sum of squares, in variances, beyond which a stiffness is not in the fine grid.
+const MAX_RISE: f64 = 25.0;
+/// Rise of the sum of squares at a limit of the stiffness that excludes the limit, variances: 99 %.
+const EXCLUDED_RISE: f64 = 6.63;
+/// Decrease of the information criterion that demands a trend over the speed.
+const MIN_TREND_DECREASE: f64 = 6.0;
+/// Bounds of the tip velocity, relative to the slowest and the fastest measurement.
+const TIP_REL: (f64, f64) = (0.1, 1e4);
+/// Number of tip velocities from which a fit starts.
+const STARTS: usize = 16;
+
+/// Fit for one stiffness.
+pub(super) struct Slice {
+    pub(super) ln_compliance: f64,
+    pub(super) fitted: Vec<f64>,
+    /// Normal matrix of each group of measurements.
+    pub(super) matrices: [DMatrix<f64>; 2],
+    /// Probability.
+    pub(super) weight: f64,
+    /// Weighted sum of squares.
+    cost: f64,
+}
+
+/// Knowledge of the stiffness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stiffness {
+    /// The data determine it.
+    Identified,
+    /// The data exclude a rigid contact, but not a very soft one.
+    Soft,
+    /// The data are compatible with a rigid contact.
+    Rigid,
+}
+
+/// Result of the fit.
+pub(super) struct Fit {
+    pub(super) model: Model,
+    pub(super) slices: Vec<Slice>,
+    /// Index of the slice whose parameters are the result.
+    pub(super) chosen: usize,
+    pub(super) stiffness: Stiffness,
+    /// Relative scatter of OFF and ON measurements.
+    pub(super) scatter: [f64; 2],
+    /// Degrees of freedom of the scatter of OFF and ON; infinite if it is unknown.
+    pub(super) freedom: [f64; 2],
+    /// Variance of each measurement.
+    pub(super) variances: Vec<f64>,
+}
+
+/// Fits the model to measurements with at least one of each state.
+pub(super) fn fit(measurements: &[Measurement], fits_tip: bool, known: Option<(f64, f64)>) -> Result<Fit, ImportError> {
+    let points: Vec<Point> = measurements.iter().map(Point::new).collect();
+    let off = || measurements.iter().filter(|m| !m.on);
+    let range = |speeds: &mut dyn Iterator<Item = f64>| speeds.fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
+    let mut model = Model { fits_tip, has_trend: false, off_speeds: range(&mut off().map(|m| m.speed_m_per_s)) };
+    model.has_trend = demands_trend(&off().map(|m| (libm::log(m.speed_m_per_s), m.mu)).collect::<Vec<_>>());
+    let speeds = range(&mut points.iter().map(|point| point.speed_m_per_s));
+    let drives = range(&mut points.iter().filter_map(|point| point.drive));
+    let problem =
+        Problem { measurements, points, model, tip: (TIP_REL.0 * speeds.0 / drives.1, TIP_REL.1 * speeds.1 / drives.0) };
+    problem.solved(known)
+}
+
+/// Returns `true` if OFF data demand a coefficient of friction that depends on the speed, by the
+/// information criterion.
+fn demands_trend(off: &[(f64, f64)]) -> bool {
+    let count = off.len() as f64;
+    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| off.iter().map(of).sum::<f64>() / count;
+    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
+    let sxx: f64 = off.iter().map(|p| (p.0 - x).powi(2)).sum();
+    if off.len() < 4 || sxx < 1e-3 {
+        return false;
+    }
+    let slope = off.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / sxx;
+    let rms = |slope: f64| mean(&|p| (p.1 - y - slope * (p.0 - x)).powi(2)).sqrt();
+    criterion(rms(0.0), 1, count) - criterion(rms(slope), 2, count) > MIN_TREND_DECREASE
+}
+
+struct Problem<'a> {
+    measurements: &'a [Measurement],
+    points: Vec<Point>,
+    model: Model,
+    /// Bounds of the tip velocity per strength of the vibration.
+    tip: (f64, f64),
+}
+
+impl Problem<'_> {
+    fn solved(self, known: Option<(f64, f64)>) -> Result<Fit, ImportError> {
+        let none = || ImportError::NoFit("no friction under vibration leads to these measurements".into());
+        let mut variances: Vec<f64> = self.measurements.iter().map(|m| m.sd * m.sd + (0.05 * m.mu).powi(2)).collect();
+        let (mut scatter, mut freedom) = ([0.0; 2], [f64::INFINITY; 2]);
+        let from = self.minimised(libm::log(KAPPA.1), &variances, None).ok_or_else(none)?;
+        // The stiffness at which kappa is one at the typical measurement.
+        let one = self.model.parameters(&from.parameters, 0.0);
+        let on: Vec<f64> = self.points.iter().filter_map(|p| Some(libm::log(p.drive? / p.normal_n))).collect();
+        let unit = one.ln_mu - one.ln_tip - on.iter().sum::<f64>() / on.len() as f64;
+        let ends = (unit + libm::log(KAPPA.0), unit + libm::log(KAPPA.1));
+        let slices = self.grid(ends, &variances);
+        let best = slices.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or_else(none)?;
+        let mut all = [&best.fitted[..], &[best.ln_compliance]].concat();
+        for _ in 0..SCATTER_STEPS {
+            all = self.minimised_within(&all, ends, &variances).ok_or_else(none)?.parameters;
+            (scatter, freedom) = self.scatter(&all, ends, &variances);
+            let of = self.model.parameters(&all, all[self.model.count()]);
+            let variance = |(m, p): (&Measurement, &Point)| {
+                let scatter = scatter[usize::from(m.on)].max(MIN_SCATTER_REL);
+                m.sd * m.sd + (scatter * self.model.mu(&of, p)).powi(2)
+            };
+            variances = self.measurements.iter().zip(&self.points).map(variance).collect();
+        }
+        let mut slices = self.grid(ends, &variances);
+        let least_of = |slices: &[Slice]| slices.iter().map(|slice| slice.cost).fold(f64::INFINITY, f64::min);
+        let [soft, rigid] = [slices.first(), slices.last()].map(|slice| slice.map_or(f64::INFINITY, |slice| slice.cost));
+        // A finer grid of the stiffnesses near the best one, until it resolves their range.
+        let mut least = least_of(&slices);
+        for _ in 0..MAX_GRIDS {
+            let near = || slices.iter().filter(|slice| slice.cost - least < MAX_RISE).map(|slice| slice.ln_compliance);
+            if near().count() > GRID / 2 || slices.len() < 2 {
+                break;
+            }
+            let step = slices[1].ln_compliance - slices[0].ln_compliance;
+            let (low, high) = (near().fold(ends.1, f64::min), near().fold(ends.0, f64::max));
+            slices = self.grid(((low - step).max(ends.0), (high + step).min(ends.1)), &variances);
+            least = least_of(&slices);
+        }
+        let stiffness = match (soft - least > EXCLUDED_RISE, rigid - least > EXCLUDED_RISE) {
+            (_, false) => Stiffness::Rigid,
+            (true, true) => Stiffness::Identified,
+            (false, true) => Stiffness::Soft,
+        };
+        let p = self.model.count();
+        let log_weight = |slice: &Slice| {
+            let rise = slice.cost - least;
+            let free = freedom[1].max(1.0);
+            let density = if free.is_finite() { -0.5 * (free + 1.0) * libm::log1p(rise / free) } else { -0.5 * rise };
+            let factor = Cholesky::new(&slice.matrices[0] + &slice.matrices[1]);
+            let half = factor.map_or(0.0, |factor| (0..p).map(|i| libm::log(factor.l_dirty()[(i, i)])).sum::<f64>());
+            density - half + known.map_or(0.0, |(ln, sd)| -0.5 * ((slice.ln_compliance - ln) / sd).powi(2))
+        };
+        let logs: Vec<f64> = slices.iter().map(log_weight).collect();
+        let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        slices.iter_mut().zip(&logs).for_each(|(slice, log)| slice.weight = libm::exp(log - most));
+        let chosen = match stiffness {
+            Stiffness::Rigid if known.is_none() => slices.len() - 1,
+            _ => (0..slices.len()).max_by(|a, b| logs[*a].total_cmp(&logs[*b])).unwrap_or(0),
+        };
+        Ok(Fit { model: self.model, slices, chosen, stiffness, scatter, freedom, variances })
+    }
+
+    /// Fits the other parameters for each stiffness of a grid.
+    fn grid(&self, (from, to): (f64, f64), variances: &[f64]) -> Vec<Slice> {
+        let mut slices: Vec<Slice> = Vec::new();
+        for n in 0..GRID {
+            let ln_compliance = from + (to - from) * n as f64 / (GRID - 1) as f64;
+            let last = slices.last().map(|slice| slice.fitted.clone());
+            let Some(found) = self.minimised(ln_compliance, variances, last) else { continue };
+            let matrices = [false, true].map(|on| self.matrix(&found.linear, on));
+            slices.push(Slice { ln_compliance, fitted: found.parameters, matrices, weight: 0.0, cost: found.cost });
+        }
+        slices
+    }
+
+    /// Returns the normal matrix of the measurements of a state.
+    fn matrix(&self, linear: &Linear, on: bool) -> DMatrix<f64> {
+        let p = linear.columns.len();
+        let rows = || (0..self.measurements.len()).filter(|at| self.measurements[*at].on == on);
+        DMatrix::from_fn(p, p, |i, j| rows().map(|at| linear.columns[i][at] * linear.columns[j][at]).sum())
+    }
+
+    /// Returns the weighted residuals of parameters.
+    fn residuals(&self, of: &Parameters, variances: &[f64]) -> Vec<f64> {
+        let one = |((m, p), variance): ((&Measurement, &Point), &f64)| (self.model.mu(of, p) - m.mu) / variance.sqrt();
+        self.measurements.iter().zip(&self.points).zip(variances).map(one).collect()
+    }
+
+    /// Returns the weighted residuals and their derivatives. The stiffness may be the last of the
+    /// fitted parameters.
+    fn linear(&self, fitted: &[f64], ln_compliance: f64, variances: &[f64]) -> Option<Linear> {
+        const STEP: f64 = 1e-6;
+        let at = |fitted: &[f64]| {
+            let ln_compliance = fitted.get(self.model.count()).copied().unwrap_or(ln_compliance);
+            self.residuals(&self.model.parameters(fitted, ln_compliance), variances)
+        };
+        let residuals = at(fitted);
+        let column = |n: usize| {
+            let moved: Vec<f64> = fitted.iter().enumerate().map(|(m, p)| p + if m == n { STEP } else { 0.0 }).collect();
+            at(&moved).iter().zip(&residuals).map(|(after, before)| (after - before) / STEP).collect()
+        };
+        let columns: Vec<Vec<f64>> = (0..fitted.len()).map(column).collect();
+        residuals.iter().all(|r| r.is_finite()).then_some(Linear { residuals, columns })
+    }
+
+    fn minimised(&self, ln_compliance: f64, variances: &[f64], start: Option<Vec<f64>>) -> Option<Solution> {
+        let off: Vec<f64> = self.measurements.iter().filter(|m| !m.on).map(|m| m.mu).collect();
+        let mu = libm::log((off.iter().sum::<f64>() / off.len() as f64).max(f64::MIN_POSITIVE));
+        let (low, high) = (libm::log(self.tip.0), libm::log(self.tip.1));
+        let of_tip = |n: usize| {
+            let mut fitted = vec![0.0; self.model.count()];
+            fitted[0] = mu;
+            if self.model.fits_tip {
+                fitted[self.model.count() - 1] = low + (high - low) * n as f64 / (STARTS - 1) as f64;
+            }
+            fitted
+        };
+        let cost = |fitted: &Vec<f64>| {
+            let residuals = self.residuals(&self.model.parameters(fitted, ln_compliance), variances);
+            residuals.iter().map(|r| r * r).sum::<f64>()
+        };
+        // No vibration lowers friction far from the best tip velocity: there are no slopes.
+        let start = start.or_else(|| (0..STARTS).map(of_tip).min_by(|a, b| cost(a).total_cmp(&cost(b))))?;
+        self.minimised_within(&[&start[..], &[ln_compliance]].concat(), (ln_compliance, ln_compliance), variances)
+    }
+
+    /// Fits all parameters, with the stiffness within bounds.
+    fn minimised_within(&self, start: &[f64], stiffness: (f64, f64), variances: &[f64]) -> Option<Solution> {
+        let p = self.model.count();
+        let mut bounds = vec![(f64::NEG_INFINITY, f64::INFINITY); p];
+        if self.model.fits_tip {
+            bounds[p - 1] = (libm::log(self.tip.0), libm::log(self.tip.1));
+        }
+        // A fixed stiffness is not a parameter.
+        if stiffness.0 == stiffness.1 {
+            return minimise_within(MAX_STEPS, &bounds, &start[..p], |fitted| self.linear(fitted, stiffness.0, variances));
+        }
+        bounds.push(stiffness);
+        minimise_within(MAX_STEPS, &bounds, start, |all| self.linear(all, all[p], variances))
+    }
+
+    /// Returns the relative scatter of OFF and ON, and its degrees of freedom.
+    fn scatter(&self, all: &[f64], ends: (f64, f64), variances: &[f64]) -> ([f64; 2], [f64; 2]) {
+        const UNKNOWN: ([f64; 2], [f64; 2]) = ([0.0; 2], [f64::INFINITY; 2]);
+        let p = self.model.count() + 1;
+        let of = self.model.parameters(all, all[p - 1]);
+        let Some(linear) = self.linear(all, all[p - 1], variances) else { return UNKNOWN };
+        // The stiffness is a parameter with a prior.
+        let mut matrix = self.matrix(&linear, false) + self.matrix(&linear, true);
+        matrix[(p - 1, p - 1)] += 12.0 / (ends.1 - ends.0).powi(2);
+        let Some(inverse) = Cholesky::new(matrix).map(|factor| factor.inverse()) else { return UNKNOWN };
+        let leverage = |at: usize| -> f64 {
+            let x = |i: usize| linear.columns[i][at];
+            (0..p).flat_map(|i| (0..p).map(move |j| (i, j))).map(|(i, j)| x(i) * inverse[(i, j)] * x(j)).sum()
+        };
+        let fitted: Vec<f64> = self.points.iter().map(|point| self.model.mu(&of, point)).collect();
+        let solve = |rows: &[usize]| -> (f64, f64) {
+            let free: f64 = rows.iter().map(|at| 1.0 - leverage(*at)).sum();
+            let sum = |scatter: f64| -> f64 {
+                let one = |at: &usize| {
+                    let (m, fit) = (&self.measurements[*at], fitted[*at]);
+                    (fit - m.mu).powi(2) / (m.sd * m.sd + (scatter.max(MIN_SCATTER_REL) * fit).powi(2))
+                };
+                rows.iter().map(one).sum()
+            };
+            let (mut low, mut high) = (0.0, 10.0);
+            if free < MIN_FREEDOM || sum(low) <= free {
+                return (0.0, free);
+            }
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if sum(middle) > free { low = middle } else { high = middle }
+            }
+            (high, free)
+        };
+        let rows = |on: bool| (0..fitted.len()).filter(|at| self.measurements[*at].on == on).collect::<Vec<_>>();
+        let (off, on) = (solve(&rows(false)), solve(&rows(true)));
+        if off.1 >= MIN_FREEDOM && on.1 >= MIN_FREEDOM {
+            return ([off.0, on.0], [off.1, on.1]);
+        }
+        match solve(&(0..fitted.len()).collect::<Vec<_>>()) {
+            (_, free) if free < MIN_FREEDOM => UNKNOWN,
+            (scatter, free) => ([scatter; 2], [free; 2]),
+        }
+    }
+}
