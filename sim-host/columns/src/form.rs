@@ -17,12 +17,14 @@ pub(crate) struct Form {
 }
 
 /// Forms, in the order of preference if they read equally many numbers.
-const FORMS: [Form; 7] = [
+const FORMS: [Form; 8] = [
     Form { sign: Some(';'), comma: false },
     Form { sign: Some(';'), comma: true },
     Form { sign: Some('\t'), comma: false },
     Form { sign: Some('\t'), comma: true },
     Form { sign: Some(','), comma: false },
+    // With quotes around the numbers.
+    Form { sign: Some(','), comma: true },
     Form { sign: None, comma: false },
     Form { sign: None, comma: true },
 ];

@@ -274,8 +274,11 @@ fn heading(lines: &[&str], first: usize, width: usize, all: usize, form: Form) -
         }
         (cells, comment)
     });
-    // A remark may stand between heading and rows; a heading may be a comment.
-    let mut above = above.filter(|(cells, comment)| !comment || cells.len() == width);
+    let mut above = above.peekable();
+    // Remarks may stand between heading and rows.
+    if above.peek().is_some_and(|(cells, comment)| *comment && cells.len() != width) {
+        while above.next_if(|(_, comment)| *comment).is_some() {}
+    }
     let has_words = |cells: &[&str]| cells.iter().any(|cell| cell.chars().any(char::is_alphabetic));
     let Some((cells, _)) = above.next().filter(|(cells, _)| has_words(cells)) else { return Ok(None) };
     if cells.len() != width {

@@ -53,7 +53,12 @@ pub fn import_files(paths: &[PathBuf], options: &Options) -> Result<Found, Impor
         return Ok(Found::Conditions(Box::new(Conditions::from_files(&files, options, None)?), None));
     };
     let states = columns.states().map_err(|error| error.of_file(path))?;
-    let has_on = states.map_or(!options.on_s.is_empty(), |states| states.contains(&true));
+    // A strength of the vibration also tells ON from OFF.
+    let has_strength = [Quantity::Level, Quantity::Tip]
+        .into_iter()
+        .filter_map(|quantity| columns.place(quantity))
+        .any(|at| columns.table.columns[at].values.iter().any(|value| *value != 0.0));
+    let has_on = states.map_or(!options.on_s.is_empty() || has_strength, |states| states.contains(&true));
     let log = || Log::from_columns(columns, options).and_then(|log| fit(&stem(paths), log));
     if is_log(columns) && !has_on {
         return Ok(Found::Log(Box::new(log().map_err(|error| error.of_file(path))?)));

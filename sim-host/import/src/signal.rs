@@ -345,7 +345,8 @@ mod tests {
     /// public repositories.
     #[test]
     fn files_of_oscilloscopes_are_read() {
-        let layouts: [(&str, fn(usize) -> String, Choice); 6] = [
+        type Row = fn(usize) -> String;
+        let layouts: [(&str, Row, Choice); 6] = [
             ("x-axis,1,2\nsecond,Ampere,Volt\n", |n| format!("{:.6E},{n}.5,0\n", n as f64 * 1e-6), Choice::default()),
             ("Time,Channel A\n(ms),(V)\n\n", |n| format!("{:.8},{n}.5\n", n as f64 * 1e-3), Choice::default()),
             (

@@ -91,7 +91,6 @@ pub fn import_admittance<'py>(
 
 /// Fits the contact of a friction log, and its conditions if it has parts with vibration.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "same as on the command line")]
 pub fn import_friction<'py>(
     py: Python<'py>,
     path: PathBuf,
@@ -122,7 +121,7 @@ pub fn import_friction<'py>(
     let mut scene = found.scene(&source(&path), &options).ok();
     if let Some(conditions) = &conditions {
         json["on"] = conditions.json(&[]);
-        scene = conditions.scene(&source(&path), &[]).ok();
+        scene = conditions.scene(&source(&path), &[]).ok().filter(|_| !conditions.is_doubtful);
     }
     let (log, fitted) = (&found.log, &found.chosen().force_n);
     let arrays = vec![

@@ -117,6 +117,9 @@ struct FrictionArgs {
     /// contains it. Default: fitted to the friction ON.
     #[arg(long, value_name = "V", value_parser = positive)]
     tip_m_per_s: Option<f64>,
+    /// Write a scene even if the fit does not describe the measurements.
+    #[arg(long)]
+    force: bool,
     /// Condition to predict, as `speed=0.15,amplitude=5um,normal=10` (repeatable).
     #[arg(long, value_name = "CONDITION")]
     predict: Vec<Request>,
@@ -232,7 +235,11 @@ fn import_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<Exit> {
                     report.figures.extend(contact.report(&source).figures);
                     json["off"] = contact.json(None);
                 }
-                (conditions.scene(&source, &predictions), report, json, notes)
+                let scene = match conditions.is_doubtful && !args.force {
+                    true => Err("`--force`, because the fit does not describe the measurements".to_owned()),
+                    false => conditions.scene(&source, &predictions),
+                };
+                (scene, report, json, notes)
             }
         };
         notes.extend(scene.as_ref().err().map(|missing| format!("note: no scene is written: it needs {missing}")));

@@ -45,6 +45,17 @@ fn commented_and_keysight_headings_are_read() {
 }
 
 #[test]
+fn quoted_decimal_commas_are_numbers() {
+    let table = read("\"f [Hz]\",\"R [ohm]\"\n\"40000,5\",\"1,25\"\n\"40001,5\",\"2\"\n", None).unwrap();
+    assert_eq!(
+        (table.headings(), &table.columns[0].values),
+        (vec!["f [Hz]".to_owned(), "R [ohm]".into()], &vec![40000.5, 40001.5])
+    );
+    assert_eq!(table.columns[1].values, [1.25, 2.0]);
+    assert_eq!(values("metric,value\n# by hand\nq,65.5\n")[1], [65.5]);
+}
+
+#[test]
 fn words_stay_in_their_column_and_empty_columns_are_left_out() {
     let table = read("t,mode,v,,\n0,Run,1,,\n1,Off,,,\n2,Run,9.9E37,,\n", None).unwrap();
     assert_eq!((table.headings(), table.rows()), (vec!["t".to_owned(), "mode".into(), "v".into()], 3));

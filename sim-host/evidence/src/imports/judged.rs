@@ -144,6 +144,7 @@ pub(super) fn damaged(number: u64) -> Damaged {
 /// Returns the short reason of a refusal.
 fn short_reason(error: &ImportError) -> &'static str {
     match error {
+        ImportError::InFile { source, .. } => short_reason(source),
         ImportError::Unreadable { .. } => "cannot be read",
         ImportError::UnknownForm { .. } => "unknown form",
         ImportError::BadLine { .. } => "a line cannot be used",

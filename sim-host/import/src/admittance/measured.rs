@@ -191,7 +191,9 @@ fn from_table(bytes: &[u8], text: Option<&str>, options: &Options) -> Result<Mea
         _ => polar(a, b),
     });
     let values: Vec<Complex64> = if subject == Subject::Impedance { values.map(|z| z.inv()).collect() } else { values.collect() };
-    remarks.push(format!("Columns `{}` and `{}`", names[first], names[second]));
+    let is_computed = [first, second].iter().any(|at| names[*at].contains("_true") || names[*at].contains("_identified"));
+    let computed = if is_computed { ", which are computed and not measured" } else { "" };
+    remarks.push(format!("Columns `{}` and `{}`{computed}", names[first], names[second]));
     let left_out: Vec<&str> = (0..names.len())
         .filter(|at| known[*at].is_none() && !table.columns[*at].words.is_empty())
         .map(|at| names[at].as_str())
@@ -221,7 +223,8 @@ fn one_series(table: Table, remarks: &mut Vec<String>) -> Table {
     let is_measured = |(name, rows): &&(&str, Vec<usize>)| name.contains("measured") && rows.len() >= MIN_SERIES_POINTS;
     let longest = || series.iter().max_by_key(|(_, rows)| rows.len());
     let Some(one) = series.iter().find(is_measured).or_else(longest) else { return table };
-    remarks.push(format!("The series `{}` of {}", columns::beginning(one.0), series.len()));
+    let computed = if one.0.contains("measured") { "" } else { ", which is computed and not measured" };
+    remarks.push(format!("The series `{}` of {}{computed}", columns::beginning(one.0), series.len()));
     table.selected(&one.1)
 }
 

@@ -5,6 +5,7 @@
 //! files -> measurements (a row or a steady part each) -> one fit of OFF and ON -> ratio of each condition, predictions
 //! ```
 
+mod checks;
 mod draws;
 mod fit;
 mod measurement;
@@ -56,6 +57,8 @@ pub struct Conditions {
     pub remarks: Vec<String>,
     /// Warnings, one sentence each.
     pub warnings: Vec<String>,
+    /// `true` if the fit does not describe the measurements.
+    pub is_doubtful: bool,
     fit: fit::Fit,
     draws: Vec<draws::Draw>,
 }
@@ -75,6 +78,7 @@ impl Conditions {
         let (mut remarks, mut measurements) = (Vec::new(), Vec::new());
         for (path, columns) in files {
             let mut found = measurement::read(path, columns, options).map_err(|error| error.of_file(path))?;
+            found.measurements.iter_mut().for_each(|m| m.file = all.len());
             remarks.append(&mut found.remarks);
             measurements.append(&mut found.measurements);
             all.push((path, found.level_unit, found.frequency_hz));
@@ -113,9 +117,14 @@ impl Conditions {
         mut measurements: Vec<Measurement>,
         (level_unit, frequency_hz): (Option<String>, Option<f64>),
         known: Option<(f64, f64)>,
-        remarks: Vec<String>,
+        mut remarks: Vec<String>,
     ) -> Result<Self, ImportError> {
         measurements.retain(|m| m.speed_m_per_s > 0.0 && m.mu.is_finite());
+        // Friction takes energy out of the motion.
+        if measurements.iter().filter(|m| !m.on).map(|m| m.mu).sum::<f64>() < 0.0 {
+            measurements.iter_mut().for_each(|m| m.mu = -m.mu);
+            remarks.push("The force is with the motion: its sign was turned".into());
+        }
         let mut assumptions =
             vec!["the vibration is a sine along the sliding, and the friction ratio is quasi-static".to_owned()];
         // An amplitude and a frequency are a velocity.
@@ -140,8 +149,9 @@ impl Conditions {
                 return Err(ImportError::NoFit(why));
             }
         }
+        checks::check_tips(&measurements)?;
         if let Some(bad) = measurements.iter().find(|m| m.on && m.tip_m_per_s.or(m.level).is_some_and(|level| level <= 0.0)) {
-            let why = format!("a measurement at {:?} m/s is ON, but its vibration is not above zero", bad.speed_m_per_s);
+            let why = format!("the measurement at {:?} m/s is ON, but the strength of its vibration is zero", bad.speed_m_per_s);
             return Err(ImportError::NoFit(why));
         }
         if measurements.iter().any(|m| m.normal_n.is_none()) {
@@ -159,6 +169,7 @@ impl Conditions {
         }
         let fit = fit::fit(&measurements, fits_tip, known)?;
         if fit.variances.iter().zip(&measurements).all(|(_, m)| m.sd == 0.0) && fit.freedom[1].is_infinite() {
+            checks::check_reduction(&measurements)?;
             return Err(ImportError::NoFit(format!(
                 "{} measurements do not determine {} parameters and a scatter; repeat each condition",
                 off + on,
@@ -168,12 +179,16 @@ impl Conditions {
         let draws = draws::draw(&fit);
         let slice = &fit.slices[fit.chosen];
         let of = fit.model.parameters(&slice.fitted, slice.ln_compliance);
+        checks::check_off(&measurements, &fit.model, of.ln_mu)?;
         let mu = draws::interval(libm::exp(of.ln_mu), &draws, |draw| libm::exp(draw.parameters.ln_mu));
         let tip = fits_tip.then(|| draws::interval(libm::exp(of.ln_tip), &draws, |draw| libm::exp(draw.parameters.ln_tip)));
         let stiffness_s = draws::interval(libm::exp(of.ln_compliance), &draws, |draw| libm::exp(draw.parameters.ln_compliance));
         let scatter = fit.freedom[1].is_finite().then_some(fit.scatter);
         let conditions = table::conditions(&measurements, &fit);
         let mut warnings = table::warnings(&conditions, &fit);
+        let mixed = checks::mixed(&measurements);
+        let is_doubtful = mixed.is_some() || table::is_misfit(&conditions, &fit);
+        warnings.extend(mixed);
         if scatter.is_none() {
             warnings.push(
                 "there are too few measurements for a scatter: the intervals contain the noise within a measurement only".into(),
@@ -198,6 +213,7 @@ impl Conditions {
             assumptions,
             remarks,
             warnings,
+            is_doubtful,
             fit,
             draws,
         })

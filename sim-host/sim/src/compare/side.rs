@@ -116,7 +116,8 @@ fn of_file(path: &Path) -> Result<Side, CompareError> {
         None => no_result(format!("is neither the folder of a run nor a file of measured metrics: {error}")),
     })?;
     let names = table.headings();
-    let column = |name: &str| names.iter().position(|heading| heading == name).map(|at| &table.columns[at]);
+    let is = |heading: &str, name: &str| heading.trim().eq_ignore_ascii_case(name);
+    let column = |name: &str| names.iter().position(|heading| is(heading, name)).map(|at| &table.columns[at]);
     let (Some(metric), Some(value)) = (column("metric"), column("value")) else {
         return Err(no_result(format!(
             "is neither the folder of a run nor a file of measured metrics, which has the columns metric, value and optionally \
@@ -124,6 +125,12 @@ fn of_file(path: &Path) -> Result<Side, CompareError> {
             names.join("`, `")
         )));
     };
+    if let Some(other) = names.iter().find(|heading| !["metric", "value", "sd"].iter().any(|known| is(heading, known))) {
+        return Err(no_result(format!(
+            "has the column `{}`, which is not known; give metric, value in the unit of the metric, and optionally sd",
+            columns::beginning(other)
+        )));
+    }
     let sd = column("sd");
     let mut metrics: Vec<MeasuredMetric> = Vec::new();
     for (row, &number) in value.values.iter().enumerate() {

@@ -9,7 +9,7 @@ use super::super::log::Options;
 use super::super::quantity::{Columns, Quantity, file_name};
 use super::super::smoothed::Smoothed;
 use super::named::Named;
-use super::steady::{Part, parts};
+use super::steady::{MIN_SAMPLES, Part, parts};
 use crate::error::ImportError;
 use crate::friction::certainty::sd_of_mean;
 use columns::Unit;
@@ -33,6 +33,8 @@ pub struct Measurement {
     pub sd: f64,
     /// Words of the text columns.
     pub label: String,
+    /// Index of the file.
+    pub file: usize,
 }
 
 /// Measurements of a file.
@@ -55,15 +57,20 @@ struct Rows {
     labels: Vec<String>,
 }
 
+/// Strength of the vibration that counts as zero, relative to the largest.
+const ZERO_REL: f64 = 0.05;
+/// Largest difference of two strengths of the same condition, relative.
+const SAME_LEVEL_REL: f64 = 0.1;
 /// Largest difference of two frequencies of one measurement, relative.
 const MAX_FREQUENCY_CHANGE_REL: f64 = 0.02;
 
 /// Reads the measurements of a file.
 pub(super) fn read(path: &Path, columns: &Columns, options: &Options) -> Result<Measured, ImportError> {
     let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let named = Named::parse(&stem);
+    let named = Named::parse(&stem)?;
     let count = columns.table.rows();
     let (units, mut remarks) = (&options.units, vec![format!("{}: a table with {}", file_name(path), columns.table.found)]);
+    remarks.extend(named.in_words().map(|words| format!("{}: {words} from its name", file_name(path))));
     let column = |wanted: Quantity| columns.numbers(wanted, units);
     let of_name = |wanted: Quantity| Ok::<_, ImportError>(named.number(wanted, units)?.map(|value| vec![value; count]));
     let either = |wanted: Quantity| {
@@ -89,6 +96,7 @@ pub(super) fn read(path: &Path, columns: &Columns, options: &Options) -> Result<
         (None, _, on) => on.map(|on| vec![on; count]),
     };
     let (level, level_unit, tip_of_level) = level(columns, &named)?;
+    let level = level.map(|values| grouped(&values));
     let normal = either(Quantity::Normal)?.or_else(|| options.normal_n.map(|normal| vec![normal; count]));
     let normal = normal.map(|values| values.iter().map(|normal| normal.abs()).collect::<Vec<_>>());
     if let Some(row) = normal.as_ref().and_then(|normal| normal.iter().position(|normal| *normal == 0.0)) {
@@ -107,7 +115,10 @@ pub(super) fn read(path: &Path, columns: &Columns, options: &Options) -> Result<
         }
         None => None,
     };
-    let tip = either(Quantity::Tip)?.or(tip_of_level).or_else(|| options.tip_m_per_s.map(|tip| vec![tip; count]));
+    let tip = either(Quantity::Tip)?
+        .or(tip_of_level)
+        .map(|values| grouped(&values))
+        .or_else(|| options.tip_m_per_s.map(|tip| vec![tip; count]));
     let rows = Rows { speed, normal, level, tip, labels: labels(columns, &mut remarks) };
     // A table with both states in each row.
     let both = [false, true].map(|on| friction(columns, Some(on), &rows, options));
@@ -126,26 +137,37 @@ pub(super) fn read(path: &Path, columns: &Columns, options: &Options) -> Result<
             columns.missing("no column and no file name says ON or OFF; add a column `state`, name the file `…_on` or `…_off`, or give `--on`")
         })?;
         let found = parts(&rows.speed, rows.normal.as_deref(), |row| {
-            let level = rows.level.as_ref().map_or(0, |level| level[row].to_bits());
-            (states[row], level, rows.labels[row].as_str())
+            let bits = |values: &Option<Vec<f64>>| values.as_ref().map_or(0, |values| values[row].to_bits());
+            (states[row], bits(&rows.level), bits(&rows.tip), rows.labels[row].as_str())
         });
         let is_log = time.is_some() || displacement.is_some() || columns.place(Quantity::Velocity).is_none();
-        match found.iter().any(Part::is_long) && is_log {
+        match is_log {
+            true if !found.iter().any(Part::is_long) => {
+                let longest = found.iter().map(|part| part.rows.len()).max().unwrap_or(0);
+                return Err(ImportError::NoFit(format!(
+                    "the longest part with constant speed, load and vibration has {longest} samples, but a mean needs \
+                     {MIN_SAMPLES}; give longer parts, or one row for each mean without a column of times"
+                )));
+            }
             true => {
                 let used: usize = found.iter().filter(|part| part.is_long()).map(|part| part.rows.len()).sum();
                 let steady: Vec<&Part> = found.iter().filter(|part| part.is_long()).collect();
                 remarks.push(format!("{}: {} steady parts with {used} of {count} samples", file_name(path), steady.len()));
-                let offset = offset(&rows, &mu, &states, &steady);
+                let offset = offset(&rows, &mu, &states, steady.iter().flat_map(|part| part.rows.clone()));
                 measurements.extend(steady.iter().map(|part| rows.mean(part, states[part.rows.start], &mu, offset)));
             }
-            false => measurements.extend((0..count).map(|row| rows.single(row, states[row], mu[row]))),
+            false => {
+                // A friction coefficient may have no sign.
+                let back = (0..count).filter(|row| rows.speed[*row] < 0.0 && !states[*row]).map(|row| mu[row]).sum::<f64>();
+                let ahead = (0..count).filter(|row| rows.speed[*row] > 0.0 && !states[*row]).map(|row| mu[row]).sum::<f64>();
+                let is_signed = back * ahead < 0.0;
+                let offset = if is_signed { offset(&rows, &mu, &states, 0..count) } else { 0.0 };
+                let sign = |row: usize| if is_signed { rows.speed[row].signum() } else { 1.0 };
+                measurements.extend((0..count).map(|row| rows.single(row, states[row], sign(row) * (mu[row] - offset))));
+            }
         }
     }
-    let off_sum: f64 = measurements.iter().filter(|m| !m.on).map(|m| m.mu).sum();
-    if off_sum < 0.0 {
-        measurements.iter_mut().for_each(|m| m.mu = -m.mu);
-        remarks.push(format!("{}: the force is with the motion: its sign was turned", file_name(path)));
-    }
+    check_columns(columns)?;
     Ok(Measured { measurements, level_unit, frequency_hz, remarks })
 }
 
@@ -167,7 +189,7 @@ type Levels = (Option<Vec<f64>>, Option<String>, Option<Vec<f64>>);
 
 /// Returns the strength of the vibration in each row.
 fn level(columns: &Columns, named: &Named) -> Result<Levels, ImportError> {
-    let (values, unit, text) = match (columns.place(Quantity::Level), named.level()) {
+    let (values, unit, text) = match (columns.place(Quantity::Level), named.level()?) {
         (Some(at), _) => {
             let values = crate::units::numbers(&columns.table, at)?;
             (values, columns.heading(at).unit.unwrap_or("").to_owned(), columns.names[at].clone())
@@ -216,12 +238,65 @@ fn labels(columns: &Columns, remarks: &mut Vec<String>) -> Vec<String> {
     labels
 }
 
+/// Returns levels without their noise: those near zero are zero, and others that differ by less
+/// than a tenth have their mean.
+fn grouped(values: &[f64]) -> Vec<f64> {
+    let most = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for at in order {
+        let is_near = |group: &&mut Vec<usize>| {
+            let first = values[group[0]];
+            let is_zero = |value: f64| value.abs() <= ZERO_REL * most;
+            is_zero(first) && is_zero(values[at]) || !is_zero(first) && values[at] - first <= SAME_LEVEL_REL * first.abs()
+        };
+        match groups.last_mut().filter(is_near) {
+            Some(group) => group.push(at),
+            None => groups.push(vec![at]),
+        }
+    }
+    let mut grouped = vec![0.0; values.len()];
+    for group in &groups {
+        let mean = group.iter().map(|at| values[*at]).sum::<f64>() / group.len() as f64;
+        let same = group.iter().all(|at| values[*at] == values[group[0]]);
+        let value = if mean.abs() <= ZERO_REL * most {
+            0.0
+        } else if same {
+            values[group[0]]
+        } else {
+            mean
+        };
+        group.iter().for_each(|at| grouped[*at] = value);
+    }
+    grouped
+}
+
+/// Refuses a column that may be the strength of the vibration, but has an unknown name.
+fn check_columns(columns: &Columns) -> Result<(), ImportError> {
+    const SIGNS: [&str; 9] = ["ampl", "peak", "p-p", "pp", "rms", "power", "volt", "vibrat", "drive"];
+    let is_doubtful = |at: &usize| {
+        let column = &columns.table.columns[*at];
+        let name = columns.names[*at].to_lowercase();
+        let varies = column.values.iter().any(|value| *value != column.values[0] && !value.is_nan());
+        Quantity::parse(columns.heading(*at).name).is_none() && varies && SIGNS.iter().any(|sign| name.contains(sign))
+    };
+    match (0..columns.names.len()).find(is_doubtful) {
+        None => Ok(()),
+        Some(at) => Err(columns.missing(&format!(
+            "`{}` may be the strength of the vibration, but is not known. Amplitudes are peak values; convert peak-to-peak or rms, \
+             and name the column `amplitude`, `voltage`, `current` or `level`, or `-` to leave it out",
+            columns.names[at]
+        ))),
+    }
+}
+
 /// Returns the middle between the mean frictions of both directions without vibration; zero if it
 /// slides in one direction.
-fn offset(rows: &Rows, mu: &[f64], states: &[bool], parts: &[&Part]) -> f64 {
+fn offset(rows: &Rows, mu: &[f64], states: &[bool], part: impl Iterator<Item = usize>) -> f64 {
+    let part: Vec<usize> = part.filter(|row| !states[*row]).collect();
     let mean = |forward: bool| {
-        let own = parts.iter().filter(|part| !states[part.rows.start] && (rows.speed[part.rows.start] > 0.0) == forward);
-        let values: Vec<f64> = own.flat_map(|part| mu[part.rows.clone()].iter().copied()).collect();
+        let values: Vec<f64> = part.iter().filter(|row| (rows.speed[**row] > 0.0) == forward).map(|row| mu[*row]).collect();
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     };
     mean(true).zip(mean(false)).map_or(0.0, |(forward, back)| 0.5 * (forward + back))
@@ -237,9 +312,10 @@ impl Rows {
             normal_n: at(&self.normal),
             level: at(&self.level).filter(|_| on),
             tip_m_per_s: at(&self.tip).filter(|_| on),
-            mu: mu * if self.speed[row] < 0.0 && mu < 0.0 { -1.0 } else { 1.0 },
+            mu,
             sd: 0.0,
             label: self.labels[row].clone(),
+            file: 0,
         }
     }
 

@@ -16,9 +16,13 @@ use report::significant;
 pub struct Request {
     speed_m_per_s: f64,
     normal_n: Option<f64>,
-    /// Number and unit as given; empty for the unit of the measurements.
-    level: Option<(f64, String)>,
+    /// Name, number and unit as given.
+    level: Option<(String, f64, String)>,
 }
+
+/// SI units of the strength of a vibration, by the beginnings of its names.
+const STRENGTHS: [(&str, &str); 6] =
+    [("amp", "m"), ("volt", "V"), ("drive v", "V"), ("curr", "A"), ("tip", "m/s"), ("vibration", "m/s")];
 
 /// Predicted friction ratio.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -65,7 +69,10 @@ impl FromStr for Request {
             match Quantity::parse(name) {
                 Some(Quantity::Velocity) => request.speed_m_per_s = si("m/s")?,
                 Some(Quantity::Normal) => request.normal_n = Some(si("N")?),
-                Some(Quantity::Level | Quantity::Tip) => request.level = Some((number, unit.trim().to_owned())),
+                Some(Quantity::Level | Quantity::Tip) => {
+                    request.level = Some((name.trim().to_lowercase(), number, unit.trim().to_owned()));
+                }
+
                 _ => return Err(wrong()),
             }
         }
@@ -106,13 +113,7 @@ impl Conditions {
             Some(_) if strengths.is_none() => {
                 return Err(ImportError::NoFit("--predict amplitude=…: no strength of the vibration was measured".into()));
             }
-            Some((value, unit)) if unit.is_empty() || unit == base => Some(*value),
-            Some((value, unit)) => {
-                let factor = Unit::parse(base).and_then(|base| Unit::parse_like(unit, &base)?.factor_to(&base));
-                let why =
-                    || ImportError::NoFit(format!("--predict amplitude={value}{unit}: the unit of the measurements is `{base}`"));
-                Some(value * factor.ok_or_else(why)?)
-            }
+            Some((name, value, unit)) => Some(in_unit_of(name, *value, unit, base)?),
         };
         // The drive of the model is a tip velocity if that was measured.
         let drive = match (strength, levels, tips) {
@@ -149,5 +150,23 @@ impl Conditions {
         let condition = self.describe(Some(request.speed_m_per_s), normal_n, strength, "");
         let tip_m_per_s = drive * libm::exp(of.ln_tip);
         Ok(Prediction { condition, speed_m_per_s: request.speed_m_per_s, normal_n, tip_m_per_s, fit, fit_and_scatter, outside })
+    }
+}
+
+/// Returns a strength of the vibration in the unit of the measurements.
+fn in_unit_of(name: &str, value: f64, unit: &str, base: &str) -> Result<f64, ImportError> {
+    let refuse = |why: String| Err(ImportError::NoFit(format!("--predict {name}={value}{unit}: {why}")));
+    let own = STRENGTHS.iter().find(|(begin, _)| name.starts_with(begin)).map(|(_, base)| *base);
+    if !base.is_empty() && base != "%" && own.is_some_and(|own| own != base) {
+        return refuse(format!("the strength of the vibration was measured in {base}"));
+    }
+    match (unit, base) {
+        ("", "" | "%") => Ok(value),
+        ("", base) => refuse(format!("give the unit, such as {}", if base == "m" { "um" } else { base })),
+        (unit, base) if unit == base => Ok(value),
+        (unit, base) => {
+            let factor = Unit::parse(base).and_then(|base| Unit::parse_like(unit, &base)?.factor_to(&base));
+            factor.map_or_else(|| refuse(format!("the unit of the measurements is `{base}`")), |factor| Ok(value * factor))
+        }
     }
 }

@@ -7,7 +7,7 @@ const MAX_CHANGE_REL: f64 = 0.2;
 /// Number of neighbouring samples outside this range that end a part.
 const OUTSIDE_SAMPLES: usize = 5;
 /// Smallest number of samples of a long part.
-const MIN_SAMPLES: usize = 20;
+pub(super) const MIN_SAMPLES: usize = 20;
 /// First samples of a part that are not used, relative to all: contact and load cell settle.
 const SETTLING_REL: f64 = 0.1;
 

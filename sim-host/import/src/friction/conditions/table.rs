@@ -112,20 +112,25 @@ pub(super) fn conditions(measurements: &[Measurement], fit: &Fit) -> Vec<Conditi
     conditions
 }
 
-/// Returns warnings about the fit.
-pub(super) fn warnings(conditions: &[Condition], fit: &Fit) -> Vec<String> {
-    let mut warnings = Vec::new();
+/// Returns `true` if the fit misses the conditions by more than the scatter of their repeats.
+pub(super) fn is_misfit(conditions: &[Condition], fit: &Fit) -> bool {
     let repeats: usize = conditions.iter().map(|c| c.on - 1).sum();
     let within: f64 = conditions.iter().map(|c| c.within).sum();
     let freedom = conditions.len().saturating_sub(fit.model.count()).max(1) as f64;
     let misfit: f64 = conditions.iter().map(|c| c.residual().powi(2)).sum::<f64>() / freedom;
-    if repeats >= 3 && misfit > MAX_MISFIT * within / repeats as f64 {
+    repeats >= 3 && misfit > MAX_MISFIT * within / repeats as f64
+}
+
+/// Returns warnings about the fit.
+pub(super) fn warnings(conditions: &[Condition], fit: &Fit) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if is_misfit(conditions, fit) {
         warnings.push(
-            "the model misses the conditions by more than the scatter of their repeats: the bands contain the misfit".into(),
+            "the model does not fit: the residuals exceed the scatter of the repeats, and the intervals contain them".into(),
         );
     }
-    if repeats == 0 {
-        warnings.push("no condition with vibration is repeated: the scatter is that about the fit".into());
+    if conditions.iter().all(|c| c.on == 1) {
+        warnings.push("no condition ON is repeated: the scatter is that of the residuals of the fit".into());
     }
     if let Some(worst) =
         conditions.iter().filter(|c| c.residual().abs() > 3.0).max_by(|a, b| a.residual().abs().total_cmp(&b.residual().abs()))

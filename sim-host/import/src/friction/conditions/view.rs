@@ -185,6 +185,9 @@ impl Conditions {
             .filter_map(|(option, is_missing)| is_missing.then_some(option))
             .collect();
         let (Some(hz), Some(normal)) = (self.frequency_hz, normal) else { return Err(missing.join(" and ")) };
+        if self.stiffness == Stiffness::Soft {
+            return Err("a stiffness, of which the data give only an upper limit".to_owned());
+        }
         let condition = self.describe(Some(speed), None, None, "");
         let off = Point { speed_m_per_s: speed, normal_n: normal, drive: None };
         let stiffness = std::f64::consts::TAU * hz * libm::exp(of.ln_compliance);
