@@ -154,7 +154,10 @@ impl Load {
             };
         }
         match self.degrees() {
-            degrees if degrees < -CAPACITIVE_DEGREES => format!("{LAGGING_CURRENT}. There is {none}"),
+            // Beyond a right angle from a resistance, one of the channels is inverted.
+            degrees if !(-CAPACITIVE_DEGREES..=180.0 - CAPACITIVE_DEGREES).contains(&degrees) => {
+                format!("{LAGGING_CURRENT}. There is {none}")
+            }
             degrees if degrees < CAPACITIVE_DEGREES => {
                 let ohm = 1.0 / median(self.tones.iter().map(|tone| tone.siemens.re));
                 format!("a resistor of {}: {none}, and the current is in phase with the voltage", quantity(ohm, "ohm"))

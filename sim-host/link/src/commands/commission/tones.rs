@@ -49,9 +49,9 @@ const MIN_CAPACITANCE_F: f64 = 0.1e-9;
 const CAPACITANCE_GUESSES_F: [f64; 5] = [300e-9, 15e-9, 1e-9, 0.15e-9, 5e-6];
 /// Smallest and largest capacitance that the self-test accepts, relative to the guess.
 const ACCEPTED_REL: (f64, f64) = (1.0 / 3.0, 8.0);
-/// Offsets of the middle of the tones, relative, tried if the tone of the self-test meets a
-/// resonance.
-const SHIFTS_REL: [f64; 3] = [0.06, -0.06, 0.12];
+/// Offsets of the middle of the tones, relative, tried one after the other, because the tone of the
+/// self-test may meet a resonance.
+const SHIFTS_REL: [f64; 4] = [0.0, 0.06, -0.06, 0.12];
 /// Voltage at the load, relative to the tone, below which the load is a short circuit.
 const SHORT_VOLTAGE_REL: f64 = 0.5;
 /// Impedance below which the load is a short circuit, ohm.
@@ -59,13 +59,37 @@ const SHORT_OHM: f64 = 0.1;
 /// Plays the tones with rising voltage until the current is clear. Fails if the load cannot be a
 /// transducer, and names the load.
 pub fn measure(band: &Band, bounds: &Bounds, board: &mut BoardSettings, session: &mut Session) -> Result<Load, LinkError> {
-    let mut middle_hz = band.middle_hz();
-    let mut shifts = SHIFTS_REL.into_iter();
+    let mut last = Fault::LoadOpen;
+    for shift in SHIFTS_REL {
+        match measure_at(band.middle_hz() * (1.0 + shift), bounds, board, session)? {
+            Ok(load) => return checked(load, bounds),
+            Err(fault) => last = fault,
+        }
+    }
+    let short =
+        "a short: even at the smallest voltage the load draws more current than any transducer. Check the stack and the cable";
+    Err(LinkError::Failed(match last {
+        Fault::LoadOpen => open(bounds.volts),
+        Fault::SenseSwapped => LAGGING_CURRENT.into(),
+        Fault::LoadShorted | Fault::OverCurrent | Fault::SenseSaturated => short.into(),
+        Fault::SensorImplausible if is_short(session)? => short.into(),
+        fault => format!("the tones end with {}", words::fault(fault)),
+    }))
+}
+
+/// Plays the tones around a frequency, with one guess of the capacitance after the other. Returns
+/// the last fault if none is accepted.
+fn measure_at(
+    middle_hz: f64,
+    bounds: &Bounds,
+    board: &mut BoardSettings,
+    session: &mut Session,
+) -> Result<Result<Load, Fault>, LinkError> {
     let guesses: &[f64] = if board.can_be_none("tracking.nominal_c0_f") { &[f64::INFINITY] } else { &CAPACITANCE_GUESSES_F };
     let mut volts = bounds.first_v;
     // A voltage that was too high is not tried again.
     let mut most_v = bounds.volts;
-    let mut last = None;
+    let mut last = Fault::LoadOpen;
     for &guess_f in guesses {
         loop {
             let mut settings = bounds.settings();
@@ -86,33 +110,22 @@ pub fn measure(band: &Band, bounds: &Bounds, board: &mut BoardSettings, session:
                     if guess_f.is_finite() && load.ringing().is_some() {
                         load.capacitance_f = load.capacitance_f.clamp(ACCEPTED_REL.0 * guess_f, ACCEPTED_REL.1 * guess_f);
                     }
-                    return checked(load, bounds);
+                    return Ok(Ok(load));
                 }
                 Err(Fault::LoadOpen) if volts < most_v && guesses.len() == 1 => volts = (LEVEL_RATIO * volts).min(most_v),
                 Err(Fault::OverCurrent | Fault::SenseSaturated | Fault::SensorImplausible) if volts > bounds.min_v => {
                     volts = (volts / LEVEL_RATIO).max(bounds.min_v);
                     most_v = volts;
                 }
-                Err(Fault::SenseSwapped) => match shifts.next() {
-                    Some(shift) => middle_hz = band.middle_hz() * (1.0 + shift),
-                    None => return Err(LinkError::Failed(LAGGING_CURRENT.into())),
-                },
+                Err(Fault::SenseSwapped) => return Ok(Err(Fault::SenseSwapped)),
                 Err(fault) => {
-                    last = Some(fault);
+                    last = fault;
                     break;
                 }
             }
         }
     }
-    let short =
-        "a short: even at the smallest voltage the load draws more current than any transducer. Check the stack and the cable";
-    Err(LinkError::Failed(match last {
-        Some(Fault::LoadOpen) => open(bounds.volts),
-        Some(Fault::LoadShorted | Fault::OverCurrent | Fault::SenseSaturated) => short.into(),
-        Some(Fault::SensorImplausible) if is_short(session)? => short.into(),
-        Some(fault) => format!("the tones end with {}", words::fault(fault)),
-        None => "no tone could be measured".into(),
-    }))
+    Ok(Err(last))
 }
 
 fn open(volts: f64) -> String {
@@ -166,7 +179,7 @@ fn play(middle_hz: f64, first_v: f64, bounds: &Bounds, session: &mut Session) ->
             session.client.order(Command::Idle)?;
             session.wait(Duration::from_secs_f64(SETTLE_S))?;
             let load = Load::from_tones(tones, volts, (code_v, code_a));
-            let is_open = load.mean_siemens() * volts < OPEN_CODES * code_a;
+            let is_open = load.ringing().is_none() && load.mean_siemens() * volts < OPEN_CODES * code_a;
             return Ok(if is_open { Err(Fault::LoadOpen) } else { Ok(load) });
         }
         volts = (LEVEL_RATIO * volts).min(allowed).min(bounds.volts);
@@ -186,7 +199,7 @@ fn checked(load: Load, bounds: &Bounds) -> Result<Load, LinkError> {
     if siemens * SHORT_OHM > 1.0 && load.degrees().abs() < CAPACITIVE_DEGREES {
         return Err(LinkError::Failed(format!("a short of {}: check the stack and the cable", quantity(1.0 / siemens, "ohm"))));
     }
-    if load.mean_siemens() < 0.5 * TAU * load.middle_hz() * MIN_CAPACITANCE_F {
+    if load.ringing().is_none() && load.mean_siemens() < 0.5 * TAU * load.middle_hz() * MIN_CAPACITANCE_F {
         return Err(LinkError::Failed(open(bounds.volts)));
     }
     Ok(load)
