@@ -217,7 +217,9 @@ fn commission(args: &CommissionArgs, board: &mut BoardSettings, session: &mut Se
             neighbours::resolve(&circle.points, &transducer, by_number)?
         }
     };
-    let measured = Proposal::new(&resolved.transducer, &bounds).within_limits(circle.volts, circle.amperes, &bounds);
+    let measured = Proposal::new(&resolved.transducer, &bounds)
+        .within_limits(circle.volts, circle.amperes, &bounds)
+        .above(Band::from_converters(&session.identity.converters).low_hz);
     let (mut proposal, verified) = passing_proposal(&measured, &bounds, board, session)?;
     let thermal = args.heating.map(|time_s| heating::measure(time_s, &proposal, board, session)).transpose()?;
     proposal.limits = (bounds.volts, bounds.given_a);
