@@ -17,6 +17,7 @@ mod findings;
 mod fit;
 mod heating;
 mod limits;
+mod load;
 mod modes;
 mod neighbours;
 mod output;
@@ -39,10 +40,10 @@ use self::board_settings::BoardSettings;
 use self::findings::{in_words, table};
 use self::heating::Thermal;
 use self::limits::Bounds;
+use self::load::Load;
 use self::modes::Mode;
 use self::neighbours::Resolved;
 use self::proposal::Proposal;
-use self::tones::Load;
 use self::verification::Verified;
 use super::amount;
 use crate::answer::Answer;
@@ -216,7 +217,9 @@ fn commission(args: &CommissionArgs, board: &mut BoardSettings, session: &mut Se
             neighbours::resolve(&circle.points, &transducer, by_number)?
         }
     };
-    let measured = Proposal::new(&resolved.transducer, &bounds).within_limits(circle.volts, circle.amperes, &bounds);
+    let measured = Proposal::new(&resolved.transducer, &bounds)
+        .within_limits(circle.volts, circle.amperes, &bounds)
+        .above(Band::from_converters(&session.identity.converters).low_hz);
     let (mut proposal, verified) = passing_proposal(&measured, &bounds, board, session)?;
     let thermal = args.heating.map(|time_s| heating::measure(time_s, &proposal, board, session)).transpose()?;
     proposal.limits = (bounds.volts, bounds.given_a);

@@ -119,7 +119,9 @@ pub fn advise(case: &Case) -> Result<Option<(Settings, Case)>, CaseError> {
     let block_samples = if keep { samples } else { choose(&blocks, samples) };
     let block_s = f64::from(block_samples) / parts.sensors.sample_hz;
     let full = Full::from_circuit(&parts.circuit);
-    let span = span(&full);
+    // A block holds at least half a period of the lowest frequency.
+    let below = 1.0 - 0.5 / (block_s * parts.controller.drive.frequency_hz);
+    let span = span(&full, below);
     let bandwidth_hz = bandwidth_hz(block_s);
     let advised = case.with(block_samples, advised_v)?.tracking(span, bandwidth_hz)?;
     let (Some(rig), Some(parts)) = (RehearsalRig::from_case(&advised), advised.parts()) else { return Ok(None) };
@@ -184,11 +186,11 @@ fn largest_v(parts: &Parts<'_>) -> (f64, &'static str) {
 }
 
 /// Returns the window: short of the antiresonance, if that leaves room for the error of the nominal
-/// resonance.
-fn span(full: &Full) -> f64 {
+/// resonance, and at most this far below the resonance, relative.
+fn span(full: &Full, below: f64) -> f64 {
     let room = MAX_SPAN_FRACTION * (full.parallel_resonance_hz / full.series_resonance_hz - 1.0);
     let span = if room > NOMINAL_ERROR.resonance { SPAN_REL.min(room) } else { SPAN_REL };
-    rounded((span / SPAN_STEP_REL + 1e-9).floor() * SPAN_STEP_REL)
+    rounded((span.min(below) / SPAN_STEP_REL + 1e-9).floor().max(1.0) * SPAN_STEP_REL)
 }
 
 fn bandwidth_hz(block_s: f64) -> f64 {

@@ -9,8 +9,8 @@ use firmware::seam::transducer::{MOST_MODES, Resonance, Transducer};
 use super::band::{Band, Window};
 use super::board_settings::BoardSettings;
 use super::limits::Bounds;
+use super::load::Load;
 use super::probe::{self, Scanned};
-use super::tones::Load;
 use crate::link_error::LinkError;
 use crate::session::Session;
 

@@ -18,6 +18,12 @@ const SPAN_TO_PARALLEL_REL: f64 = 0.9;
 /// Minimum half-width of the window, relative to the frequency.
 const MIN_SPAN_REL: f64 = 0.005;
 
+/// Distance of the window from the lowest frequency of the board, relative: the rehearsal rounds
+/// frequencies to four digits.
+const ROUNDING_REL: f64 = 5e-4;
+/// Smallest half-width of the window that the board accepts, relative.
+const LEAST_SPAN_REL: f64 = 1e-4;
+
 /// Largest frequency error of a lock, relative to the bandwidth: 0.6 degrees of the motional phase.
 const BOUND_REL: f64 = 0.005;
 /// Minimum of the largest frequency error, Hz.
@@ -87,6 +93,12 @@ impl Proposal {
         let siemens = amperes / volts;
         let volts = three_digits((USED_CURRENT_REL * bounds.amperes / siemens).min(bounds.volts));
         Proposal { volts, amperes: volts * siemens, ..self }
+    }
+
+    /// Keeps the window above the lowest frequency that the board measures, Hz.
+    pub fn above(self, low_hz: f64) -> Self {
+        let below = 1.0 - low_hz / f64::from(self.transducer.series_resonance_hz);
+        Proposal { span: self.span.min(below - ROUNDING_REL).max(LEAST_SPAN_REL), ..self }
     }
 
     /// Reduces the voltage.

@@ -17,20 +17,18 @@ use realfft::num_complex::Complex64;
 
 use super::band::Band;
 use super::board_settings::BoardSettings;
-use super::circle::NOISE_CODES;
 use super::limits::Bounds;
-use super::modes::Search;
+use super::load::{CAPACITIVE_DEGREES, LAGGING_CURRENT, Load, Tone, median};
 use super::probe;
 use crate::answer::quantity;
 use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::words;
-use report::statistics::{ascending, quantile};
 
 /// Number of tones per level.
 const TONES: usize = 11;
 /// Largest offset of a tone from the middle, relative.
-const REACH_REL: f64 = 0.15;
+pub const REACH_REL: f64 = 0.15;
 /// Half-width of the window in the settings, relative, a little more than the largest offset.
 const SPAN_REL: f32 = 0.16;
 /// Settling time of a tone before it is measured, s.
@@ -51,176 +49,47 @@ const MIN_CAPACITANCE_F: f64 = 0.1e-9;
 const CAPACITANCE_GUESSES_F: [f64; 5] = [300e-9, 15e-9, 1e-9, 0.15e-9, 5e-6];
 /// Smallest and largest capacitance that the self-test accepts, relative to the guess.
 const ACCEPTED_REL: (f64, f64) = (1.0 / 3.0, 8.0);
-/// Offsets of the middle of the tones, relative, tried if the tone of the self-test meets a
-/// resonance.
-const SHIFTS_REL: [f64; 3] = [0.06, -0.06, 0.12];
+/// Offsets of the middle of the tones, relative, tried one after the other, because the tone of the
+/// self-test may meet a resonance.
+const SHIFTS_REL: [f64; 4] = [0.0, 0.06, -0.06, 0.12];
 /// Voltage at the load, relative to the tone, below which the load is a short circuit.
 const SHORT_VOLTAGE_REL: f64 = 0.5;
 /// Impedance below which the load is a short circuit, ohm.
 const SHORT_OHM: f64 = 0.1;
-/// Phase of an admittance above which the load is a capacitance and not a resistance, degrees.
-const CAPACITIVE_DEGREES: f64 = 45.0;
-/// Change of the capacitance over the tones that shows a resonance outside the band, relative.
-const MIN_DISPERSION_REL: f64 = 0.02;
-/// Rms distance of the admittance from a straight line over the tones above which a resonance
-/// rings, relative.
-const RINGING_REL: f64 = 0.1;
-/// Standard deviations of the noise that are not ringing.
-const NOISE_SIGMAS: f64 = 3.0;
-
-/// Measured tone.
-#[derive(Clone, Copy, Debug)]
-pub struct Tone {
-    /// Frequency, Hz.
-    pub hz: f64,
-    /// Admittance, S.
-    pub siemens: Complex64,
-    /// Change of the admittance during the tone, S.
-    change: f64,
-}
-
-impl Tone {
-    /// Returns the complex capacitance, F, whose real part is the capacitance.
-    fn farads(&self) -> Complex64 {
-        self.siemens / Complex64::new(0.0, TAU * self.hz)
-    }
-}
-
-/// Result of the tones.
-#[derive(Clone, Debug, Default)]
-pub struct Load {
-    /// Tones, in ascending order of frequency.
-    pub tones: Vec<Tone>,
-    /// Capacitance that draws the median current of the steadier half of the tones, F.
-    pub capacitance_f: f64,
-    /// Peak voltage of the tones, V.
-    pub volts: f64,
-    /// Standard deviation of the admittance due to noise, S.
-    noise_siemens: f64,
-}
-
-impl Load {
-    /// Creates the load from measured tones.
-    fn from_tones(mut tones: Vec<Tone>, volts: f64, (code_v, code_a): (f64, f64)) -> Self {
-        tones.sort_by(|a, b| a.hz.total_cmp(&b.hz));
-        let mut steady = tones.clone();
-        steady.sort_by(|a, b| a.change.total_cmp(&b.change));
-        steady.truncate(tones.len() / 2 + 1);
-        let capacitance_f = median(steady.iter().map(|tone| tone.farads().re));
-        let noise_siemens = NOISE_CODES * code_a.hypot(code_v * median(tones.iter().map(|tone| tone.siemens.norm()))) / volts;
-        Load { tones, capacitance_f, volts, noise_siemens }
-    }
-
-    /// Returns the median frequency, Hz.
-    fn middle_hz(&self) -> f64 {
-        median(self.tones.iter().map(|tone| tone.hz))
-    }
-
-    /// Returns the mean complex capacitance, F. Noise, with a phase that differs from tone to tone,
-    /// averages out.
-    fn mean_farads(&self) -> Complex64 {
-        self.tones.iter().map(Tone::farads).sum::<Complex64>() / self.tones.len() as f64
-    }
-
-    /// Returns the magnitude of the mean admittance at the middle frequency, S.
-    fn mean_siemens(&self) -> f64 {
-        self.mean_farads().norm() * TAU * self.middle_hz()
-    }
-
-    /// Returns the slope of the complex capacitance by a straight line through the tones, F/Hz, and
-    /// the rms distance of the tones from it, F.
-    fn line(&self) -> (Complex64, f64) {
-        let number = self.tones.len() as f64;
-        let mean_hz = self.tones.iter().map(|tone| tone.hz).sum::<f64>() / number;
-        let mean_f = self.mean_farads();
-        let squares: f64 = self.tones.iter().map(|tone| (tone.hz - mean_hz).powi(2)).sum();
-        let slope = self.tones.iter().map(|tone| (tone.hz - mean_hz) * (tone.farads() - mean_f)).sum::<Complex64>() / squares;
-        let distance = |tone: &Tone| (tone.farads() - mean_f - slope * (tone.hz - mean_hz)).norm_sqr();
-        (slope, (self.tones.iter().map(distance).sum::<f64>() / number).sqrt())
-    }
-
-    /// Returns the relative rise of the capacitance over the tones.
-    fn rise(&self) -> f64 {
-        2.0 * REACH_REL * self.middle_hz() * self.line().0.re / self.mean_farads().re
-    }
-
-    /// Returns the rms distance of the tones from a straight line, relative to their rms value, if
-    /// it shows a resonance: a resistor, a capacitor or an inductance follows the line.
-    fn ringing(&self) -> Option<f64> {
-        let squares: f64 = self.tones.iter().map(|tone| tone.farads().norm_sqr()).sum();
-        let (distance_f, rms_f) = (self.line().1, (squares / self.tones.len() as f64).sqrt());
-        (distance_f > RINGING_REL * rms_f + NOISE_SIGMAS * self.noise_f()).then_some(distance_f / rms_f)
-    }
-
-    /// Returns the standard deviation of a capacitance due to noise, F.
-    fn noise_f(&self) -> f64 {
-        self.noise_siemens / (TAU * self.middle_hz())
-    }
-
-    /// Returns the median phase of the admittance, degrees: 90 for a capacitance, 0 for a
-    /// resistance.
-    fn degrees(&self) -> f64 {
-        median(self.tones.iter().map(|tone| tone.siemens.arg().to_degrees()))
-    }
-
-    /// Describes the measured capacitance.
-    pub fn in_words(&self) -> String {
-        let (capacitance, volts) = (quantity(self.capacitance_f, "F"), quantity(self.volts, "V"));
-        if self.ringing().is_some() {
-            return format!("roughly {capacitance} measured by tones of {volts}, which make a resonance ring");
-        }
-        format!("{capacitance} measured by tones of {volts}")
-    }
-
-    /// Describes a load without a resonance in the band.
-    pub fn without_resonance(&self, band: &Band, search: &Search) -> String {
-        let none = format!("no resonance from {:.0} to {:.0} Hz", band.low_hz, band.high_hz);
-        let rise = self.rise();
-        let capacitance = quantity(self.capacitance_f, "F");
-        let wider = "Give a band that contains the resonance of the transducer's data sheet";
-        if let Some(outside) = &search.outside {
-            return format!(
-                "{none}; a resonance at {:.1} Hz with Q {:.1} is outside the band. Give a band that contains it",
-                outside.hz(),
-                outside.transducer.q
-            );
-        }
-        if let Some(ringing) = self.ringing() {
-            let changes = format!(
-                "the admittance changes from tone to tone by {:.0} % of its rms value, as near the resonance of a transducer",
-                100.0 * ringing
-            );
-            return match search.fault {
-                Some(fault) => format!("{none} was identified: a scan ends with {}, and {changes}", words::fault(fault)),
-                None => format!("{none}; {changes}: it is outside the band, or too weak for a scan. {wider}"),
-            };
-        }
-        match self.degrees() {
-            degrees if degrees < -CAPACITIVE_DEGREES => format!("{LAGGING_CURRENT}. There is {none}"),
-            degrees if degrees < CAPACITIVE_DEGREES => {
-                let ohm = 1.0 / median(self.tones.iter().map(|tone| tone.siemens.re));
-                format!("a resistor of {}: {none}, and the current is in phase with the voltage", quantity(ohm, "ohm"))
-            }
-            _ if rise.abs() > MIN_DISPERSION_REL + NOISE_SIGMAS * self.noise_f() / self.mean_farads().norm() => format!(
-                "{none}; the capacitance of about {capacitance} changes with the frequency by {:.1} %, as next to the resonance of \
-                 a transducer: it is outside the band. {wider}",
-                100.0 * rise.abs()
-            ),
-            _ => format!("a capacitor of {capacitance}: {none}. A transducer behaves like this far from its resonances. {wider}"),
-        }
-    }
-}
-
 /// Plays the tones with rising voltage until the current is clear. Fails if the load cannot be a
 /// transducer, and names the load.
 pub fn measure(band: &Band, bounds: &Bounds, board: &mut BoardSettings, session: &mut Session) -> Result<Load, LinkError> {
-    let mut middle_hz = band.middle_hz();
-    let mut shifts = SHIFTS_REL.into_iter();
+    let mut last = Fault::LoadOpen;
+    for shift in SHIFTS_REL {
+        match measure_at(band.middle_hz() * (1.0 + shift), bounds, board, session)? {
+            Ok(load) => return checked(load, bounds),
+            Err(fault) => last = fault,
+        }
+    }
+    let short =
+        "a short: even at the smallest voltage the load draws more current than any transducer. Check the stack and the cable";
+    Err(LinkError::Failed(match last {
+        Fault::LoadOpen => open(bounds.volts),
+        Fault::SenseSwapped => LAGGING_CURRENT.into(),
+        Fault::LoadShorted | Fault::OverCurrent | Fault::SenseSaturated => short.into(),
+        Fault::SensorImplausible if is_short(session)? => short.into(),
+        fault => format!("the tones end with {}", words::fault(fault)),
+    }))
+}
+
+/// Plays the tones around a frequency, with one guess of the capacitance after the other. Returns
+/// the last fault if none is accepted.
+fn measure_at(
+    middle_hz: f64,
+    bounds: &Bounds,
+    board: &mut BoardSettings,
+    session: &mut Session,
+) -> Result<Result<Load, Fault>, LinkError> {
     let guesses: &[f64] = if board.can_be_none("tracking.nominal_c0_f") { &[f64::INFINITY] } else { &CAPACITANCE_GUESSES_F };
     let mut volts = bounds.first_v;
     // A voltage that was too high is not tried again.
     let mut most_v = bounds.volts;
-    let mut last = None;
+    let mut last = Fault::LoadOpen;
     for &guess_f in guesses {
         loop {
             let mut settings = bounds.settings();
@@ -241,33 +110,22 @@ pub fn measure(band: &Band, bounds: &Bounds, board: &mut BoardSettings, session:
                     if guess_f.is_finite() && load.ringing().is_some() {
                         load.capacitance_f = load.capacitance_f.clamp(ACCEPTED_REL.0 * guess_f, ACCEPTED_REL.1 * guess_f);
                     }
-                    return checked(load, bounds);
+                    return Ok(Ok(load));
                 }
                 Err(Fault::LoadOpen) if volts < most_v && guesses.len() == 1 => volts = (LEVEL_RATIO * volts).min(most_v),
                 Err(Fault::OverCurrent | Fault::SenseSaturated | Fault::SensorImplausible) if volts > bounds.min_v => {
                     volts = (volts / LEVEL_RATIO).max(bounds.min_v);
                     most_v = volts;
                 }
-                Err(Fault::SenseSwapped) => match shifts.next() {
-                    Some(shift) => middle_hz = band.middle_hz() * (1.0 + shift),
-                    None => return Err(LinkError::Failed(LAGGING_CURRENT.into())),
-                },
+                Err(Fault::SenseSwapped) => return Ok(Err(Fault::SenseSwapped)),
                 Err(fault) => {
-                    last = Some(fault);
+                    last = fault;
                     break;
                 }
             }
         }
     }
-    let short =
-        "a short: even at the smallest voltage the load draws more current than any transducer. Check the stack and the cable";
-    Err(LinkError::Failed(match last {
-        Some(Fault::LoadOpen) => open(bounds.volts),
-        Some(Fault::LoadShorted | Fault::OverCurrent | Fault::SenseSaturated) => short.into(),
-        Some(Fault::SensorImplausible) if is_short(session)? => short.into(),
-        Some(fault) => format!("the tones end with {}", words::fault(fault)),
-        None => "no tone could be measured".into(),
-    }))
+    Ok(Err(last))
 }
 
 fn open(volts: f64) -> String {
@@ -321,7 +179,7 @@ fn play(middle_hz: f64, first_v: f64, bounds: &Bounds, session: &mut Session) ->
             session.client.order(Command::Idle)?;
             session.wait(Duration::from_secs_f64(SETTLE_S))?;
             let load = Load::from_tones(tones, volts, (code_v, code_a));
-            let is_open = load.mean_siemens() * volts < OPEN_CODES * code_a;
+            let is_open = load.ringing().is_none() && load.mean_siemens() * volts < OPEN_CODES * code_a;
             return Ok(if is_open { Err(Fault::LoadOpen) } else { Ok(load) });
         }
         volts = (LEVEL_RATIO * volts).min(allowed).min(bounds.volts);
@@ -335,23 +193,14 @@ fn offset_rel(tone: usize) -> f64 {
     REACH_REL * if tone.is_multiple_of(2) { -distance } else { distance }
 }
 
-/// Message for a load with lagging current.
-const LAGGING_CURRENT: &str =
-    "the current lags the voltage: an inductance is connected, the two sense channels are exchanged, or one of them is inverted";
-
 /// Returns the load if it can be a transducer.
 fn checked(load: Load, bounds: &Bounds) -> Result<Load, LinkError> {
     let siemens = median(load.tones.iter().map(|tone| tone.siemens.norm()));
     if siemens * SHORT_OHM > 1.0 && load.degrees().abs() < CAPACITIVE_DEGREES {
         return Err(LinkError::Failed(format!("a short of {}: check the stack and the cable", quantity(1.0 / siemens, "ohm"))));
     }
-    if load.mean_siemens() < 0.5 * TAU * load.middle_hz() * MIN_CAPACITANCE_F {
+    if load.ringing().is_none() && load.mean_siemens() < 0.5 * TAU * load.middle_hz() * MIN_CAPACITANCE_F {
         return Err(LinkError::Failed(open(bounds.volts)));
     }
     Ok(load)
-}
-
-/// Returns the median of finite values; NaN if there are none.
-pub fn median(values: impl Iterator<Item = f64>) -> f64 {
-    quantile(&ascending(values.filter(|value| value.is_finite())), 0.5).unwrap_or(f64::NAN)
 }
