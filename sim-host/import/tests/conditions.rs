@@ -27,25 +27,32 @@ struct Truth {
 const HZ: f64 = 40e3;
 
 /// Mean friction ratio of Dahl friction under a sine, by Runge-Kutta steps in the phase until the
-/// period repeats: `df/dp = kappa (1 - f sgn V) V`, `V = xi + cos p`.
+/// period repeats: `df/dp = kappa (1 - f sgn V) V`, `V = xi + cos p`. Steps end at the reversals.
 fn integrated(xi: f64, kappa: f64) -> f64 {
-    const STEPS: usize = 500;
-    let step = std::f64::consts::TAU / STEPS as f64;
-    let velocities: Vec<f64> = (0..=2 * STEPS).map(|half| xi + (0.5 * step * half as f64).cos()).collect();
-    let slope = |half: usize, f: f64| kappa * (1.0 - f * velocities[half].signum()) * velocities[half];
+    const STEPS: usize = 250;
+    if xi >= 1.0 {
+        return 1.0;
+    }
+    let (turn, period) = (std::f64::consts::PI - xi.acos(), std::f64::consts::TAU);
     let (mut force, mut last) = (0.0, f64::NAN);
     for _ in 0..200 {
         let mut sum = 0.0;
-        for n in 0..STEPS {
-            let k1 = slope(2 * n, force);
-            let k2 = slope(2 * n + 1, force + 0.5 * step * k1);
-            let k3 = slope(2 * n + 1, force + 0.5 * step * k2);
-            let k4 = slope(2 * n + 2, force + step * k3);
-            let next = force + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-            sum += 0.5 * (force + next);
-            force = next;
+        for (from, to, sign) in [(-turn, turn, 1.0), (turn, period - turn, -1.0)] {
+            let step = (to - from) / STEPS as f64;
+            let slope = |p: f64, f: f64| kappa * (1.0 - f * sign) * (xi + p.cos());
+            for n in 0..STEPS {
+                let p = from + step * n as f64;
+                let k1 = slope(p, force);
+                let second = force + 0.5 * step * k1;
+                let k2 = slope(p + 0.5 * step, second);
+                let third = force + 0.5 * step * k2;
+                let k3 = slope(p + 0.5 * step, third);
+                let fourth = force + step * k3;
+                sum += step / 6.0 * (force + 2.0 * second + 2.0 * third + fourth);
+                force += step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + slope(p + step, fourth));
+            }
         }
-        let mean = sum / STEPS as f64;
+        let mean = sum / period;
         if (mean - last).abs() < 1e-7 {
             break;
         }
