@@ -156,7 +156,7 @@ fn coverage(draws: u64, fits: usize) -> [f64; 5] {
         let ratio = truth.ratio(speed, 1.0);
         for _ in 0..fits {
             let fit = truth.fitted(&format!("draw{seed}.csv"), &ratios, &mut random);
-            let strength = if truth.has_amplitude { truth.amplitude_m() } else { 1.0 };
+            let strength = if truth.has_amplitude { format!("{}m", truth.amplitude_m()) } else { "1".to_owned() };
             let request: Request = format!("speed={speed},amplitude={strength}").parse().unwrap();
             let predicted = fit.predict(&request).unwrap();
             let new = ratio * truth.scattered(&mut random) / truth.scattered(&mut random);

@@ -14,7 +14,7 @@ const WRITERS: [&str; 11] = [
     "sweep contact-kinematic --over contact.dahl.mu=0.1,0.3 --metric friction_ratio",
     "merge part",
     "import admittance mine.csv",
-    "import friction log.csv --normal-n 5 --on 2:4",
+    "import friction log.csv --normal-n 5 --on 2:4 --frequency-hz 40e3",
     "compare a b",
     "spectrum log.csv --column 3",
     "validate suite.toml",
