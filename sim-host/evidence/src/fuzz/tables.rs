@@ -70,7 +70,7 @@ fn file(chance: &mut Chance) -> (String, Vec<u8>) {
     let numbers = |chance: &mut Chance, count: u64| (0..count).map(|_| chance.byte()).collect::<Vec<u8>>();
     match chance.below(8) {
         0 => {
-            let shape = [1, 40, 1 << 20, 1 << 40][chance.below(4) as usize];
+            let shape = [1_u64, 40, 1 << 20, 1 << 40][chance.below(4) as usize];
             let kind = ["<f8", ">f4", "|u1", "<i2", "|S4", "<c16"][chance.below(6) as usize];
             let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({shape}, 2), }}\n");
             let length = (header.len() as u16).to_le_bytes();
