@@ -52,15 +52,11 @@ pub(crate) struct TrackedTransducer {
     pub(crate) noise: (f32, f32),
     pub(crate) tracker: Tracker,
     pub(crate) online: Online,
-    /// Transducer as identified from a scan or a settled block under drive. The loops use a later
-    /// one, which is worse in silence.
     transducer: Option<Transducer>,
     /// Last transducer tracked with a certain lock: resonance, Hz; Q; and Lm, H.
     remembered: Option<[f32; 3]>,
-    /// Latest identification, in parts.
+    /// Identification in progress, in parts.
     learning: Learning,
-    /// `true` if the latest identification began in a settled block under drive.
-    is_settled: bool,
     /// Mode that disturbs the driven one most: its series resonance, Hz, and its motional
     /// capacitance relative to that of the driven mode.
     pub(crate) other_mode: Option<(f32, f32)>,
@@ -85,7 +81,6 @@ impl TrackedTransducer {
             transducer: None,
             remembered: None,
             learning: Learning::default(),
-            is_settled: false,
             tracker,
             online: Online::build(config),
             other_mode: None,
@@ -107,14 +102,14 @@ impl TrackedTransducer {
         self.tracker.restart();
     }
 
-    /// Returns the best identification of the transducer, if there is one.
+    /// Returns the transducer, once identified.
     pub(crate) fn transducer(&self) -> Option<&Transducer> {
         self.transducer.as_ref()
     }
 
     /// Returns the latest transducer; during an identification, without its deviations.
     pub(crate) fn latest_transducer(&self) -> Option<&Transducer> {
-        (self.transducer.is_some() || !self.learning.is_over()).then(|| self.learning.transducer())
+        if self.learning.is_over() { self.transducer.as_ref() } else { Some(self.learning.transducer()) }
     }
 
     /// Returns the latest time constant of the resonance, periods.
@@ -181,7 +176,7 @@ impl TrackedTransducer {
         self.online.set_slope(found.slope);
         (self.transducer, self.other_mode) = (Some(*transducer), other_mode);
         self.is_unexplained = self.is_uncertain && other_mode.is_none();
-        self.learning.adopt(transducer);
+        self.learning.abandon();
     }
 
     /// Takes the clamped branch and the quality factor measured at the lock point.
@@ -226,7 +221,6 @@ impl TrackedTransducer {
     /// which are complete at once.
     pub(crate) fn begin_to_learn(&mut self, block: u64) -> &Transducer {
         self.tracker.learn(&mut self.learning);
-        self.is_settled = self.transducer.is_none() || self.tracker.is_settled();
         let transducer = self.learning.transducer();
         self.tracker.set_resonance(transducer);
         self.online.set_resonance(transducer.series_resonance_hz, transducer.q);
@@ -237,7 +231,7 @@ impl TrackedTransducer {
     /// Advances the identification by one part.
     fn continue_learning(&mut self) {
         self.learning.advance();
-        if self.learning.is_over() && self.is_settled {
+        if self.learning.is_over() {
             self.transducer.get_or_insert_default().copy(self.learning.transducer());
         }
     }

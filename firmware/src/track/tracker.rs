@@ -279,14 +279,6 @@ impl Tracker {
         self.observed.as_ref().is_some_and(|observed| observed.observer().has_opened())
     }
 
-    /// Returns `true` if the observer has converged and the last block, a driven one, shows the
-    /// settled resonance.
-    // Not inlined: the fast memory of a board has no room for it.
-    #[inline(never)]
-    pub(crate) fn is_settled(&self) -> bool {
-        self.observed.as_ref().is_some_and(|observed| observed.has_converged() && observed.observer().has_settled())
-    }
-
     /// Returns `true` if there is an observer whose lock does not come from a scan.
     pub(crate) fn can_scan(&self) -> bool {
         self.observed.as_ref().is_some_and(Observed::can_scan)

@@ -43,8 +43,11 @@ impl Form {
             }
             (numbers, std::cmp::Reverse(others))
         };
-        let best = FORMS.iter().rev().max_by_key(|form| score(form));
-        *best.unwrap_or(&FORMS[4])
+        let best = FORMS.iter().rev().max_by_key(|form| score(form)).unwrap_or(&FORMS[4]);
+        // Blanks also find the numbers in the words of a preamble.
+        let mut clear = FORMS.iter().filter(|form| matches!(form.sign, Some(';' | '\t')));
+        let found = clear.find(|form| best.has_blanks() && 10 * score(form).0 > 9 * score(best).0);
+        *found.unwrap_or(best)
     }
 
     /// Returns the cells of a line, without quotes.

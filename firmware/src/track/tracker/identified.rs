@@ -102,11 +102,6 @@ impl Learning {
         self.parts_left == 0
     }
 
-    /// Takes a transducer that is known completely.
-    pub(crate) fn adopt(&mut self, transducer: &Transducer) {
-        (self.transducer, self.parts_left) = (*transducer, 0);
-    }
-
     /// Drops the remaining parts.
     pub(crate) fn abandon(&mut self) {
         self.parts_left = 0;
