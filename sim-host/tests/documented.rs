@@ -256,6 +256,8 @@ fn measured_files() -> Vec<(&'static str, String)> {
             ),
         ),
         ("log.csv", format!("t [s],x [m],F [N]\n{}", (0..600).map(slide).collect::<String>())),
+        // Before the vibration.
+        ("sliding.csv", format!("t [s],x [m],F [N]\n{}", (0..200).map(slide).collect::<String>())),
         ("conditions.csv", {
             // A rigid contact with a tip velocity of 0.25 m/s, and three repeats.
             let row = |n: usize| {

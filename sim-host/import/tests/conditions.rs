@@ -225,6 +225,68 @@ fn a_log_of_many_conditions_has_a_ratio_for_each() {
     assert!(inside.outside.is_empty() && outside.outside[0].starts_with("speed, measured from 0.02 to 0.2"), "{outside:?}");
 }
 
+/// Measurements that the model does not describe: refused, or noted and doubtful.
+#[test]
+fn doubtful_measurements_are_not_fitted_silently() {
+    let mut random = Random(Xoshiro256PlusPlus::seed_from_u64(2));
+    let mut rows = |head: &str, mu: &dyn Fn(usize) -> f64, end: &dyn Fn(usize, bool) -> String| {
+        let mut text = format!("speed [m/s],state,mu,{head}\n");
+        for n in 0..60 {
+            let (speed, on) = ([0.02, 0.05, 0.1, 0.2][n / 2 % 4], n % 2 == 1);
+            let ratio = if on { integrated(speed / 0.25, 5.0) } else { 1.0 };
+            let mu = mu(n) * ratio * (1.0 + 0.02 * random.normal());
+            text += &format!("{speed},{},{mu},{}\n", if on { "ON" } else { "OFF" }, end(n, on));
+        }
+        text
+    };
+    let same = |_: usize| 0.3;
+    let (hz, amplitude_um) = (40e3, 0.25 / (std::f64::consts::TAU * 40e3) * 1e6);
+    let with = |frequency_hz| Options { frequency_hz: Some(frequency_hz), normal_n: Some(10.0), ..Options::default() };
+    let strength = |_: usize, on: bool| format!("{}", if on { amplitude_um } else { 0.0 });
+    let text = rows("amplitude [um]", &same, &strength);
+    let sound = conditions(&[("doubtful.csv", &text)], &with(hz));
+    assert!(!sound.is_doubtful && (sound.mu.value - 0.3).abs() < 0.01, "{:?}", sound.mu);
+    let error = found(&[("doubtful.csv", &text)], &with(40.0)).err().unwrap();
+    assert!(error.contains("contradict each other"), "{error}");
+    let unknown = rows("amplitude p-p [um]", &same, &strength);
+    let error = found(&[("doubtful.csv", &unknown)], &with(hz)).err().unwrap();
+    assert!(error.contains("`amplitude p-p [um]` may be the strength of the vibration"), "{error}");
+    let noted = conditions(&[("doubtful.csv", &rows("angle [deg]", &same, &|n, _| format!("{}", n % 3)))], &Options::default());
+    assert!(
+        noted.warnings.iter().any(|note| note == "the column `angle [deg]` is not known and is left out"),
+        "{:?}",
+        noted.warnings
+    );
+    let material = |n: usize| if n < 30 { 0.2 } else { 0.4 };
+    let mixed = rows("material", &material, &|n, _| if n < 30 { "steel".into() } else { "brass".to_owned() });
+    let mixed = conditions(&[("doubtful.csv", &mixed)], &Options::default());
+    assert!(mixed.is_doubtful && mixed.warnings.iter().any(|note| note.contains("differs between")), "{:?}", mixed.warnings);
+    // Two files, of which the one ON has no measurement OFF that would show the sign.
+    let against = rows("amplitude [um]", &|_| -0.3, &strength);
+    let part = |state: &str| {
+        let lines = against.lines().filter(|line| line.starts_with("speed") || line.contains(state));
+        lines.map(|line| format!("{line}\n")).collect::<String>()
+    };
+    let turned = conditions(&[("on.csv", &part(",ON,")), ("off.csv", &part(",OFF,"))], &with(hz));
+    assert!((turned.mu.value - 0.3).abs() < 0.01 && turned.conditions.iter().all(|c| c.measured > 0.0), "{:?}", turned.mu);
+}
+
+/// The strength of the vibration alone tells ON from OFF, also with noise.
+#[test]
+fn a_log_with_a_noisy_drive_voltage_has_conditions() {
+    let mut random = Random(Xoshiro256PlusPlus::seed_from_u64(3));
+    let mut text = "t [s],v [mm/s],F [N],N [N],voltage [V]\n".to_owned();
+    for n in 0..2400 {
+        let (speed, on) = ([20.0, 50.0, 100.0, 200.0][n / 100 % 4], n / 400 % 2 == 1);
+        let friction = 3.0 * if on { integrated(speed / 250.0, 5.0) } else { 1.0 };
+        let volts = if on { 5.0 + 0.02 * random.normal() } else { 0.003 * random.normal() };
+        text += &format!("{},{speed},{},10,{volts}\n", 0.01 * n as f64, friction * (1.0 + 0.01 * random.normal()));
+    }
+    let fit = conditions(&[("volts.csv", &text)], &Options::default());
+    assert!(fit.conditions.len() == 4 && fit.conditions.iter().all(|c| (c.on, c.off) == (3, 3)), "{:?}", fit.conditions);
+    assert!((fit.mu.value - 0.3).abs() < 0.003 && fit.assumptions.iter().any(|a| a.contains("steady part")), "{:?}", fit.mu);
+}
+
 #[test]
 fn names_of_files_state_conditions_and_errors_name_the_file() {
     let at =

@@ -75,11 +75,12 @@ impl Conditions {
         known: Option<(f64, f64)>,
     ) -> Result<Self, ImportError> {
         let mut all = Vec::new();
-        let (mut remarks, mut measurements) = (Vec::new(), Vec::new());
+        let (mut remarks, mut notes, mut measurements) = (Vec::new(), Vec::new(), Vec::new());
         for (path, columns) in files {
             let mut found = measurement::read(path, columns, options).map_err(|error| error.of_file(path))?;
             found.measurements.iter_mut().for_each(|m| m.file = all.len());
             remarks.append(&mut found.remarks);
+            notes.extend(found.notes.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
             measurements.append(&mut found.measurements);
             all.push((path, found.level_unit, found.frequency_hz));
         }
@@ -109,7 +110,9 @@ impl Conditions {
         let level_unit = all.iter().find_map(|(_, unit, _)| unit.clone());
         let name = files.first().map_or_else(String::new, |(path, _)| file_name(path));
         let name = if files.len() == 1 { name } else { format!("{name} and {} more", files.len() - 1) };
-        Self::from_measurements(name, measurements, (level_unit, frequency_hz), known, remarks)
+        let mut found = Self::from_measurements(name, measurements, (level_unit, frequency_hz), known, remarks)?;
+        found.warnings.append(&mut notes);
+        Ok(found)
     }
 
     fn from_measurements(
@@ -160,6 +163,10 @@ impl Conditions {
         } else {
             assumptions.push("the friction is proportional to the normal force".into());
         }
+        // Only parts of a log have a noise within the measurement.
+        if measurements.iter().any(|m| m.sd > 0.0) {
+            assumptions.push("the rows are samples in time, and a steady part is one measurement".into());
+        }
         let fits_tip = measured_tip == 0;
         if fits_tip {
             assumptions.push(match stated {
@@ -179,14 +186,14 @@ impl Conditions {
         let draws = draws::draw(&fit);
         let slice = &fit.slices[fit.chosen];
         let of = fit.model.parameters(&slice.fitted, slice.ln_compliance);
-        checks::check_off(&measurements, &fit.model, of.ln_mu)?;
+        checks::check_off(&measurements, &fit.model, &of)?;
         let mu = draws::interval(libm::exp(of.ln_mu), &draws, |draw| libm::exp(draw.parameters.ln_mu));
         let tip = fits_tip.then(|| draws::interval(libm::exp(of.ln_tip), &draws, |draw| libm::exp(draw.parameters.ln_tip)));
         let stiffness_s = draws::interval(libm::exp(of.ln_compliance), &draws, |draw| libm::exp(draw.parameters.ln_compliance));
         let scatter = fit.freedom[1].is_finite().then_some(fit.scatter);
         let conditions = table::conditions(&measurements, &fit);
         let mut warnings = table::warnings(&conditions, &fit);
-        let mixed = checks::mixed(&measurements);
+        let mixed = checks::mixed(&measurements, &fit.model, &of);
         let is_doubtful = mixed.is_some() || table::is_misfit(&conditions, &fit);
         warnings.extend(mixed);
         if scatter.is_none() {

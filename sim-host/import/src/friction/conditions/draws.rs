@@ -9,6 +9,7 @@ use nalgebra::{Cholesky, DVector};
 use super::fit::Fit;
 use super::model::Parameters;
 use crate::synthetic::random::Random;
+use report::statistics::{ascending, quantile};
 
 /// Number of draws.
 const DRAWS: usize = 4000;
@@ -79,8 +80,7 @@ fn scale(random: &mut Random, free: f64) -> f64 {
 
 /// Returns the interval of a value of the draws.
 pub(super) fn interval(value: f64, draws: &[Draw], of: impl Fn(&Draw) -> f64) -> Interval {
-    let mut values: Vec<f64> = draws.iter().map(of).filter(|value| value.is_finite()).collect();
-    values.sort_by(f64::total_cmp);
-    let at = |part: f64| values.get((part * values.len() as f64) as usize).copied().unwrap_or(f64::NAN);
+    let values = ascending(draws.iter().map(of).filter(|value| value.is_finite()));
+    let at = |part: f64| quantile(&values, part).unwrap_or(f64::NAN);
     Interval { value, low: at(0.5 * (1.0 - INTERVAL)), high: at(0.5 * (1.0 + INTERVAL)) }
 }

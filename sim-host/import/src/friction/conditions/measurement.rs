@@ -8,8 +8,9 @@ use std::path::Path;
 use super::super::log::Options;
 use super::super::quantity::{Columns, Quantity, file_name};
 use super::super::smoothed::Smoothed;
+use super::checks;
 use super::named::Named;
-use super::steady::{MIN_SAMPLES, Part, parts};
+use super::steady::{MIN_SAMPLES, Part, grouped, parts};
 use crate::error::ImportError;
 use crate::friction::certainty::sd_of_mean;
 use columns::Unit;
@@ -46,6 +47,8 @@ pub(super) struct Measured {
     pub(super) frequency_hz: Option<f64>,
     /// Properties of the file, one sentence each.
     pub(super) remarks: Vec<String>,
+    /// Notes about the file for the user, one sentence each.
+    pub(super) notes: Vec<String>,
 }
 
 /// Rows of a file in SI units.
@@ -57,10 +60,6 @@ struct Rows {
     labels: Vec<String>,
 }
 
-/// Strength of the vibration that counts as zero, relative to the largest.
-const ZERO_REL: f64 = 0.05;
-/// Largest difference of two strengths of the same condition, relative.
-const SAME_LEVEL_REL: f64 = 0.1;
 /// Largest difference of two frequencies of one measurement, relative.
 const MAX_FREQUENCY_CHANGE_REL: f64 = 0.02;
 
@@ -96,7 +95,10 @@ pub(super) fn read(path: &Path, columns: &Columns, options: &Options) -> Result<
         (None, _, on) => on.map(|on| vec![on; count]),
     };
     let (level, level_unit, tip_of_level) = level(columns, &named)?;
-    let level = level.map(|values| grouped(&values));
+    // A measured strength is noisy.
+    let is_sampled = time.is_some() || displacement.is_some();
+    let quiet = |values: Option<Vec<f64>>| if is_sampled { values.map(|values| grouped(&values)) } else { values };
+    let level = quiet(level);
     let normal = either(Quantity::Normal)?.or_else(|| options.normal_n.map(|normal| vec![normal; count]));
     let normal = normal.map(|values| values.iter().map(|normal| normal.abs()).collect::<Vec<_>>());
     if let Some(row) = normal.as_ref().and_then(|normal| normal.iter().position(|normal| *normal == 0.0)) {
@@ -140,7 +142,7 @@ pub(super) fn read(path: &Path, columns: &Columns, options: &Options) -> Result<
             let bits = |values: &Option<Vec<f64>>| values.as_ref().map_or(0, |values| values[row].to_bits());
             (states[row], bits(&rows.level), bits(&rows.tip), rows.labels[row].as_str())
         });
-        let is_log = time.is_some() || displacement.is_some() || columns.place(Quantity::Velocity).is_none();
+        let is_log = is_sampled || columns.place(Quantity::Velocity).is_none();
         match is_log {
             true if !found.iter().any(Part::is_long) => {
                 let longest = found.iter().map(|part| part.rows.len()).max().unwrap_or(0);
@@ -167,8 +169,8 @@ pub(super) fn read(path: &Path, columns: &Columns, options: &Options) -> Result<
             }
         }
     }
-    check_columns(columns)?;
-    Ok(Measured { measurements, level_unit, frequency_hz, remarks })
+    let notes = checks::unknown_columns(columns)?;
+    Ok(Measured { measurements, level_unit, frequency_hz, remarks, notes })
 }
 
 /// Returns the friction of each row over the normal force; `on` selects a column for one state.
@@ -236,59 +238,6 @@ fn labels(columns: &Columns, remarks: &mut Vec<String>) -> Vec<String> {
         }
     }
     labels
-}
-
-/// Returns levels without their noise: those near zero are zero, and others that differ by less
-/// than a tenth have their mean.
-fn grouped(values: &[f64]) -> Vec<f64> {
-    let most = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    for at in order {
-        let is_near = |group: &&mut Vec<usize>| {
-            let first = values[group[0]];
-            let is_zero = |value: f64| value.abs() <= ZERO_REL * most;
-            is_zero(first) && is_zero(values[at]) || !is_zero(first) && values[at] - first <= SAME_LEVEL_REL * first.abs()
-        };
-        match groups.last_mut().filter(is_near) {
-            Some(group) => group.push(at),
-            None => groups.push(vec![at]),
-        }
-    }
-    let mut grouped = vec![0.0; values.len()];
-    for group in &groups {
-        let mean = group.iter().map(|at| values[*at]).sum::<f64>() / group.len() as f64;
-        let same = group.iter().all(|at| values[*at] == values[group[0]]);
-        let value = if mean.abs() <= ZERO_REL * most {
-            0.0
-        } else if same {
-            values[group[0]]
-        } else {
-            mean
-        };
-        group.iter().for_each(|at| grouped[*at] = value);
-    }
-    grouped
-}
-
-/// Refuses a column that may be the strength of the vibration, but has an unknown name.
-fn check_columns(columns: &Columns) -> Result<(), ImportError> {
-    const SIGNS: [&str; 9] = ["ampl", "peak", "p-p", "pp", "rms", "power", "volt", "vibrat", "drive"];
-    let is_doubtful = |at: &usize| {
-        let column = &columns.table.columns[*at];
-        let name = columns.names[*at].to_lowercase();
-        let varies = column.values.iter().any(|value| *value != column.values[0] && !value.is_nan());
-        Quantity::parse(columns.heading(*at).name).is_none() && varies && SIGNS.iter().any(|sign| name.contains(sign))
-    };
-    match (0..columns.names.len()).find(is_doubtful) {
-        None => Ok(()),
-        Some(at) => Err(columns.missing(&format!(
-            "`{}` may be the strength of the vibration, but is not known. Amplitudes are peak values; convert peak-to-peak or rms, \
-             and name the column `amplitude`, `voltage`, `current` or `level`, or `-` to leave it out",
-            columns.names[at]
-        ))),
-    }
 }
 
 /// Returns the middle between the mean frictions of both directions without vibration; zero if it

@@ -11,6 +11,11 @@ pub(super) const MIN_SAMPLES: usize = 20;
 /// First samples of a part that are not used, relative to all: contact and load cell settle.
 const SETTLING_REL: f64 = 0.1;
 
+/// Strength of the vibration that counts as zero, relative to the largest.
+const ZERO_REL: f64 = 0.05;
+/// Largest difference of two strengths of the same condition, relative.
+const SAME_LEVEL_REL: f64 = 0.1;
+
 /// Steady part of a log.
 pub(super) struct Part {
     /// Samples.
@@ -64,9 +69,48 @@ fn steady(values: &[f64]) -> usize {
     values.len()
 }
 
+/// Returns levels without their noise: those near zero are zero, and others that differ by less
+/// than a tenth have their mean.
+pub(super) fn grouped(values: &[f64]) -> Vec<f64> {
+    let most = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for at in order {
+        let is_near = |group: &&mut Vec<usize>| {
+            let first = values[group[0]];
+            let is_zero = |value: f64| value.abs() <= ZERO_REL * most;
+            is_zero(first) && is_zero(values[at]) || !is_zero(first) && values[at] - first <= SAME_LEVEL_REL * first.abs()
+        };
+        match groups.last_mut().filter(is_near) {
+            Some(group) => group.push(at),
+            None => groups.push(vec![at]),
+        }
+    }
+    let mut grouped = vec![0.0; values.len()];
+    for group in &groups {
+        let mean = group.iter().map(|at| values[*at]).sum::<f64>() / group.len() as f64;
+        let same = group.iter().all(|at| values[*at] == values[group[0]]);
+        let value = if mean.abs() <= ZERO_REL * most {
+            0.0
+        } else if same {
+            values[group[0]]
+        } else {
+            mean
+        };
+        group.iter().for_each(|at| grouped[*at] = value);
+    }
+    grouped
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn noise_of_a_strength_is_removed() {
+        assert_eq!(grouped(&[0.0, 5.0, -0.003, 5.25, 10.0, 0.002]), [0.0, 5.125, 0.0, 5.125, 10.0, 0.0]);
+    }
 
     #[test]
     fn a_log_is_divided_by_state_and_speed() {
