@@ -52,10 +52,12 @@ pub(crate) struct TrackedTransducer {
     pub(crate) noise: (f32, f32),
     pub(crate) tracker: Tracker,
     pub(crate) online: Online,
+    /// Transducer as identified from a scan or from a settled block under drive. The loops use the
+    /// latest one, whose resonance is less certain after a silence.
     transducer: Option<Transducer>,
     /// Last transducer tracked with a certain lock: resonance, Hz; Q; and Lm, H.
     remembered: Option<[f32; 3]>,
-    /// Identification in progress, in parts.
+    /// Latest identification, in parts.
     learning: Learning,
     /// Mode that disturbs the driven one most: its series resonance, Hz, and its motional
     /// capacitance relative to that of the driven mode.
@@ -98,18 +100,18 @@ impl TrackedTransducer {
         self.remembered = remembered.or(self.remembered);
         (self.transducer, self.other_mode) = (None, None);
         (self.is_uncertain, self.is_unexplained) = (false, false);
-        self.learning.abandon();
+        self.learning = Learning::default();
         self.tracker.restart();
     }
 
-    /// Returns the transducer, once identified.
+    /// Returns the best identification of the transducer, if there is one.
     pub(crate) fn transducer(&self) -> Option<&Transducer> {
         self.transducer.as_ref()
     }
 
     /// Returns the latest transducer; during an identification, without its deviations.
     pub(crate) fn latest_transducer(&self) -> Option<&Transducer> {
-        if self.learning.is_over() { self.transducer.as_ref() } else { Some(self.learning.transducer()) }
+        self.learning.has_begun().then(|| self.learning.transducer())
     }
 
     /// Returns the latest time constant of the resonance, periods.
@@ -176,7 +178,7 @@ impl TrackedTransducer {
         self.online.set_slope(found.slope);
         (self.transducer, self.other_mode) = (Some(*transducer), other_mode);
         self.is_unexplained = self.is_uncertain && other_mode.is_none();
-        self.learning.abandon();
+        self.learning.adopt(transducer);
     }
 
     /// Takes the clamped branch and the quality factor measured at the lock point.
@@ -231,7 +233,7 @@ impl TrackedTransducer {
     /// Advances the identification by one part.
     fn continue_learning(&mut self) {
         self.learning.advance();
-        if self.learning.is_over() {
+        if self.learning.is_over() && (self.transducer.is_none() || self.learning.is_settled()) {
             self.transducer.get_or_insert_default().copy(self.learning.transducer());
         }
     }

@@ -67,15 +67,18 @@ pub(crate) struct Learning {
     /// Turn of the motional phase at the lock point by other resonances, rad; they change its
     /// amplitude by the same part.
     phase_rad: f32,
-    /// Number of remaining parts.
-    parts_left: u8,
+    /// `true` if it began in a settled block under drive.
+    settled: bool,
+    /// Number of remaining parts; negative before the first identification.
+    parts_left: i8,
 }
 
 impl Default for Learning {
-    /// Returns an identification without a remaining part.
+    /// Returns an identification that has not begun.
     fn default() -> Self {
         let (transducer, spread) = (Transducer::default(), Spread::default());
-        Learning { transducer, spread, resonance: 0.0, strength: 0.0, clamped: 0.0, part: 0.0, phase_rad: 0.0, parts_left: 0 }
+        let (resonance, strength, clamped, part, phase_rad) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        Learning { transducer, spread, resonance, strength, clamped, part, phase_rad, settled: false, parts_left: -1 }
     }
 }
 
@@ -93,18 +96,29 @@ impl Learning {
         (self.part, self.clamped) = (cm_f / (c0_f + cm_f), C0_UNCERTAINTY_REL + known.c0_f.1 / c0_f);
         (self.phase_rad, self.strength) =
             (known.phase_rad, if known.closely { STRENGTH_UNCERTAINTY_REL } else { OFF_RESONANCE_UNCERTAINTY_REL });
-        (self.spread, self.parts_left) = (observer.spread(), 4);
+        (self.spread, self.settled, self.parts_left) = (observer.spread(), observer.has_settled(), 4);
     }
 
     /// Returns `true` if no part remains.
     #[inline]
     pub(crate) fn is_over(&self) -> bool {
-        self.parts_left == 0
+        self.parts_left <= 0
     }
 
-    /// Drops the remaining parts.
-    pub(crate) fn abandon(&mut self) {
-        self.parts_left = 0;
+    /// Returns `true` if there is a transducer, complete or not.
+    #[inline]
+    pub(crate) fn has_begun(&self) -> bool {
+        self.parts_left >= 0
+    }
+
+    /// Returns `true` if the identification began in a settled block under drive.
+    pub(crate) fn is_settled(&self) -> bool {
+        self.settled
+    }
+
+    /// Takes a transducer that is known completely.
+    pub(crate) fn adopt(&mut self, transducer: &Transducer) {
+        (self.transducer, self.parts_left) = (*transducer, 0);
     }
 
     /// Returns the transducer as computed so far; complete if [`is_over`](Self::is_over).
@@ -115,7 +129,7 @@ impl Learning {
     /// Computes the next part.
     #[inline(never)]
     pub(crate) fn advance(&mut self) {
-        let Learning { transducer, spread, resonance, strength, clamped, part, phase_rad, parts_left } = self;
+        let Learning { transducer, spread, resonance, strength, clamped, part, phase_rad, parts_left, .. } = self;
         let Transducer { series_resonance_hz: hz, q, cm_f, c0_f, deviations, .. } = transducer;
         let root = |sum: f32| libm::sqrtf(sum);
         let square = |x: f32| x * x;
@@ -152,7 +166,7 @@ impl Learning {
                 deviations.coupling = root(square(2.0 * *resonance) + ratio) * 0.5 * (1.0 - *part) * transducer.coupling;
             }
         }
-        *parts_left = parts_left.saturating_sub(1);
+        *parts_left -= 1;
     }
 }
 

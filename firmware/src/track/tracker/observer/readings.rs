@@ -139,6 +139,12 @@ impl Observer {
         self.rate = 0.0;
     }
 
+    /// Returns `true` if the last block was driven and the frequency has settled since the last
+    /// jump, which resets the rate.
+    pub(crate) fn has_settled(&self) -> bool {
+        self.rate != 0.0 && self.played.steady_v.is_some_and(|volts| volts > 0.0)
+    }
+
     /// Returns `true` if the gate has opened in the last block.
     pub(crate) fn has_opened(&self) -> bool {
         self.calm == 0
