@@ -69,6 +69,7 @@ impl Stages {
             Mode::Clamped => {
                 let step = self.clamped.step(chain, measured);
                 if let Step::Instead(mode) = step {
+                    chain.track.take_capacitance(self.clamped.capacitance_f());
                     self.go_back(chain, mode);
                 }
                 step

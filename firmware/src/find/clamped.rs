@@ -29,7 +29,7 @@ pub(crate) mod reading;
 use crate::find::clamped::fit::{Fit, MAX_POINTS, Point, Solution};
 use crate::find::clamped::reading::Deviations;
 pub use crate::find::clamped::reading::{Clamped, Measured};
-use crate::find::damage::{Damage, damage};
+use crate::find::damage::{Damage, damage, resembles_crack};
 use crate::generate::shape::sine;
 use crate::generate::step::Step;
 use crate::seam::block::LATENCY_BLOCKS;
@@ -77,6 +77,8 @@ const FALLEN_Q_REL: f32 = 0.3;
 /// Maximum rms residual of two resonances, in standard deviations. Healthy transducers reach 4;
 /// beyond this limit a transducer cannot be tracked.
 const MAX_MISFIT_SIGMAS: f32 = 20.0;
+/// Maximum rms residual with which damage is reported without a scan, in standard deviations.
+const CLEAR_MISFIT_SIGMAS: f32 = 4.0;
 /// Maximum standard deviation of the motional phase at the lock point, rad. Healthy transducers
 /// reach 2e-3; beyond this limit there is no usable lock point.
 const MAX_PHASE_DEVIATION_RAD: f32 = 0.1;
@@ -91,8 +93,8 @@ enum Refused {
     /// The transducer is faulty.
     Fault(Fault),
     /// The measurement is inconclusive: there is no significant resonance, two resonances do not
-    /// explain it, the resonance is outside the window, or it resembles that of a crack. A scan,
-    /// which takes longer, measures at the resonance itself.
+    /// explain it or the second is the stronger one, the resonance is outside the window, or it
+    /// resembles that of a crack. A scan, which takes longer, measures at the resonance itself.
     Unclear,
 }
 
@@ -131,7 +133,8 @@ pub struct PowerOn {
     vv: f32,
     fit: Fit,
     deviations: Deviations,
-    verdict: Option<Result<Clamped, Refused>>,
+    /// What was measured, and whether it can be used.
+    verdict: Option<(Clamped, Result<(), Refused>)>,
     /// `true` if an apparently missing or damaged resonance is measured once more. A resonance that
     /// returns during the measurement looks like that.
     repeats: bool,
@@ -204,7 +207,12 @@ impl PowerOn {
     /// Returns the clamped branch once it is measured, from the last silent block on.
     pub fn found(&self) -> Option<&Clamped> {
         let is_over = self.stage == Stage::Over;
-        self.verdict.as_ref().filter(|_| is_over).and_then(|verdict| verdict.as_ref().ok())
+        self.verdict.as_ref().filter(|(_, usable)| is_over && usable.is_ok()).map(|(found, _)| found)
+    }
+
+    /// Returns the clamped capacitance as the tones show it, F, even if the rest is inconclusive.
+    pub(crate) fn capacitance_f(&self) -> Option<f32> {
+        self.verdict.as_ref().map(|(found, _)| found.c0_f.value)
     }
 
     /// Processes the phasors of the measured block and returns the next step.
@@ -236,7 +244,8 @@ impl PowerOn {
                 match self.fit.solution() {
                     // The verdict takes a block of its own.
                     Some(solution) if self.deviations.advance(solution) => {
-                        (self.stage, self.verdict) = (Stage::Report, Some(self.judge(solution)));
+                        let found = reading::read(solution, &self.deviations, self.nominal_hz, self.c0_f);
+                        (self.stage, self.verdict) = (Stage::Report, Some((found, self.judge(solution, &found))));
                     }
                     Some(_) => {}
                     None => (self.stage, self.verdict) = (Stage::Report, None),
@@ -245,7 +254,7 @@ impl PowerOn {
             }
             Stage::Report => {
                 self.stage = Stage::Over;
-                match self.verdict {
+                match self.verdict.map(|(_, usable)| usable) {
                     Some(Err(Refused::Unclear | Refused::Fault(Fault::NoResonance | Fault::ResonanceDamaged)))
                         if self.repeats =>
                     {
@@ -287,12 +296,14 @@ impl PowerOn {
         self.fit.add(Point { x, y, deviation: libm::sqrtf(noise + square(MIN_RESIDUAL_REL)) });
     }
 
-    fn judge(&self, solution: &Solution) -> Result<Clamped, Refused> {
-        let found = reading::read(solution, &self.deviations, self.nominal_hz, self.c0_f);
+    fn judge(&self, solution: &Solution, found: &Clamped) -> Result<(), Refused> {
         let q_at_most = found.q.value + MARGIN_SIGMAS * found.q.deviation;
         let neighbours = found.second_mode.map(|(hz, strength)| (hz / found.resonance_hz.value - 1.0, strength));
         let damage = if self.is_nominal { damage(q_at_most / self.nominal_q, neighbours) } else { Damage::None };
-        let cracked = damage == Damage::Certain && q_at_most < CRACKED_Q_REL * self.nominal_q;
+        // A far or unresolved resonance also broadens the first one: then a scan decides.
+        let clear = solution.misfit < CLEAR_MISFIT_SIGMAS && neighbours.is_none_or(resembles_crack);
+        let cracked = damage == Damage::Certain && clear && q_at_most < CRACKED_Q_REL * self.nominal_q;
+        let secondary = found.second_mode.is_some_and(|(_, strength)| strength > 1.0);
         let fallen = cracked || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q_REL * q);
         let shift = ((found.c0_f.value - self.c0_f).abs() - MARGIN_SIGMAS * found.c0_f.deviation) / self.c0_f;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
@@ -307,11 +318,12 @@ impl PowerOn {
         let holds = explained && resonates && turn < MAX_PHASE_DEVIATION_RAD;
         match () {
             () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => Err(Refused::Unclear),
+            () if secondary => Err(Refused::Unclear),
             () if explained && shifted && self.is_nominal => Err(Refused::Fault(Fault::CapacitanceShifted)),
             // Two close resonances share their strength in many ways, all with the same loss.
             () if explained && fallen => Err(Refused::Fault(Fault::ResonanceDamaged)),
             () if !holds || damage != Damage::None => Err(Refused::Unclear),
-            () => Ok(found),
+            () => Ok(()),
         }
     }
 }

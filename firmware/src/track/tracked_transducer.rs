@@ -18,6 +18,8 @@ use crate::track::tracker::observed::{NEARBY_REL, Retry};
 use crate::track::tracker::observer::Prior;
 use crate::track::tracker::{State, Tracker};
 
+const TAU: f32 = core::f32::consts::TAU;
+
 /// Interval at which the identified transducer is taken from the observer, blocks.
 pub(crate) const LEARN_BLOCKS: u64 = 64;
 /// Largest ratio of the motional inductance to its nominal value, in either direction, for the
@@ -30,6 +32,13 @@ const CLEAR_Q_REL: f32 = 0.3;
 const UNCERTAIN_SHIFT_BANDWIDTHS: f32 = 0.006;
 /// Smallest shift that makes a lock uncertain, Hz.
 const UNCERTAIN_SHIFT_HZ: f32 = 1.0;
+/// Such a shift, relative to the motional conductance, above which the drive may lose more than 1 %
+/// of the tip velocity: `1 - 1 / sqrt(1 + x^2)` half bandwidths `x` off resonance.
+const LOSSY_SHIFT: f32 = 0.142;
+/// Difference of the clamped susceptances of the scan and of the tones off resonance, relative to
+/// the motional conductance, above which the drive may lose as much: other resonances, which
+/// neither resolves, shift the lock by one to three times as much.
+const LOSSY_CONTRADICTION: f32 = 0.06;
 /// Tolerance of comparisons, standard deviations.
 const TOLERANCE_SIGMAS: f32 = 3.0;
 
@@ -65,9 +74,10 @@ pub(crate) struct TrackedTransducer {
     /// `true` if the lock was not at the frequency that its first clamped branch gave: another
     /// resonance is near.
     is_uncertain: bool,
-    /// `true` if the lock is uncertain and a scan has found no other resonance that would explain
-    /// it.
-    is_unexplained: bool,
+    /// `true` if the drive at the lock point may lose more than 1 % of the tip velocity.
+    is_lossy: bool,
+    /// Clamped capacitance from the tones off resonance, F.
+    off_resonance_c0_f: Option<f32>,
 }
 
 impl TrackedTransducer {
@@ -87,7 +97,8 @@ impl TrackedTransducer {
             online: Online::build(config),
             other_mode: None,
             is_uncertain: false,
-            is_unexplained: false,
+            is_lossy: false,
+            off_resonance_c0_f: None,
         }
     }
 
@@ -95,11 +106,11 @@ impl TrackedTransducer {
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
     pub(crate) fn restart(&mut self) {
-        let certain = self.transducer.take_if(|_| !self.is_uncertain);
+        let certain = self.transducer.take_if(|_| !self.is_lossy);
         let remembered = certain.map(|known| [known.series_resonance_hz, known.q, known.lm_h]);
         self.remembered = remembered.or(self.remembered);
         (self.transducer, self.other_mode) = (None, None);
-        (self.is_uncertain, self.is_unexplained) = (false, false);
+        (self.is_uncertain, self.is_lossy, self.off_resonance_c0_f) = (false, false, None);
         self.learning = Learning::default();
         self.tracker.restart();
     }
@@ -161,10 +172,16 @@ impl TrackedTransducer {
         self.lm_deviation = larger(clamped.lm_h.deviation / clamped.lm_h.value, OFF_RESONANCE_UNCERTAINTY_REL);
         let modes = 1 + u8::from(clamped.second_mode.is_some());
         let known = Known { c0_f: (clamped.c0_f.value, clamped.c0_f.deviation), modes: (modes, 0), ..Known::default() };
+        self.off_resonance_c0_f = Some(clamped.c0_f.value);
         self.tracker.observe(clamped.motional, known, &prior);
         let (c0, hz, q) = (clamped.c0_f, clamped.resonance_hz.value, clamped.q.value);
         self.online.seed(clamped.motional, c0.deviation / c0.value, hz, q);
         self.other_mode = clamped.second_mode;
+    }
+
+    /// Takes the clamped capacitance, F, of a measurement that is otherwise inconclusive.
+    pub(crate) fn take_capacitance(&mut self, c0_f: Option<f32>) {
+        self.off_resonance_c0_f = c0_f;
     }
 
     /// Takes the transducer found by the scan. `other_mode` is the mode that
@@ -177,7 +194,8 @@ impl TrackedTransducer {
         self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
         self.online.set_slope(found.slope);
         (self.transducer, self.other_mode) = (Some(*transducer), other_mode);
-        self.is_unexplained = self.is_uncertain && other_mode.is_none();
+        let off_f = self.off_resonance_c0_f.map_or(0.0, |c0_f| transducer.c0_f - c0_f);
+        self.is_lossy = TAU * transducer.series_resonance_hz * off_f.abs() * transducer.rm_ohm > LOSSY_CONTRADICTION;
         self.learning.adopt(transducer);
     }
 
@@ -190,9 +208,9 @@ impl TrackedTransducer {
         if let Some((was_off, transducer)) = update.was_off.zip(self.latest_transducer()) {
             // An error of the susceptance equal to the conductance moves the lock point by half a
             // bandwidth.
-            self.is_uncertain = self.is_unexplained
-                || 0.5 * was_off
-                    > larger(UNCERTAIN_SHIFT_BANDWIDTHS, UNCERTAIN_SHIFT_HZ * transducer.q / transducer.series_resonance_hz);
+            self.is_uncertain = 0.5 * was_off
+                > larger(UNCERTAIN_SHIFT_BANDWIDTHS, UNCERTAIN_SHIFT_HZ * transducer.q / transducer.series_resonance_hz);
+            self.is_lossy |= was_off > LOSSY_SHIFT;
         }
     }
 
@@ -214,7 +232,7 @@ impl TrackedTransducer {
         match state {
             State::Unmeasured => Some(Limit::NotTracking),
             _ if self.online.probes() => Some(Limit::Probing),
-            _ if self.is_uncertain => Some(Limit::LockUncertain),
+            _ if self.is_lossy => Some(Limit::LockUncertain),
             _ => None,
         }
     }
@@ -267,9 +285,10 @@ impl TrackedTransducer {
         self.tracker.tracks() && (self.tracker.state() != State::Locked || self.is_another_mode() || self.leaves_to_a_scan())
     }
 
-    /// Returns `true` if the lock is so uncertain that a scan must decide.
+    /// Returns `true` if the lock is so uncertain that a scan must decide. Off resonance, where Lm
+    /// was measured, other resonances make it seem smaller.
     fn leaves_to_a_scan(&self) -> bool {
-        self.is_uncertain && self.tracker.can_scan()
+        (self.is_uncertain || self.is_another_mode()) && self.tracker.can_scan()
     }
 
     /// Returns the progress of the lock. A fault in a run waits until the lanes have been checked.
@@ -280,10 +299,10 @@ impl TrackedTransducer {
             // After a change the clamped branch is in doubt, and with it the phase.
             _ if locking && self.tracker.is_astray() => self.order_second_scan(),
             State::Disagree if locking || !self.online.doubts() => lanes.judged(locking, Fault::TrackersDisagree),
-            State::Locked if self.is_another_mode() => lanes.judged(locking, Fault::WrongMode),
             State::Locked if self.leaves_to_a_scan() && !lanes.postpone(locking) && self.tracker.hand_over_to_scan() => {
                 Progress::Back(Mode::Scan)
             }
+            State::Locked if self.is_another_mode() => lanes.judged(locking, Fault::WrongMode),
             State::Locked if amplitude.settled() => Progress::Done,
             State::Lost | State::Disagree if !locking => self.retry_lock(Fault::LossOfLock, lanes),
             State::TimedOut | State::Lost if locking => self.retry_lock(Fault::NoLock, lanes),

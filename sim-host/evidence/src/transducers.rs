@@ -64,8 +64,8 @@ struct TransducerRuns {
     transducer: Transducer,
     /// Run with the observer, the default tracking mode.
     observer: RepeatableRun,
-    /// Run with the phase loop, which begins with a scan.
-    phase_lock: RepeatableRun,
+    /// Run with the phase loop, which begins with a scan; not in the wider set.
+    phase_lock: Option<RepeatableRun>,
 }
 
 /// Case of the suite with its runs.
@@ -81,20 +81,22 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
     let suite = suite::load_text("transducers", SUITE, options.quick)?;
     let number = SET_SIZES[usize::from(options.quick)];
     (options.progress)(&format!("{number} transducers"));
-    let set = each(number, options.stop, |number| run_transducer(number, options.stop))?;
+    let set = each(number, options.stop, |number| run_transducer(Transducer::draw(number), true, options.stop))?;
+    let wide = options.count.unwrap_or(number);
+    (options.progress)(&format!("{wide} transducers of the wider set"));
+    let wide = each(wide, options.stop, |number| run_transducer(Transducer::draw_wider(number), false, options.stop))?;
     (options.progress)("cases");
     let cases = suite.cases.par_iter().map(|case| run_case(case, options.stop)).collect::<Result<Vec<_>, Error>>()?;
-    let counted = baseline::count(options.quick, &set, &cases);
+    let counted = baseline::count(options.quick, &set, &wide, &cases);
     let missed = baseline::compare(&counted);
-    let files = vec![("transducers.csv", table::csv(&set)?), (baseline::FILE, baseline::text(&counted))];
+    let files = vec![("transducers.csv", table::csv(&set)?), ("wider.csv", table::csv(&wide)?), (baseline::FILE, baseline::text(&counted))];
     let title = "Transducers: how many lock, and the outcomes of the others";
     let subtitle = "Simulated: the controller on the host, against the simulated stack and its converters";
-    Ok(campaign::evidence(title, subtitle, table::tables(&set, &cases), files, missed))
+    Ok(campaign::evidence(title, subtitle, table::tables(&set, &wide, &cases), files, missed))
 }
 
-/// Runs a transducer of the random set in both tracking modes.
-fn run_transducer(number: u32, stop: Option<&AtomicBool>) -> Result<TransducerRuns, Error> {
-    let transducer = Transducer::draw(number);
+/// Runs a transducer of a random set in the default tracking mode or in both.
+fn run_transducer(transducer: Transducer, both: bool, stop: Option<&AtomicBool>) -> Result<TransducerRuns, Error> {
     let by_mode = |mode: &str| {
         let sets = front_end::sets(&transducer, mode);
         let loaded = load(front_end::SCENE, &sets)?;
@@ -105,7 +107,7 @@ fn run_transducer(number: u32, stop: Option<&AtomicBool>) -> Result<TransducerRu
             judged: run_scene(&scene, false, stop)?,
         })
     };
-    let (observer, phase_lock) = (by_mode("observer")?, by_mode("phase_lock")?);
+    let (observer, phase_lock) = (by_mode("observer")?, both.then(|| by_mode("phase_lock")).transpose()?);
     Ok(TransducerRuns { transducer, observer, phase_lock })
 }
 

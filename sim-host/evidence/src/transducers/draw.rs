@@ -4,6 +4,9 @@
 //! log-uniformly, until its resonance is observable, `M = Q k^2 / (1 - k^2) >= 0.5` (IEEE 177), and
 //! its resistance is at least a tenth of the amplifier's source resistance.
 //!
+//! The wider set has other seeds, and ranges of the circuit that begin at two thirds and end at 1.5
+//! times these; nothing is tuned to it.
+//!
 //! | nominal value | error, log-uniform | for every sixth transducer of a kind, of which only the band is known |
 //! |---|---|---|
 //! | resonance | 3 %; window 3.75 % | 8 %; window 10 % |
@@ -19,6 +22,14 @@ use crate::random::Random;
 pub const MIN_FIGURE_OF_MERIT: f64 = 0.5;
 /// Smallest motional resistance, ohm: a tenth of the source resistance of the scenes' amplifier.
 pub const MIN_RM_OHM: f64 = 0.03;
+/// Seed of the first transducer of the wider set.
+const WIDER_SEED: u64 = 1 << 32;
+/// Factor by which the ranges of the wider set begin lower and end higher.
+const WIDER_FACTOR: f64 = 1.5;
+/// Largest coupling of the wider set.
+const MAX_COUPLING: f64 = 0.8;
+/// Largest motional inductance of a mode in a scene, H.
+const MAX_LM_H: f64 = 1e4;
 /// Interval between transducers of a kind of which only the band is known.
 const BAND_ONLY_INTERVAL: u32 = 6;
 /// Nominal Q of a transducer of which only the band is known: the middle of the occurring range.
@@ -113,18 +124,33 @@ pub struct Transducer {
 impl Transducer {
     /// Draws transducer `number`; the kinds alternate.
     pub fn draw(number: u32) -> Self {
-        let mut random = Random::new(number.into());
+        Transducer::draw_from(Random::new(number.into()), number, 1.0)
+    }
+
+    /// Draws transducer `number` of the wider set.
+    pub fn draw_wider(number: u32) -> Self {
+        Transducer::draw_from(Random::new(WIDER_SEED + u64::from(number)), number, WIDER_FACTOR)
+    }
+
+    /// Draws a transducer from ranges whose ends are a factor further out.
+    fn draw_from(mut random: Random, number: u32, factor: f64) -> Self {
         let kinds = KINDS.len() as u32;
         let kind = &KINDS[(number % kinds) as usize];
         let mut transducer = loop {
-            let [hz, q, coupling, c0_f] = [kind.hz, kind.q, kind.coupling, kind.c0_f].map(|(from, to)| random.log(from, to));
+            let wider = |(from, to): (f64, f64)| (from / factor, to * factor);
+            let coupling = (kind.coupling.0 / factor, (kind.coupling.1 * factor).min(MAX_COUPLING));
+            let [hz, q, coupling, c0_f] =
+                [wider(kind.hz), wider(kind.q), coupling, wider(kind.c0_f)].map(|(from, to)| random.log(from, to));
             let nominal = Nominal { hz, span: 0.0, q, lm_h: None, c0_f: None };
-            let drawn = Transducer { number, kind, hz, q, coupling, c0_f, modes: Vec::new(), band_only: false, nominal };
-            if drawn.figure_of_merit() >= MIN_FIGURE_OF_MERIT && drawn.rm_ohm() >= MIN_RM_OHM {
+            let mut drawn = Transducer { number, kind, hz, q, coupling, c0_f, modes: Vec::new(), band_only: false, nominal };
+            if drawn.figure_of_merit() < MIN_FIGURE_OF_MERIT || drawn.rm_ohm() < MIN_RM_OHM {
+                continue;
+            }
+            drawn.modes = (0..kind.modes).map(|_| random.further(drawn.hz, drawn.q)).collect();
+            if drawn.modes.iter().all(|mode| drawn.lm_h() / mode.share * (drawn.hz / mode.hz).powi(2) < MAX_LM_H) {
                 break drawn;
             }
         };
-        transducer.modes = (0..kind.modes).map(|_| random.further(transducer.hz, transducer.q)).collect();
         transducer.band_only = number / kinds % BAND_ONLY_INTERVAL == BAND_ONLY_INTERVAL - 1;
         transducer.nominal = random.nominal(&transducer);
         transducer

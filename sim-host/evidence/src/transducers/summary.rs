@@ -17,9 +17,11 @@ pub(super) struct Counts {
     pub runs: usize,
     /// Runs that end locked within the absolute bound.
     pub locked: usize,
-    /// Runs that were locked outside the bound and reported it.
+    /// Runs that end locked outside the absolute bound, with a loss of at most 1 %.
+    pub good: usize,
+    /// Runs that reported a doubtful lock.
     pub reported: usize,
-    /// Runs that end locked outside the bound without a report.
+    /// Runs that end locked with a larger loss, without a report.
     pub silent: usize,
     /// Runs that ended in a false fault.
     pub false_faults: usize,
@@ -37,6 +39,7 @@ impl Counts {
             counts.runs += 1;
             *match judged.outcome {
                 Outcome::Locked => &mut counts.locked,
+                Outcome::Good => &mut counts.good,
                 Outcome::Reported => &mut counts.reported,
                 Outcome::Silent => &mut counts.silent,
                 Outcome::FalseFault(_) => &mut counts.false_faults,
@@ -99,7 +102,7 @@ pub(super) fn fault_of(judged: &JudgedRun) -> Option<(Fault, bool)> {
         Outcome::FalseFault(fault) => Some((fault, false)),
         Outcome::TrueFault(fault) => Some((fault, true)),
         Outcome::Late(fault) => fault.map(|fault| (fault, true)),
-        Outcome::Locked | Outcome::Reported | Outcome::Silent => None,
+        Outcome::Locked | Outcome::Good | Outcome::Reported | Outcome::Silent => None,
     }
 }
 

@@ -9,25 +9,26 @@ use crate::evidence::Error;
 use report::TableBlock;
 
 /// Explanation of the outcome columns.
-const OUTCOMES: &str = "Locked: within 1 Hz, or 0.5 % of the bandwidth if that is more. Reported: locked outside that, and \
-                        reported by limit 97, 98 or 107, or by fault 33 or 34. Silent: locked outside that without a \
-                        report. False fault: ended by a fault whose documented reason does not apply, as every transducer \
+const OUTCOMES: &str = "Locked: within 1 Hz, or 0.5 % of the bandwidth if that is more. Good: locked outside that, where the \
+                        tip velocity per volt is at most 1 % below its maximum. Reported: by limit 97, 98 or 107, or, half a \
+                        bandwidth off, by fault 33 or 34. Silent: locked with a larger loss, without a report. False fault: ended by a fault whose documented reason does not apply, as every transducer \
                         is healthy. True fault: ended by a fault whose documented reason applies. Late: not locked in time, \
                         or ended by fault 31 or 32. Lock and power-on: median and 95 % of the time to within 20 Hz, or the \
                         bound if that is more, from the first sample of the lock stage and from power-on, of all runs that \
                         end locked. Bias: median and 95 % of its absolute value, of the same runs. The outcomes in \
-                        transducers.csv are locked, named, silent, accused, refused and late.";
+                        transducers.csv are locked, good, named, silent, accused, refused and late.";
 /// Headings of the outcomes.
 const HEADER: &str =
-    "runs | locked | reported | silent | false fault | true fault | late | lock [ms] | power-on [ms] | bias [Hz]";
+    "runs | locked | good | reported | silent | false fault | true fault | late | lock [ms] | power-on [ms] | bias [Hz]";
 /// Ranges of Q in the table by range.
 const QUALITIES: [(f64, f64); 4] = [(0.0, 10.0), (10.0, 100.0), (100.0, 1000.0), (1000.0, f64::INFINITY)];
 /// Ranges of the coupling in the table by range.
 const COUPLINGS: [(f64, f64); 5] = [(0.0, 0.05), (0.05, 0.1), (0.1, 0.2), (0.2, 0.4), (0.4, 1.0)];
 
 /// Builds all tables.
-pub(super) fn tables(set: &[TransducerRuns], cases: &[CaseRuns]) -> Vec<TableBlock> {
-    vec![by_kind(set), by_range(set), coverage(set), fault_codes(set), breaking_points(cases)]
+pub(super) fn tables(set: &[TransducerRuns], wide: &[TransducerRuns], cases: &[CaseRuns]) -> Vec<TableBlock> {
+    let wider = outcomes_by_kind("wider", "Wider set, by kind", "Columns as above.", wide);
+    vec![by_kind(set), wider, by_range(set), coverage(set), fault_codes(set), breaking_points(cases)]
 }
 
 /// Some transducers of the set, with their heading.
@@ -47,8 +48,12 @@ fn kinds(set: &[TransducerRuns]) -> Vec<Part<'_>> {
 }
 
 fn by_kind(set: &[TransducerRuns]) -> TableBlock {
+    outcomes_by_kind("kinds", "Random set, by kind", OUTCOMES, set)
+}
+
+fn outcomes_by_kind(name: &str, title: &str, caption: &str, set: &[TransducerRuns]) -> TableBlock {
     let rows = kinds(set).iter().map(|part| outcomes(&part.0, &summary(part))).collect();
-    TableBlock::new("kinds", "Random set, by kind", OUTCOMES, &columns(&format!("kind | {HEADER}")), rows)
+    TableBlock::new(name, title, caption, &columns(&format!("kind | {HEADER}")), rows)
 }
 
 fn by_range(set: &[TransducerRuns]) -> TableBlock {
@@ -64,7 +69,7 @@ fn by_range(set: &[TransducerRuns]) -> TableBlock {
         .map(|(name, band_only)| part(name, set, move |member| member.transducer.band_only == band_only));
     let parts = quality.into_iter().chain(coupling).chain(prior);
     let mut rows: Vec<_> = parts.map(|part| outcomes(&part.0, &summary(&part))).collect();
-    rows.push(outcomes("all, by `phase_lock`", &Summary::from_runs(set.iter().map(|member| &member.phase_lock.judged))));
+    rows.push(outcomes("all, by `phase_lock`", &Summary::from_runs(set.iter().filter_map(|member| Some(&member.phase_lock.as_ref()?.judged)))));
     let caption = "Columns as above. The last row shows the same transducers with `tracking.mode = \"phase_lock\"`, which \
                    begins with a scan of the window; all other rows are with the observer.";
     let title = "Random set, by quality factor, coupling, nominal values and tracking mode";
@@ -73,10 +78,10 @@ fn by_range(set: &[TransducerRuns]) -> TableBlock {
 
 /// Formats a row of outcomes.
 fn outcomes(name: &str, of: &Summary) -> Vec<String> {
-    let Counts { runs, locked, reported, silent, false_faults, true_faults, late } = &of.counts;
+    let Counts { runs, locked, good, reported, silent, false_faults, true_faults, late } = &of.counts;
     let [lock, power_on, bias] =
         [&of.lock_ms, &of.power_on_ms, &of.bias_hz].map(|of| format!("{}, {}", digits(of.median), digits(of.p95)));
-    cells![name, runs, locked, reported, silent, false_faults, true_faults, late, lock, power_on, bias]
+    cells![name, runs, locked, good, reported, silent, false_faults, true_faults, late, lock, power_on, bias]
 }
 
 fn coverage(set: &[TransducerRuns]) -> TableBlock {
@@ -84,7 +89,7 @@ fn coverage(set: &[TransducerRuns]) -> TableBlock {
         let Summary { counts, stated, covered, beyond_stated, beyond_half_bandwidth, .. } = summary(part);
         let all = (stated > 0).then_some(stated as f64);
         let shares = covered.map(|count| or_dash(all, |all| format!("{:.0} %", 100.0 * count as f64 / all)));
-        let end_locked = counts.locked + counts.silent;
+        let end_locked = counts.locked + counts.good + counts.silent;
         [cells![part.0, end_locked, stated], shares.to_vec(), cells![beyond_stated, beyond_half_bandwidth]].concat()
     };
     let within: String = PARAMETERS.iter().map(|name| format!("{name} within 2 sd | ")).collect();
@@ -139,6 +144,7 @@ fn outcome(judged: &JudgedRun) -> [String; 2] {
     let fault = fault_of(judged).map_or_else(String::new, |(fault, _)| fault.code().to_string());
     let name = match judged.outcome {
         Outcome::Locked => "locked",
+        Outcome::Good => "good",
         Outcome::Reported => "named",
         Outcome::Silent => "silent",
         Outcome::FalseFault(_) => "accused", // words: an outcome in the CSV
@@ -164,8 +170,8 @@ pub(super) fn csv(set: &[TransducerRuns]) -> Result<String, Error> {
         let stated: Vec<String> = stated.collect();
         let named = cells![number, kind.name, band_only];
         let drawn = drawn.map(|value| given(Some(value)));
-        let (one, other) = (outcome(judged), outcome(&phase_lock.judged));
-        let own = [drawn.to_vec(), known.to_vec(), one.to_vec(), times.to_vec(), stated, other.to_vec()].concat();
+        let other = phase_lock.as_ref().map_or_else(Default::default, |run| outcome(&run.judged));
+        let own = [drawn.to_vec(), known.to_vec(), outcome(judged).to_vec(), times.to_vec(), stated, other.to_vec()].concat();
         [named, own, cells![observer.command]].concat()
     });
     campaign::csv(
