@@ -69,7 +69,6 @@ impl Stages {
             Mode::Clamped => {
                 let step = self.clamped.step(chain, measured);
                 if let Step::Instead(mode) = step {
-                    chain.track.take_capacitance(self.clamped.capacitance_f());
                     self.go_back(chain, mode);
                 }
                 step
@@ -110,7 +109,10 @@ impl Stages {
                 self.self_test.begin(chain);
                 self.clamped.begin_twice(chain.track.transducer().map(|transducer| transducer.q));
             }
-            Mode::Scan => self.scan.begin(chain),
+            Mode::Scan => {
+                self.scan.begin(chain);
+                self.scan.off_resonance_c0_f = self.clamped.capacitance_f();
+            }
             _ => {}
         }
     }

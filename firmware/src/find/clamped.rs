@@ -29,7 +29,7 @@ pub(crate) mod reading;
 use crate::find::clamped::fit::{Fit, MAX_POINTS, Point, Solution};
 use crate::find::clamped::reading::Deviations;
 pub use crate::find::clamped::reading::{Clamped, Measured};
-use crate::find::damage::{Damage, damage, resembles_crack};
+use crate::find::damage::{Damage, damage};
 use crate::generate::shape::sine;
 use crate::generate::step::Step;
 use crate::seam::block::LATENCY_BLOCKS;
@@ -77,8 +77,9 @@ const FALLEN_Q_REL: f32 = 0.3;
 /// Maximum rms residual of two resonances, in standard deviations. Healthy transducers reach 4;
 /// beyond this limit a transducer cannot be tracked.
 const MAX_MISFIT_SIGMAS: f32 = 20.0;
-/// Maximum rms residual with which damage is reported without a scan, in standard deviations.
-const CLEAR_MISFIT_SIGMAS: f32 = 4.0;
+/// Maximum relative deviation of Q with which damage is reported without a scan. That of a crack is
+/// below 1.5 %; resonances that the tones cannot separate make a Q that is low, but less certain.
+const CLEAR_Q_REL: f32 = 0.05;
 /// Maximum standard deviation of the motional phase at the lock point, rad. Healthy transducers
 /// reach 2e-3; beyond this limit there is no usable lock point.
 const MAX_PHASE_DEVIATION_RAD: f32 = 0.1;
@@ -133,7 +134,7 @@ pub struct PowerOn {
     vv: f32,
     fit: Fit,
     deviations: Deviations,
-    /// What was measured, and whether it can be used.
+    /// Measured branch, and whether it can be used.
     verdict: Option<(Clamped, Result<(), Refused>)>,
     /// `true` if an apparently missing or damaged resonance is measured once more. A resonance that
     /// returns during the measurement looks like that.
@@ -188,7 +189,7 @@ impl PowerOn {
 
     /// Starts again.
     pub(crate) fn restart(&mut self) {
-        (self.repeats, self.tracked_q) = (false, None);
+        (self.repeats, self.tracked_q, self.verdict) = (false, None, None);
         (self.stage, self.block) = (Stage::Tones, 0);
         (self.iv, self.vv) = (Phasor::default(), 0.0);
         self.fit = Fit::new(1.0 / self.nominal_q, self.nominal_hz);
@@ -300,8 +301,7 @@ impl PowerOn {
         let q_at_most = found.q.value + MARGIN_SIGMAS * found.q.deviation;
         let neighbours = found.second_mode.map(|(hz, strength)| (hz / found.resonance_hz.value - 1.0, strength));
         let damage = if self.is_nominal { damage(q_at_most / self.nominal_q, neighbours) } else { Damage::None };
-        // A far or unresolved resonance also broadens the first one: then a scan decides.
-        let clear = solution.misfit < CLEAR_MISFIT_SIGMAS && neighbours.is_none_or(resembles_crack);
+        let clear = found.q.deviation < CLEAR_Q_REL * found.q.value;
         let cracked = damage == Damage::Certain && clear && q_at_most < CRACKED_Q_REL * self.nominal_q;
         let secondary = found.second_mode.is_some_and(|(_, strength)| strength > 1.0);
         let fallen = cracked || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q_REL * q);
@@ -318,11 +318,10 @@ impl PowerOn {
         let holds = explained && resonates && turn < MAX_PHASE_DEVIATION_RAD;
         match () {
             () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => Err(Refused::Unclear),
-            () if secondary => Err(Refused::Unclear),
-            () if explained && shifted && self.is_nominal => Err(Refused::Fault(Fault::CapacitanceShifted)),
+            () if explained && shifted && !secondary && self.is_nominal => Err(Refused::Fault(Fault::CapacitanceShifted)),
             // Two close resonances share their strength in many ways, all with the same loss.
             () if explained && fallen => Err(Refused::Fault(Fault::ResonanceDamaged)),
-            () if !holds || damage != Damage::None => Err(Refused::Unclear),
+            () if !holds || secondary || damage != Damage::None => Err(Refused::Unclear),
             () => Ok(()),
         }
     }

@@ -27,18 +27,14 @@ pub(crate) enum Damage {
 /// Judges the transducer from an upper limit of its Q, relative to the nominal one, and from the
 /// other resonances: distance and strength of each, relative to the first.
 pub(crate) fn damage(q: f32, others: impl IntoIterator<Item = (f32, f32)>) -> Damage {
+    let mut neighbours =
+        others.into_iter().filter(|(distance, strength)| distance.abs() < CRACK_DISTANCE_REL && *strength > CRACK_STRENGTH_REL);
     match q {
         q if q < MIN_Q_REL => Damage::Certain,
-        q if q < MIN_Q_WITH_NEIGHBOUR_REL && others.into_iter().any(resembles_crack) => Damage::Certain,
+        q if q < MIN_Q_WITH_NEIGHBOUR_REL && neighbours.next().is_some() => Damage::Certain,
         q if q < MIN_Q_WITH_NEIGHBOUR_REL => Damage::Possible,
         _ => Damage::None,
     }
-}
-
-/// Returns `true` if another resonance, with distance and strength relative to the first, is one
-/// that a crack creates.
-pub(crate) fn resembles_crack((distance, strength): (f32, f32)) -> bool {
-    distance.abs() < CRACK_DISTANCE_REL && strength > CRACK_STRENGTH_REL
 }
 
 #[cfg(test)]

@@ -88,6 +88,10 @@ pub(crate) struct Scan {
     repeats: bool,
     /// `true` if the window has been swept a second time.
     repeated: bool,
+    /// `true` if the chosen resonance is fitted alone, because the fit of all has failed.
+    alone: bool,
+    /// Clamped capacitance from tones off resonance, F, to compare with that of the scan.
+    pub(crate) off_resonance_c0_f: Option<f32>,
 }
 
 impl Scan {
@@ -131,17 +135,20 @@ impl Scan {
             modes: Modes::new(nominal_hz),
             repeats: tracking.mode != TrackingMode::Observer,
             repeated: false,
+            alone: false,
+            off_resonance_c0_f: None,
         }
     }
 
     /// Restarts the scan with a sweep of the window.
     pub(crate) fn restart(&mut self) {
-        self.repeated = false;
+        (self.repeated, self.off_resonance_c0_f) = (false, None);
         self.begin_window();
     }
 
     fn begin_window(&mut self) {
         self.modes = Modes::new(self.nominal_hz);
+        self.alone = false;
         self.begin_part(0);
     }
 
@@ -326,14 +333,15 @@ impl Scan {
         (self.pass.blocks(), self.pass.blocks() * self.block_samples)
     }
 
-    /// Fits the chosen resonance, together with all others inside the fine pass.
+    /// Fits the chosen resonance, together with all others inside the fine pass unless it is fitted
+    /// alone.
     fn begin_fit(&mut self) {
-        let mut circuit = Circuit { poles: Vec::new(), ..self.search.found().0.clone() };
+        let mut circuit = Circuit { poles: Vec::new(), known: Vec::new(), ..self.search.found().0.clone() };
         let (centre_hz, half_hz) = (self.pass.centre_hz, 0.5 * self.pass.width_hz);
         // There is room: both lists hold as many as can be found.
         circuit.poles.extend(self.modes.chosen().map(|(pole, _)| *pole));
         for pole in self.modes.others() {
-            let inside = (pole.offset_hz - centre_hz).abs() < half_hz;
+            let inside = !self.alone && (pole.offset_hz - centre_hz).abs() < half_hz;
             let _ = if inside { circuit.poles.push(*pole) } else { circuit.known.push(*pole) };
         }
         let (blocks, samples) = self.measured();
@@ -347,6 +355,11 @@ impl Scan {
             (Some(pole), Some(deviations)) if pole.offset_hz.abs() <= self.window_hz => {
                 self.modes.refine(*pole, *deviations);
                 self.take(0)
+            }
+            // The others may be too weak for a fit together.
+            _ if !core::mem::replace(&mut self.alone, true) => {
+                self.begin(Stage::Fit);
+                self.tune()
             }
             _ => Step::Failed(Fault::NoResonance),
         }

@@ -223,8 +223,10 @@ numbered! {
     /// The drive steps by 7 % of the bandwidth to both sides of the resonance to measure the
     /// clamped branch there: for some ring-down times after a lock or a change of the load.
     Probing = 106, "the clamped capacitance is being measured", "none: it is over after some ring-down times";
-    /// Another resonance is so near that the lock may be off by more than half a per cent of the
-    /// bandwidth, even after a scan. Or a scan after such a lock has found no other resonance.
+    /// The drive may lose more than 1 % of the tip velocity, because a resonance nearby cannot be
+    /// resolved. Either the measurement at the lock point has moved it by more than 7 % of the
+    /// bandwidth, or the clamped capacitances from a scan and from tones off resonance contradict
+    /// each other.
     LockUncertain = 107, "another resonance is so near that the lock is uncertain",
         "check the scan: move the other mode away, or track that one";
     /// The amplitude is reduced: the set point would take more than 0.95 of `limits.current_a`.

@@ -38,7 +38,11 @@ const LOSSY_SHIFT: f32 = 0.142;
 /// Difference of the clamped susceptances of the scan and of the tones off resonance, relative to
 /// the motional conductance, above which the drive may lose as much: other resonances, which
 /// neither resolves, shift the lock by one to three times as much.
-const LOSSY_CONTRADICTION: f32 = 0.06;
+const LOSSY_CONTRADICTION: f32 = 0.05;
+/// Relative strength of another resonance, times the cube of the bandwidth over its distance, above
+/// which steps around the lock point measure the clamped branch worse than a scan: their cubic
+/// error is 0.3 % of the motional conductance times this.
+const CROWDED_STRENGTH: f32 = 0.6;
 /// Tolerance of comparisons, standard deviations.
 const TOLERANCE_SIGMAS: f32 = 3.0;
 
@@ -76,8 +80,6 @@ pub(crate) struct TrackedTransducer {
     is_uncertain: bool,
     /// `true` if the drive at the lock point may lose more than 1 % of the tip velocity.
     is_lossy: bool,
-    /// Clamped capacitance from the tones off resonance, F.
-    off_resonance_c0_f: Option<f32>,
 }
 
 impl TrackedTransducer {
@@ -98,7 +100,6 @@ impl TrackedTransducer {
             other_mode: None,
             is_uncertain: false,
             is_lossy: false,
-            off_resonance_c0_f: None,
         }
     }
 
@@ -110,7 +111,7 @@ impl TrackedTransducer {
         let remembered = certain.map(|known| [known.series_resonance_hz, known.q, known.lm_h]);
         self.remembered = remembered.or(self.remembered);
         (self.transducer, self.other_mode) = (None, None);
-        (self.is_uncertain, self.is_lossy, self.off_resonance_c0_f) = (false, false, None);
+        (self.is_uncertain, self.is_lossy) = (false, false);
         self.learning = Learning::default();
         self.tracker.restart();
     }
@@ -172,29 +173,31 @@ impl TrackedTransducer {
         self.lm_deviation = larger(clamped.lm_h.deviation / clamped.lm_h.value, OFF_RESONANCE_UNCERTAINTY_REL);
         let modes = 1 + u8::from(clamped.second_mode.is_some());
         let known = Known { c0_f: (clamped.c0_f.value, clamped.c0_f.deviation), modes: (modes, 0), ..Known::default() };
-        self.off_resonance_c0_f = Some(clamped.c0_f.value);
         self.tracker.observe(clamped.motional, known, &prior);
         let (c0, hz, q) = (clamped.c0_f, clamped.resonance_hz.value, clamped.q.value);
         self.online.seed(clamped.motional, c0.deviation / c0.value, hz, q);
         self.other_mode = clamped.second_mode;
     }
 
-    /// Takes the clamped capacitance, F, of a measurement that is otherwise inconclusive.
-    pub(crate) fn take_capacitance(&mut self, c0_f: Option<f32>) {
-        self.off_resonance_c0_f = c0_f;
-    }
-
-    /// Takes the transducer found by the scan. `other_mode` is the mode that
-    /// disturbs it most.
-    pub(crate) fn adopt(&mut self, found: &RingDown, other_mode: Option<(f32, f32)>) {
+    /// Takes the transducer found by the scan. `other_mode` is the mode that disturbs it most,
+    /// `off_resonance_c0_f` the clamped capacitance from the tones off resonance, F.
+    pub(crate) fn adopt(&mut self, found: &RingDown, other_mode: Option<(f32, f32)>, off_resonance_c0_f: Option<f32>) {
         let (transducer, branch) = (&found.transducer, found.motional);
         self.tracker.seed(transducer, branch, self.noise_a(&branch));
         self.lm_deviation = transducer.deviations.lm_h / transducer.lm_h;
         let deviation = transducer.deviations.c0_f / transducer.c0_f;
         self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
         self.online.set_slope(found.slope);
+        let bandwidth_hz = transducer.series_resonance_hz / transducer.q;
+        let crowds = |(hz, strength): (f32, f32)| {
+            let apart = (hz - transducer.series_resonance_hz).abs() / bandwidth_hz;
+            strength > CROWDED_STRENGTH * apart * apart * apart
+        };
+        if other_mode.is_some_and(crowds) {
+            self.online.bar();
+        }
         (self.transducer, self.other_mode) = (Some(*transducer), other_mode);
-        let off_f = self.off_resonance_c0_f.map_or(0.0, |c0_f| transducer.c0_f - c0_f);
+        let off_f = off_resonance_c0_f.map_or(0.0, |c0_f| transducer.c0_f - c0_f);
         self.is_lossy = TAU * transducer.series_resonance_hz * off_f.abs() * transducer.rm_ohm > LOSSY_CONTRADICTION;
         self.learning.adopt(transducer);
     }
@@ -282,13 +285,8 @@ impl TrackedTransducer {
     /// the same effect.
     #[inline(never)]
     pub(crate) fn is_in_doubt(&self) -> bool {
-        self.tracker.tracks() && (self.tracker.state() != State::Locked || self.is_another_mode() || self.leaves_to_a_scan())
-    }
-
-    /// Returns `true` if the lock is so uncertain that a scan must decide. Off resonance, where Lm
-    /// was measured, other resonances make it seem smaller.
-    fn leaves_to_a_scan(&self) -> bool {
-        (self.is_uncertain || self.is_another_mode()) && self.tracker.can_scan()
+        let leaves_to_a_scan = || self.is_uncertain && self.tracker.can_scan();
+        self.tracker.tracks() && (self.tracker.state() != State::Locked || self.is_another_mode() || leaves_to_a_scan())
     }
 
     /// Returns the progress of the lock. A fault in a run waits until the lanes have been checked.
@@ -299,10 +297,16 @@ impl TrackedTransducer {
             // After a change the clamped branch is in doubt, and with it the phase.
             _ if locking && self.tracker.is_astray() => self.order_second_scan(),
             State::Disagree if locking || !self.online.doubts() => lanes.judged(locking, Fault::TrackersDisagree),
-            State::Locked if self.leaves_to_a_scan() && !lanes.postpone(locking) && self.tracker.hand_over_to_scan() => {
-                Progress::Back(Mode::Scan)
-            }
-            State::Locked if self.is_another_mode() => lanes.judged(locking, Fault::WrongMode),
+            // Off resonance, where Lm was measured, other resonances make it seem smaller: a scan
+            // decides.
+            State::Locked if self.is_uncertain || self.is_another_mode() => match () {
+                () if self.tracker.can_scan() && !lanes.postpone(locking) && self.tracker.hand_over_to_scan() => {
+                    Progress::Back(Mode::Scan)
+                }
+                () if self.is_another_mode() => lanes.judged(locking, Fault::WrongMode),
+                () if amplitude.settled() => Progress::Done,
+                () => Progress::Busy,
+            },
             State::Locked if amplitude.settled() => Progress::Done,
             State::Lost | State::Disagree if !locking => self.retry_lock(Fault::LossOfLock, lanes),
             State::TimedOut | State::Lost if locking => self.retry_lock(Fault::NoLock, lanes),

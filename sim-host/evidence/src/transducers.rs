@@ -89,7 +89,11 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
     let cases = suite.cases.par_iter().map(|case| run_case(case, options.stop)).collect::<Result<Vec<_>, Error>>()?;
     let counted = baseline::count(options.quick, &set, &wide, &cases);
     let missed = baseline::compare(&counted);
-    let files = vec![("transducers.csv", table::csv(&set)?), ("wider.csv", table::csv(&wide)?), (baseline::FILE, baseline::text(&counted))];
+    let files = vec![
+        ("transducers.csv", table::csv(&set)?),
+        ("wider.csv", table::csv(&wide)?),
+        (baseline::FILE, baseline::text(&counted)),
+    ];
     let title = "Transducers: how many lock, and the outcomes of the others";
     let subtitle = "Simulated: the controller on the host, against the simulated stack and its converters";
     Ok(campaign::evidence(title, subtitle, table::tables(&set, &wide, &cases), files, missed))

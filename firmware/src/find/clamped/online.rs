@@ -137,6 +137,8 @@ enum Due {
     Changed,
     /// Possible drift of C0.
     Drift,
+    /// None: another resonance is within the steps of a round.
+    Never,
 }
 
 impl Online {
@@ -184,6 +186,11 @@ impl Online {
         self.slope = Phasor::new(0.0, 0.0);
         (self.doubted, self.due, self.settled) = (false, Due::Begun, u32::MAX);
         self.stop();
+    }
+
+    /// Orders no round: another resonance is so near that a scan tells more.
+    pub(crate) fn bar(&mut self) {
+        self.due = Due::Never;
     }
 
     /// Sets the slope with frequency of the admittance of other resonances, S/Hz.
@@ -300,6 +307,7 @@ impl Online {
         match self.due {
             Due::Begun | Due::Changed => self.settle_blocks as f32 * self.block_s < SETTLE_TIME_CONSTANTS * MAX_TIME_CONSTANT_S,
             Due::Drift => self.drift_per_s > 0.0,
+            Due::Never => false,
         }
     }
 

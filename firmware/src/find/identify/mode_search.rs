@@ -2,8 +2,10 @@
 //!
 //! One more resonance is assumed at the line with the largest residual, and all resonances are
 //! fitted together. The fit is accepted if each resonance exceeds seven standard deviations and if
-//! the variance of the residual is halved. The search ends when the residual is within the noise of
-//! the converters, or with four resonances. Each block does as much work as its time permits.
+//! the variance of the residual is halved. A first resonance may be weaker, because one alone does
+//! not explain several that overlap; it counts only if a second one is accepted. The search ends
+//! when the residual is within the noise of the converters, or with four resonances. Each block
+//! does as much work as its time permits.
 
 use heapless::Vec;
 
@@ -91,6 +93,8 @@ pub(crate) struct ModeSearch {
     found: Circuit,
     found_deviations: Vec<Deviations, MOST_MODES>,
     found_variance: f32,
+    /// `true` if the only resonance found is too weak by itself.
+    is_tentative: bool,
 }
 
 /// Resolution of the converters, and the nominal quality factor.
@@ -119,6 +123,7 @@ impl ModeSearch {
             found: Circuit::default(),
             found_deviations: Vec::new(),
             found_variance: f32::INFINITY,
+            is_tentative: false,
         }
     }
 
@@ -140,6 +145,7 @@ impl ModeSearch {
         self.deviations.clear();
         self.found_deviations.clear();
         self.found_variance = f32::INFINITY;
+        self.is_tentative = false;
     }
 
     /// Returns `true` if the search has ended.
@@ -187,9 +193,10 @@ impl ModeSearch {
         let others = (sum - best.0) / (spectrum.lines() - 1) as f32;
         let unexplained = self.unexplained + UNEXPLAINED_REL * UNEXPLAINED_REL * largest;
         let shows = self.found_variance > unexplained || best.0 > unexplained.max(OUTLIER_SQUARE_RATIO * others);
-        self.stage = Stage::Done;
         if self.found.poles.len() < self.most && shows {
             self.stage = Stage::Assume { line: best.1 };
+        } else {
+            self.end();
         }
     }
 
@@ -223,8 +230,8 @@ impl ModeSearch {
         let hopeless =
             iterations <= ITERATIONS - PATIENCE_ITERATIONS && self.fit.variance() > PATIENCE_VARIANCE_RATIO * self.found_variance;
         match self.solution.take() {
-            None => self.stage = Stage::Done,
-            Some(_) if hopeless => self.stage = Stage::Done,
+            None => self.end(),
+            Some(_) if hopeless => self.end(),
             Some(Solution { circuit, moved }) if iterations > 1 && moved > CONVERGED_WIDTHS => {
                 self.begin(&circuit, iterations - 1)
             }
@@ -244,26 +251,40 @@ impl ModeSearch {
         // There is room for one entry per pole.
         let _ = self.deviations.push(deviations);
         let count = self.fitted.poles.len();
-        if MIN_STRENGTH_SIGMAS * deviations.lm_h > lm_h || (count > 1 && distance_hz > MAX_DISTANCE_HALF_SPANS * reach_hz) {
-            self.stage = Stage::Done;
+        let weak = MIN_STRENGTH_SIGMAS * deviations.lm_h > lm_h;
+        if count > 1 && (weak || distance_hz > MAX_DISTANCE_HALF_SPANS * reach_hz) {
+            self.end();
         } else if next + 1 < count {
             self.stage = Stage::Deviate { next: next + 1 };
         } else {
+            self.is_tentative |= weak;
             self.stage = Stage::Keep;
         }
     }
 
     fn keep(&mut self) {
         let variance = self.fit.variance();
-        self.stage = Stage::Done;
-        if variance <= MAX_VARIANCE_RATIO * self.found_variance {
+        let better = variance <= MAX_VARIANCE_RATIO * self.found_variance;
+        if better {
             self.found.clone_from(&self.fitted);
             self.found_deviations.clone_from(&self.deviations);
             self.found_variance = variance;
+            self.is_tentative &= self.found.poles.len() == 1;
             self.line = 0;
-            if self.found.poles.len() < self.most {
-                self.stage = Stage::Seek { best: (0.0, 0), sum: 0.0, largest: 0.0 };
-            }
+        }
+        if better && self.found.poles.len() < self.most {
+            self.stage = Stage::Seek { best: (0.0, 0), sum: 0.0, largest: 0.0 };
+        } else {
+            self.end();
+        }
+    }
+
+    /// Ends the search.
+    fn end(&mut self) {
+        self.stage = Stage::Done;
+        if self.is_tentative {
+            self.found.poles.clear();
+            self.found_deviations.clear();
         }
     }
 }

@@ -17,14 +17,14 @@ const C0_UNCERTAINTY_REL: f32 = 0.018;
 
 /// Uncertainty of the motional phase at the lock point apart from noise, rad: from the axis of the
 /// sensing chain and the clamped branch that is subtracted.
-const PHASE_UNCERTAINTY_RAD: f32 = 1e-3;
+const PHASE_UNCERTAINTY_RAD: f32 = 6e-4;
 /// Relative uncertainty of the strength apart from noise (same file, column `lm_error_h`).
-const STRENGTH_UNCERTAINTY_REL: f32 = 6e-3;
+const STRENGTH_UNCERTAINTY_REL: f32 = 4e-3;
 /// Relative uncertainty of a strength measured only off resonance: others nearby may add to it.
 pub(crate) const OFF_RESONANCE_UNCERTAINTY_REL: f32 = 3e-2;
 /// Relative uncertainty of the motional resistance apart from noise: from gains and the loss of the
 /// clamped branch.
-const RM_UNCERTAINTY_REL: f32 = 2e-3;
+const RM_UNCERTAINTY_REL: f32 = 1.5e-3;
 
 /// Results of earlier stages: the clamped capacitance, and the number of resonances.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -226,7 +226,7 @@ mod tests {
             found.deviations.lm_h / found.lm_h
         };
         assert!(
-            lm(true) < 1.1 * STRENGTH_UNCERTAINTY_REL && lm(false) > 0.99 * OFF_RESONANCE_UNCERTAINTY_REL,
+            lm(true) < 1.15 * STRENGTH_UNCERTAINTY_REL && lm(false) > 0.99 * OFF_RESONANCE_UNCERTAINTY_REL,
             "{} {}",
             lm(true),
             lm(false)

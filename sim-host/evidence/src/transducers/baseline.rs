@@ -50,7 +50,11 @@ pub(super) fn count(quick: bool, set: &[TransducerRuns], wide: &[TransducerRuns]
     let kinds = KINDS.iter().map(|kind| counted(kind.name, of_kind(set, kind.name)));
     let wider = KINDS.iter().map(|kind| counted(&format!("wider: {}", kind.name), of_kind(wide, kind.name)));
     let phase_lock = counted("all, phase_lock", set.iter().filter_map(|member| member.phase_lock.as_ref()).collect());
-    kinds.chain(wider).chain([phase_lock]).chain(cases.iter().map(|case| counted(&case.name, case.runs.iter().collect()))).collect()
+    kinds
+        .chain(wider)
+        .chain([phase_lock])
+        .chain(cases.iter().map(|case| counted(&case.name, case.runs.iter().collect())))
+        .collect()
 }
 
 /// Lists each count that has become worse.
@@ -64,7 +68,9 @@ fn recorded(baseline: &str, (variant, what): &(&'static str, String)) -> Option<
     let row = cells.into_iter().find(|cells| cells.len() == 7 && cells[0] == *variant && cells[1] == what)?;
     let numbers = [2, 3, 4, 5, 6].map(|place| row[place].parse().ok());
     match numbers {
-        [Some(runs), Some(locked), Some(good), Some(silent), Some(false_faults)] => Some([runs, locked, good, silent, false_faults]),
+        [Some(runs), Some(locked), Some(good), Some(silent), Some(false_faults)] => {
+            Some([runs, locked, good, silent, false_faults])
+        }
         _ => None,
     }
 }

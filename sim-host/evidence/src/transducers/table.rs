@@ -9,14 +9,16 @@ use crate::evidence::Error;
 use report::TableBlock;
 
 /// Explanation of the outcome columns.
-const OUTCOMES: &str = "Locked: within 1 Hz, or 0.5 % of the bandwidth if that is more. Good: locked outside that, where the \
-                        tip velocity per volt is at most 1 % below its maximum. Reported: by limit 97, 98 or 107, or, half a \
-                        bandwidth off, by fault 33 or 34. Silent: locked with a larger loss, without a report. False fault: ended by a fault whose documented reason does not apply, as every transducer \
-                        is healthy. True fault: ended by a fault whose documented reason applies. Late: not locked in time, \
-                        or ended by fault 31 or 32. Lock and power-on: median and 95 % of the time to within 20 Hz, or the \
-                        bound if that is more, from the first sample of the lock stage and from power-on, of all runs that \
-                        end locked. Bias: median and 95 % of its absolute value, of the same runs. The outcomes in \
-                        transducers.csv are locked, good, named, silent, accused, refused and late.";
+const OUTCOMES: &str = "Locked: within 1 Hz, or 0.5 % of the bandwidth if that is more. Good: locked outside that, where \
+                        the tip velocity per volt is at most 1 % below its maximum. Reported: by limit 97, 98 or 107, \
+                        or, half a bandwidth off, by fault 33 or 34. Silent: locked with a larger loss, without a \
+                        report. False fault: ended by a fault whose documented reason does not apply, as every \
+                        transducer is healthy. True fault: ended by a fault whose documented reason applies. Late: not \
+                        locked in time, or ended by fault 31 or 32. Lock and power-on: median and 95 % of the time to \
+                        within 20 Hz, or the bound if that is more, from the first sample of the lock stage and from \
+                        power-on, of all runs that end locked. Bias: median and 95 % of its absolute value, of the same \
+                        runs. The outcomes in transducers.csv are locked, good, named, silent, accused, refused and \
+                        late.";
 /// Headings of the outcomes.
 const HEADER: &str =
     "runs | locked | good | reported | silent | false fault | true fault | late | lock [ms] | power-on [ms] | bias [Hz]";
@@ -69,7 +71,10 @@ fn by_range(set: &[TransducerRuns]) -> TableBlock {
         .map(|(name, band_only)| part(name, set, move |member| member.transducer.band_only == band_only));
     let parts = quality.into_iter().chain(coupling).chain(prior);
     let mut rows: Vec<_> = parts.map(|part| outcomes(&part.0, &summary(&part))).collect();
-    rows.push(outcomes("all, by `phase_lock`", &Summary::from_runs(set.iter().filter_map(|member| Some(&member.phase_lock.as_ref()?.judged)))));
+    rows.push(outcomes(
+        "all, by `phase_lock`",
+        &Summary::from_runs(set.iter().filter_map(|member| Some(&member.phase_lock.as_ref()?.judged))),
+    ));
     let caption = "Columns as above. The last row shows the same transducers with `tracking.mode = \"phase_lock\"`, which \
                    begins with a scan of the window; all other rows are with the observer.";
     let title = "Random set, by quality factor, coupling, nominal values and tracking mode";
