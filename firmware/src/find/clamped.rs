@@ -79,7 +79,7 @@ const FALLEN_Q_REL: f32 = 0.3;
 const MAX_MISFIT_SIGMAS: f32 = 20.0;
 /// Maximum relative deviation of Q with which damage is reported without a scan. That of a crack is
 /// below 1.5 %; resonances that the tones cannot separate make a Q that is low, but less certain.
-const CLEAR_Q_REL: f32 = 0.05;
+const CERTAIN_Q_REL: f32 = 0.05;
 /// Maximum standard deviation of the motional phase at the lock point, rad. Healthy transducers
 /// reach 2e-3; beyond this limit there is no usable lock point.
 const MAX_PHASE_DEVIATION_RAD: f32 = 0.1;
@@ -213,7 +213,8 @@ impl PowerOn {
 
     /// Returns the clamped capacitance as the tones show it, F, even if the rest is inconclusive.
     pub(crate) fn capacitance_f(&self) -> Option<f32> {
-        self.verdict.as_ref().map(|(found, _)| found.c0_f.value)
+        let plausible = self.fit.solution().is_some_and(|solution| fit::is_plausible(&solution.elements));
+        self.verdict.as_ref().filter(|_| plausible).map(|(found, _)| found.c0_f.value)
     }
 
     /// Processes the phasors of the measured block and returns the next step.
@@ -301,9 +302,9 @@ impl PowerOn {
         let q_at_most = found.q.value + MARGIN_SIGMAS * found.q.deviation;
         let neighbours = found.second_mode.map(|(hz, strength)| (hz / found.resonance_hz.value - 1.0, strength));
         let damage = if self.is_nominal { damage(q_at_most / self.nominal_q, neighbours) } else { Damage::None };
-        let clear = found.q.deviation < CLEAR_Q_REL * found.q.value;
+        let clear = found.q.deviation < CERTAIN_Q_REL * found.q.value;
         let cracked = damage == Damage::Certain && clear && q_at_most < CRACKED_Q_REL * self.nominal_q;
-        let secondary = found.second_mode.is_some_and(|(_, strength)| strength > 1.0);
+        let strongest = found.second_mode.map_or(1.0, |(_, strength)| strength.max(1.0));
         let fallen = cracked || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q_REL * q);
         let shift = ((found.c0_f.value - self.c0_f).abs() - MARGIN_SIGMAS * found.c0_f.deviation) / self.c0_f;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
@@ -311,17 +312,18 @@ impl PowerOn {
         // Written so that a NaN inductance counts as no resonance.
         let resonates = found.lm_h.value > MIN_STRENGTH_SIGMAS * found.lm_h.deviation;
         let most_strength = 1.0 + MARGIN_SIGMAS * found.lm_h.deviation / found.lm_h.value;
-        let uncoupled =
-            self.nominal_lm_h.map_or(!resonates, |nominal| found.lm_h.value > DEPOLED_LM_RATIO * nominal * most_strength);
+        let uncoupled = self
+            .nominal_lm_h
+            .map_or(!resonates, |nominal| found.lm_h.value > DEPOLED_LM_RATIO * nominal * most_strength * strongest);
         let alone = if self.nominal_lm_h.is_some() { MAX_SHIFT_REL } else { MAX_SHIFT_WITHOUT_LM_REL };
         let shifted = shift > if uncoupled { MAX_SHIFT_DEPOLED_REL } else { alone };
         let holds = explained && resonates && turn < MAX_PHASE_DEVIATION_RAD;
         match () {
             () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => Err(Refused::Unclear),
-            () if explained && shifted && !secondary && self.is_nominal => Err(Refused::Fault(Fault::CapacitanceShifted)),
+            () if explained && shifted && self.is_nominal => Err(Refused::Fault(Fault::CapacitanceShifted)),
             // Two close resonances share their strength in many ways, all with the same loss.
             () if explained && fallen => Err(Refused::Fault(Fault::ResonanceDamaged)),
-            () if !holds || secondary || damage != Damage::None => Err(Refused::Unclear),
+            () if !holds || strongest > 1.0 || damage != Damage::None => Err(Refused::Unclear),
             () => Ok(()),
         }
     }

@@ -88,7 +88,7 @@ pub(crate) struct Scan {
     repeats: bool,
     /// `true` if the window has been swept a second time.
     repeated: bool,
-    /// `true` if the chosen resonance is fitted alone, because the fit of all has failed.
+    /// `true` if the chosen resonance is fitted alone: it is, or the fit of several has failed.
     alone: bool,
     /// Clamped capacitance from tones off resonance, F, to compare with that of the scan.
     pub(crate) off_resonance_c0_f: Option<f32>,
@@ -345,6 +345,7 @@ impl Scan {
             let _ = if inside { circuit.poles.push(*pole) } else { circuit.known.push(*pole) };
         }
         let (blocks, samples) = self.measured();
+        self.alone |= circuit.poles.len() < 2;
         self.search.refit(&circuit, blocks, samples);
     }
 
@@ -357,7 +358,7 @@ impl Scan {
                 self.take(0)
             }
             // The others may be too weak for a fit together.
-            _ if !core::mem::replace(&mut self.alone, true) => {
+            (None, _) if !core::mem::replace(&mut self.alone, true) => {
                 self.begin(Stage::Fit);
                 self.tune()
             }

@@ -4,6 +4,7 @@
 use crate::find::clamped::online::{Online, Update};
 use crate::find::clamped::{Clamped, Measured};
 use crate::find::lanes::Lanes;
+use crate::find::scan::modes::Modes;
 use crate::find::scan::ring_down::RingDown;
 use crate::generate::amplitude::AmplitudeLoop;
 use crate::generate::step::Progress;
@@ -32,17 +33,14 @@ const CLEAR_Q_REL: f32 = 0.3;
 const UNCERTAIN_SHIFT_BANDWIDTHS: f32 = 0.006;
 /// Smallest shift that makes a lock uncertain, Hz.
 const UNCERTAIN_SHIFT_HZ: f32 = 1.0;
-/// Such a shift, relative to the motional conductance, above which the drive may lose more than 1 %
-/// of the tip velocity: `1 - 1 / sqrt(1 + x^2)` half bandwidths `x` off resonance.
+/// Shift of a lock by the branch measured there, relative to the motional conductance, above which
+/// the drive may lose more than 1 % of the tip velocity: `1 - 1 / sqrt(1 + x^2)` at `x` half
+/// bandwidths off resonance.
 const LOSSY_SHIFT: f32 = 0.142;
 /// Difference of the clamped susceptances of the scan and of the tones off resonance, relative to
 /// the motional conductance, above which the drive may lose as much: other resonances, which
 /// neither resolves, shift the lock by one to three times as much.
 const LOSSY_CONTRADICTION: f32 = 0.05;
-/// Relative strength of another resonance, times the cube of the bandwidth over its distance, above
-/// which steps around the lock point measure the clamped branch worse than a scan: their cubic
-/// error is 0.3 % of the motional conductance times this.
-const CROWDED_STRENGTH: f32 = 0.6;
 /// Tolerance of comparisons, standard deviations.
 const TOLERANCE_SIGMAS: f32 = 3.0;
 
@@ -65,8 +63,8 @@ pub(crate) struct TrackedTransducer {
     pub(crate) noise: (f32, f32),
     pub(crate) tracker: Tracker,
     pub(crate) online: Online,
-    /// Transducer as identified from a scan or from a settled block under drive. The loops use the
-    /// latest one, whose resonance is less certain after a silence.
+    /// Transducer as identified first, from a scan, or last from a settled block under drive. The
+    /// loops use the latest one, whose resonance is less certain after a silence.
     transducer: Option<Transducer>,
     /// Last transducer tracked with a certain lock: resonance, Hz; Q; and Lm, H.
     remembered: Option<[f32; 3]>,
@@ -177,27 +175,24 @@ impl TrackedTransducer {
         let (c0, hz, q) = (clamped.c0_f, clamped.resonance_hz.value, clamped.q.value);
         self.online.seed(clamped.motional, c0.deviation / c0.value, hz, q);
         self.other_mode = clamped.second_mode;
+        (self.is_uncertain, self.is_lossy) = (false, false);
     }
 
-    /// Takes the transducer found by the scan. `other_mode` is the mode that disturbs it most,
-    /// `off_resonance_c0_f` the clamped capacitance from the tones off resonance, F.
-    pub(crate) fn adopt(&mut self, found: &RingDown, other_mode: Option<(f32, f32)>, off_resonance_c0_f: Option<f32>) {
+    /// Takes the transducer found by the scan, and all its modes. `off_resonance_c0_f` is the
+    /// clamped capacitance from the tones off resonance, F.
+    pub(crate) fn adopt(&mut self, found: &RingDown, modes: &Modes, off_resonance_c0_f: Option<f32>) {
         let (transducer, branch) = (&found.transducer, found.motional);
         self.tracker.seed(transducer, branch, self.noise_a(&branch));
         self.lm_deviation = transducer.deviations.lm_h / transducer.lm_h;
         let deviation = transducer.deviations.c0_f / transducer.c0_f;
         self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
         self.online.set_slope(found.slope);
-        let bandwidth_hz = transducer.series_resonance_hz / transducer.q;
-        let crowds = |(hz, strength): (f32, f32)| {
-            let apart = (hz - transducer.series_resonance_hz).abs() / bandwidth_hz;
-            strength > CROWDED_STRENGTH * apart * apart * apart
-        };
-        if other_mode.is_some_and(crowds) {
-            self.online.bar();
+        if modes.is_crowded() {
+            self.online.omit_first();
         }
-        (self.transducer, self.other_mode) = (Some(*transducer), other_mode);
+        (self.transducer, self.other_mode) = (Some(*transducer), modes.other_mode());
         let off_f = off_resonance_c0_f.map_or(0.0, |c0_f| transducer.c0_f - c0_f);
+        self.is_uncertain = false;
         self.is_lossy = TAU * transducer.series_resonance_hz * off_f.abs() * transducer.rm_ohm > LOSSY_CONTRADICTION;
         self.learning.adopt(transducer);
     }

@@ -137,8 +137,6 @@ enum Due {
     Changed,
     /// Possible drift of C0.
     Drift,
-    /// None: another resonance is within the steps of a round.
-    Never,
 }
 
 impl Online {
@@ -188,9 +186,10 @@ impl Online {
         self.stop();
     }
 
-    /// Orders no round: another resonance is so near that a scan tells more.
-    pub(crate) fn bar(&mut self) {
-        self.due = Due::Never;
+    /// Omits the round at the start of a lock: another resonance is within about a bandwidth, so
+    /// that the scan is more accurate.
+    pub(crate) fn omit_first(&mut self) {
+        self.due = Due::Drift;
     }
 
     /// Sets the slope with frequency of the admittance of other resonances, S/Hz.
@@ -307,7 +306,6 @@ impl Online {
         match self.due {
             Due::Begun | Due::Changed => self.settle_blocks as f32 * self.block_s < SETTLE_TIME_CONSTANTS * MAX_TIME_CONSTANT_S,
             Due::Drift => self.drift_per_s > 0.0,
-            Due::Never => false,
         }
     }
 

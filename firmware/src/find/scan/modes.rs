@@ -11,6 +11,11 @@ use crate::seam::transducer::{Deviations, Listed, MOST_MODES, Resonance, Resonan
 /// Minimum distance of two poles, in bandwidths; closer ones are the same pole found twice.
 const MIN_DISTANCE_BANDWIDTHS: f32 = 0.25;
 
+/// Relative strength of another resonance, times the cube of the bandwidth over its distance, above
+/// which steps around the lock point measure the clamped branch worse than a scan: their error is
+/// 0.3 % of the motional conductance times this.
+const CROWDED_STRENGTH_REL: f32 = 0.6;
+
 /// Resonances at rising frequencies.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Modes {
@@ -65,6 +70,17 @@ impl Modes {
         Some((self.nominal_hz + most.offset_hz, most.strength() / chosen.strength()))
     }
 
+    /// Returns `true` if another resonance makes steps around the chosen one less accurate than a
+    /// scan. Its strength grows with the cube of the bandwidth over its distance.
+    pub(crate) fn is_crowded(&self) -> bool {
+        let Some((chosen, _)) = self.chosen() else { return false };
+        let bandwidth_hz = (self.nominal_hz + chosen.offset_hz) / chosen.q;
+        self.others().any(|other| {
+            let apart = (other.offset_hz - chosen.offset_hz).abs() / bandwidth_hz;
+            other.strength() > CROWDED_STRENGTH_REL * apart * apart * apart * chosen.strength()
+        })
+    }
+
     /// Adds a resonance. If the list is full, the weakest is dropped. With `overlap`, a resonance
     /// that an earlier part of the window contained is ignored.
     pub(crate) fn add(&mut self, pole: Pole, deviations: Deviations, overlap: bool) {
@@ -116,6 +132,21 @@ mod tests {
 
     fn pole(offset_hz: f32, conductance_s: f32) -> Pole {
         Pole { offset_hz, q: 50.0, conductance: Phasor::new(conductance_s, 0.0), ..Pole::default() }
+    }
+
+    /// At a strength of 0.2 the limit is 0.69 bandwidths, 553 Hz; a weak near one counts as well.
+    #[test]
+    fn near_modes_crowd() {
+        let crowded = |others: &[(f32, f32)]| {
+            let mut modes = Modes::new(40e3);
+            for &(offset_hz, strength) in [(0.0, 1.0)].iter().chain(others) {
+                modes.add(pole(offset_hz, 0.3 * strength), Deviations::default(), false);
+            }
+            modes.choose(&Choice { window_hz: (40e3, 5e3), nominal_lm_h: None }).unwrap();
+            modes.is_crowded()
+        };
+        assert!(!crowded(&[]) && !crowded(&[(570.0, 0.2)]) && crowded(&[(540.0, 0.2)]) && crowded(&[(-540.0, 0.2)]));
+        assert!(crowded(&[(1200.0, 0.7), (200.0, 0.05)]));
     }
 
     #[test]

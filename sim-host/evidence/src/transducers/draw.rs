@@ -5,7 +5,7 @@
 //! its resistance is at least a tenth of the amplifier's source resistance.
 //!
 //! The wider set has other seeds, and ranges of the circuit that begin at two thirds and end at 1.5
-//! times these; nothing is tuned to it.
+//! times these; one constant was changed because of it (see the page).
 //!
 //! | nominal value | error, log-uniform | for every sixth transducer of a kind, of which only the band is known |
 //! |---|---|---|

@@ -56,7 +56,7 @@ pub enum Outcome {
     FalseFault(Fault),
     /// A true fault ended the run: its documented reason applies to the plant.
     TrueFault(Fault),
-    /// The run is not locked in time, or ended in fault 31 or 32, which report just that.
+    /// The run is not locked in time, or ended in fault 31 or 32, which report a missing lock.
     Late(Option<Fault>),
 }
 
