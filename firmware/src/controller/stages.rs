@@ -111,7 +111,7 @@ impl Stages {
             }
             Mode::Scan => {
                 self.scan.begin(chain);
-                self.scan.off_resonance_c0_f = self.clamped.capacitance_f();
+                self.scan.off_resonance_c0_f = self.clamped.shown_c0_f;
             }
             _ => {}
         }

@@ -134,8 +134,9 @@ pub struct PowerOn {
     vv: f32,
     fit: Fit,
     deviations: Deviations,
-    /// Measured branch, and whether it can be used.
-    verdict: Option<(Clamped, Result<(), Refused>)>,
+    verdict: Option<Result<Clamped, Refused>>,
+    /// Clamped capacitance as the tones show it, F, even if the rest is inconclusive.
+    pub(crate) shown_c0_f: Option<f32>,
     /// `true` if an apparently missing or damaged resonance is measured once more. A resonance that
     /// returns during the measurement looks like that.
     repeats: bool,
@@ -175,6 +176,7 @@ impl PowerOn {
             fit: Fit::new(1.0 / tracking.nominal_q, drive.frequency_hz),
             deviations: Deviations::default(),
             verdict: None,
+            shown_c0_f: None,
             repeats: false,
             tracked_q: None,
         }
@@ -189,7 +191,7 @@ impl PowerOn {
 
     /// Starts again.
     pub(crate) fn restart(&mut self) {
-        (self.repeats, self.tracked_q, self.verdict) = (false, None, None);
+        (self.repeats, self.tracked_q, self.shown_c0_f) = (false, None, None);
         (self.stage, self.block) = (Stage::Tones, 0);
         (self.iv, self.vv) = (Phasor::default(), 0.0);
         self.fit = Fit::new(1.0 / self.nominal_q, self.nominal_hz);
@@ -208,13 +210,7 @@ impl PowerOn {
     /// Returns the clamped branch once it is measured, from the last silent block on.
     pub fn found(&self) -> Option<&Clamped> {
         let is_over = self.stage == Stage::Over;
-        self.verdict.as_ref().filter(|(_, usable)| is_over && usable.is_ok()).map(|(found, _)| found)
-    }
-
-    /// Returns the clamped capacitance as the tones show it, F, even if the rest is inconclusive.
-    pub(crate) fn capacitance_f(&self) -> Option<f32> {
-        let plausible = self.fit.solution().is_some_and(|solution| fit::is_plausible(&solution.elements));
-        self.verdict.as_ref().filter(|_| plausible).map(|(found, _)| found.c0_f.value)
+        self.verdict.as_ref().filter(|_| is_over).and_then(|verdict| verdict.as_ref().ok())
     }
 
     /// Processes the phasors of the measured block and returns the next step.
@@ -247,7 +243,8 @@ impl PowerOn {
                     // The verdict takes a block of its own.
                     Some(solution) if self.deviations.advance(solution) => {
                         let found = reading::read(solution, &self.deviations, self.nominal_hz, self.c0_f);
-                        (self.stage, self.verdict) = (Stage::Report, Some((found, self.judge(solution, &found))));
+                        self.shown_c0_f = fit::is_plausible(&solution.elements).then_some(found.c0_f.value);
+                        (self.stage, self.verdict) = (Stage::Report, Some(self.judge(solution, &found).map(|()| found)));
                     }
                     Some(_) => {}
                     None => (self.stage, self.verdict) = (Stage::Report, None),
@@ -256,7 +253,7 @@ impl PowerOn {
             }
             Stage::Report => {
                 self.stage = Stage::Over;
-                match self.verdict.map(|(_, usable)| usable) {
+                match self.verdict {
                     Some(Err(Refused::Unclear | Refused::Fault(Fault::NoResonance | Fault::ResonanceDamaged)))
                         if self.repeats =>
                     {
