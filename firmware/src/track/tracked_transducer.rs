@@ -188,7 +188,7 @@ impl TrackedTransducer {
         self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
         self.online.set_slope(found.slope);
         if modes.is_crowded() {
-            self.online.omit_first();
+            self.online.omit_rounds();
         }
         (self.transducer, self.other_mode) = (Some(*transducer), modes.other_mode());
         let off_f = off_resonance_c0_f.map_or(0.0, |c0_f| transducer.c0_f - c0_f);

@@ -137,6 +137,8 @@ enum Due {
     Changed,
     /// Possible drift of C0.
     Drift,
+    /// None: another resonance is within about a bandwidth.
+    Never,
 }
 
 impl Online {
@@ -186,10 +188,10 @@ impl Online {
         self.stop();
     }
 
-    /// Omits the round at the start of a lock: another resonance is within about a bandwidth, so
-    /// that the scan is more accurate.
-    pub(crate) fn omit_first(&mut self) {
-        self.due = Due::Drift;
+    /// Omits all rounds of a lock: another resonance is within about a bandwidth, so that the scan
+    /// is more accurate.
+    pub(crate) fn omit_rounds(&mut self) {
+        self.due = Due::Never;
     }
 
     /// Sets the slope with frequency of the admittance of other resonances, S/Hz.
@@ -306,6 +308,7 @@ impl Online {
         match self.due {
             Due::Begun | Due::Changed => self.settle_blocks as f32 * self.block_s < SETTLE_TIME_CONSTANTS * MAX_TIME_CONSTANT_S,
             Due::Drift => self.drift_per_s > 0.0,
+            Due::Never => false,
         }
     }
 
