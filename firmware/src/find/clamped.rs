@@ -78,7 +78,7 @@ const FALLEN_Q_REL: f32 = 0.3;
 /// beyond this limit a transducer cannot be tracked.
 const MAX_MISFIT_SIGMAS: f32 = 20.0;
 /// Maximum relative deviation of Q with which damage is reported without a scan. That of a crack is
-/// below 1.5 %; resonances that the tones cannot separate make a Q that is low, but less certain.
+/// below 1.2 %; resonances that the tones cannot separate make a Q that is low, but less certain.
 const CERTAIN_Q_REL: f32 = 0.05;
 /// Maximum standard deviation of the motional phase at the lock point, rad. Healthy transducers
 /// reach 2e-3; beyond this limit there is no usable lock point.
