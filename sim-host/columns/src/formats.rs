@@ -1,7 +1,8 @@
-//! Tables of any file format, found from the content: delimited text, NPY, Parquet and WAV, also
-//! compressed by gzip.
+//! Tables of any file format, found from the content: delimited text, NPY, NPZ, Parquet and WAV,
+//! also compressed by gzip.
 
 mod npy;
+mod npz;
 mod parquet_file;
 mod wav;
 
@@ -12,7 +13,7 @@ use crate::table::{Column, Table, read};
 use crate::{TableError, decode};
 
 /// Known formats, for a message.
-const KNOWN: &str = "known are CSV and other delimited text, NPY, Parquet and WAV";
+const KNOWN: &str = "known are CSV and other delimited text, NPY, NPZ, Parquet and WAV";
 
 /// Reads the table of a file. `names`, separated by commas, replaces the heading if given.
 ///
@@ -25,9 +26,7 @@ pub fn parse(bytes: &[u8], names: Option<&str>) -> Result<Table, TableError> {
         [b'P', b'A', b'R', b'1', ..] => binary(parquet_file::read(bytes)),
         [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => binary(npy::read(bytes)),
         [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'A', b'V', b'E', ..] => binary(wav::read(bytes)),
-        [b'P', b'K', 3, 4, ..] => {
-            Err(TableError::Binary(format!("a ZIP archive, as XLSX and NPZ are; export the table as CSV or NPY ({KNOWN})")))
-        }
+        [b'P', b'K', 3, 4, ..] => binary(npz::read(bytes)),
         _ => read(&text(bytes)?, names),
     }
 }
@@ -78,7 +77,7 @@ mod tests {
         let refused = |bytes: &[u8]| parse(bytes, None).unwrap_err().to_string();
         assert!(refused(&csv[..csv.len() / 2]).contains("cannot be unpacked"));
         assert!(refused(&packed(&csv)).contains("another gzip file"));
-        assert!(refused(b"PK\x03\x04abc").contains("export the table as CSV"));
+        assert!(refused(b"PK\x03\x04abc").starts_with("a ZIP archive that cannot be read"));
         assert!(refused(&[1, 0, 2, 0]).starts_with("a binary file of unknown format"));
         assert_eq!(refused(b""), "it is empty");
     }

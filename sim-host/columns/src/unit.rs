@@ -237,6 +237,16 @@ fn simple(symbol: &str, base: &str, scale: f64) -> Unit {
     Unit { symbol: symbol.to_owned(), scale: Some(scale), dimension: base.to_owned() }
 }
 
+/// Parses a frequency in hertz, also with a prefix such as `40k`; `None` if it is not a number.
+pub fn hertz(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let (number, factor) = match text.strip_suffix(['k', 'M']) {
+        Some(number) => (number, if text.ends_with('k') { 1e3 } else { 1e6 }),
+        None => (text, 1.0),
+    };
+    number.parse::<f64>().ok().filter(|hz| hz.is_finite()).map(|hz| factor * hz)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

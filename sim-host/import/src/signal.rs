@@ -1,7 +1,7 @@
 //! Signals from files: one column of a trace, a capture or any other table, evenly sampled.
 //!
 //! ```text
-//! CSV or other delimited text, NPY, Parquet, WAV -> columns by name -> samples and sample time, or an error -> time and frequency
+//! CSV or other delimited text, NPY, NPZ, Parquet, WAV -> columns by name -> samples and sample time, or an error -> time and frequency
 //! ```
 
 pub mod spectrogram;

@@ -64,21 +64,32 @@ fn damaged_files_do_not_panic() {
     }
 }
 
+/// Computed curves have rounding errors only, and a loss or a wide band leaves other ones.
 #[test]
 fn the_circuit_is_exact_without_noise() {
-    let text: String = (0..101)
-        .map(|n| 39e3 + 20.0 * f64::from(n))
-        .map(|hz| {
-            let y = admittance(hz, 2e-3);
-            format!("{hz} {:e} {:e}\n", y.inv().re, y.inv().im)
-        })
-        .collect();
-    let found = parse("exact.txt", &format!("f_hz R_ohm X_ohm\n{text}"), &Options::default())
-        .and_then(|s| fit("exact", s, None))
-        .unwrap();
-    let c = found.circuit;
-    for (value, truth) in [(c.series_resonance_hz, 40e3), (c.q, 100.0), (c.rm_ohm, 500.0), (c.c0_f, 1e-9)] {
-        assert!((value.value / truth - 1.0).abs() < 1e-6, "{c:?}");
+    let lossy = |hz: f64, tan: f64| admittance(hz, 2e-3) + std::f64::consts::TAU * hz * 1e-9 * tan;
+    for (tan, from_hz, step_hz, points) in [(0.0, 39e3, 20.0, 101), (4e-3, 38e3, 10.0, 401), (4e-3, 20e3, 30.0, 2001)] {
+        for (heading, is_impedance) in [("R_ohm X_ohm", true), ("G_s B_s", false)] {
+            let line = |hz: f64| {
+                let y = lossy(hz, tan);
+                let shown = if is_impedance { y.inv() } else { y };
+                format!("{hz} {:e} {:e}\n", shown.re, shown.im)
+            };
+            let text: String = (0..points).map(|n| line(from_hz + step_hz * f64::from(n))).collect();
+            let sweep = parse("exact.txt", &format!("f_hz {heading}\n{text}"), &Options::default()).unwrap();
+            let found = fit("exact", sweep, None).unwrap_or_else(|error| panic!("{heading} {tan}: {error}"));
+            assert!(
+                found.modes.len() == 1 && !found.is_doubtful() && found.warnings.is_empty(),
+                "{:?} {:?}",
+                found.modes,
+                found.warnings
+            );
+            let c = found.circuit;
+            for (value, truth) in [(c.series_resonance_hz, 40e3), (c.q, 100.0), (c.rm_ohm, 500.0), (c.c0_f, 1e-9)] {
+                assert!((value.value / truth - 1.0).abs() < 1e-9, "{c:?}");
+                assert!(value.sd > 0.0 && value.sd < 1e-8 * truth, "{c:?}");
+            }
+        }
     }
 }
 

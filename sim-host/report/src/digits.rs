@@ -17,7 +17,7 @@ pub fn significant(value: f64) -> String {
 
 /// Smallest standard deviation that is stated, relative to its value: the digits of a file end
 /// there.
-const MIN_STATED_REL: f64 = 1e-9;
+pub const MIN_STATED_REL: f64 = 1e-9;
 
 /// Formats a number and its standard deviation, such as `40012.34` and `0.56`: the deviation has
 /// two digits.

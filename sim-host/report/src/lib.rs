@@ -47,7 +47,7 @@ mod table;
 pub use crash_view::{CrashView, Instant};
 #[cfg(feature = "data")]
 pub use data::{ReportError, csv, data_file::text_cell};
-pub use digits::{rounded, rounded_to, significant, stated};
+pub use digits::{MIN_STATED_REL, rounded, rounded_to, significant, stated};
 pub use drawing::{Drawing, PictureFormat, PrintSize, ToPdf};
 pub use figure::{Along, Axis, Figure, HeatMap, Marker, Panel, Report, Series, Span, Style};
 #[cfg(feature = "pdf")]

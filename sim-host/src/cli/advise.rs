@@ -128,13 +128,17 @@ fn human(advice: &Advice, color: Color) -> String {
 }
 
 /// Parses a number within a range. The error states the quantity and the range.
-fn within(text: &str, what: &str, (least, most): (f64, f64)) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("not a number; give {what} from {least:e} to {most:e}"))?;
+fn within(text: &str, what: &str, range: (f64, f64)) -> Result<f64, String> {
+    inside(text.parse().ok(), what, range)
+}
+
+fn inside(value: Option<f64>, what: &str, (least, most): (f64, f64)) -> Result<f64, String> {
+    let value = value.ok_or_else(|| format!("not a number; give {what} from {least:e} to {most:e}"))?;
     if (least..=most).contains(&value) { Ok(value) } else { Err(format!("give {what} from {least:e} to {most:e}")) }
 }
 
 fn frequency(text: &str) -> Result<f64, String> {
-    within(text, "a series resonance in Hz, as 40e3,", (100.0, 450e3))
+    inside(columns::hertz(text), "a resonance in Hz, as 40k,", (100.0, 450e3))
 }
 
 fn quality(text: &str) -> Result<f64, String> {

@@ -110,8 +110,8 @@ struct FrictionArgs {
     /// (repeatable).
     #[arg(long = "unit", value_name = "UNIT")]
     units: Vec<String>,
-    /// Frequency of the vibration, Hz, if no column contains it. A scene needs it.
-    #[arg(long, value_name = "HZ", value_parser = positive)]
+    /// Frequency of the vibration, Hz, such as 40k, if no column contains it. A scene needs it.
+    #[arg(long, value_name = "HZ", value_parser = frequency)]
     frequency_hz: Option<f64>,
     /// Peak velocity of the vibration at the contact, m/s, if it was measured and no column
     /// contains it. Default: fitted to the friction ON.
@@ -151,8 +151,15 @@ fn newtons(text: &str) -> Result<f64, String> {
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| (1e-9..=1e9).contains(number));
-    number.ok_or_else(|| "give a positive number, as 40e3".to_owned())
+    in_range(text.parse().ok())
+}
+
+fn frequency(text: &str) -> Result<f64, String> {
+    in_range(columns::hertz(text))
+}
+
+fn in_range(number: Option<f64>) -> Result<f64, String> {
+    number.filter(|number| (1e-9..=1e9).contains(number)).ok_or_else(|| "give a positive number, as 40e3".to_owned())
 }
 
 fn span(text: &str) -> Result<(f64, f64), String> {

@@ -19,7 +19,7 @@ use sim::output::{Owner, npy};
 #[derive(Args)]
 #[command(mut_arg("output", |arg| arg.help("Folder for report, figure, CSV and NPY. Default: `out/FILE-METHOD`")))]
 pub(super) struct SpectrumArgs {
-    /// Trace, link capture, or any table: CSV or other delimited text, NPY, Parquet, WAV.
+    /// Trace, link capture, or any table: CSV or other delimited text, NPY, NPZ, Parquet, WAV.
     file: PathBuf,
     /// Column to analyse, by its name or its number from 1. Default: the only one besides the
     /// times.
@@ -33,7 +33,7 @@ pub(super) struct SpectrumArgs {
     #[arg(long, value_name = "NAME", conflicts_with = "sample_hz")]
     time: Option<String>,
     /// Sample rate of a file without times, Hz.
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = sample_hz)]
     sample_hz: Option<f64>,
     /// Start of the analysed part, s.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
@@ -60,6 +60,10 @@ pub(super) struct SpectrumArgs {
     drawing: DrawingArgs,
 }
 
+fn sample_hz(text: &str) -> Result<f64, String> {
+    columns::hertz(text).ok_or_else(|| "give a frequency in Hz, as 100k".to_owned())
+}
+
 #[derive(Clone, Copy, ValueEnum)]
 enum Methods {
     /// Short-time Fourier transform: windows of equal length.
@@ -83,16 +87,7 @@ impl Methods {
 
 /// Parses two frequencies, each in Hz or with the suffix `k` or `M`.
 fn band(text: &str) -> Result<(f64, f64), String> {
-    let hertz = |text: &str| {
-        let text = text.trim();
-        let (digits, factor) = match text.chars().last() {
-            Some('k') => (&text[..text.len() - 1], 1e3),
-            Some('M') => (&text[..text.len() - 1], 1e6),
-            _ => (text, 1.0),
-        };
-        digits.parse::<f64>().ok().filter(|value| value.is_finite()).map(|value| factor * value)
-    };
-    let ends = text.split_once(':').and_then(|(low, high)| hertz(low).zip(hertz(high)));
+    let ends = text.split_once(':').and_then(|(low, high)| columns::hertz(low).zip(columns::hertz(high)));
     ends.ok_or_else(|| "must be two frequencies in Hz, as 20e3:60e3 or 20k:60k".to_owned())
 }
 

@@ -54,6 +54,12 @@ impl Kind {
     }
 }
 
+/// Whether the file holds one number without dimensions.
+pub(super) fn is_scalar(bytes: &[u8]) -> bool {
+    let header = String::from_utf8_lossy(&bytes[..bytes.len().min(256)]);
+    between(&header, "'shape':", '(', ')').is_some_and(|shape| shape.trim().is_empty())
+}
+
 /// Reads the columns of an array.
 pub(super) fn read(bytes: &[u8]) -> Result<Table, String> {
     let short = || "a NumPy file that ends within its header".to_owned();

@@ -56,6 +56,9 @@ const CRITERION_MARGIN: f64 = 12.0;
 /// Variance of the residuals, relative to that of their third differences, above which they contain
 /// further resonances; noise with a correlation of 0.9 has 16.
 const MAX_ROUGHNESS: f64 = 25.0;
+/// Mean square of the residuals, relative to the smallest noise, below which they are the rounding
+/// errors of computed data.
+const EXACT: f64 = 1e-6;
 /// Smallest quality factor. Outside the range a sweep does not show a branch, and a fit that lacks
 /// a resonance would go there.
 const MIN_Q: f64 = 0.5;
@@ -118,6 +121,11 @@ struct Stage {
     weights: Weights,
 }
 
+/// Whether the circuit explains the data to rounding errors.
+fn is_exact(solution: &Solution) -> bool {
+    solution.cost < EXACT * solution.linear.residuals.len() as f64
+}
+
 impl<'a> Fitter<'a> {
     pub(super) fn new(rows: &'a Measured) -> Self {
         let bins = bins(&rows.readings(), MAX_POINTS);
@@ -142,7 +150,7 @@ impl<'a> Fitter<'a> {
         let mut clamped = Some(last.clone());
         for number in 1..=most {
             let is_last = best.as_ref().map_or(MOST_FIRST, |(have, _)| (have + MOST_TOGETHER).max(MOST_FIRST)) < number;
-            let is_white = roughness(&complex(&last.solution.linear.residuals)) < MAX_ROUGHNESS;
+            let is_white = is_exact(&last.solution) || roughness(&complex(&last.solution.linear.residuals)) < MAX_ROUGHNESS;
             if modes.is_none() && (is_last && is_white || self.check_points(number).is_err()) {
                 break;
             }
@@ -285,6 +293,9 @@ impl<'a> Fitter<'a> {
     /// one alone may not be: the residue of a second one looks like a long memory.
     fn is_worth(&self, fewer: &Stage, more: &Stage, further: usize) -> bool {
         let Some(fewer) = self.solve(&fewer.solution.parameters, &more.weights, 0.0) else { return false };
+        if is_exact(&fewer) {
+            return false;
+        }
         let memory = memory(&complex(&more.solution.linear.residuals));
         let n = (2 * self.readings.len()) as f64 / memory.1;
         let gain = n * libm::log(fewer.cost / more.solution.cost.max(f64::MIN_POSITIVE));
@@ -340,6 +351,7 @@ impl<'a> Fitter<'a> {
 
     /// Whitens the residuals, and computes the covariance.
     fn finish(mut self, stage: Stage) -> Result<Fit, ImportError> {
+        let is_exact = is_exact(&stage.solution);
         let Stage { mut solution, weights } = stage;
         let long = self.bins.len() < self.rows.hz.len();
         let (mut residuals, noise) = if long {
@@ -348,8 +360,8 @@ impl<'a> Fitter<'a> {
             let mean = |part: usize| weights.0.iter().map(|sd| sd[part] * sd[part]).sum::<f64>() / weights.0.len() as f64;
             (complex(&solution.linear.residuals), [mean(0).sqrt(), mean(1).sqrt()])
         };
-        let (mut correlation, mut inflation) = memory(&residuals);
-        let misfit = roughness(&residuals);
+        let (mut correlation, mut inflation) = if is_exact { (0.0, 1.0) } else { memory(&residuals) };
+        let misfit = if is_exact { 1.0 } else { roughness(&residuals) };
         if long {
             solution.cost = residuals.iter().map(Complex64::norm_sqr).sum();
             let sd = (solution.cost / (2 * residuals.len()) as f64).sqrt().max(f64::MIN_POSITIVE);
@@ -369,10 +381,11 @@ impl<'a> Fitter<'a> {
             inflation = inflation.max(misfit);
         }
         let free = 2 * residuals.len() - solution.parameters.len();
-        let variance = solution.cost / free as f64 * inflation;
+        let least = if is_exact { 1.0 } else { 0.0 };
+        let variance = (solution.cost / free as f64).max(least) * inflation;
         let covariance =
             solution.covariance().ok_or_else(|| no_fit("the data do not determine all parameters of the circuit"))?;
-        if !solution.converged {
+        if !(solution.converged || is_exact) {
             return Err(no_fit("the search does not converge"));
         }
         if let Some(at) = (CLAMPED_PARAMETERS..solution.parameters.len())

@@ -25,8 +25,7 @@ impl FromStr for ModeChoice {
         if let Some(number) = text.parse().ok().filter(|number| (1..=MOST_MODES).contains(number)) {
             return Ok(ModeChoice::Number(number));
         }
-        let (number, factor) = text.strip_suffix('k').map_or((text, 1.0), |number| (number, 1e3));
-        let hz = number.parse::<f64>().map(|hz| factor * hz).ok().filter(|hz| (MIN_HZ..1e12).contains(hz));
+        let hz = columns::hertz(text).filter(|hz| (MIN_HZ..1e12).contains(hz));
         hz.map(ModeChoice::Near)
             .ok_or_else(|| format!("give the number of a mode from 1 to {MOST_MODES}, or a frequency in Hz, as 40.1k"))
     }

@@ -4,7 +4,7 @@ use report::{Report, TableBlock};
 
 use super::figures;
 use super::result::{Admittance, Mode, Value};
-use report::{rounded, stated};
+use report::{MIN_STATED_REL, rounded, stated};
 
 impl Admittance {
     /// Returns the tables of the result.
@@ -54,7 +54,7 @@ impl Admittance {
         ];
         let rows = rows.map(|(name, value, factor)| {
             let (number, sd) = stated(value.value * factor, value.sd * factor);
-            vec![name.to_owned(), number, sd, format!("{:.2e}", (value.sd / value.value).abs())]
+            vec![name.to_owned(), number, sd, format!("{:.1e}", (value.sd / value.value).abs().max(MIN_STATED_REL))]
         });
         let caption = "Standard deviations follow from the noise of the residuals and its correlation. Systematic errors of a \
                        fixture or a calibration are not included.";

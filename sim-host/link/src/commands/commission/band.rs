@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use columns::hertz;
 use firmware::board::command::Converters;
 
 /// Largest half-width of a window, relative to its middle. The board accepts 0.2, so that a
@@ -48,15 +49,6 @@ impl FromStr for Band {
             Err(format!("{FORM}, both positive and the lower one first"))
         }
     }
-}
-
-fn hertz(text: &str) -> Option<f64> {
-    let text = text.trim();
-    let (number, factor) = match text.strip_suffix(['k', 'M']) {
-        Some(number) => (number, if text.ends_with('k') { 1e3 } else { 1e6 }),
-        None => (text, 1.0),
-    };
-    number.parse::<f64>().ok().filter(|hz| hz.is_finite()).map(|hz| factor * hz)
 }
 
 impl Band {

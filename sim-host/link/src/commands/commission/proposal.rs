@@ -107,20 +107,22 @@ impl Proposal {
         Proposal { volts, amperes: self.amperes * volts / self.volts, ..self }
     }
 
-    /// Returns the proposal as parameters of the board, by their names.
+    /// Returns the proposal as parameters of the board, by their names, with the digits that the
+    /// measurement justifies.
     pub fn settings(&self) -> Vec<(&'static str, f32)> {
         let it = &self.transducer;
+        let digits = |count: usize, value: f32| report::rounded(value.into(), count) as f32;
         vec![
-            ("drive.frequency_hz", it.series_resonance_hz),
+            ("drive.frequency_hz", digits(7, it.series_resonance_hz)),
             ("drive.amplitude_v", self.volts as f32),
             ("drive.scan_volts", self.volts as f32),
             ("limits.voltage_v", self.limits.0 as f32),
             ("limits.current_a", self.limits.1 as f32),
             ("tracking.mode", if self.observer { 0.0 } else { 1.0 }),
-            ("tracking.span", self.span as f32),
-            ("tracking.nominal_q", it.q.clamp(2.0, 1e5)),
-            ("tracking.nominal_lm_h", it.lm_h),
-            ("tracking.nominal_c0_f", it.c0_f),
+            ("tracking.span", three_digits(self.span) as f32),
+            ("tracking.nominal_q", digits(5, it.q.clamp(2.0, 1e5))),
+            ("tracking.nominal_lm_h", digits(5, it.lm_h)),
+            ("tracking.nominal_c0_f", digits(5, it.c0_f)),
         ]
     }
 }

@@ -7,6 +7,7 @@ use super::modes::Mode;
 use super::proposal::Proposal;
 use crate::link_error::LinkError;
 use crate::scale::Scale;
+use report::rounded;
 use scene::load::{Loaded, load_text};
 use sim::advice::case::{Case, Wishes};
 use sim::advice::{Advice, advise};
@@ -31,9 +32,9 @@ pub fn toml(name: &str, proposal: &Proposal, others: &[Mode], scale: &Scale, con
             let it = &mode.transducer;
             format!(
                 "\n[[stack.mode]]\nseries_resonance_hz = {:?}\nq = {:?}\nlm_h = {:?}\n",
-                f64::from(it.series_resonance_hz),
-                f64::from(it.q),
-                f64::from(it.lm_h)
+                rounded(it.series_resonance_hz.into(), 7),
+                rounded(it.q.into(), 5),
+                rounded(it.lm_h.into(), 5)
             )
         })
         .collect();
@@ -52,14 +53,14 @@ pub fn toml(name: &str, proposal: &Proposal, others: &[Mode], scale: &Scale, con
          [stack.bvd]\nseries_resonance_hz = {hz:?}\nq = {q:?}\nc0_f = {c0:?}\ncoupling = {coupling:?}\n{modes}",
         title = format!("Twin of {name}"),
         block = converters.block_samples,
-        hz = f64::from(it.series_resonance_hz),
+        hz = rounded(it.series_resonance_hz.into(), 7),
         volts = proposal.volts,
         mode = if proposal.observer { "observer" } else { "phase_lock" },
         span = proposal.span,
-        q = f64::from(it.q),
-        lm = f64::from(it.lm_h),
-        c0 = f64::from(it.c0_f),
-        coupling = f64::from(it.coupling),
+        q = rounded(it.q.into(), 5),
+        lm = rounded(it.lm_h.into(), 5),
+        c0 = rounded(it.c0_f.into(), 5),
+        coupling = rounded(it.coupling.into(), 5),
         limit_v = proposal.limits.0,
         limit_a = proposal.limits.1,
         full_v = scale.drive_volt_per_lsb * f64::from(drive_half),
