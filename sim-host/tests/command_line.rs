@@ -122,7 +122,7 @@ fn a_contact_study_has_no_values_of_a_controller() {
     }
     assert!(summary["machine"]["ns_per_period"].is_number() && summary["metrics"].get("ns_per_period").is_none(), "{summary}");
     assert!(summary["solution"]["method"].is_string() && summary.get("drive_hash").is_none(), "{summary}");
-    for file in ["report.html", "friction.png", "hysteresis.svg", "power.csv", "friction-run.csv", "trace.csv"] {
+    for file in ["report.html", "friction.png", "hysteresis.svg", "power.csv", "trace.csv"] {
         assert!(Path::new(folder.text()).join(file).metadata().is_ok_and(|file| file.len() > 100), "{file}");
     }
     let manifest: Value = serde_json::from_str(&folder.read("manifest.json")).expect("JSON");
@@ -315,7 +315,7 @@ fn a_trace_holds_the_signals_asked_for() {
 #[test]
 fn an_interrupted_run_keeps_and_marks_its_results() {
     interrupted("lock", &["duration_s=900", "controller.burst.off_s=[0.22,900]"]);
-    interrupted("contact", &["duration_s=900", "integrator.method=rk4"]);
+    interrupted("contact", &["duration_s=900", "integrator.method=rk4", "integrator.window=run"]);
 }
 
 #[cfg(unix)]

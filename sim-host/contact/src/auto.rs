@@ -19,6 +19,7 @@
 //! periodic run the settings are compared on a short `pilot` only. `evidence contacts` tests this
 //! choice on random contacts.
 
+use std::borrow::Cow;
 use std::time::Duration;
 
 mod ladder;
@@ -33,6 +34,7 @@ use super::closed::ClosedForm;
 use super::method::Method;
 use super::problem::Problem;
 use super::tally::{Ratios, State, Tally};
+use crate::orbit::{Orbit, Unsteady};
 pub use ladder::stable_steps;
 pub use many::solve_many;
 use runs::Runs;
@@ -73,6 +75,9 @@ pub struct Numerics {
     /// `true` if the run continues after the window, so that peaks and reversals cover the whole
     /// run.
     pub whole_run: bool,
+    /// `true` if the means are those of the periodic steady state, over one period, where it is
+    /// known; the window has then no effect.
+    pub steady: bool,
 }
 
 impl Default for Numerics {
@@ -85,6 +90,7 @@ impl Default for Numerics {
             tolerance_of: ToleranceOf::Mean,
             energies: true,
             whole_run: true,
+            steady: false,
         }
     }
 }
@@ -110,6 +116,8 @@ pub struct Solution {
     /// Estimated error of the record, from the same runs; `None` unless the tolerance limits the
     /// record.
     pub record_error_estimate: Option<f64>,
+    /// Periodic steady state that the means belong to; `None` for those of a window.
+    pub orbit: Option<Orbit>,
     /// `true` if the estimated error is within the tolerance.
     pub tolerance_met: bool,
     /// Warnings for the user, such as a tolerance that is not met.
@@ -125,6 +133,8 @@ pub struct Solution {
 /// runs on targets without a clock.
 pub type Clock = fn() -> Duration;
 
+/// Minimum number of steps of a displayed steady period.
+const SHOWN_STEPS_PER_PERIOD: u32 = 128;
 /// Error of the closed forms.
 const ROUND_OFF: f64 = 1e-14;
 
@@ -184,11 +194,11 @@ impl Plan {
             }
             Method::Closed => Ok(Plan::Closed(ClosedForm::new(problem)?, "requested")),
             Method::Auto => {
-                let may_be_closed =
-                    numerics.tolerance_of == ToleranceOf::Mean && problem.waveform.is_periodic() && of_whole_periods(problem);
+                let is_whole = of_whole_periods(problem) || numerics.steady && problem.load_steps.is_empty();
+                let may_be_closed = numerics.tolerance_of == ToleranceOf::Mean && problem.waveform.is_periodic() && is_whole;
                 let form = may_be_closed.then(|| ClosedForm::new(problem).ok()).flatten();
                 // The remaining influence of the start must be far below the tolerance.
-                let form = form.filter(|form| form.start_left(periods_before(problem)) < 0.1 * numerics.tolerance);
+                let form = form.filter(|form| numerics.steady || start_left(form, problem, numerics) < 0.1 * numerics.tolerance);
                 let why = "kinematic, and the window lies in the steady state: closed form";
                 Ok(form.map_or(Plan::Stepped(None), |form| Plan::Closed(form, why)))
             }
@@ -198,12 +208,70 @@ impl Plan {
     }
 }
 
-/// Returns the number of periods before the window.
-fn periods_before(problem: &Problem) -> f64 {
-    problem.window_s.0 * problem.waveform.frequency_hz()
+/// Returns the influence of the start on the means, as a fraction of Fc.
+fn start_left(form: &ClosedForm, problem: &Problem, numerics: &Numerics) -> f64 {
+    if numerics.steady { 0.0 } else { form.start_left(problem.window_s.0 * problem.waveform.frequency_hz()) }
+}
+
+/// Steady state of a problem, or the reason that it has none; `None` if the means do not belong to
+/// it, or if it is in closed form.
+type Settled = Option<Result<Orbit, Unsteady>>;
+
+fn settled(problem: &Problem, numerics: &Numerics) -> Settled {
+    let is_wanted = numerics.steady && numerics.tolerance_of == ToleranceOf::Mean;
+    let is_stepped = is_wanted && matches!(Plan::new(problem, numerics), Ok(Plan::Stepped(_)));
+    is_stepped.then(|| Orbit::new(problem))
+}
+
+/// Returns what remains to be solved: one period, or the run.
+fn remaining<'a>(problem: &'a Problem, numerics: &Numerics, settled: &Settled) -> (Cow<'a, Problem>, Numerics) {
+    let numerics = Numerics { steady: numerics.steady && settled.is_none(), ..*numerics };
+    match settled {
+        Some(Ok(orbit)) => (Cow::Owned(orbit.period(problem)), numerics),
+        _ => (Cow::Borrowed(problem), numerics),
+    }
+}
+
+/// Adds the steady state to a solution of what remained.
+fn finished(mut solution: Solution, settled: Settled, tolerance: f64) -> Solution {
+    match settled {
+        Some(Ok(orbit)) => {
+            let error = solution.error_estimate.unwrap_or(0.0) + orbit.error;
+            solution.why += ", over one period of the steady state";
+            if solution.tolerance_met {
+                stepped::state_errors(&mut solution, (error, None), tolerance);
+            }
+            (solution.orbit, solution.error_estimate) = (Some(orbit), Some(error));
+        }
+        Some(Err(reason)) if reason != Unsteady::Aperiodic => {
+            solution.warnings.push(format!("{reason}; the means are those of a window of the run and may depend on it"));
+        }
+        _ => {}
+    }
+    solution
 }
 
 fn by_method<W: FnMut(&State)>(
+    problem: &Problem,
+    numerics: &Numerics,
+    runs: &dyn Runs,
+    watch: Option<&mut W>,
+) -> Result<Solution, SolveError> {
+    let settled = settled(problem, numerics);
+    let (problem, remaining) = remaining(problem, numerics, &settled);
+    let solution = match (watch, &settled) {
+        (Some(watch), Some(Ok(_))) => {
+            let solution = by_plan(&problem, &remaining, runs, None::<&mut W>)?;
+            let steps = solution.steps_per_period.unwrap_or(1).max(SHOWN_STEPS_PER_PERIOD);
+            solution.method.run(&problem, (steps, solution.order), false, watch)?;
+            solution
+        }
+        (watch, _) => by_plan(&problem, &remaining, runs, watch)?,
+    };
+    Ok(finished(solution, settled, numerics.tolerance))
+}
+
+fn by_plan<W: FnMut(&State)>(
     problem: &Problem,
     numerics: &Numerics,
     runs: &dyn Runs,
@@ -242,7 +310,7 @@ fn in_closed_form<W: FnMut(&State)>(
     if let Some(watch) = watch {
         form.show(problem, watch);
     }
-    let left = form.start_left(periods_before(problem));
+    let left = start_left(form, problem, numerics);
     let early = format!(
         "the closed form is the steady state, but up to {left:.1e} of the initial difference remains when the window begins"
     );
@@ -256,6 +324,7 @@ fn in_closed_form<W: FnMut(&State)>(
         tally: None,
         error_estimate: Some(left.max(ROUND_OFF)),
         record_error_estimate: None,
+        orbit: None,
         tolerance_met,
         warnings: (!tolerance_met).then_some(early).into_iter().collect(),
         states: 0,

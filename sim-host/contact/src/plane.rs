@@ -178,6 +178,7 @@ fn in_closed_form(
         tolerance_met: ROUND_OFF <= numerics.tolerance,
         warnings: Vec::new(),
         states: 0,
+        orbit: None,
         ns_per_period: None,
     };
     let last_period = if moments { coulomb::period(problem, direction, PERIOD_STEPS) } else { Vec::new() };
@@ -212,6 +213,7 @@ fn by_collocation(
         tolerance_met,
         warnings: (!tolerance_met).then_some(missed).into_iter().collect(),
         states: 2,
+        orbit: None,
         ns_per_period: None,
     };
     Ok(PlaneSolution { solution, transverse_rms_n: transverse_square.sqrt() * coulomb_n, last_period })

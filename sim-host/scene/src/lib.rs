@@ -46,7 +46,7 @@ pub use keys::controller::Controller;
 pub use keys::course::{Disturbance, DisturbedKey, Fault, FaultKind};
 pub use keys::dring::{ActuatorKind, Dring, NormalPartKind, Occupant, RingVibration};
 pub use keys::excitation::{Excitation, Match, VibrationVelocity, Waveform};
-pub use keys::integrator::Integrator;
+pub use keys::integrator::{Integrator, MeanWindow};
 pub use keys::measured_curve::Overlay;
 pub use keys::plant::{Amplifier, Bvd, LAW_FACTORS, Mode, Sensors, Stack, Thermal};
 pub use keys::profile::Profile;

@@ -166,7 +166,7 @@ impl Window {
             Window::SetPoint => {
                 "whole burst periods starting 50 ms after the survey or the last set point, until the next set point or the end"
             }
-            Window::Periods => "the window of a contact study, `integrator.window_periods`",
+            Window::Periods => "the steady state of a contact study, or the window that `integrator.window_periods` gives",
             Window::Run => "the whole run; for a driven scene, its blocks in mode `Run`",
             Window::Edges => "the edges of the first 64 bursts of the run, each from its first DAC sample; the worst of them",
             Window::Lock => {

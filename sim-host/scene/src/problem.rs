@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Body, Disturbance, Excited, Match, Model, Profile, Sign, VibrationVelocity, Waveform};
+use super::{Body, Disturbance, Excited, Match, MeanWindow, Model, Profile, Sign, VibrationVelocity, Waveform};
 use contact::plane::Direction;
 use contact::{self, Law, Motion, Numerics, Problem, Shape, SolveError, State, ToleranceOf};
 
@@ -119,6 +119,7 @@ pub fn numerics(study: &Excited, metrics: Option<&[&str]>) -> Numerics {
     let default = Numerics::default();
     let tolerance_of = integrator.tolerance_of.unwrap_or_default();
     Numerics {
+        steady: is_steady(study),
         method: integrator.method.unwrap_or_default(),
         steps_per_period: integrator.steps_per_period,
         order: integrator.order,
@@ -197,6 +198,13 @@ fn matched_peak(study: &Excited) -> f64 {
         Match::Rms if rms > 0.0 => peak(study) * contact::Waveform::shape_rms(Shape::Sine) / rms,
         _ => peak(study),
     }
+}
+
+/// Returns `true` if the means are to be those of the steady state. Measured curves lie over a run.
+fn is_steady(study: &Excited) -> bool {
+    let integrator = &study.integrator;
+    let is_default = integrator.window_periods.is_none() && study.overlay.is_empty();
+    integrator.window.map_or(is_default, |window| window == MeanWindow::Steady)
 }
 
 /// Returns the window of the means, s. A window that ends within round-off of the end of the run

@@ -17,7 +17,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Table, String> {
     for place in 0..archive.len() {
         let file = archive.by_index(place).map_err(|error| damaged(&error))?;
         let Some(name) = file.name().ok().and_then(|name| name.strip_suffix(".npy").map(str::to_owned)) else {
-            return Err("a ZIP archive that is no NPZ, as XLSX is; export the table as CSV".to_owned());
+            return Err("a ZIP archive, but not of NPY arrays; export the table as CSV".to_owned());
         };
         let mut array = Vec::new();
         file.take(left + 1).read_to_end(&mut array).map_err(|error| damaged(&error))?;
@@ -80,7 +80,7 @@ mod tests {
     fn archives_that_are_no_table_are_refused() {
         for (arrays, why) in [
             (&[("t.npy", "(2,)", &[0.0, 0.5][..]), ("v.npy", "(1,)", &[1.0])][..], "`t` and `v` have 2 and 1 values"),
-            (&[("xl/workbook.xml", "(1,)", &[0.0])], "no NPZ, as XLSX is"),
+            (&[("xl/workbook.xml", "(1,)", &[0.0])], "not of NPY arrays"),
             (&[("rate_hz.npy", "()", &[2.0])], "without an array"),
             (&[("t.npy", "(9,)", &[0.0])], "array `t`: a NumPy file with 9 rows"),
         ] {

@@ -165,7 +165,7 @@ fn coulomb_limit<W: FnMut(&State)>(
 }
 
 /// Stores the error of the mean, and that of the record if the tolerance limits the record.
-fn state_errors(solution: &mut Solution, (error, of_record): (f64, Option<f64>), tolerance: f64) {
+pub fn state_errors(solution: &mut Solution, (error, of_record): (f64, Option<f64>), tolerance: f64) {
     (solution.error_estimate, solution.record_error_estimate) = (Some(error), of_record);
     solution.tolerance_met = of_record.unwrap_or(error) <= tolerance;
     if solution.tolerance_met {
@@ -413,6 +413,7 @@ fn answer<W: FnMut(&State)>(
         tolerance_met: true,
         warnings,
         states: method.states(problem),
+        orbit: None,
         ns_per_period: None,
     };
     state_errors(&mut solution, (error, record_error), numerics.tolerance);

@@ -22,7 +22,10 @@ pub(super) const SUITES: &[File] = folder!["suites/nothing-fits.toml", "suites/s
 /// Scripts of the link; they are mutated too.
 pub(super) const SCRIPTS: &[File] = folder!["scripts/every-order.txt", "scripts/quotes.txt"];
 /// Files of measured data that no generator writes; they are mutated too.
-pub(super) const TABLES: &[(&str, &[u8])] = &[("tables/labels.parquet", include_bytes!("../../corpus/tables/labels.parquet"))];
+pub(super) const TABLES: &[(&str, &[u8])] = &[
+    ("tables/labels.parquet", include_bytes!("../../corpus/tables/labels.parquet")),
+    ("tables/one-row.csv", include_bytes!("../../corpus/tables/one-row.csv")),
+];
 
 #[cfg(test)]
 mod tests {

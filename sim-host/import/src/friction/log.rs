@@ -82,7 +82,7 @@ impl Log {
         }
         let mut remarks = vec![format!("A table with {}", table.found)];
         let smoothed = match (&x, &time) {
-            (Some(x), Some(time)) => Some(Smoothed::new(time, x)),
+            (Some(x), Some(time)) if count > 1 => Some(Smoothed::new(time, x)),
             _ => None,
         };
         let steps = |x: &[f64]| std::iter::once(0.0).chain(x.windows(2).map(|pair| pair[1] - pair[0])).collect::<Vec<_>>();

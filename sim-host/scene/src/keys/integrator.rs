@@ -4,6 +4,16 @@ use contact::{Method, ToleranceOf};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Part of a contact study to which its means belong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MeanWindow {
+    /// The periodic steady state, which the run approaches; it does not depend on the start.
+    Steady,
+    /// `window_periods` of the run, or its second half.
+    Run,
+}
+
 /// Step size for the contact; in a contact study also the method, the tolerance and the window of
 /// the means.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -30,8 +40,12 @@ pub struct Integrator {
     /// Quantity that the tolerance applies to, mean by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_of: Option<ToleranceOf>,
-    /// Window of the means of a contact study, in periods of the excitation: from, to. Default: the
-    /// second half of the run.
+    /// Part of a contact study to which its means belong. Default: the steady state, unless
+    /// `window_periods` or a measured curve is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window: Option<MeanWindow>,
+    /// Window of the means of a contact study, in periods of the excitation: from, to. Without it,
+    /// the second half of the run if there is no steady state.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 2, max = 2), inner(range(min = 0.0, max = 1e12)))]
     pub window_periods: Option<Vec<f64>>,

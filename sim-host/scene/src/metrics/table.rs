@@ -17,6 +17,8 @@ pub const METRICS: &[Metric] = &[
     row("friction_off_n", "N", Signed, Off, "Friction without vibration, mean. For a contact study, the Coulomb force mu N"),
     row("friction_on_n", "N", Signed, On, "Friction under vibration, mean"),
     row("friction_ratio", "1", Signed, On, "`friction_on_n` divided by `friction_off_n` (thesis 4.17): 1 means no effect, 0 no friction"),
+    row("steady_friction_ratio", "1", Signed, Steady, "`friction_ratio` of the periodic steady state of a contact study with a mass, which the run approaches"),
+    row("settling_periods", "1", Magnitude, Steady, "Periods of the excitation after which a small disturbance of that steady state is a thousandth"),
     row("friction_ratio_wanted", "1", Magnitude, SetPoint, "The set point of the friction ratio"),
     row("friction_ratio_estimate", "1", Magnitude, SetPoint, "The controller's estimate of the friction ratio, from its law and the tip velocity that it measures"),
     row("friction_ratio_sensed", "1", Signed, SetPoint, "Reading of the force channel divided by its reading without vibration"),

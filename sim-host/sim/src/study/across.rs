@@ -98,6 +98,7 @@ fn given(
         tolerance_met: true,
         warnings: Vec::new(),
         states: 0,
+        orbit: None,
         ns_per_period: ns.map(|ns| ns / (problem.duration_s * hz)),
     };
     let across = Across {
@@ -220,6 +221,7 @@ impl<'a> Shaken<'a> {
             tolerance_met: error <= asked,
             warnings: (error > asked).then_some(missed).into_iter().collect(),
             states: 2,
+            orbit: None,
             ns_per_period: ns.map(|ns| ns / f64::from(self.contact.settle_periods + self.contact.mean_periods)),
         };
         let across = Across {

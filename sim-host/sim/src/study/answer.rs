@@ -2,7 +2,7 @@
 
 use super::across::Across;
 use super::in_plane::InPlane;
-use contact::{Problem, Solution};
+use contact::{Orbit, Problem, Solution};
 
 /// A problem and its solution.
 #[derive(Clone, Debug)]
@@ -11,6 +11,8 @@ pub struct Answer {
     pub problem: Problem,
     /// Solution of the problem.
     pub solution: Solution,
+    /// Steady friction ratio and its motion, if they are known.
+    pub steady: Option<(f64, Orbit)>,
     /// Normal direction, if the vibration is normal to the surface.
     pub across: Option<Across>,
     /// Direction transverse to the sliding, if the vibration is at an angle to it.

@@ -14,7 +14,7 @@ use super::playback::Playback;
 use super::stopped::{interrupt_if, unless_stopped};
 use crate::metrics::Metrics;
 use crate::overlay::{self, Overlaid};
-use contact::{self, Clock, Law, Method, SolveError, State};
+use contact::{self, Clock, Law, Method, Numerics, Orbit, Problem, Solution, SolveError, State, ToleranceOf};
 use scene::{Excited, Model, problem};
 
 /// Maximum number of steps between progress reports and checks of the stop flag: some milliseconds.
@@ -99,6 +99,25 @@ fn measured(scene: &Excited, answer: Option<&Answer>) -> Metrics {
     answer.map_or_else(Metrics::default, |answer| metrics::measure(scene, answer))
 }
 
+/// Returns the friction ratio of the steady state, and its motion, if they are known and wanted.
+pub(super) fn steady(
+    problem: &Problem,
+    numerics: &Numerics,
+    solution: &Solution,
+    wanted: Option<&[&str]>,
+) -> Option<(f64, Orbit)> {
+    if let Some(orbit) = solution.orbit {
+        return Some((solution.ratios.friction, orbit));
+    }
+    let is_wanted = wanted.is_none_or(|wanted| wanted.iter().any(|metric| metrics::STEADY.contains(metric)));
+    if numerics.steady || !is_wanted || solution.method == Method::Closed {
+        return None;
+    }
+    let lean = Numerics { steady: true, tolerance_of: ToleranceOf::Mean, energies: false, ..*numerics };
+    let settled = contact::solve_unwatched(problem, &lean, &|| ()).ok()?;
+    Some((settled.ratios.friction, settled.orbit?))
+}
+
 fn answer<W: FnMut(&State)>(
     scene: &Excited,
     wanted: Option<&[&str]>,
@@ -110,7 +129,7 @@ fn answer<W: FnMut(&State)>(
     let (numerics, pause) = (problem::numerics(scene, wanted), || interrupt_if(stop));
     if let Some(direction) = problem::direction(scene) {
         let (solution, in_plane) = in_plane::solve(&problem, direction, &numerics, (&pause, clock), watch)?;
-        return Ok(Answer { problem, solution, across: None, in_plane: Some(in_plane) });
+        return Ok(Answer { problem, solution, steady: None, across: None, in_plane: Some(in_plane) });
     }
     let (solution, across) = match scene.model {
         Model::Hertz(model) => {
@@ -129,5 +148,6 @@ fn answer<W: FnMut(&State)>(
             None => (contact::solve_unwatched(&problem, &numerics, &pause)?, None),
         },
     };
-    Ok(Answer { problem, solution, across, in_plane: None })
+    let steady = steady(&problem, &numerics, &solution, wanted).filter(|_| across.is_none());
+    Ok(Answer { problem, solution, steady, across, in_plane: None })
 }

@@ -10,7 +10,7 @@
 
 use super::StudyError;
 use super::answer::Answer;
-use super::contact::{metrics, needs_figures};
+use super::contact::{metrics, needs_figures, steady as steady_state};
 use super::plan::{Cell, Plan};
 use super::steady::{self, Mean, Steady};
 use super::stopped::{interrupt_if, unless_stopped};
@@ -78,7 +78,8 @@ impl<'p, 'a> Points<'p, 'a> {
             PointWork::Problem(problem) => {
                 let empty = |error| StudyError::EmptyCell(cell(point).label, Box::new(error));
                 let solution = solutions.next().ok_or(StudyError::Incomplete)?.map_err(|error| empty(error.into()))?;
-                let answer = Answer { problem: *problem, solution, across: None, in_plane: None };
+                let steady = numerics.and_then(|numerics| steady_state(&problem, &numerics, &solution, Some(self.metrics)));
+                let answer = Answer { problem: *problem, solution, steady, across: None, in_plane: None };
                 let set = numbers.as_mut().and_then(|numbers| numbers.set(values(point).as_ref())?.excited());
                 let scene = set.ok_or(StudyError::Incomplete)?;
                 Ok(self.read(&metrics::measure(&scene, &answer)))

@@ -40,7 +40,7 @@ const DRIVEN_ONLY: &[&str] = &[
 /// Tables that only a contact study can have.
 const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.hertz", "contact.compliant"];
 /// Keys of the integrator that only a contact study can have.
-const STUDY_KEYS: &[&str] = &["method", "order", "tolerance", "tolerance_of", "window_periods"];
+const STUDY_KEYS: &[&str] = &["method", "order", "tolerance", "tolerance_of", "window", "window_periods"];
 /// Largest number of steps per period of the stack.
 const MAX_DRIVEN_STEPS: f64 = 4096.0;
 

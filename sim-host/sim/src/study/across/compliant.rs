@@ -99,6 +99,7 @@ pub(in crate::study) fn solve<W: FnMut(&State)>(
         tolerance_met: !(is_early || is_rounded),
         warnings,
         states: 0,
+        orbit: None,
         ns_per_period: ns.map(|ns| ns / (problem.duration_s * hz)),
     };
     let across = Across {

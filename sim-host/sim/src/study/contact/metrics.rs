@@ -5,9 +5,12 @@ use crate::study::answer::Answer;
 use contact::{Method, Motion};
 use scene::{Excited, problem};
 
+/// Metrics of the steady state, which a window of the run does not show.
+pub const STEADY: [&str; 2] = ["steady_friction_ratio", "settling_periods"];
+
 /// Returns the metrics of a solved study.
 pub fn measure(study: &Excited, answer: &Answer) -> Metrics {
-    let Answer { problem, solution, across, in_plane } = answer;
+    let Answer { problem, solution, steady, across, in_plane } = answer;
     let mut metrics = Metrics::default();
     let (ratios, tally) = (&solution.ratios, solution.tally.as_ref());
     let coulomb_n = tally.map_or(problem.coulomb_n, |tally| tally.coulomb_n);
@@ -15,6 +18,8 @@ pub fn measure(study: &Excited, answer: &Answer) -> Metrics {
     metrics.put("friction_off_n", coulomb_n);
     metrics.put("friction_on_n", ratios.friction * coulomb_n);
     metrics.put("friction_ratio", ratios.friction);
+    metrics.put("steady_friction_ratio", steady.map(|(ratio, _)| ratio));
+    metrics.put("settling_periods", steady.map(|(_, orbit)| orbit.settling_periods()));
     metrics.put("transverse_friction_n", in_plane.as_ref().map(|in_plane| in_plane.transverse_rms_n));
     metrics.put("reduction_percent", 100.0 * (1.0 - ratios.friction));
     // A mass on its contact has no given vibration.

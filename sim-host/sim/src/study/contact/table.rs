@@ -4,9 +4,9 @@ use crate::instruments::Line;
 use crate::numbers::{number, precise};
 use crate::study::Study;
 use crate::study::contact::Solved;
-use contact::Solution;
+use contact::{Method, Solution};
 use report::TableBlock;
-use scene::{Body, Model, Sign, VibrationVelocity, problem};
+use scene::{Body, MeanWindow, Model, Sign, VibrationVelocity, problem};
 
 /// Introduction to a contact study.
 pub const PREFACE: &str = "A contact study: a given excitation vibrates the contact; no controller, converter or stack is \
@@ -30,6 +30,15 @@ pub fn remarks(solved: &Solved) -> Vec<String> {
         remarks.push(
             "With the literal sign of 4.14 and 4.16, friction feeds energy into the oscillator: its own motion \
                       grows."
+                .into(),
+        );
+    }
+    let wanted = solved.scene.integrator.window == Some(MeanWindow::Steady);
+    if wanted && solved.answer.as_ref().is_some_and(|answer| answer.steady.is_none() && answer.solution.method != Method::Closed)
+    {
+        remarks.push(
+            "`integrator.window = \"steady\"` has no effect: the steady state is found for a contact that vibrates along the \
+             sliding, with an excitation and a load that repeat."
                 .into(),
         );
     }
@@ -109,6 +118,8 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
     };
     let rows = [
         ("friction ratio", Some(with_error(solution)), "mean friction / Fc (4.17)"),
+        ("of the steady state", own("steady_friction_ratio").filter(|_| solution.orbit.is_none()), "to which the run settles"),
+        ("settling [periods]", own("settling_periods"), "until a small disturbance of the steady state is a thousandth"),
         ("transverse friction [N]", own("transverse_friction_n"), "root mean square of the friction transverse to the sliding"),
         ("power ratio", own("power_ratio"), "mean F V / (Fc Vt) (4.18)"),
         ("input ratio", own("input_ratio"), "power of the excitation / (Fc Vt) (4.31)"),
@@ -132,7 +143,10 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
     ];
     let rows =
         rows.into_iter().chain(across).filter_map(|(what, value, is)| Some(vec![what.into(), value?, is.into()])).collect();
-    let caption = format!("Means over periods {} to {}.", number(from_s * hz), number(to_s * hz));
+    let caption = match solution.orbit {
+        Some(_) => "Means over one period of the steady state.".to_owned(),
+        None => format!("Means over periods {} to {}.", number(from_s * hz), number(to_s * hz)),
+    };
     TableBlock::new("ratios", "Friction and power", &caption, &["", "value", "definition"], rows)
 }
 
@@ -146,6 +160,7 @@ fn solution(solution: &Solution) -> TableBlock {
         ("steps per period", Some(or_none(solution.steps_per_period))),
         ("order", Some(or_none(solution.order))),
         ("error estimate of the friction ratio", Some(of_mean)),
+        ("residual after one period", solution.orbit.map(|orbit| error(orbit.residual))),
         ("error estimate of the record", solution.record_error_estimate.map(error)),
         ("states", Some(solution.states.to_string())),
     ];

@@ -1,0 +1,277 @@
+//! Periodic steady state: the motion that repeats after one period of the excitation, by shooting.
+//!
+//! ```text
+//! s = (x, x', f)       state at the beginning of a period; f, the force in the bristles over Fc
+//! P(s)                 state one period later, by time steps
+//! s* = P(s*)           steady state, by Newton's method: (I - P') ds = P(s) - s, P' by differences
+//! |lambda| of P'       below one: a small disturbance decays by this factor in each period
+//! ```
+//!
+//! T. S. Parker, L. O. Chua, Practical Numerical Algorithms for Chaotic Systems, Springer 1989,
+//! chapter 5. A weakly damped oscillator reaches its steady state only after many periods; Newton's
+//! method needs a dozen.
+
+use crate::SolveError;
+use crate::auto::{Numerics, ToleranceOf, solve_unwatched};
+use crate::method::{Method, rates::level};
+use crate::problem::{Law, Motion, Problem};
+use crate::state::State;
+
+/// State in units of its scale.
+type Vector = [f64; 3];
+type Matrix = [Vector; 3];
+
+/// Largest error of the record of one period, from which the steps of the map follow.
+const RECORD_TOLERANCE: f64 = 1e-9;
+/// Displacement for the derivatives, in units of the scale.
+const DIFFERENCE: f64 = 1e-6;
+/// Residual at which the search ends, in units of the scale.
+const CLOSE: f64 = 1e-14;
+/// Largest residual of a steady state, in units of the scale.
+const MAX_RESIDUAL: f64 = 1e-9;
+/// Maximum number of Newton's steps.
+const MAX_STEPS: usize = 60;
+/// Smallest part of a step that is tried before the motion itself is followed for some periods.
+const MIN_PART: f64 = 1.0 / 64.0;
+/// Number of periods that are followed then.
+const FOLLOWED_PERIODS: usize = 20;
+/// Smallest pivot; below it, the steady state is not unique.
+const MIN_PIVOT: f64 = 1e-10;
+/// Distance of a multiplier from one below which a disturbance neither decays nor grows.
+const NEUTRAL: f64 = 1e-8;
+/// Largest amplification of the force in the bristles by its computation from the whole friction.
+const MAX_BRISTLE_GAIN: f64 = 1e3;
+
+/// Periodic steady state of a problem.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orbit {
+    /// State at the beginning of a period; `force_n` is the force in the bristles.
+    pub start: State,
+    /// Difference of the state after one period, over the vibration and Fc.
+    pub residual: f64,
+    /// Largest modulus of a Floquet multiplier: factor by which a disturbance decays per period.
+    pub multiplier: f64,
+    /// Error of the mean friction ratio due to the steps of the map.
+    pub error: f64,
+}
+
+/// Reason why a problem has no known steady state.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Unsteady {
+    /// The excitation or the load is not periodic.
+    #[error("the excitation and the load do not repeat")]
+    Aperiodic,
+    /// Newton's method has found no state that repeats.
+    #[error("no motion was found that repeats after one period")]
+    NotFound,
+    /// A disturbance of the steady state grows.
+    #[error("the motion that repeats is unstable: a disturbance grows by a factor of {0:.4} in each period")]
+    Unstable(f64),
+    /// A neighbouring state repeats, too, so that the mean depends on the start.
+    #[error("the steady state depends on the start")]
+    NotUnique,
+}
+
+impl Orbit {
+    /// Number of periods after which a small disturbance is a thousandth.
+    pub fn settling_periods(&self) -> f64 {
+        if self.multiplier > 0.0 { (1e-3f64.ln() / self.multiplier.ln()).max(0.0) } else { 0.0 }
+    }
+
+    /// Returns one steady period as a problem.
+    pub fn period(&self, problem: &Problem) -> Problem {
+        let period_s = 1.0 / problem.waveform.frequency_hz();
+        Problem { start: self.start, window_s: (0.0, period_s), duration_s: period_s, ..problem.clone() }
+    }
+
+    /// Finds the steady state of a problem; its start is the first guess, its window has no effect.
+    ///
+    /// # Errors
+    /// If there is none, or if it is unstable or not unique.
+    pub fn new(problem: &Problem) -> Result<Orbit, Unsteady> {
+        if !problem.waveform.is_periodic() || !problem.load_steps.is_empty() {
+            return Err(Unsteady::Aperiodic);
+        }
+        let map = Map::new(problem).map_err(|_| Unsteady::NotFound)?;
+        let (at, residual) = map.search().ok_or(Unsteady::NotFound)?;
+        let derivative = map.derivative(&at).ok_or(Unsteady::NotFound)?;
+        let multiplier = spectral_radius(derivative);
+        if multiplier > 1.0 + NEUTRAL {
+            return Err(Unsteady::Unstable(multiplier));
+        }
+        if multiplier > 1.0 - NEUTRAL {
+            return Err(Unsteady::NotUnique);
+        }
+        // The same by half the step shows the error of the map, which many periods amplify.
+        let finer = Map { setting: (2 * map.setting.0, map.setting.1), ..map.clone() };
+        let (after, _) = finer.advance(&at).ok_or(Unsteady::NotFound)?;
+        let shift = newton_step(&derivative, &difference(&after, &at)).ok_or(Unsteady::NotUnique)?;
+        let at_finer = std::array::from_fn(|i| at[i] + shift[i]);
+        let ((_, mean), (_, mean_finer)) = map.advance(&at).zip(finer.advance(&at_finer)).ok_or(Unsteady::NotFound)?;
+        Ok(Orbit { start: map.state(&at_finer), residual, multiplier, error: (mean_finer - mean).abs() })
+    }
+}
+
+/// Map of the state over one period.
+#[derive(Clone)]
+struct Map {
+    period: Problem,
+    method: Method,
+    setting: (u32, Option<u32>),
+    /// Displacement, m, velocity, m/s, and bristle force over Fc that count as one.
+    scale: Vector,
+    /// Which parts of the state matter: a given motion has no own state, Coulomb's law no bristles.
+    free: [bool; 3],
+}
+
+impl Map {
+    fn new(problem: &Problem) -> Result<Self, SolveError> {
+        let period_s = 1.0 / problem.waveform.frequency_hz();
+        let period = Problem { window_s: (0.0, period_s), duration_s: period_s, ..problem.clone() };
+        let numerics = Numerics {
+            tolerance: RECORD_TOLERANCE,
+            tolerance_of: ToleranceOf::Record,
+            energies: false,
+            steady: false,
+            ..Numerics::default()
+        };
+        let solution = solve_unwatched(&period, &numerics, &|| ())?;
+        let peak = solution.tally.map_or(0.0, |tally| tally.peak_velocity_m_per_s);
+        let speed = [problem.vibration_m_per_s(), peak, problem.sliding_m_per_s.abs()];
+        let speed = speed.into_iter().filter(|speed| speed.is_finite()).fold(f64::MIN_POSITIVE, f64::max);
+        let moves = problem.motion != Motion::Kinematic;
+        Ok(Map {
+            method: solution.method,
+            setting: (solution.steps_per_period.unwrap_or(1), solution.order),
+            scale: [speed * period_s / std::f64::consts::TAU, speed, 1.0],
+            free: [moves, moves, problem.law != Law::Coulomb],
+            period,
+        })
+    }
+
+    /// Returns a state; its friction is the force in the bristles.
+    fn state(&self, at: &Vector) -> State {
+        let [x_m, v_m_per_s, f] = std::array::from_fn(|i| at[i] * self.scale[i]);
+        State { time_s: 0.0, x_m, v_m_per_s, force_n: f * self.period.coulomb_n }
+    }
+
+    /// Returns the state after one period, and the mean friction ratio; `None` if it cannot be
+    /// computed.
+    fn advance(&self, at: &Vector) -> Option<(Vector, f64)> {
+        let problem = Problem { start: self.state(at), ..self.period.clone() };
+        let tally = self.method.run(&problem, self.setting, false, &mut |_| ()).ok()?;
+        let last = tally.last;
+        let after = [last.x_m, last.v_m_per_s, bristles_n(&problem, &last)? / problem.coulomb_n];
+        let after = std::array::from_fn(|i| if self.free[i] { after[i] / self.scale[i] } else { at[i] });
+        let mean = tally.totals.friction_n_s / (tally.coulomb_n * tally.time_s);
+        after.iter().all(|part| part.is_finite()).then_some((after, mean))
+    }
+
+    /// Returns the derivative of the map, by differences; column j by part j of the state.
+    fn derivative(&self, at: &Vector) -> Option<Matrix> {
+        let mut columns = [[0.0; 3]; 3];
+        for (j, column) in columns.iter_mut().enumerate().filter(|(j, _)| self.free[*j]) {
+            let moved = |by: f64| std::array::from_fn(|i| at[i] + if i == j { by } else { 0.0 });
+            let (after, before) = (self.advance(&moved(DIFFERENCE))?.0, self.advance(&moved(-DIFFERENCE))?.0);
+            *column = difference(&after, &before).map(|part| part / (2.0 * DIFFERENCE));
+        }
+        Some(std::array::from_fn(|i| std::array::from_fn(|j| if self.free[i] { columns[j][i] } else { 0.0 })))
+    }
+
+    /// Returns the state that repeats, with its residual.
+    fn search(&self) -> Option<(Vector, f64)> {
+        let start = self.period.start;
+        let start = [start.x_m, start.v_m_per_s, start.force_n / self.period.coulomb_n];
+        let mut at: Vector = std::array::from_fn(|i| if self.free[i] { start[i] / self.scale[i] } else { 0.0 });
+        let mut off = difference(&self.advance(&at)?.0, &at);
+        for _ in 0..MAX_STEPS {
+            if size(&off) < CLOSE {
+                break;
+            }
+            match self
+                .derivative(&at)
+                .and_then(|derivative| newton_step(&derivative, &off))
+                .and_then(|step| self.part(&at, &off, &step))
+            {
+                Some((next, next_off)) => (at, off) = (next, next_off),
+                // At round-off no part of a step is better.
+                None if size(&off) < MAX_RESIDUAL => break,
+                None => {
+                    for _ in 0..FOLLOWED_PERIODS {
+                        at = self.advance(&at)?.0;
+                    }
+                    off = difference(&self.advance(&at)?.0, &at);
+                }
+            }
+        }
+        (size(&off) < MAX_RESIDUAL).then(|| (at, size(&off)))
+    }
+
+    /// Returns the largest part of a step that reduces the residual, with the residual after it.
+    fn part(&self, at: &Vector, off: &Vector, step: &Vector) -> Option<(Vector, Vector)> {
+        std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part >= MIN_PART).find_map(|part| {
+            let next: Vector = std::array::from_fn(|i| at[i] + part * step[i]);
+            let next_off = difference(&self.advance(&next)?.0, &next);
+            (size(&next_off) < (1.0 - 0.1 * part) * size(off)).then_some((next, next_off))
+        })
+    }
+}
+
+/// Returns the force in the bristles of a state, N: for LuGre's law,
+/// `F = Kt z + sigma1 (V - |V| Kt z / (Kt G)) + sigma2 V`. `None` if the whole friction hardly
+/// depends on it.
+fn bristles_n(problem: &Problem, state: &State) -> Option<f64> {
+    let Law::Lugre { static_ratio, stribeck_m_per_s, sigma1, sigma2, .. } = problem.law else { return Some(state.force_n) };
+    let slip = problem.sliding_m_per_s + problem.sign.factor() * state.v_m_per_s;
+    let level_n = level(static_ratio, stribeck_m_per_s, slip) * problem.coulomb_n;
+    let share = 1.0 - sigma1 * slip.abs() / level_n;
+    (share.abs() > 1.0 / MAX_BRISTLE_GAIN).then(|| (state.force_n - (sigma1 + sigma2) * slip) / share)
+}
+
+fn difference(one: &Vector, other: &Vector) -> Vector {
+    std::array::from_fn(|i| one[i] - other[i])
+}
+
+fn size(vector: &Vector) -> f64 {
+    vector.iter().fold(0.0, |size, part| part.abs().max(size))
+}
+
+/// Solves `(I - P') ds = off` by elimination with pivots; `None` if it is singular.
+fn newton_step(derivative: &Matrix, off: &Vector) -> Option<Vector> {
+    let mut rows: [[f64; 4]; 3] = std::array::from_fn(|i| {
+        std::array::from_fn(|j| if j == 3 { off[i] } else { f64::from(u8::from(i == j)) - derivative[i][j] })
+    });
+    for i in 0..3 {
+        let pivot = (i..3).max_by(|a, b| rows[*a][i].abs().total_cmp(&rows[*b][i].abs()))?;
+        rows.swap(i, pivot);
+        if rows[i][i].abs() < MIN_PIVOT {
+            return None;
+        }
+        for other in (0..3).filter(|other| *other != i) {
+            let factor = rows[other][i] / rows[i][i];
+            rows[other] = std::array::from_fn(|j| rows[other][j] - factor * rows[i][j]);
+        }
+    }
+    Some(std::array::from_fn(|i| rows[i][3] / rows[i][i]))
+}
+
+/// Returns the largest modulus of an eigenvalue: the growth of the powers of a matrix.
+fn spectral_radius(matrix: Matrix) -> f64 {
+    /// Number of squarings: the power 2^40 leaves a relative error of about 1e-12.
+    const SQUARINGS: i32 = 40;
+    let (mut power, mut ln) = (matrix, 0.0);
+    for squaring in 0..=SQUARINGS {
+        let size = power.iter().map(size).fold(0.0, f64::max);
+        if size == 0.0 {
+            return 0.0;
+        }
+        // ln |M^(2^k)| / 2^k, summed so that no power overflows.
+        ln += size.ln() / 2f64.powi(squaring);
+        let unit = power.map(|row| row.map(|part| part / size));
+        power = std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| unit[i][k] * unit[k][j]).sum()));
+    }
+    ln.exp()
+}
+
+#[cfg(test)]
+mod tests;
