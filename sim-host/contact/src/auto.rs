@@ -19,7 +19,6 @@
 //! periodic run the settings are compared on a short `pilot` only. `evidence contacts` tests this
 //! choice on random contacts.
 
-use std::borrow::Cow;
 use std::time::Duration;
 
 mod ladder;
@@ -27,6 +26,7 @@ mod many;
 mod pilot;
 mod refine;
 mod runs;
+mod steady;
 mod stepped;
 
 use super::SolveError;
@@ -34,10 +34,10 @@ use super::closed::ClosedForm;
 use super::method::Method;
 use super::problem::Problem;
 use super::tally::{Ratios, State, Tally};
-use crate::orbit::{Orbit, Unsteady};
+use crate::orbit::Orbit;
 pub use ladder::stable_steps;
 pub use many::solve_many;
-use runs::Runs;
+pub(crate) use runs::Runs;
 
 /// Quantity that the tolerance of a contact study limits: the mean friction ratio, or the whole
 /// record. Default: mean.
@@ -75,8 +75,8 @@ pub struct Numerics {
     /// `true` if the run continues after the window, so that peaks and reversals cover the whole
     /// run.
     pub whole_run: bool,
-    /// `true` if the means are those of the periodic steady state, over one period, where it is
-    /// known; the window has then no effect.
+    /// `true` if the means are those of the periodic steady state, over one period, if it is found;
+    /// the window has then no effect.
     pub steady: bool,
 }
 
@@ -133,8 +133,6 @@ pub struct Solution {
 /// runs on targets without a clock.
 pub type Clock = fn() -> Duration;
 
-/// Minimum number of steps of a displayed steady period.
-const SHOWN_STEPS_PER_PERIOD: u32 = 128;
 /// Error of the closed forms.
 const ROUND_OFF: f64 = 1e-14;
 
@@ -198,7 +196,7 @@ impl Plan {
                 let may_be_closed = numerics.tolerance_of == ToleranceOf::Mean && problem.waveform.is_periodic() && is_whole;
                 let form = may_be_closed.then(|| ClosedForm::new(problem).ok()).flatten();
                 // The remaining influence of the start must be far below the tolerance.
-                let form = form.filter(|form| numerics.steady || start_left(form, problem, numerics) < 0.1 * numerics.tolerance);
+                let form = form.filter(|form| start_left(form, problem, numerics) < 0.1 * numerics.tolerance);
                 let why = "kinematic, and the window lies in the steady state: closed form";
                 Ok(form.map_or(Plan::Stepped(None), |form| Plan::Closed(form, why)))
             }
@@ -213,65 +211,7 @@ fn start_left(form: &ClosedForm, problem: &Problem, numerics: &Numerics) -> f64 
     if numerics.steady { 0.0 } else { form.start_left(problem.window_s.0 * problem.waveform.frequency_hz()) }
 }
 
-/// Steady state of a problem, or the reason that it has none; `None` if the means do not belong to
-/// it, or if it is in closed form.
-type Settled = Option<Result<Orbit, Unsteady>>;
-
-fn settled(problem: &Problem, numerics: &Numerics) -> Settled {
-    let is_wanted = numerics.steady && numerics.tolerance_of == ToleranceOf::Mean;
-    let is_stepped = is_wanted && matches!(Plan::new(problem, numerics), Ok(Plan::Stepped(_)));
-    is_stepped.then(|| Orbit::new(problem))
-}
-
-/// Returns what remains to be solved: one period, or the run.
-fn remaining<'a>(problem: &'a Problem, numerics: &Numerics, settled: &Settled) -> (Cow<'a, Problem>, Numerics) {
-    let numerics = Numerics { steady: numerics.steady && settled.is_none(), ..*numerics };
-    match settled {
-        Some(Ok(orbit)) => (Cow::Owned(orbit.period(problem)), numerics),
-        _ => (Cow::Borrowed(problem), numerics),
-    }
-}
-
-/// Adds the steady state to a solution of what remained.
-fn finished(mut solution: Solution, settled: Settled, tolerance: f64) -> Solution {
-    match settled {
-        Some(Ok(orbit)) => {
-            let error = solution.error_estimate.unwrap_or(0.0) + orbit.error;
-            solution.why += ", over one period of the steady state";
-            if solution.tolerance_met {
-                stepped::state_errors(&mut solution, (error, None), tolerance);
-            }
-            (solution.orbit, solution.error_estimate) = (Some(orbit), Some(error));
-        }
-        Some(Err(reason)) if reason != Unsteady::Aperiodic => {
-            solution.warnings.push(format!("{reason}; the means are those of a window of the run and may depend on it"));
-        }
-        _ => {}
-    }
-    solution
-}
-
-fn by_method<W: FnMut(&State)>(
-    problem: &Problem,
-    numerics: &Numerics,
-    runs: &dyn Runs,
-    watch: Option<&mut W>,
-) -> Result<Solution, SolveError> {
-    let settled = settled(problem, numerics);
-    let (problem, remaining) = remaining(problem, numerics, &settled);
-    let solution = match (watch, &settled) {
-        (Some(watch), Some(Ok(_))) => {
-            let solution = by_plan(&problem, &remaining, runs, None::<&mut W>)?;
-            let steps = solution.steps_per_period.unwrap_or(1).max(SHOWN_STEPS_PER_PERIOD);
-            solution.method.run(&problem, (steps, solution.order), false, watch)?;
-            solution
-        }
-        (watch, _) => by_plan(&problem, &remaining, runs, watch)?,
-    };
-    Ok(finished(solution, settled, numerics.tolerance))
-}
-
-fn by_plan<W: FnMut(&State)>(
+pub(crate) fn by_method<W: FnMut(&State)>(
     problem: &Problem,
     numerics: &Numerics,
     runs: &dyn Runs,
@@ -279,6 +219,9 @@ fn by_plan<W: FnMut(&State)>(
 ) -> Result<Solution, SolveError> {
     match Plan::new(problem, numerics)? {
         Plan::Closed(form, why) => Ok(in_closed_form(problem, numerics, &form, why, watch)),
+        Plan::Stepped(method) if numerics.steady && numerics.tolerance_of == ToleranceOf::Mean => {
+            steady::solve(problem, numerics, method, runs, watch)
+        }
         Plan::Stepped(None) => stepped::solve_automatically(problem, numerics, runs, watch),
         Plan::Stepped(Some(method)) => stepped::solve(problem, numerics, (method, "requested".to_owned()), runs, watch),
     }

@@ -12,7 +12,7 @@
 //! method needs a dozen.
 
 use crate::SolveError;
-use crate::auto::{Numerics, ToleranceOf, solve_unwatched};
+use crate::auto::{Numerics, Runs, ToleranceOf, by_method, stable_steps};
 use crate::method::{Method, rates::level};
 use crate::problem::{Law, Motion, Problem};
 use crate::state::State;
@@ -26,7 +26,10 @@ const RECORD_TOLERANCE: f64 = 1e-9;
 /// Displacement for the derivatives, in units of the scale.
 const DIFFERENCE: f64 = 1e-6;
 /// Residual at which the search ends, in units of the scale.
-const CLOSE: f64 = 1e-14;
+const SMALL_RESIDUAL: f64 = 1e-14;
+/// Number of steps for the stability of a Runge-Kutta method above which LuGre's bristles are too
+/// stiff for the search.
+const MAX_STABLE_STEPS: f64 = 5000.0;
 /// Largest residual of a steady state, in units of the scale.
 const MAX_RESIDUAL: f64 = 1e-9;
 /// Maximum number of Newton's steps.
@@ -38,7 +41,7 @@ const FOLLOWED_PERIODS: usize = 20;
 /// Smallest pivot; below it, the steady state is not unique.
 const MIN_PIVOT: f64 = 1e-10;
 /// Distance of a multiplier from one below which a disturbance neither decays nor grows.
-const NEUTRAL: f64 = 1e-8;
+const MIN_DECAY: f64 = 1e-7;
 /// Largest amplification of the force in the bristles by its computation from the whole friction.
 const MAX_BRISTLE_GAIN: f64 = 1e3;
 
@@ -51,8 +54,12 @@ pub struct Orbit {
     pub residual: f64,
     /// Largest modulus of a Floquet multiplier: factor by which a disturbance decays per period.
     pub multiplier: f64,
-    /// Error of the mean friction ratio due to the steps of the map.
+    /// Error of the mean friction ratio due to the steps of the search.
     pub error: f64,
+    /// Method of the search.
+    pub method: Method,
+    /// Steps per period and order of its last steps.
+    pub setting: (u32, Option<u32>),
 }
 
 /// Reason why a problem has no known steady state.
@@ -65,11 +72,14 @@ pub enum Unsteady {
     #[error("no motion was found that repeats after one period")]
     NotFound,
     /// A disturbance of the steady state grows.
-    #[error("the motion that repeats is unstable: a disturbance grows by a factor of {0:.4} in each period")]
+    #[error("the motion that repeats is unstable, because a disturbance grows by {:.1e} of itself in each period", .0 - 1.0)]
     Unstable(f64),
-    /// A neighbouring state repeats, too, so that the mean depends on the start.
-    #[error("the steady state depends on the start")]
+    /// A disturbance decays too slowly, or not at all.
+    #[error("the steady state depends on the start, or the motion approaches it too slowly to tell")]
     NotUnique,
+    /// The bristles of LuGre's law are too stiff.
+    #[error("the bristles are too stiff for the search of the steady state")]
+    TooStiff,
 }
 
 impl Orbit {
@@ -88,18 +98,21 @@ impl Orbit {
     ///
     /// # Errors
     /// If there is none, or if it is unstable or not unique.
-    pub fn new(problem: &Problem) -> Result<Orbit, Unsteady> {
+    pub(crate) fn new(problem: &Problem, runs: &dyn Runs) -> Result<Orbit, Unsteady> {
         if !problem.waveform.is_periodic() || !problem.load_steps.is_empty() {
             return Err(Unsteady::Aperiodic);
         }
-        let map = Map::new(problem).map_err(|_| Unsteady::NotFound)?;
-        let (at, residual) = map.search().ok_or(Unsteady::NotFound)?;
+        if matches!(problem.law, Law::Lugre { .. }) && stable_steps(problem) > MAX_STABLE_STEPS {
+            return Err(Unsteady::TooStiff);
+        }
+        let map = Map::new(problem, runs).map_err(|_| Unsteady::NotFound)?;
+        let (at, mean, residual) = map.search().ok_or(Unsteady::NotFound)?;
         let derivative = map.derivative(&at).ok_or(Unsteady::NotFound)?;
         let multiplier = spectral_radius(derivative);
-        if multiplier > 1.0 + NEUTRAL {
+        if multiplier > 1.0 + MIN_DECAY {
             return Err(Unsteady::Unstable(multiplier));
         }
-        if multiplier > 1.0 - NEUTRAL {
+        if multiplier > 1.0 - MIN_DECAY {
             return Err(Unsteady::NotUnique);
         }
         // The same by half the step shows the error of the map, which many periods amplify.
@@ -107,25 +120,28 @@ impl Orbit {
         let (after, _) = finer.advance(&at).ok_or(Unsteady::NotFound)?;
         let shift = newton_step(&derivative, &difference(&after, &at)).ok_or(Unsteady::NotUnique)?;
         let at_finer = std::array::from_fn(|i| at[i] + shift[i]);
-        let ((_, mean), (_, mean_finer)) = map.advance(&at).zip(finer.advance(&at_finer)).ok_or(Unsteady::NotFound)?;
-        Ok(Orbit { start: map.state(&at_finer), residual, multiplier, error: (mean_finer - mean).abs() })
+        let (_, mean_finer) = finer.advance(&at_finer).ok_or(Unsteady::NotFound)?;
+        let error = (mean_finer - mean).abs();
+        Ok(Orbit { start: map.state(&at_finer), residual, multiplier, error, method: finer.method, setting: finer.setting })
     }
 }
 
 /// Map of the state over one period.
 #[derive(Clone)]
-struct Map {
+struct Map<'a> {
+    runs: &'a dyn Runs,
     period: Problem,
     method: Method,
     setting: (u32, Option<u32>),
     /// Displacement, m, velocity, m/s, and bristle force over Fc that count as one.
     scale: Vector,
-    /// Which parts of the state matter: a given motion has no own state, Coulomb's law no bristles.
+    /// `true` for each part of the state that is free: a given motion has no own state, Coulomb's
+    /// law no bristles.
     free: [bool; 3],
 }
 
-impl Map {
-    fn new(problem: &Problem) -> Result<Self, SolveError> {
+impl<'a> Map<'a> {
+    fn new(problem: &Problem, runs: &'a dyn Runs) -> Result<Self, SolveError> {
         let period_s = 1.0 / problem.waveform.frequency_hz();
         let period = Problem { window_s: (0.0, period_s), duration_s: period_s, ..problem.clone() };
         let numerics = Numerics {
@@ -135,12 +151,14 @@ impl Map {
             steady: false,
             ..Numerics::default()
         };
-        let solution = solve_unwatched(&period, &numerics, &|| ())?;
-        let peak = solution.tally.map_or(0.0, |tally| tally.peak_velocity_m_per_s);
-        let speed = [problem.vibration_m_per_s(), peak, problem.sliding_m_per_s.abs()];
-        let speed = speed.into_iter().filter(|speed| speed.is_finite()).fold(f64::MIN_POSITIVE, f64::max);
+        let solution = by_method(&period, &numerics, runs, None::<&mut fn(&State)>)?;
+        // At its resonance, an undamped oscillator has no steady vibration without friction.
+        let peak = || solution.tally.map_or(0.0, |tally| tally.peak_velocity_m_per_s);
+        let vibration = Some(problem.vibration_m_per_s()).filter(|speed| speed.is_finite()).unwrap_or_else(peak);
+        let speed = vibration.max(problem.sliding_m_per_s.abs()).max(f64::MIN_POSITIVE);
         let moves = problem.motion != Motion::Kinematic;
         Ok(Map {
+            runs,
             method: solution.method,
             setting: (solution.steps_per_period.unwrap_or(1), solution.order),
             scale: [speed * period_s / std::f64::consts::TAU, speed, 1.0],
@@ -159,7 +177,7 @@ impl Map {
     /// computed.
     fn advance(&self, at: &Vector) -> Option<(Vector, f64)> {
         let problem = Problem { start: self.state(at), ..self.period.clone() };
-        let tally = self.method.run(&problem, self.setting, false, &mut |_| ()).ok()?;
+        let tally = self.runs.run(&problem, self.method, self.setting, false).ok()?;
         let last = tally.last;
         let after = [last.x_m, last.v_m_per_s, bristles_n(&problem, &last)? / problem.coulomb_n];
         let after = std::array::from_fn(|i| if self.free[i] { after[i] / self.scale[i] } else { at[i] });
@@ -178,43 +196,53 @@ impl Map {
         Some(std::array::from_fn(|i| std::array::from_fn(|j| if self.free[i] { columns[j][i] } else { 0.0 })))
     }
 
-    /// Returns the state that repeats, with its residual.
-    fn search(&self) -> Option<(Vector, f64)> {
+    /// Returns the state that repeats, its mean friction ratio, and its residual.
+    fn search(&self) -> Option<(Vector, f64, f64)> {
         let start = self.period.start;
         let start = [start.x_m, start.v_m_per_s, start.force_n / self.period.coulomb_n];
-        let mut at: Vector = std::array::from_fn(|i| if self.free[i] { start[i] / self.scale[i] } else { 0.0 });
-        let mut off = difference(&self.advance(&at)?.0, &at);
+        let mut now = self.measure(std::array::from_fn(|i| if self.free[i] { start[i] / self.scale[i] } else { 0.0 }))?;
         for _ in 0..MAX_STEPS {
-            if size(&off) < CLOSE {
+            if size(&now.off) < SMALL_RESIDUAL {
                 break;
             }
-            match self
-                .derivative(&at)
-                .and_then(|derivative| newton_step(&derivative, &off))
-                .and_then(|step| self.part(&at, &off, &step))
-            {
-                Some((next, next_off)) => (at, off) = (next, next_off),
+            let step = self.derivative(&now.at).and_then(|derivative| newton_step(&derivative, &now.off));
+            match step.and_then(|step| self.part(&now, &step)) {
+                Some(next) => now = next,
                 // At round-off no part of a step is better.
-                None if size(&off) < MAX_RESIDUAL => break,
+                None if size(&now.off) < MAX_RESIDUAL => break,
                 None => {
                     for _ in 0..FOLLOWED_PERIODS {
-                        at = self.advance(&at)?.0;
+                        now.at = self.advance(&now.at)?.0;
                     }
-                    off = difference(&self.advance(&at)?.0, &at);
+                    now = self.measure(now.at)?;
                 }
             }
         }
-        (size(&off) < MAX_RESIDUAL).then(|| (at, size(&off)))
+        let residual = size(&now.off);
+        (residual < MAX_RESIDUAL).then_some((now.at, now.mean, residual))
     }
 
-    /// Returns the largest part of a step that reduces the residual, with the residual after it.
-    fn part(&self, at: &Vector, off: &Vector, step: &Vector) -> Option<(Vector, Vector)> {
-        std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part >= MIN_PART).find_map(|part| {
-            let next: Vector = std::array::from_fn(|i| at[i] + part * step[i]);
-            let next_off = difference(&self.advance(&next)?.0, &next);
-            (size(&next_off) < (1.0 - 0.1 * part) * size(off)).then_some((next, next_off))
+    /// Returns a guess with its residual.
+    fn measure(&self, at: Vector) -> Option<Guess> {
+        let (after, mean) = self.advance(&at)?;
+        Some(Guess { at, off: difference(&after, &at), mean })
+    }
+
+    /// Returns the guess after the largest part of a step that reduces the residual.
+    fn part(&self, now: &Guess, step: &Vector) -> Option<Guess> {
+        let parts = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part >= MIN_PART);
+        parts.into_iter().find_map(|part| {
+            let next = self.measure(std::array::from_fn(|i| now.at[i] + part * step[i]))?;
+            (size(&next.off) < (1.0 - 0.1 * part) * size(&now.off)).then_some(next)
         })
     }
+}
+
+/// State at the beginning of a period, its change after one, and the mean friction ratio.
+struct Guess {
+    at: Vector,
+    off: Vector,
+    mean: f64,
 }
 
 /// Returns the force in the bristles of a state, N: for LuGre's law,

@@ -14,7 +14,7 @@ use std::mem::discriminant;
 
 use super::ladder::Setting;
 use super::runs::Runs;
-use super::{Numerics, Settled, Solution, by_plan, finished, remaining, settled};
+use super::{Numerics, Solution, by_method};
 use crate::SolveError;
 use crate::method::{Method, linexp};
 use crate::problem::Problem;
@@ -31,17 +31,17 @@ use crate::tally::{State, Tally};
 /// # Errors
 /// Each problem fails with the errors of [`solve`](super::solve).
 pub fn solve_many(problems: &[Problem], numerics: &Numerics, pause: &dyn Fn()) -> Vec<Result<Solution, SolveError>> {
-    // Found once; a solution is tried anew after each of its runs.
-    let settled: Vec<Settled> = problems.iter().map(|problem| settled(problem, numerics)).collect();
-    let of = |index: usize| remaining(&problems[index], numerics, &settled[index]);
+    // The search of a steady state has its own runs, one after the other.
+    if numerics.steady {
+        return problems.iter().map(|problem| by_method(problem, numerics, &pause, None::<&mut fn(&State)>)).collect();
+    }
     let mut solutions: Vec<Option<Result<Solution, SolveError>>> = problems.iter().map(|_| None).collect();
     let mut pending: Vec<Pending> = (0..problems.len()).map(|index| Pending { index, runs: Vec::new() }).collect();
     while !pending.is_empty() {
         let mut wanted = Vec::new();
         for pending in pending {
             let known = KnownRuns { runs: &pending.runs, missing: RefCell::new(None), pause };
-            let (problem, numerics) = of(pending.index);
-            let solution = by_plan(&problem, &numerics, &known, None::<&mut fn(&State)>);
+            let solution = by_method(&problems[pending.index], numerics, &known, None::<&mut fn(&State)>);
             match known.missing.into_inner() {
                 Some(missing) => wanted.push((missing, pending)),
                 None => solutions[pending.index] = Some(solution),
@@ -59,8 +59,7 @@ pub fn solve_many(problems: &[Problem], numerics: &Numerics, pause: &dyn Fn()) -
         }
         pending.extend(wanted.into_iter().map(|(_, pending)| pending));
     }
-    let found = solutions.into_iter().flatten().zip(settled);
-    found.map(|(solution, settled)| solution.map(|solution| finished(solution, settled, numerics.tolerance))).collect()
+    solutions.into_iter().flatten().collect()
 }
 
 /// Problem that is not solved yet, with its runs so far.

@@ -18,6 +18,11 @@ fn lugre() -> Law {
     Law::Lugre { stiffness_n_per_m: 0.056e6, static_ratio: 1.4, stribeck_m_per_s: 0.02, sigma1: 0.02, sigma2: 0.05 }
 }
 
+fn orbit(problem: &Problem) -> Result<Orbit, Unsteady> {
+    let pause: &dyn Fn() = &|| ();
+    Orbit::new(problem, &pause)
+}
+
 /// Returns the mean over a hundred periods after others.
 fn after(problem: &Problem, periods: f64) -> f64 {
     let hz = problem.waveform.frequency_hz();
@@ -49,7 +54,7 @@ fn means_are_those_of_long_runs() {
 #[test]
 fn the_multiplier_is_the_decay_of_a_transient() {
     let problem = damped(1e-3);
-    let orbit = Orbit::new(&problem).unwrap();
+    let orbit = orbit(&problem).unwrap();
     let mean = solve_unwatched(&orbit.period(&problem), &Numerics::default(), &|| ()).unwrap().ratios.friction;
     let settling = orbit.settling_periods();
     let [early, late] = [0.5, 1.5].map(|part| (after(&problem, (part * settling).round()) - mean).abs());
@@ -63,7 +68,7 @@ fn a_given_vibration_has_the_closed_form() {
         let mut problem = Problem { motion: Motion::Kinematic, ..table_4_1(0.5, 10.0) };
         problem.waveform = Waveform::new(shape, 0.05, 60e3, problem.duration_s);
         problem.sliding_m_per_s = 0.05 * xi;
-        let orbit = Orbit::new(&problem).unwrap();
+        let orbit = orbit(&problem).unwrap();
         let found =
             solve_unwatched(&orbit.period(&problem), &Numerics { tolerance: 1e-11, ..Numerics::default() }, &|| ()).unwrap();
         let expected = ClosedForm::new(&problem).unwrap().ratios().friction;
@@ -76,13 +81,15 @@ fn problems_without_a_steady_state_are_named() {
     let base = damped(0.0);
     let chirp = Shape::Chirp { start_hz: 50e3, stop_hz: 70e3, sweep_s: 1e-3 };
     let aperiodic = Problem { waveform: Waveform::new(chirp, 384.0, 60e3, base.duration_s), ..base.clone() };
-    assert_eq!(Orbit::new(&aperiodic), Err(Unsteady::Aperiodic));
-    assert_eq!(Orbit::new(&Problem { load_steps: vec![(1e-3, 0.5)], ..base.clone() }), Err(Unsteady::Aperiodic));
+    assert_eq!(orbit(&aperiodic), Err(Unsteady::Aperiodic));
+    assert_eq!(orbit(&Problem { load_steps: vec![(1e-3, 0.5)], ..base.clone() }), Err(Unsteady::Aperiodic));
     // Without a reversal friction is constant, and nothing damps the oscillator.
     let fast = Problem { sliding_m_per_s: 2.0 * base.vibration_m_per_s(), ..base.clone() };
-    assert_eq!(Orbit::new(&fast), Err(Unsteady::NotUnique));
+    assert_eq!(orbit(&fast), Err(Unsteady::NotUnique));
+    let stiff = Law::Lugre { stiffness_n_per_m: 1e12, static_ratio: 1.4, stribeck_m_per_s: 0.02, sigma1: 0.0, sigma2: 0.0 };
+    assert_eq!(orbit(&Problem { law: stiff, ..base.clone() }), Err(Unsteady::TooStiff));
     let fed = Problem { sign: Sign::Literal, ..base };
-    assert!(matches!(Orbit::new(&fed), Err(Unsteady::Unstable(growth)) if growth > 1.0), "{:?}", Orbit::new(&fed));
+    assert!(matches!(orbit(&fed), Err(Unsteady::Unstable(growth)) if growth > 1.0), "{:?}", orbit(&fed));
     let numerics = Numerics { steady: true, ..Numerics::default() };
     let solution = solve_unwatched(&fed, &numerics, &|| ()).unwrap();
     assert!(solution.orbit.is_none() && solution.warnings[0].contains("unstable"), "{:?}", solution.warnings);

@@ -40,7 +40,8 @@ pub struct Integrator {
     /// Quantity that the tolerance applies to, mean by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_of: Option<ToleranceOf>,
-    /// Part of a contact study to which its means belong. Default: the steady state, unless
+    /// Part of a contact study to which its means belong: the periodic steady state, which does
+    /// not depend on the start, or `window_periods` of the run. Default: steady, unless
     /// `window_periods` or a measured curve is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window: Option<MeanWindow>,

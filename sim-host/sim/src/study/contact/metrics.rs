@@ -19,7 +19,7 @@ pub fn measure(study: &Excited, answer: &Answer) -> Metrics {
     metrics.put("friction_on_n", ratios.friction * coulomb_n);
     metrics.put("friction_ratio", ratios.friction);
     metrics.put("steady_friction_ratio", steady.map(|(ratio, _)| ratio));
-    metrics.put("settling_periods", steady.map(|(_, orbit)| orbit.settling_periods()));
+    metrics.put("settling_periods", steady.map(|(_, orbit)| report::rounded(orbit.settling_periods(), 3)));
     metrics.put("transverse_friction_n", in_plane.as_ref().map(|in_plane| in_plane.transverse_rms_n));
     metrics.put("reduction_percent", 100.0 * (1.0 - ratios.friction));
     // A mass on its contact has no given vibration.

@@ -3,6 +3,7 @@
 use crate::instruments::Line;
 use crate::numbers::{number, precise};
 use crate::study::Study;
+use crate::study::answer::Answer;
 use crate::study::contact::Solved;
 use contact::{Method, Solution};
 use report::TableBlock;
@@ -33,17 +34,22 @@ pub fn remarks(solved: &Solved) -> Vec<String> {
                 .into(),
         );
     }
-    let wanted = solved.scene.integrator.window == Some(MeanWindow::Steady);
-    if wanted && solved.answer.as_ref().is_some_and(|answer| answer.steady.is_none() && answer.solution.method != Method::Closed)
-    {
+    let is_wanted = solved.scene.integrator.window == Some(MeanWindow::Steady);
+    let is_silent = |answer: &Answer| !is_steady(&answer.solution) && answer.solution.warnings.is_empty();
+    if is_wanted && solved.answer.as_ref().is_some_and(is_silent) {
         remarks.push(
             "`integrator.window = \"steady\"` has no effect: the steady state is found for a contact that vibrates along the \
-             sliding, with an excitation and a load that repeat."
+             sliding, with a tolerance of the mean."
                 .into(),
         );
     }
     remarks.extend(solved.answer.iter().flat_map(|answer| answer.solution.warnings.iter().map(|warning| sentence(warning))));
     remarks
+}
+
+/// Whether the means are those of the steady state.
+fn is_steady(solution: &Solution) -> bool {
+    solution.orbit.is_some() || solution.method == Method::Closed
 }
 
 /// Formats a warning as a sentence.
@@ -119,7 +125,11 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
     let rows = [
         ("friction ratio", Some(with_error(solution)), "mean friction / Fc (4.17)"),
         ("of the steady state", own("steady_friction_ratio").filter(|_| solution.orbit.is_none()), "to which the run settles"),
-        ("settling [periods]", own("settling_periods"), "until a small disturbance of the steady state is a thousandth"),
+        (
+            "settling [periods]",
+            own("settling_periods"),
+            "until a small disturbance of the steady state has fallen to a thousandth",
+        ),
         ("transverse friction [N]", own("transverse_friction_n"), "root mean square of the friction transverse to the sliding"),
         ("power ratio", own("power_ratio"), "mean F V / (Fc Vt) (4.18)"),
         ("input ratio", own("input_ratio"), "power of the excitation / (Fc Vt) (4.31)"),
@@ -130,7 +140,7 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
         ("velocity ratio", own("velocity_ratio"), vv),
         ("sliding speed Vt [m/s]", sliding, ""),
         ("kappa", own("kappa"), "Kt Vv / (w Fc): vibration amplitude in Dahl lengths"),
-        ("peak velocity [m/s]", own("peak_velocity_m_per_s"), "over the whole run"),
+        ("peak velocity [m/s]", own("peak_velocity_m_per_s"), if is_steady(solution) { "" } else { "over the whole run" }),
     ];
     let across = [
         ("in contact [% of the time]", own("contact_time_percent"), "vibration normal to the surface"),
@@ -143,9 +153,9 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
     ];
     let rows =
         rows.into_iter().chain(across).filter_map(|(what, value, is)| Some(vec![what.into(), value?, is.into()])).collect();
-    let caption = match solution.orbit {
-        Some(_) => "Means over one period of the steady state.".to_owned(),
-        None => format!("Means over periods {} to {}.", number(from_s * hz), number(to_s * hz)),
+    let caption = match is_steady(solution) {
+        true => "Means over one period of the steady state.".to_owned(),
+        false => format!("Means over periods {} to {}.", number(from_s * hz), number(to_s * hz)),
     };
     TableBlock::new("ratios", "Friction and power", &caption, &["", "value", "definition"], rows)
 }
