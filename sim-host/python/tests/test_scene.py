@@ -12,7 +12,7 @@ from sonoglide import RunError, Scene, SceneError
 
 def test_a_contact_has_its_metrics_signals_and_figures():
     result = Scene.load("contact").run()
-    assert result.passed and result["friction_ratio"] == pytest.approx(0.664066, abs=1e-6)
+    assert result.passed and result["friction_ratio"] == pytest.approx(0.674942, abs=1e-6)
     time_s, friction_n = (result.signals[name].values for name in ("time_s", "friction_n"))
     assert time_s.shape == friction_n.shape and np.all(np.diff(time_s) > 0)
     assert result.signals["friction_n"].unit == "N" and not friction_n.flags.writeable
