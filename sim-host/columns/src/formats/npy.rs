@@ -54,7 +54,7 @@ impl Kind {
     }
 }
 
-/// Whether the file holds one number without dimensions.
+/// Returns `true` if the file holds one number without dimensions.
 pub(super) fn is_scalar(bytes: &[u8]) -> bool {
     let header = String::from_utf8_lossy(&bytes[..bytes.len().min(256)]);
     between(&header, "'shape':", '(', ')').is_some_and(|shape| shape.trim().is_empty())

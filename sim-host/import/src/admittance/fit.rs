@@ -121,7 +121,7 @@ struct Stage {
     weights: Weights,
 }
 
-/// Whether the circuit explains the data to rounding errors.
+/// Returns `true` if the circuit explains the data to rounding errors.
 fn is_exact(solution: &Solution) -> bool {
     solution.cost < EXACT * solution.linear.residuals.len() as f64
 }

@@ -105,6 +105,7 @@ pub(super) fn steady(
     numerics: &Numerics,
     solution: &Solution,
     wanted: Option<&[&str]>,
+    pause: &dyn Fn(),
 ) -> Option<(f64, Orbit)> {
     if let Some(orbit) = solution.orbit {
         return Some((solution.ratios.friction, orbit));
@@ -114,7 +115,7 @@ pub(super) fn steady(
         return None;
     }
     let lean = Numerics { steady: true, tolerance_of: ToleranceOf::Mean, energies: false, ..*numerics };
-    let settled = contact::solve_unwatched(problem, &lean, &|| ()).ok()?;
+    let settled = contact::solve_unwatched(problem, &lean, pause).ok()?;
     Some((settled.ratios.friction, settled.orbit?))
 }
 
@@ -148,6 +149,6 @@ fn answer<W: FnMut(&State)>(
             None => (contact::solve_unwatched(&problem, &numerics, &pause)?, None),
         },
     };
-    let steady = steady(&problem, &numerics, &solution, wanted).filter(|_| across.is_none());
+    let steady = if across.is_none() { steady(&problem, &numerics, &solution, wanted, &pause) } else { None };
     Ok(Answer { problem, solution, steady, across, in_plane: None })
 }

@@ -78,7 +78,8 @@ impl<'p, 'a> Points<'p, 'a> {
             PointWork::Problem(problem) => {
                 let empty = |error| StudyError::EmptyCell(cell(point).label, Box::new(error));
                 let solution = solutions.next().ok_or(StudyError::Incomplete)?.map_err(|error| empty(error.into()))?;
-                let steady = numerics.and_then(|numerics| steady_state(&problem, &numerics, &solution, Some(self.metrics)));
+                let wanted = Some(self.metrics);
+                let steady = numerics.and_then(|numerics| steady_state(&problem, &numerics, &solution, wanted, &|| ()));
                 let answer = Answer { problem: *problem, solution, steady, across: None, in_plane: None };
                 let set = numbers.as_mut().and_then(|numbers| numbers.set(values(point).as_ref())?.excited());
                 let scene = set.ok_or(StudyError::Incomplete)?;

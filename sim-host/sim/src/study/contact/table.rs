@@ -47,7 +47,7 @@ pub fn remarks(solved: &Solved) -> Vec<String> {
     remarks
 }
 
-/// Whether the means are those of the steady state.
+/// Returns `true` if the means are those of the steady state.
 fn is_steady(solution: &Solution) -> bool {
     solution.orbit.is_some() || solution.method == Method::Closed
 }
