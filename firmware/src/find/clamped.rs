@@ -85,6 +85,9 @@ const CERTAIN_Q_REL: f32 = 0.05;
 const MAX_PHASE_DEVIATION_RAD: f32 = 0.1;
 /// Minimum strength of the resonance, in standard deviations; noise alone reaches four.
 const MIN_STRENGTH_SIGMAS: f32 = 10.0;
+/// Minimum time constant of a resonance, blocks, that the observer tracks. A shorter ring-down shows
+/// it nothing; the phase loop then tracks what a scan has found.
+pub(crate) const MIN_OBSERVED_BLOCKS: f32 = 0.65;
 /// Margin of a judgement, in standard deviations.
 const MARGIN_SIGMAS: f32 = 3.0;
 
@@ -94,8 +97,9 @@ enum Refused {
     /// The transducer is faulty.
     Fault(Fault),
     /// The measurement is inconclusive: there is no significant resonance, two resonances do not
-    /// explain it or the second is the stronger one, the resonance is outside the window, or it
-    /// resembles that of a crack. A scan, which takes longer, measures at the resonance itself.
+    /// explain it or the second is the stronger one, the resonance is outside the window, it
+    /// resembles that of a crack, or it decays too fast for the observer. A scan, which takes longer,
+    /// measures at the resonance itself.
     Unclear,
 }
 
@@ -117,6 +121,8 @@ pub struct PowerOn {
     /// `true` if the reference is a configured nominal capacitance.
     is_nominal: bool,
     nominal_q: f32,
+    /// Minimum Q with which the observer tracks.
+    least_q: f32,
     nominal_lm_h: Option<f32>,
     /// Half-width of the range of plausible resonances, relative to the nominal frequency.
     window: f32,
@@ -158,6 +164,7 @@ impl PowerOn {
             c0_f: tracking.c0_f(),
             is_nominal: tracking.nominal_c0_f.is_some(),
             nominal_q: tracking.nominal_q,
+            least_q: MIN_OBSERVED_BLOCKS * core::f32::consts::PI * block_periods,
             nominal_lm_h: tracking.nominal_lm_h,
             window: tracking.span + 0.5 * NEAREST_REL,
             volts: drive.scan_volts,
@@ -320,7 +327,7 @@ impl PowerOn {
             () if explained && shifted && self.is_nominal => Err(Refused::Fault(Fault::CapacitanceShifted)),
             // Two close resonances share their strength in many ways, all with the same loss.
             () if explained && fallen => Err(Refused::Fault(Fault::ResonanceDamaged)),
-            () if !holds || strongest > 1.0 || damage != Damage::None => Err(Refused::Unclear),
+            () if !holds || strongest > 1.0 || damage != Damage::None || found.q.value < self.least_q => Err(Refused::Unclear),
             () => Ok(()),
         }
     }

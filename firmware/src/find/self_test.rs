@@ -6,11 +6,16 @@
 //! resonance follows, where the transducer is little more than its clamped capacitance. The current
 //! must lead the voltage. The voltage must equal the played one, and the current must match the
 //! nominal capacitance, each within a factor. Without a nominal capacitance, the measured one must
-//! be in the range of any transducer and is used by all later steps.
+//! be in the range of any transducer and is used by all later steps. The amplitude rises and falls
+//! in steps: a jump of the voltage draws a peak of current into the clamped capacitance, which may
+//! exceed the range of the channel.
 //!
-//! The test takes 96 blocks, and up to 1000 blocks and 40 nominal time constants more if an earlier
-//! vibration must decay first. Swapped channels are detected 4 blocks after the tone is first
-//! measured, all other faults at its end.
+//! Too much current is a short, or another resonance near the tone, or a strong coupling: a second,
+//! lower tone decides.
+//!
+//! The test takes 96 blocks, 64 more for a second tone, and up to 1000 blocks and 40 nominal time
+//! constants more if an earlier vibration must decay first. Swapped channels are detected 4 blocks
+//! after the tone is first measured, all other faults at its end.
 
 use crate::generate::step::Step;
 use crate::seam::block::{LATENCY_BLOCKS, SenseBlock};
@@ -43,15 +48,17 @@ const RING_DOWN_TIME_CONSTANTS: f32 = 40.0;
 const RING_DOWN_BLOCKS: u32 = 1000;
 /// Blocks of the tone.
 const TONE_BLOCKS: u32 = 64;
-/// Blocks at the end of the tone that are measured.
+/// Blocks in which the tone rises, and in which it falls.
+const FADE_BLOCKS: u32 = 8;
+/// Blocks of the tone that are measured, before it falls.
 const MEASURED_BLOCKS: u32 = 16;
 /// First blocks of the tone whose phase reveals swapped channels, before the guard reports an
 /// implausible voltage.
 const PHASE_BLOCKS: u32 = 4;
-/// Minimum amplitude whose phase is judged, codes; noise alone reaches a quarter of a code.
-const PHASE_CODES: f32 = 4.0;
-/// Frequency of the tone, relative to the nominal frequency.
-const TONE_FREQUENCY_REL: f32 = 0.85;
+/// Minimum mean amplitude whose phase is judged, codes; noise alone reaches a quarter of a code.
+const PHASE_CODES: f32 = 2.0;
+/// Frequencies of the two tones, relative to the nominal frequency.
+const TONE_FREQUENCIES_REL: [f32; 2] = [0.85, 0.7];
 /// Amplitude of the tone, relative to the scan voltage.
 const TONE_AMPLITUDE_REL: f32 = 0.5;
 /// Maximum offset, relative to half the range.
@@ -61,19 +68,19 @@ const VOLTAGE_FACTOR: f32 = 1.5;
 /// Factor by which the current may be smaller than that of the nominal capacitance.
 const CURRENT_FACTOR_BELOW: f32 = 3.0;
 /// Factor by which the current may be larger than that of the nominal capacitance. Coupling alone
-/// increases it by `1 + k^2 / (1 - k^2) / (1 - 0.85^2)`: 1.4 at k = 0.3 and 5.6 at 0.75. The
-/// nominal capacitance may be off by 30 %. A short draws a hundred times as much.
+/// increases it by `1 + k^2 / (1 - k^2) / (1 - 0.85^2)`: 1.4 at k = 0.3, 5.6 at 0.75 and 7.4 at
+/// 0.8, where it is 4.5 at 0.7 of the resonance. The nominal capacitance may be off by 30 %. A
+/// short draws a hundred times as much.
 const CURRENT_FACTOR_ABOVE: f32 = 8.0;
 
 /// Self-test in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct SelfTest {
-    offset_hz: f32,
+    nominal_hz: f32,
     volts: f32,
-    /// Susceptance of the nominal capacitance at the frequency of the tone, S.
-    clamped_siemens: Option<f32>,
-    /// Minimum and maximum susceptance of any transducer at that frequency, S.
-    any_siemens: (f32, f32),
+    nominal_c0_f: Option<f32>,
+    /// Frequency of the tone, relative to the nominal one.
+    tone_rel: f32,
     /// Capacitance that draws the measured current, F.
     capacitance_f: f32,
     ring_down_blocks: u32,
@@ -89,6 +96,8 @@ pub(crate) struct SelfTest {
     first: (f32, f32),
     /// Phase of the current relative to the voltage in these blocks.
     lead: Phasor,
+    /// Voltage played in the last measured block, V.
+    played: f32,
     /// Mean square of both channels in silence, codes squared.
     noise: (f32, f32),
 }
@@ -96,16 +105,13 @@ pub(crate) struct SelfTest {
 impl SelfTest {
     /// Creates a test for the configured drive and nominal capacitance.
     pub(crate) fn build(config: &Config) -> Self {
-        let hz = config.drive.frequency_hz * TONE_FREQUENCY_REL;
         let tau_s = config.tracking.nominal_q / (core::f32::consts::PI * config.drive.frequency_hz);
         let block_s = f32::from(config.block_samples) / config.sample_hz;
-        let omega = core::f32::consts::TAU * hz;
-        let (least_f, largest_f) = Tracking::CAPACITANCES_F;
         SelfTest {
-            offset_hz: hz - config.drive.frequency_hz,
+            nominal_hz: config.drive.frequency_hz,
             volts: config.drive.scan_volts * TONE_AMPLITUDE_REL,
-            clamped_siemens: config.tracking.nominal_c0_f.map(|c0_f| omega * c0_f),
-            any_siemens: (omega * least_f, omega * largest_f),
+            nominal_c0_f: config.tracking.nominal_c0_f,
+            tone_rel: TONE_FREQUENCIES_REL[0],
             capacitance_f: config.tracking.c0_f(),
             ring_down_blocks: RING_DOWN_BLOCKS + (RING_DOWN_TIME_CONSTANTS * tau_s / block_s) as u32,
             window_blocks: MIN_WINDOW_BLOCKS.max((WINDOW_TIME_CONSTANTS * tau_s / block_s) as u32),
@@ -116,6 +122,7 @@ impl SelfTest {
             sum: (0.0, 0.0),
             first: (0.0, 0.0),
             lead: Phasor::default(),
+            played: 0.0,
             noise: (0.0, 0.0),
         }
     }
@@ -128,13 +135,21 @@ impl SelfTest {
 
     /// Returns the minimum and maximum admittance of a transducer at the frequency of the tone, S.
     fn admittances(&self) -> (f32, f32) {
-        self.clamped_siemens.map_or(self.any_siemens, |nominal| (nominal / CURRENT_FACTOR_BELOW, nominal * CURRENT_FACTOR_ABOVE))
+        let (least_f, largest_f) = self
+            .nominal_c0_f
+            .map_or(Tracking::CAPACITANCES_F, |nominal_f| (nominal_f / CURRENT_FACTOR_BELOW, nominal_f * CURRENT_FACTOR_ABOVE));
+        (self.omega() * least_f, self.omega() * largest_f)
+    }
+
+    /// Returns the angular frequency of the tone, rad/s.
+    fn omega(&self) -> f32 {
+        core::f32::consts::TAU * self.nominal_hz * self.tone_rel
     }
 
     /// Returns the capacitance that draws the current of the tone, F, if no nominal one is
     /// configured: the clamped capacitance increased by coupling.
     pub(crate) fn capacitance_f(&self) -> Option<f32> {
-        self.clamped_siemens.is_none().then_some(self.capacitance_f)
+        self.nominal_c0_f.is_none().then_some(self.capacitance_f)
     }
 
     /// Returns the mean square of the noise of voltage and current in silence, codes squared.
@@ -148,10 +163,15 @@ impl SelfTest {
         self.quiet = false;
         self.square_sums = (0.0, f32::INFINITY);
         self.mean_codes = (0.0, 0.0);
+        self.noise = (0.0, 0.0);
+        self.begin_tone(TONE_FREQUENCIES_REL[0]);
+    }
+
+    fn begin_tone(&mut self, frequency_rel: f32) {
+        self.tone_rel = frequency_rel;
         self.sum = (0.0, 0.0);
         self.first = (0.0, 0.0);
         self.lead = Phasor::default();
-        self.noise = (0.0, 0.0);
     }
 
     /// Processes a block in which `played` volts were driven and returns the next step. Moves the
@@ -160,6 +180,7 @@ impl SelfTest {
     #[inline(never)]
     pub(crate) fn listen(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed, played: f32) -> Step {
         const TONE_ENDS: u32 = SILENT_BLOCKS + TONE_BLOCKS;
+        const TONE_FALLS: u32 = TONE_ENDS - FADE_BLOCKS;
         const FIRST_MEASURED: u32 = SILENT_BLOCKS + LATENCY_BLOCKS as u32;
         self.block += 1;
         if !self.quiet {
@@ -188,19 +209,21 @@ impl SelfTest {
                 }
                 self.tone()
             }
-            n if n <= TONE_ENDS => {
-                if n > TONE_ENDS - MEASURED_BLOCKS {
+            n if n <= TONE_FALLS => {
+                if n > TONE_FALLS - MEASURED_BLOCKS {
                     self.sum.0 += magnitude(sensed.v) / MEASURED_BLOCKS as f32;
                     self.sum.1 += magnitude(sensed.i) / MEASURED_BLOCKS as f32;
                 }
+                self.played = played;
                 self.tone()
             }
-            _ => self.judge_tone(played),
+            n if n <= TONE_ENDS => self.tone(),
+            _ => self.judge_tone(),
         }
     }
 
     fn wait_for_quiet(&mut self, convert: &Convert, sense: &SenseBlock) -> Step {
-        let tone_codes = convert.i.codes(self.volts * self.clamped_siemens.unwrap_or(0.0));
+        let tone_codes = convert.i.codes(self.volts * self.omega() * self.nominal_c0_f.unwrap_or(0.0));
         // Blocks driven earlier may still arrive.
         let limit = QUIET_CODES.max(QUIET_REL * tone_codes);
         let variance = convert.i.mean_and_variance(&sense.i).1;
@@ -220,8 +243,15 @@ impl SelfTest {
         Step::Silence
     }
 
+    /// Returns the tone of the block to be ordered next.
     fn tone(&self) -> Step {
-        Step::Tone { offset_hz: self.offset_hz, volts: self.volts, lane: 0 }
+        let (since, left) = (self.block + 1 - SILENT_BLOCKS, SILENT_BLOCKS + TONE_BLOCKS + 1 - self.block);
+        let steps = since.min(left).min(FADE_BLOCKS);
+        Step::Tone {
+            offset_hz: self.nominal_hz * self.tone_rel - self.nominal_hz,
+            volts: self.volts * (steps as f32 / FADE_BLOCKS as f32),
+            lane: 0,
+        }
     }
 
     fn judge_offset(&self, convert: &mut Convert) -> Step {
@@ -240,11 +270,15 @@ impl SelfTest {
         measured && self.lead.im < -self.lead.re.abs()
     }
 
-    fn judge_tone(&mut self, played: f32) -> Step {
-        let (volts, amperes) = self.sum;
+    fn judge_tone(&mut self) -> Step {
+        let ((volts, amperes), played) = (self.sum, self.played);
         let (least, most) = self.admittances();
         if volts > played * VOLTAGE_FACTOR {
             Step::Failed(Fault::SensorImplausible)
+        } else if amperes > volts * most && self.tone_rel > TONE_FREQUENCIES_REL[1] {
+            self.begin_tone(TONE_FREQUENCIES_REL[1]);
+            self.block = SILENT_BLOCKS;
+            self.tone()
         } else if amperes > volts * most {
             Step::Failed(Fault::LoadShorted)
         } else if volts * VOLTAGE_FACTOR < played - LARGEST_OHM * amperes {
@@ -252,7 +286,7 @@ impl SelfTest {
         } else if amperes < volts * least {
             Step::Failed(Fault::LoadOpen)
         } else {
-            self.capacitance_f = amperes * self.any_siemens.0.recip() * Tracking::CAPACITANCES_F.0 / volts;
+            self.capacitance_f = amperes / (volts * self.omega());
             Step::Done { volts: 0.0 }
         }
     }

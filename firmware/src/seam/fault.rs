@@ -102,7 +102,7 @@ numbered! {
     OverCurrent = 21, "over-current",
         "the current exceeds `limits.current_a`: a shorted stack or cable, or a limit below the drive";
     /// In the self-test the current is eight times that of the nominal capacitance or, without a
-    /// nominal one, that of 20 uF.
+    /// nominal one, that of 20 uF, at two frequencies; or it exceeds its limit.
     LoadShorted = 22, "load shorted", "look for a short in stack and cable";
     /// In the self-test the current is below a third of that of the nominal capacitance or, without
     /// a nominal one, below that of 0.1 nF. In the run it is below a hundredth, or its codes are
@@ -154,7 +154,7 @@ numbered! {
     /// degrees for as long as fault 32 takes.
     TrackersDisagree = 33, "trackers disagree", "two independent estimates of the resonance disagree: check the sense channels";
     /// The resonance is not the nominal one: in the scan none matches, or two match equally well.
-    /// With the observer, after the lock: Lm is not within a factor of two of its nominal value.
+    /// With the observer, after the lock: Lm is not within a factor of 2.2 of its nominal value.
     WrongMode = 34, "wrong mode", "the lock is on another resonance than the nominal one: narrow the window";
     /// The belt is at rest: a requested drive has been muted (limit 101) for 100 ms, or a
     /// measurement has driven for 100 ms. Or a belt that had moved stops during a measurement:

@@ -3,6 +3,7 @@
 
 use crate::find::clamped::online::{Online, Update};
 use crate::find::clamped::{Clamped, Measured};
+use crate::find::identify::choice::LM_FACTOR;
 use crate::find::lanes::Lanes;
 use crate::find::scan::modes::Modes;
 use crate::find::scan::ring_down::RingDown;
@@ -23,9 +24,6 @@ const TAU: f32 = core::f32::consts::TAU;
 
 /// Interval at which the identified transducer is taken from the observer, blocks.
 pub(crate) const LEARN_BLOCKS: u64 = 64;
-/// Largest ratio of the motional inductance to its nominal value, in either direction, for the
-/// nominal mode.
-const MAX_LM_RATIO: f32 = 2.0;
 /// Largest relative deviation at which the calibration's Q is used, if only the band is known.
 const CLEAR_Q_REL: f32 = 0.3;
 /// Shift of a lock by the clamped branch measured at the lock point, above which the lock is
@@ -337,6 +335,6 @@ impl TrackedTransducer {
     fn is_another_mode(&self) -> bool {
         let (Some(nominal), Some(transducer)) = (self.nominal_lm_h, self.latest_transducer()) else { return false };
         let (ratio, off) = (transducer.lm_h / nominal, TOLERANCE_SIGMAS * self.lm_deviation);
-        ratio * (1.0 + off) < 1.0 / MAX_LM_RATIO || ratio > MAX_LM_RATIO * (1.0 + off)
+        ratio * (1.0 + off) < 1.0 / LM_FACTOR || ratio > LM_FACTOR * (1.0 + off)
     }
 }

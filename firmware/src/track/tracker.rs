@@ -15,6 +15,7 @@ pub(crate) mod phase_loop;
 pub(crate) mod prior;
 pub(crate) mod stray;
 
+use crate::find::clamped::MIN_OBSERVED_BLOCKS;
 use crate::seam::compare::{larger, smaller};
 use crate::seam::config::{Config, TrackingMode};
 use crate::seam::error::Error;
@@ -23,6 +24,7 @@ use crate::seam::transducer::Transducer;
 use crate::seam::units::Turns;
 use crate::sense::demod::Sensed;
 use crate::sense::motional::Motional;
+use crate::sense::source::LARGEST_OHM;
 use crate::track::tracker::identified::{Known, Learning};
 use crate::track::tracker::lock_detector::{Lock, LockDetector};
 use crate::track::tracker::observed::{NEARBY_REL, Observed, Retry};
@@ -33,7 +35,8 @@ use crate::track::tracker::stray::Stray;
 /// Wait for the ring-up after an edge of a burst, time constants of the resonance. Before that the
 /// noise exceeds the phase.
 const RING_UP_TIME_CONSTANTS: f32 = 0.5;
-/// Motional current above which the stack rings, relative to that of the identified resonance.
+/// Motional current above which the stack rings, relative to that of the identified resonance in
+/// series with the largest source resistance.
 const RINGING_REL: f32 = 0.2;
 /// A phase that neither makes nor loses a lock.
 const UNDECIDED_PHASE: Turns = Turns(20.0 / 360.0);
@@ -108,6 +111,8 @@ pub struct Tracker {
     phase_loop: PhaseLoop,
     stray: Stray,
     observed: Option<Observed>,
+    /// `true` if an observer tracks every transducer that it can.
+    prefers_observer: bool,
     known: Known,
     lock: LockDetector,
     rm_ohm: f32,
@@ -145,6 +150,7 @@ impl Tracker {
             stray: Stray::default(),
             observed: (config.tracking.mode == TrackingMode::Observer)
                 .then(|| Observed::new(config.drive.frequency_hz, block_s, config.tracking.span * config.drive.frequency_hz)),
+            prefers_observer: config.tracking.mode == TrackingMode::Observer,
             known: Known::default(),
             lock: LockDetector::default(),
             rm_ohm: 0.0,
@@ -170,7 +176,10 @@ impl Tracker {
         self.phase_loop.seed(0.0, f32::INFINITY);
         self.rm_ohm = 0.0;
         self.stray = Stray::default();
-        self.observed.iter_mut().for_each(Observed::restart);
+        if self.prefers_observer {
+            let (nominal_hz, block_s, window_hz) = (self.nominal_hz, self.block_s, self.window_hz());
+            self.observed.get_or_insert_with(|| Observed::new(nominal_hz, block_s, window_hz)).restart();
+        }
     }
 
     /// Sets the clamped capacitance to start with, F, if there is no nominal one.
@@ -241,6 +250,9 @@ impl Tracker {
         self.set_resonance(transducer);
         self.restart_clock(transducer.time_constant_s() / self.block_s);
         self.on_blocks = self.ring_up_blocks;
+        if transducer.time_constant_s() < MIN_OBSERVED_BLOCKS * self.block_s {
+            self.observed = None;
+        }
         if let Some(observed) = &mut self.observed {
             let spread_hz = SCAN_DEVIATION_BANDWIDTHS * transducer.series_resonance_hz / transducer.q;
             let (q, axis) = (transducer.q, branch.axis);
@@ -359,9 +371,9 @@ impl Tracker {
         self.unmeasured_blocks = 0;
         let rings = match self.observed.as_ref().filter(|observed| observed.is_confident()) {
             // A drop of the load lowers the current below that of the identified resonance.
-            Some(observed) => observed.observer().rings(at_lock_point, RINGING_REL, played.volts),
+            Some(observed) => observed.observer().rings(at_lock_point, RINGING_REL, played.volts, LARGEST_OHM),
             None => {
-                let above = RINGING_REL * played.volts / self.rm_ohm;
+                let above = RINGING_REL * played.volts / (self.rm_ohm + LARGEST_OHM);
                 at_lock_point.norm_sqr() > above * above
             }
         };

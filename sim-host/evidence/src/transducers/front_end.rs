@@ -13,8 +13,9 @@
 //! * **Block**: 32 samples, or 50 if 32 contain less than 0.6 periods at the lower end of the
 //!   window.
 //!
-//! The largest current occurs at any of the resonances, or through C0 at the highest tone of the
-//! power-on calibration, in series with the amplifier's source resistance. Amplifier, noise and
+//! The largest current is that of the whole admittance from the lower end of the window to the
+//! highest tone of the power-on calibration, in series with the amplifier's source resistance.
+//! Amplifier, noise and
 //! bits are the defaults of scenes: 200 kHz, 0.3 ohm, 20 V, 1 LSB, 12 bits.
 
 use std::f64::consts::TAU;
@@ -93,8 +94,14 @@ impl FrontEnd {
 /// Returns the largest admittance that the amplifier drives, S.
 fn largest_siemens(of: &Transducer) -> f64 {
     let highest_hz = of.nominal.hz * (1.0 + of.nominal.span + HIGHEST_TONE_REL);
+    let lowest_hz = of.nominal.hz * (1.0 - of.nominal.span);
     let at = |hz: f64| 1.0 / (admittance(of, hz).inv() + SOURCE_OHM).norm();
-    of.modes.iter().map(|mode| mode.hz).chain([of.hz, highest_hz]).map(at).fold(0.0, f64::max)
+    // Each resonance to a hundredth of its bandwidth: with its neighbours and C0, the largest
+    // current may be beside it.
+    let near = |(hz, q): (f64, f64)| (-500..=500).map(move |step| hz * (1.0 + 0.01 * f64::from(step) / q));
+    let resonances = of.modes.iter().map(|mode| (mode.hz, mode.q)).chain([(of.hz, of.q)]);
+    let tones = resonances.flat_map(near).filter(|hz| (lowest_hz..highest_hz).contains(hz));
+    tones.chain([highest_hz]).map(at).fold(0.0, f64::max)
 }
 
 /// Returns the admittance of a transducer at a frequency, S.

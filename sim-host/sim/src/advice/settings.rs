@@ -35,6 +35,9 @@ const SPAN_REL: f64 = 1.25 * NOMINAL_ERROR.resonance;
 const MAX_SPAN_FRACTION: f64 = 0.9;
 /// Rounding step of the bandwidth, Hz.
 const BANDWIDTH_STEP_HZ: f64 = 10.0;
+/// Distance of the highest tone of the power-on calibration above the end of the window, relative to
+/// the nominal frequency.
+const HIGHEST_TONE_REL: f64 = 0.1924;
 /// Rounding step of the span.
 const SPAN_STEP_REL: f64 = 5e-4;
 
@@ -75,13 +78,13 @@ pub struct Drive {
     pub asked_v: f64,
     /// Advised peak voltage, V: the requested one, limited to the largest one.
     pub advised_v: f64,
-    /// Largest peak voltage that sensor, limits and amplifier allow at the resonance, V.
+    /// Largest peak voltage that sensor, limits and amplifier allow in calibration, scan and lock, V.
     pub largest_v: f64,
     /// Part or limit that bounds the largest voltage.
     pub bounded_by: &'static str,
     /// Peak current at the resonance at the advised voltage, A.
     pub current_a: f64,
-    /// Peak current at the resonance at the requested voltage, A.
+    /// Largest peak current of calibration, scan and lock at the requested voltage, A.
     pub asked_current_a: f64,
     /// Peak current in LSB of its converter.
     pub current_lsb: f64,
@@ -134,7 +137,7 @@ pub fn advise(case: &Case) -> Result<Option<(Settings, Case)>, CaseError> {
         largest_v,
         bounded_by,
         current_a,
-        asked_current_a: case.asked_v / ohm,
+        asked_current_a: case.asked_v / least_ohm(&parts),
         current_lsb: current_a / parts.sensors.i_full_scale_a * lsb,
         voltage_lsb: advised_v / parts.sensors.v_full_scale_v * lsb,
         full_scale_lsb: lsb,
@@ -162,6 +165,23 @@ fn ohm(parts: &Parts<'_>) -> f64 {
     (admittance.inv() + parts.amplifier.source_ohm).norm()
 }
 
+/// Returns the smallest load of the amplifier, ohm, at the frequencies of calibration, scan and
+/// lock. At `M` of a few, the current is largest below the series resonance, where that of C0 adds
+/// to the motional one, or at the highest tone.
+fn least_ohm(parts: &Parts<'_>) -> f64 {
+    let (circuit, tracking) = (&parts.circuit, &parts.controller.tracking);
+    let (fs_hz, q) = (circuit.series_resonance_hz(), circuit.q());
+    let load = |hz: f64| {
+        let x = hz / fs_hz;
+        let motional = Complex64::new(1.0, q * (x - 1.0 / x)).inv() / circuit.rm_ohm;
+        let clamped = Complex64::new(0.0, std::f64::consts::TAU * hz * circuit.c0_f);
+        ((motional + clamped).inv() + parts.amplifier.source_ohm).norm()
+    };
+    let near = (-800..=0).map(|step| fs_hz * (1.0 + 0.005 * f64::from(step) / (2.0 * q)));
+    let highest_hz = parts.controller.drive.frequency_hz * (1.0 + tracking.span + HIGHEST_TONE_REL);
+    near.filter(|hz| *hz > 0.0).chain([highest_hz]).map(load).fold(f64::INFINITY, f64::min)
+}
+
 /// Returns the impedance of the stack at its series resonance, ohm.
 fn ohm_alone(parts: &Parts<'_>) -> f64 {
     let circuit = &parts.circuit;
@@ -171,7 +191,7 @@ fn ohm_alone(parts: &Parts<'_>) -> f64 {
 /// Returns the largest peak voltage, V, and its limiting part.
 fn largest_v(parts: &Parts<'_>) -> (f64, &'static str) {
     let (sensors, limits) = (parts.sensors, &parts.controller.limits);
-    let ohm = ohm(parts);
+    let ohm = least_ohm(parts);
     let bounds = [
         (USED_FRACTION * sensors.i_full_scale_a * ohm, "the range of the current sensor"),
         (USED_FRACTION * limits.current_a * ohm, "limits.current_a"),

@@ -4,6 +4,7 @@ use super::case::{Case, CaseError, Numbers, Wishes};
 use super::verification::verify;
 use super::{Advice, advise};
 use scene::load::{load, load_text};
+use std::f64::consts::TAU;
 
 /// Advises on the stack of experiment-1 with another Q.
 fn of_q(q: f64, volts: f64) -> (Advice, Case) {
@@ -69,6 +70,17 @@ fn clipping_voltage_is_not_advised() {
     assert!(drive.asked_current_a > 4.0 && drive.current_a < 0.9 * 3.0, "{drive:?}");
     assert_eq!(advised.parts().unwrap().volts(), drive.advised_v);
     assert!(advice.warnings.iter().any(|said| said.contains("3 V would draw 4.30 A")), "{:?}", advice.warnings);
+}
+
+/// At M = 1 the current is largest below the resonance: `1 / (2 Rm) + sqrt(1 / (4 Rm^2) + (w C0)^2)`
+/// is the far side of the circle of admittance, 15 % more than at the resonance.
+#[test]
+fn the_largest_current_may_be_beside_the_resonance() {
+    let drive = of_q(15.0, 50.0).0.settings.drive;
+    let (half_s, clamped_s) = (15.0 / (2.0 * TAU * 40e3 * 0.7916e-3), TAU * 40e3 * 300e-9);
+    let ohm = 1.0 / (half_s + half_s.hypot(clamped_s)) + 0.3;
+    assert!((drive.asked_current_a * ohm / 50.0 - 1.0).abs() < 0.02, "{drive:?}");
+    assert!((drive.largest_v / (0.9 * 3.0 * ohm) - 1.0).abs() < 0.05 && drive.current_a < 0.9 * 0.9 * 3.0, "{drive:?}");
 }
 
 #[test]

@@ -71,10 +71,10 @@ impl Observer {
         self.covariance.pole < 2.0 * bound * bound
     }
 
-    /// Returns `true` if a motional current exceeds `part` of the steady current at `volts`:
-    /// `V / Rm`, `Rm = 2 alpha Lm`.
-    pub(crate) fn rings(&self, current: Phasor, part: f32, volts: f32) -> bool {
-        let drop = self.pole.re * self.ohm_per_pole;
+    /// Returns `true` if a motional current exceeds `part` of the steady current at `volts` through
+    /// a source of `source_ohm`: `V / (Rm + Rs)`, `Rm = 2 alpha Lm`.
+    pub(crate) fn rings(&self, current: Phasor, part: f32, volts: f32, source_ohm: f32) -> bool {
+        let drop = (self.pole.re * self.ohm_per_pole).abs() + source_ohm * self.strength;
         let most = part * volts * self.strength;
         current.norm_sqr() * drop * drop > most * most
     }
