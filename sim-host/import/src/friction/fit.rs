@@ -15,6 +15,7 @@
 //! log. A model that explains all samples much worse than another is not fitted to them.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::certainty::covariance;
 use super::log::Log;
@@ -92,10 +93,10 @@ fn bounds((name, is_log): &Parameter, normal_n: f64) -> (f64, f64) {
 /// A model without a finite result is left out.
 pub(super) fn search(log: &Log, baseline: usize) -> Vec<Searched> {
     if log.on.len() <= MAX_SEARCHED_SAMPLES {
-        return Model::SEARCHED.into_iter().filter_map(|model| search_model(model, log, baseline)).collect();
+        return Model::SEARCHED.into_par_iter().filter_map(|model| search_model(model, log, baseline)).collect();
     }
     let parts = log.shortened(MAX_SEARCHED_SAMPLES / 2);
-    let started = Model::SEARCHED.into_iter().filter_map(|model| {
+    let started = Model::SEARCHED.into_par_iter().filter_map(|model| {
         // A part does not show the drift of the whole, and may slide in one direction.
         let of_part =
             |part: &Log| Some(search_model(model, part, motion::baseline(part).min(baseline).min(1))?.extended(baseline));
@@ -107,7 +108,7 @@ pub(super) fn search(log: &Log, baseline: usize) -> Vec<Searched> {
     });
     let started: Vec<(Problem, f64, Searched)> = started.collect();
     let least = started.iter().map(|(_, square, _)| *square).fold(f64::INFINITY, f64::min);
-    let finished = started.into_iter().filter_map(|(mut problem, square, mut found)| {
+    let finished = started.into_par_iter().filter_map(|(mut problem, square, mut found)| {
         if square > MAX_PART_RISE * least || found.is_bounded() {
             found.force_n = problem.model.response::<false>(&found.fitted, &problem.motion).0;
             found.residuals = problem.less_measured(found.force_n.clone())?;
