@@ -29,6 +29,7 @@ mod provenance;
 mod result_args;
 mod run;
 mod shell;
+mod solve;
 mod spectrum;
 mod sweep;
 mod validate;
@@ -85,6 +86,12 @@ enum Command {
     Sweep(Box<sweep::SweepArgs>),
     /// Join the shards of a sweep.
     Merge(sweep::MergeArgs),
+    /// Find the values of a key at which a metric has a value.
+    ///
+    /// Samples the range of the key, and searches between all neighbours with the value between
+    /// them: no monotonicity is assumed.
+    #[command(after_help = EXIT_CODES)]
+    Solve(solve::SolveArgs),
     /// List the built-in scenes.
     List,
     /// Print a scene with all values, units and descriptions, as TOML.
@@ -185,6 +192,7 @@ pub fn main() -> ExitCode {
         None => run::run(&RunArgs::flagship(), color),
         Some(Command::Run(args)) => run::run(&args, color),
         Some(Command::Sweep(args)) => sweep::run(&args, color),
+        Some(Command::Solve(args)) => solve::run(&args, color),
         Some(Command::Merge(args)) => sweep::merge(&args, color),
         Some(Command::List) => print(&list()),
         Some(Command::Show { scene }) => scene.load().and_then(|loaded| print(&resolved_toml(&loaded.scene))),

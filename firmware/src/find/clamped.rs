@@ -85,8 +85,8 @@ const CERTAIN_Q_REL: f32 = 0.05;
 const MAX_PHASE_DEVIATION_RAD: f32 = 0.1;
 /// Minimum strength of the resonance, in standard deviations; noise alone reaches four.
 const MIN_STRENGTH_SIGMAS: f32 = 10.0;
-/// Minimum time constant of a resonance, blocks, that the observer tracks. A shorter ring-down shows
-/// it nothing; the phase loop then tracks what a scan has found.
+/// Minimum time constant of a resonance, blocks, that the observer tracks. A shorter ring-down
+/// shows it nothing; the phase loop then tracks what a scan has found.
 pub(crate) const MIN_OBSERVED_BLOCKS: f32 = 0.65;
 /// Margin of a judgement, in standard deviations.
 const MARGIN_SIGMAS: f32 = 3.0;
@@ -98,8 +98,8 @@ enum Refused {
     Fault(Fault),
     /// The measurement is inconclusive: there is no significant resonance, two resonances do not
     /// explain it or the second is the stronger one, the resonance is outside the window, it
-    /// resembles that of a crack, or it decays too fast for the observer. A scan, which takes longer,
-    /// measures at the resonance itself.
+    /// resembles that of a crack, or it decays too fast for the observer. A scan, which takes
+    /// longer, measures at the resonance itself.
     Unclear,
 }
 

@@ -185,7 +185,7 @@ fn waveform(study: &Excited, shape: Shape, peak: f64) -> contact::Waveform {
 /// Returns the peak that the scene gives: a force, N, or a velocity, m/s.
 fn peak(study: &Excited) -> f64 {
     match study.body {
-        Body::Kinematic(kinematic) => kinematic.vibration_m_per_s,
+        Body::Kinematic(kinematic) => kinematic.vibration_m_per_s(study.excitation.frequency_hz),
         Body::Sdof(_) => study.excitation.force_n.unwrap_or(0.0),
     }
 }

@@ -8,7 +8,7 @@ pub fn number(value: f64) -> String {
 }
 
 /// Formats a number with seven significant digits, for comparison with others.
-pub(crate) fn precise(value: f64) -> String {
+pub fn precise(value: f64) -> String {
     digits(value, 7)
 }
 

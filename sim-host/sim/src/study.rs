@@ -13,6 +13,7 @@ pub mod monte_carlo;
 mod plan;
 pub mod playback;
 mod points;
+pub mod solve;
 mod steady;
 mod stopped;
 pub mod suite;

@@ -3,7 +3,7 @@
 use clap::Command;
 
 /// Examples of each command: arguments and description.
-const EXAMPLES: [(&str, &[(&str, &str)]); 16] = [
+const EXAMPLES: [(&str, &[(&str, &str)]); 17] = [
     (
         "run",
         &[
@@ -25,6 +25,13 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 16] = [
             ),
             ("sweep plan lock --over stack.bvd.q=20:200:1000:log", "estimate the cost of a thousand locks"),
         ],
+    ),
+    (
+        "solve",
+        &[(
+            "solve contact-kinematic --for reduction_percent=50 --by rig.kinematic.vibration_amplitude_m=1e-8:1e-5:log",
+            "the amplitude that halves the friction",
+        )],
     ),
     ("merge", &[("merge mu-1 mu-2 -o mu", "join the shards in two folders")]),
     ("list", &[("list", "all built-in scenes")]),

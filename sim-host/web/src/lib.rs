@@ -17,7 +17,7 @@
 //!
 //! let request = Request { name: "lock".into(), ..Request::default() };
 //! let result = Session::default().run(&request, None).expect("a result");
-//! assert_eq!(result["drive_hash"], "8e65e1fdb0fffc3d");
+//! assert_eq!(result["drive_hash"], "74785270ae063ae8");
 //! ```
 
 mod catalogue;

@@ -96,8 +96,8 @@ fn largest_siemens(of: &Transducer) -> f64 {
     let highest_hz = of.nominal.hz * (1.0 + of.nominal.span + HIGHEST_TONE_REL);
     let lowest_hz = of.nominal.hz * (1.0 - of.nominal.span);
     let at = |hz: f64| 1.0 / (admittance(of, hz).inv() + SOURCE_OHM).norm();
-    // Each resonance to a hundredth of its bandwidth: with its neighbours and C0, the largest
-    // current may be beside it.
+    // Around each resonance in steps of a hundredth of its bandwidth: due to its neighbours and C0,
+    // the current may be largest off resonance.
     let near = |(hz, q): (f64, f64)| (-500..=500).map(move |step| hz * (1.0 + 0.01 * f64::from(step) / q));
     let resonances = of.modes.iter().map(|mode| (mode.hz, mode.q)).chain([(of.hz, of.q)]);
     let tones = resonances.flat_map(near).filter(|hz| (lowest_hz..highest_hz).contains(hz));

@@ -89,8 +89,22 @@ mod default {
 pub struct Kinematic {
     /// Peak vibration velocity Vv, m/s; across the surface for a Hertzian or a compliant contact,
     /// else along the motion. With a measured waveform: reference of the ratios.
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e4))]
-    pub vibration_m_per_s: f64,
+    pub vibration_m_per_s: Option<f64>,
+    /// Peak displacement of the vibration, m, instead of its velocity: that of a sine at
+    /// `excitation.frequency_hz`, Vv / w.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 0.01))]
+    pub vibration_amplitude_m: Option<f64>,
+}
+
+impl Kinematic {
+    /// Returns the peak vibration velocity at a frequency, m/s.
+    pub fn vibration_m_per_s(&self, frequency_hz: f64) -> f64 {
+        let of_amplitude = || std::f64::consts::TAU * frequency_hz * self.vibration_amplitude_m.unwrap_or(0.0);
+        self.vibration_m_per_s.unwrap_or_else(of_amplitude)
+    }
 }
 
 /// One mass on a spring, m x'' + c x' + Ks x = force - friction (thesis 4.14). On a Hertzian

@@ -64,6 +64,7 @@ pub const EXCLUSIVE: &[Exclusive] = &[
         table: "disturbance",
         alternatives: &[all(&["to"]), all(&["rate_per_s"]), all(&["sine_amplitude", "sine_hz"]), all(&["profile"])],
     },
+    Exclusive { table: "rig.kinematic", alternatives: &[all(&["vibration_m_per_s"]), all(&["vibration_amplitude_m"])] },
     Exclusive { table: "rig.dring", alternatives: &[all(&["pulse_g", "pulse_ms"]), all(&["pulse"])] },
     Exclusive { table: "vary", alternatives: &[all(&["spread"]), all(&["factor"]), all(&["from", "to"])] },
     Exclusive { table: "grid.over", alternatives: &[all(&["values"]), all(&["from", "to", "points"])] },

@@ -35,8 +35,8 @@ const SPAN_REL: f64 = 1.25 * NOMINAL_ERROR.resonance;
 const MAX_SPAN_FRACTION: f64 = 0.9;
 /// Rounding step of the bandwidth, Hz.
 const BANDWIDTH_STEP_HZ: f64 = 10.0;
-/// Distance of the highest tone of the power-on calibration above the end of the window, relative to
-/// the nominal frequency.
+/// Distance of the highest tone of the power-on calibration above the end of the window, relative
+/// to the nominal frequency.
 const HIGHEST_TONE_REL: f64 = 0.1924;
 /// Rounding step of the span.
 const SPAN_STEP_REL: f64 = 5e-4;
@@ -78,7 +78,8 @@ pub struct Drive {
     pub asked_v: f64,
     /// Advised peak voltage, V: the requested one, limited to the largest one.
     pub advised_v: f64,
-    /// Largest peak voltage that sensor, limits and amplifier allow in calibration, scan and lock, V.
+    /// Largest peak voltage that sensor, limits and amplifier allow in calibration, scan and lock,
+    /// V.
     pub largest_v: f64,
     /// Part or limit that bounds the largest voltage.
     pub bounded_by: &'static str,

@@ -70,7 +70,11 @@ fn drive(advice: &Advice) -> TableBlock {
     let it = &advice.settings.drive;
     let rows = vec![
         row("advised voltage", format!("{:.3} V peak", it.advised_v), &format!("requested: {} V", it.asked_v)),
-        row("largest voltage", format!("{:.3} V peak", it.largest_v), &format!("in calibration, scan and lock, limited by {}", it.bounded_by)),
+        row(
+            "largest voltage",
+            format!("{:.3} V peak", it.largest_v),
+            &format!("in calibration, scan and lock, limited by {}", it.bounded_by),
+        ),
         row("current at the resonance", format!("{:.3} A peak", it.current_a), ""),
         row("current in the ADC", format!("{:.0} LSB", it.current_lsb), &format!("of {:.0}", it.full_scale_lsb)),
         row("voltage in the ADC", format!("{:.0} LSB", it.voltage_lsb), &format!("of {:.0}", it.full_scale_lsb)),

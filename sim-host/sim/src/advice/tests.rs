@@ -50,7 +50,7 @@ fn lock_point_moves_as_in_theory() {
     let (it, prediction) = (advice.transducer, advice.prediction);
     let half_hz = it.series_resonance_hz / (2.0 * it.q);
     let by_c0 = 0.01 * half_hz / it.figure_of_merit;
-    let by_skew = std::f64::consts::TAU * it.series_resonance_hz * 1e-9 * half_hz;
+    let by_skew = TAU * it.series_resonance_hz * 1e-9 * half_hz;
     assert!((prediction.bias_hz_per_percent_c0 / by_c0 - 1.0).abs() < 0.01, "{} {by_c0}", prediction.bias_hz_per_percent_c0);
     assert!((prediction.bias_hz_per_ns_skew / by_skew - 1.0).abs() < 0.01, "{} {by_skew}", prediction.bias_hz_per_ns_skew);
 }
@@ -72,15 +72,15 @@ fn clipping_voltage_is_not_advised() {
     assert!(advice.warnings.iter().any(|said| said.contains("3 V would draw 4.30 A")), "{:?}", advice.warnings);
 }
 
-/// At M = 1 the current is largest below the resonance: `1 / (2 Rm) + sqrt(1 / (4 Rm^2) + (w C0)^2)`
-/// is the far side of the circle of admittance, 15 % more than at the resonance.
+/// At M = 1 the current is largest below the resonance, at the far side of the circle of
+/// admittance: `1 / (2 Rm) + sqrt(1 / (4 Rm^2) + (w C0)^2)`, 15 % more than at the resonance.
 #[test]
 fn the_largest_current_may_be_beside_the_resonance() {
     let drive = of_q(15.0, 50.0).0.settings.drive;
     let (half_s, clamped_s) = (15.0 / (2.0 * TAU * 40e3 * 0.7916e-3), TAU * 40e3 * 300e-9);
     let ohm = 1.0 / (half_s + half_s.hypot(clamped_s)) + 0.3;
     assert!((drive.asked_current_a * ohm / 50.0 - 1.0).abs() < 0.02, "{drive:?}");
-    assert!((drive.largest_v / (0.9 * 3.0 * ohm) - 1.0).abs() < 0.05 && drive.current_a < 0.9 * 0.9 * 3.0, "{drive:?}");
+    assert!(drive.asked_current_a / 50.0 > 1.1 * drive.current_a / drive.advised_v, "{drive:?}");
 }
 
 #[test]

@@ -14,6 +14,7 @@ const HOLD: &str = "excitation.hold_time_s";
 const RATIO: &str = "excitation.velocity_ratio";
 const WAVEFORM: &str = "excitation.waveform";
 const VIBRATION: &str = "rig.kinematic.vibration_m_per_s";
+const AMPLITUDE: &str = "rig.kinematic.vibration_amplitude_m";
 /// Largest number of values of a random waveform.
 const MAX_RANDOM_VALUES: f64 = 1e8;
 
@@ -103,7 +104,11 @@ impl Rules<'_> {
         if self.value(RATIO).is_none() || self.text("excitation.velocity_ratio_of") != Some("steady") {
             return;
         }
-        let peak = if self.given("rig.kinematic") { VIBRATION } else { FORCE };
+        let peak = match self.given("rig.kinematic") {
+            true if self.value(AMPLITUDE).is_some() => AMPLITUDE,
+            true => VIBRATION,
+            false => FORCE,
+        };
         let nothing = self.number(peak) == Some(0.0) || (self.given("rig.sdof") && self.lacks(FORCE));
         let oscillator = ["mass_kg", "stiffness_n_per_m", "damping_ratio"].map(|key| self.number(&join("rig.sdof", key)));
         let (message, label, help) = match (oscillator, self.number(FREQUENCY)) {

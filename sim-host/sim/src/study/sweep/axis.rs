@@ -58,6 +58,17 @@ impl From<&Over> for Axis {
 }
 
 impl Axis {
+    /// Creates an axis of `count` values of a range.
+    pub fn of_range(range: &Range, count: u64) -> Self {
+        let (start, stop) = range.ends;
+        Axis { key: range.key.clone(), values: Values::Range { start, stop, count, log: range.log } }
+    }
+
+    /// Creates an axis of one value.
+    pub fn of_value(key: &str, value: f64) -> Self {
+        Axis { key: key.to_owned(), values: Values::List(vec![value]) }
+    }
+
     /// Returns the number of values.
     pub fn count(&self) -> u64 {
         match &self.values {
