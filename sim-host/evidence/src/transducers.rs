@@ -83,13 +83,15 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
     (options.progress)(&format!("{number} transducers"));
     let set = each(number, options.stop, |number| run_transducer(Transducer::draw(number), true, options.stop))?;
     let wide = options.count.unwrap_or(number);
-    (options.progress)(&format!("{wide} transducers of the wider set"));
-    let wide = each(wide, options.stop, |number| run_transducer(Transducer::draw_wider(number), false, options.stop))?;
+    let first = options.seed.unwrap_or(0).min(u32::MAX.into()) as u32;
+    (options.progress)(&format!("{wide} transducers of the wider set, from number {first}"));
+    let wider = |number| run_transducer(Transducer::draw_wider(first.saturating_add(number)), false, options.stop);
+    let wide = each(wide, options.stop, wider)?;
     (options.progress)("cases");
     let cases = suite.cases.par_iter().map(|case| run_case(case, options.stop)).collect::<Result<Vec<_>, Error>>()?;
     let counted = baseline::count(options.quick, &set, &wide, &cases);
-    // Of another number of transducers there is no baseline.
-    let missed = if options.count.is_some() { Vec::new() } else { baseline::compare(&counted) };
+    // Of other transducers there is no baseline.
+    let missed = if options.count.is_some() || options.seed.is_some() { Vec::new() } else { baseline::compare(&counted) };
     let files = vec![
         ("transducers.csv", table::csv(&set)?),
         ("wider.csv", table::csv(&wide)?),

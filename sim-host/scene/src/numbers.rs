@@ -13,7 +13,7 @@ use super::{Excitation, Excited, Model, Scene};
 type Accessor = fn(&mut Scene) -> Option<&mut f64>;
 
 /// Keys of the numbers that need no check of the rules, except those that [`Numbers::set`] makes.
-const ACCESSORS: [(&str, Accessor); 13] = [
+const ACCESSORS: [(&str, Accessor); 12] = [
     ("contact.coulomb.mu", |scene| Some(&mut scene.contact.as_mut()?.coulomb.as_mut()?.mu)),
     ("contact.coulomb.normal_n", |scene| scene.contact.as_mut()?.coulomb.as_mut()?.normal_n.as_mut()),
     ("contact.dahl.mu", |scene| Some(&mut scene.contact.as_mut()?.dahl.as_mut()?.mu)),
@@ -23,7 +23,6 @@ const ACCESSORS: [(&str, Accessor); 13] = [
     ("excitation.sliding_m_per_s", |scene| excitation(scene)?.sliding_m_per_s.as_mut()),
     ("excitation.velocity_ratio", |scene| excitation(scene)?.velocity_ratio.as_mut()),
     ("rig.kinematic.vibration_m_per_s", |scene| scene.rig.as_mut()?.kinematic.as_mut()?.vibration_m_per_s.as_mut()),
-    ("rig.kinematic.vibration_amplitude_m", |scene| scene.rig.as_mut()?.kinematic.as_mut()?.vibration_amplitude_m.as_mut()),
     ("rig.sdof.damping_ratio", |scene| Some(&mut scene.rig.as_mut()?.sdof.as_mut()?.damping_ratio)),
     ("rig.sdof.mass_kg", |scene| Some(&mut scene.rig.as_mut()?.sdof.as_mut()?.mass_kg)),
     ("rig.sdof.stiffness_n_per_m", |scene| Some(&mut scene.rig.as_mut()?.sdof.as_mut()?.stiffness_n_per_m)),

@@ -19,6 +19,25 @@ impl Scene {
         self.drawn(key).or_else(|| self.replaced_in_time(key, others))
     }
 
+    /// Returns a note if other numbers change with these keys: a velocity ratio ties the sliding
+    /// speed to the vibration.
+    pub fn coupled(&self, keys: &[&str]) -> Option<String> {
+        const OF_THE_VIBRATION: [&str; 4] =
+            ["rig.kinematic.vibration_", "rig.sdof.", "excitation.force_n", "excitation.frequency_hz"];
+        let ratio = self.excitation.as_ref()?.velocity_ratio?;
+        let is_prescribed =
+            self.rig.as_ref()?.kinematic.as_ref().is_some_and(|kinematic| kinematic.vibration_amplitude_m.is_none());
+        let moves = |key: &&&str| {
+            OF_THE_VIBRATION.iter().any(|start| key.starts_with(start)) && !(is_prescribed && key.starts_with("excitation."))
+        };
+        let key = keys.iter().find(moves).filter(|_| !keys.contains(&"excitation.velocity_ratio"))?;
+        Some(format!(
+            "`{key}` also changes the sliding speed, which is {} times the vibration velocity (`excitation.velocity_ratio`); \
+             `--set excitation.sliding_m_per_s=…` keeps it",
+            crate::shown(ratio)
+        ))
+    }
+
     /// Returns the entry of `[[vary]]` that draws a number without regard to its own value.
     pub(super) fn drawn(&self, key: &str) -> Option<Replaced> {
         let number = self.vary.iter().position(|vary| vary.key == key && vary.from.is_some()).filter(|_| self.runs > 1)?;

@@ -29,7 +29,7 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 17] = [
     (
         "solve",
         &[(
-            "solve contact-kinematic --for reduction_percent=50 --by rig.kinematic.vibration_amplitude_m=1e-8:1e-5:log",
+            "solve contact-kinematic --set excitation.sliding_m_per_s=0.05 --for reduction_percent=50 --by rig.kinematic.vibration_amplitude_m=1e-8:1e-5:log",
             "the amplitude that halves the friction",
         )],
     ),

@@ -1,17 +1,18 @@
 //! `sim-host solve`.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 use serde_json::json;
 
+use super::sweep::progress::Progress;
 use super::{Color, Exit, Format, interrupts, mistake};
 use report::TableBlock;
 use scene::load::load;
 use scene::shown;
 use sim::numbers::precise;
-use sim::study::solve::{Answer, Question, Root, SolveError};
-use sim::study::sweep::unit;
+use sim::study::solve::{Answer, Crossing, Question, Root, SAMPLES, SolveError};
+use sim::study::sweep::{SweepError, unit};
 
 /// `true` after Ctrl-C or any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -41,6 +42,9 @@ pub(super) struct SolveArgs {
     /// Format of standard output.
     #[arg(long, value_enum, default_value_t = Format::Human)]
     format: Format,
+    /// Print only the result.
+    #[arg(short, long)]
+    quiet: bool,
 }
 
 /// Finds the values of a key at which a metric has a value.
@@ -51,21 +55,28 @@ pub(super) fn run(args: &SolveArgs, color: Color) -> anyhow::Result<Exit> {
             format!("`--for {}` is not a metric with a number: write, for example, `--for reduction_percent=70`", args.target);
         return Err(mistake(Exit::Usage, why));
     };
+    let range = args.by.parse().map_err(|error| match error {
+        SweepError::Axis { text, why } => {
+            mistake(Exit::Usage, format!("`--by {text}` is not a range KEY=LEAST:MOST or KEY=LEAST:MOST:log: {why}"))
+        }
+        error => error.into(),
+    })?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0).into()).build()?;
     let loaded = load(&args.scene, &args.sets)?;
     let mut metrics = vec![metric.to_owned()];
     let of_a_drive = OF_A_DRIVE.iter().filter(|_| args.metric.is_empty() && loaded.scene.controller.is_some());
     metrics.extend(of_a_drive.map(|&name| name.to_owned()).chain(args.metric.iter().cloned()).filter(|name| name != metric));
-    let question = Question { loaded: &loaded, range: args.by.parse()?, metrics, target };
+    let question = Question { loaded: &loaded, range, metrics, target };
+    if let Some(why) = loaded.scene.coupled(&[&question.range.key]).filter(|_| !args.quiet) {
+        say!("note: {why}");
+    }
     interrupts::set(&STOP)?;
-    let runs = AtomicU64::new(0);
-    let count = || {
-        runs.fetch_add(1, Ordering::Relaxed);
-    };
-    let answer = pool.install(|| question.answer(&STOP, &count)).map_err(|error| match error {
+    let progress = Progress::new(SAMPLES, args.quiet);
+    let answer = pool.install(|| question.answer(&STOP, &|| progress.point())).map_err(|error| match error {
         SolveError::Question(error) => anyhow::Error::from(error),
         SolveError::Run(error) => error.into(),
     })?;
+    drop(progress);
     let Some(answer) = answer else {
         say!("interrupted: no answer");
         return Ok(Exit::Interrupted);
@@ -74,16 +85,25 @@ pub(super) fn run(args: &SolveArgs, color: Color) -> anyhow::Result<Exit> {
         Format::Human => human(&question, &answer, color),
         Format::Json => format!("{:#}\n", json(&question, &answer)),
     })?;
-    for why in &answer.failures {
-        say!("note: without a value in a part of the range: {why}");
+    if !args.quiet {
+        notes(&answer);
     }
-    if answer.roots.is_empty() && answer.samples.iter().all(|(_, value)| value.is_none()) {
-        return Ok(Exit::Failed);
+    Ok(match (answer.roots.is_empty(), answer.samples.iter().all(|(_, value)| value.is_none())) {
+        (_, true) => Exit::Failed,
+        (true, _) => Exit::Missed,
+        _ => Exit::Done,
+    })
+}
+
+/// Prints the parts of the range without a value, and the runs without a steady state.
+fn notes(answer: &Answer) {
+    if let (Some((first, why)), Some((last, _))) = (answer.failures.first(), answer.failures.last()) {
+        let (count, why) = (answer.failures.len(), why.lines().next().unwrap_or_default());
+        say!("note: {count} runs from {} to {} have no value; the first: {why}", shown(*first), shown(*last));
     }
-    if args.format == Format::Human {
-        say!("{} runs", runs.into_inner());
+    if answer.unsettled > 0 {
+        say!("note: in {} runs no steady state was found; their means are over the last periods of a run", answer.unsettled);
     }
-    Ok(if answer.roots.is_empty() { Exit::Missed } else { Exit::Done })
 }
 
 /// Returns a name with its unit.
@@ -98,64 +118,73 @@ fn human(question: &Question, answer: &Answer, color: Color) -> String {
     let (metric, target, key) = (&question.metrics[0], shown(question.target), &question.range.key);
     let (from, to) = question.range.ends;
     let range = format!("{key} from {} to {}", shown(from), shown(to));
-    if answer.roots.is_empty() {
-        let found: Vec<(f64, f64)> = answer.samples.iter().filter_map(|(at, value)| Some((*at, (*value)?))).collect();
-        let by = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        return match (found.iter().min_by(by), found.iter().max_by(by)) {
-            (Some(least), Some(most)) => format!(
-                "{metric} is never {target} at {range}: it is from {} (at {}) to {} (at {})\n",
-                precise(least.1),
-                precise(least.0),
-                precise(most.1),
-                precise(most.0)
-            ),
-            _ => format!("{metric} has no value at {range}\n"),
+    let roots = (!answer.roots.is_empty()).then(|| {
+        let header = std::iter::once(with_unit(key)).chain(question.metrics.iter().map(|name| with_unit(name)));
+        let cells = |root: &Root| {
+            let at = match root.within {
+                (first, last) if root.runs == 0 && first < last => format!("{} to {}", shown(first), shown(last)),
+                _ => precise(root.value),
+            };
+            let metrics = root.metrics.iter().map(|value| value.map_or_else(|| "–".to_owned(), precise));
+            std::iter::once(at).chain(metrics).collect::<Vec<_>>()
         };
-    }
-    let header = std::iter::once(with_unit(key)).chain(question.metrics.iter().map(|name| with_unit(name)));
-    let cells = |root: &Root| {
-        let metrics = root.metrics.iter().map(|value| value.map_or_else(|| "–".to_owned(), precise));
-        std::iter::once(precise(root.value)).chain(metrics).collect::<Vec<_>>()
+        let caption = format!(
+            "Searched between {} samples of the range. Two crossings between the same two samples are missed: narrow the range \
+             to find them.",
+            answer.samples.len()
+        );
+        let rows = answer.roots.iter().map(cells).collect();
+        TableBlock::new("roots", &format!("Where {metric} is {target}, by {range}"), caption, &header.collect::<Vec<_>>(), rows)
+    });
+    let crossings = (!answer.crossings.is_empty()).then(|| {
+        let cells = |crossing: &Crossing| {
+            let (below, above) = crossing.metric;
+            vec![shown(crossing.within.0), precise(below), precise(above)]
+        };
+        TableBlock::new(
+            "crossings",
+            &format!("Where {metric} crosses {target} without reaching it"),
+            "It has a step there, or scatters from run to run.",
+            &[with_unit(key), "just below".to_owned(), "just above".to_owned()],
+            answer.crossings.iter().map(cells).collect(),
+        )
+    });
+    let found: Vec<(f64, f64)> = answer.samples.iter().filter_map(|(at, value)| Some((*at, (*value)?))).collect();
+    let by = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+    let none = match (found.iter().min_by(by), found.iter().max_by(by)) {
+        _ if !answer.roots.is_empty() || !answer.crossings.is_empty() => String::new(),
+        (Some(least), Some(most)) if least.1 == most.1 => {
+            format!("{metric} is {} at all of {} samples, by {range}\n", least.1, found.len())
+        }
+        (Some(least), Some(most)) => format!(
+            "{metric} does not cross {target} between {} samples, by {range}: it is from {} (at {}) to {} (at {})\n",
+            found.len(),
+            least.1,
+            shown(least.0),
+            most.1,
+            shown(most.0)
+        ),
+        _ => format!("{metric} has no value, by {range}\n"),
     };
-    let jumps = answer.roots.iter().filter_map(|root| Some((root, root.jump?)));
-    let jumps: String = jumps
-        .map(|(root, (below, above))| {
-            let at = precise(root.value);
-            format!(" At {at} it jumps from {} to {}: there is no value in between.", precise(below), precise(above))
-        })
-        .collect();
-    let caption = format!(
-        "Each value is searched between neighbours of {} samples; two values within an interval are not seen.{jumps}",
-        answer.samples.len()
-    );
-    let table = TableBlock {
-        title: format!("Where {metric} is {target}, by {range}"),
-        header: header.collect(),
-        rows: answer.roots.iter().map(cells).collect(),
-        caption,
-        ..TableBlock::default()
-    };
-    table.terminal(color.stdout)
+    [roots, crossings].into_iter().flatten().map(|table| table.terminal(color.stdout)).collect::<String>() + &none
 }
 
 fn json(question: &Question, answer: &Answer) -> serde_json::Value {
     let of = |root: &Root| {
         let metrics = question.metrics.iter().zip(&root.metrics).map(|(name, value)| (name.clone(), json!(value)));
-        json!({
-            "value": root.value,
-            "within": [root.within.0, root.within.1],
-            "metrics": metrics.collect::<serde_json::Map<_, _>>(),
-            "jump": root.jump.map(|(below, above)| [below, above]),
-            "runs": root.runs,
-        })
+        let metrics: serde_json::Map<_, _> = metrics.collect();
+        json!({ "value": root.value, "within": [root.within.0, root.within.1], "metrics": metrics, "runs": root.runs })
     };
+    let crossing = |of: &Crossing| json!({ "within": [of.within.0, of.within.1], "metric": [of.metric.0, of.metric.1] });
     json!({
         "scene": question.loaded.name,
         "key": question.range.key,
         "metric": question.metrics[0],
         "target": question.target,
         "roots": answer.roots.iter().map(of).collect::<Vec<_>>(),
+        "crossings": answer.crossings.iter().map(crossing).collect::<Vec<_>>(),
         "samples": answer.samples,
         "failures": answer.failures,
+        "unsettled": answer.unsettled,
     })
 }

@@ -1,14 +1,14 @@
 //! `sim-host sweep` and `sim-host merge`.
 
 mod estimate;
-mod progress;
+pub(super) mod progress;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 use columns::file::MAX_DATA_BYTES;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 
 use self::progress::Progress;
 use super::{Color, DrawingArgs, Exit, Format, ResultArgs, interrupts, mistake};
@@ -16,7 +16,7 @@ use scene::load::{Loaded, load};
 use sim::output::default_dir;
 use sim::output::sweep::{FolderError, Joined, Shard, SweepFolder, join};
 use sim::study::sweep::design::Design;
-use sim::study::sweep::{Sweep, SweepError, is_of_overlays};
+use sim::study::sweep::{Rows, Sweep, SweepError, is_of_overlays};
 
 /// `true` after Ctrl-C or any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -98,6 +98,9 @@ pub(super) fn run(args: &SweepArgs, color: Color) -> anyhow::Result<Exit> {
         }
         made => made?,
     };
+    if let Some(why) = loaded.scene.coupled(&sweep.design.keys()).filter(|_| !args.result.quiet) {
+        say!("note: {why}");
+    }
     if plan {
         return estimate::run(&sweep, args.shard, args.result.format);
     }
@@ -143,6 +146,13 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
         let progress = Progress::new(left, args.result.quiet);
         let complete = folder.run(sweep, &STOP, &|| progress.point())?;
         drop(progress);
+        if sweep.unsettled() > 0 && !args.result.quiet {
+            say!(
+                "note: no steady state was found at {} of the computed points; their means are over the last periods of a run, \
+                 as `sim-host run` of such a point explains",
+                sweep.unsettled()
+            );
+        }
         if !complete {
             say!(
                 "interrupted: {} of {whole} points are in {}; the same command continues from there",
@@ -156,7 +166,11 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
         }
         join(std::slice::from_ref(&dir), &dir, &args.drawing.presentation()).map(|joined| Some(Some(joined)))
     };
-    match run()? {
+    let done = run()?;
+    if args.result.format == Format::Json && !matches!(done, Some(Some(_))) {
+        super::print_styled(&format!("{:#}\n", json!({ "dir": dir, "complete": false })))?;
+    }
+    match done {
         None => Ok(Exit::Interrupted),
         Some(None) => {
             if !args.result.quiet {
@@ -174,12 +188,33 @@ pub(super) fn merge(args: &MergeArgs, color: Color) -> anyhow::Result<Exit> {
     show(&join(&args.dirs, target, &args.drawing.presentation())?, target, &args.result, color)
 }
 
+/// Returns a row for programs: its point, keys and metrics, the fault that ended the run, or the
+/// reason that there is no result.
+fn json_row(joined: &Joined, rows: &Rows, row: usize) -> Value {
+    let (keys, metrics) = &joined.names;
+    let mut json = Map::from_iter([("point".to_owned(), json!(rows.points[row]))]);
+    json.extend(keys.iter().zip(&rows.keys).map(|(name, values)| (name.clone(), json!(values[row]))));
+    json.extend(metrics.iter().zip(&rows.metrics).map(|(name, values)| (name.clone(), json!(values[row]))));
+    json.insert("fault_code".to_owned(), json!(rows.fault_codes[row]));
+    json.insert("failure".to_owned(), json!(rows.failures[row]));
+    Value::Object(json)
+}
+
 /// Prints the result of a complete sweep.
 fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow::Result<Exit> {
     super::print_styled(&match shown.format {
         Format::Human => joined.tables.iter().map(|table| table.terminal(color.stdout)).collect(),
         Format::Json => {
-            let json = json!({ "points": joined.points, "failures": joined.failures, "absent": joined.absent, "dir": dir, "complete": true });
+            let rows: Option<Vec<Value>> =
+                joined.rows.as_ref().map(|rows| (0..rows.points.len()).map(|row| json_row(joined, rows, row)).collect());
+            let json = json!({
+                "points": joined.points,
+                "failures": joined.failures,
+                "absent": joined.absent,
+                "dir": dir,
+                "complete": true,
+                "rows": rows,
+            });
             format!("{json:#}\n")
         }
     })?;

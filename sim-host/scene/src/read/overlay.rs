@@ -3,7 +3,7 @@
 use crate::diagnostic::{Place, Problem};
 use crate::exclusive::{EXCLUSIVE, OVERLAY_EXCLUSIVE};
 use crate::nearest::short;
-use crate::schema::{Schema, is_index, join, without_indices};
+use crate::schema::{Kind, Schema, is_index, join, without_indices};
 use crate::tree::{Entry, Node, Origin, Table, Value};
 
 /// Parses one `--set` argument, `key=value`. A value that is not TOML is taken as a string, so that
@@ -81,14 +81,14 @@ fn set_leaf(node: &mut Node, leaf: &Node) {
 
 /// Merges `over` into `under`: tables are merged, everything else is replaced. In a list of tables,
 /// numeric keys are indices. A key that excludes others (see [`EXCLUSIVE`]) replaces them. The
-/// value `none` removes an optional number.
+/// value `none` removes an optional number, and `false` a table or list of the scene.
 pub(crate) fn overlay(under: &mut Node, over: Node, path: &str, problems: &mut Vec<Problem>) {
     match (&mut under.value, over.value) {
         (Value::Table(below), Value::Table(above)) => {
             remove_excluded(below, &above, path);
             for (name, entry) in above {
                 let path = join(path, &name);
-                if is_none(&path, &entry.node.value) {
+                if is_none(&path, &entry.node.value) || is_removed(&path, &entry.node.value) {
                     below.remove(&name);
                     continue;
                 }
@@ -115,6 +115,12 @@ pub(crate) fn overlay(under: &mut Node, over: Node, path: &str, problems: &mut V
 fn is_none(path: &str, value: &Value) -> bool {
     let may_be = || Schema::root().at(path).is_some_and(|schema| schema.is_number() && schema.is_optional());
     matches!(value, Value::Text(text) if text == "none") && may_be()
+}
+
+/// Returns `true` if the value removes a table or list of the scene, for example `grid = false`.
+fn is_removed(path: &str, value: &Value) -> bool {
+    let may_be = || Schema::root().at(path).is_some_and(|schema| matches!(schema.kind(), Kind::Table | Kind::List));
+    matches!(value, Value::Flag(false)) && !path.contains('.') && may_be()
 }
 
 fn put_entry(list: &mut Vec<Node>, index: usize, entry: Entry, path: &str, problems: &mut Vec<Problem>) {

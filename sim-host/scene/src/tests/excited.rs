@@ -79,6 +79,31 @@ fn set_sliding_speed_replaces_the_ratio() {
 }
 
 #[test]
+fn an_amplitude_is_a_velocity_at_the_frequency() {
+    let text = kinematic("[contact.dahl]\nmu = 0.1\nnormal_n = 1\nstiffness_n_per_m = 1e6");
+    let loaded = |changes: &[&str]| load_text("a.toml", &text, &sets(changes)).map(|loaded| loaded.scene);
+    let peak = |scene: &Scene| {
+        let hz = scene.excitation.as_ref().unwrap().frequency_hz;
+        scene.rig.as_ref().unwrap().kinematic.as_ref().unwrap().vibration_m_per_s(hz)
+    };
+    let (by_velocity, by_amplitude) = (loaded(&[]).unwrap(), loaded(&["rig.kinematic.vibration_amplitude_m=1e-6"]).unwrap());
+    let hz = by_velocity.excitation.as_ref().unwrap().frequency_hz;
+    assert_eq!((peak(&by_velocity), peak(&by_amplitude)), (0.05, std::f64::consts::TAU * hz * 1e-6));
+    for (change, said) in
+        [("excitation.waveform=square", "only the displacement of a sine"), ("excitation.frequency_hz=1e7", "peak velocity")]
+    {
+        says(&super::report(&text, &["rig.kinematic.vibration_amplitude_m=1e-3", change]), &[said]);
+    }
+    // A velocity ratio ties the sliding speed to the vibration.
+    let key = "rig.kinematic.vibration_amplitude_m";
+    assert!(by_amplitude.coupled(&[key]).is_some_and(|note| note.contains("also changes the sliding speed")));
+    assert_eq!(by_amplitude.coupled(&[key, "excitation.velocity_ratio"]), None);
+    assert!(by_amplitude.coupled(&["excitation.frequency_hz"]).is_some());
+    assert_eq!(by_velocity.coupled(&["excitation.frequency_hz"]), None);
+    assert_eq!(loaded(&["excitation.sliding_m_per_s=0.01"]).unwrap().coupled(&["rig.kinematic.vibration_m_per_s"]), None);
+}
+
+#[test]
 fn set_contact_replaces_the_scenes_contact() {
     let scene = loaded(&["contact.coulomb.mu=0.2"]);
     assert!(scene.contact.as_ref().unwrap().dahl.is_none() && scene.excited().unwrap().model.mu() == 0.2);

@@ -51,6 +51,17 @@ fn invisible_characters_are_refused_in_every_text() {
 }
 
 #[test]
+fn false_removes_a_table_or_list_of_the_base() {
+    let lugre = "[contact.lugre]\nmu = 0.2\nnormal_n = 1\nstatic_mu = 0.3\nstribeck_m_per_s = 0.1\nstiffness_n_per_m = 1e6\n";
+    let text = |head: &str| format!("base = \"contact-kinematic\"\n{head}{lugre}");
+    assert!(load_text("a.toml", &text("grid = false\n"), &[]).is_ok_and(|loaded| loaded.scene.grid.is_none()));
+    says(&report(&text(""), &[]), &["grid"]);
+    assert!(loaded(&["grid=false", "expect=false"]).grid.is_none());
+    says(&report(example(), &["controller.burst=false"]), &["`controller.burst` cannot be true or false"]);
+    says(&report(example(), &["grid=true"]), &["`grid` cannot be true or false"]);
+}
+
+#[test]
 fn scenes_are_merged_over_their_base() {
     let scene = load_text("a.toml", "base = \"experiment-1\"\n[controller.drive]\namplitude_v = 3\n", &[]).unwrap().scene;
     let drive = &scene.controller.as_ref().unwrap().drive;

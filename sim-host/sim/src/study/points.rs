@@ -8,6 +8,8 @@
 //!            scene's rules)
 //! ```
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use super::StudyError;
 use super::answer::Answer;
 use super::contact::{metrics, needs_figures, steady as steady_state};
@@ -15,7 +17,7 @@ use super::plan::{Cell, Plan};
 use super::steady::{self, Mean, Steady};
 use super::stopped::{interrupt_if, unless_stopped};
 use crate::metrics::Metrics;
-use contact::{self, Numerics, Problem};
+use contact::{self, Method, Numerics, Problem};
 use scene::numbers::Numbers;
 use scene::{Excited, problem};
 
@@ -32,6 +34,8 @@ pub(super) struct Points<'p, 'a> {
     /// The metrics as means, if all of them are means.
     means: Option<Vec<Mean>>,
     numbers: Option<Numbers>,
+    /// Number of points whose steady state was wanted but not found.
+    unsettled: &'p AtomicU64,
 }
 
 /// Intermediate result of a point.
@@ -42,12 +46,17 @@ enum PointWork {
 
 impl<'p, 'a> Points<'p, 'a> {
     /// Prepares points that set these keys; the first of them is the cell `first`.
-    pub(super) fn new(plan: &'p Plan<'a>, first: Cell, keys: &[&str], metrics: &'p [&'p str]) -> Self {
+    pub(super) fn new(
+        plan: &'p Plan<'a>,
+        first: Cell,
+        (keys, metrics): (&[&str], &'p [&'p str]),
+        unsettled: &'p AtomicU64,
+    ) -> Self {
         let made = plan.make(first).ok();
         // A comparison with a measurement needs the time series of a whole run.
         let whole = made.as_ref().and_then(|made| Some(needs_figures(&made.scene.excited()?, Some(metrics)))).unwrap_or(false);
         let numbers = made.filter(|_| !whole).and_then(|made| Numbers::of(made.scene, keys));
-        Points { plan, metrics, means: metrics.iter().map(|metric| Mean::named(metric)).collect(), numbers }
+        Points { plan, metrics, means: metrics.iter().map(|metric| Mean::named(metric)).collect(), numbers, unsettled }
     }
 
     /// Returns the metrics of each point, equal to those of a run of its cell; `None` if stopped.
@@ -79,7 +88,15 @@ impl<'p, 'a> Points<'p, 'a> {
                 let empty = |error| StudyError::EmptyCell(cell(point).label, Box::new(error));
                 let solution = solutions.next().ok_or(StudyError::Incomplete)?.map_err(|error| empty(error.into()))?;
                 let wanted = Some(self.metrics);
-                let steady = numerics.and_then(|numerics| steady_state(&problem, &numerics, &solution, wanted, &|| ()));
+                let pause = || interrupt_if(self.plan.stop());
+                let steady =
+                    numerics.and_then(|numerics| unless_stopped(|| steady_state(&problem, &numerics, &solution, wanted, &pause)));
+                let steady = steady.flatten();
+                // A closed form is that of the steady state.
+                let is_open = solution.orbit.is_none() && solution.method != Method::Closed;
+                if numerics.is_some_and(|numerics| numerics.steady) && is_open {
+                    self.unsettled.fetch_add(1, Ordering::Relaxed);
+                }
                 let answer = Answer { problem: *problem, solution, steady, across: None, in_plane: None };
                 let set = numbers.as_mut().and_then(|numbers| numbers.set(values(point).as_ref())?.excited());
                 let scene = set.ok_or(StudyError::Incomplete)?;

@@ -5,8 +5,9 @@
 //! ```
 //!
 //! The metric need not be monotonic: each pair of neighbouring samples with the target between them
-//! is searched, which finds every root that lies more than an interval from the next one. A metric
-//! that jumps across the target has no root there, and is reported with the values on both sides.
+//! is searched, which finds every crossing that lies more than an interval from the next one. A
+//! metric with steps, or with the scatter of a noisy run, may cross the target without reaching it:
+//! the last values on both sides are then reported instead of a root.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -15,16 +16,19 @@ use super::sweep::axis::{Axis, Range};
 use super::sweep::design::Design;
 use super::sweep::{Rows, Sweep, SweepError};
 use scene::load::Loaded;
+use scene::schema::{Kind, Schema};
 
 /// Number of samples of the range.
-const SAMPLES: u64 = 33;
+pub const SAMPLES: u64 = 33;
 /// Largest width of the interval of a root, relative to the root.
 const ROOT_WIDTH_REL: f64 = 1e-9;
 /// Largest number of runs for a root.
 const MOST_RUNS: u32 = 60;
-/// Difference of the metric across the last interval, relative to that of the samples around it,
-/// above which the metric jumps.
-const JUMP_REL: f64 = 0.1;
+/// Largest distance of the metric from the target at a root, relative to the larger of the samples
+/// around it.
+const REACHED_REL: f64 = 1e-4;
+/// Metric that is not a quantity.
+const FAULT_CODE: &str = "fault_code";
 
 /// Reason that there is no answer.
 #[derive(Debug, thiserror::Error)]
@@ -50,30 +54,42 @@ pub struct Question<'a> {
     pub target: f64,
 }
 
-/// Value of the key at which the metric crosses the target.
+/// Value of the key at which the metric has the target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Root {
-    /// Value of the key.
+    /// Value of the key; for a metric that keeps the target over several samples, the first of
+    /// them.
     pub value: f64,
-    /// Ends of the interval that contains the root.
+    /// Ends of the interval that contains the root, or over which the metric keeps the target.
     pub within: (f64, f64),
     /// Metrics at the value.
     pub metrics: Vec<Option<f64>>,
-    /// The metric at both ends of the interval, if it jumps across the target there.
-    pub jump: Option<(f64, f64)>,
     /// Number of runs after the samples.
     pub runs: u32,
 }
 
-/// Answer to a question.
+/// Crossing of the target that the metric does not reach.
 #[derive(Clone, Debug, PartialEq)]
+pub struct Crossing {
+    /// Ends of the last interval.
+    pub within: (f64, f64),
+    /// Metric at both ends.
+    pub metric: (f64, f64),
+}
+
+/// Answer to a question.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answer {
     /// Roots, in ascending order.
     pub roots: Vec<Root>,
+    /// Crossings by a step or by scatter, in ascending order.
+    pub crossings: Vec<Crossing>,
     /// Samples of the range: the value of the key and, if the run has it, the metric.
     pub samples: Vec<(f64, Option<f64>)>,
-    /// Reasons that samples have no value, without repetitions.
-    pub failures: Vec<String>,
+    /// Values of the key at which a run has no metric, with the reason.
+    pub failures: Vec<(f64, String)>,
+    /// Number of runs whose means are over a window, because no steady state was found.
+    pub unsettled: u64,
 }
 
 impl Question<'_> {
@@ -82,89 +98,110 @@ impl Question<'_> {
     /// # Errors
     /// If the key or a metric is not one of the scene, or a run cannot be made.
     pub fn answer(&self, stop: &AtomicBool, done: &(dyn Fn() + Sync)) -> Result<Option<Answer>, SolveError> {
-        let sampled = Axis::of_range(&self.range, SAMPLES);
-        let Some(rows) = self.run(sampled, stop, done)? else { return Ok(None) };
-        let samples: Vec<_> = rows.keys[0].iter().enumerate().map(|(row, &at)| (at, value(&rows, row))).collect();
-        let mut failures: Vec<String> = (0..samples.len()).filter_map(|row| reason(&rows, row)).collect();
-        failures.sort();
-        failures.dedup();
-        let mut roots = Vec::new();
-        for pair in samples.windows(2) {
-            let [(low, Some(at_low)), (high, Some(at_high))] = *pair else { continue };
-            let (below, above) = (at_low - self.target, at_high - self.target);
-            // A sample on the target belongs to the interval below it.
-            if above == 0.0 || below * above < 0.0 || (below == 0.0 && roots.is_empty()) {
-                match self.refine((low, below), (high, above), stop, done)? {
-                    Refined::Stopped => return Ok(None),
-                    Refined::Root(root) => roots.push(root),
-                    Refined::Failed(why) if failures.contains(&why) => {}
-                    Refined::Failed(why) => failures.push(why),
-                }
-            }
+        let key = &self.range.key;
+        if Schema::root().at(key).is_some_and(|schema| schema.kind() == Kind::Integer) {
+            let why = "is a whole number: `sim-host sweep --over` runs all of its values".to_owned();
+            return Err(SweepError::Key { key: key.clone(), why }.into());
         }
-        Ok(Some(Answer { roots, samples, failures }))
+        if self.metrics.iter().any(|metric| metric == FAULT_CODE) {
+            return Err(SweepError::Metric(format!("`{FAULT_CODE}` is not a quantity: `sim-host sweep` shows it")).into());
+        }
+        let mut answer = Answer::default();
+        let Some(rows) = self.run(Axis::of_range(&self.range, SAMPLES), &mut answer, stop, done)? else { return Ok(None) };
+        let value = |row: usize| self.value(&rows, row).ok();
+        answer.samples = rows.keys[0].iter().enumerate().map(|(row, &at)| (at, value(row))).collect();
+        let failed = |row: usize| Some((rows.keys[0][row], self.value(&rows, row).err()?));
+        answer.failures = (0..answer.samples.len()).filter_map(failed).collect();
+        let samples = answer.samples.clone();
+        let off = |row: usize| samples.get(row).and_then(|(_, value)| Some((*value)? - self.target));
+        let mut row = 0;
+        while row < samples.len() {
+            let next = (row + 1..samples.len()).find(|next| off(*next) != Some(0.0)).unwrap_or(samples.len());
+            if off(row) == Some(0.0) {
+                let metrics = rows.metrics.iter().map(|metric| metric[row]).collect();
+                answer.roots.push(Root {
+                    value: samples[row].0,
+                    within: (samples[row].0, samples[next - 1].0),
+                    metrics,
+                    runs: 0,
+                });
+                row = next;
+                continue;
+            }
+            if let (Some(low), Some(high)) = (off(row), off(row + 1))
+                && low * high < 0.0
+                && !self.refine((samples[row].0, low), (samples[row + 1].0, high), &mut answer, stop, done)?
+            {
+                return Ok(None);
+            }
+            row += 1;
+        }
+        Ok(Some(answer))
     }
 
-    /// Finds the root between two values of the key, with the metric's distance from the target.
+    /// Adds the root between two values of the key, with the metric's distance from the target, to
+    /// the answer. Returns `false` if stopped.
     fn refine(
         &self,
         low: (f64, f64),
         high: (f64, f64),
+        answer: &mut Answer,
         stop: &AtomicBool,
         done: &(dyn Fn() + Sync),
-    ) -> Result<Refined, SolveError> {
+    ) -> Result<bool, SolveError> {
         let mut search = Search::new(low, high);
         let mut runs = 0;
         while let Some(next) = search.next().filter(|_| runs < MOST_RUNS) {
-            let Some(rows) = self.run(Axis::of_value(&self.range.key, next), stop, done)? else { return Ok(Refined::Stopped) };
+            let found = match self.run(Axis::of_value(&self.range.key, next), answer, stop, done) {
+                Ok(Some(rows)) => self.value(&rows, 0),
+                Ok(None) => return Ok(false),
+                Err(SolveError::Question(error)) => Err(error.to_string()),
+                Err(error) => return Err(error),
+            };
             runs += 1;
-            match value(&rows, 0) {
-                Some(found) => search.take(next, found - self.target),
-                None => return Ok(Refined::Failed(reason(&rows, 0).unwrap_or_default())),
+            match found {
+                Ok(found) => search.take(next, found - self.target),
+                Err(why) => {
+                    answer.failures.push((next, why));
+                    return Ok(true);
+                }
             }
         }
-        let Some(rows) = self.run(Axis::of_value(&self.range.key, search.best().0), stop, done)? else {
-            return Ok(Refined::Stopped);
-        };
-        let (from, to) = search.interval();
-        let jumps = (to.1 - from.1).abs() > JUMP_REL * (high.1 - low.1).abs() && search.best().1 != 0.0;
-        Ok(Refined::Root(Root {
-            value: search.best().0,
-            within: (from.0, to.0),
-            metrics: rows.metrics.iter().map(|metric| metric[0]).collect(),
-            jump: jumps.then_some((from.1 + self.target, to.1 + self.target)),
-            runs,
-        }))
+        let (best, (from, to)) = (search.best(), search.interval());
+        if best.1.abs() > REACHED_REL * (low.1 + self.target).abs().max((high.1 + self.target).abs()) {
+            answer.crossings.push(Crossing { within: (from.0, to.0), metric: (from.1 + self.target, to.1 + self.target) });
+            return Ok(true);
+        }
+        let Some(rows) = self.run(Axis::of_value(&self.range.key, best.0), answer, stop, done)? else { return Ok(false) };
+        let metrics = rows.metrics.iter().map(|metric| metric[0]).collect();
+        answer.roots.push(Root { value: best.0, within: (from.0, to.0), metrics, runs });
+        Ok(true)
     }
 
-    /// Runs the scene with these values of the key.
-    fn run(&self, axis: Axis, stop: &AtomicBool, done: &(dyn Fn() + Sync)) -> Result<Option<Rows>, SolveError> {
+    /// Runs the scene with these values of the key; `None` if stopped.
+    fn run(
+        &self,
+        axis: Axis,
+        answer: &mut Answer,
+        stop: &AtomicBool,
+        done: &(dyn Fn() + Sync),
+    ) -> Result<Option<Rows>, SolveError> {
         let sweep = Sweep::new(self.loaded, Design::product(vec![axis])?, &self.metrics)?;
         let rows = sweep.rows(0..sweep.design.count(), stop, done)?;
+        answer.unsettled += sweep.unsettled();
         Ok(rows.filter(|_| !stop.load(Ordering::Relaxed)))
     }
-}
 
-/// Result of a search.
-enum Refined {
-    Root(Root),
-    /// A run of the search has no value, for this reason.
-    Failed(String),
-    Stopped,
-}
-
-/// Returns the first metric of a row; `None` if the run has none, or ended in a fault.
-fn value(rows: &Rows, row: usize) -> Option<f64> {
-    rows.metrics[0][row].filter(|value| value.is_finite() && rows.fault_codes[row].unwrap_or(0) == 0)
-}
-
-/// Returns the reason that a row has no value.
-fn reason(rows: &Rows, row: usize) -> Option<String> {
-    if value(rows, row).is_some() {
-        return None;
+    /// Returns the first metric of a row, or the reason that it has none. A run that ended in a
+    /// fault has none.
+    fn value(&self, rows: &Rows, row: usize) -> Result<f64, String> {
+        match rows.fault_codes[row].filter(|code| *code != 0 && self.loaded.scene.runs == 1) {
+            Some(code) => Err(format!("the run ends in fault {code}")),
+            None => rows.metrics[0][row].filter(|value| value.is_finite()).ok_or_else(|| {
+                rows.failures[row].clone().unwrap_or_else(|| format!("the run has no metric `{}`", self.metrics[0]))
+            }),
+        }
     }
-    let fault = rows.fault_codes[row].filter(|code| *code != 0).map(|code| format!("ends in fault {code}"));
-    Some(fault.or_else(|| rows.failures[row].clone()).unwrap_or_else(|| "does not have the metric".to_owned()))
 }
 
 /// Search for a root between two points of different signs: inverse quadratic interpolation where
@@ -260,7 +297,7 @@ mod tests {
         let question = Question { loaded: &loaded, range, metrics: vec!["friction_ratio".to_owned()], target: 1.0 / 3.0 };
         let found = question.answer(&AtomicBool::new(false), &|| ()).unwrap().unwrap();
         let [root] = &found.roots[..] else { panic!("{found:?}") };
-        assert!((root.value - 0.5).abs() < 1e-5 && root.jump.is_none() && root.runs <= 20, "{root:?}");
+        assert!((root.value - 0.5).abs() < 1e-5 && root.runs <= 20 && found.crossings.is_empty(), "{root:?}");
     }
 
     #[test]
@@ -269,6 +306,35 @@ mod tests {
         assert!(none.roots.is_empty() && none.samples.len() == SAMPLES as usize && none.failures.is_empty());
         let at = none.samples[0].1.unwrap();
         let first = answer("contact-kinematic", "excitation.velocity_ratio=0.1:0.9", "friction_ratio", at);
-        assert!(first.roots.len() == 1 && first.roots[0].value == 0.1, "{:?}", first.roots);
+        assert!(first.roots.len() == 1 && first.roots[0].within == (0.1, 0.1), "{:?}", first.roots);
+    }
+
+    /// Faster sliding than the vibration leaves all of the friction.
+    #[test]
+    fn a_value_that_is_kept_is_one_root() {
+        let found = answer("contact-kinematic", "excitation.velocity_ratio=0.5:2", "friction_ratio", 1.0);
+        let [root] = &found.roots[..] else { panic!("{found:?}") };
+        assert!((root.within.0 - 1.0).abs() < 0.05 && root.within.1 == 2.0 && found.crossings.is_empty(), "{root:?}");
+    }
+
+    /// The slip reverses twice a period, or not at all.
+    #[test]
+    fn a_step_is_no_root() {
+        let found = answer("contact", "excitation.velocity_ratio=0.5:2", "reversals", 1.0);
+        assert!(found.roots.is_empty() && found.crossings.len() == 1, "{:?} {:?}", found.roots, found.crossings);
+        let Crossing { within, metric } = found.crossings[0];
+        assert!(within.1 - within.0 < 1e-8 && metric == (2.0, 0.0), "{within:?} {metric:?}");
+    }
+
+    #[test]
+    fn whole_numbers_and_faults_are_refused() {
+        let loaded = scene::load::load("lock", &[]).unwrap();
+        let asked = |by: &str, metric: &str| {
+            let question =
+                Question { loaded: &loaded, range: by.parse().unwrap(), metrics: vec![metric.to_owned()], target: 1.0 };
+            question.answer(&AtomicBool::new(false), &|| ()).unwrap_err().to_string()
+        };
+        assert!(asked("controller.block_samples=16:80", "acquire_time_ms").contains("whole number"));
+        assert!(asked("controller.drive.amplitude_v=1:2", "fault_code").contains("not a quantity"));
     }
 }

@@ -19,7 +19,8 @@ pub mod sensitivity;
 mod tests;
 
 use std::ops::Range;
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
@@ -123,6 +124,8 @@ pub struct Sweep<'a> {
     pub metrics: Vec<&'static str>,
     /// `true` if all metrics were requested, not some by name.
     pub all: bool,
+    /// Number of computed points whose means are over a window, because no steady state was found.
+    unsettled: Arc<AtomicU64>,
 }
 
 impl<'a> Sweep<'a> {
@@ -145,7 +148,7 @@ impl<'a> Sweep<'a> {
             check_overlays(metric, &loaded.scene)?;
         }
         metrics.retain(|&metric| metric != FAULT_CODE);
-        let sweep = Sweep { loaded, metrics, all: names.is_empty(), design };
+        let sweep = Sweep { loaded, metrics, all: names.is_empty(), design, unsettled: Arc::default() };
         let made = if loaded.scene.runs > 1 { Loaded::changed } else { Loaded::cell };
         let point = |point| made(loaded, &sweep.sets(point)).map(drop);
         point(0).or_else(|error| point(sweep.design.count() - 1).map_err(|_| error))?;
@@ -189,7 +192,7 @@ impl<'a> Sweep<'a> {
         let plan = Plan::new(self.loaded, stop)?;
         let points: Vec<u64> = points.collect();
         let (keys, threads) = (self.design.keys(), rayon::current_num_threads());
-        let contacts = |first: u64| Points::new(&plan, self.cell(first), &keys, &self.metrics);
+        let contacts = |first: u64| Points::new(&plan, self.cell(first), (&keys, &self.metrics), &self.unsettled);
         let method = match (self.loaded.scene.runs, self.loaded.scene.controller.is_some(), points.first()) {
             (1, false, Some(&first)) => PointMethod::Contacts(Box::new(contacts(first))),
             (1, ..) => PointMethod::Driven,
@@ -221,6 +224,12 @@ impl<'a> Sweep<'a> {
             rows.push(point, &self.design.values(point), measured);
         }
         Ok(Some(rows))
+    }
+
+    /// Returns the number of points computed so far whose means are over the last periods of a run,
+    /// because no steady state was found.
+    pub fn unsettled(&self) -> u64 {
+        self.unsettled.load(Ordering::Relaxed)
     }
 
     /// Returns the cell of a point.

@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
 /// Progress towards a number of points.
-pub(super) struct Progress {
+pub(in crate::cli) struct Progress {
     bar: Option<ProgressBar>,
     whole: u64,
     done: AtomicU64,
@@ -22,7 +22,7 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    pub(super) fn new(whole: u64, quiet: bool) -> Self {
+    pub(in crate::cli) fn new(whole: u64, quiet: bool) -> Self {
         let bar = (!quiet && io::stderr().is_terminal()).then(|| {
             let style = ProgressStyle::with_template("{bar:40} {pos} of {len} points  {per_sec}  {eta} remain");
             let bar = ProgressBar::new(whole);
@@ -32,7 +32,7 @@ impl Progress {
     }
 
     /// Counts one more finished point.
-    pub(super) fn point(&self) {
+    pub(in crate::cli) fn point(&self) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         if let Some(bar) = &self.bar {
             bar.inc(1);
@@ -42,7 +42,7 @@ impl Progress {
         {
             *last = Instant::now();
             let rate = done as f64 / self.began.elapsed().as_secs_f64();
-            let left_s = (self.whole - done) as f64 / rate;
+            let left_s = self.whole.saturating_sub(done) as f64 / rate;
             say!("{done} of {} points, {rate:.1} per second, about {left_s:.0} s remain", self.whole);
         }
     }

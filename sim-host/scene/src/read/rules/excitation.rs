@@ -15,12 +15,15 @@ const RATIO: &str = "excitation.velocity_ratio";
 const WAVEFORM: &str = "excitation.waveform";
 const VIBRATION: &str = "rig.kinematic.vibration_m_per_s";
 const AMPLITUDE: &str = "rig.kinematic.vibration_amplitude_m";
+/// Largest peak velocity of a vibration, m/s.
+const MAX_VELOCITY_M_PER_S: f64 = 1e4;
 /// Largest number of values of a random waveform.
 const MAX_RANDOM_VALUES: f64 = 1e8;
 
 impl Rules<'_> {
     pub(super) fn excited(&mut self) {
         self.force();
+        self.amplitude();
         self.waveform();
         self.hertz();
         self.compliant();
@@ -39,6 +42,23 @@ impl Rules<'_> {
             let problem =
                 Problem::new(self.place(EXCITATION), "`force_n` is missing in [excitation]", "needs `force_n`, a number in N");
             self.add(FORCE, problem.help("the peak force on the mass of [rig.sdof]"));
+        }
+    }
+
+    /// Checks a vibration given by its displacement: that of a sine, of a possible velocity.
+    fn amplitude(&mut self) {
+        let Some(amplitude_m) = self.number(AMPLITUDE) else { return };
+        if self.text(WAVEFORM).is_some_and(|waveform| waveform != "sine") {
+            let message = "only the displacement of a sine gives its velocity";
+            let problem = Problem::new(self.place(self.newer(AMPLITUDE, WAVEFORM)), message, "only with the waveform `sine`");
+            self.add(AMPLITUDE, problem.help(format!("give `{VIBRATION}` instead")));
+        }
+        let velocity = std::f64::consts::TAU * amplitude_m * self.number(FREQUENCY).unwrap_or(0.0);
+        if velocity > MAX_VELOCITY_M_PER_S {
+            let message = format!("a peak velocity of {} m/s", shown(velocity));
+            let label = format!("`w` times this amplitude must be at most {} m/s", shown(MAX_VELOCITY_M_PER_S));
+            let problem = Problem::new(self.place(self.newer(AMPLITUDE, FREQUENCY)), message, label);
+            self.add(AMPLITUDE, problem);
         }
     }
 

@@ -21,6 +21,9 @@ use report::TableBlock;
 /// Maximum number of missing ranges that a message lists.
 const MAX_LISTED_RANGES: usize = 4;
 
+/// Maximum number of points whose values are returned.
+const MAX_RETURNED_POINTS: u64 = 10_000;
+
 /// Result of joining the parts of a sweep.
 #[derive(Clone, Debug)]
 pub struct Joined {
@@ -32,6 +35,10 @@ pub struct Joined {
     pub absent: Vec<String>,
     /// Table of the metrics and, for a sample, of the indices.
     pub tables: Vec<TableBlock>,
+    /// Names of the keys and of the metrics.
+    pub names: (Vec<String>, Vec<String>),
+    /// Rows of all points, if these are at most 10 000.
+    pub rows: Option<Rows>,
     /// Path of the page.
     pub page: PathBuf,
 }
@@ -76,13 +83,14 @@ pub fn join(dirs: &[PathBuf], target: &Path, shown: &Presentation) -> Result<Joi
     let _alone = File::open(&path).ok().filter(|plan| plan.lock().is_ok());
     let folder = Folder::open(target, owner)?;
     let dir = folder.unfinished();
-    let failures = rows(&plan, &parts, &layout, dir)?;
+    let (failures, rows) = rows(&plan, &parts, &layout, dir)?;
     let file = RowsFile::open(&dir.join(ROWS))?;
     let indices = if plan.is_sample() { indices(&layout, &file, dir)? } else { Vec::new() };
-    let written = page::write(&plan, &layout, &file, failures, &indices, (dir, shown))?;
+    let written = page::write(&plan, &layout, (&file, rows.as_ref()), failures, &indices, (dir, shown))?;
     drop(file);
     folder.finish(json!({ "scene": plan.scene(), "plan_hash": plan.hash(), "complete": true }))?;
-    Ok(Joined { points: plan.count(), failures, absent, tables: written, page: target.join(super::PAGE) })
+    let names = (layout.keys, layout.metrics);
+    Ok(Joined { points: plan.count(), failures, absent, tables: written, names, rows, page: target.join(super::PAGE) })
 }
 
 /// Returns the common plan of all folders.
@@ -121,8 +129,9 @@ fn present(plan: &PlanFile, parts: &[Part]) -> Result<(Layout, Vec<String>), Fol
     Ok((plan.layout().clone(), absent))
 }
 
-/// Writes all rows, and separately those without a result; returns the number of the latter.
-fn rows(plan: &PlanFile, parts: &[Part], layout: &Layout, target: &Path) -> Result<u64, FolderError> {
+/// Writes all rows, and separately those without a result; returns the number of the latter, and
+/// the rows if they are few.
+fn rows(plan: &PlanFile, parts: &[Part], layout: &Layout, target: &Path) -> Result<(u64, Option<Rows>), FolderError> {
     let mut file = RowsWriter::create(&target.join(ROWS), layout, plan.hash(), false)?;
     let heads: Vec<&str> = ["point"].into_iter().chain(layout.keys.iter().map(String::as_str)).collect();
     let mut table = Text::create(target.join(TABLE), Rows::head(&layout.keys, &layout.metrics))?;
@@ -132,6 +141,7 @@ fn rows(plan: &PlanFile, parts: &[Part], layout: &Layout, target: &Path) -> Resu
     let mut failures = 0;
     let mut next = 0;
     let mut waiting = Rows::new(layout.keys.len(), layout.metrics.len());
+    let mut kept = (plan.count() <= MAX_RETURNED_POINTS).then(|| waiting.clone());
     for part in parts {
         let opened = plan.check(part)?;
         let mut points = part.points.clone();
@@ -146,6 +156,9 @@ fn rows(plan: &PlanFile, parts: &[Part], layout: &Layout, target: &Path) -> Resu
             rows.drop_first(first);
             next += rows.points.len() as u64;
             failures += text(&rows, &mut table, &mut without)?;
+            if let Some(kept) = &mut kept {
+                kept.append(rows.clone());
+            }
             waiting.append(rows);
             while waiting.points.len() >= GROUP {
                 let rest = waiting.split_off(GROUP);
@@ -158,7 +171,7 @@ fn rows(plan: &PlanFile, parts: &[Part], layout: &Layout, target: &Path) -> Resu
     table.finish()?;
     without.finish()?;
     file.finish()?;
-    Ok(failures)
+    Ok((failures, kept))
 }
 
 fn text(rows: &Rows, table: &mut Text, without: &mut Text) -> Result<u64, FolderError> {

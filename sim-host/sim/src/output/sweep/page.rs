@@ -3,27 +3,32 @@
 use std::path::Path;
 
 use super::{FolderError, Layout, PlanFile, ROWS, RowsFile};
-use crate::numbers::number;
+use crate::numbers::{number, precise};
 use crate::output::Presentation;
 use crate::study::sweep::sensitivity::{Estimate, Sensitivity};
-use crate::study::sweep::{figures, unit};
+use crate::study::sweep::{Rows, figures, unit};
 use report::statistics::{ascending, quantile};
 use report::{Report, TableBlock};
+use scene::shown;
 
 /// Maximum number of points that are drawn, because a figure stores all of its columns.
 const MAX_DRAWN_POINTS: u64 = 4_000_000;
+/// Maximum number of points and of metrics whose values are printed instead of their range.
+const MAX_PRINTED: (u64, usize) = (20, 6);
 
 /// Writes the page and the figures; returns the tables of metrics and indices.
 pub(super) fn write(
     plan: &PlanFile,
     layout: &Layout,
-    file: &RowsFile,
+    (file, rows): (&RowsFile, Option<&Rows>),
     failures: u64,
     indices: &[(String, Sensitivity)],
     (target, shown): (&Path, &Presentation),
 ) -> Result<Vec<TableBlock>, FolderError> {
     let (title, source) = plan.title();
-    let tables = [vec![metrics(layout, file)?], self::indices(layout, indices)].concat();
+    let few = rows.filter(|_| file.count() <= MAX_PRINTED.0 && layout.metrics.len() <= MAX_PRINTED.1);
+    let first = few.map_or_else(|| metrics(layout, file), |rows| Ok(values(layout, rows)))?;
+    let tables = [vec![first], self::indices(layout, indices)].concat();
     let changes = plan.changes().join(", ");
     let mut paragraphs = vec![points(plan)];
     if !changes.is_empty() {
@@ -83,6 +88,24 @@ fn keys(layout: &Layout, file: &RowsFile) -> Result<TableBlock, FolderError> {
     let row = |key: &String| Ok([vec![key.clone(), unit(key)], spread(file, key)?.0].concat());
     let rows = layout.keys.iter().map(row).collect::<Result<Vec<_>, FolderError>>()?;
     Ok(TableBlock::new("keys", "Keys", "", &["key", "unit", "minimum", "median", "maximum"], rows))
+}
+
+/// Returns the values of all points, one row each.
+fn values(layout: &Layout, rows: &Rows) -> TableBlock {
+    let heading = |name: &String| match unit(name).as_str() {
+        "1" => name.clone(),
+        unit => format!("{name} [{unit}]"),
+    };
+    let faults = rows.fault_codes.iter().flatten().any(|code| *code != 0);
+    let header = layout.keys.iter().chain(&layout.metrics).map(heading).chain(faults.then(|| "fault".to_owned()));
+    let row = |row: usize| -> Vec<String> {
+        let keys = rows.keys.iter().map(|key| shown(key[row]));
+        let metrics = rows.metrics.iter().map(|metric| metric[row].map_or_else(|| "–".to_owned(), precise));
+        let fault = rows.fault_codes[row].filter(|code| *code != 0).map_or_else(String::new, |code| code.to_string());
+        keys.chain(metrics).chain(faults.then_some(fault)).collect()
+    };
+    let cells = (0..rows.points.len()).map(row).collect();
+    TableBlock::new("points", "Points", "", &header.collect::<Vec<_>>(), cells)
 }
 
 fn metrics(layout: &Layout, file: &RowsFile) -> Result<TableBlock, FolderError> {
