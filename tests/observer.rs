@@ -240,3 +240,46 @@ fn the_phase_checks_the_observer() {
     assert_eq!(follow(60.0, 70), State::Locked);
     assert_eq!(follow(60.0, 50), State::Disagree);
 }
+
+/// Healthy transducers of kinds that were once refused: the reason, and the changes of the scene.
+const ONCE_REFUSED: [(&str, &str); 4] = [
+    (
+        "a jump of the voltage exceeds a tight current range",
+        "seed=1492 controller.tracking.nominal_c0_f=8.6551e-9 controller.block_samples=50 duration_s=1 stack.bvd.series_resonance_hz=18639.0 stack.bvd.q=3162.8 stack.bvd.coupling=0.01575 stack.bvd.c0_f=9.0601e-9 sensors.i_full_scale_a=0.005 sensors.v_full_scale_v=5.0 controller.limits.current_a=0.0045 controller.drive.frequency_hz=19108.0 controller.drive.amplitude_v=3.0 controller.tracking.nominal_q=4838.9 controller.tracking.nominal_lm_h=23.861",
+    ),
+    (
+        "a coupling of 0.8 draws eleven times the current of C0",
+        "seed=2546 controller.tracking.nominal_c0_f=2.3255e-8 controller.block_samples=32 duration_s=0.18457 stack.bvd.series_resonance_hz=145980.0 stack.bvd.q=15.768 stack.bvd.coupling=0.79791 stack.bvd.c0_f=2.8336e-8 sensors.i_full_scale_a=5.0 sensors.v_full_scale_v=5.0 controller.limits.current_a=3.0 controller.drive.frequency_hz=147660.0 controller.drive.amplitude_v=3.0 controller.tracking.nominal_q=14.404 controller.tracking.nominal_lm_h=3.1979e-5",
+    ),
+    (
+        "a ring-down of half a block",
+        "seed=596 controller.tracking.nominal_c0_f=7.9262e-8 controller.block_samples=32 duration_s=0.19856 stack.bvd.series_resonance_hz=103520.0 stack.bvd.q=4.6563 stack.bvd.coupling=0.74562 stack.bvd.c0_f=9.0283e-8 sensors.i_full_scale_a=2.0 sensors.v_full_scale_v=5.0 controller.limits.current_a=1.8 controller.drive.frequency_hz=100630.0 controller.drive.amplitude_v=3.0 controller.tracking.nominal_q=2.9212 controller.tracking.nominal_lm_h=2.8742e-5",
+    ),
+    (
+        "an Rm of a quarter of the source resistance",
+        "seed=4436 controller.tracking.nominal_c0_f=1.0024e-6 controller.block_samples=32 duration_s=0.25931 stack.bvd.series_resonance_hz=62917.0 stack.bvd.q=110.1 stack.bvd.coupling=0.44784 stack.bvd.c0_f=1.1961e-6 sensors.i_full_scale_a=5.0 sensors.v_full_scale_v=2.0 controller.limits.current_a=3.0 controller.drive.frequency_hz=63246.0 controller.drive.amplitude_v=1.0 controller.tracking.nominal_q=156.11 controller.tracking.nominal_lm_h=1.2044e-5",
+    ),
+];
+
+/// They lock where the drive loses at most 1 % of the tip velocity. The campaign `transducers`
+/// contains them.
+#[test]
+fn healthy_transducers_are_not_refused() {
+    for (why, changes) in ONCE_REFUSED {
+        let common = [
+            "controller.tracking.mode=observer",
+            "controller.tracking.span=0.0375",
+            "controller.tracking.bandwidth_hz=200",
+            "amplifier.full_scale_v=20",
+        ];
+        let sets: Vec<String> = common.into_iter().chain(changes.split(' ')).map(str::to_owned).collect();
+        let scene = load("transducer-smbltd45f28h", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
+        let scene = scene.driven().unwrap();
+        let metrics = measure(&scene, &run(&scene, Watch::default()).unwrap());
+        assert_eq!(metric(&metrics, "fault_code"), 0.0, "{why}");
+        let number = |key: &str| changes.split(' ').find_map(|set| set.strip_prefix(key)?.parse::<f64>().ok()).unwrap();
+        let bandwidth_hz = number("stack.bvd.series_resonance_hz=") / number("stack.bvd.q=");
+        let bias_hz = metric(&metrics, "frequency_bias_hz");
+        assert!(bias_hz.abs() < 0.071 * bandwidth_hz, "{why}: {bias_hz} Hz");
+    }
+}
