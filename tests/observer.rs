@@ -283,3 +283,34 @@ fn healthy_transducers_are_not_refused() {
         assert!(bias_hz.abs() < 0.071 * bandwidth_hz, "{why}: {bias_hz} Hz");
     }
 }
+
+/// A resonance whose ring-down is half a block is tracked by the phase loop, until its load is
+/// released: the observer then tracks it. After a loss it is sought again.
+#[test]
+fn a_fast_resonance_is_handed_back_and_sought_again() {
+    let fast = [
+        "stack.bvd.series_resonance_hz=1e5",
+        "controller.drive.frequency_hz=1e5",
+        "stack.bvd.coupling=0.7",
+        "stack.bvd.c0_f=30e-9",
+        "controller.tracking.nominal_c0_f=30e-9",
+        "controller.tracking.nominal_lm_h=none",
+        "controller.tracking.nominal_q=5",
+        "controller.drive.amplitude_v=1",
+        "controller.block_samples=32",
+        "stack.bvd.q=5",
+        "duration_s=0.5",
+        "disturbance.0.at_s=0.2",
+    ];
+    for (to, bandwidth_hz) in [("150", 670.0), ("80", 1250.0), ("20", 5000.0)] {
+        let to = format!("disturbance.0.to={to}");
+        let (_, metrics) = observed(&[&fast[..], &["disturbance.0.key=stack.bvd.q", &to]].concat());
+        let (bias_hz, time_ms) = (metric(&metrics, "frequency_bias_hz"), metric(&metrics, "relock_time_20hz_ms"));
+        assert_eq!(metric(&metrics, "fault_code"), 0.0, "{to}");
+        assert!(bias_hz.abs() < 0.005 * bandwidth_hz && time_ms < 50.0, "{to}: {bias_hz} Hz, {time_ms} ms");
+    }
+    let away = ["disturbance.0.key=stack.bvd.series_resonance_hz", "disturbance.0.to=1.25e5"];
+    let back = ["disturbance.1.key=stack.bvd.series_resonance_hz", "disturbance.1.to=1e5", "disturbance.1.at_s=0.25"];
+    let (record, metrics) = observed(&[&fast[..], &away, &back].concat());
+    assert_eq!((metric(&metrics, "fault_code"), last(&record).mode), (0.0, Mode::Run));
+}

@@ -13,7 +13,7 @@
 //! Too much current is a short, or another resonance near the tone, or a strong coupling: a second,
 //! lower tone decides.
 //!
-//! The test takes 96 blocks, 64 more for a second tone, and up to 1000 blocks and 40 nominal time
+//! The test takes 97 blocks, 65 more for a second tone, and up to 1000 blocks and 40 nominal time
 //! constants more if an earlier vibration must decay first. Swapped channels are detected 4 blocks
 //! after the tone is first measured, all other faults at its end.
 
@@ -55,8 +55,9 @@ const MEASURED_BLOCKS: u32 = 16;
 /// First blocks of the tone whose phase reveals swapped channels, before the guard reports an
 /// implausible voltage.
 const PHASE_BLOCKS: u32 = 4;
-/// Minimum mean amplitude whose phase is judged, codes; noise alone reaches a quarter of a code.
-const PHASE_CODES: f32 = 2.0;
+/// Minimum mean amplitude whose phase is judged, codes, while the tone rises to half of its
+/// amplitude; noise alone reaches a quarter of a code.
+const PHASE_CODES: f32 = 1.25;
 /// Frequencies of the two tones, relative to the nominal frequency.
 const TONE_FREQUENCIES_REL: [f32; 2] = [0.85, 0.7];
 /// Amplitude of the tone, relative to the scan voltage.
@@ -167,6 +168,7 @@ impl SelfTest {
         self.begin_tone(TONE_FREQUENCIES_REL[0]);
     }
 
+    /// Begins a tone at this frequency, relative to the nominal one.
     fn begin_tone(&mut self, frequency_rel: f32) {
         self.tone_rel = frequency_rel;
         self.sum = (0.0, 0.0);

@@ -102,7 +102,7 @@ numbered! {
     OverCurrent = 21, "over-current",
         "the current exceeds `limits.current_a`: a shorted stack or cable, or a limit below the drive";
     /// In the self-test the current is eight times that of the nominal capacitance or, without a
-    /// nominal one, that of 20 uF, at two frequencies; or it exceeds its limit.
+    /// nominal one, that of 20 uF, in both tones; or it exceeds `limits.current_a`.
     LoadShorted = 22, "load shorted", "look for a short in stack and cable";
     /// In the self-test the current is below a third of that of the nominal capacitance or, without
     /// a nominal one, below that of 0.1 nF. In the run it is below a hundredth, or its codes are

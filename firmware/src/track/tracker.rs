@@ -51,6 +51,13 @@ const OTHER_MODES_RAD: f32 = 0.02;
 /// Turn of the motional phase by other resonances, rad, for a first clamped branch that was wrong
 /// by the motional conductance.
 const WRONG_BRANCH_RAD: f32 = 0.5;
+/// Time constant of the resonance, blocks, above which a fast resonance is fast no more: the load has
+/// been released, and the loop no longer fits.
+const MAX_FAST_BLOCKS: f32 = 1.0;
+/// Blocks above that time constant after which the resonance is sought again.
+const SLOW_BLOCKS: u32 = 32;
+/// Shortest duration of a fast lock, blocks, after which it is sought once more.
+const LASTED_BLOCKS: u32 = 3000;
 /// Longest time under drive without a measured phase: the sum of blocks and time constants.
 const UNMEASURED_TIMEOUT: (u32, f32) = (500, 20.0);
 
@@ -111,8 +118,14 @@ pub struct Tracker {
     phase_loop: PhaseLoop,
     stray: Stray,
     observed: Option<Observed>,
-    /// `true` if an observer tracks every transducer that it can.
-    prefers_observer: bool,
+    /// `true` if the resonance decays too fast for the observer: the phase loop tracks.
+    is_fast: bool,
+    /// Largest admittance of a fast resonance at the lock point, S; a larger one decays more slowly.
+    most_siemens: f32,
+    /// Consecutive blocks above that admittance.
+    slow_blocks: u32,
+    /// `true` if a fast resonance was sought again after its loss.
+    sought_again: bool,
     known: Known,
     lock: LockDetector,
     rm_ohm: f32,
@@ -150,7 +163,10 @@ impl Tracker {
             stray: Stray::default(),
             observed: (config.tracking.mode == TrackingMode::Observer)
                 .then(|| Observed::new(config.drive.frequency_hz, block_s, config.tracking.span * config.drive.frequency_hz)),
-            prefers_observer: config.tracking.mode == TrackingMode::Observer,
+            is_fast: false,
+            most_siemens: f32::INFINITY,
+            slow_blocks: 0,
+            sought_again: false,
             known: Known::default(),
             lock: LockDetector::default(),
             rm_ohm: 0.0,
@@ -176,10 +192,14 @@ impl Tracker {
         self.phase_loop.seed(0.0, f32::INFINITY);
         self.rm_ohm = 0.0;
         self.stray = Stray::default();
-        if self.prefers_observer {
-            let (nominal_hz, block_s, window_hz) = (self.nominal_hz, self.block_s, self.window_hz());
-            self.observed.get_or_insert_with(|| Observed::new(nominal_hz, block_s, window_hz)).restart();
-        }
+        (self.is_fast, self.sought_again) = (false, false);
+        self.observed.iter_mut().for_each(Observed::restart);
+    }
+
+    /// Returns the observer if it tracks.
+    #[inline]
+    fn observed(&self) -> Option<&Observed> {
+        if self.is_fast { None } else { self.observed.as_ref() }
     }
 
     /// Sets the clamped capacitance to start with, F, if there is no nominal one.
@@ -190,7 +210,7 @@ impl Tracker {
 
     /// Returns `true` if an observer tracks.
     pub(crate) fn observes(&self) -> bool {
-        self.observed.is_some()
+        self.observed().is_some()
     }
 
     /// Returns the prior for a resonance that was tracked at `hz`: offset from the nominal
@@ -204,14 +224,21 @@ impl Tracker {
     pub fn observe(&mut self, branch: Motional, known: Known, prior: &Prior) {
         (self.motional, self.known) = (branch, known);
         self.restart_clock(prior.q / (core::f32::consts::PI * self.nominal_hz * self.block_s));
+        self.is_fast = false;
         if let Some(observed) = &mut self.observed {
             observed.start_cold(prior);
         }
     }
 
     /// Starts the next attempt to lock, and returns its kind; `None` without an observer or after
-    /// the last attempt.
+    /// the last attempt. The only one of a fast resonance begins with the self-test.
     pub(crate) fn retry_lock(&mut self, was_locked: bool) -> Option<Retry> {
+        if self.is_fast {
+            let again = !self.sought_again || was_locked && self.blocks > LASTED_BLOCKS;
+            self.sought_again = true;
+            self.restart_clock(0.0);
+            return again.then_some(Retry::Calibrate);
+        }
         let next = self.observed.as_mut()?.retry_lock(was_locked);
         self.restart_clock(0.0);
         next
@@ -219,19 +246,19 @@ impl Tracker {
 
     /// Returns `true` if the observer has converged and the motional phase agrees.
     pub fn has_converged(&self) -> bool {
-        self.observed.as_ref().is_some_and(Observed::has_converged)
+        self.observed().is_some_and(Observed::has_converged)
     }
 
     /// Begins to identify the transducer in parts, if there is an observer.
     pub(crate) fn learn(&self, learning: &mut Learning) {
-        if let Some(observed) = &self.observed {
+        if let Some(observed) = self.observed() {
             learning.begin(observed.observer(), self.nominal_hz, &self.known);
         }
     }
 
     /// Returns the transducer as the observer has identified it so far.
     pub fn identify(&self) -> Option<Transducer> {
-        self.observed.as_ref().map(|observed| identified::circuit(observed.observer(), self.nominal_hz, &self.known))
+        self.observed().map(|observed| identified::circuit(observed.observer(), self.nominal_hz, &self.known))
     }
 
     /// Starts on a transducer that a scan has found and that rings at its resonance. `noise_a` is
@@ -250,10 +277,10 @@ impl Tracker {
         self.set_resonance(transducer);
         self.restart_clock(transducer.time_constant_s() / self.block_s);
         self.on_blocks = self.ring_up_blocks;
-        if transducer.time_constant_s() < MIN_OBSERVED_BLOCKS * self.block_s {
-            self.observed = None;
-        }
-        if let Some(observed) = &mut self.observed {
+        let blocks = transducer.time_constant_s() / self.block_s;
+        self.is_fast = self.observed.is_some() && blocks < MIN_OBSERVED_BLOCKS;
+        (self.most_siemens, self.slow_blocks) = (MAX_FAST_BLOCKS / (blocks * transducer.rm_ohm), 0);
+        if let Some(observed) = self.observed.as_mut().filter(|_| blocks >= MIN_OBSERVED_BLOCKS) {
             let spread_hz = SCAN_DEVIATION_BANDWIDTHS * transducer.series_resonance_hz / transducer.q;
             let (q, axis) = (transducer.q, branch.axis);
             let lm_h = (transducer.lm_h, transducer.deviations.lm_h);
@@ -288,18 +315,18 @@ impl Tracker {
     /// Returns `true` if the observer's gate has opened in the last block: an abrupt change of load
     /// or resonance.
     pub(crate) fn has_gate_opened(&self) -> bool {
-        self.observed.as_ref().is_some_and(|observed| observed.observer().has_opened())
+        self.observed().is_some_and(|observed| observed.observer().has_opened())
     }
 
     /// Returns `true` if there is an observer whose lock does not come from a scan.
     pub(crate) fn can_scan(&self) -> bool {
-        self.observed.as_ref().is_some_and(Observed::can_scan)
+        self.observed().is_some_and(Observed::can_scan)
     }
 
     /// Hands the lock over to a scan, unless it comes from one. Returns `true` if a scan must
     /// follow.
     pub(crate) fn hand_over_to_scan(&mut self) -> bool {
-        self.observed.as_mut().is_some_and(Observed::hand_over_to_scan)
+        !self.is_fast && self.observed.as_mut().is_some_and(Observed::hand_over_to_scan)
     }
 
     /// Returns `true` if the phase loop seeks the lock away from the resonance just found by a
@@ -358,7 +385,7 @@ impl Tracker {
             self.on_blocks = self.on_blocks.max(self.ring_up_blocks + 1);
         }
         let fits = self.lock.agrees();
-        if let Some(observed) = &mut self.observed {
+        if let Some(observed) = self.observed.as_mut().filter(|_| !self.is_fast) {
             observed.follow(motional_current, sensed.v, played, fits);
         } else {
             self.blocks = self.blocks.saturating_add(if self.phase_loop.limited() { EDGE_BLOCK_WEIGHT } else { 1 });
@@ -369,7 +396,7 @@ impl Tracker {
             return Turns(0.0);
         }
         self.unmeasured_blocks = 0;
-        let rings = match self.observed.as_ref().filter(|observed| observed.is_confident()) {
+        let rings = match self.observed().filter(|observed| observed.is_confident()) {
             // A drop of the load lowers the current below that of the identified resonance.
             Some(observed) => observed.observer().rings(at_lock_point, RINGING_REL, played.volts, LARGEST_OHM),
             None => {
@@ -383,9 +410,9 @@ impl Tracker {
                 PhaseDetector::Total => sensed.i,
             };
             let error = self.motional.phase_of(current, sensed.v);
-            let phase = match self.observed.as_ref().and_then(Observed::offset_hz) {
+            let phase = match self.observed().and_then(Observed::offset_hz) {
                 Some(offset_hz) => self.phase_loop.accompany(error, offset_hz),
-                None => self.update_phase_loop(error),
+                None => self.update_phase_loop(error, (at_lock_point, sensed.v)),
             };
             // At the edge of the window a small phase is not a lock.
             let undecided = self.phase_loop.limited() && phase.0.abs() < UNDECIDED_PHASE.0;
@@ -403,7 +430,9 @@ impl Tracker {
     /// Updates the phase loop with one block's phase error, and returns the phase.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
-    fn update_phase_loop(&mut self, error: Phasor) -> Turns {
+    fn update_phase_loop(&mut self, error: Phasor, (current, v): (Phasor, Phasor)) -> Turns {
+        let slow = current.norm_sqr() > self.most_siemens * self.most_siemens * v.norm_sqr();
+        self.slow_blocks = if slow { self.slow_blocks.saturating_add(1) } else { 0 };
         let phase = self.phase_loop.update(error);
         self.stray.take_output(self.phase_loop.offset_hz(), self.phase_loop.limited());
         phase
@@ -412,11 +441,11 @@ impl Tracker {
     /// Returns the state of the lock.
     pub fn state(&self) -> State {
         let locked = if self.unmeasured_blocks > self.unmeasured_limit { State::Unmeasured } else { State::Locked };
-        match (&self.observed, self.lock.state()) {
+        match (self.observed(), self.lock.state()) {
             (Some(observed), Lock::Lost) if observed.is_confident() && !self.limited() => State::Disagree,
             (Some(_), Lock::Lost) | (None, Lock::Lost) => State::Lost,
             (Some(observed), _) if observed.is_astray() => State::Lost,
-            (None, _) if self.stray.has_leapt() => State::Lost,
+            (None, _) if self.stray.has_leapt() || self.is_fast && self.slow_blocks > SLOW_BLOCKS => State::Lost,
             (Some(observed), _) if observed.locked() => locked,
             (Some(observed), _) if observed.timed_out() => State::TimedOut,
             (None, Lock::Locked) => locked,
@@ -428,7 +457,7 @@ impl Tracker {
     /// Returns the frequency to drive, as an offset from the nominal one, Hz.
     pub fn offset_hz(&self) -> f32 {
         let window = self.window_hz();
-        match self.observed.as_ref().and_then(Observed::offset_hz) {
+        match self.observed().and_then(Observed::offset_hz) {
             Some(offset_hz) => smaller(larger(offset_hz, -window), window),
             None => self.phase_loop.offset_hz(),
         }
@@ -441,12 +470,12 @@ impl Tracker {
 
     /// Returns the estimate of the resonance, as an offset from the nominal frequency, Hz.
     pub(crate) fn estimate_hz(&self) -> f32 {
-        self.observed.as_ref().map_or_else(|| self.phase_loop.estimate_hz(), |observed| observed.observer().offset_hz())
+        self.observed().map_or_else(|| self.phase_loop.estimate_hz(), |observed| observed.observer().offset_hz())
     }
 
     /// Returns `true` if the frequency window limits the tracker.
     pub(crate) fn limited(&self) -> bool {
-        match self.observed.as_ref().and_then(Observed::offset_hz) {
+        match self.observed().and_then(Observed::offset_hz) {
             Some(offset_hz) => offset_hz.abs() >= self.window_hz(),
             None => self.phase_loop.limited(),
         }

@@ -2,8 +2,7 @@
 //!
 //! 1. The resonance is inside the window. If none is, there is no resonance (fault 30).
 //! 2. If a motional inductance is configured (`tracking.nominal_lm_h`), the inductance of the
-//!    resonance is within a factor of two of it, and of a tenth for the measurement. If no resonance
-//!    fits, the mode is wrong (fault 34).
+//!    resonance is within [`LM_FACTOR`] of it. If no resonance fits, the mode is wrong (fault 34).
 //! 3. Among the remaining resonances, the one with the largest motional capacitance is chosen, as
 //!    damping does not change it. The choice is ambiguous (fault 34) if the inductance is not
 //!    configured and another resonance has more than `AMBIGUOUS_RATIO` of that capacitance.
@@ -12,7 +11,7 @@ use crate::seam::fault::Fault;
 use crate::seam::transducer::Resonance;
 
 /// Maximum ratio between the measured motional inductance and its nominal value: a factor of two,
-/// and a tenth for the measurement, in which other resonances take part.
+/// and a tenth for the error of the measurement, in which other resonances take part.
 pub(crate) const LM_FACTOR: f32 = 2.2;
 /// Ratio of two motional capacitances above which the choice is ambiguous.
 const AMBIGUOUS_RATIO: f32 = 0.8;
@@ -77,6 +76,8 @@ mod tests {
         assert_eq!(choice(Some(3e-3)).choose(&found), Ok(0));
         assert_eq!(choice(Some(1e-3)).choose(&found), Ok(1));
         assert_eq!(choice(Some(0.1)).choose(&found), Err(Fault::WrongMode));
+        assert_eq!(choice(Some(2.19 * 4e-3)).choose(&found), Ok(0));
+        assert_eq!(choice(Some(2.21 * 4e-3)).choose(&found), Err(Fault::WrongMode));
     }
 
     #[test]

@@ -32,7 +32,7 @@ pub fn collect(case: &Case, parts: &Parts<'_>, full: &Full, settings: &Settings,
     }
     if drive.advised_v < drive.asked_v {
         warnings.push(format!(
-            "{} V would draw {:.2} A near the resonance, which is too much: {} allows {} V. All results below are for that \
+            "{} V would draw {:.2} A in calibration, scan or lock, which is too much: {} allows {} V. All results below are for that \
              voltage.",
             drive.asked_v, drive.asked_current_a, drive.bounded_by, drive.largest_v
         ));
