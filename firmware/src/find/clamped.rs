@@ -85,8 +85,8 @@ const CERTAIN_Q_REL: f32 = 0.05;
 const MAX_PHASE_DEVIATION_RAD: f32 = 0.1;
 /// Minimum strength of the resonance, in standard deviations; noise alone reaches four.
 const MIN_STRENGTH_SIGMAS: f32 = 10.0;
-/// Shortest time constant of a resonance, blocks, that the observer tracks: a shorter ring-down ends
-/// within the block. The phase loop then tracks the resonance that a scan has found.
+/// Shortest time constant of a resonance, blocks, that the observer tracks: a shorter ring-down
+/// ends within the block. The phase loop then tracks the resonance that a scan has found.
 pub(crate) const MIN_OBSERVED_BLOCKS: f32 = 0.65;
 /// Margin of a judgement, in standard deviations.
 const MARGIN_SIGMAS: f32 = 3.0;

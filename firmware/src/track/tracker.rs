@@ -51,8 +51,8 @@ const OTHER_MODES_RAD: f32 = 0.02;
 /// Turn of the motional phase by other resonances, rad, for a first clamped branch that was wrong
 /// by the motional conductance.
 const WRONG_BRANCH_RAD: f32 = 0.5;
-/// Time constant of the resonance, blocks, above which a fast resonance is fast no more: the load has
-/// been released, and the loop no longer fits.
+/// Time constant, blocks, above which a resonance is no longer fast: its load has been released,
+/// and the loop no longer fits.
 const MAX_FAST_BLOCKS: f32 = 1.0;
 /// Blocks above that time constant after which the resonance is sought again.
 const SLOW_BLOCKS: u32 = 32;
@@ -120,7 +120,8 @@ pub struct Tracker {
     observed: Option<Observed>,
     /// `true` if the resonance decays too fast for the observer: the phase loop tracks.
     is_fast: bool,
-    /// Largest admittance of a fast resonance at the lock point, S; a larger one decays more slowly.
+    /// Largest admittance of a fast resonance at the lock point, S: one with a larger admittance
+    /// decays more slowly.
     most_siemens: f32,
     /// Consecutive blocks above that admittance.
     slow_blocks: u32,
