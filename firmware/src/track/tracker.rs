@@ -117,9 +117,12 @@ pub struct Tracker {
     motional: Motional,
     phase_loop: PhaseLoop,
     stray: Stray,
-    observed: Option<Observed>,
-    /// `true` if the resonance decays too fast for the observer: the phase loop tracks.
-    is_fast: bool,
+    observed: Observed,
+    /// `true` if the observer is configured.
+    has_observer: bool,
+    /// `true` if the observer tracks: it is configured, and the resonance does not decay too fast for
+    /// it.
+    observes: bool,
     /// Largest admittance of a fast resonance at the lock point, S: one with a larger admittance
     /// decays more slowly.
     most_siemens: f32,
@@ -130,6 +133,8 @@ pub struct Tracker {
     known: Known,
     lock: LockDetector,
     rm_ohm: f32,
+    /// Admittance above which the stack rings, S.
+    ringing_siemens: f32,
     /// `2 pi tau`: phase of the resonance per detuning, rad/Hz near the resonance.
     turn_per_hz: f32,
     /// Consecutive blocks with an envelope of one.
@@ -162,15 +167,16 @@ impl Tracker {
             motional: nominal,
             phase_loop: PhaseLoop::build(&config.tracking, config.drive.frequency_hz, block_s)?,
             stray: Stray::default(),
-            observed: (config.tracking.mode == TrackingMode::Observer)
-                .then(|| Observed::new(config.drive.frequency_hz, block_s, config.tracking.span * config.drive.frequency_hz)),
-            is_fast: false,
+            observed: Observed::new(config.drive.frequency_hz, block_s, config.tracking.span * config.drive.frequency_hz),
+            has_observer: config.tracking.mode == TrackingMode::Observer,
+            observes: config.tracking.mode == TrackingMode::Observer,
             most_siemens: f32::INFINITY,
             slow_blocks: 0,
             sought_again: false,
             known: Known::default(),
             lock: LockDetector::default(),
             rm_ohm: 0.0,
+            ringing_siemens: 0.0,
             turn_per_hz: 0.0,
             on_blocks: 0,
             ring_up_blocks: 0,
@@ -193,14 +199,19 @@ impl Tracker {
         self.phase_loop.seed(0.0, f32::INFINITY);
         self.rm_ohm = 0.0;
         self.stray = Stray::default();
-        (self.is_fast, self.sought_again) = (false, false);
-        self.observed.iter_mut().for_each(Observed::restart);
+        (self.observes, self.sought_again) = (self.has_observer, false);
+        self.observed.restart();
     }
 
     /// Returns the observer if it tracks.
     #[inline]
     fn observed(&self) -> Option<&Observed> {
-        if self.is_fast { None } else { self.observed.as_ref() }
+        self.observes.then_some(&self.observed)
+    }
+
+    /// Returns `true` if the phase loop tracks a resonance that decays too fast for the observer.
+    fn is_fast(&self) -> bool {
+        self.has_observer && !self.observes
     }
 
     /// Sets the clamped capacitance to start with, F, if there is no nominal one.
@@ -211,7 +222,7 @@ impl Tracker {
 
     /// Returns `true` if an observer tracks.
     pub(crate) fn observes(&self) -> bool {
-        self.observed().is_some()
+        self.observes
     }
 
     /// Returns the prior for a resonance that was tracked at `hz`: offset from the nominal
@@ -225,22 +236,22 @@ impl Tracker {
     pub fn observe(&mut self, branch: Motional, known: Known, prior: &Prior) {
         (self.motional, self.known) = (branch, known);
         self.restart_clock(prior.q / (core::f32::consts::PI * self.nominal_hz * self.block_s));
-        self.is_fast = false;
-        if let Some(observed) = &mut self.observed {
-            observed.start_cold(prior);
+        self.observes = self.has_observer;
+        if self.observes {
+            self.observed.start_cold(prior);
         }
     }
 
     /// Starts the next attempt to lock, and returns its kind; `None` without an observer or after
     /// the last attempt. The only one of a fast resonance begins with the self-test.
     pub(crate) fn retry_lock(&mut self, was_locked: bool) -> Option<Retry> {
-        if self.is_fast {
+        if self.is_fast() {
             let again = !self.sought_again || was_locked && self.blocks > LASTED_BLOCKS;
             self.sought_again = true;
             self.restart_clock(0.0);
             return again.then_some(Retry::Calibrate);
         }
-        let next = self.observed.as_mut()?.retry_lock(was_locked);
+        let next = if self.observes { self.observed.retry_lock(was_locked) } else { return None };
         self.restart_clock(0.0);
         next
     }
@@ -279,20 +290,20 @@ impl Tracker {
         self.restart_clock(transducer.time_constant_s() / self.block_s);
         self.on_blocks = self.ring_up_blocks;
         let blocks = transducer.time_constant_s() / self.block_s;
-        self.is_fast = self.observed.is_some() && blocks < MIN_OBSERVED_BLOCKS;
+        self.observes = self.has_observer && blocks >= MIN_OBSERVED_BLOCKS;
         (self.most_siemens, self.slow_blocks) = (MAX_FAST_BLOCKS / (blocks * transducer.rm_ohm), 0);
-        if let Some(observed) = self.observed.as_mut().filter(|_| blocks >= MIN_OBSERVED_BLOCKS) {
+        if self.observes {
             let spread_hz = SCAN_DEVIATION_BANDWIDTHS * transducer.series_resonance_hz / transducer.q;
             let (q, axis) = (transducer.q, branch.axis);
             let lm_h = (transducer.lm_h, transducer.deviations.lm_h);
-            observed.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a }, Retry::Scan);
+            self.observed.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a }, Retry::Scan);
         }
     }
 
     /// Applies a quality factor measured at the lock point, with its standard deviation.
     pub(crate) fn take_q(&mut self, q: (f32, f32)) {
-        if let Some(observed) = &mut self.observed {
-            observed.take_q(q);
+        if self.observes {
+            self.observed.take_q(q);
             self.known.closely = true;
         }
     }
@@ -327,7 +338,7 @@ impl Tracker {
     /// Hands the lock over to a scan, unless it comes from one. Returns `true` if a scan must
     /// follow.
     pub(crate) fn hand_over_to_scan(&mut self) -> bool {
-        !self.is_fast && self.observed.as_mut().is_some_and(Observed::hand_over_to_scan)
+        self.observes && self.observed.hand_over_to_scan()
     }
 
     /// Returns `true` if the phase loop seeks the lock away from the resonance just found by a
@@ -345,6 +356,7 @@ impl Tracker {
     pub fn set_resonance(&mut self, transducer: &Transducer) {
         let tau_s = transducer.time_constant_s();
         self.rm_ohm = transducer.rm_ohm;
+        self.ringing_siemens = RINGING_REL / (transducer.rm_ohm + LARGEST_OHM);
         self.turn_per_hz = core::f32::consts::TAU * tau_s;
         self.ring_up_blocks = (RING_UP_TIME_CONSTANTS * tau_s / self.block_s) as u32;
         self.phase_loop.set_time_constant(tau_s);
@@ -386,8 +398,8 @@ impl Tracker {
             self.on_blocks = self.on_blocks.max(self.ring_up_blocks + 1);
         }
         let fits = self.lock.agrees();
-        if let Some(observed) = self.observed.as_mut().filter(|_| !self.is_fast) {
-            observed.follow(motional_current, sensed.v, played, fits);
+        if self.observes {
+            self.observed.follow(motional_current, sensed.v, played, fits);
         } else {
             self.blocks = self.blocks.saturating_add(if self.phase_loop.limited() { EDGE_BLOCK_WEIGHT } else { 1 });
             self.stray.take_estimate(self.phase_loop.estimate_hz());
@@ -401,7 +413,7 @@ impl Tracker {
             // A drop of the load lowers the current below that of the identified resonance.
             Some(observed) => observed.observer().rings(at_lock_point, RINGING_REL, played.volts, LARGEST_OHM),
             None => {
-                let above = RINGING_REL * played.volts / (self.rm_ohm + LARGEST_OHM);
+                let above = self.ringing_siemens * played.volts;
                 at_lock_point.norm_sqr() > above * above
             }
         };
@@ -413,7 +425,7 @@ impl Tracker {
             let error = self.motional.phase_of(current, sensed.v);
             let phase = match self.observed().and_then(Observed::offset_hz) {
                 Some(offset_hz) => self.phase_loop.accompany(error, offset_hz),
-                None => self.update_phase_loop(error, (at_lock_point, sensed.v)),
+                None => self.update_phase_loop(error, sensed),
             };
             // At the edge of the window a small phase is not a lock.
             let undecided = self.phase_loop.limited() && phase.0.abs() < UNDECIDED_PHASE.0;
@@ -431,11 +443,16 @@ impl Tracker {
     /// Updates the phase loop with one block's phase error, and returns the phase.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
-    fn update_phase_loop(&mut self, error: Phasor, (current, v): (Phasor, Phasor)) -> Turns {
-        let slow = current.norm_sqr() > self.most_siemens * self.most_siemens * v.norm_sqr();
-        self.slow_blocks = if slow { self.slow_blocks.saturating_add(1) } else { 0 };
+    fn update_phase_loop(&mut self, error: Phasor, sensed: &Sensed) -> Turns {
+        // The size of the error is that of the current times that of the voltage.
+        let most = self.most_siemens * sensed.v.norm_sqr();
+        let slow = error.norm_sqr() > most * most;
+        self.slow_blocks = if slow && self.has_observer { self.slow_blocks.saturating_add(1) } else { 0 };
         let phase = self.phase_loop.update(error);
         self.stray.take_output(self.phase_loop.offset_hz(), self.phase_loop.limited());
+        if self.slow_blocks > SLOW_BLOCKS {
+            self.stray.give_up();
+        }
         phase
     }
 
@@ -446,7 +463,7 @@ impl Tracker {
             (Some(observed), Lock::Lost) if observed.is_confident() && !self.limited() => State::Disagree,
             (Some(_), Lock::Lost) | (None, Lock::Lost) => State::Lost,
             (Some(observed), _) if observed.is_astray() => State::Lost,
-            (None, _) if self.stray.has_leapt() || self.is_fast && self.slow_blocks > SLOW_BLOCKS => State::Lost,
+            (None, _) if self.stray.has_leapt() => State::Lost,
             (Some(observed), _) if observed.locked() => locked,
             (Some(observed), _) if observed.timed_out() => State::TimedOut,
             (None, Lock::Locked) => locked,
