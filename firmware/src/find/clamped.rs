@@ -121,8 +121,6 @@ pub struct PowerOn {
     /// `true` if the reference is a configured nominal capacitance.
     is_nominal: bool,
     nominal_q: f32,
-    /// Minimum Q with which the observer tracks.
-    least_q: f32,
     nominal_lm_h: Option<f32>,
     /// Half-width of the range of plausible resonances, relative to the nominal frequency.
     window: f32,
@@ -164,7 +162,6 @@ impl PowerOn {
             c0_f: tracking.c0_f(),
             is_nominal: tracking.nominal_c0_f.is_some(),
             nominal_q: tracking.nominal_q,
-            least_q: MIN_OBSERVED_BLOCKS * core::f32::consts::PI * block_periods,
             nominal_lm_h: tracking.nominal_lm_h,
             window: tracking.span + 0.5 * NEAREST_REL,
             volts: drive.scan_volts,
@@ -278,6 +275,11 @@ impl PowerOn {
         }
     }
 
+    /// Returns the minimum Q with which the observer tracks, from the length of a tone in blocks.
+    fn least_q(&self) -> f32 {
+        MIN_OBSERVED_BLOCKS * core::f32::consts::PI * TONE_PERIODS / self.tone_blocks as f32
+    }
+
     /// Returns the amplitude of the tone in the block to be ordered next, relative to the scan
     /// voltage.
     fn envelope(&self) -> f32 {
@@ -327,7 +329,7 @@ impl PowerOn {
             () if explained && shifted && self.is_nominal => Err(Refused::Fault(Fault::CapacitanceShifted)),
             // Two close resonances share their strength in many ways, all with the same loss.
             () if explained && fallen => Err(Refused::Fault(Fault::ResonanceDamaged)),
-            () if !holds || strongest > 1.0 || damage != Damage::None || q_at_most < self.least_q => Err(Refused::Unclear),
+            () if !holds || strongest > 1.0 || damage != Damage::None || q_at_most < self.least_q() => Err(Refused::Unclear),
             () => Ok(()),
         }
     }
