@@ -120,6 +120,9 @@ impl AmplitudeLoop {
     }
 
     /// Starts with an identified transducer that already vibrates with this motional current, A.
+    // Not inlined: it runs once a lock, and the fast memory of a board has no room for it.
+    #[cold]
+    #[inline(never)]
     pub(crate) fn seed(&mut self, transducer: &Transducer, motional_current: f32) {
         self.ohm = transducer.rm_ohm;
         self.lag = (self.block_s / transducer.time_constant_s()).min(1.0);

@@ -91,7 +91,7 @@ impl Heat {
         };
         let margin_k = self.most_c - hottest;
         self.by_heat = (MIN_FACTOR + (1.0 - MIN_FACTOR) / DERATE_K * margin_k).clamp(MIN_FACTOR, 1.0);
-        self.factor = self.by_heat.min(self.by_power);
+        self.factor = smaller(self.by_heat, self.by_power);
         (margin_k.is_nan() || margin_k < 0.0).then_some(Fault::OverTemperature)
     }
 
@@ -102,7 +102,7 @@ impl Heat {
             self.mean_w = smaller(self.mean_w + self.mean_part * (power_w - self.mean_w), MAX_MEAN_W);
             let factor = self.by_power + self.gain * (1.0 - self.mean_w / self.most_w);
             self.by_power = factor.clamp(MIN_FACTOR, 1.0);
-            self.factor = self.by_heat.min(self.by_power);
+            self.factor = smaller(self.by_heat, self.by_power);
         }
     }
 

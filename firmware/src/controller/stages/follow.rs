@@ -15,7 +15,7 @@ use crate::generate::step::Progress;
 use crate::generate::step::{Plan, Step};
 use crate::guard::heat::Thermometers;
 use crate::seam::block::{Amplitude, Gate, Orders};
-use crate::seam::compare::within;
+use crate::seam::compare::{smaller, within};
 use crate::seam::config::Config;
 use crate::seam::fault::Fault;
 use crate::seam::mode::Mode;
@@ -103,7 +103,7 @@ impl Follow {
         let (offset_hz, limited) = self.detune(chain, orders, tracked_hz.unwrap_or(0.0));
         chain.generator.sweep.hold.retune(offset_hz);
         // A block with an edge must never count as full, even if its mean rounds to one.
-        let envelope = if played.flat || played.envelope > 1.0 { played.envelope } else { played.envelope.min(0.999) };
+        let envelope = if played.flat || played.envelope > 1.0 { played.envelope } else { smaller(played.envelope, 0.999) };
         // Before the new amplitude is set: the residual vibration was driven by the one before.
         if boosts {
             self.edges.prepare_boost(chain, measured, gate);

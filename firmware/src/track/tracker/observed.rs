@@ -26,7 +26,7 @@ const TIMEOUT_BLOCKS: u32 = 128;
 /// Longest time at the edge of the window of a lock that has gone there within its timeout, blocks.
 const EDGE_BLOCKS: u32 = 256;
 /// Shortest duration of a lock, blocks, after which it is sought nearby again.
-const LASTED_BLOCKS: u32 = 3000;
+pub(crate) const LASTED_BLOCKS: u32 = 3000;
 /// Standard deviation of a resonance that was lost or is driven again, relative to the frequency.
 pub(crate) const NEARBY_REL: f32 = 5e-3;
 

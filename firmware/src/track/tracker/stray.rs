@@ -76,11 +76,6 @@ impl Stray {
         self.leapt_blocks > LEAPT_BLOCKS
     }
 
-    /// Counts the lock as lost, like a leap.
-    pub(crate) fn give_up(&mut self) {
-        self.leapt_blocks = u32::MAX;
-    }
-
     /// Returns `true` on the first call: one more scan is allowed.
     pub(crate) fn take_second_scan(&mut self) -> bool {
         !core::mem::replace(&mut self.scanned_again, true)

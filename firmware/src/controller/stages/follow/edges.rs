@@ -160,7 +160,7 @@ impl Edges {
         let samples = chain.generator.samples as u64;
         let next = (block + LATENCY_BLOCKS as u64) * samples;
         let learns = chain.track.since_learned(block) >= LEARN_BLOCKS - 1;
-        if burst.turns_within(gate, next, 2 * samples) || learns && chain.track.tracker.has_converged() {
+        if learns && chain.track.tracker.has_converged() || burst.turns_within(gate, next, 2 * samples) {
             return;
         }
         match self.stage {
