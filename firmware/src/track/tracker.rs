@@ -264,9 +264,10 @@ impl Tracker {
         phase
     }
 
-    /// Returns `true` if the load of a fast resonance has been released, so that the loop does not fit:
-    /// the time constant, which is proportional to the conductance, exceeds [`MAX_FAST_BLOCKS`]. The
-    /// size of the phase error is that of the current times that of the voltage.
+    /// Returns `true` if the load of a fast resonance has been released, so that the loop does not
+    /// fit: the time constant, which is proportional to the conductance, exceeds
+    /// [`MAX_FAST_BLOCKS`]. The size of the phase error is that of the current times that of the
+    /// voltage.
     #[cold]
     #[inline(never)]
     fn is_released(&self, error: Phasor, v: Phasor) -> bool {

@@ -53,13 +53,13 @@ pub use keys::profile::Profile;
 pub use keys::results::{Expect, Grid, Over, Signal, Trace, TraceFormat};
 pub use keys::rig::{Belt, Kinematic, Rig, Rotor, Sdof, Slider};
 pub use keys::stator::Stator;
-pub use keys::vary::Vary;
+pub use keys::vary::{Range, Vary};
 use keys::{carriage, contact, dring, plant};
 pub use metrics::figures;
 pub use pages::{all_keys, keys_page, resolved, settings_page};
 pub use read::nearest::shown;
 pub use read::{builtin, diagnostic, load, nearest, schema, suite};
-use read::{exclusive, overlay, profile, rules, tree, unknown, walk, wording};
+use read::{distribution, exclusive, overlay, profile, rules, tree, unknown, walk, wording};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 pub use views::{Body, Driven, Excited, Kind, Transducer};
@@ -84,7 +84,7 @@ pub struct Scene {
     #[schemars(range(max = 9_007_199_254_740_992_u64))] // every JSON reader keeps it exactly
     pub seed: u64,
     /// Number of runs. If there are several, each has its own seed and draws the keys of
-    /// `[[vary]]`; metrics are then medians and 95th percentiles.
+    /// `[[vary]]`; metrics are then medians, percentiles and intervals.
     #[serde(default = "default::runs", skip_serializing_if = "is_one")]
     #[schemars(range(min = 1, max = 100_000), extend("default" = 1))]
     pub runs: u32,

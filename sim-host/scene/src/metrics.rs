@@ -232,12 +232,25 @@ pub struct OfRuns {
     pub p95: String,
     /// Name of the maximum.
     pub max: String,
+    /// Name of the lower end of the interval that contains 95 % of the runs.
+    pub low95: String,
+    /// Name of its upper end.
+    pub high95: String,
+}
+
+impl OfRuns {
+    /// Returns the names, except that of the median.
+    pub fn names(&self) -> [&str; 4] {
+        [&self.p95, &self.max, &self.low95, &self.high95]
+    }
 }
 
 /// Names over several runs, for each metric.
 pub static OF_RUNS: LazyLock<Vec<OfRuns>> = LazyLock::new(|| {
-    let of =
-        |metric: &'static Metric| OfRuns { metric, p95: format!("{}_p95", metric.name), max: format!("{}_max", metric.name) };
+    let of = |metric: &'static Metric| {
+        let [p95, max, low95, high95] = ["p95", "max", "low95", "high95"].map(|of| format!("{}_{of}", metric.name));
+        OfRuns { metric, p95, max, low95, high95 }
+    };
     METRICS.iter().map(of).collect()
 });
 
@@ -246,9 +259,9 @@ pub fn metric(name: &str) -> Option<&'static Metric> {
     METRICS.iter().find(|metric| metric.name == name)
 }
 
-/// Returns the metric that a percentile or maximum over several runs is computed from.
+/// Returns the metric that a statistic over several runs, other than the median, is computed from.
 pub fn of_one_run(name: &str) -> Option<&'static Metric> {
-    OF_RUNS.iter().find(|of| of.p95 == name || of.max == name).map(|of| of.metric)
+    OF_RUNS.iter().find(|of| of.names().contains(&name)).map(|of| of.metric)
 }
 
 /// Returns the present name of a renamed metric.
@@ -267,7 +280,7 @@ pub fn is_known(name: &str) -> bool {
 /// # Errors
 /// If the name is unknown: a message with the nearest names.
 pub fn known(name: &str) -> Result<&'static str, String> {
-    let of_several = || OF_RUNS.iter().flat_map(|of| [of.p95.as_str(), of.max.as_str()]).find(|known| *known == name);
+    let of_several = || OF_RUNS.iter().flat_map(OfRuns::names).find(|known| *known == name);
     let found = metric(name).map(|metric| metric.name).or_else(of_several).or_else(|| renamed(name));
     found.ok_or_else(|| {
         let near = nearest(name, names());
@@ -285,8 +298,8 @@ pub fn names() -> impl Iterator<Item = &'static str> + Clone {
     METRICS.iter().map(|metric| metric.name)
 }
 
-/// Returns the position of a metric in the table, or `None` if the name is unknown. Percentile and
-/// maximum have the position of their metric.
+/// Returns the position of a metric in the table, or `None` if the name is unknown. A statistic
+/// over several runs has the position of its metric.
 pub fn rank(name: &str) -> Option<usize> {
     let place = |name: &str| METRICS.iter().position(|metric| metric.name == name);
     place(name).or_else(|| place(of_one_run(name)?.name))

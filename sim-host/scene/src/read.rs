@@ -2,6 +2,7 @@
 
 pub mod builtin;
 pub mod diagnostic;
+pub mod distribution;
 pub mod exclusive;
 pub mod load;
 pub mod nearest;

@@ -4,6 +4,7 @@ mod angle;
 mod belt;
 mod carriage;
 mod comparison;
+mod distribution;
 mod dring;
 mod excited;
 mod heat;

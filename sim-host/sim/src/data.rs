@@ -213,6 +213,12 @@ pub fn files() -> Vec<DataFile> {
                      `tolerance_met`, `warnings`; and `record_error_estimate`, if the tolerance applies to the record",
                 ),
                 ("runs", "1", "Number of completed runs, if there are several"),
+                (
+                    "variance",
+                    "",
+                    "Of a scene with distributions: the main `metric`, the `part` of its variance that each of its `keys` explains by \
+                     itself, and the `rest`",
+                ),
                 ("interrupted", "", "`true` if the run was stopped before its end"),
             ]),
         },

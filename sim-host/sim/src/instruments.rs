@@ -123,3 +123,8 @@ pub fn overlaid(view: &View) -> (Metrics, Option<Overlaid>) {
 pub fn figures(view: &View) -> Vec<Figure> {
     DRIVEN.iter().flat_map(|instrument| instrument.figures(view)).collect()
 }
+
+/// Returns the headline metrics of a driven run.
+pub fn headline() -> impl Iterator<Item = Line> {
+    DRIVEN.iter().flat_map(|instrument| instrument.headline()).copied()
+}

@@ -6,6 +6,7 @@ mod grid;
 use serde_json::{Value, json};
 
 use crate::study::answer::Answer;
+use crate::study::monte_carlo::uncertainty::{self, Shares};
 use crate::study::{Outcome, Study};
 use crate::tables;
 
@@ -85,6 +86,12 @@ pub(crate) fn with_own(mut of: Value, study: &Study) -> Value {
         Outcome::Driven(run) => of["drive_hash"] = json!(format!("{:016x}", run.record.drive_hash)),
         Outcome::MonteCarlo(runs) => {
             of["runs"] = json!(runs.runs.len());
+            if let Some(interval) = uncertainty::intervals(study.scene, runs).first()
+                && let Some(Shares { keys, rest }) = uncertainty::shares(study.scene, runs, interval.line.1)
+            {
+                let keys: Vec<Value> = keys.iter().map(|(keys, part)| json!({ "keys": keys, "part": part })).collect();
+                of["variance"] = json!({ "metric": interval.line.1, "keys": keys, "rest": rest });
+            }
             of["drive_hash"] = json!(runs.drive_hash().map(|hash| format!("{hash:016x}")));
         }
         Outcome::Contact(solved) => {

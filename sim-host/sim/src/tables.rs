@@ -6,7 +6,7 @@ mod grid;
 mod inputs;
 
 use crate::figures;
-use crate::instruments::{Line, View, crash};
+use crate::instruments::{self, Line, View, crash};
 use crate::numbers::{number, precise};
 use crate::overlay;
 use crate::provenance::Provenance;
@@ -69,7 +69,7 @@ pub fn remarks(study: &Study) -> Vec<String> {
         remarks.push(format!("Changed inputs: {changes}."));
     }
     if study.scene.runs == 1 && !study.scene.vary.is_empty() && study.run_number.is_none() {
-        remarks.push("`[[vary]]` has no effect in a single run; set `runs` to draw its values.".to_owned());
+        remarks.push("Distributions and `[[vary]]` have no effect in a single run; set `runs` to draw their values.".to_owned());
     }
     let method = study.scene.integrator.method;
     remarks.extend(method.and_then(|method| {
@@ -107,10 +107,10 @@ fn renamed(study: &Study) -> Vec<String> {
 
 /// Returns the headline numbers.
 pub fn headline(study: &Study) -> Vec<(String, String)> {
-    let (first, lines) = match &study.outcome {
-        Outcome::Driven(run) => (driven::fault(run), driven::headline()),
-        Outcome::Contact(solved) => (contact::table::ratio(solved), contact::table::HEADLINE.to_vec()),
-        Outcome::MonteCarlo(runs) => (Some(monte_carlo::table::count(runs)), monte_carlo::table::HEADLINE.to_vec()),
+    let (first, lines): (Vec<_>, Vec<Line>) = match &study.outcome {
+        Outcome::Driven(run) => (driven::fault(run).into_iter().collect(), instruments::headline().collect()),
+        Outcome::Contact(solved) => (contact::table::ratio(solved).into_iter().collect(), contact::table::HEADLINE.to_vec()),
+        Outcome::MonteCarlo(runs) => (monte_carlo::table::first(study.scene, runs), monte_carlo::table::HEADLINE.to_vec()),
     };
     let tile = |&(label, metric, unit): &Line| {
         study.metrics.get(metric).map(|value| (label.to_owned(), format!("{} {unit}", number(value)).trim_end().to_owned()))

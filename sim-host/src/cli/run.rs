@@ -40,6 +40,10 @@ pub(super) struct RunArgs {
     /// Seed of all noise; the same as `--set seed=N`.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+    /// Number of runs, each with newly drawn values of the scene's distributions; the same as
+    /// `--set runs=N`.
+    #[arg(long, value_name = "N")]
+    samples: Option<u32>,
     /// Run only run R of a scene with several `runs`, counted from 1, with its full report.
     #[arg(long, value_name = "R")]
     run: Option<u32>,
@@ -85,6 +89,7 @@ impl RunArgs {
 pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<Exit> {
     let mut sets = args.scene.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
+    sets.extend(args.samples.map(|runs| format!("runs={runs}")));
     let defaults = if args.board.is_some() { board_model::defaults() } else { Vec::new() };
     let loaded = load(&args.scene.scene, &sets)?.with_defaults(&defaults)?;
     match args.run {

@@ -66,7 +66,10 @@ pub const EXCLUSIVE: &[Exclusive] = &[
     },
     Exclusive { table: "rig.kinematic", alternatives: &[all(&["vibration_m_per_s"]), all(&["vibration_amplitude_m"])] },
     Exclusive { table: "rig.dring", alternatives: &[all(&["pulse_g", "pulse_ms"]), all(&["pulse"])] },
-    Exclusive { table: "vary", alternatives: &[all(&["spread"]), all(&["factor"]), all(&["from", "to"])] },
+    Exclusive {
+        table: "vary",
+        alternatives: &[all(&["spread"]), all(&["factor"]), all(&["from", "to"]), all(&["sd"]), all(&["samples"])],
+    },
     Exclusive { table: "grid.over", alternatives: &[all(&["values"]), all(&["from", "to", "points"])] },
     Exclusive { table: "expect", alternatives: &[any(&["min", "max"]), all(&["value", "tolerance"])] },
 ];

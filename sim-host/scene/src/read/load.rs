@@ -16,7 +16,7 @@ use crate::profile::resolve::{PathProblem, files, resolve};
 use crate::schema::BASE;
 use crate::tree::{Node, Origin, Value};
 use crate::walk::walk;
-use crate::{Scene, builtin, rules};
+use crate::{Scene, builtin, distribution, rules};
 
 pub use inherited::{Change, Inherited, inputs};
 pub use manifest::is_unchanged;
@@ -214,11 +214,12 @@ fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<ReadSce
     // Newer texts come first in this list.
     let mut sources = vec![Source { name: "--set".to_owned(), text: changes }];
     sources.push(Source { name: name.to_owned(), text: text.to_owned() });
-    let root = merge_bases(&mut sources).and_then(|root| change(root, sets, &starts)).map(|mut root| {
+    let root = merge_bases(&mut sources).and_then(|root| change(root, sets, &starts)).and_then(|mut root| {
         let texts = sources.len();
-        let files = files(&root, &sources);
+        let mut files = files(&root, &sources);
+        files.extend(distribution::replace(&mut root, &sources)?);
         let found = resolve(&mut root, &mut sources);
-        ReadScene { root, found, files, texts }
+        Ok(ReadScene { root, found, files, texts })
     });
     (sources, root)
 }

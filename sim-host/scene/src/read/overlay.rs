@@ -84,7 +84,8 @@ fn set_leaf(node: &mut Node, leaf: &Node) {
 /// value `none` removes an optional number, and `false` a table or list of the scene.
 pub(crate) fn overlay(under: &mut Node, over: Node, path: &str, problems: &mut Vec<Problem>) {
     match (&mut under.value, over.value) {
-        (Value::Table(below), Value::Table(above)) => {
+        // A distribution is replaced as a whole, like the number that it describes.
+        (Value::Table(below), Value::Table(above)) if !is_distribution(path) => {
             remove_excluded(below, &above, path);
             for (name, entry) in above {
                 let path = join(path, &name);
@@ -109,6 +110,11 @@ pub(crate) fn overlay(under: &mut Node, over: Node, path: &str, problems: &mut V
         }
         (_, value) => *under = Node { place: over.place, value },
     }
+}
+
+/// Returns `true` if a table at this path is the distribution of a number.
+fn is_distribution(path: &str) -> bool {
+    Schema::root().at(path).is_some_and(Schema::is_number)
 }
 
 /// Returns `true` if the value removes an optional number.

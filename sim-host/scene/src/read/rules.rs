@@ -216,6 +216,9 @@ impl<'a> Rules<'a> {
         let meant = nearest(name, metrics::names());
         let label = meant.first().map_or("not measured".to_owned(), |meant| format!("did you mean `{meant}`?"));
         let problem = Problem::new(self.place(path), format!("there is no metric `{}`", short(name)), label);
-        self.add(path, problem.help("`sim-host explain` lists all metrics; over several runs, append `_p95` or `_max`"));
+        self.add(
+            path,
+            problem.help("`sim-host explain` lists all metrics; over several runs, append `_p95`, `_max`, `_low95` or `_high95`"),
+        );
     }
 }

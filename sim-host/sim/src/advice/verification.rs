@@ -71,8 +71,7 @@ pub fn verify(case: &Case, runs: u32, progress: &mut (dyn FnMut(f64) + Send)) ->
     let mut scene = case.scene().clone();
     let time_constant_s = case.parts().map_or(0.0, |parts| parts.circuit.time_constant_s());
     (scene.runs, scene.duration_s) = (runs, BASE_DURATION_S + TIME_CONSTANTS * time_constant_s);
-    let vary =
-        |key: &str, spread: Option<f64>, factor: Option<f64>| Vary { key: key.into(), spread, factor, from: None, to: None };
+    let vary = |key: &str, spread: Option<f64>, factor: Option<f64>| Vary { key: key.into(), spread, factor, ..Vary::default() };
     scene.vary = vec![
         vary("stack.bvd.series_resonance_hz", Some(NOMINAL_ERROR.resonance), None),
         vary("controller.tracking.nominal_q", None, Some(NOMINAL_ERROR.q)),

@@ -10,6 +10,7 @@ pub mod error;
 pub mod figures;
 pub mod statistics;
 pub mod table;
+pub mod uncertainty;
 
 #[cfg(test)]
 mod tests;

@@ -36,7 +36,7 @@ use crate::metrics::Metrics;
 pub use crate::overlay::is_metric as is_of_overlays;
 use crate::run::LANES;
 use scene::load::{LoadError, Loaded};
-use scene::metrics::{self, OF_RUNS};
+use scene::metrics::{self, OF_RUNS, OfRuns};
 use scene::nearest::{nearest, short};
 use scene::replaced::Replaced;
 use scene::schema::{Kind, Schema, last_name, unit_of};
@@ -352,7 +352,7 @@ fn wanted(names: &[String], several: bool) -> Result<Vec<&'static str>, SweepErr
         wanted.push(metric);
     }
     if wanted.is_empty() {
-        let of_runs = OF_RUNS.iter().filter(|_| several).flat_map(|of| [of.p95.as_str(), of.max.as_str()]);
+        let of_runs = OF_RUNS.iter().filter(|_| several).flat_map(OfRuns::names);
         wanted.extend(metrics::names().chain(of_runs));
     }
     Ok(wanted)

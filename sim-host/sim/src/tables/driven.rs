@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use crate::instruments::{DRIVEN, Line, View};
+use firmware::seam::fault::Fault;
+
+use crate::instruments::{DRIVEN, View};
 use crate::metrics::Metrics;
 use crate::study::driven::Run;
 use report::TableBlock;
@@ -27,14 +29,10 @@ pub(super) fn remarks(run: &Run) -> Vec<String> {
     DRIVEN.iter().flat_map(|instrument| instrument.remarks(&view)).collect()
 }
 
-/// Returns the headline numbers of a run.
-pub(super) fn headline() -> Vec<Line> {
-    DRIVEN.iter().flat_map(|instrument| instrument.headline()).copied().collect()
-}
-
 /// Returns the fault that ended the run, as a headline.
 pub(super) fn fault(run: &Run) -> Option<(String, String)> {
-    run.record.rows.last().filter(|row| row.fault != 0).map(|row| ("ended in fault".to_owned(), row.fault.to_string()))
+    let fault = Fault::try_from(run.record.rows.last()?.fault).ok()?;
+    Some(("ended in fault".to_owned(), format!("{}, {}", fault.code(), fault.called())))
 }
 
 /// Returns the tables of a driven run.

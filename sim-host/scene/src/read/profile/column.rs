@@ -179,6 +179,20 @@ impl Measured {
         }
     }
 
+    /// Returns the selected column of a table without an axis; without a name, its only one.
+    pub(crate) fn only_index(&self, name: Option<&str>) -> Result<usize, Refusal> {
+        let names = self.names();
+        match (name, names.len()) {
+            (Some(name), _) => self.index(name, About::Column, "column"),
+            (None, 1) => Ok(0),
+            (None, count) => {
+                let message = format!("`{}` has {count} columns", short(&self.name));
+                let help = format!("select one with `column`: {}", listed(names.iter().map(String::as_str), "or"));
+                Err(Refusal::new(About::File, message, "which column is it?").help(help))
+            }
+        }
+    }
+
     /// Returns the column with this heading, with or without its unit, or with this number from 1.
     fn index(&self, name: &str, about: About, key: &str) -> Result<usize, Refusal> {
         let (asked, names) = (name.trim(), self.names());

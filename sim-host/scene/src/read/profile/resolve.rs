@@ -59,7 +59,7 @@ pub(crate) fn files(root: &Node, sources: &[Source]) -> Vec<PathBuf> {
 }
 
 /// Returns the path of a file that is named in a scene, relative to the text that names it.
-fn path_of(file: &Node, name: &str, sources: &[Source]) -> PathBuf {
+pub(crate) fn path_of(file: &Node, name: &str, sources: &[Source]) -> PathBuf {
     sources.get(file.place.source).and_then(|source| Path::new(&source.name).parent()).unwrap_or(Path::new("")).join(name)
 }
 

@@ -85,8 +85,8 @@ impl Rules<'_> {
             else {
                 continue;
             };
-            for part in [0.0, 1.0] {
-                let value = vary.value(own, part);
+            let range = Schema::root().at(&vary.key).map_or((None, None), Schema::range);
+            for value in vary.ends(own, range) {
                 let place = self.place(&join(&path, "key"));
                 let cell = Cell {
                     table: TABLE,

@@ -7,14 +7,21 @@
 //! part u of key k  = 53 bits of mix(seed of run r xor CRC-64 of k) / 2^53
 //! ```
 //!
-//! with the finaliser of splitmix64 (Steele, Lea and Flood 2014) as `mix`.
+//! with the finaliser of splitmix64 (Steele, Lea and Flood 2014) as `mix`. Keys of the same set
+//! have the part of their set.
+//!
+//! The runs of a contact study differ only in their parts. Those are a Sobol' sequence, scrambled
+//! by the scene's seed (Burley 2020), which fills the space more evenly, so that fewer runs are
+//! needed. Its dimensions are the keys in alphabetical order.
+
+use std::collections::BTreeSet;
 
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::SplitMix64;
 
 use crate::record::text_hash;
 use scene::schema::{Kind, Schema};
-use scene::{Scene, Vary, resolved};
+use scene::{Range, Scene, Vary, resolved};
 
 /// Number of bits of a seed: every JSON reader preserves it exactly, and a scene accepts it.
 const SEED_BITS: u32 = 53;
@@ -26,13 +33,19 @@ pub struct Draws {
     pub keys: Vec<String>,
     seed: u64,
     varied: Vec<Varied>,
+    /// `true` if the parts are a Sobol' sequence.
+    even: bool,
 }
 
 #[derive(Clone, Debug)]
 struct Varied {
     vary: Vary,
     own: f64,
+    range: Range,
     whole: bool,
+    /// Name of its set, or its key.
+    drawn_as: String,
+    dimension: u32,
 }
 
 /// Draw of one run.
@@ -59,21 +72,33 @@ impl Draws {
     /// Collects the draws of a scene that has passed its rules.
     pub fn of(scene: &Scene) -> Self {
         let resolved = resolved::resolved_json(scene);
+        let drawn_as = |vary: &Vary| vary.set.clone().unwrap_or_else(|| vary.key.clone());
+        let dimensions: BTreeSet<String> = scene.vary.iter().map(drawn_as).collect();
         let varied = scene.vary.iter().map(|vary| Varied {
             own: number_at(&resolved, &vary.key).unwrap_or_default(),
+            range: Schema::root().at(&vary.key).map_or((None, None), Schema::range),
             whole: Schema::root().at(&vary.key).is_some_and(|schema| schema.kind() == Kind::Integer),
+            dimension: dimensions.iter().position(|name| *name == drawn_as(vary)).unwrap_or_default() as u32,
+            drawn_as: drawn_as(vary),
             vary: vary.clone(),
         });
         let keys = scene.vary.iter().map(|vary| vary.key.clone()).collect();
-        Draws { keys, seed: scene.seed, varied: varied.collect() }
+        let even = scene.excited().is_some() && dimensions.len() <= sobol_burley::NUM_DIMENSIONS as usize;
+        Draws { keys, seed: scene.seed, varied: varied.collect(), even }
     }
 
     /// Returns the draw of run `number`, counted from 1.
     pub fn draw(&self, number: u32) -> Draw {
         let seed = mix(mix(self.seed).wrapping_add(number.into())) >> (u64::BITS - SEED_BITS);
+        let part = |varied: &Varied| {
+            if self.even {
+                return f64::from(sobol_burley::sample(number - 1, varied.dimension, mix(self.seed) as u32));
+            }
+            let bits = mix(seed ^ text_hash(&varied.drawn_as)) >> (u64::BITS - SEED_BITS);
+            bits as f64 / (1u64 << SEED_BITS) as f64
+        };
         let value = |varied: &Varied| {
-            let bits = mix(seed ^ text_hash(&varied.vary.key)) >> (u64::BITS - SEED_BITS);
-            let value = varied.vary.value(varied.own, bits as f64 / (1u64 << SEED_BITS) as f64);
+            let value = varied.vary.value(varied.own, varied.range, part(varied));
             if varied.whole { value.round() } else { value }
         };
         Draw { number, seed, values: self.varied.iter().map(value).collect() }

@@ -1,11 +1,12 @@
 //! Figures of several runs: lock times, and frequency error over time.
 
+use super::uncertainty::{self, Interval};
+use super::{MonteCarlo, OneRun};
 use crate::bounds::PLAYED_BLOCKS;
 use crate::cramer_rao::{Setting, bound};
 use crate::instruments::curves::axis;
-use crate::study::monte_carlo::{MonteCarlo, OneRun};
 use report::statistics::{ascending, median, percentile};
-use report::{Axis, Figure, Series, Style};
+use report::{Axis, Figure, Series, Span, Style};
 use scene::{Scene, TrackingMode};
 
 /// Bounds of the lock times, and names of their metrics.
@@ -22,7 +23,33 @@ pub fn all(scene: &Scene, runs: &MonteCarlo) -> Vec<Figure> {
     let limits = limit(scene).into_iter().collect();
     let lock = Texts { id: "lock-times", title: "Time to lock", x: "time from the first sample of the lock stage [ms]" };
     let relock = Texts { id: "relock-times", title: "Time to relock", x: "time from the last step [ms]" };
-    [error(runs, limits), within(runs, &lock, &LOCK), within(runs, &relock, &RELOCK)].into_iter().flatten().collect()
+    let own = uncertainty::intervals(scene, runs).into_iter().next().map(|interval| histogram(runs, &interval));
+    [error(runs, limits), within(runs, &lock, &LOCK), within(runs, &relock, &RELOCK), own].into_iter().flatten().collect()
+}
+
+/// Returns the histogram of a metric, with its interval.
+fn histogram(runs: &MonteCarlo, interval: &Interval) -> Figure {
+    let (label, metric, unit) = interval.line;
+    let values = ascending(runs.runs.iter().filter_map(|run| run.metrics.get(metric)).filter(|value| value.is_finite()));
+    let (low, high) = (values.first().copied().unwrap_or(0.0), values.last().copied().unwrap_or(1.0));
+    // Rice's rule.
+    let bins = (2.0 * (values.len() as f64).cbrt()).ceil() as usize;
+    let width = (high - low) / bins as f64;
+    let edge = |bin: usize| low + width * bin as f64;
+    let below = |bin: usize| if bin == bins { values.len() } else { values.partition_point(|value| *value < edge(bin)) };
+    let part = |bin: usize| 100.0 * (below(bin + 1) - below(bin)) as f64 / values.len() as f64;
+    let steps = (0..bins).flat_map(|bin| [(edge(bin), part(bin)), (edge(bin + 1), part(bin))]);
+    let (x, y) = std::iter::once((low, 0.0)).chain(steps).chain([(high, 0.0)]).unzip();
+    Figure {
+        id: "distribution".into(),
+        title: format!("Distribution of the {label}"),
+        caption: format!("Part of the runs in each interval of `{metric}`. Between the shaded ends are 95 % of the runs."),
+        x: axis(&if unit.is_empty() { label.to_owned() } else { format!("{label} [{unit}]") }),
+        y: axis("runs [%]"),
+        series: vec![Series { name: label.into(), csv_column: "runs_percent".into(), x, y, style: Style::Line }],
+        shaded: vec![Span { from: interval.ends[0], to: interval.ends[1], ..Span::default() }],
+        ..Figure::default()
+    }
 }
 
 /// Returns the Cramer-Rao bound of a cold start of the scene itself, with each point delayed until

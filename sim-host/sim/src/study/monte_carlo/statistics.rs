@@ -5,6 +5,7 @@
 //! | `NAME` | median of the runs; for an even number, the mean of the middle two |
 //! | `NAME_p95` | smallest value that at least 95 % of the runs do not exceed (nearest rank) |
 //! | `NAME_max` | maximum |
+//! | `NAME_low95`, `NAME_high95` | ends of the interval that contains 95 % of the runs: 2.5 % are lower, 2.5 % higher |
 //!
 //! If a metric is [best at zero](Sign::Error), percentile and maximum are those of its absolute
 //! value. [Flags](Sign::Flag) are counted. A [code](Sign::Code) is kept if it is the same in all
@@ -19,6 +20,9 @@ use scene::metrics::{OF_RUNS, Sign, metric};
 
 /// Suffixes of the names of times.
 const TIMES: [&str; 2] = ["_ms", "_us"];
+
+/// Part of the runs in an interval.
+const INTERVAL: f64 = 0.95;
 
 /// Statistics of several runs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,6 +42,8 @@ pub struct Spread {
     pub p95: f64,
     /// Maximum; of the absolute value if the metric is signed.
     pub max: f64,
+    /// Ends of the interval that contains 95 % of the values.
+    pub interval: [f64; 2],
     /// Number of runs that have the metric, excluding those that count as infinite.
     pub have: usize,
 }
@@ -58,6 +64,8 @@ pub fn combine<'a>(runs: impl Iterator<Item = &'a Metrics> + Clone) -> Statistic
                 over.put(name, spread.median);
                 over.put(&names.p95, spread.p95);
                 over.put(&names.max, spread.max);
+                over.put(&names.low95, spread.interval[0]);
+                over.put(&names.high95, spread.interval[1]);
             }
         }
     }
@@ -75,8 +83,14 @@ impl Statistics {
 
 /// Computes the statistics of these values; NaN if there are none.
 pub fn spread_of(values: Vec<f64>) -> Spread {
-    let values = ascending(values);
-    Spread { median: median(&values), p95: percentile(&values, 0.95), max: percentile(&values, 1.0), have: values.len() }
+    let (values, have) = (ascending(values.iter().copied()), values.len());
+    let [p95, max] = [0.95, 1.0].map(|part| percentile(&values, part));
+    Spread { median: median(&values), p95, max, interval: interval(&values), have }
+}
+
+/// Returns the ends of the interval that contains 95 % of ascending numbers.
+fn interval(values: &[f64]) -> [f64; 2] {
+    [0.5 * (1.0 - INTERVAL), 0.5 * (1.0 + INTERVAL)].map(|part| percentile(values, part))
 }
 
 /// Computes the statistics of one metric of these runs, if any of them has it.
@@ -88,11 +102,11 @@ pub fn spread<'a>(name: &str, runs: impl Iterator<Item = &'a Metrics>) -> Option
         return None;
     }
     let mut values = ascending(all.into_iter().filter_map(|value| value.or(time.then_some(f64::INFINITY))));
-    let median = median(&values);
+    let (median, interval) = (median(&values), interval(&values));
     if metric(name).is_some_and(|metric| metric.sign == Sign::Error) {
         values = ascending(values.into_iter().map(f64::abs));
     }
-    Some(Spread { median, p95: percentile(&values, 0.95), max: percentile(&values, 1.0), have })
+    Some(Spread { median, p95: percentile(&values, 0.95), max: percentile(&values, 1.0), interval, have })
 }
 
 #[cfg(test)]
@@ -122,11 +136,11 @@ mod tests {
         let found = over("lock_time_20hz_ms", &twenty[1..]).metrics;
         assert_eq!((found.get("lock_time_20hz_ms"), found.get("lock_time_20hz_ms_p95")), (Some(10.0), Some(19.0)));
         let one = over("q", &[Some(65.0)]).metrics;
-        assert_eq!([one.get("q"), one.get("q_p95"), one.get("q_max")], [Some(65.0); 3]);
+        assert_eq!(["q", "q_p95", "q_max", "q_low95", "q_high95"].map(|name| one.get(name)), [Some(65.0); 5]);
     }
 
-    /// If one run of 20 never locks, only the maximum is infinite; with two the 95th percentile is,
-    /// with ten the median.
+    /// If one run of 20 never locks, the maximum and the end of the interval are infinite; with two
+    /// the 95th percentile is too, with ten the median.
     #[test]
     fn missing_times_count_as_infinite() {
         let missing = |count: usize| {
@@ -134,9 +148,10 @@ mod tests {
             over("lock_time_4hz_ms", &values).endless
         };
         assert_eq!(missing(0), [""; 0]);
-        assert_eq!(missing(1), ["lock_time_4hz_ms_max"]);
-        assert_eq!(missing(2), ["lock_time_4hz_ms_p95", "lock_time_4hz_ms_max"]);
-        assert_eq!(missing(10), ["lock_time_4hz_ms", "lock_time_4hz_ms_p95", "lock_time_4hz_ms_max"]);
+        let of = ["lock_time_4hz_ms", "lock_time_4hz_ms_p95", "lock_time_4hz_ms_max", "lock_time_4hz_ms_high95"];
+        assert_eq!(missing(1), of[2..]);
+        assert_eq!(missing(2), of[1..]);
+        assert_eq!(missing(10), of);
         let found = over("lock_time_4hz_ms", &[Some(1.0), Some(2.0), None]).metrics;
         assert_eq!([found.get("lock_time_4hz_ms"), found.get("lock_time_4hz_ms_max")], [Some(2.0), None]);
         // If no run has the metric, there was nothing to lock to.

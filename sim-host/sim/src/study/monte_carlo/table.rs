@@ -1,12 +1,13 @@
 //! Remarks and tables of several runs: typical values, worst cases, and commands that repeat them.
 
 use super::statistics::{self, Spread};
+use super::uncertainty::{self, Shares};
 use crate::instruments::Line;
 use crate::numbers::number;
 use crate::study::Study;
 use crate::study::monte_carlo::MonteCarlo;
 use report::TableBlock;
-use scene::metrics;
+use scene::{Scene, metrics};
 
 /// Rows of the table of all runs: label and metric.
 const ROWS: &[(&str, &str)] = &[
@@ -23,6 +24,9 @@ const ROWS: &[(&str, &str)] = &[
     ("motional phase, steady [degrees]", "motional_phase_deg"),
     ("tip velocity [m/s]", "tip_velocity_m_per_s"),
     ("reduction [%]", "reduction_percent"),
+    ("friction ratio", "friction_ratio"),
+    ("mean friction [N]", "friction_on_n"),
+    ("power ratio", "power_ratio"),
     ("reduction of the force at the shoulder [%]", "shoulder_force_reduction_percent"),
     ("peak force at the shoulder [N]", "peak_shoulder_force_n"),
     ("the same, passive belt [N]", "passive_peak_shoulder_force_n"),
@@ -79,9 +83,11 @@ pub const HEADLINE: &[Line] = &[
     ("reduction of the force at the shoulder, median", "shoulder_force_reduction_percent", "%"),
 ];
 
-/// Returns the number of runs, as a headline.
-pub fn count(runs: &MonteCarlo) -> (String, String) {
-    ("runs".to_owned(), runs.runs.len().to_string())
+/// Returns the intervals of the main metrics and the number of runs, as headlines.
+pub fn first(scene: &Scene, runs: &MonteCarlo) -> Vec<(String, String)> {
+    let intervals = uncertainty::intervals(scene, runs);
+    let tiles = intervals.iter().map(|interval| (interval.line.0.to_owned(), interval.text()));
+    tiles.chain([("runs".to_owned(), runs.runs.len().to_string())]).collect()
 }
 
 /// Returns the introduction.
@@ -105,7 +111,9 @@ pub fn remarks(study: &Study, runs: &MonteCarlo) -> Vec<String> {
 
 /// Returns the tables of several runs.
 pub fn tables(study: &Study, runs: &MonteCarlo) -> Vec<TableBlock> {
-    let mut tables = vec![spreads(study, runs), counts(study, runs)];
+    let mut tables = vec![spreads(study, runs)];
+    tables.extend(shares(study, runs));
+    tables.push(counts(study, runs));
     if study.metrics.get("runs_locked").is_some() {
         let rows = PUBLISHED.iter().map(|row| row.map(str::to_owned).to_vec()).collect();
         let caption =
@@ -118,23 +126,38 @@ pub fn tables(study: &Study, runs: &MonteCarlo) -> Vec<TableBlock> {
 fn spreads(study: &Study, runs: &MonteCarlo) -> TableBlock {
     let row = |&(label, name): &(&str, &str)| {
         let spread = statistics::spread(name, runs.runs.iter().map(|run| &run.metrics))?;
-        let Spread { median, p95, max, have } = spread;
+        let Spread { median, p95, max, interval: [low, high], have } = spread;
         let mut row = vec![label.to_owned()];
-        row.extend([median, p95, max].map(shown));
+        row.extend([median, low, high, p95, max].map(shown));
         row.push(have.to_string());
         row.push(reference(study, name));
         Some(row)
     };
     let mut rows: Vec<Vec<String>> = ROWS.iter().filter_map(row).collect();
-    let mut header = vec!["", "median", "95 %", "largest", "counted runs", "expected"];
+    let mut header = vec!["", "median", "2.5 %", "97.5 %", "95 %", "largest", "counted runs", "expected"];
     if rows.iter().all(|row| row.last().is_some_and(String::is_empty)) {
         header.pop();
         rows.iter_mut().for_each(|row| drop(row.pop()));
     }
-    let caption = "95 % of the runs are at or below the second number. A run without a time never reached it, and counts as \
-                   infinite. For bias and phase, the second and third number are those of the absolute value. Times are from \
-                   the first sample of the lock stage, or from the last step.";
+    let caption = "Of the runs, the named part is at or below each number: 95 % of them are between 2.5 % and 97.5 %. A run \
+                   without a time never reached it, and counts as infinite. For bias and phase, `95 %` and `largest` are those \
+                   of the absolute value. Times are from the first sample of the lock stage, or from the last step.";
     TableBlock::new("runs", "All runs", caption, &header, rows)
+}
+
+/// Returns the table of what the scatter of the main metric comes from.
+fn shares(study: &Study, runs: &MonteCarlo) -> Option<TableBlock> {
+    let interval = uncertainty::intervals(study.scene, runs).into_iter().next()?;
+    let (label, metric, _) = interval.line;
+    let Shares { keys, rest } = uncertainty::shares(study.scene, runs, metric)?;
+    let percent = |part: f64| format!("{:.0}", 100.0 * part);
+    let rows = keys.into_iter().map(|(keys, part)| vec![keys.join(", "), percent(part)]);
+    let rows = rows.chain([vec!["rest".to_owned(), percent(rest)]]).collect();
+    let caption = format!(
+        "Part of the variance of `{metric}` that each drawn number explains by itself (first-order Sobol' index). The rest comes \
+         from combinations of them, and from noise."
+    );
+    Some(TableBlock::new("shares", &format!("Where the scatter of the {label} comes from"), &caption, &["", "part [%]"], rows))
 }
 
 /// Returns the expectations of the scene for a metric, if there are any.
