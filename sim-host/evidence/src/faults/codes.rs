@@ -4,7 +4,7 @@ use firmware::seam::fault::{Fault, Limit};
 use rayon::prelude::*;
 use report::{TableBlock, verdict};
 
-use super::injected::Channel::{Current, Voltage};
+use super::injected::Channel::Voltage;
 use super::injected::{Failure, Load};
 use super::place::{MOTOR, OFF, ON, Place};
 use crate::campaign::{cells, digits, or_dash};
@@ -81,10 +81,10 @@ const EXAMPLES: &[Example] = &[
     ),
     Example::failing(
         33,
-        "the current channel reads twice the current, during a survey",
-        "friction-ratio",
-        &["controller.friction.step_s=[]", "controller.friction.step_ratio=[]"],
-        (Failure::Gain(Current, 2.0), 0.1, 0.2),
+        "three times C0 and ten times Q: another transducer is connected",
+        "lock",
+        &[ON, OFF, OBSERVER],
+        (Failure::Load(Load { q: 10.0, c0: 3.0, bandwidths: 0.5 }), 0.12, 0.2),
     ),
     Example::new(
         34,

@@ -139,9 +139,10 @@ fn spreads(study: &Study, runs: &MonteCarlo) -> TableBlock {
         header.pop();
         rows.iter_mut().for_each(|row| drop(row.pop()));
     }
-    let caption = "Of the runs, the named part is at or below each number: 95 % of them are between 2.5 % and 97.5 %. A run \
-                   without a time never reached it, and counts as infinite. For bias and phase, `95 %` and `largest` are those \
-                   of the absolute value. Times are from the first sample of the lock stage, or from the last step.";
+    let caption = "Of the runs, the named part is at or below each number: 95 % of them are between 2.5 % and 97.5 %.";
+    let of_driven = " A run without a time never reached it, and counts as infinite. For bias and phase, `95 %` and `largest` are \
+                     those of the absolute value. Times are from the first sample of the lock stage, or from the last step.";
+    let caption = &format!("{caption}{}", if study.scene.controller.is_some() { of_driven } else { "" });
     TableBlock::new("runs", "All runs", caption, &header, rows)
 }
 
