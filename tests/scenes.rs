@@ -75,9 +75,9 @@ fn of_one(name: &'static str) -> &'static str {
 fn every_figure_is_described(study: &Study) {
     for figure in figures::of(study) {
         let data = FigureData::of(&figure.id).unwrap_or_else(|| panic!("{}: no data of `{}`", study.name, figure.id));
-        // A contact study has its time in periods, and a grid is over its keys.
+        // A contact study has its time in periods, a grid its keys, a distribution its metric.
         assert!(
-            data.x == figure.x.label || ["friction", "grid-*"].contains(&data.id),
+            data.x == figure.x.label || ["friction", "grid-*", "distribution"].contains(&data.id),
             "{}: {} is over {}",
             study.name,
             figure.id,

@@ -43,9 +43,9 @@ impl Scene {
         let number = self.vary.iter().position(|vary| vary.key == key && vary.from.is_some()).filter(|_| self.runs > 1)?;
         Some(Replaced {
             by: format!("vary.{number}.to"),
-            why: format!("is drawn in each run, from `vary.{number}.from` to `vary.{number}.to`"),
-            help: "remove it here, or from [[vary]] (`vary = []` removes all entries); `spread` and `factor` vary about the \
-                   value of the scene"
+            why: "is drawn in each run, by its distribution or [[vary]]".to_owned(),
+            help: "remove it here (`grid = false` removes a grid), or give it a number and no [[vary]] (`vary = []` removes all \
+                   entries); `spread` and `factor` vary about the value of the scene"
                 .to_owned(),
         })
     }

@@ -93,6 +93,8 @@ pub fn list() -> String {
 
 fn of_metric(word: &str, metric: &Metric) -> String {
     let several = match word {
+        word if word.ends_with("_low95") => "for several runs, the lower end of the interval that contains 95 % of them",
+        word if word.ends_with("_high95") => "for several runs, the upper end of the interval that contains 95 % of them",
         word if word.ends_with("_p95") && word != metric.name => "for several runs, the value that 95 % of them do not exceed",
         word if word.ends_with("_max") && word != metric.name => "for several runs, the largest value",
         _ => metric.sign.meaning(),

@@ -126,7 +126,7 @@ fn central_value(
             if low >= high {
                 return Err(empty(low, high));
             }
-            Ok((0.5 * (low + high), vec![("from", Value::Number(low)), ("to", Value::Number(high))]))
+            Ok((0.5 * low + 0.5 * high, vec![("from", Value::Number(low)), ("to", Value::Number(high))]))
         }
         ["log_high", "log_low"] => {
             let (low, high) = (number("log_low")?, number("log_high")?);

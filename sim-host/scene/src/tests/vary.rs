@@ -104,7 +104,7 @@ fn values_replaced_by_vary_are_refused() {
     let refused = [&axis[..], &["runs=2", "grid.set=[\"contact.dahl.mu=0.3\"]"], &["runs=2", "contact.dahl.mu=0.3"]];
     for sets in refused {
         let report = with(sets).expect_err("a value without effect");
-        let drawn = format!("`{mu}` is drawn in each run, from `vary.0.from` to `vary.0.to`");
+        let drawn = format!("`{mu}` is drawn in each run, by its distribution or [[vary]]");
         says(&report, &[&drawn, "--> --set:", "^ other values have no effect", "`vary = []`", "`spread`", "1 problem"]);
     }
     let about = ["runs=2", "vary.0.spread=0.1", "contact.dahl.mu=0.3"];

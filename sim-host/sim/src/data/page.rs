@@ -51,7 +51,8 @@ fn metrics(page: &mut String) {
     *page += "\n## Metrics\n\nA name has the same meaning in every scene.\nA run has only the metrics that apply to its scene; the \
               others are absent, never zero.\nFor several runs, `NAME` is the median, \
               `NAME_p95` the value that 95 % of the runs do \
-              not exceed, and `NAME_max` the largest; a missing time counts as infinite.\n\n\
+              not exceed, `NAME_max` the largest, and `NAME_low95` and `NAME_high95` the ends of the interval that contains \
+              95 % of them; a missing time counts as infinite.\n\n\
               | name | unit | sign | measured | meaning |\n|---|---|---|---|---|\n";
     for metric in METRICS {
         let sign = match metric.sign {
