@@ -31,6 +31,9 @@ const FORMS: &str = "a distribution is `{ value = …, sd = … }`, `{ low = …
 /// A table where the scene needs a number, with the path of the number.
 type Found = (String, Schema, Node);
 
+/// Keys of an entry of `[[vary]]`.
+type Keys = Vec<(&'static str, Value)>;
+
 /// Replaces the distributions of a scene, and returns the files that they are read from.
 ///
 /// # Errors
@@ -83,7 +86,7 @@ fn find(node: &Node, schema: Schema, path: &str, found: &mut Vec<Found>) {
 }
 
 /// Adds an entry of `[[vary]]`.
-fn vary(root: &mut Node, path: &str, place: &Place, keys: Vec<(&str, Value)>) {
+fn vary(root: &mut Node, path: &str, place: &Place, keys: Keys) {
     let entry = |value| Entry { key: place.clone(), node: Node { place: place.clone(), value } };
     let keys = keys.into_iter().map(|(name, value)| (name.to_owned(), entry(value)));
     let table: Table = keys.chain([("key".to_owned(), entry(Value::Text(path.to_owned())))]).collect();
@@ -95,12 +98,7 @@ fn vary(root: &mut Node, path: &str, place: &Place, keys: Vec<(&str, Value)>) {
 }
 
 /// Returns the central value of a distribution, and its keys in `[[vary]]`.
-fn central_value(
-    path: &str,
-    node: &Node,
-    sources: &[Source],
-    files: &mut Vec<PathBuf>,
-) -> Result<(f64, Vec<(&'static str, Value)>), Problem> {
+fn central_value(path: &str, node: &Node, sources: &[Source], files: &mut Vec<PathBuf>) -> Result<(f64, Keys), Problem> {
     let table = node.table();
     let mut names: Vec<&str> = table.into_iter().flatten().map(|(name, _)| name.as_str()).collect();
     names.sort_unstable();
