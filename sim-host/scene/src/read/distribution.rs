@@ -9,7 +9,7 @@
 //! | `{ samples = [x1, x2] }` | one of the numbers | their median |
 //! | `{ samples = "file.csv", column = "mu" }` | a row of a table, the same row for all keys | as above |
 //!
-//! A contact study with a distribution runs [`RUNS`] times, unless it has `runs`. A driven scene,
+//! A contact study with a distribution runs 256 times, unless it has `runs`. A driven scene,
 //! whose runs take longer, needs `runs`.
 
 use std::path::PathBuf;
