@@ -40,9 +40,13 @@ impl Scene {
 
     /// Returns the entry of `[[vary]]` that draws a number without regard to its own value.
     pub(super) fn drawn(&self, key: &str) -> Option<Replaced> {
-        let number = self.vary.iter().position(|vary| vary.key == key && vary.from.is_some()).filter(|_| self.runs > 1)?;
+        let number = self
+            .vary
+            .iter()
+            .position(|vary| vary.key == key && (vary.from.is_some() || vary.samples.is_some()))
+            .filter(|_| self.runs > 1)?;
         Some(Replaced {
-            by: format!("vary.{number}.to"),
+            by: format!("vary.{number}.key"),
             why: "is drawn in each run, by its distribution or [[vary]]".to_owned(),
             help: "remove it here (`grid = false` removes a grid), or give it a number and no [[vary]] (`vary = []` removes all \
                    entries); `spread` and `factor` vary about the value of the scene"

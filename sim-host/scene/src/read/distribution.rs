@@ -7,11 +7,12 @@
 //! | `{ low = a, high = b }` | uniform | `(a + b) / 2` |
 //! | `{ log_low = a, log_high = b }` | log-uniform | `sqrt(a b)` |
 //! | `{ samples = [x1, x2] }` | one of the numbers | their median |
-//! | `{ samples = "file.csv", column = "mu" }` | a row of a table, the same row for all keys | as above |
+//! | `{ samples = "file.csv", column = "mu" }` | a row of a table, the same row for all keys | their median |
 //!
 //! A contact study with a distribution runs 256 times, unless it has `runs`. A driven scene,
 //! whose runs take longer, needs `runs`.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use crate::diagnostic::{Place, Problem, Source};
@@ -25,8 +26,8 @@ use columns::unit as units;
 /// Number of runs of a contact study with a distribution.
 const RUNS: i64 = 256;
 /// Forms of a distribution.
-const FORMS: &str = "a distribution is `{ value = …, sd = … }`, `{ low = …, high = … }`, `{ log_low = …, log_high = … }`, or \
-                     `{ samples = \"file.csv\", column = \"…\" }`";
+const FORMS: &str = "a distribution is `{ value = …, sd = … }`, `{ low = …, high = … }`, `{ log_low = …, log_high = … }`, \
+                     `{ samples = [ … ] }` or `{ samples = \"file.csv\", column = \"…\" }`; a change replaces all of it";
 
 /// A table where the scene needs a number, with the path of the number.
 type Found = (String, Schema, Node);
@@ -135,7 +136,8 @@ fn central_value(path: &str, node: &Node, sources: &[Source], files: &mut Vec<Pa
             if low >= high {
                 return Err(empty(low, high));
             }
-            Ok((libm::sqrt(low * high), vec![("factor", Value::Number(libm::sqrt(high / low)))]))
+            let keys = vec![("from", Value::Number(low)), ("to", Value::Number(high)), ("log", Value::Flag(true))];
+            Ok((libm::sqrt(low) * libm::sqrt(high), keys))
         }
         ["samples"] | ["column", "samples"] => {
             let (samples, set) = samples(path, node, sources, files)?;
@@ -149,7 +151,7 @@ fn central_value(path: &str, node: &Node, sources: &[Source], files: &mut Vec<Pa
         }
         [] => Err(wrong(format!("`{path}` is an empty table"), "expected a number or a distribution")),
         names => {
-            let message = format!("{} do not describe a distribution of `{path}`", listed(names.iter().copied(), "and"));
+            let message = format!("`{path}` with {} is not a distribution", listed(names.iter().copied(), "and"));
             Err(wrong(message, "neither a number nor a distribution"))
         }
     }
@@ -159,7 +161,10 @@ fn central_value(path: &str, node: &Node, sources: &[Source], files: &mut Vec<Pa
 fn samples(path: &str, node: &Node, sources: &[Source], files: &mut Vec<PathBuf>) -> Result<(Vec<f64>, Option<String>), Problem> {
     let wrong = |message: String, label: &str| Problem::new(node.place.clone(), message, label).help(FORMS);
     let given = node.at("samples");
-    if let Some(numbers) = given.map(Node::list).filter(|list| !list.is_empty()) {
+    if let Some(numbers) = given.map(Node::list).filter(|_| matches!(given.map(|node| &node.value), Some(Value::List(_)))) {
+        if node.at("column").is_some() {
+            return Err(wrong(format!("`column` of `{path}` has no file"), "`samples` are numbers"));
+        }
         let numbers: Option<Vec<f64>> = numbers.iter().map(|node| node.number().filter(|number| number.is_finite())).collect();
         let numbers = numbers.ok_or_else(|| wrong(format!("`samples` of `{path}` are not numbers"), "expected numbers"))?;
         return Ok((numbers, None));
@@ -176,16 +181,22 @@ fn samples(path: &str, node: &Node, sources: &[Source], files: &mut Vec<PathBuf>
     };
     let found = path_of(file, name, sources);
     let text = text_of(&found, name).map_err(refused)?;
+    // Another file of the same name, beside a base of the scene, is another set.
+    let others: BTreeSet<_> = files.iter().filter(|other| **other != found && other.file_name() == found.file_name()).collect();
+    let set = if others.is_empty() { name.to_owned() } else { format!("{name} ({})", others.len() + 1) };
     files.push(found);
     let measured = Measured::from_text(name, text).map_err(|(refusal, _)| refused(refusal))?;
     let key = path.rsplit('.').next().unwrap_or(path);
-    let column = measured.only_index(node.at("column").and_then(Node::text)).map_err(refused)?;
+    let column =
+        node.at("column").and_then(|column| column.text().map(str::to_owned).or(column.number().map(|at| at.to_string())));
+    let column = measured.only_index(column.as_deref()).map_err(refused)?;
     let column = measured.column(column, None, units::split(key).1.as_ref(), None).map_err(refused)?;
-    Ok((column.values, Some(name.to_owned())))
+    Ok((column.values, Some(set)))
 }
 
 fn median(samples: &[f64]) -> Option<f64> {
     let mut sorted = samples.to_vec();
     sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
+    let middle = |of: usize| sorted.get(of / 2).copied();
+    Some(0.5 * (middle(sorted.len().checked_sub(1)?)? + middle(sorted.len())?))
 }

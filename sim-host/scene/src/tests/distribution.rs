@@ -14,7 +14,7 @@ fn a_distribution_is_an_entry_of_vary() {
     let keys: Vec<&str> = scene.vary.iter().map(|vary| vary.key.as_str()).collect();
     assert_eq!(keys, ["contact.dahl.mu", "rig.slider.speed_m_per_s"]);
     assert_eq!((scene.vary[0].from, scene.vary[0].to), (Some(0.1), Some(0.3)));
-    assert_eq!(scene.vary[1].factor, Some(2.0));
+    assert_eq!((scene.vary[1].from, scene.vary[1].to, scene.vary[1].log), (Some(0.02), Some(0.08), Some(true)));
     // The runs of a driven scene take long: their number must be given.
     assert_eq!(scene.runs, 1);
     let scene = loaded(&["contact.dahl.mu={ value = 0.2, sd = 0.01 }"]);
@@ -40,7 +40,7 @@ fn wrong_distributions_are_named() {
     says(
         &refused("{ mean = 0.3, sd = 0.1 }"),
         &[
-            "`mean` and `sd` do not describe a distribution of `contact.dahl.mu`",
+            "`contact.dahl.mu` with `mean` and `sd` is not a distribution",
             "a distribution is `{ value = …, sd = … }`",
             "1 problem",
         ],
@@ -48,7 +48,11 @@ fn wrong_distributions_are_named() {
     says(&refused("{ low = \"0.1\", high = 0.3 }"), &["`low` of the distribution of `contact.dahl.mu` is not a number"]);
     says(&refused("{ samples = \"nowhere.csv\" }"), &["the file `nowhere.csv` cannot be read"]);
     says(&refused("{ samples = [0.1, \"x\"] }"), &["`samples` of `contact.dahl.mu` are not numbers"]);
+    says(&refused("{ samples = [] }"), &["the distribution of `contact.dahl.mu` has no samples"]);
+    says(&refused("{ samples = [0.1], column = \"mu\" }"), &["`column` of `contact.dahl.mu` has no file"]);
     says(&refused("{}"), &["`contact.dahl.mu` is an empty table"]);
+    // Zero is the end of the range, but no valid value: the cut excludes it.
+    assert_eq!(loaded(&["contact.dahl.mu={ value = 0.3, sd = 0.2 }"]).vary.len(), 1);
     // Both ends must be valid.
     says(&refused("{ low = 0.1, high = 9 }"), &["`contact.dahl.mu` varied to 9", "out of range"]);
     says(&report(example(), &["seed={ low = 1, high = 5 }"]), &["`seed` cannot be varied"]);

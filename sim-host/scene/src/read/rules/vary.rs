@@ -6,7 +6,7 @@ use super::cells::{Cell, NON_CELL_KEYS};
 use crate::Vary;
 use crate::diagnostic::Problem;
 use crate::nearest::shown;
-use crate::schema::{Schema, join};
+use crate::schema::{Kind, Schema, join};
 
 const TABLE: &str = "vary";
 const RUNS: &str = "runs";
@@ -85,8 +85,10 @@ impl Rules<'_> {
             else {
                 continue;
             };
-            let range = Schema::root().at(&vary.key).map_or((None, None), Schema::range);
-            for value in vary.ends(own, range) {
+            let schema = Schema::root().at(&vary.key);
+            let whole = schema.is_some_and(|schema| schema.kind() == Kind::Integer);
+            for value in vary.ends(own, schema.map_or((None, None), Schema::range)) {
+                let value = if whole { value.round() } else { value };
                 let place = self.place(&join(&path, "key"));
                 let cell = Cell {
                     table: TABLE,

@@ -69,6 +69,9 @@ const PUBLISHED: &[[&str; 4]] = &[
     ],
 ];
 
+/// Number of runs from which an interval of 95 % excludes some of them.
+const MIN_INTERVAL_RUNS: usize = 41;
+
 /// Headline metrics.
 pub const HEADLINE: &[Line] = &[
     ("lock time to 20 Hz, median", "lock_time_20hz_ms", "ms"),
@@ -100,13 +103,20 @@ pub fn preface(runs: &MonteCarlo) -> String {
     )
 }
 
-/// Returns the worst run and the command that repeats it.
+/// Returns a remark on few runs, and the worst run with the command that repeats it.
 pub fn remarks(study: &Study, runs: &MonteCarlo) -> Vec<String> {
-    let Some((worst, why)) = runs.worst() else { return Vec::new() };
+    let few = (runs.runs.len() < MIN_INTERVAL_RUNS && !uncertainty::intervals(study.scene, runs).is_empty()).then(|| {
+        format!("With fewer than {MIN_INTERVAL_RUNS} runs, the ends of an interval are the smallest and the largest value.")
+    });
+    few.into_iter().chain(worst(study, runs)).collect()
+}
+
+fn worst(study: &Study, runs: &MonteCarlo) -> Option<String> {
+    let (worst, why) = runs.worst()?;
     let changes: String = study.changes.iter().map(|change| format!(" --set '{change}'")).collect();
     let again = format!("sim-host run {} --run {}{changes}", study.origin, worst.draw.number);
     let drew = worst.draw.sets(&runs.keys).join(", ");
-    vec![format!("The worst run is number {} ({why}): {drew}. To repeat it with its full report: {again}", worst.draw.number)]
+    Some(format!("The worst run is number {} ({why}): {drew}. To repeat it with its full report: {again}", worst.draw.number))
 }
 
 /// Returns the tables of several runs.

@@ -4,7 +4,8 @@
 //! The metric is fitted by an additive polynomial, `y = c + sum over keys of f_k(x_k)`, with
 //! Legendre polynomials of the rank of each drawn number among the runs. The part of a key is the
 //! variance of its `f_k`, relative to that of the metric: its first-order Sobol' index (Sobol'
-//! 1993). The rest is due to interactions of the keys, and to noise.
+//! 1993). The rest is due to interactions of the keys, and to noise. Keys that are drawn together
+//! have one part, with their products. The expected part that noise adds to a fit is subtracted.
 
 use super::{MonteCarlo, statistics};
 use crate::instruments::{self, Line};
@@ -94,7 +95,12 @@ pub fn shares(scene: &Scene, runs: &MonteCarlo, metric: &str) -> Option<Shares> 
         .iter()
         .map(|(_, places)| {
             let column = |&place: &usize| legendre(&ranks(having.iter().map(|(values, _)| values[place]).collect()), degree);
-            places.iter().flat_map(column).collect()
+            let pairs = places.iter().enumerate().flat_map(|(n, a)| places[n + 1..].iter().map(move |b| (a, b)));
+            let product = |(a, b): (&usize, &usize)| {
+                let [a, b] = [a, b].map(|&place| ranks(having.iter().map(|(values, _)| values[place]).collect()));
+                centred(a.iter().zip(&b).map(|(a, b)| a * b).collect())
+            };
+            places.iter().flat_map(column).chain(pairs.map(product)).collect()
         })
         .collect();
     let mut rest = centred(having.iter().map(|(_, value)| *value).collect());
@@ -115,10 +121,13 @@ pub fn shares(scene: &Scene, runs: &MonteCarlo, metric: &str) -> Option<Shares> 
         }
     }
     let named = |(_, places): (String, Vec<usize>)| places.into_iter().map(|place| scene.vary[place].key.clone()).collect();
-    let mut keys: Vec<(Vec<String>, f64)> =
-        sets.into_iter().map(named).zip(parts.iter().map(|part| dot(part, part) / total)).collect();
+    let fitted: usize = columns.iter().map(Vec::len).sum();
+    let noise = dot(&rest, &rest) / total / having.len().saturating_sub(fitted + 1).max(1) as f64;
+    let part = |(part, columns): (&Vec<f64>, &Vec<Vec<f64>>)| (dot(part, part) / total - columns.len() as f64 * noise).max(0.0);
+    let mut keys: Vec<(Vec<String>, f64)> = sets.into_iter().map(named).zip(parts.iter().zip(&columns).map(part)).collect();
     keys.sort_by(|a, b| b.1.total_cmp(&a.1));
-    Some(Shares { keys, rest: dot(&rest, &rest) / total })
+    let rest = (1.0 - keys.iter().map(|(_, part)| part).sum::<f64>()).max(0.0);
+    Some(Shares { keys, rest })
 }
 
 /// Returns the ranks of numbers, evenly from -1 to 1. Equal numbers have their mean rank.
@@ -194,6 +203,18 @@ mod tests {
         ] {
             assert!((found - truth).abs() < 0.02, "{found} for {truth}: {shares:?}");
         }
+    }
+
+    /// A metric that no key changes, and one that two keys of the same rows determine.
+    #[test]
+    fn noise_is_rest_and_a_set_has_one_part() {
+        let (scene, runs) = of(|a, b| (1e6 * (a + 3.0 * b)).sin());
+        let noise = shares(&scene, &runs, "reduction_percent").unwrap();
+        assert!(noise.rest > 0.98, "{noise:?}");
+        let (mut scene, runs) = of(|a, b| (a - 0.5) * (b - 0.5));
+        scene.vary.iter_mut().for_each(|vary| vary.set = Some("fit.csv".into()));
+        let together = shares(&scene, &runs, "reduction_percent").unwrap();
+        assert!(together.keys.len() == 1 && together.keys[0].1 > 0.99, "{together:?}");
     }
 
     #[test]
