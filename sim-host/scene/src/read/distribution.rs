@@ -181,7 +181,7 @@ fn samples(path: &str, node: &Node, sources: &[Source], files: &mut Vec<PathBuf>
     };
     let found = path_of(file, name, sources);
     let text = text_of(&found, name).map_err(refused)?;
-    // Another file of the same name, beside a base of the scene, is another set.
+    // A file of the same name in the folder of a base is another set.
     let others: BTreeSet<_> = files.iter().filter(|other| **other != found && other.file_name() == found.file_name()).collect();
     let set = if others.is_empty() { name.to_owned() } else { format!("{name} ({})", others.len() + 1) };
     files.push(found);
