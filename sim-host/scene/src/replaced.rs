@@ -46,7 +46,7 @@ impl Scene {
             .position(|vary| vary.key == key && (vary.from.is_some() || vary.samples.is_some()))
             .filter(|_| self.runs > 1)?;
         Some(Replaced {
-            by: format!("vary.{number}.key"),
+            by: format!("vary.{number}.{}", if self.vary[number].from.is_some() { "to" } else { "samples" }),
             why: "is drawn in each run, by its distribution or [[vary]]".to_owned(),
             help: "remove it here (`grid = false` removes a grid), or give it a number and no [[vary]] (`vary = []` removes all \
                    entries); `spread` and `factor` vary about the value of the scene"

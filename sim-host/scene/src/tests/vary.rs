@@ -107,10 +107,13 @@ fn values_replaced_by_vary_are_refused() {
         let drawn = format!("`{mu}` is drawn in each run, by its distribution or [[vary]]");
         says(&report, &[&drawn, "--> --set:", "^ other values have no effect", "`vary = []`", "`spread`", "1 problem"]);
     }
-    let samples = ["runs=2", "vary.0.samples=[0.1, 0.2]", "contact.dahl.mu=0.3"];
+    let samples = ["runs=2", "vary.0.samples=[0.1, 0.2]", axis[1], axis[2]];
     says(&with(&samples).expect_err("a value without effect"), &["is drawn in each run"]);
     let about = ["runs=2", "vary.0.spread=0.1", "contact.dahl.mu=0.3"];
     let apart = ["runs=2", "grid.set=[\"runs=1\"]", axis[1], axis[2]];
+    // The newer entry draws about the newer value.
+    let newer = ["runs=2", "contact.dahl.mu=0.3", "vary.0.from=0.2", "vary.0.to=0.4"];
+    assert_eq!(with(&newer), Ok(()));
     for sets in [&["runs=2"][..], &["contact.dahl.mu=0.3"], &axis[1..], &about, &apart] {
         assert_eq!(with(sets), Ok(()), "{sets:?}");
     }
