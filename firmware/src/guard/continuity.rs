@@ -21,8 +21,8 @@
 //! A change of the load bends the motional current over a time constant; a failed sense chain moves
 //! it within two blocks, after which it stays. A change of the clamped capacitance also moves it at
 //! once, but by a susceptance, and by no more than the capacitance itself. A jump of the resonance
-//! turns it until the tracker has followed. If the time constant is shorter than four blocks, a
-//! jump and a load change are indistinguishable, and jumps are ignored.
+//! turns it until the tracker has followed. If the time constant with the source is shorter than
+//! four blocks, a jump and a load change are indistinguishable, and jumps are ignored.
 
 use core::mem;
 
@@ -388,7 +388,11 @@ impl Continuity {
         let admittance = jump * block.v.conj() * (block.volts / block.v.norm_sqr());
         let upright = admittance.re.abs() < MAX_CONDUCTANCE_RATIO * admittance.im.abs()
             && admittance.im > -MAX_CAPACITANCE_LOSS_REL * load.susceptance;
-        let slow = load.periods > MIN_TIME_CONSTANT_BLOCKS * self.periods_per_block;
+        // A source resistance shortens the time constant, at the resonance by the part of the
+        // voltage that it takes.
+        let (shortest, left) = (MIN_TIME_CONSTANT_BLOCKS * self.periods_per_block, self.voltage.norm_sqr());
+        let left = if left < 1.0 { left } else { 1.0 };
+        let slow = load.periods * load.periods * left > shortest * shortest;
         let turned = self.turned_per_hz * (block.offset_hz - self.offset_hz);
         let least = larger(JUMP_SIGMAS * JUMP_SIGMAS * 2.0 * load.noise, turned * turned * block.motional.norm_sqr());
         !upright && slow && jump.norm_sqr() * block.volts * block.volts > least

@@ -355,6 +355,12 @@ fn a_jump_is_compared_with_time_constant_and_noise() {
     assert_eq!([7.0e-5, 7.4e-5].map(|noise| jumps(Load { noise, ..LOAD })), [true, false]);
     // The shortest time constant is four blocks.
     assert_eq!([5.1, 5.2].map(|periods| jumps(Load { periods, ..LOAD })), [false, true]);
+    // A source that takes three quarters of the voltage shortens it to a quarter.
+    let loaded = |periods: f32| {
+        let quarter = |motional: Phasor| block(one() * 0.25, motional, 1.0);
+        found(quarter(one()), Load { periods, ..LOAD }, |_| quarter(one() * 0.7)).is_some()
+    };
+    assert_eq!([20.4, 20.6].map(loaded), [false, true]);
 }
 
 #[test]
