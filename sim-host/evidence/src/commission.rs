@@ -46,9 +46,9 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
 /// Returns the targets that are missed.
 fn missed(set: &[Commissioned]) -> Vec<String> {
     let mut missed = Vec::new();
-    let right = count(set, |tried| tried.judged.is_right() && tried.judged.is_in_time());
+    let right = count(set, |tried| (tried.judged.is_right() || tried.judged.is_good()) && tried.judged.is_in_time());
     if (right as f64) < MIN_RIGHT_REL * set.len() as f64 {
-        missed.push(format!("{right} of {} right and in time; the target is {:.0} %", set.len(), 100.0 * MIN_RIGHT_REL));
+        missed.push(format!("{right} of {} right or good, and in time; the target is {:.0} %", set.len(), 100.0 * MIN_RIGHT_REL));
     }
     for tried in set {
         let Judged { peak_v_rel, peak_a_rel, .. } = tried.judged;
@@ -64,12 +64,26 @@ fn missed(set: &[Commissioned]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+
+    /// One transducer of each cause of a former failure: another scan during the average of the
+    /// lock, a motional resistance below that of the source, a code above the voltage, and two
+    /// fitted resonances that cancel each other.
+    #[test]
+    fn former_failures_are_right() {
+        for number in [165, 571, 209, 442] {
+            let (command, judged) = judge(&Transducer::draw(number)).unwrap();
+            let is_found = judged.is_right() || judged.is_good();
+            assert!(is_found && judged.peak_v_rel <= 1.0 && judged.peak_a_rel <= 1.0, "{command}");
+        }
+    }
+
     /// The quick variant has no silently wrong result and never exceeds the voltage and current
     /// limits. docs/evidence/transducers.md gives the number of right ones.
     #[test]
     fn no_result_is_silently_wrong_or_over_its_limits() {
         let mut missed = crate::campaign::quick(super::run, None).missed;
-        missed.retain(|missed| !missed.contains("right and in time"));
+        missed.retain(|missed| !missed.contains("and in time"));
         assert_eq!(missed, [""; 0]);
     }
 }

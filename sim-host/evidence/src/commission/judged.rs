@@ -26,6 +26,9 @@ const BAND_RATIO: f64 = 1.5;
 /// Lowest lower end of a band that the converters of a board with blocks of 32 samples can measure,
 /// Hz.
 const MIN_LOW_HZ: f64 = 15_700.0;
+/// Detuning at which the tip velocity per volt, 1 / sqrt(1 + (2 Q b / fs)^2), is 0.99 of its
+/// maximum, relative to the bandwidth.
+const GOOD_REL: f64 = 0.0712;
 /// Time allowed for every commissioning, s.
 const ALLOWED_S: f64 = 3.0;
 /// Q above which more time is allowed.
@@ -48,8 +51,10 @@ pub(super) struct Found {
 pub(super) struct Judged {
     /// Frequencies found, or the reason of the refusal.
     pub found: Result<Found, String>,
-    /// Largest allowed error, Hz.
+    /// Largest error of a right result, Hz.
     pub bound_hz: f64,
+    /// Largest error at which the tip velocity is at most 1 % below its maximum, Hz.
+    pub good_hz: f64,
     /// Time that the commissioning took on the board, s.
     pub board_s: f64,
     /// Time that it may take, s.
@@ -63,12 +68,21 @@ pub(super) struct Judged {
 impl Judged {
     /// Returns `true` if the proposed resonance and the tested lock are within the bound.
     pub(super) fn is_right(&self) -> bool {
-        self.found.as_ref().is_ok_and(|found| found.error_hz.abs().max(found.lock_hz.abs()) <= self.bound_hz)
+        self.is_within(self.bound_hz)
     }
 
-    /// Returns `true` if it proposes wrong settings.
+    /// Returns `true` if it is not right, but the drive loses at most 1 % of the tip velocity.
+    pub(super) fn is_good(&self) -> bool {
+        !self.is_right() && self.is_within(self.good_hz.max(self.bound_hz))
+    }
+
+    /// Returns `true` if it proposes settings with a larger loss.
     pub(super) fn is_silently_wrong(&self) -> bool {
-        self.found.is_ok() && !self.is_right()
+        self.found.is_ok() && !self.is_right() && !self.is_good()
+    }
+
+    fn is_within(&self, hz: f64) -> bool {
+        self.found.as_ref().is_ok_and(|found| found.error_hz.abs().max(found.lock_hz.abs()) <= hz)
     }
 
     /// Returns `true` if it took no longer than allowed.
@@ -115,6 +129,7 @@ pub(super) fn judge(transducer: &Transducer) -> Result<(String, Judged), Error> 
         Judged {
             found,
             bound_hz: bound_hz(true_hz, transducer.q),
+            good_hz: GOOD_REL * true_hz / transducer.q,
             board_s: board.seconds(),
             allowed_s: ALLOWED_S + more_s,
             peak_v_rel: peak_v_rel / volts,

@@ -10,11 +10,12 @@ use crate::transducers::draw::KINDS;
 use report::TableBlock;
 
 const OUTCOMES: &str = "Right: the proposed resonance and the lock of the test are within 1 Hz, or 0.5 % of the bandwidth if \
-     that is more, of the true series resonance of the strongest mode. In time: right, within 3 s of the board's time, plus 50 \
-     ring-down times above Q 500. Refused: no settings are proposed, and a reason is given. Silently wrong: wrong settings are \
+     that is more, of the true series resonance of the strongest mode. Good: further off, where the tip velocity per volt is at \
+     most 1 % below its maximum. In time: right or good, within 3 s of the board's time, plus 50 ring-down times above Q 500. \
+     Refused: no settings are proposed, and a reason is given. Silently wrong: wrong settings are \
      proposed. Time: median and 95 % of the board's time. Volts, amperes: largest peak of all, relative to the given limit.";
-const HEADER: [&str; 10] =
-    ["kind", "transducers", "right", "in time", "refused", "silently wrong", "time [s]", "error [Hz]", "volts", "amperes"];
+const HEADER: [&str; 11] =
+    ["kind", "transducers", "right", "good", "in time", "refused", "silently wrong", "time [s]", "error [Hz]", "volts", "amperes"];
 /// Beginnings of the messages of `commission`, and the short reasons used in the table.
 const REASONS: [(&str, &str); 7] = [
     ("two resonances have similar strength", "two similar resonances"),
@@ -61,7 +62,8 @@ fn row(name: &str, tried: &[&Commissioned]) -> Vec<String> {
         name,
         tried.len(),
         count(Judged::is_right),
-        count(|judged| judged.is_right() && judged.is_in_time()),
+        count(Judged::is_good),
+        count(|judged| (judged.is_right() || judged.is_good()) && judged.is_in_time()),
         count(|judged| judged.found.is_err()),
         count(Judged::is_silently_wrong),
         both(tried.iter().map(|tried| tried.judged.board_s).collect()),
@@ -82,6 +84,7 @@ pub(super) fn csv(set: &[Commissioned]) -> Result<String, Error> {
         let outcome = match () {
             () if judged.found.is_err() => "refused",
             () if judged.is_right() => "right",
+            () if judged.is_good() => "good",
             () => "silent",
         };
         let drawn = [transducer.hz, transducer.q, transducer.coupling, transducer.c0_f, judged.bound_hz].map(given);

@@ -222,7 +222,7 @@ fn commission(args: &CommissionArgs, board: &mut BoardSettings, session: &mut Se
         .above(Band::from_converters(&session.identity.converters).low_hz);
     let (mut proposal, verified) = passing_proposal(&measured, &bounds, board, session)?;
     let thermal = args.heating.map(|time_s| heating::measure(time_s, &proposal, board, session)).transpose()?;
-    proposal.limits = (bounds.volts, bounds.given_a);
+    proposal.limits = (bounds.given_v, bounds.given_a);
     let others: Vec<Mode> = modes.iter().enumerate().filter(|(place, _)| *place != chosen).map(|(_, mode)| *mode).collect();
     let twin = twin::toml(&args.name, &proposal, &others, &scale, &session.identity.converters);
     session.live.stage("rehearsal on the twin");

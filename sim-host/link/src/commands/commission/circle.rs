@@ -1,7 +1,12 @@
 //! Measurement of the admittance circle of a resonance, from which settings are proposed.
 //!
 //! The board holds a frequency without tracking (`tracking.mode = off`), so that the frequency of a
-//! point does not depend on a tracker. Each point has settled.
+//! point does not depend on a tracker. A point is measured after it has settled. A sharp resonance
+//! settles too slowly for that: its limit follows from two values on the way,
+//!
+//! ```text
+//! Y = (Y2 - r Y1) / (1 - r),   r = exp(-(1 / tau + j 2 pi (f - fs)) (t2 - t1))
+//! ```
 
 use std::f64::consts::TAU;
 
@@ -45,6 +50,12 @@ const MODEL_ERROR_REL: f64 = 5e-4;
 /// Change of the admittance from one point to the next, relative to the conductance. A fraction of
 /// it has not settled.
 const POINT_CHANGE_REL: f64 = 0.3;
+/// Time constant above which the limit of a point is predicted, s.
+const PREDICTED_TIME_CONSTANT_S: f64 = 5e-3;
+/// Times of the two values after a change, time constants.
+const PREDICTED_AT: [f64; 2] = [3.5, 4.5];
+/// Part of the transient at the second value that a wrong Q or frequency leaves.
+const UNPREDICTED_REL: f64 = 0.1;
 /// Largest ratio of the voltages of two successive levels.
 const MAX_LEVEL_RATIO: f64 = 4.0;
 /// Smallest ratio for which another level is worthwhile.
@@ -141,7 +152,10 @@ fn points(
     };
     let scale = session.scale()?;
     let count = if width_hz(it) < NARROW_BANDWIDTH_HZ { POINTS_NARROW } else { POINTS_WIDE };
-    let unsettled = POINT_CHANGE_REL * (-settle_s(it) / f64::from(it.time_constant_s())).exp();
+    let time_constant_s = f64::from(it.time_constant_s());
+    let is_predicted = time_constant_s > PREDICTED_TIME_CONSTANT_S;
+    let unsettled = POINT_CHANGE_REL
+        * if is_predicted { UNPREDICTED_REL * (-PREDICTED_AT[1]).exp() } else { (-settle_s(it) / time_constant_s).exp() };
     let model_s = (MODEL_ERROR_REL + unsettled) / f64::from(it.rm_ohm);
     let mut circle = Circle { points: Vec::new(), volts, amperes: 0.0 };
     for n in 0..count {
@@ -149,15 +163,27 @@ fn points(
         let part = 2.0 * f64::from(n) / f64::from(count - 1) - 1.0;
         let at_hz = hz + 0.5 * width_hz(it) * (part * (2.0 * reach).atan()).tan();
         session.client.order(Command::Detune(Hertz((at_hz - base_hz) as f32)))?;
-        let report = match probe::driven(settle_s(it), session)? {
+        let first_s = if is_predicted { PREDICTED_AT[0] * time_constant_s } else { settle_s(it) };
+        let mut report = match probe::driven(first_s, session)? {
             Ok(report) => report,
             Err(fault) => return Ok(Err(fault)),
         };
         let complex = |x: Phasor| Complex64::new(x.re.into(), x.im.into());
+        let mut siemens = complex(report.i) / complex(report.v);
+        if is_predicted {
+            let before = report;
+            report = match probe::driven((PREDICTED_AT[1] - PREDICTED_AT[0]) * time_constant_s, session)? {
+                Ok(report) => report,
+                Err(fault) => return Ok(Err(fault)),
+            };
+            let apart_s = scale.block_s * f64::from(report.block.wrapping_sub(before.block));
+            let turn = TAU * (f64::from(report.frequency.0) - hz) * apart_s;
+            let r = Complex64::from_polar((-apart_s / time_constant_s).exp(), -turn);
+            siemens = (complex(report.i) / complex(report.v) - r * siemens) / (1.0 - r);
+        }
         let (v, i) = (complex(report.v), complex(report.i));
         circle.amperes = circle.amperes.max(i.norm());
         if report.limit != Some(Limit::FrequencyWindow) && v.norm() > 0.0 {
-            let siemens = i / v;
             let deviation = NOISE_CODES * scale.ampere_per_lsb.hypot(scale.volt_per_lsb * siemens.norm()) / v.norm();
             circle.points.push(Point { hz: report.frequency.0.into(), siemens, deviation: deviation.hypot(model_s) });
         }

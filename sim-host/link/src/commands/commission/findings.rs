@@ -3,6 +3,7 @@
 use serde_json::json;
 
 use super::modes::Mode;
+use super::proposal::{bound_hz, width_hz};
 use super::{CommissionArgs, Commissioned, drawing, output};
 use crate::answer::{Answer, quantity, short};
 use crate::commands::circuit;
@@ -46,6 +47,16 @@ pub fn in_words(found: &Commissioned, args: &CommissionArgs) -> Answer {
         quantity(verified.motional_a, "A"),
         quantity(verified.power_w, "W"),
     ));
+    let off_hz = verified.locked_hz - f64::from(it.series_resonance_hz);
+    let answer = if off_hz.abs() > bound_hz(it) {
+        answer.line(format!(
+            "note: the lock is {off_hz:+.2} Hz off the identified resonance, which is {:.1} % of the bandwidth, because of another \
+             resonance nearby; the tip velocity is at most 1 % below its maximum",
+            100.0 * off_hz.abs() / width_hz(it)
+        ))
+    } else {
+        answer
+    };
     let answer = match &args.output {
         Some(dir) => answer.line(format!("written: {}, with settings.txt and twin.toml", dir.join("report.html").display())),
         None => answer,

@@ -20,6 +20,8 @@ const FIRST_LEVEL_REL: f64 = 1.0 / 32.0;
 pub struct Bounds {
     /// Largest peak voltage at the amplifier, V.
     pub volts: f64,
+    /// Voltage limit that is stored, V: the given one, or the board's own limit.
+    pub given_v: f64,
     /// Largest peak current, A: the given one, or the board's own limit.
     pub given_a: f64,
     /// Current limit of the board during the commissioning, A.
@@ -38,10 +40,12 @@ impl Bounds {
         let volts = volts.min(board.before("limits.voltage_v").into()).min(range(scale.volt_per_lsb));
         let limit_a = f64::from(board.before("limits.current_a")).min(range(scale.ampere_per_lsb));
         let given_a = amperes.map_or(limit_a, |given| given.min(limit_a));
+        let given_v = volts;
+        let volts = played_v(given_v, scale.drive_volt_per_lsb);
         let code_v = scale.volt_per_lsb.max(scale.drive_volt_per_lsb);
         let min_v = (MIN_LEVEL_CODES * code_v).min(volts);
         let first_v = (FIRST_LEVEL_REL * volts).max(FIRST_LEVEL_CODES * code_v).min(volts);
-        Bounds { volts, given_a, amperes: CURRENT_LIMIT_REL * given_a, first_v, min_v }
+        Bounds { volts, given_v, given_a, amperes: CURRENT_LIMIT_REL * given_a, first_v, min_v }
     }
 
     /// Returns the limits as settings of the board. Schedules that change the drive by themselves
@@ -57,4 +61,10 @@ impl Bounds {
             ("friction.enabled", 0.0),
         ]
     }
+}
+
+/// Returns the largest voltage whose nearest code does not exceed a voltage.
+fn played_v(volts: f64, code_v: f64) -> f64 {
+    let codes = volts / code_v;
+    if codes.round() > codes && codes >= 1.0 { codes.floor() * code_v } else { volts }
 }

@@ -9,7 +9,7 @@ use import::admittance::circuit::Branch;
 
 use super::ALIKE_CM_REL;
 use super::fit::{Fit, Point, fit};
-use super::proposal::bound_hz;
+use super::proposal::{bound_hz, uncertain_hz};
 use crate::link_error::LinkError;
 
 /// Starting distances of a further resonance, in bandwidths of the first one.
@@ -21,6 +21,8 @@ const START_CONDUCTANCE_REL: f64 = 0.1;
 /// Smallest F ratio of a further resonance: reduction of the sum of squares per parameter, relative
 /// to the mean square.
 const MIN_F_RATIO: f64 = 6.0;
+/// Largest standard deviation of a resonance next to others, bandwidths.
+const MAX_DEVIATION_BANDWIDTHS: f64 = 0.1;
 /// Number of standard deviations of the series resonance that must be within the bound.
 const MAX_ERROR_SIGMAS: f64 = 2.0;
 /// Mean square of the distances, in standard deviations, above which a fit is rejected.
@@ -52,7 +54,15 @@ fn with_one_more(points: &[Point], of: &Fit) -> Option<Fit> {
         };
         fit(points, &[of.resonances.as_slice(), &[further]].concat())
     });
-    fits.min_by(|a, b| a.squares.total_cmp(&b.squares))
+    fits.filter(is_determined).min_by(|a, b| a.squares.total_cmp(&b.squares))
+}
+
+/// Returns `true` if the points determine the strongest resonance. Two resonances at nearly the
+/// same frequency can cancel each other: they fit the noise.
+fn is_determined(fit: &Fit) -> bool {
+    let place = fit.strongest();
+    let it = fit.resonances[place];
+    fit.resonances.iter().all(|it| it.siemens > 0.0) && fit.deviations_hz[place] < MAX_DEVIATION_BANDWIDTHS * it.hz / it.q
 }
 
 /// Returns `true` if a fit with more parameters explains more than noise, by an F test.
@@ -98,13 +108,14 @@ pub fn resolve(points: &[Point], of: &Transducer, by_number: bool) -> Result<Res
             alike.hz
         )));
     }
-    if MAX_ERROR_SIGMAS * deviation_hz > bound_hz {
+    if MAX_ERROR_SIGMAS * deviation_hz > uncertain_hz(of) {
         let near = others.iter().map(|it| format!("{:.1} Hz", it.hz)).collect::<Vec<_>>().join(" and ");
         return Err(refused(format!(
-            "{} makes its frequency uncertain by {:.2} Hz, but {bound_hz:.2} Hz are required. Two transducers are in parallel, \
+            "{} makes its frequency uncertain by {:.2} Hz, but {:.2} Hz are required. Two transducers are in parallel, \
              or the transducer has two modes close to each other",
             if near.is_empty() { "a disturbance".into() } else { format!("another mode at {near}") },
-            MAX_ERROR_SIGMAS * deviation_hz
+            MAX_ERROR_SIGMAS * deviation_hz,
+            uncertain_hz(of)
         )));
     }
     if others.is_empty() && (found.hz - hz).abs() <= bound_hz {
@@ -115,7 +126,9 @@ pub fn resolve(points: &[Point], of: &Transducer, by_number: bool) -> Result<Res
 
 /// Returns a transducer with a resonance of a fit.
 fn with(of: &Transducer, circuit: &Fit, place: usize) -> Transducer {
-    let (it, c0_f) = (circuit.resonances[place], circuit.c0_f());
+    // Strong resonances just outside the circle can make its background inductive.
+    let c0_f = Some(circuit.c0_f()).filter(|c0_f| *c0_f > 0.0).unwrap_or(of.c0_f.into());
+    let it = circuit.resonances[place];
     Transducer {
         series_resonance_hz: it.hz as f32,
         parallel_resonance_hz: it.parallel_hz(c0_f) as f32,

@@ -28,6 +28,11 @@ const LEAST_SPAN_REL: f64 = 1e-4;
 const BOUND_REL: f64 = 0.005;
 /// Minimum of the largest frequency error, Hz.
 const MIN_BOUND_HZ: f64 = 1.0;
+/// Largest distance of a lock from the identified resonance, relative to the bandwidth: the tip
+/// velocity is 0.5 % below its maximum. With [`UNCERTAIN_REL`] it is at most 1 % below.
+const GOOD_REL: f64 = 0.05;
+/// Largest uncertainty of the identified resonance, relative to the bandwidth.
+const UNCERTAIN_REL: f64 = 0.02;
 /// Settling time in addition to the time that reduces a bandwidth to the bound, time constants.
 const EXTRA_SETTLE_TIME_CONSTANTS: f64 = 3.0;
 /// Maximum settling time, time constants.
@@ -40,9 +45,20 @@ pub fn width_hz(of: &Transducer) -> f64 {
     f64::from(of.series_resonance_hz) / f64::from(of.q)
 }
 
-/// Returns the largest permitted frequency error of a lock, Hz.
+/// Returns the frequency error, Hz, up to which a lock is at the resonance.
 pub fn bound_hz(of: &Transducer) -> f64 {
     MIN_BOUND_HZ.max(BOUND_REL * width_hz(of))
+}
+
+/// Returns the largest permitted distance of a lock from the identified resonance, Hz. The answer
+/// states a distance beyond [`bound_hz`].
+pub fn permitted_hz(of: &Transducer) -> f64 {
+    MIN_BOUND_HZ.max(GOOD_REL * width_hz(of))
+}
+
+/// Returns the largest permitted uncertainty of the identified resonance, Hz.
+pub fn uncertain_hz(of: &Transducer) -> f64 {
+    MIN_BOUND_HZ.max(UNCERTAIN_REL * width_hz(of))
 }
 
 /// Returns the settling time of a change, s, after which its residue moves no frequency by the
@@ -81,7 +97,7 @@ impl Proposal {
             transducer: *it,
             volts,
             amperes: volts * siemens,
-            limits: (bounds.volts, bounds.given_a),
+            limits: (bounds.given_v, bounds.given_a),
             span,
             observer: true,
         }

@@ -13,28 +13,32 @@ use firmware::seam::units::Hertz;
 use super::board_settings::BoardSettings;
 use super::limits::Bounds;
 use super::probe;
-use super::proposal::{Proposal, bound_hz, settle_s};
+use super::proposal::{Proposal, bound_hz, permitted_hz, settle_s};
 use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::words;
 
 /// Smaller amplitude of the step, relative to the larger one.
 const STEP_REL: f64 = 0.7;
+/// Settling time of a lock, relative to that of a fixed frequency: the observer follows the ring-up.
+const SETTLE_REL: f64 = 0.5;
 /// Minimum settling time of a lock after a change, s.
 const MIN_SETTLE_S: f64 = 4e-3;
-/// Largest error of the lock relative to the bound; the rest is for the identification.
-const LOCK_BOUND_REL: f64 = 0.9;
 /// Number of standard deviations of the mean frequency that is added to the largest error.
 const ERROR_SIGMAS: f64 = 3.0;
 /// Largest current at the end of the pause of a burst, relative to the driven current.
 const MAX_PAUSE_CURRENT_REL: f64 = 0.2;
 /// Time to wait for a measurement of the clamped branch, settling times. The measurement takes up
 /// to 20 time constants.
-const PROBE_SETTLING_TIMES: f64 = 5.0;
+const PROBE_SETTLING_TIMES: f64 = 10.0;
 /// Additional time to wait for it, s.
 const PROBE_EXTRA_S: f64 = 0.1;
-/// Number of averaged reports.
+/// Additional time to wait for a lock that the board seeks again, s.
+const RELOCK_S: f64 = 1.0;
+/// Smallest number of averaged reports.
 const AVERAGED_REPORTS: usize = 16;
+/// Largest error of their mean, relative to the bound.
+const MEAN_ERROR_REL: f64 = 0.1;
 
 /// Results of the test.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -84,8 +88,8 @@ pub fn verify(
 fn run_test(proposal: &Proposal, session: &mut Session) -> Result<Result<Verified, TestFailure>, LinkError> {
     let it = &proposal.transducer;
     let hz = f64::from(it.series_resonance_hz);
-    let settle_s = settle_s(it).max(MIN_SETTLE_S);
-    let bound_hz = LOCK_BOUND_REL * bound_hz(it);
+    let settle_s = (SETTLE_REL * settle_s(it)).max(MIN_SETTLE_S);
+    let (bound_hz, permitted_hz) = (bound_hz(it), permitted_hz(it));
     session.client.order(Command::Gate(Gate::On))?;
     session.client.order(Command::Detune(Hertz(0.0)))?;
     session.client.order(Command::Amplitude(None))?;
@@ -104,12 +108,12 @@ fn run_test(proposal: &Proposal, session: &mut Session) -> Result<Result<Verifie
             session.client.order(Command::Amplitude(Some(Amplitude::Volts((part * proposal.volts) as f32))))?;
         }
         before = part;
-        let report = match steady(settle_s, session)? {
+        let report = match steady(settle_s, bound_hz, session)? {
             Ok(report) => report,
             Err(fault) => return Ok(Err(ended_by(what, fault))),
         };
         *seen = report.hz;
-        if let Some(why) = lock_error(what, &report, hz, bound_hz) {
+        if let Some(why) = lock_error(what, &report, hz, permitted_hz) {
             return Ok(Err(failure(why)));
         }
         if part == 1.0 {
@@ -127,12 +131,12 @@ fn run_test(proposal: &Proposal, session: &mut Session) -> Result<Result<Verifie
         return Ok(Err(failure("current flows in the pause of the burst, while the gate is closed".into())));
     }
     session.client.order(Command::Gate(Gate::On))?;
-    let report = match steady(settle_s, session)? {
+    let report = match steady(settle_s, bound_hz, session)? {
         Ok(report) => report,
         Err(fault) => return Ok(Err(ended_by("the burst", fault))),
     };
     verified.after_burst_hz = report.hz;
-    if let Some(why) = lock_error("the burst", &report, hz, bound_hz) {
+    if let Some(why) = lock_error("the burst", &report, hz, permitted_hz) {
         return Ok(Err(failure(why)));
     }
     Ok(Ok(verified))
@@ -157,51 +161,69 @@ struct Steady {
     report: Telemetry,
 }
 
-/// Waits until the lock has settled, and averages its frequency.
-fn steady(settle_s: f64, session: &mut Session) -> Result<Result<Steady, Fault>, LinkError> {
+/// Waits until the lock has settled, and averages its frequency, until the mean is known well
+/// compared with `bound_hz`.
+fn steady(settle_s: f64, bound_hz: f64, session: &mut Session) -> Result<Result<Steady, Fault>, LinkError> {
     if let Err(fault) = probe::driven(settle_s, session)? {
         return Ok(Err(fault));
     }
-    let until = session.client.now() + Duration::from_secs_f64(PROBE_SETTLING_TIMES * settle_s + PROBE_EXTRA_S);
+    let began = session.client.now();
+    let is_over = |s: f64, session: &Session| session.client.now() > began + Duration::from_secs_f64(s);
+    let probe_s = PROBE_SETTLING_TIMES * settle_s + PROBE_EXTRA_S;
     let mut frequencies = Vec::new();
     loop {
         let report = match probe::driven(0.0, session)? {
             Ok(report) => report,
             Err(fault) => return Ok(Err(fault)),
         };
+        if !is_locked(&report) {
+            // The tones of another scan are not the frequency of a lock.
+            frequencies.clear();
+            if is_over(probe_s + RELOCK_S, session) {
+                return Ok(Ok(Steady { hz: f64::NAN, deviation_hz: 0.0, report }));
+            }
+            continue;
+        }
         // The drive is off resonance while the board measures the clamped branch. It repeats this
         // if noise hides the branch.
         if report.limit == Some(Limit::Probing) {
-            if session.client.now() <= until {
+            if !is_over(probe_s, session) {
                 continue;
             }
             frequencies.push(f64::from(report.resonance.0));
         } else {
             frequencies.push(f64::from(report.frequency.0));
         }
-        if frequencies.len() >= AVERAGED_REPORTS {
-            let number = frequencies.len() as f64;
-            let hz = frequencies.iter().sum::<f64>() / number;
-            let squares: f64 = frequencies.iter().map(|at| (at - hz).powi(2)).sum();
-            return Ok(Ok(Steady { hz, deviation_hz: squares.sqrt() / number, report }));
+        let number = frequencies.len() as f64;
+        let hz = frequencies.iter().sum::<f64>() / number;
+        let squares: f64 = frequencies.iter().map(|at| (at - hz).powi(2)).sum();
+        let deviation_hz = squares.sqrt() / number;
+        let is_known = ERROR_SIGMAS * deviation_hz <= MEAN_ERROR_REL * bound_hz || is_over(probe_s, session);
+        if frequencies.len() >= AVERAGED_REPORTS && is_known {
+            return Ok(Ok(Steady { hz, deviation_hz, report }));
         }
     }
 }
 
+/// Returns `true` if the board reports a lock.
+fn is_locked(report: &Telemetry) -> bool {
+    report.mode == Mode::Run && report.locked
+}
+
 /// Returns the reason if the drive is not locked to the identified resonance.
-fn lock_error(what: &str, steady: &Steady, hz: f64, bound_hz: f64) -> Option<String> {
+fn lock_error(what: &str, steady: &Steady, hz: f64, permitted_hz: f64) -> Option<String> {
     let Steady { hz: locked_hz, deviation_hz, report } = steady;
-    let bound_hz = bound_hz + ERROR_SIGMAS * deviation_hz;
-    if report.mode != Mode::Run || !report.locked {
+    let permitted_hz = permitted_hz + ERROR_SIGMAS * deviation_hz;
+    if !is_locked(report) {
         return Some(format!("after {what} the drive is not locked: the board is in mode `{}`", words::mode(report.mode)));
     }
     if let Some(limit @ (Limit::FrequencyWindow | Limit::NotTracking | Limit::LockUncertain)) = report.limit {
         return Some(format!("after {what}: {}", words::limit(limit)));
     }
-    ((locked_hz - hz).abs() > bound_hz).then(|| {
+    ((locked_hz - hz).abs() > permitted_hz).then(|| {
         format!(
             "after {what} the drive is at {locked_hz:.2} Hz, but the scan has identified {hz:.2} Hz. The difference of {:.2} Hz \
-             exceeds the permitted {bound_hz:.2} Hz",
+             exceeds the permitted {permitted_hz:.2} Hz",
             locked_hz - hz
         )
     })
