@@ -81,10 +81,10 @@ const EXAMPLES: &[Example] = &[
     ),
     Example::failing(
         33,
-        "three times C0 and ten times Q: another transducer is connected",
+        "four times C0 and twenty times Q: another transducer is connected",
         "lock",
         &[ON, OFF, OBSERVER],
-        (Failure::Load(Load { q: 10.0, c0: 3.0, bandwidths: 0.5 }), 0.12, 0.2),
+        (Failure::Load(Load { q: 20.0, c0: 4.0, bandwidths: 0.6 }), 0.12, 0.25),
     ),
     Example::new(
         34,
