@@ -80,6 +80,8 @@ const MAX_MISFIT_SIGMAS: f32 = 20.0;
 /// Maximum relative deviation of Q with which damage is reported without a scan. That of a crack is
 /// below 1.2 %; resonances that the tones cannot separate make a Q that is low, but less certain.
 const CERTAIN_Q_REL: f32 = 0.05;
+/// Maximum misfit with which damage is reported without a scan, standard deviations.
+const CERTAIN_MISFIT_SIGMAS: f32 = 3.0;
 /// Maximum standard deviation of the motional phase at the lock point, rad. Healthy transducers
 /// reach 2e-3; beyond this limit there is no usable lock point.
 const MAX_PHASE_DEVIATION_RAD: f32 = 0.1;
@@ -306,9 +308,8 @@ impl PowerOn {
 
     fn judge(&self, solution: &Solution, found: &Clamped) -> Result<(), Refused> {
         let q_at_most = found.q.value + MARGIN_SIGMAS * found.q.deviation;
-        let neighbours = found.second_mode.map(|(hz, strength)| (hz / found.resonance_hz.value - 1.0, strength));
-        let damage = if self.is_nominal { damage(q_at_most / self.nominal_q, neighbours) } else { Damage::None };
-        let clear = found.q.deviation < CERTAIN_Q_REL * found.q.value;
+        let damage = if self.is_nominal { damage(q_at_most / self.nominal_q) } else { Damage::None };
+        let clear = found.q.deviation < CERTAIN_Q_REL * found.q.value && solution.misfit < CERTAIN_MISFIT_SIGMAS;
         let cracked = damage == Damage::Certain && clear && q_at_most < CRACKED_Q_REL * self.nominal_q;
         let strongest = found.second_mode.map_or(1.0, |(_, strength)| strength.max(1.0));
         let fallen = cracked || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q_REL * q);

@@ -372,12 +372,7 @@ impl Scan {
         if let Some(nominal_q) = self.judged_q
             && let Some((chosen, _)) = self.modes.chosen()
         {
-            let whole_hz = self.nominal_hz + chosen.offset_hz;
-            let others = self
-                .modes
-                .others()
-                .map(|other| ((other.offset_hz - chosen.offset_hz) / whole_hz, other.strength() / chosen.strength()));
-            if damage(chosen.q / nominal_q, others) == Damage::Certain {
+            if damage(chosen.q / nominal_q) == Damage::Certain {
                 return Step::Failed(Fault::ResonanceDamaged);
             }
         }
