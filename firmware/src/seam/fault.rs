@@ -122,9 +122,8 @@ numbered! {
     CapacitanceShifted = 25, "capacitance shifted", "the stack is not the nominal one (`tracking.nominal_c0_f`), or has depoled";
     /// The calibration at power-on finds a Q below 0.27 of the nominal one: detected after 43 to 60
     /// ms at 40 kHz. Less clear cases are left to a scan: it finds a Q below a third of the nominal
-    /// one, or below half of it and, within 3.5 %, a second resonance of at least a tenth of the
-    /// strength. After a loss of lock also a Q below 0.3 of the tracked one. Without a nominal C0
-    /// only the latter applies.
+    /// one. After a loss of lock also a Q below 0.3 of the tracked one. Without a nominal C0 only
+    /// the latter applies.
     ResonanceDamaged = 26, "resonance damaged",
         "the stack does not ring as its nominal values predict: a crack, a loose horn, or another stack";
     /// In the self-test the current lags the voltage, although the load is a capacitance there: the
