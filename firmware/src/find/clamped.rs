@@ -81,7 +81,7 @@ const MAX_MISFIT_SIGMAS: f32 = 20.0;
 /// below 1.2 %; resonances that the tones cannot separate make a Q that is low, but less certain.
 const CERTAIN_Q_REL: f32 = 0.05;
 /// Maximum misfit with which damage is reported without a scan, standard deviations.
-const CERTAIN_MISFIT_SIGMAS: f32 = 3.0;
+const CERTAIN_MISFIT_SIGMAS: f32 = 8.0;
 /// Maximum standard deviation of the motional phase at the lock point, rad. Healthy transducers
 /// reach 2e-3; beyond this limit there is no usable lock point.
 const MAX_PHASE_DEVIATION_RAD: f32 = 0.1;

@@ -14,8 +14,19 @@ const OUTCOMES: &str = "Right: the proposed resonance and the lock of the test a
      most 1 % below its maximum. In time: right or good, within 3 s of the board's time, plus 50 ring-down times above Q 500. \
      Refused: no settings are proposed, and a reason is given. Silently wrong: wrong settings are \
      proposed. Time: median and 95 % of the board's time. Volts, amperes: largest peak of all, relative to the given limit.";
-const HEADER: [&str; 11] =
-    ["kind", "transducers", "right", "good", "in time", "refused", "silently wrong", "time [s]", "error [Hz]", "volts", "amperes"];
+const HEADER: [&str; 11] = [
+    "kind",
+    "transducers",
+    "right",
+    "good",
+    "in time",
+    "refused",
+    "silently wrong",
+    "time [s]",
+    "error [Hz]",
+    "volts",
+    "amperes",
+];
 /// Beginnings of the messages of `commission`, and the short reasons used in the table.
 const REASONS: [(&str, &str); 7] = [
     ("two resonances have similar strength", "two similar resonances"),

@@ -20,7 +20,8 @@ use crate::words;
 
 /// Smaller amplitude of the step, relative to the larger one.
 const STEP_REL: f64 = 0.7;
-/// Settling time of a lock, relative to that of a fixed frequency: the observer follows the ring-up.
+/// Settling time of a lock, relative to that of a fixed frequency: the observer follows the
+/// ring-up.
 const SETTLE_REL: f64 = 0.5;
 /// Minimum settling time of a lock after a change, s.
 const MIN_SETTLE_S: f64 = 4e-3;
