@@ -30,6 +30,7 @@ mod quantity;
 mod rows;
 pub mod signal;
 pub mod synthetic;
+mod thinned;
 mod touchstone;
 mod traces;
 pub mod units;

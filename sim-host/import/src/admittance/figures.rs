@@ -5,6 +5,7 @@ use num_complex::Complex64;
 use super::coordinate::Coordinate;
 use super::result::Admittance;
 use crate::complex::{angle, size};
+use crate::thinned::thinned;
 use report::statistics::ascending;
 use report::{Axis, Figure, Marker, Series, Style};
 
@@ -16,14 +17,15 @@ pub(super) fn figures(found: &Admittance) -> Vec<Figure> {
     let hz = frequencies(found);
     let fitted: Vec<Complex64> = hz.iter().map(|hz| found.equivalent.admittance(*hz)).collect();
     let fit = (hz.as_slice(), fitted.as_slice());
-    vec![
+    let all = vec![
         over_frequency(found, fit, ("admittance-size", "Admittance: magnitude", "|Y| [S]", "admittance"), "s", true, size),
         over_frequency(found, fit, ("admittance-phase", "Admittance: phase", "phase [deg]", "phase"), "deg", false, |y| {
             angle(y).to_degrees()
         }),
         circle(found, &fitted),
         residuals(found),
-    ]
+    ];
+    all.into_iter().map(thinned).collect()
 }
 
 /// Returns the frequencies of the fitted curve: those of the sweep, and more around each resonance

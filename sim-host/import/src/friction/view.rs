@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::log::Options;
 use super::models::Model;
 use super::result::Friction;
+use crate::thinned::thinned;
 use report::{Axis, Figure, Report, Series, Style, TableBlock, significant};
 use report::{rounded, stated};
 
@@ -106,7 +107,7 @@ impl Friction {
             .map(|((fitted, measured), on)| if *on { f64::NAN } else { fitted - measured })
             .collect();
         let label = if log.time_s.is_empty() { "sample" } else { "time [s]" };
-        vec![
+        let all = vec![
             figure("friction-displacement", "Friction against displacement", "displacement [µm]", &x),
             figure("friction-velocity", "Friction against velocity", "velocity [mm/s]", &v),
             Figure {
@@ -124,7 +125,8 @@ impl Friction {
                 }],
                 ..Figure::default()
             },
-        ]
+        ];
+        all.into_iter().map(thinned).collect()
     }
 
     /// Returns a contact study with the contact as TOML, at the mean sliding speed of the log.
