@@ -24,6 +24,7 @@ mod import;
 mod interrupts;
 mod junit;
 mod link;
+mod optimise;
 mod progress;
 mod provenance;
 mod result_args;
@@ -92,6 +93,11 @@ enum Command {
     /// them: no monotonicity is assumed.
     #[command(after_help = EXIT_CODES)]
     Solve(solve::SolveArgs),
+    /// Find the values of several keys at which a metric is best, within limits of others.
+    ///
+    /// Samples the ranges of the keys, and searches from each local optimum of the sample.
+    #[command(after_help = EXIT_CODES)]
+    Optimise(optimise::OptimiseArgs),
     /// List the built-in scenes.
     List,
     /// Print a scene with all values, units and descriptions, as TOML.
@@ -193,6 +199,7 @@ pub fn main() -> ExitCode {
         Some(Command::Run(args)) => run::run(&args, color),
         Some(Command::Sweep(args)) => sweep::run(&args, color),
         Some(Command::Solve(args)) => solve::run(&args, color),
+        Some(Command::Optimise(args)) => optimise::run(&args, color),
         Some(Command::Merge(args)) => sweep::merge(&args, color),
         Some(Command::List) => print(&list()),
         Some(Command::Show { scene }) => scene.load().and_then(|loaded| print(&resolved_toml(&loaded.scene))),

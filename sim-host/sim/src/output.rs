@@ -3,6 +3,7 @@
 mod folder;
 mod grid_file;
 pub mod npy;
+pub mod optimise;
 mod parquet_file;
 mod runs_file;
 pub mod sweep;

@@ -10,6 +10,7 @@ pub mod grid;
 pub mod in_plane;
 pub mod matching;
 pub mod monte_carlo;
+pub mod optimise;
 mod plan;
 pub mod playback;
 mod points;

@@ -3,7 +3,7 @@
 use clap::Command;
 
 /// Examples of each command: arguments and description.
-const EXAMPLES: [(&str, &[(&str, &str)]); 17] = [
+const EXAMPLES: [(&str, &[(&str, &str)]); 18] = [
     (
         "run",
         &[
@@ -31,6 +31,13 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 17] = [
         &[(
             "solve contact-kinematic --set excitation.sliding_m_per_s=0.05 --for reduction_percent=50 --by rig.kinematic.vibration_amplitude_m=1e-8:1e-5:log",
             "the amplitude that halves the friction",
+        )],
+    ),
+    (
+        "optimise",
+        &[(
+            "optimise contact-kinematic --set excitation.sliding_m_per_s=0.05 --minimise rig.kinematic.vibration_amplitude_m --subject-to \"friction_ratio<=0.5\" --over rig.kinematic.vibration_amplitude_m=1e-8:1e-5:log --over excitation.frequency_hz=60e3:100e3",
+            "the frequency at which the smallest amplitude halves the friction",
         )],
     ),
     ("merge", &[("merge mu-1 mu-2 -o mu", "join the shards in two folders")]),

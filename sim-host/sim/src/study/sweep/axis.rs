@@ -30,6 +30,12 @@ impl Range {
     pub fn value(&self, part: f64) -> f64 {
         between(self.ends.0, self.ends.1, self.log, part)
     }
+
+    /// Returns the fraction of the range at which a value is.
+    pub fn part(&self, value: f64) -> f64 {
+        let (start, stop) = self.ends;
+        if self.log { (value / start).ln() / (stop / start).ln() } else { (value - start) / (stop - start) }
+    }
 }
 
 /// A key of a scene with its values.

@@ -86,6 +86,15 @@ impl Design {
         Ok(Design::Sample { ranges, draws })
     }
 
+    /// Creates listed points.
+    pub fn listed(keys: Vec<String>, rows: Vec<Vec<f64>>) -> Result<Self, SweepError> {
+        each_once(keys.iter())?;
+        if keys.is_empty() {
+            return Err(SweepError::None);
+        }
+        Ok(Design::List { keys, rows })
+    }
+
     /// Reads points from the table of a file: a heading with the keys, and one row per point. The
     /// other columns of a sweep's result are left out.
     ///

@@ -1,0 +1,250 @@
+//! `sim-host optimise`.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+use clap::{ArgGroup, Args};
+use serde_json::{Map, Value, json};
+
+use super::sweep::progress::Progress;
+use super::{Color, Exit, Format, interrupts, mistake};
+use report::TableBlock;
+use scene::load::load;
+use scene::shown;
+use sim::numbers::precise;
+use sim::output::default_dir;
+use sim::output::optimise::RunsFile;
+use sim::study::optimise::{Answer, Goal, Limit, Question, Run};
+use sim::study::solve::SolveError;
+use sim::study::sweep::{SweepError, unit};
+
+/// `true` after Ctrl-C or any other request to end.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Number of runs of a contact study, and of a scene that drives a controller, whose run takes
+/// about a thousand times as long.
+const RUNS: [u64; 2] = [2000, 200];
+/// Distance of a key from an end of its range, relative to the range, below which it is at the end.
+const AT_END_REL: f64 = 1e-4;
+/// Distance of a metric from its limit, relative to the limit, below which the limit is reached.
+const AT_LIMIT_REL: f64 = 1e-3;
+
+#[derive(Args)]
+#[command(group(ArgGroup::new("goal").required(true).args(["minimise", "maximise"])),
+          mut_arg("output", |arg| arg.help("Folder for a file with all runs, from which an interrupted search continues. Default: `out/SCENE-optimise`")))]
+pub(super) struct OptimiseArgs {
+    /// Name of a built-in scene, TOML file, or `-` for standard input.
+    scene: String,
+    /// Metric, or one of the keys, to make as small as possible.
+    #[arg(long, value_name = "METRIC")]
+    minimise: Option<String>,
+    /// Metric, or one of the keys, to make as large as possible.
+    #[arg(long, value_name = "METRIC")]
+    maximise: Option<String>,
+    /// Limit of a metric, for example "friction_ratio<=0.4" (repeatable).
+    #[arg(long, value_name = "METRIC<=VALUE")]
+    subject_to: Vec<String>,
+    /// Key that is changed and its range; logarithmic if `:log` follows (repeatable).
+    #[arg(long, value_name = "KEY=LEAST:MOST[:log]", required = true)]
+    over: Vec<String>,
+    /// Largest number of runs. Default: 2000, or 200 for a scene that drives a controller.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=1_000_000))]
+    runs: Option<u32>,
+    /// Change one value of the scene, as `a.b=v` (repeatable).
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Further metrics to print with the answer.
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    metric: Vec<String>,
+    /// Number of runs in parallel. Default: the number of processors.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Folder of the result.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Format of standard output.
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    format: Format,
+    /// Print only the result.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Finds the values of several keys at which a metric is best within limits.
+pub(super) fn run(args: &OptimiseArgs, color: Color) -> anyhow::Result<Exit> {
+    let (goal, objective) = match (&args.minimise, &args.maximise) {
+        (Some(metric), _) => (Goal::Minimise, metric),
+        (None, Some(metric)) => (Goal::Maximise, metric),
+        (None, None) => return Err(mistake(Exit::Usage, "give --minimise METRIC or --maximise METRIC")),
+    };
+    let limits = args.subject_to.iter().map(|text| text.parse()).collect::<Result<Vec<Limit>, String>>();
+    let limits = limits.map_err(|why| mistake(Exit::Usage, why))?;
+    let range = |text: &String| {
+        text.parse().map_err(|error| match error {
+            SweepError::Axis { text, why } => {
+                mistake(Exit::Usage, format!("`--over {text}` is not a range KEY=LEAST:MOST or KEY=LEAST:MOST:log: {why}"))
+            }
+            error => error.into(),
+        })
+    };
+    let ranges = args.over.iter().map(range).collect::<anyhow::Result<Vec<_>>>()?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0).into()).build()?;
+    let loaded = load(&args.scene, &args.sets)?;
+    let mut metrics = vec![objective.clone()];
+    for name in limits.iter().map(|limit| &limit.metric).chain(&args.metric) {
+        if !metrics.contains(name) {
+            metrics.push(name.clone());
+        }
+    }
+    let runs = args.runs.map_or(RUNS[usize::from(loaded.scene.controller.is_some())], u64::from);
+    let question = Question { loaded: &loaded, ranges, metrics, goal, limits, runs };
+    let keys: Vec<&str> = question.ranges.iter().map(|range| range.key.as_str()).collect();
+    if let Some(why) = loaded.scene.coupled(&keys).filter(|_| !args.quiet) {
+        say!("note: {why}");
+    }
+    question.check().map_err(anyhow::Error::from)?;
+    interrupts::set(&STOP)?;
+    let dir = args.output.clone().unwrap_or_else(|| default_dir(&format!("{}-optimise", loaded.name)));
+    let file = RunsFile::open(&dir, &question)?;
+    if !file.known().is_empty() && !args.quiet {
+        say!("{}: {} runs are already done", dir.display(), file.known().len());
+    }
+    let progress = Progress::new(runs.saturating_sub(file.known().len() as u64), args.quiet);
+    let done = |run: &Run| {
+        file.add(run);
+        progress.point();
+    };
+    let answer = pool.install(|| question.answer(file.known(), &STOP, &done)).map_err(|error| match error {
+        SolveError::Question(error) => anyhow::Error::from(error),
+        SolveError::Run(error) => error.into(),
+    })?;
+    drop(progress);
+    let Some(answer) = answer else {
+        say!("interrupted: the same command continues from {}", file.path().display());
+        return Ok(Exit::Interrupted);
+    };
+    file.finish(&answer.runs)?;
+    super::print_styled(&match args.format {
+        Format::Human => human(&question, &answer, color),
+        Format::Json => format!("{:#}\n", json(&question, &answer)),
+    })?;
+    if !args.quiet {
+        notes(&answer);
+        say!("all runs: {}", file.path().display());
+    }
+    Ok(match (&answer.optima[..], answer.is_within_limits) {
+        ([], _) => Exit::Failed,
+        (_, false) => Exit::Missed,
+        (_, true) => Exit::Done,
+    })
+}
+
+/// Prints the number of runs without a result, and of those without a steady state.
+fn notes(answer: &Answer) {
+    let failed: Vec<&str> = answer.runs.iter().filter_map(|run| run.failure.as_deref()).collect();
+    if let Some(first) = failed.first() {
+        say!("note: {} of {} runs do not count; the first: {first}", failed.len(), answer.runs.len());
+    }
+    if answer.unsettled > 0 {
+        say!("note: in {} runs no steady state was found; their means are over the last periods of a run", answer.unsettled);
+    }
+}
+
+/// Returns a name with its unit.
+fn with_unit(name: &str) -> String {
+    match unit(name).as_str() {
+        "1" | "" => name.to_owned(),
+        unit => format!("{name} [{unit}]"),
+    }
+}
+
+/// Returns a limit as text.
+fn limit_text(limit: &Limit) -> String {
+    format!("{} {} {}", limit.metric, if limit.is_upper { "<=" } else { ">=" }, shown(limit.value))
+}
+
+fn human(question: &Question, answer: &Answer, color: Color) -> String {
+    let Some(best) = answer.optima.first() else {
+        return format!("no run has a result: {} runs failed\n", answer.runs.len());
+    };
+    let keys = question.ranges.iter().zip(&best.values).map(|(range, &value)| {
+        let part = range.part(value);
+        let note = match () {
+            () if part < AT_END_REL => "at the lower end of its range",
+            () if part > 1.0 - AT_END_REL => "at the upper end of its range",
+            () => "",
+        };
+        vec![with_unit(&range.key), precise(value), note.to_owned()]
+    });
+    let is_key = |name: &String| question.ranges.iter().any(|range| range.key == *name);
+    let own = |(name, _): &(&String, &Option<f64>)| !is_key(name);
+    let metrics = question.metrics.iter().zip(&best.metrics).filter(own).map(|(name, value)| {
+        let value_text = value.map_or_else(|| "–".to_owned(), precise);
+        let limits = question.limits.iter().filter(|limit| limit.metric == *name).map(|limit| {
+            let excess = question.excess(limit, best).unwrap_or(f64::NAN);
+            let state = match () {
+                () if excess > 0.0 => "exceeded",
+                () if -excess < AT_LIMIT_REL * limit.value.abs() => "reached",
+                () => "not reached",
+            };
+            format!("limit {} {} {state}", if limit.is_upper { "<=" } else { ">=" }, shown(limit.value))
+        });
+        vec![with_unit(name), value_text, limits.collect::<Vec<_>>().join(", ")]
+    });
+    let limits = question.limits.iter().map(limit_text).collect::<Vec<_>>().join(" and ");
+    let how = if question.goal == Goal::Minimise { "Smallest" } else { "Largest" };
+    let with = if limits.is_empty() { String::new() } else { format!(" with {limits}") };
+    let title = if answer.is_within_limits {
+        format!("{how} {}{with}", question.metrics[0])
+    } else {
+        format!("No run has {limits}: the nearest one")
+    };
+    let caption = format!(
+        "{} runs: {} sample the ranges, the others search from the best of them. An optimum that is narrower than the distance \
+         of the samples can be missed: narrow the ranges, or use more --runs.",
+        answer.runs.len(),
+        answer.samples
+    );
+    let header = ["", "value", ""].map(str::to_owned);
+    let best = TableBlock::new("optimum", &title, caption, &header, keys.chain(metrics).collect());
+    let others = (answer.optima.len() > 1).then(|| {
+        let keys = question.ranges.iter().map(|range| with_unit(&range.key));
+        let header: Vec<String> =
+            keys.chain(question.metrics.iter().filter(|name| !is_key(name)).map(|name| with_unit(name))).collect();
+        let cells = |run: &Run| {
+            let metrics = question
+                .metrics
+                .iter()
+                .zip(&run.metrics)
+                .filter(own)
+                .map(|(_, value)| value.map_or_else(|| "–".to_owned(), precise));
+            run.values.iter().map(|&value| precise(value)).chain(metrics).collect()
+        };
+        let rows = answer.optima[1..].iter().map(cells).collect();
+        TableBlock::new("others", "Where the other searches ended", "", &header, rows)
+    });
+    std::iter::once(best).chain(others).map(|table| table.terminal(color.stdout)).collect()
+}
+
+fn json(question: &Question, answer: &Answer) -> Value {
+    let run = |run: &Run| {
+        let named =
+            |names: Vec<&String>, values: Vec<Value>| -> Map<String, Value> { names.into_iter().cloned().zip(values).collect() };
+        let keys = named(question.ranges.iter().map(|range| &range.key).collect(), run.values.iter().map(|v| json!(v)).collect());
+        let metrics = named(question.metrics.iter().collect(), run.metrics.iter().map(|value| json!(value)).collect());
+        json!({ "objective": run.metrics[0], "keys": keys, "metrics": metrics })
+    };
+    json!({
+        "scene": question.loaded.name,
+        "objective": question.metrics[0],
+        "goal": if question.goal == Goal::Minimise { "minimise" } else { "maximise" },
+        "limits": question.limits.iter().map(limit_text).collect::<Vec<_>>(),
+        "within_limits": answer.is_within_limits,
+        "best": answer.optima.first().map(run),
+        "others": answer.optima.iter().skip(1).map(run).collect::<Vec<_>>(),
+        "runs": answer.runs.len(),
+        "samples": answer.samples,
+        "failures": answer.runs.iter().filter(|run| run.failure.is_some()).count(),
+        "unsettled": answer.unsettled,
+    })
+}
