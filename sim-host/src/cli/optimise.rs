@@ -14,7 +14,7 @@ use scene::shown;
 use sim::numbers::precise;
 use sim::output::default_dir;
 use sim::output::optimise::RunsFile;
-use sim::study::optimise::{Answer, Goal, Limit, Question, Run};
+use sim::study::optimise::{Answer, Goal, Known, Limit, Question, Run};
 use sim::study::solve::SolveError;
 use sim::study::sweep::{SweepError, unit};
 
@@ -62,6 +62,9 @@ pub(super) struct OptimiseArgs {
     /// Folder of the result.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Write no file; an interrupted search then begins again.
+    #[arg(long, conflicts_with = "output")]
+    no_report: bool,
     /// Format of standard output.
     #[arg(long, value_enum, default_value_t = Format::Human)]
     format: Format,
@@ -105,32 +108,37 @@ pub(super) fn run(args: &OptimiseArgs, color: Color) -> anyhow::Result<Exit> {
     question.check().map_err(anyhow::Error::from)?;
     interrupts::set(&STOP)?;
     let dir = args.output.clone().unwrap_or_else(|| default_dir(&format!("{}-optimise", loaded.name)));
-    let file = RunsFile::open(&dir, &question)?;
-    if !file.known().is_empty() && !args.quiet {
-        say!("{}: {} runs are already done", dir.display(), file.known().len());
+    let file = (!args.no_report).then(|| RunsFile::open(&dir, &question)).transpose()?;
+    let nothing = Known::new();
+    let known = file.as_ref().map_or(&nothing, RunsFile::known);
+    if !known.is_empty() && !args.quiet {
+        say!("{}: {} runs are already done", dir.display(), known.len());
     }
-    let progress = Progress::new(runs.saturating_sub(file.known().len() as u64), args.quiet);
+    let progress = Progress::new(runs.saturating_sub(known.len() as u64), args.quiet);
     let done = |run: &Run| {
-        file.add(run);
+        file.iter().for_each(|file| file.add(run));
         progress.point();
     };
-    let answer = pool.install(|| question.answer(file.known(), &STOP, &done)).map_err(|error| match error {
+    let answer = pool.install(|| question.answer(known, &STOP, &done)).map_err(|error| match error {
         SolveError::Question(error) => anyhow::Error::from(error),
         SolveError::Run(error) => error.into(),
     })?;
     drop(progress);
     let Some(answer) = answer else {
-        say!("interrupted: the same command continues from {}", file.path().display());
+        match &file {
+            Some(file) => say!("interrupted: the same command continues from {}", file.path().display()),
+            None => say!("interrupted: no answer"),
+        }
         return Ok(Exit::Interrupted);
     };
-    file.finish(&answer.runs)?;
+    file.iter().try_for_each(|file| file.finish(&answer.runs))?;
     super::print_styled(&match args.format {
         Format::Human => human(&question, &answer, color),
         Format::Json => format!("{:#}\n", json(&question, &answer)),
     })?;
     if !args.quiet {
         notes(&answer);
-        say!("all runs: {}", file.path().display());
+        file.iter().for_each(|file| say!("all runs: {}", file.path().display()));
     }
     Ok(match (&answer.optima[..], answer.is_within_limits) {
         ([], _) => Exit::Failed,

@@ -128,3 +128,41 @@ fn read(rows: &str, question: &Question) -> Known {
     };
     records.filter_map(|record| run(record.ok()?)).map(|run| (bits(&run.values), run)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::optimise::Goal;
+
+    /// A torn last line and a line that is not a run are run again; the others are read exactly. A
+    /// file of something else is kept.
+    #[test]
+    fn a_torn_file_keeps_its_whole_runs() {
+        let loaded = scene::load::load("contact-kinematic", &[]).unwrap();
+        let ranges = vec!["contact.dahl.mu=0.1:0.3".parse().unwrap()];
+        let metrics = vec!["friction_ratio".to_owned()];
+        let question = Question { loaded: &loaded, ranges, metrics, goal: Goal::Minimise, limits: Vec::new(), runs: 100 };
+        let dir = std::env::temp_dir().join(format!("sonoglide-optimise-{}", std::process::id()));
+        let run = |mu: f64, ratio: Option<f64>| {
+            let failure = ratio.is_none().then(|| "ends, with a \"comma\"".replace('"', "'"));
+            Run { values: vec![mu], metrics: vec![ratio], failure }
+        };
+        let (first, second) = (run(0.1 + 0.2, Some(1.0 / 3.0)), run(0.2, None));
+        let file = RunsFile::open(&dir, &question).unwrap();
+        [&first, &second].iter().for_each(|run| file.add(run));
+        assert!(RunsFile::open(&dir, &question).is_err());
+        let path = file.path().to_owned();
+        drop(file);
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, format!("{text}not,a run\n0.25,0.7")).unwrap();
+        let file = RunsFile::open(&dir, &question).unwrap();
+        let runs = [&first, &second].map(|run| (bits(&run.values), run.clone()));
+        assert_eq!(*file.known(), Known::from(runs));
+        file.finish(&[second, first]).unwrap();
+        drop(file);
+        assert_eq!(RunsFile::open(&dir, &question).unwrap().known().len(), 2);
+        fs::write(&path, "my notes\n").unwrap();
+        assert!(RunsFile::open(&dir, &question).is_err() && fs::read_to_string(&path).unwrap() == "my notes\n");
+        fs::remove_dir_all(&dir).unwrap();
+    }
+}
