@@ -371,10 +371,9 @@ impl Scan {
         let (circuit, deviations) = self.search.found();
         if let Some(nominal_q) = self.judged_q
             && let Some((chosen, _)) = self.modes.chosen()
+            && damage(chosen.q / nominal_q) == Damage::Certain
         {
-            if damage(chosen.q / nominal_q) == Damage::Certain {
-                return Step::Failed(Fault::ResonanceDamaged);
-            }
+            return Step::Failed(Fault::ResonanceDamaged);
         }
         let transducer = Transducer {
             deviations: deviations.get(place).copied().unwrap_or_default(),

@@ -134,10 +134,10 @@ mod tests {
     use super::*;
     use crate::study::optimise::Goal;
 
-    /// A torn last line and a line that is not a run are run again; the others are read exactly. A
-    /// file of something else is kept.
+    /// An incomplete last line and a line that is not a run are run again; the others are read
+    /// exactly. A file of something else is kept.
     #[test]
-    fn a_torn_file_keeps_its_whole_runs() {
+    fn an_interrupted_file_keeps_its_whole_runs() {
         let loaded = scene::load::load("contact-kinematic", &[]).unwrap();
         let ranges = vec!["contact.dahl.mu=0.1:0.3".parse().unwrap()];
         let metrics = vec!["friction_ratio".to_owned()];

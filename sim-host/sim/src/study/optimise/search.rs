@@ -42,7 +42,7 @@ impl<'q, 'a> Search<'q, 'a> {
             objective.iter().fold((f64::INFINITY, 0.0), |(least, most), &value| (value.min(least), value.max(most)));
         let is_log = least > 0.0 && most > LOG_RATIO * least;
         let spread = |values: Vec<f64>| {
-            let rising = ascending(values.into_iter());
+            let rising = ascending(values);
             let wide = rising.last().zip(rising.first()).map_or(0.0, |(most, least)| most - least);
             let inner = if rising.is_empty() { 0.0 } else { percentile(&rising, 0.9) - percentile(&rising, 0.1) };
             [inner, wide, 1.0].into_iter().find(|spread| *spread > 0.0).unwrap_or(1.0)
