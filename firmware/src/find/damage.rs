@@ -1,8 +1,8 @@
 //! Detection of a damaged transducer from its Q and the nominal one.
 //!
 //! A crack reduces Q to a fifth, and the nominal Q may be wrong by a factor of three. A crack also
-//! creates a second resonance nearby, but healthy transducers have such resonances, too: between a
-//! third and a half of the nominal Q, a second resonance is a crack in less than 99 of 100 cases.
+//! creates a second resonance nearby, but healthy transducers have such resonances, too, so that it
+//! proves nothing.
 
 /// Minimum Q of a healthy transducer, relative to the nominal one.
 const MIN_Q_REL: f32 = 1.0 / 3.0;

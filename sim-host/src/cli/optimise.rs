@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use clap::{ArgGroup, Args};
 use serde_json::{Map, Value, json};
 
+use super::solve::{cause, note_unsettled, range, with_unit};
 use super::sweep::progress::Progress;
 use super::{Color, Exit, Format, interrupts, mistake};
 use report::TableBlock;
@@ -15,8 +16,6 @@ use sim::numbers::precise;
 use sim::output::default_dir;
 use sim::output::optimise::RunsFile;
 use sim::study::optimise::{Answer, Goal, Known, Limit, Question, Run};
-use sim::study::solve::SolveError;
-use sim::study::sweep::{SweepError, unit};
 
 /// `true` after Ctrl-C or any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -82,15 +81,7 @@ pub(super) fn run(args: &OptimiseArgs, color: Color) -> anyhow::Result<Exit> {
     };
     let limits = args.subject_to.iter().map(|text| text.parse()).collect::<Result<Vec<Limit>, String>>();
     let limits = limits.map_err(|why| mistake(Exit::Usage, why))?;
-    let range = |text: &String| {
-        text.parse().map_err(|error| match error {
-            SweepError::Axis { text, why } => {
-                mistake(Exit::Usage, format!("`--over {text}` is not a range KEY=LEAST:MOST or KEY=LEAST:MOST:log: {why}"))
-            }
-            error => error.into(),
-        })
-    };
-    let ranges = args.over.iter().map(range).collect::<anyhow::Result<Vec<_>>>()?;
+    let ranges = args.over.iter().map(|text| range("--over", text)).collect::<anyhow::Result<Vec<_>>>()?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0).into()).build()?;
     let loaded = load(&args.scene, &args.sets)?;
     let mut metrics = vec![objective.clone()];
@@ -119,10 +110,7 @@ pub(super) fn run(args: &OptimiseArgs, color: Color) -> anyhow::Result<Exit> {
         file.iter().for_each(|file| file.add(run));
         progress.point();
     };
-    let answer = pool.install(|| question.answer(known, &STOP, &done)).map_err(|error| match error {
-        SolveError::Question(error) => anyhow::Error::from(error),
-        SolveError::Run(error) => error.into(),
-    })?;
+    let answer = pool.install(|| question.answer(known, &STOP, &done)).map_err(cause)?;
     drop(progress);
     let Some(answer) = answer else {
         match &file {
@@ -153,17 +141,7 @@ fn notes(answer: &Answer) {
     if let Some(first) = failed.first() {
         say!("note: {} of {} runs do not count; the first: {first}", failed.len(), answer.runs.len());
     }
-    if answer.unsettled > 0 {
-        say!("note: in {} runs no steady state was found; their means are over the last periods of a run", answer.unsettled);
-    }
-}
-
-/// Returns a name with its unit.
-fn with_unit(name: &str) -> String {
-    match unit(name).as_str() {
-        "1" | "" => name.to_owned(),
-        unit => format!("{name} [{unit}]"),
-    }
+    note_unsettled(answer.unsettled);
 }
 
 /// Returns a limit as text.

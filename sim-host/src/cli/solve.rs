@@ -12,6 +12,7 @@ use scene::load::load;
 use scene::shown;
 use sim::numbers::precise;
 use sim::study::solve::{Answer, Crossing, Question, Root, SAMPLES, SolveError};
+use sim::study::sweep::axis::Range;
 use sim::study::sweep::{SweepError, unit};
 
 /// `true` after Ctrl-C or any other request to end.
@@ -55,12 +56,7 @@ pub(super) fn run(args: &SolveArgs, color: Color) -> anyhow::Result<Exit> {
             format!("`--for {}` is not a metric with a number: write, for example, `--for reduction_percent=70`", args.target);
         return Err(mistake(Exit::Usage, why));
     };
-    let range = args.by.parse().map_err(|error| match error {
-        SweepError::Axis { text, why } => {
-            mistake(Exit::Usage, format!("`--by {text}` is not a range KEY=LEAST:MOST or KEY=LEAST:MOST:log: {why}"))
-        }
-        error => error.into(),
-    })?;
+    let range = range("--by", &args.by)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0).into()).build()?;
     let loaded = load(&args.scene, &args.sets)?;
     let mut metrics = vec![metric.to_owned()];
@@ -72,10 +68,7 @@ pub(super) fn run(args: &SolveArgs, color: Color) -> anyhow::Result<Exit> {
     }
     interrupts::set(&STOP)?;
     let progress = Progress::new(SAMPLES, args.quiet);
-    let answer = pool.install(|| question.answer(&STOP, &|| progress.point())).map_err(|error| match error {
-        SolveError::Question(error) => anyhow::Error::from(error),
-        SolveError::Run(error) => error.into(),
-    })?;
+    let answer = pool.install(|| question.answer(&STOP, &|| progress.point())).map_err(cause)?;
     drop(progress);
     let Some(answer) = answer else {
         say!("interrupted: no answer");
@@ -101,13 +94,36 @@ fn notes(answer: &Answer) {
         let (count, why) = (answer.failures.len(), why.lines().next().unwrap_or_default());
         say!("note: {count} runs from {} to {} have no value; the first: {why}", shown(*first), shown(*last));
     }
-    if answer.unsettled > 0 {
-        say!("note: in {} runs no steady state was found; their means are over the last periods of a run", answer.unsettled);
+    note_unsettled(answer.unsettled);
+}
+
+/// Parses the range of an option.
+pub(super) fn range(option: &str, text: &str) -> anyhow::Result<Range> {
+    text.parse().map_err(|error| match error {
+        SweepError::Axis { text, why } => {
+            mistake(Exit::Usage, format!("`{option} {text}` is not a range KEY=LEAST:MOST or KEY=LEAST:MOST:log: {why}"))
+        }
+        error => error.into(),
+    })
+}
+
+/// Returns the error itself, by which the exit code is chosen.
+pub(super) fn cause(error: SolveError) -> anyhow::Error {
+    match error {
+        SolveError::Question(error) => error.into(),
+        SolveError::Run(error) => error.into(),
+    }
+}
+
+/// Prints the number of runs without a steady state, if there are any.
+pub(super) fn note_unsettled(count: u64) {
+    if count > 0 {
+        say!("note: in {count} runs no steady state was found; their means are over the last periods of a run");
     }
 }
 
 /// Returns a name with its unit.
-fn with_unit(name: &str) -> String {
+pub(super) fn with_unit(name: &str) -> String {
     match unit(name).as_str() {
         "1" | "" => name.to_owned(),
         unit => format!("{name} [{unit}]"),

@@ -6,7 +6,7 @@
 //! the order of the search, so that it is the same for any number of threads.
 
 use std::fs::{self, File};
-use std::io::{ErrorKind, Write};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -38,24 +38,23 @@ impl RunsFile {
         fs::create_dir_all(dir).map_err(write(dir))?;
         let (hash, head) = identity(question);
         let path = dir.join(format!("runs-{hash}.csv"));
-        let text = match fs::read_to_string(&path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(FolderError::Read { path, why: error.to_string() }),
-        };
+        let mut file = File::options().create(true).read(true).append(true).open(&path).map_err(write(&path))?;
+        if file.try_lock().is_err() {
+            return Err(FolderError::Read { path, why: "another process writes it".to_owned() });
+        }
+        let mut text = String::new();
+        if let Err(error) = file.read_to_string(&mut text) {
+            return Err(FolderError::Read { path, why: error.to_string() });
+        }
         // A line is complete with its end.
         let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
         if !text.is_empty() && !whole.starts_with(&head) {
             return Err(FolderError::Read { path, why: "it is not the file of this optimisation: remove it".to_owned() });
         }
         let known = whole.strip_prefix(&head).map_or_else(Known::new, |rows| read(rows, question));
-        let file = File::options().create(true).append(true).open(&path).map_err(write(&path))?;
-        if file.try_lock().is_err() {
-            return Err(FolderError::Read { path, why: "another process writes it".to_owned() });
-        }
         let whole = if whole.is_empty() { &head } else { whole };
         if text != *whole {
-            file.set_len(0).and_then(|()| (&file).write_all(whole.as_bytes())).map_err(write(&path))?;
+            file.set_len(0).and_then(|()| file.write_all(whole.as_bytes())).map_err(write(&path))?;
         }
         Ok(RunsFile { path, head, known, file: Mutex::new(file) })
     }
