@@ -82,7 +82,7 @@ mod tests {
     /// limits. docs/evidence/transducers.md gives the number of right ones.
     #[test]
     fn no_result_is_silently_wrong_or_over_its_limits() {
-        let mut missed = crate::campaign::quick(super::run, None).missed;
+        let mut missed = campaign::quick(run, None).missed;
         missed.retain(|missed| !missed.contains("and in time"));
         assert_eq!(missed, [""; 0]);
     }
