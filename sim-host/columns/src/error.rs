@@ -15,6 +15,16 @@ pub enum TableError {
     /// The file is binary and has another format, or is damaged.
     #[error("{0}")]
     Binary(String),
+    /// A comma in a number may separate thousands or decimals.
+    #[error(
+        "`{cell}` may have a decimal comma or a comma between thousands; write the numbers of the table with a decimal point"
+    )]
+    Comma {
+        /// Number of the line, from 1.
+        line: usize,
+        /// The cell.
+        cell: String,
+    },
     /// A line without numbers is between lines with numbers, or after them.
     #[error("`{begins}` interrupts the table of numbers")]
     Interrupted {
@@ -56,7 +66,10 @@ impl TableError {
     pub fn line(&self) -> Option<usize> {
         match self {
             TableError::Empty | TableError::NoNumbers { .. } | TableError::Binary(_) => None,
-            TableError::Interrupted { line, .. } | TableError::Cells { line, .. } | TableError::Width { line, .. } => Some(*line),
+            TableError::Interrupted { line, .. }
+            | TableError::Cells { line, .. }
+            | TableError::Comma { line, .. }
+            | TableError::Width { line, .. } => Some(*line),
         }
     }
 }

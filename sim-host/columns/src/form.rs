@@ -65,6 +65,11 @@ impl Form {
         self.sign.is_none()
     }
 
+    /// Returns `true` for a decimal comma.
+    pub(crate) fn has_decimal_commas(self) -> bool {
+        self.comma
+    }
+
     /// Returns `true` if commas separate the cells.
     pub(crate) fn has_commas(self) -> bool {
         self.sign == Some(',')
@@ -119,7 +124,7 @@ fn quoted(text: &str) -> Option<(&str, &str)> {
 
 /// Returns a line without its comment sign, and `true` if it had one.
 pub(crate) fn without_comment(line: &str) -> (&str, bool) {
-    let line = line.trim();
-    let comment = COMMENT_SIGNS.iter().find_map(|sign| line.strip_prefix(sign));
-    (comment.unwrap_or(line), comment.is_some())
+    let comment = COMMENT_SIGNS.iter().find_map(|sign| line.trim().strip_prefix(sign));
+    // An empty first cell before a tab is a cell.
+    (comment.unwrap_or(line.trim_end().trim_start_matches(' ')), comment.is_some())
 }

@@ -35,6 +35,14 @@ impl<'a> Heading<'a> {
         if let Some((name, unit)) = bracketed.filter(|(_, unit)| is_unit(unit)) {
             return whole(name, Some(unit));
         }
+        // `speed mm/s` and `speed_mm/s`, before the slash of the unit cuts.
+        let spaced = text.match_indices([' ', ',', '_']).map(|(at, _)| (text[..at].trim(), text[at + 1..].trim()));
+        if let Some((name, unit)) = spaced.into_iter().find(|(name, unit)| {
+            !name.is_empty() && !name.contains('/') && unit.find('/').is_some_and(|at| at > 0) && is_unit(unit)
+        }) {
+            let name = name.trim_end_matches([',', '_']).trim_end_matches(" in");
+            return whole(name.trim(), Some(unit));
+        }
         if let Some((name, unit)) = text.rsplit_once('/').filter(|(name, unit)| !name.trim().is_empty() && is_unit(unit)) {
             // The whole unit, before a part of it: `v/mm/s`.
             let (name, unit) = text.split_once('/').filter(|(_, unit)| is_unit(unit)).unwrap_or((name, unit));
@@ -116,6 +124,10 @@ mod tests {
             ("Re(Z)/Ohm", "Re(Z)", Some("Ohm")),
             ("Frequency, Hz", "Frequency", Some("Hz")),
             ("v/mm/s", "v", Some("mm/s")),
+            ("speed mm/s", "speed", Some("mm/s")),
+            ("speed in mm/s", "speed", Some("mm/s")),
+            ("speed, mm/s", "speed", Some("mm/s")),
+            ("speed_mm/s", "speed", Some("mm/s")),
             ("x [furlong]", "x", Some("furlong")),
             ("x/furlong", "x", Some("furlong")),
             ("friction_force_n", "friction_force", Some("n")),
@@ -168,6 +180,10 @@ mod tests {
             ("milliohm", "ohm", 1e-3),
             ("meganewton", "N", 1e6),
             ("deg", "rad", std::f64::consts::PI / 180.0),
+            ("mrad", "rad", 1e-3),
+            ("mm·s⁻¹", "m/s", 1e-3),
+            ("mm s^-1", "m/s", 1e-3),
+            ("m s^-2", "m/s^2", 1.0),
         ];
         for (from, to, expected) in cases {
             let found = factor(from, to).unwrap_or_else(|| panic!("{from}"));

@@ -31,7 +31,7 @@ pub use error::TableError;
 pub use formats::parse;
 pub use heading::Heading;
 pub use table::{BadCell, Column, Table, read};
-pub use text::{beginning, decode, hidden, number, visible, visible_line};
+pub use text::{beginning, decode, hidden, is_overflow, number, visible, visible_line};
 pub use unit::{Unit, hertz};
 
 /// Reads the table of a text file. `names`, separated by commas, replaces the heading if given.

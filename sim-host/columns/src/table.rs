@@ -10,7 +10,8 @@
 
 use crate::error::TableError;
 use crate::form::{Form, without_comment};
-use crate::text::{beginning, is_overflow};
+use crate::heading::is_time_name;
+use crate::text::{beginning, is_overflow, number};
 use crate::unit::Unit;
 
 /// A table.
@@ -178,6 +179,7 @@ pub fn read(text: &str, names: Option<&str>) -> Result<Table, TableError> {
         }
     }
     check_outside(&lines, begin, last, width, &columns, form)?;
+    check_commas(rows, form)?;
     let width_error = |names: usize| TableError::Width {
         line: rows[0].at + 1,
         columns: width,
@@ -215,6 +217,11 @@ impl<'a> Line<'a> {
         }
         Line { at, text, cells, filled, has_number }
     }
+}
+
+/// Returns `true` for the name of a usual axis: a time, a frequency or a displacement.
+fn is_axis(name: &str) -> bool {
+    is_time_name(name) || ["f", "freq", "frequency", "x"].contains(&name.trim().to_lowercase().as_str())
 }
 
 /// Returns the most frequent of some numbers of cells; the larger one if two are equally frequent.
@@ -259,6 +266,28 @@ fn check_outside(
     below.map_or(Ok(()), refuse)
 }
 
+/// Refuses a table whose commas may all separate thousands, such as `39,000`. A single number that
+/// cannot have thousands, such as `0,5` or `1,25`, shows that they are decimal commas.
+fn check_commas(rows: &[Line], form: Form) -> Result<(), TableError> {
+    if !form.has_decimal_commas() {
+        return Ok(());
+    }
+    let cells = || rows.iter().flat_map(|row| form.cells(row.text).map(move |cell| (row, cell)));
+    let mut numbers = cells().filter(|(_, cell)| cell.contains(',') && form.number(cell).is_some()).peekable();
+    let Some(&(row, cell)) = numbers.peek() else { return Ok(()) };
+    let is_of_thousands = |cell: &str| {
+        let digits = cell.trim().trim_start_matches(['+', '-']);
+        let (first, rest) = digits.split_once(',').unwrap_or((digits, ""));
+        let is_group = |group: &str| group.len() == 3 && group.bytes().all(|digit| digit.is_ascii_digit());
+        (1..=3).contains(&first.len()) && !first.starts_with('0') && rest.split(',').all(is_group)
+    };
+    let mut has_points = cells().map(|(_, cell)| cell).filter(|cell| cell.contains('.') && number(cell, false).is_some());
+    match numbers.all(|(_, cell)| is_of_thousands(cell)) || has_points.next().is_some() {
+        true => Err(TableError::Comma { line: row.at + 1, cell: beginning(cell) }),
+        false => Ok(()),
+    }
+}
+
 /// Returns the names of the columns from the lines above the first row: the nearest line, with the
 /// units of a line in between. A name above `width` belongs to a column without content. Fails with
 /// the number of names if it differs from the width.
@@ -269,7 +298,8 @@ fn heading(lines: &[&str], first: usize, width: usize, all: usize, form: Form) -
         if cells.len() == all {
             cells.truncate(width);
         }
-        while cells.len() > width && cells.last().is_some_and(|cell| cell.is_empty()) {
+        // Behind the names, some oscilloscopes write settings, as `tInc=1e-6`.
+        while cells.len() > width && cells.last().is_some_and(|cell| cell.is_empty() || cell.contains('=')) {
             cells.pop();
         }
         (cells, comment)
@@ -281,14 +311,30 @@ fn heading(lines: &[&str], first: usize, width: usize, all: usize, form: Form) -
     }
     let has_words = |cells: &[&str]| cells.iter().any(|cell| cell.chars().any(char::is_alphabetic));
     let Some((cells, _)) = above.next().filter(|(cells, _)| has_words(cells)) else { return Ok(None) };
+    // Between blanks, `Frequency (Hz)` is one name.
+    let joined = cells.iter().fold(Vec::new(), |mut names: Vec<String>, cell| {
+        match names.last_mut().filter(|_| cell.starts_with(['(', '['])) {
+            Some(name) => *name = format!("{name} {cell}"),
+            None => names.push((*cell).to_owned()),
+        }
+        names
+    });
+    if form.has_blanks() && cells.len() != width && joined.len() == width {
+        return Ok(Some(joined));
+    }
     if cells.len() != width {
         // The last line of a preamble is not a heading.
         let is_heading = cells.len() > 1 && !form.has_blanks() && cells.iter().all(|cell| form.number(cell).is_none());
         return if is_heading { Err(cells.len()) } else { Ok(None) };
     }
     let bare = |unit: &str| unit.trim_matches(|c| "[](){}".contains(c)).trim().to_owned();
-    let are_units = cells.iter().all(|cell| matches!(bare(cell).as_str(), "" | "-" | "1") || Unit::parse(&bare(cell)).is_some());
-    let names = above.next().filter(|(names, _)| are_units && names.len() == width && has_words(names));
+    let is_unit = |cell: &str| matches!(bare(cell).as_str(), "" | "-" | "1") || Unit::parse(&bare(cell)).is_some();
+    let (are_units, is_any) =
+        (cells.iter().all(|cell| is_unit(cell)), cells.iter().any(|cell| Unit::parse(&bare(cell)).is_some()));
+    // An unknown unit among known ones, below names with an axis, must not become a name.
+    let has_axis = |names: &[&str]| names.iter().any(|name| is_axis(name)) && !cells.iter().any(|cell| is_axis(cell));
+    let is_of_names = |names: &[&str]| names.len() == width && has_words(names) && (are_units || is_any && has_axis(names));
+    let names = above.next().filter(|(names, _)| is_of_names(names));
     Ok(Some(match names {
         Some((names, _)) => {
             let joined = |(name, unit): (&&str, &&str)| match bare(unit).as_str() {

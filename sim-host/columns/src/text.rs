@@ -1,7 +1,14 @@
 //! Text of a measured file: its decoding, and its numbers.
 
 /// Decodes a file in UTF-8, UTF-16 with byte order mark, or Latin-1.
+///
+/// Line ends of old instruments, a carriage return alone, become line feeds.
 pub fn decode(bytes: &[u8]) -> String {
+    let text = decoded(bytes);
+    if text.contains('\r') && !text.contains('\n') { text.replace('\r', "\n") } else { text }
+}
+
+fn decoded(bytes: &[u8]) -> String {
     let wide = |bytes: &[u8], of: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| of([pair[0], pair[1]])).collect();
         String::from_utf16_lossy(&units)
@@ -24,7 +31,7 @@ pub fn number(field: &str, comma: bool) -> Option<f64> {
 }
 
 /// Returns `true` for the overflow value of an instrument.
-pub(crate) fn is_overflow(field: &str) -> bool {
+pub fn is_overflow(field: &str) -> bool {
     parsed(field, field.contains(',')).is_some_and(|value| value.abs() >= MIN_OVERFLOW)
 }
 
@@ -108,6 +115,11 @@ mod tests {
         let safe = "a\\u{1b}[2Jb\\u{9b}c\\u{7f}d\\u{202e}e\\rf";
         assert_eq!((visible(hostile), visible_line(hostile), hidden(hostile)), (safe.into(), safe.into(), Some('\u{1b}')));
         assert_eq!((visible("µ\r\n\tb"), visible_line("µ\n"), hidden("µ\r\n\tb")), ("µ\n\tb".into(), "µ\\n".into(), None));
+    }
+
+    #[test]
+    fn a_carriage_return_alone_ends_a_line() {
+        assert_eq!((decode(b"f,R\r1,2\r"), decode(b"f,R\r\n1,2\r\n")), ("f,R\n1,2\n".into(), "f,R\r\n1,2\r\n".into()));
     }
 
     #[test]

@@ -85,7 +85,8 @@ const WRITTEN: &[(&str, &str, &str, f64)] = &[
     ("m_s", "m/s", "m/s", 1.0),
     ("degree", "degrees", "turns", 1.0 / 360.0),
     ("degrees", "degrees", "turns", 1.0 / 360.0),
-    ("grad", "degrees", "turns", 1.0 / 360.0),
+    ("mdeg", "mdeg", "turns", 1e-3 / 360.0),
+    ("mrad", "mrad", "turns", 0.5e-3 / std::f64::consts::PI),
     ("radian", "rad", "turns", 0.5 / std::f64::consts::PI),
     ("radians", "rad", "turns", 0.5 / std::f64::consts::PI),
     ("siemens", "S", "S", 1.0),
@@ -106,7 +107,14 @@ impl Unit {
     /// keys, `mm_per_s`. Upper and lower case distinguish s from S, and milli from mega if both
     /// occur: `mohm`, `MOHM` and `MN` are ambiguous.
     pub fn parse(text: &str) -> Option<Self> {
-        let text = text.trim().replace("_per_", "/");
+        let text = text.trim().replace("_per_", "/").replace('⁻', "-").replace('¹', "1");
+        // `mm·s⁻¹`, `m s^-2`.
+        if let Some((above, below)) = [("s^-1", "s"), ("s-1", "s"), ("s-²", "s²"), ("s^-2", "s²"), ("s-2", "s²")]
+            .into_iter()
+            .find_map(|(end, below)| Some((text.strip_suffix(end)?.trim_end_matches([' ', '·', '*', '.']), below)))
+        {
+            return Self::parse(&format!("{above}/{below}"));
+        }
         match text.replace(['^', ' '], "").as_str() {
             "m/s2" | "m/s²" => return Some(simple("m/s^2", "m/s^2", 1.0)),
             "mm/s2" | "mm/s²" => return Some(simple("mm/s^2", "m/s^2", 1e-3)),

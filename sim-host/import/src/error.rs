@@ -164,7 +164,9 @@ impl From<TableError> for ImportError {
             TableError::Interrupted { line, .. } | TableError::Cells { line, .. } => {
                 ImportError::BadLine { line, what: format!("{what}; fix or delete the line, or give one sweep per file") }
             }
-            TableError::Width { line, decimal_comma: true, .. } => ImportError::BadLine { line, what },
+            TableError::Comma { line, .. } | TableError::Width { line, decimal_comma: true, .. } => {
+                ImportError::BadLine { line, what }
+            }
             TableError::Width { line, .. } => ImportError::BadLine {
                 line,
                 what: format!(

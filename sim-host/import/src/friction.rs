@@ -47,7 +47,8 @@ pub fn import_files(paths: &[PathBuf], options: &Options) -> Result<Found, Impor
     let files = conditions::open(paths, options)?;
     let is_log = |columns: &Columns| {
         let has = |quantity| columns.place(quantity).is_some();
-        has(Quantity::Force(None)) && (has(Quantity::Displacement) || has(Quantity::Time) && has(Quantity::Velocity))
+        (has(Quantity::Force(None)) || has(Quantity::Mu(None)))
+            && (has(Quantity::Displacement) || has(Quantity::Time) && has(Quantity::Velocity))
     };
     let [(path, columns)] = &files[..] else {
         return Ok(Found::Conditions(Box::new(Conditions::from_files(&files, options, None)?), None));

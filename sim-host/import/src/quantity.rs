@@ -86,12 +86,18 @@ impl Known {
     }
 }
 
+/// Words of a heading that name no quantity.
+const IGNORED_WORDS: [&str; 12] =
+    ["trace", "trc", "tr", "ch", "data", "measured", "identified", "true", "value", "channel", "of", "meas"];
+
 /// Returns the words of a name in lower case.
 fn words(name: &str) -> Vec<String> {
     let lower = name.to_lowercase();
     let words = lower.split(|c: char| !(c.is_alphanumeric() || c == '\'')).filter(|word| !word.is_empty());
     words
-        .filter(|word| !["trace", "data", "measured", "identified", "true", "value", "channel", "of"].contains(word))
+        // `Trace 1`, `Trc1` and `Ch2` count the traces.
+        .filter(|word| word.parse::<u8>().is_err())
+        .filter(|word| !IGNORED_WORDS.contains(&word.trim_end_matches(|c: char| c.is_ascii_digit())))
         .map(str::to_owned)
         .collect()
 }
@@ -159,7 +165,12 @@ fn quantity(name: &str) -> Option<Quantity> {
         subject = subject.or(of);
         part = match (part, is) {
             (known, None) => known,
+            // A logarithm is in dB for a scattering parameter only.
+            (None, Some(Part::Db)) if word == "log" && matches!(subject, Some(Subject::Impedance | Subject::Admittance)) => {
+                return None;
+            }
             (None, is) => is,
+            (Some(Part::Size), Some(Part::Db)) if word == "log" && name.contains('|') => return None,
             (Some(Part::Size), Some(Part::Db)) | (Some(Part::Db), Some(Part::Size)) => Some(Part::Db),
             (Some(known), Some(is)) if known == is => Some(is),
             _ => return None,
@@ -205,6 +216,8 @@ mod tests {
             ("S11 (dB)", of(Reflection, Db), Some("dB")),
             ("S11 Phase(deg)", of(Reflection, Angle), Some("deg")),
             ("S11 log mag", of(Reflection, Db), None),
+            ("Trace 1: Impedance: Magnitude (Ω)", of(Impedance, Size), Some("Ω")),
+            ("re:Trc1_S11", of(Reflection, Real), None),
         ];
         for (text, quantity, unit) in cases {
             let found = Known::parse(text).unwrap_or_else(|| panic!("{text}"));
@@ -212,7 +225,7 @@ mod tests {
         }
         let turned = Known::parse("-Im(Z)/Ohm").unwrap();
         assert_eq!((turned.quantity, turned.negative), (of(Impedance, Imaginary), true));
-        for text in ["", "Date", "Marker", "Cp", "S11", "status", "Z of Y", "Re Im Z"] {
+        for text in ["", "Date", "Marker", "log|Z|", "log|Z| [ohm]", "Cp", "S11", "status", "Z of Y", "Re Im Z"] {
             assert_eq!(Known::parse(text), None, "{text}");
         }
     }

@@ -14,6 +14,9 @@ pub use table::Columns;
 
 /// Minimum number of samples of a signal.
 pub const MIN_SAMPLES: usize = 64;
+/// Largest step of times without a unit that are taken as seconds: as milliseconds, a sampling rate
+/// above 100 MHz would follow.
+const MAX_STEP_WITHOUT_UNIT: f64 = 1e-5;
 /// Largest deviation of a time step from the mean step, relative.
 const MAX_STEP_ERROR_REL: f64 = 0.01;
 
@@ -80,6 +83,17 @@ pub enum SignalError {
         /// Unit as in the file.
         unit: String,
     },
+    /// The column of times has no unit.
+    #[error(
+        "unit missing: {}: the times `{name}` have no unit; give it with the column, as in `--time \"{name} [ms]\"`",
+        path.display()
+    )]
+    UnitMissing {
+        /// The file.
+        path: PathBuf,
+        /// Name of the column.
+        name: String,
+    },
     /// The samples are not evenly spaced.
     #[error(
         "uneven sampling: {}, {place}: a step of {step_s:e} s, but the mean step is {mean_s:e} s; resample the signal evenly, or \
@@ -136,7 +150,7 @@ pub struct Signal {
     pub sample_s: f64,
     /// Samples.
     pub samples: Vec<f64>,
-    /// Assumption about the times, and omitted rows, if there are any.
+    /// Inferred unit of the times, and omitted rows, if there are any.
     pub remark: Option<String>,
 }
 
@@ -174,11 +188,15 @@ impl Signal {
         let (start_s, sample_s, remark) = match (choice.sample_hz, time) {
             (Some(hz), _) => (0.0, 1.0 / hz, None),
             (None, Some(time)) => {
-                let unit_s = columns.time_unit_s(path, time)?;
+                let unit_s = columns.time_unit_s(path, time, choice.time.as_deref())?;
                 let times = columns.numbers(path, time, &rows)?;
                 let (start_s, sample_s) = even(path, columns, rows.start, &times, unit_s.unwrap_or(1.0))?;
-                let assumed = || format!("`{}` has no unit: s is assumed", columns.name(time));
-                (start_s, sample_s, unit_s.is_none().then(assumed))
+                let name = columns.name(time);
+                if unit_s.is_none() && sample_s > MAX_STEP_WITHOUT_UNIT {
+                    return Err(SignalError::UnitMissing { path: path.to_owned(), name: name.to_owned() });
+                }
+                let inferred = || format!("`{name}` has no unit: only s gives a plausible sampling rate");
+                (start_s, sample_s, unit_s.is_none().then(inferred))
             }
             (None, None) => return Err(SignalError::Time { path: path.to_owned(), columns: columns.listed() }),
         };
@@ -247,6 +265,10 @@ fn even(path: &Path, columns: &Columns, first_row: usize, times: &[f64], scale: 
     });
     if let Some(n) = uneven.or((mean <= 0.0).then_some(1)) {
         let step_s = scale * (times[n] - times[n - 1]);
+        if step_s <= 0.0 {
+            let why = format!("{}: the time does not increase here", columns.at(first_row + n));
+            return Err(SignalError::Form { path: path.to_owned(), why });
+        }
         return Err(SignalError::Uneven {
             path: path.to_owned(),
             place: columns.at(first_row + n),
@@ -332,11 +354,19 @@ mod tests {
             refused(&jump, &force())
         );
         let back = table(|n| if n == 10 { 8.0 } else { n as f64 }, 100);
-        assert!(refused(&back, &force()).starts_with("uneven sampling: a.csv, line 12"), "{}", refused(&back, &force()));
+        assert!(
+            refused(&back, &force()).starts_with("a.csv: line 12: the time does not increase"),
+            "{}",
+            refused(&back, &force())
+        );
         assert!(refused(&table(|n| n as f64, 63), &force()).starts_with("too few samples: 63; at least 64"));
         let late = Choice { from_s: Some(1.0), ..force() };
         assert_eq!(refused(&even, &late), "no samples from 1 s to 0.099 s: the samples are from 0 s to 0.099 s");
         assert!(refused("a,b\n1,2\n2,3\n", &named("b")).contains("--sample-hz (a, b)"));
+        let bare = even.replace("time_ms", "time");
+        assert!(refused(&bare, &force()).contains("unit missing: a.csv: the times `time` have no unit"));
+        let given = Choice { time: Some("time [ms]".into()), ..force() };
+        assert_eq!(signal(&bare, &given).unwrap().sample_s, signal(&even, &force()).unwrap().sample_s);
         let hole = even.replace("20,400,Run", "20,,Run");
         assert_eq!(refused(&hole, &force()), "a.csv, line 22: `force_n` is empty, but a signal needs a number in every row");
     }

@@ -17,7 +17,7 @@ use self::options::{Format, Kind, Options, Order, keyword, option_line, resistan
 use self::two_port::scattering;
 use crate::complex::polar;
 use crate::error::ImportError;
-use columns::{beginning, number};
+use columns::{beginning, is_overflow, number};
 
 /// Content of a file with one or two ports.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,7 +112,10 @@ pub(crate) fn read(text: &str, ports: Option<usize>) -> Result<Touchstone, Impor
         }
         let number = |field: &str| {
             number(field, false).ok_or_else(|| {
-                let what = "is not a number; a Touchstone line contains numbers separated by blanks";
+                let what = match is_overflow(field) {
+                    true => "is the overflow value of an instrument; delete the line, or measure again with another range",
+                    false => "is not a number; a Touchstone line contains numbers separated by blanks",
+                };
                 bad(line_number, format!("`{}` {what}", beginning(field)))
             })
         };
@@ -125,6 +128,10 @@ pub(crate) fn read(text: &str, ports: Option<usize>) -> Result<Touchstone, Impor
             }
             None => rows.push((line_number, numbers)),
         }
+    }
+    if !has_options && !rows.is_empty() {
+        let seen = "Touchstone without its option line; add one with unit, parameters and format, such as `# Hz S RI R 50`";
+        return Err(ImportError::UnknownForm { seen: seen.into() });
     }
     options.ohm = reference.unwrap_or(options.ohm);
     let width = width(&rows, ports, &options, &mut remarks)?;

@@ -22,7 +22,7 @@ fn marks(lines: &[&str]) -> Option<(usize, usize)> {
     let mark = |name: &str| {
         lines.iter().position(|line| line.trim().trim_matches('"').trim().eq_ignore_ascii_case(&format!("TRACE: {name}")))
     };
-    mark("A").zip(mark("B")).filter(|(a, b)| a < b)
+    mark("A").zip(mark("B"))
 }
 
 /// Returns the names of frequency and traces from the line that names the measured parameter.
@@ -69,7 +69,8 @@ pub(crate) fn joined(text: &str, columns: Option<&str>) -> Result<Option<Table>,
         let kept = lines.iter().enumerate().map(|(at, line)| if (from..to).contains(&at) { *line } else { "" });
         Ok(columns::read(&kept.collect::<Vec<_>>().join("\n"), None)?)
     };
-    let (one, other) = (part(a + 1, b)?, part(b + 1, lines.len())?);
+    let end = |from: usize, other: usize| if other > from { other } else { lines.len() };
+    let (one, other) = (part(a + 1, end(a, b))?, part(b + 1, end(b, a))?);
     let mut numbers = Vec::new();
     for table in [&one, &other] {
         let columns = (0..table.columns.len()).map(|at| crate::units::numbers(table, at)).collect::<Result<Vec<_>, _>>()?;
@@ -106,6 +107,10 @@ mod tests {
         let table = joined(FILE, NAMES).unwrap().unwrap();
         let values: Vec<_> = table.columns.into_iter().map(|column| column.values).collect();
         assert_eq!(values, [vec![4e4, 4.1e4], vec![80.5, 90.5], vec![-80.0, -70.0]]);
+        let (head, rest) = FILE.split_once("\"TRACE: A\"").unwrap();
+        let (first, second) = rest.split_once("\"TRACE: B\"").unwrap();
+        let turned = format!("{head}\"TRACE: B\"{second}\n\"TRACE: A\"{first}");
+        assert_eq!(joined(&turned, NAMES).unwrap().unwrap().columns[1].values, [80.5, 90.5]);
         let named = |parameter: &str| joined(&FILE.replace("TITLE: a", &format!("MEASURE PARAMETER: {parameter}")), None);
         let names = named("IMPEDANCE MAG PHASE (DEG)").unwrap().unwrap().names.unwrap();
         assert_eq!(names, ["f [Hz]", "|Z| [ohm]", "phase Z [deg]"]);

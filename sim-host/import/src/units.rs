@@ -110,6 +110,11 @@ pub(crate) fn to_si(heading: &Known, values: &mut [f64], units: &Units, remarks:
         },
     };
     values.iter_mut().for_each(|value| *value *= sign * factor);
+    let largest = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    if heading.quantity.base() == Some("rad") && factor == 1.0 && largest > IMPOSSIBLE_RADIANS {
+        let (column, unit) = (heading.text.clone(), "rad".to_owned());
+        return Err(ImportError::UnitUnknown { column, unit, help: format!("angles up to {largest} are not in radians") });
+    }
     Ok(())
 }
 

@@ -54,6 +54,45 @@ fn stated_deviations_cover_the_truth_in_many_formats() {
     assert!((0.89..=0.995).contains(&part), "{covered} of {all}");
 }
 
+/// Contradictory columns and impossible cells are refused with their place.
+#[test]
+fn ambiguous_columns_and_impossible_cells_are_refused() {
+    let rows = |row: &dyn Fn(f64) -> String| (0..200).map(|n| row(39e3 + 10.0 * f64::from(n)) + "\n").collect::<String>();
+    let polar = |hz: f64| admittance(hz, 0.04).inv().to_polar();
+    for (head, row, why) in [
+        ("f [Hz],R [ohm],Rs [ohm],X [ohm]", &(|hz| format!("{hz},1,2,3")) as &dyn Fn(f64) -> String, "have the same quantity"),
+        ("f [Hz],|Z| [ohm],theta [rad]", &|hz| format!("{hz},{:e},{}", polar(hz).0, polar(hz).1.to_degrees()), "not in radians"),
+        (
+            "f [Hz],|Z| [ohm],theta [deg]",
+            &|hz| format!("{hz},{},-80", if hz == 40e3 { -5 } else { 5 }),
+            "line 102: the magnitude",
+        ),
+        ("f [Hz],|Z| [ohm],theta [deg]", &|hz| format!("{hz},{},-80", if hz == 40e3 { 0 } else { 5 }), "line 102: the impedance"),
+        ("# Reference impedance: 75 Ohm\nf [Hz],S11 re,S11 im", &|hz| format!("{hz},0.5,-0.5"), "reference of 75 ohm"),
+    ] {
+        let said = refused("a.csv", &format!("{head}\n{}", rows(row)));
+        assert!(said.contains(why), "{head}: {said}");
+    }
+    assert!(refused("a.s4p", "# Hz S RI R 50\n1 2 3\n").contains("Touchstone with 4 ports"));
+    // A phase belongs to the magnitude before it.
+    let s11 = |hz: f64| {
+        let z = admittance(hz, 0.04).inv();
+        let (size, angle) = ((z - 50.0) / (z + 50.0)).to_polar();
+        format!("{hz},{},{},{}", 20.0 * size.log10(), angle.to_degrees(), z.norm())
+    };
+    let text = format!("f [Hz],S11 (dB),Phase(deg),|Z|(Ohm)\n{}", rows(&s11));
+    let sweep = parse("a.csv", &text, &Options::default()).unwrap();
+    assert!((sweep.admittance[50] / admittance(39_500.0, 0.04) - 1.0).norm() < 1e-6, "{:?}", sweep.admittance[50]);
+    // Repeated frequencies are averaged.
+    let twice: String = table(0.04, (0..200).flat_map(|n| [39e3 + 10.0 * f64::from(n); 2]));
+    let sweep = parse("a.csv", &twice, &Options::default()).unwrap();
+    assert!(
+        sweep.hz.len() == 200 && sweep.remarks.iter().any(|remark| remark.contains("measured 2 times")),
+        "{:?}",
+        sweep.remarks
+    );
+}
+
 #[test]
 fn damaged_files_do_not_panic() {
     let small: Vec<Example> = (0..).map(Example::draw).filter(|example| example.hz.len() == 101).take(12).collect();

@@ -67,6 +67,25 @@ fn a_dahl_contact_is_identified_with_its_stiffness() {
     }
 }
 
+/// The deviation of the stiffness covers the error of a rounded displacement, whose fits are too
+/// soft.
+#[test]
+fn a_rounded_displacement_leaves_the_stiffness_within_its_deviation() {
+    let samples = run(3000, 20e-6);
+    let force: Vec<f64> = dahl(&samples, 0.6, 2e5).iter().enumerate().map(|(n, force)| force + noise(n, 0.005)).collect();
+    for step_m in [0.0, 4e-7, 1e-6, 2e-6] {
+        let rounded = |x: f64| if step_m == 0.0 { x } else { step_m * (x / step_m).round() };
+        let line = |((t, x, _), f): (&(f64, f64, f64), &f64)| format!("{t},{:e},{f:e}\n", rounded(*x));
+        let lines: String = samples.iter().zip(&force).map(line).collect();
+        let options = Options { normal_n: Some(2.0), ..Options::default() };
+        let found = fit("made", Log::parse(format!("t [s],x [m],F [N]\n{lines}"), &options).unwrap()).unwrap();
+        let dahl = found.models.iter().find(|fitted| fitted.model == Model::Dahl).unwrap();
+        let (_, stiffness, sd) = dahl.parameters.iter().find(|(name, ..)| name == "stiffness_n_per_m").unwrap();
+        let sd = sd.unwrap();
+        assert!((stiffness - 2e5).abs() < 2.5 * sd && sd < 4e4, "{step_m}: {stiffness} {sd}");
+    }
+}
+
 #[test]
 fn friction_that_falls_with_velocity_is_stribeck() {
     // Each step of the slip is much longer than the presliding.

@@ -94,3 +94,27 @@ fn given_names_replace_the_heading() {
     assert_eq!(read("1 2\n3 4\n", Some("t [s], v")).unwrap().headings(), ["t [s]", "v"]);
     assert!(matches!(read("1 2\n3 4\n", Some("t")), Err(TableError::Width { names: 1, columns: 2, .. })));
 }
+
+#[test]
+fn commas_that_may_separate_thousands_are_refused() {
+    for text in ["\"f [Hz]\",\"R [ohm]\"\n\"39,000\",\"3,012\"\n\"39,100\",\"3,010\"\n", "t [s];u [V]\n1,467;2\n1,468;3\n"] {
+        let refused = read(text, None).unwrap_err();
+        assert!(matches!(refused, TableError::Comma { line: 2, .. }), "{text}: {refused}");
+    }
+    // Points and commas are not both decimal signs.
+    let mixed = "\"f [Hz]\",\"R [ohm]\",X\n\"39,5\",\"1,5\",0.5\n\"40,5\",\"1,5\",0.6\n";
+    assert!(matches!(read(mixed, None), Err(TableError::Comma { line: 2, .. })));
+    // One number shows that the comma is a decimal one.
+    assert_eq!(values("t [s];u [V]\n0,467;2,000\n1,468;3,000\n"), [vec![0.467, 1.468], vec![2.0, 3.0]]);
+    assert_eq!(values("t [s];u [V]\n1,25;2,000\n1,468;3,000\n")[0], [1.25, 1.468]);
+}
+
+#[test]
+fn an_unknown_unit_below_names_is_not_a_name() {
+    let headings = |text: &str| read(text, None).unwrap().headings();
+    assert_eq!(headings("Timestamp,u\nticks,V\n0,1\n1,2\n"), ["Timestamp [ticks]", "u [V]"]);
+    assert_eq!(headings("f,|Z|,theta\nkHz,furlong,deg\n39,1,2\n40,1,2\n"), ["f [kHz]", "|Z| [furlong]", "theta [deg]"]);
+    assert_eq!(headings("Frequency (Hz)   Impedance (Ohm)\n39 1\n40 2\n"), ["Frequency (Hz)", "Impedance (Ohm)"]);
+    // The names are below a line of the preamble.
+    assert_eq!(headings("bench,run,three\nt,v,F\n0,1,2\n1,1,2\n"), ["t", "v", "F"]);
+}

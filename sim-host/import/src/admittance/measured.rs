@@ -20,6 +20,8 @@ use crate::traces;
 use crate::units::{numbers, to_si};
 use columns::{Table, file, formats};
 
+/// Largest number of lines of a preamble.
+const MAX_PREAMBLE_LINES: usize = 200;
 /// Minimum number of points of a measured series next to a computed one.
 const MIN_SERIES_POINTS: usize = 12;
 
@@ -57,6 +59,10 @@ impl Measured {
     /// Returns [`ImportError`], as [`Measured::read`] does.
     pub fn parse(name: &str, bytes: &[u8], options: &Options) -> Result<Self, ImportError> {
         let small = name.to_lowercase();
+        let ending = small.rsplit_once('.').and_then(|(_, end)| end.strip_prefix('s')?.strip_suffix('p')?.parse::<u32>().ok());
+        if let Some(count) = ending.filter(|count| *count > 2) {
+            return Err(ImportError::UnknownForm { seen: format!("Touchstone with {count} ports; known are one and two") });
+        }
         let ports = ["s1p", "s2p"].iter().position(|end| small.ends_with(&format!(".{end}"))).map(|at| at + 1);
         let text = formats::text(bytes);
         match text {
@@ -154,7 +160,15 @@ fn from_table(bytes: &[u8], text: Option<&str>, options: &Options) -> Result<Mea
         let has = |at: &usize| known[*at].as_ref().is_some_and(|known| known.quantity == quantity);
         // A column of few points next to curves has many empty cells.
         let is_sparse = |at: &usize| 2 * table.columns[*at].filled() < table.rows();
-        (0..names.len()).filter(has).min_by_key(is_sparse)
+        (0..names.len()).filter(has).min_by_key(|at| (is_sparse(at), is_computed(&names[*at])))
+    };
+    // Two measured columns of one quantity cannot both be right.
+    let twin = |at: usize| {
+        let same = |other: &usize| {
+            *other != at && known[*other].as_ref().map(|known| known.quantity) == known[at].as_ref().map(|known| known.quantity)
+        };
+        let counts = |other: &usize| !is_computed(&names[*other]) && 2 * table.columns[*other].filled() >= table.rows();
+        (0..names.len()).filter(same).find(counts)
     };
     let mut take = |at: usize| -> Result<Vec<f64>, ImportError> {
         let mut values = numbers(&table, at)?;
@@ -173,6 +187,7 @@ fn from_table(bytes: &[u8], text: Option<&str>, options: &Options) -> Result<Mea
         Err(ImportError::UnknownForm { seen })
     };
     let Some(at) = column(Quantity::Frequency) else { return unknown("no column is the frequency") };
+    let frequency = at;
     let hz = take(at)?;
     // Both parts are of the same quantity; an angle that names none belongs to the first magnitude.
     let pairs = [(Part::Real, Part::Imaginary), (Part::Size, Part::Angle), (Part::Db, Part::Angle)];
@@ -180,19 +195,41 @@ fn from_table(bytes: &[u8], text: Option<&str>, options: &Options) -> Result<Mea
     let pair =
         pairs.into_iter().flat_map(|pair| subjects.map(|subject| (pair, subject))).find_map(|((first, second), subject)| {
             let other = column(Quantity::Of(Some(subject), second));
-            let any = || (second == Part::Angle).then(|| column(Quantity::Of(None, second))).flatten();
-            Some((subject, first, column(Quantity::Of(Some(subject), first))?, other.or_else(any)?))
+            let own = column(Quantity::Of(Some(subject), first))?;
+            // An angle that names no quantity belongs to the quantity before it.
+            let quantity = |at: usize| known[at].as_ref().map(|known| known.quantity);
+            let is_size = |at: &usize| matches!(quantity(*at), Some(Quantity::Of(_, Part::Size | Part::Db)));
+            let is_own = |at: &usize| (0..*at).rev().find(is_size).is_none_or(|owner| quantity(owner) == quantity(own));
+            let any = || (second == Part::Angle).then(|| column(Quantity::Of(None, second)).filter(is_own)).flatten();
+            Some((subject, first, own, other.or_else(any)?))
         });
     let Some((subject, part, first, second)) = pair else { return unknown("no two of them form a complex number") };
+    if let Some((at, other)) = [frequency, first, second].into_iter().find_map(|at| Some((at, twin(at)?))) {
+        let seen = format!(
+            "the columns `{}` and `{}` have the same quantity; name all columns with `--columns`, and the one to leave out `-`",
+            columns::beginning(&names[at]),
+            columns::beginning(&names[other])
+        );
+        return Err(ImportError::UnknownForm { seen });
+    }
     let (a, b) = (take(first)?, take(second)?);
+    if let Some(row) = a.iter().position(|size| part == Part::Size && *size < 0.0) {
+        return Err(ImportError::bad_row(&table, row, format!("the magnitude `{}` is negative", names[first])));
+    }
     let values = a.iter().zip(&b).map(|(&a, &b)| match part {
         Part::Real => Complex64::new(a, b),
         Part::Db => polar(libm::exp10(a.min(400.0) / 20.0), b),
         _ => polar(a, b),
     });
+    let values: Vec<Complex64> = values.collect();
+    if let Some(row) = values.iter().position(|z| subject == Subject::Impedance && *z == Complex64::ZERO) {
+        let what = format!("the impedance of `{}` and `{}` is 0, as of an ideal short", names[first], names[second]);
+        return Err(ImportError::bad_row(&table, row, what));
+    }
+    let values = values.into_iter();
     let values: Vec<Complex64> = if subject == Subject::Impedance { values.map(|z| z.inv()).collect() } else { values.collect() };
-    let is_computed = [first, second].iter().any(|at| names[*at].contains("_true") || names[*at].contains("_identified"));
-    let computed = if is_computed { ", which are computed and not measured" } else { "" };
+    let computed =
+        if [first, second].iter().any(|at| is_computed(&names[*at])) { ", which are computed and not measured" } else { "" };
     remarks.push(format!("Columns `{}` and `{}`{computed}", names[first], names[second]));
     let left_out: Vec<&str> = (0..names.len())
         .filter(|at| known[*at].is_none() && !table.columns[*at].words.is_empty())
@@ -204,9 +241,36 @@ fn from_table(bytes: &[u8], text: Option<&str>, options: &Options) -> Result<Mea
     let lines = if table.lines.is_empty() { (1..=hz.len()).collect() } else { table.lines.clone() };
     let coordinate = match subject {
         Subject::Impedance | Subject::Admittance => Coordinate::Immittance,
-        _ => Coordinate::Scattering(connection(subject, options.topology)?, options.z0_ohm),
+        _ => {
+            let stated = text.and_then(reference_ohm).filter(|ohm| (ohm / options.z0_ohm - 1.0).abs() > 1e-6);
+            if let Some(ohm) = stated {
+                let seen = format!(
+                    "the preamble states a reference of {ohm} ohm, but {} ohm is used; choose with `--z0 {ohm}`",
+                    options.z0_ohm
+                );
+                return Err(ImportError::UnknownForm { seen });
+            }
+            remarks.push(format!("Relative to {} ohm (`--z0`)", options.z0_ohm));
+            Coordinate::Scattering(connection(subject, options.topology)?, options.z0_ohm)
+        }
     };
     Measured::new(&lines, hz, &values, coordinate, remarks)
+}
+
+/// Returns `true` for a column that our own tables compute next to a measured one.
+fn is_computed(name: &str) -> bool {
+    name.contains("_true") || name.contains("_identified")
+}
+
+/// Returns the reference impedance that the lines of a text before its data state, ohm.
+fn reference_ohm(text: &str) -> Option<f64> {
+    let states = |line: &&str| {
+        let line = line.to_lowercase();
+        (line.contains("impedance") && (line.contains("reference") || line.contains("system"))) || line.contains("z0")
+    };
+    let line = text.lines().take(MAX_PREAMBLE_LINES).find(states)?;
+    let mut numbers = line.split(|c: char| !c.is_ascii_digit() && c != '.').filter_map(|word| word.parse::<f64>().ok());
+    numbers.find(|ohm| *ohm > 0.0)
 }
 
 /// Returns the rows of one series of a table with several, as our figures have: the measured series

@@ -17,8 +17,9 @@ type Turned = fn(Complex64) -> Complex64;
 
 /// Causes of an inductive baseline, with remedies.
 pub(super) const INDUCTIVE: &str = "The reactance is that of an inductor over most of the sweep. Disconnect a coil next to \
-                                    the transducer; check that `--open` and `--short` are not exchanged, and that S21 is \
-                                    not read as S11 (`--topology`)";
+                                    the transducer; check that `--open` and `--short` are not exchanged, that impedance \
+                                    and admittance, or R and X, are not exchanged, and that S21 is not read as S11 \
+                                    (`--topology`)";
 
 /// Checks the direction in which the admittance runs around the circle of the strongest resonance.
 /// A passive one has a positive real part and a falling imaginary part. `gain` returns the
@@ -48,7 +49,8 @@ pub(super) fn check_sense(measured: &Measured, gain: impl Fn(&Points) -> f64) ->
             |y| y.conj(),
             MIN_MIRRORED_RATIO,
             "the sign of the imaginary part is mirrored: only with the other sign does the sweep have a resonance. Negate the \
-             column of the reactance, susceptance or angle",
+             column of the reactance, susceptance or angle; if the result is an inductor, impedance and admittance are \
+             exchanged, or the topology is another one",
         ),
         (
             |y| -y,

@@ -18,6 +18,17 @@ pub(super) fn ordered(lines: &[usize], mut sweep: Measured) -> Result<Measured, 
         let what = format!("{} Hz is not a valid frequency", hz[at]);
         return Err(ImportError::BadLine { line: lines[at], what });
     }
+    // Each frequency measured several times: the readings are averaged.
+    let repeats = hz.iter().position(|other| *other != hz[0]).unwrap_or(hz.len());
+    let is_repeated = |group: &[f64]| group.len() == repeats && group.iter().all(|other| *other == group[0]);
+    let distinct = || hz.iter().step_by(repeats.max(1)).zip(hz.iter().step_by(repeats.max(1)).skip(1)).all(|(a, b)| a != b);
+    if repeats > 1 && repeats < hz.len() && hz.chunks(repeats).all(is_repeated) && distinct() {
+        let bins: Vec<_> = (0..hz.len() / repeats).map(|at| at * repeats..(at + 1) * repeats).collect();
+        let lines: Vec<usize> = lines.iter().step_by(repeats).copied().collect();
+        let mut remarks = std::mem::take(&mut sweep.remarks);
+        remarks.push(format!("Each frequency was measured {repeats} times; the readings are averaged"));
+        return ordered(&lines, Measured { remarks, ..sweep.averaged(&bins) });
+    }
     let doubled: Vec<usize> = (1..hz.len()).filter(|at| hz[*at] == hz[at - 1]).collect();
     if let Some(&second) = doubled.first() {
         let first = second - 1;

@@ -74,6 +74,9 @@ const HELD_OUT_SEGMENTS: usize = 20;
 const HELD_OUT_GROUPS: usize = 5;
 /// Number added to the diagonal of the held-out fit, whose columns have at most unit length.
 const HELD_OUT_RIDGE: f64 = 1e-3;
+/// Relative deviation of a stiffness, over the noise of the displacement relative to the travel
+/// before sliding.
+const STIFFNESS_PER_NOISE: f64 = 0.5;
 /// Smallest and largest coefficient of friction of a fit; the largest is that of a scene.
 pub(super) const MU: (f64, f64) = (1e-6, 5.0);
 
@@ -202,6 +205,17 @@ impl<'a> Problem<'a> {
         })
     }
 
+    /// Returns the place of the stiffness, and its relative deviation by the noise of the
+    /// displacement. The stiffness is found in the travel before sliding, `Fc / K`, whose beginning
+    /// is known as well as a displacement. Fits to noisy and to rounded displacements are this far
+    /// off, in part always in the same direction.
+    fn stiffness_noise(&self, fitted: &[f64]) -> Option<(usize, f64)> {
+        let place = |wanted: &str| self.parameters.iter().position(|(name, is_log)| *name == wanted && *is_log);
+        let (stiffness, coulomb) = (place("stiffness_n_per_m")?, place("coulomb_n")?);
+        let travel_m = libm::exp(fitted[coulomb] - fitted[stiffness]);
+        Some((stiffness, STIFFNESS_PER_NOISE * self.log.noise_m / travel_m))
+    }
+
     /// Refines the motion for the fitted Stribeck velocity, and returns the result.
     fn finished(&mut self, mut best: Solution, rivals: Vec<Vec<f64>>, steps: usize) -> Option<Searched> {
         if let Some(at) = self.parameters.iter().position(|(name, _)| *name == "stribeck_m_per_s") {
@@ -216,11 +230,15 @@ impl<'a> Problem<'a> {
         let at_bound: Vec<bool> = fitted.iter().zip(&self.bounds).map(|(p, (least, most))| p <= least || p >= most).collect();
         linear.columns.iter_mut().zip(&at_bound).filter(|(_, at_bound)| **at_bound).for_each(|(column, _)| column.fill(0.0));
         let places: Vec<usize> = (0..self.used.len()).filter(|at| self.used[*at]).collect();
+        let mut covariance = covariance(&linear, &places)?;
+        if let Some((at, deviation)) = self.stiffness_noise(&fitted) {
+            covariance[(at, at)] += deviation * deviation;
+        }
         Some(Searched {
             model: self.model,
             parameters: self.parameters.clone(),
             at_bound,
-            covariance: covariance(&linear, &places)?,
+            covariance,
             rivals,
             held_out_n: held_out(&linear)?,
             residuals: linear.residuals,

@@ -8,6 +8,7 @@ use crate::error::ImportError;
 use crate::rows::{bins, means};
 use crate::units::Units;
 use columns::Table;
+use report::significant;
 
 /// Options for properties that a file does not contain.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,6 +42,8 @@ pub struct Log {
     pub normal_n: f64,
     /// Normal force of each sample, N; empty if it is constant.
     pub normals_n: Vec<f64>,
+    /// Standard deviation of the noise of the displacement, m; zero without a displacement.
+    pub noise_m: f64,
     /// `true` for samples with vibration.
     pub on: Vec<bool>,
     /// Inferred properties of the file, one sentence each.
@@ -52,6 +55,10 @@ const MIN_OFF_SAMPLES: usize = 20;
 /// Work on the contact above which the sign of the force is turned, relative to the sum of its
 /// sizes.
 const MIN_WORK_REL: f64 = 0.1;
+/// Largest ratio of a measured velocity to the slope of the displacement, and its inverse.
+const MAX_SLOPE_RATIO: f64 = 2.0;
+/// Mean square of a slope that is more than noise, relative to that of its noise.
+const SLOPE_OVER_NOISE: f64 = 4.0;
 /// Largest range of a constant normal force, relative to its mean.
 const MAX_CONSTANT_REL: f64 = 1e-3;
 /// Smallest normal force of a sample, relative to the mean, so that no limit of a spring is zero.
@@ -71,8 +78,8 @@ impl Log {
         let column = |wanted: Quantity| columns.numbers(wanted, &options.units);
         let (table, seen) = (&columns.table, |what: &str| columns.missing(what));
         let (time, x, v) = (column(Quantity::Time)?, column(Quantity::Displacement)?, column(Quantity::Velocity)?);
-        let force_n = column(Quantity::Force(None))?.ok_or_else(|| seen("no column is the friction force"))?;
-        let count = force_n.len();
+        let (force_n, mu) = (column(Quantity::Force(None))?, column(Quantity::Mu(None))?);
+        let count = force_n.as_ref().or(mu.as_ref()).ok_or_else(|| seen("no column is the friction force"))?.len();
         if let Some(at) = time
             .as_ref()
             .and_then(|time| time.windows(2).position(|pair| pair[0].partial_cmp(&pair[1]).is_none_or(|order| order.is_ge())))
@@ -85,6 +92,7 @@ impl Log {
             (Some(x), Some(time)) if count > 1 => Some(Smoothed::new(time, x)),
             _ => None,
         };
+        let noise_m = smoothed.as_ref().map_or(0.0, |smoothed| smoothed.noise_m);
         let steps = |x: &[f64]| std::iter::once(0.0).chain(x.windows(2).map(|pair| pair[1] - pair[0])).collect::<Vec<_>>();
         let slip_m = match (&smoothed, &x, &v, &time) {
             (Some(smoothed), ..) => steps(&smoothed.x_m),
@@ -95,6 +103,9 @@ impl Log {
             }
             _ => return Err(seen("the slip needs a displacement, or time and velocity")),
         };
+        if let (Some(v), Some(smoothed)) = (&v, &smoothed) {
+            check_slope(v, smoothed)?;
+        }
         let velocity_m_per_s = match (v, smoothed) {
             (Some(v), _) => v,
             (None, Some(smoothed)) => {
@@ -111,16 +122,23 @@ impl Log {
             (None, Some(normals)) => normal_forces(normals, table, &mut remarks)?,
             (normal, _) => (normal.unwrap_or_default(), Vec::new()),
         };
+        if normal_n == 0.0 && (options.normal_n.is_some() || columns.place(Quantity::Normal).is_some()) {
+            return Err(ImportError::NoFit("the normal force is 0; give its mean with `--normal-n`".into()));
+        }
         if normal_n <= 0.0 {
             let help = "give it with `--normal-n`, or as a column `N [N]`".to_owned();
             return Err(ImportError::UnitMissing { column: "the normal force".into(), help });
         }
+        // A coefficient of friction is the force over the normal force.
+        let normal_at = |at: usize| normals_n.get(at).copied().unwrap_or(normal_n);
+        let of_mu = |mu: Vec<f64>| mu.into_iter().enumerate().map(|(at, mu)| mu * normal_at(at)).collect();
+        let force_n = force_n.or_else(|| mu.map(of_mu)).unwrap_or_default();
         let on = match (columns.states()?, &time) {
             (Some(on), _) => on,
             (None, Some(time)) => time.iter().map(|t| options.on_s.iter().any(|(from, to)| (*from..*to).contains(t))).collect(),
             (None, None) => vec![false; count],
         };
-        Ok(Log { time_s: time.unwrap_or_default(), slip_m, velocity_m_per_s, force_n, normal_n, normals_n, on, remarks })
+        Ok(Log { time_s: time.unwrap_or_default(), slip_m, velocity_m_per_s, force_n, normal_n, normals_n, noise_m, on, remarks })
     }
 
     /// Returns two logs of this number of samples for the search of a long one: the means over
@@ -187,6 +205,24 @@ impl Log {
     }
 }
 
+/// Refuses a measured velocity that is not the slope of the measured displacement.
+fn check_slope(v: &[f64], smoothed: &Smoothed) -> Result<(), ImportError> {
+    let slope = &smoothed.velocity_m_per_s;
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (own, both, square) = (dot(v, v), dot(v, slope), dot(slope, slope));
+    let noise = v.len() as f64 * smoothed.velocity_noise_m_per_s.powi(2);
+    let ratio = both / (square - noise);
+    // A slope that is mostly noise proves nothing.
+    if square < SLOPE_OVER_NOISE * noise || own == 0.0 || (1.0 / MAX_SLOPE_RATIO..MAX_SLOPE_RATIO).contains(&ratio) {
+        return Ok(());
+    }
+    Err(ImportError::NoFit(format!(
+        "the velocity is not the slope of the displacement: their ratio is {}. Correct the unit or the sign of one of them, or \
+         leave one out",
+        significant(ratio)
+    )))
+}
+
 /// Returns the mean normal force and that of each sample, N. The size of a negative force is used.
 fn normal_forces(mut normals: Vec<f64>, table: &Table, remarks: &mut Vec<String>) -> Result<(f64, Vec<f64>), ImportError> {
     let sign = normals.iter().find(|normal| **normal != 0.0).map_or(1.0, |normal| normal.signum());
@@ -229,6 +265,45 @@ mod tests {
         assert!(error("t [s],x [m],F [N]").starts_with("unit missing: the normal force"));
         assert!(error("t [s],x [m],u [V]").contains("no column is the friction force"));
     }
+
+    #[test]
+    fn columns_that_contradict_each_other_are_refused() {
+        let error = |head: &str, row: fn(i32) -> String| {
+            let lines: String = (0..40).map(|n| row(n) + "\n").collect();
+            Log::parse(format!("{head}\n{lines}"), &Options { normal_n: Some(2.0), ..Options::default() })
+                .err()
+                .map(|e| e.to_string())
+        };
+        let twice = error("t [s],position [m],x [m],F [N]", |n| format!("{n},{n},{n},2"));
+        assert!(twice.is_some_and(|error| error.contains("`position [m]` and `x [m]` have the same quantity")));
+        let slope = error("t [s],x [m],v [m/s],F [N]", |n| format!("{n},{n},1000,2"));
+        assert!(slope.is_some_and(|error| error.contains("not the slope of the displacement: their ratio is 1000")));
+        assert_eq!(error("t [s],x [m],v [m/s],F [N]", |n| format!("{n},{n},1,2")), None);
+        // `drive [V]` is not a state, `a [g]` not an amplitude, and `T` not a time next to `t`.
+        assert_eq!(error("T [°C],t [s],x [m],F [N],drive [V],a [g]", |n| format!("25,{n},{n},2,2,0.1")), None);
+        let zero = Log::parse("t [s],x [m],F [N],N [N]\n0,0,1,0\n1,1,1,0\n2,2,1,0\n", &Options::default()).unwrap_err();
+        assert!(zero.to_string().contains("the normal force is 0"), "{zero}");
+    }
+
+    #[test]
+    fn a_coefficient_of_friction_stands_for_the_force() {
+        let lines: String = (0..40).map(|n| format!("{n},{n},0.3\n")).collect();
+        let log = Log::parse(format!("t [s],x [m],mu\n{lines}"), &Options { normal_n: Some(2.0), ..Options::default() }).unwrap();
+        assert!((log.force_n[3] - 0.6).abs() < 1e-12 && log.force_n.len() == 40);
+    }
+
+    #[test]
+    fn a_coefficient_of_friction_may_be_in_percent_only() {
+        let mu = |head: &str| {
+            let columns = Columns::parse(format!("{head}\n29.9,1\n30.1,1\n").as_bytes(), None)?;
+            Ok::<_, ImportError>(columns.numbers(Quantity::Mu(None), &Units::default())?.unwrap_or_default()[0])
+        };
+        assert!(
+            (mu("mu [%],k").unwrap() - 0.299).abs() < 1e-12 && mu("mu [1],k").unwrap() == 29.9 && mu("mu,k").unwrap() == 29.9
+        );
+        assert!(mu("mu [furlong],k").unwrap_err().to_string().contains("the unit `furlong`"));
+    }
+
     #[test]
     fn a_normal_force_has_one_sign() {
         let log = |normal: fn(i32) -> i32| {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::ImportError;
 use crate::units::{Units, factor, numbers};
-use columns::{Heading, Table, beginning, formats};
+use columns::{Heading, Table, Unit, beginning, formats};
 
 /// Quantity of a column or of a part of a file name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,7 +63,17 @@ impl Quantity {
         })
     }
 
-    /// Returns the SI unit; `None` for a state, a ratio, and a strength of the vibration.
+    /// Returns the quantity of a heading. A state has no unit: with one, it is the strength of the
+    /// vibration.
+    fn of(heading: &Heading) -> Option<Self> {
+        match Self::parse(heading.name)? {
+            Quantity::Level | Quantity::State if measures(heading, "m/s^2") => None,
+            Quantity::State if heading.unit.is_some() => Some(Quantity::Level),
+            quantity => Some(quantity),
+        }
+    }
+
+    /// Returns the SI unit; `None` for a state and a strength of the vibration.
     pub(super) fn base(self) -> Option<&'static str> {
         match self {
             Quantity::Time => Some("s"),
@@ -71,9 +81,16 @@ impl Quantity {
             Quantity::Velocity | Quantity::Tip => Some("m/s"),
             Quantity::Force(_) | Quantity::Normal => Some("N"),
             Quantity::Frequency => Some("Hz"),
-            Quantity::Mu(_) | Quantity::State | Quantity::Level => None,
+            Quantity::Mu(_) => Some("1"),
+            Quantity::State | Quantity::Level => None,
         }
     }
+}
+
+/// Returns `true` if the unit of a heading is one of this quantity.
+fn measures(heading: &Heading, base: &str) -> bool {
+    let units = heading.unit.zip(Unit::parse(base));
+    units.and_then(|(unit, base)| Some(Unit::parse_like(unit, &base)?.measures_like(&base))).unwrap_or(false)
 }
 
 /// Returns the state of a word: `true` for ON.
@@ -105,16 +122,46 @@ impl Columns {
 
     /// Returns the index of the first column of a quantity.
     pub(super) fn place(&self, wanted: Quantity) -> Option<usize> {
-        (0..self.names.len()).find(|at| Quantity::parse(self.heading(*at).name) == Some(wanted))
+        self.places(wanted).first().copied()
+    }
+
+    /// Returns the indices of the columns of a quantity. `T [°C]` is not a time if there is
+    /// `t [s]`.
+    fn places(&self, wanted: Quantity) -> Vec<usize> {
+        let mut places: Vec<usize> =
+            (0..self.names.len()).filter(|at| Quantity::of(&self.heading(*at)) == Some(wanted)).collect();
+        if let Some(base) = wanted.base() {
+            let fits = |at: &usize| self.heading(*at).unit.is_none() || measures(&self.heading(*at), base);
+            if places.iter().any(fits) {
+                places.retain(fits);
+            }
+        }
+        places
+    }
+
+    /// Returns the error of two columns with the same quantity.
+    fn check_single(&self, wanted: Quantity) -> Result<(), ImportError> {
+        let [first, second, ..] = self.places(wanted)[..] else { return Ok(()) };
+        let seen = format!(
+            "the columns `{}` and `{}` have the same quantity; name all columns with `--columns`, and the one to leave out `-`",
+            beginning(&self.names[first]),
+            beginning(&self.names[second])
+        );
+        Err(ImportError::UnknownForm { seen })
     }
 
     /// Returns the values of a quantity in its SI unit; `None` if no column has it.
     pub(super) fn numbers(&self, wanted: Quantity, units: &Units) -> Result<Option<Vec<f64>>, ImportError> {
         let Some(at) = self.place(wanted) else { return Ok(None) };
+        self.check_single(wanted)?;
         let heading = self.heading(at);
         let sign = if heading.negative { -1.0 } else { 1.0 };
         let scale = match wanted.base() {
             None => 1.0,
+            // A ratio, also in percent.
+            Some("1") => match heading.unit.filter(|unit| !["", "1", "-"].contains(unit)) {
+                unit => 0.01 * factor(&self.names[at], unit, "%")?.unwrap_or(100.0),
+            },
             Some(base) => factor(&self.names[at], heading.unit, base)?
                 .or_else(|| units.factor_to(base))
                 .ok_or_else(|| unit_missing(format!("the column `{}`", self.names[at]), base))?,

@@ -38,9 +38,9 @@ pub(crate) struct Smoothed {
     /// Velocity of each sample, m/s.
     pub(crate) velocity_m_per_s: Vec<f64>,
     /// Standard deviation of the noise of a measured displacement, m.
-    noise_m: f64,
+    pub(super) noise_m: f64,
     /// Standard deviation of the noise of the velocity, m/s.
-    velocity_noise_m_per_s: f64,
+    pub(super) velocity_noise_m_per_s: f64,
 }
 
 /// Cubic at a sample.

@@ -56,9 +56,16 @@ impl Columns {
     /// Returns the index of the column with this name, or with this number from 1.
     pub(super) fn place(&self, path: &Path, name: &str) -> Result<usize, SignalError> {
         let exact = self.names.iter().position(|known| known == name);
-        let number =
-            || name.parse::<usize>().ok().filter(|number| (1..=self.names.len()).contains(number)).map(|number| number - 1);
-        exact.or_else(number).ok_or_else(|| {
+        let number = |name: &str| {
+            name.parse::<usize>().ok().filter(|number| (1..=self.names.len()).contains(number)).map(|number| number - 1)
+        };
+        // `t [ms]` is the column `t`, with its unit.
+        let bare = || {
+            let heading = Heading::new(name, is_time_name);
+            heading.unit.filter(|_| name.ends_with(']'))?;
+            self.names.iter().position(|known| known == heading.name).or_else(|| number(heading.name))
+        };
+        exact.or_else(|| number(name)).or_else(bare).ok_or_else(|| {
             let alike = |known: &&String| strsim::jaro_winkler(&known.to_lowercase(), &name.to_lowercase());
             let nearest =
                 self.names.iter().max_by(|a, b| alike(a).total_cmp(&alike(b))).filter(|known| alike(known) > MIN_SIMILARITY);
@@ -83,7 +90,8 @@ impl Columns {
     pub(super) fn time(&self) -> Option<usize> {
         let mut by_unit = (0..self.names.len()).filter(|at| unit_of_time(Heading::new(&self.names[*at], is_time_name).unit));
         let only = by_unit.next().filter(|_| by_unit.next().is_none());
-        self.names.iter().position(|name| is_time(name)).or(only)
+        let has_unit = |name: &String| is_time(name) && unit_of_time(Heading::new(name, is_time_name).unit);
+        self.names.iter().position(has_unit).or_else(|| self.names.iter().position(|name| is_time(name))).or(only)
     }
 
     /// Returns the number of rows.
@@ -99,10 +107,13 @@ impl Columns {
         first..rows.rev().find(is_filled).map_or(first, |last| last + 1)
     }
 
-    /// Returns the unit of a column of times, s; `None` if its name has none.
-    pub(super) fn time_unit_s(&self, path: &Path, place: usize) -> Result<Option<f64>, SignalError> {
+    /// Returns the unit of a column of times, s; `None` if its name has none. `given` is the name
+    /// that the user chose it by, and may have a unit too.
+    pub(super) fn time_unit_s(&self, path: &Path, place: usize, given: Option<&str>) -> Result<Option<f64>, SignalError> {
         let name = self.name(place);
-        let Some((written, second)) = Heading::new(name, is_time_name).unit.zip(Unit::parse("s")) else { return Ok(None) };
+        let given = given.and_then(|given| Heading::new(given, is_time_name).unit);
+        let written = Heading::new(name, is_time_name).unit.or(given).or(unit_word(name));
+        let Some((written, second)) = written.zip(Unit::parse("s")) else { return Ok(None) };
         match Unit::parse_like(written, &second).and_then(|unit| unit.factor_to(&second)) {
             Some(factor) => Ok(Some(factor)),
             None => {
@@ -134,6 +145,17 @@ fn is_time(name: &str) -> bool {
     is_time_name(heading.name) || unit_of_time(heading.unit) && begins()
 }
 
+/// Returns the unit of time that is a word of a heading, as in `Time:ms` or `t_us_abs`; `None` if
+/// there are several.
+fn unit_word(name: &str) -> Option<&str> {
+    let words = name.split(|c: char| !c.is_alphanumeric()).filter(|word| unit_of_time(Some(word)));
+    let words: Vec<&str> = words.collect();
+    match words[..] {
+        [only] => Some(only),
+        _ => None,
+    }
+}
+
 fn unit_of_time(unit: Option<&str>) -> bool {
     let factor = unit.zip(Unit::parse("s")).and_then(|(unit, second)| Unit::parse_like(unit, &second)?.factor_to(&second));
     factor.is_some()
@@ -142,6 +164,26 @@ fn unit_of_time(unit: Option<&str>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_unit_of_a_time_is_in_its_name() {
+        let unit = |heading: &str, given: Option<&str>| {
+            let columns = Columns::parse(Path::new("a.csv"), format!("{heading},u\n0,1\n1,2\n").as_bytes()).unwrap();
+            let place = given.map_or(Ok(0), |given| columns.place(Path::new("a.csv"), given)).unwrap();
+            columns.time_unit_s(Path::new("a.csv"), place, given).unwrap()
+        };
+        for (heading, given, expected) in [
+            ("t [ms]", None, Some(1e-3)),
+            ("ms", Some("ms"), Some(1e-3)),
+            ("Time:ms", None, Some(1e-3)),
+            ("t_us_abs", None, Some(1e-6)),
+            ("t", Some("t [us]"), Some(1e-6)),
+            ("t", None, None),
+            ("time", Some("time"), None),
+        ] {
+            assert_eq!(unit(heading, given), expected, "{heading} {given:?}");
+        }
+    }
 
     #[test]
     fn columns_of_times_are_recognised_by_name() {

@@ -190,6 +190,7 @@ impl FrictionExample {
         let smoothed = Smoothed::new(&example.times_s, &x);
         let normals_n: Vec<f64> = example.times_s.iter().map(|t| normal_n * rig.at(*t).2).collect();
         let log = Log {
+            noise_m: 0.0,
             time_s: example.times_s.clone(),
             slip_m: std::iter::once(0.0).chain(smoothed.x_m.windows(2).map(|pair| pair[1] - pair[0])).collect(),
             velocity_m_per_s: smoothed.velocity_m_per_s,

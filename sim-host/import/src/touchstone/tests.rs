@@ -121,15 +121,16 @@ fn the_message_names_the_wrong_line() {
         ("# Hz S RI\n1 2 3\n2 3\n3 4 5\n4 5 6\n", "line 3: 2 of 3 numbers; a number is missing"),
         ("# Hz S RI\n1 2 3\n2 3 4 5\n", "line 3: 4 of 3 numbers"),
         ("# Hz S RI\n1 2 3\n2 3 x\n", "line 3: `x` is not a number"),
-        (&format!("{nine}2 2 3 4 5 6 7 8\n3{nine}"), "line 2: 8 of 9 numbers"),
+        (&format!("# Hz S RI\n{nine}2 2 3 4 5 6 7 8\n3{nine}"), "line 3: 8 of 9 numbers"),
+        (nine, "unknown format: Touchstone without its option line"),
         ("# Hz T RI\n1 2 3\n", "line 1: the option line contains `T`"),
         ("# Hz S RI R\n1 2 3\n", "line 1: the reference resistance"),
         ("[Version] 3.0\n", "line 1: [version] has the unknown value `3.0`"),
         ("[Version] 2.0\n[Colour] red\n", "line 2: the keyword [colour] is unknown"),
         ("[Version] 2.0\n[Mixed-Mode Order] D2,1\n", "line 2: [Mixed-Mode Order]"),
-        ("[Version] 2.0\n[Number of Frequencies] 2\n[Network Data]\n1 2 3\n", "line 2: [Number of Frequencies] is 2"),
-        ("[Version] 2.0\n[Number of Ports] 4\n[Network Data]\n1 2 3\n", "unknown format: Touchstone with 4 ports"),
-        ("[Version] 2.0\n[Reference] 50 75\n[Network Data]\n1 2 3\n", "unknown format: Touchstone with 2 reference"),
+        ("[Version] 2.0\n# Hz S RI\n[Number of Frequencies] 2\n[Network Data]\n1 2 3\n", "line 3: [Number of Frequencies] is 2"),
+        ("[Version] 2.0\n# Hz S RI\n[Number of Ports] 4\n[Network Data]\n1 2 3\n", "unknown format: Touchstone with 4 ports"),
+        ("[Version] 2.0\n# Hz S RI\n[Reference] 50 75\n[Network Data]\n1 2 3\n", "unknown format: Touchstone with 2 reference"),
         ("# Hz H RI R 50\n1 2 3\n", "unknown format: H or G parameters of one port"),
     ] {
         let error = read(text, None).unwrap_err().to_string();
@@ -139,7 +140,7 @@ fn the_message_names_the_wrong_line() {
 
 #[test]
 fn content_and_not_the_name_decides_the_number_of_ports() {
-    let file = read("0.00004 0.5 -90\n", Some(2)).unwrap();
+    let file = read("#\n0.00004 0.5 -90\n", Some(2)).unwrap();
     assert!((file.hz[0] - 40e3).abs() < 1e-9, "{file:?}");
     assert!(matches!(&file.parameters, Parameters::Scattering(s) if s[0][0].im == -0.5), "{file:?}");
     let file = read("# Hz S RI R 50\n1 2 3 4 5 6 7 8 9\n", Some(1)).unwrap();

@@ -107,9 +107,14 @@ impl Named {
         let Some(base) = wanted.base() else { return Ok(Some(*value)) };
         let written = Unit::parse(base).and_then(|si| Unit::parse_like(unit, &si)?.factor_to(&si));
         let given = || units.factor_to(base).filter(|_| unit.is_empty());
-        let factor =
-            written.or_else(given).ok_or_else(|| unit_missing(format!("`{value}{unit}` in the name of the file"), base))?;
-        Ok(Some(value * factor))
+        match written.or_else(given) {
+            Some(factor) => Ok(Some(value * factor)),
+            None if unit.is_empty() => Err(unit_missing(format!("`{value}` in the name of the file"), base)),
+            None => {
+                let column = format!("{value}{unit} in the name of the file");
+                Err(ImportError::UnitUnknown { column, unit: unit.clone(), help: format!("write {base}, also with a prefix") })
+            }
+        }
     }
 
     /// Returns the strength of the vibration and its unit as written.
@@ -189,6 +194,7 @@ mod tests {
         assert_eq!((full.number(Quantity::Frequency, &units).unwrap(), full.level().unwrap()), (Some(40e3), Some((5.0, "um"))));
         for (name, why) in [
             ("v0.1_on", "`0.1` in the name of the file has no unit"),
+            ("v2furlongs_off", "the unit `furlongs` of the column `2furlongs in the name of the file`"),
             ("off_pin_on_disc", "says ON and OFF"),
             ("10mmps_20mmps_on", "says both"),
             ("v0_05mps_off", "may have lost its decimal point"),

@@ -80,6 +80,11 @@ pub(crate) fn text_of(path: &Path, asked: &str) -> Result<String, Refusal> {
         };
         Refusal::new(About::File, message, label).help(format!("the path that was tried is `{}`", path.display()))
     })?;
+    let is_wide = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
+    if bytes.starts_with(&[0x1f, 0x8b]) || !is_wide && bytes.contains(&0) {
+        let message = format!("the file `{}` is not a text file", short(asked));
+        return Err(Refusal::new(About::File, message, "compressed or binary").help("unpack it, or save it as CSV"));
+    }
     Ok(decode(&bytes))
 }
 
@@ -137,7 +142,9 @@ impl Measured {
     /// Returns the numbers of a column.
     fn numbers(&self, index: usize) -> Result<Vec<f64>, Refusal> {
         let Some(column) = self.table.columns.get(index) else { return Ok(Vec::new()) };
-        column.numbers().map(<[f64]>::to_vec).map_err(|cell| {
+        // `-v [m/s]` has the other sign.
+        let sign = if parts(&self.names()[index]).negative { -1.0 } else { 1.0 };
+        column.numbers().map(|values| values.iter().map(|value| sign * value).collect()).map_err(|cell| {
             let message = format!("`{}` is {}", short(&self.names()[index]), cell.what);
             Refusal::new(About::Line(self.line(cell.row)), message, "not a number")
         })
@@ -302,6 +309,13 @@ mod tests {
     fn a_path_becomes_its_speeds() {
         let (time, speed) = speeds(&[0.0, 1.0, 3.0], &[0.0, 2.0, 2.0]);
         assert_eq!((time, speed), (vec![0.0, 0.5, 2.0, 3.0], vec![2.0, 2.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn a_minus_in_the_heading_turns_the_sign() {
+        let table = Measured::from_text("a.csv", "t [s],-v [mm/s]\n0,1\n1,2\n".to_owned()).unwrap();
+        let column = table.column(1, None, Unit::parse("m/s").as_ref(), None).unwrap();
+        assert_eq!((column.values, table.unconverted(1, None).unwrap().0.values), (vec![-1e-3, -2e-3], vec![-1.0, -2.0]));
     }
 
     #[test]
