@@ -242,8 +242,8 @@
       if (curve.style === "band") {
         const edge = { ...base, stroke: "transparent", tint: curve.color + "55" };
         bands.push({ series: [series.length + 1, series.length], fill: curve.color + "38" });
-        series.push({ ...edge, label: "lower" });
-        series.push({ ...edge, label: "upper" });
+        series.push({ ...edge, label: `${curve.name}, lower` });
+        series.push({ ...edge, label: `${curve.name}, upper` });
       }
     }
     return { series, bands, data: tables.length ? uPlot.join(tables) : [[]] };
@@ -278,6 +278,16 @@
     };
     const plot = new uPlot(options, data, place);
     new ResizeObserver(() => plot.setSize(size())).observe(place);
+    // Arrow keys move the cursor from sample to sample; the legend, which is read out, has the values.
+    place.querySelector(".u-legend")?.setAttribute("aria-live", "polite");
+    place.addEventListener("keydown", (event) => {
+      const step = { ArrowLeft: -1, ArrowRight: 1, PageUp: -20, PageDown: 20 }[event.key];
+      if (!step || !xs.length) return;
+      event.preventDefault();
+      const first = plot.valToIdx(plot.scales.x.min), last = plot.valToIdx(plot.scales.x.max);
+      const next = Math.min(last, Math.max(first, (plot.cursor.idx ?? first) + step));
+      plot.setCursor({ left: plot.valToPos(xs[next], "x"), top: plot.bbox.height / uPlot.pxRatio / 2 });
+    });
     return plot;
   }
 

@@ -104,8 +104,8 @@ pub struct HeatMap {
     pub x: (f64, f64),
     /// Outer edges of the lowest and the highest row.
     pub y: (f64, f64),
-    /// Values by column, from the lowest row to the highest; a value that is not finite has the
-    /// lowest colour.
+    /// Values by column, from the lowest row to the highest; a cell whose value is not finite is
+    /// hatched.
     pub columns: Vec<Vec<f64>>,
     /// Values of the darkest and the lightest colour; values beyond have the colour of that end.
     pub range: (f64, f64),

@@ -20,6 +20,13 @@ use crate::figure::{Axis, HeatMap};
 
 /// Colour of a map's placeholder in an SVG, which nothing else in a figure has.
 const PLACEHOLDER_COLOUR: RGBColor = RGBColor(1, 2, 3);
+/// Background and stripes of a cell without a value; no value has these greys.
+const MISSING_COLOUR: RGBColor = RGBColor(240, 240, 240);
+const HATCH_COLOUR: RGBColor = RGBColor(150, 150, 150);
+/// Period of the stripes, pixels.
+const HATCH_PIXELS: usize = 8;
+/// Smallest side of an embedded bitmap with stripes, pixels.
+const HATCHED_SIDE: usize = 480;
 /// Room next to the plot for the bar with its numbers, in points.
 pub(super) const BAR_ROOM: f64 = 150.0;
 const BAR_GAP: f64 = 26.0;
@@ -39,12 +46,24 @@ impl HeatMap {
         (value - self.range.0) / (self.range.1 - self.range.0)
     }
 
-    /// Returns red, green and blue of `width` by `height` pixels, from the top left.
+    /// Returns `true` if every cell has a value.
+    fn is_complete(&self) -> bool {
+        self.columns.iter().flatten().all(|value| value.is_finite())
+    }
+
+    /// Returns red, green and blue of `width` by `height` pixels, from the top left. Cells without
+    /// a value are hatched.
     fn pixels(&self, (width, height): (usize, usize)) -> Vec<u8> {
         let (columns, rows) = self.size();
         let pixel = |x: usize, y: usize| {
             let (column, row) = (x * columns / width, (height - 1 - y) * rows / height);
-            let shade = colour(self.share(self.columns[column][row]));
+            let value = self.columns[column][row];
+            let stripe = (x + y) % HATCH_PIXELS < HATCH_PIXELS / 4;
+            let shade = match value.is_finite() {
+                true => colour(self.share(value)),
+                false if stripe => HATCH_COLOUR,
+                false => MISSING_COLOUR,
+            };
             [shade.0, shade.1, shade.2]
         };
         (0..height).flat_map(|y| (0..width).flat_map(move |x| pixel(x, y))).collect()
@@ -94,18 +113,38 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
     }
 }
 
-/// Replaces the placeholder in an SVG by the bitmap of the map, with a pixel a cell.
+/// Replaces the placeholder in an SVG by the bitmap of the map, with a pixel a cell, or more if
+/// cells are hatched.
 pub(super) fn embedded(document: &str, map: &HeatMap) -> Result<String, String> {
     let fill = format!("fill=\"#{:02X}{:02X}{:02X}\"", PLACEHOLDER_COLOUR.0, PLACEHOLDER_COLOUR.1, PLACEHOLDER_COLOUR.2);
     let Some(at) = document.find(&fill) else { return Ok(document.to_owned()) };
     let begin = document[..at].rfind("<rect ").ok_or("the place of the map is not a rectangle")?;
     let end = at + document[at..].find("/>").ok_or("the place of the map has no end")?;
     let (columns, rows) = map.size();
-    let picture = STANDARD.encode(super::draw::encoded(&map.pixels((columns, rows)), (columns as u32, rows as u32), None)?);
+    let larger = |cells: usize| if map.is_complete() { cells } else { cells * HATCHED_SIDE.div_ceil(cells) };
+    let size = (larger(columns), larger(rows));
+    let picture = STANDARD.encode(super::draw::encoded(&map.pixels(size), (size.0 as u32, size.1 as u32), None)?);
     let sizes = document[begin..at].trim_start_matches("<rect ").split(" opacity").next().unwrap_or_default();
     Ok(format!(
         "{}<image {sizes} preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{picture}\"{}",
         &document[..begin],
         &document[end..]
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_without_a_value_are_hatched() {
+        let map = HeatMap { columns: vec![vec![0.5], vec![f64::NAN]], range: (0.0, 1.0), ..HeatMap::default() };
+        let pixels = map.pixels((32, 16));
+        let of = |left: bool| pixels.chunks(3).enumerate().filter(move |(at, _)| (at % 32 < 16) == left).map(|(_, pixel)| pixel);
+        let shade = colour(0.5);
+        assert!(of(true).all(|pixel| pixel == [shade.0, shade.1, shade.2]));
+        for grey in [MISSING_COLOUR, HATCH_COLOUR] {
+            assert!(of(false).filter(|pixel| *pixel == [grey.0, grey.1, grey.2]).count() >= 64);
+        }
+    }
 }

@@ -30,14 +30,17 @@ const MAX_FIGURES_WITHOUT_CONTENTS: usize = 6;
 pub(super) fn page(report: &Report, formats: &[PictureFormat]) -> Result<String, String> {
     let title = escape(&report.title);
     let [library_style, own_style] = STYLE;
+    let mut panels = report.figures.par_iter().map(|figure| panel(figure, formats)).collect::<Result<Vec<_>, _>>()?.into_iter();
     let body: String = [
         heading(report),
         tiles(&report.summary),
+        // The answer and its figure come first, the reasons follow.
+        panels.next().unwrap_or_default(),
         report.paragraphs.iter().map(|p| format!("<p class=\"prose\">{}</p>\n", escape(p))).collect(),
         report.crash.as_ref().map(crash_section::section).transpose()?.unwrap_or_default(),
         contents(&report.figures),
         report.tables.iter().map(table).collect(),
-        report.figures.par_iter().map(|figure| panel(figure, formats)).collect::<Result<Vec<_>, _>>()?.concat(),
+        panels.collect(),
         report.appendix.iter().map(table).collect(),
         footer(&report.footer),
         scripts(&report.figures)?,
@@ -91,15 +94,25 @@ fn heading(report: &Report) -> String {
 }
 
 fn tiles(summary: &[(String, String)]) -> String {
-    wrapped("<dl class=\"tiles\">\n", definitions(summary), "</dl>\n")
+    wrapped("<dl class=\"tiles\">\n", definitions(summary, result), "</dl>\n")
+}
+
+/// Returns a result, with its interval on a line of its own. A number never breaks, neither before
+/// its unit.
+fn result(value: &str) -> String {
+    let joined = |text: &str| if is_number(text.trim_start_matches('(')) { text.replace(' ', "\u{a0}") } else { text.to_owned() };
+    match value.split_once(" (") {
+        Some((value, rest)) => format!("{} <small>{}</small>", escape(&joined(value)), escape(&joined(&format!("({rest}")))),
+        None => escape(&joined(value)),
+    }
 }
 
 fn footer(entries: &[(String, String)]) -> String {
-    wrapped("<footer>\n<dl>\n", definitions(entries), "</dl>\n</footer>\n")
+    wrapped("<footer>\n<dl>\n", definitions(entries, escape), "</dl>\n</footer>\n")
 }
 
-fn definitions(entries: &[(String, String)]) -> String {
-    let pair = |(label, value): &(String, String)| format!("<div><dt>{}</dt><dd>{}</dd></div>\n", escape(label), escape(value));
+fn definitions(entries: &[(String, String)], shown: fn(&str) -> String) -> String {
+    let pair = |(label, value): &(String, String)| format!("<div><dt>{}</dt><dd>{}</dd></div>\n", escape(label), shown(value));
     entries.iter().map(pair).collect()
 }
 
@@ -137,13 +150,15 @@ fn table(block: &TableBlock) -> String {
     let line = |tag: &str, cells: &[String]| {
         let cells: String =
             cells.iter().enumerate().map(|(i, cell)| format!("<{tag}{}>{}</{tag}>", class(i, cell), escape(cell))).collect();
+        let cells = cells.replace("<th", "<th scope=\"col\"");
         format!("<tr>{cells}</tr>\n")
     };
     format!(
-        "<section id=\"{}\">\n{}<div class=\"scroll\"><table class=\"data\">\n<thead>\n{}</thead>\n\
+        "<section id=\"{}\">\n{}<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\"><table class=\"data\">\n<thead>\n{}</thead>\n\
          <tbody>\n{}</tbody>\n</table></div>\n{}</section>\n",
         escape(&block.id),
         element("<h2>", &block.title, "</h2>"),
+        escape(&block.title),
         line("th", &block.header),
         block.rows.iter().map(|row| line("td", row)).collect::<String>(),
         element("<p class=\"caption\">", &block.caption, "</p>"),
@@ -160,12 +175,13 @@ fn is_number(cell: &str) -> bool {
 fn panel(figure: &Figure, formats: &[PictureFormat]) -> Result<String, String> {
     let id = escape(&figure.id);
     let card = if can_zoom(figure) {
+        let label = format!(" tabindex=\"0\" role=\"group\" aria-label=\"{}\"", escape(&figure.title));
         let below: String =
-            (0..figure.panels.len()).map(|place| format!("<div id=\"plot-{id}-{}\"></div>\n", place + 2)).collect();
+            (0..figure.panels.len()).map(|place| format!("<div id=\"plot-{id}-{}\"{label}></div>\n", place + 2)).collect();
         format!(
-            "<div class=\"card\">\n<div id=\"plot-{id}\"><noscript>This figure needs JavaScript; see \
-             {id}.svg.</noscript></div>\n{below}<p class=\"hint\">{}Drag to zoom, double-click to reset; \
-             click a name to hide its curve.</p>\n</div>\n",
+            "<div class=\"card\">\n<div id=\"plot-{id}\"{label}><noscript>This figure needs JavaScript; see \
+             {id}.svg.</noscript></div>\n{below}<p class=\"hint\">{}Drag to zoom, double-click to reset; arrow \
+             keys read values; click a name to hide its curve.</p>\n</div>\n",
             shading(figure)
         )
     } else {
@@ -281,6 +297,17 @@ mod tests {
         assert!(with(figure(false)).contains("<svg "));
     }
 
+    /// The answer and its figure are before everything else.
+    #[test]
+    fn the_first_figure_follows_the_tiles() {
+        let summary = vec![("ratio".to_owned(), "0.068 N (95 %: 0.061 to 0.129)".to_owned())];
+        let report = Report { summary, paragraphs: vec!["Reason".into()], figures: vec![figure(false)], ..Report::default() };
+        let html = page(&report, &PictureFormat::ALL).unwrap();
+        let at = |text: &str| html.find(text).unwrap_or_else(|| panic!("{text}: {html}"));
+        assert!(at("<dl class=\"tiles\">") < at("<figure") && at("<figure") < at("Reason"));
+        at("0.068\u{a0}N <small>(95\u{a0}%:\u{a0}0.061\u{a0}to\u{a0}0.129)</small>");
+    }
+
     #[test]
     fn columns_of_numbers_and_verdicts_are_marked() {
         let cells = |texts: [&str; 3]| texts.map(String::from).to_vec();
@@ -289,7 +316,7 @@ mod tests {
             rows: vec![cells(["µ", "−0.1 N", "PASS"]), cells(["f", "", "MISS by 2 Hz"])],
             ..TableBlock::default()
         });
-        assert!(html.contains("<th class=\"number\">Value</th>"));
+        assert!(html.contains("<th scope=\"col\" class=\"number\">Value</th>"));
         assert!(html.contains("<td class=\"number\">−0.1 N</td>"));
         assert!(html.contains("<td class=\"pass\">PASS</td>"));
         assert!(html.contains("<td class=\"miss\">MISS by 2 Hz</td>"));
