@@ -251,7 +251,7 @@ fn measured_files() -> Vec<(&'static str, String)> {
         (
             "trace.csv",
             format!(
-                "time_s,friction_n\n{}",
+                "time_s,friction_true_n\n{}",
                 (0..600).map(|n| format!("{:e},{}\n", f64::from(n) * 1e-6, (f64::from(n) * 0.25).sin())).collect::<String>()
             ),
         ),

@@ -11,6 +11,7 @@
 //! ring-up (`rehearsal.rs`). docs/your-transducer.md states its agreement with the whole controller
 //! on the whole plant.
 
+pub mod amplifier;
 pub mod case;
 pub mod prediction;
 mod rehearsal;
@@ -25,8 +26,10 @@ mod warnings;
 #[cfg(test)]
 mod tests;
 
+use report::TableBlock;
 use serde::Serialize;
 
+use amplifier::Amplifier;
 use case::{Case, CaseError};
 use prediction::Prediction;
 use settings::Settings;
@@ -68,4 +71,32 @@ pub fn advise(case: &Case) -> Result<(Advice, Case), AdviceError> {
     let prediction = prediction::predict(&advised).ok_or(AdviceError::Refused)?;
     let warnings = warnings::collect(case, &parts, &transducer, &settings, &prediction);
     Ok((Advice { transducer, settings, prediction, warnings, verified: None }, advised))
+}
+
+/// Amplifier for a wanted tip velocity of a transducer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AmplifierAdvice {
+    /// Full equivalent circuit of the transducer.
+    pub transducer: Full,
+    /// Amplifier for the wanted tip velocity.
+    pub amplifier: Amplifier,
+}
+
+/// Computes the amplifier for a peak tip velocity, m/s; `None` takes that of the case's voltage.
+/// States in the result if the force factor is assumed.
+pub fn advise_amplifier(
+    case: &Case,
+    tip_m_per_s: Option<f64>,
+    force_factor_is_assumed: bool,
+) -> Result<AmplifierAdvice, AdviceError> {
+    let parts = case.parts().ok_or(AdviceError::Refused)?;
+    let amplifier = amplifier::amplifier(&parts, tip_m_per_s, force_factor_is_assumed);
+    Ok(AmplifierAdvice { transducer: Full::from_circuit(&parts.circuit), amplifier })
+}
+
+impl AmplifierAdvice {
+    /// Returns all tables, in order.
+    pub fn tables(&self) -> Vec<TableBlock> {
+        std::iter::once(table::transducer(&self.transducer)).chain(amplifier::tables(&self.amplifier)).collect()
+    }
 }

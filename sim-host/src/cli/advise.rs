@@ -8,7 +8,7 @@ use scene::circuit::Given;
 use scene::load::load;
 use sim::advice::case::{Case, CaseError, Numbers, Wishes};
 use sim::advice::verification::verify;
-use sim::advice::{Advice, AdviceError, advise, table as tables};
+use sim::advice::{Advice, AdviceError, advise, advise_amplifier, table as tables};
 
 /// Arguments of the command.
 #[derive(Args)]
@@ -58,6 +58,16 @@ pub(super) struct AdviseArgs {
     /// Samples per block. Default: as recommended.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(8..=64))]
     block_samples: Option<u16>,
+    /// Print the demand on the amplifier for a tip amplitude, instead of settings for the
+    /// controller.
+    #[arg(long, conflicts_with = "verify")]
+    amplifier: bool,
+    /// Peak tip velocity, m/s, with --amplifier. Default: that of the drive voltage.
+    #[arg(long, value_name = "M_PER_S", value_parser = tip, requires = "amplifier")]
+    tip_m_per_s: Option<f64>,
+    /// Peak tip displacement, m, with --amplifier; instead of --tip-m-per-s.
+    #[arg(long, value_name = "M", value_parser = tip, requires = "amplifier", conflicts_with = "tip_m_per_s")]
+    tip_m: Option<f64>,
     /// Run the whole controller RUNS times and print the results next to the prediction.
     #[arg(long, value_name = "RUNS", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     verify: Option<u32>,
@@ -66,6 +76,8 @@ pub(super) struct AdviseArgs {
     format: Format,
 }
 
+/// Key of the force factor, which no electrical measurement finds.
+const FORCE_FACTOR: &str = "stack.bvd.force_factor_n_per_v";
 /// Description of a complete set of numbers.
 const COMPLETE: &str = "in addition to --c0-f or --ct-f give --q or --rm-ohm, and two of --frequency-hz, \
                         --parallel-resonance-hz, --lm-h, and --cm-f or --coupling; or both --q and --rm-ohm, and one of these";
@@ -106,11 +118,26 @@ pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<Exit> {
         lm_h: given.lm_h.unwrap_or(circuit.lm_h),
     });
     let wishes = Wishes { volts: args.volts, noise_lsb: args.noise_lsb, block_samples: args.block_samples };
-    let advised = Case::of(&loaded, numbers, &wishes).map_err(AdviceError::from).and_then(|case| advise(&case));
-    let (mut advice, advised) = advised.map_err(|error| match error {
+    let named = |error| match error {
         AdviceError::Case(CaseError::Scene(error)) => anyhow::Error::from(error),
         error => error.into(),
-    })?;
+    };
+    let case = Case::of(&loaded, numbers, &wishes).map_err(AdviceError::from).map_err(named)?;
+    if args.amplifier {
+        // The scene's force factor is that of another transducer.
+        let of_other = numbers.is_some() && !args.sets.iter().any(|set| set.starts_with(FORCE_FACTOR));
+        let assumed = of_other || loaded.assumed.iter().any(|assumed| assumed.key == FORCE_FACTOR);
+        let omega = case.parts().map_or(f64::NAN, |parts| parts.circuit.omega());
+        let tip_m_per_s = args.tip_m_per_s.or(args.tip_m.map(|tip_m| omega * tip_m));
+        let advice = advise_amplifier(&case, tip_m_per_s, assumed)?;
+        return match args.format {
+            Format::Human => {
+                super::print_styled(&advice.tables().iter().map(|block| block.terminal(color.stdout)).collect::<String>())
+            }
+            Format::Json => super::print_styled(&format!("{:#}\n", serde_json::to_value(&advice)?)),
+        };
+    }
+    let (mut advice, advised) = advise(&case).map_err(named)?;
     if let Some(runs) = args.verify {
         let mut progress = Progress::new(0.0, runs, false);
         advice.verified = Some(verify(&advised, runs, &mut |reached| progress.at(reached))?);
@@ -167,6 +194,10 @@ fn coupling(text: &str) -> Result<f64, String> {
 
 fn volts(text: &str) -> Result<f64, String> {
     within(text, "a peak voltage in volts", (1e-3, 1e4))
+}
+
+fn tip(text: &str) -> Result<f64, String> {
+    within(text, "a peak amplitude of the tip", (1e-12, 1e3))
 }
 
 fn lsb(text: &str) -> Result<f64, String> {

@@ -46,12 +46,15 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 18] = [
     ("check", &[("check experiment-1 --set rig.slider.load_n=2", "check a changed scene")]),
     (
         "advise",
-        &[("advise --frequency-hz 40e3 --q 65 --rm-ohm 3 --c0-f 300e-9", "settings from the values of an impedance analyser")],
+        &[
+            ("advise --frequency-hz 40e3 --q 65 --rm-ohm 3 --c0-f 300e-9", "settings from the values of an impedance analyser"),
+            ("advise lock --amplifier --tip-m 1e-6", "volts, amperes and power for a tip amplitude"),
+        ],
     ),
     ("compare", &[("compare out/lock out/lock-pil --tolerance 1%", "compare two runs of a scene")]),
     ("explain", &[("explain friction_ratio", "a metric"), ("explain fault 21", "a fault"), ("explain trace.csv", "a file")]),
     ("import", &[("import admittance transducer.s1p -o transducer", "fit an equivalent circuit and write a scene")]),
-    ("spectrum", &[("spectrum trace.csv --column friction_n", "frequencies of the friction force over time")]),
+    ("spectrum", &[("spectrum trace.csv --column friction_true_n", "frequencies of the friction force over time")]),
     ("schema", &[("schema", "for editors that complete and check TOML")]),
     (
         "link",

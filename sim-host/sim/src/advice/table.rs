@@ -2,6 +2,7 @@
 
 use super::Advice;
 use super::prediction::LockTime;
+use super::transducer::Full;
 use super::verification::MeasuredLockTime;
 use report::TableBlock;
 
@@ -25,13 +26,13 @@ fn row(name: &str, value: String, note: &str) -> Vec<String> {
 
 /// Returns all tables, in order.
 pub fn tables(advice: &Advice) -> Vec<TableBlock> {
-    let mut tables = vec![transducer(advice), blocks(advice), drive(advice), lock(advice), steady(advice)];
+    let mut tables = vec![transducer(&advice.transducer), blocks(advice), drive(advice), lock(advice), steady(advice)];
     tables.extend(verified(advice));
     tables
 }
 
-fn transducer(advice: &Advice) -> TableBlock {
-    let it = &advice.transducer;
+/// Returns the table of the circuit.
+pub(super) fn transducer(it: &Full) -> TableBlock {
     let zero_phase = match it.zero_phase_bias_hz {
         Some(hz) => row("V-I zero phase", format!("{hz:+.1} Hz"), "M > 2: a plain V-I loop would settle this far off resonance"),
         None => row("V-I zero phase", "none".into(), "M <= 2: a plain V-I loop has no lock point"),
