@@ -39,7 +39,13 @@ export class Live {
     this.#listeners.push(listener);
   }
 
-  /** Shows a result: played from a time on, or at its end. */
+  /** Returns the time at which a result is of interest: the middle of the last ON window, or the end. */
+  #rest() {
+    const windows = this.scope.data.on_s ?? [], [on, off] = windows.at(-1) ?? [], end = this.scope.ends[1];
+    return windows.length ? (on + Math.min(off, end)) / 2 : end;
+  }
+
+  /** Shows a result at a time, or at its time of interest. */
   show(data, from = null) {
     this.pause();
     const speed = (data.time_s.at(-1) - data.time_s[0]) / PLAYBACK_S;
@@ -49,7 +55,7 @@ export class Live {
     if (kept && kept[1] <= this.scope.ends[1]) this.scope.shown = kept;
     else byId("speed").value = best;
     this.#events(data.events);
-    this.goto(from ?? this.scope.ends[1]);
+    this.goto(from ?? this.#rest());
     byId("out").disabled = this.scope.isWhole;
   }
 

@@ -36,18 +36,34 @@ let first = true;
 const say = (words) => { byId("status").textContent = words; };
 const entryOf = (name) => scenes.find((entry) => entry.name === name);
 
-function showError(error) {
+/** Shows an error: that of a text in the editor below its line, any other above the result. */
+function showError(error, text = null) {
   if (error instanceof DOMException && error.name === "AbortError") return say("Stopped.");
   if (!(error instanceof SimulatorError)) console.error(error);
-  byId("error").textContent = error.message;
-  byId("error").hidden = false;
+  const place = text === null ? null : /--> .*?:(\d+):\d+/.exec(error.message);
+  const box = byId(place ? "toml-error" : "error");
+  box.textContent = error.message;
+  box.hidden = false;
+  byId("shown").classList.add("stale");
+  if (place) {
+    const editor = byId("toml"), lines = text.split("\n"), at = Number(place[1]) - 1;
+    const start = lines.slice(0, at).reduce((sum, line) => sum + line.length + 1, 0);
+    byId("editor").open = true;
+    if (editor.value !== text) editor.value = text;
+    editor.focus();
+    editor.setSelectionRange(start, start + (lines[at]?.length ?? 0));
+    editor.scrollTop = (editor.scrollHeight * (at - 3)) / Math.max(1, lines.length);
+  }
   say("There is an error; see below.");
   document.body.dataset.state = "error";
 }
 
 function hideError() {
-  byId("error").hidden = true;
-  byId("error").textContent = "";
+  byId("shown").classList.remove("stale");
+  for (const box of [byId("error"), byId("toml-error")]) {
+    box.hidden = true;
+    box.textContent = "";
+  }
 }
 
 /** Opens a scene, and runs it. */
@@ -61,7 +77,7 @@ async function openScene(given) {
   try {
     opened = await core.ask("open", next.request);
   } catch (error) {
-    return showError(error);
+    return showError(error, given.text ?? null);
   }
   ask = next;
   ask.faultCount = opened.fault_count;

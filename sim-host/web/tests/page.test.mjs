@@ -84,6 +84,8 @@ test("contact scenes are solved", () => opened({}, async (page) => {
 test("the switch and a fault change only the part after the chosen time", () => opened({}, async (page) => {
   await page.until(done);
   const at = (part) => page.value(`(() => { const t = document.getElementById('time'); t.value = ${part * 1000}; t.dispatchEvent(new Event('input')); })()`);
+  // A result rests in its ON window, where a fault has an effect at the first click.
+  assert.equal(await text(page, "switch"), "Switch OFF here");
   const friction = () => page.value("[...document.querySelectorAll('#now tbody tr')].find((row) => row.cells[0].textContent === 'friction').cells[3].textContent");
   await at(0.3);
   const before = await friction();
@@ -141,13 +143,14 @@ test("errors in a scene have the message and the caret of the command line", () 
   const mistaken = (scene) => page.value(`(() => { document.body.dataset.state = ''; document.getElementById('toml').value = ${JSON.stringify(scene)}; document.getElementById('apply').click(); })()`);
   await mistaken('base = "lock"\n\n[controller.drive]\namplitud_v = 3\n');
   await page.until(`${state("state")} === 'error'`);
-  const said = await text(page, "error");
+  const said = await text(page, "toml-error");
+  assert.equal(await page.value("(() => { const t = document.getElementById('toml'); return t.value.slice(t.selectionStart, t.selectionEnd); })()"), "amplitud_v = 3");
   assert.match(said, /--> my-scene\.toml:4:1/);
   assert.match(said, /\^{5,}/);
   assert.match(said, /amplitude_v/);
   await mistaken('base = "lock"\ntitle = "mine"\nduration_s = 0.31\n');
   await page.until(done);
-  assert.equal(await page.value("document.getElementById('error').hidden"), true);
+  assert.equal(await page.value("document.getElementById('toml-error').hidden"), true);
   assert.match(await text(page, "title"), /^mine/);
 }));
 
