@@ -6,6 +6,7 @@ use ::import::admittance::coordinate::Topology;
 use ::import::admittance::options::Options;
 use ::import::admittance::{self, MOST_MODES};
 use ::import::error::ImportError;
+use ::import::friction::conditions::Request;
 use ::import::friction::{self, Found};
 use ::import::units::Units;
 use pyo3::exceptions::PyValueError;
@@ -89,6 +90,59 @@ pub fn import_admittance<'py>(
     Ok((found.json(None).to_string(), scene, arrays))
 }
 
+/// Checks options of a friction measurement.
+fn friction_options(
+    columns: Option<String>,
+    normal_n: Option<f64>,
+    on_s: Vec<(f64, f64)>,
+    frequency_hz: Option<f64>,
+    tip_m_per_s: Option<f64>,
+) -> PyResult<friction::Options> {
+    if normal_n.is_some_and(|normal_n| !(1e-9..=1e6).contains(&normal_n)) {
+        return Err(PyValueError::new_err("normal_n: from 1e-9 to 1e6 N"));
+    }
+    if on_s.iter().any(|(from, to)| from.partial_cmp(to).is_none_or(|order| order.is_ge())) {
+        return Err(PyValueError::new_err("on_s: pairs of ascending times in s"));
+    }
+    Ok(friction::Options { columns, normal_n, on_s, frequency_hz, tip_m_per_s, ..friction::Options::default() })
+}
+
+/// Fits friction with and without vibration at the conditions of one or several files, and predicts
+/// it at others.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "same as on the command line")]
+pub fn import_conditions<'py>(
+    py: Python<'py>,
+    paths: Vec<PathBuf>,
+    columns: Option<String>,
+    units: Vec<String>,
+    normal_n: Option<f64>,
+    on_s: Vec<(f64, f64)>,
+    frequency_hz: Option<f64>,
+    tip_m_per_s: Option<f64>,
+    predict: Vec<String>,
+) -> PyResult<Parts<'py>> {
+    let refuse = |option: &str, why: String| PyValueError::new_err(format!("{option}: {why}"));
+    let units = Units::parse_friction(units.iter().map(String::as_str)).map_err(|why| refuse("unit", why))?;
+    let requests = predict.iter().map(|request| request.parse::<Request>());
+    let requests = requests.collect::<Result<Vec<_>, _>>().map_err(|why| refuse("predict", why.to_string()))?;
+    let options = friction_options(columns, normal_n, on_s, frequency_hz, tip_m_per_s)?;
+    let options = friction::Options { units, ..options };
+    let first = paths.first().cloned().ok_or_else(|| refuse("paths", "at least one file is needed".to_owned()))?;
+    let source = if paths.len() == 1 { source(&first) } else { format!("{} files", paths.len()) };
+    let fit = move || match friction::import_files(&paths, &options)? {
+        Found::Conditions(conditions, _) => {
+            let predictions = requests.iter().map(|request| conditions.predict(request)).collect::<Result<Vec<_>, _>>()?;
+            Ok((conditions, predictions))
+        }
+        Found::Log(_) => Err(ImportError::NoFit("no measurement has the vibration ON; import_friction fits such a log".into())),
+    };
+    let found = interruptible::run_detached(py, fit)?;
+    let (conditions, predictions) = found.map_err(|error| import_error(&first, &error))?;
+    let scene = conditions.scene(&source, &predictions).ok().filter(|_| !conditions.is_doubtful);
+    Ok((conditions.json(&predictions).to_string(), scene, Vec::new()))
+}
+
 /// Fits the contact of a friction log, and its conditions if it has parts with vibration.
 #[pyfunction]
 pub fn import_friction<'py>(
@@ -100,13 +154,7 @@ pub fn import_friction<'py>(
     frequency_hz: Option<f64>,
     tip_m_per_s: Option<f64>,
 ) -> PyResult<Parts<'py>> {
-    if normal_n.is_some_and(|normal_n| !(1e-9..=1e6).contains(&normal_n)) {
-        return Err(PyValueError::new_err("normal_n: from 1e-9 to 1e6 N"));
-    }
-    if on_s.iter().any(|(from, to)| from.partial_cmp(to).is_none_or(|order| order.is_ge())) {
-        return Err(PyValueError::new_err("on_s: pairs of ascending times in s"));
-    }
-    let options = friction::Options { columns, normal_n, on_s, frequency_hz, tip_m_per_s, ..friction::Options::default() };
+    let options = friction_options(columns, normal_n, on_s, frequency_hz, tip_m_per_s)?;
     let (file, given) = (path.clone(), options.clone());
     let found = interruptible::run_detached(py, move || friction::import_files(&[file], &given))?;
     let (found, conditions) = match found.map_err(|error| import_error(&path, &error))? {

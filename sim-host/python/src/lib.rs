@@ -24,7 +24,7 @@ mod _native {
     #[pymodule_export]
     use crate::errors::{LinkError, MeasurementError, RunError, SceneError};
     #[pymodule_export]
-    use crate::imported::{import_admittance, import_friction};
+    use crate::imported::{import_admittance, import_conditions, import_friction};
     #[pymodule_export]
     use crate::link::Link;
     #[pymodule_export]

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from sonoglide import MeasurementError, import_admittance, import_friction
+from sonoglide import MeasurementError, import_admittance, import_conditions, import_friction
 
 
 def sweep(path, noise=1e-3, second_ohm=np.inf):
@@ -45,6 +45,23 @@ def test_a_friction_log_is_a_contact(tmp_path):
     off = ~found.on
     assert found.on.sum() == 200 and np.sqrt(np.mean(found.residual_n[off] ** 2)) == pytest.approx(found.contact.rms_n, rel=1e-6)
     assert found.scene().to_dict()["excitation"] and {model.model for model in found.models} >= {"coulomb", "dahl"}
+
+
+def test_several_files_are_conditions(tmp_path):
+    # Coulomb friction under vibration along the sliding: 2 / pi asin(v / tip).
+    for speed in (0.05, 0.1, 0.15):
+        for state, ratio in (("off", 1.0), ("on", 2 / np.pi * np.arcsin(speed / 0.25))):
+            noise = 1 + 0.01 * np.random.default_rng(int(1000 * speed)).standard_normal(12)
+            rows = "\n".join(f"{3 * ratio * factor}" for factor in noise)
+            (tmp_path / f"speed={speed}mps_{state}.csv").write_text(f"F [N]\n{rows}\n")
+    files = sorted(tmp_path.glob("*.csv"))
+    found = import_conditions(files, normal_n=10, frequency_hz=40e3, predict=["speed=0.12"])
+    assert found.fit["mu"]["value"] == pytest.approx(0.3, rel=0.03) and len(found.conditions) == 3
+    assert found.predictions[0]["fit"]["value"] == pytest.approx(2 / np.pi * np.arcsin(0.12 / 0.25), rel=0.1)
+    with pytest.raises(ValueError, match="predict"):
+        import_conditions(files, normal_n=10, predict=["colour=red"])
+    with pytest.raises(MeasurementError, match="ON"):
+        import_conditions([file for file in files if "off" in file.name], normal_n=10)
 
 
 def test_refusals_match_the_command_line(tmp_path):

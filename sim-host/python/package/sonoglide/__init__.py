@@ -9,7 +9,7 @@ A scene is one TOML file, a dictionary, or a built-in scene (`scenes()`). `Scene
 data to parameters and scenes. `explain()` returns the meaning of a metric, a key or a fault, with its unit.
 """
 
-from ._imported import Admittance, Contact, Correlation, Friction, Stated, import_admittance, import_friction
+from ._imported import Admittance, Conditions, Contact, Correlation, Friction, Stated, import_admittance, import_conditions, import_friction
 from ._link import Answer, Link
 from ._native import VERSION as __version__
 from ._native import LinkError, MeasurementError, RunError, SceneError, explain, scenes
@@ -20,6 +20,7 @@ from ._sweep import Sweep
 __all__ = [
     "Admittance",
     "Answer",
+    "Conditions",
     "Contact",
     "Correlation",
     "Expectation",
@@ -39,6 +40,7 @@ __all__ = [
     "__version__",
     "explain",
     "import_admittance",
+    "import_conditions",
     "import_friction",
     "metrics",
     "scenes",

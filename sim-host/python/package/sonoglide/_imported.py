@@ -127,6 +127,28 @@ class Friction:
         return _scene(self.scene_toml)
 
 
+@dataclass(frozen=True)
+class Conditions:
+    """One fit of friction with and without vibration at several conditions."""
+
+    #: Shared parameters of the fit: `value`, and the ends `low` and `high` of its 95 % interval.
+    fit: dict[str, dict[str, float]]
+    #: Measured and fitted friction ratio of each condition, with its residual, as `sim-host import friction --format json` prints them.
+    conditions: list[dict[str, Any]]
+    #: Predictions in the order of `predict`, with their 95 % bands.
+    predictions: list[dict[str, Any]]
+    #: Values that were assumed, a sentence each.
+    assumed: list[str]
+    #: Warnings, a sentence each.
+    warnings: list[str]
+    #: The contact study as TOML; `None` if something that it needs is unknown, or if the fit does not describe the measurements.
+    scene_toml: str | None = field(repr=False)
+
+    def scene(self) -> Scene:
+        """Returns the contact study. Raises `ValueError` if there is none."""
+        return _scene(self.scene_toml)
+
+
 def import_admittance(
     path: str | os.PathLike[str],
     *,
@@ -202,6 +224,40 @@ def import_friction(
         fitted_n=part["fitted_n"],
         on=part["on"] > 0.5,
         remarks=found["remarks"],
+        warnings=found["warnings"],
+        scene_toml=scene,
+    )
+
+
+def import_conditions(
+    paths: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    *,
+    columns: str | None = None,
+    units: Sequence[str] = (),
+    normal_n: float | None = None,
+    on_s: Sequence[tuple[float, float]] = (),
+    frequency_hz: float | None = None,
+    tip_m_per_s: float | None = None,
+    predict: Sequence[str] = (),
+) -> Conditions:
+    """Fits friction with and without vibration at the conditions of one or several files, as `sim-host import friction` does (docs/measured-friction.md).
+
+    Conditions are columns or parts of the file names. `predict` are conditions such as `"speed=0.15,normal=10"`; `units` are those that no heading and no
+    file name gives. The other arguments are those of `import_friction()`.
+
+    Raises `MeasurementError` with the reason, and the line or the column, if a file cannot be used.
+    """
+    files = [paths] if isinstance(paths, (str, os.PathLike)) else list(paths)
+    intervals = [(float(a), float(b)) for a, b in on_s]
+    text, scene, _ = _native.import_conditions(
+        [os.fspath(path) for path in files], columns, list(units), normal_n, intervals, frequency_hz, tip_m_per_s, list(predict)
+    )
+    found = json.loads(text)
+    return Conditions(
+        fit=found["fit"],
+        conditions=found["conditions"],
+        predictions=found["predictions"],
+        assumed=found["assumed"],
         warnings=found["warnings"],
         scene_toml=scene,
     )

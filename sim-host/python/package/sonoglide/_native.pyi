@@ -95,6 +95,16 @@ def import_friction(
     frequency_hz: float | None,
     tip_m_per_s: float | None,
 ) -> Imported: ...
+def import_conditions(
+    paths: list[str],
+    columns: str | None,
+    units: list[str],
+    normal_n: float | None,
+    on_s: list[tuple[float, float]],
+    frequency_hz: float | None,
+    tip_m_per_s: float | None,
+    predict: list[str],
+) -> Imported: ...
 def scenes() -> list[str]:
     """Names of the built-in scenes."""
 
