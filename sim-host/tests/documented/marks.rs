@@ -138,6 +138,8 @@ fn wrong_claims(at: usize, command: &str, claims: &[(String, String, String)]) -
         let is_it = |&(value, half): &(f64, f64)| {
             [0, 2, -3, -6, -9, -12, 3, 6, 9, 12]
                 .iter()
+                // A zero would be any number with another prefix.
+                .filter(|power| value != 0.0 || **power == 0)
                 .any(|&power| (found.abs() * 10f64.powi(power) - value).abs() <= half * (1.0 + 1e-9))
         };
         if claimed.is_empty() || !claimed.iter().all(is_it) {
