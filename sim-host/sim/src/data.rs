@@ -165,7 +165,7 @@ pub fn files() -> Vec<DataFile> {
                     "If the scene has a `base`: its name, the values changed, and which of title, source, notes and expectations \
                      still apply",
                 ),
-                ("overlays_not_drawn", "", "As in `summary.json`"),
+                ("overlays_not_drawn, assumed", "", "As in `summary.json`"),
                 ("drive_hash", "", "Hash of every DAC code played; for several runs, of their hashes"),
                 ("interrupted", "", "`true` if the run was stopped before its end"),
                 ("complete", "", "`true` if the run is complete"),
@@ -204,6 +204,12 @@ pub fn files() -> Vec<DataFile> {
                     "overlays_not_drawn",
                     "",
                     "Measured curves of the scene that match no figure of the run, with the reason, if there are any",
+                ),
+                (
+                    "assumed",
+                    "",
+                    "Values of stack and contact that nobody gave for this case: `key`, `value`, and `base`, the built-in scene that \
+                     the value is from (absent for a default), if there are any",
                 ),
                 ("drive_hash", "", "As in `manifest.json`; absent for a contact study"),
                 (

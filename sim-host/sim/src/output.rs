@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 use crate::provenance::Provenance;
 use crate::record::text_hash;
 use crate::study::Study;
-use crate::summary::{with_not_drawn, with_own};
+use crate::summary::{with_own, with_provisos};
 use crate::tables;
 use report::{self, Drawing, ReportError};
 use scene::load::Loaded;
@@ -107,7 +107,7 @@ fn manifest(loaded: &Loaded, study: &Study, provenance: &Provenance) -> Value {
     if let Some(inherited) = &study.inherited {
         manifest["inherited"] = json!(inherited);
     }
-    with_own(with_not_drawn(manifest, study), study)
+    with_own(with_provisos(manifest, study), study)
 }
 
 /// Writes a study into `dir`, which is created if needed, and replaces the run in it.

@@ -34,7 +34,7 @@ use crate::overlay::{self, Overlaid};
 use crate::processor::Processor;
 use crate::run::RunError;
 use ::contact::{Clock, SolveError};
-use scene::load::{Inherited, LoadError, Loaded};
+use scene::load::{Assumed, Inherited, LoadError, Loaded};
 use scene::metrics;
 use scene::{Driven, Equal, Expect, Kind, Scene, shown};
 
@@ -85,6 +85,8 @@ pub struct Study<'a> {
     pub judged: Vec<Judged>,
     /// Parts that the scene inherits from its base; `None` without a base.
     pub inherited: Option<Inherited>,
+    /// Values that nobody gave for this transducer or contact.
+    pub assumed: Vec<Assumed>,
     /// Results of the scene's grid.
     pub grid: Option<GridResult>,
     /// Results of the scene's comparison.
@@ -275,6 +277,7 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
         metrics,
         judged,
         inherited,
+        assumed: loaded.assumed.clone(),
         grid,
         comparison,
         overlaid,

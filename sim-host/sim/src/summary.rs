@@ -67,14 +67,17 @@ pub fn summary(study: &Study) -> Value {
         "scene": study.name, "seed": study.scene.seed, "metrics": metrics, "expect": expect, "grid": grid,
         "comparison": comparison, "interrupted": study.interrupted,
     });
-    with_own(with_not_drawn(summary, study), study)
+    with_own(with_provisos(summary, study), study)
 }
 
-/// Adds the measured curves that are not shown, if there are any.
-pub(crate) fn with_not_drawn(mut of: Value, study: &Study) -> Value {
+/// Adds the measured curves that are not shown, and the values that nobody gave, if there are any.
+pub(crate) fn with_provisos(mut of: Value, study: &Study) -> Value {
     let not_drawn = tables::not_drawn(study);
     if !not_drawn.is_empty() {
         of["overlays_not_drawn"] = json!(not_drawn);
+    }
+    if !study.assumed.is_empty() {
+        of["assumed"] = json!(study.assumed);
     }
     of
 }

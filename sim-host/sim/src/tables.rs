@@ -4,6 +4,7 @@ mod comparison;
 mod driven;
 mod grid;
 mod inputs;
+pub(crate) mod misfit;
 
 use crate::figures;
 use crate::instruments::{self, Line, View, crash};
@@ -12,7 +13,9 @@ use crate::overlay;
 use crate::provenance::Provenance;
 use crate::study::{Outcome, Study, contact, monte_carlo};
 use report::{Report, TableBlock, rounded_to};
+use scene::load::Assumed;
 use scene::metrics;
+use scene::resolved::resolved_json;
 
 /// Returns the report of a study.
 pub fn report(study: &Study, provenance: &Provenance) -> Report {
@@ -77,6 +80,7 @@ pub fn remarks(study: &Study) -> Vec<String> {
         Some(format!("`integrator.method = \"{old}\"` is deprecated; the next version removes it. Use \"{new}\"."))
     }));
     remarks.extend(inputs::remark(study));
+    remarks.extend(assumed(study));
     remarks.extend(renamed(study));
     remarks.extend(match &study.outcome {
         Outcome::Driven(run) => driven::remarks(run),
@@ -84,7 +88,29 @@ pub fn remarks(study: &Study) -> Vec<String> {
         Outcome::MonteCarlo(runs) => monte_carlo::table::remarks(study, runs),
     });
     remarks.extend(not_drawn(study));
+    let grid = study.scene.grid.iter().flat_map(|grid| grid.over.iter().map(|over| over.key.as_str()));
+    let changed = study.changes.iter().filter_map(|change| change.split('=').next());
+    let keys = grid.chain(study.scene.vary.iter().map(|vary| vary.key.as_str())).chain(changed);
+    remarks.extend(misfit::misfits(&resolved_json(study.scene), keys));
     remarks
+}
+
+/// Returns a remark on the values that nobody gave.
+fn assumed(study: &Study) -> Option<String> {
+    let values: Vec<String> = study.assumed.iter().map(Assumed::text).collect();
+    let follow = "Results that follow from them are marked \"assumed\"";
+    (!values.is_empty()).then(|| format!("Assumed, because nobody gave a value for this case: {}. {follow}.", values.join(", ")))
+}
+
+/// Returns `" (assumed)"` if a metric, or the label of one, follows from a value that nobody gave.
+fn mark(study: &Study, metric: &str) -> &'static str {
+    let has = |words: &[&str]| words.iter().any(|word| metric.contains(word));
+    let of_contact = has(&["friction", "reduction", "breakaway", "kappa"])
+        || study.scene.controller.is_none() && has(&["ratio"]) && !has(&["velocity"]);
+    // A contact on a stack is vibrated through its force factor.
+    let of_motion = of_contact || has(&["velocity", "displacement", "tip"]);
+    let follows = |assumed: &Assumed| if assumed.is_contact() { of_contact } else { of_motion };
+    if study.assumed.iter().any(follows) { " (assumed)" } else { "" }
 }
 
 /// Returns the measured curves of the scene that its run does not show, with reasons: one sentence
@@ -112,10 +138,23 @@ pub fn headline(study: &Study) -> Vec<(String, String)> {
         Outcome::Contact(solved) => (contact::table::ratio(solved).into_iter().collect(), contact::table::HEADLINE.to_vec()),
         Outcome::MonteCarlo(runs) => (monte_carlo::table::first(study.scene, runs), monte_carlo::table::HEADLINE.to_vec()),
     };
+    let intervals = study.monte_carlo().map_or_else(Vec::new, |runs| monte_carlo::uncertainty::intervals(study.scene, runs));
     let tile = |&(label, metric, unit): &Line| {
+        // The median is in the interval.
+        if intervals.iter().any(|interval| interval.line.1 == metric) {
+            return None;
+        }
         study.metrics.get(metric).map(|value| (label.to_owned(), format!("{} {unit}", number(value)).trim_end().to_owned()))
     };
-    first.into_iter().chain(lines.iter().filter_map(tile)).collect()
+    // Averages of a run that ended in a fault are those before it.
+    let before = if study.run().and_then(driven::fault).is_some() { " (until the fault)" } else { "" };
+    let tiles = first.into_iter().chain(lines.iter().filter_map(tile).map(|(label, value)| (label, value + before)));
+    tiles
+        .map(|(label, value)| {
+            let value = value + mark(study, &label);
+            (label, value)
+        })
+        .collect()
 }
 
 /// Describes in one line how the study was run.
@@ -218,7 +257,8 @@ pub fn in_short(study: &Study) -> String {
 
 /// Returns a table of every metric of a study.
 pub fn all_metrics(study: &Study) -> TableBlock {
-    let row = |(name, value): (&str, f64)| vec![name.to_owned(), shown(study, name, value), described(name).0];
+    let row =
+        |(name, value): (&str, f64)| vec![name.to_owned(), shown(study, name, value) + mark(study, name), described(name).0];
     TableBlock::new("metrics", "All metrics", "", &["metric", "value", "unit"], study.metrics.iter().map(row).collect())
 }
 
@@ -226,7 +266,7 @@ pub fn all_metrics(study: &Study) -> TableBlock {
 fn dictionary(study: &Study) -> TableBlock {
     let row = |(name, value): (&str, f64)| {
         let (unit, meaning) = described(name);
-        vec![name.to_owned(), shown(study, name, value), unit, meaning]
+        vec![name.to_owned(), shown(study, name, value) + mark(study, name), unit, meaning]
     };
     let header = ["metric", "value", "unit", "meaning"];
     TableBlock::new("metrics", "All metrics", "", &header, study.metrics.iter().map(row).collect())

@@ -296,10 +296,13 @@ pub struct Bvd {
     pub amplitude_rm_most: Option<f64>,
 }
 
+/// Force factor of a stack that gives none, N/V.
+pub(crate) const DEFAULT_FORCE_FACTOR_N_PER_V: f64 = 1.0;
+
 /// Defaults that serde needs as functions.
 mod default {
     pub(super) fn force_factor() -> f64 {
-        1.0
+        super::DEFAULT_FORCE_FACTOR_N_PER_V
     }
 
     pub(super) fn heating_fraction() -> f64 {

@@ -1,6 +1,7 @@
 //! Loading of a scene from a name, a file or standard input; failures give a report of all
 //! mistakes.
 
+mod assumed;
 mod inherited;
 mod manifest;
 
@@ -18,6 +19,7 @@ use crate::tree::{Node, Origin, Value};
 use crate::walk::walk;
 use crate::{Scene, builtin, distribution, rules};
 
+pub use assumed::Assumed;
 pub use inherited::{Change, Inherited, inputs};
 pub use manifest::is_unchanged;
 
@@ -46,6 +48,8 @@ pub struct Loaded {
     pub run: Option<u32>,
     /// Parts that the repeated run inherited from another scene.
     pub repeats: Option<Inherited>,
+    /// Values that nobody gave for this transducer or contact.
+    pub assumed: Vec<Assumed>,
 }
 
 /// A scene without grid and comparison, parsed once, for copies with some values changed.
@@ -177,11 +181,11 @@ pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
     }
     let text = read_source(source, source)?;
     if let Some(repeated) = manifest::scene(&text) {
-        let (name, text, repeats) = repeated.map_err(|why| {
+        let (name, text, repeats, assumed) = repeated.map_err(|why| {
             let io = io::Error::new(io::ErrorKind::InvalidData, why);
             LoadError::Read { path: source.to_owned(), io }
         })?;
-        return Ok(Loaded { name, repeats, ..load_text(source, &text, sets)? });
+        return Ok(Loaded { name, repeats, assumed, ..load_text(source, &text, sets)? });
     }
     let name = match builtin::text(source) {
         Some(_) => source.to_owned(),
@@ -231,6 +235,7 @@ fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Re
         Err(problems) => return Err(LoadError::Invalid(Report::new(sources, problems))),
     };
     prepare(&mut root);
+    let assumed = assumed::find(&root, &sources);
     match checked_scene(root, found) {
         Ok(scene) => Ok(Loaded {
             name: name.to_owned(),
@@ -241,6 +246,7 @@ fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Re
             defaults: 0,
             run: None,
             repeats: None,
+            assumed,
         }),
         Err(problems) => Err(LoadError::Invalid(Report::new(sources, problems))),
     }

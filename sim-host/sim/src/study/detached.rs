@@ -12,7 +12,7 @@ use crate::metrics::Metrics;
 use crate::overlay::Overlaid;
 use crate::record::Record;
 use scene::Scene;
-use scene::load::Inherited;
+use scene::load::{Assumed, Inherited};
 
 /// All parts of a study except its scene.
 #[derive(Debug)]
@@ -25,6 +25,7 @@ pub struct Detached {
     metrics: Metrics,
     judged: Vec<Judged>,
     inherited: Option<Inherited>,
+    assumed: Vec<Assumed>,
     grid: Option<GridResult>,
     comparison: Option<ComparisonResult>,
     overlaid: Option<Overlaid>,
@@ -42,7 +43,19 @@ impl Study<'_> {
     /// Detaches the study from its scene without copying.
     pub fn detached(self) -> Detached {
         let Study {
-            name, origin, changes, run_number, metrics, judged, inherited, grid, comparison, overlaid, interrupted, ..
+            name,
+            origin,
+            changes,
+            run_number,
+            metrics,
+            judged,
+            inherited,
+            assumed,
+            grid,
+            comparison,
+            overlaid,
+            interrupted,
+            ..
         } = self;
         let outcome = match self.outcome {
             Outcome::Driven(run) => DetachedOutcome::Driven(run.level, Box::new(run.record)),
@@ -58,6 +71,7 @@ impl Study<'_> {
             metrics,
             judged,
             inherited,
+            assumed,
             grid,
             comparison,
             overlaid,
@@ -78,6 +92,7 @@ impl Detached {
             metrics,
             judged,
             inherited,
+            assumed,
             grid,
             comparison,
             overlaid,
@@ -104,6 +119,7 @@ impl Detached {
             metrics,
             judged,
             inherited,
+            assumed,
             grid,
             comparison,
             overlaid,

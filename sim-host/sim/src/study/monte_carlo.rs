@@ -24,12 +24,12 @@ use super::driven::Level;
 use super::plan::{Cell, Made, Plan, Progress};
 use super::{Options, StudyError};
 use crate::instruments::lock::claims;
-use crate::instruments::{self, View};
+use crate::instruments::{self, Line, View};
 use crate::metrics::Metrics;
 use crate::record::{Record, text_hash};
 use crate::run::LANES;
-use scene::Driven;
 use scene::load::Loaded;
+use scene::{Driven, Scene};
 
 /// Name of a flaw, and test for it.
 type Flaw = (&'static str, fn(&OneRun) -> bool);
@@ -41,15 +41,9 @@ const FLAWS: [Flaw; 4] = [
     ("a fault", OneRun::faulted),
     ("no lock", |run| !run.locked),
 ];
-/// Metrics whose maximum determines the worst run if no run has a flaw, with descriptions.
-const MEASURES: [(&str, &str); 6] = [
-    ("peak_shoulder_force_n", "largest force at the shoulder"),
-    ("lock_time_20hz_ms", "longest lock time to within 20 Hz"),
-    ("relock_time_20hz_ms", "longest relock time to within 20 Hz"),
-    ("lock_time_4hz_ms", "longest lock time to within 4 Hz"),
-    ("relock_time_4hz_ms", "longest relock time to within 4 Hz"),
-    ("frequency_bias_hz", "largest bias"),
-];
+/// Metrics that are better if they are larger; any other is worst at its largest magnitude.
+const LARGER_IS_BETTER: [&str; 4] =
+    ["reduction_percent", "shoulder_force_reduction_percent", "tip_velocity_m_per_s", "release_speed_m_per_s"];
 
 /// Result of several runs of a scene.
 #[derive(Clone, Debug)]
@@ -124,23 +118,24 @@ impl OneRun {
 }
 
 impl MonteCarlo {
-    /// Returns the worst run and its flaw or measure; `None` for a contact study.
-    pub fn worst(&self) -> Option<(&OneRun, &'static str)> {
-        if self.times_ms.is_empty() {
-            return None;
+    /// Returns the worst run with the reason: a flaw, or else the worst value of the scene's main
+    /// metric. `None` if that is equal in all runs.
+    pub fn worst(&self, scene: &Scene) -> Option<(&OneRun, String)> {
+        let driven = scene.controller.is_some();
+        let flawed =
+            FLAWS.iter().filter(|_| driven).find_map(|(flaw, has)| Some((self.runs.iter().find(|run| has(run))?, *flaw)));
+        if let Some((run, flaw)) = flawed {
+            return Some((run, flaw.to_owned()));
         }
-        let flawed = FLAWS.iter().find_map(|(flaw, has)| Some((self.runs.iter().find(|run| has(run))?, *flaw)));
-        flawed.or_else(|| MEASURES.iter().find_map(|(metric, measure)| Some((self.most(metric)?, *measure))))
-    }
-
-    /// Returns the first run that lacks a metric of others, or else the run with its maximum;
-    /// `None` if the metric is missing or zero in all.
-    fn most(&self, metric: &str) -> Option<&OneRun> {
-        let size = |run: &OneRun| run.metrics.get(metric).map_or(f64::INFINITY, f64::abs);
-        let has = |run: &&OneRun| run.metrics.get(metric).is_some();
-        self.runs.iter().find(has)?;
-        let worst = self.runs.iter().rev().max_by(|a, b| size(a).total_cmp(&size(b)));
-        worst.filter(|run| size(run) > 0.0)
+        let worst = |(label, metric, _): Line| {
+            let larger_is_better = LARGER_IS_BETTER.contains(&metric);
+            let badness = |run: &OneRun| run.metrics.get(metric).map(|value| if larger_is_better { -value } else { value.abs() });
+            let rated = || self.runs.iter().filter_map(|run| Some((run, badness(run)?)));
+            let (run, most) = rated().rev().max_by(|a, b| a.1.total_cmp(&b.1))?;
+            let differs = rated().any(|(_, badness)| badness < most);
+            differs.then(|| (run, format!("{} {label}", if larger_is_better { "smallest" } else { "largest" })))
+        };
+        uncertainty::lines(scene).into_iter().find_map(worst)
     }
 
     /// Creates a result without runs.

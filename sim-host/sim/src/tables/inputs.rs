@@ -1,6 +1,7 @@
 //! Inputs of a study: all values, those that differ from its base, and inherited texts that apply
 //! to other inputs.
 
+use crate::numbers::number;
 use crate::study::Study;
 use report::TableBlock;
 use scene::load::{Change, inputs};
@@ -42,9 +43,17 @@ pub(super) fn remark(study: &Study) -> Option<String> {
 pub(super) fn changed(study: &Study) -> Option<TableBlock> {
     let inherited = study.inherited.as_ref()?;
     let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "–".to_owned());
-    let words = ["title", "source", "notes", "expect"];
+    let words = ["title", "source", "notes", "expect", "grid", "comparison", "vary"];
     let shown = |change: &&Change| !words.contains(&change.key.split('.').next().unwrap_or_default());
-    let row = |change: &Change| vec![change.key.clone(), text(&change.was), text(&change.is), unit(&change.key)];
+    let here = |change: &Change| match study.scene.vary.iter().any(|vary| vary.key == change.key) {
+        // Its value is only the centre of the distribution.
+        true => {
+            change.is.iter().filter_map(|value| value.parse().ok()).map(number).collect::<String>()
+                + " (centre; drawn in each run)"
+        }
+        false => text(&change.is),
+    };
+    let row = |change: &Change| vec![change.key.clone(), text(&change.was), here(change), unit(&change.key)];
     let rows: Vec<_> = inherited.changes.iter().filter(shown).map(row).collect();
     let title = format!("Inputs changed from `{}`", inherited.base);
     let header = ["key", inherited.base.as_str(), "here", "unit"];

@@ -3,10 +3,10 @@
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::Inherited;
+use super::{Assumed, Inherited};
 
-/// Name and text of a scene, and its inherited parts.
-type Repeated = (String, String, Option<Inherited>);
+/// Name and text of a scene, its inherited parts, and its assumed values.
+type Repeated = (String, String, Option<Inherited>, Vec<Assumed>);
 
 /// Returns the scene of a manifest, or an error if the manifest is not usable. `None` if the text
 /// is not JSON.
@@ -32,7 +32,8 @@ fn from_manifest(manifest: &Value) -> Result<Repeated, String> {
     let name = manifest.get("scene").and_then(Value::as_str).unwrap_or("manifest");
     let text = toml::to_string(&without_nulls(scene)).map_err(|error| format!("its resolved scene is invalid: {error}"))?;
     let inherited = manifest.get("inherited").and_then(|inherited| Inherited::deserialize(inherited).ok());
-    Ok((name.to_owned(), text, inherited))
+    let assumed = manifest.get("assumed").and_then(|assumed| Vec::deserialize(assumed).ok()).unwrap_or_default();
+    Ok((name.to_owned(), text, inherited, assumed))
 }
 
 /// Removes nulls, which TOML cannot represent.
@@ -61,7 +62,7 @@ mod tests {
             // Some scenes restrict their duration.
             let loaded = load(name, &sets).or_else(|_| load(name, &sets[..1])).expect("built in");
             let manifest = json!({ "program": "sim-host", "scene": name, "resolved_scene": resolved_json(&loaded.scene) });
-            let (found, text, _) = scene(&format!("{manifest:#}")).expect("JSON").expect("a manifest");
+            let (found, text, ..) = scene(&format!("{manifest:#}")).expect("JSON").expect("a manifest");
             assert_eq!(found, *name);
             let again = load_text(&found, &text, &[]).unwrap_or_else(|error| panic!("{name}: {error}"));
             assert_eq!(again.scene, loaded.scene, "{name}");

@@ -3,18 +3,22 @@
 use std::path::Path;
 
 use super::{FolderError, Layout, PlanFile, ROWS, RowsFile};
-use crate::numbers::{number, precise};
+use crate::numbers::number;
 use crate::output::Presentation;
 use crate::study::sweep::sensitivity::{Estimate, Sensitivity};
 use crate::study::sweep::{Rows, figures, unit};
+use crate::tables::misfit::misfits;
 use report::statistics::{ascending, quantile};
 use report::{Report, TableBlock};
 use scene::shown;
 
 /// Maximum number of points that are drawn, because a figure stores all of its columns.
 const MAX_DRAWN_POINTS: u64 = 4_000_000;
-/// Maximum number of points and of metrics whose values are printed instead of their range.
-const MAX_PRINTED: (u64, usize) = (20, 6);
+/// Maximum number of points whose values are printed, instead of the range of each metric.
+const MAX_PRINTED_POINTS: u64 = 20;
+/// Maximum number of printed metrics of a point, and of results at the top of the page.
+const MAX_PRINTED_METRICS: usize = 6;
+const MAX_TILES: usize = 3;
 
 /// Writes the page and the figures; returns the tables of metrics and indices.
 pub(super) fn write(
@@ -26,7 +30,7 @@ pub(super) fn write(
     (target, shown): (&Path, &Presentation),
 ) -> Result<Vec<TableBlock>, FolderError> {
     let (title, source) = plan.title();
-    let few = rows.filter(|_| file.count() <= MAX_PRINTED.0 && layout.metrics.len() <= MAX_PRINTED.1);
+    let few = rows.filter(|_| file.count() <= MAX_PRINTED_POINTS);
     let first = few.map_or_else(|| metrics(layout, file), |rows| Ok(values(layout, rows)))?;
     let tables = [vec![first], self::indices(layout, indices)].concat();
     let changes = plan.changes().join(", ");
@@ -34,6 +38,7 @@ pub(super) fn write(
     if !changes.is_empty() {
         paragraphs.push(format!("Changed at all points: {changes}."));
     }
+    paragraphs.extend(misfits(plan.resolved_scene(), layout.keys.iter().map(String::as_str)));
     let drawn = plan.count() <= MAX_DRAWN_POINTS;
     if !drawn {
         paragraphs.push(format!("Figures are drawn for at most {MAX_DRAWN_POINTS} points. The rows are in {ROWS}."));
@@ -41,10 +46,19 @@ pub(super) fn write(
     let column = |name: &str| -> Result<Vec<f64>, FolderError> {
         Ok(file.column(name)?.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect())
     };
+    let mut summary = Vec::new();
+    for metric in layout.metrics.iter().take(MAX_TILES) {
+        let ([low, _, high], _) = spread(file, metric)?;
+        let unit = unit(metric);
+        summary
+            .push((metric.clone(), format!("{low} to {high}{}", if unit == "1" { String::new() } else { format!(" {unit}") })));
+    }
+    let counts = [("points", plan.count()), ("without result", failures)].into_iter().filter(|(_, count)| *count > 0);
+    summary.extend(counts.map(|(label, count)| (label.to_owned(), count.to_string())));
     let report = Report {
         title: format!("Sweep: {title}"),
         subtitle: if source.is_empty() { String::new() } else { format!("Source: {source}") },
-        summary: vec![("points".to_owned(), plan.count().to_string()), ("without result".to_owned(), failures.to_string())],
+        summary,
         paragraphs,
         tables: [vec![keys(layout, file)?], tables.clone()].concat(),
         figures: if drawn { figures::all(&plan.shape(), &layout.keys, &layout.metrics, column)? } else { Vec::new() },
@@ -78,14 +92,32 @@ fn points(plan: &PlanFile) -> String {
 }
 
 /// Returns minimum, median and maximum of a column, and the number of its values.
-fn spread(file: &RowsFile, name: &str) -> Result<(Vec<String>, u64), FolderError> {
+fn spread(file: &RowsFile, name: &str) -> Result<([String; 3], u64), FolderError> {
     let values = ascending(file.column(name)?.into_iter().flatten());
     let three = [values.first().copied(), quantile(&values, 0.5), values.last().copied()];
-    Ok((three.map(|value| value.map_or_else(|| "–".to_owned(), number)).to_vec(), values.len() as u64))
+    Ok((three.map(|value| value.map_or_else(|| "–".to_owned(), number)), values.len() as u64))
+}
+
+/// Returns the points of the smallest and of the largest value of a metric, as `key=value`.
+fn places(layout: &Layout, file: &RowsFile, metric: &str) -> Result<[String; 2], FolderError> {
+    let column = file.column(metric)?;
+    let present = || column.iter().enumerate().filter_map(|(row, value)| Some((row, (*value)?)));
+    let ends = [present().min_by(|a, b| a.1.total_cmp(&b.1)), present().rev().max_by(|a, b| a.1.total_cmp(&b.1))];
+    let mut places = [const { String::new() }; 2];
+    for key in &layout.keys {
+        let values = file.column(key)?;
+        let tail = key.rsplit('.').next().unwrap_or(key);
+        for (place, end) in places.iter_mut().zip(ends) {
+            if let Some(value) = end.and_then(|(row, _)| values[row]) {
+                *place += &format!("{}{tail}={}", if place.is_empty() { "" } else { ", " }, number(value));
+            }
+        }
+    }
+    Ok(places)
 }
 
 fn keys(layout: &Layout, file: &RowsFile) -> Result<TableBlock, FolderError> {
-    let row = |key: &String| Ok([vec![key.clone(), unit(key)], spread(file, key)?.0].concat());
+    let row = |key: &String| Ok([vec![key.clone(), unit(key)], spread(file, key)?.0.to_vec()].concat());
     let rows = layout.keys.iter().map(row).collect::<Result<Vec<_>, FolderError>>()?;
     Ok(TableBlock::new("keys", "Keys", "", &["key", "unit", "minimum", "median", "maximum"], rows))
 }
@@ -97,28 +129,40 @@ fn values(layout: &Layout, rows: &Rows) -> TableBlock {
         unit => format!("{name} [{unit}]"),
     };
     let faults = rows.fault_codes.iter().flatten().any(|code| *code != 0);
-    let header = layout.keys.iter().chain(&layout.metrics).map(heading).chain(faults.then(|| "fault".to_owned()));
+    let header = layout
+        .keys
+        .iter()
+        .chain(layout.metrics.iter().take(MAX_PRINTED_METRICS))
+        .map(heading)
+        .chain(faults.then(|| "fault".to_owned()));
     let row = |row: usize| -> Vec<String> {
         let keys = rows.keys.iter().map(|key| shown(key[row]));
-        let metrics = rows.metrics.iter().map(|metric| metric[row].map_or_else(|| "–".to_owned(), precise));
+        let metrics = rows.metrics.iter().take(MAX_PRINTED_METRICS);
+        let metrics = metrics.map(|metric| metric[row].map_or_else(|| "–".to_owned(), number));
         let fault = rows.fault_codes[row].filter(|code| *code != 0).map_or_else(String::new, |code| code.to_string());
         keys.chain(metrics).chain(faults.then_some(fault)).collect()
     };
     let cells = (0..rows.points.len()).map(row).collect();
-    TableBlock::new("points", "Points", "", &header.collect::<Vec<_>>(), cells)
+    let more = match layout.metrics.len().saturating_sub(MAX_PRINTED_METRICS) {
+        0 => String::new(),
+        more => format!("{more} more metrics are in {ROWS}."),
+    };
+    TableBlock::new("points", "Points", &more, &header.collect::<Vec<_>>(), cells)
 }
 
 fn metrics(layout: &Layout, file: &RowsFile) -> Result<TableBlock, FolderError> {
     let row = |metric: &String| {
-        let (spread, present) = spread(file, metric)?;
-        Ok([vec![metric.clone(), unit(metric)], spread, vec![(file.count() - present).to_string()]].concat())
+        let ([low, median, high], present) = spread(file, metric)?;
+        let [least, largest] = places(layout, file, metric)?;
+        let without = (file.count() - present).to_string();
+        Ok(vec![metric.clone(), unit(metric), low, least, median, high, largest, without])
     };
     let rows = layout.metrics.iter().map(row).collect::<Result<Vec<_>, FolderError>>()?;
     Ok(TableBlock::new(
         "metrics",
         "Metrics",
         "Over all points.",
-        &["metric", "unit", "minimum", "median", "maximum", "without value"],
+        &["metric", "unit", "minimum", "at", "median", "maximum", "at", "without value"],
         rows,
     ))
 }

@@ -152,6 +152,11 @@ impl PlanFile {
         self.json["scene"].as_str().unwrap_or_default()
     }
 
+    /// Returns the scene with all its defaults.
+    pub fn resolved_scene(&self) -> &Value {
+        &self.json["resolved_scene"]
+    }
+
     /// Returns title and source of the scene.
     pub fn title(&self) -> (&str, &str) {
         let scene = &self.json["resolved_scene"];

@@ -70,15 +70,16 @@ pub const HEADLINE: &[Line] = &[
     ("kappa", "kappa", ""),
 ];
 
-/// Returns the friction ratio with its error estimate, as a headline.
+/// Relative numerical error from which the headline shows it.
+const SHOWN_ERROR_REL: f64 = 1e-4;
+
+/// Returns the friction ratio as a headline, with its numerical error if that matters.
 pub fn ratio(solved: &Solved) -> Option<(String, String)> {
     let solution = &solved.answer.as_ref()?.solution;
-    Some(("friction ratio".to_owned(), with_error(solution)))
-}
-
-fn with_error(solution: &Solution) -> String {
-    let ratio = precise(solution.ratios.friction);
-    solution.error_estimate.map_or(ratio.clone(), |error| format!("{ratio} ± {error:.0e}"))
+    let ratio = solution.ratios.friction;
+    let error = solution.error_estimate.filter(|error| *error >= SHOWN_ERROR_REL * ratio.abs());
+    let value = error.map_or_else(|| number(ratio), |error| format!("{} ± {error:.0e} (numerical error)", precise(ratio)));
+    Some(("friction ratio".to_owned(), value))
 }
 
 /// Returns method and level for the footer.
@@ -123,7 +124,7 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
         _ => "Vt over the steady Vv of the sine, without friction",
     };
     let rows = [
-        ("friction ratio", Some(with_error(solution)), "mean friction / Fc (4.17)"),
+        ("friction ratio", Some(precise(solution.ratios.friction)), "mean friction / Fc (4.17)"),
         ("of the steady state", own("steady_friction_ratio").filter(|_| solution.orbit.is_none()), "to which the run settles"),
         (
             "settling [periods]",

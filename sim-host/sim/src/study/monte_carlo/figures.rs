@@ -24,7 +24,7 @@ pub fn all(scene: &Scene, runs: &MonteCarlo) -> Vec<Figure> {
     let lock = Texts { id: "lock-times", title: "Time to lock", x: "time from the first sample of the lock stage [ms]" };
     let relock = Texts { id: "relock-times", title: "Time to relock", x: "time from the last step [ms]" };
     let own = uncertainty::intervals(scene, runs).into_iter().next().map(|interval| histogram(runs, &interval));
-    [error(runs, limits), within(runs, &lock, &LOCK), within(runs, &relock, &RELOCK), own].into_iter().flatten().collect()
+    [own, error(runs, limits), within(runs, &lock, &LOCK), within(runs, &relock, &RELOCK)].into_iter().flatten().collect()
 }
 
 /// Returns the histogram of a metric, with its interval.

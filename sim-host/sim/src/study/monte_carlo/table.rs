@@ -112,7 +112,7 @@ pub fn remarks(study: &Study, runs: &MonteCarlo) -> Vec<String> {
 }
 
 fn worst(study: &Study, runs: &MonteCarlo) -> Option<String> {
-    let (worst, why) = runs.worst()?;
+    let (worst, why) = runs.worst(study.scene)?;
     let changes: String = study.changes.iter().map(|change| format!(" --set '{change}'")).collect();
     let again = format!("sim-host run {} --run {}{changes}", study.origin, worst.draw.number);
     let drew = worst.draw.sets(&runs.keys).join(", ");

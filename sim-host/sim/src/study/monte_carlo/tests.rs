@@ -129,16 +129,23 @@ fn the_worst_run_is_named() {
         let draw = Draw { number, seed: 1, values: Vec::new() };
         OneRun { draw, metrics: of, locked: true, drive_hash: None, error_hz: Vec::new() }
     };
-    let worst = |runs: Vec<OneRun>| {
+    let lock = load("lock-cold", &[]).unwrap().scene;
+    let worst_of = |scene: &Scene, runs: Vec<OneRun>| {
         let all =
             MonteCarlo { keys: vec![], level: Level::Sil, asked: 3, runs, endless: vec![], times_ms: vec![1.0], wall_s: None };
-        all.worst().map(|(run, why)| (run.draw.number, why))
+        all.worst(scene).map(|(run, why)| (run.draw.number, why))
     };
+    let worst = |runs| worst_of(&lock, runs);
+    let is = |number: u32, why: &str| Some((number, why.to_owned()));
     let quick = || run(1, &[("lock_time_20hz_ms", 1.0)]);
     let slow = || run(2, &[("lock_time_20hz_ms", 2.0)]);
-    assert_eq!(worst(vec![quick(), slow(), quick()]), Some((2, "longest lock time to within 20 Hz")));
-    assert_eq!(worst(vec![quick(), slow(), run(3, &[])]), Some((3, "longest lock time to within 20 Hz")));
-    assert_eq!(worst(vec![quick(), slow(), run(3, &[("fault_code", 31.0)])]), Some((3, "a fault")));
-    assert_eq!(worst(vec![run(1, &[("false_locks", 1.0)]), run(2, &[("fault_code", 31.0)])]), Some((1, "a false lock")));
-    assert_eq!(worst(vec![run(1, &[("lock_time_20hz_ms", 0.0)])]), None);
+    assert_eq!(worst(vec![quick(), slow(), quick()]), is(2, "largest lock time to 20 Hz"));
+    assert_eq!(worst(vec![quick(), slow(), run(3, &[])]), is(2, "largest lock time to 20 Hz"));
+    assert_eq!(worst(vec![quick(), slow(), run(3, &[("fault_code", 31.0)])]), is(3, "a fault"));
+    assert_eq!(worst(vec![run(1, &[("false_locks", 1.0)]), run(2, &[("fault_code", 31.0)])]), is(1, "a false lock"));
+    assert_eq!(worst(vec![quick(), quick()]), None);
+    let contact = load("contact-kinematic", &[]).unwrap().scene;
+    let reduced = |number, percent| run(number, &[("reduction_percent", percent)]);
+    let few = vec![reduced(1, 60.0), reduced(2, 50.0), reduced(3, 70.0)];
+    assert_eq!(worst_of(&contact, few), is(2, "smallest friction reduction"));
 }

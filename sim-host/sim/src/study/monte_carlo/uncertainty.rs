@@ -25,6 +25,8 @@ const PASSES: usize = 100;
 
 /// Smallest width of an interval that is written with decimals.
 const MIN_DECIMAL: f64 = 1e-4;
+/// Lock times, which the headline of a single run does not have.
+const LOCK: [Line; 2] = [("lock time to 20 Hz", "lock_time_20hz_ms", "ms"), ("lock time to 4 Hz", "lock_time_4hz_ms", "ms")];
 /// Friction ratio, which the headline of a single run has with its numerical error.
 const FRICTION_RATIO: Line = ("friction ratio", "friction_ratio", "");
 
@@ -62,16 +64,28 @@ pub struct Shares {
     pub rest: f64,
 }
 
+/// Returns the main metrics of a scene, the most important first: those of its expectations, which
+/// are its question, then those of a single run.
+pub(super) fn lines(scene: &Scene) -> Vec<Line> {
+    let contact = || table::HEADLINE[..1].iter().copied().chain([FRICTION_RATIO]).chain(table::HEADLINE[1..].iter().copied());
+    let mut lines: Vec<Line> =
+        if scene.controller.is_some() { LOCK.into_iter().chain(instruments::headline()).collect() } else { contact().collect() };
+    let is_of = |metric: &str, line: &Line| metric.strip_prefix(line.1).is_some_and(|rest| ["", "_p95", "_max"].contains(&rest));
+    lines.sort_by_key(|line| !scene.expect.iter().any(|expect| is_of(&expect.metric, line)));
+    if scene.expect.is_empty() {
+        lines.retain(|line| !LOCK.contains(line));
+    }
+    lines
+}
+
 /// Returns the intervals of the main metrics that differ between the runs.
 pub fn intervals(scene: &Scene, runs: &MonteCarlo) -> Vec<Interval> {
-    let contact = || table::HEADLINE[..1].iter().copied().chain([FRICTION_RATIO]).chain(table::HEADLINE[1..].iter().copied());
-    let lines: Vec<Line> = if scene.controller.is_some() { instruments::headline().collect() } else { contact().collect() };
     let interval = |line: Line| {
         let spread = statistics::spread(line.1, runs.runs.iter().map(|run| &run.metrics))?;
         let finite = spread.interval.iter().all(|end| end.is_finite()) && spread.interval[0] < spread.interval[1];
         finite.then_some(Interval { line, median: spread.median, ends: spread.interval })
     };
-    lines.into_iter().filter_map(interval).take(INTERVALS).collect()
+    lines(scene).into_iter().filter_map(interval).take(INTERVALS).collect()
 }
 
 /// Returns the parts of the variance of a metric; `None` without drawn keys, or if there are too

@@ -33,12 +33,7 @@ pub(super) fn draw(data: &Data, (rows, columns): (u64, u64)) -> Figure {
             label: axis(data.metric).label,
             csv_column: data.metric.to_owned(),
         }),
-        ..figure(
-            "map",
-            title,
-            &format!("Each cell is a separate run; a cell without a value has the darkest colour.{thinned}"),
-            data,
-        )
+        ..figure("map", title, &format!("Each cell is a separate run; cells without a value are hatched.{thinned}"), data)
     }
 }
 

@@ -1,0 +1,112 @@
+//! Values that decide a result although nobody gave them for this transducer or this contact.
+//!
+//! A force factor cannot be found by an electrical measurement, and a contact needs a measurement
+//! of friction. Such a value is assumed if it is the default of the program, or if it comes from a
+//! built-in base and other keys of the same table were changed: the result then describes a
+//! transducer or a contact that is only partly the user's.
+
+use serde::{Deserialize, Serialize};
+
+use crate::builtin;
+use crate::diagnostic::Source;
+use crate::tree::{Node, Value};
+
+/// Table of a stack, and the only key of it that no electrical measurement determines.
+const STACK: (&str, &str) = ("stack.bvd", "force_factor_n_per_v");
+
+/// A value that nobody gave.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Assumed {
+    /// Path of the key.
+    pub key: String,
+    /// Value of the key, in the unit of its name.
+    pub value: f64,
+    /// Built-in scene that the value is from; `None` for a default of the program.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base: Option<String>,
+}
+
+impl Assumed {
+    /// Describes the value and its origin.
+    pub fn text(&self) -> String {
+        let origin = self.base.as_ref().map_or_else(|| "the default".to_owned(), |base| format!("from the scene {base}"));
+        format!("{} = {} ({origin})", self.key, self.value)
+    }
+
+    /// Returns `true` if the value belongs to a contact, `false` if it belongs to a stack.
+    pub fn is_contact(&self) -> bool {
+        self.key.starts_with("contact.")
+    }
+}
+
+/// Returns the assumed values of a scene's tree.
+pub(super) fn find(root: &Node, sources: &[Source]) -> Vec<Assumed> {
+    let base =
+        |node: &Node| sources.get(node.place.source).map(|source| &source.name).filter(|name| builtin::text(name).is_some());
+    // The table at a path, if the user gave a part of it.
+    let inherited = |path: &str, only: Option<&str>| {
+        let table = root.at(path).and_then(Node::table);
+        let own = table.is_some_and(|table| table.values().any(|entry| base(&entry.node).is_none()));
+        let entries = table.filter(|_| own).into_iter().flatten();
+        let assumed = entries.filter(|(key, _)| only.is_none_or(|only| *key == only)).filter_map(|(key, entry)| {
+            let base = Some(base(&entry.node)?.clone());
+            Some(Assumed { key: format!("{path}.{key}"), value: entry.node.number()?, base })
+        });
+        assumed.collect::<Vec<_>>()
+    };
+    let (stack, key) = STACK;
+    let mut found = inherited(stack, Some(key));
+    if root.at(stack).and_then(Node::table).is_some_and(|table| !table.contains_key(key)) {
+        found.push(Assumed {
+            key: format!("{stack}.{key}"),
+            value: crate::keys::plant::DEFAULT_FORCE_FACTOR_N_PER_V,
+            base: None,
+        });
+    }
+    let contacts = root.at("contact").and_then(Node::table).into_iter().flatten();
+    let laws = contacts.filter(|(_, entry)| matches!(entry.node.value, Value::Table(_)));
+    found.extend(laws.flat_map(|(law, _)| inherited(&format!("contact.{law}"), None)));
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{load, load_text};
+
+    fn assumed(text: &str, sets: &[&str]) -> Vec<String> {
+        let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+        let loaded = load_text("mine.toml", text, &sets).unwrap_or_else(|error| panic!("{error}"));
+        loaded.assumed.iter().map(super::Assumed::text).collect()
+    }
+
+    #[test]
+    fn a_partly_given_contact_is_assumed_in_its_other_values() {
+        let mine = "base = \"contact-kinematic\"\ngrid = false\n[contact.dahl]\nmu = 0.4\n";
+        let [normal, stiffness] = assumed(mine, &[]).try_into().expect("two values");
+        assert!(
+            normal.starts_with("contact.dahl.normal_n = ") && normal.ends_with("(from the scene contact-kinematic)"),
+            "{normal}"
+        );
+        assert!(stiffness.starts_with("contact.dahl.stiffness_n_per_m = "), "{stiffness}");
+        let given = ["contact.dahl.stiffness_n_per_m=1e6", "contact.dahl.normal_n={ low = 1, high = 2 }"];
+        assert!(assumed(mine, &given).is_empty());
+        // Another excitation of the same contact.
+        assert!(assumed("base = \"contact-kinematic\"\n", &["excitation.frequency_hz=70e3"]).is_empty());
+    }
+
+    #[test]
+    fn a_force_factor_is_assumed_unless_it_is_given_for_this_stack() {
+        let of_base = ["stack.bvd.force_factor_n_per_v = 5.566 (from the scene lock)"];
+        assert_eq!(assumed("base = \"lock\"\n[stack.bvd]\nq = 200\n", &[]), of_base);
+        assert_eq!(assumed("base = \"lock\"\n", &["stack.bvd.q=200"]), of_base);
+        assert!(assumed("base = \"lock\"\n", &["stack.bvd.q=200", "stack.bvd.force_factor_n_per_v=2"]).is_empty());
+        for (name, _) in crate::builtin::all() {
+            // Those of an electrical measurement have no force factor.
+            let assumed = load(name, &[]).expect("built in").assumed;
+            assert!(assumed.is_empty() || name.starts_with("transducer-") && assumed[0].base.is_none(), "{name}");
+        }
+        let mut alone = crate::builtin::text("lock").expect("built in").to_owned();
+        alone = alone.lines().filter(|line| !line.contains("force_factor_n_per_v")).map(|line| format!("{line}\n")).collect();
+        assert_eq!(assumed(&alone, &[]), ["stack.bvd.force_factor_n_per_v = 1 (the default)"]);
+    }
+}
