@@ -242,8 +242,9 @@
       if (curve.style === "band") {
         const edge = { ...base, stroke: "transparent", tint: curve.color + "55" };
         bands.push({ series: [series.length + 1, series.length], fill: curve.color + "38" });
-        series.push({ ...edge, label: `${curve.name}, lower` });
-        series.push({ ...edge, label: `${curve.name}, upper` });
+        const short = curve.name.split(/[:,]/)[0];
+        series.push({ ...edge, label: `${short}, lower` });
+        series.push({ ...edge, label: `${short}, upper` });
       }
     }
     return { series, bands, data: tables.length ? uPlot.join(tables) : [[]] };

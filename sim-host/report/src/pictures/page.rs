@@ -36,7 +36,7 @@ pub(super) fn page(report: &Report, formats: &[PictureFormat]) -> Result<String,
         tiles(&report.summary),
         // The answer and its figure come first, the reasons follow.
         panels.next().unwrap_or_default(),
-        report.paragraphs.iter().map(|p| format!("<p class=\"prose\">{}</p>\n", escape(p))).collect(),
+        report.paragraphs.iter().map(|p| format!("<p class=\"prose\">{}</p>\n", prose(p))).collect(),
         report.crash.as_ref().map(crash_section::section).transpose()?.unwrap_or_default(),
         contents(&report.figures),
         report.tables.iter().map(table).collect(),
@@ -77,9 +77,19 @@ pub(super) fn is_forbidden(letter: char) -> bool {
     letter.is_control() && !matches!(letter, '\t' | '\n' | '\r') || matches!(letter, '\u{fffe}' | '\u{ffff}')
 }
 
+/// Escapes a sentence; names between backticks are code.
+fn prose(text: &str) -> String {
+    let parts: Vec<String> = text.split('`').map(escape).collect();
+    if parts.len().is_multiple_of(2) {
+        return parts.join("`");
+    }
+    let code = |(at, part): (usize, &String)| if at % 2 == 1 { format!("<code>{part}</code>") } else { part.clone() };
+    parts.iter().enumerate().map(code).collect()
+}
+
 /// Returns a text element, or nothing for an empty text.
 fn element(open: &str, text: &str, close: &str) -> String {
-    if text.is_empty() { String::new() } else { format!("{open}{}{close}\n", escape(text)) }
+    if text.is_empty() { String::new() } else { format!("{open}{}{close}\n", prose(text)) }
 }
 
 fn heading(report: &Report) -> String {
@@ -101,10 +111,10 @@ fn tiles(summary: &[(String, String)]) -> String {
 /// its unit.
 fn result(value: &str) -> String {
     let joined = |text: &str| if is_number(text.trim_start_matches('(')) { text.replace(' ', "\u{a0}") } else { text.to_owned() };
-    match value.split_once(" (") {
-        Some((value, rest)) => format!("{} <small>{}</small>", escape(&joined(value)), escape(&joined(&format!("({rest}")))),
-        None => escape(&joined(value)),
-    }
+    let Some((value, rest)) = value.split_once(" (") else { return escape(&joined(value)) };
+    // A line may break between two remarks in brackets.
+    let remarks = format!("({rest}").split_inclusive(") ").map(|remark| joined(remark.trim_end())).collect::<Vec<_>>().join(" ");
+    format!("{} <small>{}</small>", escape(&joined(value)), escape(&remarks))
 }
 
 fn footer(entries: &[(String, String)]) -> String {
@@ -200,7 +210,7 @@ fn panel(figure: &Figure, formats: &[PictureFormat]) -> Result<String, String> {
         "<figure id=\"{id}\">\n{}{card}<figcaption>\n<p>{}</p>\n\
          <span class=\"files\" title=\"Files next to this page\">{}</span>\n</figcaption>\n</figure>\n",
         element("<h2>", &figure.title, "</h2>"),
-        escape(&figure.caption),
+        prose(&figure.caption),
         files.join(" · "),
     ))
 }
@@ -300,12 +310,14 @@ mod tests {
     /// The answer and its figure are before everything else.
     #[test]
     fn the_first_figure_follows_the_tiles() {
-        let summary = vec![("ratio".to_owned(), "0.068 N (95 %: 0.061 to 0.129)".to_owned())];
-        let report = Report { summary, paragraphs: vec!["Reason".into()], figures: vec![figure(false)], ..Report::default() };
+        let summary = vec![("ratio".to_owned(), "0.068 N (95 %: 0.061 to 0.129) (assumed)".to_owned())];
+        let report =
+            Report { summary, paragraphs: vec!["Reason `a<b`".into()], figures: vec![figure(false)], ..Report::default() };
         let html = page(&report, &PictureFormat::ALL).unwrap();
         let at = |text: &str| html.find(text).unwrap_or_else(|| panic!("{text}: {html}"));
         assert!(at("<dl class=\"tiles\">") < at("<figure") && at("<figure") < at("Reason"));
-        at("0.068\u{a0}N <small>(95\u{a0}%:\u{a0}0.061\u{a0}to\u{a0}0.129)</small>");
+        at("0.068\u{a0}N <small>(95\u{a0}%:\u{a0}0.061\u{a0}to\u{a0}0.129) (assumed)</small>");
+        at("Reason <code>a&lt;b</code>");
     }
 
     #[test]

@@ -49,9 +49,8 @@ pub(super) fn write(
     let mut summary = Vec::new();
     for metric in layout.metrics.iter().take(MAX_TILES) {
         let ([low, _, high], _) = spread(file, metric)?;
-        let unit = unit(metric);
-        summary
-            .push((metric.clone(), format!("{low} to {high}{}", if unit == "1" { String::new() } else { format!(" {unit}") })));
+        let unit = Some(unit(metric)).filter(|unit| unit != "1").map_or_else(String::new, |unit| format!(" {unit}"));
+        summary.push((figures::words(metric), format!("{low} to {high}{unit}")));
     }
     let counts = [("points", plan.count()), ("without result", failures)].into_iter().filter(|(_, count)| *count > 0);
     summary.extend(counts.map(|(label, count)| (label.to_owned(), count.to_string())));

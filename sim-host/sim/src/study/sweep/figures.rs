@@ -102,11 +102,21 @@ impl Data<'_> {
         (if tail == name { words_of(name) } else { tail.to_owned() }, unit(key))
     }
 
+    /// Returns the metric in words.
+    fn words(&self) -> String {
+        words(self.metric)
+    }
+
     /// Returns the axis of a key.
     fn axis(&self, place: usize) -> Axis {
         let (words, unit) = self.key(place);
         Axis { log: self.logs[place], ..Axis::of(&words, &unit) }
     }
+}
+
+/// Returns a metric in words, without its unit.
+pub(crate) fn words(metric: &str) -> String {
+    axis(metric).label.split(" [").next().unwrap_or(metric).to_owned()
 }
 
 /// Returns the axis of a metric.

@@ -6,11 +6,10 @@ use report::{Figure, Series, Style};
 
 /// Draws the metric over the only key.
 pub(super) fn curve(data: &Data) -> Figure {
-    let key = &data.keys[0];
     let mut points: Vec<(f64, f64)> = data.values[0].iter().copied().zip(data.results.iter().copied()).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (x, y) = points.into_iter().unzip();
-    let title = format!("{} over {key}", data.metric);
+    let title = format!("{} over {}", data.words(), data.key(0).0);
     Figure {
         x: data.axis(0),
         y: axis(data.metric),
@@ -25,7 +24,6 @@ pub(super) fn curve(data: &Data) -> Figure {
 pub(super) fn family(data: &Data, (rows, columns): (u64, u64)) -> Figure {
     let along = usize::from(columns >= rows);
     let (long, short) = (rows.max(columns), rows.min(columns));
-    let (key, other) = (&data.keys[along], &data.keys[1 - along]);
     let place = |line: usize, at: usize| if along == 1 { line * columns as usize + at } else { at * columns as usize + line };
     let curves = short.min(MAX_FAMILY) as usize;
     let lines: Vec<usize> = (0..curves).map(|n| n * (short as usize - 1) / (curves - 1).max(1)).collect();
@@ -51,10 +49,11 @@ pub(super) fn family(data: &Data, (rows, columns): (u64, u64)) -> Figure {
         interactive: true,
         ..figure(
             "family",
-            format!("{} over {key}", data.metric),
+            format!("{} over {}", data.words(), data.key(along).0),
             &format!(
-                "A curve for {} of {short} values of {other}. Each point is a separate run.",
-                if curves < short as usize { "some" } else { "each" }
+                "A curve for {} of {short} values of `{}`. Each point is a separate run.",
+                if curves < short as usize { "some" } else { "each" },
+                data.keys[1 - along]
             ),
             data,
         )
@@ -68,7 +67,7 @@ pub(super) fn dots(data: &Data, key: usize) -> Figure {
     let name = &data.keys[key];
     let figure = figure(
         "over",
-        format!("{} over {name}", data.metric),
+        format!("{} over {}", data.words(), data.key(key).0),
         "Points of the sample, at most 2000; all other keys have different values at each point.",
         data,
     );

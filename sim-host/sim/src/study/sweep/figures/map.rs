@@ -20,7 +20,7 @@ pub(super) fn draw(data: &Data, (rows, columns): (u64, u64)) -> Figure {
     } else {
         String::new()
     };
-    let title = format!("{} over {} and {}", data.metric, data.keys[1], data.keys[0]);
+    let title = format!("{} over {} and {}", data.words(), data.key(1).0, data.key(0).0);
     let (x, y) = (&data.values[1], &data.values[0]);
     Figure {
         x: data.axis(1),
