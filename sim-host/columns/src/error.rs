@@ -15,6 +15,14 @@ pub enum TableError {
     /// The file is binary and has another format, or is damaged.
     #[error("{0}")]
     Binary(String),
+    /// The table has too many lines.
+    #[error("it has {lines} lines, but at most {most} are read; save fewer rows, or means of them")]
+    Long {
+        /// Number of lines.
+        lines: usize,
+        /// Largest number of lines.
+        most: usize,
+    },
     /// A comma in a number may separate thousands or decimals.
     #[error(
         "`{cell}` may have a decimal comma or a comma between thousands; write the numbers of the table with a decimal point"
@@ -65,7 +73,7 @@ impl TableError {
     /// Returns the number of the line with the error, from 1.
     pub fn line(&self) -> Option<usize> {
         match self {
-            TableError::Empty | TableError::NoNumbers { .. } | TableError::Binary(_) => None,
+            TableError::Empty | TableError::NoNumbers { .. } | TableError::Binary(_) | TableError::Long { .. } => None,
             TableError::Interrupted { line, .. }
             | TableError::Cells { line, .. }
             | TableError::Comma { line, .. }

@@ -14,6 +14,9 @@ use crate::heading::is_time_name;
 use crate::text::{beginning, is_overflow, number};
 use crate::unit::Unit;
 
+/// Largest number of lines: a table with more takes longer than 10 s to read.
+const MAX_LINES: usize = 10_000_000;
+
 /// A table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
@@ -151,6 +154,10 @@ struct Line<'a> {
 /// # Errors
 /// [`TableError`], with the line that causes it.
 pub fn read(text: &str, names: Option<&str>) -> Result<Table, TableError> {
+    let lines = text.bytes().filter(|byte| *byte == b'\n').count();
+    if lines > MAX_LINES {
+        return Err(TableError::Long { lines, most: MAX_LINES });
+    }
     let all: Vec<&str> = text.lines().collect();
     let form = Form::find(&all);
     let lines: Vec<Line> = all

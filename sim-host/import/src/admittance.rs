@@ -11,6 +11,7 @@ mod memory;
 pub mod options;
 mod passivity;
 mod result;
+mod samples;
 mod scene_file;
 mod start;
 mod sweep;

@@ -155,12 +155,14 @@ impl From<TableError> for ImportError {
     fn from(error: TableError) -> Self {
         let what = error.to_string();
         match error {
-            TableError::Empty | TableError::NoNumbers { .. } | TableError::Binary(_) => ImportError::UnknownForm {
-                seen: format!(
-                    "{what}; expected a table with columns of numbers, separated by commas, semicolons, tabs or blanks. An \
+            TableError::Empty | TableError::NoNumbers { .. } | TableError::Binary(_) | TableError::Long { .. } => {
+                ImportError::UnknownForm {
+                    seen: format!(
+                        "{what}; expected a table with columns of numbers, separated by commas, semicolons, tabs or blanks. An \
                      admittance may also be a Touchstone file (.s1p, .s2p)"
-                ),
-            },
+                    ),
+                }
+            }
             TableError::Interrupted { line, .. } | TableError::Cells { line, .. } => {
                 ImportError::BadLine { line, what: format!("{what}; fix or delete the line, or give one sweep per file") }
             }

@@ -54,6 +54,27 @@ fn stated_deviations_cover_the_truth_in_many_formats() {
     assert!((0.89..=0.995).contains(&part), "{covered} of {all}");
 }
 
+/// The draws have the deviations of the fit, and Lm and Cm keep the resonance.
+#[test]
+fn draws_are_as_uncertain_as_the_fit() {
+    let text = table(0.04, (0..400).map(|n| 39e3 + 5.0 * f64::from(n)));
+    let found = fit("drawn", parse("a.csv", &text, &Options::default()).unwrap(), None).unwrap();
+    let samples = found.samples().unwrap();
+    let rows: Vec<Vec<f64>> =
+        samples.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert_eq!((samples.lines().next(), rows.len()), (Some("c0_f,cm_f,lm_h,rm_ohm"), 256));
+    let is_as_stated = |stated: Value, of: &dyn Fn(&[f64]) -> f64| {
+        let mean = rows.iter().map(|row| of(row)).sum::<f64>() / 256.0;
+        let sd = (rows.iter().map(|row| (of(row) - mean).powi(2)).sum::<f64>() / 255.0).sqrt();
+        assert!((sd / stated.sd - 1.0).abs() < 0.2 && (mean - stated.value).abs() < 0.3 * stated.sd, "{stated:?} {mean} {sd}");
+    };
+    is_as_stated(found.circuit.c0_f, &|row| row[0]);
+    is_as_stated(found.circuit.cm_f, &|row| row[1]);
+    is_as_stated(found.circuit.rm_ohm, &|row| row[3]);
+    let hz = |row: &[f64]| 1.0 / (std::f64::consts::TAU * (row[1] * row[2]).sqrt());
+    is_as_stated(found.circuit.series_resonance_hz, &hz);
+}
+
 /// Contradictory columns and impossible cells are refused with their place.
 #[test]
 fn ambiguous_columns_and_impossible_cells_are_refused() {

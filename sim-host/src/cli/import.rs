@@ -200,6 +200,7 @@ fn import_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<Exit
     let import = || admittance::import(&args.file, &options);
     finish((common, owner), std::slice::from_ref(&args.file), import, color, |found, source| Imported {
         scene: found.scene(&source).filter(|_| args.force || !found.is_doubtful()),
+        samples: found.samples(),
         report: found.report(&source),
         json: found.json(None),
         notes: notes(&found.warnings),
@@ -250,7 +251,7 @@ fn import_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<Exit> {
             }
         };
         notes.extend(scene.as_ref().err().map(|missing| format!("note: no scene is written: it needs {missing}")));
-        Imported { scene: scene.ok(), report, json, notes, source }
+        Imported { scene: scene.ok(), samples: None, report, json, notes, source }
     })
 }
 
@@ -265,6 +266,8 @@ struct Imported {
     source: String,
     /// Scene of the result, if it has one.
     scene: Option<String>,
+    /// Random draws of the result for a scene, as CSV.
+    samples: Option<String>,
     /// Report of the result.
     report: Report,
     /// Result as JSON, still without the path of its scene.
@@ -356,6 +359,9 @@ fn write(folder: &Folder, found: &Imported, scene: Option<(&str, &str)>) -> anyh
     };
     if let Some((name, text)) = scene {
         put(name, text)?;
+        if let Some(samples) = &found.samples {
+            put("samples.csv", samples)?;
+        }
     }
     put("summary.json", &format!("{:#}\n", with_scene(&found.json, scene.map(|(name, _)| name))))?;
     Ok(folder.finish(json!({ "imported": found.source, "complete": true }))?)

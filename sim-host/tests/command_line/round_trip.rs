@@ -30,6 +30,22 @@ fn admittances_of_scan_commission_and_run_are_imported() {
     }
 }
 
+/// The scene of an import runs with the draws that are written next to it.
+#[test]
+fn an_imported_transducer_is_as_uncertain_as_its_fit() {
+    let folder = Folder::new("drawn-import");
+    let dir = |name: &str| format!("{}/{name}", folder.text());
+    run(&["run", "lock", "-q", "-o", &dir("run")]);
+    run(&["import", "admittance", &dir("run/admittance.csv"), "-q", "-o", &dir("import")]);
+    let samples = dir("import/samples.csv");
+    let sets = ["c0_f", "cm_f", "lm_h", "rm_ohm"]
+        .map(|key| format!("stack.bvd.{key}={{ samples = \"{samples}\", column = \"{key}\" }}"));
+    let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
+    let scene = dir("import/admittance.toml");
+    let found = run(&[&["run", &scene, "--samples", "4", "--no-report", "-q"], &sets[..]].concat());
+    assert!(found["runs"] == 4 && found["metrics"]["frequency_bias_hz"].is_number(), "{found}");
+}
+
 #[test]
 fn the_result_of_a_sweep_is_a_file_of_points() {
     let folder = Folder::new("points-again");

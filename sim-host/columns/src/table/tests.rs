@@ -110,6 +110,12 @@ fn commas_that_may_separate_thousands_are_refused() {
 }
 
 #[test]
+fn a_table_that_would_take_too_long_is_refused() {
+    let refused = read(&"1\n".repeat(MAX_LINES + 1), None);
+    assert_eq!(refused, Err(TableError::Long { lines: MAX_LINES + 1, most: MAX_LINES }));
+}
+
+#[test]
 fn an_unknown_unit_below_names_is_not_a_name() {
     let headings = |text: &str| read(text, None).unwrap().headings();
     assert_eq!(headings("Timestamp,u\nticks,V\n0,1\n1,2\n"), ["Timestamp [ticks]", "u [V]"]);

@@ -56,6 +56,12 @@ impl Circuit {
     /// Names of the values, in their order.
     pub const NAMES: [&str; 9] =
         ["series_resonance_hz", "parallel_resonance_hz", "q", "rm_ohm", "lm_h", "cm_f", "c0_f", "coupling", "loss_tangent"];
+
+    /// Returns the values, in the order of the names.
+    pub(super) fn values(&self) -> [Value; 9] {
+        let c = self;
+        [c.series_resonance_hz, c.parallel_resonance_hz, c.q, c.rm_ohm, c.lm_h, c.cm_f, c.c0_f, c.coupling, c.loss_tangent]
+    }
 }
 
 /// Resonance of the sweep.

@@ -74,6 +74,9 @@ impl Admittance {
         numbers(&mut text, "sensors", &sensors[..if sample_hz == SAMPLE_HZ { 2 } else { 3 }]);
         numbers(&mut text, "amplifier", &[("full_scale_v", 2.5 * DRIVE_V)]);
         let exact = |value: f64| rounded(value, 7);
+        text.push_str(
+            "\n# As uncertain as the fit: c0_f = { samples = \"samples.csv\", column = \"c0_f\" }, and so on for cm_f, lm_h, rm_ohm.",
+        );
         numbers(
             &mut text,
             "stack.bvd",
