@@ -88,10 +88,10 @@ fn columns(bytes: Vec<u8>) -> Result<Table, ParquetError> {
     };
     let names = meanings.iter().enumerate().map(named).collect();
     let mut columns = Vec::new();
-    for place in 0..schema.num_columns() {
+    for (place, meaning) in meanings.iter().enumerate() {
         let optional = schema.column(place).max_def_level() > 0;
         let mut values: Vec<f64> = Vec::new();
-        let (meaning, mut origin) = (&meanings[place], None);
+        let mut origin = None;
         for group in 0..file.num_row_groups() {
             let group = file.get_row_group(group)?;
             let rows = group.metadata().num_rows().max(0) as usize;

@@ -159,9 +159,10 @@ impl Columns {
         let scale = match wanted.base() {
             None => 1.0,
             // A ratio, also in percent.
-            Some("1") => match heading.unit.filter(|unit| !["", "1", "-"].contains(unit)) {
-                unit => 0.01 * factor(&self.names[at], unit, "%")?.unwrap_or(100.0),
-            },
+            Some("1") => {
+                let unit = heading.unit.filter(|unit| !["", "1", "-"].contains(unit));
+                0.01 * factor(&self.names[at], unit, "%")?.unwrap_or(100.0)
+            }
             Some(base) => factor(&self.names[at], heading.unit, base)?
                 .or_else(|| units.factor_to(base))
                 .ok_or_else(|| unit_missing(format!("the column `{}`", self.names[at]), base))?,
