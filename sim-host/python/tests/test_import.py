@@ -51,7 +51,7 @@ def test_several_files_are_conditions(tmp_path):
     # Coulomb friction under vibration along the sliding: 2 / pi asin(v / tip).
     for speed in (0.05, 0.1, 0.15):
         for state, ratio in (("off", 1.0), ("on", 2 / np.pi * np.arcsin(speed / 0.25))):
-            noise = 1 + 0.01 * np.random.default_rng(int(1000 * speed)).standard_normal(12)
+            noise = 1 + 0.01 * np.random.default_rng(int(1000 * speed)).standard_normal(40)
             rows = "\n".join(f"{3 * ratio * factor}" for factor in noise)
             (tmp_path / f"speed={speed}mps_{state}.csv").write_text(f"F [N]\n{rows}\n")
     files = sorted(tmp_path.glob("*.csv"))
