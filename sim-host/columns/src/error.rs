@@ -16,7 +16,7 @@ pub enum TableError {
     #[error("{0}")]
     Binary(String),
     /// The table has too many lines.
-    #[error("it has {lines} lines, but at most {most} are read; save fewer rows, or means of them")]
+    #[error("it has {lines} lines, but at most {most} are read; save fewer rows, or averages")]
     Long {
         /// Number of lines.
         lines: usize,

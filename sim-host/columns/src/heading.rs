@@ -181,6 +181,7 @@ mod tests {
             ("meganewton", "N", 1e6),
             ("deg", "rad", std::f64::consts::PI / 180.0),
             ("mrad", "rad", 1e-3),
+            ("Grad", "rad", std::f64::consts::PI / 180.0),
             ("mm·s⁻¹", "m/s", 1e-3),
             ("mm s^-1", "m/s", 1e-3),
             ("m s^-2", "m/s^2", 1.0),
@@ -189,7 +190,7 @@ mod tests {
             let found = factor(from, to).unwrap_or_else(|| panic!("{from}"));
             assert!((found / expected - 1.0).abs() < 1e-12, "{from}: {found}");
         }
-        assert!(["furlong", "", "REAL", "Z", "1e3"].iter().all(|name| Unit::parse(name).is_none()));
+        assert!(["furlong", "grad", "", "REAL", "Z", "1e3"].iter().all(|name| Unit::parse(name).is_none()));
         assert!(["MN", "mohm", "MOHM"].iter().all(|name| Unit::parse(name).is_some_and(|unit| unit.is_ambiguous())));
         assert_eq!((factor("mm", "m/s"), factor("S", "s")), (None, None));
         let like =

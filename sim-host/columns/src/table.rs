@@ -305,7 +305,7 @@ fn heading(lines: &[&str], first: usize, width: usize, all: usize, form: Form) -
         if cells.len() == all {
             cells.truncate(width);
         }
-        // Behind the names, some oscilloscopes write settings, as `tInc=1e-6`.
+        // After the names, some oscilloscopes write settings, as `tInc=1e-6`.
         while cells.len() > width && cells.last().is_some_and(|cell| cell.is_empty() || cell.contains('=')) {
             cells.pop();
         }

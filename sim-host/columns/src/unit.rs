@@ -193,6 +193,8 @@ fn cased(text: &str) -> Option<Unit> {
     let lower = text.to_lowercase().replace(['µ', 'μ'], "u").replace('ω', "ohm").replace('°', "deg").replace(['*', ' ', '·'], "");
     let unit = match text {
         "nm" => simple("nm", "m", 1e-9),
+        // German; in lower case it may be the gon.
+        "Grad" => simple("degrees", "turns", 1.0 / 360.0),
         _ => match lower
             .strip_suffix('s')
             .filter(|prefix| text.ends_with('S') && (prefix.is_empty() || text.starts_with(char::is_lowercase)))

@@ -37,6 +37,18 @@ pub enum ImportError {
         /// Error of the line.
         what: String,
     },
+    /// Two columns have the same quantity.
+    #[error(
+        "the columns `{}` and `{}` have the same quantity; list all columns with `--columns`, and write `-` for the one to ignore",
+        columns::beginning(first),
+        columns::beginning(second)
+    )]
+    SameQuantity {
+        /// Heading of the first column.
+        first: String,
+        /// Heading of the other column.
+        second: String,
+    },
     /// A column has no unit, neither in its heading nor by option.
     #[error("unit missing: {column} has no unit; {help}")]
     UnitMissing {

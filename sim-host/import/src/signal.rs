@@ -195,7 +195,7 @@ impl Signal {
                 if unit_s.is_none() && sample_s > MAX_STEP_WITHOUT_UNIT {
                     return Err(SignalError::UnitMissing { path: path.to_owned(), name: name.to_owned() });
                 }
-                let inferred = || format!("`{name}` has no unit: only s gives a plausible sampling rate");
+                let inferred = || format!("`{name}` has no unit: s is assumed, as ms would be a sampling rate above 100 MHz");
                 (start_s, sample_s, unit_s.is_none().then(inferred))
             }
             (None, None) => return Err(SignalError::Time { path: path.to_owned(), columns: columns.listed() }),

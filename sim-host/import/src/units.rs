@@ -18,6 +18,8 @@ const MIN_RADIANS: f64 = 1.0;
 const MAX_RADIANS: f64 = 3.15;
 /// Maximum of angles above which they cannot be radians.
 const IMPOSSIBLE_RADIANS: f64 = 6.3;
+/// Largest angle in radians after unwrapping; larger ones are degrees.
+const MAX_UNWRAPPED_RADIANS: f64 = 60.0;
 /// Largest angle in degrees.
 const MAX_DEGREES: f64 = 360.0;
 
@@ -111,7 +113,7 @@ pub(crate) fn to_si(heading: &Known, values: &mut [f64], units: &Units, remarks:
     };
     values.iter_mut().for_each(|value| *value *= sign * factor);
     let largest = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    if heading.quantity.base() == Some("rad") && factor == 1.0 && largest > IMPOSSIBLE_RADIANS {
+    if heading.quantity.base() == Some("rad") && factor == 1.0 && largest > MAX_UNWRAPPED_RADIANS {
         let (column, unit) = (heading.text.clone(), "rad".to_owned());
         return Err(ImportError::UnitUnknown { column, unit, help: format!("angles up to {largest} are not in radians") });
     }

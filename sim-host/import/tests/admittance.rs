@@ -104,6 +104,11 @@ fn ambiguous_columns_and_impossible_cells_are_refused() {
     let text = format!("f [Hz],S11 (dB),Phase(deg),|Z|(Ohm)\n{}", rows(&s11));
     let sweep = parse("a.csv", &text, &Options::default()).unwrap();
     assert!((sweep.admittance[50] / admittance(39_500.0, 0.04) - 1.0).norm() < 1e-6, "{:?}", sweep.admittance[50]);
+    // With several magnitudes before it, it is that of the impedance.
+    let both = |hz: f64| format!("{hz},{:e},{:e},{}", polar(hz).0, 1.0 / polar(hz).0, polar(hz).1.to_degrees());
+    let text = format!("f [Hz],|Z| [ohm],|Y| [S],Phase [deg]\n{}", rows(&both));
+    let sweep = parse("a.csv", &text, &Options::default()).unwrap();
+    assert!((sweep.admittance[50] / admittance(39_500.0, 0.04) - 1.0).norm() < 1e-6, "{:?}", sweep.admittance[50]);
     // Repeated frequencies are averaged.
     let twice: String = table(0.04, (0..200).flat_map(|n| [39e3 + 10.0 * f64::from(n); 2]));
     let sweep = parse("a.csv", &twice, &Options::default()).unwrap();

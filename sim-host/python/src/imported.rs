@@ -71,7 +71,7 @@ pub fn import_admittance<'py>(
     let topology = self::topology(topology)?;
     let mode = mode.map(|mode| mode.to_string().parse()).transpose();
     let mode = mode.map_err(|why: String| PyValueError::new_err(format!("mode: {why}")))?;
-    let options = Options { z0_ohm, topology, units, columns, open, short, series_ohm, modes, mode };
+    let options = Options { z0_ohm: Some(z0_ohm), topology, units, columns, open, short, series_ohm, modes, mode };
     let file = path.clone();
     let found = interruptible::run_detached(py, move || admittance::import(&file, &options))?;
     let found = found.map_err(|error| import_error(&path, &error))?;

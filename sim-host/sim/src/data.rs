@@ -208,7 +208,7 @@ pub fn files() -> Vec<DataFile> {
                 (
                     "assumed",
                     "",
-                    "Values of stack and contact that nobody gave for this case: `key`, `value`, and `base`, the built-in scene that \
+                    "Values of stack and contact that the user did not set: `key`, `value`, and `base`, the built-in scene that \
                      the value is from (absent for a default), if there are any",
                 ),
                 ("drive_hash", "", "As in `manifest.json`; absent for a contact study"),

@@ -85,7 +85,7 @@ pub struct Study<'a> {
     pub judged: Vec<Judged>,
     /// Parts that the scene inherits from its base; `None` without a base.
     pub inherited: Option<Inherited>,
-    /// Values that nobody gave for this transducer or contact.
+    /// Values that the user did not set for this transducer or contact.
     pub assumed: Vec<Assumed>,
     /// Results of the scene's grid.
     pub grid: Option<GridResult>,

@@ -70,7 +70,8 @@ pub fn summary(study: &Study) -> Value {
     with_own(with_provisos(summary, study), study)
 }
 
-/// Adds the measured curves that are not shown, and the values that nobody gave, if there are any.
+/// Adds the measured curves that are not shown, and the values that the user did not set, if there
+/// are any.
 pub(crate) fn with_provisos(mut of: Value, study: &Study) -> Value {
     let not_drawn = tables::not_drawn(study);
     if !not_drawn.is_empty() {

@@ -95,21 +95,23 @@ pub fn remarks(study: &Study) -> Vec<String> {
     remarks
 }
 
-/// Returns a remark on the values that nobody gave.
+/// Returns a remark on the values that the user did not set.
 fn assumed(study: &Study) -> Option<String> {
     let values: Vec<String> = study.assumed.iter().map(Assumed::text).collect();
     let follow = "Results that follow from them are marked \"assumed\"";
-    (!values.is_empty()).then(|| format!("Assumed, because nobody gave a value for this case: {}. {follow}.", values.join(", ")))
+    (!values.is_empty()).then(|| format!("Assumed, because you did not set them: {}. {follow}.", values.join(", ")))
 }
 
-/// Returns `" (assumed)"` if a metric, or the label of one, follows from a value that nobody gave.
+/// Returns `" (assumed)"` if a metric, or the label of one, follows from a value that the user did
+/// not set.
 fn mark(study: &Study, metric: &str) -> &'static str {
     let has = |words: &[&str]| words.iter().any(|word| metric.contains(word));
-    let of_contact = has(&["friction", "reduction", "breakaway", "kappa"])
-        || study.scene.controller.is_none() && has(&["ratio"]) && !has(&["velocity"]);
-    // A contact on a stack is vibrated through its force factor.
-    let of_motion = of_contact || has(&["velocity", "displacement", "tip"]);
-    let follows = |assumed: &Assumed| if assumed.is_contact() { of_contact } else { of_motion };
+    let words =
+        ["friction", "reduction", "breakaway", "kappa", "load_cell", "release", "hold", "creep", "detent", "slip", "ripple"];
+    let of_contact = has(&words) || study.scene.controller.is_none() && has(&["ratio"]) && !has(&["velocity"]);
+    // A contact on a stack is vibrated through its force factor, while the drive is ON.
+    let of_stack = (of_contact || has(&["velocity", "displacement", "tip"])) && !has(&["off", "OFF", "wanted", "estimate"]);
+    let follows = |assumed: &Assumed| if assumed.is_contact() { of_contact } else { of_stack };
     if study.assumed.iter().any(follows) { " (assumed)" } else { "" }
 }
 
@@ -147,8 +149,14 @@ pub fn headline(study: &Study) -> Vec<(String, String)> {
         study.metrics.get(metric).map(|value| (label.to_owned(), format!("{} {unit}", number(value)).trim_end().to_owned()))
     };
     // Averages of a run that ended in a fault are those before it.
-    let before = if study.run().and_then(driven::fault).is_some() { " (until the fault)" } else { "" };
-    let tiles = first.into_iter().chain(lines.iter().filter_map(tile).map(|(label, value)| (label, value + before)));
+    let is_fault = study.run().and_then(driven::fault).is_some();
+    let is_mean = |label: &str| ["friction", "velocity", "bias"].iter().any(|word| label.contains(word));
+    let before = |label: &str| if is_fault && is_mean(label) { " (until the fault)" } else { "" };
+    let until = |(label, value): (String, String)| {
+        let value = value + before(&label);
+        (label, value)
+    };
+    let tiles = first.into_iter().chain(lines.iter().filter_map(tile).map(until));
     tiles
         .map(|(label, value)| {
             let value = value + mark(study, &label);

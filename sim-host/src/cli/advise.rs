@@ -125,7 +125,8 @@ pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<Exit> {
     let case = Case::of(&loaded, numbers, &wishes).map_err(AdviceError::from).map_err(named)?;
     if args.amplifier {
         // The scene's force factor is that of another transducer.
-        let of_other = numbers.is_some() && !args.sets.iter().any(|set| set.starts_with(FORCE_FACTOR));
+        let is_built_in = scene::builtin::text(&loaded.origin).is_some();
+        let of_other = numbers.is_some() && is_built_in && !args.sets.iter().any(|set| set.starts_with(FORCE_FACTOR));
         let assumed = of_other || loaded.assumed.iter().any(|assumed| assumed.key == FORCE_FACTOR);
         let omega = case.parts().map_or(f64::NAN, |parts| parts.circuit.omega());
         let tip_m_per_s = args.tip_m_per_s.or(args.tip_m.map(|tip_m| omega * tip_m));

@@ -65,9 +65,9 @@ struct AdmittanceArgs {
     #[arg(long = "unit", value_name = "UNIT")]
     units: Vec<String>,
     /// Reference resistance of scattering parameters in a table, ohm. Touchstone files state their
-    /// own.
-    #[arg(long, value_name = "OHM", default_value_t = 50.0, value_parser = ohm)]
-    z0: f64,
+    /// own. Default: 50.
+    #[arg(long, value_name = "OHM", value_parser = ohm)]
+    z0: Option<f64>,
     /// Connection of the transducer to the network analyser. Default: one port for .s1p; for .s2p
     /// derived from the data.
     #[arg(long, value_enum)]

@@ -29,7 +29,7 @@ pub(super) struct SpectrumArgs {
     #[arg(short, long, value_enum, default_value_t = Methods::Stft)]
     method: Methods,
     /// Column of times. Default: the first with such a name, as `time_s` or `t [ms]`. The name
-    /// states the unit; without one it is s.
+    /// states the unit; without one, give it as `t [ms]`.
     #[arg(long, value_name = "NAME", conflicts_with = "sample_hz")]
     time: Option<String>,
     /// Sample rate of a file without times, Hz.

@@ -115,7 +115,8 @@ fn columns(bytes: Vec<u8>) -> Result<Table, ParquetError> {
             }
         }
         let text = || match schema.column(place).logical_type_ref() {
-            Some(kind) => format!("of the type {kind:?}"),
+            Some(LogicalType::Decimal(_)) => "a decimal number stored as bytes; save it as float64".to_owned(),
+            Some(kind) => format!("of the type {}", format!("{kind:?}").split('(').next().unwrap_or_default()),
             None => format!("of the type {}", schema.column(place).physical_type()),
         };
         let is_number = values.iter().any(|value| !value.is_nan());

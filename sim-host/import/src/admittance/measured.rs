@@ -20,6 +20,8 @@ use crate::traces;
 use crate::units::{numbers, to_si};
 use columns::{Table, file, formats};
 
+/// Usual reference resistance of scattering parameters, ohm.
+const Z0_OHM: f64 = 50.0;
 /// Largest number of lines of a preamble.
 const MAX_PREAMBLE_LINES: usize = 200;
 /// Minimum number of points of a measured series next to a computed one.
@@ -196,21 +198,17 @@ fn from_table(bytes: &[u8], text: Option<&str>, options: &Options) -> Result<Mea
         pairs.into_iter().flat_map(|pair| subjects.map(|subject| (pair, subject))).find_map(|((first, second), subject)| {
             let other = column(Quantity::Of(Some(subject), second));
             let own = column(Quantity::Of(Some(subject), first))?;
-            // An angle that names no quantity belongs to the quantity before it.
-            let quantity = |at: usize| known[at].as_ref().map(|known| known.quantity);
-            let is_size = |at: &usize| matches!(quantity(*at), Some(Quantity::Of(_, Part::Size | Part::Db)));
-            let is_own = |at: &usize| (0..*at).rev().find(is_size).is_none_or(|owner| quantity(owner) == quantity(own));
+            // An angle that names no quantity belongs to a magnitude before it.
+            let is_size = |at: &usize| {
+                matches!(known[*at].as_ref().map(|known| known.quantity), Some(Quantity::Of(_, Part::Size | Part::Db)))
+            };
+            let is_own = |at: &usize| own < *at || !(0..*at).any(|at| is_size(&at));
             let any = || (second == Part::Angle).then(|| column(Quantity::Of(None, second)).filter(is_own)).flatten();
             Some((subject, first, own, other.or_else(any)?))
         });
     let Some((subject, part, first, second)) = pair else { return unknown("no two of them form a complex number") };
     if let Some((at, other)) = [frequency, first, second].into_iter().find_map(|at| Some((at, twin(at)?))) {
-        let seen = format!(
-            "the columns `{}` and `{}` have the same quantity; name all columns with `--columns`, and the one to leave out `-`",
-            columns::beginning(&names[at]),
-            columns::beginning(&names[other])
-        );
-        return Err(ImportError::UnknownForm { seen });
+        return Err(ImportError::SameQuantity { first: names[at].clone(), second: names[other].clone() });
     }
     let (a, b) = (take(first)?, take(second)?);
     if let Some(row) = a.iter().position(|size| part == Part::Size && *size < 0.0) {
@@ -242,16 +240,16 @@ fn from_table(bytes: &[u8], text: Option<&str>, options: &Options) -> Result<Mea
     let coordinate = match subject {
         Subject::Impedance | Subject::Admittance => Coordinate::Immittance,
         _ => {
-            let stated = text.and_then(reference_ohm).filter(|ohm| (ohm / options.z0_ohm - 1.0).abs() > 1e-6);
-            if let Some(ohm) = stated {
+            let stated = text.and_then(reference_ohm).filter(|ohm| (ohm / Z0_OHM - 1.0).abs() > 1e-3);
+            if let Some(ohm) = stated.filter(|_| options.z0_ohm.is_none()) {
                 let seen = format!(
-                    "the preamble states a reference of {ohm} ohm, but {} ohm is used; choose with `--z0 {ohm}`",
-                    options.z0_ohm
+                    "the text above the table states a reference of {ohm} ohm; confirm it with `--z0 {ohm}`, or give another"
                 );
                 return Err(ImportError::UnknownForm { seen });
             }
-            remarks.push(format!("Relative to {} ohm (`--z0`)", options.z0_ohm));
-            Coordinate::Scattering(connection(subject, options.topology)?, options.z0_ohm)
+            let z0_ohm = options.z0_ohm.unwrap_or(Z0_OHM);
+            remarks.push(format!("Relative to {z0_ohm} ohm (`--z0`)"));
+            Coordinate::Scattering(connection(subject, options.topology)?, z0_ohm)
         }
     };
     Measured::new(&lines, hz, &values, coordinate, remarks)
@@ -262,15 +260,18 @@ fn is_computed(name: &str) -> bool {
     name.contains("_true") || name.contains("_identified")
 }
 
-/// Returns the reference impedance that the lines of a text before its data state, ohm.
+/// Returns the reference impedance in the text above a table, such as `Reference impedance: 75
+/// ohm`.
 fn reference_ohm(text: &str) -> Option<f64> {
-    let states = |line: &&str| {
+    text.lines().take(MAX_PREAMBLE_LINES).find_map(|line| {
         let line = line.to_lowercase();
-        (line.contains("impedance") && (line.contains("reference") || line.contains("system"))) || line.contains("z0")
-    };
-    let line = text.lines().take(MAX_PREAMBLE_LINES).find(states)?;
-    let mut numbers = line.split(|c: char| !c.is_ascii_digit() && c != '.').filter_map(|word| word.parse::<f64>().ok());
-    numbers.find(|ohm| *ohm > 0.0)
+        let names = ["reference impedance", "system impedance", "reference resistance"];
+        let rest = names.iter().find_map(|name| line.split_once(name))?.1;
+        let number = rest[..rest.find("ohm").or_else(|| rest.find('ω'))?].trim_end();
+        let (number, factor) = number.strip_suffix('k').map_or((number, 1.0), |number| (number.trim_end(), 1e3));
+        let last = number.rsplit(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c))).next()?;
+        last.parse::<f64>().ok().map(|ohm| factor * ohm).filter(|ohm| *ohm > 0.0)
+    })
 }
 
 /// Returns the rows of one series of a table with several, as our figures have: the measured series

@@ -36,7 +36,7 @@ impl FromStr for ModeChoice {
 pub struct Options {
     /// Reference resistance of scattering parameters in a table, ohm; a Touchstone file has its
     /// own.
-    pub z0_ohm: f64,
+    pub z0_ohm: Option<f64>,
     /// Connection of the transducer to a network analyser; `None` determines it from the data.
     pub topology: Option<Topology>,
     /// Units of columns whose headings have none.
@@ -58,7 +58,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Options {
-            z0_ohm: 50.0,
+            z0_ohm: None,
             topology: None,
             units: Units::default(),
             columns: None,

@@ -50,7 +50,7 @@ pub(super) fn check_sense(measured: &Measured, gain: impl Fn(&Points) -> f64) ->
             MIN_MIRRORED_RATIO,
             "the sign of the imaginary part is mirrored: only with the other sign does the sweep have a resonance. Negate the \
              column of the reactance, susceptance or angle; if the result is an inductor, impedance and admittance are \
-             exchanged, or the topology is another one",
+             exchanged, or the topology is wrong",
         ),
         (
             |y| -y,

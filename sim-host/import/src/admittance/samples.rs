@@ -1,4 +1,4 @@
-//! Random draws of a fitted circuit for a scene: as uncertain and as correlated as the fit.
+//! Random draws of a fitted circuit for a scene, with the covariance of the fit.
 //!
 //! Resonance, Q, Lm and C0 are drawn by their covariance, and `Cm = 1 / (w^2 Lm)` and
 //! `Rm = w Lm / Q` follow. Drawn themselves, Lm and Cm would have to cancel to the last digits.

@@ -75,7 +75,7 @@ impl Admittance {
         numbers(&mut text, "amplifier", &[("full_scale_v", 2.5 * DRIVE_V)]);
         let exact = |value: f64| rounded(value, 7);
         text.push_str(
-            "\n# As uncertain as the fit: c0_f = { samples = \"samples.csv\", column = \"c0_f\" }, and so on for cm_f, lm_h, rm_ohm.",
+            "\n# With the covariance of the fit: c0_f = { samples = \"samples.csv\", column = \"c0_f\" }; the same for cm_f, lm_h, rm_ohm.",
         );
         numbers(
             &mut text,

@@ -206,9 +206,9 @@ impl<'a> Problem<'a> {
     }
 
     /// Returns the place of the stiffness, and its relative deviation by the noise of the
-    /// displacement. The stiffness is found in the travel before sliding, `Fc / K`, whose beginning
-    /// is known as well as a displacement. Fits to noisy and to rounded displacements are this far
-    /// off, in part always in the same direction.
+    /// displacement. The stiffness is found in the travel before sliding, `Fc / K`; the start of
+    /// this travel has the error of one displacement. The factor was found with noisy and with
+    /// rounded displacements; a part of the error is a bias.
     fn stiffness_noise(&self, fitted: &[f64]) -> Option<(usize, f64)> {
         let place = |wanted: &str| self.parameters.iter().position(|(name, is_log)| *name == wanted && *is_log);
         let (stiffness, coulomb) = (place("stiffness_n_per_m")?, place("coulomb_n")?);

@@ -103,9 +103,10 @@ impl Log {
             }
             _ => return Err(seen("the slip needs a displacement, or time and velocity")),
         };
-        if let (Some(v), Some(smoothed)) = (&v, &smoothed) {
-            check_slope(v, smoothed)?;
-        }
+        let v = match (v, &smoothed) {
+            (Some(v), Some(smoothed)) => velocity(v, smoothed, &mut remarks)?,
+            (v, _) => v,
+        };
         let velocity_m_per_s = match (v, smoothed) {
             (Some(v), _) => v,
             (None, Some(smoothed)) => {
@@ -205,22 +206,30 @@ impl Log {
     }
 }
 
-/// Refuses a measured velocity that is not the slope of the measured displacement.
-fn check_slope(v: &[f64], smoothed: &Smoothed) -> Result<(), ImportError> {
+/// Returns the measured velocity, or `None` for a speed without a sign, so that the slope of the
+/// displacement is used. Refuses one that is not that slope.
+fn velocity(v: Vec<f64>, smoothed: &Smoothed, remarks: &mut Vec<String>) -> Result<Option<Vec<f64>>, ImportError> {
     let slope = &smoothed.velocity_m_per_s;
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let (own, both, square) = (dot(v, v), dot(v, slope), dot(slope, slope));
+    let is_speed = v.iter().all(|v| *v >= 0.0) && slope.iter().any(|slope| *slope < 0.0);
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| if is_speed { (a * b).abs() } else { a * b }).sum::<f64>();
+    let (own, both, square) = (dot(&v, &v), dot(&v, slope), dot(slope, slope));
     let noise = v.len() as f64 * smoothed.velocity_noise_m_per_s.powi(2);
     let ratio = both / (square - noise);
     // A slope that is mostly noise proves nothing.
-    if square < SLOPE_OVER_NOISE * noise || own == 0.0 || (1.0 / MAX_SLOPE_RATIO..MAX_SLOPE_RATIO).contains(&ratio) {
-        return Ok(());
+    if square < SLOPE_OVER_NOISE * noise || own == 0.0 {
+        return Ok(Some(v));
     }
-    Err(ImportError::NoFit(format!(
-        "the velocity is not the slope of the displacement: their ratio is {}. Correct the unit or the sign of one of them, or \
-         leave one out",
-        significant(ratio)
-    )))
+    if !(1.0 / MAX_SLOPE_RATIO..MAX_SLOPE_RATIO).contains(&ratio) {
+        return Err(ImportError::NoFit(format!(
+            "the velocity is not the slope of the displacement: their ratio is {}. Correct the unit or the sign of one of them, \
+             or leave one out",
+            significant(ratio)
+        )));
+    }
+    if is_speed {
+        remarks.push("The speed has no sign: the slope of the displacement is the velocity".into());
+    }
+    Ok((!is_speed).then_some(v))
 }
 
 /// Returns the mean normal force and that of each sample, N. The size of a negative force is used.
@@ -279,6 +288,11 @@ mod tests {
         let slope = error("t [s],x [m],v [m/s],F [N]", |n| format!("{n},{n},1000,2"));
         assert!(slope.is_some_and(|error| error.contains("not the slope of the displacement: their ratio is 1000")));
         assert_eq!(error("t [s],x [m],v [m/s],F [N]", |n| format!("{n},{n},1,2")), None);
+        // A speed has no sign.
+        let turned = |n: i32| format!("{n},{},1,2", if n < 20 { n } else { 40 - n });
+        assert_eq!(error("t [s],x [m],speed [m/s],F [N]", turned), None);
+        // A note in brackets is not a unit.
+        assert_eq!(error("t [s],x [m],F [N],on [0/1]", |n| format!("{n},{n},2,0")), None);
         // `drive [V]` is not a state, `a [g]` not an amplitude, and `T` not a time next to `t`.
         assert_eq!(error("T [°C],t [s],x [m],F [N],drive [V],a [g]", |n| format!("25,{n},{n},2,2,0.1")), None);
         let zero = Log::parse("t [s],x [m],F [N],N [N]\n0,0,1,0\n1,1,1,0\n2,2,1,0\n", &Options::default()).unwrap_err();
@@ -286,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn a_coefficient_of_friction_stands_for_the_force() {
+    fn a_coefficient_of_friction_replaces_the_force() {
         let lines: String = (0..40).map(|n| format!("{n},{n},0.3\n")).collect();
         let log = Log::parse(format!("t [s],x [m],mu\n{lines}"), &Options { normal_n: Some(2.0), ..Options::default() }).unwrap();
         assert!((log.force_n[3] - 0.6).abs() < 1e-12 && log.force_n.len() == 40);

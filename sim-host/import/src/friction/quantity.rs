@@ -65,10 +65,10 @@ impl Quantity {
 
     /// Returns the quantity of a heading. A state has no unit: with one, it is the strength of the
     /// vibration.
-    fn of(heading: &Heading) -> Option<Self> {
+    fn from_heading(heading: &Heading) -> Option<Self> {
         match Self::parse(heading.name)? {
             Quantity::Level | Quantity::State if measures(heading, "m/s^2") => None,
-            Quantity::State if heading.unit.is_some() => Some(Quantity::Level),
+            Quantity::State if heading.unit.is_some_and(|unit| Unit::parse(unit).is_some()) => Some(Quantity::Level),
             quantity => Some(quantity),
         }
     }
@@ -102,6 +102,9 @@ pub(super) fn state(word: &str) -> Option<bool> {
     }
 }
 
+/// Units of a ratio.
+const RATIOS: [&str; 8] = ["", "1", "-", "n/n", "pa/pa", "dimensionless", "unitless", "none"];
+
 /// Table with the quantities of its columns.
 pub(super) struct Columns {
     pub(super) table: Table,
@@ -129,7 +132,7 @@ impl Columns {
     /// `t [s]`.
     fn places(&self, wanted: Quantity) -> Vec<usize> {
         let mut places: Vec<usize> =
-            (0..self.names.len()).filter(|at| Quantity::of(&self.heading(*at)) == Some(wanted)).collect();
+            (0..self.names.len()).filter(|at| Quantity::from_heading(&self.heading(*at)) == Some(wanted)).collect();
         if let Some(base) = wanted.base() {
             let fits = |at: &usize| self.heading(*at).unit.is_none() || measures(&self.heading(*at), base);
             if places.iter().any(fits) {
@@ -139,15 +142,14 @@ impl Columns {
         places
     }
 
-    /// Returns the error of two columns with the same quantity.
+    /// Refuses two columns of one quantity.
     fn check_single(&self, wanted: Quantity) -> Result<(), ImportError> {
-        let [first, second, ..] = self.places(wanted)[..] else { return Ok(()) };
-        let seen = format!(
-            "the columns `{}` and `{}` have the same quantity; name all columns with `--columns`, and the one to leave out `-`",
-            beginning(&self.names[first]),
-            beginning(&self.names[second])
-        );
-        Err(ImportError::UnknownForm { seen })
+        match self.places(wanted)[..] {
+            [first, second, ..] => {
+                Err(ImportError::SameQuantity { first: self.names[first].clone(), second: self.names[second].clone() })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Returns the values of a quantity in its SI unit; `None` if no column has it.
@@ -160,7 +162,8 @@ impl Columns {
             None => 1.0,
             // A ratio, also in percent.
             Some("1") => {
-                let unit = heading.unit.filter(|unit| !["", "1", "-"].contains(unit));
+                let is_ratio = |unit: &&str| RATIOS.contains(&unit.to_lowercase().as_str());
+                let unit = heading.unit.filter(|unit| !is_ratio(unit));
                 0.01 * factor(&self.names[at], unit, "%")?.unwrap_or(100.0)
             }
             Some(base) => factor(&self.names[at], heading.unit, base)?

@@ -59,11 +59,13 @@ impl Columns {
         let number = |name: &str| {
             name.parse::<usize>().ok().filter(|number| (1..=self.names.len()).contains(number)).map(|number| number - 1)
         };
-        // `t [ms]` is the column `t`, with its unit.
+        // `t [ms]` is the column `t` with its unit, and `t` may be the column `t [ms]`.
         let bare = || {
             let heading = Heading::new(name, is_time_name);
-            heading.unit.filter(|_| name.ends_with(']'))?;
-            self.names.iter().position(|known| known == heading.name).or_else(|| number(heading.name))
+            let is_named = |known: &String| known == heading.name || Heading::new(known, is_time_name).name == heading.name;
+            let mut named = (0..self.names.len()).filter(|at| is_named(&self.names[*at]));
+            let only = named.next().filter(|_| named.next().is_none());
+            only.or_else(|| number(heading.name).filter(|_| name.ends_with(']')))
         };
         exact.or_else(|| number(name)).or_else(bare).ok_or_else(|| {
             let alike = |known: &&String| strsim::jaro_winkler(&known.to_lowercase(), &name.to_lowercase());
@@ -112,7 +114,11 @@ impl Columns {
     pub(super) fn time_unit_s(&self, path: &Path, place: usize, given: Option<&str>) -> Result<Option<f64>, SignalError> {
         let name = self.name(place);
         let given = given.and_then(|given| Heading::new(given, is_time_name).unit);
-        let written = Heading::new(name, is_time_name).unit.or(given).or(unit_word(name));
+        let own = Heading::new(name, is_time_name).unit.or(unit_word(name));
+        if let Some((own, given)) = own.zip(given).filter(|(own, given)| Unit::parse(own) != Unit::parse(given)) {
+            return Err(SignalError::Option(format!("--time gives the unit `{given}`, but the column `{name}` is in `{own}`")));
+        }
+        let written = own.or(given);
         let Some((written, second)) = written.zip(Unit::parse("s")) else { return Ok(None) };
         match Unit::parse_like(written, &second).and_then(|unit| unit.factor_to(&second)) {
             Some(factor) => Ok(Some(factor)),

@@ -107,14 +107,20 @@ fn tiles(summary: &[(String, String)]) -> String {
     wrapped("<dl class=\"tiles\">\n", definitions(summary, result), "</dl>\n")
 }
 
-/// Returns a result, with its interval on a line of its own. A number never breaks, neither before
-/// its unit.
+/// Returns a result, with its interval on a line of its own. A number and its unit stay together.
 fn result(value: &str) -> String {
-    let joined = |text: &str| if is_number(text.trim_start_matches('(')) { text.replace(' ', "\u{a0}") } else { text.to_owned() };
-    let Some((value, rest)) = value.split_once(" (") else { return escape(&joined(value)) };
-    // A line may break between two remarks in brackets.
-    let remarks = format!("({rest}").split_inclusive(") ").map(|remark| joined(remark.trim_end())).collect::<Vec<_>>().join(" ");
-    format!("{} <small>{}</small>", escape(&joined(value)), escape(&remarks))
+    let joined = |text: &str| {
+        let is_unit = |word: &str| word != "to" && word.starts_with(|c: char| c.is_alphabetic() || c == '%');
+        text.split(' ').fold(String::new(), |line, word| match line.chars().last() {
+            None => word.to_owned(),
+            Some(last) if last.is_ascii_digit() && is_unit(word) => format!("{line}\u{a0}{word}"),
+            Some(_) => format!("{line} {word}"),
+        })
+    };
+    match value.split_once(" (") {
+        Some((value, rest)) => format!("{} <small>{}</small>", escape(&joined(value)), escape(&joined(&format!("({rest}")))),
+        None => escape(&joined(value)),
+    }
 }
 
 fn footer(entries: &[(String, String)]) -> String {
@@ -158,9 +164,9 @@ fn table(block: &TableBlock) -> String {
         }
     };
     let line = |tag: &str, cells: &[String]| {
-        let cells: String =
-            cells.iter().enumerate().map(|(i, cell)| format!("<{tag}{}>{}</{tag}>", class(i, cell), escape(cell))).collect();
-        let cells = cells.replace("<th", "<th scope=\"col\"");
+        let scope = if tag == "th" { " scope=\"col\"" } else { "" };
+        let cell = |(i, cell): (usize, &String)| format!("<{tag}{scope}{}>{}</{tag}>", class(i, cell), escape(cell));
+        let cells: String = cells.iter().enumerate().map(cell).collect();
         format!("<tr>{cells}</tr>\n")
     };
     format!(
@@ -316,7 +322,7 @@ mod tests {
         let html = page(&report, &PictureFormat::ALL).unwrap();
         let at = |text: &str| html.find(text).unwrap_or_else(|| panic!("{text}: {html}"));
         assert!(at("<dl class=\"tiles\">") < at("<figure") && at("<figure") < at("Reason"));
-        at("0.068\u{a0}N <small>(95\u{a0}%:\u{a0}0.061\u{a0}to\u{a0}0.129) (assumed)</small>");
+        at("0.068\u{a0}N <small>(95\u{a0}%: 0.061 to 0.129) (assumed)</small>");
         at("Reason <code>a&lt;b</code>");
     }
 

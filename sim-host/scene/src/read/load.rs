@@ -48,7 +48,7 @@ pub struct Loaded {
     pub run: Option<u32>,
     /// Parts that the repeated run inherited from another scene.
     pub repeats: Option<Inherited>,
-    /// Values that nobody gave for this transducer or contact.
+    /// Values that the user did not set for this transducer or contact.
     pub assumed: Vec<Assumed>,
 }
 
@@ -185,6 +185,8 @@ pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
             let io = io::Error::new(io::ErrorKind::InvalidData, why);
             LoadError::Read { path: source.to_owned(), io }
         })?;
+        let is_set = |assumed: &Assumed| sets.iter().any(|set| set.split('=').next().map(str::trim) == Some(&assumed.key));
+        let assumed = assumed.into_iter().filter(|assumed| !is_set(assumed)).collect();
         return Ok(Loaded { name, repeats, assumed, ..load_text(source, &text, sets)? });
     }
     let name = match builtin::text(source) {

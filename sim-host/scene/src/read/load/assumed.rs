@@ -1,4 +1,4 @@
-//! Values that decide a result although nobody gave them for this transducer or this contact.
+//! Values that decide a result although the user did not set them for this transducer or contact.
 //!
 //! A force factor cannot be found by an electrical measurement, and a contact needs a measurement
 //! of friction. Such a value is assumed if it is the default of the program, or if it comes from a
@@ -14,7 +14,7 @@ use crate::tree::{Node, Value};
 /// Table of a stack, and the only key of it that no electrical measurement determines.
 const STACK: (&str, &str) = ("stack.bvd", "force_factor_n_per_v");
 
-/// A value that nobody gave.
+/// A value that the user did not set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Assumed {
     /// Path of the key.

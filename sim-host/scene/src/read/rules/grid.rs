@@ -113,7 +113,7 @@ impl<'a> Rules<'a> {
             table: "grid",
             called: "in the cells of the grid".to_owned(),
             whole: if grid.set.is_empty() { self.place("grid") } else { self.key("grid.set") },
-            help: "each cell is this scene with the changes of `grid.set`: change these, or set `grid = false` for none",
+            help: "each cell is this scene with the changes of `grid.set`: change these, or remove the grid with `grid = false`",
         };
         self.build_cell(&cell, self.sets("grid.set").into_iter().chain(axes));
     }

@@ -152,7 +152,7 @@ fn values(layout: &Layout, rows: &Rows) -> TableBlock {
 fn metrics(layout: &Layout, file: &RowsFile) -> Result<TableBlock, FolderError> {
     let row = |metric: &String| {
         let ([low, median, high], present) = spread(file, metric)?;
-        let [least, largest] = places(layout, file, metric)?;
+        let [least, largest] = if low == high { Default::default() } else { places(layout, file, metric)? };
         let without = (file.count() - present).to_string();
         Ok(vec![metric.clone(), unit(metric), low, least, median, high, largest, without])
     };
