@@ -72,7 +72,7 @@ fn unusable_signals_are_refused_with_a_reason() {
     let uneven = folder.write("uneven.csv", &table().replace("5,00;", "5,004;"));
     let few = folder.write("few.csv", &table().lines().take(40).map(|line| format!("{line}\n")).collect::<String>());
     for (kind, arguments, says) in [
-        (3, &["spectrum", &file, "--column", "U"][..], "did you mean `U [V]`? It has t [ms], U [V]"),
+        (3, &["spectrum", &file, "--column", "U [A]"][..], "did you mean `U [V]`? It has t [ms], U [V]"),
         (3, &["spectrum", &uneven], "uneven sampling: "),
         (3, &["spectrum", &few], "too few samples: 38; at least 64"),
         (3, &["spectrum", "nothing.csv"], "nothing.csv cannot be read"),

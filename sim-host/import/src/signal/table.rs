@@ -62,7 +62,11 @@ impl Columns {
         // `t [ms]` is the column `t` with its unit, and `t` may be the column `t [ms]`.
         let bare = || {
             let heading = Heading::new(name, is_time_name);
-            let is_named = |known: &String| known == heading.name || Heading::new(known, is_time_name).name == heading.name;
+            let is_named = |known: &String| {
+                let own = Heading::new(known, is_time_name);
+                let fits = own.unit == heading.unit || own.unit.is_none() || heading.unit.is_none();
+                known == heading.name || own.name == heading.name && fits
+            };
             let mut named = (0..self.names.len()).filter(|at| is_named(&self.names[*at]));
             let only = named.next().filter(|_| named.next().is_none());
             only.or_else(|| number(heading.name).filter(|_| name.ends_with(']')))
