@@ -148,6 +148,7 @@ fn short_reason(error: &ImportError) -> &'static str {
         ImportError::Unreadable { .. } => "cannot be read",
         ImportError::UnknownForm { .. } => "unknown form",
         ImportError::BadLine { .. } => "a line cannot be used",
+        ImportError::SameQuantity { .. } => "two columns of one quantity",
         ImportError::UnitMissing { .. } => "unit missing",
         ImportError::UnitUnknown { .. } => "unit unknown",
         ImportError::AngleDoubtful { .. } => "degrees or radians doubtful",
