@@ -14,7 +14,7 @@ use crate::heading::is_time_name;
 use crate::text::{beginning, is_overflow, number};
 use crate::unit::Unit;
 
-/// Largest number of lines: a table with more takes longer than 10 s to read.
+/// Largest number of lines, which bounds the time and the memory of a read.
 const MAX_LINES: usize = 10_000_000;
 
 /// A table.

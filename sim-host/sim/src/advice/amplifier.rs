@@ -68,11 +68,11 @@ pub struct Amplifier {
     /// at the stack's Q.
     pub lowest_q: Option<f64>,
     /// Rise to 90 % with the steady voltage, and with the largest one of the scene's amplifier, ms;
-    /// `None` if that is too small.
+    /// `None` if voltage or current of the scene do not suffice.
     pub rise_ms: (f64, Option<f64>),
 }
 
-/// Computes the amplifier for a peak tip velocity, m/s; `None` takes that of the advised voltage.
+/// Computes the amplifier for a peak tip velocity, m/s; `None` takes that of the requested voltage.
 pub(super) fn amplifier(parts: &Parts<'_>, tip_m_per_s: Option<f64>, force_factor_is_assumed: bool) -> Amplifier {
     let (circuit, source_ohm) = (&parts.circuit, parts.amplifier.source_ohm);
     let own_v = parts.volts() / source_v(circuit, source_ohm, 1.0);
