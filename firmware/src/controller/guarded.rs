@@ -58,7 +58,11 @@ impl Chain {
         }
         // In a block of another lane, `sensed` holds the last phasors of lane 0.
         let here = self.lanes.are_at_home() && self.generator.sweep.holds();
-        if !(here && judged && played.pure && played.is_full()) {
+        if here && !judged && played.pure && played.is_full() {
+            let failed = self.continuity.check_reduced_block(suspect.unexplained);
+            return failed.then_some(Fault::SensorImplausible);
+        }
+        if !(here && played.pure && played.is_full()) {
             self.continuity.mark_ringing();
             return None;
         }

@@ -139,7 +139,8 @@ pub(crate) struct Continuity {
     checks: u32,
     /// Consecutive checks with an impossible voltage.
     broken: u32,
-    /// Consecutive blocks of a measuring tone or of silence with a voltage that was not played.
+    /// Consecutive blocks of a measuring tone or of silence with a voltage that was not played, or
+    /// of a reduced drive with energy that it does not explain.
     misplayed: u32,
     /// Consecutive steady blocks.
     steady: u32,
@@ -203,6 +204,16 @@ impl Continuity {
     pub(crate) fn mark_ringing(&mut self) {
         self.rest(false);
         self.pause = 0;
+    }
+
+    /// Takes a steady block whose drive a limit has reduced below what can be judged. Returns `true`
+    /// if a channel has had energy that the drive does not explain for longer than a vibration
+    /// rings.
+    #[inline]
+    pub(crate) fn check_reduced_block(&mut self, unexplained: bool) -> bool {
+        self.mark_ringing();
+        self.misplayed = if unexplained { self.misplayed.saturating_add(1) } else { 0 };
+        self.misplayed >= CALM_BLOCKS
     }
 
     /// Takes the ordered frequency offset if nothing is tracked. A new one resets the checks.

@@ -422,3 +422,14 @@ fn a_burst_must_start_like_the_one_before() {
     // A clamped capacitance that changed in the pause is not a failure.
     assert_eq!([second(0.0, 1.0, 2.0), second(0.0, 1.0, 0.5)], [None; 2]);
 }
+
+/// A drive that the current limit has taken back hides a failed channel: its energy shows it, after
+/// the time in which a vibration rings.
+#[test]
+fn energy_without_a_drive_is_detected_after_the_ringing() {
+    let mut watch = watch();
+    let mut found = |unexplained: bool, blocks: u32| (0..blocks).position(|_| watch.check_reduced_block(unexplained));
+    assert_eq!(found(true, CALM_BLOCKS - 1), None);
+    assert_eq!(found(false, 1), None);
+    assert_eq!(found(true, 2 * CALM_BLOCKS), Some(CALM_BLOCKS as usize - 1));
+}
