@@ -4,6 +4,7 @@ pub mod across;
 pub mod answer;
 pub mod comparison;
 pub mod contact;
+pub mod design;
 mod detached;
 pub mod driven;
 pub mod grid;
@@ -20,10 +21,12 @@ mod stopped;
 pub mod suite;
 pub mod sweep;
 
+use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use self::comparison::ComparisonResult;
 use self::contact::Solved;
+use self::design::Drawn;
 pub use self::detached::Detached;
 pub use self::driven::Level;
 use self::driven::Run;
@@ -42,7 +45,7 @@ use scene::{Driven, Equal, Expect, Kind, Scene, shown};
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// The scene was not loaded, and lacks parts that loading would have required.
-    #[error("the scene is neither a driven one nor a contact study")]
+    #[error("the scene is neither a driven one, nor a contact study, nor a design")]
     Incomplete,
     /// The scene of a grid cell, of a comparison's case or of one of several runs is invalid.
     #[error("the scene {0} is not valid")]
@@ -53,6 +56,9 @@ pub enum StudyError {
     /// The run failed.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// The design has no solution.
+    #[error("the design has no solution")]
+    Design(#[from] ::design::DesignError),
     /// The contact study has no solution.
     #[error("the contact study has no solution")]
     Contact(#[from] SolveError),
@@ -67,6 +73,17 @@ pub enum StudyError {
 /// Result of a study.
 #[derive(Clone, Debug)]
 pub struct Study<'a> {
+    /// Scene as it was run.
+    pub scene: &'a Scene,
+    /// Result of the scene, by its kind.
+    pub outcome: Outcome<'a>,
+    /// The rest, which does not refer to the scene.
+    pub rest: Rest,
+}
+
+/// Result of a study, except its scene and its outcome.
+#[derive(Clone, Debug)]
+pub struct Rest {
     /// Name of the scene.
     pub name: String,
     /// Name, file or `<stdin>`, as given by the user.
@@ -75,10 +92,6 @@ pub struct Study<'a> {
     pub changes: Vec<String>,
     /// Number of the run, if it is one of several.
     pub run_number: Option<u32>,
-    /// Scene as it was run.
-    pub scene: &'a Scene,
-    /// Result of the scene, by its kind.
-    pub outcome: Outcome<'a>,
     /// Metrics of the scene's run.
     pub metrics: Metrics,
     /// Expectations of the scene with their results.
@@ -97,6 +110,14 @@ pub struct Study<'a> {
     pub interrupted: bool,
 }
 
+impl Deref for Study<'_> {
+    type Target = Rest;
+
+    fn deref(&self) -> &Rest {
+        &self.rest
+    }
+}
+
 /// Result of a scene, by its kind.
 #[derive(Clone, Debug)]
 pub enum Outcome<'a> {
@@ -104,6 +125,8 @@ pub enum Outcome<'a> {
     Driven(Box<Run<'a>>),
     /// A study of a contact alone.
     Contact(Box<Solved<'a>>),
+    /// The design of a transducer or horn.
+    Design(Box<Drawn<'a>>),
     /// Several runs of either kind.
     MonteCarlo(Box<MonteCarlo>),
 }
@@ -145,7 +168,15 @@ impl Study<'_> {
     pub fn run(&self) -> Option<&Run<'_>> {
         match &self.outcome {
             Outcome::Driven(run) => Some(run),
-            Outcome::Contact(_) | Outcome::MonteCarlo(_) => None,
+            Outcome::Contact(_) | Outcome::Design(_) | Outcome::MonteCarlo(_) => None,
+        }
+    }
+
+    /// Returns the design, if the scene is one.
+    pub fn design(&self) -> Option<&Drawn<'_>> {
+        match &self.outcome {
+            Outcome::Design(drawn) => Some(drawn),
+            Outcome::Driven(_) | Outcome::Contact(_) | Outcome::MonteCarlo(_) => None,
         }
     }
 
@@ -153,7 +184,7 @@ impl Study<'_> {
     pub fn monte_carlo(&self) -> Option<&MonteCarlo> {
         match &self.outcome {
             Outcome::MonteCarlo(runs) => Some(runs),
-            Outcome::Driven(_) | Outcome::Contact(_) => None,
+            Outcome::Driven(_) | Outcome::Contact(_) | Outcome::Design(_) => None,
         }
     }
 }
@@ -250,6 +281,11 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
             let cut = solved.answer.is_none();
             (Outcome::Contact(Box::new(solved)), metrics, overlaid, cut, None)
         }
+        Kind::Designed(scene) => {
+            let drawn = Drawn::new(scene)?;
+            let metrics = design::measure(&drawn);
+            (Outcome::Design(Box::new(drawn)), metrics, None, false, None)
+        }
     };
     let (grid, comparison) = match cells {
         _ if cut => (None, None),
@@ -265,15 +301,11 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
     let judged = scene.expect.iter().filter(has).map(judged).collect();
     // If stopped within the grid or the comparison, the run is complete, and they are missing.
     let interrupted = cut || stop.load(Ordering::Relaxed);
-    let (name, origin, changes) = (loaded.name.clone(), loaded.origin.clone(), loaded.sets.clone());
-    let run_number = loaded.run;
-    Ok(Study {
-        name,
-        origin,
-        changes,
-        run_number,
-        scene,
-        outcome,
+    let rest = Rest {
+        name: loaded.name.clone(),
+        origin: loaded.origin.clone(),
+        changes: loaded.sets.clone(),
+        run_number: loaded.run,
         metrics,
         judged,
         inherited,
@@ -282,7 +314,8 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
         comparison,
         overlaid,
         interrupted,
-    })
+    };
+    Ok(Study { scene, outcome, rest })
 }
 
 /// Returns the results of a scene's grid and of its comparison, if it has them.

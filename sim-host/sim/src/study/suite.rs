@@ -101,7 +101,7 @@ impl<'a> CaseResult<'a> {
         };
         let steps = study.run().map_or_else(Vec::new, |run| View::new(&run.scene, &run.record).steps());
         let derived = derived(&case.loaded.scene, &study.metrics, &steps);
-        CaseResult { case, each, endless, steps, derived, metrics: study.metrics }
+        CaseResult { case, each, endless, steps, derived, metrics: study.rest.metrics }
     }
 
     /// Returns a metric of all runs together, or a derived quantity; infinite if too many runs lack
