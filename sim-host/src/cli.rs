@@ -98,6 +98,12 @@ enum Command {
     /// Samples the ranges of the keys, and searches from each local optimum of the sample.
     #[command(after_help = EXIT_CODES)]
     Optimise(optimise::OptimiseArgs),
+    /// Compute the resonances, the circuit and the stresses of a transducer or horn.
+    ///
+    /// Reads a scene with `[design]`, and writes its circuit as tables of a driven scene,
+    /// `stack.toml`. Prints the same as `run` (docs/design.md).
+    #[command(after_help = EXIT_CODES)]
+    Design(run::DesignArgs),
     /// List the built-in scenes.
     List,
     /// Print a scene with all values, units and descriptions, as TOML.
@@ -201,6 +207,7 @@ pub fn main() -> ExitCode {
         Some(Command::Solve(args)) => solve::run(&args, color),
         Some(Command::Optimise(args)) => optimise::run(&args, color),
         Some(Command::Merge(args)) => sweep::merge(&args, color),
+        Some(Command::Design(args)) => run::design(args, color),
         Some(Command::List) => print(&list()),
         Some(Command::Show { scene }) => scene.load().and_then(|loaded| print(&resolved_toml(&loaded.scene))),
         Some(Command::Check { scene }) => scene.load().and_then(|loaded| print(&format!("{}: valid\n", loaded.origin))),

@@ -174,7 +174,9 @@ fn named(name: &str) -> Option<Unit> {
         Some(below) => (None, Some(below)),
         None => name.split_once("_per_").map_or((Some(name), None), |(above, below)| (Some(above), Some(below))),
     };
-    let above = above.map_or_else(|| Some(simple("1", "1", 1.0)), |above| single(above, false))?;
+    // In a key, `pa` is the pascal; picoamperes are written `pA`.
+    let one = |above: &str| if above == "pa" { Some(simple("Pa", "Pa", 1.0)) } else { single(above, false) };
+    let above = above.map_or_else(|| Some(simple("1", "1", 1.0)), one)?;
     match below {
         // In a denominator, `h` is the hour and not the henry.
         Some("h") => Some(above.over(&simple("h", "s", 3600.0))),

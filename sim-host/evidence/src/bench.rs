@@ -98,7 +98,7 @@ pub const BENCHES: [Bench; 20] = [
     bench("contacts", contacts::run, "random contacts over ten decades of their parameters: accuracy and cost of `auto`"),
     bench("precision", precision::evidence, "speed against error of every contact method, the claims, and the hard cases"),
     bench("instructions", instructions::evidence, "instructions of the controller on an emulated Cortex-M4F, against the budget"),
-    bench("thesis", thesis::evidence, "every figure, claim and contradiction of the thesis's chapters 3, 4 and appendix B"),
+    bench("thesis", thesis::evidence, "every figure, claim and contradiction of the thesis's chapters 2 to 4 and appendix B"),
     bench(
         "measurements",
         measurements::evidence,

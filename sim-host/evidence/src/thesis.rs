@@ -1,4 +1,4 @@
-//! Chapters 3 and 4 and appendix B of the thesis, recomputed: every figure, every claim in words,
+//! Chapters 2 to 4 and appendix B of the thesis, recomputed: every figure, every claim in words,
 //! every contradiction.
 //!
 //! ```text
@@ -40,6 +40,7 @@ pub(crate) mod sweep;
 mod system_stiffness;
 pub mod table;
 mod trace;
+mod transducers;
 mod transient;
 mod waveforms;
 
@@ -68,7 +69,7 @@ pub(crate) struct StudyResult {
 /// All results.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Findings {
-    /// Figures 3.4 to 3.12, 4.6 to 4.26 and those of appendix B, in order.
+    /// Figures 2.5 to 2.13, 3.4 to 3.12, 4.6 to 4.26 and those of appendix B, in order.
     pub figures: Vec<Figure>,
     /// Claims, in the thesis's order.
     pub claims: Vec<Claim>,
@@ -81,7 +82,8 @@ pub struct Findings {
 type Study = fn() -> Result<StudyResult, SolveError>;
 
 /// Studies with their topics, in the thesis's order.
-const STUDIES: [(&str, Study); 17] = [
+const STUDIES: [(&str, Study); 18] = [
+    ("transducers: figures 2.5 to 2.13", transducers::study),
     ("experiment 1: figures 3.4, 3.5", experiment_1::study),
     ("experiment 2: figures 3.7-3.12", experiment_2::study),
     ("figures 4.6, 4.7", models::study),
@@ -136,7 +138,7 @@ impl Findings {
         let count =
             |verdict: Verdict| (verdict.word().to_owned(), format!("{} of {} claims", self.count(verdict), self.claims.len()));
         Report {
-            title: "Thesis, chapters 3 and 4 and appendix B: figures, claims and contradictions".into(),
+            title: "Thesis, chapters 2 to 4 and appendix B: figures, claims and contradictions".into(),
             subtitle: "Both experiments simulated, every figure of the analytical model recomputed, every claim in words \
                        judged by numbers; the same for the ultrasonic motor"
                 .into(),

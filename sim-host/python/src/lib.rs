@@ -15,6 +15,7 @@ mod interruptible;
 mod link;
 mod result;
 mod scene;
+mod stepped;
 mod sweep;
 mod vocabulary;
 
@@ -31,6 +32,8 @@ mod _native {
     use crate::result::Result;
     #[pymodule_export]
     use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::stepped::{Controller, Plant, Telemetry};
     #[pymodule_export]
     use crate::sweep::Sweep;
     #[pymodule_export]

@@ -34,6 +34,7 @@ mod views;
 #[cfg(test)]
 mod tests;
 
+pub use design::keys::Design;
 pub use firmware::seam::config::scene::{Burst, Drive, Friction, Limits, Phasing, Restraint, Sweep, Thermometer, Tracking};
 pub use firmware::seam::config::{
     Around, ChirpKind, Direction, Edge, FrictionLaw, Prefer, ShapeKind as Shape, Then, TrackingMode,
@@ -48,7 +49,7 @@ pub use keys::dring::{ActuatorKind, Dring, NormalPartKind, Occupant, RingVibrati
 pub use keys::excitation::{Excitation, Match, VibrationVelocity, Waveform};
 pub use keys::integrator::{Integrator, MeanWindow};
 pub use keys::measured_curve::Overlay;
-pub use keys::plant::{Amplifier, Bvd, LAW_FACTORS, Mode, Sensors, Stack, Thermal};
+pub use keys::plant::{Amplifier, Bvd, LAW_FACTORS, Mode, Sensors, Stack, StackDesign, Thermal};
 pub use keys::profile::Profile;
 pub use keys::results::{Expect, Grid, Over, Signal, Trace, TraceFormat};
 pub use keys::rig::{Belt, Kinematic, Rig, Rotor, Sdof, Slider};
@@ -62,9 +63,10 @@ pub use read::{builtin, diagnostic, load, nearest, schema, suite};
 use read::{distribution, exclusive, overlay, profile, rules, tree, unknown, walk, wording};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-pub use views::{Body, Driven, Excited, Kind, Transducer};
+pub use views::{Body, Designed, Driven, Excited, Kind, Transducer};
 
-/// A scene, in which either the firmware drives a transducer or a contact is studied alone.
+/// A scene, in which the firmware drives a transducer, a contact is studied alone, or a transducer is
+/// designed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
@@ -76,8 +78,9 @@ pub struct Scene {
     /// Notes for the reader of the report, one paragraph each: choices and their reasons.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Simulated time of the run, s.
-    #[schemars(range(min = 1e-4, max = 1e5))]
+    /// Simulated time of the run, s. A design has none.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(required, range(min = 1e-4, max = 1e5))]
     pub duration_s: f64,
     /// Seed of all noise: the same seed gives the same run, bit for bit.
     #[serde(default = "default::seed")]
@@ -88,13 +91,17 @@ pub struct Scene {
     #[serde(default = "default::runs", skip_serializing_if = "is_one")]
     #[schemars(range(min = 1, max = 100_000), extend("default" = 1))]
     pub runs: u32,
-    /// The settings of the firmware that drives the transducer. A scene has this table or
-    /// `[excitation]`.
+    /// The settings of the firmware that drives the transducer. A scene has this table,
+    /// `[excitation]` or `[design]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub controller: Option<Controller>,
-    /// The excitation of a contact study. A scene has this table or `[controller]`.
+    /// The excitation of a contact study. A scene has this table, `[controller]` or `[design]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub excitation: Option<Excitation>,
+    /// The mechanical design of a transducer or horn, from which its circuit follows. A scene has
+    /// this table, `[controller]` or `[excitation]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub design: Option<Design>,
     /// The power amplifier between DAC and stack.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplifier: Option<Amplifier>,
@@ -141,6 +148,10 @@ pub struct Scene {
     /// Expected values of metrics.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub expect: Vec<Expect>,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// Returns `true` for the default. Serde passes a reference.

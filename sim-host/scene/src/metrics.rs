@@ -98,11 +98,13 @@ pub enum Window {
     Blocks,
     /// All runs of a scene.
     Runs,
+    /// The working mode of a design, at its operating point.
+    Working,
 }
 
 impl Window {
     /// All windows, in the order of the page.
-    pub const ALL: [Window; 17] = [
+    pub const ALL: [Window; 18] = [
         Window::Steady,
         Window::Off,
         Window::On,
@@ -120,6 +122,7 @@ impl Window {
         Window::End,
         Window::Blocks,
         Window::Runs,
+        Window::Working,
     ];
 
     /// Returns the short name of the window.
@@ -142,6 +145,7 @@ impl Window {
             Window::End => "end",
             Window::Blocks => "blocks",
             Window::Runs => "runs",
+            Window::Working => "working mode",
         }
     }
 
@@ -175,11 +179,12 @@ impl Window {
             }
             Window::Step => "from the last step disturbance to the end of the run",
             Window::Event => "from one event to another, as named in the meaning",
-            Window::Identified => "the latest estimate of the scan or the observer",
+            Window::Identified => "the latest estimate of the scan or the observer; for a design, the working mode",
             Window::Crash => "from the beginning of the pulse to the end of the run",
             Window::End => "the end of the run",
             Window::Blocks => "all calls of `process`, with `--pil`",
             Window::Runs => "all runs of a scene with `runs`",
+            Window::Working => "the working mode of a design, at its operating point",
         }
     }
 }

@@ -4,6 +4,7 @@ mod angle;
 mod belt;
 mod carriage;
 mod comparison;
+mod design;
 mod distribution;
 mod dring;
 mod excited;

@@ -1,4 +1,4 @@
-//! The two kinds of scene, driven and excited, with their required tables.
+//! The kinds of scene, driven, excited and designed, with their required tables.
 
 use std::f64::consts::TAU;
 use std::ops::Deref;
@@ -8,8 +8,8 @@ use contact::Method;
 use super::contact::Model;
 use super::tree::Node;
 use super::{
-    Amplifier, Belt, Carriage, Controller, Dahl, Dring, Empirical, Excitation, FaultKind, Kinematic, Lugre, Profile, Rotor,
-    Scene, Sdof, Sensors, Slider, Stack, Stator,
+    Amplifier, Belt, Carriage, Controller, Dahl, Design, Dring, Empirical, Excitation, FaultKind, Kinematic, Lugre, Profile,
+    Rotor, Scene, Sdof, Sensors, Slider, Stack, Stator,
 };
 
 /// Default of `integrator.tolerance`: largest error of the mean friction ratio of a contact study.
@@ -22,6 +22,16 @@ pub enum Kind<'a> {
     Driven(Driven<'a>),
     /// A scene of a contact study.
     Excited(Excited<'a>),
+    /// A scene of a design.
+    Designed(Designed<'a>),
+}
+
+/// A scene in which a transducer or horn is designed.
+#[derive(Clone, Copy, Debug)]
+pub struct Designed<'a> {
+    scene: &'a Scene,
+    /// The design.
+    pub design: &'a Design,
 }
 
 /// A scene in which the firmware drives a stack, or the stator of a motor.
@@ -133,7 +143,13 @@ pub enum Body<'a> {
 impl Scene {
     /// Returns the scene by its kind, or `None` if a required table is missing.
     pub fn kind(&self) -> Option<Kind<'_>> {
-        self.driven().map(Kind::Driven).or_else(|| self.excited().map(Kind::Excited))
+        let designed = || self.designed().map(Kind::Designed);
+        self.driven().map(Kind::Driven).or_else(|| self.excited().map(Kind::Excited)).or_else(designed)
+    }
+
+    /// Returns the scene as a design.
+    pub fn designed(&self) -> Option<Designed<'_>> {
+        Some(Designed { scene: self, design: self.design.as_ref()? })
     }
 
     /// Returns the scene as one in which the firmware drives.
@@ -201,6 +217,14 @@ impl Scene {
 }
 
 impl Deref for Driven<'_> {
+    type Target = Scene;
+
+    fn deref(&self) -> &Scene {
+        self.scene
+    }
+}
+
+impl Deref for Designed<'_> {
     type Target = Scene;
 
     fn deref(&self) -> &Scene {

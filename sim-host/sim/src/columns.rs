@@ -18,7 +18,7 @@ pub enum Values {
 }
 
 /// Returns the columns of the signals of a study. A driven run has those of its `[trace]`, or those
-/// of every recorded block; a contact study has those of its last periods. Several runs have none.
+/// of every recorded block; a contact study has those of its last periods. Designs and several runs have none.
 pub fn heads(study: &Study) -> Vec<Column> {
     match &study.outcome {
         Outcome::Driven(run) => match &run.record.trace {
@@ -26,7 +26,7 @@ pub fn heads(study: &Study) -> Vec<Column> {
             None => OVERVIEW.iter().map(|column| fixed((column.name, column.unit, column.meaning))).collect(),
         },
         Outcome::Contact(_) => PERIODS.into_iter().map(fixed).collect(),
-        Outcome::MonteCarlo(_) => Vec::new(),
+        Outcome::Design(_) | Outcome::MonteCarlo(_) => Vec::new(),
     }
 }
 
@@ -39,7 +39,7 @@ pub fn values(study: &Study, place: usize) -> Option<Values> {
             None => OVERVIEW.get(place).map(|column| recorded(&run.record, column)),
         },
         Outcome::Contact(solved) => last_periods(solved, place),
-        Outcome::MonteCarlo(_) => None,
+        Outcome::Design(_) | Outcome::MonteCarlo(_) => None,
     }
 }
 

@@ -266,6 +266,12 @@ pub fn files() -> Vec<DataFile> {
             ]),
         },
         DataFile {
+            name: "stack.toml",
+            of: "a design with piezoelectric rings",
+            meaning: "Its equivalent circuit, with up to three further modes, as tables of a driven scene",
+            columns: Vec::new(),
+        },
+        DataFile {
             name: "grid.csv",
             of: "a scene with `[grid]`",
             meaning: "One row for each point. Between its number and the hash, a column for each key and each metric; empty if \

@@ -3,7 +3,7 @@
 use crate::instruments::{self, View, sweep};
 use crate::study::grid::GridResult;
 use crate::study::sweep::figures as points;
-use crate::study::{Outcome, Study, contact, monte_carlo};
+use crate::study::{Outcome, Study, contact, design, monte_carlo};
 use report::Figure;
 
 /// Returns the figures of a study, the most important first.
@@ -18,6 +18,7 @@ fn own(study: &Study) -> Vec<Figure> {
     match &study.outcome {
         Outcome::Driven(run) => instruments::figures(&View::new(&run.scene, &run.record)),
         Outcome::Contact(solved) => contact::figures::all(solved),
+        Outcome::Design(drawn) => design::figures::all(drawn),
         Outcome::MonteCarlo(runs) => monte_carlo::figures::all(study.scene, runs),
     }
 }

@@ -17,7 +17,8 @@ use serde_json::{Value, json};
 
 use crate::provenance::Provenance;
 use crate::record::text_hash;
-use crate::study::Study;
+use crate::study::design::stack;
+use crate::study::{Outcome, Study};
 use crate::summary::{with_own, with_provisos};
 use crate::tables;
 use report::{self, Drawing, ReportError};
@@ -126,9 +127,14 @@ pub fn write_into(loaded: &Loaded, study: &Study, folder: &Folder, shown: &Prese
         let path = dir.join(name);
         fs::write(&path, format!("{json:#}\n")).map_err(|io| OutputError::Write { path, io })?;
     }
-    match study.monte_carlo() {
-        Some(runs) => runs_file::write(runs, &dir.join("runs.csv")).map_err(OutputError::Runs)?,
-        None => trace_file::write(study, dir)?,
+    match &study.outcome {
+        Outcome::MonteCarlo(runs) => runs_file::write(runs, &dir.join("runs.csv")).map_err(OutputError::Runs)?,
+        Outcome::Design(drawn) if drawn.solved.circuit.is_some() => {
+            let path = dir.join("stack.toml");
+            fs::write(&path, stack::text(drawn, &study.name)).map_err(|io| OutputError::Write { path, io })?;
+        }
+        Outcome::Design(_) => {}
+        Outcome::Driven(_) | Outcome::Contact(_) => trace_file::write(study, dir)?,
     }
     if let Some(grid) = &study.grid {
         grid_file::write(grid, &dir.join("grid.csv")).map_err(OutputError::Grid)?;

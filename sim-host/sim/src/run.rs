@@ -6,6 +6,7 @@ mod script;
 mod session;
 
 pub use batch::{LANES, run_batch};
+pub use script::Script;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

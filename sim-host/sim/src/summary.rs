@@ -22,6 +22,7 @@ pub fn machine(study: &Study) -> Value {
     let (wall_s, speed, ns) = match &study.outcome {
         Outcome::Driven(run) => (run.record.wall_s, run.record.simulated_s_per_wall_s(), None),
         Outcome::Contact(solved) => (None, None, solved.answer.as_ref().and_then(|answer| answer.solution.ns_per_period)),
+        Outcome::Design(_) => (None, None, None),
         Outcome::MonteCarlo(runs) => {
             let speed = runs.wall_s.map(|wall_s| runs.runs.len() as f64 * study.scene.duration_s / wall_s);
             (runs.wall_s, speed, None)
@@ -98,6 +99,7 @@ pub(crate) fn with_own(mut of: Value, study: &Study) -> Value {
             }
             of["drive_hash"] = json!(runs.drive_hash().map(|hash| format!("{hash:016x}")));
         }
+        Outcome::Design(_) => {}
         Outcome::Contact(solved) => {
             of["solution"] = json!(solved.answer.as_ref().map(|Answer { solution, .. }| {
                 let mut how = json!({

@@ -11,7 +11,7 @@ use crate::instruments::{self, Line, View, crash};
 use crate::numbers::{number, precise};
 use crate::overlay;
 use crate::provenance::Provenance;
-use crate::study::{Outcome, Study, contact, monte_carlo};
+use crate::study::{Outcome, Study, contact, design, monte_carlo};
 use report::{Report, TableBlock, rounded_to};
 use scene::load::Assumed;
 use scene::metrics;
@@ -22,6 +22,7 @@ pub fn report(study: &Study, provenance: &Provenance) -> Report {
     let preface = match &study.outcome {
         Outcome::Driven(run) => driven::preface(run),
         Outcome::Contact(_) => contact::table::PREFACE.to_owned(),
+        Outcome::Design(_) => design::table::PREFACE.to_owned(),
         Outcome::MonteCarlo(runs) => monte_carlo::table::preface(runs),
     };
     Report {
@@ -51,6 +52,7 @@ pub fn tables(study: &Study) -> Vec<TableBlock> {
     match &study.outcome {
         Outcome::Driven(run) => tables.extend(driven::tables(run, &study.metrics)),
         Outcome::Contact(solved) => tables.extend(contact::table::tables(study, solved)),
+        Outcome::Design(drawn) => tables.extend(design::table::tables(drawn)),
         Outcome::MonteCarlo(runs) => tables.extend(monte_carlo::table::tables(study, runs)),
     }
     tables.extend(study.overlaid.iter().map(|overlaid| overlay::table(&overlaid.residuals)));
@@ -85,6 +87,7 @@ pub fn remarks(study: &Study) -> Vec<String> {
     remarks.extend(match &study.outcome {
         Outcome::Driven(run) => driven::remarks(run),
         Outcome::Contact(solved) => contact::table::remarks(solved),
+        Outcome::Design(drawn) => design::table::remarks(drawn),
         Outcome::MonteCarlo(runs) => monte_carlo::table::remarks(study, runs),
     });
     remarks.extend(not_drawn(study));
@@ -138,6 +141,7 @@ pub fn headline(study: &Study) -> Vec<(String, String)> {
     let (first, lines): (Vec<_>, Vec<Line>) = match &study.outcome {
         Outcome::Driven(run) => (driven::fault(run).into_iter().collect(), instruments::headline().collect()),
         Outcome::Contact(solved) => (contact::table::ratio(solved).into_iter().collect(), contact::table::HEADLINE.to_vec()),
+        Outcome::Design(_) => (Vec::new(), design::table::HEADLINE.to_vec()),
         Outcome::MonteCarlo(runs) => (monte_carlo::table::first(study.scene, runs), monte_carlo::table::HEADLINE.to_vec()),
     };
     let intervals = study.monte_carlo().map_or_else(Vec::new, |runs| monte_carlo::uncertainty::intervals(study.scene, runs));
@@ -170,6 +174,7 @@ pub fn manner(study: &Study) -> String {
     match &study.outcome {
         Outcome::Driven(run) => driven::manner(run),
         Outcome::Contact(solved) => contact::table::manner(solved),
+        Outcome::Design(drawn) => design::table::manner(drawn),
         Outcome::MonteCarlo(runs) => monte_carlo::table::manner(runs),
     }
 }
@@ -179,6 +184,7 @@ pub fn reached(study: &Study) -> String {
     let reached_s = match &study.outcome {
         Outcome::Driven(run) => driven::reached_s(run),
         Outcome::Contact(solved) => contact::table::reached_s(solved),
+        Outcome::Design(_) => return String::new(),
         Outcome::MonteCarlo(runs) => return monte_carlo::table::reached(runs),
     };
     format!("{} s of {} s", number(reached_s), study.scene.duration_s)
@@ -194,7 +200,10 @@ pub fn level(study: &Study) -> String {
     match &study.outcome {
         Outcome::Driven(run) => run.level.to_string(),
         Outcome::MonteCarlo(runs) if study.scene.controller.is_some() => runs.level.to_string(),
-        Outcome::Contact(_) | Outcome::MonteCarlo(_) => contact::table::LEVEL.to_owned(),
+        Outcome::Contact(_) => contact::table::LEVEL.to_owned(),
+        Outcome::Design(_) => design::table::LEVEL.to_owned(),
+        Outcome::MonteCarlo(_) if study.scene.design.is_some() => design::table::LEVEL.to_owned(),
+        Outcome::MonteCarlo(_) => contact::table::LEVEL.to_owned(),
     }
 }
 
@@ -202,6 +211,7 @@ fn footer(study: &Study, provenance: &Provenance) -> Vec<(String, String)> {
     let own = match &study.outcome {
         Outcome::Driven(run) => driven::footer(run),
         Outcome::Contact(solved) => contact::table::footer(solved),
+        Outcome::Design(_) => design::table::footer(),
         Outcome::MonteCarlo(runs) => monte_carlo::table::footer(runs),
     };
     let all = [("scene", study.name.clone()), ("seed", study.scene.seed.to_string())];

@@ -34,8 +34,8 @@ pub(crate) fn write<W: Write>(study: &Study, mut file: csv::Writer<W>) -> Result
             None => overview(&run.record, &mut file)?,
         },
         Outcome::Contact(solved) => last_periods(solved, &mut file)?,
-        // Several runs write `runs.csv` instead.
-        Outcome::MonteCarlo(_) => {}
+        // Several runs write `runs.csv` instead, and a design its figures.
+        Outcome::Design(_) | Outcome::MonteCarlo(_) => {}
     }
     file.flush()?;
     Ok(())

@@ -3,7 +3,7 @@
 use clap::Command;
 
 /// Examples of each command: arguments and description.
-const EXAMPLES: [(&str, &[(&str, &str)]); 18] = [
+const EXAMPLES: [(&str, &[(&str, &str)]); 19] = [
     (
         "run",
         &[
@@ -49,6 +49,13 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 18] = [
         &[
             ("advise --frequency-hz 40e3 --q 65 --rm-ohm 3 --c0-f 300e-9", "settings from the values of an impedance analyser"),
             ("advise lock --amplifier --tip-m 1e-6", "volts, amperes and power for a tip amplitude"),
+        ],
+    ),
+    (
+        "design",
+        &[
+            ("design langevin", "resonances, circuit and stresses of a built-in transducer"),
+            ("design langevin --set design.element.3.length_m=0.035", "the same with a longer horn"),
         ],
     ),
     ("compare", &[("compare out/lock out/lock-pil --tolerance 1%", "compare two runs of a scene")]),

@@ -4,7 +4,7 @@ use clap::Command;
 
 /// Groups with their commands. The last group takes all commands that no other group contains.
 const GROUPS: [(&str, &[&str]); 4] = [
-    ("First steps", &["run", "sweep", "solve", "optimise", "import", "advise", "link", "explain"]),
+    ("First steps", &["run", "sweep", "solve", "optimise", "import", "advise", "design", "link", "explain"]),
     ("Scenes", &["list", "show", "check", "schema"]),
     ("Results", &["compare", "merge", "spectrum", "validate"]),
     ("Other", &[]),

@@ -85,6 +85,29 @@ impl RunArgs {
     }
 }
 
+/// Arguments of `design`.
+#[derive(Args)]
+#[command(mut_arg("output", |arg| arg.help(FOLDER)))]
+pub(super) struct DesignArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    report: ReportArgs,
+    #[command(flatten)]
+    drawing: DrawingArgs,
+}
+
+/// Computes a design, as `run` does.
+pub(super) fn design(args: DesignArgs, color: Color) -> anyhow::Result<Exit> {
+    let loaded = load(&args.scene.scene, &args.scene.sets)?;
+    if loaded.scene.design.is_none() {
+        let message = format!("`{}` is not a design: it has no [design]; `sim-host run` runs any scene", loaded.name);
+        return Err(mistake(Exit::Input, message));
+    }
+    let DesignArgs { scene, report, drawing } = args;
+    run_loaded(&RunArgs { scene, report, drawing, ..RunArgs::default() }, &loaded, color)
+}
+
 /// Runs a scene, writes its folder and prints its result.
 pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<Exit> {
     let mut sets = args.scene.sets.clone();

@@ -16,7 +16,7 @@ pub(crate) fn to_json(study: &Study) -> Value {
     let (scope, motor) = match &study.outcome {
         Outcome::Driven(run) => (Some(Scope::driven(run)), Motor::from_run(run)),
         Outcome::Contact(solved) => (Some(Scope::contact(solved)), None),
-        Outcome::MonteCarlo(_) => (None, None),
+        Outcome::Design(_) | Outcome::MonteCarlo(_) => (None, None),
     };
     let machine = summary::machine(study);
     json!({

@@ -56,7 +56,7 @@ pub fn claims(findings: &Findings) -> TableBlock {
     let caption = "Reproduced: holds in every check. Conditional: holds under some conditions. Refuted: holds in no check. \
                    The verdicts are computed from the numbers.";
     let header = ["claim", "thesis", "verdict", "check", "numbers"];
-    TableBlock::new("claims", "Claims of chapters 3 and 4 and appendix B", caption, &header, rows)
+    TableBlock::new("claims", "Claims of chapters 2 to 4 and appendix B", caption, &header, rows)
 }
 
 /// Tabulates the contradictions.

@@ -11,8 +11,9 @@ data to parameters and scenes. `explain()` returns the meaning of a metric, a ke
 
 from ._imported import Admittance, Conditions, Contact, Correlation, Friction, Stated, import_admittance, import_conditions, import_friction
 from ._link import Answer, Link
+from ._loop import Board, Controller, Plant, Processed, Sensed, Slow
 from ._native import VERSION as __version__
-from ._native import LinkError, MeasurementError, RunError, SceneError, explain, scenes
+from ._native import LinkError, MeasurementError, RunError, SceneError, Telemetry, explain, scenes
 from ._result import Expectation, Figure, Result, Signal, Table
 from ._scene import Scene, metrics
 from ._sweep import Sweep
@@ -20,8 +21,10 @@ from ._sweep import Sweep
 __all__ = [
     "Admittance",
     "Answer",
+    "Board",
     "Conditions",
     "Contact",
+    "Controller",
     "Correlation",
     "Expectation",
     "Figure",
@@ -29,14 +32,19 @@ __all__ = [
     "Link",
     "LinkError",
     "MeasurementError",
+    "Plant",
+    "Processed",
     "Result",
     "RunError",
     "Scene",
     "SceneError",
+    "Sensed",
     "Signal",
+    "Slow",
     "Stated",
     "Sweep",
     "Table",
+    "Telemetry",
     "__version__",
     "explain",
     "import_admittance",

@@ -142,12 +142,23 @@ pub struct Stack {
     /// Self-heating of the stack. Default: the stack has the temperature of its surroundings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thermal: Option<Thermal>,
+    /// Mechanical design from which circuit and further modes follow, instead of `bvd` and `mode`.
+    #[serde(default, skip_serializing)]
+    pub design: Option<StackDesign>,
     /// Butterworth-Van Dyke equivalent circuit.
     pub bvd: Bvd,
     /// Further modes, which disturb the working mode.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 3))]
     pub mode: Vec<Mode>,
+}
+
+/// The mechanical design of the stack.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StackDesign {
+    /// Name of a built-in scene of a design, or of its file, relative to this file.
+    pub file: String,
 }
 
 /// The stack as one body heated by its own losses: `C dT/dt = P - (T - surroundings) / R`. The

@@ -3,6 +3,7 @@
 use super::Sign::{Code, Count, Error, Flag, Magnitude, Signed};
 use super::Window::{
     Blocks, Crash, Edges, End, EndOfOn, Event, Identified, LoadCell, Lock, Off, On, Periods, Run, Runs, SetPoint, Steady, Step,
+    Working,
 };
 use super::{Metric, Sign, Window};
 
@@ -160,6 +161,21 @@ pub const METRICS: &[Metric] = &[
     row("cm_sd_f", "F", Magnitude, Identified, "The controller's standard deviation of `cm_f`"),
     row("c0_sd_f", "F", Magnitude, Identified, "The controller's standard deviation of `c0_f`"),
     row("coupling_sd", "1", Magnitude, Identified, "The controller's standard deviation of `coupling`"),
+    row("force_factor_n_per_v", "N/V", Magnitude, Working, "Force factor at the tip of a design, N/V or A per m/s"),
+    row("mode_separation_hz", "Hz", Magnitude, Working, "Distance of the working mode of a design from the next mode"),
+    row("lateral_inertia_hz", "Hz", Signed, Working, "Shift of the series resonance of a design by the inertia of the lateral motion (Love's rod), whether included or not"),
+    row("displacement_gain", "1", Magnitude, Working, "Displacement of the tip of a design divided by that of its back"),
+    row("tip_amplitude_m", "m", Magnitude, Working, "Displacement of the tip of a design at its operating point"),
+    row("tip_per_volt_m_per_v", "m/V", Magnitude, Working, "Displacement of the tip of a design per volt at the series resonance"),
+    row("tip_per_ampere_m_per_a", "m/A", Magnitude, Working, "Displacement of the tip of a design per ampere of the total current at the series resonance"),
+    row("drive_current_a", "A", Magnitude, Working, "Total current into the rings of a design at its operating point, peak"),
+    row("peak_stress_pa", "Pa", Magnitude, Working, "Largest alternating stress in the parts of a design, peak"),
+    row("ceramic_stress_pa", "Pa", Magnitude, Working, "Largest alternating stress in the rings of a design, peak"),
+    row("preload_stress_pa", "Pa", Magnitude, Working, "Static compression of those rings by the bolt"),
+    row("bolt_stress_pa", "Pa", Magnitude, Working, "Largest alternating stress in the bolt of a design, peak"),
+    row("stress_margin", "1", Magnitude, Working, "Smallest ratio of a known strength to the stress in a design; the rings must not leave their joints"),
+    row("ceramic_heating_k", "K", Magnitude, Working, "Temperature of the rings of a design over the surroundings, by their loss and `thermal_resistance_k_per_w`"),
+    row("transducer_length_m", "m", Magnitude, Working, "Length of a design from its back to its tip"),
     row("modes_found", "1", Magnitude, Identified, "Number of resonances that the scan lists, inside and outside the window"),
     row("fault_code", "1", Code, End, "Number of the fault that ended the run; 0 for none"),
     row("fault_latency_us", "us", Magnitude, Event, "From the scene's first fault to the first sample without drive after the controller has entered the fault state and discarded its queue; if the drive was muted before that (limit 101), to the first block without drive"),

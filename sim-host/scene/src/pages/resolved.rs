@@ -13,6 +13,8 @@ const MAX_INLINE_CHARS: usize = 44;
 
 /// Largest number of choices that are listed in the comment.
 const MAX_CHOICES: usize = 8;
+/// Table that a design does not have.
+const INTEGRATOR: &str = "integrator";
 
 /// Returns the scene as TOML, every key with its meaning and unit. It can be read back as the same
 /// scene.
@@ -28,11 +30,16 @@ pub fn resolved_toml(scene: &Scene) -> String {
 
 /// Returns the scene as JSON.
 pub fn resolved_json(scene: &Scene) -> serde_json::Value {
-    serde_json::to_value(scene).unwrap_or_default()
+    let mut json = serde_json::to_value(scene).unwrap_or_default();
+    if let Some(table) = json.as_object_mut().filter(|_| scene.design.is_some()) {
+        table.remove(INTEGRATOR);
+    }
+    json
 }
 
 fn write_table(out: &mut String, text: &str, table: &DeTable<'_>, schema: Schema, path: &str) {
-    let mut entries: Vec<_> = table.iter().collect();
+    let is_shown = |key: &str| key != INTEGRATOR || !path.is_empty() || !table.contains_key("design");
+    let mut entries: Vec<_> = table.iter().filter(|(key, _)| is_shown(key.get_ref())).collect();
     // In the order of the types, not alphabetically.
     entries.sort_by_key(|(key, _)| key.span().start);
     let (tables, values): (Vec<_>, Vec<_>) = entries.into_iter().partition(|(_, value)| holds_tables(value.get_ref()));

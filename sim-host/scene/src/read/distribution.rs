@@ -9,7 +9,7 @@
 //! | `{ samples = [x1, x2] }` | one of the numbers | their median |
 //! | `{ samples = "file.csv", column = "mu" }` | a row of a table, the same row for all keys | their median |
 //!
-//! A contact study with a distribution runs 256 times, unless it has `runs`. A driven scene,
+//! A contact study or a design with a distribution runs 256 times, unless it has `runs`. A driven scene,
 //! whose runs take longer, needs `runs`.
 
 use std::collections::BTreeSet;
@@ -56,7 +56,7 @@ pub(crate) fn replace(root: &mut Node, sources: &[Source]) -> Result<Vec<PathBuf
         }
     }
     if let Value::Table(table) = &mut root.value
-        && table.contains_key("excitation")
+        && ["excitation", "design"].iter().any(|kind| table.contains_key(*kind))
         && !table.contains_key("runs")
     {
         table.insert("runs".to_owned(), Entry { key: first.clone(), node: Node { place: first, value: Value::Integer(RUNS) } });

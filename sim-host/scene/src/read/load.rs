@@ -2,6 +2,7 @@
 //! mistakes.
 
 mod assumed;
+mod designed;
 mod inherited;
 mod manifest;
 
@@ -223,6 +224,7 @@ fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<ReadSce
     let root = merge_bases(&mut sources).and_then(|root| change(root, sets, &starts)).and_then(|mut root| {
         let texts = sources.len();
         let mut files = files(&root, &sources);
+        files.extend(designed::replace(&mut root, &sources).map_err(|problem| vec![problem])?);
         files.extend(distribution::replace(&mut root, &sources)?);
         let found = resolve(&mut root, &mut sources);
         Ok(ReadScene { root, found, files, texts })

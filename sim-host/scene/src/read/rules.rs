@@ -12,6 +12,7 @@ mod comparison;
 mod compliant;
 mod contact;
 mod converters;
+mod design;
 mod disturbance;
 mod dring;
 mod drive;
@@ -72,6 +73,7 @@ pub(crate) fn check(root: &Node, findings: Findings) -> Findings {
             rules.integrator();
             rules.angle();
         }
+        Some(Kind::Designed) => rules.designed(),
         None => {}
     }
     rules.converters();

@@ -127,7 +127,9 @@ fn check_table(node: &mut Node, schema: Schema, path: &str, findings: &mut Findi
             }
         }
     }
-    for name in schema.required().filter(|name| !table.contains_key(*name)) {
+    // A design has no duration.
+    let is_needed = |name: &&str| *name != "duration_s" || !path.is_empty() || !table.contains_key("design");
+    for name in schema.required().filter(|name| !table.contains_key(*name)).filter(is_needed) {
         let missing = join(path, name);
         // A misspelt key is already reported at its place. An unknown table is probably meant to be
         // the missing one.

@@ -53,7 +53,7 @@ fn missing_keys_are_reported_at_their_table() {
         &with_line("frequency_hz", ""),
         &["`frequency_hz` is missing in [controller.drive]", "--> a.toml:5:1", "a number in Hz"],
     );
-    says(&report("title = \"x\"\nduration_s = 1\n", &[]), &["a scene needs [controller] or [excitation]", "1 problem"]);
+    says(&report("title = \"x\"\nduration_s = 1\n", &[]), &["a scene needs [controller], [excitation] or [design]", "1 problem"]);
     says(&report("", &[]), &["the scene is empty", "sim-host show experiment-1"]);
     says(&report("# nothing\n", &[]), &["the scene is empty"]);
 }

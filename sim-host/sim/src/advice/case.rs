@@ -242,7 +242,7 @@ fn alone(scene: &Scene, driven: Driven<'_>, circuit: Circuit) -> Scene {
         notes: Vec::new(),
         runs: 1,
         controller: Some(controller),
-        stack: Some(Stack { temperature_k: 0.0, thermal: None, bvd, mode: Vec::new() }),
+        stack: Some(Stack { temperature_k: 0.0, thermal: None, design: None, bvd, mode: Vec::new() }),
         contact: None,
         rig: None,
         disturbance: Vec::new(),

@@ -23,8 +23,18 @@ use scene::load::is_unchanged;
 /// Manifest, which names the command of all other files.
 const MANIFEST: &str = "manifest.json";
 /// Files that identify a folder without a manifest as a result.
-const NAMES: [&str; 9] =
-    ["summary.json", "machine.json", "trace.csv", "trace.npy", "trace.parquet", "runs.csv", "grid.csv", "report.html", PLAN];
+const NAMES: [&str; 10] = [
+    "summary.json",
+    "machine.json",
+    "trace.csv",
+    "trace.npy",
+    "trace.parquet",
+    "runs.csv",
+    "grid.csv",
+    "report.html",
+    "stack.toml",
+    PLAN,
+];
 /// Prefix of the folder of a run that is being written.
 const UNFINISHED: &str = ".unfinished-";
 /// Prefix of the subfolder for a run whose files may not replace others.

@@ -7,8 +7,9 @@ use firmware::seam::units::{Hertz, Turns};
 use scene::Driven;
 
 /// Commands of a run, which may begin with a calibration.
-pub(super) struct Script {
-    pub(super) orders: Orders,
+pub struct Script {
+    /// Present orders.
+    pub orders: Orders,
     /// Times, s, and friction ratios to be commanded; the last one first.
     friction: Vec<(f64, f64)>,
     /// `true` if the calibration has begun.
@@ -16,7 +17,8 @@ pub(super) struct Script {
 }
 
 impl Script {
-    pub(super) fn new(scene: &Driven) -> Self {
+    /// Creates the commands of a scene.
+    pub fn new(scene: &Driven) -> Self {
         let controller = scene.controller;
         let request = if controller.phasing.calibrate { Request::Calibrate } else { Request::Run };
         let orders = Orders {
@@ -36,7 +38,7 @@ impl Script {
     }
 
     /// Commands the friction that is due.
-    pub(super) fn order_friction(&mut self, time_s: f64) {
+    pub fn order_friction(&mut self, time_s: f64) {
         while let Some((_, ratio)) = self.friction.pop_if(|(at_s, _)| *at_s <= time_s) {
             let sequence = self.orders.sequence + 1;
             self.orders = Orders { sequence, friction: Some(Target::Ratio(ratio as f32)), ..self.orders };
@@ -44,7 +46,7 @@ impl Script {
     }
 
     /// Commands the run once the calibration is over. After a fault, no command follows.
-    pub(super) fn follow(&mut self, mode: Mode) {
+    pub fn follow(&mut self, mode: Mode) {
         self.calibrating |= mode == Mode::Calibrate;
         if self.calibrating && mode == Mode::Idle {
             self.calibrating = false;

@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::{Start, StudyError, contact, driven};
+use super::{Start, StudyError, contact, design, driven};
 use crate::instruments;
 use crate::instruments::sweep::record::SweepRecord;
 use crate::metrics::Metrics;
@@ -147,6 +147,7 @@ impl Made<'_, '_> {
         match self.scene.kind().ok_or(StudyError::Incomplete)? {
             Kind::Driven(scene) => self.record(&scene).map(|record| instruments::measure(&scene, &record)),
             Kind::Excited(scene) => contact::cell(&scene, wanted, self.plan.stop).map_err(|error| self.empty(error)),
+            Kind::Designed(scene) => design::cell(scene).map_err(|error| self.empty(error)),
         }
     }
 

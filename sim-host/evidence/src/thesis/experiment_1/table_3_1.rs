@@ -27,11 +27,11 @@ pub(in crate::thesis) const BOLT_N_PER_M: f64 = 3.7e7;
 /// Nominal displacement, m.
 pub(in crate::thesis) const NOMINAL_M: f64 = 36e-6;
 /// Young's modulus of the rod of the half-wave model (3.1.2), Pa.
-const MODULUS_PA: f64 = 120e9;
+pub(in crate::thesis) const MODULUS_PA: f64 = 120e9;
 /// Density of the rod, kg/m^3.
-const DENSITY_KG_PER_M3: f64 = 7900.0;
+pub(in crate::thesis) const DENSITY_KG_PER_M3: f64 = 7900.0;
 /// Length of the rod, m.
-const LENGTH_M: f64 = 0.048_76;
+pub(in crate::thesis) const LENGTH_M: f64 = 0.048_76;
 /// Drive voltage of experiment 1 (3.1.4), V peak.
 pub(in crate::thesis) const DRIVE_V: f64 = 3.0;
 /// Drive current of experiment 1 (3.1.4), A peak.

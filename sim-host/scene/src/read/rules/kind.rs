@@ -1,8 +1,8 @@
-//! Rules of the two kinds of scene: the firmware drives a transducer, or a contact is studied
-//! alone.
+//! Rules of the kinds of scene: the firmware drives a transducer, a contact is studied alone, or a
+//! transducer is designed.
 
 use super::Rules;
-use crate::diagnostic::{Place, Problem};
+use crate::diagnostic::Problem;
 use crate::nearest::{listed, shown};
 use crate::schema::{Schema, join};
 use crate::tree::Node;
@@ -10,6 +10,7 @@ use crate::wording::header;
 
 const CONTROLLER: &str = "controller";
 const EXCITATION: &str = "excitation";
+const DESIGN: &str = "design";
 
 /// Kind of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +19,8 @@ pub(super) enum Kind {
     Driven,
     /// A scene of a contact study.
     Excited,
+    /// A scene of a design.
+    Designed,
 }
 
 pub(super) const BELT: &str = "rig.belt";
@@ -37,6 +40,8 @@ const DRIVEN_ONLY: &[&str] = &[
     "rig.carriage",
     "contact.empirical",
 ];
+/// Tables that a design cannot have.
+const NOT_DESIGNED: &[&str] = &["contact", "rig", "integrator", "disturbance", "comparison", "overlay", "duration_s"];
 /// Tables that only a contact study can have.
 const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.hertz", "contact.compliant"];
 /// Keys of the integrator that only a contact study can have.
@@ -44,36 +49,39 @@ const STUDY_KEYS: &[&str] = &["method", "order", "tolerance", "tolerance_of", "w
 /// Largest number of steps per period of the stack.
 const MAX_DRIVEN_STEPS: f64 = 4096.0;
 
-/// Refuses a scene of both kinds. Everything else in the table that must go is of no interest.
+/// Refuses a scene of two kinds. Everything else in the table that must go is of no interest.
 pub(crate) fn two_kinds(root: &Node) -> Option<Problem> {
-    let place = |table: &str| Some(root.table()?.get(table)?.key.clone());
-    let (controller, excitation) = (place(CONTROLLER)?, place(EXCITATION)?);
+    let place = |table: &'static str| Some((table, root.table()?.get(table)?.key.clone()));
+    let mut kinds: Vec<_> = [CONTROLLER, EXCITATION, DESIGN].into_iter().filter_map(place).collect();
+    let named = kinds.iter().map(|(table, _)| header(table)).collect::<Vec<_>>().join(" and ");
     // Sources come before the ones that they change.
-    let order = |place: &Place| (std::cmp::Reverse(place.source), place.start);
-    let (later, earlier) =
-        if order(&excitation) < order(&controller) { (controller, EXCITATION) } else { (excitation, CONTROLLER) };
-    let message = "[controller] and [excitation] exclude each other";
-    let help = "either the firmware drives a stack, or [excitation] excites a contact that is studied alone";
-    Some(Problem::new(later, message, format!("{} is already given", header(earlier))).help(help))
+    kinds.sort_by_key(|(_, place)| (std::cmp::Reverse(place.source), place.start));
+    let [(earlier, _), .., (_, later)] = &kinds[..] else { return None };
+    let message = format!("{named} exclude each other");
+    let help = "either the firmware drives a stack, or [excitation] excites a contact that is studied alone, or a transducer \
+                is designed";
+    Some(Problem::new(later.clone(), message, format!("{} is already given", header(earlier))).help(help))
 }
 
 impl Rules<'_> {
-    /// Determines the kind of the scene, by which of two tables it has.
+    /// Determines the kind of the scene, by which of three tables it has. `two_kinds` has refused
+    /// several.
     pub(super) fn kind(&mut self) {
-        self.kind = match (self.given(CONTROLLER), self.given(EXCITATION)) {
-            (true, false) => Some(Kind::Driven),
-            (false, true) => Some(Kind::Excited),
-            // Refused by `two_kinds` before.
-            (true, true) => None,
-            (false, false) => {
-                if self.lacks(CONTROLLER) && self.lacks(EXCITATION) {
+        self.kind = match [CONTROLLER, EXCITATION, DESIGN].map(|table| self.given(table)) {
+            [true, _, _] => Some(Kind::Driven),
+            [_, true, _] => Some(Kind::Excited),
+            [_, _, true] => Some(Kind::Designed),
+            _ => {
+                if self.lacks(CONTROLLER) && self.lacks(EXCITATION) && self.lacks(DESIGN) {
                     let keys = |table: &str| {
                         let schema = Schema::root().at(table);
                         format!("{} with at least {}", header(table), listed(schema.iter().flat_map(|s| s.required()), "and"))
                     };
-                    let label = format!("add {}, or {}", keys(CONTROLLER), keys(EXCITATION));
-                    let problem = Problem::new(self.root.place.clone(), "a scene needs [controller] or [excitation]", label);
-                    let help = "with [controller] the firmware drives a stack, with [excitation] a contact is studied alone";
+                    let label = format!("add {}, or {}, or [design]", keys(CONTROLLER), keys(EXCITATION));
+                    let message = "a scene needs [controller], [excitation] or [design]";
+                    let problem = Problem::new(self.root.place.clone(), message, label);
+                    let help = "with [controller] the firmware drives a stack, with [excitation] a contact is studied alone, \
+                                with [design] a transducer is designed";
                     self.findings.problems.push(problem.help(help));
                 }
                 None
@@ -101,6 +109,7 @@ impl Rules<'_> {
                 (EXCITATION, "contact", "there is no contact to study: add one, such as [contact.dahl]"),
                 (EXCITATION, "rig", "nothing carries the contact: add a rig, such as [rig.sdof]"),
             ],
+            Some(Kind::Designed) => &[],
             None => &[
                 ("contact", "rig", "nothing presses on the contact and moves it: add a rig"),
                 ("rig", "contact", "there is no contact to press on and move: add one, such as [contact.dahl]"),
@@ -122,9 +131,11 @@ impl Rules<'_> {
         let foreign = match self.kind {
             Some(Kind::Driven) => EXCITED_ONLY,
             Some(Kind::Excited) => DRIVEN_ONLY,
+            Some(Kind::Designed) => NOT_DESIGNED,
             None => &[],
         };
-        for table in foreign.iter().filter(|table| self.given(table)).collect::<Vec<_>>() {
+        let driven: &[&str] = if self.kind == Some(Kind::Designed) { &DRIVEN_ONLY[..6] } else { &[] };
+        for table in foreign.iter().chain(driven).filter(|table| self.given(table)).collect::<Vec<_>>() {
             self.add_foreign(table);
         }
     }
@@ -132,9 +143,13 @@ impl Rules<'_> {
     fn add_foreign(&mut self, table: &str) {
         let (scene, owner) = match self.kind {
             Some(Kind::Excited) => ("a contact study", CONTROLLER),
+            Some(Kind::Designed) => ("a design", if table == "contact" { EXCITATION } else { CONTROLLER }),
             _ => ("a scene with [controller]", EXCITATION),
         };
         let help = match table {
+            _ if self.kind == Some(Kind::Designed) => {
+                "a design has no run: its circuit is written to `stack.toml`, and `[stack.design]` of a driven scene uses it"
+            }
             "rig.slider" => {
                 "a contact study has [rig.sdof] or [rig.kinematic]; its sliding is `excitation.velocity_ratio` or \
                  `sliding_m_per_s`"
@@ -153,7 +168,8 @@ impl Rules<'_> {
             }
             _ => "[excitation] excites the contact directly: no controller, converter or stack is simulated",
         };
-        let message = format!("{} cannot be used in {scene}", header(table));
+        let shown = if table.ends_with("_s") { format!("`{table}`") } else { header(table) };
+        let message = format!("{shown} cannot be used in {scene}");
         let problem = Problem::new(self.key(table), message, format!("belongs to [{owner}]"));
         self.add(table, problem.help(help));
     }

@@ -83,7 +83,7 @@ impl Draws {
             vary: vary.clone(),
         });
         let keys = scene.vary.iter().map(|vary| vary.key.clone()).collect();
-        let even = scene.excited().is_some() && dimensions.len() <= sobol_burley::NUM_DIMENSIONS as usize;
+        let even = scene.controller.is_none() && dimensions.len() <= sobol_burley::NUM_DIMENSIONS as usize;
         Draws { keys, seed: scene.seed, varied: varied.collect(), even }
     }
 

@@ -10,6 +10,7 @@
 use super::{MonteCarlo, statistics};
 use crate::instruments::{self, Line};
 use crate::study::contact::table;
+use crate::study::design;
 use report::rounded_to;
 use report::statistics::ascending;
 use scene::Scene;
@@ -68,8 +69,11 @@ pub struct Shares {
 /// are its question, then those of a single run.
 pub(super) fn lines(scene: &Scene) -> Vec<Line> {
     let contact = || table::HEADLINE[..1].iter().copied().chain([FRICTION_RATIO]).chain(table::HEADLINE[1..].iter().copied());
-    let mut lines: Vec<Line> =
-        if scene.controller.is_some() { LOCK.into_iter().chain(instruments::headline()).collect() } else { contact().collect() };
+    let mut lines: Vec<Line> = match (&scene.controller, &scene.design) {
+        (Some(_), _) => LOCK.into_iter().chain(instruments::headline()).collect(),
+        (_, Some(_)) => design::table::HEADLINE.to_vec(),
+        _ => contact().collect(),
+    };
     let is_of = |metric: &str, line: &Line| metric.strip_prefix(line.1).is_some_and(|rest| ["", "_p95", "_max"].contains(&rest));
     lines.sort_by_key(|line| !scene.expect.iter().any(|expect| is_of(&expect.metric, line)));
     if scene.expect.is_empty() {
