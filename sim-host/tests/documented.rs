@@ -352,7 +352,7 @@ fn shorten(folder: &Folder, words: &mut Vec<String>) -> bool {
     many
 }
 
-/// Returns the scenes printed on the pages: those with a base.
+/// Returns the scenes printed on the pages: those with a base, and designs.
 fn scenes() -> Vec<(String, String)> {
     let mut scenes = Vec::new();
     for (page, text) in pages() {
@@ -361,7 +361,7 @@ fn scenes() -> Vec<(String, String)> {
         for begins in (0..lines.len()).filter(|&at| lines[at].trim() == "```toml") {
             let inside = lines[begins + 1..].iter().take_while(|line| line.trim() != "```");
             let block: String = inside.map(|line| format!("{}\n", line.trim_start())).collect();
-            if block.lines().any(|line| line.starts_with("base = ")) {
+            if block.lines().any(|line| line.starts_with("base = ") || line == "[design]") {
                 scenes.push((page.clone(), block));
             }
         }

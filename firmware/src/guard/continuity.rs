@@ -206,9 +206,9 @@ impl Continuity {
         self.pause = 0;
     }
 
-    /// Takes a steady block whose drive a limit has reduced below what can be judged. Returns `true`
-    /// if a channel has had energy that the drive does not explain for longer than a vibration
-    /// rings.
+    /// Takes a steady block whose drive a limit has reduced below the judged range. Returns
+    /// `true` if a channel has had energy that the drive does not explain for longer than a
+    /// vibration rings.
     #[inline]
     pub(crate) fn check_reduced_block(&mut self, unexplained: bool) -> bool {
         self.mark_ringing();

@@ -22,6 +22,9 @@ const ELECTRODE: &str = "beryllium-copper";
 /// Loss that stands for none: a quality factor that no calculation distinguishes from infinity.
 const LOSSLESS_Q: f64 = f64::INFINITY;
 
+/// Largest number of rings in all elements.
+const MOST_RINGS: u32 = 1000;
+
 /// Parts of a chain with the index of the element of each.
 pub(crate) type Parts = Vec<(usize, Part)>;
 
@@ -50,9 +53,20 @@ pub(crate) fn name(design: &Design, index: usize) -> String {
     element.name.clone().unwrap_or_else(|| format!("{kind} {}", index + 1))
 }
 
+/// Returns the lowest frequency at which a part has no waves, because its lateral inertia counts,
+/// Hz.
+pub(crate) fn cutoff_hz(parts: &[(usize, Part)]) -> Option<f64> {
+    let of_part = |(_, part): &(usize, Part)| match part {
+        Part::Clamp { inside, bolt } => [cutoff_hz(inside), bolt.cutoff_hz()].into_iter().flatten().reduce(f64::min),
+        part => part.rod().and_then(Rod::cutoff_hz),
+    };
+    parts.iter().filter_map(of_part).reduce(f64::min)
+}
+
 /// Returns the parts of a design.
 pub(crate) fn parts(design: &Design, how: How) -> Result<Parts, DesignError> {
     let builder = Builder { design, how };
+    builder.check_names()?;
     let of_element = |(index, element): (usize, &Element)| Ok((index, builder.element(index, element)?));
     let elements: Vec<(usize, Vec<Part>)> = design.element.iter().enumerate().map(of_element).collect::<Result<_, _>>()?;
     let flat = |range: &[(usize, Vec<Part>)]| -> Parts {
@@ -62,6 +76,9 @@ pub(crate) fn parts(design: &Design, how: How) -> Result<Parts, DesignError> {
     let (from, to) = builder.span(bolt)?;
     let inside = flat(&elements[from..=to]);
     let length = inside.iter().filter_map(|(_, part)| part.rod()).map(|rod| rod.length).sum();
+    if length == 0.0 {
+        return Err(wrong("bolt.from", "the grip of the bolt has no length", "joints alone have none"));
+    }
     let material = builder.material("bolt.material", &bolt.material)?;
     let bolt = builder.rod(material, Taper::Linear, length, [bolt.diameter_m; 2], 0.0);
     let clamp = (BOLT, Part::Clamp { inside, bolt });
@@ -69,7 +86,7 @@ pub(crate) fn parts(design: &Design, how: How) -> Result<Parts, DesignError> {
 }
 
 /// Returns the material of a name: one of the design, or a built-in one.
-pub(crate) fn material<'a>(design: &'a Design, name: &str) -> Option<&'a Material> {
+pub fn material<'a>(design: &'a Design, name: &str) -> Option<&'a Material> {
     design.material.iter().find(|material| material.name == name).or_else(|| library::material(name))
 }
 
@@ -114,7 +131,7 @@ impl<'a> Builder<'a> {
     /// Returns the parts of an element.
     fn element(&self, index: usize, element: &Element) -> Result<Vec<Part>, DesignError> {
         let path = |key: &str| format!("element.{index}.{key}");
-        self.check_keys(element, &path)?;
+        self.check_keys(index, element, &path)?;
         let material = || self.material(&path("material"), element.material.as_deref().unwrap_or_default());
         let number = |value: Option<f64>| value.unwrap_or_default();
         let (outer, bore) = (number(element.diameter_m), number(element.bore_m));
@@ -168,7 +185,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Checks that an element has the keys that its kind needs, and no others.
-    fn check_keys(&self, element: &Element, path: &dyn Fn(&str) -> String) -> Result<(), DesignError> {
+    fn check_keys(&self, index: usize, element: &Element, path: &dyn Fn(&str) -> String) -> Result<(), DesignError> {
         let given = [
             ("material", element.material.is_some()),
             ("length_m", element.length_m.is_some()),
@@ -197,13 +214,43 @@ impl<'a> Builder<'a> {
         for (key, given) in given {
             if needed.contains(&key) && !given {
                 let at = path("");
-                let message = format!("`{key}` is missing in the {kind} `{}`", at.trim_end_matches('.'));
-                return Err(wrong(at.trim_end_matches('.'), message, format!("needs {}", needed.join(", "))));
+                let message = format!("`{key}` is missing in `{}`", name(self.design, index));
+                return Err(wrong(at.trim_end_matches('.'), message, format!("{kind} needs {}", needed.join(", "))));
+            }
+            if key == "electrode_material" && given && element.electrode_m.is_none() {
+                return Err(wrong(
+                    path(key),
+                    "`electrode_material` has no effect without `electrode_m`",
+                    "there are no electrodes",
+                ));
             }
             if given && !needed.contains(&key) && !possible.contains(&key) {
                 let label = format!("{kind} has {}", [needed, possible].concat().join(", "));
                 return Err(wrong(path(key), format!("`{key}` has no meaning in this part"), label));
             }
+        }
+        Ok(())
+    }
+
+    /// Checks that names are unique, and that the rings are not too many.
+    fn check_names(&self) -> Result<(), DesignError> {
+        let all: Vec<String> = (0..self.design.element.len()).map(|index| name(self.design, index)).collect();
+        for (index, own) in all.iter().enumerate() {
+            if all[..index].contains(own) || own.is_empty() || *own == name(self.design, BOLT) {
+                let message = format!("the name `{own}` is taken, or empty");
+                return Err(wrong(format!("element.{index}"), message, "give another `name`"));
+            }
+        }
+        let materials = &self.design.material;
+        for (index, material) in materials.iter().enumerate() {
+            if materials[..index].iter().any(|other| other.name == material.name) {
+                let message = format!("there are two materials `{}`", material.name);
+                return Err(wrong(format!("material.{index}.name"), message, "second occurrence"));
+            }
+        }
+        let rings: u32 = self.design.element.iter().filter_map(|element| element.count).sum();
+        if rings > MOST_RINGS {
+            return Err(wrong("element", format!("there are {rings} rings"), format!("at most {MOST_RINGS}")));
         }
         Ok(())
     }
@@ -225,7 +272,7 @@ impl<'a> Builder<'a> {
             match element.kind {
                 Kind::Cylinder | Kind::Rings if element.bore_m.unwrap_or_default() >= bolt.diameter_m => {}
                 Kind::Cylinder | Kind::Rings => {
-                    let label = format!("`bore_m` must be at least {}", bolt.diameter_m);
+                    let label = format!("`bore_m` must be at least {} m", bolt.diameter_m);
                     return Err(wrong(path, format!("the bolt does not pass through `{}`", name(self.design, index)), label));
                 }
                 Kind::Joint => {}

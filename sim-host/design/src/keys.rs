@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Design {
-    /// Wanted frequency, Hz: the working mode is the one next to it. Default: the mode with the
-    /// largest coupling, or without piezoelectric rings the lowest.
+    /// Wanted frequency, Hz: the working mode is the nearest one that the rings excite. Default:
+    /// the lowest mode with at least half of the largest coupling, or without rings the lowest.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 100.0, max = 450e3))]
     pub frequency_hz: Option<f64>,
@@ -36,7 +36,7 @@ pub struct Design {
     /// Quality factor of all parts, instead of those of the materials. Joints and the mount lose
     /// more than the materials do, so that a measured Q is usually lower than the calculated one.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1.0, max = 1e6))]
+    #[schemars(range(min = 5.0, max = 1e6))]
     pub q: Option<f64>,
     /// Thermal resistance from the piezoelectric rings to the surroundings, K/W. Default: their
     /// temperature is not computed.
@@ -171,7 +171,7 @@ pub struct Material {
     #[schemars(range(min = 0.0, max = 0.5))]
     pub poisson: f64,
     /// Mechanical quality factor.
-    #[schemars(range(min = 1.0, max = 1e7))]
+    #[schemars(range(min = 5.0, max = 1e7))]
     pub q: f64,
     /// Largest alternating stress, Pa peak: endurance limit of a metal, or tension that a ceramic
     /// endures. Default: of a metal, no limit is known; of a ceramic, none beyond the preload.

@@ -45,7 +45,7 @@ mod solved;
 #[cfg(test)]
 mod tests;
 
-pub use build::DesignError;
+pub use build::{DesignError, material};
 pub use limits::Limit;
 pub use modes::{Branch, Mode};
 pub use operating::{Operating, Point};

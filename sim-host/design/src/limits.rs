@@ -84,9 +84,13 @@ pub(crate) fn limits(design: &Design, operating: &Operating) -> Vec<Limit> {
         };
         if element.kind != Kind::Rings {
             add("alternating stress", value, material.endurance_pa, "Pa");
+            // Parts in the grip are not joined otherwise.
+            add("tension", value, Some(held).filter(|held| *held > 0.0), "Pa");
             continue;
         }
-        add("tension", value, Some(material.endurance_pa.unwrap_or(0.0) + held), "Pa");
+        let is_pressed = preload.iter().any(|(other, _)| *other == index);
+        let tension = material.endurance_pa.or(is_pressed.then_some(0.0));
+        add("tension", value, tension.map(|endurance| endurance + held), "Pa");
         add("compression", value, material.compression_pa.map(|most| (most - held).max(0.0)), "Pa");
         let field = element.thickness_m.map_or(0.0, |thickness| operating.drive_v / thickness);
         add("field", field, material.field_v_per_m, "V/m");
@@ -99,11 +103,33 @@ pub(crate) fn limits(design: &Design, operating: &Operating) -> Vec<Limit> {
     limits
 }
 
+/// Returns the static tension of the bolt, Pa.
+pub(crate) fn bolt_preload(design: &Design) -> Option<f64> {
+    design.bolt.as_ref().map(|bolt| bolt.preload_n / (PI / 4.0 * bolt.diameter_m.powi(2)))
+}
+
+/// Returns the limits that are not checked, because a material does not have them.
+pub(crate) fn unchecked(design: &Design) -> Vec<String> {
+    let mut unchecked = Vec::new();
+    for (index, element) in design.element.iter().enumerate() {
+        let Some(material) = element.material.as_deref().and_then(|name| build::material(design, name)) else { continue };
+        let lacks = match element.kind {
+            Kind::Rings => material.compression_pa.is_none().then_some(("depolarisation by compression", "compression_pa")),
+            _ => material.endurance_pa.is_none().then_some(("strength", "endurance_pa")),
+        };
+        unchecked.extend(lacks.map(|(limit, key)| format!("{limit} of `{}` (`{key}`)", build::name(design, index))));
+    }
+    let bolt = design.bolt.as_ref().and_then(|bolt| build::material(design, &bolt.material));
+    let lacks = bolt.is_some_and(|material| material.endurance_pa.is_none() || material.tensile_pa.is_none());
+    unchecked.extend(lacks.then(|| "strength of the bolt (`endurance_pa`, `tensile_pa`)".to_owned()));
+    unchecked
+}
+
 /// Returns the limit of the bolt.
 fn of_bolt(design: &Design, operating: &Operating) -> Option<Limit> {
     let bolt = design.bolt.as_ref()?;
     let material: &Material = build::material(design, &bolt.material)?;
-    let held = bolt.preload_n / (PI / 4.0 * bolt.diameter_m.powi(2));
+    let held = bolt_preload(design)?;
     let most = material.endurance_pa? * (1.0 - held / material.tensile_pa?);
     let (part, value) = (build::name(design, BOLT), operating.bolt_pa?);
     Some(Limit { part, quantity: "alternating stress", value, most: most.max(0.0), unit: "Pa" })

@@ -18,6 +18,12 @@ use crate::port::{C, Port, State};
 const RESOLUTION_REL: f64 = 1e-14;
 /// Largest number of steps for a complex resonance.
 const MAX_STEPS: usize = 60;
+/// Largest quality factor that differs from infinity.
+const LARGEST_Q: f64 = 1e9;
+/// Largest ratio of a parallel to a series resonance.
+const SEARCH_RANGE: f64 = 20.0;
+/// Number of modes above a resonance among which the next driven one is.
+const SEARCH_MODES: usize = 12;
 /// Points of the contour around a resonance.
 const CONTOUR_POINTS: usize = 16;
 /// Radius of the contour, relative to the half width of the resonance.
@@ -30,9 +36,9 @@ pub struct Mode {
     pub number: usize,
     /// Series resonance without losses, Hz: the electrodes are shorted.
     pub series_resonance_hz: f64,
-    /// Parallel resonance without losses, Hz: the electrodes are open.
+    /// Parallel resonance without losses, Hz: the lowest one above, with open electrodes.
     pub parallel_resonance_hz: Option<f64>,
-    /// Quality factor.
+    /// Quality factor; infinite if nothing takes energy.
     pub q: f64,
     /// Branch of the equivalent circuit.
     pub branch: Option<Branch>,
@@ -54,11 +60,6 @@ pub struct Branch {
 }
 
 impl Mode {
-    /// Returns the effective coupling, `sqrt(1 - (fs / fp)^2)`.
-    pub fn coupling(&self) -> Option<f64> {
-        self.parallel_resonance_hz.map(|fp| (1.0 - (self.series_resonance_hz / fp).powi(2)).max(0.0).sqrt())
-    }
-
     /// Returns the angular frequency of the series resonance with losses, 1/s.
     pub(crate) fn resonance(&self) -> f64 {
         self.omega.norm()
@@ -88,12 +89,10 @@ fn short_below(parts: &Parts, hz: f64) -> usize {
     below + usize::from(tip.f.re * tip.u.re < 0.0)
 }
 
-/// Returns the number of modes below a frequency, with open electrodes: one less than with shorted
-/// ones if the chain is inductive.
-fn open_below(parts: &Parts, hz: f64) -> usize {
+/// Returns `true` if a chain is inductive at a frequency.
+fn is_inductive(parts: &Parts, hz: f64) -> bool {
     let w = angular(hz);
-    let capacitance = (driven(&chain(parts, w), w).1 / (C::i() * w)).re;
-    short_below(parts, hz) - usize::from(capacitance < 0.0)
+    (driven(&chain(parts, w), w).1 / (C::i() * w)).re < 0.0
 }
 
 /// Returns the frequency at which a count exceeds a number, in a range, Hz.
@@ -128,15 +127,23 @@ pub(crate) fn resonance(parts: &Parts, number: usize, highest: f64) -> Option<f6
 }
 
 /// Returns the mode of a series resonance.
-pub(crate) fn mode(lossless: &Parts, lossy: &Parts, (number, hz): (usize, f64), is_driven: bool) -> Mode {
+pub(crate) fn mode(lossy: &Parts, (number, hz): (usize, f64), is_driven: bool) -> Mode {
     let omega = pole(lossy, hz);
     let q = omega.norm() / (2.0 * omega.im);
-    // The parallel resonance is below the next series resonance; twice the frequency is beyond any
-    // coupling of one mode.
-    let parallel = |_| rises(number, (hz, 2.0 * hz), |hz| open_below(lossless, hz));
+    let q = if q > 0.0 && q < LARGEST_Q { q } else { f64::INFINITY };
     let branch = is_driven.then(|| branch(lossy, omega)).flatten();
-    let parallel_resonance_hz = branch.map(parallel);
-    Mode { number, series_resonance_hz: hz, parallel_resonance_hz, q, branch, omega }
+    Mode { number, series_resonance_hz: hz, parallel_resonance_hz: None, q, branch, omega }
+}
+
+/// Returns the parallel resonance above the series resonance of a driven mode, Hz.
+///
+/// Between two driven modes the susceptance rises from below to above zero (Foster's theorem). A
+/// mode that the rings do not excite does not end the range.
+pub(crate) fn parallel_resonance(parts: &Parts, mode: &Mode) -> Option<f64> {
+    let (low, highest) = (mode.series_resonance_hz, SEARCH_RANGE * mode.series_resonance_hz);
+    let next = (1..=SEARCH_MODES).map(|more| rises(mode.number + more, (low, highest), |hz| short_below(parts, hz)));
+    let high = next.into_iter().find(|next| !is_inductive(parts, next * (1.0 - 1e-9)))?;
+    Some(rises(0, (low * (1.0 + 1e-13), high * (1.0 - 1e-9)), |hz| usize::from(!is_inductive(parts, hz))))
 }
 
 /// Returns the complex angular frequency of a mode near a frequency, by the secant method.
@@ -169,7 +176,7 @@ fn branch(parts: &Parts, omega: C) -> Option<Branch> {
     let residue = points.sum::<C>() / CONTOUR_POINTS as f64;
     let inductance = -C::i() * omega / (residue * (2.0 * omega.re));
     let lm_h = inductance.re;
-    (lm_h.is_finite() && lm_h > 0.0 && lm_h < 1e4).then(|| Branch {
+    (lm_h.is_finite() && lm_h > 0.0).then(|| Branch {
         lm_h,
         cm_f: 1.0 / (omega.norm_sqr() * lm_h),
         rm_ohm: 2.0 * omega.im * lm_h,

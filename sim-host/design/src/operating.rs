@@ -8,6 +8,8 @@ use crate::port::{C, Port, State};
 
 /// Points in each part at which displacement and stress are sampled.
 const POINTS: usize = 24;
+/// Further points in each half wave.
+const POINTS_PER_HALF_WAVE: f64 = 16.0;
 /// Number of bisections for a node.
 const BISECTIONS: usize = 50;
 
@@ -135,7 +137,8 @@ impl Walk {
     fn sample(&mut self, index: usize, part: &Part, rod: &Rod, left: State, charge: C) {
         let state = |x: f64| part.state_at(self.w, x, left, charge);
         let displacement = |x: f64| (state(x).u * self.tip.conj()).re;
-        let places: Vec<f64> = (0..=POINTS).map(|point| rod.length * point as f64 / POINTS as f64).collect();
+        let count = POINTS + (POINTS_PER_HALF_WAVE * rod.half_waves(self.w.re)) as usize;
+        let places: Vec<f64> = (0..=count).map(|point| rod.length * point as f64 / count as f64).collect();
         let nodes: Vec<f64> = places
             .windows(2)
             .filter(|pair| displacement(pair[0]) * displacement(pair[1]) < 0.0)

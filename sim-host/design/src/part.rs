@@ -97,6 +97,16 @@ impl Rod {
         (modulus, w * w * self.density / modulus - self.curvature())
     }
 
+    /// Returns the frequency above which the lateral inertia leaves no waves, if it counts, Hz.
+    pub(crate) fn cutoff_hz(&self) -> Option<f64> {
+        (self.lateral_m2 > 0.0).then(|| (self.modulus.re / (self.density * self.lateral_m2)).sqrt() / (2.0 * PI))
+    }
+
+    /// Returns the number of half waves along the rod.
+    pub(crate) fn half_waves(&self, w: f64) -> f64 {
+        w * self.length * (self.density / self.modulus.re).sqrt() / PI
+    }
+
     /// Returns `r''/r`, 1/m^2.
     fn curvature(&self) -> f64 {
         self.rate().powi(2)

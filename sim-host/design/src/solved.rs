@@ -14,6 +14,10 @@ use crate::port::C;
 const LOWEST_HZ: f64 = 50.0;
 /// Smallest part of a mode in the capacitance for which it counts as driven.
 const LEAST_CAPACITANCE_REL: f64 = 1e-8;
+/// Coupling relative to the largest from which a mode is the working one if none is wanted.
+const STRONG_REL: f64 = 0.5;
+/// Largest inductance and frequency range of a branch of a scene, H and Hz.
+const SCENE_BRANCH: (f64, std::ops::Range<f64>) = (1e4, 100.0..450e3);
 /// Largest number of further modes in the equivalent circuit.
 const MOST_FURTHER: usize = 3;
 /// Displacement of the tip if there is nothing to drive and none is given, m.
@@ -32,8 +36,12 @@ pub struct Solved {
     pub operating: Operating,
     /// Limits that are known.
     pub limits: Vec<Limit>,
+    /// Limits that are not checked, because a material does not have them.
+    pub unchecked: Vec<String>,
     /// Static compression of the elements in the grip of the bolt, Pa, by their index.
     pub preload_pa: Vec<(usize, f64)>,
+    /// Static tension of the bolt, Pa.
+    pub bolt_preload_pa: Option<f64>,
     /// Temperature of the rings over the surroundings, K.
     pub heating_k: Option<f64>,
     /// Change of the series resonance by the inertia of the lateral motion, Hz: included if
@@ -51,7 +59,8 @@ pub struct Solved {
 /// The capacitance of the equivalent circuit, and its further branches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circuit {
-    /// Clamped capacitance next to the branches of the circuit, F.
+    /// Capacitance next to the branches of the circuit, F: it includes all modes that are not
+    /// branches.
     pub c0_f: f64,
     /// Dielectric loss tangent.
     pub loss_tangent: f64,
@@ -63,6 +72,12 @@ impl Solved {
     /// Returns the working mode.
     pub fn working(&self) -> &Mode {
         &self.modes[self.working]
+    }
+
+    /// Returns the effective coupling of a mode, `sqrt(Cm / (C0 + Cm))`.
+    pub fn coupling(&self, mode: &Mode) -> Option<f64> {
+        let (cm, circuit) = (capacitance(mode)?, self.circuit.as_ref()?);
+        Some((cm / (circuit.c0_f + cm)).sqrt())
     }
 
     /// Returns the distance from the working mode to the next mode, Hz.
@@ -107,21 +122,31 @@ pub fn solve(design: &Design) -> Result<Solved, DesignError> {
     if design.drive_v.is_some() && !has_rings {
         return Err(wrong("drive_v", "there are no rings to drive".into(), "give `tip_velocity_m_per_s` or `tip_amplitude_m`"));
     }
+    if let Some(wanted) = design.frequency_hz.filter(|wanted| *wanted > design.highest_hz) {
+        let message = format!("the wanted {wanted} Hz are above `highest_hz`, {} Hz", design.highest_hz);
+        return Err(wrong("frequency_hz", message, "raise `highest_hz`"));
+    }
     let how = |lossless| How { lossless, lateral: design.lateral_inertia };
     let (lossless, lossy) = (build::parts(design, how(true))?, build::parts(design, how(false))?);
+    if let Some(hz) = build::cutoff_hz(&lossless).filter(|hz| *hz < 1.1 * design.highest_hz) {
+        let message = format!("with `lateral_inertia`, there are no waves above {hz:.0} Hz in the thickest part");
+        return Err(wrong("highest_hz", message, "must be well below"));
+    }
     let found = modes::resonances(&lossless, (LOWEST_HZ, design.highest_hz));
-    let modes: Vec<Mode> = found.iter().map(|&found| modes::mode(&lossless, &lossy, found, has_rings)).collect();
-    let capacitance = modes.iter().filter_map(|mode| mode.branch).map(|branch| branch.cm_f).fold(0.0, f64::max);
-    let is_driven = |mode: &Mode| mode.branch.is_some_and(|branch| branch.cm_f > LEAST_CAPACITANCE_REL * capacitance);
-    let modes: Vec<Mode> = modes
-        .iter()
-        .map(|mode| if is_driven(mode) { *mode } else { Mode { branch: None, parallel_resonance_hz: None, ..*mode } })
-        .collect();
-    let possible = || modes.iter().enumerate().filter(|(_, mode)| !has_rings || is_driven(mode));
+    let mut modes: Vec<Mode> = found.iter().map(|&found| modes::mode(&lossy, found, has_rings)).collect();
+    let largest = modes.iter().filter_map(capacitance).fold(0.0, f64::max);
+    for mode in &mut modes {
+        if capacitance(mode).is_some_and(|capacitance| capacitance > LEAST_CAPACITANCE_REL * largest) {
+            mode.parallel_resonance_hz = modes::parallel_resonance(&lossless, mode);
+        } else {
+            mode.branch = None;
+        }
+    }
+    let mut possible = modes.iter().enumerate().filter(|(_, mode)| !has_rings || mode.branch.is_some());
     let working = match design.frequency_hz {
-        Some(wanted) => possible().min_by(|a, b| off(a.1, wanted).total_cmp(&off(b.1, wanted))),
-        None if has_rings => possible().max_by(|a, b| a.1.coupling().unwrap_or(0.0).total_cmp(&b.1.coupling().unwrap_or(0.0))),
-        None => possible().next(),
+        Some(wanted) => possible.min_by(|a, b| off(a.1, wanted).total_cmp(&off(b.1, wanted))),
+        // The square of the coupling is in proportion to the capacitance.
+        None => possible.find(|(_, mode)| !has_rings || capacitance(mode) >= Some(STRONG_REL * STRONG_REL * largest)),
     };
     let Some((working, mode)) = working else {
         let excited = if has_rings { " that the rings excite" } else { "" };
@@ -132,7 +157,9 @@ pub fn solve(design: &Design) -> Result<Solved, DesignError> {
     let limits = limits::limits(design, &operating);
     let heating_k = limits::heating(design, &operating);
     let other = build::parts(design, How { lossless: true, lateral: !design.lateral_inertia })?;
-    let shifted = modes::resonance(&other, mode.number, design.highest_hz);
+    let near = 1.3 * mode.series_resonance_hz;
+    let has_waves = build::cutoff_hz(&other).is_none_or(|hz| hz > near);
+    let shifted = if has_waves { modes::resonance(&other, mode.number, near) } else { None };
     let sign = if design.lateral_inertia { -1.0 } else { 1.0 };
     let lateral_hz = shifted.map_or(0.0, |hz| sign * (hz - mode.series_resonance_hz));
     let admittance = if has_rings { around(&lossy, mode) } else { Vec::new() };
@@ -141,7 +168,9 @@ pub fn solve(design: &Design) -> Result<Solved, DesignError> {
         limits,
         heating_k,
         lateral_hz,
+        unchecked: limits::unchecked(design),
         preload_pa: limits::preload(design),
+        bolt_preload_pa: limits::bolt_preload(design),
         names: (0..design.element.len()).map(|index| build::name(design, index)).collect(),
         length_m: operating.points.last().map_or(0.0, |point| point.x_m),
         operating,
@@ -151,6 +180,11 @@ pub fn solve(design: &Design) -> Result<Solved, DesignError> {
     })
 }
 
+/// Returns the motional capacitance of a mode, F.
+fn capacitance(mode: &Mode) -> Option<f64> {
+    mode.branch.map(|branch| branch.cm_f)
+}
+
 fn off(mode: &Mode, wanted: f64) -> f64 {
     (mode.series_resonance_hz - wanted).abs()
 }
@@ -158,7 +192,10 @@ fn off(mode: &Mode, wanted: f64) -> f64 {
 /// Returns the equivalent circuit with the working mode and those next to it.
 fn circuit(lossy: &Parts, modes: &[Mode], working: usize) -> Circuit {
     let own = &modes[working];
-    let mut further: Vec<usize> = (0..modes.len()).filter(|&index| index != working && modes[index].branch.is_some()).collect();
+    let fits = |mode: &Mode| {
+        mode.branch.is_some_and(|branch| branch.lm_h < SCENE_BRANCH.0) && SCENE_BRANCH.1.contains(&mode.series_resonance_hz)
+    };
+    let mut further: Vec<usize> = (0..modes.len()).filter(|&index| index != working && fits(&modes[index])).collect();
     further.sort_by(|&a, &b| off(&modes[a], own.series_resonance_hz).total_cmp(&off(&modes[b], own.series_resonance_hz)));
     further.truncate(MOST_FURTHER);
     further.sort_unstable();

@@ -156,8 +156,8 @@ fn energy_is_balanced() {
     }
 }
 
-/// The circuit has the admittance of the chain around the resonance, within the part by which losses
-/// of materials and supports differ from that of a resistance in each branch.
+/// The circuit has the admittance of the chain around the resonance, within the part by which
+/// losses of materials and supports differ from that of a resistance in each branch.
 #[test]
 fn circuit_has_the_admittance_of_the_chain() {
     for seed in 0..100 {

@@ -15,6 +15,7 @@ mod interruptible;
 mod link;
 mod result;
 mod scene;
+mod search;
 mod stepped;
 mod sweep;
 mod vocabulary;
@@ -32,6 +33,8 @@ mod _native {
     use crate::result::Result;
     #[pymodule_export]
     use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::search::{optimise, solve};
     #[pymodule_export]
     use crate::stepped::{Controller, Plant, Telemetry};
     #[pymodule_export]

@@ -3,7 +3,9 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use firmware::seam::block::{Amplitude, BeltSense, Codes, DriveBlock, Gate, LATENCY_BLOCKS, Request, SenseBlock, SlowSense, Target, dropped_from};
+use firmware::seam::block::{
+    Amplitude, BeltSense, Codes, DriveBlock, Gate, LATENCY_BLOCKS, Request, SenseBlock, SlowSense, Target, dropped_from,
+};
 use firmware::seam::config::FrontEnd;
 use firmware::seam::telemetry::Telemetry as Report;
 use firmware::seam::units::Hertz;
@@ -98,7 +100,13 @@ impl Controller {
 
     /// Processes the codes of one block. Returns the codes to play, lane after lane, `true` if the
     /// queued codes must not play any longer, the lane to listen to, and the report.
-    fn process<'py>(&self, py: Python<'py>, v: &[u8], i: &[u8], slow: Slow) -> PyResult<(Bound<'py, PyBytes>, bool, u8, Telemetry)> {
+    fn process<'py>(
+        &self,
+        py: Python<'py>,
+        v: &[u8],
+        i: &[u8],
+        slow: Slow,
+    ) -> PyResult<(Bound<'py, PyBytes>, bool, u8, Telemetry)> {
         let mut stepping = self.stepping();
         let Stepping { here, script, scripted, sense, drive, report, block } = &mut *stepping;
         (sense.v, sense.i) = (codes(v, self.samples)?, codes(i, self.samples)?);
@@ -134,7 +142,8 @@ impl Controller {
         orders.sequence += 1;
         orders.clear_fault = clear_fault;
         if let Some(name) = request {
-            let all = [("idle", Request::Idle), ("scan", Request::Scan), ("run", Request::Run), ("calibrate", Request::Calibrate)];
+            let all =
+                [("idle", Request::Idle), ("scan", Request::Scan), ("run", Request::Run), ("calibrate", Request::Calibrate)];
             orders.request = named(name, &all)?;
             orders.attempt += u32::from(orders.request != Request::Idle);
         }
@@ -158,8 +167,8 @@ impl Controller {
         lanes(py, &self.silence)
     }
 
-    /// Returns lanes, samples in a block, samples per second, blocks of latency, and the sample from
-    /// which a dropped queue is silent.
+    /// Returns lanes, samples in a block, samples per second, blocks of latency, and the sample
+    /// from which a dropped queue is silent.
     #[getter]
     fn shape(&self) -> (usize, usize, f64, usize, usize) {
         (self.silence.lanes.len(), self.samples, self.sample_hz, LATENCY_BLOCKS, dropped_from(self.samples))
@@ -316,7 +325,8 @@ impl Plant {
     /// The truth about the last block, which a controller never receives: name with unit, value.
     #[getter]
     fn truth(&self) -> Vec<(&'static str, f64)> {
-        let truth = self.playing.lock().unwrap_or_else(PoisonError::into_inner).plant.inner.truth();
+        let playing = self.playing.lock().unwrap_or_else(PoisonError::into_inner);
+        let truth = playing.plant.inner.truth();
         vec![
             ("friction_n", truth.friction_mean_n),
             ("tip_velocity_m_per_s", truth.tip_velocity_m_per_s),

@@ -65,8 +65,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 pub use views::{Body, Designed, Driven, Excited, Kind, Transducer};
 
-/// A scene, in which the firmware drives a transducer, a contact is studied alone, or a transducer is
-/// designed.
+/// A scene, in which the firmware drives a transducer, a contact is studied alone, or a transducer
+/// is designed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {

@@ -47,7 +47,7 @@ fn cold_starts(criterion: &mut Criterion) {
     group.bench_function("alone", |bencher| bencher.iter(|| run(&scene, Watch::default()).map(|record| record.drive_hash)));
     group.throughput(Throughput::Elements(u64::from(RUNS) * samples));
     group.bench_function("side by side", |bencher| {
-        bencher.iter(|| one_thread.install(|| study::run(&loaded, Options::default()).map(|study| study.metrics)));
+        bencher.iter(|| one_thread.install(|| study::run(&loaded, Options::default()).map(|study| study.rest.metrics)));
     });
     group.finish();
 }
@@ -62,7 +62,7 @@ fn crashes(criterion: &mut Criterion) {
         let loaded = load(name, &sets).unwrap_or_else(|error| panic!("{error}"));
         let name = [name, if sets.is_empty() { "" } else { " fitted" }].concat();
         group.bench_function(name, |bencher| {
-            bencher.iter(|| study::run(&loaded, Options::default()).map(|study| study.metrics));
+            bencher.iter(|| study::run(&loaded, Options::default()).map(|study| study.rest.metrics));
         });
     }
     group.finish();

@@ -18,7 +18,8 @@ pub enum Values {
 }
 
 /// Returns the columns of the signals of a study. A driven run has those of its `[trace]`, or those
-/// of every recorded block; a contact study has those of its last periods. Designs and several runs have none.
+/// of every recorded block; a contact study has those of its last periods. Designs and several runs
+/// have none.
 pub fn heads(study: &Study) -> Vec<Column> {
     match &study.outcome {
         Outcome::Driven(run) => match &run.record.trace {

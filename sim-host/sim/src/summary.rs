@@ -6,6 +6,7 @@ mod grid;
 use serde_json::{Value, json};
 
 use crate::study::answer::Answer;
+use crate::study::design;
 use crate::study::monte_carlo::uncertainty::{self, Shares};
 use crate::study::{Outcome, Study};
 use crate::tables;
@@ -99,7 +100,7 @@ pub(crate) fn with_own(mut of: Value, study: &Study) -> Value {
             }
             of["drive_hash"] = json!(runs.drive_hash().map(|hash| format!("{hash:016x}")));
         }
-        Outcome::Design(_) => {}
+        Outcome::Design(drawn) => of["design"] = design::json(drawn),
         Outcome::Contact(solved) => {
             of["solution"] = json!(solved.answer.as_ref().map(|Answer { solution, .. }| {
                 let mut how = json!({

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use clap::{ArgGroup, Args};
-use serde_json::{Map, Value, json};
 
 use super::solve::{cause, note_unsettled, range, with_unit};
 use super::sweep::progress::Progress;
@@ -20,9 +19,6 @@ use sim::study::optimise::{Answer, Goal, Known, Limit, Question, Run};
 /// `true` after Ctrl-C or any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Number of runs of a contact study, and of a scene that drives a controller, whose run takes
-/// about a thousand times as long.
-const RUNS: [u64; 2] = [2000, 200];
 /// Distance of a key from an end of its range, relative to the range, below which it is at the end.
 const AT_END_REL: f64 = 1e-4;
 /// Distance of a metric from its limit, relative to the limit, below which the limit is reached.
@@ -84,14 +80,8 @@ pub(super) fn run(args: &OptimiseArgs, color: Color) -> anyhow::Result<Exit> {
     let ranges = args.over.iter().map(|text| range("--over", text)).collect::<anyhow::Result<Vec<_>>>()?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0).into()).build()?;
     let loaded = load(&args.scene, &args.sets)?;
-    let mut metrics = vec![objective.clone()];
-    for name in limits.iter().map(|limit| &limit.metric).chain(&args.metric) {
-        if !metrics.contains(name) {
-            metrics.push(name.clone());
-        }
-    }
-    let runs = args.runs.map_or(RUNS[usize::from(loaded.scene.controller.is_some())], u64::from);
-    let question = Question { loaded: &loaded, ranges, metrics, goal, limits, runs };
+    let runs = args.runs.map(u64::from);
+    let question = Question::new(&loaded, ranges, (goal, objective.clone()), limits, (args.metric.clone(), runs));
     let keys: Vec<&str> = question.ranges.iter().map(|range| range.key.as_str()).collect();
     if let Some(why) = loaded.scene.coupled(&keys).filter(|_| !args.quiet) {
         say!("note: {why}");
@@ -105,7 +95,7 @@ pub(super) fn run(args: &OptimiseArgs, color: Color) -> anyhow::Result<Exit> {
     if !known.is_empty() && !args.quiet {
         say!("{}: {} runs are already done", dir.display(), known.len());
     }
-    let progress = Progress::new(runs.saturating_sub(known.len() as u64), args.quiet);
+    let progress = Progress::new(question.runs.saturating_sub(known.len() as u64), args.quiet);
     let done = |run: &Run| {
         file.iter().for_each(|file| file.add(run));
         progress.point();
@@ -122,7 +112,7 @@ pub(super) fn run(args: &OptimiseArgs, color: Color) -> anyhow::Result<Exit> {
     file.iter().try_for_each(|file| file.finish(&answer.runs))?;
     super::print_styled(&match args.format {
         Format::Human => human(&question, &answer, color),
-        Format::Json => format!("{:#}\n", json(&question, &answer)),
+        Format::Json => format!("{:#}\n", answer.json(&question)),
     })?;
     if !args.quiet {
         notes(&answer);
@@ -142,11 +132,6 @@ fn notes(answer: &Answer) {
         say!("note: {} of {} runs do not count; the first: {first}", failed.len(), answer.runs.len());
     }
     note_unsettled(answer.unsettled);
-}
-
-/// Returns a limit as text.
-fn limit_text(limit: &Limit) -> String {
-    format!("{} {} {}", limit.metric, if limit.is_upper { "<=" } else { ">=" }, shown(limit.value))
 }
 
 fn human(question: &Question, answer: &Answer, color: Color) -> String {
@@ -177,7 +162,7 @@ fn human(question: &Question, answer: &Answer, color: Color) -> String {
         });
         vec![with_unit(name), value_text, limits.collect::<Vec<_>>().join(", ")]
     });
-    let limits = question.limits.iter().map(limit_text).collect::<Vec<_>>().join(" and ");
+    let limits = question.limits.iter().map(Limit::text).collect::<Vec<_>>().join(" and ");
     let how = if question.goal == Goal::Minimise { "Smallest" } else { "Largest" };
     let with = if limits.is_empty() { String::new() } else { format!(" with {limits}") };
     let title = if answer.is_within_limits {
@@ -210,27 +195,4 @@ fn human(question: &Question, answer: &Answer, color: Color) -> String {
         TableBlock::new("others", "Where the other searches ended", "", &header, rows)
     });
     std::iter::once(best).chain(others).map(|table| table.terminal(color.stdout)).collect()
-}
-
-fn json(question: &Question, answer: &Answer) -> Value {
-    let run = |run: &Run| {
-        let named =
-            |names: Vec<&String>, values: Vec<Value>| -> Map<String, Value> { names.into_iter().cloned().zip(values).collect() };
-        let keys = named(question.ranges.iter().map(|range| &range.key).collect(), run.values.iter().map(|v| json!(v)).collect());
-        let metrics = named(question.metrics.iter().collect(), run.metrics.iter().map(|value| json!(value)).collect());
-        json!({ "objective": run.metrics[0], "keys": keys, "metrics": metrics })
-    };
-    json!({
-        "scene": question.loaded.name,
-        "objective": question.metrics[0],
-        "goal": if question.goal == Goal::Minimise { "minimise" } else { "maximise" },
-        "limits": question.limits.iter().map(limit_text).collect::<Vec<_>>(),
-        "within_limits": answer.is_within_limits,
-        "best": answer.optima.first().map(run),
-        "others": answer.optima.iter().skip(1).map(run).collect::<Vec<_>>(),
-        "runs": answer.runs.len(),
-        "samples": answer.samples,
-        "failures": answer.runs.iter().filter(|run| run.failure.is_some()).count(),
-        "unsettled": answer.unsettled,
-    })
 }

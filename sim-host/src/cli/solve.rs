@@ -3,7 +3,6 @@
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use serde_json::json;
 
 use super::sweep::progress::Progress;
 use super::{Color, Exit, Format, interrupts, mistake};
@@ -76,7 +75,7 @@ pub(super) fn run(args: &SolveArgs, color: Color) -> anyhow::Result<Exit> {
     };
     super::print_styled(&match args.format {
         Format::Human => human(&question, &answer, color),
-        Format::Json => format!("{:#}\n", json(&question, &answer)),
+        Format::Json => format!("{:#}\n", answer.json(&question)),
     })?;
     if !args.quiet {
         notes(&answer);
@@ -183,24 +182,4 @@ fn human(question: &Question, answer: &Answer, color: Color) -> String {
         _ => format!("{metric} has no value, by {range}\n"),
     };
     [roots, crossings].into_iter().flatten().map(|table| table.terminal(color.stdout)).collect::<String>() + &none
-}
-
-fn json(question: &Question, answer: &Answer) -> serde_json::Value {
-    let of = |root: &Root| {
-        let metrics = question.metrics.iter().zip(&root.metrics).map(|(name, value)| (name.clone(), json!(value)));
-        let metrics: serde_json::Map<_, _> = metrics.collect();
-        json!({ "value": root.value, "within": [root.within.0, root.within.1], "metrics": metrics, "runs": root.runs })
-    };
-    let crossing = |of: &Crossing| json!({ "within": [of.within.0, of.within.1], "metric": [of.metric.0, of.metric.1] });
-    json!({
-        "scene": question.loaded.name,
-        "key": question.range.key,
-        "metric": question.metrics[0],
-        "target": question.target,
-        "roots": answer.roots.iter().map(of).collect::<Vec<_>>(),
-        "crossings": answer.crossings.iter().map(crossing).collect::<Vec<_>>(),
-        "samples": answer.samples,
-        "failures": answer.failures,
-        "unsettled": answer.unsettled,
-    })
 }

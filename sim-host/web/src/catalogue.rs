@@ -41,7 +41,7 @@ pub fn scenes() -> Vec<Entry> {
 }
 
 /// Headings, with the prefixes of the names of their scenes.
-const GROUPS: [(&str, &[&str]); 9] = [
+const GROUPS: [(&str, &[&str]); 10] = [
     ("Friction, switched", &["experiment", "friction"]),
     ("Find and hold a resonance", &["lock", "burst", "waveforms", "dummy", "self-heating", "derating"]),
     ("A belt stops", &["belt-stop"]),
@@ -50,13 +50,15 @@ const GROUPS: [(&str, &[&str]); 9] = [
     ("A knob", &["haptic"]),
     ("A motor", &["usm"]),
     ("Measured transducers", &["transducer"]),
+    ("A design", &["langevin", "dring-bar"]),
     ("A contact without a controller", &["contact"]),
 ];
 
 fn entry(name: &'static str, text: &'static str) -> Entry {
     let loaded = load(name, &[]).ok();
-    let begins = |starts: &[&str]| starts.iter().any(|start| name.starts_with(start));
-    let group = GROUPS.iter().find(|(_, starts)| begins(starts)).map_or("Others", |(group, _)| group);
+    let longest = |starts: &[&str]| starts.iter().filter(|start| name.starts_with(**start)).map(|start| start.len()).max();
+    let group = GROUPS.iter().max_by_key(|(_, starts)| longest(starts)).filter(|(_, starts)| longest(starts).is_some());
+    let group = group.map_or("Others", |(group, _)| *group);
     let opened = OPENING_CHANGES.iter().find(|(opened, _)| *opened == name).map_or(&[][..], |(_, sets)| sets);
     Entry {
         name,

@@ -21,7 +21,7 @@ enum Span {
 }
 
 /// Keys with sliders, in the order of the page: key, label, range.
-const SLIDERS: [(&str, &str, Span); 38] = [
+const SLIDERS: [(&str, &str, Span); 40] = [
     ("stack.bvd.series_resonance_hz", "Resonance of the stack", Span::Around(0.02)),
     ("stator.series_resonance_hz", "Resonance of the stator", Span::Around(0.01)),
     ("stack.bvd.q", "Quality factor Q of the stack", Span::Times(5.0)),
@@ -59,6 +59,8 @@ const SLIDERS: [(&str, &str, Span); 38] = [
     ("controller.burst.on_s", "Time of drive ON", Span::Between(0.0, 0.0)),
     ("controller.burst.off_s", "Time of drive OFF", Span::Times(1.5)),
     ("controller.burst.edge_cycles", "Length of a soft edge", Span::Between(0.5, 100.0)),
+    ("design.tip_velocity_m_per_s", "Velocity of the tip", Span::Times(4.0)),
+    ("design.q", "Quality factor Q of the design", Span::Times(4.0)),
     ("runs", "Number of runs", Span::Between(1.0, 200.0)),
 ];
 

@@ -49,7 +49,7 @@ fn played(name: &str, image: Option<&Path>) -> Option<Played> {
             Played { hash: run.record.drive_hash, end: bits(&run.record.last), blocks: run.record.rows.len() as u64, metrics }
         }
         Outcome::MonteCarlo(runs) => Played { hash: runs.drive_hash()?, end: ends(runs), blocks: 0, metrics },
-        Outcome::Contact(_) => return None,
+        Outcome::Contact(_) | Outcome::Design(_) => return None,
     })
 }
 

@@ -14,7 +14,7 @@ from ._link import Answer, Link
 from ._loop import Board, Controller, Plant, Processed, Sensed, Slow
 from ._native import VERSION as __version__
 from ._native import LinkError, MeasurementError, RunError, SceneError, Telemetry, explain, scenes
-from ._result import Expectation, Figure, Result, Signal, Table
+from ._result import Expectation, Figure, Result, Signal, Signals, Table
 from ._scene import Scene, metrics
 from ._sweep import Sweep
 
@@ -40,6 +40,7 @@ __all__ = [
     "SceneError",
     "Sensed",
     "Signal",
+    "Signals",
     "Slow",
     "Stated",
     "Sweep",

@@ -100,13 +100,16 @@ class Controller:
 
     def to_codes(self, volts: Any, amperes: Any) -> tuple[Codes, Codes]:
         """Converts voltages and currents at the samples of a block to the codes of the converters."""
-        middle, most, volt, ampere, _, _ = self._scale
-        convert = lambda of, unit: np.clip(np.rint(np.asarray(of) / unit) + middle, 0, most).astype(np.uint16)  # noqa: E731
-        return convert(volts, volt), convert(amperes, ampere)
+        return self._codes(volts, self._scale[2]), self._codes(amperes, self._scale[3])
 
     def to_volts(self, codes: Codes) -> NDArray[np.float64]:
         """Converts drive codes to the voltage that the amplifier is to play."""
         return (codes.astype(np.float64) - self._scale[4]) * self._scale[5]
+
+    def _codes(self, of: Any, unit: float) -> Codes:
+        middle, most = self._scale[:2]
+        codes: Codes = np.clip(np.rint(np.asarray(of) / unit) + middle, 0, most).astype(np.uint16)
+        return codes
 
     def _lanes(self, codes: bytes) -> Codes:
         return np.frombuffer(codes, np.uint16).reshape(self.lanes, self.block_samples)

@@ -64,6 +64,17 @@ class Sweep:
     @staticmethod
     def column(folder: str, name: str) -> bytes: ...
 
+def solve(scene: Scene, metric: str, target: float, by: str, further: list[str]) -> str: ...
+def optimise(
+    scene: Scene,
+    objective: str,
+    minimise: bool,
+    limits: list[str],
+    over: list[str],
+    runs: int | None,
+    further: list[str],
+) -> str: ...
+
 #: Counts of the encoder, force, N, temperature, degrees Celsius.
 Slow = tuple[int | None, float | None, float | None]
 

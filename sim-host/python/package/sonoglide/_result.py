@@ -14,6 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
+    import matplotlib.axes
+    import pandas
+    import xarray
     from numpy.typing import NDArray
 
     from . import _native
@@ -51,6 +54,29 @@ class Signal:
 
     def __repr__(self) -> str:
         return f"<sonoglide.Signal {self.name!r} [{self.unit}]: {self.meaning}>"
+
+
+class Signals(dict[str, Signal]):
+    """Signals of a run by their names, with conversions to tables."""
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Returns the signals as a data frame; `frame.attrs["units"]` has the unit of each column. Needs pandas."""
+        import pandas
+
+        frame = pandas.DataFrame({name: signal.values for name, signal in self.items()})
+        frame.attrs["units"] = {name: signal.unit for name, signal in self.items()}
+        return frame
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Returns the signals as a data set over the first one, the time, with units and meanings as attributes. Needs xarray."""
+        import xarray
+
+        axis = next(iter(self))
+        arrays = {
+            name: xarray.DataArray(signal.values, dims=axis, attrs={"units": signal.unit, "long_name": signal.meaning})
+            for name, signal in self.items()
+        }
+        return xarray.Dataset(arrays)
 
 
 @dataclass(frozen=True)
@@ -171,13 +197,27 @@ class Result(Mapping[str, float]):
         return self._native.notes
 
     @cached_property
-    def signals(self) -> dict[str, Signal]:
+    def signals(self) -> Signals:
         """Signals of the run by their names, with one value per row. The rows of a driven run are those of its `[trace]`, by default one per block; those of a
         contact study are its last periods.
 
         `result.signals["time_s"].values` is a NumPy array.
         """
-        return {name: Signal(self._native, place, name, *texts) for place, (name, *texts) in enumerate(self._native.signals)}
+        return Signals({name: Signal(self._native, place, name, *texts) for place, (name, *texts) in enumerate(self._native.signals)})
+
+    def plot(self, *names: str, axes: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """Draws signals over the first one, the time, on axes of yours or on new ones. Needs matplotlib."""
+        import matplotlib.pyplot
+
+        drawn = axes if axes is not None else matplotlib.pyplot.subplots()[1]
+        (first, time), *_ = self.signals.items()
+        for name in names:
+            drawn.plot(time.values, self.signals[name].values, label=name)
+        drawn.set_xlabel(f"{first} [{time.unit}]")
+        units = {self.signals[name].unit for name in names}
+        drawn.set_ylabel(f"[{units.pop()}]" if len(units) == 1 else "")
+        drawn.legend()
+        return drawn
 
     @cached_property
     def figures(self) -> dict[str, Figure]:

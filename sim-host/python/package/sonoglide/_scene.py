@@ -113,11 +113,51 @@ class Scene:
         """
         return run(self._native, over or {}, metrics, (draws, points), None if output is None else os.fspath(output), jobs, client)
 
+    def solve(self, target: Mapping[str, float], by: Mapping[str, str], *, metrics: Sequence[str] = ()) -> dict[str, Any]:
+        """Finds the values of a key at which a metric has a value, as `sim-host solve`.
+
+        `scene.solve({"reduction_percent": 70}, by={"rig.kinematic.vibration_amplitude_m": "1e-8:1e-5:log"})`. The roots are in `["roots"]`, each with its
+        `value` and `metrics`. `metrics` are further ones to report.
+        """
+        (metric, value), (key, ends) = _single("target", target), _single("by", by)
+        found: dict[str, Any] = json.loads(_native.solve(self._native, metric, float(value), f"{key}={ends}", list(metrics)))
+        return found
+
+    def optimise(
+        self,
+        *,
+        minimise: str | None = None,
+        maximise: str | None = None,
+        over: Mapping[str, str],
+        subject_to: Sequence[str] = (),
+        runs: int | None = None,
+        metrics: Sequence[str] = (),
+    ) -> dict[str, Any]:
+        """Finds the values of several keys at which a metric is best within limits of others, as `sim-host optimise`.
+
+        `scene.optimise(minimise="drive_power_w", over={"design.element.3.length_m": "0.03:0.06"}, subject_to=["series_resonance_hz>=28e3"])`. The best run is
+        in `["best"]`, with its `keys` and `metrics`; `["within_limits"]` tells if it meets every limit.
+        """
+        if (minimise is None) == (maximise is None):
+            raise ValueError("give either `minimise` or `maximise`")
+        objective = minimise if minimise is not None else maximise
+        assert objective is not None
+        ranges = [f"{key}={ends}" for key, ends in over.items()]
+        text = _native.optimise(self._native, objective, minimise is not None, list(subject_to), ranges, runs, list(metrics))
+        found: dict[str, Any] = json.loads(text)
+        return found
+
     def __reduce__(self) -> tuple[Any, ...]:
         return _from_state, (self._native.state(),)
 
     def __repr__(self) -> str:
         return f"<sonoglide.Scene {self.name!r}: {self.title}>"
+
+
+def _single(name: str, of: Mapping[str, Any]) -> tuple[str, Any]:
+    if len(of) != 1:
+        raise ValueError(f"`{name}` has {len(of)} entries; give one")
+    return next(iter(of.items()))
 
 
 def _from_state(state: tuple[str, str, str, list[str]]) -> Scene:

@@ -9,8 +9,8 @@
 //! | `{ samples = [x1, x2] }` | one of the numbers | their median |
 //! | `{ samples = "file.csv", column = "mu" }` | a row of a table, the same row for all keys | their median |
 //!
-//! A contact study or a design with a distribution runs 256 times, unless it has `runs`. A driven scene,
-//! whose runs take longer, needs `runs`.
+//! A contact study or a design with a distribution runs 256 times, unless it has `runs`. A driven
+//! scene, whose runs take longer, needs `runs`.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;

@@ -64,5 +64,9 @@ fn a_stack_has_one_source() {
     assert!(over(rod).contains("has no piezoelectric rings"), "{}", over(rod));
     let wrong = "base = \"base.toml\"\n[stack.design]\nfile = \"lock\"\n";
     assert!(over(wrong).contains("`lock` is not a design"), "{}", over(wrong));
+    let own = "base = \"base.toml\"\n[stack.design]\nfile = \"over.toml\"\n";
+    assert!(over(own).contains("`over.toml` is not a design"), "{}", over(own));
+    let both = format!("{ROD}[stack.design]\nfile = \"over.toml\"\n");
+    assert!(over(&both).contains("cannot be used in a design"), "{}", over(&both));
     fs::remove_dir_all(&folder).unwrap();
 }

@@ -14,7 +14,10 @@ fn a_scene_has_exactly_one_kind() {
     // The missing keys of a table that must go are of no interest.
     says(&report(STUDY, &["controller.drive.frequency_hz=3e4"]), &["[excitation] is already given", "--set:1:1", "1 problem"]);
     let neither = report("title = \"x\"\nduration_s = 1\n", &[]);
-    says(&neither, &["a scene needs [controller], [excitation] or [design]", "with at least `drive` and `tracking`", "1 problem"]);
+    says(
+        &neither,
+        &["a scene needs [controller], [excitation] or [design]", "with at least `drive` and `tracking`", "1 problem"],
+    );
     says(&report(&STUDY.replacen("[excitation]", "[excitaton]", 1), &[]), &["did you mean `excitation`?", "1 problem"]);
 }
 

@@ -236,7 +236,7 @@ mod tests {
     fn cases_are_matched_or_have_a_reason() {
         let loaded = load_text("a.toml", SCENE, &[]).unwrap_or_else(|error| panic!("{error}"));
         let study = study::run(&loaded, study::Options::default()).unwrap();
-        let result = study.comparison.unwrap();
+        let result = study.rest.comparison.unwrap();
         let case = |name: &str, equal| result.case(name, equal).unwrap();
         let power = |name: &str| case(name, Equal::Peak).metric("drive_power_w").unwrap();
         let equal =

@@ -27,6 +27,12 @@ use super::sweep::design::Design;
 use super::sweep::{Sweep, SweepError};
 use scene::load::Loaded;
 use scene::schema::{Kind, Schema};
+use scene::shown;
+use serde_json::{Map, Value, json};
+
+/// Default number of runs: of a contact study or a design, and of a scene that drives a controller,
+/// whose run takes about a thousand times as long.
+const RUNS: [u64; 2] = [2000, 200];
 
 /// Share of the runs that sample the ranges.
 const SAMPLE_SHARE: f64 = 0.25;
@@ -144,6 +150,58 @@ pub struct Answer {
     pub samples: u64,
     /// Number of runs whose means are over a window, because no steady state was found.
     pub unsettled: u64,
+}
+
+impl Limit {
+    /// Returns the limit as text.
+    pub fn text(&self) -> String {
+        format!("{} {} {}", self.metric, if self.is_upper { "<=" } else { ">=" }, shown(self.value))
+    }
+}
+
+impl Answer {
+    /// Returns the answer as JSON.
+    pub fn json(&self, question: &Question) -> Value {
+        let run = |run: &Run| {
+            let keys = question.ranges.iter().zip(&run.values).map(|(range, value)| (range.key.clone(), json!(value)));
+            let metrics = question.metrics.iter().zip(&run.metrics).map(|(name, value)| (name.clone(), json!(value)));
+            let (keys, metrics): (Map<_, _>, Map<_, _>) = (keys.collect(), metrics.collect());
+            json!({ "objective": run.metrics[0], "keys": keys, "metrics": metrics })
+        };
+        json!({
+            "scene": question.loaded.name,
+            "objective": question.metrics[0],
+            "goal": if question.goal == Goal::Minimise { "minimise" } else { "maximise" },
+            "limits": question.limits.iter().map(Limit::text).collect::<Vec<_>>(),
+            "within_limits": self.is_within_limits,
+            "best": self.optima.first().map(run),
+            "others": self.optima.iter().skip(1).map(run).collect::<Vec<_>>(),
+            "runs": self.runs.len(),
+            "samples": self.samples,
+            "failures": self.runs.iter().filter(|run| run.failure.is_some()).count(),
+            "unsettled": self.unsettled,
+        })
+    }
+}
+
+impl<'a> Question<'a> {
+    /// Creates a question for an objective, with further metrics to report and a number of runs.
+    pub fn new(
+        loaded: &'a Loaded,
+        ranges: Vec<Range>,
+        (goal, objective): (Goal, String),
+        limits: Vec<Limit>,
+        (further, runs): (Vec<String>, Option<u64>),
+    ) -> Self {
+        let mut metrics = vec![objective];
+        for name in limits.iter().map(|limit| &limit.metric).chain(&further) {
+            if !metrics.contains(name) {
+                metrics.push(name.clone());
+            }
+        }
+        let runs = runs.unwrap_or(RUNS[usize::from(loaded.scene.controller.is_some())]);
+        Question { loaded, ranges, metrics, goal, limits, runs }
+    }
 }
 
 impl Question<'_> {

@@ -17,6 +17,7 @@ use super::sweep::design::Design;
 use super::sweep::{Rows, Sweep, SweepError};
 use scene::load::Loaded;
 use scene::schema::{Kind, Schema};
+use serde_json::{Map, Value, json};
 
 /// Number of samples of the range.
 pub const SAMPLES: u64 = 33;
@@ -90,6 +91,29 @@ pub struct Answer {
     pub failures: Vec<(f64, String)>,
     /// Number of runs whose means are over a window, because no steady state was found.
     pub unsettled: u64,
+}
+
+impl Answer {
+    /// Returns the answer as JSON.
+    pub fn json(&self, question: &Question) -> Value {
+        let of = |root: &Root| {
+            let metrics = question.metrics.iter().zip(&root.metrics).map(|(name, value)| (name.clone(), json!(value)));
+            let metrics: Map<_, _> = metrics.collect();
+            json!({ "value": root.value, "within": [root.within.0, root.within.1], "metrics": metrics, "runs": root.runs })
+        };
+        let crossing = |of: &Crossing| json!({ "within": [of.within.0, of.within.1], "metric": [of.metric.0, of.metric.1] });
+        json!({
+            "scene": question.loaded.name,
+            "key": question.range.key,
+            "metric": question.metrics[0],
+            "target": question.target,
+            "roots": self.roots.iter().map(of).collect::<Vec<_>>(),
+            "crossings": self.crossings.iter().map(crossing).collect::<Vec<_>>(),
+            "samples": self.samples,
+            "failures": self.failures,
+            "unsettled": self.unsettled,
+        })
+    }
 }
 
 impl Question<'_> {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{LoadError, loaded, read_source};
+use super::{loaded, merge_bases, read_source};
 use crate::builtin;
 use crate::circuit::Elements;
 use crate::diagnostic::{Problem, Source};
@@ -21,7 +21,8 @@ const BVD: &str = "bvd";
 /// If the file is not the scene of a design with piezoelectric rings, or if the same text gives a
 /// value of the circuit too.
 pub(super) fn replace(root: &mut Node, sources: &[Source]) -> Result<Option<PathBuf>, Problem> {
-    let Some(node) = root.at("stack.design") else { return Ok(None) };
+    // A design has no stack: it is refused later, and does not refer to itself here.
+    let Some(node) = root.at("stack.design").filter(|_| root.at(DESIGN).is_none()) else { return Ok(None) };
     let Some((file, name)) = node.at("file").and_then(|file| Some((file.clone(), file.text()?.to_owned()))) else {
         return Ok(None);
     };
@@ -58,11 +59,20 @@ pub(super) fn replace(root: &mut Node, sources: &[Source]) -> Result<Option<Path
 
 /// Reads and solves the scene of a design.
 fn read(path: &str, asked: &str) -> Result<Solved, String> {
-    let valid = |error: &LoadError| format!("the design `{asked}` is not valid: {error}");
     let text = read_source(path, asked).map_err(|error| error.to_string())?;
-    let scene = loaded(path, &text, &[], |_| ()).map_err(|error| valid(&error))?.scene;
-    let design = scene.design.ok_or_else(|| format!("`{asked}` is not a design: it has no [design]"))?;
-    design::solve(&design).map_err(|error| error.to_string())
+    let mut sources = vec![Source { name: "--set".to_owned(), text: String::new() }];
+    sources.push(Source { name: path.to_owned(), text: text.clone() });
+    if merge_bases(&mut sources).is_ok_and(|root| root.at(DESIGN).is_none()) {
+        return Err(format!("`{asked}` is not a design: it has no [design]"));
+    }
+    let scene = loaded(path, &text, &[], |_| ()).map_err(|error| {
+        let first = error.to_string().lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+        format!("the design `{asked}` is not valid: {first}")
+    })?;
+    if !scene.scene.vary.is_empty() {
+        return Err(format!("the design `{asked}` has distributions: a driven scene takes one value of each key"));
+    }
+    scene.scene.design.map_or_else(|| Err(String::new()), |design| design::solve(&design).map_err(|error| error.to_string()))
 }
 
 /// Returns the values of the circuit, if there is one.

@@ -59,7 +59,7 @@ fn stress(drawn: &Drawn) -> Figure {
     }];
     Figure {
         id: "stress".into(),
-        title: "Stress along the axis".into(),
+        title: "Stress along the axis: preload, and its extremes over a period".into(),
         caption: "At the operating point; tension is positive. Rings in tension leave their joints.".into(),
         x: axis(ALONG),
         y: axis("stress [MPa]"),

@@ -3,6 +3,7 @@
 use super::Drawn;
 use crate::instruments::Line;
 use crate::numbers::{number, precise};
+use ::design::keys::Element;
 use report::TableBlock;
 
 /// Introduction to a design.
@@ -23,6 +24,8 @@ pub const HEADLINE: &[Line] = &[
     ("stress margin", "stress_margin", ""),
 ];
 
+/// Distance from the wanted frequency from which a remark states it, relative.
+const FAR_REL: f64 = 0.1;
 /// Ratio of the inertia of the lateral motion to the frequency from which a remark states it.
 const SHOWN_LATERAL_REL: f64 = 2e-3;
 
@@ -50,20 +53,29 @@ pub fn remarks(drawn: &Drawn) -> Vec<String> {
         let (value, most) = (number(limit.value / 1e6), number(limit.most / 1e6));
         format!("The joints of `{}` open: a tension of {value} MPa, but a preload of {most} MPa.", limit.part)
     }));
-    let known = |index: usize| solved.limits.iter().any(|limit| limit.part == solved.names[index]);
-    let stressed = solved.operating.stresses.iter().map(|(index, _)| *index);
-    let unknown: Vec<String> =
-        stressed.filter(|index| !known(*index)).map(|index| format!("`{}`", solved.names[index])).collect();
-    if !unknown.is_empty() {
-        let parts = unknown.join(", ");
-        remarks.push(format!("No strength is known of {parts}: give `endurance_pa` in `[[design.material]]`."));
+    if let Some(wanted) = design.frequency_hz.filter(|wanted| (own / wanted - 1.0).abs() > FAR_REL) {
+        remarks.push(format!("The nearest mode that the rings excite is at {} Hz, but {wanted} Hz are wanted.", number(own)));
+    }
+    let quarter = |part: &Element| {
+        let material = part.material.as_deref().and_then(|name| ::design::material(design, name))?;
+        Some((material.modulus_pa / material.density_kg_per_m3).sqrt() / (4.0 * own))
+    };
+    for (index, part) in design.element.iter().enumerate() {
+        if let Some(most) = quarter(part).filter(|most| part.diameter_m.is_some_and(|diameter| diameter > *most)) {
+            let (name, most) = (&solved.names[index], number(1e3 * most));
+            remarks
+                .push(format!("`{name}` is thicker than a quarter of a wavelength, {most} mm: plane waves do not describe it."));
+        }
+    }
+    if !solved.unchecked.is_empty() {
+        remarks.push(format!("Not checked, because no limit is known: {}.", solved.unchecked.join(", ")));
     }
     remarks
 }
 
 /// Returns the tables of modes, parts and limits.
 pub fn tables(drawn: &Drawn) -> Vec<TableBlock> {
-    vec![modes(drawn), parts(drawn), limits(drawn)]
+    vec![modes(drawn), parts(drawn), limits(drawn), materials(drawn)]
 }
 
 fn modes(drawn: &Drawn) -> TableBlock {
@@ -76,8 +88,8 @@ fn modes(drawn: &Drawn) -> TableBlock {
             if is_working { "working".to_owned() } else { String::new() },
             hz(mode.series_resonance_hz),
             mode.parallel_resonance_hz.map_or_else(|| "–".to_owned(), hz),
-            or_none(mode.coupling()),
-            number(mode.q),
+            or_none(solved.coupling(mode)),
+            or_none(Some(mode.q).filter(|q| q.is_finite())),
             or_none(mode.branch.map(|branch| branch.rm_ohm)),
             or_none(mode.branch.map(|branch| branch.force_factor_n_per_v)),
         ]
@@ -113,7 +125,8 @@ fn parts(drawn: &Drawn) -> TableBlock {
             .map(|stress| vec!["bolt".into(), String::new(), String::new(), mega(Some(stress)), String::new(), loss(usize::MAX)]),
     );
     let header = ["part", "x [mm]", "nodes [mm]", "stress [MPa peak]", "preload [MPa]", "loss [W]"];
-    let caption = "From the back to the tip, at the operating point. A transducer is held at a node.";
+    let caption = "From the back to the tip, at the operating point; stresses are peaks, the preload of the bolt is its static tension. A transducer is \
+                   held at a node.";
     TableBlock::new("parts", "Parts", caption, &header, rows)
 }
 
@@ -132,6 +145,24 @@ fn limits(drawn: &Drawn) -> TableBlock {
     };
     let header = ["part", "quantity", "value", "most", "margin"];
     TableBlock::new("limits", "Limits", "A margin below one is exceeded.", &header, drawn.solved.limits.iter().map(row).collect())
+}
+
+fn materials(drawn: &Drawn) -> TableBlock {
+    let design = drawn.scene.design;
+    let own = |name: &str| design.material.iter().any(|material| material.name == name);
+    let used = design.element.iter().flat_map(|part| [&part.material, &part.electrode_material]).flatten();
+    let mut names: Vec<&str> = used.map(String::as_str).chain(design.bolt.iter().map(|bolt| bolt.material.as_str())).collect();
+    names.sort_unstable();
+    names.dedup();
+    let row = |name: &str| {
+        let material = ::design::material(design, name)?;
+        let source = ::design::library::MATERIALS.iter().find(|known| known.material.name == name && !own(name));
+        let source = source.map_or("this design", |known| known.source);
+        let (modulus, density) = (number(1e-9 * material.modulus_pa), number(material.density_kg_per_m3));
+        Some(vec![name.to_owned(), modulus, density, number(material.q), source.to_owned()])
+    };
+    let header = ["material", "modulus [GPa]", "density [kg/m^3]", "Q", "source"];
+    TableBlock::new("materials", "Materials", "", &header, names.into_iter().filter_map(row).collect())
 }
 
 /// Returns the level for the footer.
