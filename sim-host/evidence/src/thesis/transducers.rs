@@ -135,7 +135,7 @@ impl Family {
     }
 
     fn couplings(&self) -> Vec<f64> {
-        self.of.iter().map(|solved| solved.working().coupling().unwrap_or(0.0)).collect()
+        self.of.iter().map(|solved| solved.coupling(solved.working()).unwrap_or(0.0)).collect()
     }
 
     /// Draws the family of Figure 2.13.

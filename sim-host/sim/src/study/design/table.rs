@@ -107,7 +107,7 @@ fn parts(drawn: &Drawn) -> TableBlock {
     let row = |(index, name): (usize, &String)| {
         let points = || at.points.iter().filter(|point| point.element == index);
         let nodes = |from: f64, to: f64| at.nodes_m.iter().filter(move |node| (from..=to).contains(*node));
-        let span = points().next().zip(points().last()).map(|(first, last)| (first.x_m, last.x_m));
+        let span = points().next().zip(points().next_back()).map(|(first, last)| (first.x_m, last.x_m));
         let places = span.map_or_else(|| "–".to_owned(), |(from, to)| format!("{:.2} to {:.2}", 1e3 * from, 1e3 * to));
         let nodes = span.map_or_else(Vec::new, |(from, to)| nodes(from, to).map(|node| format!("{:.2}", 1e3 * node)).collect());
         vec![
