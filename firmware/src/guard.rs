@@ -102,9 +102,10 @@ impl Guard {
         })
     }
 
-    /// Resets the weld guard for a new attempt.
+    /// Resets the weld guard and the counts of implausible blocks for a new attempt.
     pub(crate) fn begin(&mut self) {
         self.weld.begin();
+        self.electrical.begin();
     }
 
     /// Checks voltage, current and the board's reports of one block, and returns the fault found.

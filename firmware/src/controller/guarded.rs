@@ -58,16 +58,16 @@ impl Chain {
         }
         // In a block of another lane, `sensed` holds the last phasors of lane 0.
         let here = self.lanes.are_at_home() && self.generator.sweep.holds();
-        if here && !judged && played.pure && played.is_full() {
-            let failed = self.continuity.check_reduced_block(suspect.unexplained);
-            return failed.then_some(Fault::SensorImplausible);
-        }
         if !(here && played.pure && played.is_full()) {
             self.continuity.mark_ringing();
             return None;
         }
-        let Sensed { v, i } = *sensed;
         let tracked = self.track.tracker.tracks();
+        if !judged {
+            let failed = self.continuity.check_small_block(tracked && suspect.unexplained, self.track.periods());
+            return failed.then_some(Fault::SensorImplausible);
+        }
+        let Sensed { v, i } = *sensed;
         if !tracked {
             self.continuity.follow_order(played.offset_hz);
         }

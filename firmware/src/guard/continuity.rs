@@ -140,7 +140,7 @@ pub(crate) struct Continuity {
     /// Consecutive checks with an impossible voltage.
     broken: u32,
     /// Consecutive blocks of a measuring tone or of silence with a voltage that was not played, or
-    /// of a reduced drive with energy that it does not explain.
+    /// of a small drive with energy that it does not explain.
     misplayed: u32,
     /// Consecutive steady blocks.
     steady: u32,
@@ -206,14 +206,15 @@ impl Continuity {
         self.pause = 0;
     }
 
-    /// Takes a steady block whose drive a limit has reduced below the judged range. Returns
-    /// `true` if a channel has had energy that the drive does not explain for longer than a
-    /// vibration rings.
+    /// Takes a steady block with a drive too small to be judged, and the time constant in periods
+    /// of the drive. Returns `true` if a channel has had energy that the drive does not explain for
+    /// longer than a vibration rings.
     #[inline]
-    pub(crate) fn check_reduced_block(&mut self, unexplained: bool) -> bool {
+    pub(crate) fn check_small_block(&mut self, unexplained: bool, periods: f32) -> bool {
         self.mark_ringing();
         self.misplayed = if unexplained { self.misplayed.saturating_add(1) } else { 0 };
-        self.misplayed >= CALM_BLOCKS
+        let rings = PAUSE_TIME_CONSTANTS * periods;
+        self.misplayed >= CALM_BLOCKS && self.misplayed as f32 * self.periods_per_block > rings
     }
 
     /// Takes the ordered frequency offset if nothing is tracked. A new one resets the checks.
@@ -259,6 +260,7 @@ impl Continuity {
     /// Takes a steady block. Returns `true` if a check has failed in this block or before.
     pub(crate) fn check_steady_block(&mut self, block: &Steady, load: impl FnOnce() -> Load) -> bool {
         self.steady = self.steady.wrapping_add(1);
+        self.misplayed = 0;
         self.mark_out_of_sequence(block, block.unexplained || self.is_of_another_block(block));
         self.failed |= match self.steady {
             // Voltage and current take turns: a block has no time for both.

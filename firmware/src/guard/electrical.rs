@@ -61,6 +61,11 @@ impl Electrical {
         }
     }
 
+    /// Resets the counts for a new attempt: silence leaves them unchanged.
+    pub(super) fn begin(&mut self) {
+        (self.wrong_voltage, self.no_current) = (0, 0);
+    }
+
     /// Checks one block, and returns the fault found. `volts` is the fundamental of the drive
     /// played in the block, as in [`super::Driven::volts`].
     pub(super) fn inspect(

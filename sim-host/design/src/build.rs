@@ -19,7 +19,7 @@ pub struct DesignError {
 
 /// Material of the electrodes, if the design names none.
 const ELECTRODE: &str = "beryllium-copper";
-/// Loss that stands for none: a quality factor that no calculation distinguishes from infinity.
+/// Quality factor without losses.
 const LOSSLESS_Q: f64 = f64::INFINITY;
 
 /// Largest number of rings in all elements.

@@ -1,4 +1,4 @@
-//! Values of keys at which a metric has a value, or is best.
+//! Searches: `solve` and `optimise`.
 
 use std::sync::atomic::AtomicBool;
 
@@ -19,7 +19,7 @@ fn search_error(error: SolveError) -> PyErr {
     }
 }
 
-/// Error of a search that was stopped.
+/// Creates the error of a search that was stopped.
 fn stopped() -> PyErr {
     PyKeyboardInterrupt::new_err("the search was stopped")
 }

@@ -4,7 +4,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use firmware::seam::block::{
-    Amplitude, BeltSense, Codes, DriveBlock, Gate, LATENCY_BLOCKS, Request, SenseBlock, SlowSense, Target, dropped_from,
+    Amplitude, BeltSense, Codes, DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock, SlowSense, Target, dropped_from,
 };
 use firmware::seam::config::FrontEnd;
 use firmware::seam::telemetry::Telemetry as Report;
@@ -49,7 +49,8 @@ fn lanes<'py>(py: Python<'py>, drive: &DriveBlock) -> PyResult<Bound<'py, PyByte
 struct Stepping {
     here: Here,
     script: Script,
-    /// `true` until the caller gives an order: the scene's own friction steps are then ordered.
+    /// While `true`, the friction steps of the scene are ordered; the first order of the caller
+    /// ends this.
     scripted: bool,
     sense: SenseBlock,
     drive: DriveBlock,
@@ -65,11 +66,23 @@ pub struct Controller {
     sample_hz: f64,
     samples: usize,
     silence: DriveBlock,
+    detune: Hertz,
+    switches_friction: bool,
 }
 
 impl Controller {
     fn stepping(&self) -> MutexGuard<'_, Stepping> {
         self.stepping.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Gives an order of the caller, from the next block on. The friction steps of the scene end.
+    fn change(&self, order: impl FnOnce(&mut Orders)) {
+        let mut stepping = self.stepping();
+        let orders = &mut stepping.script.orders;
+        orders.sequence += 1;
+        orders.clear_fault = false;
+        order(orders);
+        stepping.scripted = false;
     }
 }
 
@@ -77,7 +90,7 @@ impl Controller {
 impl Controller {
     #[new]
     fn new(scene: &Scene) -> PyResult<Self> {
-        let driven = scene.loaded().scene.driven().ok_or_else(|| SceneError::new_err("the scene has no [controller]"))?;
+        let driven = driven(scene)?;
         let config = scene::settings::config(&driven);
         let here = Here::new(&config).map_err(|error| run_error(&sim::run::RunError::from(error)))?;
         let silence = here.silence();
@@ -95,6 +108,8 @@ impl Controller {
             sample_hz: f64::from(config.sample_hz),
             samples: config.block_samples.into(),
             silence,
+            detune: Hertz(driven.controller.drive.detune_hz as f32),
+            switches_friction: driven.controller.friction.is_some(),
         })
     }
 
@@ -124,42 +139,55 @@ impl Controller {
         Ok((lanes(py, drive)?, drive.drops_queue, drive.listen, Telemetry(*report)))
     }
 
-    /// Gives an order, from the next block on. Values that are `None` stay.
-    #[expect(clippy::too_many_arguments, reason = "keyword arguments of the Python part")]
-    fn order(
-        &self,
-        request: Option<&str>,
-        gate: Option<&str>,
-        volts: Option<f32>,
-        motional_a: Option<f32>,
-        friction_ratio: Option<f32>,
-        friction_n: Option<f32>,
-        detune_hz: Option<f32>,
-        clear_fault: bool,
-    ) -> PyResult<()> {
-        let mut stepping = self.stepping();
-        let mut orders = stepping.script.orders;
-        orders.sequence += 1;
-        orders.clear_fault = clear_fault;
-        if let Some(name) = request {
-            let all =
-                [("idle", Request::Idle), ("scan", Request::Scan), ("run", Request::Run), ("calibrate", Request::Calibrate)];
-            orders.request = named(name, &all)?;
-            orders.attempt += u32::from(orders.request != Request::Idle);
+    /// Orders a run with the drive always on, at a voltage or a motional current, or as the scene.
+    fn drive(&self, volts: Option<f32>, motional_a: Option<f32>, detune_hz: Option<f32>) -> PyResult<()> {
+        let amplitude = match (volts, motional_a) {
+            (Some(_), Some(_)) => return Err(PyValueError::new_err("give a voltage or a motional current, not both")),
+            (Some(volts), None) => Some(Amplitude::Volts(positive(volts)?)),
+            (None, Some(amperes)) => Some(Amplitude::MotionalCurrent(positive(amperes)?)),
+            (None, None) => None,
+        };
+        if detune_hz.is_some_and(|hz| !hz.is_finite()) {
+            return Err(PyValueError::new_err("the detuning is not a finite number"));
         }
-        if let Some(name) = gate {
-            let all = [("scheduled", Gate::Scheduled), ("on", Gate::On), ("off", Gate::Off), ("brake", Gate::Brake)];
-            orders.gate = named(name, &all)?;
+        let scene_hz = self.detune;
+        self.change(|orders| {
+            (orders.request, orders.gate, orders.amplitude) = (Request::Run, Gate::On, amplitude);
+            orders.detune = detune_hz.map_or(scene_hz, Hertz);
+            orders.attempt += 1;
+        });
+        Ok(())
+    }
+
+    /// Orders the gate of the drive: `on`, `off`, `brake`, or the bursts of the scene, `scheduled`.
+    fn gate(&self, name: &str) -> PyResult<()> {
+        let all = [("scheduled", Gate::Scheduled), ("on", Gate::On), ("off", Gate::Off), ("brake", Gate::Brake)];
+        let gate = all.iter().find(|(known, _)| *known == name).map(|(_, gate)| *gate);
+        let gate = gate.ok_or_else(|| PyValueError::new_err(format!("there is no gate `{name}`")))?;
+        self.change(|orders| orders.gate = gate);
+        Ok(())
+    }
+
+    /// Orders a friction ratio or a friction force. The friction switch then sets the amplitude.
+    fn friction(&self, ratio: Option<f32>, newtons: Option<f32>) -> PyResult<()> {
+        let target = match (ratio, newtons) {
+            (Some(ratio), None) => Target::Ratio(ratio),
+            (None, Some(newtons)) => Target::Force(newtons),
+            _ => return Err(PyValueError::new_err("give a friction ratio or a friction force")),
+        };
+        if !self.switches_friction {
+            return Err(PyValueError::new_err("the scene has no [controller.friction]"));
         }
-        orders.amplitude = volts.map(Amplitude::Volts).or(motional_a.map(Amplitude::MotionalCurrent)).or(orders.amplitude);
-        let friction = friction_ratio.map(Target::Ratio).or(friction_n.map(Target::Force));
-        if friction.is_some_and(|target| !target.is_plausible()) {
+        if !target.is_plausible() {
             return Err(PyValueError::new_err("a friction ratio is from 0 to 1, and a friction force is not negative"));
         }
-        orders.friction = friction.or(orders.friction);
-        orders.detune = detune_hz.map_or(orders.detune, Hertz);
-        (stepping.script.orders, stepping.scripted) = (orders, false);
+        self.change(|orders| (orders.friction, orders.amplitude) = (Some(target), None));
         Ok(())
+    }
+
+    /// Orders silence, and clears a fault if wanted.
+    fn stop(&self, clear_fault: bool) {
+        self.change(|orders| (orders.request, orders.clear_fault) = (Request::Idle, clear_fault));
     }
 
     /// Returns a block of silence, lane after lane.
@@ -184,11 +212,15 @@ impl Controller {
     }
 }
 
-/// Returns the value of a name.
-fn named<T: Copy>(name: &str, all: &[(&str, T)]) -> PyResult<T> {
-    let names = || all.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-    let found = all.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
-    found.ok_or_else(|| PyValueError::new_err(format!("`{name}` is none of {}", names())))
+/// Returns an amplitude that is a finite number, zero or more.
+fn positive(value: f32) -> PyResult<f32> {
+    let is_valid = value.is_finite() && value >= 0.0;
+    is_valid.then_some(value).ok_or_else(|| PyValueError::new_err("an amplitude is a finite number, zero or more"))
+}
+
+/// Returns the scene as one that a controller drives.
+fn driven(scene: &Scene) -> PyResult<scene::Driven<'_>> {
+    scene.loaded().scene.driven().ok_or_else(|| SceneError::new_err("the scene has no [controller]"))
 }
 
 /// Report of one block.
@@ -280,7 +312,14 @@ impl Telemetry {
 #[pyclass(frozen, module = "sonoglide._native")]
 pub struct Plant {
     playing: Mutex<Playing>,
+    lanes: usize,
     samples: usize,
+}
+
+impl Plant {
+    fn playing(&self) -> MutexGuard<'_, Playing> {
+        self.playing.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// State of a plant.
@@ -295,17 +334,21 @@ struct Playing {
 impl Plant {
     #[new]
     fn new(scene: &Scene) -> PyResult<Self> {
-        let driven = scene.loaded().scene.driven().ok_or_else(|| SceneError::new_err("the scene has no [controller]"))?;
+        let driven = driven(scene)?;
         let plant = breakable_plant(&driven);
         let (drive, sense, hash) = (DriveBlock::default(), SenseBlock::default(), DriveHash::default());
-        let samples = usize::from(driven.controller.block_samples);
-        Ok(Plant { playing: Mutex::new(Playing { plant, drive, sense, hash }), samples })
+        let (lanes, samples) = (driven.controller.drive.lanes.into(), driven.controller.block_samples.into());
+        Ok(Plant { playing: Mutex::new(Playing { plant, drive, sense, hash }), lanes, samples })
     }
 
     /// Plays one block, lane after lane, and returns the codes of voltage and current, and the slow
     /// readings.
     fn step<'py>(&self, py: Python<'py>, drive: &[u8], listen: u8) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyBytes>, Slow)> {
-        let mut playing = self.playing.lock().unwrap_or_else(PoisonError::into_inner);
+        if drive.len() != 2 * self.lanes * self.samples || usize::from(listen) >= self.lanes {
+            let said = format!("a block has {} lanes of {} samples, and listens to one of them", self.lanes, self.samples);
+            return Err(PyValueError::new_err(said));
+        }
+        let mut playing = self.playing();
         let Playing { plant, drive: block, sense, hash } = &mut *playing;
         let lanes = drive.chunks(2 * self.samples).map(|lane| codes(lane, self.samples));
         block.lanes = lanes.collect::<PyResult<Vec<_>>>()?.into_iter().take(block.lanes.capacity()).collect();
@@ -319,13 +362,13 @@ impl Plant {
     /// Hash of all codes that were played.
     #[getter]
     fn drive_hash(&self) -> String {
-        format!("{:016x}", self.playing.lock().unwrap_or_else(PoisonError::into_inner).hash.value())
+        format!("{:016x}", self.playing().hash.value())
     }
 
     /// The truth about the last block, which a controller never receives: name with unit, value.
     #[getter]
     fn truth(&self) -> Vec<(&'static str, f64)> {
-        let playing = self.playing.lock().unwrap_or_else(PoisonError::into_inner);
+        let playing = self.playing();
         let truth = playing.plant.inner.truth();
         vec![
             ("friction_n", truth.friction_mean_n),

@@ -3,7 +3,7 @@ import time
 import numpy as np
 import pytest
 
-from sonoglide import Board, Controller, Plant, Scene, SceneError, Sensed
+from sonoglide import Board, Controller, Plant, Scene, SceneError
 
 
 @pytest.mark.parametrize(
@@ -29,50 +29,48 @@ def test_a_loop_plays_the_codes_of_the_run(name, changes):
     assert processed.telemetry.fault == result["fault_code"] and processed.codes.shape == (controller.lanes, controller.block_samples)
 
 
-def test_a_plant_of_your_own_is_found_and_tracked():
-    """A resonator of 39.6 kHz and Q 100 in twenty lines, with exact steps between samples."""
-    scene = Scene.load("lock", {"controller.burst.on_s": [0.0], "controller.burst.off_s": [9.0]})
-    controller = Controller(scene)
-    hz, q, rm, c0 = 39.6e3, 100.0, 3.08, 300e-9
-    w, lm = 2 * np.pi * hz, q * rm / (2 * np.pi * hz)
-    step_s = 1 / controller.sample_hz
-    matrix = np.array([[-rm / lm, -1 / lm], [w**2 * lm, 0.0]])
-    values, vectors = np.linalg.eig(matrix)
-    move = (vectors @ np.diag(np.exp(values * step_s)) @ np.linalg.inv(vectors)).real
-    drive = np.linalg.solve(matrix, (move - np.eye(2)) @ [1 / lm, 0.0])
-    state, last = np.zeros(2), 0.0
-
-    def plant(codes, _listen):
-        nonlocal state, last
-        volts = controller.to_volts(codes[0])
-        current = np.empty_like(volts)
-        for n, v in enumerate(volts):
-            state = move @ state + drive * v
-            current[n] = state[0] + c0 * (v - last) / step_s
-            last = v
-        return Sensed(*controller.to_codes(volts, current))
-
-    board = Board(controller, plant)
-    controller.drive(2.0)
-    for _ in range(6000):
-        telemetry = board.tick().telemetry
-    assert telemetry.fault == 0 and telemetry.locked and telemetry.mode == "Run"
-    # Half a sample between voltage and current is a part of this plant, and shifts the zero of the phase.
-    assert abs(telemetry.frequency_hz - hz) < 0.25 * hz / q
-    controller.stop()
-    for _ in range(8):
-        processed = board.tick()
-    assert processed.telemetry.mode == "Idle" and np.array_equal(processed.codes, controller.silence())
-
-
 def test_orders_and_mistakes():
     controller = Controller(Scene.load("lock"))
+    silence = np.zeros(controller.block_samples, np.uint16)
     with pytest.raises(SceneError, match="no \\[controller\\]"):
         Controller(Scene.load("contact"))
-    with pytest.raises(ValueError, match="31 codes are given, but a block has 32"):
-        controller.process(np.zeros(31, np.uint16), np.zeros(32, np.uint16))
+    for wrong in [np.zeros(31, np.uint16), np.zeros((2, 16), np.uint16), silence.astype(float), silence.astype(int) - 1, silence.astype(int) + 70000]:
+        with pytest.raises(ValueError, match="codes"):
+            controller.process(wrong, silence)
+    for wrong in [np.zeros((0, 32), np.uint16), np.zeros((2, 32), np.uint16), silence]:
+        with pytest.raises(ValueError):
+            Plant(Scene.load("lock")).step(wrong)
+    for order in [lambda: controller.drive(-1.0), lambda: controller.drive(float("nan")), lambda: controller.drive(1, motional_a=1)]:
+        with pytest.raises(ValueError):
+            order()
+    with pytest.raises(ValueError, match="no \\[controller.friction\\]"):
+        controller.set_friction(0.5)
     with pytest.raises(ValueError, match="from 0 to 1"):
-        controller.friction(1.5)
+        Controller(Scene.load("friction-ratio")).set_friction(1.5)
+
+
+def test_a_cleared_fault_allows_another_attempt():
+    scene = Scene.load("lock", {"controller.burst.on_s": [0.0], "controller.burst.off_s": [9.0]})
+    controller, plant = Controller(scene), Plant(scene)
+    broken = False
+
+    def sometimes_broken(codes, lane):
+        sensed = plant.step(codes, lane)
+        return sensed._replace(v=np.full_like(sensed.v, 100)) if broken else sensed
+
+    board = Board(controller, sometimes_broken)
+    run = lambda blocks: [board.tick() for _ in range(blocks)][-1].telemetry  # noqa: E731
+    assert run(4000).locked
+    broken = True
+    assert run(100).fault == 20
+    broken = False
+    controller.stop(clear_fault=True)
+    assert run(20).fault == 0
+    controller.drive(2.0)
+    telemetry = run(4000)
+    assert telemetry.fault == 0 and telemetry.locked and telemetry.drive_v == pytest.approx(2.0, rel=0.02)
+    controller.drive()
+    assert run(200).drive_v == pytest.approx(3.0, rel=0.02)
 
 
 def test_a_block_takes_less_than_ten_microseconds():

@@ -77,11 +77,11 @@ pub struct Study<'a> {
     pub scene: &'a Scene,
     /// Result of the scene, by its kind.
     pub outcome: Outcome<'a>,
-    /// The rest, which does not refer to the scene.
+    /// Everything that does not borrow the scene.
     pub rest: Rest,
 }
 
-/// Result of a study, except its scene and its outcome.
+/// Everything of a study that does not borrow its scene.
 #[derive(Clone, Debug)]
 pub struct Rest {
     /// Name of the scene.

@@ -423,13 +423,23 @@ fn a_burst_must_start_like_the_one_before() {
     assert_eq!([second(0.0, 1.0, 2.0), second(0.0, 1.0, 0.5)], [None; 2]);
 }
 
-/// A drive that the current limit has taken back hides a failed channel: its energy shows it, after
-/// the time in which a vibration rings.
+/// A small drive hides a failed channel: its energy shows it, after the time in which a vibration
+/// rings. Judged blocks between them count as healthy.
 #[test]
 fn energy_without_a_drive_is_detected_after_the_ringing() {
     let mut watch = watch();
-    let mut found = |unexplained: bool, blocks: u32| (0..blocks).position(|_| watch.check_reduced_block(unexplained));
-    assert_eq!(found(true, CALM_BLOCKS - 1), None);
-    assert_eq!(found(false, 1), None);
-    assert_eq!(found(true, 2 * CALM_BLOCKS), Some(CALM_BLOCKS as usize - 1));
+    let mut found =
+        |unexplained: bool, periods: f32, blocks: u32| (0..blocks).position(|_| watch.check_small_block(unexplained, periods));
+    assert_eq!(found(true, 1.0, CALM_BLOCKS - 1), None);
+    assert_eq!(found(false, 1.0, 1), None);
+    assert_eq!(found(true, 1.0, 2 * CALM_BLOCKS), Some(CALM_BLOCKS as usize - 1));
+    assert_eq!(found(false, 1.0, 1), None);
+    // A time constant of 100 periods rings for 700 periods, 547 blocks of 1.28 periods.
+    assert_eq!(found(true, 100.0, 600), Some(546));
+    assert_eq!(found(false, 1.0, 1), None);
+    let healthy = block(one(), one(), 1.0);
+    for _ in 0..8 {
+        assert!((0..20).all(|_| !watch.check_small_block(true, 1.0)));
+        assert!((0..4).all(|_| !watch.check_steady_block(&healthy, || LOAD)));
+    }
 }

@@ -242,3 +242,14 @@ fn of_two_faults_the_cause_is_reported() {
     rig.sense.slow.trips = None;
     assert_eq!(rig.block(Some(3.0), Suspect::default()), Some(Fault::SensorImplausible));
 }
+
+/// Silence leaves the counts unchanged, so that only a new attempt resets them.
+#[test]
+fn a_new_attempt_forgets_implausible_blocks() {
+    let mut rig = Rig::new(&config());
+    rig.sensed.v = Phasor::default();
+    assert_eq!(rig.found().map(|(_, fault)| fault), Some(Fault::SensorImplausible));
+    assert_eq!(rig.block(None, Suspect::default()), Some(Fault::SensorImplausible));
+    rig.electrical.begin();
+    assert_eq!(rig.block(None, Suspect::default()), None);
+}

@@ -1,4 +1,4 @@
-"""Controller and plant of a scene, block by block, in a loop of your own."""
+"""Controller and plant of a scene, block by block, in your loop."""
 
 from __future__ import annotations
 
@@ -46,18 +46,30 @@ class Processed(NamedTuple):
     """Lane that the sense channels are connected to while these codes play."""
 
 
+def _bytes(codes: Any, dimensions: int) -> bytes:
+    """Returns codes as bytes of 16-bit numbers."""
+    array = np.asarray(codes)
+    if array.dtype.kind not in "iu" or array.ndim != dimensions:
+        raise ValueError(f"codes are whole numbers in an array of {dimensions} dimensions, not {array.dtype} in {array.ndim}; see `Controller.to_codes`")
+    if array.dtype != np.uint16:
+        if array.size and not (0 <= array.min() and array.max() <= 0xFFFF):
+            raise ValueError("codes are from 0 to 65535")
+        array = array.astype(np.uint16)
+    return array.tobytes()
+
+
 class Controller:
     """The firmware's controller with the settings of a scene; the same code, bit for bit, as on a board.
 
     It begins with the orders of the scene: it locks and runs. `process` takes the codes of the converters; `to_codes` and `to_volts` convert from and to
-    physical units.
+    physical units. If an answer drops the queue, the playing block must be silent from the sample `dropped_from` on; `Board` does this.
     """
 
-    __slots__ = ("_native", "block_samples", "lanes", "latency_blocks", "sample_hz", "_dropped_from", "_scale")
+    __slots__ = ("_native", "block_samples", "lanes", "latency_blocks", "sample_hz", "dropped_from", "_scale")
 
     def __init__(self, scene: Scene) -> None:
         self._native = _native.Controller(scene._native)
-        self.lanes, self.block_samples, self.sample_hz, self.latency_blocks, self._dropped_from = self._native.shape
+        self.lanes, self.block_samples, self.sample_hz, self.latency_blocks, self.dropped_from = self._native.shape
         self._scale = self._native.scale
 
     def silence(self) -> Codes:
@@ -65,38 +77,34 @@ class Controller:
         return self._lanes(self._native.silence())
 
     def process(self, v: Codes, i: Codes, slow: Slow = Slow()) -> Processed:
-        """Processes the codes of voltage and current in one block (`block_samples` numbers of 16 bits each)."""
-        v, i = np.ascontiguousarray(v, np.uint16), np.ascontiguousarray(i, np.uint16)
-        codes, drops_queue, listen, telemetry = self._native.process(v.tobytes(), i.tobytes(), slow)
+        """Processes the codes of voltage and current in one block: `block_samples` whole numbers from 0 to 65535 each."""
+        codes, drops_queue, listen, telemetry = self._native.process(_bytes(v, 1), _bytes(i, 1), slow)
         return Processed(self._lanes(codes), telemetry, drops_queue, listen)
 
     def drive(self, volts: float | None = None, *, motional_a: float | None = None, detune_hz: float | None = None) -> None:
-        """Orders a run with the drive always ON, at a voltage or a motional current (peak), or at those of the scene."""
-        self._native.order("run", "on", volts, motional_a, None, None, detune_hz, False)
+        """Orders a run with the drive always ON, at a voltage or a motional current (peak), or as the scene does. Like every order, it ends the friction steps
+        of the scene."""
+        self._native.drive(volts, motional_a, detune_hz)
 
     def pause(self, *, brake: bool = False) -> None:
         """Orders the drive OFF in a run; the frequency is held."""
-        self._native.order(None, "brake" if brake else "off", None, None, None, None, None, False)
+        self._native.gate("brake" if brake else "off")
 
     def resume(self) -> None:
         """Orders the drive ON in a run."""
-        self._native.order(None, "on", None, None, None, None, None, False)
+        self._native.gate("on")
 
-    def scheduled(self) -> None:
+    def follow_schedule(self) -> None:
         """Orders the bursts of the scene."""
-        self._native.order(None, "scheduled", None, None, None, None, None, False)
+        self._native.gate("scheduled")
 
-    def friction(self, ratio: float | None = None, *, force_n: float | None = None) -> None:
-        """Orders a friction ratio, 0 to 1, or a friction force; for scenes with `controller.friction`."""
-        self._native.order(None, None, None, None, ratio, force_n, None, False)
+    def set_friction(self, ratio: float | None = None, *, force_n: float | None = None) -> None:
+        """Orders a friction ratio, 0 to 1, or a friction force, for scenes with `controller.friction`. It replaces an ordered amplitude."""
+        self._native.friction(ratio, force_n)
 
-    def stop(self) -> None:
-        """Orders silence."""
-        self._native.order("idle", None, None, None, None, None, None, False)
-
-    def clear_fault(self) -> None:
-        """Clears a fault; a `drive` must follow."""
-        self._native.order("idle", None, None, None, None, None, None, True)
+    def stop(self, *, clear_fault: bool = False) -> None:
+        """Orders silence, and clears a fault if wanted; then `drive` begins a new attempt."""
+        self._native.stop(clear_fault)
 
     def to_codes(self, volts: Any, amperes: Any) -> tuple[Codes, Codes]:
         """Converts voltages and currents at the samples of a block to the codes of the converters."""
@@ -125,7 +133,7 @@ class Plant:
 
     def step(self, codes: Codes, listen: int = 0) -> Sensed:
         """Plays one block, one row for each lane, and returns the codes sampled meanwhile."""
-        v, i, slow = self._native.step(np.ascontiguousarray(codes, np.uint16).tobytes(), listen)
+        v, i, slow = self._native.step(_bytes(codes, 2), listen)
         return Sensed(np.frombuffer(v, np.uint16), np.frombuffer(i, np.uint16), Slow(*slow))
 
     @property
@@ -153,12 +161,13 @@ class Board:
 
     def tick(self) -> Processed:
         """Plays the next block and processes it."""
-        answer = self._controller.process(*self._plant(*self._queue.popleft()))
+        answer = self._controller.process(*self._plant(*self._queue[0]))
+        self._queue.popleft()
         if answer.drops_queue and self._queue:
             codes, listen = self._queue.popleft()
             # A board is silent within three quarters of the playing block.
             silent = codes.copy()
-            silent[:, self._controller._dropped_from :] = self._controller.silence()[0, 0]
+            silent[:, self._controller.dropped_from :] = self._controller.silence()[0, 0]
             self._queue.appendleft((silent, listen))
         self._queue.append((answer.codes, answer.listen))
         return answer

@@ -59,6 +59,12 @@ class Signal:
 class Signals(dict[str, Signal]):
     """Signals of a run by their names, with conversions to tables."""
 
+    def _axis(self) -> str:
+        """Returns the name of the first signal, the time."""
+        if not self:
+            raise ValueError("this run has no signals: designs and several runs have none")
+        return next(iter(self))
+
     def to_pandas(self) -> pandas.DataFrame:
         """Returns the signals as a data frame; `frame.attrs["units"]` has the unit of each column. Needs pandas."""
         import pandas
@@ -71,7 +77,7 @@ class Signals(dict[str, Signal]):
         """Returns the signals as a data set over the first one, the time, with units and meanings as attributes. Needs xarray."""
         import xarray
 
-        axis = next(iter(self))
+        axis = self._axis()
         arrays = {
             name: xarray.DataArray(signal.values, dims=axis, attrs={"units": signal.unit, "long_name": signal.meaning})
             for name, signal in self.items()
@@ -206,11 +212,17 @@ class Result(Mapping[str, float]):
         return Signals({name: Signal(self._native, place, name, *texts) for place, (name, *texts) in enumerate(self._native.signals)})
 
     def plot(self, *names: str, axes: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """Draws signals over the first one, the time, on axes of yours or on new ones. Needs matplotlib."""
+        """Draws signals over the first one, the time, on your axes or on new ones. Needs matplotlib."""
         import matplotlib.pyplot
 
+        first = self.signals._axis()
+        time = self.signals[first]
+        for name in names:
+            if name not in self.signals:
+                raise KeyError(f"this run has no signal {name!r}; it has {', '.join(self.signals)}")
+        if not names:
+            raise ValueError("name at least one signal")
         drawn = axes if axes is not None else matplotlib.pyplot.subplots()[1]
-        (first, time), *_ = self.signals.items()
         for name in names:
             drawn.plot(time.values, self.signals[name].values, label=name)
         drawn.set_xlabel(f"{first} [{time.unit}]")

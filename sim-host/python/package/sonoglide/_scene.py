@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -120,6 +121,9 @@ class Scene:
         `value` and `metrics`. `metrics` are further ones to report.
         """
         (metric, value), (key, ends) = _single("target", target), _single("by", by)
+        if not math.isfinite(value):
+            raise ValueError("the target is not a finite number")
+        _check_range(key, ends)
         found: dict[str, Any] = json.loads(_native.solve(self._native, metric, float(value), f"{key}={ends}", list(metrics)))
         return found
 
@@ -142,6 +146,12 @@ class Scene:
             raise ValueError("give either `minimise` or `maximise`")
         objective = minimise if minimise is not None else maximise
         assert objective is not None
+        if not over or isinstance(subject_to, str) or isinstance(metrics, str):
+            raise ValueError("`over` has ranges by keys, `subject_to` and `metrics` are lists of texts")
+        if runs is not None and not 16 <= runs <= 1_000_000:
+            raise ValueError("`runs` is from 16 to 1000000")
+        for key, ends in over.items():
+            _check_range(key, ends)
         ranges = [f"{key}={ends}" for key, ends in over.items()]
         text = _native.optimise(self._native, objective, minimise is not None, list(subject_to), ranges, runs, list(metrics))
         found: dict[str, Any] = json.loads(text)
@@ -152,6 +162,11 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"<sonoglide.Scene {self.name!r}: {self.title}>"
+
+
+def _check_range(key: str, ends: str) -> None:
+    if not isinstance(ends, str) or ends.removesuffix(":log").count(":") != 1:
+        raise ValueError(f'the range of {key} is a text: "least:most" or "least:most:log"')
 
 
 def _single(name: str, of: Mapping[str, Any]) -> tuple[str, Any]:

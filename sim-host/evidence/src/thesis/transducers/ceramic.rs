@@ -8,18 +8,26 @@
 //! electrostrictive strain. Both are drawn relative to the coercive field and to the strain at
 //! saturation, because the thesis gives no numbers.
 
-use super::super::picture::{axis, column, figure, line};
-use report::Figure;
+use super::super::picture;
+use super::super::picture::{axis, column, line};
+use report::{Axis, Figure, Series};
 
 /// Remanent polarisation relative to the saturated one.
 const REMANENT_REL: f64 = 0.8;
 /// Points of a curve.
 const POINTS: usize = 400;
+/// Points of an edge of a parallelogram.
+const EDGE_POINTS: u32 = 20;
 /// Compression by the prestress, MPa.
 const PRESTRESS_MPA: f64 = 30.0;
 /// Largest compression, MPa: the largest prestress that a maker of power transducers advises for
 /// PZT-8.
 const COMPRESSION_MPA: f64 = 60.0;
+
+/// Creates a figure of loops, whose x is not in order.
+fn figure(id: &str, title: &str, caption: String, axes: [Axis; 2], series: Vec<Series>) -> Figure {
+    Figure { interactive: false, ..picture::figure(id, title, caption, axes, series) }
+}
 
 /// Returns the polarisation at a field, relative to the saturated one; the field rises if `rising`.
 fn polarisation(field: f64, rising: bool) -> f64 {
@@ -50,7 +58,7 @@ pub(super) fn strain() -> Figure {
                    0.8 of the saturated one. The state depends on the history: rising and falling field differ."
             .to_owned();
     figure(
-        "2-7",
+        "fig-2-07",
         "Strain over field below depolarisation",
         caption,
         [axis("field / coercive field"), axis("strain / strain at saturation")],
@@ -65,7 +73,7 @@ pub(super) fn butterfly() -> Figure {
         "The same beyond the coercive field: the ceramic contracts, its domains reverse, and it expands again.".to_owned();
     let series = vec![line("strain", "strain", &field, strain)];
     figure(
-        "2-8",
+        "fig-2-08",
         "Strain over field with reversal",
         caption,
         [axis("field / coercive field"), axis("strain / strain at saturation")],
@@ -85,8 +93,20 @@ pub(super) fn stress_and_strain() -> Figure {
     let bounds = |label: &str, (low, high): (f64, f64)| {
         // At one end of the stress, over both fields, at the other end, and back.
         let corners = [(low, -1.0), (low, 1.0), (high, 1.0), (high, -1.0), (low, -1.0)];
+        let edge = |pair: &[(f64, f64)]| {
+            let ((x1, y1), (x2, y2)) = (pair[0], pair[1]);
+            (0..EDGE_POINTS)
+                .map(move |point| f64::from(point) / f64::from(EDGE_POINTS))
+                .map(move |t| (x1 + t * (x2 - x1), y1 + t * (y2 - y1)))
+        };
+        let outline: Vec<(f64, f64)> = corners.windows(2).flat_map(edge).chain([corners[0]]).collect();
         let strain = |&(stress, sign): &(f64, f64)| 1e6 * (stress / modulus_mpa + sign * most);
-        line(label, column("strain", label), &corners.map(|(stress, _)| stress), corners.iter().map(strain).collect())
+        line(
+            label,
+            column("strain", label),
+            &outline.iter().map(|(stress, _)| *stress).collect::<Vec<_>>(),
+            outline.iter().map(strain).collect(),
+        )
     };
     let series = vec![
         bounds("without prestress: no tension", (-COMPRESSION_MPA, 0.0)),
@@ -97,5 +117,5 @@ pub(super) fn stress_and_strain() -> Figure {
          of {PRESTRESS_MPA} MPa, the alternating part may be tension.",
         1e-3 * ceramic.field_v_per_m.unwrap_or(0.0)
     );
-    figure("2-10", "Limits of stress and strain", caption, [axis("stress [MPa]"), axis("strain [1e-6]")], series)
+    figure("fig-2-10", "Limits of stress and strain", caption, [axis("stress [MPa]"), axis("strain [1e-6]")], series)
 }

@@ -41,7 +41,21 @@ const DRIVEN_ONLY: &[&str] = &[
     "contact.empirical",
 ];
 /// Tables that a design cannot have.
-const NOT_DESIGNED: &[&str] = &["contact", "rig", "integrator", "disturbance", "comparison", "overlay", "duration_s"];
+const NOT_DESIGNED: &[&str] = &[
+    "amplifier",
+    "sensors",
+    "stack",
+    "stator",
+    "trace",
+    "fault",
+    "contact",
+    "rig",
+    "integrator",
+    "disturbance",
+    "comparison",
+    "overlay",
+    "duration_s",
+];
 /// Tables that only a contact study can have.
 const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.hertz", "contact.compliant"];
 /// Keys of the integrator that only a contact study can have.
@@ -134,8 +148,7 @@ impl Rules<'_> {
             Some(Kind::Designed) => NOT_DESIGNED,
             None => &[],
         };
-        let driven: &[&str] = if self.kind == Some(Kind::Designed) { &DRIVEN_ONLY[..6] } else { &[] };
-        for table in foreign.iter().chain(driven).filter(|table| self.given(table)).collect::<Vec<_>>() {
+        for table in foreign.iter().filter(|table| self.given(table)).collect::<Vec<_>>() {
             self.add_foreign(table);
         }
     }

@@ -120,13 +120,13 @@ fn parts(drawn: &Drawn) -> TableBlock {
         ]
     };
     let mut rows: Vec<Vec<String>> = solved.names.iter().enumerate().map(row).collect();
-    rows.extend(
-        at.bolt_pa
-            .map(|stress| vec!["bolt".into(), String::new(), String::new(), mega(Some(stress)), String::new(), loss(usize::MAX)]),
-    );
+    if let Some(stress) = at.bolt_pa {
+        let none = String::new;
+        rows.push(vec!["bolt".into(), none(), none(), mega(Some(stress)), mega(solved.bolt_preload_pa), loss(usize::MAX)]);
+    }
     let header = ["part", "x [mm]", "nodes [mm]", "stress [MPa peak]", "preload [MPa]", "loss [W]"];
-    let caption = "From the back to the tip, at the operating point; stresses are peaks, the preload of the bolt is its static tension. A transducer is \
-                   held at a node.";
+    let caption = "From the back to the tip, at the operating point; the preload of the bolt is its tension. A transducer is held \
+                   at a node.";
     TableBlock::new("parts", "Parts", caption, &header, rows)
 }
 
