@@ -91,7 +91,7 @@ pub fn material<'a>(design: &'a Design, name: &str) -> Option<&'a Material> {
 }
 
 /// Creates the error of a key.
-fn wrong(path: impl Into<String>, message: impl Into<String>, label: impl Into<String>) -> DesignError {
+pub(crate) fn wrong(path: impl Into<String>, message: impl Into<String>, label: impl Into<String>) -> DesignError {
     DesignError { path: path.into(), message: message.into(), label: label.into() }
 }
 

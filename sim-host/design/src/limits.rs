@@ -70,8 +70,7 @@ pub(crate) fn heating(design: &Design, operating: &Operating) -> Option<f64> {
 }
 
 /// Returns all limits that are known.
-pub(crate) fn limits(design: &Design, operating: &Operating) -> Vec<Limit> {
-    let preload = preload(design);
+pub(crate) fn limits(design: &Design, operating: &Operating, preload: &[(usize, f64)], heating_k: Option<f64>) -> Vec<Limit> {
     let mut limits = Vec::new();
     for (index, element) in design.element.iter().enumerate() {
         let part = build::name(design, index);
@@ -95,7 +94,7 @@ pub(crate) fn limits(design: &Design, operating: &Operating) -> Vec<Limit> {
         let field = element.thickness_m.map_or(0.0, |thickness| operating.drive_v / thickness);
         add("field", field, material.field_v_per_m, "V/m");
         let hottest_k = material.curie_c.map(|curie| HOTTEST_PER_CURIE * curie - AMBIENT_C);
-        if let Some(heating_k) = heating(design, operating) {
+        if let Some(heating_k) = heating_k {
             add("heating", heating_k, hottest_k, "K");
         }
     }

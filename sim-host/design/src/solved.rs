@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::build::{self, DesignError, How, Parts};
+use crate::build::{self, DesignError, How, Parts, wrong};
 use crate::keys::{Design, Kind};
 use crate::limits::{self, Limit};
 use crate::modes::{self, Mode, driven};
@@ -51,8 +51,6 @@ pub struct Solved {
     pub names: Vec<String>,
     /// Length from the back to the tip, m.
     pub length_m: f64,
-    /// Admittance at frequencies around the working mode, S, for figures.
-    pub admittance: Vec<(f64, C)>,
     working: usize,
 }
 
@@ -87,6 +85,12 @@ impl Solved {
         others.map(|(_, mode)| (mode.series_resonance_hz - own).abs()).min_by(f64::total_cmp)
     }
 
+    /// Returns the admittance at frequencies around the working mode, Hz and S; empty without rings.
+    pub fn admittance(&self, design: &Design) -> Vec<(f64, C)> {
+        let lossy = build::parts(design, How { lossless: false, lateral: design.lateral_inertia });
+        lossy.ok().filter(|_| self.circuit.is_some()).map_or_else(Vec::new, |lossy| around(&lossy, self.working()))
+    }
+
     /// Returns the limit with the smallest margin, of stresses or of all.
     pub fn tightest(&self, only_stress: bool) -> Option<&Limit> {
         let known = self.limits.iter().filter(|limit| limit.value > 0.0 && (!only_stress || limit.is_stress()));
@@ -114,13 +118,12 @@ pub fn solve(design: &Design) -> Result<Solved, DesignError> {
         ("tip_amplitude_m", design.tip_amplitude_m),
     ];
     let given: Vec<&str> = given.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key).collect();
-    let wrong = |path: &str, message: String, label: &str| DesignError { path: path.into(), message, label: label.into() };
     if let [first, second, ..] = given[..] {
         return Err(wrong(second, format!("`{first}` and `{second}` exclude each other"), "there is one operating point"));
     }
     let has_rings = design.element.iter().any(|element| element.kind == Kind::Rings);
     if design.drive_v.is_some() && !has_rings {
-        return Err(wrong("drive_v", "there are no rings to drive".into(), "give `tip_velocity_m_per_s` or `tip_amplitude_m`"));
+        return Err(wrong("drive_v", "there are no rings to drive", "give `tip_velocity_m_per_s` or `tip_amplitude_m`"));
     }
     if let Some(wanted) = design.frequency_hz.filter(|wanted| *wanted > design.highest_hz) {
         let message = format!("the wanted {wanted} Hz are above `highest_hz`, {} Hz", design.highest_hz);
@@ -154,27 +157,25 @@ pub fn solve(design: &Design) -> Result<Solved, DesignError> {
     };
     let circuit = has_rings.then(|| circuit(&lossy, &modes, working));
     let operating = operating(design, &lossy, mode, has_rings);
-    let limits = limits::limits(design, &operating);
-    let heating_k = limits::heating(design, &operating);
+    let (preload_pa, heating_k) = (limits::preload(design), limits::heating(design, &operating));
+    let limits = limits::limits(design, &operating, &preload_pa, heating_k);
     let other = build::parts(design, How { lossless: true, lateral: !design.lateral_inertia })?;
     let near = 1.3 * mode.series_resonance_hz;
     let has_waves = build::cutoff_hz(&other).is_none_or(|hz| hz > near);
     let shifted = if has_waves { modes::resonance(&other, mode.number, near) } else { None };
     let sign = if design.lateral_inertia { -1.0 } else { 1.0 };
     let lateral_hz = shifted.map_or(0.0, |hz| sign * (hz - mode.series_resonance_hz));
-    let admittance = if has_rings { around(&lossy, mode) } else { Vec::new() };
     Ok(Solved {
         circuit,
         limits,
         heating_k,
         lateral_hz,
         unchecked: limits::unchecked(design),
-        preload_pa: limits::preload(design),
+        preload_pa,
         bolt_preload_pa: limits::bolt_preload(design),
         names: (0..design.element.len()).map(|index| build::name(design, index)).collect(),
         length_m: operating.points.last().map_or(0.0, |point| point.x_m),
         operating,
-        admittance,
         working,
         modes,
     })

@@ -10,7 +10,7 @@ const ALONG: &str = "distance from the back [mm]";
 /// Returns all figures of a design, the most important first.
 pub fn all(drawn: &Drawn) -> Vec<Figure> {
     let mut figures = vec![shape(drawn), stress(drawn)];
-    figures.extend((!drawn.solved.admittance.is_empty()).then(|| admittance(drawn)));
+    figures.extend(drawn.solved.circuit.is_some().then(|| admittance(drawn)));
     figures
 }
 
@@ -70,7 +70,7 @@ fn stress(drawn: &Drawn) -> Figure {
 }
 
 fn admittance(drawn: &Drawn) -> Figure {
-    let points = &drawn.solved.admittance;
+    let points = drawn.solved.admittance(drawn.scene.design);
     let hz: Vec<f64> = points.iter().map(|(hz, _)| *hz).collect();
     let magnitude = points.iter().map(|(_, y)| y.norm()).collect();
     let phase = points.iter().map(|(_, y)| y.arg().to_degrees()).collect();
