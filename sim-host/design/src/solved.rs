@@ -85,7 +85,8 @@ impl Solved {
         others.map(|(_, mode)| (mode.series_resonance_hz - own).abs()).min_by(f64::total_cmp)
     }
 
-    /// Returns the admittance at frequencies around the working mode, Hz and S; empty without rings.
+    /// Returns the admittance at frequencies around the working mode, Hz and S. It is empty without
+    /// rings.
     pub fn admittance(&self, design: &Design) -> Vec<(f64, C)> {
         let lossy = build::parts(design, How { lossless: false, lateral: design.lateral_inertia });
         lossy.ok().filter(|_| self.circuit.is_some()).map_or_else(Vec::new, |lossy| around(&lossy, self.working()))
